@@ -1,0 +1,31 @@
+# Third-party libraries, as Debian ships them. A back end whose library is absent is left out with a
+# message; everything else is required.
+find_package(PkgConfig REQUIRED)
+find_package(Threads REQUIRED)
+find_package(Eigen3 3.4 CONFIG REQUIRED)
+find_package(octomap CONFIG REQUIRED)
+find_package(fcl CONFIG REQUIRED)
+find_package(yaml-cpp CONFIG REQUIRED)
+find_package(CLI11 CONFIG REQUIRED)
+find_package(nlohmann_json CONFIG REQUIRED)
+find_package(NLopt CONFIG QUIET)
+pkg_check_modules(IPOPT QUIET IMPORTED_TARGET ipopt)
+
+# Debian's OpenCV module packages ship neither a CMake configuration nor a pkg-config file.
+find_path(PROSPECT_OPENCV_INCLUDE opencv2/core.hpp PATH_SUFFIXES opencv4 REQUIRED)
+foreach(module core imgproc imgcodecs)
+  find_library(PROSPECT_OPENCV_${module} opencv_${module} REQUIRED)
+  add_library(opencv_${module} UNKNOWN IMPORTED)
+  set_target_properties(opencv_${module} PROPERTIES
+    IMPORTED_LOCATION ${PROSPECT_OPENCV_${module}}
+    INTERFACE_SYSTEM_INCLUDE_DIRECTORIES ${PROSPECT_OPENCV_INCLUDE}
+    INTERFACE_INCLUDE_DIRECTORIES ${PROSPECT_OPENCV_INCLUDE})
+endforeach()
+
+# octomap and fcl export plain library names and include variables; wrap them so that consumers see
+# targets.
+add_library(prospect_octomap INTERFACE)
+target_include_directories(prospect_octomap SYSTEM INTERFACE ${OCTOMAP_INCLUDE_DIRS})
+target_link_libraries(prospect_octomap INTERFACE ${OCTOMAP_LIBRARIES})
+add_library(prospect_fcl INTERFACE)
+target_link_libraries(prospect_fcl INTERFACE fcl prospect_octomap)

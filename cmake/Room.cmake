@@ -1,0 +1,31 @@
+# prospect_room(NAME): the static library of the room in the current folder, target prospect::NAME,
+# from every .cc below it (except under folders given after EXCEPT).
+function(prospect_room name)
+  cmake_parse_arguments(ARG "" "" "EXCEPT" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
+  foreach(folder ${ARG_EXCEPT})
+    list(FILTER sources EXCLUDE REGEX "${CMAKE_CURRENT_SOURCE_DIR}/${folder}/")
+  endforeach()
+  add_library(prospect_${name} STATIC ${sources})
+  prospect_flags(prospect_${name})
+  add_library(prospect::${name} ALIAS prospect_${name})
+  set_target_properties(prospect_${name} PROPERTIES EXPORT_NAME ${name})
+  target_include_directories(prospect_${name} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/prospect>)
+  target_compile_features(prospect_${name} PUBLIC cxx_std_20)
+endfunction()
+
+# Warnings, sanitizers and reproducible arithmetic, for our own targets only. -ffp-contract=off keeps
+# results identical between builds for machines with and without fused multiply-add.
+function(prospect_flags target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -ffp-contract=off -fno-math-errno)
+  if(PROSPECT_WARNINGS_AS_ERRORS)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+  if(PROSPECT_SANITIZE)
+    target_compile_options(${target} PRIVATE -fsanitize=${PROSPECT_SANITIZE} -fno-omit-frame-pointer
+      -fno-sanitize-recover=undefined)
+    target_link_options(${target} PUBLIC -fsanitize=${PROSPECT_SANITIZE})
+  endif()
+endfunction()

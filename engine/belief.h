@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+
+#include <Eigen/Core>
+
+#include "engine/ground_map.h"
+#include "engine/landmark_map.h"
+#include "engine/voxel_grid.h"
+#include "models/types.h"
+
+namespace octomap {
+class OcTree;
+}
+
+namespace prospect {
+
+enum class Localization { kOk, kDegraded, kLost };
+
+/// What the planner knows at one instant: an immutable snapshot, published by perception as
+/// shared_ptr<const Belief>. The maps are shared, never null, and never change after publication, so
+/// a solve cannot see a half-updated map. The octree is authoritative; voxels and ground are derived
+/// from it and carry its resolution.
+///
+/// Frames: everything in W, which is the odometry's frame (it drifts against the true world).
+struct Belief {
+  double stamp = 0.0;  ///< [s], from the clock passed to perception
+  Pose pose;
+  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< of (x, y, z, yaw), from the start of the mission
+  Twist twist;                                           ///< estimated body velocity
+  Localization localization = Localization::kOk;
+  int tracked_features = 0;  ///< points tracked in the newest image
+
+  std::shared_ptr<const octomap::OcTree> octree;
+  std::shared_ptr<const VoxelGrid> voxels;
+  std::shared_ptr<const GroundMap> ground;
+  std::shared_ptr<const LandmarkMap> landmarks;
+};
+
+}  // namespace prospect

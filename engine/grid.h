@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+namespace prospect {
+
+/// Integer address of a ground cell in the world-aligned lattice: cell (i, j) covers
+/// [i r, (i+1) r) x [j r, (j+1) r) in W, r the resolution. Never relative to a map's corner, so an
+/// address stays valid when a map grows.
+struct Cell {
+  int i = 0;
+  int j = 0;
+  friend bool operator==(const Cell&, const Cell&) = default;
+};
+
+/// A rectangle of the world-aligned lattice of ground cells.
+struct GridFrame {
+  double resolution = 0.1;  ///< r [m]
+  int i0 = 0, j0 = 0;       ///< address of the lowest cell
+  int width = 0, height = 0;
+
+  Cell cell(double x, double y) const {
+    return {static_cast<int>(std::floor(x / resolution)), static_cast<int>(std::floor(y / resolution))};
+  }
+  Eigen::Vector2d center(Cell c) const { return {(c.i + 0.5) * resolution, (c.j + 0.5) * resolution}; }
+  bool contains(Cell c) const {
+    return c.i >= i0 && c.i < i0 + width && c.j >= j0 && c.j < j0 + height;
+  }
+  /// Row-major index (x fastest); requires contains(c).
+  int index(Cell c) const { return (c.j - j0) * width + (c.i - i0); }
+  Cell at(int index) const { return {i0 + index % width, j0 + index / width}; }
+  int size() const { return width * height; }
+  friend bool operator==(const GridFrame&, const GridFrame&) = default;
+};
+
+/// Values on a rectangle of ground cells.
+template <typename T>
+struct Grid {
+  GridFrame frame;
+  std::vector<T> data;
+
+  Grid() = default;
+  Grid(const GridFrame& f, const T& value) : frame(f), data(static_cast<std::size_t>(f.size()), value) {}
+  T& operator[](Cell c) { return data[static_cast<std::size_t>(frame.index(c))]; }
+  const T& operator[](Cell c) const { return data[static_cast<std::size_t>(frame.index(c))]; }
+  /// The value at c, or `outside` beyond the rectangle.
+  T get(Cell c, const T& outside) const { return frame.contains(c) ? (*this)[c] : outside; }
+};
+
+enum class CellState : std::uint8_t { kUnknown = 0, kFree = 1, kOccupied = 2 };
+
+}  // namespace prospect

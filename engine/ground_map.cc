@@ -1,0 +1,79 @@
+#include "engine/ground_map.h"
+
+#include <algorithm>
+
+namespace prospect {
+namespace {
+
+int floor_to_tile(int a) {
+  const int t = GroundMap::kTile;
+  return (a >= 0 ? a / t : -((-a + t - 1) / t)) * t;
+}
+int ceil_to_tile(int a) { return -floor_to_tile(-a); }
+
+GridFrame whole_tiles(const GridFrame& f) {
+  GridFrame g = f;
+  g.i0 = floor_to_tile(f.i0);
+  g.j0 = floor_to_tile(f.j0);
+  g.width = ceil_to_tile(f.i0 + std::max(f.width, 1)) - g.i0;
+  g.height = ceil_to_tile(f.j0 + std::max(f.height, 1)) - g.j0;
+  return g;
+}
+
+}  // namespace
+
+GroundMap::GroundMap(const GridFrame& frame) : cells_(whole_tiles(frame), CellState::kUnknown) {
+  tile_revision_.assign(static_cast<std::size_t>(tiles_x() * tiles_y()), 0);
+}
+
+void GroundMap::set(Cell c, CellState state) {
+  if (!cells_.frame.contains(c)) {
+    if (state == CellState::kUnknown) return;
+    grow_to(c);
+  }
+  CellState& current = cells_[c];
+  if (current == state) return;
+  free_ += (state == CellState::kFree) - (current == CellState::kFree);
+  occupied_ += (state == CellState::kOccupied) - (current == CellState::kOccupied);
+  current = state;
+  const int tx = (c.i - cells_.frame.i0) / kTile;
+  const int ty = (c.j - cells_.frame.j0) / kTile;
+  tile_revision_[static_cast<std::size_t>(ty * tiles_x() + tx)] = ++revision_;
+}
+
+GridFrame GroundMap::tile_frame(int tx, int ty) const {
+  return {cells_.frame.resolution, cells_.frame.i0 + tx * kTile, cells_.frame.j0 + ty * kTile, kTile,
+          kTile};
+}
+
+void GroundMap::grow_to(Cell c) {
+  // A margin of eight tiles keeps reallocation rare while a robot drives outward.
+  constexpr int kMargin = 8 * kTile;
+  const GridFrame old = cells_.frame;
+  GridFrame wide = old;
+  wide.i0 = c.i < old.i0 ? c.i - kMargin : old.i0;
+  wide.j0 = c.j < old.j0 ? c.j - kMargin : old.j0;
+  wide.width = std::max(old.i0 + old.width, c.i >= old.i0 + old.width ? c.i + kMargin : 0) - wide.i0;
+  wide.height =
+      std::max(old.j0 + old.height, c.j >= old.j0 + old.height ? c.j + kMargin : 0) - wide.j0;
+  GroundMap grown(wide);
+  const int dx = (old.i0 - grown.cells_.frame.i0) / kTile;
+  const int dy = (old.j0 - grown.cells_.frame.j0) / kTile;
+  for (int j = 0; j < old.height; ++j) {
+    const auto from = cells_.data.begin() + static_cast<std::ptrdiff_t>(j) * old.width;
+    std::copy(from, from + old.width,
+              grown.cells_.data.begin() + grown.cells_.frame.index({old.i0, old.j0 + j}));
+  }
+  for (int ty = 0; ty < tiles_y(); ++ty) {
+    for (int tx = 0; tx < tiles_x(); ++tx) {
+      grown.tile_revision_[static_cast<std::size_t>((ty + dy) * grown.tiles_x() + tx + dx)] =
+          tile_revision(tx, ty);
+    }
+  }
+  grown.revision_ = revision_;
+  grown.free_ = free_;
+  grown.occupied_ = occupied_;
+  *this = std::move(grown);
+}
+
+}  // namespace prospect

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/grid.h"
+
+namespace prospect {
+
+/// The octree projected on the ground plane, over the height slice that the robot's body sweeps.
+/// A cell is occupied if any voxel of its column in the slice is occupied; free if none is and at
+/// least half of them are known free; unknown otherwise. It is both the 2-D obstacle map and the
+/// exploration map G(n): g = 1 (explored) exactly where the state is not unknown.
+///
+/// Changes are tracked per tile (16 x 16 cells): a consumer remembers the last revision() it has
+/// seen and redoes what depends on tiles with a newer one. A change of frame() (the map grew) keeps
+/// all cell addresses and the revisions of the tiles that existed.
+///
+/// Value type; a snapshot handed out as shared_ptr<const GroundMap> never changes.
+/// Thread-safety: concurrent reads are safe.
+class GroundMap {
+ public:
+  static constexpr int kTile = 16;
+
+  /// `frame` is widened to whole tiles.
+  explicit GroundMap(const GridFrame& frame);
+
+  const GridFrame& frame() const { return cells_.frame; }
+  CellState state(Cell c) const { return cells_.get(c, CellState::kUnknown); }
+  bool explored(Cell c) const { return state(c) != CellState::kUnknown; }
+
+  /// Sets a cell; grows the map (with a margin) if the cell lies outside. Bumps the tile's revision
+  /// if the state really changes.
+  void set(Cell c, CellState state);
+
+  /// Revision of the newest change, 0 for a fresh map; strictly increasing.
+  std::uint64_t revision() const { return revision_; }
+  int tiles_x() const { return cells_.frame.width / kTile; }
+  int tiles_y() const { return cells_.frame.height / kTile; }
+  std::uint64_t tile_revision(int tx, int ty) const {
+    return tile_revision_[static_cast<std::size_t>(ty * tiles_x() + tx)];
+  }
+  /// The rectangle of cells of a tile.
+  GridFrame tile_frame(int tx, int ty) const;
+
+  /// Number of cells that are free / occupied.
+  int free_cells() const { return free_; }
+  int occupied_cells() const { return occupied_; }
+
+  const Grid<CellState>& cells() const { return cells_; }
+
+ private:
+  void grow_to(Cell c);
+
+  Grid<CellState> cells_;
+  std::vector<std::uint64_t> tile_revision_;
+  std::uint64_t revision_ = 0;
+  int free_ = 0;
+  int occupied_ = 0;
+};
+
+}  // namespace prospect

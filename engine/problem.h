@@ -1,0 +1,141 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "engine/term.h"
+#include "engine/trajectory.h"
+
+namespace prospect {
+
+/// Raw and weighted value of one term at one point.
+struct TermValue {
+  std::string name;
+  std::string unit;
+  double raw = 0.0;       ///< cost: the term's value; constraint: its smallest row
+  double weighted = 0.0;  ///< contribution to the objective; 0 for constraints
+  bool constraint = false;
+};
+
+struct Explanation {
+  double cost = 0.0;
+  double violation = 0.0;  ///< max_r max(0, -c_r)
+  std::vector<TermValue> terms;
+};
+
+/// What a problem is made of. Checked by Problem's constructor.
+struct ProblemDefinition {
+  struct WeightedTerm {
+    std::shared_ptr<const Term> term;
+    double weight = 1.0;  ///< ignored for constraints
+  };
+  std::shared_ptr<const MotionModel> model;
+  Eigen::VectorXd x0;          ///< nx, the present state
+  Eigen::VectorXd u_previous;  ///< nu, the input in force
+  int N = 20;                  ///< stages of the horizon
+  double dt = 0.25;            ///< [s]
+  int M = 10;                  ///< knots, 1 <= M <= N (move blocking)
+  std::vector<WeightedTerm> terms;
+};
+
+enum class Evaluate { kValue, kGradient };
+
+/// Result of an evaluation. Shapes: B candidates, n variables, m constraints.
+struct Evaluation {
+  Eigen::ArrayXd cost;       ///< B; finite; kRejectedCost where not valid
+  Eigen::MatrixXd constraints;  ///< m x B; >= 0 is feasible
+  Eigen::Array<bool, Eigen::Dynamic, 1> valid;  ///< B; false: some term was not evaluable there
+  Eigen::VectorXd gradient;     ///< n; with kGradient (B = 1)
+  Eigen::MatrixXd jacobian;     ///< m x n, dense, zero outside the pattern; with kGradient
+};
+
+/// max_r max(0, -c_r) of one column of constraint values; 0 for none.
+double violation(const Eigen::Ref<const Eigen::VectorXd>& constraints);
+
+/// Scratch of one evaluating thread. Made by Problem::make_workspace(); usable only with that
+/// problem. Two threads with two workspaces may evaluate one problem at once.
+class Workspace {
+ public:
+  ~Workspace();
+  Workspace(Workspace&&) noexcept;
+  Workspace& operator=(Workspace&&) noexcept;
+
+ private:
+  friend class Problem;
+  Workspace();
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// The planning problem: one receding-horizon optimisation, const while it is solved.
+///
+///   min_z  sum_t w_t T_t(x, u)    s.t.  c(x, u) >= 0,   lower <= z <= upper,
+///   x_{k+1} = f(x_k, u_k),   u_k = z[knot(k)]
+///
+/// z stacks the inputs at M <= N knots (z = [u at knot 0; u at knot 1; ...], n = M nu); stage k uses
+/// knot floor(k M / N): single shooting with move blocking, so the dynamics always hold exactly.
+///
+/// The gradient is one adjoint sweep, lambda_k = dJ/dx_k + A_k^T lambda_{k+1},
+/// dJ/du_k = dJ_direct/du_k + B_k^T lambda_{k+1}. The Jacobian of the constraints uses forward
+/// sensitivities S_k = dx_k/dz.
+///
+/// Thread-safety: all methods const; concurrent calls need separate workspaces.
+/// Source: formulation, section 7.
+class Problem {
+ public:
+  /// Throws std::invalid_argument naming the entry, its value and what was expected.
+  explicit Problem(ProblemDefinition definition);
+
+  int num_variables() const { return static_cast<int>(lower_.size()); }
+  int num_constraints() const { return num_constraints_; }
+  const Eigen::VectorXd& lower() const { return lower_; }
+  const Eigen::VectorXd& upper() const { return upper_; }
+  const ProblemDefinition& definition() const { return definition_; }
+  const Horizon& horizon() const { return horizon_; }
+  int knot(int stage) const { return stage * definition_.M / definition_.N; }
+  /// Whether d c_row / d z_column can be nonzero, m x n.
+  const Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic>& jacobian_pattern() const {
+    return pattern_;
+  }
+  /// The roughest smoothness among the terms, and whether all have gradients.
+  Smoothness smoothness() const { return smoothness_; }
+  bool has_gradient() const { return has_gradient_; }
+
+  Workspace make_workspace() const;
+
+  /// Evaluates the columns of X (n x B). With kGradient, B must be 1. Never writes a non-finite
+  /// number; returns false if any candidate was not evaluable (see Evaluation::valid). Does not
+  /// allocate after the first call with a workspace and batch size. Points outside the bounds are
+  /// evaluated as they are. Passes on exceptions of terms.
+  bool evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what, Workspace& workspace,
+                Evaluation& out) const;
+
+  /// Every term raw and weighted, at one point (allocates; for reports).
+  Explanation explain(const Eigen::Ref<const Eigen::VectorXd>& z) const;
+
+  /// The trajectory of one point.
+  TrajectoryBatch rollout(const Eigen::Ref<const Eigen::VectorXd>& z) const;
+
+  /// Knot inputs from stage inputs (N x nu rows): the mean over each knot's stages, clamped into the bounds.
+  Eigen::VectorXd knots_from_inputs(const Eigen::Ref<const Eigen::MatrixXd>& inputs) const;
+
+  /// Finite stand-in for the cost of a candidate that could not be evaluated.
+  static constexpr double kRejectedCost = 1e20;
+
+ private:
+  void roll(const Eigen::Ref<const Eigen::MatrixXd>& X, TrajectoryBatch& t) const;
+
+  ProblemDefinition definition_;
+  Horizon horizon_;
+  Eigen::VectorXd lower_, upper_;
+  int num_constraints_ = 0;
+  Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> pattern_;
+  std::vector<std::vector<JacobianBlock>> blocks_;  // by term
+  Smoothness smoothness_ = Smoothness::kSmooth;
+  bool has_gradient_ = true;
+};
+
+}  // namespace prospect

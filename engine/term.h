@@ -1,0 +1,95 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/trajectory.h"
+
+namespace prospect {
+
+/// How smooth a term is in (x, u). Solvers that need gradients refuse a discontinuous problem.
+enum class Smoothness { kSmooth, kC1, kC0, kDiscontinuous };
+
+enum class TermKind {
+  kCost,       ///< one value a candidate, weighted and summed into the objective
+  kConstraint  ///< rows() values a candidate, feasible where all are >= 0
+};
+
+struct TermTraits {
+  TermKind kind = TermKind::kCost;
+  Smoothness smoothness = Smoothness::kSmooth;
+  bool has_gradient = true;
+  std::string unit;           ///< of the raw value, e.g. "m^2", "-"
+  std::string normalisation;  ///< what makes it O(1), e.g. "mean over stages"
+};
+
+/// Scratch that a term needs to evaluate without allocating. Owned by a Workspace; a term is const.
+class TermScratch {
+ public:
+  virtual ~TermScratch() = default;
+};
+
+struct TermRequest {
+  bool gradient = false;  ///< only ever set for batches of one
+};
+
+/// Where a term writes.
+///   Cost:        value (1 x B). With request.gradient, *adds* d value/d x_k into state_gradient
+///                (((N+1) nx) x B, zeroed before the call) and d value/d u_k into input_gradient
+///                ((N nu) x B, zeroed).
+///   Constraint:  value (rows x B). With request.gradient, writes jacobian.col(n).head(nx or nu) for
+///                the n-th block of jacobian_pattern().
+struct TermOutput {
+  BatchArray value;
+  BatchArray state_gradient;
+  BatchArray input_gradient;
+  Eigen::MatrixXd jacobian;
+
+  /// Adds a gradient with respect to the pose (x, y, z, yaw) at stage k to state_gradient.
+  void add_pose_gradient(const TrajectoryBatch& t, int k, int b, double gx, double gy, double gz,
+                         double gyaw) {
+    const int row = k * t.horizon.nx();
+    state_gradient(row + t.layout.px, b) += gx;
+    state_gradient(row + t.layout.py, b) += gy;
+    if (t.layout.pz >= 0) state_gradient(row + t.layout.pz, b) += gz;
+    state_gradient(row + t.layout.yaw, b) += gyaw;
+  }
+};
+
+/// One nonzero block of a constraint's Jacobian: row `row` depends on x_stage or u_stage.
+struct JacobianBlock {
+  int row = 0;
+  int stage = 0;
+  bool input = false;  ///< false: d/dx_stage (nx entries), true: d/du_stage (nu entries)
+};
+
+/// One cost or constraint over a batch of trajectories.
+///
+/// A user adds a term by deriving from this class in a file of their own and putting it into a
+/// Problem; see docs/examples. evaluate() is const and may be called from several threads with
+/// different scratch. It writes finite numbers, or a non-finite value for a candidate it cannot
+/// evaluate (the Problem then rejects that candidate); it does not allocate after its first call
+/// with a given scratch and batch size. An exception thrown from it ends the solve with an error.
+class Term {
+ public:
+  virtual ~Term() = default;
+
+  virtual std::string_view name() const = 0;
+  virtual TermTraits traits() const = 0;
+
+  /// Rows of a constraint; 1 for a cost.
+  virtual int rows(const Horizon&) const { return 1; }
+  /// Constraints only: the nonzero blocks, fixed for a horizon.
+  virtual std::vector<JacobianBlock> jacobian_pattern(const Horizon&) const { return {}; }
+  /// Scratch for batches of up to max_batch; null if none is needed.
+  virtual std::unique_ptr<TermScratch> make_scratch(const Horizon&, int /*max_batch*/) const {
+    return nullptr;
+  }
+
+  virtual void evaluate(const TrajectoryBatch& trajectories, const TermRequest& request,
+                        TermScratch* scratch, TermOutput& out) const = 0;
+};
+
+}  // namespace prospect

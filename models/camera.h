@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace prospect {
+
+/// Ideal pinhole camera. Frame C: x right, y down, z forward. Pixels: u right, v down, [px].
+///   u = cx + fx X/Z,  v = cy + fy Y/Z.   Valid image: 0 <= u <= width, 0 <= v <= height.
+struct PinholeCamera {
+  double fx = 450.0, fy = 450.0, cx = 320.0, cy = 240.0;
+  double width = 640.0, height = 480.0;
+
+  /// Projection p = Pi(Y) of a point Y in C [m]; requires Y.z() > 0 (asserted).
+  Eigen::Vector2d project(const Eigen::Vector3d& Y) const;
+  /// dPi/dY, 2 x 3 [px/m]; requires Y.z() > 0.
+  Eigen::Matrix<double, 2, 3> projection_jacobian(const Eigen::Vector3d& Y) const;
+  double horizontal_fov() const;  ///< [rad]
+  double vertical_fov() const;    ///< [rad]
+};
+
+/// Rectified stereo rig: right camera displaced by `baseline` along C's x axis.
+///   disparity d = fx baseline / Z = u_left - u_right > 0.
+struct StereoCamera {
+  PinholeCamera left;
+  double baseline = 0.12;  ///< b [m]
+  double sigma_u = 0.5;    ///< image noise [px], one standard deviation
+  double sigma_v = 0.5;
+  double sigma_d = 0.3;  ///< disparity noise [px]
+
+  /// Eq. (1): Y = (b/d) (u - cx, (fx/fy)(v - cy), fx); requires d > 0.
+  Eigen::Vector3d triangulate(double u, double v, double d) const;
+  /// J = dY/d(u, v, d), 3 x 3.
+  Eigen::Matrix3d triangulation_jacobian(double u, double v, double d) const;
+  /// Sigma_Y = J diag(sigma_u^2, sigma_v^2, sigma_d^2) J^T [m^2], in C.
+  Eigen::Matrix3d triangulation_covariance(double u, double v, double d) const;
+};
+
+/// What a depth sensor resolves: |azimuth| <= horizontal_fov/2, |elevation| <= vertical_fov/2,
+/// min_range <= range <= max_range, unoccluded.
+struct RgbdFootprint {
+  double horizontal_fov = 1.22;  ///< [rad]
+  double vertical_fov = 0.95;    ///< [rad]
+  double min_range = 0.3;        ///< [m]
+  double max_range = 4.0;        ///< [m]
+};
+
+/// Where a camera sits on the robot: T_BC maps camera coordinates to body coordinates.
+/// The default looks along B's x axis from 0.45 m above B's origin (B's origin on the floor).
+struct CameraMount {
+  Eigen::Isometry3d T_BC = forward_facing({0.0, 0.0, 0.45});
+
+  /// Camera at `position` in B [m], optical axis turned by `yaw` from B's x axis and `pitch` down [rad].
+  static Eigen::Isometry3d forward_facing(const Eigen::Vector3d& position, double yaw = 0.0,
+                                          double pitch = 0.0);
+};
+
+}  // namespace prospect
