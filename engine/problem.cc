@@ -1,0 +1,315 @@
+#include "engine/problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace prospect {
+namespace {
+
+int rougher(Smoothness a, Smoothness b) {
+  return std::max(static_cast<int>(a), static_cast<int>(b));
+}
+
+[[noreturn]] void refuse(const std::string& what, const std::string& expected) {
+  throw std::invalid_argument("problem: " + what + "; expected " + expected);
+}
+
+}  // namespace
+
+double violation(const Eigen::Ref<const Eigen::VectorXd>& constraints) {
+  return constraints.size() == 0 ? 0.0 : std::max(0.0, -constraints.minCoeff());
+}
+
+struct Workspace::Impl {
+  TrajectoryBatch trajectories;
+  std::vector<std::unique_ptr<TermScratch>> scratch;  // by term
+  int scratch_batch = 0;
+  std::vector<TermOutput> outputs;           // by term
+  std::vector<Eigen::MatrixXd> A, B;         // by stage
+  std::vector<Eigen::MatrixXd> sensitivity;  // S_k, by node
+  Eigen::VectorXd lambda, lambda_next;
+  BatchArray state_gradient, input_gradient;  // weighted sums
+};
+
+Workspace::Workspace() : impl_(std::make_unique<Impl>()) {}
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+Workspace& Workspace::operator=(Workspace&&) noexcept = default;
+
+Problem::Problem(ProblemDefinition definition) : definition_(std::move(definition)) {
+  const ProblemDefinition& d = definition_;
+  if (!d.model) refuse("no motion model", "a model");
+  const int nx = d.model->nx();
+  const int nu = d.model->nu();
+  if (d.N < 1 || d.N > 10000) refuse("N = " + std::to_string(d.N), "1 to 10000 stages");
+  if (d.M < 1 || d.M > d.N) {
+    refuse("M = " + std::to_string(d.M), "1 to N = " + std::to_string(d.N) + " knots");
+  }
+  if (!(d.dt > 0.0) || !std::isfinite(d.dt)) {
+    refuse("dt = " + std::to_string(d.dt), "a finite step > 0 s");
+  }
+  if (d.x0.size() != nx || !d.x0.allFinite()) refuse("x0", std::to_string(nx) + " finite entries");
+  if (d.u_previous.size() != nu || !d.u_previous.allFinite()) {
+    refuse("u_previous", std::to_string(nu) + " finite entries");
+  }
+  const InputLimits& limits = d.model->limits();
+  if (limits.lower.size() != nu || limits.upper.size() != nu || limits.rate.size() != nu ||
+      !limits.lower.allFinite() || !limits.upper.allFinite() ||
+      (limits.lower.array() > limits.upper.array()).any()) {
+    refuse("the model's input limits", "finite lower <= upper of nu entries each");
+  }
+  horizon_ = {d.model.get(), d.N, d.dt};
+  lower_ = limits.lower.replicate(d.M, 1);
+  upper_ = limits.upper.replicate(d.M, 1);
+
+  for (const auto& [term, weight] : d.terms) {
+    if (!term) refuse("a term is null", "a term");
+    const TermTraits traits = term->traits();
+    const std::string name(term->name());
+    smoothness_ = static_cast<Smoothness>(rougher(smoothness_, traits.smoothness));
+    has_gradient_ = has_gradient_ && traits.has_gradient;
+    std::vector<JacobianBlock> blocks;
+    if (traits.kind == TermKind::kConstraint) {
+      blocks = term->jacobian_pattern(horizon_);
+      const int rows = term->rows(horizon_);
+      for (const JacobianBlock& block : blocks) {
+        const int last = block.input ? d.N - 1 : d.N;
+        if (block.row < 0 || block.row >= rows || block.stage < 0 || block.stage > last) {
+          refuse("the Jacobian pattern of term '" + name + "'", "rows and stages in range");
+        }
+      }
+      num_constraints_ += rows;
+    } else if (!std::isfinite(weight)) {
+      refuse("the weight of term '" + name + "' is not finite", "a finite weight");
+    }
+    blocks_.push_back(std::move(blocks));
+  }
+
+  pattern_.setConstant(num_constraints_, num_variables(), false);
+  int first_row = 0;
+  for (std::size_t t = 0; t < d.terms.size(); ++t) {
+    for (const JacobianBlock& block : blocks_[t]) {
+      // x_k depends on the inputs of stages before k; u_k on its own knot.
+      const int from = block.input ? knot(block.stage) * nu : 0;
+      const int to =
+          block.input ? from + nu : (block.stage == 0 ? 0 : (knot(block.stage - 1) + 1) * nu);
+      pattern_.row(first_row + block.row).segment(from, to - from).setConstant(true);
+    }
+    if (d.terms[t].term->traits().kind == TermKind::kConstraint) {
+      first_row += d.terms[t].term->rows(horizon_);
+    }
+  }
+}
+
+Workspace Problem::make_workspace() const {
+  Workspace workspace;
+  Workspace::Impl& w = *workspace.impl_;
+  const int nx = horizon_.nx();
+  const int nu = horizon_.nu();
+  w.trajectories.horizon = horizon_;
+  w.trajectories.layout = definition_.model->pose_layout();
+  w.trajectories.u_previous = definition_.u_previous;
+  w.scratch.resize(definition_.terms.size());
+  w.outputs.resize(definition_.terms.size());
+  for (std::size_t t = 0; t < definition_.terms.size(); ++t) {
+    TermOutput& out = w.outputs[t];
+    if (blocks_[t].empty()) {
+      out.state_gradient.resize((definition_.N + 1) * nx, 1);
+      out.input_gradient.resize(definition_.N * nu, 1);
+    } else {
+      out.jacobian.resize(std::max(nx, nu), static_cast<Eigen::Index>(blocks_[t].size()));
+    }
+  }
+  w.A.assign(static_cast<std::size_t>(definition_.N), Eigen::MatrixXd(nx, nx));
+  w.B.assign(static_cast<std::size_t>(definition_.N), Eigen::MatrixXd(nx, nu));
+  if (num_constraints_ > 0) {
+    w.sensitivity.assign(static_cast<std::size_t>(definition_.N) + 1,
+                         Eigen::MatrixXd::Zero(nx, num_variables()));
+  }
+  w.lambda.resize(nx);
+  w.lambda_next.resize(nx);
+  w.state_gradient.resize((definition_.N + 1) * nx, 1);
+  w.input_gradient.resize(definition_.N * nu, 1);
+  return workspace;
+}
+
+void Problem::roll(const Eigen::Ref<const Eigen::MatrixXd>& X, TrajectoryBatch& t) const {
+  const int nx = horizon_.nx();
+  const int nu = horizon_.nu();
+  const Eigen::Index B = X.cols();
+  t.states.resize((definition_.N + 1) * nx, B);
+  t.inputs.resize(definition_.N * nu, B);
+  for (int i = 0; i < nx; ++i) t.states.row(i).setConstant(definition_.x0[i]);
+  for (int k = 0; k < definition_.N; ++k) {
+    t.inputs.middleRows(k * nu, nu) = X.middleRows(knot(k) * nu, nu).array();
+    definition_.model->step_batch(t.states.middleRows(k * nx, nx), t.inputs.middleRows(k * nu, nu),
+                                  definition_.dt, t.states.middleRows((k + 1) * nx, nx));
+  }
+}
+
+bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what,
+                       Workspace& workspace, Evaluation& out) const {
+  Workspace::Impl& w = *workspace.impl_;
+  const int n = num_variables();
+  const int nx = horizon_.nx();
+  const int nu = horizon_.nu();
+  const int B = static_cast<int>(X.cols());
+  const bool gradient = what == Evaluate::kGradient;
+  if (X.rows() != n || B < 1 || (gradient && B != 1)) {
+    refuse("a batch of " + std::to_string(X.rows()) + " x " + std::to_string(B),
+           std::to_string(n) + " rows and at least one column, exactly one with the gradient");
+  }
+  if (gradient && !has_gradient_)
+    refuse("a gradient is asked for", "terms that all have gradients");
+
+  TrajectoryBatch& t = w.trajectories;
+  roll(X, t);
+  if (B > w.scratch_batch) {
+    for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
+      w.scratch[i] = definition_.terms[i].term->make_scratch(horizon_, B);
+    }
+    w.scratch_batch = B;
+  }
+
+  out.cost.setZero(B);
+  out.constraints.resize(num_constraints_, B);
+  out.valid.setConstant(B, true);
+  if (gradient) {
+    out.gradient.setZero(n);
+    out.jacobian.setZero(num_constraints_, n);
+    w.state_gradient.setZero();
+    w.input_gradient.setZero();
+    for (int k = 0; k < definition_.N; ++k) {
+      const Eigen::Map<const Eigen::VectorXd> x(t.states.data() + k * nx, nx);
+      const Eigen::Map<const Eigen::VectorXd> u(t.inputs.data() + k * nu, nu);
+      definition_.model->jacobians(x, u, definition_.dt, w.A[static_cast<std::size_t>(k)],
+                                   w.B[static_cast<std::size_t>(k)]);
+    }
+    if (num_constraints_ > 0) {
+      w.sensitivity[0].setZero();
+      for (int k = 0; k < definition_.N; ++k) {
+        const auto s = static_cast<std::size_t>(k);
+        // Inputs of later knots do not move x_k: only the leading columns are worked on.
+        const int columns = (knot(k) + 1) * nu;
+        w.sensitivity[s + 1].setZero();
+        w.sensitivity[s + 1].leftCols(columns).noalias() =
+            w.A[s] * w.sensitivity[s].leftCols(columns);
+        w.sensitivity[s + 1].middleCols(knot(k) * nu, nu) += w.B[s];
+      }
+    }
+  }
+
+  int first_row = 0;
+  for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
+    const auto& [term, weight] = definition_.terms[i];
+    const bool constraint = term->traits().kind == TermKind::kConstraint;
+    const int rows = constraint ? term->rows(horizon_) : 1;
+    TermOutput& o = w.outputs[i];
+    o.value.resize(rows, B);
+    if (gradient && !constraint) {
+      o.state_gradient.setZero((definition_.N + 1) * nx, 1);
+      o.input_gradient.setZero(definition_.N * nu, 1);
+    }
+    term->evaluate(t, {gradient}, w.scratch[i].get(), o);
+    if (constraint) {
+      out.constraints.middleRows(first_row, rows) = o.value.matrix();
+      if (gradient) {
+        for (std::size_t b = 0; b < blocks_[i].size(); ++b) {
+          const JacobianBlock& block = blocks_[i][b];
+          auto row = out.jacobian.row(first_row + block.row);
+          const auto column = o.jacobian.col(static_cast<Eigen::Index>(b));
+          if (block.input) {
+            row.segment(knot(block.stage) * nu, nu) += column.head(nu).transpose();
+          } else {
+            row.noalias() +=
+                column.head(nx).transpose() * w.sensitivity[static_cast<std::size_t>(block.stage)];
+          }
+        }
+      }
+      first_row += rows;
+    } else {
+      out.cost += weight * o.value.row(0).transpose();
+      if (gradient) {
+        w.state_gradient += weight * o.state_gradient;
+        w.input_gradient += weight * o.input_gradient;
+      }
+    }
+  }
+
+  if (gradient) {
+    const auto state_gradient = w.state_gradient.col(0).matrix();
+    const auto input_gradient = w.input_gradient.col(0).matrix();
+    w.lambda = state_gradient.tail(nx);
+    for (int k = definition_.N - 1; k >= 0; --k) {
+      const auto s = static_cast<std::size_t>(k);
+      auto g = out.gradient.segment(knot(k) * nu, nu);
+      g += input_gradient.segment(k * nu, nu);
+      g.noalias() += w.B[s].transpose() * w.lambda;
+      w.lambda_next = state_gradient.segment(k * nx, nx);
+      w.lambda_next.noalias() += w.A[s].transpose() * w.lambda;
+      w.lambda.swap(w.lambda_next);
+    }
+  }
+
+  bool all_valid = true;
+  for (int b = 0; b < B; ++b) {
+    bool ok = std::isfinite(out.cost[b]) && out.constraints.col(b).allFinite();
+    if (gradient) ok = ok && out.gradient.allFinite() && out.jacobian.allFinite();
+    if (ok) continue;
+    all_valid = false;
+    out.valid[b] = false;
+    out.cost[b] = kRejectedCost;
+    for (int r = 0; r < num_constraints_; ++r) {
+      if (!std::isfinite(out.constraints(r, b))) out.constraints(r, b) = -kRejectedCost;
+    }
+    if (gradient) {
+      out.gradient.setZero();
+      out.jacobian.setZero();
+    }
+  }
+  return all_valid;
+}
+
+Explanation Problem::explain(const Eigen::Ref<const Eigen::VectorXd>& z) const {
+  Workspace workspace = make_workspace();
+  Evaluation evaluation;
+  evaluate(z, Evaluate::kValue, workspace, evaluation);
+  Explanation e;
+  e.cost = evaluation.cost[0];
+  e.violation = prospect::violation(evaluation.constraints.col(0));
+  for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
+    const auto& [term, weight] = definition_.terms[i];
+    const TermTraits traits = term->traits();
+    TermValue v{std::string(term->name()), traits.unit, 0.0, 0.0,
+                traits.kind == TermKind::kConstraint};
+    const BatchArray& value = workspace.impl_->outputs[i].value;
+    v.raw = value.size() > 0 ? value.minCoeff() : 0.0;
+    v.weighted = v.constraint ? 0.0 : weight * v.raw;
+    e.terms.push_back(std::move(v));
+  }
+  return e;
+}
+
+TrajectoryBatch Problem::rollout(const Eigen::Ref<const Eigen::VectorXd>& z) const {
+  TrajectoryBatch t;
+  t.horizon = horizon_;
+  t.layout = definition_.model->pose_layout();
+  t.u_previous = definition_.u_previous;
+  roll(z, t);
+  return t;
+}
+
+Eigen::VectorXd Problem::knots_from_inputs(const Eigen::Ref<const Eigen::MatrixXd>& inputs) const {
+  const int nu = horizon_.nu();
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(num_variables());
+  Eigen::VectorXi stages = Eigen::VectorXi::Zero(definition_.M);
+  for (int k = 0; k < definition_.N; ++k) {
+    z.segment(knot(k) * nu, nu) += inputs.row(k).transpose();
+    ++stages[knot(k)];
+  }
+  for (int m = 0; m < definition_.M; ++m) z.segment(m * nu, nu) /= stages[m];
+  return z.cwiseMax(lower_).cwiseMin(upper_);
+}
+
+}  // namespace prospect
