@@ -1,8 +1,7 @@
 #pragma once
 
-#include <memory>
-
 #include <Eigen/Core>
+#include <memory>
 
 #include "engine/ground_map.h"
 #include "engine/landmark_map.h"
@@ -18,16 +17,17 @@ namespace prospect {
 enum class Localization { kOk, kDegraded, kLost };
 
 /// What the planner knows at one instant: an immutable snapshot, published by perception as
-/// shared_ptr<const Belief>. The maps are shared, never null, and never change after publication, so
-/// a solve cannot see a half-updated map. The octree is authoritative; voxels and ground are derived
-/// from it and carry its resolution.
+/// shared_ptr<const Belief>. The maps are shared, never null, and never change after publication,
+/// so a solve cannot see a half-updated map. The octree is authoritative; voxels and ground are
+/// derived from it and carry its resolution.
 ///
 /// Frames: everything in W, which is the odometry's frame (it drifts against the true world).
 struct Belief {
   double stamp = 0.0;  ///< [s], from the clock passed to perception
   Pose pose;
-  Eigen::Matrix4d covariance = Eigen::Matrix4d::Zero();  ///< of (x, y, z, yaw), from the start of the mission
-  Twist twist;                                           ///< estimated body velocity
+  Eigen::Matrix4d covariance =
+      Eigen::Matrix4d::Zero();  ///< of (x, y, z, yaw), from the start of the mission
+  Twist twist;                  ///< estimated body velocity
   Localization localization = Localization::kOk;
   int tracked_features = 0;  ///< points tracked in the newest image
 

@@ -1,10 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cmath>
 #include <cstdint>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace prospect {
 
@@ -24,9 +23,12 @@ struct GridFrame {
   int width = 0, height = 0;
 
   Cell cell(double x, double y) const {
-    return {static_cast<int>(std::floor(x / resolution)), static_cast<int>(std::floor(y / resolution))};
+    return {static_cast<int>(std::floor(x / resolution)),
+            static_cast<int>(std::floor(y / resolution))};
   }
-  Eigen::Vector2d center(Cell c) const { return {(c.i + 0.5) * resolution, (c.j + 0.5) * resolution}; }
+  Eigen::Vector2d center(Cell c) const {
+    return {(c.i + 0.5) * resolution, (c.j + 0.5) * resolution};
+  }
   bool contains(Cell c) const {
     return c.i >= i0 && c.i < i0 + width && c.j >= j0 && c.j < j0 + height;
   }
@@ -44,7 +46,8 @@ struct Grid {
   std::vector<T> data;
 
   Grid() = default;
-  Grid(const GridFrame& f, const T& value) : frame(f), data(static_cast<std::size_t>(f.size()), value) {}
+  Grid(const GridFrame& f, const T& value)
+      : frame(f), data(static_cast<std::size_t>(f.size()), value) {}
   T& operator[](Cell c) { return data[static_cast<std::size_t>(frame.index(c))]; }
   const T& operator[](Cell c) const { return data[static_cast<std::size_t>(frame.index(c))]; }
   /// The value at c, or `outside` beyond the rectangle.

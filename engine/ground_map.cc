@@ -42,8 +42,8 @@ void GroundMap::set(Cell c, CellState state) {
 }
 
 GridFrame GroundMap::tile_frame(int tx, int ty) const {
-  return {cells_.frame.resolution, cells_.frame.i0 + tx * kTile, cells_.frame.j0 + ty * kTile, kTile,
-          kTile};
+  return {cells_.frame.resolution, cells_.frame.i0 + tx * kTile, cells_.frame.j0 + ty * kTile,
+          kTile, kTile};
 }
 
 void GroundMap::grow_to(Cell c) {
@@ -53,7 +53,8 @@ void GroundMap::grow_to(Cell c) {
   GridFrame wide = old;
   wide.i0 = c.i < old.i0 ? c.i - kMargin : old.i0;
   wide.j0 = c.j < old.j0 ? c.j - kMargin : old.j0;
-  wide.width = std::max(old.i0 + old.width, c.i >= old.i0 + old.width ? c.i + kMargin : 0) - wide.i0;
+  wide.width =
+      std::max(old.i0 + old.width, c.i >= old.i0 + old.width ? c.i + kMargin : 0) - wide.i0;
   wide.height =
       std::max(old.j0 + old.height, c.j >= old.j0 + old.height ? c.j + kMargin : 0) - wide.j0;
   GroundMap grown(wide);

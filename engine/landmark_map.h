@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
-
-#include <Eigen/Core>
 
 namespace prospect {
 
@@ -12,9 +11,10 @@ struct Landmark {
   std::uint64_t id = 0;
   Eigen::Vector3d position = Eigen::Vector3d::Zero();               ///< l_i [m]
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Identity() * 1e-4;  ///< Sigma_i [m^2]
-  Eigen::Vector3d creation_direction = Eigen::Vector3d::UnitX();    ///< unit, from the point to the camera that created it
-  double creation_range = 2.0;                                      ///< [m]
-  double survival = 0.9;                                            ///< tau_i: share of expected views in which it was tracked
+  Eigen::Vector3d creation_direction =
+      Eigen::Vector3d::UnitX();  ///< unit, from the point to the camera that created it
+  double creation_range = 2.0;   ///< [m]
+  double survival = 0.9;         ///< tau_i: share of expected views in which it was tracked
 };
 
 /// Landmarks known to the planner, and what has been learned of texture in general.

@@ -69,11 +69,11 @@ Problem::Problem(ProblemDefinition definition) : definition_(std::move(definitio
     const std::string name(term->name());
     smoothness_ = static_cast<Smoothness>(rougher(smoothness_, traits.smoothness));
     has_gradient_ = has_gradient_ && traits.has_gradient;
-    std::vector<JacobianBlock> blocks;
-    if (traits.kind == TermKind::kConstraint) {
-      blocks = term->jacobian_pattern(horizon_);
-      const int rows = term->rows(horizon_);
-      for (const JacobianBlock& block : blocks) {
+    TermLayout layout{traits.kind == TermKind::kConstraint, 1, {}};
+    if (layout.constraint) {
+      layout.blocks = term->jacobian_pattern(horizon_);
+      const int rows = layout.rows = term->rows(horizon_);
+      for (const JacobianBlock& block : layout.blocks) {
         const int last = block.input ? d.N - 1 : d.N;
         if (block.row < 0 || block.row >= rows || block.stage < 0 || block.stage > last) {
           refuse("the Jacobian pattern of term '" + name + "'", "rows and stages in range");
@@ -83,22 +83,20 @@ Problem::Problem(ProblemDefinition definition) : definition_(std::move(definitio
     } else if (!std::isfinite(weight)) {
       refuse("the weight of term '" + name + "' is not finite", "a finite weight");
     }
-    blocks_.push_back(std::move(blocks));
+    layouts_.push_back(std::move(layout));
   }
 
   pattern_.setConstant(num_constraints_, num_variables(), false);
   int first_row = 0;
   for (std::size_t t = 0; t < d.terms.size(); ++t) {
-    for (const JacobianBlock& block : blocks_[t]) {
+    for (const JacobianBlock& block : layouts_[t].blocks) {
       // x_k depends on the inputs of stages before k; u_k on its own knot.
       const int from = block.input ? knot(block.stage) * nu : 0;
       const int to =
           block.input ? from + nu : (block.stage == 0 ? 0 : (knot(block.stage - 1) + 1) * nu);
       pattern_.row(first_row + block.row).segment(from, to - from).setConstant(true);
     }
-    if (d.terms[t].term->traits().kind == TermKind::kConstraint) {
-      first_row += d.terms[t].term->rows(horizon_);
-    }
+    if (layouts_[t].constraint) first_row += layouts_[t].rows;
   }
 }
 
@@ -114,11 +112,11 @@ Workspace Problem::make_workspace() const {
   w.outputs.resize(definition_.terms.size());
   for (std::size_t t = 0; t < definition_.terms.size(); ++t) {
     TermOutput& out = w.outputs[t];
-    if (blocks_[t].empty()) {
+    if (!layouts_[t].constraint) {
       out.state_gradient.resize((definition_.N + 1) * nx, 1);
       out.input_gradient.resize(definition_.N * nu, 1);
     } else {
-      out.jacobian.resize(std::max(nx, nu), static_cast<Eigen::Index>(blocks_[t].size()));
+      out.jacobian.resize(std::max(nx, nu), static_cast<Eigen::Index>(layouts_[t].blocks.size()));
     }
   }
   w.A.assign(static_cast<std::size_t>(definition_.N), Eigen::MatrixXd(nx, nx));
@@ -203,8 +201,7 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
   int first_row = 0;
   for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
     const auto& [term, weight] = definition_.terms[i];
-    const bool constraint = term->traits().kind == TermKind::kConstraint;
-    const int rows = constraint ? term->rows(horizon_) : 1;
+    const auto& [constraint, rows, blocks] = layouts_[i];
     TermOutput& o = w.outputs[i];
     o.value.resize(rows, B);
     if (gradient && !constraint) {
@@ -215,8 +212,8 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
     if (constraint) {
       out.constraints.middleRows(first_row, rows) = o.value.matrix();
       if (gradient) {
-        for (std::size_t b = 0; b < blocks_[i].size(); ++b) {
-          const JacobianBlock& block = blocks_[i][b];
+        for (std::size_t b = 0; b < blocks.size(); ++b) {
+          const JacobianBlock& block = blocks[b];
           auto row = out.jacobian.row(first_row + block.row);
           const auto column = o.jacobian.col(static_cast<Eigen::Index>(b));
           if (block.input) {

@@ -1,10 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <string>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "engine/term.h"
 #include "engine/trajectory.h"
@@ -45,11 +44,11 @@ enum class Evaluate { kValue, kGradient };
 
 /// Result of an evaluation. Shapes: B candidates, n variables, m constraints.
 struct Evaluation {
-  Eigen::ArrayXd cost;       ///< B; finite; kRejectedCost where not valid
-  Eigen::MatrixXd constraints;  ///< m x B; >= 0 is feasible
+  Eigen::ArrayXd cost;                          ///< B; finite; kRejectedCost where not valid
+  Eigen::MatrixXd constraints;                  ///< m x B; >= 0 is feasible
   Eigen::Array<bool, Eigen::Dynamic, 1> valid;  ///< B; false: some term was not evaluable there
-  Eigen::VectorXd gradient;     ///< n; with kGradient (B = 1)
-  Eigen::MatrixXd jacobian;     ///< m x n, dense, zero outside the pattern; with kGradient
+  Eigen::VectorXd gradient;                     ///< n; with kGradient (B = 1)
+  Eigen::MatrixXd jacobian;  ///< m x n, dense, zero outside the pattern; with kGradient
 };
 
 /// max_r max(0, -c_r) of one column of constraint values; 0 for none.
@@ -75,8 +74,9 @@ class Workspace {
 ///   min_z  sum_t w_t T_t(x, u)    s.t.  c(x, u) >= 0,   lower <= z <= upper,
 ///   x_{k+1} = f(x_k, u_k),   u_k = z[knot(k)]
 ///
-/// z stacks the inputs at M <= N knots (z = [u at knot 0; u at knot 1; ...], n = M nu); stage k uses
-/// knot floor(k M / N): single shooting with move blocking, so the dynamics always hold exactly.
+/// z stacks the inputs at M <= N knots (z = [u at knot 0; u at knot 1; ...], n = M nu); stage k
+/// uses knot floor(k M / N): single shooting with move blocking, so the dynamics always hold
+/// exactly.
 ///
 /// The gradient is one adjoint sweep, lambda_k = dJ/dx_k + A_k^T lambda_{k+1},
 /// dJ/du_k = dJ_direct/du_k + B_k^T lambda_{k+1}. The Jacobian of the constraints uses forward
@@ -119,7 +119,8 @@ class Problem {
   /// The trajectory of one point.
   TrajectoryBatch rollout(const Eigen::Ref<const Eigen::VectorXd>& z) const;
 
-  /// Knot inputs from stage inputs (N x nu rows): the mean over each knot's stages, clamped into the bounds.
+  /// Knot inputs from stage inputs (N x nu rows): the mean over each knot's stages, clamped into
+  /// the bounds.
   Eigen::VectorXd knots_from_inputs(const Eigen::Ref<const Eigen::MatrixXd>& inputs) const;
 
   /// Finite stand-in for the cost of a candidate that could not be evaluated.
@@ -133,7 +134,12 @@ class Problem {
   Eigen::VectorXd lower_, upper_;
   int num_constraints_ = 0;
   Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> pattern_;
-  std::vector<std::vector<JacobianBlock>> blocks_;  // by term
+  struct TermLayout {
+    bool constraint;
+    int rows;
+    std::vector<JacobianBlock> blocks;
+  };
+  std::vector<TermLayout> layouts_;  // by term
   Smoothness smoothness_ = Smoothness::kSmooth;
   bool has_gradient_ = true;
 };

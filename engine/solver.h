@@ -1,13 +1,12 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "engine/problem.h"
 #include "engine/stop_condition.h"
@@ -21,7 +20,7 @@ enum class StopReason {
   kIterationLimit,  ///< iterations, evaluations or samples used up
   kCancelled,
   kNumericalTrouble,  ///< the method could not go on; the incumbent stands
-  kError              ///< the problem threw, an option was wrong, the back end is absent; see detail
+  kError  ///< the problem threw, an option was wrong, the back end is absent; see detail
 };
 
 /// How good the incumbent is. Says nothing of why the solve ended.
@@ -37,11 +36,11 @@ std::string_view to_string(Quality quality);
 
 /// What one solve hands to the next on the same or a shifted problem. Empty vectors mean "none".
 struct WarmStart {
-  Eigen::VectorXd x;                ///< n; clamped into the bounds by every back end
-  Eigen::VectorXd lambda;           ///< m, multipliers of the constraints (>= 0)
-  Eigen::VectorXd z_lower, z_upper; ///< n, multipliers of the bounds (>= 0)
-  double mu = 0.0;                  ///< barrier parameter, 0 = unknown
-  double time = 0.0;                ///< [s], start of the horizon x belongs to
+  Eigen::VectorXd x;                 ///< n; clamped into the bounds by every back end
+  Eigen::VectorXd lambda;            ///< m, multipliers of the constraints (>= 0)
+  Eigen::VectorXd z_lower, z_upper;  ///< n, multipliers of the bounds (>= 0)
+  double mu = 0.0;                   ///< barrier parameter, 0 = unknown
+  double time = 0.0;                 ///< [s], start of the horizon x belongs to
 };
 
 using OptionValue = std::variant<double, int, std::string>;

@@ -8,8 +8,8 @@ namespace prospect {
 
 enum class StopRequest { kNone, kDeadline, kCancelled };
 
-/// When a solve must end: a small value that is asked inside the evaluator, before every evaluation.
-/// Composable: `deadline(...) || cancelled(...)` stops as soon as either does.
+/// When a solve must end: a small value that is asked inside the evaluator, before every
+/// evaluation. Composable: `deadline(...) || cancelled(...)` stops as soon as either does.
 ///
 /// Thread-safety: operator() may be called from any thread if the wrapped function may.
 class StopCondition {
@@ -39,9 +39,9 @@ class StopCondition {
 /// Stops once `seconds` of wall-clock (steady) time have passed since this call. Infinite: never.
 inline StopCondition deadline(double seconds) {
   if (!(seconds < std::numeric_limits<double>::infinity())) return {};
-  const auto end = StopCondition::Clock::now() +
-                   std::chrono::duration_cast<StopCondition::Clock::duration>(
-                       std::chrono::duration<double>(seconds));
+  const auto end =
+      StopCondition::Clock::now() + std::chrono::duration_cast<StopCondition::Clock::duration>(
+                                        std::chrono::duration<double>(seconds));
   return StopCondition([end] {
     return StopCondition::Clock::now() >= end ? StopRequest::kDeadline : StopRequest::kNone;
   });
@@ -49,9 +49,8 @@ inline StopCondition deadline(double seconds) {
 
 /// Stops once `flag()` is true (e.g. reads an atomic).
 inline StopCondition cancelled_by(std::function<bool()> flag) {
-  return StopCondition([flag = std::move(flag)] {
-    return flag() ? StopRequest::kCancelled : StopRequest::kNone;
-  });
+  return StopCondition(
+      [flag = std::move(flag)] { return flag() ? StopRequest::kCancelled : StopRequest::kNone; });
 }
 
 }  // namespace prospect

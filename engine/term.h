@@ -39,7 +39,8 @@ struct TermRequest {
 ///   Cost:        value (1 x B). With request.gradient, *adds* d value/d x_k into state_gradient
 ///                (((N+1) nx) x B, zeroed before the call) and d value/d u_k into input_gradient
 ///                ((N nu) x B, zeroed).
-///   Constraint:  value (rows x B). With request.gradient, writes jacobian.col(n).head(nx or nu) for
+///   Constraint:  value (rows x B). With request.gradient, writes jacobian.col(n).head(nx or nu)
+///   for
 ///                the n-th block of jacobian_pattern().
 struct TermOutput {
   BatchArray value;

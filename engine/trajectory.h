@@ -21,7 +21,7 @@ struct Horizon {
 /// u_k acts from t_k = k dt to t_{k+1}; x_0 is the present state.
 struct TrajectoryBatch {
   Horizon horizon;
-  PoseLayout layout;        ///< of horizon.model, fetched once
+  PoseLayout layout;           ///< of horizon.model, fetched once
   Eigen::VectorXd u_previous;  ///< u_{-1}: the input in force now; nu
   BatchArray states;
   BatchArray inputs;
