@@ -1,9 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "engine/voxel_grid.h"
 
@@ -12,9 +11,10 @@ namespace prospect {
 /// Lattice of sensor positions in W: node (a, b, c) = origin + spacing * (a, b, c), world-aligned
 /// (origin is a multiple of spacing), so that nodes of consecutive tables coincide.
 struct SensorLattice {
-  Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< [m]; for a planar base, z is the sensor's height
-  double spacing = 0.2;                              ///< [m]
-  int nx = 0, ny = 0, nz = 1;                        ///< nz = 1: the sensor's height is fixed
+  Eigen::Vector3d origin =
+      Eigen::Vector3d::Zero();  ///< [m]; for a planar base, z is the sensor's height
+  double spacing = 0.2;         ///< [m]
+  int nx = 0, ny = 0, nz = 1;   ///< nz = 1: the sensor's height is fixed
 
   /// Nodes that cover all sensor positions within `reach` [m] of `center` with the margin that the
   /// interpolation needs. nz > 1 only with vertical = true.
@@ -28,10 +28,10 @@ struct SensorLattice {
 ///            * exp(-lambda * length of that ray inside unknown space)
 ///
 /// with w the C1 tensor-product quadratic B-spline of the lattice (a partition of unity, >= 0), so
-/// 0 <= P_i <= 1 and its gradient is exact and continuous. The rays are exact voxel traversals, cast
-/// once for all candidates and stages; evaluating is one weighted sum of table rows, the same weights
-/// for all points, hence vectorised over the points. The last `trim` metres before a point are left
-/// out (the point lies on an occupied voxel).
+/// 0 <= P_i <= 1 and its gradient is exact and continuous. The rays are exact voxel traversals,
+/// cast once for all candidates and stages; evaluating is one weighted sum of table rows, the same
+/// weights for all points, hence vectorised over the points. The last `trim` metres before a point
+/// are left out (the point lies on an occupied voxel).
 ///
 /// Rows of nodes whose rays cross no changed tile are taken over from `previous`.
 /// Outside the lattice the position is clamped onto it (zero gradient along the clamped axis).
@@ -40,9 +40,9 @@ struct SensorLattice {
 class OcclusionTable {
  public:
   struct Options {
-    double trim = 0.15;         ///< [m]; 1.5 voxels
-    double attenuation = 0.5;   ///< lambda [1/m] through unknown space
-    double max_range = 8.0;     ///< [m]; farther pairs are stored as 0
+    double trim = 0.15;        ///< [m]; 1.5 voxels
+    double attenuation = 0.5;  ///< lambda [1/m] through unknown space
+    double max_range = 8.0;    ///< [m]; farther pairs are stored as 0
   };
 
   OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
@@ -59,8 +59,8 @@ class OcclusionTable {
  private:
   SensorLattice lattice_;
   std::vector<Eigen::Vector3d> points_;
-  int stride_ = 0;              // floats per node row, padded
-  std::vector<float> table_;    // node-major
+  int stride_ = 0;            // floats per node row, padded
+  std::vector<float> table_;  // node-major
 };
 
 }  // namespace prospect

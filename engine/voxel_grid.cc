@@ -25,11 +25,13 @@ void VoxelGrid::set(int i, int j, int k, CellState state) {
     wide.width = (i >= old.i0 + old.width ? i + kMargin : old.i0 + old.width) - wide.i0;
     wide.height = (j >= old.j0 + old.height ? j + kMargin : old.j0 + old.height) - wide.j0;
     std::vector<CellState> data(
-        static_cast<std::size_t>(wide.size()) * static_cast<std::size_t>(depth_), CellState::kUnknown);
+        static_cast<std::size_t>(wide.size()) * static_cast<std::size_t>(depth_),
+        CellState::kUnknown);
     const std::size_t row = static_cast<std::size_t>(old.width) * static_cast<std::size_t>(depth_);
     for (int y = 0; y < old.height; ++y) {
-      std::copy_n(data_.begin() + static_cast<std::ptrdiff_t>(row) * y, row,
-                  data.begin() + static_cast<std::ptrdiff_t>(wide.index({old.i0, old.j0 + y})) * depth_);
+      std::copy_n(
+          data_.begin() + static_cast<std::ptrdiff_t>(row) * y, row,
+          data.begin() + static_cast<std::ptrdiff_t>(wide.index({old.i0, old.j0 + y})) * depth_);
     }
     frame_ = wide;
     data_ = std::move(data);

@@ -1,17 +1,16 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <vector>
-
-#include <Eigen/Core>
 
 #include "engine/grid.h"
 
 namespace prospect {
 
-/// Dense three-state mirror of the octree's finest level, for ray walks: the octree costs a descent a
-/// voxel, this an index. Voxels are world-aligned like ground cells: voxel (i, j, k) covers
-/// [i r, (i+1) r) x [j r, (j+1) r) x [k r, (k+1) r). Outside the box everything is unknown.
+/// Dense three-state mirror of the octree's finest level, for ray walks: the octree costs a descent
+/// a voxel, this an index. Voxels are world-aligned like ground cells: voxel (i, j, k) covers [i r,
+/// (i+1) r) x [j r, (j+1) r) x [k r, (k+1) r). Outside the box everything is unknown.
 ///
 /// Value type; a snapshot handed out as shared_ptr<const VoxelGrid> never changes.
 /// Thread-safety: concurrent reads are safe.
@@ -48,9 +47,9 @@ class VoxelGrid {
   /// What a ray from `from` to `to` [m, in W] meets, voxel by voxel (exact traversal), leaving out
   /// the last `trim` metres before `to` and the voxel that holds `from`.
   struct Ray {
-    bool blocked = false;          ///< an occupied voxel was met
-    double unknown_length = 0.0;   ///< [m] of the ray inside unknown voxels, up to the block
-    double length = 0.0;           ///< [m] walked, up to the block
+    bool blocked = false;         ///< an occupied voxel was met
+    double unknown_length = 0.0;  ///< [m] of the ray inside unknown voxels, up to the block
+    double length = 0.0;          ///< [m] walked, up to the block
   };
   Ray cast(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double trim = 0.0) const;
 

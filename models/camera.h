@@ -50,7 +50,8 @@ struct RgbdFootprint {
 struct CameraMount {
   Eigen::Isometry3d T_BC = forward_facing({0.0, 0.0, 0.45});
 
-  /// Camera at `position` in B [m], optical axis turned by `yaw` from B's x axis and `pitch` down [rad].
+  /// Camera at `position` in B [m], optical axis turned by `yaw` from B's x axis and `pitch` down
+  /// [rad].
   static Eigen::Isometry3d forward_facing(const Eigen::Vector3d& position, double yaw = 0.0,
                                           double pitch = 0.0);
 };

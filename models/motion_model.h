@@ -1,10 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
 #include <string>
 #include <string_view>
-
-#include <Eigen/Core>
 
 #include "models/types.h"
 
@@ -25,7 +24,7 @@ struct InputLimits {
 struct PoseLayout {
   int px = 0;
   int py = 1;
-  int pz = -1;           ///< -1: the base moves in the plane z = fixed_z
+  int pz = -1;  ///< -1: the base moves in the plane z = fixed_z
   int yaw = 2;
   double fixed_z = 0.0;  ///< [m], in W
 };
@@ -70,8 +69,8 @@ class MotionModel {
   /// Models without velocity in the state ignore the twist.
   virtual Eigen::VectorXd state(const Pose& pose, const Twist& twist) const = 0;
 
-  /// The input in force that corresponds to this body velocity (velocity-controlled models), or zero
-  /// (acceleration-controlled ones). Used as u_{-1} of the rate terms.
+  /// The input in force that corresponds to this body velocity (velocity-controlled models), or
+  /// zero (acceleration-controlled ones). Used as u_{-1} of the rate terms.
   virtual Eigen::VectorXd input(const Twist& twist) const = 0;
 
   /// The admissible input that brings the base to rest soonest, for one step of dt, given the input

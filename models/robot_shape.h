@@ -1,31 +1,50 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <variant>
 #include <vector>
 
-#include <Eigen/Core>
-
 namespace prospect {
 
-/// Geometry of the robot's body in frame B [m]. The same value is turned into an exact FCL shape for
-/// the certificate and into bounding spheres/discs for the clearance term.
-struct Sphere { Eigen::Vector3d center = Eigen::Vector3d::Zero(); double radius = 0.2; };
-struct SphereSetShape { std::vector<Sphere> spheres; };
-struct BoxShape { Eigen::Vector3d center = Eigen::Vector3d::Zero(); Eigen::Vector3d size = {0.4, 0.3, 0.3}; };
+/// Geometry of the robot's body in frame B [m]. The same value is turned into an exact FCL shape
+/// for the certificate and into bounding spheres/discs for the clearance term.
+struct Sphere {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  double radius = 0.2;
+};
+struct SphereSetShape {
+  std::vector<Sphere> spheres;
+};
+struct BoxShape {
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();
+  Eigen::Vector3d size = {0.4, 0.3, 0.3};
+};
 /// Axis along B's z.
-struct CylinderShape { Eigen::Vector3d center = {0.0, 0.0, 0.3}; double radius = 0.18; double height = 0.4; };
+struct CylinderShape {
+  Eigen::Vector3d center = {0.0, 0.0, 0.3};
+  double radius = 0.18;
+  double height = 0.4;
+};
 /// Vertices of a convex hull, in B; at least four, not coplanar.
-struct ConvexShape { std::vector<Eigen::Vector3d> vertices; };
+struct ConvexShape {
+  std::vector<Eigen::Vector3d> vertices;
+};
 
 using RobotShape = std::variant<SphereSetShape, BoxShape, CylinderShape, ConvexShape>;
 
 /// One vertical disc column of a planar bound of the shape: every point of the body lies in some
 /// column {|(x,y) - center| <= radius, z_min <= z <= z_max} (B frame).
-struct Disc { Eigen::Vector2d center; double radius; };
+struct Disc {
+  Eigen::Vector2d center;
+  double radius;
+};
 
 /// Axis-aligned extent of the body along B's z [m].
-struct VerticalExtent { double z_min; double z_max; };
+struct VerticalExtent {
+  double z_min;
+  double z_max;
+};
 
 /// Throws std::invalid_argument (what was wrong, what was expected) for non-finite or non-positive
 /// sizes, an empty sphere set, or a degenerate hull.
