@@ -1,0 +1,40 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/worlds/world.h"
+
+namespace prospect {
+
+struct WorldOptions {
+  /// Start [x, y in m, yaw in rad] instead of the source's own or the default one. Still checked.
+  std::optional<Pose> start;
+  /// Where the default start looks for room, and what a given start is checked against.
+  BodySlice slice;
+  /// Merge voxels of a fine map to about this size [m] (a coarse voxel is occupied if any fine one
+  /// is, free if all are); 0 keeps the source's resolution. Images only: .pgm, .png, .map.
+  double image_resolution = 0.1;
+  /// [m per pixel] of an image that comes without a .yaml.
+  double pixel_size = 0.05;
+  /// Height to which the cells of a 2-D map are extruded [m].
+  double wall_height = 2.0;
+};
+
+/// A world by name or path: a built-in name (builtin_world_names()), else by extension: .yaml/.yml
+/// (a world file, or a ROS map if it has the key `image`), .bt/.ot (OctoMap), .pgm/.png (bare map
+/// image), .map (MovingAI). Throws InputError: unknown name (with the nearest built-in name),
+/// missing file, directory, unreadable or corrupt content, no place to stand, or a given start from
+/// which the robot cannot stand.
+World load_world(const std::string& name_or_path, const WorldOptions& options = {});
+
+/// Sets the world's start to `given` if there is one; else, if the robot cannot stand at the
+/// world's own start, to the default: in the largest connected set of standing columns, of the
+/// columns within 1 m of the one nearest to the set's centroid, the one with the most clearance;
+/// yaw 0. Throws InputError if there is no place to stand or the robot cannot stand at `given` or
+/// at a start the world file states.
+void place_start(World& world, const BodySlice& slice, const std::optional<Pose>& given,
+                 bool world_states_start);
+
+}  // namespace prospect

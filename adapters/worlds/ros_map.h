@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+
+#include "adapters/worlds/load_world.h"
+
+namespace prospect {
+
+/// A ROS map: `path` is the .yaml (image, resolution, origin, negate, occupied_thresh, free_thresh,
+/// mode: trinary). If the image it names is absent, an image of the same stem or the only image in
+/// the yaml's folder is taken instead; if there is none, that is an error.
+///
+/// Pixel value v in 0..255 (grey; colour is averaged, a transparent pixel is unknown) becomes
+/// occupied where p > occupied_thresh, free where p < free_thresh, else unknown, with p = (255 - v)
+/// / 255, or v / 255 with negate. 205, map_saver's value for unknown, is unknown whatever
+/// free_thresh says if the image also has white pixels (>= 250).
+///
+/// Occupied cells become walls of wall_height, free cells free columns over a floor, unknown cells
+/// unknown columns. The origin is moved to the nearest whole voxel; a rotated map is an error.
+/// start is left at the origin of W: see place_start.
+World world_from_ros_map(const std::string& path, const WorldOptions& options = {});
+
+/// A bare image, pixel_size metres a pixel, lower left corner at the origin. A .pgm is read with
+/// map_saver's thresholds (0.65, 0.196). A .png is a drawn plan: white (>= 240) is free; grey
+/// values that fill at least 4 % of the image (and those within 8 of one) are unknown; all else,
+/// and so thin grey lines and furniture, is occupied.
+World world_from_image(const std::string& path, const WorldOptions& options = {});
+
+/// A MovingAI grid (`type octile`, `height`, `width`, `map`): '.', 'G', 'S' are free, 'W' (water)
+/// and everything else is occupied; pixel_size metres a cell.
+World world_from_movingai(const std::string& path, const WorldOptions& options = {});
+
+}  // namespace prospect
