@@ -1,0 +1,91 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "engine/belief.h"
+#include "models/camera.h"
+#include "models/types.h"
+
+namespace prospect {
+
+struct OdometryOptions {
+  bool perfect = false;  ///< the estimate is the truth, always localized
+  /// A keyframe is taken when the robot has moved or turned this far since the last one: none while
+  /// standing still, so no drift at rest.
+  double keyframe_distance = 0.15;  ///< [m]
+  double keyframe_angle = 0.15;     ///< [rad]
+  /// Root-mean-square error of one keyframe at 200 well-spread points: horizontal position [m] and
+  /// heading [rad].
+  double position_sigma = 0.0015;
+  double heading_sigma = 0.0002;
+  int lost_below = 10;  ///< tracked features
+  int degraded_below = 20;
+  /// Dead reckoning while lost, one standard deviation: of the distance and of the angle turned
+  /// [share], and of the heading per metre driven [rad/m].
+  double reckoning_distance = 0.05;
+  double reckoning_angle = 0.05;
+  double reckoning_heading = 0.03;
+};
+
+/// Visual odometry as a model of its error: how the estimate departs from the truth, given the
+/// features that are really tracked.
+///
+/// At each keyframe the motion since the last one is known up to e = (e_x, e_y, e_yaw) ~ N(0, Q),
+/// in the body frame of the estimate:
+///   p' = p + R(yaw) (dp + e_xy),   yaw' = yaw + dyaw + e_yaw,
+///   Q  = S I^{-1} S,   I = sum_i H_i^T W H_i,   H_i = d(u, v, d)_i / d(x, y, yaw),
+///   W  = diag(1/sigma_u^2, 1/sigma_v^2, 1/sigma_d^2) / 2,
+/// I being the information of the reprojection errors of the tracked points (both views are noisy,
+/// hence the half), and S = diag(s_p, s_p, s_yaw) chosen so that 200 points spread evenly over the
+/// image and over depths of 1 to 5 m give exactly position_sigma and heading_sigma. Hence Q falls
+/// as 1/N for points alike, and grows for far or clustered ones. Standard deviations of Q are
+/// bounded by 5 cm and 0.05 rad. Below lost_below tracked points the motion is reckoned from the
+/// wheels with the larger noise. Between keyframes the motion since the last one is taken as exact:
+/// its error does not accumulate.
+///
+/// Covariance of (x, y, z, yaw) from the start: first-order composition of the same Q; z is known.
+/// Source: calibration from the prototype of the formulation; the model is our choice.
+/// Thread-safety: one thread. Deterministic in (options, seed, sequence of calls).
+class OdometryModel {
+ public:
+  /// Throws std::invalid_argument on options out of range.
+  OdometryModel(const OdometryOptions& options, const StereoCamera& stereo,
+                const CameraMount& mount, const Pose& start, std::uint64_t seed);
+
+  /// One image, taken at a true pose, with the tracked points' true positions in C [m].
+  /// Returns true if it became a keyframe.
+  bool image(const Pose& true_pose, const std::vector<Eigen::Vector3d>& points_C);
+
+  /// Estimate at a true pose reached since the last keyframe.
+  Pose estimate(const Pose& true_pose) const;
+  Eigen::Matrix4d covariance() const { return covariance_; }
+  Localization localization() const { return localization_; }
+  int losses() const { return losses_; }
+  int keyframes() const { return keyframes_; }
+
+  /// Q for a set of points in C [m^2, m rad, rad^2], of (x, y, yaw) in B; bounded, never singular.
+  Eigen::Matrix3d keyframe_covariance(const std::vector<Eigen::Vector3d>& points_C) const;
+  /// The 200 points of the calibration, in C.
+  static std::vector<Eigen::Vector3d> reference_points(const StereoCamera& stereo, int count = 200);
+
+ private:
+  Eigen::Matrix3d information(const std::vector<Eigen::Vector3d>& points_C) const;
+
+  OdometryOptions options_;
+  StereoCamera stereo_;
+  CameraMount mount_;
+  std::mt19937_64 noise_;
+  double position_scale_ = 1.0;
+  double heading_scale_ = 1.0;
+  Pose true_keyframe_;
+  Pose keyframe_;
+  Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();
+  Localization localization_ = Localization::kOk;
+  int losses_ = 0;
+  int keyframes_ = 0;
+};
+
+}  // namespace prospect

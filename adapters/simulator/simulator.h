@@ -1,0 +1,105 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "adapters/simulator/depth_camera.h"
+#include "adapters/simulator/feature_camera.h"
+#include "adapters/simulator/kinematic_robot.h"
+#include "adapters/simulator/landmark_builder.h"
+#include "adapters/simulator/odometry_model.h"
+#include "adapters/worlds/world.h"
+#include "engine/belief.h"
+#include "engine/grid.h"
+#include "models/camera.h"
+#include "models/robot_shape.h"
+#include "models/types.h"
+#include "perception/occupancy_mapper.h"
+
+namespace prospect {
+
+/// Everything a simulated mission depends on besides its world and the commands.
+struct SimulatorOptions {
+  std::uint64_t seed = 1;
+
+  RobotShape shape = CylinderShape{};
+  ActuationNoise actuation;  ///< none by default: commands are executed exactly
+
+  CameraMount depth_mount;
+  DepthCameraOptions depth;
+  double depth_rate = 5.0;  ///< [Hz]
+
+  CameraMount stereo_mount;
+  FeatureCameraOptions features;
+  double image_rate = 10.0;  ///< [Hz]: tracking of features; keyframes are taken among these images
+
+  OdometryOptions odometry;
+  LandmarkBuilderOptions landmarks;
+  /// slice is set from the shape's vertical extent, max_range from the depth camera.
+  OccupancyMapperOptions mapping;
+};
+
+/// Kinematic simulator: a robot with a depth camera and a stereo camera in a true world. The
+/// planner sees sense() and nothing else: the estimate drifts with what is really visible, and all
+/// maps are built in the drifting frame.
+///
+/// The world's truth is left to time(), true_pose(), collisions() etc., which serve evaluation
+/// only.
+///
+/// Determinism: same world, options and sequence of calls -> same bits. Each source of noise has a
+/// generator of its own derived from the seed, so switching one off leaves the others' draws as
+/// they were. Thread-safety: one thread; the beliefs it returns may be read anywhere. Errors: the
+/// constructor throws std::invalid_argument (what, where, what was expected) on options out of
+/// range, a start outside the world, or a robot that starts inside a wall. apply() and sense() do
+/// not throw; a non-finite twist is executed as a stop. Source: the drift numbers are those of the
+/// formulation's prototype; the rest is our choice.
+class Simulator {
+ public:
+  Simulator(std::shared_ptr<const World> world, const SimulatorOptions& options);
+  ~Simulator();
+  Simulator(const Simulator&) = delete;
+  Simulator& operator=(const Simulator&) = delete;
+
+  /// The belief now: a snapshot after the newest image and depth scan. No time passes.
+  std::shared_ptr<const Belief> sense();
+
+  /// Executes a body twist (linear x, y [m/s] and yaw rate [rad/s]; z is ignored) for `duration`
+  /// [s], taking images and scans on the way. On contact the robot stands still for the rest of it.
+  void apply(const Twist& twist, double duration);
+
+  double time() const;  ///< [s] since the start
+  const World& world() const;
+  const SimulatorOptions& options() const;
+
+  // The truth, for evaluation.
+  Pose true_pose() const;  ///< in the true world's frame, equal to the estimate's frame at t = 0
+  Pose estimated_pose() const;        ///< what sense() says now
+  double localization_error() const;  ///< [m], horizontal distance between the two
+  int collisions() const;             ///< separate contacts so far
+  bool in_contact() const;            ///< the last motion ended at a wall
+  double path_length() const;         ///< [m] really driven
+  double rotation() const;            ///< [rad] really turned, in absolute value
+  int losses() const;                 ///< how often localization was lost
+  double lost_time() const;           ///< [s] spent lost
+
+  /// Features tracked in the newest image (landmark ids, ascending) and how many true features are
+  /// visible in it before the tracker's limit on their number.
+  const std::vector<std::uint64_t>& tracked() const;
+  int visible_features() const;
+
+  /// Cells of the true map counted by coverage(): nonzero = counts. Without one coverage is zero.
+  void set_reachable(const Grid<std::uint8_t>& reachable);
+  /// Share of the reachable cells whose column has really been seen by valid depth rays, by the
+  /// rule of the ground map (any solid voxel hit, or at least half of the slice seen free).
+  double coverage() const;
+  /// Area [m^2] of all true cells seen so far.
+  double seen_area() const;
+  bool seen(Cell true_cell) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace prospect

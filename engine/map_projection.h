@@ -1,0 +1,66 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/grid.h"
+#include "engine/ground_map.h"
+#include "engine/voxel_grid.h"
+
+namespace octomap {
+class OcTree;
+}
+
+namespace prospect {
+
+/// The range of heights that the robot's body sweeps, z_min <= z <= z_max [m, in W].
+struct BodySlice {
+  double z_min = 0.1;
+  double z_max = 0.5;
+};
+
+/// The layers of voxels k_low <= k <= k_high that a slice overlaps by more than a micrometre.
+struct SliceLayers {
+  int k_low = 0;
+  int k_high = 0;
+  int count() const { return k_high - k_low + 1; }
+};
+
+/// Layers of `slice` on a lattice of `resolution` [m]; always at least one.
+/// Throws std::invalid_argument if the slice is not finite, empty, or the resolution not positive.
+SliceLayers slice_layers(const BodySlice& slice, double resolution);
+
+/// State of a ground cell from the counts of its column (formulation, section 2: the exploration
+/// map is the octree projected on the ground plane; the share of one half is our choice):
+///   occupied if occupied > 0;  free if none is and 2 free >= layers;  unknown otherwise.
+inline CellState project_column(int occupied, int free, int layers) {
+  if (occupied > 0) return CellState::kOccupied;
+  return 2 * free >= layers ? CellState::kFree : CellState::kUnknown;
+}
+
+/// State of cell c from its column in `voxels`; layers outside the grid are unknown.
+CellState project_column(const VoxelGrid& voxels, Cell c, const SliceLayers& layers);
+
+/// Projects every column: the ground map of a whole grid. O(cells x layers).
+GroundMap project(const VoxelGrid& voxels, const BodySlice& slice);
+
+/// The three maps of a Belief, of one octree.
+struct BeliefMaps {
+  std::shared_ptr<const octomap::OcTree> octree;
+  std::shared_ptr<const VoxelGrid> voxels;
+  std::shared_ptr<const GroundMap> ground;
+};
+
+/// Dense mirror of the octree's leaves between z_min and z_max [m]: pruned leaves are expanded to
+/// the finest level; a leaf is occupied where the tree says so, else free; what has no leaf is
+/// unknown. Covers the leaves' ground rectangle (at least one cell). O(volume of the leaves / voxel
+/// volume). Throws std::invalid_argument if z_min < z_max does not hold, or the rectangle has more
+/// than `max_cells` ground cells (a corrupt or far-flung map).
+VoxelGrid voxels_from_octree(const octomap::OcTree& octree, double z_min, double z_max,
+                             int max_cells = 40'000'000);
+
+/// Belief maps from an existing octree, for robots that keep their own OctoMap.
+/// Throws std::invalid_argument as voxels_from_octree, or if `octree` is null.
+BeliefMaps belief_maps(std::shared_ptr<const octomap::OcTree> octree, const BodySlice& slice,
+                       double z_min, double z_max);
+
+}  // namespace prospect

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "engine/ground_map.h"
+#include "engine/map_projection.h"
+#include "engine/voxel_grid.h"
+
+namespace octomap {
+class OcTree;
+}
+
+namespace prospect {
+
+/// One depth image as rays from one origin, in the frame of the pose estimate [m].
+/// Pixels without a valid measurement appear in neither list: they say nothing.
+struct DepthScan {
+  Eigen::Vector3d origin = Eigen::Vector3d::Zero();
+  /// Where rays met a surface.
+  std::vector<Eigen::Vector3d> hits;
+  /// Any point on each ray (beyond the origin) that met nothing within the sensor's range.
+  std::vector<Eigen::Vector3d> misses;
+};
+
+struct OccupancyMapperOptions {
+  double resolution = 0.1;  ///< r [m]
+  double max_range = 4.0;   ///< [m]: nothing is learned farther from the origin than this
+  double z_min = -0.3;      ///< [m]: voxels outside [z_min, z_max] are not kept
+  double z_max = 2.5;
+  BodySlice slice;  ///< heights projected on the ground map
+  /// Sensor model of OctoMap: probabilities of a hit and a miss, and bounds of a voxel's
+  /// probability.
+  double probability_hit = 0.7;
+  double probability_miss = 0.4;
+  double probability_min = 0.1192;
+  double probability_max = 0.971;
+  /// A hit is entered min(r/2, offset_constant + offset_quadratic range^2) [m; 1/m] behind the
+  /// measured point, along its ray: a measured surface that coincides with a face of the lattice
+  /// would otherwise fall into the free voxel before it half of the time, and walls would grow by a
+  /// voxel. About two standard deviations of the range noise is right. Our choice.
+  double offset_constant = 0.005;
+  double offset_quadratic = 0.003;
+};
+
+/// Occupancy mapping: scans to octree, its dense mirror, and its ground projection.
+///
+/// One scan updates each voxel at most once, as OctoMap does: l += log-odds of a hit if any ray
+/// ends in the voxel, else of a miss if any ray passes through it, clamped to the bounds; so the
+/// states are those of OctoMap's insertPointCloud on the same points. A hit beyond max_range clears
+/// up to max_range; a miss clears up to max_range. The rays are walked voxel by voxel, exactly.
+///
+/// Snapshots. octree(), voxels() and ground() return the map after the last insert and never change
+/// afterwards: later changes go to another copy as long as a snapshot is held elsewhere. Octree and
+/// voxels exist twice, and the copy that nobody holds is brought up to date by replaying what has
+/// changed, so a loop that holds at most the newest snapshot never pays for a whole copy; holding
+/// more is safe and costs one.
+///
+/// Source: formulation, section 2; OctoMap's sensor model (Hornung et al. 2013).
+/// Thread-safety: one thread inserts and takes snapshots; snapshots may be read and released on any
+/// thread. Errors: the constructor throws std::invalid_argument on options out of range; insert()
+/// never throws for finite or non-finite points (a ray with a non-finite point is ignored).
+/// Determinism: the same scans in the same order give the same bits.
+class OccupancyMapper {
+ public:
+  explicit OccupancyMapper(const OccupancyMapperOptions& options = {});
+  ~OccupancyMapper();
+  OccupancyMapper(OccupancyMapper&&) noexcept;
+  OccupancyMapper& operator=(OccupancyMapper&&) noexcept;
+
+  const OccupancyMapperOptions& options() const;
+
+  /// Enters one scan. Cost: rays x voxels per ray, plus the voxels whose value changes.
+  void insert(const DepthScan& scan);
+
+  /// Makes all voxels whose centre lies in the vertical cylinder around `base` [m, in W] free with
+  /// certainty, except occupied ones: the space that the robot's own body fills.
+  void clear_cylinder(const Eigen::Vector3d& base, double radius, double height);
+
+  std::shared_ptr<const octomap::OcTree> octree();
+  std::shared_ptr<const VoxelGrid> voxels();
+  std::shared_ptr<const GroundMap> ground();
+  BeliefMaps snapshot() { return {octree(), voxels(), ground()}; }
+
+  /// Number of voxels that have ever become occupied: a measure of the surface seen so far.
+  std::uint64_t surface_voxels() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace prospect
