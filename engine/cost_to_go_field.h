@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "engine/cost_to_go.h"
+#include "engine/frontiers.h"
+#include "engine/grid.h"
+#include "engine/traversability.h"
+
+namespace prospect {
+
+struct CostToGoOptions {
+  double v_max = 0.6;               ///< [m/s]
+  double stop_beyond = 5.0;         ///< [m] flooding stops this far beyond the robot's value
+  double fill_slope = 3.0;          ///< [m/m] rise into cells that were not reached
+  double window_radius = 6.0;       ///< [m] half side of the window around the robot
+  double lambda = 0.0;              ///< weight of the localization term, 0: off
+  double features_required = 60.0;  ///< N_req
+};
+
+/// Solves for the cost-to-go D(c) = min over viewpoints of [source + path cost] on the whole map
+/// and keeps it from one map to the next.
+///
+///   |grad D| = f,  f(c) = factor(c) (1 + lambda max(0, 1 - N(c) / N_req)),  D <= source at
+///   viewpoints
+///
+/// by the first-order upwind discretisation of the eikonal equation (fast marching) over passable
+/// cells: D(c) = min(source(c), F(a, b)), a, b the smaller of the neighbours along x and along y,
+///   F = (a + b + sqrt(2 (r f)^2 - (a - b)^2)) / 2 if |a - b| < r f, else min(a, b) + r f.
+/// It overestimates: against the Euclidean distance from a point source, at d cells distance, by
+/// less than 0.6 r + 0.25 r ln(d) (tested); the direction of its gradient has no preferred axes,
+/// unlike that of an 8- or 16-neighbour Dijkstra search.
+///
+/// F depends only on neighbours that are strictly lower, so the equations have one solution, and
+/// the order in which they are solved does not matter: update() repairs and solve_from_scratch()
+/// give the same bits. Repair: cells whose equation changed and that lost their support are
+/// invalidated, and with them whatever they supported, in turn; then the front marches again from
+/// the rim of what is left. Marching stops when everything up to D(robot) + stop_beyond is settled;
+/// the rest of the front is kept for the next update.
+///
+/// Value type. Thread-safety: none while updating. Does not allocate once buffers have grown,
+/// except for the window handed out. Source: formulation, section 6; discretisation and repair are
+/// our choice.
+class CostToGoField {
+ public:
+  /// Throws std::invalid_argument naming the option, its value and what was expected.
+  explicit CostToGoField(const CostToGoOptions& options);
+
+  /// Repairs the field after traversability.update() and frontiers.set_bonuses() of the same step.
+  /// features: expected count N of visible features by cell (any frame; nothing known beyond it:
+  /// 0), null: no localization weighting. robot: its cell.
+  void update(const Traversability& traversability, const FrontierDetector& frontiers, Cell robot,
+              const Grid<float>* features = nullptr);
+  /// The same from nothing.
+  void solve_from_scratch(const Traversability& traversability, const FrontierDetector& frontiers,
+                          Cell robot, const Grid<float>* features = nullptr);
+
+  /// D [m of path equivalent]; +infinity where not reached or beyond the stopping value.
+  double value(Cell c) const;
+  /// Largest value to which the field is settled [m]; +infinity if all of it is.
+  double settled() const { return settled_; }
+  /// The passable cell nearest to the robot, within 1 m, for which reachability is judged; the
+  /// robot's own if there is none.
+  Cell anchor() const { return anchor_; }
+  bool anchor_reached() const;
+  /// The source that the anchor's way down ends at; requires anchor_reached().
+  Cell source_of_anchor() const;
+
+  /// The window around the robot, filled outward: V_ij = D / v_max where reached, else the value of
+  /// the nearest reached cell + fill_slope x distance (from the nearest, so that it rises away from
+  /// either side of a wall). All zero where nothing was reached in the window.
+  std::shared_ptr<const CostToGo> window() const;
+
+  /// Cell evaluations of the last update, for measuring.
+  std::int64_t evaluations() const { return evaluations_; }
+  const CostToGoOptions& options() const { return options_; }
+
+ private:
+  void relayout(const GridFrame& frame);
+  void set_cell(const Traversability& t, const FrontierDetector& f, const Grid<float>* features,
+                Cell c);
+  double solve_cell(int index) const;
+  void push(int index, double key);
+  void invalidate(int index);
+  void march(Cell robot);
+  void find_anchor(Cell robot);
+  int padded(Cell c) const;
+
+  CostToGoOptions options_;
+  GridFrame frame_;                    // of the map
+  int stride_ = 0;                     // width of the padded arrays: frame + 1 cell on either side
+  std::vector<double> d_;              // D
+  std::vector<float> slowness_;        // r f [m]; 0: impassable
+  std::vector<float> source_;          // +infinity: none
+  std::vector<std::uint8_t> pending_;  // on the front list
+  std::vector<int> front_;             // cells to be solved again
+  std::vector<int> raised_;
+  std::vector<int> bucket_head_;
+  struct Entry {
+    int cell;
+    int next;
+  };
+  std::vector<Entry> entries_;
+  double key_base_ = 0.0, key_width_ = 0.05;
+  int bucket_low_ = 0;
+  Cell robot_, anchor_;
+  double settled_ = 0.0;
+  bool weighted_ = false;
+  bool fresh_ = true;
+  std::int64_t evaluations_ = 0;
+};
+
+}  // namespace prospect

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/cost_to_go.h"
+#include "engine/cost_to_go_field.h"
+#include "engine/frontier_memory.h"
+#include "engine/frontiers.h"
+#include "engine/ground_map.h"
+#include "engine/traversability.h"
+#include "models/types.h"
+
+namespace prospect {
+
+struct ExplorationGuideOptions {
+  TraversabilityOptions traversability;
+  FrontierOptions frontiers;
+  FrontierMemoryOptions memory;
+  CostToGoOptions cost_to_go;
+  double kappa = 0.5;  ///< [m] bonus of a frontier per unit of log(1 + length / 1 m)
+};
+
+/// Where the cost-to-go leads the robot.
+struct FrontierTarget {
+  int frontier = -1;                                    ///< index in Guidance::frontiers
+  Eigen::Vector2d viewpoint = Eigen::Vector2d::Zero();  ///< in W [m]
+  Eigen::Vector2d looks_at =
+      Eigen::Vector2d::Zero();  ///< a frontier cell seen from there, in W [m]
+  double yaw = 0.0;             ///< heading there that faces it [rad]
+};
+
+/// What one planning step needs to know about the frontiers; immutable.
+struct Guidance {
+  std::uint64_t map_revision = 0;
+  double stamp = 0.0;                          ///< [s]
+  std::vector<Frontier> frontiers;             ///< all clusters, active or not
+  std::shared_ptr<const CostToGo> cost_to_go;  ///< never null
+  std::optional<FrontierTarget> target;        ///< none: nothing is reachable
+  Advice advice = Advice::kPlan;
+  double explored_area = 0.0;  ///< [m^2]
+  double stalled_for = 0.0;    ///< [s] without progress
+  int retries_used = 0;
+  int suppressed_cells = 0;
+  double milliseconds = 0.0;  ///< wall time of the update: a report, not an input to anything
+};
+
+/// Frontiers, their hygiene and the cost-to-go, from one planning step to the next:
+///
+///   ExplorationGuide guide(options);
+///   std::shared_ptr<const Guidance> g = guide.update(*belief.ground, belief.pose, belief.stamp);
+///   problem term: CostToGoTerm(g->cost_to_go);   g->advice == Advice::kDone ends the mission
+///
+/// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the length of the frontier in
+/// metres (the prototype's kappa of 0.5 is "per log-metre"; the formulation calls m_c an area),
+/// with the current target's head start.
+///
+/// A value. Thread-safety: none (one mission, one thread); what update() returns is immutable and
+/// may be shared. update() never throws on a finite pose; a non-finite pose gives the last guidance
+/// again. Source: formulation, section 6.
+class ExplorationGuide {
+ public:
+  /// Throws std::invalid_argument naming the option, its value and what was expected.
+  explicit ExplorationGuide(const ExplorationGuideOptions& options);
+
+  /// ground: successive states of one map. stamp [s], non-decreasing. features: expected count of
+  /// visible features by cell in the direction of travel, null: no localization weighting.
+  std::shared_ptr<const Guidance> update(const GroundMap& ground, const Pose& pose, double stamp,
+                                         const Grid<float>* features = nullptr);
+
+  const Traversability& traversability() const { return traversability_; }
+  const FrontierDetector& detector() const { return detector_; }
+  const FrontierMemory& memory() const { return memory_; }
+  const CostToGoField& field() const { return field_; }
+
+ private:
+  ExplorationGuideOptions options_;
+  Traversability traversability_;
+  FrontierDetector detector_;
+  FrontierMemory memory_;
+  CostToGoField field_;
+  Grid<std::uint8_t> suppressed_;
+  std::shared_ptr<const Guidance> last_;
+};
+
+}  // namespace prospect

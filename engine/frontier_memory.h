@@ -1,0 +1,120 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "engine/frontiers.h"
+#include "engine/grid.h"
+#include "models/types.h"
+
+namespace prospect {
+
+struct FrontierMemoryOptions {
+  double hysteresis = 0.8;  ///< [m] head start of the current target
+  double target_radius =
+      1.0;               ///< [m] how far a target may move between two steps and stay the same
+  int failed_looks = 4;  ///< steps in view and unresolved that suppress a cell
+  double look_interval = 0.4;  ///< [s] steps closer in time than this count as one look
+  double sensor_range = 4.0;   ///< r_max [m]
+  double range_margin = 0.3;   ///< a cell counts as in view within sensor_range - range_margin [m]
+  double sensor_fov = 1.047;   ///< horizontal field of view [rad]
+  double fov_margin = 0.05;    ///< left out at either side [rad]
+  int reactivation_cells = 2;  ///< a change this near (Chebyshev) forgives a cell
+  double script_after = 3.0;   ///< [s] without progress: go and face the target by script
+  double deactivate_after = 8.0;   ///< [s] without progress: the target is suppressed
+  double progress_distance = 0.2;  ///< [m] fall of the cost-to-go that counts as progress
+  double progress_area = 0.1;      ///< [m^2] newly explored that counts as progress
+  int retries = 2;                 ///< times that everything is reactivated before "done"
+  double retry_area = 1.0;         ///< [m^2] newly explored that restores the retries
+};
+
+/// What the mission is told to do about its frontiers.
+enum class Advice {
+  kPlan,       ///< go on planning
+  kGoAndFace,  ///< no progress for script_after: drive to the target's viewpoint and face it by
+               ///< script
+  kDone        ///< no active reachable frontier is left, after all retries
+};
+
+/// What was learned about frontiers from one planning step to the next. Pure logic on cells; the
+/// map, the frontiers and the clock are passed in. A value, owned by the mission (inside
+/// ExplorationGuide).
+///
+/// * Failed looks: a frontier cell that was in view for `failed_looks` looks and is still unknown
+/// is
+///   suppressed: it gives no viewpoint and has no part in the cost-to-go. A change of the map
+///   within reactivation_cells forgives it: counter and suppression. A cell in view = within range
+///   and field of view of the pose, joined to it by a line through known-free cells.
+/// * Hysteresis: the frontier that holds the cell nearest the last target, within target_radius,
+/// has
+///   `hysteresis` metres of head start.
+/// * Stall watchdog: progress is a fall of the cost-to-go at the robot by progress_distance under
+/// its
+///   least value for this target, or progress_area newly explored. Without any for script_after:
+///   kGoAndFace; for deactivate_after: all cells of the target are suppressed.
+/// * Before "done" everything is reactivated, `retries` times; retry_area newly explored restores
+/// the
+///   retries.
+///
+/// Deterministic. Thread-safety: none (one mission, one thread). Never throws after construction.
+/// Source: formulation, section 6; the prototype's constants; what counts as progress is our
+/// choice.
+class FrontierMemory {
+ public:
+  /// Throws std::invalid_argument naming the option, its value and what was expected.
+  explicit FrontierMemory(const FrontierMemoryOptions& options);
+
+  /// Forgives cells near a change.
+  void map_changed(const std::vector<Cell>& changed);
+
+  /// Counts a look at time `stamp` [s] from `pose`: every frontier cell in view, and still unknown
+  /// by definition, has one failed look more.
+  void look(const Grid<CellState>& map, const std::vector<Frontier>& frontiers, const Pose& pose,
+            double stamp);
+
+  bool suppressed(Cell c) const;
+  int suppressed_count() const { return suppressed_count_; }
+  /// One entry a cell of `frame`, 1 where suppressed; reuses `out`.
+  void suppression(const GridFrame& frame, Grid<std::uint8_t>& out) const;
+
+  /// Index of the frontier that is the current target, -1 for none: it gets the head start.
+  int current_target(const std::vector<Frontier>& frontiers, const GridFrame& frame) const;
+
+  /// After the cost-to-go is known. target: frontier index and cell it leads the robot to, if any
+  /// frontier is reachable; value [m]: cost-to-go at the robot without the head start; explored
+  /// [m^2]. Returns what to do; if it has suppressed or reactivated cells, `sources_changed` is set
+  /// and the cost-to-go must be computed again (then call again with the result).
+  Advice decide(const std::vector<Frontier>& frontiers, const GridFrame& frame,
+                std::optional<std::pair<int, Cell>> target, double value, double explored,
+                double stamp, bool* sources_changed);
+
+  int retries_used() const { return retries_used_; }
+  /// [s] since the last progress, at the last decide().
+  double stalled_for() const { return stalled_for_; }
+  std::optional<Cell> target_cell() const { return target_; }
+
+ private:
+  struct Look {
+    int failed = 0;
+    bool suppressed = false;
+  };
+  using Key = std::pair<int, int>;  // (j, i): scan order
+
+  FrontierMemoryOptions options_;
+  std::map<Key, Look> looks_;
+  int suppressed_count_ = 0;
+  std::optional<double> last_look_;
+  std::optional<Cell> target_;
+  std::optional<double> progress_stamp_;
+  double best_value_ = 0.0;
+  double progress_explored_ = 0.0;
+  double retry_explored_ = 0.0;
+  int retries_used_ = 0;
+  double stalled_for_ = 0.0;
+};
+
+}  // namespace prospect

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/cost_to_go.h"
+#include "engine/term.h"
+
+namespace prospect {
+
+/// Cost of what lies past the horizon:
+///
+///   T = (1/2 V(p_N) + 1/2 mean_{k=1..N} V(p_k)) / (N dt),   [s / s = -]
+///
+/// V the cost-to-go in seconds at v_max. Half of it is the stage mean: with the terminal value
+/// alone, moving later costs the same as moving now, and every new plan defers again. Stage 0 is
+/// left out: it is given.
+///
+/// Smoothness: C2 in p. Exact gradient. Thread-safety: const. A candidate with a non-finite
+/// position gets NaN. Source: formulation, sections 6 and 7.
+class CostToGoTerm final : public Term {
+ public:
+  /// Throws std::invalid_argument if v is null.
+  explicit CostToGoTerm(std::shared_ptr<const CostToGo> v);
+
+  std::string_view name() const override { return "cost_to_go"; }
+  TermTraits traits() const override;
+  void evaluate(const TrajectoryBatch& trajectories, const TermRequest& request,
+                TermScratch* scratch, TermOutput& out) const override;
+
+ private:
+  std::shared_ptr<const CostToGo> v_;
+};
+
+}  // namespace prospect

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/grid.h"
+#include "engine/ground_map.h"
+
+namespace prospect {
+
+struct TraversabilityOptions {
+  /// The hard constraint: least distance [m] of the robot's centre to an occupied cell, that is the
+  /// circumscribed radius of the shape (its inscribed radius where the planner may turn it) +
+  /// d_safe.
+  double hard_radius = 0.23;
+  /// Below this clearance [m] a cell is passable but dear; >= hard_radius.
+  double comfortable_radius = 0.35;
+  /// A cell is passable if its centre's clearance + lattice_slack >= hard_radius [m]. The centre
+  /// line of a gap that is an even number of cells wide lies on cell edges, never on a centre, so a
+  /// lattice without slack is stricter than the constraint it stands for. Choose the radii against
+  /// the lattice: two radii less than a cell apart are often the same set of cells.
+  double lattice_slack = 0.02;
+  double tight_factor = 4.0;    ///< cost of a metre between hard and comfortable radius, >= 1
+  double unknown_factor = 1.5;  ///< times this within comfortable_radius of an unknown cell, >= 1
+};
+
+/// Clearance and cost of travel of every ground cell.
+///
+///   clearance(c) = min_o dist(centre of c, square of o), o occupied   (box distance, exact)
+///   passable(c)  = c is known free and clearance(c) + slack >= hard_radius
+///   factor(c)    = (clearance < comfortable ? tight_factor : 1) (unknown nearer than comfortable ?
+///                  unknown_factor : 1)   [metres of path equivalent per metre], 0 where impassable
+///
+/// The distance is to the square of a cell, not to its centre, hence the same number as the
+/// certificate's distance between a disc and the occupied boxes. Squared distances are kept as
+/// integers (in quarter cells), truncated at the comfortable radius, so the transform is exact and
+/// an update equals a computation from scratch bit for bit.
+///
+/// update() redoes only cells within comfortable_radius of cells that changed, found in tiles with
+/// a new revision. Value type. Thread-safety: concurrent reads are safe, update() is not. Source:
+/// formulation, section 6 ("V is passable exactly where the hard constraint holds"); factors and
+/// slack from the prototype.
+class Traversability {
+ public:
+  /// Throws std::invalid_argument naming the option, its value and what was expected.
+  explicit Traversability(const TraversabilityOptions& options);
+
+  /// Brings the clearances up to `ground`: successive calls take successive states of one map. A
+  /// map with another resolution, or one that does not cover the last, starts afresh.
+  void update(const GroundMap& ground);
+
+  /// Cells whose CellState differs from that at the previous update, in scan order of the tiles.
+  const std::vector<Cell>& changed_states() const { return changed_states_; }
+  /// Cells whose factor differs from that at the previous update.
+  const std::vector<Cell>& changed_factors() const { return changed_factors_; }
+  /// Whether the last update covered the whole map, for want of a usable past.
+  bool restarted() const { return restarted_; }
+
+  /// The frame of the map at the last update.
+  const GridFrame& frame() const { return state_.frame; }
+  CellState state(Cell c) const { return state_.get(c, CellState::kUnknown); }
+  const Grid<CellState>& states() const { return state_; }
+  /// [m], truncated to clearance_limit(); that limit outside the map.
+  double clearance(Cell c) const;
+  /// Distance [m] to the square of the nearest unknown cell, likewise truncated; 0 outside the map.
+  double unknown_clearance(Cell c) const;
+  double clearance_limit() const;
+  bool passable(Cell c) const { return factor(c) > 0.0F; }
+  float factor(Cell c) const { return factor_.get(c, 0.0F); }
+  const Grid<float>& factors() const { return factor_; }
+  /// Explored cells (free or occupied), times the area of a cell [m^2].
+  double explored_area() const { return explored_area_; }
+  const TraversabilityOptions& options() const { return options_; }
+
+ private:
+  struct Rectangle {
+    int i0, j0, i1, j1;  // inclusive
+    bool empty() const { return i1 < i0; }
+    void add(int i, int j);
+  };
+  void relayout(const GridFrame& frame);
+  void transform(const Rectangle& cells, bool unknown);
+  float factor_of(Cell c) const;
+
+  TraversabilityOptions options_;
+  int reach_ = 0;               // cells: influence radius, rounded up
+  std::uint16_t limit_sq_ = 0;  // quarter cells squared
+  Grid<CellState> state_;
+  Grid<std::uint16_t> occupied_sq_;  // squared distance in (cell / 2)^2, truncated
+  Grid<std::uint16_t> unknown_sq_;
+  Grid<float> factor_;
+  std::uint64_t revision_ = 0;
+  double explored_area_ = 0.0;
+  std::int64_t explored_cells_ = 0;
+  bool fresh_ = true;
+  bool restarted_ = true;
+  std::vector<Cell> changed_states_;
+  std::vector<Cell> changed_factors_;
+  std::vector<std::uint16_t> scratch_;
+};
+
+}  // namespace prospect
