@@ -15,8 +15,10 @@ struct PinholeCamera {
   Eigen::Vector2d project(const Eigen::Vector3d& Y) const;
   /// dPi/dY, 2 x 3 [px/m]; requires Y.z() > 0.
   Eigen::Matrix<double, 2, 3> projection_jacobian(const Eigen::Vector3d& Y) const;
-  double horizontal_fov() const;  ///< [rad]
-  double vertical_fov() const;    ///< [rad]
+  /// Whether a pixel lies in the valid image, borders included.
+  bool in_image(const Eigen::Vector2d& p) const;
+  double horizontal_fov() const;  ///< atan(cx/fx) + atan((width - cx)/fx) [rad]
+  double vertical_fov() const;    ///< atan(cy/fy) + atan((height - cy)/fy) [rad]
 };
 
 /// Rectified stereo rig: right camera displaced by `baseline` along C's x axis.
@@ -28,6 +30,8 @@ struct StereoCamera {
   double sigma_v = 0.5;
   double sigma_d = 0.3;  ///< disparity noise [px]
 
+  /// (u, v, d) of a point Y in C; requires Y.z() > 0 (asserted). Inverse of triangulate().
+  Eigen::Vector3d project(const Eigen::Vector3d& Y) const;
   /// Eq. (1): Y = (b/d) (u - cx, (fx/fy)(v - cy), fx); requires d > 0.
   Eigen::Vector3d triangulate(double u, double v, double d) const;
   /// J = dY/d(u, v, d), 3 x 3.
@@ -55,5 +59,12 @@ struct CameraMount {
   static Eigen::Isometry3d forward_facing(const Eigen::Vector3d& position, double yaw = 0.0,
                                           double pitch = 0.0);
 };
+
+/// Throw std::invalid_argument naming the entry, its value and what was expected.
+void validate(const PinholeCamera& camera);
+void validate(const StereoCamera& camera);
+void validate(const RgbdFootprint& footprint);
+/// Refuses a T_BC that is not a finite rotation and translation.
+void validate(const CameraMount& mount);
 
 }  // namespace prospect

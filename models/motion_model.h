@@ -61,7 +61,10 @@ class MotionModel {
   virtual const InputLimits& limits() const = 0;
   virtual PoseLayout pose_layout() const = 0;
 
-  /// Body-frame velocity [m/s, rad/s] while input u is applied from state x: what the base is told.
+  /// Body-frame velocity [m/s, rad/s] at state x while input u is applied: what the base is told.
+  /// Acceleration-controlled models carry the velocity in x, so the velocity to command for the
+  /// coming step is that of the state at its END, twist(x_{k+1}, u_k); at x_k it is the velocity
+  /// already held.
   virtual Twist twist(const Eigen::Ref<const Eigen::VectorXd>& x,
                       const Eigen::Ref<const Eigen::VectorXd>& u) const = 0;
 
@@ -74,13 +77,15 @@ class MotionModel {
   virtual Eigen::VectorXd input(const Twist& twist) const = 0;
 
   /// The admissible input that brings the base to rest soonest, for one step of dt, given the input
-  /// `previous` in force: within bounds and rate limits. Repeating it ends at zero velocity.
+  /// `previous` in force: within bounds and rate limits (if `previous` itself violates a bound, the
+  /// bound wins over the rate). Repeating it ends at zero velocity. The way travelled is at most
+  /// v^2/(2 max_deceleration()) + max_deceleration() dt^2/8 along each axis.
   virtual Eigen::VectorXd braking_input(const Eigen::Ref<const Eigen::VectorXd>& x,
                                         const Eigen::Ref<const Eigen::VectorXd>& previous,
                                         double dt) const = 0;
 
   /// Squared linear speed [m^2/s^2] under (x, u) and its gradient. Smooth everywhere (the speed
-  /// itself is not at zero). Null pointers skip a gradient.
+  /// itself is not at zero). Null pointers skip a gradient; others are resized to nx, nu.
   virtual double squared_speed(const Eigen::Ref<const Eigen::VectorXd>& x,
                                const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::VectorXd* d_x,
                                Eigen::VectorXd* d_u) const = 0;
@@ -89,6 +94,16 @@ class MotionModel {
   virtual double max_speed() const = 0;
   virtual double max_yaw_rate() const = 0;
   virtual double max_deceleration() const = 0;
+
+  /// Bounds on the state that are not bounds on the input (speeds of acceleration-controlled
+  /// models), as rows c(x) >= 0 [m/s or rad/s], smooth. Velocity-controlled models have none.
+  virtual int num_state_constraints() const { return 0; }
+  /// values: num_state_constraints(); *d_x, if not null, becomes dc/dx (rows x nx).
+  virtual void state_constraints(const Eigen::Ref<const Eigen::VectorXd>& /*x*/,
+                                 Eigen::Ref<Eigen::VectorXd> /*values*/,
+                                 Eigen::MatrixXd* d_x) const {
+    if (d_x) d_x->resize(0, nx());
+  }
 
   /// Pose of a state, by the layout.
   Pose pose(const Eigen::Ref<const Eigen::VectorXd>& x) const {

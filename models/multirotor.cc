@@ -1,0 +1,164 @@
+#include "models/multirotor.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include "models/braking.h"
+#include "models/parameter_check.h"
+
+namespace prospect {
+namespace {
+
+/// One step of one candidate. Shared by step() and step_batch(), so that both agree to the bit.
+inline void advance(double px, double py, double pz, double vx, double vy, double vz, double psi,
+                    double ax, double ay, double az, double psi_dot, double dt, double& next_px,
+                    double& next_py, double& next_pz, double& next_vx, double& next_vy,
+                    double& next_vz, double& next_psi) {
+  const double half_square = 0.5 * dt * dt;
+  next_px = px + (vx * dt + ax * half_square);
+  next_py = py + (vy * dt + ay * half_square);
+  next_pz = pz + (vz * dt + az * half_square);
+  next_vx = vx + ax * dt;
+  next_vy = vy + ay * dt;
+  next_vz = vz + az * dt;
+  next_psi = psi + psi_dot * dt;
+}
+
+}  // namespace
+
+Multirotor::Multirotor(const Parameters& parameters) : parameters_(parameters) {
+  const Parameters& p = parameters_;
+  check_positive(kName, "v_max", p.v_max);
+  check_positive(kName, "vz_max", p.vz_max);
+  check_positive(kName, "a_max", p.a_max);
+  check_positive(kName, "az_max", p.az_max);
+  check_positive(kName, "omega_max", p.omega_max);
+  check_positive(kName, "alpha_max", p.alpha_max);
+  const double infinity = std::numeric_limits<double>::infinity();
+  limits_.upper = Eigen::Vector4d(p.a_max, p.a_max, p.az_max, p.omega_max);
+  limits_.lower = -limits_.upper;
+  limits_.rate = Eigen::Vector4d(infinity, infinity, infinity, p.alpha_max);
+}
+
+void Multirotor::jacobians(const Eigen::Ref<const Eigen::VectorXd>& x,
+                           const Eigen::Ref<const Eigen::VectorXd>& u, double dt,
+                           Eigen::Ref<Eigen::MatrixXd> A, Eigen::Ref<Eigen::MatrixXd> B) const {
+  assert(x.size() == 7 && u.size() == 4);
+  assert(A.rows() == 7 && A.cols() == 7 && B.rows() == 7 && B.cols() == 4);
+  A.setIdentity();
+  B.setZero();
+  for (int i = 0; i < 3; ++i) {
+    A(i, 3 + i) = dt;
+    B(i, i) = 0.5 * dt * dt;
+    B(3 + i, i) = dt;
+  }
+  B(6, 3) = dt;
+}
+
+PoseLayout Multirotor::pose_layout() const {
+  return PoseLayout{.px = 0, .py = 1, .pz = 2, .yaw = 6, .fixed_z = 0.0};
+}
+
+Twist Multirotor::twist(const Eigen::Ref<const Eigen::VectorXd>& x,
+                        const Eigen::Ref<const Eigen::VectorXd>& u) const {
+  const double c = std::cos(x[6]), s = std::sin(x[6]);
+  return {{c * x[3] + s * x[4], -s * x[3] + c * x[4], x[5]}, u[3]};
+}
+
+Eigen::VectorXd Multirotor::state(const Pose& pose, const Twist& twist) const {
+  const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+  const Eigen::Vector3d& v = twist.linear;
+  Eigen::VectorXd x(7);
+  x << pose.position, c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z(), pose.yaw;
+  return x;
+}
+
+Eigen::VectorXd Multirotor::input(const Twist& twist) const {
+  return Eigen::Vector4d(0.0, 0.0, 0.0, twist.yaw_rate);
+}
+
+Eigen::VectorXd Multirotor::braking_input(const Eigen::Ref<const Eigen::VectorXd>& x,
+                                          const Eigen::Ref<const Eigen::VectorXd>& previous,
+                                          double dt) const {
+  Eigen::VectorXd u(4);
+  for (int i = 0; i < 3; ++i) {
+    u[i] = brake_acceleration(x[3 + i], dt, limits_.lower[i], limits_.upper[i]);
+  }
+  u[3] = brake_velocity(previous[3], limits_.rate[3], dt, limits_.lower[3], limits_.upper[3]);
+  return u;
+}
+
+double Multirotor::squared_speed(const Eigen::Ref<const Eigen::VectorXd>& x,
+                                 const Eigen::Ref<const Eigen::VectorXd>& /*u*/,
+                                 Eigen::VectorXd* d_x, Eigen::VectorXd* d_u) const {
+  if (d_x) {
+    d_x->setZero(7);
+    d_x->segment<3>(3) = 2.0 * x.segment<3>(3);
+  }
+  if (d_u) d_u->setZero(4);
+  return x.segment<3>(3).squaredNorm();
+}
+
+double Multirotor::max_speed() const { return std::hypot(parameters_.v_max, parameters_.vz_max); }
+double Multirotor::max_yaw_rate() const { return parameters_.omega_max; }
+double Multirotor::max_deceleration() const {
+  return std::min(parameters_.a_max, parameters_.az_max);
+}
+
+void Multirotor::state_constraints(const Eigen::Ref<const Eigen::VectorXd>& x,
+                                   Eigen::Ref<Eigen::VectorXd> values, Eigen::MatrixXd* d_x) const {
+  assert(x.size() == 7 && values.size() == 3);
+  const double v_max = parameters_.v_max;
+  values[0] = (v_max * v_max - x[3] * x[3] - x[4] * x[4]) / (2.0 * v_max);
+  values[1] = parameters_.vz_max - x[5];
+  values[2] = parameters_.vz_max + x[5];
+  if (d_x) {
+    d_x->setZero(3, 7);
+    (*d_x)(0, 3) = -x[3] / v_max;
+    (*d_x)(0, 4) = -x[4] / v_max;
+    (*d_x)(1, 5) = -1.0;
+    (*d_x)(2, 5) = 1.0;
+  }
+}
+
+void Multirotor::step(const Eigen::Ref<const Eigen::VectorXd>& x,
+                      const Eigen::Ref<const Eigen::VectorXd>& u, double dt,
+                      Eigen::Ref<Eigen::VectorXd> next) const {
+  assert(x.size() == 7 && u.size() == 4 && next.size() == 7);
+  advance(x[0], x[1], x[2], x[3], x[4], x[5], x[6], u[0], u[1], u[2], u[3], dt, next[0], next[1],
+          next[2], next[3], next[4], next[5], next[6]);
+}
+
+void Multirotor::step_batch(const Eigen::Ref<const BatchArray>& x,
+                            const Eigen::Ref<const BatchArray>& u, double dt,
+                            Eigen::Ref<BatchArray> next) const {
+  assert(x.rows() == 7 && u.rows() == 4 && next.rows() == 7);
+  assert(x.cols() == u.cols() && x.cols() == next.cols());
+  const double* px = x.row(0).data();
+  const double* py = x.row(1).data();
+  const double* pz = x.row(2).data();
+  const double* vx = x.row(3).data();
+  const double* vy = x.row(4).data();
+  const double* vz = x.row(5).data();
+  const double* psi = x.row(6).data();
+  const double* ax = u.row(0).data();
+  const double* ay = u.row(1).data();
+  const double* az = u.row(2).data();
+  const double* psi_dot = u.row(3).data();
+  double* next_px = next.row(0).data();
+  double* next_py = next.row(1).data();
+  double* next_pz = next.row(2).data();
+  double* next_vx = next.row(3).data();
+  double* next_vy = next.row(4).data();
+  double* next_vz = next.row(5).data();
+  double* next_psi = next.row(6).data();
+  const Eigen::Index batch = x.cols();
+  for (Eigen::Index b = 0; b < batch; ++b) {
+    advance(px[b], py[b], pz[b], vx[b], vy[b], vz[b], psi[b], ax[b], ay[b], az[b], psi_dot[b], dt,
+            next_px[b], next_py[b], next_pz[b], next_vx[b], next_vy[b], next_vz[b], next_psi[b]);
+  }
+}
+
+}  // namespace prospect

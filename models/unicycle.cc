@@ -1,0 +1,129 @@
+#include "models/unicycle.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+#include "models/braking.h"
+#include "models/parameter_check.h"
+#include "models/sinc.h"
+
+namespace prospect {
+namespace {
+
+/// One step of one candidate. Shared by step() and step_batch(), so that both agree to the bit.
+inline void advance(double px, double py, double theta, double v, double omega, double dt,
+                    double& next_px, double& next_py, double& next_theta) {
+  const double phi = 0.5 * omega * dt;
+  const double chord = v * dt * sinc(phi);
+  next_px = px + chord * std::cos(theta + phi);
+  next_py = py + chord * std::sin(theta + phi);
+  next_theta = theta + omega * dt;
+}
+
+}  // namespace
+
+Unicycle::Unicycle(const Parameters& parameters) : parameters_(parameters) {
+  const Parameters& p = parameters_;
+  check_parameter(std::isfinite(p.v_min) && p.v_min <= 0.0, kName, "v_min", p.v_min,
+                  "a finite number not greater than 0");
+  check_positive(kName, "v_max", p.v_max);
+  check_positive(kName, "omega_max", p.omega_max);
+  check_positive(kName, "a_max", p.a_max);
+  check_positive(kName, "alpha_max", p.alpha_max);
+  check_finite(kName, "fixed_z", p.fixed_z);
+  limits_.lower = Eigen::Vector2d(p.v_min, -p.omega_max);
+  limits_.upper = Eigen::Vector2d(p.v_max, p.omega_max);
+  limits_.rate = Eigen::Vector2d(p.a_max, p.alpha_max);
+}
+
+void Unicycle::jacobians(const Eigen::Ref<const Eigen::VectorXd>& x,
+                         const Eigen::Ref<const Eigen::VectorXd>& u, double dt,
+                         Eigen::Ref<Eigen::MatrixXd> A, Eigen::Ref<Eigen::MatrixXd> B) const {
+  assert(x.size() == 3 && u.size() == 2);
+  assert(A.rows() == 3 && A.cols() == 3 && B.rows() == 3 && B.cols() == 2);
+  const double v = u[0], h = 0.5 * dt, phi = u[1] * h;
+  const double c = std::cos(x[2] + phi), s = std::sin(x[2] + phi);
+  const double d_v = dt * sinc(phi);                         // d chord / d v
+  const double d_omega = v * dt * h * sinc_derivative(phi);  // d chord / d omega
+  const double chord = v * d_v;
+  A.setIdentity();
+  A(0, 2) = -chord * s;
+  A(1, 2) = chord * c;
+  B(0, 0) = d_v * c;
+  B(1, 0) = d_v * s;
+  B(2, 0) = 0.0;
+  B(0, 1) = d_omega * c - chord * h * s;
+  B(1, 1) = d_omega * s + chord * h * c;
+  B(2, 1) = dt;
+}
+
+PoseLayout Unicycle::pose_layout() const {
+  return PoseLayout{.px = 0, .py = 1, .pz = -1, .yaw = 2, .fixed_z = parameters_.fixed_z};
+}
+
+Twist Unicycle::twist(const Eigen::Ref<const Eigen::VectorXd>& /*x*/,
+                      const Eigen::Ref<const Eigen::VectorXd>& u) const {
+  return {{u[0], 0.0, 0.0}, u[1]};
+}
+
+Eigen::VectorXd Unicycle::state(const Pose& pose, const Twist& /*twist*/) const {
+  return Eigen::Vector3d(pose.position.x(), pose.position.y(), pose.yaw);
+}
+
+Eigen::VectorXd Unicycle::input(const Twist& twist) const {
+  return Eigen::Vector2d(twist.linear.x(), twist.yaw_rate);
+}
+
+Eigen::VectorXd Unicycle::braking_input(const Eigen::Ref<const Eigen::VectorXd>& /*x*/,
+                                        const Eigen::Ref<const Eigen::VectorXd>& previous,
+                                        double dt) const {
+  Eigen::VectorXd u(2);
+  for (int j = 0; j < 2; ++j) {
+    u[j] = brake_velocity(previous[j], limits_.rate[j], dt, limits_.lower[j], limits_.upper[j]);
+  }
+  return u;
+}
+
+double Unicycle::squared_speed(const Eigen::Ref<const Eigen::VectorXd>& /*x*/,
+                               const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::VectorXd* d_x,
+                               Eigen::VectorXd* d_u) const {
+  if (d_x) d_x->setZero(3);
+  if (d_u) {
+    d_u->setZero(2);
+    (*d_u)[0] = 2.0 * u[0];
+  }
+  return u[0] * u[0];
+}
+
+double Unicycle::max_speed() const { return std::max(parameters_.v_max, -parameters_.v_min); }
+double Unicycle::max_yaw_rate() const { return parameters_.omega_max; }
+double Unicycle::max_deceleration() const { return parameters_.a_max; }
+
+void Unicycle::step(const Eigen::Ref<const Eigen::VectorXd>& x,
+                    const Eigen::Ref<const Eigen::VectorXd>& u, double dt,
+                    Eigen::Ref<Eigen::VectorXd> next) const {
+  assert(x.size() == 3 && u.size() == 2 && next.size() == 3);
+  advance(x[0], x[1], x[2], u[0], u[1], dt, next[0], next[1], next[2]);
+}
+
+void Unicycle::step_batch(const Eigen::Ref<const BatchArray>& x,
+                          const Eigen::Ref<const BatchArray>& u, double dt,
+                          Eigen::Ref<BatchArray> next) const {
+  assert(x.rows() == 3 && u.rows() == 2 && next.rows() == 3);
+  assert(x.cols() == u.cols() && x.cols() == next.cols());
+  const double* px = x.row(0).data();
+  const double* py = x.row(1).data();
+  const double* theta = x.row(2).data();
+  const double* v = u.row(0).data();
+  const double* omega = u.row(1).data();
+  double* next_px = next.row(0).data();
+  double* next_py = next.row(1).data();
+  double* next_theta = next.row(2).data();
+  const Eigen::Index batch = x.cols();
+  for (Eigen::Index b = 0; b < batch; ++b) {
+    advance(px[b], py[b], theta[b], v[b], omega[b], dt, next_px[b], next_py[b], next_theta[b]);
+  }
+}
+
+}  // namespace prospect
