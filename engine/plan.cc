@@ -1,0 +1,21 @@
+#include "engine/plan.h"
+
+namespace prospect {
+
+std::string_view to_string(PlanKind kind) {
+  switch (kind) {
+    case PlanKind::kOptimised:
+      return "optimised";
+    case PlanKind::kSeed:
+      return "seed";
+    case PlanKind::kStoppingTail:
+      return "stopping tail";
+    case PlanKind::kRecovery:
+      return "recovery";
+    case PlanKind::kScripted:
+      return "scripted";
+  }
+  return "?";
+}
+
+}  // namespace prospect

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "engine/cost_to_go.h"
+#include "engine/traversability.h"
+#include "models/types.h"
+
+namespace prospect {
+
+/// Where the robot has been while enough features were tracked: the places worth going back to.
+///
+/// A value, owned by the planner. Deterministic. Thread-safety: none. Source: our choice (the
+/// formulation asks to "turn and retreat to where features are").
+class RetreatTrail {
+ public:
+  /// Notes a place, at most one each `spacing` [m].
+  void note(const Eigen::Vector2d& position, double spacing = 0.3);
+  const std::vector<Eigen::Vector2d>& places() const { return places_; }
+
+  /// Cost-to-go [s] to the nearest noted place at least `away` metres from the robot (the nearest
+  /// one of all if there is none), over the cells within `reach` of the robot: Dijkstra over 8
+  /// neighbours, passable cells at their factor, all others at 3 per metre, so it is finite
+  /// everywhere. Null if nothing was noted within reach.
+  std::shared_ptr<const CostToGo> cost_to_go(const Traversability& traversability,
+                                             const Eigen::Vector2d& robot, double v_max,
+                                             double away = 0.5, double reach = 6.0) const;
+
+ private:
+  std::vector<Eigen::Vector2d> places_;
+};
+
+}  // namespace prospect

@@ -1,0 +1,171 @@
+#include "engine/seeds.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "engine/tracking_input.h"
+
+namespace prospect {
+namespace {
+
+/// What a steering law is asked: the desired body velocity at time t [s] and pose.
+using Law = std::function<Twist(double t, const Pose& pose)>;
+
+double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
+
+/// Rolls a steering law out, one decision a knot, and returns the knots' inputs.
+Eigen::VectorXd roll(const Problem& problem, const Law& law) {
+  const ProblemDefinition& d = problem.definition();
+  const MotionModel& model = *d.model;
+  Eigen::VectorXd z(problem.num_variables());
+  Eigen::VectorXd x = d.x0;
+  Eigen::VectorXd next(model.nx());
+  Eigen::VectorXd u = d.u_previous;
+  int last_knot = -1;
+  for (int k = 0; k < d.N; ++k) {
+    if (problem.knot(k) != last_knot) {
+      last_knot = problem.knot(k);
+      u = tracking_input(model, x, u, law(k * d.dt, model.pose(x)), d.dt);
+      z.segment(last_knot * model.nu(), model.nu()) = u;
+    }
+    model.step(x, u, d.dt, next);
+    x.swap(next);
+  }
+  return z;
+}
+
+Twist forward(double v, double w) { return {Eigen::Vector3d(v, 0.0, 0.0), w}; }
+
+class Laws {
+ public:
+  Laws(const Problem& problem, const SeedContext& context)
+      : model_(*problem.definition().model), context_(context) {}
+
+  Law constant(double speed, double turn) const {
+    return [=, this](double, const Pose&) {
+      return forward(speed * model_.max_speed(), turn * model_.max_yaw_rate());
+    };
+  }
+
+  /// Turns towards a heading, with the speed falling off as the error grows.
+  Twist steer(double heading, double speed, const Pose& pose) const {
+    const double error = wrapped(heading - pose.yaw);
+    const double turn = std::clamp(2.0 * error, -model_.max_yaw_rate(), model_.max_yaw_rate());
+    const double ahead = std::max(0.0, std::cos(error));
+    return forward(speed * model_.max_speed() * ahead * ahead * ahead, turn);
+  }
+
+  /// Down the cost-to-go.
+  Twist descend(double speed, const Pose& pose) const {
+    Eigen::Vector2d gradient;
+    context_.cost_to_go->value(Eigen::Vector2d(pose.position.head<2>()), gradient);
+    if (!gradient.allFinite() || gradient.norm() < 1e-3) return {};
+    return steer(std::atan2(-gradient.y(), -gradient.x()), speed, pose);
+  }
+  Law follow(double speed) const {
+    return [=, this](double, const Pose& pose) { return descend(speed, pose); };
+  }
+  /// Down the cost-to-go until `from`, then also turning.
+  Law follow_then_look(double from, double turn) const {
+    return [=, this](double t, const Pose& pose) {
+      return t < from ? descend(1.0, pose) : forward(0.0, turn * model_.max_yaw_rate());
+    };
+  }
+  /// Turns to a heading on the spot, then drives `speed` along it.
+  Law turn_then_go(std::function<double(const Pose&)> heading, double speed) const {
+    return [=, this](double, const Pose& pose) {
+      const double error = wrapped(heading(pose) - pose.yaw);
+      if (std::abs(error) < 0.3) return steer(heading(pose), speed, pose);
+      return forward(0.0, std::clamp(2.0 * error, -model_.max_yaw_rate(), model_.max_yaw_rate()));
+    };
+  }
+  /// Drives down the cost-to-go without turning there, while facing a heading: for bases that can.
+  Law strafe(std::function<double(const Pose&)> heading) const {
+    return [=, this](double, const Pose& pose) -> Twist {
+      Eigen::Vector2d gradient;
+      context_.cost_to_go->value(Eigen::Vector2d(pose.position.head<2>()), gradient);
+      if (!gradient.allFinite() || gradient.norm() < 1e-3) return {};
+      const Eigen::Vector2d v = -gradient.normalized() * model_.max_speed() * 0.7;
+      const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
+      const double error = wrapped(heading(pose) - pose.yaw);
+      return {Eigen::Vector3d(c * v.x() + s * v.y(), -s * v.x() + c * v.y(), 0.0),
+              std::clamp(2.0 * error, -model_.max_yaw_rate(), model_.max_yaw_rate())};
+    };
+  }
+
+ private:
+  const MotionModel& model_;
+  const SeedContext& context_;
+};
+
+std::function<double(const Pose&)> towards(const Eigen::Vector2d& point) {
+  return [point](const Pose& pose) {
+    const Eigen::Vector2d d = point - pose.position.head<2>();
+    return d.norm() < 1e-6 ? pose.yaw : std::atan2(d.y(), d.x());
+  };
+}
+
+}  // namespace
+
+std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context) {
+  const ProblemDefinition& d = problem.definition();
+  const Laws laws(problem, context);
+  std::vector<Seed> seeds;
+  const auto add = [&](const std::string& name, const Law& law) {
+    seeds.push_back({name, roll(problem, law)});
+  };
+
+  if (context.previous.cols() > 0) {
+    Eigen::MatrixXd inputs(d.N, d.model->nu());
+    const Eigen::Index last = context.previous.cols() - 1;
+    for (int k = 0; k < d.N; ++k) {
+      inputs.row(k) = context.previous.col(std::min<Eigen::Index>(k, last)).transpose();
+    }
+    seeds.push_back({"previous", problem.knots_from_inputs(inputs)});
+  }
+  const double horizon = d.N * d.dt;
+  add("follow", laws.follow(1.0));
+  add("follow slowly", laws.follow(0.5));
+  add("follow, look left", laws.follow_then_look(0.5 * horizon, 0.8));
+  add("follow, look right", laws.follow_then_look(0.5 * horizon, -0.8));
+  for (const double speed : {1.0, 0.5}) {
+    for (const double turn : {0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0}) {
+      add("arc", laws.constant(speed, turn));
+    }
+  }
+  for (const double turn : {1.0, -1.0, 0.5, -0.5}) add("turn", laws.constant(0.0, turn));
+  if (context.target) {
+    const auto look = towards(context.target->looks_at);
+    const auto go = towards(context.target->viewpoint);
+    add("face", laws.turn_then_go(look, 0.0));
+    add("face and go", laws.turn_then_go(look, 0.7));
+    add("turn and go", laws.turn_then_go(go, 1.0));
+    if (d.model->nu() > 2) add("strafe", laws.strafe(look));
+  }
+  add("stop", laws.constant(0.0, 0.0));
+  return seeds;
+}
+
+std::vector<Seed> make_scripted_seeds(const Problem& problem, const SeedContext& context) {
+  const Laws laws(problem, context);
+  std::vector<Seed> seeds;
+  const auto add = [&](const std::string& name, const Law& law) {
+    seeds.push_back({name, roll(problem, law)});
+  };
+  if (context.target) {
+    const Pose pose = problem.definition().model->pose(problem.definition().x0);
+    const double distance = (context.target->viewpoint - pose.position.head<2>()).norm();
+    if (distance > 0.2) {
+      add("script: go", laws.follow(0.5));
+      add("script: go slowly", laws.follow(0.25));
+    }
+    add("script: face", laws.turn_then_go(towards(context.target->looks_at), 0.0));
+  } else {
+    add("script: turn", laws.constant(0.0, 0.6));
+  }
+  add("stop", laws.constant(0.0, 0.0));
+  return seeds;
+}
+
+}  // namespace prospect

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/cost_to_go.h"
+#include "engine/exploration_guide.h"
+#include "engine/problem.h"
+
+namespace prospect {
+
+/// A start for the optimisation: one point of the problem's variables, and where it came from.
+struct Seed {
+  std::string name;
+  Eigen::VectorXd z;
+};
+
+struct SeedContext {
+  const CostToGo* cost_to_go = nullptr;  ///< non-null
+  /// Where the frontiers want the robot, if anywhere.
+  std::optional<FrontierTarget> target;
+  /// Inputs of the previous plan from now on (nu x n, n >= 0, one column a stage).
+  Eigen::MatrixXd previous;
+};
+
+/// Starts that between them reach the basins worth polishing: the shifted previous plan, the way
+/// down the cost-to-go at two speeds, the same looking left and right at the end, arcs, turning in
+/// place, facing the target frontier, turning then going, driving one way and looking another
+/// (bases that can), and stopping.
+///
+/// Each is a simple steering law rolled out through the problem's own model, one decision a knot,
+/// the input clamped by tracking_input, so that bounds and rate limits between knots hold. In a
+/// fixed order; "stop" is always among them. Deterministic. Thread-safety: no state. Source:
+/// formulation, section 8; the steering laws are our choice.
+std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context);
+
+/// Only those that follow the cost-to-go to the target's viewpoint and face what is to be seen from
+/// there: the stall watchdog's script. Without a target: turning in place.
+std::vector<Seed> make_scripted_seeds(const Problem& problem, const SeedContext& context);
+
+}  // namespace prospect
