@@ -13,7 +13,7 @@ class OcTree;
 namespace prospect {
 
 /// The range of heights that the robot's body sweeps, z_min <= z <= z_max [m, in W].
-struct BodySlice {
+struct HeightSlice {
   double z_min = 0.1;
   double z_max = 0.5;
 };
@@ -27,7 +27,7 @@ struct SliceLayers {
 
 /// Layers of `slice` on a lattice of `resolution` [m]; always at least one.
 /// Throws std::invalid_argument if the slice is not finite, empty, or the resolution not positive.
-SliceLayers slice_layers(const BodySlice& slice, double resolution);
+SliceLayers slice_layers(const HeightSlice& slice, double resolution);
 
 /// State of a ground cell from the counts of its column (formulation, section 2: the exploration
 /// map is the octree projected on the ground plane; the share of one half is our choice):
@@ -41,7 +41,7 @@ inline CellState project_column(int occupied, int free, int layers) {
 CellState project_column(const VoxelGrid& voxels, Cell c, const SliceLayers& layers);
 
 /// Projects every column: the ground map of a whole grid. O(cells x layers).
-GroundMap project(const VoxelGrid& voxels, const BodySlice& slice);
+GroundMap project(const VoxelGrid& voxels, const HeightSlice& slice);
 
 /// The three maps of a Belief, of one octree.
 struct BeliefMaps {
@@ -60,7 +60,7 @@ VoxelGrid voxels_from_octree(const octomap::OcTree& octree, double z_min, double
 
 /// Belief maps from an existing octree, for robots that keep their own OctoMap.
 /// Throws std::invalid_argument as voxels_from_octree, or if `octree` is null.
-BeliefMaps belief_maps(std::shared_ptr<const octomap::OcTree> octree, const BodySlice& slice,
+BeliefMaps belief_maps(std::shared_ptr<const octomap::OcTree> octree, const HeightSlice& slice,
                        double z_min, double z_max);
 
 }  // namespace prospect

@@ -30,7 +30,7 @@ struct OccupancyMapperOptions {
   double max_range = 4.0;   ///< [m]: nothing is learned farther from the origin than this
   double z_min = -0.3;      ///< [m]: voxels outside [z_min, z_max] are not kept
   double z_max = 2.5;
-  BodySlice slice;  ///< heights projected on the ground map
+  HeightSlice slice;  ///< heights projected on the ground map
   /// Sensor model of OctoMap: probabilities of a hit and a miss, and bounds of a voxel's
   /// probability.
   double probability_hit = 0.7;
