@@ -40,21 +40,28 @@ struct Disc {
   double radius;
 };
 
-/// Axis-aligned extent of the body along B's z [m].
+/// Extent of the body along B's z [m].
 struct VerticalExtent {
   double z_min;
   double z_max;
 };
 
 /// Throws std::invalid_argument (what was wrong, what was expected) for non-finite or non-positive
-/// sizes, an empty sphere set, or a degenerate hull.
+/// sizes, an empty sphere set, or a degenerate hull (fewer than four vertices, or thinner than 1e-6
+/// m). The functions below throw the same.
 void validate(const RobotShape& shape);
 VerticalExtent vertical_extent(const RobotShape& shape);
-/// Discs whose union contains the body's ground projection, in B; one for a cylinder; overlapping
-/// row of discs along the longer side for boxes and hulls, overhanging the true outline by at most
-/// `overhang` [m] where the shape's proportions allow it with at most eight discs.
+/// Discs whose union contains the body's ground projection, in B.
+///   sphere set: one disc a sphere, without those inside others; cylinder: one disc, exact;
+///   box, hull: the fewest of at most eight discs that overhang the ground outline by at most
+///   `overhang` [m, > 0]; where eight cannot, those that overhang least. Each is the smallest
+///   circle of one part of the outline, cut in a grid or in a row between two end columns (our
+///   choice).
+/// Deterministic; some ms, so call it once, not in a loop. Throws like validate().
 std::vector<Disc> bounding_discs(const RobotShape& shape, double overhang = 0.03);
-/// Spheres whose union contains the body, in B (for bases that move in 3-D).
+/// Spheres whose union contains the body, in B (for bases that move in 3-D): a sphere set itself;
+/// for the others the fewest of at most 64 in a grid that overhang the outline of each horizontal
+/// slab, the top and the bottom by at most `overhang` [m, > 0], else those that overhang least.
 std::vector<Sphere> bounding_spheres(const RobotShape& shape, double overhang = 0.05);
 /// Radius of the smallest vertical cylinder about B's z axis that contains the body [m].
 double circumscribed_radius(const RobotShape& shape);
