@@ -1,0 +1,59 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "engine/guard.h"
+#include "engine/planner.h"
+#include "engine/robot.h"
+
+namespace prospect {
+
+enum class MissionEnd {
+  kExplored,  ///< no active reachable frontier is left
+  kTimeLimit,
+  kLost,  ///< localization was lost and did not come back
+  kCancelled
+};
+
+std::string_view to_string(MissionEnd end);
+
+struct MissionOptions {
+  double time_limit = 1200.0;  ///< [s] of the robot's clock
+  double lost_limit = 120.0;   ///< [s] without localization that end the mission
+};
+
+/// What an observer is shown after each planning step, before it is executed.
+struct MissionStep {
+  int index = 0;
+  double time = 0.0;  ///< [s]
+  const Belief* belief = nullptr;
+  const Plan* plan = nullptr;
+  const Planner* planner = nullptr;
+  /// Commands of the previous plan that the guard turned into stops, since the last step.
+  int guard_stops = 0;
+};
+
+struct MissionResult {
+  MissionEnd end = MissionEnd::kTimeLimit;
+  std::string detail;
+  double duration = 0.0;  ///< [s] of the robot's clock
+  int steps = 0;
+  int fallbacks = 0;    ///< steps that ended in a stopping tail
+  int guard_stops = 0;  ///< commands that the guard replaced
+};
+
+/// Explores until nothing is left or time is up:
+///   sense -> plan -> for each committed stage: sense, guard, apply.
+/// Every command passes the guard with the newest belief. `observe` (may be empty) is called after
+/// each planning step; `cancelled` (may be empty) is asked before each. The last command is a stop.
+///
+/// Does not throw, unless `observe` does: then the robot is stopped first and the exception passed
+/// on.
+MissionResult run_mission(Robot& robot, Planner& planner, const Guard& guard,
+                          const MissionOptions& options,
+                          const std::function<void(const MissionStep&)>& observe = {},
+                          const std::function<bool()>& cancelled = {});
+
+}  // namespace prospect
