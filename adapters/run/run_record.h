@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "engine/grid.h"
+#include "engine/solver.h"
+#include "models/types.h"
+
+namespace prospect {
+
+/// A landmark as the report draws it.
+struct LandmarkView {
+  float x = 0.0F, y = 0.0F;  ///< [m], estimated frame
+  float visibility = 0.0F;   ///< probability that it is visible now
+};
+
+/// Everything recorded at one planning step. All numbers but those in `wall` are reproducible.
+struct StepRecord {
+  int step = 0;
+  double time = 0.0;  ///< [s] of the robot's clock since the start
+  Pose true_pose, estimated_pose;
+  Twist command;                    ///< the first one of the plan
+  std::string plan_kind;            ///< to_string(PlanKind)
+  std::string seed;                 ///< which seed the plan grew from
+  Explanation explanation;          ///< cost and every term, raw and weighted
+  double predicted_features = 0.0;  ///< N_k predicted for the end of the committed part
+  int tracked_features = 0;         ///< in the newest image
+  std::string localization;         ///< ok, degraded, lost
+  double coverage = 0.0;            ///< share of the reachable area
+  double area = 0.0;                ///< [m^2] really seen
+  double localization_error = 0.0;  ///< [m]
+  double path_length = 0.0;         ///< [m] really driven
+  int collisions = 0;               ///< so far
+  double clearance = 0.0;  ///< [m], smallest along the plan; from the clearance term's raw value
+  int cost_evaluations = 0;
+  int gradient_evaluations = 0;
+  std::string stop_reason;
+  std::string quality;
+  bool certified = false;
+  std::string certificate;
+  int active_frontiers = 0;
+  int guard_stops = 0;
+
+  std::vector<Pose> horizon;  ///< predicted poses x_0 ... x_N, estimated frame
+  std::vector<Eigen::Vector2f>
+      frontier_cells;                   ///< centres of active frontier cells, estimated frame
+  std::vector<LandmarkView> landmarks;  ///< those the planner considered
+  /// Ground cells whose state changed since the previous record.
+  std::vector<std::pair<Cell, CellState>> map_changes;
+
+  /// Wall-clock times, the only entries that differ between two runs of one seed [ms].
+  struct Wall {
+    double plan = 0.0, guide = 0.0, clearance = 0.0, views = 0.0, seeds = 0.0, polish = 0.0,
+           certify = 0.0;
+  } wall;
+};
+
+/// Results of a whole mission; the names are those of summary.json. NaN: never reached.
+struct Summary {
+  std::string world, solver;
+  std::uint64_t seed = 0;
+  std::string reason;  ///< why it ended
+  double coverage = 0.0;
+  double area_m2 = 0.0;
+  double reachable_area_m2 = 0.0;
+  int collisions = 0;
+  int losses = 0;
+  double duration_s = 0.0;
+  double wall_s = 0.0;
+  double path_length_m = 0.0;
+  double time_to_90_s = 0.0, time_to_95_s = 0.0, time_to_99_s = 0.0;
+  double path_to_90_m = 0.0, path_to_95_m = 0.0, path_to_99_m = 0.0;
+  double localization_rmse_m = 0.0, localization_final_m = 0.0, drift_percent = 0.0;
+  double plan_ms_p50 = 0.0, plan_ms_p95 = 0.0, plan_ms_p99 = 0.0, plan_ms_max = 0.0;
+  int deadline_misses = 0;
+  int fallbacks = 0;
+  int guard_stops = 0;
+  int steps = 0;
+};
+
+/// A whole run as the report needs it.
+struct RunRecord {
+  Summary summary;
+  double resolution = 0.1;  ///< of the ground cells [m]
+  double robot_radius = 0.2;
+  double sensor_range = 4.0;
+  double sensor_fov = 1.2;
+  std::vector<StepRecord> steps;
+  std::string configuration;  ///< effective, as YAML
+};
+
+}  // namespace prospect
