@@ -113,7 +113,7 @@ void validate(const CameraMount& mount) {
   constexpr std::string_view kOwner = "camera mount";
   const Eigen::Matrix3d& R = mount.T_BC.linear();
   for (int i = 0; i < 3; ++i) check_finite(kOwner, "position", mount.T_BC.translation()[i]);
-  const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  const double error = (R.transpose() * R - Eigen::Matrix3d::Identity()).norm();  // NaN stays NaN
   check_parameter(error <= 1e-6, kOwner, "deviation of the rotation from an orthonormal matrix",
                   error, "at most 1e-6");
   check_parameter(R.determinant() > 0.0, kOwner, "determinant of the rotation", R.determinant(),

@@ -24,7 +24,7 @@ struct PinholeCamera {
 /// Rectified stereo rig: right camera displaced by `baseline` along C's x axis.
 ///   disparity d = fx baseline / Z = u_left - u_right > 0.
 struct StereoCamera {
-  PinholeCamera left;
+  PinholeCamera left = {};
   double baseline = 0.12;  ///< b [m]
   double sigma_u = 0.5;    ///< image noise [px], one standard deviation
   double sigma_v = 0.5;

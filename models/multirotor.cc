@@ -42,10 +42,9 @@ Multirotor::Multirotor(const Parameters& parameters) : parameters_(parameters) {
   limits_.rate = Eigen::Vector4d(infinity, infinity, infinity, p.alpha_max);
 }
 
-void Multirotor::jacobians(const Eigen::Ref<const Eigen::VectorXd>& x,
-                           const Eigen::Ref<const Eigen::VectorXd>& u, double dt,
+void Multirotor::jacobians(const Eigen::Ref<const Eigen::VectorXd>& /*x*/,
+                           const Eigen::Ref<const Eigen::VectorXd>& /*u*/, double dt,
                            Eigen::Ref<Eigen::MatrixXd> A, Eigen::Ref<Eigen::MatrixXd> B) const {
-  assert(x.size() == 7 && u.size() == 4);
   assert(A.rows() == 7 && A.cols() == 7 && B.rows() == 7 && B.cols() == 4);
   A.setIdentity();
   B.setZero();
