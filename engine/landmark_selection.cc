@@ -1,0 +1,105 @@
+#include "engine/landmark_selection.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+namespace prospect {
+namespace {
+
+constexpr int kSectors = 32;
+constexpr double kWidths = 4.0;  // logistic widths beyond a limit that still count
+
+double logistic(double x) { return 1.0 / (1.0 + std::exp(-x)); }
+
+struct Candidate {
+  const Landmark* landmark;
+  double azimuth;
+  double bound;
+};
+
+bool usable(const Landmark& l) {
+  return l.position.allFinite() && l.covariance.allFinite() && l.creation_direction.allFinite() &&
+         l.creation_direction.norm() > 1e-6 && std::isfinite(l.creation_range) &&
+         l.creation_range > 0.0 && l.survival > 0.0 && l.survival <= 1.0;
+}
+
+// The largest survival * P_range * P_view over camera positions within `reach` of `center`, each
+// factor bounded on its own; 0 if the landmark cannot matter.
+double visibility_bound(const Landmark& l, const Eigen::Vector3d& center, double reach,
+                        const VisibilityParameters& p) {
+  const Eigen::Vector3d to_center = center - l.position;
+  const double distance = to_center.norm();
+  const double nearest = std::max(0.0, distance - reach);
+  const double farthest = distance + reach;
+  // Depth never exceeds range, so the far limits bind the nearest position, the near ones the
+  // farthest.
+  const double scale_near = nearest / l.creation_range;
+  const double scale_far = farthest / l.creation_range;
+  if (nearest > p.r_max + kWidths * p.r_max_width || farthest < p.r_min - kWidths * p.r_min_width ||
+      scale_near > p.scale_max + kWidths * p.scale_width ||
+      scale_far < p.scale_min - kWidths * p.scale_width) {
+    return 0.0;
+  }
+  // From `center` the ball is seen under asin(reach / distance): the view angle can shrink by that.
+  double angle = 0.0;
+  if (distance > reach) {
+    const double cosine =
+        to_center.dot(l.creation_direction) / (distance * l.creation_direction.norm());
+    angle = std::acos(std::clamp(cosine, -1.0, 1.0)) - std::asin(reach / distance);
+    angle = std::max(0.0, angle);
+  }
+  if (angle > p.view_angle + kWidths * p.view_angle_width) return 0.0;
+  return l.survival * logistic((p.r_max - nearest) / p.r_max_width) *
+         logistic((p.scale_max - scale_near) / p.scale_width) *
+         logistic((scale_far - p.scale_min) / p.scale_width) *
+         logistic((p.view_angle - angle) / p.view_angle_width);
+}
+
+}  // namespace
+
+std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose, double reach,
+                                       int max_count, const VisibilityParameters& parameters) {
+  std::array<std::vector<Candidate>, kSectors> sectors;
+  std::size_t total = 0;
+  for (const Landmark& l : map.landmarks) {
+    if (!usable(l)) continue;
+    const double bound = visibility_bound(l, pose.position, reach, parameters);
+    if (!(bound > 0.0)) continue;
+    const double azimuth =
+        std::atan2(l.position.y() - pose.position.y(), l.position.x() - pose.position.x());
+    const double turn = azimuth / (2.0 * std::numbers::pi) + 0.5;
+    const int sector = std::clamp(static_cast<int>(turn * kSectors), 0, kSectors - 1);
+    sectors[static_cast<std::size_t>(sector)].push_back({&l, azimuth, bound});
+    ++total;
+  }
+  // Ties are broken by everything that can tell two landmarks apart, so that the order in the map
+  // does not matter even for repeated ids.
+  const auto key = [](const Candidate& c) {
+    const Eigen::Vector3d& p = c.landmark->position;
+    return std::make_tuple(c.landmark->id, p.x(), p.y(), p.z());
+  };
+  for (auto& sector : sectors) {
+    std::sort(sector.begin(), sector.end(), [&](const Candidate& a, const Candidate& b) {
+      return a.bound != b.bound ? a.bound > b.bound : key(a) < key(b);
+    });
+  }
+  std::vector<Candidate> chosen;
+  const std::size_t wanted = std::min(total, static_cast<std::size_t>(std::max(0, max_count)));
+  for (std::size_t rank = 0; chosen.size() < wanted; ++rank) {
+    for (const auto& sector : sectors) {
+      if (rank < sector.size() && chosen.size() < wanted) chosen.push_back(sector[rank]);
+    }
+  }
+  std::sort(chosen.begin(), chosen.end(), [&](const Candidate& a, const Candidate& b) {
+    return a.azimuth != b.azimuth ? a.azimuth < b.azimuth : key(a) < key(b);
+  });
+  std::vector<Landmark> result;
+  result.reserve(chosen.size());
+  for (const Candidate& c : chosen) result.push_back(*c.landmark);
+  return result;
+}
+
+}  // namespace prospect

@@ -1,0 +1,541 @@
+#include "engine/terms/visibility_kernel.h"
+
+#include <cmath>
+
+#include "engine/normal_distribution.h"
+
+// Everything below the dispatch is force-inlined, because a function compiled for the baseline
+// cannot be widened after the fact: each entry point is one body per instruction set.
+#define PROSPECT_FORCE_INLINE [[gnu::always_inline]] static inline
+
+namespace prospect {
+namespace {
+
+namespace vd = visibility_derivative;
+constexpr int kLanes = VisibilityBlock::kLanes;
+
+// Beyond this many standard deviations outside the image P_fov is exactly 0: Phi there is 6e-58,
+// far below what a count can hold, and the clamp keeps products of tails out of the slow denormal
+// range.
+constexpr double kTail = 16.0;
+constexpr double kLogisticTail = 40.0;
+
+PROSPECT_FORCE_INLINE double clamp(double x, double lower, double upper) {
+  return normal_distribution_detail::clamp(x, lower, upper);
+}
+
+PROSPECT_FORCE_INLINE double at_least(double x, double lower) {
+  return normal_distribution_detail::select_negative(x - lower, lower, x);
+}
+
+// A point before the camera and the uncertainty of its image. Notation: Y = (X, Y, Z) in C,
+// a = X/Z, b = Y/Z, g = dY/dyaw. dY_x - a dY_z is what moves u, dY_y - b dY_z what moves v:
+//   Q_u = Var(dY_x - a dY_z),  S_uu = (fx/Z)^2 Q_u + sigma^2.
+struct Point {
+  double dx, dy, dz;  // l - sensor, in W
+  double X, Y, Z;
+  double inverse_z;  // of max(Z, near_depth)
+  double a, b;
+  double gz;                // g_z
+  double gamma_u, gamma_v;  // g_x - a g_z, g_y - b g_z
+  double ru[3], rv[3];      // rows of (e_x - a e_z)^T R_CW, (e_y - b e_z)^T R_CW
+  double wu[3], wv[3];      // Sigma_i ru, Sigma_i rv
+  double cu, cv;            // c_x - a c_z, c_y - b c_z
+  double Qu, Qv;
+  double gx, gy;
+};
+
+PROSPECT_FORCE_INLINE Point point(const VisibilityBlock& l, int j,
+                                  const VisibilityKernelConstants& c,
+                                  const VisibilityKernelStage& s) {
+  Point p;
+  p.dx = l.x[j] - s.sensor[0];
+  p.dy = l.y[j] - s.sensor[1];
+  p.dz = l.z[j] - s.sensor[2];
+  p.X = s.R[0] * p.dx + s.R[1] * p.dy + s.R[2] * p.dz;
+  p.Y = s.R[3] * p.dx + s.R[4] * p.dy + s.R[5] * p.dz;
+  p.Z = s.R[6] * p.dx + s.R[7] * p.dy + s.R[8] * p.dz;
+  const double z = at_least(p.Z, c.near_depth);
+  p.inverse_z = 1.0 / z;
+  p.a = p.X * p.inverse_z;
+  p.b = p.Y * p.inverse_z;
+  p.gx = p.Y * c.up[2] - p.Z * c.up[1] + c.lever[0];
+  p.gy = p.Z * c.up[0] - p.X * c.up[2] + c.lever[1];
+  p.gz = p.X * c.up[1] - p.Y * c.up[0] + c.lever[2];
+  p.gamma_u = p.gx - p.a * p.gz;
+  p.gamma_v = p.gy - p.b * p.gz;
+  for (int i = 0; i < 3; ++i) {
+    p.ru[i] = s.R[i] - p.a * s.R[6 + i];
+    p.rv[i] = s.R[3 + i] - p.b * s.R[6 + i];
+  }
+  p.wu[0] = l.xx[j] * p.ru[0] + l.xy[j] * p.ru[1] + l.xz[j] * p.ru[2];
+  p.wu[1] = l.xy[j] * p.ru[0] + l.yy[j] * p.ru[1] + l.yz[j] * p.ru[2];
+  p.wu[2] = l.xz[j] * p.ru[0] + l.yz[j] * p.ru[1] + l.zz[j] * p.ru[2];
+  p.wv[0] = l.xx[j] * p.rv[0] + l.xy[j] * p.rv[1] + l.xz[j] * p.rv[2];
+  p.wv[1] = l.xy[j] * p.rv[0] + l.yy[j] * p.rv[1] + l.yz[j] * p.rv[2];
+  p.wv[2] = l.xz[j] * p.rv[0] + l.yz[j] * p.rv[1] + l.zz[j] * p.rv[2];
+  p.cu = s.c[0] - p.a * s.c[2];
+  p.cv = s.c[1] - p.b * s.c[2];
+  const double Qu = s.M[0] + p.a * (p.a * s.M[2] - 2.0 * s.M[4]) +
+                    p.gamma_u * (2.0 * p.cu + p.gamma_u * s.s) +
+                    (p.ru[0] * p.wu[0] + p.ru[1] * p.wu[1] + p.ru[2] * p.wu[2]);
+  const double Qv = s.M[1] + p.b * (p.b * s.M[2] - 2.0 * s.M[5]) +
+                    p.gamma_v * (2.0 * p.cv + p.gamma_v * s.s) +
+                    (p.rv[0] * p.wv[0] + p.rv[1] * p.wv[1] + p.rv[2] * p.wv[2]);
+  // Both are variances; rounding must not make them negative.
+  p.Qu = at_least(Qu, 0.0);
+  p.Qv = at_least(Qv, 0.0);
+  return p;
+}
+
+// Cov(dY_x - a dY_z, dY_y - b dY_z).
+PROSPECT_FORCE_INLINE double cross_covariance(const Point& p, const VisibilityKernelStage& s) {
+  return s.M[3] - p.b * s.M[4] - p.a * s.M[5] + p.a * p.b * s.M[2] + p.gamma_u * p.cv +
+         p.gamma_v * p.cu + p.gamma_u * p.gamma_v * s.s +
+         (p.ru[0] * p.wv[0] + p.ru[1] * p.wv[1] + p.ru[2] * p.wv[2]);
+}
+
+// Adjoints of a point's intermediates, gathered before they are carried to the stage's quantities.
+struct PointAdjoint {
+  double X = 0, Y = 0, Z = 0, inverse_z = 0, a = 0, b = 0, gamma_u = 0, gamma_v = 0, yaw = 0;
+};
+
+// Carries adjoints of a, b, 1/Z, gamma_u, gamma_v and Y back to (X, Y, Z) and yaw.
+PROSPECT_FORCE_INLINE void close_point(const Point& p, const VisibilityKernelConstants& c,
+                                       PointAdjoint& q) {
+  const double gx = q.gamma_u;
+  const double gy = q.gamma_v;
+  const double gz = -p.a * q.gamma_u - p.b * q.gamma_v;
+  const double a = q.a - p.gz * q.gamma_u;
+  const double b = q.b - p.gz * q.gamma_v;
+  const double inverse_z = q.inverse_z + a * p.X + b * p.Y;
+  // Up to near_depth, 1/Z is constant; the gate has made all adjoints zero there.
+  q.X += a * p.inverse_z + (c.up[1] * gz - c.up[2] * gy);
+  q.Y += b * p.inverse_z + (c.up[2] * gx - c.up[0] * gz);
+  q.Z += -inverse_z * p.inverse_z * p.inverse_z + (c.up[0] * gy - c.up[1] * gx);
+  q.yaw += q.X * p.gx + q.Y * p.gy + q.Z * p.gz;
+}
+
+template <bool kGradient>
+PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict blocks, int num_blocks,
+                                         const VisibilityKernelConstants& constants,
+                                         const VisibilityKernelStage& stage,
+                                         const UnoccludedInput& unoccluded,
+                                         VisibilityBlockResult* __restrict results,
+                                         VisibilitySums& sums) {
+  // Copies, so that the compiler need not fear that results overwrite them.
+  const VisibilityKernelConstants c = constants;
+  const VisibilityKernelStage s = stage;
+  alignas(64) double count[8] = {}, variance[8] = {};
+  alignas(64) double d_count[vd::kCount][8] = {}, d_variance[vd::kCount][8] = {};
+  alignas(64) double t1[8], t0[8], s1[8], s0[8], depth[8], range[8], cos_view[8], alive[8], rsu[8],
+      rsv[8];
+
+  for (int block = 0; block < num_blocks; ++block) {
+    const VisibilityBlock& l = blocks[block];
+    VisibilityBlockResult& out = results[block];
+
+    for (int j = 0; j < kLanes; ++j) {
+      const Point p = point(l, j, c, s);
+      const double ku = c.fx * p.inverse_z;
+      const double kv = c.fy * p.inverse_z;
+      const double noise = c.pixel_variance + c.border_variance;
+      rsu[j] = 1.0 / std::sqrt(ku * ku * p.Qu + noise);
+      rsv[j] = 1.0 / std::sqrt(kv * kv * p.Qv + noise);
+      const double u = c.fx * p.a;
+      const double v = c.fy * p.b;
+      t1[j] = clamp((c.u_max - u) * rsu[j], -kTail, kTail);
+      t0[j] = clamp((c.u_min + c.fx_baseline * p.inverse_z - u) * rsu[j], -kTail, kTail);
+      s1[j] = clamp((c.v_max - v) * rsv[j], -kTail, kTail);
+      s0[j] = clamp((c.v_min - v) * rsv[j], -kTail, kTail);
+      depth[j] = p.Z;
+      const double near2 = c.near_depth * c.near_depth;
+      const double r2 = p.X * p.X + p.Y * p.Y + p.Z * p.Z;
+      const double r = std::sqrt(at_least(r2, near2));
+      range[j] = r;
+      cos_view[j] = -(p.dx * l.nx[j] + p.dy * l.ny[j] + p.dz * l.nz[j]) / r;
+      // Positive exactly where pi is not identically zero.
+      alive[j] = at_least(p.Z - c.near_depth, 0.0) * (t1[j] - t0[j]) * (s1[j] - s0[j]);
+    }
+    bool any = false;
+    for (int j = 0; j < kLanes; ++j) any |= alive[j] > 0.0;
+    out.alive = any;
+    if (!any) {
+      for (int j = 0; j < kLanes; ++j) out.pi[j] = 0.0;
+      continue;
+    }
+
+    const double* open = unoccluded.probability + block * kLanes;
+    alignas(64) double Pu[8], Pv[8], P5[8], e1[8], e2[8], e3[8], e4[8], e5[8];
+    alignas(64) double ft1[8], ft0[8], fs1[8], fs0[8];
+    for (int j = 0; j < kLanes; ++j) {
+      double upper, lower, density;
+      normal_in_range(t1[j], upper, density);
+      ft1[j] = density;
+      normal_in_range(t0[j], lower, density);
+      ft0[j] = density;
+      Pu[j] = upper - lower;
+      normal_in_range(s1[j], upper, density);
+      fs1[j] = density;
+      normal_in_range(s0[j], lower, density);
+      fs0[j] = density;
+      Pv[j] = upper - lower;
+    }
+    for (int j = 0; j < kLanes; ++j) {
+      const double scale = range[j] * l.inverse_creation_range[j];
+      const double L = kLogisticTail;
+      e1[j] = exponential_in_range(clamp((c.r_min - depth[j]) * c.inverse_r_min_width, -L, L));
+      e2[j] = exponential_in_range(clamp((depth[j] - c.r_max) * c.inverse_r_max_width, -L, L));
+      e3[j] = exponential_in_range(clamp((c.scale_min - scale) * c.inverse_scale_width, -L, L));
+      e4[j] = exponential_in_range(clamp((scale - c.scale_max) * c.inverse_scale_width, -L, L));
+      e5[j] = exponential_in_range(clamp((c.cos_view - cos_view[j]) * c.inverse_cos_width, -L, L));
+      P5[j] =
+          1.0 / ((1.0 + e1[j]) * (1.0 + e2[j]) * ((1.0 + e3[j]) * (1.0 + e4[j])) * (1.0 + e5[j]));
+      const double t = clamp(depth[j] / c.near_depth - 1.0, 0.0, 1.0);
+      const double gate = t * t * t * (10.0 + t * (6.0 * t - 15.0));
+      const double pi = l.survival[j] * open[j] * gate * P5[j] * (Pu[j] * Pv[j]);
+      out.pi[j] = pi;
+      count[j] += pi;
+      variance[j] += pi * (1.0 - pi);
+    }
+
+    if constexpr (kGradient) {
+      const double* open_x = unoccluded.d_x + block * kLanes;
+      const double* open_y = unoccluded.d_y + block * kLanes;
+      const double* open_z = unoccluded.d_z + block * kLanes;
+      for (int j = 0; j < kLanes; ++j) {
+        const Point p = point(l, j, c, s);
+        const double t = clamp(depth[j] / c.near_depth - 1.0, 0.0, 1.0);
+        const double gate = t * t * t * (10.0 + t * (6.0 * t - 15.0));
+        const double gate_slope = 30.0 * t * t * (1.0 - t) * (1.0 - t) / c.near_depth;
+        const double before_gate = l.survival[j] * P5[j] * (Pu[j] * Pv[j]);
+        const double factor = l.survival[j] * open[j] * gate * P5[j];
+        const double pi = out.pi[j];
+        PointAdjoint q;
+
+        // Gate, range and view. d log sigma(x) = (1 - sigma(x)) dx; 1 / (1 + e) by products.
+        const double p12 = (1.0 + e1[j]) * (1.0 + e2[j]);
+        const double p34 = (1.0 + e3[j]) * (1.0 + e4[j]);
+        const double p5 = 1.0 + e5[j];
+        const double w = pi * P5[j];
+        const double w12 = w * p34 * p5;
+        const double d_scale =
+            w * p12 * p5 * (e3[j] * (1.0 + e4[j]) - e4[j] * (1.0 + e3[j])) * c.inverse_scale_width;
+        q.Z += w12 * (e1[j] * (1.0 + e2[j]) * c.inverse_r_min_width -
+                      e2[j] * (1.0 + e1[j]) * c.inverse_r_max_width);
+        q.Z += before_gate * open[j] * gate_slope;
+        const double d_cos = w * p12 * p34 * e5[j] * c.inverse_cos_width;
+        const double inverse_r = 1.0 / range[j];
+        const double d_range =
+            d_scale * l.inverse_creation_range[j] - d_cos * cos_view[j] * inverse_r;
+        q.X += d_range * p.X * inverse_r;
+        q.Y += d_range * p.Y * inverse_r;
+        q.Z += d_range * p.Z * inverse_r;
+        const double d_view = d_cos * inverse_r;
+        const double d_open = before_gate * gate;
+        out.d[vd::kSensor + 0][j] = d_view * l.nx[j] + d_open * open_x[j];
+        out.d[vd::kSensor + 1][j] = d_view * l.ny[j] + d_open * open_y[j];
+        out.d[vd::kSensor + 2][j] = d_view * l.nz[j] + d_open * open_z[j];
+
+        // Image rectangle.
+        const double Au1 = factor * Pv[j] * ft1[j] * rsu[j];
+        const double Au0 = factor * Pv[j] * ft0[j] * rsu[j];
+        const double Av1 = factor * Pu[j] * fs1[j] * rsv[j];
+        const double Av0 = factor * Pu[j] * fs0[j] * rsv[j];
+        const double Su = -0.5 * rsu[j] * (Au1 * t1[j] - Au0 * t0[j]);
+        const double Sv = -0.5 * rsv[j] * (Av1 * s1[j] - Av0 * s0[j]);
+        const double fu2 = c.fx * c.fx * p.inverse_z;
+        const double fv2 = c.fy * c.fy * p.inverse_z;
+        q.inverse_z += Au0 * -c.fx_baseline + 2.0 * (Su * fu2 * p.Qu + Sv * fv2 * p.Qv);
+        const double Qu = Su * fu2 * p.inverse_z;
+        const double Qv = Sv * fv2 * p.inverse_z;
+        const double wu_z = p.wu[0] * s.R[6] + p.wu[1] * s.R[7] + p.wu[2] * s.R[8];
+        const double wv_z = p.wv[0] * s.R[6] + p.wv[1] * s.R[7] + p.wv[2] * s.R[8];
+        q.a += -c.fx * (Au1 - Au0) + 2.0 * Qu * (p.a * s.M[2] - s.M[4] - p.gamma_u * s.c[2] - wu_z);
+        q.b += -c.fy * (Av1 - Av0) + 2.0 * Qv * (p.b * s.M[2] - s.M[5] - p.gamma_v * s.c[2] - wv_z);
+        q.gamma_u += 2.0 * Qu * (p.cu + p.gamma_u * s.s);
+        q.gamma_v += 2.0 * Qv * (p.cv + p.gamma_v * s.s);
+        // Sigma_i turns in C as the base turns.
+        q.yaw += 2.0 * Qu * (p.wu[1] * p.ru[0] - p.wu[0] * p.ru[1]) +
+                 2.0 * Qv * (p.wv[1] * p.rv[0] - p.wv[0] * p.rv[1]);
+        out.d[vd::kM + 0][j] = Qu;
+        out.d[vd::kM + 1][j] = Qv;
+        out.d[vd::kM + 2][j] = p.a * p.a * Qu + p.b * p.b * Qv;
+        out.d[vd::kM + 3][j] = 0.0;
+        out.d[vd::kM + 4][j] = -2.0 * p.a * Qu;
+        out.d[vd::kM + 5][j] = -2.0 * p.b * Qv;
+        out.d[vd::kC + 0][j] = 2.0 * p.gamma_u * Qu;
+        out.d[vd::kC + 1][j] = 2.0 * p.gamma_v * Qv;
+        out.d[vd::kC + 2][j] = -2.0 * (p.a * p.gamma_u * Qu + p.b * p.gamma_v * Qv);
+        out.d[vd::kS][j] = p.gamma_u * p.gamma_u * Qu + p.gamma_v * p.gamma_v * Qv;
+        close_point(p, c, q);
+        out.d[vd::kCamera + 0][j] = q.X;
+        out.d[vd::kCamera + 1][j] = q.Y;
+        out.d[vd::kCamera + 2][j] = q.Z;
+        out.d[vd::kYaw][j] = q.yaw;
+      }
+      for (int m = 0; m < vd::kCount; ++m) {
+        for (int j = 0; j < kLanes; ++j) {
+          d_count[m][j] += out.d[m][j];
+          d_variance[m][j] += (1.0 - 2.0 * out.pi[j]) * out.d[m][j];
+        }
+      }
+    }
+  }
+
+  sums.count = 0.0;
+  sums.variance = 0.0;
+  for (int j = 0; j < kLanes; ++j) {
+    sums.count += count[j];
+    sums.variance += variance[j];
+  }
+  if constexpr (kGradient) {
+    for (int m = 0; m < vd::kCount; ++m) {
+      sums.d_count[m] = 0.0;
+      sums.d_variance[m] = 0.0;
+      for (int j = 0; j < kLanes; ++j) {
+        sums.d_count[m] += d_count[m][j];
+        sums.d_variance[m] += d_variance[m][j];
+      }
+    }
+  }
+}
+
+// The two rows of H = dPi/d(displacement, rotation of the camera in C), and the inverse of S:
+//   S^-1 = (Svv, -Suv; -Suv, Suu) / D.
+struct Measurement {
+  double hu[6], hv[6];
+  double qu, qv, quv;  // S without the pixel noise
+  double inverse_det;
+  double alpha, beta, zeta;  // entries uu, uv, vv of S^-1
+};
+
+PROSPECT_FORCE_INLINE Measurement measurement(const Point& p, const VisibilityKernelConstants& c,
+                                              const VisibilityKernelStage& s) {
+  Measurement m;
+  m.hu[0] = -c.fx * p.inverse_z;
+  m.hu[1] = 0.0;
+  m.hu[2] = c.fx * p.a * p.inverse_z;
+  m.hu[3] = c.fx * p.a * p.b;
+  m.hu[4] = -c.fx * (1.0 + p.a * p.a);
+  m.hu[5] = c.fx * p.b;
+  m.hv[0] = 0.0;
+  m.hv[1] = -c.fy * p.inverse_z;
+  m.hv[2] = c.fy * p.b * p.inverse_z;
+  m.hv[3] = c.fy * (1.0 + p.b * p.b);
+  m.hv[4] = -c.fy * p.a * p.b;
+  m.hv[5] = -c.fy * p.a;
+  const double ku = c.fx * p.inverse_z;
+  const double kv = c.fy * p.inverse_z;
+  m.qu = ku * ku * p.Qu;
+  m.qv = kv * kv * p.Qv;
+  m.quv = ku * kv * cross_covariance(p, s);
+  // det(sigma^2 I + q) without cancellation against sigma^4.
+  const double v = c.pixel_variance;
+  const double minor = m.qu * m.qv - m.quv * m.quv;
+  m.inverse_det = 1.0 / (v * v + v * (m.qu + m.qv) + at_least(minor, 0.0));
+  m.alpha = (m.qv + v) * m.inverse_det;
+  m.beta = -m.quv * m.inverse_det;
+  m.zeta = (m.qu + v) * m.inverse_det;
+  return m;
+}
+
+PROSPECT_FORCE_INLINE void information_body(const VisibilityBlock* __restrict blocks,
+                                            int num_blocks,
+                                            const VisibilityKernelConstants& constants,
+                                            const VisibilityKernelStage& stage,
+                                            const VisibilityBlockResult* __restrict results,
+                                            double* information) {
+  const VisibilityKernelConstants c = constants;
+  const VisibilityKernelStage s = stage;
+  alignas(64) double sum[21][8] = {};
+  for (int block = 0; block < num_blocks; ++block) {
+    if (!results[block].alive) continue;
+    const VisibilityBlock& l = blocks[block];
+    const double* pi = results[block].pi;
+    for (int j = 0; j < kLanes; ++j) {
+      const Measurement m = measurement(point(l, j, c, s), c, s);
+      const double alpha = pi[j] * m.alpha;
+      const double beta = pi[j] * m.beta;
+      const double zeta = pi[j] * m.zeta;
+      int n = 0;
+#pragma GCC unroll 6
+      for (int i = 0; i < 6; ++i) {
+        const double gu = alpha * m.hu[i] + beta * m.hv[i];
+        const double gv = beta * m.hu[i] + zeta * m.hv[i];
+#pragma GCC unroll 6
+        for (int k = i; k < 6; ++k) sum[n++][j] += gu * m.hu[k] + gv * m.hv[k];
+      }
+    }
+  }
+  int n = 0;
+  for (int i = 0; i < 6; ++i) {
+    for (int k = i; k < 6; ++k, ++n) {
+      double total = 0.0;
+      for (int j = 0; j < kLanes; ++j) total += sum[n][j];
+      information[6 * i + k] = total;
+      information[6 * k + i] = total;
+    }
+  }
+}
+
+PROSPECT_FORCE_INLINE void information_gradient_body(
+    const VisibilityBlock* __restrict blocks, int num_blocks,
+    const VisibilityKernelConstants& constants, const VisibilityKernelStage& stage,
+    const VisibilityBlockResult* __restrict results, const double* P, double* __restrict d) {
+  const VisibilityKernelConstants c = constants;
+  const VisibilityKernelStage s = stage;
+  double weight[36];
+  for (int i = 0; i < 36; ++i) weight[i] = P[i];
+  alignas(64) double sum[vd::kCount][8] = {};
+  alignas(64) double own[vd::kCount][8];
+  alignas(64) double d_pi[8];
+  for (int block = 0; block < num_blocks; ++block) {
+    if (!results[block].alive) continue;
+    const VisibilityBlock& l = blocks[block];
+    const VisibilityBlockResult& r = results[block];
+    for (int j = 0; j < kLanes; ++j) {
+      const Point p = point(l, j, c, s);
+      const Measurement m = measurement(p, c, s);
+      double Pu[6], Pv[6];  // P h_u, P h_v
+      double uu = 0.0, uv = 0.0, vv = 0.0;
+#pragma GCC unroll 6
+      for (int i = 0; i < 6; ++i) {
+        Pu[i] = 0.0;
+        Pv[i] = 0.0;
+#pragma GCC unroll 6
+        for (int k = 0; k < 6; ++k) {
+          Pu[i] += weight[6 * i + k] * m.hu[k];
+          Pv[i] += weight[6 * i + k] * m.hv[k];
+        }
+        uu += m.hu[i] * Pu[i];
+        uv += m.hu[i] * Pv[i];
+        vv += m.hv[i] * Pv[i];
+      }
+      // T = <P, H^T S^-1 H> = <W, S^-1>, W = (uu, uv; uv, vv);  dT/dS = -S^-1 W S^-1 = -E.
+      const double pi = r.pi[j];
+      d_pi[j] = m.alpha * uu + 2.0 * m.beta * uv + m.zeta * vv;
+      const double Wu0 = uu * m.alpha + uv * m.beta, Wu1 = uu * m.beta + uv * m.zeta;
+      const double Wv0 = uv * m.alpha + vv * m.beta, Wv1 = uv * m.beta + vv * m.zeta;
+      const double d_qu = -pi * (m.alpha * Wu0 + m.beta * Wv0);
+      const double d_qv = -pi * (m.beta * Wu1 + m.zeta * Wv1);
+      const double d_quv = -2.0 * pi * (m.alpha * Wu1 + m.beta * Wv1);
+
+      PointAdjoint q;
+      // dT/dh_u = 2 (alpha P h_u + beta P h_v), dT/dh_v likewise.
+      double hu[6], hv[6];
+#pragma GCC unroll 6
+      for (int i = 0; i < 6; ++i) {
+        hu[i] = 2.0 * pi * (m.alpha * Pu[i] + m.beta * Pv[i]);
+        hv[i] = 2.0 * pi * (m.beta * Pu[i] + m.zeta * Pv[i]);
+      }
+      q.inverse_z = c.fx * (-hu[0] + p.a * hu[2]) + c.fy * (-hv[1] + p.b * hv[2]);
+      q.a = c.fx * (p.inverse_z * hu[2] + p.b * hu[3] - 2.0 * p.a * hu[4]) -
+            c.fy * (p.b * hv[4] + hv[5]);
+      q.b = c.fx * (p.a * hu[3] + hu[5]) +
+            c.fy * (p.inverse_z * hv[2] + 2.0 * p.b * hv[3] - p.a * hv[4]);
+
+      // q_u = ku^2 Q_u, q_v = kv^2 Q_v, q_uv = ku kv Q_uv with k = f / Z.
+      const double ku = c.fx * p.inverse_z;
+      const double kv = c.fy * p.inverse_z;
+      const double Quv = cross_covariance(p, s);
+      q.inverse_z +=
+          2.0 * (d_qu * c.fx * ku * p.Qu + d_qv * c.fy * kv * p.Qv + d_quv * c.fx * kv * Quv);
+      const double Qu = d_qu * ku * ku;
+      const double Qv = d_qv * kv * kv;
+      const double X = d_quv * ku * kv;  // adjoint of Q_uv
+      const double wu_z = p.wu[0] * s.R[6] + p.wu[1] * s.R[7] + p.wu[2] * s.R[8];
+      const double wv_z = p.wv[0] * s.R[6] + p.wv[1] * s.R[7] + p.wv[2] * s.R[8];
+      q.a += 2.0 * Qu * (p.a * s.M[2] - s.M[4] - p.gamma_u * s.c[2] - wu_z) +
+             X * (p.b * s.M[2] - s.M[5] - p.gamma_v * s.c[2] - wv_z);
+      q.b += 2.0 * Qv * (p.b * s.M[2] - s.M[5] - p.gamma_v * s.c[2] - wv_z) +
+             X * (p.a * s.M[2] - s.M[4] - p.gamma_u * s.c[2] - wu_z);
+      q.gamma_u = 2.0 * Qu * (p.cu + p.gamma_u * s.s) + X * (p.cv + p.gamma_v * s.s);
+      q.gamma_v = 2.0 * Qv * (p.cv + p.gamma_v * s.s) + X * (p.cu + p.gamma_u * s.s);
+      q.yaw = 2.0 * Qu * (p.wu[1] * p.ru[0] - p.wu[0] * p.ru[1]) +
+              2.0 * Qv * (p.wv[1] * p.rv[0] - p.wv[0] * p.rv[1]) +
+              X * (p.wv[1] * p.ru[0] - p.wv[0] * p.ru[1] + p.wu[1] * p.rv[0] - p.wu[0] * p.rv[1]);
+      own[vd::kM + 0][j] = Qu;
+      own[vd::kM + 1][j] = Qv;
+      own[vd::kM + 2][j] = p.a * p.a * Qu + p.b * p.b * Qv + p.a * p.b * X;
+      own[vd::kM + 3][j] = X;
+      own[vd::kM + 4][j] = -2.0 * p.a * Qu - p.b * X;
+      own[vd::kM + 5][j] = -2.0 * p.b * Qv - p.a * X;
+      own[vd::kC + 0][j] = 2.0 * p.gamma_u * Qu + p.gamma_v * X;
+      own[vd::kC + 1][j] = 2.0 * p.gamma_v * Qv + p.gamma_u * X;
+      own[vd::kC + 2][j] = -2.0 * (p.a * p.gamma_u * Qu + p.b * p.gamma_v * Qv) -
+                           (p.b * p.gamma_u + p.a * p.gamma_v) * X;
+      own[vd::kS][j] =
+          p.gamma_u * p.gamma_u * Qu + p.gamma_v * p.gamma_v * Qv + p.gamma_u * p.gamma_v * X;
+      close_point(p, c, q);
+      own[vd::kCamera + 0][j] = q.X;
+      own[vd::kCamera + 1][j] = q.Y;
+      own[vd::kCamera + 2][j] = q.Z;
+      own[vd::kSensor + 0][j] = 0.0;
+      own[vd::kSensor + 1][j] = 0.0;
+      own[vd::kSensor + 2][j] = 0.0;
+      own[vd::kYaw][j] = q.yaw;
+    }
+    for (int m = 0; m < vd::kCount; ++m) {
+      for (int j = 0; j < kLanes; ++j) sum[m][j] += own[m][j] + d_pi[j] * r.d[m][j];
+    }
+  }
+  for (int m = 0; m < vd::kCount; ++m) {
+    d[m] = 0.0;
+    for (int j = 0; j < kLanes; ++j) d[m] += sum[m][j];
+  }
+}
+
+#define PROSPECT_VISIBILITY_KERNEL(SUFFIX, TARGET)                                               \
+  TARGET void evaluate_##SUFFIX(                                                                 \
+      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants, \
+      const VisibilityKernelStage& stage, const UnoccludedInput& unoccluded, bool gradient,      \
+      VisibilityBlockResult* results, VisibilitySums& sums) {                                    \
+    if (gradient) {                                                                              \
+      evaluate_body<true>(blocks, num_blocks, constants, stage, unoccluded, results, sums);      \
+    } else {                                                                                     \
+      evaluate_body<false>(blocks, num_blocks, constants, stage, unoccluded, results, sums);     \
+    }                                                                                            \
+  }                                                                                              \
+  TARGET void information_##SUFFIX(const VisibilityBlock* blocks, int num_blocks,                \
+                                   const VisibilityKernelConstants& constants,                   \
+                                   const VisibilityKernelStage& stage,                           \
+                                   const VisibilityBlockResult* results, double* information) {  \
+    information_body(blocks, num_blocks, constants, stage, results, information);                \
+  }                                                                                              \
+  TARGET void information_gradient_##SUFFIX(                                                     \
+      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants, \
+      const VisibilityKernelStage& stage, const VisibilityBlockResult* results, const double* P, \
+      double* d) {                                                                               \
+    information_gradient_body(blocks, num_blocks, constants, stage, results, P, d);              \
+  }
+
+PROSPECT_VISIBILITY_KERNEL(generic, )
+#if defined(__x86_64__)
+PROSPECT_VISIBILITY_KERNEL(avx2, __attribute__((target("avx2"))))
+PROSPECT_VISIBILITY_KERNEL(
+    avx512, __attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512"))))
+#endif
+#undef PROSPECT_VISIBILITY_KERNEL
+
+}  // namespace
+
+std::vector<VisibilityKernel> available_visibility_kernels() {
+  std::vector<VisibilityKernel> kernels = {
+      {"generic", evaluate_generic, information_generic, information_gradient_generic}};
+#if defined(__x86_64__)
+  __builtin_cpu_init();
+  if (__builtin_cpu_supports("avx2")) {
+    kernels.push_back({"avx2", evaluate_avx2, information_avx2, information_gradient_avx2});
+  }
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl")) {
+    kernels.push_back({"avx512", evaluate_avx512, information_avx512, information_gradient_avx512});
+  }
+#endif
+  return kernels;
+}
+
+VisibilityKernel best_visibility_kernel() { return available_visibility_kernels().back(); }
+
+}  // namespace prospect
