@@ -33,7 +33,7 @@ std::string_view to_string(MissionEnd end) {
   return "?";
 }
 
-MissionResult run_mission(Robot& robot, Planner& planner, const Guard& guard,
+MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
                           const MissionOptions& options,
                           const std::function<void(const MissionStep&)>& observe,
                           const std::function<bool()>& cancelled) {
@@ -66,13 +66,14 @@ MissionResult run_mission(Robot& robot, Planner& planner, const Guard& guard,
     }
 
     const Plan plan = planner.plan(*belief);
+    const std::shared_ptr<const Guidance> guidance = planner.guidance();
     if (observe) {
-      observe({result.steps, result.duration, belief.get(), &plan, &planner, guard_stops});
+      observe({result.steps, result.duration, belief.get(), &plan, guidance.get(), guard_stops});
     }
     ++result.steps;
     guard_stops = 0;
     if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
-    if (planner.guidance() && planner.guidance()->advice == Advice::kDone) {
+    if (guidance && guidance->advice == Advice::kDone) {
       result.end = MissionEnd::kExplored;
       result.detail = "no active reachable frontier is left";
       return result;

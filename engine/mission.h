@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "engine/guard.h"
-#include "engine/planner.h"
+#include "engine/replanner.h"
 #include "engine/robot.h"
 
 namespace prospect {
@@ -30,7 +30,7 @@ struct MissionStep {
   double time = 0.0;  ///< [s]
   const Belief* belief = nullptr;
   const Plan* plan = nullptr;
-  const Planner* planner = nullptr;
+  const Guidance* guidance = nullptr;
   /// Commands of the previous plan that the guard turned into stops, since the last step.
   int guard_stops = 0;
 };
@@ -51,7 +51,7 @@ struct MissionResult {
 ///
 /// Does not throw, unless `observe` does: then the robot is stopped first and the exception passed
 /// on.
-MissionResult run_mission(Robot& robot, Planner& planner, const Guard& guard,
+MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
                           const MissionOptions& options,
                           const std::function<void(const MissionStep&)>& observe = {},
                           const std::function<bool()>& cancelled = {});

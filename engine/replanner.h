@@ -1,0 +1,23 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/belief.h"
+#include "engine/exploration_guide.h"
+#include "engine/plan.h"
+
+namespace prospect {
+
+/// What a mission asks at each step: a plan from a belief. Planner is the one of this project; the
+/// frontier planners it is measured against are others.
+///
+/// plan() never throws and always returns an executable plan. Thread-safety: one thread.
+class Replanner {
+ public:
+  virtual ~Replanner() = default;
+  virtual Plan plan(const Belief& belief) = 0;
+  /// Frontiers and advice of the last plan(); null before the first.
+  virtual std::shared_ptr<const Guidance> guidance() const = 0;
+};
+
+}  // namespace prospect
