@@ -34,8 +34,8 @@ struct OdometryOptions {
 /// features that are really tracked.
 ///
 /// At each keyframe the motion since the last one is known up to e = (e_x, e_y, e_yaw) ~ N(0, Q),
-/// in the body frame of the estimate:
-///   p' = p + R(yaw) (dp + e_xy),   yaw' = yaw + dyaw + e_yaw,
+/// in the body frame at the new keyframe:
+///   p' = p + R(yaw) dp + R(yaw + dyaw) e_xy,   yaw' = yaw + dyaw + e_yaw,
 ///   Q  = S I^{-1} S,   I = sum_i H_i^T W H_i,   H_i = d(u, v, d)_i / d(x, y, yaw),
 ///   W  = diag(1/sigma_u^2, 1/sigma_v^2, 1/sigma_d^2) / 2,
 /// I being the information of the reprojection errors of the tracked points (both views are noisy,

@@ -1,0 +1,140 @@
+#include "adapters/simulator/feature_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "adapters/simulator/depth_camera.h"
+
+namespace prospect {
+namespace {
+
+void require(bool ok, const char* what, double got, const char* expected) {
+  if (!ok) {
+    throw std::invalid_argument(std::string("feature camera: ") + what + " is " +
+                                std::to_string(got) + ", expected " + expected);
+  }
+}
+
+bool positive(double v) { return std::isfinite(v) && v > 0.0; }
+
+}  // namespace
+
+FeatureCamera::FeatureCamera(const World& world, const FeatureField& field,
+                             const FeatureCameraOptions& options, const CameraMount& mount,
+                             std::uint64_t seed)
+    : world_(&world), field_(&field), options_(options), mount_(mount), noise_(seed) {
+  const StereoCamera& s = options.stereo;
+  require(positive(s.left.fx), "fx", s.left.fx, "a positive number of pixels");
+  require(positive(s.left.fy), "fy", s.left.fy, "a positive number of pixels");
+  require(positive(s.left.width), "width", s.left.width, "a positive number of pixels");
+  require(positive(s.left.height), "height", s.left.height, "a positive number of pixels");
+  require(positive(s.baseline), "baseline", s.baseline, "a positive length");
+  require(positive(s.sigma_u), "sigma_u", s.sigma_u, "a positive number of pixels");
+  require(positive(s.sigma_v), "sigma_v", s.sigma_v, "a positive number of pixels");
+  require(positive(s.sigma_d), "sigma_d", s.sigma_d, "a positive number of pixels");
+  require(positive(options.min_depth), "min_depth", options.min_depth, "a positive length");
+  require(options.max_depth > options.min_depth && options.max_depth < 1000.0, "max_depth",
+          options.max_depth, "above min_depth, below 1000 m");
+  require(options.max_view_angle > 0.0 && options.max_view_angle < 1.5708, "max_view_angle",
+          options.max_view_angle, "between 0 and pi/2");
+  require(options.bucket_columns >= 1 && options.bucket_columns <= 1000, "bucket_columns",
+          options.bucket_columns, "1..1000");
+  require(options.bucket_rows >= 1 && options.bucket_rows <= 1000, "bucket_rows",
+          options.bucket_rows, "1..1000");
+  require(options.per_bucket >= 1, "per_bucket", options.per_bucket, "at least 1");
+}
+
+std::vector<std::uint32_t> FeatureCamera::visible(const Pose& true_pose) const {
+  const PinholeCamera& camera = options_.stereo.left;
+  const Eigen::Isometry3d T_WC = camera_pose(true_pose, mount_);
+  const Eigen::Isometry3d T_CW = T_WC.inverse();
+  const Eigen::Vector3d eye = T_WC.translation();
+  const double cos_limit = std::cos(options_.max_view_angle);
+  // Corners of the image lie farther away than max_depth along the optical axis.
+  const double tan_u = std::max(camera.cx, camera.width - camera.cx) / camera.fx;
+  const double tan_v = std::max(camera.cy, camera.height - camera.cy) / camera.fy;
+  const double reach = options_.max_depth * std::sqrt(1.0 + tan_u * tan_u + tan_v * tan_v);
+
+  std::vector<std::uint32_t> result;
+  field_->near(eye.x(), eye.y(), reach, [&](std::uint32_t n) {
+    const Feature& feature = field_->features()[n];
+    const Eigen::Vector3d Y = T_CW * feature.position;
+    if (!(Y.z() >= options_.min_depth && Y.z() <= options_.max_depth)) return;
+    const double u = camera.cx + camera.fx * Y.x() / Y.z();
+    const double v = camera.cy + camera.fy * Y.y() / Y.z();
+    const double right = u - camera.fx * options_.stereo.baseline / Y.z();
+    if (!(right >= 0.0 && u <= camera.width && v >= 0.0 && v <= camera.height)) return;
+    const Eigen::Vector3d to_eye = eye - feature.position;
+    if (to_eye.dot(feature.normal) < cos_limit * to_eye.norm()) return;
+    // A millimetre before the surface, so that the feature's own voxel does not hide it.
+    const VoxelGrid::Ray ray = world_->voxels.cast(eye, feature.position + 1e-3 * feature.normal);
+    if (ray.blocked || ray.unknown_length > 0.0) return;
+    result.push_back(n);
+  });
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+std::vector<FeatureObservation> FeatureCamera::observe(const Pose& true_pose, int* visible_count) {
+  const std::vector<std::uint32_t> seen = visible(true_pose);
+  if (visible_count != nullptr) *visible_count = static_cast<int>(seen.size());
+  const StereoCamera& stereo = options_.stereo;
+  const PinholeCamera& camera = stereo.left;
+  const Eigen::Isometry3d T_CW = camera_pose(true_pose, mount_).inverse();
+  std::vector<int> load(static_cast<std::size_t>(options_.bucket_columns * options_.bucket_rows),
+                        0);
+  const auto bucket = [&](const Eigen::Vector3d& Y) {
+    const double u = camera.cx + camera.fx * Y.x() / Y.z();
+    const double v = camera.cy + camera.fy * Y.y() / Y.z();
+    const int column = std::clamp(static_cast<int>(u / camera.width * options_.bucket_columns), 0,
+                                  options_.bucket_columns - 1);
+    const int row = std::clamp(static_cast<int>(v / camera.height * options_.bucket_rows), 0,
+                               options_.bucket_rows - 1);
+    return static_cast<std::size_t>(row * options_.bucket_columns + column);
+  };
+
+  std::vector<std::uint32_t> kept;
+  std::vector<std::uint32_t> fresh;
+  for (const std::uint32_t n : seen) {
+    if (!std::binary_search(tracked_.begin(), tracked_.end(), n)) {
+      fresh.push_back(n);
+      continue;
+    }
+    int& count = load[bucket(T_CW * field_->features()[n].position)];
+    if (count < options_.per_bucket) {
+      ++count;
+      kept.push_back(n);
+    }
+  }
+  for (const std::uint32_t n : fresh) {
+    int& count = load[bucket(T_CW * field_->features()[n].position)];
+    if (count < options_.per_bucket) {
+      ++count;
+      kept.push_back(n);
+    }
+  }
+  std::sort(kept.begin(), kept.end());
+  tracked_ = kept;
+
+  std::normal_distribution<double> normal(0.0, 1.0);
+  std::vector<FeatureObservation> observations;
+  observations.reserve(kept.size());
+  for (const std::uint32_t n : kept) {
+    FeatureObservation o;
+    o.feature = n;
+    o.true_point = T_CW * field_->features()[n].position;
+    const double z = o.true_point.z();
+    const double e_u = normal(noise_), e_v = normal(noise_), e_d = normal(noise_);
+    o.u = camera.cx + camera.fx * o.true_point.x() / z + stereo.sigma_u * e_u;
+    o.v = camera.cy + camera.fy * o.true_point.y() / z + stereo.sigma_v * e_v;
+    const double d = camera.fx * stereo.baseline / z;
+    // A matcher reports no disparity that would put the point behind the camera or at infinity.
+    o.disparity = std::max(d + stereo.sigma_d * e_d, 0.25 * d);
+    observations.push_back(o);
+  }
+  return observations;
+}
+
+}  // namespace prospect
