@@ -10,7 +10,7 @@ namespace prospect {
 /// length (at least one edit is allowed). Ties go to the earlier candidate.
 std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates);
 
-/// ", did you mean 'x'?" for the nearest candidate, or "" if none is near.
+/// " (did you mean 'x'?)" for the nearest candidate, or "" if none is near.
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates);
 
 }  // namespace prospect

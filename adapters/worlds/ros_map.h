@@ -7,17 +7,19 @@
 namespace prospect {
 
 /// A ROS map: `path` is the .yaml (image, resolution, origin, negate, occupied_thresh, free_thresh,
-/// mode: trinary). If the image it names is absent, an image of the same stem or the only image in
-/// the yaml's folder is taken instead; if there is none, that is an error.
+/// mode: trinary or scale). If the image it names is absent, an image of the same stem or the only
+/// image in the yaml's folder is taken instead; if there is none, that is an error.
 ///
 /// Pixel value v in 0..255 (grey; colour is averaged, a transparent pixel is unknown) becomes
 /// occupied where p > occupied_thresh, free where p < free_thresh, else unknown, with p = (255 - v)
 /// / 255, or v / 255 with negate. 205, map_saver's value for unknown, is unknown whatever
 /// free_thresh says if the image also has white pixels (>= 250).
 ///
+/// Fine maps are merged to about image_resolution (WorldOptions).
+///
 /// Occupied cells become walls of wall_height, free cells free columns over a floor, unknown cells
-/// unknown columns. The origin is moved to the nearest whole voxel; a rotated map is an error.
-/// start is left at the origin of W: see place_start.
+/// unknown columns; wall_height is rounded up to whole voxels. The origin is moved to the nearest
+/// whole voxel; a rotated map is an error. start is left at the origin of W: see place_start.
 World world_from_ros_map(const std::string& path, const WorldOptions& options = {});
 
 /// A bare image, pixel_size metres a pixel, lower left corner at the origin. A .pgm is read with

@@ -1,0 +1,255 @@
+#include "adapters/config/configuration.h"
+
+#include <cmath>
+#include <exception>
+
+#include "adapters/config/input_error.h"
+#include "models/make_model.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kDegree = M_PI / 180.0;
+
+Eigen::Vector3d vector3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+RobotShape read_shape(YamlMap map) {
+  const std::string type =
+      map.choice("type", "cylinder", {"cylinder", "box", "spheres", "convex"},
+                 "geometry of the body, in the body frame (origin on the floor)");
+  if (type == "cylinder") {
+    CylinderShape shape;
+    shape.radius = map.number("radius", shape.radius, 0.01, 5.0, "m", "radius about the axis");
+    shape.height = map.number("height", shape.height, 0.01, 5.0, "m", "height");
+    shape.center = vector3(map.numbers("center", {0.0, 0.0, 0.3}, 3, -5.0, 5.0, "m", "centre"));
+    return shape;
+  }
+  if (type == "box") {
+    BoxShape shape;
+    shape.size = vector3(map.numbers("size", {0.4, 0.3, 0.4}, 3, 0.01, 10.0, "m", "edge lengths"));
+    shape.center = vector3(map.numbers("center", {0.0, 0.0, 0.3}, 3, -5.0, 5.0, "m", "centre"));
+    return shape;
+  }
+  if (type == "spheres") {
+    SphereSetShape shape;
+    for (YamlMap sphere : map.maps("spheres")) {
+      shape.spheres.push_back(
+          {vector3(sphere.required_numbers("center", 3, -5.0, 5.0, "m", "centre")),
+           sphere.required_number("radius", 0.01, 5.0, "m", "radius")});
+    }
+    if (shape.spheres.empty()) map.problem("spheres", "no spheres; expected at least one");
+    return shape;
+  }
+  ConvexShape shape;
+  const std::vector<double> v =
+      map.required_numbers("vertices", -1, -5.0, 5.0, "m", "x, y, z of each vertex in turn");
+  if (v.size() % 3 != 0 || v.size() < 12) {
+    map.problem("vertices",
+                std::to_string(v.size()) + " numbers; expected 3 a vertex, 4 vertices or more");
+    return CylinderShape{};
+  }
+  for (std::size_t i = 0; i + 2 < v.size(); i += 3)
+    shape.vertices.emplace_back(v[i], v[i + 1], v[i + 2]);
+  return shape;
+}
+
+CameraMount read_mount(YamlMap map) {
+  CameraMount mount;
+  const Eigen::Vector3d position = vector3(map.numbers("position", {0.0, 0.0, 0.45}, 3, -5.0, 5.0,
+                                                       "m", "optical centre in the body frame"));
+  const double yaw = map.number("yaw", 0.0, -180.0, 180.0, "deg", "turned from the body's x axis");
+  const double pitch =
+      map.number("pitch", 0.0, -89.0, 89.0, "deg", "optical axis below the horizontal");
+  mount.T_BC = CameraMount::forward_facing(position, yaw * kDegree, pitch * kDegree);
+  return mount;
+}
+
+void read_robot(YamlMap map, Configuration& c) {
+  const std::string name = map.choice("model", "unicycle", model_names(),
+                                      "motion model; its parameters stand in `motion`");
+  ModelParameters parameters = default_parameters(name);
+  YamlMap motion = map.map("motion");
+  for (auto& [key, value] : parameters) {
+    value = motion.number(key, value, -1e3, 1e3, "SI", "parameter of the motion model");
+  }
+  try {
+    c.robot.model = make_model(name, parameters);
+  } catch (const std::exception& e) {
+    map.problem("motion", e.what());
+  }
+  c.robot.shape = read_shape(map.map("shape"));
+  try {
+    validate(c.robot.shape);
+  } catch (const std::exception& e) {
+    map.problem("shape", e.what());
+  }
+
+  YamlMap stereo = map.map("stereo");
+  StereoCamera& s = c.robot.stereo;
+  s.left.fx = stereo.number("fx", s.left.fx, 1.0, 1e5, "px", "focal length");
+  s.left.fy = stereo.number("fy", s.left.fy, 1.0, 1e5, "px", "focal length");
+  s.left.cx = stereo.number("cx", s.left.cx, 0.0, 1e5, "px", "principal point");
+  s.left.cy = stereo.number("cy", s.left.cy, 0.0, 1e5, "px", "principal point");
+  s.left.width = stereo.number("width", s.left.width, 16.0, 1e5, "px", "image width");
+  s.left.height = stereo.number("height", s.left.height, 16.0, 1e5, "px", "image height");
+  s.baseline =
+      stereo.number("baseline", s.baseline, 0.001, 10.0, "m", "distance of the two cameras");
+  s.sigma_u = stereo.number("sigma_u", s.sigma_u, 0.01, 50.0, "px", "image noise");
+  s.sigma_v = stereo.number("sigma_v", s.sigma_v, 0.01, 50.0, "px", "image noise");
+  s.sigma_d = stereo.number("sigma_d", s.sigma_d, 0.01, 50.0, "px", "disparity noise");
+  c.robot.stereo_mount = read_mount(stereo.map("mount"));
+
+  YamlMap depth = map.map("depth");
+  RgbdFootprint& f = c.robot.depth;
+  f.horizontal_fov = kDegree * depth.number("horizontal_fov", f.horizontal_fov / kDegree, 1.0,
+                                            170.0, "deg", "horizontal field of view");
+  f.vertical_fov = kDegree * depth.number("vertical_fov", f.vertical_fov / kDegree, 1.0, 170.0,
+                                          "deg", "vertical field of view");
+  f.min_range = depth.number("min_range", f.min_range, 0.0, 100.0, "m", "nearest measured range");
+  f.max_range = depth.number("max_range", f.max_range, 0.5, 100.0, "m", "farthest measured range");
+  if (!(f.max_range > f.min_range))
+    depth.problem("max_range", "max_range <= min_range; expected more");
+  c.robot.depth_mount = read_mount(depth.map("mount"));
+}
+
+void read_planner(YamlMap map, Configuration& c) {
+  PlannerParameters& p = c.planner;
+  const auto number = [&](const char* key, double& value, double min, double max, const char* unit,
+                          const char* what) {
+    value = map.number(key, value, min, max, unit, what);
+  };
+  const auto integer = [&](const char* key, int& value, int min, int max, const char* what) {
+    value = static_cast<int>(map.integer(key, value, min, max, "1", what));
+  };
+  c.solver = map.text("solver", c.solver, "back end, see `prospect list solvers`");
+  integer("N", p.N, 1, 1000, "stages of the horizon");
+  number("dt", p.dt, 0.01, 5.0, "s", "duration of a stage");
+  integer("M", p.M, 1, 1000, "knots (move blocking), at most N");
+  if (p.M > p.N) map.problem("M", "more knots than stages; expected at most N");
+  number("committed", p.committed, 0.01, 60.0, "s", "certified and executed before the next plan");
+  number("deadline", p.deadline, 0.0, 60.0, "s",
+         "wall-clock limit of a planning step; 0: none, runs are reproducible");
+  integer("polished", p.polished, 0, 100, "seeds handed to the solver");
+  integer("polish_evaluations", p.polish_evaluations, 1, 1000000, "evaluations of each");
+
+  YamlMap w = map.map("weights");
+  p.w_u = w.number("w_u", p.w_u, 0.0, 1e6, "1", "deviation from the desired input");
+  p.w_du = w.number("w_du", p.w_du, 0.0, 1e6, "1", "change of input");
+  p.w_o = w.number("w_o", p.w_o, 0.0, 1e6, "1", "closeness to obstacles");
+  p.w_l = w.number("w_l", p.w_l, 0.0, 1e6, "1", "too few visible features; above 1 does harm");
+  p.w_e = w.number("w_e", p.w_e, 0.0, 1e6, "1", "exploration gain");
+  p.w_T = w.number("w_T", p.w_T, 0.0, 1e6, "1", "cost-to-go");
+  p.w_h = w.number("w_h", p.w_h, 0.0, 1e6, "1", "heading alignment");
+  p.w_c = w.number("w_c", p.w_c, 0.0, 1e6, "1", "chance penalty on visible features");
+  number("desired_speed", p.desired_speed, 0.0, 1.0, "1", "share of the largest speed");
+  number("d_safe", p.d_safe, 0.0, 5.0, "m", "hard clearance");
+  number("d_des", p.d_des, 0.01, 5.0, "m", "clearance beyond which closeness costs nothing");
+  if (!(p.d_des > p.d_safe)) map.problem("d_des", "d_des <= d_safe; expected more");
+  number("certificate_margin", p.certificate_margin, 0.001, 1.0, "m",
+         "by which the certified body is grown");
+  const std::string unknown = map.choice("unknown", "braking", {"free", "blocked", "braking"},
+                                         "what unknown space means to motion");
+  p.unknown = unknown == "free"      ? UnknownPolicy::kFree
+              : unknown == "blocked" ? UnknownPolicy::kBlocked
+                                     : UnknownPolicy::kBraking;
+
+  YamlMap v = map.map("visibility");
+  integer("max_landmarks", p.max_landmarks, 0, 100000, "landmarks considered");
+  integer("max_targets", p.max_targets, 0, 300, "exploration targets considered");
+  p.features.N_req = v.number("N_req", p.features.N_req, 1.0, 1e4, "1", "features that suffice");
+  p.features.N_min = v.number("N_min", p.features.N_min, 1.0, 1e4, "1",
+                              "features below which odometry is not to be trusted");
+  const std::string criterion = v.choice("criterion", "count", {"count", "information"},
+                                         "number of points, or what they tell about the pose");
+  p.features.criterion =
+      criterion == "count" ? VisibilityCriterion::kCount : VisibilityCriterion::kInformation;
+  p.feature_prior =
+      v.boolean("prior", p.feature_prior, "count expected features on unseen surfaces");
+  p.visibility.r_min =
+      v.number("r_min", p.visibility.r_min, 0.05, 100.0, "m", "nearest useful depth");
+  p.visibility.r_max =
+      v.number("r_max", p.visibility.r_max, 0.5, 1000.0, "m", "farthest useful depth");
+  p.visibility_lattice =
+      v.number("lattice", p.visibility_lattice, 0.05, 2.0, "m", "spacing of the occlusion tables");
+  p.unknown_attenuation = v.number("attenuation", p.unknown_attenuation, 0.0, 100.0, "1/m",
+                                   "of rays through unknown space");
+
+  YamlMap r = map.map("recovery");
+  p.recovery_time = r.number("time", p.recovery_time, 0.0, 600.0, "s", "longest single attempt");
+  p.recovery_pause =
+      r.number("pause", p.recovery_pause, 0.0, 3600.0, "s", "before the next attempt");
+
+  YamlMap f = map.map("frontiers");
+  ExplorationGuideOptions& g = p.guide;
+  g.frontiers.min_length = f.number("min_length", g.frontiers.min_length, 0.0, 10.0, "m",
+                                    "smallest cluster of frontier cells");
+  g.kappa = f.number("kappa", g.kappa, 0.0, 100.0, "m", "bonus per unit of log(1 + length)");
+  g.memory.hysteresis = f.number("hysteresis", g.memory.hysteresis, 0.0, 100.0, "m",
+                                 "head start of the current target");
+  g.memory.failed_looks = static_cast<int>(f.integer("failed_looks", g.memory.failed_looks, 1, 1000,
+                                                     "1", "looks that deactivate a frontier cell"));
+  g.memory.retries = static_cast<int>(f.integer("retries", g.memory.retries, 0, 100, "1",
+                                                "reactivations of everything before the end"));
+}
+
+void read_simulator(YamlMap map, Configuration& c) {
+  SimulatorOptions& s = c.simulator;
+  s.mapping.resolution = map.number("map_resolution", s.mapping.resolution, 0.02, 1.0, "m",
+                                    "of the map that is built");
+  s.depth_rate = map.number("depth_rate", s.depth_rate, 0.1, 100.0, "1/s", "depth images");
+  s.image_rate = map.number("image_rate", s.image_rate, 0.1, 100.0, "1/s", "stereo images");
+  YamlMap a = map.map("actuation");
+  s.actuation.linear =
+      a.number("linear", s.actuation.linear, 0.0, 1.0, "sqrt(s)", "noise of the distance");
+  s.actuation.angular =
+      a.number("angular", s.actuation.angular, 0.0, 1.0, "sqrt(s)", "noise of the angle");
+  s.actuation.coupling = a.number("coupling", s.actuation.coupling, 0.0, 1.0, "rad sqrt(s)/m",
+                                  "noise of the heading from driving");
+  YamlMap o = map.map("odometry");
+  s.odometry.perfect = o.boolean("perfect", s.odometry.perfect, "the estimate is the truth");
+  s.odometry.position_sigma = o.number("position_sigma", s.odometry.position_sigma, 0.0, 1.0, "m",
+                                       "error of a keyframe at 200 points");
+  s.odometry.heading_sigma = o.number("heading_sigma", s.odometry.heading_sigma, 0.0, 1.0, "rad",
+                                      "error of a keyframe at 200 points");
+  s.odometry.lost_below = static_cast<int>(
+      o.integer("lost_below", s.odometry.lost_below, 0, 10000, "1", "tracked points: lost"));
+  s.odometry.degraded_below = static_cast<int>(o.integer(
+      "degraded_below", s.odometry.degraded_below, 0, 10000, "1", "tracked points: degraded"));
+}
+
+Configuration read(StrictYaml yaml) {
+  Configuration c;
+  YamlMap root = yaml.root();
+  read_robot(root.map("robot"), c);
+  read_planner(root.map("planner"), c);
+  read_simulator(root.map("simulator"), c);
+  YamlMap mission = root.map("mission");
+  c.mission.time_limit =
+      mission.number("time_limit", c.mission.time_limit, 1.0, 1e6, "s", "of the robot's clock");
+  c.mission.lost_limit = mission.number("lost_limit", c.mission.lost_limit, 0.0, 1e6, "s",
+                                        "without localization that ends the mission");
+  yaml.finish();
+
+  // What the simulated robot shares with the planned one.
+  c.simulator.shape = c.robot.shape;
+  c.simulator.depth.footprint = c.robot.depth;
+  c.simulator.depth_mount = c.robot.depth_mount;
+  c.simulator.features.stereo = c.robot.stereo;
+  c.simulator.features.min_depth = c.planner.visibility.r_min;
+  c.simulator.features.max_depth = c.planner.visibility.r_max;
+  c.simulator.stereo_mount = c.robot.stereo_mount;
+  c.entries = yaml.entries();
+  return c;
+}
+
+}  // namespace
+
+Configuration read_configuration(const std::string& path) {
+  return path.empty() ? configuration_from_text("", "defaults") : read(StrictYaml::from_file(path));
+}
+
+Configuration configuration_from_text(const std::string& text, const std::string& source) {
+  return read(StrictYaml::from_text(text, source));
+}
+
+}  // namespace prospect

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "adapters/config/strict_yaml.h"
+#include "adapters/simulator/simulator.h"
+#include "engine/mission.h"
+#include "engine/planner.h"
+
+namespace prospect {
+
+/// Everything a mission depends on besides its world and seed, as read from a configuration file.
+struct Configuration {
+  RobotDescription robot;
+  PlannerParameters planner;
+  SimulatorOptions simulator;
+  MissionOptions mission;
+  std::string solver = "nlopt";
+  std::vector<ConfigEntry> entries;  ///< what is in effect, for config.yaml and `prospect config`
+};
+
+/// Reads a configuration file; an empty path gives the defaults. Throws InputError with every
+/// problem at once (file:line: what; expected what).
+Configuration read_configuration(const std::string& path);
+
+/// The same from text; `source` stands for the file's name in messages.
+Configuration configuration_from_text(const std::string& text, const std::string& source);
+
+}  // namespace prospect

@@ -1,0 +1,226 @@
+#include "adapters/worlds/load_world.h"
+
+#include <octomap/OcTree.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+
+#include "adapters/config/input_error.h"
+#include "adapters/config/nearest_name.h"
+#include "adapters/config/strict_yaml.h"
+#include "adapters/worlds/builtin_worlds.h"
+#include "adapters/worlds/octree_file.h"
+#include "adapters/worlds/octree_world.h"
+#include "adapters/worlds/reachable_area.h"
+#include "adapters/worlds/ros_map.h"
+#include "adapters/worlds/world_file.h"
+
+namespace prospect {
+namespace {
+
+/// Distance [m] from a column's centre to the nearest column that is not free, at most `bound`.
+double clearance(const Grid<std::uint8_t>& free, Cell c, double bound) {
+  const double r = free.frame.resolution;
+  if (free.get(c, 0) == 0) return 0.0;
+  double nearest = bound / r;
+  for (int ring = 1; ring - 0.5 < nearest; ++ring) {
+    for (int dj = -ring; dj <= ring; ++dj) {
+      const int step = std::abs(dj) == ring ? 1 : 2 * ring;
+      for (int di = -ring; di <= ring; di += step) {
+        if (free.get({c.i + di, c.j + dj}, 0) != 0) continue;
+        nearest = std::min(nearest, std::hypot(std::max(std::abs(di) - 0.5, 0.0),
+                                               std::max(std::abs(dj) - 0.5, 0.0)));
+      }
+    }
+  }
+  return nearest * r;
+}
+
+std::string number(double value) {
+  std::ostringstream out;
+  out.precision(4);
+  out << value;
+  return out.str();
+}
+
+[[noreturn]] void cannot_stand(const World& world, const BodySlice& slice,
+                               const Eigen::Vector3d& at) {
+  const GridFrame& frame = world.voxels.frame();
+  const Cell cell = frame.cell(at.x(), at.y());
+  std::string what;
+  if (!frame.contains(cell)) {
+    what = "lies outside the map";
+  } else {
+    const double room = clearance(free_columns(world.voxels, slice), cell, 10.0);
+    what =
+        room > 0.0 ? "has " + number(room) + " m of room" : "lies inside a wall or unknown space";
+  }
+  throw InputError(world.name + ": the start (" + number(at.x()) + ", " + number(at.y()) + ") " +
+                   what + "; expected at least " + number(slice.standing_clearance) +
+                   " m to everything that is not free");
+}
+
+Pose default_start(const World& world, const BodySlice& slice, const Grid<std::uint8_t>& standing) {
+  const GridFrame& frame = standing.frame;
+  Grid<std::uint8_t> rest = standing;
+  Grid<std::uint8_t> largest(frame, 0);
+  std::ptrdiff_t most = 0;
+  for (int n = 0; n < frame.size(); ++n) {
+    if (rest.data[static_cast<std::size_t>(n)] == 0) continue;
+    // Flood in place: what has been counted is taken out of the rest.
+    std::vector<Cell> open{frame.at(n)};
+    std::vector<Cell> members;
+    rest[open.front()] = 0;
+    while (!open.empty()) {
+      const Cell c = open.back();
+      open.pop_back();
+      members.push_back(c);
+      for (const Cell d : {Cell{1, 0}, Cell{-1, 0}, Cell{0, 1}, Cell{0, -1}}) {
+        const Cell next{c.i + d.i, c.j + d.j};
+        if (rest.get(next, 0) == 0) continue;
+        rest[next] = 0;
+        open.push_back(next);
+      }
+    }
+    if (static_cast<std::ptrdiff_t>(members.size()) > most) {
+      most = static_cast<std::ptrdiff_t>(members.size());
+      std::fill(largest.data.begin(), largest.data.end(), std::uint8_t{0});
+      for (const Cell& c : members) largest[c] = 1;
+    }
+  }
+  Eigen::Vector2d centroid = Eigen::Vector2d::Zero();
+  for (int n = 0; n < frame.size(); ++n) {
+    if (largest.data[static_cast<std::size_t>(n)] != 0) centroid += frame.center(frame.at(n));
+  }
+  centroid /= static_cast<double>(most);
+  const auto nearest_to = [&](const Eigen::Vector2d& p) {
+    Cell best;
+    double distance = std::numeric_limits<double>::infinity();
+    for (int n = 0; n < frame.size(); ++n) {
+      if (largest.data[static_cast<std::size_t>(n)] == 0) continue;
+      const double d = (frame.center(frame.at(n)) - p).squaredNorm();
+      if (d < distance) {
+        distance = d;
+        best = frame.at(n);
+      }
+    }
+    return best;
+  };
+  const Cell middle = nearest_to(centroid);
+  const Grid<std::uint8_t> free = free_columns(world.voxels, slice);
+  Cell best = middle;
+  double most_room = -1.0;
+  const int reach = static_cast<int>(1.0 / frame.resolution);
+  for (int dj = -reach; dj <= reach; ++dj) {
+    for (int di = -reach; di <= reach; ++di) {
+      const Cell c{middle.i + di, middle.j + dj};
+      if (di * di + dj * dj > reach * reach || largest.get(c, 0) == 0) continue;
+      const double room = clearance(free, c, 3.0);
+      if (room > most_room) {
+        most_room = room;
+        best = c;
+      }
+    }
+  }
+  Pose start;
+  start.position.head<2>() = frame.center(best);
+  return start;
+}
+
+std::string lower(std::string text) {
+  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return text;
+}
+
+/// A ROS map if any line begins with `image:`; the strict readers tell what else is wrong.
+bool names_an_image(const std::string& path) {
+  std::ifstream in(path);
+  std::string line;
+  for (int n = 0; n < 1000 && std::getline(in, line); ++n) {
+    if (line.starts_with("image:")) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+void place_start(World& world, const BodySlice& slice, const std::optional<Pose>& given,
+                 bool world_states_start) {
+  const Grid<std::uint8_t> standing = standing_columns(world.voxels, slice);
+  const auto stands = [&](const Pose& pose) {
+    return standing.get(standing.frame.cell(pose.position.x(), pose.position.y()), 0) != 0;
+  };
+  if (given) {
+    constexpr double kFarthest = 1e6;  // [m]; beyond it a cell's address would overflow
+    const bool sound = given->position.allFinite() && std::isfinite(given->yaw) &&
+                       given->position.cwiseAbs().maxCoeff() < kFarthest;
+    if (!sound) {
+      throw InputError(world.name + ": the start is not finite; expected x, y [m] and yaw [rad]");
+    }
+    world.start = *given;
+    world.start.position.z() = 0.0;
+  }
+  if (given || world_states_start) {
+    if (!stands(world.start)) cannot_stand(world, slice, world.start.position);
+    return;
+  }
+  if (std::find(standing.data.begin(), standing.data.end(), 1) == standing.data.end()) {
+    throw InputError(
+        world.name + ": no place where the robot can stand; expected free space with " +
+        number(slice.standing_clearance) + " m of room between z = " + number(slice.z_min) +
+        " and " + number(slice.z_max) + " m");
+  }
+  world.start = default_start(world, slice, standing);
+}
+
+World load_world(const std::string& name_or_path, const WorldOptions& options) {
+  namespace fs = std::filesystem;
+  const std::vector<std::string> names = builtin_world_names();
+  bool states_start = false;
+  std::error_code error;
+  std::optional<World> world;
+  if (std::find(names.begin(), names.end(), name_or_path) != names.end()) {
+    world = world_from_yaml(builtin_world_text(name_or_path), "built-in " + name_or_path,
+                            &states_start);
+  } else {
+    const fs::path path(name_or_path);
+    const std::string extension = lower(path.extension().string());
+    if (!fs::exists(path, error)) {
+      const bool like_a_path = !extension.empty() || name_or_path.find('/') != std::string::npos;
+      std::string list;
+      for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+      throw InputError(
+          like_a_path
+              ? name_or_path + ": no such file; expected a world: .yaml, .bt, .ot, .pgm, .png, .map"
+              : "unknown world '" + name_or_path + "'" + did_you_mean(name_or_path, names) +
+                    "; expected one of: " + list + ", or a file");
+    }
+    if (fs::is_directory(path, error)) {
+      throw InputError(name_or_path +
+                       ": is a directory; expected a world: .yaml, .bt, .ot, .pgm, .png, .map");
+    }
+    if (extension == ".bt" || extension == ".ot") {
+      world = world_from_octree(*read_octree(name_or_path), name_or_path);
+    } else if (extension == ".yaml" || extension == ".yml") {
+      world = names_an_image(name_or_path) ? world_from_ros_map(name_or_path, options)
+                                           : world_from_file(name_or_path, &states_start);
+    } else if (extension == ".pgm" || extension == ".png") {
+      world = world_from_image(name_or_path, options);
+    } else if (extension == ".map") {
+      world = world_from_movingai(name_or_path, options);
+    } else {
+      throw InputError(name_or_path + ": unknown kind of file '" + extension +
+                       "'; expected .yaml, .bt, .ot, .pgm, .png or .map");
+    }
+    world->name = path.stem().string();
+  }
+  place_start(*world, options.slice, options.start, states_start);
+  return *std::move(world);
+}
+
+}  // namespace prospect

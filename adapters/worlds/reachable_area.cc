@@ -1,0 +1,303 @@
+#include "adapters/worlds/reachable_area.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <vector>
+
+#include "adapters/config/input_error.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kTouch = 1e-9;  // relative slack of comparisons between multiples of a resolution
+constexpr std::array<Cell, 4> kNeighbours = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+
+/// Distance [in cells] from the centre of a column to the square of the column offset by (di, dj).
+double distance_to_square(int di, int dj) {
+  const double x = std::max(std::abs(di) - 0.5, 0.0);
+  const double y = std::max(std::abs(dj) - 0.5, 0.0);
+  return std::hypot(x, y);
+}
+
+/// Which columns can be lit from a point: exact propagation of the open slopes, octant by octant
+/// and row by row (symmetric to recursive shadow casting), for sight lines that end anywhere in a
+/// column and pass between and along corners. A superset of what lines between column centres
+/// reach, so an empty answer settles that nothing is seen.
+class ShadowCast {
+ public:
+  /// Collects the offsets from `origin` of `wanted` columns within `radius` [cells] that may be
+  /// lit.
+  void lit_columns(const Grid<std::uint8_t>& transparent, const Grid<std::uint8_t>& wanted,
+                   Cell origin, double radius, std::vector<Cell>& lit) {
+    lit.clear();
+    for (int octant = 0; octant < 8; ++octant) {
+      cast(transparent, wanted, origin, radius, octant, lit);
+    }
+  }
+
+ private:
+  struct Slopes {
+    double low, high;
+  };
+
+  void cast(const Grid<std::uint8_t>& transparent, const Grid<std::uint8_t>& wanted, Cell origin,
+            double radius, int octant, std::vector<Cell>& lit) {
+    constexpr double kSlack = 1e-9;
+    const int reach = static_cast<int>(std::floor(radius));
+    open_.assign(1, {0.0, 1.0});
+    for (int d = 1; d <= reach && !open_.empty(); ++d) {
+      next_.clear();
+      for (const Slopes& slopes : open_) {
+        double low = slopes.low;
+        const double high = slopes.high;
+        const int first = std::max(0, static_cast<int>(std::floor(low * (d - 0.5) + 0.5 - 1e-6)));
+        const int last = std::min(d, static_cast<int>(std::floor(high * (d + 0.5) + 0.5 + 1e-6)));
+        for (int m = first; m <= last && low <= high; ++m) {
+          // Slopes of the rays through the square (d, m); a ray meets squares in ascending m.
+          const double from = m == 0 ? -1.0 : (m - 0.5) / (d + 0.5);
+          const double to = (m + 0.5) / (d - 0.5);
+          if (from > high || to < low) continue;
+          const Cell offset = place(octant, d, m);
+          const Cell cell{origin.i + offset.i, origin.j + offset.j};
+          if (transparent.get(cell, 0) == 0) {
+            if (from + kSlack >= low) next_.push_back({low, std::min(high, from + kSlack)});
+            low = std::max(low, to - kSlack);
+          } else if (wanted.get(cell, 0) != 0 && std::hypot(d, m) <= radius) {
+            lit.push_back(offset);
+          }
+        }
+        if (low <= high) next_.push_back({low, high});
+      }
+      std::swap(open_, next_);
+    }
+  }
+
+  static Cell place(int octant, int d, int m) {
+    const int i = (octant & 1) != 0 ? m : d;
+    const int j = (octant & 1) != 0 ? d : m;
+    return {(octant & 2) != 0 ? -i : i, (octant & 4) != 0 ? -j : j};
+  }
+
+  std::vector<Slopes> open_, next_;
+};
+
+void check(bool good, const char* what) {
+  if (!good) throw std::invalid_argument(what);
+}
+
+bool positive(double value) { return std::isfinite(value) && value > 0.0; }
+
+}  // namespace
+
+Grid<std::uint8_t> free_columns(const VoxelGrid& voxels, const BodySlice& slice) {
+  check(std::isfinite(slice.z_min) && std::isfinite(slice.z_max) && slice.z_max > slice.z_min,
+        "body slice: z_min and z_max; expected finite heights with z_min < z_max");
+  const GridFrame& frame = voxels.frame();
+  const double r = frame.resolution;
+  const int low = static_cast<int>(std::floor(slice.z_min / r + kTouch));
+  const int high = static_cast<int>(std::ceil(slice.z_max / r - kTouch)) - 1;
+  Grid<std::uint8_t> free(frame, 0);
+  if (low < voxels.k0() || high >= voxels.k0() + voxels.depth()) return free;
+  const std::vector<CellState>& data = voxels.data();
+  for (int n = 0; n < frame.size(); ++n) {
+    const Cell c = frame.at(n);
+    const auto begin = data.begin() + static_cast<std::ptrdiff_t>(voxels.index(c.i, c.j, low));
+    free.data[static_cast<std::size_t>(n)] =
+        std::all_of(begin, begin + (high - low + 1),
+                    [](CellState s) { return s == CellState::kFree; })
+            ? 1
+            : 0;
+  }
+  return free;
+}
+
+Grid<std::uint8_t> standing_columns(const VoxelGrid& voxels, const BodySlice& slice) {
+  check(std::isfinite(slice.standing_clearance) && slice.standing_clearance >= 0.0,
+        "standing clearance; expected a finite distance of at least 0");
+  const Grid<std::uint8_t> free = free_columns(voxels, slice);
+  Grid<std::uint8_t> standing = free;
+  const GridFrame& frame = free.frame;
+  const double clearance = slice.standing_clearance / frame.resolution;
+  std::vector<Cell> near;  // offsets whose centre is too near to a square that is not free
+  const int reach = static_cast<int>(std::ceil(clearance + 0.5));
+  for (int dj = -reach; dj <= reach; ++dj) {
+    for (int di = -reach; di <= reach; ++di) {
+      if (distance_to_square(di, dj) < clearance * (1.0 - kTouch)) near.push_back({di, dj});
+    }
+  }
+  // The nearest point of what is not free lies on a square with a free neighbour.
+  for (int j = frame.j0 - 1; j <= frame.j0 + frame.height; ++j) {
+    for (int i = frame.i0 - 1; i <= frame.i0 + frame.width; ++i) {
+      if (free.get({i, j}, 0) != 0) continue;
+      const bool outline = std::any_of(kNeighbours.begin(), kNeighbours.end(), [&](Cell n) {
+        return free.get({i + n.i, j + n.j}, 0) != 0;
+      });
+      if (!outline) continue;
+      for (const Cell& offset : near) {
+        const Cell c{i + offset.i, j + offset.j};
+        if (frame.contains(c)) standing[c] = 0;
+      }
+    }
+  }
+  return standing;
+}
+
+Grid<std::uint8_t> connected_component(const Grid<std::uint8_t>& mask, Cell seed) {
+  Grid<std::uint8_t> component(mask.frame, 0);
+  if (mask.get(seed, 0) == 0) return component;
+  std::vector<Cell> open{seed};
+  component[seed] = 1;
+  while (!open.empty()) {
+    const Cell c = open.back();
+    open.pop_back();
+    for (const Cell& n : kNeighbours) {
+      const Cell next{c.i + n.i, c.j + n.j};
+      if (mask.get(next, 0) != 0 && component[next] == 0) {
+        component[next] = 1;
+        open.push_back(next);
+      }
+    }
+  }
+  return component;
+}
+
+ReachableArea reachable_area(const World& world, const ReachableAreaOptions& options) {
+  check(positive(options.range), "range; expected a finite distance above 0 m");
+  check(positive(options.map_resolution), "map resolution; expected a finite length above 0 m");
+  check(std::isfinite(options.sensor_height), "sensor height; expected a finite height");
+  const VoxelGrid& voxels = world.voxels;
+  const GridFrame& frame = voxels.frame();
+  const double r = frame.resolution;
+  const int layer = static_cast<int>(std::floor(options.sensor_height / r + kTouch));
+  check(layer >= voxels.k0() && layer < voxels.k0() + voxels.depth(),
+        "sensor height; expected a height within the world's layers");
+
+  const Grid<std::uint8_t> free = free_columns(voxels, options.slice);
+  ReachableArea result;
+  result.standing =
+      connected_component(standing_columns(voxels, options.slice),
+                          frame.cell(world.start.position.x(), world.start.position.y()));
+  const Grid<std::uint8_t>& standing = result.standing;
+  const auto stands = std::count(standing.data.begin(), standing.data.end(), std::uint8_t{1});
+  if (stands == 0) {
+    std::ostringstream out;
+    out << world.name << ": the robot cannot stand at the start (" << world.start.position.x()
+        << ", " << world.start.position.y() << "); expected " << options.slice.standing_clearance
+        << " m to everything that is not free";
+    throw InputError(out.str());
+  }
+
+  // Sight passes from face to face through transparent columns, so it stays within their component.
+  Grid<std::uint8_t> transparent(frame, 0);
+  for (int n = 0; n < frame.size(); ++n) {
+    const Cell c = frame.at(n);
+    transparent.data[static_cast<std::size_t>(n)] =
+        voxels.state(c.i, c.j, layer) == CellState::kFree ? 1 : 0;
+  }
+  Grid<std::uint8_t> connected(frame, 0);
+  std::vector<Cell> open;
+  for (int n = 0; n < frame.size(); ++n) {
+    const auto index = static_cast<std::size_t>(n);
+    if (standing.data[index] != 0 && transparent.data[index] != 0) {
+      connected.data[index] = 1;
+      open.push_back(frame.at(n));
+    }
+  }
+  while (!open.empty()) {
+    const Cell c = open.back();
+    open.pop_back();
+    for (const Cell& n : kNeighbours) {
+      const Cell next{c.i + n.i, c.j + n.j};
+      if (transparent.get(next, 0) != 0 && connected[next] == 0) {
+        connected[next] = 1;
+        open.push_back(next);
+      }
+    }
+  }
+
+  const double radius = options.range / r * (1.0 + kTouch);
+  const int reach = static_cast<int>(std::floor(radius));
+  std::vector<Cell> disc;  // offsets within range, nearest first
+  for (int dj = -reach; dj <= reach; ++dj) {
+    for (int di = -reach; di <= reach; ++di) {
+      if (std::hypot(di, dj) <= radius) disc.push_back({di, dj});
+    }
+  }
+  const auto nearer = [](const Cell& a, const Cell& b) {
+    return a.i * a.i + a.j * a.j < b.i * b.i + b.j * b.j;
+  };
+  std::stable_sort(disc.begin(), disc.end(), nearer);
+
+  const double z = (layer + 0.5) * r;
+  const auto center = [&](Cell c) { return Eigen::Vector3d((c.i + 0.5) * r, (c.j + 0.5) * r, z); };
+  const auto sees = [&](Cell from, Cell to) {
+    if (transparent[from] == 0) return false;
+    const VoxelGrid::Ray ray = voxels.cast(center(from), center(to));
+    return !ray.blocked && ray.unknown_length <= kTouch * r;
+  };
+
+  ShadowCast shadow;
+  std::vector<Cell> lit;
+  const auto seen = [&](Cell h) {
+    if (standing[h] != 0) return true;
+    if (connected[h] == 0) return false;
+    // Most columns are seen from one of the nearest places to stand; the rest is decided by first
+    // finding what can be lit at all.
+    int tries = 24;
+    for (const Cell& offset : disc) {
+      if (offset.i * offset.i + offset.j * offset.j > 400) break;
+      const Cell from{h.i + offset.i, h.j + offset.j};
+      if (standing.get(from, 0) == 0) continue;
+      if (sees(from, h)) return true;
+      if (--tries == 0) break;
+    }
+    shadow.lit_columns(transparent, standing, h, radius, lit);
+    std::stable_sort(lit.begin(), lit.end(), nearer);
+    return std::any_of(lit.begin(), lit.end(), [&](const Cell& offset) {
+      return sees({h.i + offset.i, h.j + offset.j}, h);
+    });
+  };
+
+  const double m = options.map_resolution;
+  GridFrame cells;
+  cells.resolution = m;
+  cells.i0 = static_cast<int>(std::floor(frame.i0 * r / m - kTouch));
+  cells.j0 = static_cast<int>(std::floor(frame.j0 * r / m - kTouch));
+  cells.width = static_cast<int>(std::ceil((frame.i0 + frame.width) * r / m + kTouch)) - cells.i0;
+  cells.height = static_cast<int>(std::ceil((frame.j0 + frame.height) * r / m + kTouch)) - cells.j0;
+  // (1): 0 no column assigned, 1 all assigned are free, 2 one is not.
+  Grid<std::uint8_t> assigned(cells, 0);
+  const auto hold = [&](double x, double size) {
+    return static_cast<int>(std::floor(x / size + kTouch));
+  };
+  for (int n = 0; n < frame.size(); ++n) {
+    const Cell c = frame.at(n);
+    std::uint8_t& state = assigned[{hold((c.i + 0.5) * r, m), hold((c.j + 0.5) * r, m)}];
+    if (free.data[static_cast<std::size_t>(n)] == 0) {
+      state = 2;
+    } else if (state == 0) {
+      state = 1;
+    }
+  }
+  result.cells = Grid<std::uint8_t>(cells, 0);
+  int count = 0;
+  for (int n = 0; n < cells.size(); ++n) {
+    const auto index = static_cast<std::size_t>(n);
+    if (assigned.data[index] == 2) continue;
+    const Cell c = cells.at(n);
+    const Cell h{hold((c.i + 0.5) * m, r), hold((c.j + 0.5) * m, r)};
+    if (!frame.contains(h)) continue;
+    if (assigned.data[index] == 0 && free[h] == 0) continue;
+    if (seen(h)) {
+      result.cells.data[index] = 1;
+      ++count;
+    }
+  }
+  result.area = count * m * m;
+  return result;
+}
+
+}  // namespace prospect
