@@ -40,9 +40,7 @@ std::string_view to_string(GuardReason reason) {
 Guard::Guard(std::shared_ptr<const MotionModel> model, const RobotShape& shape,
              const Certifier::Options& certificate, Options options)
     : model_(std::move(model)), certifier_(shape, certificate), options_(options) {
-  Twist probe;
-  probe.linear.x() = 0.5 * model_->max_speed();
-  const bool velocity_controlled = !model_->input(probe).isZero();
+  const bool velocity_controlled = model_->num_state_constraints() == 0;
   const InputLimits& limits = model_->limits();
   const int yaw = model_->nu() - 1;
   for (int j = 0; j < yaw; ++j) {
@@ -68,10 +66,8 @@ GuardVerdict Guard::stop(GuardReason reason, const std::string& detail, const Tw
   const Eigen::VectorXd u = model_->braking_input(x, model_->input(previous), dt);
   Eigen::VectorXd next(model_->nx());
   model_->step(x, u, dt, next);
-  const Twist a = model_->twist(x, u);
-  const Twist b = model_->twist(next, u);
-  const Twist mean{0.5 * (a.linear + b.linear), 0.5 * (a.yaw_rate + b.yaw_rate)};
-  if (finite(mean)) verdict.command = mean;
+  const Twist braking = model_->twist(next, u);
+  if (finite(braking)) verdict.command = braking;
   return verdict;
 }
 

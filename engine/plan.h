@@ -40,7 +40,7 @@ struct Plan {
   double dt = 0.25;                     ///< [s], duration of each command
   std::vector<Eigen::VectorXd> states;  ///< x_0 ... x_N
   std::vector<Eigen::VectorXd> inputs;  ///< u_0 ... u_{N-1}
-  std::vector<Twist> commands;          ///< mean body velocity over each stage
+  std::vector<Twist> commands;          ///< body velocity to hold over each stage
   std::vector<double> visible;          ///< N_k predicted at k = 0 ... N; empty without landmarks
   int committed = 0;  ///< leading stages that are certified, with the stop after them
 

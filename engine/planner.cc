@@ -1,0 +1,547 @@
+#include "engine/planner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <stdexcept>
+#include <string>
+
+#include "engine/body_clearance.h"
+#include "engine/certificate.h"
+#include "engine/clearance_field.h"
+#include "engine/exploration_targets.h"
+#include "engine/landmark_selection.h"
+#include "engine/occlusion_table.h"
+#include "engine/retreat.h"
+#include "engine/seeds.h"
+#include "engine/terms/braking_constraint.h"
+#include "engine/terms/clearance_constraint.h"
+#include "engine/terms/control_effort.h"
+#include "engine/terms/cost_to_go_term.h"
+#include "engine/terms/exploration_gain.h"
+#include "engine/terms/heading_alignment.h"
+#include "engine/terms/input_rate.h"
+#include "engine/terms/obstacle_cost.h"
+#include "engine/terms/rate_limit.h"
+#include "engine/terms/speed_limit.h"
+
+namespace prospect {
+namespace {
+
+/// Violation [m and the like] up to which a candidate counts as feasible when candidates are
+/// compared: the certificate, not this number, decides what may be executed.
+constexpr double kFeasible = 1e-3;
+
+class Stopwatch {
+ public:
+  /// Milliseconds since the last lap.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+struct Candidate {
+  std::string name;
+  Eigen::VectorXd z;
+  double cost = Problem::kRejectedCost;
+  double violation = 0.0;
+  std::optional<Result> result;  // of the solver, for polished ones
+
+  bool operator<(const Candidate& other) const {
+    const bool feasible = violation <= kFeasible;
+    const bool other_feasible = other.violation <= kFeasible;
+    if (feasible != other_feasible) return feasible;
+    if (!feasible && violation != other.violation) return violation < other.violation;
+    return cost < other.cost;
+  }
+};
+
+[[noreturn]] void refuse(const std::string& name, double value, const std::string& expected) {
+  throw std::invalid_argument("planner." + name + " = " + std::to_string(value) + "; expected " +
+                              expected);
+}
+
+void check(const PlannerParameters& p) {
+  const auto at_least = [](const char* name, double value, double least) {
+    if (!(value >= least) || !std::isfinite(value)) {
+      refuse(name, value, "a finite number >= " + std::to_string(least));
+    }
+  };
+  at_least("N", p.N, 1);
+  at_least("M", p.M, 1);
+  if (p.M > p.N) refuse("M", p.M, "at most N");
+  if (!(p.dt > 0.0) || !std::isfinite(p.dt)) refuse("dt", p.dt, "a finite step > 0");
+  for (const auto& [name, value] : {std::pair{"w_u", p.w_u},
+                                    {"w_du", p.w_du},
+                                    {"w_o", p.w_o},
+                                    {"w_l", p.w_l},
+                                    {"w_e", p.w_e},
+                                    {"w_T", p.w_T},
+                                    {"w_h", p.w_h},
+                                    {"w_c", p.w_c},
+                                    {"d_safe", p.d_safe}}) {
+    at_least(name, value, 0.0);
+  }
+  if (!(p.d_des > p.d_safe)) refuse("d_des", p.d_des, "more than d_safe");
+  if (!(p.committed >= p.dt)) refuse("committed", p.committed, "at least dt");
+  if (p.committed > p.N * p.dt) refuse("committed", p.committed, "at most the horizon");
+  at_least("polished", p.polished, 0);
+  at_least("polish_evaluations", p.polish_evaluations, 1);
+  at_least("max_landmarks", p.max_landmarks, 0);
+  at_least("max_targets", p.max_targets, 0);
+}
+
+Eigen::MatrixXd stage_inputs(const TrajectoryBatch& t) {
+  const int nu = t.horizon.nu();
+  Eigen::MatrixXd inputs(nu, t.horizon.N);
+  for (int k = 0; k < t.horizon.N; ++k) {
+    for (int j = 0; j < nu; ++j) inputs(j, k) = t.u(k, j, 0);
+  }
+  return inputs;
+}
+
+}  // namespace
+
+struct Planner::Impl {
+  RobotDescription robot;
+  PlannerParameters parameters;
+  std::shared_ptr<const Solver> solver;
+  std::optional<Certifier> certifier;
+  ExplorationGuide guide;
+  VerticalExtent slice{0.0, 0.0};  // of the body, in W
+  double reach = 0.0;              // how far the base can get within the horizon [m]
+
+  // From one step to the next.
+  std::shared_ptr<const Guidance> guidance;
+  std::shared_ptr<const ClearanceField> occupied, known;
+  std::shared_ptr<const OcclusionTable> landmark_table, target_table;
+  std::shared_ptr<const VisibilityPrediction> prediction;
+  std::shared_ptr<const VisibleFeatures> visible_features;
+  std::shared_ptr<const Problem> problem;
+  std::vector<Landmark> landmarks;
+  Eigen::VectorXd visibility;
+  Eigen::VectorXd best_seed;
+  Eigen::MatrixXd last_inputs;  // nu x N of the last plan
+  double last_stamp = 0.0;
+  RetreatTrail trail;
+  bool recovering = false;
+  double recovery_started = 0.0;
+  double recovery_allowed_at = 0.0;
+
+  Impl(RobotDescription r, PlannerParameters p, std::shared_ptr<const Solver> s)
+      : robot(std::move(r)),
+        parameters(std::move(p)),
+        solver(std::move(s)),
+        guide(guide_options()) {
+    check(parameters);
+    const VerticalExtent extent = vertical_extent(robot.shape);
+    const double z = robot.model->pose_layout().fixed_z;
+    slice = {extent.z_min + z, extent.z_max + z};
+    Certifier::Options options;
+    options.margin = parameters.certificate_margin;
+    options.unknown = parameters.unknown;
+    options.slice = slice;
+    certifier.emplace(robot.shape, options);
+    reach = robot.model->max_speed() * parameters.N * parameters.dt;
+  }
+
+  /// What the guide needs to know about the robot follows from the robot.
+  ExplorationGuideOptions guide_options() {
+    if (!robot.model) throw std::invalid_argument("planner: no motion model; expected one");
+    if (!solver) throw std::invalid_argument("planner: no solver; expected one");
+    validate(robot.shape);
+    ExplorationGuideOptions options = parameters.guide;
+    const double radius = circumscribed_radius(robot.shape);
+    options.traversability.hard_radius = radius + parameters.d_safe;
+    options.traversability.comfortable_radius =
+        std::max(options.traversability.hard_radius, radius + parameters.d_des * 0.7);
+    options.frontiers.sensor_range = robot.depth.max_range;
+    options.memory.sensor_range = robot.depth.max_range;
+    options.memory.sensor_fov = robot.depth.horizontal_fov;
+    options.cost_to_go.v_max = robot.model->max_speed();
+    parameters.guide = options;
+    return options;
+  }
+
+  Plan plan(const Belief& belief, const StopCondition& stop);
+  void update_recovery(const Belief& belief);
+  void update_clearance(const Belief& belief);
+  void update_views(const Belief& belief);
+  std::shared_ptr<const Problem> make_problem(const Belief& belief);
+  std::vector<Candidate> score(const std::vector<Seed>& seeds) const;
+  void polish(std::vector<Candidate>& candidates, const StopCondition& stop, Plan& plan) const;
+  void execute_best(const Belief& belief, const std::vector<Candidate>& candidates,
+                    Plan& plan) const;
+  void fill(const TrajectoryBatch& t, int committed, Plan& plan) const;
+  Plan stopping_plan(const Belief& belief, const std::string& why) const;
+
+  std::shared_ptr<const ExplorationGain> gain;
+};
+
+void Planner::Impl::update_recovery(const Belief& belief) {
+  const double enough = 1.5 * parameters.features.N_min;
+  const bool good = belief.localization == Localization::kOk && belief.tracked_features >= enough;
+  if (good) trail.note(belief.pose.position.head<2>());
+  if (recovering) {
+    const bool expired = belief.stamp - recovery_started > parameters.recovery_time;
+    if (good || expired) {
+      recovering = false;
+      recovery_allowed_at = belief.stamp + parameters.recovery_pause;
+    }
+  } else if (belief.localization != Localization::kOk && belief.stamp >= recovery_allowed_at) {
+    recovering = true;
+    recovery_started = belief.stamp;
+  }
+}
+
+void Planner::Impl::update_clearance(const Belief& belief) {
+  ClearanceField::Options options;
+  options.vertical = robot.model->pose_layout().pz >= 0;
+  options.slice = slice;
+  options.reach = reach + 1.0;
+  options.cutoff = std::max(0.8, circumscribed_radius(robot.shape) + parameters.d_des + 0.2);
+  occupied = std::make_shared<const ClearanceField>(belief.pose.position, *belief.voxels,
+                                                    *belief.ground, options, occupied.get());
+  if (parameters.unknown == UnknownPolicy::kFree) return;
+  options.obstacles = ClearanceField::Obstacles::kOccupiedAndUnknown;
+  known = std::make_shared<const ClearanceField>(belief.pose.position, *belief.voxels,
+                                                 *belief.ground, options, known.get());
+}
+
+void Planner::Impl::update_views(const Belief& belief) {
+  const bool vertical = robot.model->pose_layout().pz >= 0;
+  const Eigen::Isometry3d T_WB =
+      Eigen::Translation3d(belief.pose.position) *
+      Eigen::Isometry3d(Eigen::AngleAxisd(belief.pose.yaw, Eigen::Vector3d::UnitZ()));
+
+  const double stereo_offset = robot.stereo_mount.T_BC.translation().head<2>().norm();
+  landmarks = select_landmarks(*belief.landmarks, belief.pose, reach + stereo_offset,
+                               parameters.max_landmarks, parameters.visibility);
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(landmarks.size());
+  for (const Landmark& l : landmarks) points.push_back(l.position);
+  OcclusionTable::Options table;
+  table.attenuation = parameters.unknown_attenuation;
+  table.trim = 1.5 * belief.voxels->resolution();
+  table.max_range = parameters.visibility.r_max + 1.0;
+  landmark_table = std::make_shared<const OcclusionTable>(
+      SensorLattice::around(T_WB * robot.stereo_mount.T_BC.translation(), reach + stereo_offset,
+                            parameters.visibility_lattice, vertical),
+      std::move(points), belief.voxels, table, landmark_table.get());
+  prediction = std::make_shared<const VisibilityPrediction>(
+      landmarks, robot.stereo, robot.stereo_mount, landmark_table, parameters.visibility);
+  visibility = prediction->probabilities(belief.pose);
+
+  std::vector<Cell> frontier_cells;
+  for (std::size_t i = 0; i < guidance->frontiers.size(); ++i) {
+    const Frontier& f = guidance->frontiers[i];
+    const bool chosen = guidance->target && guidance->target->frontier == static_cast<int>(i);
+    if (f.active && (chosen || !parameters.target_frontier_only)) {
+      frontier_cells.insert(frontier_cells.end(), f.cells.begin(), f.cells.end());
+    }
+  }
+  ExplorationTargetOptions target_options;
+  target_options.max_targets = parameters.max_targets;
+  const ExplorationTargets targets =
+      exploration_targets(belief, frontier_cells, robot.depth, robot.depth_mount, target_options);
+  const double depth_offset = robot.depth_mount.T_BC.translation().head<2>().norm();
+  table.max_range = robot.depth.max_range + 1.0;
+  target_table = std::make_shared<const OcclusionTable>(
+      SensorLattice::around(T_WB * robot.depth_mount.T_BC.translation(), reach + depth_offset,
+                            parameters.visibility_lattice, vertical),
+      targets.positions(), belief.voxels, table, target_table.get());
+  gain = std::make_shared<const ExplorationGain>(targets, robot.depth, robot.depth_mount,
+                                                 target_table);
+}
+
+std::shared_ptr<const Problem> Planner::Impl::make_problem(const Belief& belief) {
+  const PlannerParameters& p = parameters;
+  ProblemDefinition d;
+  d.model = robot.model;
+  d.x0 = robot.model->state(belief.pose, belief.twist);
+  const InputLimits& limits = robot.model->limits();
+  d.u_previous = robot.model->input(belief.twist).cwiseMax(limits.lower).cwiseMin(limits.upper);
+  d.N = p.N;
+  d.dt = p.dt;
+  d.M = p.M;
+
+  std::shared_ptr<const CostToGo> cost_to_go = guidance->cost_to_go;
+  double w_e = p.w_e, w_l = p.w_l;
+  if (recovering) {
+    w_e = 0.0;
+    w_l *= 2.0;
+    const auto retreat = trail.cost_to_go(guide.traversability(), belief.pose.position.head<2>(),
+                                          robot.model->max_speed());
+    if (retreat) cost_to_go = retreat;
+  }
+
+  Twist desired;
+  desired.linear.x() = p.desired_speed * robot.model->max_speed();
+  d.terms.push_back({std::make_shared<ControlEffort>(robot.model->input(desired), limits), p.w_u});
+  d.terms.push_back({std::make_shared<InputRate>(limits), p.w_du});
+  const auto body = std::make_shared<const BodyClearance>(occupied, robot.shape);
+  d.terms.push_back({std::make_shared<ObstacleCost>(body, p.d_safe, p.d_des), p.w_o});
+
+  VisibleFeaturesParameters features = p.features;
+  std::shared_ptr<const NewSurface> new_surface;
+  if (p.feature_prior) {
+    features.rho = belief.landmarks->feature_density;
+    new_surface = gain;
+  } else {
+    features.rho = 0.0;
+  }
+  features.chance_weight = w_l > 0.0 ? p.w_c / w_l : 0.0;
+  visible_features = std::make_shared<const VisibleFeatures>(prediction, features, new_surface);
+  d.terms.push_back({visible_features, w_l});
+  d.terms.push_back({gain, -w_e});
+  d.terms.push_back({std::make_shared<CostToGoTerm>(cost_to_go), p.w_T});
+  if (p.w_h > 0.0) d.terms.push_back({std::make_shared<HeadingAlignment>(cost_to_go), p.w_h});
+
+  ClearanceConstraint::Options clearance;
+  clearance.d_safe = p.d_safe;
+  clearance.floor = std::min(clearance.floor, p.d_safe);
+  d.terms.push_back({std::make_shared<ClearanceConstraint>(body, clearance), 1.0});
+  if (p.unknown != UnknownPolicy::kFree) {
+    const auto known_body = std::make_shared<const BodyClearance>(known, robot.shape);
+    d.terms.push_back({unknown_space_constraint(p.unknown, known_body, p.d_safe), 1.0});
+  }
+  if (limits.rate.array().isFinite().any()) {
+    d.terms.push_back({std::make_shared<RateLimit>(limits, p.M), 1.0});
+  }
+  if (robot.model->num_state_constraints() > 0) {
+    d.terms.push_back({std::make_shared<SpeedLimit>(*robot.model), 1.0});
+  }
+  return std::make_shared<const Problem>(std::move(d));
+}
+
+std::vector<Candidate> Planner::Impl::score(const std::vector<Seed>& seeds) const {
+  Eigen::MatrixXd X(problem->num_variables(), static_cast<Eigen::Index>(seeds.size()));
+  for (std::size_t i = 0; i < seeds.size(); ++i) X.col(static_cast<Eigen::Index>(i)) = seeds[i].z;
+  Workspace workspace = problem->make_workspace();
+  Evaluation evaluation;
+  problem->evaluate(X, Evaluate::kValue, workspace, evaluation);
+  std::vector<Candidate> candidates;
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    const auto b = static_cast<Eigen::Index>(i);
+    if (!evaluation.valid[b]) continue;
+    candidates.push_back({seeds[i].name, seeds[i].z, evaluation.cost[b],
+                          violation(evaluation.constraints.col(b)), std::nullopt});
+  }
+  std::stable_sort(candidates.begin(), candidates.end());
+  return candidates;
+}
+
+void Planner::Impl::polish(std::vector<Candidate>& candidates, const StopCondition& stop,
+                           Plan& plan) const {
+  Options options = parameters.solver_options;
+  options.try_emplace("max_evaluations", parameters.polish_evaluations);
+  // Basins apart: seeds that end near each other usually polish to the same plan.
+  std::vector<Pose> ends;
+  std::vector<Candidate> polished;
+  for (const Candidate& seed : candidates) {
+    if (static_cast<int>(polished.size()) >= parameters.polished) break;
+    if (stop() != StopRequest::kNone) break;
+    const TrajectoryBatch t = problem->rollout(seed.z);
+    const Pose end = t.pose(parameters.N, 0);
+    const bool known_basin = std::any_of(ends.begin(), ends.end(), [&](const Pose& other) {
+      return (other.position - end.position).norm() < 0.4 &&
+             std::abs(std::remainder(other.yaw - end.yaw, 2.0 * M_PI)) < 0.5;
+    });
+    if (known_basin) continue;
+    ends.push_back(end);
+    WarmStart warm;
+    warm.x = seed.z;
+    Result result = solver->solve(*problem, warm, options, stop);
+    plan.counters.cost_evaluations += result.counters.cost_evaluations;
+    plan.counters.gradient_evaluations += result.counters.gradient_evaluations;
+    plan.counters.iterations += result.counters.iterations;
+    plan.stop = result.stop;
+    if (result.stop == StopReason::kError) plan.detail = result.detail;
+    if (result.quality == Quality::kNone) continue;
+    Candidate c{seed.name, result.x, result.cost, result.violation, std::move(result)};
+    polished.push_back(std::move(c));
+  }
+  candidates.insert(candidates.end(), std::make_move_iterator(polished.begin()),
+                    std::make_move_iterator(polished.end()));
+  std::stable_sort(candidates.begin(), candidates.end());
+}
+
+void Planner::Impl::fill(const TrajectoryBatch& t, int committed, Plan& plan) const {
+  const int N = t.horizon.N;
+  const int nx = t.horizon.nx();
+  const int nu = t.horizon.nu();
+  plan.dt = t.horizon.dt;
+  plan.committed = committed;
+  plan.states.clear();
+  plan.inputs.clear();
+  plan.commands.clear();
+  for (int k = 0; k <= N; ++k) {
+    plan.states.emplace_back(Eigen::Map<const Eigen::VectorXd>(t.states.data() + k * nx, nx));
+    if (k < N) {
+      plan.inputs.emplace_back(Eigen::Map<const Eigen::VectorXd>(t.inputs.data() + k * nu, nu));
+    }
+  }
+  for (int k = 0; k < N; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    plan.commands.push_back(robot.model->twist(plan.states[i + 1], plan.inputs[i]));
+  }
+}
+
+void Planner::Impl::execute_best(const Belief& belief, const std::vector<Candidate>& candidates,
+                                 Plan& plan) const {
+  constexpr int kAttempts = 10;
+  const int committed =
+      std::min(parameters.N,
+               std::max(1, static_cast<int>(std::lround(parameters.committed / parameters.dt))));
+  const ProblemDefinition& d = problem->definition();
+  int attempts = 0;
+  for (const Candidate& c : candidates) {
+    // "stop" is worth a try whatever its rank.
+    if (attempts >= kAttempts && c.name != "stop") continue;
+    ++attempts;
+    const TrajectoryBatch t = problem->rollout(c.z);
+    const Certificate certificate = certifier->certify(belief, *robot.model, d.x0, d.u_previous,
+                                                       stage_inputs(t).leftCols(committed), d.dt);
+    if (!certificate.ok()) {
+      if (plan.certificate.empty()) plan.certificate = certificate.detail;
+      continue;
+    }
+    fill(t, committed, plan);
+    plan.kind = c.result ? PlanKind::kOptimised : PlanKind::kSeed;
+    plan.certified = true;
+    plan.certificate = certificate.detail;
+    plan.seed = c.name;
+    plan.quality = c.result
+                       ? c.result->quality
+                       : (c.violation <= kFeasible ? Quality::kFeasible : Quality::kInfeasible);
+    plan.explanation = problem->explain(c.z);
+    plan.visible = visible_features->visible(t, 0);
+    return;
+  }
+  const std::string why = "no candidate could be certified: " + plan.certificate;
+  const Plan halt = stopping_plan(belief, why);
+  plan.kind = halt.kind;
+  plan.dt = halt.dt;
+  plan.states = halt.states;
+  plan.inputs = halt.inputs;
+  plan.commands = halt.commands;
+  plan.committed = halt.committed;
+  plan.certified = halt.certified;
+  plan.detail = why;
+}
+
+Plan Planner::Impl::stopping_plan(const Belief& belief, const std::string& why) const {
+  Plan plan;
+  plan.kind = PlanKind::kStoppingTail;
+  plan.stamp = belief.stamp;
+  plan.dt = parameters.dt;
+  plan.detail = why;
+  const MotionModel& model = *robot.model;
+  Eigen::VectorXd x = model.state(belief.pose, belief.twist);
+  const Eigen::MatrixXd tail = stopping_tail(model, x, model.input(belief.twist), parameters.dt);
+  plan.states.push_back(x);
+  Eigen::VectorXd next(model.nx());
+  for (Eigen::Index k = 0; k < tail.cols(); ++k) {
+    model.step(x, tail.col(k), parameters.dt, next);
+    plan.commands.push_back(model.twist(next, tail.col(k)));
+    plan.inputs.emplace_back(tail.col(k));
+    x.swap(next);
+    plan.states.push_back(x);
+  }
+  plan.committed = static_cast<int>(tail.cols());
+  plan.certified = false;
+  return plan;
+}
+
+Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
+  Stopwatch total, watch;
+  const StopCondition stop =
+      parameters.deadline > 0.0 ? (deadline(parameters.deadline) || outer) : outer;
+  Plan plan;
+  plan.stamp = belief.stamp;
+  plan.solver = solver->name();
+
+  update_recovery(belief);
+  guidance = guide.update(*belief.ground, belief.pose, belief.stamp);
+  plan.has_active_frontier = guidance->target.has_value();
+  plan.times.guide = watch.lap();
+  update_clearance(belief);
+  plan.times.clearance = watch.lap();
+  update_views(belief);
+  plan.times.views = watch.lap();
+  problem = make_problem(belief);
+
+  SeedContext context;
+  context.cost_to_go = guidance->cost_to_go.get();
+  context.target = guidance->target;
+  if (last_inputs.cols() > 0) {
+    const auto passed =
+        static_cast<Eigen::Index>(std::lround((belief.stamp - last_stamp) / parameters.dt));
+    if (passed >= 0 && passed < last_inputs.cols()) {
+      context.previous = last_inputs.rightCols(last_inputs.cols() - passed);
+    }
+  }
+  const bool scripted = guidance->advice == Advice::kGoAndFace && !recovering;
+  const std::vector<Seed> seeds =
+      scripted ? make_scripted_seeds(*problem, context) : make_seeds(*problem, context);
+  std::vector<Candidate> candidates = score(seeds);
+  plan.seeds_scored = static_cast<int>(seeds.size());
+  if (!candidates.empty()) best_seed = candidates.front().z;
+  plan.counters.cost_evaluations = plan.seeds_scored;
+  plan.times.seeds = watch.lap();
+  if (scripted) {
+    // The script is what the optimisation did not find: its first certified entry is taken.
+    const auto rank = [&](const Candidate& c) {
+      const auto at =
+          std::find_if(seeds.begin(), seeds.end(), [&](const Seed& s) { return s.name == c.name; });
+      return std::distance(seeds.begin(), at);
+    };
+    std::stable_sort(candidates.begin(), candidates.end(),
+                     [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
+  } else {
+    polish(candidates, stop, plan);
+  }
+  plan.times.polish = watch.lap();
+  execute_best(belief, candidates, plan);
+  plan.times.certify = watch.lap();
+  if (plan.certified && recovering) plan.kind = PlanKind::kRecovery;
+  if (plan.certified && scripted) plan.kind = PlanKind::kScripted;
+
+  last_stamp = belief.stamp;
+  last_inputs.resize(robot.model->nu(), static_cast<Eigen::Index>(plan.inputs.size()));
+  for (std::size_t k = 0; k < plan.inputs.size(); ++k) {
+    last_inputs.col(static_cast<Eigen::Index>(k)) = plan.inputs[k];
+  }
+  plan.times.total = total.lap();
+  return plan;
+}
+
+Planner::Planner(RobotDescription robot, PlannerParameters parameters,
+                 std::shared_ptr<const Solver> solver)
+    : impl_(std::make_unique<Impl>(std::move(robot), std::move(parameters), std::move(solver))) {}
+Planner::~Planner() = default;
+
+Plan Planner::plan(const Belief& belief, const StopCondition& stop) {
+  try {
+    return impl_->plan(belief, stop);
+  } catch (const std::exception& e) {
+    return impl_->stopping_plan(belief, std::string("planning failed: ") + e.what());
+  }
+}
+
+std::shared_ptr<const Guidance> Planner::guidance() const { return impl_->guidance; }
+std::shared_ptr<const Problem> Planner::problem() const { return impl_->problem; }
+const Eigen::VectorXd& Planner::best_seed() const { return impl_->best_seed; }
+const std::vector<Landmark>& Planner::landmarks() const { return impl_->landmarks; }
+const Eigen::VectorXd& Planner::landmark_visibility() const { return impl_->visibility; }
+const PlannerParameters& Planner::parameters() const { return impl_->parameters; }
+const RobotDescription& Planner::robot() const { return impl_->robot; }
+
+}  // namespace prospect

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/belief.h"
+#include "engine/exploration_guide.h"
+#include "engine/plan.h"
+#include "engine/problem.h"
+#include "engine/replanner.h"
+#include "engine/solver.h"
+#include "engine/terms/visibility_prediction.h"
+#include "engine/terms/visible_features.h"
+#include "engine/unknown_policy.h"
+#include "models/camera.h"
+#include "models/motion_model.h"
+#include "models/robot_shape.h"
+
+namespace prospect {
+
+/// The robot as the planner knows it.
+struct RobotDescription {
+  std::shared_ptr<const MotionModel> model;
+  RobotShape shape = CylinderShape{};
+  StereoCamera stereo;
+  CameraMount stereo_mount;
+  RgbdFootprint depth;
+  CameraMount depth_mount;
+};
+
+/// Everything that can be set about planning. Weights multiply terms that are O(1) at nominal
+/// conditions (formulation, section 7), so they carry over between robots and horizons.
+struct PlannerParameters {
+  int N = 20;        ///< stages
+  double dt = 0.25;  ///< [s]
+  int M = 10;        ///< knots
+
+  double w_u = 0.02;           ///< deviation from the desired input
+  double w_du = 0.03;          ///< change of input
+  double w_o = 0.5;            ///< closeness to obstacles
+  double w_l = 1.0;            ///< too few visible features; more than 1 was measured to do harm
+  double w_e = 1.0;            ///< exploration gain (a reward)
+  double w_T = 1.5;            ///< cost-to-go
+  double w_h = 0.0;            ///< heading alignment
+  double w_c = 0.0;            ///< chance penalty on the number of visible features
+  double desired_speed = 1.0;  ///< share of the largest speed
+
+  double d_safe = 0.04;  ///< hard clearance [m]
+  double d_des = 0.25;   ///< clearance beyond which the soft cost vanishes [m]
+  UnknownPolicy unknown = UnknownPolicy::kBraking;
+  double certificate_margin = 0.01;  ///< by which the certified body is grown [m]
+
+  double committed = 0.5;       ///< [s] of a plan that are certified and executed before the next
+  int polished = 2;             ///< seeds handed to the solver
+  int polish_evaluations = 24;  ///< cost evaluations each
+  Options solver_options;       ///< passed to the solver besides
+  double deadline = 0.0;  ///< wall-clock limit of a step [s]; 0: none, results are reproducible
+
+  int max_landmarks = 300;
+  double visibility_lattice = 0.2;  ///< spacing of the occlusion tables [m]
+  VisibilityParameters visibility;
+  VisibleFeaturesParameters features;
+  bool feature_prior = true;  ///< count expected features on surfaces not seen yet
+  int max_targets = 200;
+  bool target_frontier_only = false;  ///< count gain only at the frontier that the guide leads to
+  double unknown_attenuation = 0.5;   ///< lambda [1/m] of rays through unknown space
+
+  ExplorationGuideOptions guide;
+
+  /// Recovery: how long one attempt may take, and how long the next one waits afterwards [s].
+  double recovery_time = 6.0;
+  double recovery_pause = 20.0;
+};
+
+/// One replanning step: Belief in, Plan out.
+///
+///   seeds -> batch score -> polish the best few -> exact certificate -> else the stopping tail.
+///
+/// plan() never throws and always returns an executable plan: its commands are finite, within
+/// limits, and certified with the stop that follows, or they are a stop; the plan says why. All
+/// state from one step to the next (frontier memory, clearance field, occlusion tables, previous
+/// plan) lives here; none of it changes what is safe.
+///
+/// When localization is degraded or lost, the exploration weight goes to zero and the planner turns
+/// to where most known landmarks should be visible and retreats along where enough were tracked.
+///
+/// Determinism: with deadline = 0, the same sequence of beliefs gives the same bits.
+/// Thread-safety: one thread a planner. Source: formulation, sections 4 to 8.
+class Planner final : public Replanner {
+ public:
+  /// Throws std::invalid_argument naming the parameter, its value and what was expected.
+  Planner(RobotDescription robot, PlannerParameters parameters,
+          std::shared_ptr<const Solver> solver);
+  ~Planner() override;
+  Planner(const Planner&) = delete;
+  Planner& operator=(const Planner&) = delete;
+
+  Plan plan(const Belief& belief) override { return plan(belief, {}); }
+  /// The same; polishing also ends when `stop` says so.
+  Plan plan(const Belief& belief, const StopCondition& stop);
+
+  /// The frontiers and the cost-to-go of the last step; null before the first.
+  std::shared_ptr<const Guidance> guidance() const override;
+  /// The problem that the last step solved; null before the first.
+  std::shared_ptr<const Problem> problem() const;
+  /// The best-scored seed of that problem: where the last step's polishing began. Empty before.
+  const Eigen::VectorXd& best_seed() const;
+  /// Landmarks considered in the last step, and the probability that each is visible now.
+  const std::vector<Landmark>& landmarks() const;
+  const Eigen::VectorXd& landmark_visibility() const;
+
+  const PlannerParameters& parameters() const;
+  const RobotDescription& robot() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace prospect
