@@ -1,0 +1,104 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string>
+
+#include "engine/belief.h"
+#include "engine/unknown_policy.h"
+#include "models/motion_model.h"
+#include "models/robot_shape.h"
+
+namespace prospect {
+
+/// Verdict on one motion.
+struct Certificate {
+  enum class Status {
+    kOk,
+    kCollision,     ///< the grown body touches an occupied voxel
+    kUnknownSpace,  ///< the body enters unknown space, which the policy forbids
+    kNotStopping,   ///< the stopping tail does not come to rest in time
+    kNonFinite      ///< a state or input is not finite, or of the wrong size
+  };
+  Status status = Status::kNonFinite;
+  double time = 0.0;   ///< [s] from the motion's start to the first offence; its duration if ok
+  Pose pose;           ///< there
+  int poses = 0;       ///< poses checked
+  std::string detail;  ///< one sentence
+  bool ok() const { return status == Status::kOk; }
+};
+
+/// Inputs that bring the base to rest: model.braking_input repeated from state x with input
+/// u_previous in force, each for dt [s], until neither speed exceeds 1 mm/s or 1 mrad/s. nu x n, n
+/// >= 1; after at most max_steps columns it gives up and returns those.
+Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const Eigen::VectorXd>& x,
+                              const Eigen::Ref<const Eigen::VectorXd>& u_previous, double dt,
+                              int max_steps = 100);
+
+/// Exact check of a motion before it may be executed: FCL `collide` of the robot's true shape
+/// against the boxes of the occupied voxels, along the fine trajectory.
+///
+/// Why the result covers the poses between those checked: the body is grown by `margin`, and poses
+/// are spaced so that no point of the body moves more than min(2 margin, half a voxel) from one to
+/// the next. Every pose in between is within `margin` of a checked one, so its true body lies
+/// inside a grown body that was found free. Sub-steps are x(t) = f(x_k, u_k, t), so the nodes are
+/// those of the plan.
+///
+/// Planar bases: only voxels that overlap `slice` count (the floor does not), as in ClearanceField;
+/// bases that move in 3-D: all voxels.
+///
+/// Unknown space under kBlocked and kBraking: the motion checked (committed part and stopping tail)
+/// may not touch unknown columns (planar: ground cells; 3-D: voxels), except those that the body
+/// overlaps already at the start. No margin is applied there; the border of the known is no wall.
+///
+/// A robot that starts in contact can leave: if the grown body touches voxels at the start, the
+/// check goes on with the true body; if that touches voxels too, these are excused as long as every
+/// move takes the body's centre away from the nearest point of each of them or leaves it in place;
+/// a voxel not touched at the start is never excused, nor is one that was left and is touched
+/// again.
+///
+/// The octree's finest occupied cells are mirrored in belief.voxels; walking that mirror finds the
+/// few boxes near the body faster than descending the octree.
+///
+/// Thread-safety: const; may be called concurrently. Errors: certify() never throws; it reports.
+/// Source: formulation, section 5; the covering argument and the escape rule are our choice.
+class Certifier {
+ public:
+  struct Options {
+    double margin = 0.01;  ///< by which the body is grown [m], > 0
+    UnknownPolicy unknown = UnknownPolicy::kBraking;
+    VerticalExtent slice = {0.1, 0.5};  ///< [m] in W; planar bases only
+    double max_tail_time = 10.0;        ///< [s]; a tail that has not come to rest by then fails
+  };
+
+  /// Throws std::invalid_argument for an invalid shape or options out of range.
+  Certifier(const RobotShape& shape, Options options);
+  ~Certifier();
+  Certifier(Certifier&&) noexcept;
+  Certifier& operator=(Certifier&&) noexcept;
+
+  /// Checks the inputs (nu x n, n >= 0, each for dt [s]) from x0.
+  Certificate certify_inputs(const Belief& belief, const MotionModel& model,
+                             const Eigen::Ref<const Eigen::VectorXd>& x0,
+                             const Eigen::Ref<const Eigen::MatrixXd>& inputs, double dt) const;
+
+  /// Checks the committed inputs (nu x n) and the stopping tail that follows them; u_previous is
+  /// the input in force at the start (used when n = 0).
+  Certificate certify(const Belief& belief, const MotionModel& model,
+                      const Eigen::Ref<const Eigen::VectorXd>& x0,
+                      const Eigen::Ref<const Eigen::VectorXd>& u_previous,
+                      const Eigen::Ref<const Eigen::MatrixXd>& committed, double dt) const;
+
+  /// Whether the true body (no margin) touches an occupied voxel at this pose; true for a pose that is
+  /// not finite.
+  bool in_collision(const Belief& belief, const Pose& pose, bool planar) const;
+
+  const Options& options() const { return options_; }
+
+ private:
+  struct Body;
+  Options options_;
+  std::unique_ptr<const Body> body_;
+};
+
+}  // namespace prospect

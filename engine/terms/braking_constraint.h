@@ -1,0 +1,56 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/body_clearance.h"
+#include "engine/term.h"
+#include "engine/unknown_policy.h"
+
+namespace prospect {
+
+/// The robot can stop inside known free space:
+///   row k-1 (k = 1..N):  d_known(x_k) - s - |v_k|^2 / (2 a) >= 0      [m]
+/// d_known: clearance to whatever is not known to be free (a field with kOccupiedAndUnknown);
+/// |v_k|^2 the squared speed with which x_k is reached, model.squared_speed(x_k, u_{k-1}), smooth
+/// also at rest; a = deceleration.
+///   s = min(margin, max(floor, d_known(x_0) - slack)),
+/// so that a robot that wakes up surrounded by what it has not seen may still turn on the spot and
+/// look, though not drive on: floor is absolute, -largest bounding radius by default, which keeps
+/// the body's centre inside known space. s depends on x_0 only and counts as a constant in the
+/// Jacobian.
+///
+/// Smoothness: C1. Thread-safety: const.
+/// Source: formulation, section 5; squared speed and relaxation are our choice.
+class BrakingConstraint final : public Term {
+ public:
+  struct Options {
+    double margin = 0.05;       ///< [m]
+    double deceleration = 0.0;  ///< a [m/s^2]; 0: the model's max_deceleration()
+    double slack = 0.005;       ///< [m]
+  };
+
+  /// Throws std::invalid_argument for options out of range or a clearance that saturates at or
+  /// below the margin.
+  BrakingConstraint(std::shared_ptr<const BodyClearance> known, Options options);
+
+  std::string_view name() const override { return "braking"; }
+  TermTraits traits() const override;
+  int rows(const Horizon& horizon) const override { return horizon.N; }
+  std::vector<JacobianBlock> jacobian_pattern(const Horizon& horizon) const override;
+  std::unique_ptr<TermScratch> make_scratch(const Horizon& horizon, int max_batch) const override;
+  void evaluate(const TrajectoryBatch& trajectories, const TermRequest& request,
+                TermScratch* scratch, TermOutput& out) const override;
+
+ private:
+  std::shared_ptr<const BodyClearance> known_;
+  Options options_;
+};
+
+/// The constraint that an unknown-space policy asks for: kFree none (null), kBlocked a
+/// ClearanceConstraint named "known_space" on `known` with the given d_safe, kBraking a
+/// BrakingConstraint with margin d_safe and the model's deceleration.
+std::shared_ptr<const Term> unknown_space_constraint(UnknownPolicy policy,
+                                                     std::shared_ptr<const BodyClearance> known,
+                                                     double d_safe);
+
+}  // namespace prospect

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/body_clearance.h"
+#include "engine/term.h"
+
+namespace prospect {
+
+/// Soft cost of coming close to obstacles:
+///   T = 1/(2N) sum over nodes k = 1..N and mid-points k+1/2, k = 0..N-1, of phi(d),
+///   phi(d) = 1/2 (1 - tanh(alpha (d - beta))),  alpha = 6 / (d_des - d_safe),
+///   beta = (d_des + d_safe) / 2,
+/// so phi(d_safe) = 0.9975, phi(beta) = 1/2, phi(d_des) = 0.0025, and 0 < T < 1. d is the clearance
+/// [m] at the pose of x_k, or at the mean of the poses of x_k and x_{k+1} (it differs from the pose
+/// half-way along the arc by at most |acceleration| dt^2 / 8, 5 mm at 0.6 m/s, 1 rad/s and 0.25 s).
+/// phi is flat deep inside obstacles; there the ClearanceConstraint carries the gradient.
+///
+/// Smoothness: C1. Thread-safety: const.
+/// Source: formulation, section 5.
+class ObstacleCost final : public Term {
+ public:
+  /// 0 <= d_safe < d_des [m]; throws std::invalid_argument otherwise, or if the clearance saturates
+  /// below d_des (no pose could be free of cost).
+  ObstacleCost(std::shared_ptr<const BodyClearance> clearance, double d_safe, double d_des);
+
+  std::string_view name() const override { return "obstacles"; }
+  TermTraits traits() const override;
+  void evaluate(const TrajectoryBatch& trajectories, const TermRequest& request,
+                TermScratch* scratch, TermOutput& out) const override;
+
+ private:
+  std::shared_ptr<const BodyClearance> clearance_;
+  double alpha_ = 0.0;
+  double beta_ = 0.0;
+};
+
+}  // namespace prospect
