@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -33,8 +34,13 @@ struct SensorLattice {
 /// weights for all points, hence vectorised over the points. The last `trim` metres before a point
 /// are left out (the point lies on an occupied voxel).
 ///
-/// Rows of nodes whose rays cross no changed tile are taken over from `previous`.
-/// Outside the lattice the position is clamped onto it (zero gradient along the clamped axis).
+/// A node inside an occupied voxel has no view of its own; it takes the mean row of its neighbours
+/// (at most 8, or 26 with nz > 1) that are not inside one, so that a sensor beside a wall is not
+/// dimmed by the wall's inside; without such a neighbour its row is 0 (our choice).
+///
+/// Nearer to the lattice's edge than half a spacing, and beyond it, the position is clamped (zero
+/// gradient along the clamped axis). A non-finite position gives NaN everywhere.
+/// Smoothness in the sensor's position: C1 (C0 where the clamp sets in).
 /// Thread-safety: immutable after construction.
 /// Source: formulation, section 3 (hard ray cast, smoothed) and section 4 (attenuation).
 class OcclusionTable {
@@ -43,24 +49,58 @@ class OcclusionTable {
     double trim = 0.15;        ///< [m]; 1.5 voxels
     double attenuation = 0.5;  ///< lambda [1/m] through unknown space
     double max_range = 8.0;    ///< [m]; farther pairs are stored as 0
+    friend bool operator==(const Options&, const Options&) = default;
   };
 
+  /// Throws std::invalid_argument for a lattice of fewer than 3 nodes along x or y (along z: 1, or
+  /// at least 3), a spacing that is not positive, or non-finite points.
   OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
                  const VoxelGrid& voxels, const Options& options);
 
+  /// The same, and the table keeps `voxels` so that it can serve as `previous` of the next one: the
+  /// value of a (node, point) pair that `previous` holds (same spacing, options and exact position)
+  /// is taken over unless a voxel differs between the two snapshots inside the pair's bounding
+  /// rectangle (in tiles of 8 x 8 columns). The result is the same, bit for bit, as without
+  /// `previous`. `voxels` must not be null; `previous` may be, and need not outlive the call.
+  OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
+                 std::shared_ptr<const VoxelGrid> voxels, const Options& options,
+                 const OcclusionTable* previous);
+
   int num_points() const { return static_cast<int>(points_.size()); }
+  const std::vector<Eigen::Vector3d>& points() const { return points_; }
   const SensorLattice& lattice() const { return lattice_; }
 
   /// Writes num_points() probabilities, and, unless null, their derivatives with respect to the
-  /// sensor's position [1/m]; d_z is zero for a lattice with nz = 1.
+  /// sensor's position [1/m]; d_z is zero for a lattice with nz = 1. d_x and d_y come together
+  /// (both null or neither); d_z may be null on its own. No output may overlap another.
   void evaluate(const Eigen::Vector3d& sensor, double* probability, double* d_x = nullptr,
                 double* d_y = nullptr, double* d_z = nullptr) const;
 
+  /// Number of rays that were cast (not taken over) by the constructor.
+  std::int64_t rays_cast() const { return rays_cast_; }
+
  private:
+  void build(const VoxelGrid& voxels, const OcclusionTable* previous);
+  void fill_nodes_in_walls();
+  /// From the node's address in the world where the lattice is aligned, so that a node has the same
+  /// position to the last bit in every table.
+  Eigen::Vector3d node_position(int a, int b, int c) const;
+  std::size_t row(int a, int b, int c) const {
+    return ((static_cast<std::size_t>(c) * static_cast<std::size_t>(lattice_.ny) +
+             static_cast<std::size_t>(b)) *
+                static_cast<std::size_t>(lattice_.nx) +
+            static_cast<std::size_t>(a)) *
+           static_cast<std::size_t>(stride_);
+  }
+
   SensorLattice lattice_;
   std::vector<Eigen::Vector3d> points_;
-  int stride_ = 0;            // floats per node row, padded
-  std::vector<float> table_;  // node-major
+  Options options_;
+  std::shared_ptr<const VoxelGrid> voxels_;  // null: cannot serve as `previous`
+  int stride_ = 0;                           // floats per node row, padded
+  std::vector<float> table_;                 // node-major, x fastest
+  std::vector<std::uint8_t> in_wall_;        // per node: inside an occupied voxel
+  std::int64_t rays_cast_ = 0;
 };
 
 }  // namespace prospect

@@ -2,7 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+
+#if defined(__x86_64__) && defined(__GNUC__)
+#define PROSPECT_X86
+#include <immintrin.h>
+#endif
 
 namespace prospect {
 
@@ -39,55 +45,288 @@ void VoxelGrid::set(int i, int j, int k, CellState state) {
   data_[index(i, j, k)] = state;
 }
 
+namespace {
+
+int floor_to_int(double x) {
+  const int truncated = static_cast<int>(x);
+  return truncated - (x < truncated);
+}
+
+// State of a ray on its way through the voxels, after Amanatides and Woo, "A fast voxel traversal
+// algorithm for ray tracing" (Eurographics 1987).
+struct Traversal {
+  int voxel[3];
+  int step[3];
+  double next[3];   // ray parameter [m] at the next voxel face
+  double delta[3];  // and between faces
+  double end = 0.0;
+
+  // False if there is nothing to walk. `voxel` must hold the voxel of `from`.
+  bool start(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double trim, double r) {
+    const Eigen::Vector3d span = to - from;
+    const double distance = std::sqrt(span.squaredNorm());
+    end = distance - trim;
+    if (!(end > 0.0) || !std::isfinite(distance)) return false;
+    for (int a = 0; a < 3; ++a) {
+      if (span[a] == 0.0) {
+        step[a] = 0;
+        next[a] = delta[a] = std::numeric_limits<double>::infinity();
+        continue;
+      }
+      const double per_meter = distance / span[a];  // of ray, for each metre along the axis
+      step[a] = span[a] > 0.0 ? 1 : -1;
+      next[a] = ((voxel[a] + (span[a] > 0.0 ? 1 : 0)) * r - from[a]) * per_meter;
+      delta[a] = r * std::abs(per_meter);
+    }
+    return true;
+  }
+};
+
+// Largest coordinate [m] for which voxel addresses are computed: far beyond any map, within int.
+constexpr double kFarthest = 1e6;
+
+bool addressable(const Eigen::Vector3d& p) { return p.cwiseAbs().maxCoeff() < kFarthest; }
+
+// Rays side by side through one block of voxels; every address that one can reach lies in the
+// block, at least three voxels before its end (four bytes are read at once).
+constexpr int kLanes = 8;
+struct Lanes {
+  alignas(64) double next[3][kLanes];
+  alignas(64) double delta[3][kLanes];
+  alignas(64) std::int64_t stride[3][kLanes];  // signed by the direction of travel
+  alignas(64) std::int64_t address[kLanes];
+  alignas(64) double end[kLanes];
+  alignas(64) std::int64_t active[kLanes];   // in: -1 walk, 0 idle
+  alignas(64) std::int64_t blocked[kLanes];  // out: -1 where an occupied voxel was met
+  alignas(64) double walked[kLanes];         // out: ray parameter at the last face [m]
+  alignas(64) double unknown[kLanes];        // out
+};
+
+// One ray at a time.
+void walk_one_by_one(const CellState* data, Lanes& lanes) {
+  for (int l = 0; l < kLanes; ++l) {
+    lanes.blocked[l] = 0;
+    lanes.walked[l] = lanes.unknown[l] = 0.0;
+    if (!lanes.active[l]) continue;
+    double nx = lanes.next[0][l], ny = lanes.next[1][l], nz = lanes.next[2][l];
+    const double dx = lanes.delta[0][l], dy = lanes.delta[1][l], dz = lanes.delta[2][l];
+    const double end = lanes.end[l];
+    const CellState* p = data + lanes.address[l];
+    double t = 0.0, unknown = 0.0;
+    bool counted = false;  // the voxel that holds `from` is not
+    while (true) {
+      double leave;
+      std::int64_t move;
+      if (nz < (nx < ny ? nx : ny)) {
+        leave = nz, move = lanes.stride[2][l], nz += dz;
+      } else if (nx < ny) {
+        leave = nx, move = lanes.stride[0][l], nx += dx;
+      } else {
+        leave = ny, move = lanes.stride[1][l], ny += dy;
+      }
+      if (counted && *p != CellState::kFree) {
+        if (*p == CellState::kOccupied) {
+          lanes.blocked[l] = -1;
+          break;
+        }
+        unknown += (leave < end ? leave : end) - t;
+      }
+      counted = true;
+      if (!(leave < end)) break;
+      t = leave;
+      p += move;
+    }
+    lanes.walked[l] = t;
+    lanes.unknown[l] = unknown;
+  }
+}
+
+#ifdef PROSPECT_X86
+// Eight rays abreast, in two groups of four that hide each other's latency. The same operations in
+// the same order as above, hence the same bits.
+__attribute__((target("avx2"))) void walk_abreast(const CellState* data, Lanes& lanes) {
+  constexpr int kGroups = kLanes / 4;
+  __m256d nx[kGroups], ny[kGroups], nz[kGroups], t[kGroups], unknown[kGroups], active[kGroups],
+      blocked[kGroups];
+  __m256i address[kGroups];
+  for (int g = 0; g < kGroups; ++g) {
+    nx[g] = _mm256_load_pd(lanes.next[0] + 4 * g);
+    ny[g] = _mm256_load_pd(lanes.next[1] + 4 * g);
+    nz[g] = _mm256_load_pd(lanes.next[2] + 4 * g);
+    t[g] = unknown[g] = blocked[g] = _mm256_setzero_pd();
+    active[g] = _mm256_load_pd(reinterpret_cast<const double*>(lanes.active + 4 * g));
+    address[g] = _mm256_load_si256(reinterpret_cast<const __m256i*>(lanes.address + 4 * g));
+  }
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(data);
+  const __m128i occupied = _mm_set1_epi32(static_cast<int>(CellState::kOccupied));
+  const __m128i not_known = _mm_set1_epi32(static_cast<int>(CellState::kUnknown));
+  __m256d counted = _mm256_setzero_pd();  // the voxel that holds `from` is not
+  while (true) {
+    for (int g = 0; g < kGroups; ++g) {
+      const __m256d end = _mm256_load_pd(lanes.end + 4 * g);
+      const __m256d x_first = _mm256_cmp_pd(nx[g], ny[g], _CMP_LT_OQ);
+      const __m256d xy = _mm256_blendv_pd(ny[g], nx[g], x_first);
+      const __m256d z_first = _mm256_cmp_pd(nz[g], xy, _CMP_LT_OQ);
+      const __m256d leave = _mm256_blendv_pd(xy, nz[g], z_first);
+      // Four plain loads: the gather instruction is slow on many machines.
+      const __m128i low = _mm256_castsi256_si128(address[g]);
+      const __m128i high = _mm256_extracti128_si256(address[g], 1);
+      const __m128i state =
+          _mm_setr_epi32(bytes[_mm_cvtsi128_si64(low)], bytes[_mm_extract_epi64(low, 1)],
+                         bytes[_mm_cvtsi128_si64(high)], bytes[_mm_extract_epi64(high, 1)]);
+      const __m256d is_occupied =
+          _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(state, occupied)));
+      const __m256d is_unknown =
+          _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(state, not_known)));
+      const __m256d looked = _mm256_and_pd(active[g], counted);
+      const __m256d before_end = _mm256_cmp_pd(leave, end, _CMP_LT_OQ);
+      const __m256d within = _mm256_sub_pd(_mm256_blendv_pd(end, leave, before_end), t[g]);
+      unknown[g] =
+          _mm256_add_pd(unknown[g], _mm256_and_pd(within, _mm256_and_pd(looked, is_unknown)));
+      const __m256d hit = _mm256_and_pd(looked, is_occupied);
+      blocked[g] = _mm256_or_pd(blocked[g], hit);
+      active[g] = _mm256_andnot_pd(hit, _mm256_and_pd(active[g], before_end));
+      t[g] = _mm256_blendv_pd(t[g], leave, active[g]);
+      const __m256d along_x = _mm256_andnot_pd(z_first, x_first);
+      const __m256d not_y = _mm256_or_pd(z_first, x_first);
+      __m256d move = _mm256_load_pd(reinterpret_cast<const double*>(lanes.stride[1] + 4 * g));
+      move = _mm256_blendv_pd(
+          move, _mm256_load_pd(reinterpret_cast<const double*>(lanes.stride[0] + 4 * g)), x_first);
+      move = _mm256_blendv_pd(
+          move, _mm256_load_pd(reinterpret_cast<const double*>(lanes.stride[2] + 4 * g)), z_first);
+      address[g] =
+          _mm256_add_epi64(address[g], _mm256_castpd_si256(_mm256_and_pd(move, active[g])));
+      nx[g] = _mm256_add_pd(nx[g], _mm256_and_pd(_mm256_load_pd(lanes.delta[0] + 4 * g), along_x));
+      ny[g] = _mm256_add_pd(ny[g], _mm256_andnot_pd(not_y, _mm256_load_pd(lanes.delta[1] + 4 * g)));
+      nz[g] = _mm256_add_pd(nz[g], _mm256_and_pd(_mm256_load_pd(lanes.delta[2] + 4 * g), z_first));
+    }
+    counted = _mm256_castsi256_pd(_mm256_set1_epi64x(-1));
+    __m256d any = active[0];
+    for (int g = 1; g < kGroups; ++g) any = _mm256_or_pd(any, active[g]);
+    if (_mm256_movemask_pd(any) == 0) break;
+  }
+  for (int g = 0; g < kGroups; ++g) {
+    _mm256_store_pd(lanes.walked + 4 * g, t[g]);
+    _mm256_store_pd(lanes.unknown + 4 * g, unknown[g]);
+    _mm256_store_pd(reinterpret_cast<double*>(lanes.blocked + 4 * g), blocked[g]);
+  }
+}
+#endif
+
+void walk(const CellState* data, Lanes& lanes) {
+#ifdef PROSPECT_X86
+  static const bool wide = __builtin_cpu_supports("avx2");
+  if (wide) return walk_abreast(data, lanes);
+#endif
+  walk_one_by_one(data, lanes);
+}
+
+}  // namespace
+
 VoxelGrid::Ray VoxelGrid::cast(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                                double trim) const {
   Ray ray;
-  const Eigen::Vector3d span = to - from;
-  const double distance = span.norm();
-  const double end = distance - trim;
-  if (!(end > 0.0) || !std::isfinite(distance)) return ray;
-  const Eigen::Vector3d direction = span / distance;
+  if (!addressable(from) || !addressable(to)) return ray;
   const double r = frame_.resolution;
-  Eigen::Vector3i v = voxel(from);
-  Eigen::Vector3i step;
-  Eigen::Vector3d next, delta;  // ray parameter [m] at the next voxel face, and between faces
-  for (int a = 0; a < 3; ++a) {
-    if (direction[a] > 0.0) {
-      step[a] = 1;
-      next[a] = ((v[a] + 1) * r - from[a]) / direction[a];
-      delta[a] = r / direction[a];
-    } else if (direction[a] < 0.0) {
-      step[a] = -1;
-      next[a] = (v[a] * r - from[a]) / direction[a];
-      delta[a] = -r / direction[a];
-    } else {
-      step[a] = 0;
-      next[a] = delta[a] = std::numeric_limits<double>::infinity();
-    }
-  }
+  Traversal w;
+  for (int a = 0; a < 3; ++a) w.voxel[a] = floor_to_int(from[a] / r);
+  if (!w.start(from, to, trim, r)) return ray;
   double t = 0.0;
   bool first = true;
   while (true) {
-    int axis = next[0] < next[1] ? 0 : 1;
-    if (next[2] < next[axis]) axis = 2;
-    const double leave = std::min(next[axis], end);
+    int axis = w.next[0] < w.next[1] ? 0 : 1;
+    if (w.next[2] < w.next[axis]) axis = 2;
+    const double leave = w.next[axis];
     if (!first) {
-      const CellState s = state(v[0], v[1], v[2]);
+      const CellState s = state(w.voxel[0], w.voxel[1], w.voxel[2]);
       if (s == CellState::kOccupied) {
         ray.blocked = true;
         ray.length = t;
         return ray;
       }
-      if (s == CellState::kUnknown) ray.unknown_length += leave - t;
+      if (s == CellState::kUnknown) ray.unknown_length += std::min(leave, w.end) - t;
     }
     first = false;
-    if (next[axis] >= end) break;
-    t = next[axis];
-    v[axis] += step[axis];
-    next[axis] += delta[axis];
+    if (!(leave < w.end)) break;
+    t = leave;
+    w.voxel[axis] += w.step[axis];
+    w.next[axis] += w.delta[axis];
   }
-  ray.length = end;
+  ray.length = w.end;
   return ray;
+}
+
+void VoxelGrid::cast_many(const Eigen::Vector3d& from, const Eigen::Vector3d* to, int count,
+                          double trim, Ray* rays) const {
+  const double r = frame_.resolution;
+  const bool from_addressable = addressable(from);
+  int start[3] = {0, 0, 0};
+  if (from_addressable) {
+    for (int a = 0; a < 3; ++a) start[a] = floor_to_int(from[a] / r);
+  }
+  const bool from_inside = from_addressable && contains(start[0], start[1], start[2]);
+  const std::int64_t stride[3] = {depth_, static_cast<std::int64_t>(depth_) * frame_.width, 1};
+  const std::int64_t here =
+      from_inside ? static_cast<std::int64_t>(index(start[0], start[1], start[2])) : 0;
+  Lanes lanes;
+  int owner[kLanes];
+  int used = 0;
+  const auto flush = [&] {
+    if (used == 0) return;
+    for (int l = used; l < kLanes; ++l) {
+      for (int a = 0; a < 3; ++a) {
+        lanes.next[a][l] = lanes.delta[a][l] = 0.0;
+        lanes.stride[a][l] = 0;
+      }
+      lanes.address[l] = here;
+      lanes.end[l] = 0.0;
+      lanes.active[l] = 0;
+    }
+    walk(data_.data(), lanes);
+    for (int l = 0; l < used; ++l) {
+      Ray& ray = rays[owner[l]];
+      ray.blocked = lanes.blocked[l] != 0;
+      ray.length = ray.blocked ? lanes.walked[l] : lanes.end[l];
+      ray.unknown_length = lanes.unknown[l];
+    }
+    used = 0;
+  };
+  for (int i = 0; i < count; ++i) {
+    Traversal w;
+    bool inside = from_inside && addressable(to[i]);
+    if (inside) {
+      for (int a = 0; a < 3; ++a) w.voxel[a] = start[a];
+      if (!w.start(from, to[i], trim, r)) {
+        rays[i] = Ray();
+        continue;
+      }
+      // Rounding may carry a walk one voxel past its end, so that voxel must be in the block as
+      // well; of all voxels between two, the one highest along every axis has the highest address.
+      int high[3], beyond[3];
+      for (int a = 0; a < 3; ++a) {
+        beyond[a] = floor_to_int(to[i][a] / r) + w.step[a];
+        high[a] = std::max(start[a], beyond[a]);
+      }
+      inside = contains(beyond[0], beyond[1], beyond[2]) &&
+               index(high[0], high[1], high[2]) + 4 <= data_.size();
+    }
+    if (!inside) {
+      rays[i] = cast(from, to[i], trim);
+      continue;
+    }
+    const int l = used++;
+    owner[l] = i;
+    for (int a = 0; a < 3; ++a) {
+      lanes.next[a][l] = w.next[a];
+      lanes.delta[a][l] = w.delta[a];
+      lanes.stride[a][l] = w.step[a] * stride[a];
+    }
+    lanes.address[l] = here;
+    lanes.end[l] = w.end;
+    lanes.active[l] = -1;
+    if (used == kLanes) flush();
+  }
+  flush();
 }
 
 }  // namespace prospect

@@ -53,6 +53,11 @@ class VoxelGrid {
   };
   Ray cast(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double trim = 0.0) const;
 
+  /// cast() from one point to many: rays[i] = cast(from, to[i], trim), bit for bit, several rays
+  /// abreast and therefore several times faster. Rays of similar length side by side are fastest.
+  void cast_many(const Eigen::Vector3d& from, const Eigen::Vector3d* to, int count, double trim,
+                 Ray* rays) const;
+
  private:
   GridFrame frame_;
   int k0_ = 0;

@@ -1,0 +1,423 @@
+#include "engine/occlusion_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+#include <utility>
+
+namespace prospect {
+namespace {
+
+// Rows start at multiples of this many floats, so that loops over points need no remainder.
+constexpr int kPadding = 8;
+
+// Which 8 x 8 column tiles hold a voxel that differs between two snapshots, with a summed-area
+// table so that "none in this rectangle" is one look-up of four numbers.
+class ChangedTiles {
+ public:
+  // Compares the columns of cells [lo, hi].
+  ChangedTiles(const VoxelGrid& now, const VoxelGrid& before, Cell lo, Cell hi) {
+    lo_ = {tile(lo.i), tile(lo.j)};
+    nx_ = tile(hi.i) - lo_.i + 1;
+    ny_ = tile(hi.j) - lo_.j + 1;
+    sums_.assign(static_cast<std::size_t>((nx_ + 1) * (ny_ + 1)), 0);
+    const bool comparable = now.resolution() == before.resolution() && now.k0() == before.k0() &&
+                            now.depth() == before.depth();
+    for (int b = 0; b < ny_; ++b) {
+      int in_row = 0;
+      for (int a = 0; a < nx_; ++a) {
+        in_row += !comparable || differs(now, before, lo_.i + a, lo_.j + b);
+        sums_[at(a + 1, b + 1)] = sums_[at(a + 1, b)] + in_row;
+      }
+    }
+  }
+
+  bool any() const { return sums_.back() > 0; }
+
+  bool any(Cell from, Cell to) const {
+    const int a0 = clamp_x(std::min(from.i, to.i)), a1 = clamp_x(std::max(from.i, to.i)) + 1;
+    const int b0 = clamp_y(std::min(from.j, to.j)), b1 = clamp_y(std::max(from.j, to.j)) + 1;
+    return sums_[at(a1, b1)] - sums_[at(a0, b1)] - sums_[at(a1, b0)] + sums_[at(a0, b0)] > 0;
+  }
+
+ private:
+  static constexpr int kShift = 3;
+  static int tile(int cell) { return cell >> kShift; }
+  int clamp_x(int i) const { return std::clamp(tile(i) - lo_.i, 0, nx_ - 1); }
+  int clamp_y(int j) const { return std::clamp(tile(j) - lo_.j, 0, ny_ - 1); }
+  std::size_t at(int a, int b) const { return static_cast<std::size_t>(b * (nx_ + 1) + a); }
+
+  static bool differs(const VoxelGrid& now, const VoxelGrid& before, int tx, int ty) {
+    constexpr int kSide = 1 << kShift;
+    const int i0 = tx * kSide;
+    const auto whole_run = [&](const VoxelGrid& g, int j) {
+      return g.frame().contains({i0, j}) && g.frame().contains({i0 + kSide - 1, j});
+    };
+    const auto depth = static_cast<std::ptrdiff_t>(now.depth());
+    for (int j = ty * kSide; j < (ty + 1) * kSide; ++j) {
+      if (whole_run(now, j) && whole_run(before, j)) {
+        const auto a = now.data().begin() + static_cast<std::ptrdiff_t>(now.index(i0, j, now.k0()));
+        const auto b =
+            before.data().begin() + static_cast<std::ptrdiff_t>(before.index(i0, j, before.k0()));
+        if (!std::equal(a, a + kSide * depth, b)) return true;
+        continue;
+      }
+      for (int i = i0; i < i0 + kSide; ++i) {
+        for (int k = now.k0(); k < now.k0() + now.depth(); ++k) {
+          if (now.state(i, j, k) != before.state(i, j, k)) return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  Cell lo_;
+  int nx_ = 0, ny_ = 0;
+  std::vector<int> sums_;
+};
+
+struct PositionHash {
+  std::size_t operator()(const std::array<double, 3>& p) const {
+    std::size_t h = 0;
+    for (double v : p) h = h * 0x9E3779B97F4A7C15ull + std::hash<double>{}(v);
+    return h;
+  }
+};
+
+std::array<double, 3> key(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
+
+// Weights of the quadratic B-spline at nodes first .. first + 2, and their derivatives.
+struct Weights {
+  int first = 0;
+  int count = 3;
+  std::array<double, 3> w{};
+  std::array<double, 3> d{};
+};
+
+Weights spline_weights(double position, double spacing, int nodes) {
+  Weights r;
+  if (nodes == 1) {
+    r.count = 1;
+    r.w = {1.0, 0.0, 0.0};
+    return r;
+  }
+  const double low = 0.5, high = nodes - 1.5;
+  const double raw = position / spacing;
+  const double s = std::clamp(raw, low, high);
+  const int center = std::min(static_cast<int>(s + 0.5), nodes - 2);
+  const double f = s - center;
+  r.first = center - 1;
+  r.w = {0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f)};
+  if (raw > low && raw < high) r.d = {(f - 0.5) / spacing, -2.0 * f / spacing, (f + 0.5) / spacing};
+  return r;
+}
+
+// out[i] += sum_b wy[b] sum_a wx[a] rows[b][a][i].
+void add_value(const std::array<const float*, 9>& rows, const std::array<double, 9>& w, int n,
+               double* __restrict out) {
+  const float *r0 = rows[0], *r1 = rows[1], *r2 = rows[2], *r3 = rows[3], *r4 = rows[4],
+              *r5 = rows[5], *r6 = rows[6], *r7 = rows[7], *r8 = rows[8];
+  const double w0 = w[0], w1 = w[1], w2 = w[2], w3 = w[3], w4 = w[4], w5 = w[5], w6 = w[6],
+               w7 = w[7], w8 = w[8];
+  for (int i = 0; i < n; ++i) {
+    out[i] += ((w0 * r0[i] + w1 * r1[i] + w2 * r2[i]) + (w3 * r3[i] + w4 * r4[i] + w5 * r5[i])) +
+              (w6 * r6[i] + w7 * r7[i] + w8 * r8[i]);
+  }
+}
+
+// The same with the derivatives along x and y (scaled by wz) and z (scaled by dz).
+template <bool kVertical>
+void add_value_and_gradient(const std::array<const float*, 9>& rows, const Weights& x,
+                            const Weights& y, double wz, double dz, int n, double* __restrict out,
+                            double* __restrict out_x, double* __restrict out_y,
+                            [[maybe_unused]] double* __restrict out_z) {
+  const float *r0 = rows[0], *r1 = rows[1], *r2 = rows[2], *r3 = rows[3], *r4 = rows[4],
+              *r5 = rows[5], *r6 = rows[6], *r7 = rows[7], *r8 = rows[8];
+  const double x0 = x.w[0], x1 = x.w[1], x2 = x.w[2];
+  const double e0 = x.d[0] * wz, e1 = x.d[1] * wz, e2 = x.d[2] * wz;
+  const double y0 = y.w[0], y1 = y.w[1], y2 = y.w[2];
+  const double f0 = y.d[0] * wz, f1 = y.d[1] * wz, f2 = y.d[2] * wz;
+  for (int i = 0; i < n; ++i) {
+    const double a0 = r0[i], a1 = r1[i], a2 = r2[i];
+    const double b0 = r3[i], b1 = r4[i], b2 = r5[i];
+    const double c0 = r6[i], c1 = r7[i], c2 = r8[i];
+    const double a = x0 * a0 + x1 * a1 + x2 * a2;
+    const double b = x0 * b0 + x1 * b1 + x2 * b2;
+    const double c = x0 * c0 + x1 * c1 + x2 * c2;
+    const double plane = y0 * a + y1 * b + y2 * c;
+    out[i] += wz * plane;
+    if constexpr (kVertical) out_z[i] += dz * plane;
+    out_y[i] += f0 * a + f1 * b + f2 * c;
+    out_x[i] += y0 * (e0 * a0 + e1 * a1 + e2 * a2) + y1 * (e0 * b0 + e1 * b1 + e2 * b2) +
+                y2 * (e0 * c0 + e1 * c1 + e2 * c2);
+  }
+}
+
+}  // namespace
+
+SensorLattice SensorLattice::around(const Eigen::Vector3d& center, double reach, double spacing,
+                                    bool vertical) {
+  SensorLattice l;
+  l.spacing = spacing;
+  const auto span = [&](double c, double& origin, int& n) {
+    // One node beyond the outermost position on either side: the spline's support is 1.5 spacings.
+    const double first = std::floor((c - reach) / spacing) - 1.0;
+    const double last = std::ceil((c + reach) / spacing) + 1.0;
+    origin = first * spacing;
+    n = static_cast<int>(last - first) + 1;
+  };
+  span(center.x(), l.origin.x(), l.nx);
+  span(center.y(), l.origin.y(), l.ny);
+  if (vertical) {
+    span(center.z(), l.origin.z(), l.nz);
+  } else {
+    l.origin.z() = center.z();
+    l.nz = 1;
+  }
+  return l;
+}
+
+OcclusionTable::OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
+                               const VoxelGrid& voxels, const Options& options)
+    : lattice_(lattice), points_(std::move(points)), options_(options) {
+  build(voxels, nullptr);
+}
+
+OcclusionTable::OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
+                               std::shared_ptr<const VoxelGrid> voxels, const Options& options,
+                               const OcclusionTable* previous)
+    : lattice_(lattice), points_(std::move(points)), options_(options), voxels_(std::move(voxels)) {
+  if (!voxels_) throw std::invalid_argument("occlusion table: voxels is null; expected a snapshot");
+  build(*voxels_, previous);
+}
+
+Eigen::Vector3d OcclusionTable::node_position(int a, int b, int c) const {
+  const Eigen::Array3d address = (lattice_.origin.array() / lattice_.spacing).round();
+  const bool vertical = lattice_.nz > 1;
+  const auto coordinate = [&](int axis, int n) {
+    const double aligned = address[axis] * lattice_.spacing;
+    if (std::abs(aligned - lattice_.origin[axis]) < 1e-9 && (axis < 2 || vertical)) {
+      return (address[axis] + n) * lattice_.spacing;
+    }
+    return lattice_.origin[axis] + n * lattice_.spacing;
+  };
+  return {coordinate(0, a), coordinate(1, b), coordinate(2, c)};
+}
+
+void OcclusionTable::build(const VoxelGrid& voxels, const OcclusionTable* previous) {
+  const SensorLattice& l = lattice_;
+  if (!(l.spacing > 0.0) || !std::isfinite(l.spacing) || !l.origin.allFinite()) {
+    throw std::invalid_argument("occlusion table: lattice spacing " + std::to_string(l.spacing) +
+                                "; expected a finite origin and a positive spacing [m]");
+  }
+  if (l.nx < 3 || l.ny < 3 || (l.nz != 1 && l.nz < 3)) {
+    throw std::invalid_argument("occlusion table: lattice of " + std::to_string(l.nx) + " x " +
+                                std::to_string(l.ny) + " x " + std::to_string(l.nz) +
+                                " nodes; expected at least 3 x 3 x (1 or at least 3)");
+  }
+  for (const Eigen::Vector3d& p : points_) {
+    if (!p.allFinite()) {
+      throw std::invalid_argument("occlusion table: a point is not finite; expected [m] in W");
+    }
+  }
+  stride_ = (num_points() + kPadding - 1) / kPadding * kPadding;
+  const std::size_t nodes = static_cast<std::size_t>(l.nx) * static_cast<std::size_t>(l.ny) *
+                            static_cast<std::size_t>(l.nz);
+  table_.assign(nodes * static_cast<std::size_t>(stride_), 0.0f);
+  in_wall_.assign(nodes, 0);
+
+  // What of the previous table may be taken over: a shift of node addresses and the old column of
+  // each point (-1: none).
+  std::vector<int> old_column;
+  Eigen::Vector3i shift = Eigen::Vector3i::Zero();
+  std::unique_ptr<ChangedTiles> changed;
+  if (previous && previous->voxels_ && previous->options_ == options_ &&
+      previous->lattice_.spacing == l.spacing &&
+      previous->voxels_->resolution() == voxels.resolution()) {
+    const Eigen::Vector3d offset = (l.origin - previous->lattice_.origin) / l.spacing;
+    shift = offset.array().round().cast<int>();
+    const bool aligned =
+        node_position(0, 0, 0) == previous->node_position(shift.x(), shift.y(), shift.z());
+    if (aligned) {
+      std::unordered_map<std::array<double, 3>, int, PositionHash> columns;
+      columns.reserve(previous->points_.size());
+      for (int i = 0; i < previous->num_points(); ++i) {
+        columns.emplace(key(previous->points_[static_cast<std::size_t>(i)]), i);
+      }
+      old_column.assign(points_.size(), -1);
+      for (std::size_t i = 0; i < points_.size(); ++i) {
+        if (const auto it = columns.find(key(points_[i])); it != columns.end()) {
+          old_column[i] = it->second;
+        }
+      }
+      if (previous->voxels_.get() != &voxels) {
+        Eigen::Vector3d low = node_position(0, 0, 0);
+        Eigen::Vector3d high = node_position(l.nx - 1, l.ny - 1, l.nz - 1);
+        const Eigen::Vector3d farthest_low = low.array() - options_.max_range;
+        const Eigen::Vector3d farthest_high = high.array() + options_.max_range;
+        for (const Eigen::Vector3d& p : points_) {
+          low = low.cwiseMin(p.cwiseMax(farthest_low));
+          high = high.cwiseMax(p.cwiseMin(farthest_high));
+        }
+        const Eigen::Vector3i lo = voxels.voxel(low), hi = voxels.voxel(high);
+        changed = std::make_unique<ChangedTiles>(voxels, *previous->voxels_, Cell{lo.x(), lo.y()},
+                                                 Cell{hi.x(), hi.y()});
+        if (!changed->any()) changed.reset();
+      }
+    }
+  }
+
+  // Rays of one node are cast in the order of the points' distance from the lattice's middle, so
+  // that rays abreast have similar lengths.
+  const Eigen::Vector3d middle =
+      0.5 * (node_position(0, 0, 0) + node_position(l.nx - 1, l.ny - 1, l.nz - 1));
+  std::vector<int> order(points_.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
+    return (points_[static_cast<std::size_t>(i)] - middle).squaredNorm() <
+           (points_[static_cast<std::size_t>(j)] - middle).squaredNorm();
+  });
+  std::vector<Cell> point_cell(points_.size());
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Eigen::Vector3i v = voxels.voxel(points_[i]);
+    point_cell[i] = {v.x(), v.y()};
+  }
+  std::vector<int> wanted;
+  std::vector<Eigen::Vector3d> ends;
+  std::vector<VoxelGrid::Ray> rays(points_.size());
+  wanted.reserve(points_.size());
+  ends.reserve(points_.size());
+
+  const double max_squared = options_.max_range * options_.max_range;
+  std::size_t node = 0;
+  for (int c = 0; c < l.nz; ++c) {
+    for (int b = 0; b < l.ny; ++b) {
+      for (int a = 0; a < l.nx; ++a, ++node) {
+        const Eigen::Vector3d from = node_position(a, b, c);
+        const Eigen::Vector3i v = voxels.voxel(from);
+        if (voxels.state(v.x(), v.y(), v.z()) == CellState::kOccupied) {
+          in_wall_[node] = 1;
+          continue;
+        }
+        const float* old_row = nullptr;
+        if (!old_column.empty() && previous->stride_ > 0) {
+          const SensorLattice& o = previous->lattice_;
+          const int oa = a + shift.x(), ob = b + shift.y(), oc = c + shift.z();
+          if (oa >= 0 && oa < o.nx && ob >= 0 && ob < o.ny && oc >= 0 && oc < o.nz) {
+            const std::size_t start = previous->row(oa, ob, oc);
+            if (!previous->in_wall_[start / static_cast<std::size_t>(previous->stride_)]) {
+              old_row = previous->table_.data() + start;
+            }
+          }
+        }
+        float* out = table_.data() + row(a, b, c);
+        const Cell here{v.x(), v.y()};
+        wanted.clear();
+        ends.clear();
+        for (const int n : order) {
+          const auto i = static_cast<std::size_t>(n);
+          if ((points_[i] - from).squaredNorm() > max_squared) continue;
+          if (old_row && old_column[i] >= 0 && !(changed && changed->any(here, point_cell[i]))) {
+            out[i] = old_row[old_column[i]];
+            continue;
+          }
+          wanted.push_back(n);
+          ends.push_back(points_[i]);
+        }
+        const int count = static_cast<int>(wanted.size());
+        rays_cast_ += count;
+        voxels.cast_many(from, ends.data(), count, options_.trim, rays.data());
+        for (int n = 0; n < count; ++n) {
+          const VoxelGrid::Ray& ray = rays[static_cast<std::size_t>(n)];
+          if (ray.blocked) continue;
+          out[wanted[static_cast<std::size_t>(n)]] =
+              ray.unknown_length > 0.0
+                  ? static_cast<float>(std::exp(-options_.attenuation * ray.unknown_length))
+                  : 1.0f;
+        }
+      }
+    }
+  }
+  fill_nodes_in_walls();
+}
+
+void OcclusionTable::fill_nodes_in_walls() {
+  const SensorLattice& l = lattice_;
+  const auto node = [&](int a, int b, int c) {
+    return static_cast<std::size_t>((c * l.ny + b) * l.nx + a);
+  };
+  for (int c = 0; c < l.nz; ++c) {
+    for (int b = 0; b < l.ny; ++b) {
+      for (int a = 0; a < l.nx; ++a) {
+        if (!in_wall_[node(a, b, c)]) continue;
+        float* out = table_.data() + row(a, b, c);
+        int count = 0;
+        for (int z = std::max(c - 1, 0); z <= std::min(c + 1, l.nz - 1); ++z) {
+          for (int y = std::max(b - 1, 0); y <= std::min(b + 1, l.ny - 1); ++y) {
+            for (int x = std::max(a - 1, 0); x <= std::min(a + 1, l.nx - 1); ++x) {
+              if (in_wall_[node(x, y, z)]) continue;
+              ++count;
+              const float* from = table_.data() + row(x, y, z);
+              for (int i = 0; i < stride_; ++i) out[i] += from[i];
+            }
+          }
+        }
+        if (count > 1) {
+          // Division may round a mean of ones above 1; the bound is part of the contract.
+          for (int i = 0; i < stride_; ++i)
+            out[i] = std::min(out[i] / static_cast<float>(count), 1.0f);
+        }
+      }
+    }
+  }
+}
+
+void OcclusionTable::evaluate(const Eigen::Vector3d& sensor, double* probability, double* d_x,
+                              double* d_y, double* d_z) const {
+  const int n = num_points();
+  const bool gradient = d_x && d_y;
+  if (!sensor.allFinite()) {
+    for (double* out : {probability, d_x, d_y, d_z}) {
+      if (out) std::fill_n(out, n, std::numeric_limits<double>::quiet_NaN());
+    }
+    return;
+  }
+  const Eigen::Vector3d local = sensor - lattice_.origin;
+  const Weights x = spline_weights(local.x(), lattice_.spacing, lattice_.nx);
+  const Weights y = spline_weights(local.y(), lattice_.spacing, lattice_.ny);
+  const Weights z = spline_weights(local.z(), lattice_.spacing, lattice_.nz);
+  for (double* out : {probability, d_x, d_y, d_z}) {
+    if (out) std::fill_n(out, n, 0.0);
+  }
+  std::array<const float*, 9> rows;
+  for (int c = 0; c < z.count; ++c) {
+    const double wz = z.w[static_cast<std::size_t>(c)];
+    for (int b = 0; b < 3; ++b) {
+      for (int a = 0; a < 3; ++a) {
+        rows[static_cast<std::size_t>(b * 3 + a)] =
+            table_.data() + row(x.first + a, y.first + b, z.first + c);
+      }
+    }
+    if (gradient) {
+      const double dz = z.d[static_cast<std::size_t>(c)];
+      if (d_z && z.count > 1) {
+        add_value_and_gradient<true>(rows, x, y, wz, dz, n, probability, d_x, d_y, d_z);
+      } else {
+        add_value_and_gradient<false>(rows, x, y, wz, dz, n, probability, d_x, d_y, nullptr);
+      }
+    } else {
+      std::array<double, 9> w;
+      for (std::size_t b = 0; b < 3; ++b) {
+        for (std::size_t a = 0; a < 3; ++a) w[b * 3 + a] = wz * y.w[b] * x.w[a];
+      }
+      add_value(rows, w, n, probability);
+    }
+  }
+}
+
+}  // namespace prospect
