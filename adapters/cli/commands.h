@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace prospect {
+
+/// Exit codes of the program.
+enum ExitCode {
+  kDone = 0,       ///< done
+  kFailed = 1,     ///< the mission or comparison failed; it says why
+  kBadInput = 2,   ///< a file, configuration or argument is wrong; one line each says what
+  kNotBuiltIn = 3  ///< a back end or component is not built in
+};
+
+struct ExploreArguments {
+  std::string world = "office";
+  std::string configuration;  ///< file; empty: defaults
+  std::string solver;         ///< empty: as configured
+  std::uint64_t seed = 1;
+  std::string out;            ///< run folder; empty: runs/WORLD_SOLVER_SEED
+  double time_limit = 0.0;    ///< [s]; 0: as configured
+  std::vector<double> start;  ///< x [m], y [m], yaw [deg]; empty: the world's
+  bool json = false;
+  bool quiet = false;
+};
+int explore(const ExploreArguments& arguments);
+
+struct SolveArguments {
+  std::vector<std::string> problems;  ///< WORLD@STEP
+  std::string configuration;
+  std::vector<std::string> solvers;  ///< empty: one of each family
+  double deadline = 0.0;             ///< [s], 0: none
+  int max_evaluations = 400;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+int solve(const SolveArguments& arguments);
+
+int list(const std::string& what, bool json);
+/// Prints the effective configuration of a file (empty: the defaults).
+int print_configuration(const std::string& file);
+
+}  // namespace prospect

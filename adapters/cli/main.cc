@@ -1,0 +1,104 @@
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <iostream>
+#include <stdexcept>
+
+#include "adapters/cli/commands.h"
+#include "adapters/config/input_error.h"
+
+namespace {
+
+/// One `prospect: ` line a problem, on stderr.
+int report(const std::vector<std::string>& lines, int code) {
+  for (const std::string& line : lines) std::cerr << "prospect: " << line << '\n';
+  return code;
+}
+
+int run(int argc, char** argv) {
+  using namespace prospect;
+  CLI::App app{"Plans for robots that explore by sight.", "prospect"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", PROSPECT_VERSION);
+
+  ExploreArguments explore_arguments;
+  CLI::App* explore_command =
+      app.add_subcommand("explore", "A simulated mission until the reachable space is explored");
+  explore_command
+      ->add_option("world", explore_arguments.world,
+                   "Built-in name, world file, OctoMap (.bt .ot) or ROS map (.yaml .pgm .png)")
+      ->capture_default_str();
+  explore_command->add_option("--config", explore_arguments.configuration,
+                              "Configuration file (YAML)");
+  explore_command->add_option("--solver", explore_arguments.solver,
+                              "Back end, see `prospect list solvers`");
+  explore_command->add_option("--seed", explore_arguments.seed, "Seed of all noise")
+      ->capture_default_str();
+  explore_command->add_option("--out", explore_arguments.out,
+                              "Run folder [runs/WORLD_SOLVER_SEED]");
+  explore_command
+      ->add_option("--time-limit", explore_arguments.time_limit, "Of the robot's clock [s]")
+      ->check(CLI::Range(1.0, 1e6));
+  explore_command->add_option("--start", explore_arguments.start, "Start x [m] y [m] yaw [deg]")
+      ->expected(3);
+  explore_command->add_flag("--json", explore_arguments.json, "Print the summary as JSON");
+  explore_command->add_flag("--quiet", explore_arguments.quiet, "No progress line");
+
+  SolveArguments solve_arguments;
+  CLI::App* solve_command =
+      app.add_subcommand("solve", "One planning problem, several back ends, side by side");
+  solve_command
+      ->add_option("problem", solve_arguments.problems,
+                   "WORLD@STEP: the problem that a mission in WORLD meets at planning step STEP")
+      ->required();
+  solve_command->add_option("--config", solve_arguments.configuration, "Configuration file (YAML)");
+  solve_command->add_option("--solver", solve_arguments.solvers, "Back ends, separated by commas")
+      ->delimiter(',');
+  solve_command
+      ->add_option("--deadline", solve_arguments.deadline, "Wall-clock limit of each solve [s]")
+      ->check(CLI::Range(0.0, 3600.0));
+  solve_command->add_option("--max-evaluations", solve_arguments.max_evaluations, "Of each solve")
+      ->check(CLI::Range(1, 100000000))
+      ->capture_default_str();
+  solve_command->add_option("--seed", solve_arguments.seed, "Of the mission and the solvers")
+      ->capture_default_str();
+  solve_command->add_flag("--json", solve_arguments.json, "Print JSON");
+
+  std::string what;
+  bool list_json = false;
+  CLI::App* list_command = app.add_subcommand("list", "What there is: solvers, worlds or terms");
+  list_command->add_option("what", what, "solvers, worlds or terms")
+      ->required()
+      ->check(CLI::IsMember({"solvers", "worlds", "terms"}));
+  list_command->add_flag("--json", list_json, "Print JSON");
+
+  std::string configuration;
+  CLI::App* config_command =
+      app.add_subcommand("config", "The full effective configuration, with units and defaults");
+  config_command->add_option("file", configuration, "Configuration file (YAML) [the defaults]");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    return report({std::string(error.what()) + "; see `prospect --help`"}, kBadInput);
+  }
+  if (*explore_command) return explore(explore_arguments);
+  if (*solve_command) return solve(solve_arguments);
+  if (*list_command) return list(what, list_json);
+  return print_configuration(configuration);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const prospect::InputError& error) {
+    return report(error.lines(), prospect::kBadInput);
+  } catch (const std::invalid_argument& error) {
+    return report({error.what()}, prospect::kBadInput);
+  } catch (const std::exception& error) {
+    return report({error.what()}, prospect::kFailed);
+  }
+}

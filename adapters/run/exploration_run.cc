@@ -1,0 +1,222 @@
+#include "adapters/run/exploration_run.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "adapters/run/summary.h"
+#include "adapters/simulator/simulator.h"
+#include "engine/mission.h"
+#include "engine/planner.h"
+#include "solvers/registry.h"
+
+namespace prospect {
+namespace {
+
+/// The simulator as a robot: commands in, beliefs out.
+class SimulatedRobot final : public Robot {
+ public:
+  explicit SimulatedRobot(Simulator& simulator) : simulator_(simulator) {}
+  std::shared_ptr<const Belief> sense() override { return simulator_.sense(); }
+  void apply(const Twist& command, double duration) override {
+    if (duration > 0.0) simulator_.apply(command, duration);
+  }
+  double time() const override { return simulator_.time(); }
+
+ private:
+  Simulator& simulator_;
+};
+
+const char* name(Localization localization) {
+  switch (localization) {
+    case Localization::kOk:
+      return "ok";
+    case Localization::kDegraded:
+      return "degraded";
+    case Localization::kLost:
+      return "lost";
+  }
+  return "?";
+}
+
+/// Cells whose state differs from what was last recorded.
+class MapChanges {
+ public:
+  std::vector<std::pair<Cell, CellState>> since_last(const GroundMap& ground) {
+    std::vector<std::pair<Cell, CellState>> changes;
+    const GridFrame& frame = ground.frame();
+    if (!(frame == shown_.frame)) {
+      Grid<CellState> wider(frame, CellState::kUnknown);
+      for (int i = 0; i < shown_.frame.size(); ++i) {
+        const Cell c = shown_.frame.at(i);
+        if (frame.contains(c)) wider[c] = shown_[c];
+      }
+      shown_ = std::move(wider);
+    }
+    for (int ty = 0; ty < ground.tiles_y(); ++ty) {
+      for (int tx = 0; tx < ground.tiles_x(); ++tx) {
+        if (ground.tile_revision(tx, ty) <= revision_) continue;
+        const GridFrame tile = ground.tile_frame(tx, ty);
+        for (int i = 0; i < tile.size(); ++i) {
+          const Cell c = tile.at(i);
+          const CellState state = ground.state(c);
+          if (shown_[c] == state) continue;
+          shown_[c] = state;
+          changes.emplace_back(c, state);
+        }
+      }
+    }
+    revision_ = ground.revision();
+    return changes;
+  }
+
+ private:
+  Grid<CellState> shown_{GridFrame{0.1, 0, 0, 0, 0}, CellState::kUnknown};
+  std::uint64_t revision_ = 0;
+};
+
+}  // namespace
+
+ReachableArea reachable_area(const World& world, const Configuration& c) {
+  const VerticalExtent extent = vertical_extent(c.robot.shape);
+  ReachableAreaOptions options;
+  options.slice = {extent.z_min, extent.z_max};
+  options.standing_clearance = circumscribed_radius(c.robot.shape) + c.simulator.mapping.resolution;
+  options.range = c.robot.depth.max_range;
+  options.sensor_height = c.robot.depth_mount.T_BC.translation().z();
+  options.map_resolution = c.simulator.mapping.resolution;
+  return reachable_area(world, options);
+}
+
+ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
+                                     const Configuration& configuration,
+                                     const ExplorationRunOptions& options) {
+  const auto wall_start = std::chrono::steady_clock::now();
+  std::unique_ptr<Replanner> planner;
+  if (options.make_planner) {
+    planner = options.make_planner(configuration);
+  } else {
+    planner = std::make_unique<Planner>(configuration.robot, configuration.planner,
+                                        make_solver(configuration.solver));
+  }
+  const Planner* own_planner = dynamic_cast<const Planner*>(planner.get());
+  const ReachableArea reachable = reachable_area(*world, configuration);
+
+  SimulatorOptions simulator_options = configuration.simulator;
+  simulator_options.seed = options.seed;
+  Simulator simulator(world, simulator_options);
+  simulator.set_reachable(reachable.cells);
+  SimulatedRobot robot(simulator);
+
+  Certifier::Options certificate;
+  certificate.margin = 0.5 * configuration.planner.certificate_margin;
+  certificate.unknown = UnknownPolicy::kFree;
+  const VerticalExtent extent = vertical_extent(configuration.robot.shape);
+  certificate.slice = extent;
+  const Guard guard(configuration.robot.model, configuration.robot.shape, certificate);
+
+  ExplorationRunResult result;
+  RunRecord& record = result.record;
+  record.resolution = configuration.simulator.mapping.resolution;
+  record.robot_radius = circumscribed_radius(configuration.robot.shape);
+  record.sensor_range = configuration.robot.depth.max_range;
+  record.sensor_fov = configuration.robot.depth.horizontal_fov;
+  record.configuration = effective_yaml(configuration.entries);
+
+  MapChanges map_changes;
+  std::vector<StepRecord> steps;
+  const auto observe = [&](const MissionStep& step) {
+    const Plan& plan = *step.plan;
+    const Belief& belief = *step.belief;
+    StepRecord r;
+    r.step = step.index;
+    r.time = step.time;
+    r.true_pose = simulator.true_pose();
+    r.estimated_pose = belief.pose;
+    if (!plan.commands.empty()) r.command = plan.commands.front();
+    r.plan_kind = to_string(plan.kind);
+    r.seed = plan.seed;
+    r.explanation = plan.explanation;
+    const auto committed = static_cast<std::size_t>(std::max(0, plan.committed));
+    if (committed < plan.visible.size()) r.predicted_features = plan.visible[committed];
+    r.tracked_features = belief.tracked_features;
+    r.localization = name(belief.localization);
+    r.coverage = simulator.coverage();
+    r.area = simulator.seen_area();
+    r.localization_error = simulator.localization_error();
+    r.path_length = simulator.path_length();
+    r.collisions = simulator.collisions();
+    for (const TermValue& term : plan.explanation.terms) {
+      if (term.name == "clearance") r.clearance = term.raw + configuration.planner.d_safe;
+    }
+    r.cost_evaluations = plan.counters.cost_evaluations;
+    r.gradient_evaluations = plan.counters.gradient_evaluations;
+    r.stop_reason = to_string(plan.stop);
+    r.quality = to_string(plan.quality);
+    r.certified = plan.certified;
+    r.certificate = plan.certified ? plan.certificate : plan.detail;
+    r.guard_stops = step.guard_stops;
+    r.wall = {plan.times.total, plan.times.guide,  plan.times.clearance, plan.times.views,
+              plan.times.seeds, plan.times.polish, plan.times.certify};
+    if (step.guidance) {
+      for (const Frontier& f : step.guidance->frontiers) {
+        if (!f.active) continue;
+        ++r.active_frontiers;
+        for (const Cell& cell : f.cells) {
+          r.frontier_cells.push_back(belief.ground->frame().center(cell).cast<float>());
+        }
+      }
+    }
+    for (const Eigen::VectorXd& x : plan.states) {
+      r.horizon.push_back(configuration.robot.model->pose(x));
+    }
+    if (own_planner) {
+      const std::vector<Landmark>& landmarks = own_planner->landmarks();
+      const Eigen::VectorXd& visibility = own_planner->landmark_visibility();
+      for (std::size_t i = 0; i < landmarks.size(); ++i) {
+        r.landmarks.push_back({static_cast<float>(landmarks[i].position.x()),
+                               static_cast<float>(landmarks[i].position.y()),
+                               static_cast<float>(visibility[static_cast<Eigen::Index>(i)])});
+      }
+    }
+    r.map_changes = map_changes.since_last(*belief.ground);
+    if (options.on_step) options.on_step(r);
+    if (!options.keep_steps) {
+      r.horizon.clear();
+      r.frontier_cells.clear();
+      r.landmarks.clear();
+      r.map_changes.clear();
+    }
+    steps.push_back(std::move(r));
+  };
+
+  const MissionResult mission =
+      run_mission(robot, *planner, guard, configuration.mission, observe, options.cancelled);
+
+  record.summary = summarize(steps);
+  Summary& s = record.summary;
+  s.world = world->name;
+  s.solver = configuration.solver;
+  s.seed = options.seed;
+  s.reason = to_string(mission.end);
+  s.coverage = simulator.coverage();
+  s.area_m2 = simulator.seen_area();
+  s.reachable_area_m2 = reachable.area;
+  s.collisions = simulator.collisions();
+  s.losses = simulator.losses();
+  s.duration_s = mission.duration;
+  s.path_length_m = simulator.path_length();
+  s.fallbacks = mission.fallbacks;
+  s.guard_stops = mission.guard_stops;
+  s.steps = mission.steps;
+  if (configuration.planner.deadline > 0.0) {
+    for (const StepRecord& step : steps) {
+      s.deadline_misses += step.wall.plan > 1e3 * configuration.planner.deadline;
+    }
+  }
+  if (options.keep_steps) record.steps = std::move(steps);
+  result.map = simulator.sense()->octree;
+  s.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
+  return result;
+}
+
+}  // namespace prospect

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+
+#include "adapters/config/configuration.h"
+#include "adapters/run/run_record.h"
+#include "adapters/worlds/reachable_area.h"
+#include "adapters/worlds/world.h"
+#include "engine/replanner.h"
+
+namespace octomap {
+class OcTree;
+}
+
+namespace prospect {
+
+/// One simulated mission: world, configuration and seed in, records out.
+struct ExplorationRunOptions {
+  std::uint64_t seed = 1;
+  bool keep_steps = true;  ///< keep every StepRecord in the result, for the report
+  std::function<void(const StepRecord&)> on_step;  ///< after each planning step
+  std::function<bool()> cancelled;
+  /// Makes the planner; empty: the Planner of this project with the configured solver.
+  std::function<std::unique_ptr<Replanner>(const Configuration&)> make_planner;
+};
+
+struct ExplorationRunResult {
+  RunRecord record;
+  std::shared_ptr<const octomap::OcTree> map;  ///< as built, in the estimated frame
+};
+
+/// Where the robot of this configuration can stand and what it can see from there, in this world.
+ReachableArea reachable_area(const World& world, const Configuration& configuration);
+
+/// Runs one mission in the kinematic simulator, to its end. Throws InputError if the robot cannot
+/// start there, std::invalid_argument for an unknown solver or options out of range; nothing has
+/// been written then. Deterministic but for wall-clock times.
+ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
+                                     const Configuration& configuration,
+                                     const ExplorationRunOptions& options);
+
+}  // namespace prospect

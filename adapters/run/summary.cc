@@ -1,0 +1,72 @@
+#include "adapters/run/summary.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+#include <utility>
+
+namespace prospect {
+namespace {
+
+constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
+
+/// Time and path at which coverage first reaches `share`.
+std::pair<double, double> reach(const std::vector<StepRecord>& steps, double share) {
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (steps[i].coverage < share) continue;
+    if (i == 0) return {steps[0].time, steps[0].path_length};
+    const StepRecord& a = steps[i - 1];
+    const StepRecord& b = steps[i];
+    const double s = (share - a.coverage) / (b.coverage - a.coverage);
+    return {a.time + s * (b.time - a.time), a.path_length + s * (b.path_length - a.path_length)};
+  }
+  return {kNever, kNever};
+}
+
+}  // namespace
+
+double percentile(std::vector<double> values, double percent) {
+  if (values.empty()) return kNever;
+  std::sort(values.begin(), values.end());
+  const double n = static_cast<double>(values.size());
+  const auto rank = static_cast<std::size_t>(std::max(1.0, std::ceil(percent / 100.0 * n)));
+  return values[std::min(rank, values.size()) - 1];
+}
+
+Summary summarize(const std::vector<StepRecord>& steps) {
+  Summary s;
+  s.time_to_90_s = s.time_to_95_s = s.time_to_99_s = kNever;
+  s.path_to_90_m = s.path_to_95_m = s.path_to_99_m = kNever;
+  s.plan_ms_p50 = s.plan_ms_p95 = s.plan_ms_p99 = s.plan_ms_max = kNever;
+  if (steps.empty()) return s;
+  std::tie(s.time_to_90_s, s.path_to_90_m) = reach(steps, 0.90);
+  std::tie(s.time_to_95_s, s.path_to_95_m) = reach(steps, 0.95);
+  std::tie(s.time_to_99_s, s.path_to_99_m) = reach(steps, 0.99);
+  std::vector<double> plan_ms;
+  double squares = 0.0;
+  for (const StepRecord& step : steps) {
+    plan_ms.push_back(step.wall.plan);
+    squares += step.localization_error * step.localization_error;
+    s.guard_stops += step.guard_stops;
+    s.fallbacks += step.plan_kind == "stopping tail";
+  }
+  s.plan_ms_p50 = percentile(plan_ms, 50.0);
+  s.plan_ms_p95 = percentile(plan_ms, 95.0);
+  s.plan_ms_p99 = percentile(plan_ms, 99.0);
+  s.plan_ms_max = percentile(plan_ms, 100.0);
+  const StepRecord& last = steps.back();
+  s.coverage = last.coverage;
+  s.area_m2 = last.area;
+  s.collisions = last.collisions;
+  s.duration_s = last.time;
+  s.path_length_m = last.path_length;
+  s.localization_rmse_m = std::sqrt(squares / static_cast<double>(steps.size()));
+  s.localization_final_m = last.localization_error;
+  s.drift_percent =
+      last.path_length > 0.0 ? 100.0 * last.localization_error / last.path_length : 0.0;
+  s.steps = static_cast<int>(steps.size());
+  return s;
+}
+
+}  // namespace prospect

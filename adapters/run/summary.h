@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "adapters/run/run_record.h"
+
+namespace prospect {
+
+/// Fills what follows from the steps: coverage, area, collisions, duration, path length, time and
+/// path to 90 / 95 / 99 % coverage (linear between the steps around it; NaN if never reached),
+/// localization error (root mean square over steps, final, and final as percent of the path),
+/// planning time percentiles (nearest rank), fallbacks, guard stops, steps. All else keeps its
+/// default.
+Summary summarize(const std::vector<StepRecord>& steps);
+
+/// The value below or at which `percent` of the sorted values lie (nearest rank); NaN for none.
+double percentile(std::vector<double> values, double percent);
+
+}  // namespace prospect
