@@ -34,6 +34,7 @@ struct YamlMap::Node {
   std::vector<std::unique_ptr<Node>> items;
   std::vector<Entry> entries;
   std::vector<std::string> asked;  ///< keys that a reader knows, for "did you mean"
+  bool entered = false;            ///< a reader took it as the mapping it is
 };
 
 struct YamlMap::State {
@@ -347,12 +348,12 @@ void StrictYaml::finish() {
         state_->problem(entry.line, "unknown key '" + shown(path) + "'" + hint +
                                         "; expected one of: " + expected);
         entry.read = true;
-      } else if (entry.value->kind == Node::Kind::kMap) {
+      } else if (entry.value->entered) {
         open.push_back({entry.value.get(), path});
       } else if (entry.value->kind == Node::Kind::kList) {
         for (std::size_t i = 0; i < entry.value->items.size(); ++i) {
           Node* item = entry.value->items[i].get();
-          if (item->kind == Node::Kind::kMap) {
+          if (item->entered) {
             open.push_back({item, path + "[" + std::to_string(i) + "]"});
           }
         }
@@ -682,6 +683,7 @@ YamlMap YamlMap::map(const std::string& key) {
     problem(key, what_it_is(*node) + "; expected a mapping (key: value)");
     node = nullptr;
   }
+  if (node != nullptr) node->entered = true;
   return {state_, node, child_path(key), node != nullptr ? node->line : line_};
 }
 
@@ -701,6 +703,7 @@ std::vector<YamlMap> YamlMap::maps(const std::string& key) {
                       shown(path) + ": " + what_it_is(*item) + "; expected a mapping (key: value)");
       continue;
     }
+    item->entered = true;
     out.push_back({state_, item, path, item->line});
   }
   return out;

@@ -170,10 +170,11 @@ void place_start(World& world, const BodySlice& slice, const std::optional<Pose>
     return;
   }
   if (std::find(standing.data.begin(), standing.data.end(), 1) == standing.data.end()) {
+    const double top = (world.voxels.k0() + world.voxels.depth()) * world.voxels.resolution();
     throw InputError(
-        world.name + ": no place where the robot can stand; expected free space with " +
-        number(slice.standing_clearance) + " m of room between z = " + number(slice.z_min) +
-        " and " + number(slice.z_max) + " m");
+        world.name + ": no place where the robot can stand (the map reaches up to z = " +
+        number(top) + " m); expected free space with " + number(slice.standing_clearance) +
+        " m of room from z = " + number(slice.z_min) + " to " + number(slice.z_max) + " m");
   }
   world.start = default_start(world, slice, standing);
 }

@@ -299,8 +299,16 @@ std::unique_ptr<octomap::OcTree> read_octree(const std::string& path, const Octr
 }
 
 void write_octree(const octomap::OcTree& tree, const std::string& path) {
+  // Header and nodes by hand: the library's writer reports on standard error.
+  std::array<char, 32> resolution;
+  const auto end =
+      std::to_chars(resolution.data(), resolution.data() + resolution.size(), tree.getResolution());
   std::ostringstream out(std::ios::binary);
-  if (!tree.writeBinaryConst(out)) fail(path, "the map cannot be encoded; expected a valid tree");
+  out << "# Octomap OcTree binary file\n"
+      << "id " << tree.getTreeType() << "\nsize " << tree.size() << "\nres "
+      << std::string_view(resolution.data(), static_cast<std::size_t>(end.ptr - resolution.data()))
+      << "\ndata\n";
+  if (tree.getRoot() != nullptr) tree.writeBinaryNode(out, tree.getRoot());
   const std::string bytes = std::move(out).str();
   const std::string temporary = path + ".partial";
   const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);

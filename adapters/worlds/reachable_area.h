@@ -38,12 +38,13 @@ struct ReachableAreaOptions {
 ///    the
 ///        cell that its centre lies in, and a cell to which no column is assigned (map finer than
 ///        the world) takes the column that holds the cell's centre; and
-///    (2) the column h that holds the centre of c is seen: some column a in A has its centre within
-///        `range` of the centre of h, and the segment between the two centres, walked by
-///        VoxelGrid::cast in the layer of the sensor height, meets free voxels only (the heading is
-///        free, the sensor has no field of view limit and no minimum range; h = a is seen).
+///    (2) the column h that holds the centre of c is seen: h is in A, or some column a in A that is
+///        free in the layer of the sensor height has its centre within `range` of the centre of h,
+///        and the segment between the two centres meets the interior of columns that are free in
+///        that layer only; through a corner it passes unless both columns beside the corner are not
+///        free. (Any heading, no limit of the field of view, no minimum range.)
 ///
-/// Computed apart from planner, mapper and simulator; nothing there is used here but VoxelGrid.
+/// Computed apart from planner, mapper and simulator: of those only VoxelGrid is used, as data.
 struct ReachableArea {
   Grid<std::uint8_t> cells;     ///< 1: the ground cell belongs to the reachable area
   double area = 0.0;            ///< [m^2]

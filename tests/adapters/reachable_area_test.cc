@@ -1,0 +1,273 @@
+#include "adapters/worlds/reachable_area.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <random>
+
+#include "adapters/config/input_error.h"
+#include "adapters/worlds/load_world.h"
+
+namespace prospect {
+namespace {
+
+/// A world whose columns are free or solid over their whole height, with some obstacles in the
+/// sight layer only and some below it only.
+World random_world(std::uint64_t seed, double r, int width, int height, double solid) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> u(0.0, 1.0);
+  const GridFrame frame{r, -static_cast<int>(seed % 7), 3 - static_cast<int>(seed % 11), width,
+                        height};
+  World world{"random", VoxelGrid(frame, -0.5 * r, 0.99), {}, {}, {}, 0.0};
+  for (int n = 0; n < frame.size(); ++n) {
+    const Cell c = frame.at(n);
+    const double kind = u(random);
+    for (int k = -1; k < world.voxels.k0() + world.voxels.depth(); ++k) {
+      const double z = (k + 0.5) * r;
+      CellState state = CellState::kFree;
+      if (k == -1 || kind < solid) state = CellState::kOccupied;
+      if (k >= 0 && kind >= solid && kind < 1.5 * solid) state = CellState::kUnknown;
+      if (kind >= 1.5 * solid && kind < 1.7 * solid && std::abs(z - 0.4) < 0.15) {
+        state = CellState::kOccupied;
+      }
+      if (kind >= 1.7 * solid && kind < 1.8 * solid && z > 0.6) state = CellState::kOccupied;
+      world.voxels.set(c.i, c.j, k, state);
+    }
+  }
+  return world;
+}
+
+bool column_free(const World& world, Cell c, const BodySlice& slice) {
+  const double r = world.voxels.resolution();
+  for (int k = world.voxels.k0(); k < world.voxels.k0() + world.voxels.depth(); ++k) {
+    const bool overlaps = (k + 1) * r > slice.z_min + 1e-9 && k * r < slice.z_max - 1e-9;
+    if (overlaps && world.voxels.state(c.i, c.j, k) != CellState::kFree) return false;
+  }
+  return world.voxels.frame().contains(c);
+}
+
+/// Squared distance from a point to a column's square.
+double clearance_to(const World& world, const Eigen::Vector2d& p, Cell c) {
+  const double r = world.voxels.resolution();
+  const Eigen::Vector2d low(c.i * r, c.j * r);
+  const Eigen::Vector2d nearest = p.cwiseMax(low).cwiseMin(low + Eigen::Vector2d::Constant(r));
+  return (p - nearest).norm();
+}
+
+TEST(StandingColumns, AgreeWithTheDistanceToEveryObstacle) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const World world = random_world(seed, seed % 2 ? 0.1 : 0.08, 34, 27, 0.02);
+    BodySlice slice;
+    slice.standing_clearance = seed % 3 == 0 ? 0.0 : 0.05 * static_cast<double>(seed);
+    const Grid<std::uint8_t> standing = standing_columns(world.voxels, slice);
+    const GridFrame& frame = standing.frame;
+    for (int n = 0; n < frame.size(); ++n) {
+      const Cell c = frame.at(n);
+      double nearest = column_free(world, c, slice) ? 1e9 : -1.0;
+      for (int j = frame.j0 - 12; j < frame.j0 + frame.height + 12; ++j) {
+        for (int i = frame.i0 - 12; i < frame.i0 + frame.width + 12; ++i) {
+          if (std::abs(i - c.i) > 9 || std::abs(j - c.j) > 9) continue;
+          if (column_free(world, {i, j}, slice)) continue;
+          nearest = std::min(nearest, clearance_to(world, frame.center(c), {i, j}));
+        }
+      }
+      const bool expected =
+          column_free(world, c, slice) && nearest > slice.standing_clearance - 1e-9;
+      ASSERT_EQ(standing[c] != 0, expected) << "seed " << seed << " cell " << c.i << " " << c.j;
+    }
+  }
+}
+
+/// Whether the segment between two centres misses what is not free, by geometry over all columns of
+/// the rectangle that the centres span. Coordinates in half cells, so that centres and corners are
+/// whole numbers.
+bool clear_line(const World& world, int layer, Cell a, Cell b) {
+  const int ax = 2 * a.i + 1, ay = 2 * a.j + 1, dx = 2 * (b.i - a.i), dy = 2 * (b.j - a.j);
+  const auto side = [&](int x, int y) { return (x - ax) * dy - (y - ay) * dx; };
+  const auto solid = [&](int i, int j) {
+    return world.voxels.state(i, j, layer) != CellState::kFree;
+  };
+  const int i0 = std::min(a.i, b.i), i1 = std::max(a.i, b.i);
+  const int j0 = std::min(a.j, b.j), j1 = std::max(a.j, b.j);
+  for (int i = i0; i <= i1; ++i) {
+    for (int j = j0; j <= j1; ++j) {
+      const int s[] = {side(2 * i, 2 * j), side(2 * i + 2, 2 * j), side(2 * i, 2 * j + 2),
+                       side(2 * i + 2, 2 * j + 2)};
+      const bool crossed = *std::min_element(s, s + 4) < 0 && *std::max_element(s, s + 4) > 0;
+      if (crossed && solid(i, j)) return false;
+      // The corner shared with (i + 1, j + 1): the two others there lie beside the line.
+      if (i < i1 && j < j1 && s[3] == 0) {
+        const bool rising = (dx > 0) == (dy > 0);
+        if (rising ? solid(i + 1, j) && solid(i, j + 1) : solid(i, j) && solid(i + 1, j + 1)) {
+          return false;
+        }
+      }
+    }
+  }
+  return true;
+}
+
+/// The definition in the header, word for word.
+Grid<std::uint8_t> by_definition(const World& world, const ReachableAreaOptions& options,
+                                 const Grid<std::uint8_t>& standing, const GridFrame& cells) {
+  const GridFrame& frame = world.voxels.frame();
+  const double r = frame.resolution, m = options.map_resolution;
+  const int layer = static_cast<int>(std::floor(options.sensor_height / r + 1e-9));
+  const auto center = [&](Cell c) {
+    return Eigen::Vector3d((c.i + 0.5) * r, (c.j + 0.5) * r, (layer + 0.5) * r);
+  };
+  Grid<std::uint8_t> out(cells, 0);
+  for (int n = 0; n < cells.size(); ++n) {
+    const Cell cell = cells.at(n);
+    const Cell h{static_cast<int>(std::floor((cell.i + 0.5) * m / r + 1e-9)),
+                 static_cast<int>(std::floor((cell.j + 0.5) * m / r + 1e-9))};
+    bool all_free = frame.contains(h) && column_free(world, h, options.slice);
+    for (int q = 0; q < frame.size(); ++q) {
+      const Cell c = frame.at(q);
+      const bool inside = std::floor((c.i + 0.5) * r / m + 1e-9) == cell.i &&
+                          std::floor((c.j + 0.5) * r / m + 1e-9) == cell.j;
+      if (inside && !column_free(world, c, options.slice)) all_free = false;
+    }
+    if (!all_free) continue;
+    for (int q = 0; q < frame.size() && out[cell] == 0; ++q) {
+      const Cell a = frame.at(q);
+      if (standing[a] == 0) continue;
+      if ((center(a) - center(h)).norm() > options.range + 1e-9) continue;
+      if (a == h) {
+        out[cell] = 1;
+        continue;
+      }
+      if (world.voxels.state(a.i, a.j, layer) != CellState::kFree) continue;
+      if (clear_line(world, layer, a, h)) out[cell] = 1;
+    }
+  }
+  return out;
+}
+
+TEST(ReachableArea, AgreesWithItsDefinition) {
+  int partly = 0;
+  for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+    World world = random_world(seed, seed % 2 ? 0.1 : 0.08, 40, 33, seed % 4 ? 0.06 : 0.2);
+    ReachableAreaOptions options;
+    options.slice.standing_clearance = 0.1;
+    options.range = 1.7;
+    options.sensor_height = seed % 3 ? 0.4 : 0.55;
+    options.slice.z_max = seed % 3 ? 0.5 : 0.6;
+    const Grid<std::uint8_t> all = standing_columns(world.voxels, options.slice);
+    for (int n = 0; n < all.frame.size(); ++n) {
+      if (all.data[static_cast<std::size_t>(n)] == 0) continue;
+      world.start.position.head<2>() = all.frame.center(all.frame.at(n));
+      break;
+    }
+    const ReachableArea result = reachable_area(world, options);
+    const Grid<std::uint8_t> expected =
+        by_definition(world, options, result.standing, result.cells.frame);
+    int count = 0, differ = 0, free = 0;
+    for (std::size_t n = 0; n < expected.data.size(); ++n) {
+      differ += expected.data[n] != result.cells.data[n];
+      count += expected.data[n];
+    }
+    for (const std::uint8_t f : free_columns(world.voxels, options.slice).data) free += f;
+    EXPECT_EQ(differ, 0) << "seed " << seed << ", " << count << " cells";
+    EXPECT_GT(count, 0);
+    EXPECT_NEAR(result.area, count * 0.01, 1e-9);
+    const double r = world.voxels.resolution();
+    partly += count * 0.01 < 0.9 * free * r * r;
+  }
+  EXPECT_GT(partly, 3) << "the worlds must also have places that cannot be seen";
+}
+
+/// Room, wall with a slit too narrow to pass, room beyond it.
+World slit_world(bool slit) {
+  const double r = 0.1;
+  const GridFrame frame{r, 0, 0, 100, 40};
+  World world{"slit", VoxelGrid(frame, -0.05, 0.95), {}, {}, {}, 0.0};
+  for (int i = 1; i < 99; ++i) {
+    for (int j = 1; j < 39; ++j) {
+      world.voxels.set(i, j, -1, CellState::kOccupied);
+      const bool wall = i == 40 && !(slit && j == 20);
+      for (int k = 0; k < 10; ++k) {
+        world.voxels.set(i, j, k, wall ? CellState::kOccupied : CellState::kFree);
+      }
+    }
+  }
+  world.start.position = {2.0, 2.0, 0.0};
+  return world;
+}
+
+TEST(ReachableArea, RoomsBeyondAreSeenThroughAnOpeningOnly) {
+  const ReachableArea closed = reachable_area(slit_world(false));
+  EXPECT_NEAR(closed.area, 39 * 38 * 0.01, 1e-9);
+  const ReachableArea open = reachable_area(slit_world(true));
+  EXPECT_GT(open.area, closed.area + 1.0);
+  // A slit as deep as it is wide shows directions within 45 degrees; the robot keeps 0.35 m away.
+  EXPECT_LT(open.area, closed.area + M_PI / 4.0 * 3.65 * 3.65);
+  EXPECT_EQ(open.standing[(Cell{60, 20})], 0) << "the robot does not fit through";
+  EXPECT_EQ(open.cells[(Cell{55, 20})], 1);
+  EXPECT_EQ(open.cells[(Cell{43, 30})], 0);
+  EXPECT_EQ(open.cells[(Cell{90, 20})], 0) << "out of range";
+}
+
+TEST(ReachableArea, StartMustBeAPlaceToStand) {
+  World world = slit_world(true);
+  for (const Eigen::Vector2d& at :
+       {Eigen::Vector2d(4.05, 3.0), Eigen::Vector2d(0.15, 0.15), Eigen::Vector2d(-50.0, 2.0)}) {
+    world.start.position.head<2>() = at;
+    try {
+      reachable_area(world);
+      FAIL() << at.transpose();
+    } catch (const InputError& e) {
+      EXPECT_EQ(e.lines().size(), 1u);
+      EXPECT_THAT(e.what(), ::testing::HasSubstr("slit: "));
+      EXPECT_THAT(e.what(), ::testing::HasSubstr("expected"));
+    }
+  }
+}
+
+TEST(ReachableArea, BadOptionsAreRefused) {
+  const World world = slit_world(true);
+  const double bad[] = {0.0, -1.0, std::nan(""), HUGE_VAL};
+  for (const double value : bad) {
+    ReachableAreaOptions options;
+    options.range = value;
+    EXPECT_THROW(reachable_area(world, options), std::invalid_argument);
+    options = {};
+    options.map_resolution = value;
+    EXPECT_THROW(reachable_area(world, options), std::invalid_argument);
+    options = {};
+    options.sensor_height = value == 0.0 ? 5.0 : value;
+    EXPECT_THROW(reachable_area(world, options), std::invalid_argument);
+  }
+}
+
+TEST(ReachableArea, IsFastAndAsExpectedOnRealMaps) {
+  struct Case {
+    const char* file;
+    double low, high;  // [m^2]
+  };
+  // fr_079 and geb079 are the same corridor at two resolutions.
+  for (const Case& c :
+       {Case{"octomap/fr_079/fr_079.bt", 90, 115}, Case{"octomap/geb079/geb079.bt", 85, 110},
+        Case{"maps2d/ipa_room_segmentation/Freiburg79_scan.png", 280, 320},
+        Case{"maps2d/ros_willow_2010/willow-2010-02-18-0.10.yaml", 900, 1150}}) {
+    const std::string path = std::string(PROSPECT_SHARED_DATA) + "/" + c.file;
+    if (!std::filesystem::exists(path)) GTEST_SKIP() << "no shared data: " << path;
+    const World world = load_world(path);
+    const auto begin = std::chrono::steady_clock::now();
+    const ReachableArea area = reachable_area(world);
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+    EXPECT_GT(area.area, c.low) << c.file;
+    EXPECT_LT(area.area, c.high) << c.file;
+#ifdef NDEBUG
+    EXPECT_LT(seconds.count(), 3.0) << c.file;
+#endif
+    RecordProperty(c.file, std::to_string(seconds.count()));
+  }
+}
+
+}  // namespace
+}  // namespace prospect
