@@ -1,0 +1,56 @@
+#include "solvers/augmented_lagrangian.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace prospect {
+namespace {
+
+// Beyond these the inner problem is too ill-conditioned to be solved at all.
+constexpr double kLargestMultiplier = 1e8;
+constexpr double kLargestPenalty = 1e8;
+
+}  // namespace
+
+AugmentedLagrangian::AugmentedLagrangian(int m, const Eigen::VectorXd& lambda, double rho,
+                                         double margin)
+    : rho_(rho), margin_(margin), last_sigma_(std::numeric_limits<double>::infinity()) {
+  lambda_.setZero(m);
+  if (lambda.size() == m && lambda.allFinite()) {
+    lambda_ = lambda.cwiseMax(0.0).cwiseMin(kLargestMultiplier);
+  }
+}
+
+double AugmentedLagrangian::value(double cost,
+                                  const Eigen::Ref<const Eigen::VectorXd>& constraints) const {
+  double sum = 0.0;
+  for (Eigen::Index i = 0; i < constraints.size(); ++i) {
+    const double shifted = std::max(0.0, lambda_[i] - rho_ * (constraints[i] - margin_));
+    sum += shifted * shifted - lambda_[i] * lambda_[i];
+  }
+  return cost + sum / (2.0 * rho_);
+}
+
+void AugmentedLagrangian::add_gradient(const Eigen::Ref<const Eigen::VectorXd>& constraints,
+                                       const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+                                       Eigen::Ref<Eigen::VectorXd> gradient) const {
+  for (Eigen::Index i = 0; i < constraints.size(); ++i) {
+    const double shifted = lambda_[i] - rho_ * (constraints[i] - margin_);
+    if (shifted > 0.0) gradient -= shifted * jacobian.row(i).transpose();
+  }
+}
+
+double AugmentedLagrangian::update(const Eigen::Ref<const Eigen::VectorXd>& constraints) {
+  double sigma = 0.0;
+  for (Eigen::Index i = 0; i < constraints.size(); ++i) {
+    const double c = constraints[i] - margin_;
+    sigma = std::max(sigma, std::abs(std::min(c, lambda_[i] / rho_)));
+    lambda_[i] = std::clamp(lambda_[i] - rho_ * c, 0.0, kLargestMultiplier);
+  }
+  if (sigma > 0.5 * last_sigma_) rho_ = std::min(10.0 * rho_, kLargestPenalty);
+  last_sigma_ = sigma;
+  return sigma;
+}
+
+}  // namespace prospect

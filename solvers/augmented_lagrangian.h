@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace prospect {
+
+/// The constraints c(x) >= 0 folded into the cost, for methods that take bounds only:
+///
+///   L(x; lambda, rho) = f(x) + 1/(2 rho) sum_i [ max(0, lambda_i - rho (c_i - margin))^2
+///                                                - lambda_i^2 ]
+///   grad L            = grad f - sum_i max(0, lambda_i - rho (c_i - margin)) grad c_i
+///
+/// once continuously differentiable. Between inner minimisations
+///   lambda_i <- max(0, lambda_i - rho (c_i - margin)),
+/// and rho grows tenfold when  sigma = max_i |min(c_i - margin, lambda_i / rho)|  (infeasibility
+/// and lack of complementarity in one, in the unit of c) fell by less than half.
+///
+/// The margin, half the feasibility tolerance, makes a solution that is right to half the tolerance
+/// feasible.
+///
+/// Source: Powell (1969), Hestenes (1969), Rockafellar (1973); the safeguards follow Andreani,
+/// Birgin, Martinez, Schuverdt (2007). That it is used here is our choice.
+class AugmentedLagrangian {
+ public:
+  /// lambda: m multipliers to start from (>= 0), or empty for zeros. rho > 0.
+  AugmentedLagrangian(int m, const Eigen::VectorXd& lambda, double rho, double margin);
+
+  double value(double cost, const Eigen::Ref<const Eigen::VectorXd>& constraints) const;
+  /// gradient: in: grad f (n), out: grad L. jacobian: m x n.
+  void add_gradient(const Eigen::Ref<const Eigen::VectorXd>& constraints,
+                    const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+                    Eigen::Ref<Eigen::VectorXd> gradient) const;
+  /// After an inner minimisation that ended with these constraint values. Returns sigma.
+  double update(const Eigen::Ref<const Eigen::VectorXd>& constraints);
+
+  const Eigen::VectorXd& lambda() const { return lambda_; }
+  double rho() const { return rho_; }
+
+ private:
+  Eigen::VectorXd lambda_;
+  double rho_;
+  double margin_;
+  double last_sigma_;
+};
+
+}  // namespace prospect

@@ -1,0 +1,303 @@
+#include "solvers/evaluator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <random>
+
+namespace prospect {
+
+Evaluator::Evaluator(const Problem& problem, const CommonOptions& options,
+                     const StopCondition& stop)
+    : problem_(problem),
+      options_(options),
+      stop_(stop),
+      workspace_(problem.make_workspace()),
+      batch_workspace_(problem.make_workspace()) {
+  const Eigen::VectorXd& lower = problem.lower();
+  const Eigen::VectorXd& upper = problem.upper();
+  for (int i = 0; i < problem.num_variables(); ++i) {
+    if (lower[i] < upper[i]) free_.push_back(i);
+  }
+  lower_ = reduce(lower);
+  upper_ = reduce(upper);
+  middle_ = lower_ + 0.5 * (upper_ - lower_);
+  if (!free_.empty()) radius_ = 0.5 * (upper_ - lower_).norm();
+  const int n = num_variables();
+  const int m = num_constraints();
+  z_ = lower;  // the fixed entries keep this value
+  batch_z_ = lower.replicate(1, kChunk);
+  last_x_ = middle_;
+  incumbent_ = middle_;
+  constraints_.setZero(m);
+  incumbent_constraints_.setZero(m);
+  gradient_.setZero(n);
+  jacobian_.setZero(m, n);
+}
+
+Eigen::VectorXd Evaluator::reduce(const Eigen::Ref<const Eigen::VectorXd>& z) const {
+  Eigen::VectorXd x(free_.size());
+  for (int i = 0; i < num_variables(); ++i) x[i] = z[free_[static_cast<std::size_t>(i)]];
+  return x;
+}
+
+Eigen::VectorXd Evaluator::expand(const Eigen::Ref<const Eigen::VectorXd>& x) const {
+  Eigen::VectorXd z = problem_.lower();
+  for (int i = 0; i < num_variables(); ++i) z[free_[static_cast<std::size_t>(i)]] = x[i];
+  return z;
+}
+
+void Evaluator::clamp_to_z(const Eigen::Ref<const Eigen::VectorXd>& x) {
+  for (int i = 0; i < num_variables(); ++i) {
+    // Not std::clamp: a back end that asks for NaN must not get NaN through.
+    const double value = x[i] > lower_[i] ? std::min(x[i], upper_[i]) : lower_[i];
+    last_x_[i] = std::isfinite(x[i]) ? value : middle_[i];
+    z_(free_[static_cast<std::size_t>(i)], 0) = last_x_[i];
+  }
+}
+
+bool Evaluator::differs_from_last(const Eigen::Ref<const Eigen::VectorXd>& x) const {
+  return !last_known_ || (x.array() != last_x_.array()).any();
+}
+
+void Evaluator::store_exception() {
+  try {
+    throw;
+  } catch (const std::exception& e) {
+    fail(std::string("the problem threw: ") + e.what());
+  } catch (...) {
+    fail("the problem threw something that is not a std::exception");
+  }
+}
+
+void Evaluator::fail(std::string message) {
+  if (stopped_ && stop_reason_ == StopReason::kError) return;
+  stopped_ = true;
+  stop_reason_ = StopReason::kError;
+  stop_detail_ = std::move(message);
+}
+
+bool Evaluator::should_stop() {
+  if (stopped_) return true;
+  StopRequest request = StopRequest::kNone;
+  try {
+    request = stop_();
+  } catch (...) {
+    store_exception();
+    return true;
+  }
+  if (request == StopRequest::kDeadline) {
+    stopped_ = true;
+    stop_reason_ = StopReason::kDeadline;
+    stop_detail_ = "the deadline struck";
+  } else if (request == StopRequest::kCancelled) {
+    stopped_ = true;
+    stop_reason_ = StopReason::kCancelled;
+    stop_detail_ = "cancelled by the caller";
+  } else if (evaluations_left() <= 0) {
+    stopped_ = true;
+    stop_reason_ = StopReason::kIterationLimit;
+    stop_detail_ = "max_evaluations = " + std::to_string(options_.max_evaluations) + " used up";
+  }
+  return stopped_;
+}
+
+void Evaluator::consider(const Eigen::Ref<const Eigen::VectorXd>& x, double cost, double violation,
+                         const Eigen::Ref<const Eigen::VectorXd>& constraints) {
+  worst_cost_ = has_incumbent_ ? std::max(worst_cost_, cost) : cost;
+  if (has_incumbent_) {
+    const bool feasible = violation <= options_.feasibility_tolerance;
+    if (feasible != incumbent_feasible()) {
+      if (!feasible) return;
+    } else if (feasible) {
+      if (!(cost < incumbent_cost_)) return;
+    } else if (violation != incumbent_violation_) {
+      if (violation > incumbent_violation_) return;
+    } else if (!(cost < incumbent_cost_)) {
+      return;
+    }
+  }
+  has_incumbent_ = true;
+  incumbent_ = x;
+  incumbent_cost_ = cost;
+  incumbent_violation_ = violation;
+  incumbent_constraints_ = constraints;
+}
+
+Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate what) {
+  const bool gradient = what == Evaluate::kGradient;
+  if (stopped_) return Outcome::kStopped;
+  if (!differs_from_last(x) && (last_has_gradient_ || !gradient)) return last_outcome_;
+  if (should_stop()) return Outcome::kStopped;
+
+  clamp_to_z(x);
+  last_known_ = false;
+  bool valid = false;
+  try {
+    problem_.evaluate(z_, what, workspace_, evaluation_);
+    valid = evaluation_.valid[0];
+  } catch (...) {
+    store_exception();
+    return Outcome::kStopped;
+  }
+  ++counters_.cost_evaluations;
+  if (gradient) ++counters_.gradient_evaluations;
+  valid = valid && std::isfinite(evaluation_.cost[0]) && evaluation_.constraints.allFinite();
+  if (valid && gradient) {
+    valid = evaluation_.gradient.allFinite() && evaluation_.jacobian.allFinite();
+  }
+
+  if (valid) {
+    cost_ = evaluation_.cost[0];
+    constraints_ = evaluation_.constraints.col(0);
+    if (gradient) {
+      for (int i = 0; i < num_variables(); ++i) {
+        const int j = free_[static_cast<std::size_t>(i)];
+        gradient_[i] = evaluation_.gradient[j];
+        jacobian_.col(i) = evaluation_.jacobian.col(j);
+      }
+    }
+    consider(last_x_, cost_, violation(constraints_), constraints_);
+  } else {
+    cost_ = rejected_cost(last_x_, &gradient_);
+    constraints_ = incumbent_constraints_;
+    jacobian_.setZero();
+  }
+  last_known_ = true;
+  last_has_gradient_ = gradient || !valid;
+  last_outcome_ = valid ? Outcome::kEvaluated : Outcome::kRejected;
+  return last_outcome_;
+}
+
+double Evaluator::rejected_cost(const Eigen::Ref<const Eigen::VectorXd>& x,
+                                Eigen::VectorXd* gradient) const {
+  const double worst = has_incumbent_ ? worst_cost_ : 0.0;
+  const double scale = 1.0 + (has_incumbent_ ? worst - incumbent_cost_ : 0.0);
+  const double per_square = scale / (radius_ * radius_);
+  if (gradient) *gradient = 2.0 * per_square * (x - incumbent_);
+  return worst + scale + per_square * (x - incumbent_).squaredNorm();
+}
+
+int Evaluator::evaluate_batch(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::ArrayXd& cost,
+                              Eigen::ArrayXd& violations) {
+  const int columns = static_cast<int>(X.cols());
+  cost.setConstant(columns, Problem::kRejectedCost);
+  violations.setConstant(columns, std::numeric_limits<double>::infinity());
+  int done = 0;
+  while (done < columns) {
+    if (should_stop()) return done;
+    const int chunk = std::min({kChunk, columns - done, evaluations_left()});
+    for (int b = 0; b < chunk; ++b) {
+      clamp_to_z(X.col(done + b));
+      batch_z_.col(b) = z_.col(0);
+    }
+    last_known_ = false;
+    try {
+      problem_.evaluate(batch_z_.leftCols(chunk), Evaluate::kValue, batch_workspace_,
+                        batch_evaluation_);
+    } catch (...) {
+      store_exception();
+      return done;
+    }
+    counters_.cost_evaluations += chunk;
+    for (int b = 0; b < chunk; ++b) {
+      const auto constraints = batch_evaluation_.constraints.col(b);
+      const double value = batch_evaluation_.cost[b];
+      if (!batch_evaluation_.valid[b] || !std::isfinite(value) || !constraints.allFinite()) {
+        continue;
+      }
+      cost[done + b] = value;
+      violations[done + b] = violation(constraints);
+      consider(reduce(batch_z_.col(b)), value, violations[done + b], constraints);
+    }
+    done += chunk;
+  }
+  return done;
+}
+
+Outcome Evaluator::evaluate_start(const WarmStart& warm_start, Evaluate what, Eigen::VectorXd& x) {
+  const Eigen::Index n = problem_.num_variables();
+  x = middle_;
+  if (warm_start.x.size() != 0) {
+    if (warm_start.x.size() != n) {
+      fail("warm_start.x has " + std::to_string(warm_start.x.size()) + " entries; expected " +
+           std::to_string(n) + " or none");
+      return Outcome::kStopped;
+    }
+    if (!warm_start.x.allFinite()) {
+      fail("warm_start.x has a non-finite entry; expected finite numbers");
+      return Outcome::kStopped;
+    }
+    x = reduce(warm_start.x).cwiseMax(lower_).cwiseMin(upper_);
+  }
+  Outcome outcome = evaluate(x, what);
+  if (outcome != Outcome::kRejected) return outcome;
+  const Eigen::VectorXd start = x;
+  std::mt19937_64 generator(options_.seed);
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  constexpr int kTries = 32;
+  for (int i = 0; i < kTries && outcome == Outcome::kRejected; ++i) {
+    if (i == 0 && start != middle_) {
+      x = middle_;
+    } else {
+      // From near the start to anywhere within the bounds.
+      const double reach = static_cast<double>(i + 1) / kTries;
+      for (Eigen::Index j = 0; j < x.size(); ++j) {
+        const double anywhere = lower_[j] + uniform(generator) * (upper_[j] - lower_[j]);
+        x[j] = start[j] + reach * (anywhere - start[j]);
+      }
+    }
+    outcome = evaluate(x, what);
+  }
+  return outcome;
+}
+
+Result Evaluator::finish(StopReason reason, bool optimum, std::string detail, WarmStart next) {
+  Result result;
+  result.stop = stopped_ ? stop_reason_ : reason;
+  result.detail = stopped_ ? stop_detail_ : std::move(detail);
+  result.counters = counters_;
+  result.x = expand(incumbent_);
+  result.next = std::move(next);
+  result.next.x = result.x;
+  if (has_incumbent_) {
+    result.cost = incumbent_cost_;
+    result.violation = incumbent_violation_;
+    const bool converged = result.stop == StopReason::kConverged && optimum;
+    result.quality = !incumbent_feasible() ? Quality::kInfeasible
+                     : converged           ? Quality::kFeasibleOptimum
+                                           : Quality::kFeasible;
+    try {
+      result.explanation = problem_.explain(result.x);
+    } catch (...) {
+      if (result.stop != StopReason::kError) {
+        stopped_ = false;
+        store_exception();
+        result.stop = stop_reason_;
+        result.detail = stop_detail_;
+      }
+    }
+  } else {
+    result.x = expand(last_x_);
+    result.next.x = result.x;
+    result.violation = Problem::kRejectedCost;
+    if (!stopped_) {
+      result.stop = StopReason::kNumericalTrouble;
+      result.detail = "the problem is not evaluable at any point tried";
+    }
+  }
+  result.wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  return result;
+}
+
+Result failed_result(const Problem& problem, std::string detail) {
+  Result result;
+  result.x = 0.5 * (problem.lower() + problem.upper());
+  result.violation = Problem::kRejectedCost;
+  result.detail = std::move(detail);
+  return result;
+}
+
+}  // namespace prospect

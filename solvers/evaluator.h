@@ -1,0 +1,159 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "engine/problem.h"
+#include "engine/solver.h"
+#include "engine/stop_condition.h"
+
+namespace prospect {
+
+/// What became of one request for an evaluation.
+enum class Outcome {
+  kEvaluated,  ///< the numbers are there, all finite
+  kRejected,   ///< evaluated, but some term is not defined at this point
+  kStopped     ///< not evaluated: the solve is over, the back end must return
+};
+
+/// Between every back end and the problem: what the Solver contract promises is kept here, once.
+///
+///  * asks the StopCondition before every evaluation; after the first kStopped it never evaluates
+///    again, however often a back end that is slow to return asks;
+///  * keeps the incumbent over everything evaluated: of two points the better one is feasible
+///    (violation <= feasibility_tolerance) with the lower cost; else the one that is feasible; else
+///    the less violated one, then the cheaper one. A tie keeps the older point;
+///  * stores exceptions of terms and of the stop condition (they end the solve with kError) and
+///  lets
+///    none out, so that no exception crosses a C or Fortran frame;
+///  * treats non-finite results as rejected points;
+///  * counts, and ends the solve after max_evaluations;
+///  * remembers the last point, so that value, constraints and gradient asked one after another
+///  cost
+///    one evaluation.
+///
+/// The back end sees the free variables only: entries with lower == upper are removed. "x" is
+/// always a vector of the num_variables() free variables here, "z" one of the problem's. Points are
+/// clamped into the bounds before they are evaluated.
+///
+/// Thread-safety: none; one evaluator a solve. No allocation in evaluate() after the first call.
+class Evaluator {
+ public:
+  /// Columns of one call of Problem::evaluate in evaluate_batch(): a deadline is honoured within
+  /// one such chunk. Fixed, not adapted to the measured speed, so that results do not depend on the
+  /// clock.
+  static constexpr int kChunk = 32;
+
+  Evaluator(const Problem& problem, const CommonOptions& options, const StopCondition& stop);
+
+  const Problem& problem() const { return problem_; }
+  const CommonOptions& options() const { return options_; }
+
+  int num_variables() const { return static_cast<int>(free_.size()); }
+  int num_constraints() const { return problem_.num_constraints(); }
+  const Eigen::VectorXd& lower() const { return lower_; }
+  const Eigen::VectorXd& upper() const { return upper_; }
+  /// Index in z of each free variable.
+  const std::vector<int>& free_variables() const { return free_; }
+  Eigen::VectorXd reduce(const Eigen::Ref<const Eigen::VectorXd>& z) const;
+  /// The fixed variables take their value.
+  Eigen::VectorXd expand(const Eigen::Ref<const Eigen::VectorXd>& x) const;
+  /// Centre of the bounds (Problem guarantees finite ones).
+  const Eigen::VectorXd& middle() const { return middle_; }
+
+  /// Evaluates the start: warm_start.x clamped into the bounds (empty: the middle of the bounds).
+  /// If the problem is not evaluable there: the middle, then random points between the start and
+  /// the bounds (seeded), at most 32. `x` is the point evaluated last. Ends the solve with kError
+  /// if warm_start.x has the wrong size or a non-finite entry.
+  Outcome evaluate_start(const WarmStart& warm_start, Evaluate what, Eigen::VectorXd& x);
+
+  /// Value (and gradient) at x.
+  Outcome evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate what);
+  /// Of the last point that evaluate() did not refuse with kStopped. The cost of a rejected point
+  /// is that of rejected_cost(), its constraints are those of the incumbent, its derivatives
+  /// likewise.
+  double cost() const { return cost_; }
+  const Eigen::VectorXd& constraints() const { return constraints_; }  ///< m
+  const Eigen::VectorXd& gradient() const { return gradient_; }        ///< free variables
+  const Eigen::MatrixXd& jacobian() const { return jacobian_; }        ///< m x free variables
+
+  /// A smooth, finite stand-in for the cost where the problem is not evaluable, above all costs
+  /// seen, that leads back to the incumbent x*:  f_worst + s (1 + |x - x*|^2 / r^2),  s = 1 +
+  /// f_worst - f*, r = half the diagonal of the bounds.  Adds nothing if no point was evaluable so
+  /// far (x* = middle).
+  double rejected_cost(const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::VectorXd* gradient) const;
+
+  /// Values of the columns of X (free variables x B): cost (B; kRejectedCost where rejected) and
+  /// violation (B; infinite where rejected). Returns how many columns were evaluated, from the
+  /// left; fewer than B means that the solve is over.
+  int evaluate_batch(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::ArrayXd& cost,
+                     Eigen::ArrayXd& violation);
+
+  /// Asks the stop condition without evaluating. True also once anything else ended the solve.
+  bool should_stop();
+  bool stopped() const { return stopped_; }
+  /// Ends the solve with kError.
+  void fail(std::string message);
+
+  bool has_incumbent() const { return has_incumbent_; }
+  bool incumbent_feasible() const {
+    return has_incumbent_ && incumbent_violation_ <= options_.feasibility_tolerance;
+  }
+  const Eigen::VectorXd& incumbent() const { return incumbent_; }  ///< free variables
+  double incumbent_cost() const { return incumbent_cost_; }
+  double incumbent_violation() const { return incumbent_violation_; }
+  const Counters& counters() const { return counters_; }
+  int evaluations_left() const { return options_.max_evaluations - counters_.cost_evaluations; }
+  void count_iteration() { ++counters_.iterations; }
+
+  /// The result of the solve. What ended it here (deadline, cancellation, evaluations used up, an
+  /// exception) goes before what the back end says. `optimum`: the back end's own test of
+  /// optimality holds at the incumbent. Adds the explanation of x, which costs one more evaluation,
+  /// the only one after a stop.
+  Result finish(StopReason reason, bool optimum, std::string detail, WarmStart next);
+
+ private:
+  void clamp_to_z(const Eigen::Ref<const Eigen::VectorXd>& x);
+  bool differs_from_last(const Eigen::Ref<const Eigen::VectorXd>& x) const;
+  void consider(const Eigen::Ref<const Eigen::VectorXd>& x, double cost, double violation,
+                const Eigen::Ref<const Eigen::VectorXd>& constraints);
+  void store_exception();
+
+  const Problem& problem_;
+  CommonOptions options_;
+  const StopCondition& stop_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+
+  std::vector<int> free_;
+  Eigen::VectorXd lower_, upper_, middle_;
+  double radius_ = 1.0;
+
+  Workspace workspace_, batch_workspace_;
+  Evaluation evaluation_, batch_evaluation_;
+  Eigen::MatrixXd z_, batch_z_;
+  Eigen::VectorXd last_x_;
+  bool last_known_ = false, last_has_gradient_ = false;
+  Outcome last_outcome_ = Outcome::kStopped;
+
+  double cost_ = Problem::kRejectedCost;
+  Eigen::VectorXd constraints_, gradient_;
+  Eigen::MatrixXd jacobian_;
+
+  bool has_incumbent_ = false;
+  Eigen::VectorXd incumbent_, incumbent_constraints_;
+  double incumbent_cost_ = Problem::kRejectedCost;
+  double incumbent_violation_ = 0.0;
+  double worst_cost_ = 0.0;
+
+  bool stopped_ = false;
+  StopReason stop_reason_ = StopReason::kConverged;
+  std::string stop_detail_;
+  Counters counters_;
+};
+
+/// A result for a solve that ended before its first evaluation.
+Result failed_result(const Problem& problem, std::string detail);
+
+}  // namespace prospect

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <memory>
+
+#include "engine/solver.h"
+
+namespace prospect {
+
+/// Ipopt: primal-dual interior point with a filter line search and a limited-memory BFGS Hessian.
+/// Works with Ipopt 3.11 and 3.14.
+///
+/// Every registered option of the library is taken under its own name besides the common ones,
+/// except those that would print, write files or ask for a Hessian, which problems do not have.
+///
+/// Warm start: x alone, or, with lambda, z_lower and z_upper of matching sizes, the full
+/// primal-dual point with its barrier parameter.
+///
+/// Thread-safety: as Solver; but the linear solver MUMPS is not re-entrant, so only one solve at a
+/// time runs in a process. The others wait, and keep their deadlines while they do.
+std::shared_ptr<const Solver> make_ipopt_solver();
+
+}  // namespace prospect

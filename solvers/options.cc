@@ -1,0 +1,147 @@
+#include "solvers/options.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <sstream>
+#include <stdexcept>
+
+namespace prospect {
+namespace {
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), 0U);
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t substituted = diagonal + (lower(a[i - 1]) == lower(b[j - 1]) ? 0U : 1U);
+      diagonal = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
+    }
+  }
+  return row.back();
+}
+
+std::string_view type_name(const OptionValue& value) {
+  if (std::holds_alternative<double>(value)) return "a number";
+  return std::holds_alternative<int>(value) ? "an integer" : "a text";
+}
+
+}  // namespace
+
+std::string nearest_name(std::string_view name, const std::vector<std::string>& valid) {
+  std::string nearest;
+  std::size_t smallest = std::numeric_limits<std::size_t>::max();
+  for (const std::string& candidate : valid) {
+    const std::size_t distance = edit_distance(name, candidate);
+    if (distance < smallest) {
+      smallest = distance;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+std::vector<OptionInfo> common_options() {
+  const CommonOptions fallback;
+  return {
+      {"max_evaluations", fallback.max_evaluations,
+       "cost evaluations, gradients included, 1 or more"},
+      {"tolerance", fallback.tolerance,
+       "relative change of cost that counts as converged, 0 to 1 [-]"},
+      {"feasibility_tolerance", fallback.feasibility_tolerance,
+       "largest violation of a constraint that counts as feasible, above 0 [unit of constraint]"},
+      {"seed", static_cast<int>(fallback.seed), "of the random numbers, 0 or more"},
+  };
+}
+
+std::string describe(const OptionValue& value) {
+  std::ostringstream out;
+  if (const double* number = std::get_if<double>(&value)) {
+    out << *number;
+  } else if (const int* integer = std::get_if<int>(&value)) {
+    out << *integer;
+  } else {
+    out << '\'' << std::get<std::string>(value) << '\'';
+  }
+  return out.str();
+}
+
+OptionSet::OptionSet(const std::vector<OptionInfo>& known, const Options& given) {
+  std::vector<std::string> names;
+  for (const OptionInfo& info : known) {
+    values_[info.name] = info.fallback;
+    names.push_back(info.name);
+  }
+  for (const auto& [name, value] : given) {
+    const auto found = values_.find(name);
+    if (found == values_.end()) {
+      require(false,
+              "unknown option '" + name + "'; the nearest is '" + nearest_name(name, names) + "'");
+      continue;
+    }
+    given_.insert(name);
+    OptionValue& target = found->second;
+    const int* integer = std::get_if<int>(&value);
+    if (integer && std::holds_alternative<double>(target)) {
+      target = static_cast<double>(*integer);
+    } else if (value.index() == target.index()) {
+      const double* number = std::get_if<double>(&value);
+      require(!number || std::isfinite(*number),
+              "option '" + name + "' is " + describe(value) + "; expected a finite number");
+      target = value;
+    } else {
+      require(false, "option '" + name + "' is " + std::string(type_name(value)) + ", " +
+                         describe(value) + "; expected " + std::string(type_name(target)));
+    }
+  }
+  const auto range = [this](const std::string& name, bool good, const std::string& expected) {
+    require(good,
+            "option '" + name + "' is " + describe(values_.at(name)) + "; expected " + expected);
+  };
+  if (!values_.contains("max_evaluations")) return;
+  range("max_evaluations", integer("max_evaluations") >= 1, "1 or more");
+  range("tolerance", number("tolerance") >= 0.0 && number("tolerance") <= 1.0, "0 to 1");
+  range("feasibility_tolerance", number("feasibility_tolerance") > 0.0, "a number above 0");
+  range("seed", integer("seed") >= 0, "0 or more");
+}
+
+void OptionSet::require(bool condition, const std::string& message) {
+  if (!condition && error_.empty()) error_ = message;
+}
+
+double OptionSet::number(const std::string& name) const {
+  const auto found = values_.find(name);
+  if (found == values_.end() || !std::holds_alternative<double>(found->second)) {
+    throw std::logic_error("no option of type number: " + name);
+  }
+  return std::get<double>(found->second);
+}
+
+int OptionSet::integer(const std::string& name) const {
+  const auto found = values_.find(name);
+  if (found == values_.end() || !std::holds_alternative<int>(found->second)) {
+    throw std::logic_error("no option of type integer: " + name);
+  }
+  return std::get<int>(found->second);
+}
+
+const std::string& OptionSet::text(const std::string& name) const {
+  const auto found = values_.find(name);
+  if (found == values_.end() || !std::holds_alternative<std::string>(found->second)) {
+    throw std::logic_error("no option of type text: " + name);
+  }
+  return std::get<std::string>(found->second);
+}
+
+CommonOptions OptionSet::common() const {
+  return {integer("max_evaluations"), number("tolerance"), number("feasibility_tolerance"),
+          static_cast<std::uint64_t>(integer("seed"))};
+}
+
+}  // namespace prospect

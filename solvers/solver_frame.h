@@ -1,0 +1,36 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "engine/solver.h"
+#include "solvers/evaluator.h"
+#include "solvers/options.h"
+
+namespace prospect {
+
+/// What every back end does before and after its own algorithm: strict options, refusal of problems
+/// it cannot solve, the evaluated start, problems without a free variable, and no exception out of
+/// solve().
+class SolverFrame : public Solver {
+ public:
+  Result solve(const Problem& problem, const WarmStart& warm_start, const Options& options,
+               const StopCondition& stop) const final;
+
+ protected:
+  /// Options that are taken too, but are too many to be listed by options().
+  virtual std::vector<OptionInfo> further_options() const { return {}; }
+  /// Records options out of range through OptionSet::require().
+  virtual void check_options(OptionSet&) const {}
+  /// What the algorithm needs at its start.
+  virtual Evaluate start_evaluation() const { return Evaluate::kGradient; }
+  /// The algorithm, from the evaluable point `start` (evaluated last), with at least one free
+  /// variable. May throw.
+  virtual Result run(Evaluator& evaluator, const OptionSet& options, const WarmStart& warm_start,
+                     const Eigen::VectorXd& start) const = 0;
+};
+
+/// Sentence for a gradient back end that cannot take the problem; empty if it can.
+std::string explain_no_gradient(const Problem& problem);
+
+}  // namespace prospect
