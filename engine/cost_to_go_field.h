@@ -78,33 +78,37 @@ class CostToGoField {
   const CostToGoOptions& options() const { return options_; }
 
  private:
-  void relayout(const GridFrame& frame);
-  void set_cell(const Traversability& t, const FrontierDetector& f, const Grid<float>* features,
-                Cell c);
+  void relayout(const Traversability& traversability);
+  void refresh(int index, Cell c, const Traversability& traversability,
+               const FrontierDetector& frontiers, const Grid<float>* features);
   double solve_cell(int index) const;
+  void to_front(int index);
   void push(int index, double key);
   void invalidate(int index);
-  void march(Cell robot);
-  void find_anchor(Cell robot);
-  int padded(Cell c) const;
+  void repair_support();
+  void march();
+  void find_anchor(const Traversability& traversability, bool reached_only);
+  bool reached(int index) const;
 
   CostToGoOptions options_;
-  GridFrame frame_;                    // of the map
-  int stride_ = 0;                     // width of the padded arrays: frame + 1 cell on either side
-  std::vector<double> d_;              // D
-  std::vector<float> slowness_;        // r f [m]; 0: impassable
-  std::vector<float> source_;          // +infinity: none
-  std::vector<std::uint8_t> pending_;  // on the front list
-  std::vector<int> front_;             // cells to be solved again
-  std::vector<int> raised_;
-  std::vector<int> bucket_head_;
+  GridFrame frame_;              // Traversability::frame(): its outermost cells are impassable
+  std::vector<double> d_;        // D [m], infinity: not reached
+  std::vector<float> slowness_;  // r f [m]; 0: impassable
+  std::vector<float> source_;    // [m], infinity: none
+  std::vector<std::uint8_t> in_front_;
+  std::vector<int> front_;  // cells to be solved again
+  std::vector<double> front_keys_;
+  std::vector<int> touched_;         // cells whose equation changed
+  std::vector<int> raised_;          // cells invalidated whose neighbours are not yet checked
+  std::vector<int> pending_bucket_;  // by cell: bucket of its live entry, -1 none
   struct Entry {
     int cell;
     int next;
   };
   std::vector<Entry> entries_;
+  std::vector<int> bucket_head_;
   double key_base_ = 0.0, key_width_ = 0.05;
-  int bucket_low_ = 0;
+  int bucket_ = 0;
   Cell robot_, anchor_;
   double settled_ = 0.0;
   bool weighted_ = false;

@@ -77,12 +77,16 @@ class ExplorationGuide {
   const CostToGoField& field() const { return field_; }
 
  private:
+  void mark_reachable(std::vector<Frontier>& frontiers);
+
   ExplorationGuideOptions options_;
   Traversability traversability_;
   FrontierDetector detector_;
   FrontierMemory memory_;
   CostToGoField field_;
   Grid<std::uint8_t> suppressed_;
+  std::vector<std::uint8_t> component_;  // 1: in the robot's component; by cell
+  std::vector<int> stack_;
   std::shared_ptr<const Guidance> last_;
 };
 

@@ -115,6 +115,7 @@ class FrontierMemory {
   double retry_explored_ = 0.0;
   int retries_used_ = 0;
   double stalled_for_ = 0.0;
+  bool scripting_ = false;  // kGoAndFace was advised for the present target
 };
 
 }  // namespace prospect

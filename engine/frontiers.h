@@ -34,9 +34,7 @@ struct Frontier {
   int viewpoints = 0;        ///< entries of its cells' viewpoint lists; 0: no pose can see it
   /// Long enough, and some cell that is not suppressed has a viewpoint.
   bool active = false;
-  /// Active, and the robot can drive to one of its viewpoints (set by ExplorationGuide). Where
-  /// flooding stopped before it was decided, as for the viewpoints' side of the map that is farther
-  /// than the robot needs, the last decision stands: true.
+  /// Active, and passable cells join one of its viewpoints to the robot (set by ExplorationGuide).
   bool reachable = false;
 };
 
@@ -87,6 +85,10 @@ class FrontierDetector {
   ViewpointSource source_at(Cell c) const;
   /// Cells whose source value differs from that after the previous set_bonuses().
   const std::vector<Cell>& changed_sources() const { return changed_sources_; }
+  /// Sets `reachable` of those among `frontiers` (a copy of frontiers()) that are active and have a
+  /// viewpoint in a cell marked nonzero; one mark a cell of frame().
+  void mark_seen_from(const std::vector<std::uint8_t>& marked,
+                      std::vector<Frontier>& frontiers) const;
   /// All sources, in scan order (for tests and reports: linear in the map).
   std::vector<ViewpointSource> sources() const;
   const GridFrame& frame() const { return label_.frame; }
@@ -97,39 +99,56 @@ class FrontierDetector {
  private:
   struct Entry {
     Cell cell;
-    float cost;
-    Cell sees;
+    float cost = 0.0F;  // [m], without the bonus
+    int sees = 0;       // index in Piece::cells
   };
+  struct Rectangle {
+    int i0 = 0, j0 = 0, i1 = -1, j1 = -1;  // inclusive
+    bool empty() const { return i1 < i0; }
+    void add(Cell c);
+    bool meets(const Rectangle& other) const;
+    bool contains(Cell c) const { return c.i >= i0 && c.i <= i1 && c.j >= j0 && c.j <= j1; }
+  };
+  // The frontier cells of one tile and one cluster that count, and what can be seen of them.
   struct Piece {
-    int tile_i = 0, tile_j = 0;  // address of the tile: cell / kTile, independent of the frame
-    std::vector<Cell> cells;     // that count
-    std::vector<Entry> entries;  // in scan order
-    int i0 = 0, j0 = 0, i1 = -1, j1 = -1;  // cells that its rays touched
+    std::vector<Cell> cells;
+    std::vector<Entry> entries;
+    Rectangle touched;  // cells that its rays looked at
     int frontier = -1;
-    double bonus = 0.0;
-    bool merged = false;  // its entries are in source_ with `bonus`
+    float bonus = 0.0F;
+    bool merged = false;  // its entries are in source_, with `bonus`
+  };
+  struct Ray {
+    std::vector<Cell> offsets;
+    std::vector<float> costs;
   };
   void relayout(const Traversability& traversability);
+  void make_rays(double resolution);
   void find_cells(const Traversability& traversability);
   void cluster();
   void cast(const Traversability& traversability, Piece& piece);
+  int tiles_x() const { return label_.frame.width / GroundMap::kTile; }
+  std::size_t tile_of(Cell c) const;
 
   FrontierOptions options_;
-  std::vector<std::vector<Cell>> rays_;  // offsets along each direction
-  std::vector<std::vector<float>> ray_cost_;
   double rays_resolution_ = 0.0;
-  std::vector<std::vector<Cell>> tile_cells_;  // frontier cells by tile
-  Grid<int> label_;  // frontier index, -1 none, -2 frontier cell not yet labelled
+  std::vector<Ray> rays_;
+  std::vector<std::vector<Cell>> tile_cells_;  // frontier cells by tile, in scan order
+  Grid<int> label_;  // frontier index; -1: no frontier cell; -2: not labelled yet
+  Grid<std::uint8_t> passable_;
   std::vector<Frontier> frontiers_;
-  std::vector<Piece> pieces_;
-  std::vector<Piece> dropped_;  // pieces whose entries must leave source_
+  std::vector<Piece> pieces_;   // ordered by frontier, then tile
+  std::vector<Piece> dropped_;  // merged pieces that must leave source_
+  std::vector<Rectangle>
+      moved_;  // by tile: cells whose freedom or passability changed since the last cast
   Grid<float> source_;
-  Grid<int> source_piece_;
-  Grid<int> source_entry_;
   std::vector<Cell> changed_sources_;
-  std::vector<Cell> moved_;  // cells whose state or passability changed since the last cast
   Grid<std::uint8_t> mark_;
   Grid<float> best_;
+  Grid<int> best_index_;
+  std::vector<Cell> marked_;
+  std::vector<Cell> stack_;
+  Grid<int> piece_at_;  // old piece by its first cell, while matching; else -1
   int cells_cast_ = 0;
 };
 

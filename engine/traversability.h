@@ -33,7 +33,7 @@ struct TraversabilityOptions {
 ///
 /// The distance is to the square of a cell, not to its centre, hence the same number as the
 /// certificate's distance between a disc and the occupied boxes. Squared distances are kept as
-/// integers (in quarter cells), truncated at the comfortable radius, so the transform is exact and
+/// integers (in half cells), truncated at the comfortable radius, so the transform is exact and
 /// an update equals a computation from scratch bit for bit.
 ///
 /// update() redoes only cells within comfortable_radius of cells that changed, found in tiles with
@@ -56,7 +56,8 @@ class Traversability {
   /// Whether the last update covered the whole map, for want of a usable past.
   bool restarted() const { return restarted_; }
 
-  /// The frame of the map at the last update.
+  /// The frame of the map at the last update and one tile more on every side, all unknown: frontier
+  /// cells just beyond the map have an address in it, and its outermost cells are impassable.
   const GridFrame& frame() const { return state_.frame; }
   CellState state(Cell c) const { return state_.get(c, CellState::kUnknown); }
   const Grid<CellState>& states() const { return state_; }
@@ -69,7 +70,7 @@ class Traversability {
   float factor(Cell c) const { return factor_.get(c, 0.0F); }
   const Grid<float>& factors() const { return factor_; }
   /// Explored cells (free or occupied), times the area of a cell [m^2].
-  double explored_area() const { return explored_area_; }
+  double explored_area() const;
   const TraversabilityOptions& options() const { return options_; }
 
  private:
@@ -77,26 +78,29 @@ class Traversability {
     int i0, j0, i1, j1;  // inclusive
     bool empty() const { return i1 < i0; }
     void add(int i, int j);
+    std::int64_t area() const;
   };
-  void relayout(const GridFrame& frame);
-  void transform(const Rectangle& cells, bool unknown);
-  float factor_of(Cell c) const;
+  void restart(const GridFrame& frame);
+  void widen(const GridFrame& frame);
+  void transform(Rectangle cells, bool unknown);
+  void refresh_factors(const Rectangle& cells);
+  Rectangle within(Rectangle cells, int margin) const;
 
   TraversabilityOptions options_;
-  int reach_ = 0;               // cells: influence radius, rounded up
-  std::uint16_t limit_sq_ = 0;  // quarter cells squared
+  int reach_ = 0;              // cells: influence radius, rounded up
+  std::int32_t limit_sq_ = 0;  // half cells squared: where distances are truncated
+  std::int32_t hard_sq_ = 0, comfortable_sq_ = 0;  // least squared distances, slack included
   Grid<CellState> state_;
-  Grid<std::uint16_t> occupied_sq_;  // squared distance in (cell / 2)^2, truncated
-  Grid<std::uint16_t> unknown_sq_;
+  Grid<std::int32_t> occupied_sq_;  // squared distance [(cell / 2)^2], truncated
+  Grid<std::int32_t> unknown_sq_;
   Grid<float> factor_;
   std::uint64_t revision_ = 0;
-  double explored_area_ = 0.0;
   std::int64_t explored_cells_ = 0;
   bool fresh_ = true;
   bool restarted_ = true;
   std::vector<Cell> changed_states_;
   std::vector<Cell> changed_factors_;
-  std::vector<std::uint16_t> scratch_;
+  std::vector<std::int32_t> scratch_;
 };
 
 }  // namespace prospect

@@ -7,19 +7,20 @@
 
 namespace prospect {
 
-/// Looking where the cost-to-go falls:
+/// Looking where the cost-to-go falls, 1 - cos(yaw_k - arg(-grad V(p_k))) wherever it falls at all:
 ///
-///   T = mean_{k=1..N} (s_k - h_k . g_k) / ..., with g = -v_max grad V(p_k), h = (cos yaw_k, sin
-///   yaw_k): T = mean_k a(|g|) (1 - h . g / |g|),   a(|g|) = |g| / sqrt(|g|^2 + e^2),
+///   T = mean_{k=1..N} |g_k|^2 / (|g_k|^2 + e^2) (1 - cos(yaw_k - arg g_k))
+///     = mean_{k=1..N} (|g_k|^2 - |g_k| (h_k . g_k)) / (|g_k|^2 + e^2),
+///   g_k = -v_max grad V(p_k)  [-], 1 in open space,   h_k = (cos yaw_k, sin yaw_k),   e = 0.2.
 ///
-/// that is 1 - cos(yaw_k - arg(-grad V)) wherever V really falls, faded out where grad V vanishes
-/// (e = 0.2; |g| is 1 in open space), where a heading has no meaning. Computed as
-///   (sqrt(|g|^2 + d^2) - d... see the source for the smooth form at g = 0.
+/// The factor fades the term out where grad V vanishes and a heading has no meaning (at a
+/// viewpoint, where nothing is reachable); the second form has no angle to wrap and a continuous
+/// gradient at g = 0.
 ///
-/// At all stages, never at the last alone (that only defers the turn), and with its full gradient:
-/// the derivative with respect to the position needs the Hessian of V. Smoothness: C1 (V is C2).
-/// Thread-safety: const. A candidate with a non-finite pose gets NaN. Source: formulation, section
-/// 6; the fading is our choice.
+/// At all stages that the inputs move, never at the last alone: that only defers the turn. The
+/// gradient is full: with respect to the position it needs the Hessian of V. Smoothness: C1 (V is
+/// C2). Thread-safety: const. A candidate with a non-finite pose gets NaN. Source: formulation,
+/// section 6; the fading is our choice.
 class HeadingAlignment final : public Term {
  public:
   /// Throws std::invalid_argument if v is null.

@@ -1,0 +1,127 @@
+#include "engine/exploration_guide.h"
+
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+namespace prospect {
+
+ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
+    : options_(options),
+      traversability_(options.traversability),
+      detector_(options.frontiers),
+      memory_(options.memory),
+      field_(options.cost_to_go) {
+  if (!(options.kappa >= 0.0) || !(options.kappa < 100.0)) {
+    throw std::invalid_argument("exploration guide: kappa = " + std::to_string(options.kappa) +
+                                "; expected 0 to 100 m");
+  }
+  auto empty = std::make_shared<Guidance>();
+  empty->cost_to_go = std::make_shared<const CostToGo>();
+  last_ = std::move(empty);
+}
+
+// Frontiers with a viewpoint in the robot's component of the passable cells (4-connected, as the
+// cost-to-go).
+void ExplorationGuide::mark_reachable(std::vector<Frontier>& frontiers) {
+  for (Frontier& frontier : frontiers) frontier.reachable = false;
+  if (!field_.anchor_reached()) return;
+  const Grid<float>& factors = traversability_.factors();
+  const GridFrame& frame = factors.frame;
+  component_.assign(factors.data.size(), 0);
+  stack_.clear();
+  const auto visit = [&](int index) {
+    const auto at = static_cast<std::size_t>(index);
+    if (factors.data[at] == 0.0F || component_[at] != 0) return;
+    component_[at] = 1;
+    stack_.push_back(index);
+  };
+  visit(frame.index(field_.anchor()));
+  while (!stack_.empty()) {
+    const int index = stack_.back();
+    stack_.pop_back();
+    // The outermost cells are impassable: all four neighbours exist.
+    for (const int n : {index - 1, index + 1, index - frame.width, index + frame.width}) visit(n);
+  }
+  detector_.mark_seen_from(component_, frontiers);
+}
+
+std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground, const Pose& pose,
+                                                         double stamp,
+                                                         const Grid<float>* features) {
+  const auto begin = std::chrono::steady_clock::now();
+  // Beyond this the cell address would not fit an int.
+  constexpr double kFarthest = 1e6;
+  const Eigen::Vector2d p = pose.position.head<2>();
+  if (!(p.cwiseAbs().maxCoeff() < kFarthest) || !p.allFinite() || !std::isfinite(pose.yaw) ||
+      !std::isfinite(stamp)) {
+    return last_;
+  }
+  traversability_.update(ground);
+  detector_.update(traversability_);
+  memory_.map_changed(traversability_.changed_states());
+  memory_.look(traversability_.states(), detector_.frontiers(), pose, stamp);
+
+  const GridFrame& frame = traversability_.frame();
+  const Cell robot = frame.cell(p.x(), p.y());
+  auto guidance = std::make_shared<Guidance>();
+  std::vector<double> bonus;
+  // Suppressing or reactivating changes the sources, so the cost-to-go is repaired and the question
+  // put again; the memory does so at most once a retry and once for a stall.
+  for (bool again = true; again;) {
+    memory_.suppression(frame, suppressed_);
+    detector_.find_viewpoints(traversability_, suppressed_);
+    const std::vector<Frontier>& frontiers = detector_.frontiers();
+    const int current = memory_.current_target(frontiers, frame);
+    bonus.assign(frontiers.size(), 0.0);
+    for (std::size_t k = 0; k < frontiers.size(); ++k) {
+      const auto counted =
+          static_cast<double>(frontiers[k].cells.size()) - frontiers[k].suppressed_cells;
+      bonus[k] = options_.kappa * std::log1p(counted * frame.resolution);
+      if (static_cast<int>(k) == current) bonus[k] += options_.memory.hysteresis;
+    }
+    detector_.set_bonuses(bonus);
+    field_.update(traversability_, detector_, robot, features);
+
+    guidance->target.reset();
+    std::optional<std::pair<int, Cell>> target;
+    double value = 0.0;
+    if (field_.anchor_reached()) {
+      const ViewpointSource source = detector_.source_at(field_.source_of_anchor());
+      if (source.frontier >= 0) {
+        target = {source.frontier, source.sees};
+        value = field_.value(field_.anchor());
+        if (source.frontier == current) value += options_.memory.hysteresis;
+        const Eigen::Vector2d from = frame.center(source.cell);
+        const Eigen::Vector2d to = frame.center(source.sees);
+        guidance->target = FrontierTarget{source.frontier, from, to,
+                                          std::atan2(to.y() - from.y(), to.x() - from.x())};
+      }
+    }
+    const double explored = traversability_.explored_area();
+    if (explored == 0.0) {
+      guidance->advice = Advice::kPlan;  // nothing seen yet is not everything seen
+      again = false;
+    } else {
+      guidance->advice = memory_.decide(frontiers, frame, target, value, explored, stamp, &again);
+    }
+  }
+
+  guidance->map_revision = ground.revision();
+  guidance->stamp = stamp;
+  guidance->frontiers = detector_.frontiers();
+  mark_reachable(guidance->frontiers);
+  guidance->cost_to_go = field_.window();
+  guidance->explored_area = traversability_.explored_area();
+  guidance->stalled_for = memory_.stalled_for();
+  guidance->retries_used = memory_.retries_used();
+  guidance->suppressed_cells = memory_.suppressed_count();
+  guidance->milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  last_ = guidance;
+  return guidance;
+}
+
+}  // namespace prospect

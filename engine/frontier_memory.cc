@@ -1,0 +1,217 @@
+#include "engine/frontier_memory.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <unordered_set>
+
+#include "engine/free_line.h"
+
+namespace prospect {
+namespace {
+
+void require(bool ok, const char* name, double value, const char* expected) {
+  if (ok) return;
+  std::ostringstream message;
+  message << "frontier memory: " << name << " = " << value << "; expected " << expected;
+  throw std::invalid_argument(message.str());
+}
+
+std::uint64_t address(int i, int j) {
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(j)) << 32) |
+         static_cast<std::uint32_t>(i);
+}
+
+double distance(Cell a, Cell b, double resolution) {
+  return resolution * std::hypot(static_cast<double>(a.i) - b.i, static_cast<double>(a.j) - b.j);
+}
+
+}  // namespace
+
+FrontierMemory::FrontierMemory(const FrontierMemoryOptions& options) : options_(options) {
+  const auto& o = options_;
+  const auto positive = [](const char* name, double value) {
+    require(value > 0.0 && value < 1e6, name, value, "more than 0, below 1e6");
+  };
+  require(o.hysteresis >= 0.0 && o.hysteresis < 1e3, "hysteresis", o.hysteresis, "0 to 1000 m");
+  positive("target_radius", o.target_radius);
+  require(o.failed_looks >= 1 && o.failed_looks <= 1000000, "failed_looks", o.failed_looks,
+          "1 to 1000000");
+  require(o.look_interval >= 0.0 && o.look_interval < 1e3, "look_interval", o.look_interval,
+          "0 to 1000 s");
+  positive("sensor_range", o.sensor_range);
+  require(o.range_margin >= 0.0 && o.range_margin < o.sensor_range, "range_margin", o.range_margin,
+          "0 to less than sensor_range");
+  require(o.sensor_fov > 0.0 && o.sensor_fov <= 2.0 * std::numbers::pi + 1e-9, "sensor_fov",
+          o.sensor_fov, "more than 0, up to 2 pi");
+  require(o.fov_margin >= 0.0 && 2.0 * o.fov_margin < o.sensor_fov, "fov_margin", o.fov_margin,
+          "0 to less than half of sensor_fov");
+  require(o.reactivation_cells >= 0 && o.reactivation_cells <= 50, "reactivation_cells",
+          o.reactivation_cells, "0 to 50");
+  positive("script_after", o.script_after);
+  require(o.deactivate_after > o.script_after && o.deactivate_after < 1e6, "deactivate_after",
+          o.deactivate_after, "more than script_after");
+  positive("progress_distance", o.progress_distance);
+  positive("progress_area", o.progress_area);
+  require(o.retries >= 0 && o.retries <= 1000, "retries", o.retries, "0 to 1000");
+  positive("retry_area", o.retry_area);
+}
+
+void FrontierMemory::map_changed(const std::vector<Cell>& changed) {
+  if (looks_.empty() || changed.empty()) return;
+  std::unordered_set<std::uint64_t> cells;
+  cells.reserve(changed.size());
+  for (const Cell c : changed) cells.insert(address(c.i, c.j));
+  const int reach = options_.reactivation_cells;
+  for (auto it = looks_.begin(); it != looks_.end();) {
+    bool near = false;
+    for (int dj = -reach; dj <= reach && !near; ++dj) {
+      for (int di = -reach; di <= reach && !near; ++di) {
+        near = cells.contains(address(it->first.second + di, it->first.first + dj));
+      }
+    }
+    if (near) {
+      suppressed_count_ -= it->second.suppressed;
+      it = looks_.erase(it);
+    } else {
+      ++it;
+    }
+  }
+}
+
+void FrontierMemory::look(const Grid<CellState>& map, const std::vector<Frontier>& frontiers,
+                          const Pose& pose, double stamp) {
+  const Eigen::Vector2d eye = pose.position.head<2>();
+  if (!eye.allFinite() || !std::isfinite(pose.yaw) || !std::isfinite(stamp)) return;
+  if (last_look_ && stamp >= *last_look_ && stamp - *last_look_ < options_.look_interval - 1e-9) {
+    return;
+  }
+  last_look_ = stamp;
+  const double range = options_.sensor_range - options_.range_margin;
+  const double half = 0.5 * options_.sensor_fov - options_.fov_margin;
+  const Eigen::Vector2d ahead(std::cos(pose.yaw), std::sin(pose.yaw));
+  for (const Frontier& frontier : frontiers) {
+    for (const Cell c : frontier.cells) {
+      const Eigen::Vector2d to = map.frame.center(c) - eye;
+      if (to.squaredNorm() > range * range) continue;
+      const double bearing = std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
+      if (std::abs(bearing) > half) continue;
+      if (!free_line(map, eye, map.frame.center(c))) continue;
+      Look& seen = looks_[{c.j, c.i}];
+      if (++seen.failed >= options_.failed_looks && !seen.suppressed) {
+        seen.suppressed = true;
+        ++suppressed_count_;
+      }
+    }
+  }
+}
+
+bool FrontierMemory::suppressed(Cell c) const {
+  const auto it = looks_.find({c.j, c.i});
+  return it != looks_.end() && it->second.suppressed;
+}
+
+void FrontierMemory::suppression(const GridFrame& frame, Grid<std::uint8_t>& out) const {
+  out.frame = frame;
+  out.data.assign(static_cast<std::size_t>(frame.size()), 0);
+  for (const auto& [key, look] : looks_) {
+    const Cell c{key.second, key.first};
+    if (look.suppressed && frame.contains(c)) out[c] = 1;
+  }
+}
+
+int FrontierMemory::current_target(const std::vector<Frontier>& frontiers,
+                                   const GridFrame& frame) const {
+  int best = -1;
+  if (!target_) return best;
+  double least = options_.target_radius + 1e-9;
+  for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    for (const Cell c : frontiers[k].cells) {
+      const double d = distance(c, *target_, frame.resolution);
+      if (d >= least) continue;
+      least = d;
+      best = static_cast<int>(k);
+    }
+  }
+  return best;
+}
+
+Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const GridFrame& frame,
+                              std::optional<std::pair<int, Cell>> target, double value,
+                              double explored, double stamp, bool* sources_changed) {
+  *sources_changed = false;
+  const bool first = !progress_stamp_.has_value();
+  // A clock that jumps back must not freeze the watchdog.
+  if (first || stamp < *progress_stamp_) progress_stamp_ = stamp;
+  if (first) {
+    progress_explored_ = explored;
+    retry_explored_ = explored;
+    best_value_ = value;
+  }
+  if (explored - retry_explored_ >= options_.retry_area) {
+    retry_explored_ = explored;
+    retries_used_ = 0;
+  }
+
+  if (!target) {
+    target_.reset();
+    scripting_ = false;
+    progress_stamp_ = stamp;
+    stalled_for_ = 0.0;
+    // Cells not seen to fail have nothing to be forgiven: without suppressed ones a retry would be
+    // the same question again.
+    if (suppressed_count_ == 0 || retries_used_ >= options_.retries) return Advice::kDone;
+    looks_.clear();
+    suppressed_count_ = 0;
+    ++retries_used_;
+    *sources_changed = true;
+    return Advice::kPlan;
+  }
+
+  const Cell cell = target->second;
+  const bool same = target_ && distance(cell, *target_, frame.resolution) <= options_.target_radius;
+  if (!same) {
+    scripting_ = false;
+    best_value_ = value;
+  }
+  target_ = cell;
+  // A way that has become longer (a door turned out closed) is measured anew, on the same clock.
+  if (value > best_value_ + 2.0 * options_.progress_distance) best_value_ = value;
+  if (value <= best_value_ - options_.progress_distance) {
+    best_value_ = value;
+    progress_stamp_ = stamp;
+  }
+  if (explored - progress_explored_ >= options_.progress_area) {
+    progress_explored_ = explored;
+    progress_stamp_ = stamp;
+    scripting_ = false;
+  }
+  stalled_for_ = stamp - *progress_stamp_;
+
+  if (stalled_for_ >= options_.deactivate_after - 1e-9) {
+    const auto k = static_cast<std::size_t>(target->first);
+    if (k < frontiers.size()) {
+      for (const Cell c : frontiers[k].cells) {
+        if (distance(c, cell, frame.resolution) > options_.target_radius) continue;
+        Look& look = looks_[{c.j, c.i}];
+        if (!look.suppressed) ++suppressed_count_;
+        look.suppressed = true;
+      }
+      *sources_changed = true;
+    }
+    target_.reset();
+    scripting_ = false;
+    progress_stamp_ = stamp;
+    progress_explored_ = explored;
+    stalled_for_ = 0.0;
+    return Advice::kPlan;
+  }
+  if (stalled_for_ >= options_.script_after - 1e-9) scripting_ = true;
+  return scripting_ ? Advice::kGoAndFace : Advice::kPlan;
+}
+
+}  // namespace prospect

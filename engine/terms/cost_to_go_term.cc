@@ -1,0 +1,38 @@
+#include "engine/terms/cost_to_go_term.h"
+
+#include <stdexcept>
+#include <utility>
+
+namespace prospect {
+
+CostToGoTerm::CostToGoTerm(std::shared_ptr<const CostToGo> v) : v_(std::move(v)) {
+  if (!v_) throw std::invalid_argument("cost_to_go: no cost-to-go given; expected one");
+}
+
+TermTraits CostToGoTerm::traits() const {
+  return {TermKind::kCost, Smoothness::kSmooth, true, "-",
+          "terminal value and mean over stages [s], over the duration N dt"};
+}
+
+void CostToGoTerm::evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
+                            TermOutput& out) const {
+  const int N = t.horizon.N;
+  const double scale = 0.5 / (N * t.horizon.dt);
+  out.value.row(0).setZero();
+  for (int k = 1; k <= N; ++k) {
+    const double weight = scale * (1.0 / N + (k == N ? 1.0 : 0.0));
+    if (request.gradient) {
+      for (int b = 0; b < t.batch(); ++b) {
+        Eigen::Vector2d g;
+        out.value(0, b) += weight * v_->value({t.px(k, b), t.py(k, b)}, g);
+        out.add_pose_gradient(t, k, b, weight * g.x(), weight * g.y(), 0.0, 0.0);
+      }
+    } else {
+      for (int b = 0; b < t.batch(); ++b) {
+        out.value(0, b) += weight * v_->value(t.px(k, b), t.py(k, b));
+      }
+    }
+  }
+}
+
+}  // namespace prospect

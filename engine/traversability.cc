@@ -1,0 +1,275 @@
+#include "engine/traversability.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+
+namespace prospect {
+namespace {
+
+void require(bool ok, const char* name, double value, const char* expected) {
+  if (ok) return;
+  std::ostringstream message;
+  message << "traversability: " << name << " = " << value << "; expected " << expected;
+  throw std::invalid_argument(message.str());
+}
+
+constexpr double kRounding = 1e-9;  // [m]; radii given as decimals must not fail by an ulp
+
+/// Least n with sqrt(n) r / 2 >= distance [half cells squared].
+std::int32_t least_square(double distance, double resolution) {
+  const double halves = std::max(0.0, 2.0 * (distance - kRounding) / resolution);
+  return static_cast<std::int32_t>(std::ceil(halves * halves));
+}
+
+/// Squared distance [half cells] along one axis between the centre of a cell and the square of a
+/// cell d cells away.
+std::int32_t axis_square(int d) {
+  const std::int32_t gap = std::max(0, 2 * std::abs(d) - 1);
+  return gap * gap;
+}
+
+}  // namespace
+
+void Traversability::Rectangle::add(int i, int j) {
+  if (empty()) {
+    *this = {i, j, i, j};
+    return;
+  }
+  i0 = std::min(i0, i);
+  j0 = std::min(j0, j);
+  i1 = std::max(i1, i);
+  j1 = std::max(j1, j);
+}
+
+std::int64_t Traversability::Rectangle::area() const {
+  return empty() ? 0 : static_cast<std::int64_t>(i1 - i0 + 1) * (j1 - j0 + 1);
+}
+
+Traversability::Traversability(const TraversabilityOptions& options) : options_(options) {
+  const auto& o = options_;
+  require(o.hard_radius >= 0.0 && o.hard_radius < 10.0, "hard_radius", o.hard_radius, "0 to 10 m");
+  require(o.comfortable_radius >= o.hard_radius && o.comfortable_radius < 10.0,
+          "comfortable_radius", o.comfortable_radius, "hard_radius to 10 m");
+  require(o.lattice_slack >= 0.0 && o.lattice_slack < 1.0, "lattice_slack", o.lattice_slack,
+          "0 to 1 m");
+  require(o.tight_factor >= 1.0 && o.tight_factor <= 1e3, "tight_factor", o.tight_factor,
+          "1 to 1000");
+  require(o.unknown_factor >= 1.0 && o.unknown_factor <= 1e3, "unknown_factor", o.unknown_factor,
+          "1 to 1000");
+}
+
+void Traversability::restart(const GridFrame& frame) {
+  const double r = frame.resolution;
+  hard_sq_ = least_square(options_.hard_radius - options_.lattice_slack, r);
+  comfortable_sq_ = least_square(options_.comfortable_radius - options_.lattice_slack, r);
+  // An occupied cell itself has distance 0 and must stay impassable whatever the radius.
+  hard_sq_ = std::max(hard_sq_, 1);
+  comfortable_sq_ = std::max(comfortable_sq_, hard_sq_);
+  limit_sq_ = std::max(comfortable_sq_, least_square(options_.comfortable_radius, r));
+  reach_ = 1;
+  while (axis_square(reach_) < limit_sq_) ++reach_;
+  state_ = Grid<CellState>(frame, CellState::kUnknown);
+  occupied_sq_ = Grid<std::int32_t>(frame, limit_sq_);
+  unknown_sq_ = Grid<std::int32_t>(frame, 0);
+  factor_ = Grid<float>(frame, 0.0F);
+  revision_ = 0;
+  explored_cells_ = 0;
+  fresh_ = false;
+  restarted_ = true;
+}
+
+namespace {
+template <typename T>
+void copy_into(Grid<T>& grid, const GridFrame& frame, const T& value) {
+  Grid<T> wide(frame, value);
+  for (int j = 0; j < grid.frame.height; ++j) {
+    const auto from = grid.data.begin() + static_cast<std::ptrdiff_t>(j) * grid.frame.width;
+    std::copy(from, from + grid.frame.width,
+              wide.data.begin() + frame.index({grid.frame.i0, grid.frame.j0 + j}));
+  }
+  grid = std::move(wide);
+}
+}  // namespace
+
+void Traversability::widen(const GridFrame& frame) {
+  const GridFrame old = state_.frame;
+  copy_into(state_, frame, CellState::kUnknown);
+  copy_into(occupied_sq_, frame, limit_sq_);
+  copy_into(unknown_sq_, frame, 0);
+  copy_into(factor_, frame, 0.0F);
+  // The cells beyond the old rim are unknown, hence at distance 0 of unknown and impassable, but
+  // they may lie near occupied cells within it.
+  const int i1 = old.i0 + old.width - 1, j1 = old.j0 + old.height - 1;
+  transform(within({old.i0 - reach_, old.j0 - reach_, i1 + reach_, old.j0 - 1}, 0), false);
+  transform(within({old.i0 - reach_, j1 + 1, i1 + reach_, j1 + reach_}, 0), false);
+  transform(within({old.i0 - reach_, old.j0, old.i0 - 1, j1}, 0), false);
+  transform(within({i1 + 1, old.j0, i1 + reach_, j1}, 0), false);
+}
+
+Traversability::Rectangle Traversability::within(Rectangle cells, int margin) const {
+  const GridFrame& f = state_.frame;
+  return {std::max(cells.i0 - margin, f.i0), std::max(cells.j0 - margin, f.j0),
+          std::min(cells.i1 + margin, f.i0 + f.width - 1),
+          std::min(cells.j1 + margin, f.j0 + f.height - 1)};
+}
+
+// Separable: along rows the distance to the nearest target cell, then along columns the least sum
+// of squares. Both only as far as the limit reaches.
+void Traversability::transform(Rectangle cells, bool unknown) {
+  if (cells.empty() || cells.j1 < cells.j0) return;
+  const GridFrame& f = state_.frame;
+  const int width = cells.i1 - cells.i0 + 1;
+  const int row0 = cells.j0 - reach_, row1 = cells.j1 + reach_;
+  const std::int32_t far = limit_sq_;
+  scratch_.assign(static_cast<std::size_t>(width) * static_cast<std::size_t>(row1 - row0 + 1), far);
+  for (int j = row0; j <= row1; ++j) {
+    std::int32_t* row = scratch_.data() + static_cast<std::ptrdiff_t>(j - row0) * width;
+    if (j < f.j0 || j >= f.j0 + f.height) {
+      if (unknown) std::fill(row, row + width, 0);
+      continue;
+    }
+    const CellState* states = state_.data.data() + static_cast<std::ptrdiff_t>(j - f.j0) * f.width;
+    const auto is_target = [&](int i) {
+      if (i < f.i0 || i >= f.i0 + f.width) return unknown;
+      const CellState s = states[i - f.i0];
+      return unknown ? s == CellState::kUnknown : s == CellState::kOccupied;
+    };
+    int distance = reach_ + 1;
+    for (int i = cells.i0 - reach_; i <= cells.i1; ++i) {
+      distance = is_target(i) ? 0 : std::min(distance + 1, reach_ + 1);
+      if (i >= cells.i0) row[i - cells.i0] = std::min(far, axis_square(distance));
+    }
+    distance = reach_ + 1;
+    for (int i = cells.i1 + reach_; i >= cells.i0; --i) {
+      distance = is_target(i) ? 0 : std::min(distance + 1, reach_ + 1);
+      if (i <= cells.i1) {
+        row[i - cells.i0] = std::min(row[i - cells.i0], std::min(far, axis_square(distance)));
+      }
+    }
+  }
+  Grid<std::int32_t>& out = unknown ? unknown_sq_ : occupied_sq_;
+  for (int j = cells.j0; j <= cells.j1; ++j) {
+    std::int32_t* to = &out[{cells.i0, j}];
+    std::fill(to, to + width, far);
+    for (int d = -reach_; d <= reach_; ++d) {
+      const std::int32_t* row = scratch_.data() + static_cast<std::ptrdiff_t>(j + d - row0) * width;
+      const std::int32_t add = axis_square(d);
+      for (int i = 0; i < width; ++i) to[i] = std::min(to[i], row[i] + add);
+    }
+  }
+}
+
+void Traversability::refresh_factors(const Rectangle& cells) {
+  const auto tight = static_cast<float>(options_.tight_factor);
+  const auto near = static_cast<float>(options_.unknown_factor);
+  for (int j = cells.j0; j <= cells.j1; ++j) {
+    for (int i = cells.i0; i <= cells.i1; ++i) {
+      const auto at = static_cast<std::size_t>(state_.frame.index({i, j}));
+      float factor = 0.0F;
+      if (state_.data[at] == CellState::kFree && occupied_sq_.data[at] >= hard_sq_) {
+        factor = (occupied_sq_.data[at] < comfortable_sq_ ? tight : 1.0F) *
+                 (unknown_sq_.data[at] < comfortable_sq_ ? near : 1.0F);
+      }
+      if (factor != factor_.data[at]) {
+        factor_.data[at] = factor;
+        changed_factors_.push_back({i, j});
+      }
+    }
+  }
+}
+
+void Traversability::update(const GroundMap& ground) {
+  changed_states_.clear();
+  changed_factors_.clear();
+  restarted_ = false;
+  GridFrame frame = ground.frame();
+  frame.i0 -= GroundMap::kTile;
+  frame.j0 -= GroundMap::kTile;
+  frame.width += 2 * GroundMap::kTile;
+  frame.height += 2 * GroundMap::kTile;
+  const GridFrame& old = state_.frame;
+  const bool covers = !fresh_ && frame.resolution == old.resolution && frame.i0 <= old.i0 &&
+                      frame.j0 <= old.j0 && frame.i0 + frame.width >= old.i0 + old.width &&
+                      frame.j0 + frame.height >= old.j0 + old.height;
+  if (!covers || ground.revision() < revision_) {
+    restart(frame);
+  } else if (!(frame == old)) {
+    widen(frame);
+  }
+
+  // What changed, as one rectangle a tile: of cells that became or ceased to be occupied, likewise
+  // unknown.
+  std::vector<Rectangle> occupied, unknown;
+  for (int ty = 0; ty < ground.tiles_y(); ++ty) {
+    for (int tx = 0; tx < ground.tiles_x(); ++tx) {
+      if (ground.tile_revision(tx, ty) <= revision_) continue;
+      const GridFrame tile = ground.tile_frame(tx, ty);
+      Rectangle o{0, 0, -1, -1}, u{0, 0, -1, -1};
+      for (int j = tile.j0; j < tile.j0 + tile.height; ++j) {
+        for (int i = tile.i0; i < tile.i0 + tile.width; ++i) {
+          const CellState now = ground.cells()[{i, j}];
+          CellState& before = state_[{i, j}];
+          if (now == before) continue;
+          if ((now == CellState::kOccupied) != (before == CellState::kOccupied)) o.add(i, j);
+          if ((now == CellState::kUnknown) != (before == CellState::kUnknown)) u.add(i, j);
+          explored_cells_ += (now != CellState::kUnknown) - (before != CellState::kUnknown);
+          before = now;
+          changed_states_.push_back({i, j});
+        }
+      }
+      if (!o.empty()) occupied.push_back(within(o, reach_));
+      if (!u.empty()) unknown.push_back(within(u, reach_));
+    }
+  }
+  revision_ = ground.revision();
+
+  // Neighbouring rectangles overlap once widened by the influence radius; joining them where that
+  // costs no area avoids computing the overlap twice.
+  const auto join = [](std::vector<Rectangle>& list) {
+    for (std::size_t a = 0; a < list.size(); ++a) {
+      for (std::size_t b = a + 1; b < list.size();) {
+        Rectangle both = list[a];
+        both.add(list[b].i0, list[b].j0);
+        both.add(list[b].i1, list[b].j1);
+        if (both.area() <= list[a].area() + list[b].area()) {
+          list[a] = both;
+          list[b] = list.back();
+          list.pop_back();
+          b = a + 1;
+        } else {
+          ++b;
+        }
+      }
+    }
+  };
+  join(occupied);
+  join(unknown);
+  for (const Rectangle& cells : occupied) transform(cells, false);
+  for (const Rectangle& cells : unknown) transform(cells, true);
+  // Free to occupied and unknown to free are covered by one of the two lists; so is every change.
+  for (const Rectangle& cells : occupied) refresh_factors(cells);
+  for (const Rectangle& cells : unknown) refresh_factors(cells);
+}
+
+double Traversability::clearance(Cell c) const {
+  return 0.5 * state_.frame.resolution *
+         std::sqrt(static_cast<double>(occupied_sq_.get(c, limit_sq_)));
+}
+
+double Traversability::unknown_clearance(Cell c) const {
+  return 0.5 * state_.frame.resolution * std::sqrt(static_cast<double>(unknown_sq_.get(c, 0)));
+}
+
+double Traversability::clearance_limit() const {
+  return 0.5 * state_.frame.resolution * std::sqrt(static_cast<double>(limit_sq_));
+}
+
+double Traversability::explored_area() const {
+  const double r = state_.frame.resolution;
+  return static_cast<double>(explored_cells_) * r * r;
+}
+
+}  // namespace prospect

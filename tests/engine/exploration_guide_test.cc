@@ -1,0 +1,212 @@
+#include "engine/exploration_guide.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "ground_worlds.h"
+
+namespace prospect {
+namespace {
+
+// Cells that a robot from `start` can see: within 3.7 m of a cell that it can drive to, by a free
+// line of the true plan.
+int visible_cells(const testing::GroundWorld& world, Cell start) {
+  GroundMap map(world.truth.frame);
+  for (int k = 0; k < world.truth.frame.size(); ++k) {
+    map.set(world.truth.frame.at(k), world.truth.data[static_cast<std::size_t>(k)]);
+  }
+  Traversability t{TraversabilityOptions{}};
+  t.update(map);
+  Grid<std::uint8_t> seen(world.truth.frame, 0), driven(world.truth.frame, 0);
+  std::vector<Cell> stack{start};
+  driven[start] = 1;
+  GroundMap sight(world.truth.frame);
+  while (!stack.empty()) {
+    const Cell c = stack.back();
+    stack.pop_back();
+    if ((c.i + c.j) % 4 == 0) {
+      const Eigen::Vector2d p = world.truth.frame.center(c);
+      world.sense({{p.x(), p.y(), 0.0}, 0.0}, 3.5, 2.0 * M_PI, sight);
+    }
+    for (const Cell n :
+         {Cell{c.i - 1, c.j}, Cell{c.i + 1, c.j}, Cell{c.i, c.j - 1}, Cell{c.i, c.j + 1}}) {
+      if (!t.passable(n) || driven[n] != 0) continue;
+      driven[n] = 1;
+      stack.push_back(n);
+    }
+  }
+  return sight.free_cells();
+}
+
+struct Mission {
+  bool done = false;
+  double coverage = 0.0;
+  int steps = 0;
+  double p50 = 0.0, p95 = 0.0;
+  int retries = 0;
+};
+
+// The simplest driver: 0.3 m down V per half second, facing the way, at its end the target.
+Mission explore(const testing::GroundWorld& world, Cell start,
+                const ExplorationGuideOptions& options, int limit) {
+  GroundMap map(GridFrame{world.truth.frame.resolution, start.i, start.j, 1, 1});
+  ExplorationGuide guide(options);
+  const Eigen::Vector2d p0 = world.truth.frame.center(start);
+  Pose pose{{p0.x(), p0.y(), 0.0}, 0.0};
+  std::vector<double> times;
+  Mission mission;
+  for (; mission.steps < limit; ++mission.steps) {
+    world.sense(pose, 4.0, 1.05, map);
+    const auto g = guide.update(map, pose, 0.5 * mission.steps);
+    times.push_back(g->milliseconds);
+    mission.retries = std::max(mission.retries, g->retries_used);
+    if (g->advice == Advice::kDone) {
+      mission.done = true;
+      break;
+    }
+    if (!g->target) continue;  // reactivated: sources appear with the next update
+    const auto path = g->cost_to_go->descend(pose.position.head<2>(), 0.3);
+    double aim = g->target->yaw;
+    if (path.size() > 4) {
+      const Eigen::Vector2d d = path.back() - path.front();
+      aim = std::atan2(d.y(), d.x());
+    }
+    const double turn = std::remainder(aim - pose.yaw, 2.0 * M_PI);
+    pose.yaw += std::clamp(turn, -0.5, 0.5);
+    if (std::abs(turn) < 0.8 && !path.empty()) pose.position.head<2>() = path.back();
+  }
+  mission.coverage = static_cast<double>(map.free_cells()) / visible_cells(world, start);
+  std::sort(times.begin(), times.end());
+  mission.p50 = times[times.size() / 2];
+  mission.p95 = times[times.size() * 95 / 100];
+  return mission;
+}
+
+TEST(ExplorationGuide, LeadsTheSimplestDriverThroughWholeBuildings) {
+  std::mt19937_64 random(11);
+  for (const int boxes : {0, 25, 60}) {
+    const auto world = testing::GroundWorld::rooms(12.0, 0.1, boxes, random);
+    const Cell start = world.open_cell(4, random);
+    const Mission m = explore(world, start, ExplorationGuideOptions{}, 6000);
+    EXPECT_TRUE(m.done) << boxes;
+    EXPECT_GT(m.coverage, 0.99) << boxes;
+    RecordProperty("p50_ms", std::to_string(m.p50));
+    RecordProperty("p95_ms", std::to_string(m.p95));
+  }
+}
+
+TEST(ExplorationGuide, TheSameHistoryGivesTheSameBits) {
+  std::mt19937_64 random(12);
+  const auto world = testing::GroundWorld::rooms(12.0, 0.1, 20, random);
+  ExplorationGuide a{ExplorationGuideOptions{}}, b{ExplorationGuideOptions{}};
+  GroundMap map(GridFrame{0.1, 0, 0, 1, 1});
+  for (int step = 0; step < 20; ++step) {
+    const Cell c = world.open_cell(3, random);
+    const Eigen::Vector2d p = world.truth.frame.center(c);
+    const Pose pose{{p.x(), p.y(), 0.0}, 0.3 * step};
+    world.sense(pose, 4.0, 1.05, map);
+    const auto ga = a.update(map, pose, 0.5 * step), gb = b.update(map, pose, 0.5 * step);
+    ASSERT_EQ(ga->cost_to_go->cells().data, gb->cost_to_go->cells().data);
+    ASSERT_EQ(ga->target.has_value(), gb->target.has_value());
+    if (ga->target) {
+      ASSERT_EQ(ga->target->viewpoint, gb->target->viewpoint);
+      const Frontier& f = ga->frontiers[static_cast<std::size_t>(ga->target->frontier)];
+      EXPECT_TRUE(f.active && f.reachable);
+    }
+  }
+}
+
+// A snapshot handed out does not change under its holder.
+TEST(ExplorationGuide, GuidanceIsImmutable) {
+  GroundMap map(GridFrame{0.1, 0, 0, 64, 64});
+  for (int j = 10; j < 40; ++j) {
+    for (int i = 10; i < 40; ++i) map.set({i, j}, CellState::kFree);
+  }
+  ExplorationGuide guide{ExplorationGuideOptions{}};
+  const auto first = guide.update(map, {{2.0, 2.0, 0.0}, 0.0}, 0.0);
+  const auto cells = first->cost_to_go->cells().data;
+  const auto frontiers = first->frontiers.size();
+  for (int j = 10; j < 40; ++j) map.set({25, j}, CellState::kOccupied);
+  guide.update(map, {{2.0, 2.0, 0.0}, 0.0}, 0.5);
+  EXPECT_EQ(first->cost_to_go->cells().data, cells);
+  EXPECT_EQ(first->frontiers.size(), frontiers);
+}
+
+TEST(ExplorationGuide, FrontiersBehindAWallAreActiveButNotReachable) {
+  GroundMap map(GridFrame{0.1, 0, 0, 96, 64});
+  for (int j = 5; j < 50; ++j) {
+    for (int i = 5; i < 90; ++i) {
+      const bool rim = i < 7 || j < 7 || j > 47 || (i > 38 && i < 42);
+      map.set({i, j}, rim ? CellState::kOccupied : CellState::kFree);
+    }
+  }
+  ExplorationGuide guide{ExplorationGuideOptions{}};
+  const auto g = guide.update(map, {{2.0, 2.0, 0.0}, 0.0}, 0.0);
+  int active = 0, reachable = 0;
+  for (const Frontier& f : g->frontiers) active += f.active, reachable += f.reachable;
+  EXPECT_EQ(active, 1);
+  EXPECT_EQ(reachable, 0);
+  EXPECT_FALSE(g->target.has_value());
+  EXPECT_EQ(g->advice, Advice::kDone);
+}
+
+TEST(ExplorationGuide, DegenerateMapsAndPoses) {
+  const double nan = std::nan("");
+  for (const int kind : {0, 1, 2}) {
+    GroundMap map(GridFrame{0.1, 0, 0, 32, 32});
+    for (int k = 0; kind > 0 && k < 1024; ++k) {
+      map.set({k % 32, k / 32}, kind == 1 ? CellState::kOccupied : CellState::kFree);
+    }
+    ExplorationGuide guide{ExplorationGuideOptions{}};
+    for (const Pose& pose :
+         {Pose{{1.6, 1.6, 0.0}, 0.0}, Pose{{nan, 0.0, 0.0}, 0.0}, Pose{{1e300, 0.0, 0.0}, 0.0},
+          Pose{{5e4, -5e4, 0.0}, 1.0}, Pose{{0.0, 0.0, 0.0}, nan}}) {
+      const auto g = guide.update(map, pose, 1.0);
+      ASSERT_NE(g, nullptr);
+      ASSERT_NE(g->cost_to_go, nullptr);
+      EXPECT_TRUE(std::isfinite(g->cost_to_go->value(1.6, 1.6)));
+    }
+    const auto g = guide.update(map, {{1.6, 1.6, 0.0}, 0.0}, 2.0);
+    // Nothing seen yet is not done; all occupied is.
+    EXPECT_EQ(g->advice == Advice::kDone, kind == 1);
+    EXPECT_EQ(g->target.has_value(), kind == 2);
+  }
+}
+
+// Lesson 5, end to end: a frontier that no look resolves is left after four looks, and comes back
+// with a change.
+TEST(ExplorationGuide, AFrontierThatNoLookResolvesIsGivenUpAndTriedAgain) {
+  GroundMap map(GridFrame{0.1, 0, 0, 64, 64});
+  for (int j = 0; j < 64; ++j) {
+    for (int i = 0; i < 64; ++i) {
+      const bool rim = i < 2 || j < 2 || i > 61 || j > 61;
+      map.set({i, j}, rim ? CellState::kOccupied : CellState::kFree);
+    }
+  }
+  for (int k = 0; k < 8; ++k) map.set({61, 28 + k}, CellState::kUnknown);
+  ExplorationGuide guide{ExplorationGuideOptions{}};
+  const Pose pose{{4.0, 3.2, 0.0}, 0.0};
+  int step = 0, retries = 0;
+  std::vector<int> active;
+  for (; step < 40; ++step) {
+    const auto g = guide.update(map, pose, 0.5 * step);
+    active.push_back(g->target.has_value());
+    retries = g->retries_used;
+    if (g->advice == Advice::kDone) break;
+  }
+  EXPECT_EQ(retries, 2);
+  EXPECT_LT(step, 20);
+  EXPECT_EQ(active[0] + active[1] + active[2], 3);
+  map.set({60, 30}, CellState::kOccupied);
+  const auto g = guide.update(map, pose, 0.5 * ++step);
+  EXPECT_TRUE(g->target.has_value());
+  EXPECT_EQ(g->advice, Advice::kPlan);
+}
+
+}  // namespace
+}  // namespace prospect

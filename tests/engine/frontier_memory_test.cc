@@ -1,0 +1,216 @@
+#include "engine/frontier_memory.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace prospect {
+namespace {
+
+const GridFrame kFrame{0.1, 0, 0, 100, 100};
+
+Frontier frontier(int i, int j, int n) {
+  Frontier f;
+  for (int k = 0; k < n; ++k) f.cells.push_back({i + k, j});
+  f.length = 0.1 * n;
+  f.active = true;
+  return f;
+}
+
+Pose at(double x, double y, double yaw) { return {{x, y, 0.0}, yaw}; }
+
+class Memory : public ::testing::Test {
+ protected:
+  Grid<CellState> map_{kFrame, CellState::kFree};
+  FrontierMemory memory_{FrontierMemoryOptions{}};
+  bool changed_ = false;
+
+  void look(const std::vector<Frontier>& f, const Pose& pose, int times) {
+    for (const Frontier& one : f) {
+      for (const Cell c : one.cells) map_[c] = CellState::kUnknown;
+    }
+    for (int k = 0; k < times; ++k) memory_.look(map_, f, pose, clock_ += 0.5);
+  }
+  double clock_ = 0.0;
+};
+
+// Lesson 5: a look that fails four times deactivates its frontier, and only what was in view.
+TEST_F(Memory, FourFailedLooksSuppressWhatWasInView) {
+  const std::vector<Frontier> f{frontier(50, 50, 8), frontier(50, 5, 8), frontier(95, 50, 4)};
+  look(f, at(3.0, 5.0, 0.0), 3);
+  EXPECT_EQ(memory_.suppressed_count(), 0);
+  look(f, at(3.0, 5.0, 0.0), 1);
+  // The first cell hides the others of its row; to the side and out of range are not in view.
+  EXPECT_TRUE(memory_.suppressed({50, 50}));
+  EXPECT_FALSE(memory_.suppressed({52, 50}));
+  EXPECT_FALSE(memory_.suppressed({50, 5}));
+  EXPECT_FALSE(memory_.suppressed({95, 50}));
+  Grid<std::uint8_t> mask;
+  memory_.suppression(kFrame, mask);
+  int sum = 0;
+  for (const auto m : mask.data) sum += m;
+  EXPECT_EQ(sum, memory_.suppressed_count());
+  EXPECT_EQ(mask[(Cell{50, 50})], 1);
+}
+
+TEST_F(Memory, AnObstacleOrTheUnknownHidesAFrontier) {
+  const std::vector<Frontier> f{frontier(50, 50, 1)};
+  map_[{40, 50}] = CellState::kOccupied;
+  look(f, at(3.05, 5.05, 0.0), 6);
+  EXPECT_EQ(memory_.suppressed_count(), 0);
+  map_[{40, 50}] = CellState::kFree;
+  look(f, at(3.05, 5.05, M_PI), 6);  // looking away
+  EXPECT_EQ(memory_.suppressed_count(), 0);
+  look(f, at(3.05, 5.05, 2.0 * M_PI + 0.3), 4);
+  EXPECT_EQ(memory_.suppressed_count(), 1);
+}
+
+TEST_F(Memory, FastReplanningDoesNotCountALookTwice) {
+  const std::vector<Frontier> f{frontier(50, 50, 1)};
+  map_[{50, 50}] = CellState::kUnknown;
+  for (int k = 0; k < 12; ++k) memory_.look(map_, f, at(3.0, 5.05, 0.0), 0.1 * k);
+  EXPECT_EQ(memory_.suppressed_count(), 0);  // looks at 0, 0.4, 0.8; the fourth is at 1.2
+  EXPECT_EQ(
+      [&] {
+        FrontierMemory m{FrontierMemoryOptions{}};
+        int steps = 0;
+        while (m.suppressed_count() == 0) m.look(map_, f, at(3.0, 5.05, 0.0), 0.1 * steps++);
+        return steps;
+      }(),
+      13);
+}
+
+TEST_F(Memory, AChangeWithinTwoCellsForgives) {
+  const std::vector<Frontier> f{frontier(50, 50, 1)};
+  look(f, at(3.0, 5.05, 0.0), 4);
+  ASSERT_TRUE(memory_.suppressed({50, 50}));
+  memory_.map_changed({{53, 50}, {50, 47}, {10, 10}});
+  EXPECT_TRUE(memory_.suppressed({50, 50}));
+  memory_.map_changed({{52, 52}});
+  EXPECT_FALSE(memory_.suppressed({50, 50}));
+  EXPECT_EQ(memory_.suppressed_count(), 0);
+  // The counter starts anew.
+  look(f, at(3.0, 5.05, 0.0), 3);
+  EXPECT_FALSE(memory_.suppressed({50, 50}));
+}
+
+TEST_F(Memory, HysteresisFollowsATargetThatRecedes) {
+  std::vector<Frontier> f{frontier(10, 10, 5), frontier(50, 50, 5)};
+  EXPECT_EQ(memory_.current_target(f, kFrame), -1);
+  memory_.decide(f, kFrame, {{1, {52, 50}}}, 3.0, 10.0, 0.0, &changed_);
+  EXPECT_EQ(memory_.current_target(f, kFrame), 1);
+  f = {frontier(52, 58, 5), frontier(10, 10, 5)};  // receded by 0.8 m, and renumbered
+  EXPECT_EQ(memory_.current_target(f, kFrame), 0);
+  f = {frontier(52, 70, 5), frontier(10, 10, 5)};  // resolved: what is left is another one
+  EXPECT_EQ(memory_.current_target(f, kFrame), -1);
+}
+
+TEST_F(Memory, WatchdogAsksForTheScriptAfterThreeSecondsAndDeactivatesAfterEight) {
+  const std::vector<Frontier> f{frontier(50, 50, 30)};
+  std::optional<double> script, dropped;
+  for (double t = 0.0; t < 10.0 && !dropped; t += 0.5) {
+    const Advice a = memory_.decide(f, kFrame, {{0, {52, 50}}}, 3.0, 10.0, t, &changed_);
+    if (a == Advice::kGoAndFace && !script) script = t;
+    if (changed_) dropped = t;
+  }
+  EXPECT_EQ(script, 3.0);
+  EXPECT_EQ(dropped, 8.0);
+  // Within target_radius of the target, not the whole of a long frontier.
+  EXPECT_TRUE(memory_.suppressed({50, 50}));
+  EXPECT_TRUE(memory_.suppressed({62, 50}));
+  EXPECT_FALSE(memory_.suppressed({63, 50}));
+  EXPECT_EQ(memory_.suppressed_count(), 13);
+  EXPECT_EQ(memory_.decide(f, kFrame, {{0, {70, 50}}}, 4.0, 10.0, 8.5, &changed_), Advice::kPlan);
+}
+
+TEST_F(Memory, ComingNearerOrSeeingMoreIsProgress) {
+  const std::vector<Frontier> f{frontier(50, 50, 10)};
+  for (int k = 0; k < 60; ++k) {
+    EXPECT_EQ(memory_.decide(f, kFrame, {{0, {52, 50}}}, 20.0 - 0.1 * k, 10.0, 0.5 * k, &changed_),
+              Advice::kPlan);
+  }
+  for (int k = 60; k < 120; ++k) {
+    EXPECT_EQ(memory_.decide(f, kFrame, {{0, {52, 50}}}, 14.0, 10.0 + 0.05 * (k - 60), 0.5 * k,
+                             &changed_),
+              Advice::kPlan);
+  }
+  EXPECT_EQ(memory_.suppressed_count(), 0);
+}
+
+// A farther target after the near one was resolved is no stall as long as the robot drives to it.
+TEST_F(Memory, AFartherTargetIsMeasuredAnew) {
+  const std::vector<Frontier> f{frontier(50, 50, 10), frontier(90, 90, 10)};
+  memory_.decide(f, kFrame, {{0, {52, 50}}}, 0.5, 10.0, 0.0, &changed_);
+  for (int k = 1; k < 60; ++k) {
+    EXPECT_EQ(memory_.decide(f, kFrame, {{1, {92, 90}}}, 30.0 - 0.25 * k, 10.0, 0.5 * k, &changed_),
+              Advice::kPlan);
+  }
+}
+
+TEST_F(Memory, FlickeringBetweenTwoTargetsIsAStall) {
+  const std::vector<Frontier> f{frontier(50, 50, 10), frontier(90, 90, 10)};
+  bool scripted = false, dropped = false;
+  for (int k = 0; k < 20; ++k) {
+    const Cell cell = k % 2 == 0 ? Cell{52, 50} : Cell{92, 90};
+    const Advice a =
+        memory_.decide(f, kFrame, {{k % 2, cell}}, 3.0 + 0.1 * (k % 2), 10.0, 0.5 * k, &changed_);
+    scripted = scripted || a == Advice::kGoAndFace;
+    dropped = dropped || changed_;
+  }
+  EXPECT_TRUE(scripted);
+  EXPECT_TRUE(dropped);
+}
+
+TEST_F(Memory, TheScriptGoesOnUntilItHasShownSomething) {
+  const std::vector<Frontier> f{frontier(50, 50, 10)};
+  const auto decide = [&](double value, double explored, double t) {
+    return memory_.decide(f, kFrame, {{0, {52, 50}}}, value, explored, t, &changed_);
+  };
+  decide(3.0, 10.0, 0.0);
+  EXPECT_EQ(decide(3.0, 10.0, 3.0), Advice::kGoAndFace);
+  EXPECT_EQ(decide(2.5, 10.0, 3.5), Advice::kGoAndFace);  // nearer, but nothing seen yet
+  EXPECT_EQ(decide(2.5, 10.5, 4.0), Advice::kPlan);
+}
+
+// Before "done" everything suppressed is tried again, twice; 5: permanent blacklists cut off rooms.
+TEST_F(Memory, DoneOnlyAfterTwoRetries) {
+  const std::vector<Frontier> f{frontier(50, 50, 1)};
+  int retries = 0;
+  for (int k = 0; k < 5; ++k) {
+    look(f, at(3.0, 5.05, 0.0), 4);
+    ASSERT_EQ(memory_.suppressed_count(), 1);
+    const Advice a = memory_.decide(f, kFrame, std::nullopt, 0.0, 10.0, clock_, &changed_);
+    if (a == Advice::kDone) {
+      EXPECT_FALSE(changed_);
+      break;
+    }
+    EXPECT_TRUE(changed_);
+    EXPECT_EQ(memory_.suppressed_count(), 0);
+    ++retries;
+  }
+  EXPECT_EQ(retries, 2);
+  EXPECT_EQ(memory_.retries_used(), 2);
+  // Much newly explored: the retries are restored.
+  EXPECT_EQ(memory_.decide(f, kFrame, std::nullopt, 0.0, 12.0, clock_, &changed_), Advice::kPlan);
+  EXPECT_EQ(memory_.retries_used(), 1);
+}
+
+TEST_F(Memory, NothingReachableAndNothingSuppressedIsDoneAtOnce) {
+  EXPECT_EQ(memory_.decide({}, kFrame, std::nullopt, 0.0, 10.0, 0.0, &changed_), Advice::kDone);
+  EXPECT_FALSE(changed_);
+}
+
+TEST_F(Memory, BadInputDoesNotCount) {
+  const std::vector<Frontier> f{frontier(50, 50, 1)};
+  look(f, at(std::nan(""), 5.05, 0.0), 6);
+  look(f, at(3.0, 5.05, std::nan("")), 6);
+  EXPECT_EQ(memory_.suppressed_count(), 0);
+  EXPECT_THROW(FrontierMemory(FrontierMemoryOptions{.script_after = 9.0}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace prospect

@@ -1,0 +1,147 @@
+#include "engine/traversability.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <stdexcept>
+
+#include "ground_worlds.h"
+
+namespace prospect {
+namespace {
+
+// Distance from the centre of c to the square of the nearest cell in that state, one by one, as far
+// as twice the limit of what is kept.
+double slow_distance(const GroundMap& map, Cell c, CellState target) {
+  const double r = map.frame().resolution;
+  double least = std::numeric_limits<double>::infinity();
+  for (int j = c.j - 12; j <= c.j + 12; ++j) {
+    for (int i = c.i - 12; i <= c.i + 12; ++i) {
+      if (map.state({i, j}) != target) continue;
+      const double dx = r * std::max(0.0, std::abs(i - c.i) - 0.5);
+      const double dy = r * std::max(0.0, std::abs(j - c.j) - 0.5);
+      least = std::min(least, std::hypot(dx, dy));
+    }
+  }
+  return least;
+}
+
+TEST(Traversability, EqualsTheDistanceToEveryCellOneByOne) {
+  std::mt19937_64 random(1);
+  for (const double r : {0.1, 0.05}) {
+    GroundMap map(GridFrame{r, -16, -16, 32, 32});
+    Traversability t(TraversabilityOptions{});
+    for (int step = 0; step < 4; ++step) {
+      testing::scribble(map, 30, 40, -18 - 8 * step, random);
+      t.update(map);
+      const double limit = t.clearance_limit();
+      EXPECT_GE(limit, t.options().comfortable_radius - 1e-9);
+      int passable = 0, tight = 0, dear = 0;
+      for (int k = 0; k < t.frame().size(); k += 17) {
+        const Cell c = t.frame().at(k);
+        const double occupied = slow_distance(map, c, CellState::kOccupied);
+        const double unknown = std::min(slow_distance(map, c, CellState::kUnknown), limit);
+        ASSERT_NEAR(t.clearance(c), std::min(occupied, limit), 1e-9);
+        ASSERT_NEAR(t.unknown_clearance(c), unknown, 1e-9);
+        const double slack = t.options().lattice_slack + 1e-9;
+        const bool expected =
+            map.state(c) == CellState::kFree && occupied + slack >= t.options().hard_radius;
+        ASSERT_EQ(t.passable(c), expected);
+        if (!expected) continue;
+        ++passable;
+        double factor = 1.0;
+        if (occupied + slack < t.options().comfortable_radius) factor *= 4.0, ++tight;
+        if (unknown + slack < t.options().comfortable_radius) factor *= 1.5, ++dear;
+        ASSERT_EQ(t.factor(c), static_cast<float>(factor));
+      }
+      EXPECT_GT(passable, 20);
+      EXPECT_GT(tight, 0);
+      EXPECT_GT(dear, 0);
+    }
+  }
+}
+
+TEST(Traversability, UpdatesEqualAFreshComputationBitForBit) {
+  std::mt19937_64 random(2);
+  for (int run = 0; run < 8; ++run) {
+    GroundMap map(GridFrame{0.1, 0, 0, 64, 48});
+    Traversability kept(TraversabilityOptions{});
+    Grid<float> before;
+    for (int step = 0; step < 12; ++step) {
+      testing::scribble(map, 6, 50 + 20 * step, -5 * step, random);
+      kept.update(map);
+      EXPECT_EQ(kept.restarted(), step == 0);
+      Traversability fresh(TraversabilityOptions{});
+      fresh.update(map);
+      ASSERT_EQ(kept.frame(), fresh.frame());
+      ASSERT_EQ(kept.factors().data, fresh.factors().data);
+      ASSERT_EQ(kept.states().data, fresh.states().data);
+      ASSERT_EQ(kept.explored_area(), fresh.explored_area());
+      ASSERT_NEAR(kept.explored_area(), 0.01 * (map.free_cells() + map.occupied_cells()), 1e-9);
+      Grid<char> listed(kept.frame(), 0);
+      for (const Cell c : kept.changed_factors()) listed[c] = 1;
+      for (int k = 0; k < kept.frame().size(); ++k) {
+        const Cell c = kept.frame().at(k);
+        ASSERT_EQ(kept.clearance(c), fresh.clearance(c));
+        ASSERT_EQ(kept.unknown_clearance(c), fresh.unknown_clearance(c));
+        // The list of changes is complete, and nothing else is on it.
+        ASSERT_EQ(before.get(c, 0.0F) != kept.factor(c), listed[c] != 0);
+      }
+      before = kept.factors();
+    }
+  }
+}
+
+// A gap as wide as the robot's constraint demands is passable, also where its centre line lies on
+// cell edges.
+TEST(Traversability, IsNotStricterThanTheHardConstraintInAGap) {
+  for (int width = 3; width <= 8; ++width) {
+    GroundMap map(GridFrame{0.1, 0, 0, 48, 48});
+    for (int j = 0; j < 48; ++j) {
+      for (int i = 0; i < 48; ++i) {
+        const bool wall = i == 24 && (j < 20 || j >= 20 + width);
+        map.set({i, j}, wall ? CellState::kOccupied : CellState::kFree);
+      }
+    }
+    Traversability t(TraversabilityOptions{.hard_radius = 0.25, .comfortable_radius = 0.3});
+    t.update(map);
+    bool open = false;
+    for (int j = 20; j < 20 + width; ++j) open = open || t.passable({24, j});
+    EXPECT_EQ(open, 0.1 * width >= 0.5 - 1e-9) << width;
+  }
+}
+
+TEST(Traversability, AnotherMapStartsAfresh) {
+  GroundMap first(GridFrame{0.1, 0, 0, 32, 32});
+  for (int k = 0; k < 100; ++k) first.set({k % 20, k / 20}, CellState::kFree);
+  GroundMap second(GridFrame{0.05, 0, 0, 32, 32});
+  second.set({3, 3}, CellState::kOccupied);
+  Traversability t(TraversabilityOptions{});
+  t.update(first);
+  t.update(second);
+  EXPECT_TRUE(t.restarted());
+  EXPECT_EQ(t.state({3, 3}), CellState::kOccupied);
+  EXPECT_EQ(t.state({1, 1}), CellState::kUnknown);
+  GroundMap earlier(GridFrame{0.05, 0, 0, 32, 32});
+  t.update(earlier);
+  EXPECT_TRUE(t.restarted());
+  EXPECT_EQ(t.explored_area(), 0.0);
+}
+
+TEST(Traversability, BadOptionsAreNamed) {
+  try {
+    Traversability t(TraversabilityOptions{.hard_radius = 0.4, .comfortable_radius = 0.3});
+    FAIL();
+  } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("comfortable_radius = 0.3"), std::string::npos)
+        << e.what();
+  }
+  EXPECT_THROW(Traversability(TraversabilityOptions{.hard_radius = std::nan("")}),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace prospect
