@@ -36,7 +36,8 @@ NamedProblem capture(const std::string& text, const Configuration& configuration
     throw InputError("problem '" + text +
                      "': no planning step; expected WORLD@STEP, e.g. office@40");
   }
-  const auto world = std::make_shared<const World>(load_world(text.substr(0, at)));
+  const auto world = std::make_shared<const World>(
+      load_world(text.substr(0, at), world_options_for(configuration)));
   Planner* planner = nullptr;
   int steps_done = 0;
   NamedProblem named{text, nullptr, {}};

@@ -77,14 +77,29 @@ class MapChanges {
 }  // namespace
 
 ReachableArea reachable_area(const World& world, const Configuration& c) {
-  const VerticalExtent extent = vertical_extent(c.robot.shape);
   ReachableAreaOptions options;
-  options.slice = {extent.z_min, extent.z_max};
-  options.standing_clearance = circumscribed_radius(c.robot.shape) + c.simulator.mapping.resolution;
+  options.slice = world_options_for(c).slice;
   options.range = c.robot.depth.max_range;
   options.sensor_height = c.robot.depth_mount.T_BC.translation().z();
   options.map_resolution = c.simulator.mapping.resolution;
   return reachable_area(world, options);
+}
+
+WorldOptions world_options_for(const Configuration& c) {
+  const VerticalExtent extent = vertical_extent(c.robot.shape);
+  WorldOptions options;
+  options.slice = {extent.z_min, extent.z_max,
+                   circumscribed_radius(c.robot.shape) + c.simulator.mapping.resolution};
+  return options;
+}
+
+void check_start(const std::shared_ptr<const World>& world, const Configuration& configuration,
+                 const ExplorationRunOptions& options) {
+  if (!options.make_planner) {
+    Planner(configuration.robot, configuration.planner, make_solver(configuration.solver));
+  }
+  reachable_area(*world, configuration);
+  Simulator(world, configuration.simulator);
 }
 
 ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,

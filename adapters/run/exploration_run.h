@@ -6,6 +6,7 @@
 
 #include "adapters/config/configuration.h"
 #include "adapters/run/run_record.h"
+#include "adapters/worlds/load_world.h"
 #include "adapters/worlds/reachable_area.h"
 #include "adapters/worlds/world.h"
 #include "engine/replanner.h"
@@ -33,6 +34,13 @@ struct ExplorationRunResult {
 
 /// Where the robot of this configuration can stand and what it can see from there, in this world.
 ReachableArea reachable_area(const World& world, const Configuration& configuration);
+
+/// How load_world() must look for a start that this configuration's robot can take.
+WorldOptions world_options_for(const Configuration& configuration);
+
+/// Throws what run_exploration() would throw before its first step.
+void check_start(const std::shared_ptr<const World>& world, const Configuration& configuration,
+                 const ExplorationRunOptions& options);
 
 /// Runs one mission in the kinematic simulator, to its end. Throws InputError if the robot cannot
 /// start there, std::invalid_argument for an unknown solver or options out of range; nothing has

@@ -1,0 +1,95 @@
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+
+#include "adapters/cli/commands.h"
+#include "adapters/config/configuration.h"
+#include "adapters/run/exploration_run.h"
+#include "adapters/run/run_folder.h"
+#include "adapters/worlds/load_world.h"
+#include "solvers/registry.h"
+
+namespace prospect {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+void interrupt(int) { interrupted = 1; }
+
+/// "nlopt:LD_SLSQP" -> "nlopt-LD_SLSQP": fit for a folder's name.
+std::string file_name(std::string text) {
+  for (char& c : text) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                       c == '_' || c == '.' || c == '-';
+    if (!plain) c = '-';
+  }
+  return text;
+}
+
+void print_summary(const Summary& s) {
+  std::printf("%s, seed %llu, %s: %s\n", s.world.c_str(), static_cast<unsigned long long>(s.seed),
+              s.solver.c_str(), s.reason.c_str());
+  std::printf("  coverage      %6.1f %% of %.1f m2 reachable\n", 100.0 * s.coverage,
+              s.reachable_area_m2);
+  std::printf("  time          %6.1f s; to 90 / 95 / 99 %%: %.1f / %.1f / %.1f s\n", s.duration_s,
+              s.time_to_90_s, s.time_to_95_s, s.time_to_99_s);
+  std::printf("  path          %6.1f m\n", s.path_length_m);
+  std::printf("  collisions    %6d    losses of localization %d\n", s.collisions, s.losses);
+  std::printf("  localization  %6.3f m final, %.3f m RMS, %.2f %% of the path\n",
+              s.localization_final_m, s.localization_rmse_m, s.drift_percent);
+  std::printf("  planning      %6.1f ms p50, %.1f p95, %.1f max; %d steps, %d fallbacks\n",
+              s.plan_ms_p50, s.plan_ms_p95, s.plan_ms_max, s.steps, s.fallbacks);
+  std::printf("  wall clock    %6.1f s, %.1f times faster than real time\n", s.wall_s,
+              s.wall_s > 0.0 ? s.duration_s / s.wall_s : 0.0);
+}
+
+}  // namespace
+
+int explore(const ExploreArguments& arguments) {
+  Configuration configuration = read_configuration(arguments.configuration);
+  if (!arguments.solver.empty()) configuration.solver = arguments.solver;
+  if (arguments.time_limit > 0.0) configuration.mission.time_limit = arguments.time_limit;
+  const auto solver = make_solver(configuration.solver);
+  for (const SolverInfo& info : list_solvers()) {
+    if (info.name == configuration.solver && !info.available) {
+      std::cerr << "prospect: " << info.name << " is not built in; it needs " << info.needs << '\n';
+      return kNotBuiltIn;
+    }
+  }
+  WorldOptions world_options = world_options_for(configuration);
+  if (!arguments.start.empty()) {
+    world_options.start =
+        Pose{{arguments.start[0], arguments.start[1], 0.0}, arguments.start[2] * M_PI / 180.0};
+  }
+  const auto world = std::make_shared<const World>(load_world(arguments.world, world_options));
+
+  ExplorationRunOptions options;
+  options.seed = arguments.seed;
+  options.cancelled = [] { return interrupted != 0; };
+  check_start(world, configuration, options);  // before anything is written
+
+  const std::string out = arguments.out.empty() ? "runs/" + file_name(world->name) + "_" +
+                                                      file_name(configuration.solver) + "_" +
+                                                      std::to_string(arguments.seed)
+                                                : arguments.out;
+  RunFolder folder(out);
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  options.on_step = [&](const StepRecord& step) { folder.add(step); };
+  const ExplorationRunResult result = run_exploration(world, configuration, options);
+  folder.finish(result.record, result.map.get());
+  if (!folder.error().empty()) std::cerr << "prospect: " << folder.error() << '\n';
+
+  const Summary& summary = result.record.summary;
+  if (arguments.json) {
+    std::cout << summary_json(summary);
+  } else {
+    print_summary(summary);
+    std::printf("  report        %s/report.html\n", folder.path().c_str());
+  }
+  const bool lost = summary.reason == to_string(MissionEnd::kLost);
+  const bool cancelled = summary.reason == to_string(MissionEnd::kCancelled);
+  return lost || cancelled || summary.collisions > 0 || !folder.error().empty() ? kFailed : kDone;
+}
+
+}  // namespace prospect
