@@ -408,6 +408,8 @@ std::string YamlMap::child_path(const std::string& key) const {
   return path_.empty() ? key : path_ + "." + key;
 }
 
+std::size_t YamlMap::problem_count() const { return state_->problems.size(); }
+
 void YamlMap::problem(const std::string& key, const std::string& what) {
   int line = line_;
   if (node_ != nullptr && !key.empty()) {
@@ -469,7 +471,7 @@ double YamlMap::number(const std::string& key, double default_value, double min,
 
 double YamlMap::required_number(const std::string& key, double min, double max,
                                 const std::string& unit, const std::string& description) {
-  double value = std::isfinite(min) ? min : 0.0;
+  double value = std::clamp(0.0, min, max);
   const std::string expected = "a number" + in_range(min, max, unit);
   if (const Node* node = find(key)) {
     const auto parsed = node->kind == Node::Kind::kScalar && !node->quoted
@@ -647,8 +649,8 @@ std::vector<double> YamlMap::required_numbers(const std::string& key, int size, 
   if (!read && !has(key)) {
     missing(key, size < 0 ? "a list of numbers" : "a list of " + std::to_string(size) + " numbers");
   }
-  const std::vector<double> value = read.value_or(std::vector<double>(
-      static_cast<std::size_t>(std::max(size, 0)), std::isfinite(min) ? min : 0.0));
+  const std::vector<double> value = read.value_or(
+      std::vector<double>(static_cast<std::size_t>(std::max(size, 0)), std::clamp(0.0, min, max)));
   record(key, format(value), "", unit, description);
   return value;
 }

@@ -80,6 +80,8 @@ class YamlMap {
   /// All keys of this mapping in the file's order, for mappings whose keys are free names.
   std::vector<std::string> keys() const;
 
+  /// Number of problems in the whole document so far: unchanged by a reading that went well.
+  std::size_t problem_count() const;
   /// Records a problem found by the caller at the key (or at this mapping if the key is "" or
   /// absent): `what` in the form "what; expected what".
   void problem(const std::string& key, const std::string& what);

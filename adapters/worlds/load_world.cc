@@ -115,16 +115,18 @@ Pose default_start(const World& world, const BodySlice& slice, const Grid<std::u
   const Grid<std::uint8_t> free = free_columns(world.voxels, slice);
   Cell best = middle;
   double most_room = -1.0;
+  int nearest = 0;
   const int reach = static_cast<int>(1.0 / frame.resolution);
   for (int dj = -reach; dj <= reach; ++dj) {
     for (int di = -reach; di <= reach; ++di) {
       const Cell c{middle.i + di, middle.j + dj};
-      if (di * di + dj * dj > reach * reach || largest.get(c, 0) == 0) continue;
+      const int distance = di * di + dj * dj;
+      if (distance > reach * reach || largest.get(c, 0) == 0) continue;
       const double room = clearance(free, c, 3.0);
-      if (room > most_room) {
-        most_room = room;
-        best = c;
-      }
+      if (room < most_room || (room == most_room && distance >= nearest)) continue;
+      most_room = room;
+      nearest = distance;
+      best = c;
     }
   }
   Pose start;

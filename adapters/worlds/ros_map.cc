@@ -124,25 +124,42 @@ std::uint32_t big_endian(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-/// The decoder fills what is missing with anything, so a PNG must be whole before it is decoded.
-void check_png(const std::string& path, std::string_view bytes) {
+/// CRC-32 of ISO 3309, as PNG uses it.
+std::uint32_t crc32(std::string_view bytes) {
+  std::uint32_t crc = 0xffffffffu;
+  for (const char c : bytes) {
+    crc ^= static_cast<unsigned char>(c);
+    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (0xedb88320u & (0u - (crc & 1u)));
+  }
+  return ~crc;
+}
+
+/// The chunks of a PNG that say what its pixels are, each checked: the decoder would fill what is
+/// missing with anything, and complains on standard error of colour profiles that do not matter
+/// here.
+std::string checked_png(const std::string& path, std::string_view bytes) {
   constexpr std::size_t kSignature = 8;
-  std::size_t at = kSignature;
-  bool first = true;
-  while (true) {
+  std::string kept(bytes.substr(0, kSignature));
+  for (std::size_t at = kSignature;;) {
     if (at + 12 > bytes.size()) fail(path, "truncated PNG; expected its last chunk (IEND)");
     const std::uint32_t length = big_endian(bytes, at);
-    const std::string_view type = bytes.substr(at + 4, 4);
     if (length > bytes.size() - at - 12) {
       fail(path, "truncated or corrupt PNG; expected " + std::to_string(length) +
                      " bytes in a chunk at byte " + std::to_string(at));
     }
-    if (first) {
+    const std::string_view type = bytes.substr(at + 4, 4);
+    if (crc32(bytes.substr(at + 4, 4 + length)) != big_endian(bytes, at + 8 + length)) {
+      fail(path, "corrupt PNG: wrong checksum of the chunk at byte " + std::to_string(at) +
+                     "; expected an intact file");
+    }
+    if (at == kSignature) {
       if (type != "IHDR" || length != 13) fail(path, "corrupt PNG; expected an IHDR chunk first");
       check_size(path, big_endian(bytes, at + 8), big_endian(bytes, at + 12));
-      first = false;
     }
-    if (type == "IEND") return;
+    if (type == "IHDR" || type == "PLTE" || type == "IDAT" || type == "IEND" || type == "tRNS") {
+      kept += bytes.substr(at, 12 + static_cast<std::size_t>(length));
+    }
+    if (type == "IEND") return kept;
     at += 12 + static_cast<std::size_t>(length);
   }
 }
@@ -153,10 +170,10 @@ Image read_image(const std::string& path) {
   if (!bytes.starts_with("\x89PNG\r\n\x1a\n")) {
     fail(path, "not a binary PGM (P5) or PNG image; expected one of them");
   }
-  check_png(path, bytes);
+  std::string png = checked_png(path, bytes);
   cv::Mat mat;
   try {
-    const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+    const cv::Mat raw(1, static_cast<int>(png.size()), CV_8UC1, png.data());
     mat = cv::imdecode(raw, cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
     mat.release();
@@ -362,7 +379,7 @@ World world_from_ros_map(const std::string& path, const WorldOptions& options) {
   const double occupied = root.number("occupied_thresh", 0.65, 0.0, 1.0, "1", "occupied above");
   const double free = root.number("free_thresh", 0.196, 0.0, 1.0, "1", "free below");
   root.choice("mode", "trinary", {"trinary", "scale"}, "meaning of values between the thresholds");
-  if (std::abs(origin[2]) > 1e-9) {
+  if (origin[2] != 0.0) {
     root.problem("origin", "a rotated map (yaw not 0); expected yaw 0");
   }
   if (free > occupied) {

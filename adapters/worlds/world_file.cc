@@ -52,13 +52,11 @@ struct Textures {
 };
 
 Rectangle read_box(YamlMap& map) {
+  const std::size_t before = map.problem_count();
   const std::vector<double> v = map.required_numbers("box", 4, -kFarthest, kFarthest, "m",
                                                      "x_min, y_min, x_max, y_max on the ground");
-  if (map.has("box") && !(v[0] < v[2] && v[1] < v[3])) {
-    // An entry that could not be read has been reported and stands as equal numbers.
-    if (v[0] != v[2] || v[1] != v[3] || v[0] != -kFarthest) {
-      map.problem("box", "an empty box; expected x_min < x_max and y_min < y_max");
-    }
+  if (map.problem_count() == before && !(v[0] < v[2] && v[1] < v[3])) {
+    map.problem("box", "an empty box; expected x_min < x_max and y_min < y_max");
   }
   return {{v[0], v[1]}, {v[2], v[3]}};
 }

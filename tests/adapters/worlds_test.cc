@@ -1,0 +1,566 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <octomap/OcTree.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <random>
+
+#include "adapters/config/input_error.h"
+#include "adapters/worlds/builtin_worlds.h"
+#include "adapters/worlds/load_world.h"
+#include "adapters/worlds/octree_file.h"
+#include "adapters/worlds/octree_world.h"
+#include "adapters/worlds/reachable_area.h"
+#include "adapters/worlds/ros_map.h"
+#include "adapters/worlds/world_file.h"
+
+namespace prospect {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+
+/// A folder that is removed at the end of the test.
+class Worlds : public ::testing::Test {
+ protected:
+  Worlds() {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(::testing::TempDir()) / (std::string("worlds test ") + info->name());
+    fs::create_directories(folder_);
+  }
+  ~Worlds() override { fs::remove_all(folder_); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string write(const std::string& name, const std::string& bytes) const {
+    std::ofstream(path(name), std::ios::binary) << bytes;
+    return path(name);
+  }
+  fs::path folder_;
+};
+
+/// The single line of the InputError that loading gives.
+std::string refusal(const std::string& name, const WorldOptions& options = {}) {
+  try {
+    load_world(name, options);
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.lines().size(), 1u) << e.what();
+    EXPECT_THAT(e.what(), HasSubstr("expected"));
+    return e.what();
+  }
+  ADD_FAILURE() << name << " was accepted";
+  return "";
+}
+
+void expect_sound(const World& world) {
+  const VoxelGrid& v = world.voxels;
+  ASSERT_EQ(v.k0(), -1);
+  const GridFrame& frame = v.frame();
+  for (int n = 0; n < frame.size(); ++n) {
+    const Cell c = frame.at(n);
+    if (v.state(c.i, c.j, 0) == CellState::kFree) {
+      ASSERT_EQ(v.state(c.i, c.j, -1), CellState::kOccupied) << "no floor under free space";
+    }
+  }
+  if (!world.texture_class.empty()) {
+    ASSERT_EQ(world.texture_class.size(), v.data().size());
+    for (const std::uint8_t c : world.texture_class) ASSERT_LT(c, world.texture_density.size());
+  }
+  const Grid<std::uint8_t> standing = standing_columns(v, {});
+  ASSERT_EQ(standing.get(frame.cell(world.start.position.x(), world.start.position.y()), 0), 1);
+  ASSERT_EQ(world.start.position.z(), 0.0);
+}
+
+std::string pgm(int width, int height, const std::string& pixels) {
+  return "P5\n# made by a test\n" + std::to_string(width) + " " + std::to_string(height) +
+         "\n255\n" + pixels;
+}
+
+/// A white room with a black wall, grey around.
+std::string room_pixels(int width, int height, int white = 254, int grey = 205) {
+  std::string pixels;
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const int edge = std::min({x, y, width - 1 - x, height - 1 - y});
+      pixels += static_cast<char>(edge < 5 ? grey : edge < 7 ? 0 : white);
+    }
+  }
+  return pixels;
+}
+
+int count(const World& world, int k, CellState state) {
+  int n = 0;
+  const GridFrame& frame = world.voxels.frame();
+  for (int m = 0; m < frame.size(); ++m) {
+    n += world.voxels.state(frame.at(m).i, frame.at(m).j, k) == state;
+  }
+  return n;
+}
+
+// --- built-in worlds and world files
+// ---------------------------------------------------------------
+
+TEST_F(Worlds, BuiltInsAreSoundAndWhollyReachable) {
+  const std::map<std::string, std::pair<double, double>> area = {
+      {"office", {150, 200}}, {"corridor", {110, 140}}, {"loop", {90, 130}}};
+  for (const std::string& name : builtin_world_names()) {
+    const World world = load_world(name);
+    expect_sound(world);
+    EXPECT_EQ(world.name, name);
+    EXPECT_EQ(world.voxels.resolution(), 0.1);
+    EXPECT_FALSE(world.texture_class.empty());
+    EXPECT_FALSE(builtin_world_summary(name).empty());
+    const ReachableArea reachable = reachable_area(world);
+    EXPECT_GT(reachable.area, area.at(name).first);
+    EXPECT_LT(reachable.area, area.at(name).second);
+    EXPECT_GT(reachable.area, 0.99 * describe(world, {}).free_area) << "a room cannot be entered";
+  }
+}
+
+TEST_F(Worlds, BuiltInsCanBeCopiedAndEdited) {
+  const World built_in = load_world("office");
+  const World copy = load_world(write("office.yaml", builtin_world_text("office")));
+  EXPECT_EQ(copy.voxels.data(), built_in.voxels.data());
+  EXPECT_EQ(copy.texture_class, built_in.texture_class);
+}
+
+TEST_F(Worlds, CorridorHasAWhiteShortcutAndATexturedDetour) {
+  const World world = load_world("corridor");
+  const auto wall_above = [&](double x, double y) {
+    Cell c = world.voxels.frame().cell(x, y);
+    while (!world.solid(c.i, c.j, 5)) ++c.j;
+    return texture_density(world, c.i, c.j, 5, 1);
+  };
+  EXPECT_EQ(wall_above(10.0, 3.0), 0.0);
+  EXPECT_EQ(wall_above(10.0, 10.0), 40.0);
+  EXPECT_EQ(texture_density(world, 100, 30, -1, 1), 0.0) << "the shortcut's floor is white, too";
+  EXPECT_EQ(texture_density(world, 100, 100, -1, 1), 35.0);
+}
+
+TEST_F(Worlds, WorldFileGivesEachSurfaceItsTexture) {
+  const World world = world_from_yaml(
+      "textures: {a: 1, b: 2, c: 3, d: 4, e: 5}\n"
+      "rooms: [{box: [0, 0, 2, 2], walls: a, east: b, floor: c}]\n"
+      "furniture: [{box: [1, 1, 1.3, 1.3], z: [0.2, 0.5], texture: d}]\n",
+      "w");
+  const auto at = [&](int i, int j, int k) { return texture_density(world, i, j, k, 0); };
+  EXPECT_EQ(at(20, 10, 5), 2.0) << "east";
+  EXPECT_EQ(at(-1, 10, 5), 1.0);
+  EXPECT_EQ(at(10, 20, 5), 1.0);
+  EXPECT_EQ(at(5, 5, -1), 3.0);
+  EXPECT_EQ(at(11, 11, 3), 4.0);
+  EXPECT_EQ(world.voxels.state(11, 11, 3), CellState::kOccupied);
+  EXPECT_EQ(world.voxels.state(11, 11, 1), CellState::kFree) << "below the box";
+  EXPECT_EQ(world.voxels.state(11, 11, 5), CellState::kFree) << "above it";
+  EXPECT_EQ(world.voxels.state(21, 10, 0), CellState::kOccupied);
+  EXPECT_EQ(world.voxels.state(22, 10, 0), CellState::kUnknown) << "beyond the wall";
+}
+
+TEST_F(Worlds, WorldFileReportsAllItsProblems) {
+  const std::string file =
+      write("bad.yaml",
+            "resolution: .nan\ntextures: {brick: -1}\nrooms:\n  - {box: [2, 0, 1, 1], walls: brik, "
+            "floor: brick}\n  - {box: [0, 0, 1], walls: brick, floor: brick, colour: red}\nstart: "
+            "[0, 0]\n"
+            "door: []\n");
+  try {
+    load_world(file);
+    FAIL();
+  } catch (const InputError& e) {
+    const std::string all = e.what();
+    EXPECT_EQ(e.lines().size(), 8u) << all;
+    EXPECT_THAT(all, HasSubstr("bad.yaml:1: resolution: is '.nan'"));
+    EXPECT_THAT(all, HasSubstr(":2: textures.brick: is '-1'"));
+    EXPECT_THAT(all, HasSubstr("rooms[0].box: an empty box"));
+    EXPECT_THAT(all, HasSubstr("is 'brik' (did you mean 'brick'?)"));
+    EXPECT_THAT(all, HasSubstr("rooms[1].box: has 3 entries"));
+    EXPECT_THAT(all, HasSubstr("unknown key 'rooms[1].colour'"));
+    EXPECT_THAT(all, HasSubstr(":6: start: has 2 entries"));
+    EXPECT_THAT(all, HasSubstr(":7: unknown key 'door' (did you mean 'doors'?)"));
+  }
+  EXPECT_THROW(load_world(write("empty.yaml", "")), InputError);
+  EXPECT_THROW(world_from_yaml("resolution: 0.02\ntextures: {a: 1}\nrooms: [{box: [-1000, -1000, "
+                               "1000, 1000], walls: a, floor: a}]\n",
+                               "w"),
+               InputError);
+}
+
+// --- start
+// -----------------------------------------------------------------------------------------
+
+TEST_F(Worlds, StartInsideAWallIsRefused) {
+  WorldOptions options;
+  options.start = Pose{{0.0, -0.1, 0.0}, 0.0};
+  EXPECT_THAT(refusal("office", options), HasSubstr("lies inside a wall"));
+  options.start = Pose{{10.0, 4.95, 0.0}, 0.0};
+  EXPECT_THAT(refusal("office", options), HasSubstr("m of room"));
+  options.start = Pose{{1e5, 0.0, 0.0}, 0.0};
+  EXPECT_THAT(refusal("office", options), HasSubstr("outside the map"));
+  options.start = Pose{{std::nan(""), 0.0, 0.0}, 0.0};
+  EXPECT_THAT(refusal("office", options), HasSubstr("not finite"));
+  options.start = Pose{{1.0, 5.3, 7.0}, 1.5};
+  const World world = load_world("office", options);
+  EXPECT_EQ(world.start.position.z(), 0.0);
+  EXPECT_EQ(world.start.yaw, 1.5);
+}
+
+TEST_F(Worlds, DefaultStartStandsInTheLargestSpace) {
+  const World world = world_from_yaml(
+      "textures: {a: 1}\nrooms:\n  - {box: [0, 0, 2, 2], walls: a, floor: a}\n"
+      "  - {box: [10, 0, 16, 4], walls: a, floor: a}\n",
+      "w");
+  World placed = world;
+  place_start(placed, {}, std::nullopt, false);
+  EXPECT_NEAR(placed.start.position.x(), 13.0, 0.2);
+  EXPECT_NEAR(placed.start.position.y(), 2.0, 0.2);
+  BodySlice wide;
+  wide.standing_clearance = 3.0;
+  EXPECT_THROW(place_start(placed, wide, std::nullopt, false), InputError);
+}
+
+TEST_F(Worlds, UnknownNamesAndPathsAreRefused) {
+  EXPECT_THAT(refusal("ofice"), HasSubstr("unknown world 'ofice' (did you mean 'office'?)"));
+  EXPECT_THAT(refusal("warehouse"), HasSubstr("expected one of: office, corridor, loop"));
+  EXPECT_THAT(refusal(""), HasSubstr("unknown world ''"));
+  EXPECT_THAT(refusal(path("none.bt")), HasSubstr("no such file"));
+  EXPECT_THAT(refusal(folder_.string()), HasSubstr("is a directory"));
+  fs::create_directory(path("folder.bt"));
+  EXPECT_THAT(refusal(path("folder.bt")), HasSubstr("is a directory"));
+  EXPECT_THAT(refusal(write("x.txt", "x")), HasSubstr("unknown kind of file '.txt'"));
+  for (const char* name : {"e.bt", "e.ot", "e.pgm", "e.png", "e.map"}) {
+    EXPECT_THAT(refusal(write(name, "")), HasSubstr(std::string(name) + ": empty file"));
+  }
+}
+
+// --- images
+// ----------------------------------------------------------------------------------------
+
+TEST_F(Worlds, RosMapIsExtruded) {
+  write("map.pgm", pgm(60, 50, room_pixels(60, 50)));
+  const std::string yaml =
+      write("map.yaml",
+            "image: map.pgm\nresolution: 0.1\norigin: [-1.04, 2, 0]\nnegate: 0\n"
+            "occupied_thresh: 0.65\nfree_thresh: 0.25\n");
+  const World world = load_world(yaml);
+  expect_sound(world);
+  const GridFrame& frame = world.voxels.frame();
+  EXPECT_EQ(frame.i0, -10);
+  EXPECT_EQ(frame.j0, 20);
+  EXPECT_EQ(frame.width, 60);
+  EXPECT_EQ(frame.height, 50);
+  EXPECT_EQ(world.voxels.depth(), 21) << "2 m and the floor";
+  EXPECT_EQ(count(world, 0, CellState::kFree), 46 * 36);
+  EXPECT_EQ(count(world, 19, CellState::kFree), 46 * 36);
+  EXPECT_EQ(count(world, 0, CellState::kOccupied), 50 * 40 - 46 * 36);
+  EXPECT_EQ(count(world, 0, CellState::kUnknown), 60 * 50 - 50 * 40) << "205 although below 0.25";
+  EXPECT_EQ(count(world, -1, CellState::kOccupied), 50 * 40);
+  EXPECT_TRUE(world.texture_class.empty());
+}
+
+TEST_F(Worlds, ImageRowsRunDownward) {
+  std::string pixels = room_pixels(60, 50);
+  pixels[12 * 60 + 30] = 0;  // near the top
+  const World world = load_world(write("m.pgm", pgm(60, 50, pixels)), [] {
+    WorldOptions options;
+    options.pixel_size = 0.1;
+    return options;
+  }());
+  EXPECT_EQ(world.voxels.state(30, 37, 0), CellState::kOccupied);
+  EXPECT_EQ(world.voxels.state(30, 12, 0), CellState::kFree);
+}
+
+TEST_F(Worlds, FineMapsAreMergedConservatively) {
+  std::string pixels = room_pixels(61, 51);
+  pixels[25 * 61 + 30] = 0;
+  WorldOptions options;
+  options.pixel_size = 0.05;
+  const std::string file = write("m.pgm", pgm(61, 51, pixels));
+  const World coarse = load_world(file, options);
+  EXPECT_NEAR(coarse.voxels.resolution(), 0.1, 1e-12);
+  EXPECT_EQ(coarse.voxels.frame().width, 31);
+  EXPECT_EQ(coarse.voxels.state(15, 12, 3), CellState::kOccupied) << "one pixel of four";
+  options.image_resolution = 0.0;
+  const World fine = load_world(file, options);
+  EXPECT_EQ(fine.voxels.frame().width, 61);
+  const GridFrame& frame = coarse.voxels.frame();
+  for (int n = 0; n < frame.size(); ++n) {
+    const Cell c = frame.at(n);
+    bool any_occupied = false, all_free = true;
+    for (int q = 0; q < 4; ++q) {
+      const int i = 2 * c.i + q % 2, j = 2 * c.j + q / 2;
+      if (i >= 61 || j >= 51) continue;
+      any_occupied = any_occupied || fine.voxels.state(i, j, 0) == CellState::kOccupied;
+      all_free = all_free && fine.voxels.state(i, j, 0) == CellState::kFree;
+    }
+    ASSERT_EQ(coarse.voxels.state(c.i, c.j, 0), any_occupied ? CellState::kOccupied
+                                                : all_free   ? CellState::kFree
+                                                             : CellState::kUnknown);
+  }
+}
+
+TEST_F(Worlds, DrawnPlansOfAnyDepthAndChannelsAreTheSame) {
+  const std::string pixels = room_pixels(80, 70, 255, 178);
+  cv::Mat grey(70, 80, CV_8UC1);
+  std::copy(pixels.begin(), pixels.end(), reinterpret_cast<char*>(grey.data));
+  const cv::Mat opaque(70, 80, CV_8UC1, cv::Scalar(255));
+  cv::Mat colour, alpha, deep;
+  cv::merge(std::vector<cv::Mat>{grey, grey, grey}, colour);
+  cv::merge(std::vector<cv::Mat>{grey, grey, grey, opaque}, alpha);
+  grey.convertTo(deep, CV_16U, 257.0);
+  std::vector<World> worlds;
+  int n = 0;
+  for (const cv::Mat& image : {grey, colour, alpha, deep}) {
+    const std::string file = path("plan" + std::to_string(n++) + ".png");
+    ASSERT_TRUE(cv::imwrite(file, image));
+    worlds.push_back(load_world(file));
+    expect_sound(worlds.back());
+    EXPECT_EQ(worlds.back().voxels.data(), worlds.front().voxels.data());
+  }
+  EXPECT_GT(count(worlds[0], 0, CellState::kUnknown), 0) << "178 fills a good part: unknown";
+  // A fully transparent pixel is unknown whatever its colour.
+  cv::Mat half = alpha.clone();
+  for (int y = 20; y < 30; ++y) {
+    for (int x = 20; x < 30; ++x) half.ptr(y)[4 * x + 3] = 0;
+  }
+  ASSERT_TRUE(cv::imwrite(path("half.png"), half));
+  EXPECT_EQ(count(load_world(path("half.png")), 0, CellState::kFree),
+            count(worlds[0], 0, CellState::kFree) - 25);
+}
+
+TEST_F(Worlds, ImagesOfWrongSizeOrBrokenAreRefused) {
+  const std::string good = pgm(60, 50, room_pixels(60, 50));
+  EXPECT_THAT(refusal(write("short.pgm", good.substr(0, good.size() - 7))),
+              HasSubstr("2993 bytes of pixels; expected 3000 for 60 x 50"));
+  EXPECT_THAT(refusal(write("long.pgm", good + "x")), HasSubstr("3001 bytes of pixels"));
+  EXPECT_THAT(refusal(write("zero.pgm", pgm(0, 50, ""))), HasSubstr("0 x 50"));
+  EXPECT_THAT(refusal(write("huge.pgm", pgm(2000000000, 2000000000, ""))), HasSubstr("at most"));
+  EXPECT_THAT(refusal(write("deep.pgm", "P5 2 2 65535\n12345678")), HasSubstr("largest value"));
+  EXPECT_THAT(refusal(write("text.pgm", "P2 1 1 255 0")), HasSubstr("not a binary PGM"));
+  EXPECT_THAT(refusal(write("ff.png", std::string(5000, '\xff'))), HasSubstr("PNG"));
+  cv::Mat image(50, 60, CV_8UC1, cv::Scalar(255));
+  std::vector<std::uint8_t> png;
+  ASSERT_TRUE(cv::imencode(".png", image, png));
+  const std::string bytes(png.begin(), png.end());
+  EXPECT_THAT(refusal(write("cut.png", bytes.substr(0, bytes.size() - 20))),
+              HasSubstr("truncated"));
+  EXPECT_THAT(refusal(write("black.pgm", pgm(60, 50, std::string(3000, '\0')))),
+              HasSubstr("no free cell"));
+}
+
+TEST_F(Worlds, MutatedImagesAreRefusedOrSound) {
+  cv::Mat image(40, 40, CV_8UC1, cv::Scalar(255));
+  std::vector<std::uint8_t> png;
+  ASSERT_TRUE(cv::imencode(".png", image, png));
+  const std::string sources[] = {pgm(40, 40, std::string(1600, '\xff')),
+                                 std::string(png.begin(), png.end())};
+  std::mt19937_64 random(5);
+  int accepted = 0;
+  for (int n = 0; n < 300; ++n) {
+    std::string bytes = sources[n % 2];
+    const std::size_t header = std::min<std::size_t>(bytes.size(), 60);
+    for (std::uint64_t e = 0; e <= random() % 3; ++e) {
+      bytes[random() % header] = static_cast<char>(random() & 0xff);
+    }
+    if (n % 5 == 0) bytes.resize(random() % bytes.size());
+    const std::string file = write(n % 2 ? "m.png" : "m.pgm", bytes);
+    try {
+      expect_sound(load_world(file));
+      ++accepted;
+    } catch (const InputError& e) {
+      ASSERT_EQ(e.lines().size(), 1u);
+    }
+  }
+  EXPECT_LT(accepted, 300);
+}
+
+TEST_F(Worlds, RosYamlIsStrict) {
+  write("map.pgm", pgm(60, 50, room_pixels(60, 50)));
+  const std::string good = "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n";
+  EXPECT_NO_THROW(load_world(write("m.yaml", good)));
+  EXPECT_THAT(refusal(write("m.yaml", good + "occupied_tresh: 0.6\n")),
+              HasSubstr("(did you mean 'occupied_thresh'?)"));
+  EXPECT_THAT(refusal(write("m.yaml", "image: map.pgm\nresolution: 0\norigin: [0, 0, 0]\n")),
+              HasSubstr("m.yaml:2: resolution"));
+  EXPECT_THAT(refusal(write("m.yaml", "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 1]\n")),
+              HasSubstr("rotated"));
+  EXPECT_THAT(refusal(write("m.yaml", "image: map.pgm\nresolution: 0.1\n")),
+              HasSubstr("origin: missing"));
+  EXPECT_THAT(refusal(write("m.yaml", good + "mode: raw\n")), HasSubstr("trinary, scale"));
+}
+
+TEST_F(Worlds, AbsentImageIsReplacedByTheOnlyOneOrNamed) {
+  const std::string text = "image: other.png\nresolution: 0.1\norigin: [0, 0, 0]\n";
+  const std::string yaml = write("map.yaml", text);
+  EXPECT_THAT(refusal(yaml), HasSubstr("map.yaml:1: image 'other.png' is absent"));
+  write("a.pgm", pgm(60, 50, room_pixels(60, 50)));
+  EXPECT_EQ(load_world(yaml).voxels.frame().width, 60);
+  write("b.pgm", pgm(70, 50, room_pixels(70, 50)));
+  EXPECT_THAT(refusal(yaml), HasSubstr("is absent"));
+  write("map.pgm", pgm(80, 50, room_pixels(80, 50)));
+  EXPECT_EQ(load_world(yaml).voxels.frame().width, 80);
+}
+
+TEST_F(Worlds, MovingAiGridsAreRead) {
+  std::string rows;
+  for (int j = 0; j < 30; ++j) {
+    for (int i = 0; i < 40; ++i)
+      rows += i < 2 || j < 2 || i > 37 || j > 27 ? '@' : j == 5 && i < 20 ? 'T' : '.';
+    rows += '\n';
+  }
+  const std::string head = "type octile\nheight 30\nwidth 40\nmap\n";
+  WorldOptions options;
+  options.pixel_size = 0.1;
+  const World world = load_world(write("m.map", head + rows), options);
+  expect_sound(world);
+  EXPECT_EQ(world.voxels.state(10, 24, 0), CellState::kOccupied);
+  EXPECT_EQ(world.voxels.state(30, 24, 0), CellState::kFree);
+  EXPECT_THAT(refusal(write("m.map", head + rows.substr(41))), HasSubstr("29 rows; expected 30"));
+  EXPECT_THAT(refusal(write("m.map", head + "x" + rows.substr(1))),
+              HasSubstr("m.map:5: a cell of unknown kind"));
+  EXPECT_THAT(refusal(write("m.map", head + rows.substr(1))), HasSubstr("m.map:5: 39 cells"));
+  EXPECT_THAT(refusal(write("m.map", "type octile\nheight -3\nwidth 40\nmap\n")), HasSubstr("-3"));
+  EXPECT_THAT(refusal(write("m.map", "hello\n")), HasSubstr("not a MovingAI grid"));
+}
+
+// --- octrees
+// ---------------------------------------------------------------------------------------
+
+void put(octomap::OcTree& tree, int i, int j, int k, bool occupied) {
+  tree.setNodeValue(octomap::OcTreeKey(static_cast<octomap::key_type>(32768 + i),
+                                       static_cast<octomap::key_type>(32768 + j),
+                                       static_cast<octomap::key_type>(32768 + k)),
+                    occupied ? 3.5f : -2.0f);
+}
+
+/// A room with its floor's surface at z = -0.2 m; voxels that `known` refuses are left out.
+octomap::OcTree octree_room(
+    bool with_floor,
+    const std::function<bool(int, int, int)>& known = [](int, int, int) { return true; }) {
+  octomap::OcTree tree(0.1);
+  for (int i = -15; i < 25; ++i) {
+    for (int j = -10; j < 20; ++j) {
+      const bool wall = i == -15 || i == 24 || j == -10 || j == 19;
+      if (with_floor) put(tree, i, j, -3, true);
+      for (int k = -2; k < 20; ++k) {
+        if (known(i, j, k)) put(tree, i, j, k, wall || (k == 5 && i > 20));
+      }
+    }
+  }
+  return tree;
+}
+
+TEST_F(Worlds, OctreeFloorComesToZero) {
+  for (const bool with_floor : {true, false}) {
+    octomap::OcTree tree = octree_room(with_floor);
+    tree.toMaxLikelihood();
+    tree.prune();
+    const std::string file = path("room.bt");
+    write_octree(tree, file);
+    const World world = load_world(file);
+    expect_sound(world);
+    EXPECT_NEAR(world.source_floor_height, -0.2, 1e-9);
+    EXPECT_EQ(world.voxels.state(0, 0, -1), CellState::kOccupied);
+    EXPECT_EQ(world.voxels.state(0, 0, 0), CellState::kFree);
+    EXPECT_EQ(world.voxels.state(22, 0, 7), CellState::kOccupied) << "the table, moved by 2 voxels";
+    EXPECT_EQ(world.voxels.state(22, 0, 6), CellState::kFree);
+    EXPECT_EQ(count(world, 3, CellState::kFree), 38 * 28);
+    EXPECT_NEAR(world.start.position.x(), 0.5, 0.6);
+  }
+}
+
+TEST_F(Worlds, OctreePocketsOfTheSensorAreFreeOthersStayUnknown) {
+  const octomap::OcTree tree = octree_room(true, [](int i, int j, int k) {
+    const auto block = [&](int i0, int k0) {
+      return i >= i0 && i < i0 + 3 && j >= 0 && j < 3 && k >= k0 && k < k0 + 2;
+    };
+    // Amid free space; under the table; at the border of what is known.
+    return !block(0, 3) && !block(21, 3) && !block(8, 18);
+  });
+  const World world = world_from_octree(tree, "room");
+  EXPECT_EQ(world.voxels.state(1, 1, 5), CellState::kFree);
+  EXPECT_EQ(world.voxels.state(22, 1, 5), CellState::kUnknown);
+  EXPECT_EQ(world.voxels.state(9, 1, 21), CellState::kUnknown);
+  OctreeWorldOptions options;
+  options.max_pocket = 0.01;
+  EXPECT_EQ(world_from_octree(tree, "room", options).voxels.state(1, 1, 5), CellState::kUnknown);
+}
+
+TEST_F(Worlds, OctreeWithoutFreeSpaceOrTooLargeIsRefused) {
+  octomap::OcTree tree(0.1);
+  EXPECT_THROW(world_from_octree(tree, "x"), InputError);
+  put(tree, 0, 0, 0, true);
+  EXPECT_THROW(world_from_octree(tree, "x"), InputError);
+  put(tree, 1, 0, 0, false);
+  EXPECT_NO_THROW(world_from_octree(tree, "x"));
+  put(tree, -30000, -30000, -30000, false);
+  put(tree, 30000, 30000, 30000, false);
+  EXPECT_THROW(world_from_octree(tree, "x"), InputError);
+}
+
+// --- texture
+// ---------------------------------------------------------------------------------------
+
+TEST_F(Worlds, PatchyTextureHasItsSharesAndPatches) {
+  World world = load_world("office");
+  world.texture_class.clear();
+  double rich = 0, poor = 0, blank = 0, all = 0;
+  double runs = 0, length = 0;
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    for (int j = -500; j < 500; j += 50) {
+      double previous = -1.0;
+      for (int i = -300; i < 300; ++i) {
+        const double d = texture_density(world, i, j, 5, seed);
+        rich += d == 40.0;
+        poor += d == 2.0;
+        blank += d == 0.0;
+        ++all;
+        runs += d != previous;
+        length += 0.1;
+        previous = d;
+      }
+    }
+  }
+  EXPECT_EQ(rich + poor + blank, all);
+  EXPECT_NEAR(rich / all, 0.5, 0.03);
+  EXPECT_NEAR(poor / all, 0.3, 0.03);
+  EXPECT_NEAR(blank / all, 0.2, 0.03);
+  EXPECT_GT(length / runs, 2.0) << "mean length of a patch along a line [m]";
+  EXPECT_LT(length / runs, 5.0);
+  EXPECT_EQ(texture_density(world, 3, 4, 5, 9), texture_density(world, 3, 4, 5, 9));
+  EXPECT_TRUE(std::isfinite(texture_density(world, 2000000000, -2000000000, 0, 1)));
+}
+
+// --- real maps
+// -------------------------------------------------------------------------------------
+
+TEST_F(Worlds, RealMapsLoadAndCanBeExplored) {
+  const fs::path data = PROSPECT_SHARED_DATA;
+  if (!fs::exists(data / "maps2d")) GTEST_SKIP() << "no shared data: " << data;
+  int loaded = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(data)) {
+    const std::string e = entry.path().extension().string();
+    const std::string folder = entry.path().string();
+    const bool map2d =
+        folder.find("maps2d") != std::string::npos && (e == ".yaml" || e == ".png" || e == ".map");
+    const bool octree = e == ".bt" && folder.find("dw_nav2") == std::string::npos;
+    if (!map2d && !octree) continue;
+    SCOPED_TRACE(folder);
+    const World world = load_world(folder);
+    expect_sound(world);
+    EXPECT_GT(describe(world, {}).standing_area, 20.0);
+    ++loaded;
+  }
+  EXPECT_GE(loaded, 25);
+  // A slab of half a metre about the floor: there is no room for a body.
+  const std::string slab = (data / "octomap/dw_nav2/map.bt").string();
+  if (fs::exists(slab)) {
+    EXPECT_THAT(refusal(slab), HasSubstr("no place where the robot can stand"));
+  }
+}
+
+}  // namespace
+}  // namespace prospect
