@@ -11,6 +11,8 @@ namespace {
 
 constexpr int kSectors = 32;
 constexpr double kWidths = 4.0;  // logistic widths beyond a limit that still count
+// Range over depth in the corner of the image, for fields of view up to 96 degrees on the diagonal.
+constexpr double kRangeOverDepth = 1.5;
 
 double logistic(double x) { return 1.0 / (1.0 + std::exp(-x)); }
 
@@ -34,11 +36,13 @@ double visibility_bound(const Landmark& l, const Eigen::Vector3d& center, double
   const double distance = to_center.norm();
   const double nearest = std::max(0.0, distance - reach);
   const double farthest = distance + reach;
-  // Depth never exceeds range, so the far limits bind the nearest position, the near ones the
-  // farthest.
+  // The far limits bind the nearest position, the near ones the farthest; depth is at most the
+  // range.
+  const double least_depth = nearest / kRangeOverDepth;
   const double scale_near = nearest / l.creation_range;
   const double scale_far = farthest / l.creation_range;
-  if (nearest > p.r_max + kWidths * p.r_max_width || farthest < p.r_min - kWidths * p.r_min_width ||
+  if (least_depth > p.r_max + kWidths * p.r_max_width ||
+      farthest < p.r_min - kWidths * p.r_min_width ||
       scale_near > p.scale_max + kWidths * p.scale_width ||
       scale_far < p.scale_min - kWidths * p.scale_width) {
     return 0.0;
@@ -52,7 +56,7 @@ double visibility_bound(const Landmark& l, const Eigen::Vector3d& center, double
     angle = std::max(0.0, angle);
   }
   if (angle > p.view_angle + kWidths * p.view_angle_width) return 0.0;
-  return l.survival * logistic((p.r_max - nearest) / p.r_max_width) *
+  return l.survival * logistic((p.r_max - least_depth) / p.r_max_width) *
          logistic((p.scale_max - scale_near) / p.scale_width) *
          logistic((scale_far - p.scale_min) / p.scale_width) *
          logistic((p.view_angle - angle) / p.view_angle_width);

@@ -12,10 +12,10 @@ namespace prospect {
 ///
 /// A landmark can matter if some camera position in the ball of radius `reach` around the pose lies
 /// within its range of depths and scales and within its cone of views (limits widened by four
-/// logistic widths), and if it is finite with survival > 0. If more remain than `max_count`, they
-/// are taken in turn from 32 sectors of azimuth around the pose, the one with the largest bound on
-/// survival * P_range * P_view first, so that no direction is emptied in favour of another (our
-/// choice).
+/// logistic widths; fields of view up to 96 degrees on the diagonal), and if it is finite with
+/// survival > 0. If more remain than `max_count`, they are taken in turn from 32 sectors of azimuth
+/// around the pose, the one with the largest bound on survival * P_range * P_view first, so that no
+/// direction is emptied in favour of another (our choice).
 ///
 /// The result is ordered by azimuth around the pose (ties: by id), which lets the prediction skip
 /// runs of points behind the camera. Deterministic, and independent of the order in the map.

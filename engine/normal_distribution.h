@@ -10,21 +10,21 @@ namespace prospect {
 /// every vector width gives the same bits (as long as the compiler may not contract a * b + c, see
 /// cmake/Room.cmake).
 ///
-/// Errors, for all finite arguments (checked in tests/engine/normal_distribution_test.cc against
-/// long double):
+/// Errors, for all finite arguments unless said otherwise (checked against long double):
 ///                         double                       float
-///   exponential           5e-16 relative               2e-7 relative
+///   exponential           6e-16 relative               2e-7 relative
 ///   normal_density        1e-14 relative, |x| <= 12    2e-6 relative, |x| <= 5
 ///   normal_cdf            4e-16 absolute               2e-7 absolute
-///   normal_cdf, x < 0     1e-13 relative, |x| <= 12    2e-6 relative, |x| <= 5
-/// Beyond, the relative errors grow as x^2 times the machine precision, from rounding x^2 / 2.
+///   normal_cdf, x < 0     3e-14 relative, x > -3       2e-6 relative, x > -5
+///                         4e-6 relative, x > -37       1e-5 relative, x > -12
+/// The density's relative error grows as x^2 times the machine precision, from rounding x^2 / 2.
 /// Out of range arguments are clamped: the exponential beyond +-708 (double), +-87 (float), the
 /// normal distribution beyond |x| = 37.5 (double), 13 (float), where it is below 1e-300 (1e-38).
 ///
 /// Source: exponential, reduction by ln 2 and a polynomial interpolating at Chebyshev nodes; normal
 /// distribution, Hart et al., Computer Approximations, 5666, in the form of West, "Better
-/// approximations to cumulative normal functions", Wilmott (2005). Its rational part tends to
-/// 1 / (x sqrt(2 pi)), the asymptote of Mills' ratio, so it serves for all x.
+/// approximations to cumulative normal functions", Wilmott (2005). Its rational part, made for
+/// |x| < 7, tends to 0.39894228 / x, the asymptote of Mills' ratio, so it serves for all x.
 namespace normal_distribution_detail {
 
 template <typename T>

@@ -162,13 +162,14 @@ VisibilityPrediction::Stages& VisibilityPrediction::stages(TermScratch& scratch)
 VisibilityPrediction::VisibilityPrediction(const std::vector<Landmark>& landmarks,
                                            const StereoCamera& camera, const CameraMount& mount,
                                            std::shared_ptr<const OcclusionTable> occlusion,
-                                           const VisibilityParameters& parameters)
+                                           const VisibilityParameters& parameters,
+                                           const VisibilityKernel& kernel)
     : num_landmarks_(static_cast<int>(landmarks.size())),
       camera_(camera),
       mount_(mount),
       occlusion_(std::move(occlusion)),
       parameters_(parameters),
-      kernel_(best_visibility_kernel()) {
+      kernel_(kernel) {
   check(parameters, camera);
   if (!mount.T_BC.matrix().allFinite()) {
     throw std::invalid_argument(std::string(kOwner) + ": camera mount is not finite");
@@ -177,6 +178,12 @@ VisibilityPrediction::VisibilityPrediction(const std::vector<Landmark>& landmark
     throw std::invalid_argument(std::string(kOwner) + ": the occlusion table has " +
                                 std::to_string(occlusion_->num_points()) + " points; expected " +
                                 std::to_string(num_landmarks_) + ", one per landmark");
+  }
+  for (std::size_t i = 0; occlusion_ && i < landmarks.size(); ++i) {
+    if (occlusion_->points()[i] != landmarks[i].position) {
+      refuse(landmarks[i], "is not point " + std::to_string(i) +
+                               " of the occlusion table; expected the same points in one order");
+    }
   }
 
   constexpr int kLanes = VisibilityBlock::kLanes;

@@ -84,10 +84,12 @@ class VisibilityPrediction {
   /// `landmarks`: in the order of the points of `occlusion` (null: nothing is occluded).
   /// Throws std::invalid_argument naming the entry, its value and what was expected: non-finite or
   /// non-PSD landmarks, survival outside [0, 1], non-positive widths or noise, an occlusion table
-  /// with another number of points.
+  /// of other points. `kernel`: any of available_visibility_kernels(), the result does not depend
+  /// on it.
   VisibilityPrediction(const std::vector<Landmark>& landmarks, const StereoCamera& camera,
                        const CameraMount& mount, std::shared_ptr<const OcclusionTable> occlusion,
-                       const VisibilityParameters& parameters);
+                       const VisibilityParameters& parameters,
+                       const VisibilityKernel& kernel = best_visibility_kernel());
 
   int num_landmarks() const { return num_landmarks_; }
   double near_depth() const { return constants_.near_depth; }
