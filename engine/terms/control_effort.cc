@@ -1,0 +1,43 @@
+#include "engine/terms/control_effort.h"
+
+#include <stdexcept>
+#include <string>
+
+#include "engine/terms/input_scale.h"
+
+namespace prospect {
+
+ControlEffort::ControlEffort(const Eigen::VectorXd& desired, const InputLimits& limits)
+    : desired_(desired), R_(input_scale(limits)) {
+  if (desired_.size() != R_.size()) {
+    throw std::invalid_argument("control effort: desired input has " +
+                                std::to_string(desired_.size()) + " entries; expected " +
+                                std::to_string(R_.size()));
+  }
+  if (!desired_.allFinite()) {
+    throw std::invalid_argument("control effort: desired input is not finite; expected numbers");
+  }
+}
+
+TermTraits ControlEffort::traits() const {
+  return {TermKind::kCost, Smoothness::kSmooth, true, "-",
+          "mean over stages, inputs relative to their bounds"};
+}
+
+void ControlEffort::evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
+                             TermOutput& out) const {
+  const int N = t.horizon.N, nu = static_cast<int>(R_.size());
+  const double mean = 1.0 / N;
+  out.value.row(0).setZero();
+  for (int k = 0; k < N; ++k) {
+    for (int j = 0; j < nu; ++j) {
+      const int row = k * nu + j;
+      out.value.row(0) += (mean * R_[j]) * (t.inputs.row(row) - desired_[j]).square();
+      if (request.gradient) {
+        out.input_gradient.row(row) += (2.0 * mean * R_[j]) * (t.inputs.row(row) - desired_[j]);
+      }
+    }
+  }
+}
+
+}  // namespace prospect

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "engine/term.h"
+
+namespace prospect {
+
+/// Effort and desired speed in one:  (1/N) sum_{k<N} |u_k - u_des|^2_R   [-],
+/// R as in input_scale(). Smooth; depends on the inputs alone.
+/// Thread-safety: immutable; needs no scratch.
+/// Source: formulation, section 7.
+class ControlEffort : public Term {
+ public:
+  /// `desired` has one entry per input, in its unit. Throws std::invalid_argument for a wrong size
+  /// or a non-finite entry.
+  ControlEffort(const Eigen::VectorXd& desired, const InputLimits& limits);
+
+  std::string_view name() const override { return "control_effort"; }
+  TermTraits traits() const override;
+  void evaluate(const TrajectoryBatch& trajectories, const TermRequest& request,
+                TermScratch* scratch, TermOutput& out) const override;
+
+ private:
+  Eigen::VectorXd desired_;
+  Eigen::VectorXd R_;
+};
+
+}  // namespace prospect

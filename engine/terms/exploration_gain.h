@@ -1,0 +1,85 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <string_view>
+
+#include "engine/exploration_targets.h"
+#include "engine/footprint_visibility.h"
+#include "engine/new_surface.h"
+#include "engine/term.h"
+#include "models/camera.h"
+
+namespace prospect {
+
+class OcclusionTable;
+
+/// Expected newly explored area over the horizon, relative to what there is to explore nearby:
+///
+///   gain = sum_c m_c (1 - prod_{k=1..N} (1 - eta q_ck e^{-t_k / tau})) / A_ref      [-], >= 0
+///
+/// q_ck is FootprintVisibility of target c at stage k, t_k = k dt. With independent looks the
+/// bracket is the probability that c is seen at least once, so no cell counts twice. The factor
+/// e^{-t/tau} is a time preference: without it looking later costs the same as looking now, and
+/// every replan defers again. Stage 0 is the present and cannot be chosen; it does not count.
+///
+/// The raw value is the gain, a reward: its weight in a Problem is negative (-w_e).
+/// The gradient runs over suffix products instead of dividing by (1 - eta q): exact for eta up
+/// to 1.
+///
+/// As NewSurface it predicts, without the time preference (that is a preference, not a
+/// probability),
+///   A_k = surface_per_area sum_c m_c eta q_ck prod_{0<j<k} (1 - eta q_cj) [m^2],   A_0 = 0.
+///
+/// Smoothness: C1. Thread-safety: immutable; concurrent calls need separate scratch. One scratch
+/// serves either interface, but add_gradient() must directly follow its evaluate().
+/// Non-finite poses give a NaN value, which rejects the candidate.
+/// Source: formulation, section 4 (gain) and section 3 (prior).
+class ExplorationGain : public Term, public NewSurface {
+ public:
+  struct Options {
+    double eta = 0.9;               ///< chance that a look in full view resolves a cell; in (0, 1)
+    double tau = 4.0;               ///< time preference [s]
+    double surface_per_area = 1.0;  ///< surface seen per newly explored ground area [-]
+    FootprintVisibility::Options visibility;
+  };
+
+  /// `table` holds exactly the targets' positions. Throws std::invalid_argument otherwise, or for
+  /// an option out of its range.
+  ExplorationGain(const ExplorationTargets& targets, const RgbdFootprint& footprint,
+                  const CameraMount& mount, std::shared_ptr<const OcclusionTable> table,
+                  const Options& options);
+  ExplorationGain(const ExplorationTargets& targets, const RgbdFootprint& footprint,
+                  const CameraMount& mount, std::shared_ptr<const OcclusionTable> table)
+      : ExplorationGain(targets, footprint, mount, std::move(table), Options()) {}
+
+  std::string_view name() const override { return "exploration_gain"; }
+  TermTraits traits() const override;
+  std::unique_ptr<TermScratch> make_scratch(const Horizon& horizon, int max_batch) const override;
+
+  void evaluate(const TrajectoryBatch& trajectories, const TermRequest& request,
+                TermScratch* scratch, TermOutput& out) const override;
+
+  void evaluate(const TrajectoryBatch& trajectories, int b, TermScratch* scratch,
+                double* area) const override;
+  void add_gradient(const TrajectoryBatch& trajectories, int b, TermScratch* scratch,
+                    const double* adjoint, TermOutput& out) const override;
+
+  int num_targets() const { return static_cast<int>(mass_.size()); }
+  double reference_area() const { return reference_area_; }
+
+ private:
+  struct Scratch;
+  /// Fills scratch with p_ck = eta q_ck e^{-t_k/tau} and the products before each stage.
+  void look(const TrajectoryBatch& t, int b, double tau, Scratch& s) const;
+  /// Adds d/dx of sum_k adjoint[k] sum_c m_c p_ck prod_{j<k} (1 - p_cj), times `scale`.
+  void add_adjoint(const TrajectoryBatch& t, int b, double tau, const double* adjoint, double scale,
+                   Scratch& s, TermOutput& out) const;
+
+  FootprintVisibility visibility_;
+  Eigen::ArrayXd mass_;
+  double reference_area_;
+  Options options_;
+};
+
+}  // namespace prospect
