@@ -14,9 +14,9 @@ namespace prospect {
 
 struct FeatureCameraOptions {
   StereoCamera stereo;
-  double min_depth = 0.4;        ///< [m], along the optical axis
-  double max_depth = 6.0;        ///< [m]
-  double max_view_angle = 1.13;  ///< [rad] between the surface normal and the ray to the camera
+  double min_depth = 0.4;       ///< [m], along the optical axis
+  double max_depth = 6.0;       ///< [m]
+  double max_view_angle = 1.2;  ///< [rad] between the surface normal and the ray to the camera
   /// The tracker keeps at most per_bucket features in each of columns x rows parts of the image,
   /// the ones already tracked first: 250 at most by default, spread over the image.
   int bucket_columns = 10;
