@@ -177,31 +177,33 @@ std::vector<Eigen::Vector2d> CostToGo::descend(const Eigen::Vector2d& start,
     go(f.center(nearest));
     cell = nearest;
   }
-  // The cell values on the way never rise, and within a cell V falls: it cannot run in a circle.
+  // Steps along the gradient must get below every V on the way so far, steps over cells below every
+  // cell taken so: it cannot run in a circle.
+  double lowest = std::numeric_limits<double>::infinity();
+  double lowest_cell = std::numeric_limits<double>::infinity();
   while (length < max_length) {
     const Eigen::Vector2d p = path.back();
     Eigen::Vector2d gradient;
-    const double here = value(p, gradient);
+    lowest = std::min(lowest, value(p, gradient));
     const double slope = gradient.norm();
     if (slope > 1e-9) {
       const Eigen::Vector2d q = p - gradient * (step / slope);
       const Cell next = f.cell(q.x(), q.y());
-      if (reached(next) && seconds_[next] <= seconds_[cell] && value(q) < here - 1e-9) {
-        const bool straight = next.i == cell.i || next.j == cell.j ||
-                              (reached({next.i, cell.j}) && reached({cell.i, next.j}));
-        if (straight) {
-          go(q);
-          cell = next;
-          continue;
-        }
+      const bool straight = next.i == cell.i || next.j == cell.j ||
+                            (reached({next.i, cell.j}) && reached({cell.i, next.j}));
+      if (reached(next) && straight && value(q) < lowest - 1e-9) {
+        go(q);
+        cell = next;
+        continue;
       }
     }
+    lowest_cell = std::min(lowest_cell, seconds_[cell]);
     Cell best = cell;
     double steepest = 0.0;
     for (int dj = -1; dj <= 1; ++dj) {
       for (int di = -1; di <= 1; ++di) {
         const Cell n{cell.i + di, cell.j + dj};
-        if ((di == 0 && dj == 0) || !reached(n)) continue;
+        if ((di == 0 && dj == 0) || !reached(n) || seconds_[n] >= lowest_cell) continue;
         if (di != 0 && dj != 0 && (!reached({n.i, cell.j}) || !reached({cell.i, n.j}))) continue;
         const double fall = (seconds_[cell] - seconds_[n]) / std::hypot(di, dj);
         if (fall > steepest) {

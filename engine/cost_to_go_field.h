@@ -29,9 +29,10 @@ struct CostToGoOptions {
 /// by the first-order upwind discretisation of the eikonal equation (fast marching) over passable
 /// cells: D(c) = min(source(c), F(a, b)), a, b the smaller of the neighbours along x and along y,
 ///   F = (a + b + sqrt(2 (r f)^2 - (a - b)^2)) / 2 if |a - b| < r f, else min(a, b) + r f.
-/// It overestimates: against the Euclidean distance from a point source, at d cells distance, by
-/// less than 0.6 r + 0.25 r ln(d) (tested); the direction of its gradient has no preferred axes,
-/// unlike that of an 8- or 16-neighbour Dijkstra search.
+/// It overestimates. In open space, d cells from a point source, the error against the Euclidean
+/// distance is between 0 and r (0.25 + 0.25 ln d), under 3.5 % beyond 30 cells (tested); it has no
+/// preferred axes, so its gradient points the right way, unlike that of an 8- or 16-neighbour
+/// search (up to 22 or 13 degrees off).
 ///
 /// F depends only on neighbours that are strictly lower, so the equations have one solution, and
 /// the order in which they are solved does not matter: update() repairs and solve_from_scratch()
