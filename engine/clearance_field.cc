@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -187,13 +188,23 @@ void ClearanceField::transform() {
         }
       } else {
         for (int i = 0; i < cells_.width; ++i, solid += cells_depth_) {
+          std::int16_t* out = along_z.data() + static_cast<std::ptrdiff_t>(i) * D;
+          // Most columns are of one kind throughout.
+          const auto depth = static_cast<std::size_t>(cells_depth_);
+          if (std::memchr(solid, wanted, depth) == nullptr) {
+            std::fill_n(out, D, kFar);
+            continue;
+          }
+          if (std::memchr(solid, 1 - wanted, depth) == nullptr) {
+            std::fill_n(out, D, std::int16_t{0});
+            continue;
+          }
           int last = -2 * M;
           for (int k = 0; k < cells_depth_; ++k) {
             if (solid[k] == wanted) last = k;
             below[static_cast<std::size_t>(k)] =
                 static_cast<std::int16_t>(std::min(k - last, M + 1));
           }
-          std::int16_t* out = along_z.data() + static_cast<std::ptrdiff_t>(i) * D;
           int next = cells_depth_ + 2 * M;
           for (int k = cells_depth_ - 1; k >= M; --k) {
             if (solid[k] == wanted) next = k;
@@ -238,24 +249,31 @@ void ClearanceField::transform() {
 
 void ClearanceField::correct() {
   coefficients_.resize(values_.size());
-  const std::ptrdiff_t step_i = depth_;
-  const std::ptrdiff_t step_j = static_cast<std::ptrdiff_t>(depth_) * nodes_.width;
+  const std::ptrdiff_t D = depth_;
+  const std::ptrdiff_t step_i = D;
+  const std::ptrdiff_t step_j = D * nodes_.width;
   const double* f = values_.data();
   double* c = coefficients_.data();
-  // Beyond the border f continues as a constant.
-  const auto convexity = [](const double* at, std::ptrdiff_t step, bool has_low, bool has_high) {
-    const double low = has_low ? at[-step] : *at;
-    const double high = has_high ? at[step] : *at;
-    return std::max(0.0, low - 2.0 * *at + high);
+  const auto convexity = [](double low, double at, double high) {
+    return std::max(0.0, low - 2.0 * at + high);
   };
   for (int j = 0; j < nodes_.height; ++j) {
-    for (int i = 0; i < nodes_.width; ++i) {
-      for (int k = 0; k < depth_; ++k, ++f, ++c) {
-        double bend = convexity(f, step_i, i > 0, i + 1 < nodes_.width) +
-                      convexity(f, step_j, j > 0, j + 1 < nodes_.height);
-        if (depth_ > 1) bend += convexity(f, 1, k > 0, k + 1 < depth_);
-        *c = *f - 0.125 * bend - options_.margin;
+    for (int i = 0; i < nodes_.width; ++i, f += D, c += D) {
+      // Beyond the border f continues as a constant: a missing neighbour is the node itself.
+      const double* left = i > 0 ? f - step_i : f;
+      const double* right = i + 1 < nodes_.width ? f + step_i : f;
+      const double* front = j > 0 ? f - step_j : f;
+      const double* back = j + 1 < nodes_.height ? f + step_j : f;
+      for (std::ptrdiff_t k = 0; k < D; ++k) {
+        c[k] = f[k] - options_.margin -
+               0.125 * (convexity(left[k], f[k], right[k]) + convexity(front[k], f[k], back[k]));
       }
+      if (D == 1) continue;
+      c[0] -= 0.125 * convexity(f[0], f[0], f[1]);
+      for (std::ptrdiff_t k = 1; k + 1 < D; ++k) {
+        c[k] -= 0.125 * convexity(f[k - 1], f[k], f[k + 1]);
+      }
+      c[D - 1] -= 0.125 * convexity(f[D - 2], f[D - 1], f[D - 1]);
     }
   }
 }
