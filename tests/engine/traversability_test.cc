@@ -40,7 +40,7 @@ TEST(Traversability, EqualsTheDistanceToEveryCellOneByOne) {
       const double limit = t.clearance_limit();
       EXPECT_GE(limit, t.options().comfortable_radius - 1e-9);
       int passable = 0, tight = 0, dear = 0;
-      for (int k = 0; k < t.frame().size(); k += 17) {
+      for (int k = 0; k < t.frame().size(); k += 7) {
         const Cell c = t.frame().at(k);
         const double occupied = slow_distance(map, c, CellState::kOccupied);
         const double unknown = std::min(slow_distance(map, c, CellState::kUnknown), limit);
@@ -57,7 +57,7 @@ TEST(Traversability, EqualsTheDistanceToEveryCellOneByOne) {
         if (unknown + slack < t.options().comfortable_radius) factor *= 1.5, ++dear;
         ASSERT_EQ(t.factor(c), static_cast<float>(factor));
       }
-      EXPECT_GT(passable, 20);
+      EXPECT_GT(passable, 10);
       EXPECT_GT(tight, 0);
       EXPECT_GT(dear, 0);
     }
