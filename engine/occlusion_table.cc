@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -22,6 +23,7 @@ class ChangedTiles {
  public:
   // Compares the columns of cells [lo, hi].
   ChangedTiles(const VoxelGrid& now, const VoxelGrid& before, Cell lo, Cell hi) {
+    per_meter_ = 1.0 / now.resolution();
     lo_ = {tile(lo.i), tile(lo.j)};
     nx_ = tile(hi.i) - lo_.i + 1;
     ny_ = tile(hi.j) - lo_.j + 1;
@@ -39,17 +41,55 @@ class ChangedTiles {
 
   bool any() const { return sums_.back() > 0; }
 
-  bool any(Cell from, Cell to) const {
-    const int a0 = clamp_x(std::min(from.i, to.i)), a1 = clamp_x(std::max(from.i, to.i)) + 1;
-    const int b0 = clamp_y(std::min(from.j, to.j)), b1 = clamp_y(std::max(from.j, to.j)) + 1;
-    return sums_[at(a1, b1)] - sums_[at(a0, b1)] - sums_[at(a1, b0)] + sums_[at(a0, b0)] > 0;
+  // Tile of a position, clamped into the compared rectangle.
+  Cell tile_at(const Eigen::Vector3d& p) const { return {tile_x(p.x()), tile_y(p.y())}; }
+
+  // Whether the segment may pass a changed tile, given the tiles of its ends (widened by a tile
+  // where an end lies on a face): by its bounding rectangle, then by those of its quarters.
+  bool any(const Eigen::Vector3d& from, Cell from_tile, const Eigen::Vector3d& to,
+           Cell to_tile) const {
+    if (!any_in(std::min(from_tile.i, to_tile.i) - 1, std::min(from_tile.j, to_tile.j) - 1,
+                std::max(from_tile.i, to_tile.i) + 1, std::max(from_tile.j, to_tile.j) + 1)) {
+      return false;
+    }
+    constexpr int kParts = 4;
+    double x = from.x(), y = from.y();
+    for (int n = 1; n <= kParts; ++n) {
+      const double f = static_cast<double>(n) / kParts;
+      const double next_x = from.x() + f * (to.x() - from.x());
+      const double next_y = from.y() + f * (to.y() - from.y());
+      if (any_between(x, y, next_x, next_y)) return true;
+      x = next_x;
+      y = next_y;
+    }
+    return false;
   }
 
  private:
   static constexpr int kShift = 3;
+
+  bool any_between(double x0, double y0, double x1, double y1) const {
+    // The margin covers the rounding of a ray along a face between two tiles.
+    constexpr double kMargin = 1e-6;
+    return any_in(tile_x(std::min(x0, x1) - kMargin), tile_y(std::min(y0, y1) - kMargin),
+                  tile_x(std::max(x0, x1) + kMargin), tile_y(std::max(y0, y1) + kMargin));
+  }
+  bool any_in(int a0, int b0, int a1, int b1) const {
+    a0 = std::max(a0, 0);
+    b0 = std::max(b0, 0);
+    a1 = std::min(a1 + 1, nx_);
+    b1 = std::min(b1 + 1, ny_);
+    return sums_[at(a1, b1)] - sums_[at(a0, b1)] - sums_[at(a1, b0)] + sums_[at(a0, b0)] > 0;
+  }
+
   static int tile(int cell) { return cell >> kShift; }
-  int clamp_x(int i) const { return std::clamp(tile(i) - lo_.i, 0, nx_ - 1); }
-  int clamp_y(int j) const { return std::clamp(tile(j) - lo_.j, 0, ny_ - 1); }
+  int cell(double p) const {
+    const double c = p * per_meter_;
+    const int truncated = static_cast<int>(c);
+    return truncated - (c < truncated);
+  }
+  int tile_x(double x) const { return std::clamp(tile(cell(x)) - lo_.i, 0, nx_ - 1); }
+  int tile_y(double y) const { return std::clamp(tile(cell(y)) - lo_.j, 0, ny_ - 1); }
   std::size_t at(int a, int b) const { return static_cast<std::size_t>(b * (nx_ + 1) + a); }
 
   static bool differs(const VoxelGrid& now, const VoxelGrid& before, int tx, int ty) {
@@ -58,13 +98,15 @@ class ChangedTiles {
     const auto whole_run = [&](const VoxelGrid& g, int j) {
       return g.frame().contains({i0, j}) && g.frame().contains({i0 + kSide - 1, j});
     };
-    const auto depth = static_cast<std::ptrdiff_t>(now.depth());
+    const auto depth = static_cast<std::size_t>(now.depth());
     for (int j = ty * kSide; j < (ty + 1) * kSide; ++j) {
       if (whole_run(now, j) && whole_run(before, j)) {
-        const auto a = now.data().begin() + static_cast<std::ptrdiff_t>(now.index(i0, j, now.k0()));
-        const auto b =
-            before.data().begin() + static_cast<std::ptrdiff_t>(before.index(i0, j, before.k0()));
-        if (!std::equal(a, a + kSide * depth, b)) return true;
+        static_assert(sizeof(CellState) == 1);
+        if (std::memcmp(now.data().data() + now.index(i0, j, now.k0()),
+                        before.data().data() + before.index(i0, j, before.k0()),
+                        static_cast<std::size_t>(kSide) * depth) != 0) {
+          return true;
+        }
         continue;
       }
       for (int i = i0; i < i0 + kSide; ++i) {
@@ -77,6 +119,7 @@ class ChangedTiles {
   }
 
   Cell lo_;
+  double per_meter_ = 1.0;
   int nx_ = 0, ny_ = 0;
   std::vector<int> sums_;
 };
@@ -282,10 +325,9 @@ void OcclusionTable::build(const VoxelGrid& voxels, const OcclusionTable* previo
     return (points_[static_cast<std::size_t>(i)] - middle).squaredNorm() <
            (points_[static_cast<std::size_t>(j)] - middle).squaredNorm();
   });
-  std::vector<Cell> point_cell(points_.size());
-  for (std::size_t i = 0; i < points_.size(); ++i) {
-    const Eigen::Vector3i v = voxels.voxel(points_[i]);
-    point_cell[i] = {v.x(), v.y()};
+  std::vector<Cell> point_tile(points_.size());
+  if (changed) {
+    for (std::size_t i = 0; i < points_.size(); ++i) point_tile[i] = changed->tile_at(points_[i]);
   }
   std::vector<int> wanted;
   std::vector<Eigen::Vector3d> ends;
@@ -316,13 +358,14 @@ void OcclusionTable::build(const VoxelGrid& voxels, const OcclusionTable* previo
           }
         }
         float* out = table_.data() + row(a, b, c);
-        const Cell here{v.x(), v.y()};
+        const Cell here = changed ? changed->tile_at(from) : Cell();
         wanted.clear();
         ends.clear();
         for (const int n : order) {
           const auto i = static_cast<std::size_t>(n);
           if ((points_[i] - from).squaredNorm() > max_squared) continue;
-          if (old_row && old_column[i] >= 0 && !(changed && changed->any(here, point_cell[i]))) {
+          if (old_row && old_column[i] >= 0 &&
+              !(changed && changed->any(from, here, points_[i], point_tile[i]))) {
             out[i] = old_row[old_column[i]];
             continue;
           }

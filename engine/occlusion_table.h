@@ -59,9 +59,10 @@ class OcclusionTable {
 
   /// The same, and the table keeps `voxels` so that it can serve as `previous` of the next one: the
   /// value of a (node, point) pair that `previous` holds (same spacing, options and exact position)
-  /// is taken over unless a voxel differs between the two snapshots inside the pair's bounding
-  /// rectangle (in tiles of 8 x 8 columns). The result is the same, bit for bit, as without
-  /// `previous`. `voxels` must not be null; `previous` may be, and need not outlive the call.
+  /// is taken over unless a voxel differs between the two snapshots near the ray (in the
+  /// tiles of 8 x 8 columns that the bounding rectangles of its quarters touch). The result is the
+  /// same, bit for bit, as without `previous`. `voxels` must not be null; `previous` may be, and
+  /// need not outlive the call.
   OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
                  std::shared_ptr<const VoxelGrid> voxels, const Options& options,
                  const OcclusionTable* previous);

@@ -143,72 +143,108 @@ void walk_one_by_one(const CellState* data, Lanes& lanes) {
 
 #ifdef PROSPECT_X86
 // Eight rays abreast, in two groups of four that hide each other's latency. The same operations in
-// the same order as above, hence the same bits.
+// the same order as above, hence the same bits. The common step, through a free voxel, only
+// advances; voxels that are not free and rays that end are branched to.
 __attribute__((target("avx2"))) void walk_abreast(const CellState* data, Lanes& lanes) {
   constexpr int kGroups = kLanes / 4;
-  __m256d nx[kGroups], ny[kGroups], nz[kGroups], t[kGroups], unknown[kGroups], active[kGroups],
-      blocked[kGroups];
+  constexpr std::uint32_t kAllFree = 0x01010101u * static_cast<std::uint32_t>(CellState::kFree);
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(data);
+  __m256d nx[kGroups], ny[kGroups], nz[kGroups], t[kGroups];
   __m256i address[kGroups];
+  int walking[kGroups];            // bit l: lane l of the group walks on
+  std::uint32_t watched[kGroups];  // byte l: 0xFF where lane l's voxel matters
+  int left = 0;
   for (int g = 0; g < kGroups; ++g) {
     nx[g] = _mm256_load_pd(lanes.next[0] + 4 * g);
     ny[g] = _mm256_load_pd(lanes.next[1] + 4 * g);
     nz[g] = _mm256_load_pd(lanes.next[2] + 4 * g);
-    t[g] = unknown[g] = blocked[g] = _mm256_setzero_pd();
-    active[g] = _mm256_load_pd(reinterpret_cast<const double*>(lanes.active + 4 * g));
+    t[g] = _mm256_setzero_pd();
     address[g] = _mm256_load_si256(reinterpret_cast<const __m256i*>(lanes.address + 4 * g));
+    watched[g] = 0;  // the voxels that hold `from`
+    walking[g] = 0;
+    for (int l = 0; l < 4; ++l) {
+      const int n = 4 * g + l;
+      lanes.blocked[n] = 0;
+      lanes.walked[n] = lanes.unknown[n] = 0.0;
+      if (lanes.active[n]) walking[g] |= 1 << l;
+    }
+    left += walking[g];
   }
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(data);
-  const __m128i occupied = _mm_set1_epi32(static_cast<int>(CellState::kOccupied));
-  const __m128i not_known = _mm_set1_epi32(static_cast<int>(CellState::kUnknown));
-  __m256d counted = _mm256_setzero_pd();  // the voxel that holds `from` is not
-  while (true) {
+  bool first = true;
+  while (left != 0) {
     for (int g = 0; g < kGroups; ++g) {
-      const __m256d end = _mm256_load_pd(lanes.end + 4 * g);
       const __m256d x_first = _mm256_cmp_pd(nx[g], ny[g], _CMP_LT_OQ);
-      const __m256d xy = _mm256_blendv_pd(ny[g], nx[g], x_first);
+      const __m256d xy = _mm256_min_pd(nx[g], ny[g]);
       const __m256d z_first = _mm256_cmp_pd(nz[g], xy, _CMP_LT_OQ);
-      const __m256d leave = _mm256_blendv_pd(xy, nz[g], z_first);
-      // Four plain loads: the gather instruction is slow on many machines.
+      const __m256d leave = _mm256_min_pd(nz[g], xy);
       const __m128i low = _mm256_castsi256_si128(address[g]);
       const __m128i high = _mm256_extracti128_si256(address[g], 1);
-      const __m128i state =
-          _mm_setr_epi32(bytes[_mm_cvtsi128_si64(low)], bytes[_mm_extract_epi64(low, 1)],
-                         bytes[_mm_cvtsi128_si64(high)], bytes[_mm_extract_epi64(high, 1)]);
-      const __m256d is_occupied =
-          _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(state, occupied)));
-      const __m256d is_unknown =
-          _mm256_castsi256_pd(_mm256_cvtepi32_epi64(_mm_cmpeq_epi32(state, not_known)));
-      const __m256d looked = _mm256_and_pd(active[g], counted);
-      const __m256d before_end = _mm256_cmp_pd(leave, end, _CMP_LT_OQ);
-      const __m256d within = _mm256_sub_pd(_mm256_blendv_pd(end, leave, before_end), t[g]);
-      unknown[g] =
-          _mm256_add_pd(unknown[g], _mm256_and_pd(within, _mm256_and_pd(looked, is_unknown)));
-      const __m256d hit = _mm256_and_pd(looked, is_occupied);
-      blocked[g] = _mm256_or_pd(blocked[g], hit);
-      active[g] = _mm256_andnot_pd(hit, _mm256_and_pd(active[g], before_end));
-      t[g] = _mm256_blendv_pd(t[g], leave, active[g]);
+      // Four plain loads: the gather instruction is slow on many machines.
+      const std::uint32_t state =
+          static_cast<std::uint32_t>(bytes[_mm_cvtsi128_si64(low)]) |
+          static_cast<std::uint32_t>(bytes[_mm_extract_epi64(low, 1)]) << 8 |
+          static_cast<std::uint32_t>(bytes[_mm_cvtsi128_si64(high)]) << 16 |
+          static_cast<std::uint32_t>(bytes[_mm_extract_epi64(high, 1)]) << 24;
+      const __m256d end = _mm256_load_pd(lanes.end + 4 * g);
+      int stop = walking[g] & ~_mm256_movemask_pd(_mm256_cmp_pd(leave, end, _CMP_LT_OQ));
+      if (((state ^ kAllFree) & watched[g]) != 0) {
+        const __m256i kind = _mm256_cvtepu8_epi64(_mm_cvtsi32_si128(static_cast<int>(state)));
+        const __m256i looked =
+            _mm256_cvtepi8_epi64(_mm_cvtsi32_si128(static_cast<int>(watched[g])));
+        const __m256d is_unknown = _mm256_castsi256_pd(_mm256_and_si256(
+            looked,
+            _mm256_cmpeq_epi64(kind, _mm256_set1_epi64x(static_cast<int>(CellState::kUnknown)))));
+        const __m256d is_occupied = _mm256_castsi256_pd(_mm256_and_si256(
+            looked,
+            _mm256_cmpeq_epi64(kind, _mm256_set1_epi64x(static_cast<int>(CellState::kOccupied)))));
+        const __m256d within = _mm256_sub_pd(_mm256_min_pd(leave, end), t[g]);
+        _mm256_store_pd(lanes.unknown + 4 * g, _mm256_add_pd(_mm256_load_pd(lanes.unknown + 4 * g),
+                                                             _mm256_and_pd(within, is_unknown)));
+        const int hit = _mm256_movemask_pd(is_occupied);
+        if (hit != 0) {
+          alignas(32) double here[4];
+          _mm256_store_pd(here, t[g]);
+          for (int l = 0; l < 4; ++l) {
+            if ((hit >> l & 1) == 0) continue;
+            lanes.blocked[4 * g + l] = -1;
+            lanes.walked[4 * g + l] = here[l];
+          }
+          stop |= hit;
+        }
+      }
+      if (stop != 0) {
+        for (int l = 0; l < 4; ++l) {
+          if ((stop >> l & 1) == 0) continue;
+          // A lane that is done stays where it is.
+          for (auto& stride : lanes.stride) stride[4 * g + l] = 0;
+          watched[g] &= ~(0xFFu << (8 * l));
+        }
+        left -= stop;
+        walking[g] &= ~stop;
+      }
+      t[g] = leave;
       const __m256d along_x = _mm256_andnot_pd(z_first, x_first);
       const __m256d not_y = _mm256_or_pd(z_first, x_first);
-      __m256d move = _mm256_load_pd(reinterpret_cast<const double*>(lanes.stride[1] + 4 * g));
-      move = _mm256_blendv_pd(
-          move, _mm256_load_pd(reinterpret_cast<const double*>(lanes.stride[0] + 4 * g)), x_first);
-      move = _mm256_blendv_pd(
-          move, _mm256_load_pd(reinterpret_cast<const double*>(lanes.stride[2] + 4 * g)), z_first);
-      address[g] =
-          _mm256_add_epi64(address[g], _mm256_castpd_si256(_mm256_and_pd(move, active[g])));
+      const auto stride = [&](int axis) __attribute__((target("avx2"), always_inline)) {
+        return reinterpret_cast<const double*>(lanes.stride[axis] + 4 * g);
+      };
+      const __m256d move =
+          _mm256_or_pd(_mm256_or_pd(_mm256_and_pd(_mm256_load_pd(stride(0)), along_x),
+                                    _mm256_andnot_pd(not_y, _mm256_load_pd(stride(1)))),
+                       _mm256_and_pd(_mm256_load_pd(stride(2)), z_first));
+      address[g] = _mm256_add_epi64(address[g], _mm256_castpd_si256(move));
       nx[g] = _mm256_add_pd(nx[g], _mm256_and_pd(_mm256_load_pd(lanes.delta[0] + 4 * g), along_x));
       ny[g] = _mm256_add_pd(ny[g], _mm256_andnot_pd(not_y, _mm256_load_pd(lanes.delta[1] + 4 * g)));
       nz[g] = _mm256_add_pd(nz[g], _mm256_and_pd(_mm256_load_pd(lanes.delta[2] + 4 * g), z_first));
     }
-    counted = _mm256_castsi256_pd(_mm256_set1_epi64x(-1));
-    __m256d any = active[0];
-    for (int g = 1; g < kGroups; ++g) any = _mm256_or_pd(any, active[g]);
-    if (_mm256_movemask_pd(any) == 0) break;
-  }
-  for (int g = 0; g < kGroups; ++g) {
-    _mm256_store_pd(lanes.walked + 4 * g, t[g]);
-    _mm256_store_pd(lanes.unknown + 4 * g, unknown[g]);
-    _mm256_store_pd(reinterpret_cast<double*>(lanes.blocked + 4 * g), blocked[g]);
+    if (first) {
+      first = false;
+      for (int g = 0; g < kGroups; ++g) {
+        for (int l = 0; l < 4; ++l) {
+          if (walking[g] >> l & 1) watched[g] |= 0xFFu << (8 * l);
+        }
+      }
+    }
   }
 }
 #endif
@@ -302,13 +338,9 @@ void VoxelGrid::cast_many(const Eigen::Vector3d& from, const Eigen::Vector3d* to
       }
       // Rounding may carry a walk one voxel past its end, so that voxel must be in the block as
       // well; of all voxels between two, the one highest along every axis has the highest address.
-      int high[3], beyond[3];
-      for (int a = 0; a < 3; ++a) {
-        beyond[a] = floor_to_int(to[i][a] / r) + w.step[a];
-        high[a] = std::max(start[a], beyond[a]);
-      }
-      inside = contains(beyond[0], beyond[1], beyond[2]) &&
-               index(high[0], high[1], high[2]) + 4 <= data_.size();
+      int beyond[3];
+      for (int a = 0; a < 3; ++a) beyond[a] = floor_to_int(to[i][a] / r) + w.step[a];
+      inside = contains(beyond[0], beyond[1], beyond[2]);
     }
     if (!inside) {
       rays[i] = cast(from, to[i], trim);
