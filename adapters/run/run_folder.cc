@@ -1,11 +1,15 @@
 #include "adapters/run/run_folder.h"
 
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <exception>
 #include <filesystem>
-#include <nlohmann/json.hpp>
+#include <fstream>
 #include <system_error>
+#include <utility>
 
 #include "adapters/config/input_error.h"
 #include "adapters/report/report.h"
@@ -16,20 +20,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The shortest text that reads back as the same number.
+/// The shortest text that reads back as the same number; nan, inf or -inf where it is not finite.
 std::string text(double value) {
+  if (std::isnan(value)) return "nan";  // without the sign that a NaN may carry
   char buffer[64];
-  const auto [end, error] = std::to_chars(buffer, buffer + sizeof buffer, value);
-  return error == std::errc() ? std::string(buffer, end) : "nan";
+  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
 }
 
-/// A CSV field: quoted if it must be.
+/// A CSV field (RFC 4180), kept on one line: quoted if it must be.
 std::string field(const std::string& value) {
-  if (value.find_first_of(",\"\n") == std::string::npos) return value;
+  if (value.find_first_of(",\"\n\r") == std::string::npos) return value;
   std::string quoted = "\"";
   for (const char c : value) {
     if (c == '"') quoted += '"';
-    quoted += c == '\n' ? ' ' : c;
+    quoted += c == '\n' || c == '\r' ? ' ' : c;
   }
   return quoted + '"';
 }
@@ -40,8 +44,53 @@ std::string tum(double time, const Pose& p) {
          text(p.position.z()) + " 0 0 " + text(std::sin(half)) + ' ' + text(std::cos(half)) + '\n';
 }
 
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+std::string header(const std::vector<std::string>& terms) {
+  std::string row =
+      "step,time,true_x,true_y,true_yaw,estimated_x,estimated_y,estimated_yaw,"
+      "command_v,command_vy,command_omega,plan_kind,seed,cost,violation";
+  for (const std::string& t : terms) row += ',' + field("term_" + t);
+  return row +
+         ",predicted_features,tracked_features,localization,localization_error,coverage,area,"
+         "path_length,collisions,clearance,cost_evaluations,gradient_evaluations,stop_reason,"
+         "quality,certified,certificate,active_frontiers,guard_stops\n";
+}
+
+std::string step_row(const StepRecord& s, const std::vector<std::string>& terms) {
+  std::string row = std::to_string(s.step) + ',' + text(s.time);
+  for (const Pose* p : {&s.true_pose, &s.estimated_pose}) {
+    row += ',' + text(p->position.x()) + ',' + text(p->position.y()) + ',' + text(p->yaw);
+  }
+  row += ',' + text(s.command.linear.x()) + ',' + text(s.command.linear.y()) + ',' +
+         text(s.command.yaw_rate) + ',' + field(s.plan_kind) + ',' + field(s.seed);
+  const bool explained = !s.explanation.terms.empty();
+  row += ',' + (explained ? text(s.explanation.cost) : "") + ',' +
+         (explained ? text(s.explanation.violation) : "");
+  for (const std::string& name : terms) {
+    row += ',';
+    for (const TermValue& t : s.explanation.terms) {
+      if (t.name != name) continue;
+      row += text(t.raw);
+      break;
+    }
+  }
+  return row + ',' + text(s.predicted_features) + ',' + std::to_string(s.tracked_features) + ',' +
+         field(s.localization) + ',' + text(s.localization_error) + ',' + text(s.coverage) + ',' +
+         text(s.area) + ',' + text(s.path_length) + ',' + std::to_string(s.collisions) + ',' +
+         text(s.clearance) + ',' + std::to_string(s.cost_evaluations) + ',' +
+         std::to_string(s.gradient_evaluations) + ',' + field(s.stop_reason) + ',' +
+         field(s.quality) + ',' + (s.certified ? "1" : "0") + ',' + field(s.certificate) + ',' +
+         std::to_string(s.active_frontiers) + ',' + std::to_string(s.guard_stops) + '\n';
+}
+
+std::string timing_row(const StepRecord& s) {
+  std::string row = std::to_string(s.step);
+  for (const double ms : {s.wall.plan, s.wall.guide, s.wall.clearance, s.wall.views, s.wall.seeds,
+                          s.wall.polish, s.wall.certify}) {
+    char buffer[64];
+    std::snprintf(buffer, sizeof buffer, ",%.3f", ms);
+    row += buffer;
+  }
+  return row + '\n';
 }
 
 }  // namespace
@@ -53,7 +102,12 @@ RunFolder::RunFolder(const std::string& path) : path_(path) {
     if (!fs::is_directory(status)) {
       throw InputError(path + ": not a folder; expected a folder for the run, or none");
     }
-    if (!fs::is_empty(path, error) && !fs::exists(fs::path(path) / "steps.csv", error)) {
+    const bool empty = fs::is_empty(path, error);
+    if (error) {
+      throw InputError(path + ": cannot be read (" + error.message() +
+                       "); expected a readable folder");
+    }
+    if (!empty && !fs::is_regular_file(fs::path(path) / "steps.csv", error)) {
       throw InputError(path +
                        ": holds other files; expected an empty folder, an earlier run, or none");
     }
@@ -61,30 +115,36 @@ RunFolder::RunFolder(const std::string& path) : path_(path) {
     throw InputError(path + ": cannot be created (" + error.message() +
                      "); expected a writable place");
   }
-  for (const char* name : {"summary.json", "config.yaml", "map.bt", "report.html"}) {
-    fs::remove(fs::path(path) / name, error);
-  }
-  const auto open = [&](std::ofstream& file, const char* name) {
-    file.open(fs::path(path) / name, std::ios::trunc);
-    if (!file) {
-      throw InputError(path + "/" + name + ": cannot be written; expected a writable folder");
+  const auto open = [&](RowFile& file, const char* name) {
+    file = RowFile(path + "/" + name);
+    if (!file.is_open()) {
+      throw InputError(path + "/" + name + ": cannot be written (" + std::strerror(errno) +
+                       "); expected a writable folder");
     }
   };
   open(steps_, "steps.csv");
   open(timing_, "timing.csv");
   open(estimated_, "trajectory_estimated.tum");
   open(true_, "trajectory_true.tum");
-  timing_ << "step,plan_ms,guide_ms,clearance_ms,views_ms,seeds_ms,polish_ms,certify_ms\n";
+  for (const char* name : {"summary.json", "config.yaml", "map.bt", "report.html"}) {
+    fs::remove(fs::path(path) / name, error);
+  }
+  append(timing_, "timing.csv",
+         "step,plan_ms,guide_ms,clearance_ms,views_ms,seeds_ms,polish_ms,certify_ms\n");
 }
 
-void RunFolder::check(std::ofstream& file, const std::string& name) {
-  file.flush();
-  if (file) return;
-  if (error_.empty()) error_ = path_ + "/" + name + ": writing failed; the disk may be full";
-  file.clear();
+void RunFolder::fail(const std::string& name, const std::string& reason) {
+  if (error_.empty()) error_ = path_ + "/" + name + ": writing failed (" + reason + ")";
+}
+
+void RunFolder::append(RowFile& file, const char* name, const std::string& row) {
+  if (!file.append(row)) fail(name, std::strerror(errno));
 }
 
 void RunFolder::add(const StepRecord& step) {
+  append(timing_, "timing.csv", timing_row(step));
+  append(estimated_, "trajectory_estimated.tum", tum(step.time, step.estimated_pose));
+  append(true_, "trajectory_true.tum", tum(step.time, step.true_pose));
   waiting_.push_back(step);
   if (header_written_ || !step.explanation.terms.empty()) write_waiting();
 }
@@ -95,115 +155,46 @@ void RunFolder::write_waiting() {
       if (!terms_.empty()) break;
       for (const TermValue& t : s.explanation.terms) terms_.push_back(t.name);
     }
-    steps_ << "step,time,true_x,true_y,true_yaw,estimated_x,estimated_y,estimated_yaw,"
-              "command_v,command_vy,command_omega,plan_kind,seed,cost,violation";
-    for (const std::string& t : terms_) steps_ << ",term_" << t;
-    steps_ << ",predicted_features,tracked_features,localization,localization_error,coverage,area,"
-              "path_length,collisions,clearance,cost_evaluations,gradient_evaluations,stop_reason,"
-              "quality,certified,certificate,active_frontiers,guard_stops\n";
+    append(steps_, "steps.csv", header(terms_));
     header_written_ = true;
   }
-  for (const StepRecord& s : waiting_) write_row(s);
+  for (const StepRecord& s : waiting_) append(steps_, "steps.csv", step_row(s, terms_));
   waiting_.clear();
-}
-
-void RunFolder::write_row(const StepRecord& s) {
-  std::string row = std::to_string(s.step) + ',' + text(s.time);
-  for (const Pose* p : {&s.true_pose, &s.estimated_pose}) {
-    row += ',' + text(p->position.x()) + ',' + text(p->position.y()) + ',' + text(p->yaw);
-  }
-  row += ',' + text(s.command.linear.x()) + ',' + text(s.command.linear.y()) + ',' +
-         text(s.command.yaw_rate) + ',' + field(s.plan_kind) + ',' + field(s.seed);
-  const bool explained = !s.explanation.terms.empty();
-  row += ',' + (explained ? text(s.explanation.cost) : "") + ',' +
-         (explained ? text(s.explanation.violation) : "");
-  for (const std::string& name : terms_) {
-    row += ',';
-    for (const TermValue& t : s.explanation.terms) {
-      if (t.name == name) row += text(t.raw);
-    }
-  }
-  row += ',' + text(s.predicted_features) + ',' + std::to_string(s.tracked_features) + ',' +
-         s.localization + ',' + text(s.localization_error) + ',' + text(s.coverage) + ',' +
-         text(s.area) + ',' + text(s.path_length) + ',' + std::to_string(s.collisions) + ',' +
-         text(s.clearance) + ',' + std::to_string(s.cost_evaluations) + ',' +
-         std::to_string(s.gradient_evaluations) + ',' + field(s.stop_reason) + ',' +
-         field(s.quality) + ',' + (s.certified ? "1" : "0") + ',' + field(s.certificate) + ',' +
-         std::to_string(s.active_frontiers) + ',' + std::to_string(s.guard_stops) + '\n';
-  steps_ << row;
-  check(steps_, "steps.csv");
-  timing_ << s.step << ',' << s.wall.plan << ',' << s.wall.guide << ',' << s.wall.clearance << ','
-          << s.wall.views << ',' << s.wall.seeds << ',' << s.wall.polish << ',' << s.wall.certify
-          << '\n';
-  check(timing_, "timing.csv");
-  estimated_ << tum(s.time, s.estimated_pose);
-  check(estimated_, "trajectory_estimated.tum");
-  true_ << tum(s.time, s.true_pose);
-  check(true_, "trajectory_true.tum");
 }
 
 void RunFolder::write_whole(const std::string& name, const std::string& content) {
   const fs::path target = fs::path(path_) / name;
   fs::path temporary = target;
   temporary += ".part";
+  errno = 0;
   std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
   file << content;
   file.close();
+  const int reason = errno;
   std::error_code error;
-  if (file) fs::rename(temporary, target, error);
-  if (!file || error) {
-    if (error_.empty()) error_ = target.string() + ": writing failed; the disk may be full";
-    fs::remove(temporary, error);
+  if (!file) {
+    fail(name, reason ? std::strerror(reason) : "unknown reason");
+  } else if (fs::rename(temporary, target, error); error) {
+    fail(name, error.message());
   }
+  if (!error_.empty()) fs::remove(temporary, error);
 }
 
 void RunFolder::finish(const RunRecord& record, const octomap::OcTree* map) {
   write_waiting();
   write_whole("config.yaml", record.configuration);
-  if (map) {
-    try {
-      write_octree(*map, (fs::path(path_) / "map.bt").string());
-    } catch (const std::exception& e) {
-      if (error_.empty()) error_ = e.what();
-    }
+  try {
+    if (map) write_octree(*map, (fs::path(path_) / "map.bt").string());
+  } catch (const std::exception& e) {
+    if (error_.empty()) error_ = e.what();
   }
-  write_whole("report.html", render_report(record));
+  try {
+    write_whole("report.html", render_report(record));
+  } catch (const std::exception& e) {
+    fail("report.html", e.what());
+  }
   // Last: its presence says that the run is complete.
   write_whole("summary.json", summary_json(record.summary));
-}
-
-std::string summary_json(const Summary& s) {
-  const nlohmann::ordered_json json = {{"world", s.world},
-                                       {"solver", s.solver},
-                                       {"seed", s.seed},
-                                       {"reason", s.reason},
-                                       {"coverage", number(s.coverage)},
-                                       {"area_m2", number(s.area_m2)},
-                                       {"reachable_area_m2", number(s.reachable_area_m2)},
-                                       {"collisions", s.collisions},
-                                       {"losses", s.losses},
-                                       {"duration_s", number(s.duration_s)},
-                                       {"wall_s", number(s.wall_s)},
-                                       {"path_length_m", number(s.path_length_m)},
-                                       {"time_to_90_s", number(s.time_to_90_s)},
-                                       {"time_to_95_s", number(s.time_to_95_s)},
-                                       {"time_to_99_s", number(s.time_to_99_s)},
-                                       {"path_to_90_m", number(s.path_to_90_m)},
-                                       {"path_to_95_m", number(s.path_to_95_m)},
-                                       {"path_to_99_m", number(s.path_to_99_m)},
-                                       {"localization_rmse_m", number(s.localization_rmse_m)},
-                                       {"localization_final_m", number(s.localization_final_m)},
-                                       {"drift_percent", number(s.drift_percent)},
-                                       {"plan_ms",
-                                        {{"p50", number(s.plan_ms_p50)},
-                                         {"p95", number(s.plan_ms_p95)},
-                                         {"p99", number(s.plan_ms_p99)},
-                                         {"max", number(s.plan_ms_max)}}},
-                                       {"deadline_misses", s.deadline_misses},
-                                       {"fallbacks", s.fallbacks},
-                                       {"guard_stops", s.guard_stops},
-                                       {"steps", s.steps}};
-  return json.dump(2) + '\n';
 }
 
 }  // namespace prospect

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <tuple>
 #include <utility>
 
@@ -24,13 +25,17 @@ std::pair<double, double> reach(const std::vector<StepRecord>& steps, double sha
   return {kNever, kNever};
 }
 
+nlohmann::ordered_json number(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
 }  // namespace
 
 double percentile(std::vector<double> values, double percent) {
   if (values.empty()) return kNever;
   std::sort(values.begin(), values.end());
   const double n = static_cast<double>(values.size());
-  const auto rank = static_cast<std::size_t>(std::max(1.0, std::ceil(percent / 100.0 * n)));
+  const auto rank = static_cast<std::size_t>(std::max(1.0, std::ceil(percent * n / 100.0)));
   return values[std::min(rank, values.size()) - 1];
 }
 
@@ -67,6 +72,41 @@ Summary summarize(const std::vector<StepRecord>& steps) {
       last.path_length > 0.0 ? 100.0 * last.localization_error / last.path_length : 0.0;
   s.steps = static_cast<int>(steps.size());
   return s;
+}
+
+std::string summary_json(const Summary& s) {
+  const nlohmann::ordered_json json = {{"world", s.world},
+                                       {"solver", s.solver},
+                                       {"seed", s.seed},
+                                       {"reason", s.reason},
+                                       {"coverage", number(s.coverage)},
+                                       {"area_m2", number(s.area_m2)},
+                                       {"reachable_area_m2", number(s.reachable_area_m2)},
+                                       {"collisions", s.collisions},
+                                       {"losses", s.losses},
+                                       {"duration_s", number(s.duration_s)},
+                                       {"wall_s", number(s.wall_s)},
+                                       {"path_length_m", number(s.path_length_m)},
+                                       {"time_to_90_s", number(s.time_to_90_s)},
+                                       {"time_to_95_s", number(s.time_to_95_s)},
+                                       {"time_to_99_s", number(s.time_to_99_s)},
+                                       {"path_to_90_m", number(s.path_to_90_m)},
+                                       {"path_to_95_m", number(s.path_to_95_m)},
+                                       {"path_to_99_m", number(s.path_to_99_m)},
+                                       {"localization_rmse_m", number(s.localization_rmse_m)},
+                                       {"localization_final_m", number(s.localization_final_m)},
+                                       {"drift_percent", number(s.drift_percent)},
+                                       {"plan_ms",
+                                        {{"p50", number(s.plan_ms_p50)},
+                                         {"p95", number(s.plan_ms_p95)},
+                                         {"p99", number(s.plan_ms_p99)},
+                                         {"max", number(s.plan_ms_max)}}},
+                                       {"deadline_misses", s.deadline_misses},
+                                       {"fallbacks", s.fallbacks},
+                                       {"guard_stops", s.guard_stops},
+                                       {"steps", s.steps}};
+  // A world may be named after a file whose name is no UTF-8.
+  return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
 }
 
 }  // namespace prospect

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "adapters/run/run_record.h"
@@ -15,5 +16,9 @@ Summary summarize(const std::vector<StepRecord>& steps);
 
 /// The value below or at which `percent` of the sorted values lie (nearest rank); NaN for none.
 double percentile(std::vector<double> values, double percent);
+
+/// summary.json: the names of Summary as they are, the planning time percentiles under plan_ms;
+/// numbers that are not finite are null; text that is not UTF-8 has replacement characters.
+std::string summary_json(const Summary& summary);
 
 }  // namespace prospect

@@ -1,0 +1,116 @@
+#include "adapters/report/progress_line.h"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+#include <string_view>
+#include <vector>
+
+namespace prospect {
+namespace {
+
+constexpr double kPeriod = 0.1;  // [s]
+constexpr int kBarCells = 20;
+
+/// A share in [0, 1] as a bar of kBarCells cells, in eighths of a cell.
+std::string bar(double share) {
+  static constexpr std::string_view kEighths[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
+  const double clamped = std::isfinite(share) ? std::clamp(share, 0.0, 1.0) : 0.0;
+  const int eighths = static_cast<int>(std::lround(clamped * kBarCells * 8));
+  std::string text;
+  for (int i = 0; i < eighths / 8; ++i) text += "█";
+  text += kEighths[eighths % 8];
+  const int used = eighths / 8 + (eighths % 8 != 0);
+  return text + std::string(static_cast<std::size_t>(kBarCells - used), ' ');
+}
+
+std::string format(const char* pattern, double value) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, pattern, value);
+  return buffer;
+}
+
+/// A part of the line: what it says, how many columns that takes, and its colour.
+struct Part {
+  std::string text;
+  int columns;
+  const char* color = "";
+};
+
+}  // namespace
+
+ProgressLine::ProgressLine(std::ostream& out, bool tty, bool color, int columns)
+    : out_(&out), tty_(tty), color_(color), columns_(columns) {}
+
+ProgressLine ProgressLine::on_stderr() {
+  const bool tty = isatty(STDERR_FILENO) == 1;
+  const char* no_color = std::getenv("NO_COLOR");
+  const char* terminal = std::getenv("TERM");
+  const bool dumb = terminal && std::string_view(terminal) == "dumb";
+  winsize size{};
+  int columns = 100;
+  if (tty && ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) {
+    columns = size.ws_col;
+  }
+  // A dumb terminal cannot rewrite a line.
+  return {std::cerr, tty && !dumb, !(no_color && *no_color), columns};
+}
+
+void ProgressLine::show(const StepRecord& step, const std::string& solver, double now_seconds) {
+  if (!tty_) return;
+  constexpr const char* kDim = "\033[2m";
+  constexpr const char* kWarn = "\033[33m";
+  const bool well = step.localization == "ok";
+  const bool tail = step.plan_kind == "stopping tail";
+  const auto plain = [](std::string text, const char* color = "") {
+    const int columns = static_cast<int>(text.size());
+    return Part{std::move(text), columns, color};
+  };
+  std::vector<Part> parts;
+  parts.push_back(plain(format("%7.1f s ", step.time)));
+  parts.push_back(plain(format("%6.1f %%  ", 100.0 * step.coverage)));
+  parts.push_back({bar(step.coverage), kBarCells, kDim});
+  parts.push_back(plain(format("%8.1f m", step.path_length)));
+  parts.push_back(plain(format("   error %.2f m", step.localization_error), well ? "" : kWarn));
+  if (!well) parts.push_back(plain(" (" + step.localization + ')', kWarn));
+  parts.push_back(plain(format("  %4.0f features", step.tracked_features), well ? "" : kWarn));
+  parts.push_back(plain("   " + solver));
+  parts.push_back(plain(format(" %4.0f ms", step.wall.plan)));
+  if (tail) parts.push_back(plain("  stopping", kWarn));
+
+  // Whole parts only: half a number misleads.
+  std::string line;
+  int used = 0;
+  for (const Part& part : parts) {
+    if (used + part.columns > columns_ - 1) break;
+    used += part.columns;
+    const bool tinted = color_ && *part.color;
+    line += tinted ? part.color + part.text + "\033[0m" : part.text;
+  }
+  if (shown_ && now_seconds - last_ < kPeriod) {
+    held_back_ = line;
+    return;
+  }
+  last_ = now_seconds;
+  write(line);
+}
+
+void ProgressLine::write(const std::string& line) {
+  *out_ << '\r' << line << "\033[K" << std::flush;
+  shown_ = true;
+  held_back_.clear();
+}
+
+void ProgressLine::finish() {
+  if (!shown_) return;
+  if (!held_back_.empty()) write(held_back_);
+  *out_ << '\n' << std::flush;
+  shown_ = false;
+}
+
+}  // namespace prospect

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <iosfwd>
+#include <string>
+
+#include "adapters/run/run_record.h"
+
+namespace prospect {
+
+/// One line on a terminal that follows a mission, rewritten in place at most ten times a second:
+///
+///      42.5 s   63.2 %  ████████████▋         31.4 m   error 0.08 m   87 features   ipopt  41 ms
+///
+/// time, coverage, path, localization error, features tracked now, back end, planning time. Not on
+/// a terminal it writes nothing at all, so logs and pipes stay clean. Colour (a warning tint where
+/// localization is not ok or the plan is a stopping tail) only where asked for. Takes its clock as
+/// an argument. Not thread-safe.
+class ProgressLine {
+ public:
+  /// The stream outlives this object. `tty`: whether it is a terminal. `columns`: its width; the
+  /// line is cut to one less, as a line that wraps cannot be rewritten.
+  ProgressLine(std::ostream& out, bool tty, bool color, int columns = 100);
+  /// On stderr as it is: a terminal or not, its width, and NO_COLOR (any non-empty value turns
+  /// colour off, see no-color.org) and TERM=dumb from the environment.
+  static ProgressLine on_stderr();
+
+  /// `now_seconds`: any monotonic clock.
+  void show(const StepRecord& step, const std::string& solver, double now_seconds);
+  /// Writes the newest line if the rate held it back, and ends it, so that what follows starts on
+  /// a line of its own. Harmless if nothing was shown; idempotent.
+  void finish();
+
+ private:
+  void write(const std::string& line);
+
+  std::ostream* out_;
+  bool tty_, color_;
+  int columns_;
+  bool shown_ = false;
+  double last_ = 0.0;
+  std::string held_back_;
+};
+
+}  // namespace prospect

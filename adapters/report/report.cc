@@ -1,0 +1,354 @@
+#include "adapters/report/report.h"
+
+#include <algorithm>
+#include <climits>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "adapters/report/binary_text.h"
+#include "adapters/report/report_assets.h"
+#include "adapters/run/summary.h"
+
+namespace prospect {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// The rectangle of cells that a run ever touches. A cell is stored as its row-major index there.
+struct Extent {
+  int i0 = INT_MAX, j0 = INT_MAX, i1 = INT_MIN, j1 = INT_MIN;
+
+  void add(Cell c) {
+    i0 = std::min(i0, c.i);
+    j0 = std::min(j0, c.j);
+    i1 = std::max(i1, c.i);
+    j1 = std::max(j1, c.j);
+  }
+  bool empty() const { return i0 > i1; }
+  std::int64_t width() const { return empty() ? 0 : std::int64_t{i1} - i0 + 1; }
+  std::int64_t height() const { return empty() ? 0 : std::int64_t{j1} - j0 + 1; }
+  std::int64_t index(Cell c) const {
+    return (std::int64_t{c.j} - j0) * width() + (std::int64_t{c.i} - i0);
+  }
+};
+
+/// Frontier cells of a step as cells; points that are no cell of any map are left out.
+std::vector<Cell> frontier_cells(const StepRecord& step, double resolution) {
+  std::vector<Cell> cells;
+  for (const Eigen::Vector2f& p : step.frontier_cells) {
+    const double i = std::floor(p.x() / resolution);
+    const double j = std::floor(p.y() / resolution);
+    if (!(std::abs(i) < 1e9 && std::abs(j) < 1e9)) continue;
+    cells.push_back({static_cast<int>(i), static_cast<int>(j)});
+  }
+  return cells;
+}
+
+/// Each step: how many runs of equal state, then for each the gap since the last run's end and
+/// 4 length + state.
+std::string map_text(const std::vector<StepRecord>& steps, const Extent& extent) {
+  BinaryText text;
+  for (const StepRecord& step : steps) {
+    std::map<std::int64_t, CellState> cells;  // the last change of a cell counts
+    for (const auto& [cell, state] : step.map_changes) cells[extent.index(cell)] = state;
+    struct Run {
+      std::int64_t start, length;
+      CellState state;
+    };
+    std::vector<Run> runs;
+    for (const auto& [index, state] : cells) {
+      if (!runs.empty() && runs.back().state == state &&
+          runs.back().start + runs.back().length == index) {
+        ++runs.back().length;
+      } else {
+        runs.push_back({index, 1, state});
+      }
+    }
+    text.add_varint(runs.size());
+    std::int64_t end = 0;
+    for (const Run& run : runs) {
+      text.add_varint(static_cast<std::uint64_t>(run.start - end));
+      text.add_varint(static_cast<std::uint64_t>(4 * run.length) +
+                      static_cast<std::uint64_t>(run.state));
+      end = run.start + run.length;
+    }
+  }
+  return text.base64();
+}
+
+/// Each step: how many cells became or ceased to be frontier since the step before, then their
+/// indices, ascending, each as its distance from the one before. As the same list leads back, the
+/// page can walk both ways.
+std::string frontier_text(const std::vector<StepRecord>& steps, double resolution,
+                          const Extent& extent) {
+  BinaryText text;
+  std::vector<std::int64_t> before, now, toggled;
+  for (const StepRecord& step : steps) {
+    now.clear();
+    for (const Cell& cell : frontier_cells(step, resolution)) now.push_back(extent.index(cell));
+    std::sort(now.begin(), now.end());
+    now.erase(std::unique(now.begin(), now.end()), now.end());
+    toggled.clear();
+    std::set_symmetric_difference(before.begin(), before.end(), now.begin(), now.end(),
+                                  std::back_inserter(toggled));
+    text.add_varint(toggled.size());
+    std::int64_t last = 0;
+    for (const std::int64_t index : toggled) {
+      text.add_varint(static_cast<std::uint64_t>(index - last));
+      last = index;
+    }
+    std::swap(before, now);
+  }
+  return text.base64();
+}
+
+/// A landmark appears in many steps and moves little: positions are kept once, to the centimetre
+/// (finer than a screen shows), and each step names its landmarks by index. Each step: how many,
+/// then for each the distance from the index before and its visibility in 1/127.
+Json landmark_json(const std::vector<StepRecord>& steps) {
+  BinaryText positions, text;
+  std::map<std::pair<std::int32_t, std::int32_t>, std::uint64_t> known;
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> row;
+  for (const StepRecord& step : steps) {
+    row.clear();
+    for (const LandmarkView& l : step.landmarks) {
+      if (!(std::abs(l.x) < 1e6F && std::abs(l.y) < 1e6F)) continue;
+      const std::pair<std::int32_t, std::int32_t> key{std::lround(100.0 * l.x),
+                                                      std::lround(100.0 * l.y)};
+      const auto [entry, added] = known.emplace(key, known.size());
+      if (added) {
+        positions.add_float(0.01 * key.first);
+        positions.add_float(0.01 * key.second);
+      }
+      const double visibility = std::isfinite(l.visibility) ? l.visibility : 0.0;
+      row.emplace_back(entry->second, static_cast<std::uint64_t>(
+                                          std::lround(127.0 * std::clamp(visibility, 0.0, 1.0))));
+    }
+    std::sort(row.begin(), row.end());
+    text.add_varint(row.size());
+    std::uint64_t last = 0;
+    for (const auto& [index, visibility] : row) {
+      text.add_varint(index - last);
+      text.add_varint(visibility);
+      last = index;
+    }
+  }
+  return {{"positions", positions.base64()}, {"steps", text.base64()}};
+}
+
+Json horizon_json(const std::vector<StepRecord>& steps) {
+  BinaryText counts, poses;
+  for (const StepRecord& step : steps) {
+    counts.add_varint(step.horizon.size());
+    for (const Pose& p : step.horizon) {
+      poses.add_float(p.position.x());
+      poses.add_float(p.position.y());
+      poses.add_float(p.yaw);
+    }
+  }
+  return {{"counts", counts.base64()}, {"poses", poses.base64()}};
+}
+
+/// Every cost term that any step has, weighted; NaN at the steps that lack it.
+Json term_json(const std::vector<StepRecord>& steps) {
+  std::vector<std::string> names;
+  for (const StepRecord& step : steps) {
+    for (const TermValue& term : step.explanation.terms) {
+      if (term.constraint) continue;
+      if (std::find(names.begin(), names.end(), term.name) == names.end()) {
+        names.push_back(term.name);
+      }
+    }
+  }
+  Json terms = Json::array();
+  for (const std::string& name : names) {
+    BinaryText values;
+    for (const StepRecord& step : steps) {
+      double value = std::nan("");
+      for (const TermValue& term : step.explanation.terms) {
+        if (!term.constraint && term.name == name) value = term.weighted;
+      }
+      values.add_float(value);
+    }
+    terms.push_back({{"name", name}, {"values", values.base64()}});
+  }
+  return terms;
+}
+
+template <typename Get>
+std::string column(const std::vector<StepRecord>& steps, Get get) {
+  BinaryText text;
+  for (const StepRecord& step : steps) text.add_float(get(step));
+  return text.base64();
+}
+
+/// A column of words: the distinct ones, and for each step which.
+template <typename Get>
+Json word_column(const std::vector<StepRecord>& steps, Get get) {
+  std::vector<std::string> words;
+  std::map<std::string, std::uint64_t> known;
+  BinaryText text;
+  for (const StepRecord& step : steps) {
+    const std::string word = get(step);
+    const auto [entry, added] = known.emplace(word, words.size());
+    if (added) words.push_back(word);
+    text.add_varint(entry->second);
+  }
+  return {{"words", words}, {"steps", text.base64()}};
+}
+
+Json run_json(const RunRecord& record) {
+  const std::vector<StepRecord>& steps = record.steps;
+  Extent extent;
+  for (const StepRecord& step : steps) {
+    for (const auto& [cell, state] : step.map_changes) extent.add(cell);
+    for (const Cell& cell : frontier_cells(step, record.resolution)) extent.add(cell);
+  }
+  using S = const StepRecord&;
+  Json columns = {
+      {"time", column(steps, [](S s) { return s.time; })},
+      {"true_x", column(steps, [](S s) { return s.true_pose.position.x(); })},
+      {"true_y", column(steps, [](S s) { return s.true_pose.position.y(); })},
+      {"true_yaw", column(steps, [](S s) { return s.true_pose.yaw; })},
+      {"x", column(steps, [](S s) { return s.estimated_pose.position.x(); })},
+      {"y", column(steps, [](S s) { return s.estimated_pose.position.y(); })},
+      {"yaw", column(steps, [](S s) { return s.estimated_pose.yaw; })},
+      {"speed", column(steps, [](S s) { return s.command.linear.head<2>().norm(); })},
+      {"yaw_rate", column(steps, [](S s) { return s.command.yaw_rate; })},
+      {"predicted", column(steps, [](S s) { return s.predicted_features; })},
+      {"tracked", column(steps, [](S s) { return s.tracked_features; })},
+      {"coverage", column(steps, [](S s) { return s.coverage; })},
+      {"area", column(steps, [](S s) { return s.area; })},
+      {"error", column(steps, [](S s) { return s.localization_error; })},
+      {"path", column(steps, [](S s) { return s.path_length; })},
+      {"collisions", column(steps, [](S s) { return s.collisions; })},
+      {"clearance", column(steps, [](S s) { return s.clearance; })},
+      {"frontiers", column(steps, [](S s) { return s.active_frontiers; })},
+      {"evaluations", column(steps, [](S s) { return s.cost_evaluations; })},
+      {"gradients", column(steps, [](S s) { return s.gradient_evaluations; })},
+      {"plan_ms", column(steps, [](S s) { return s.wall.plan; })},
+      {"guide_ms", column(steps, [](S s) { return s.wall.guide; })},
+      {"clearance_ms", column(steps, [](S s) { return s.wall.clearance; })},
+      {"views_ms", column(steps, [](S s) { return s.wall.views; })},
+      {"seeds_ms", column(steps, [](S s) { return s.wall.seeds; })},
+      {"polish_ms", column(steps, [](S s) { return s.wall.polish; })},
+      {"certify_ms", column(steps, [](S s) { return s.wall.certify; })},
+  };
+  Json words = {
+      {"plan", word_column(steps, [](S s) { return s.plan_kind; })},
+      {"seed", word_column(steps, [](S s) { return s.seed; })},
+      {"localization", word_column(steps, [](S s) { return s.localization; })},
+      {"stop", word_column(steps, [](S s) { return s.stop_reason; })},
+      {"quality", word_column(steps, [](S s) { return s.quality; })},
+      {"certified",
+       word_column(steps, [](S s) { return std::string(s.certified ? "yes" : "no"); })},
+      {"certificate", word_column(steps, [](S s) { return s.certificate; })},
+  };
+  return {
+      {"summary", Json::parse(summary_json(record.summary))},
+      {"steps", steps.size()},
+      {"resolution", record.resolution},
+      {"robot_radius", record.robot_radius},
+      {"sensor_range", record.sensor_range},
+      {"sensor_fov", record.sensor_fov},
+      {"extent",
+       {{"i0", extent.empty() ? 0 : extent.i0},
+        {"j0", extent.empty() ? 0 : extent.j0},
+        {"width", extent.width()},
+        {"height", extent.height()}}},
+      {"columns", std::move(columns)},
+      {"words", std::move(words)},
+      {"terms", term_json(steps)},
+      {"map", map_text(steps, extent)},
+      {"frontiers", frontier_text(steps, record.resolution, extent)},
+      {"landmarks", landmark_json(steps)},
+      {"horizon", horizon_json(steps)},
+      {"configuration", record.configuration},
+  };
+}
+
+std::string replace_all(std::string_view text, std::string_view from, std::string_view to) {
+  std::string result;
+  for (std::size_t at = 0;;) {
+    const std::size_t found = text.find(from, at);
+    result += text.substr(at, found - at);
+    if (found == std::string_view::npos) return result;
+    result += to;
+    at = found + from.size();
+  }
+}
+
+std::string escape_html(std::string_view text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        result += "&amp;";
+        break;
+      case '<':
+        result += "&lt;";
+        break;
+      case '>':
+        result += "&gt;";
+        break;
+      case '"':
+        result += "&quot;";
+        break;
+      default:
+        result += c;
+    }
+  }
+  return result;
+}
+
+/// A library's text without the line that points a browser at a separate source map.
+std::string_view without_source_map(std::string_view text) {
+  const std::size_t at = text.rfind("sourceMappingURL=");
+  return at == std::string_view::npos ? text : text.substr(0, text.rfind('\n', at));
+}
+
+/// Fit for a <script> element: inside JavaScript, </script can only stand in a string or a regular
+/// expression, where \/ means /.
+std::string script_text(std::string_view text) {
+  return replace_all(without_source_map(text), "</script", "<\\/script");
+}
+
+/// Fit for a <script> element: inside JSON, < can only stand in a string.
+std::string json_text(const Json& json) {
+  return replace_all(json.dump(-1, ' ', false, Json::error_handler_t::replace), "<", "\\u003c");
+}
+
+}  // namespace
+
+std::string render_report(const RunRecord& record) {
+  const Json run = run_json(record);
+  const std::string title = run["summary"]["world"].get<std::string>();
+  const std::vector<std::pair<std::string_view, std::string>> parts = {
+      {"{{title}}", escape_html(title)},
+      {"{{library style}}", std::string(without_source_map(report_assets::dygraph_style()))},
+      {"{{style}}", std::string(report_assets::style())},
+      {"{{run}}", json_text(run)},
+      {"{{library}}", script_text(report_assets::dygraph_script())},
+      {"{{script}}", script_text(report_assets::script())},
+  };
+  // One pass, so that nothing in a filled-in text counts as a place.
+  const std::string_view page = report_assets::page();
+  std::string html;
+  for (std::size_t at = 0;;) {
+    const std::size_t open = page.find("{{", at);
+    html += page.substr(at, open - at);
+    if (open == std::string_view::npos) return html;
+    at = page.find("}}", open) + 2;
+    const std::string_view place = page.substr(open, at - open);
+    for (const auto& [name, text] : parts) {
+      if (name == place) html += text;
+    }
+  }
+}
+
+}  // namespace prospect

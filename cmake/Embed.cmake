@@ -1,0 +1,34 @@
+# prospect_embed(TARGET NAMESPACE name=file...): compiles the bytes of each file into TARGET. Each
+# becomes a function `std::string_view NAME();` in namespace prospect::NAMESPACE, which a header of
+# the target declares.
+function(prospect_embed target namespace)
+  set(files)
+  foreach(entry ${ARGN})
+    string(REGEX REPLACE "^[^=]*=" "" file "${entry}")
+    list(APPEND files ${file})
+  endforeach()
+  set(output ${CMAKE_CURRENT_BINARY_DIR}/${namespace}.cc)
+  add_custom_command(OUTPUT ${output}
+    COMMAND ${CMAKE_COMMAND} -D NAMESPACE=${namespace} -D OUTPUT=${output} -D "ENTRIES=${ARGN}"
+      -P ${PROJECT_SOURCE_DIR}/cmake/Embed.cmake
+    DEPENDS ${files} ${PROJECT_SOURCE_DIR}/cmake/Embed.cmake
+    COMMENT "Embedding ${namespace}" VERBATIM)
+  target_sources(${target} PRIVATE ${output})
+endfunction()
+
+# Run as a script, at build time.
+if(CMAKE_SCRIPT_MODE_FILE)
+  set(source "#include <string_view>\n\nnamespace prospect::${NAMESPACE} {\n")
+  foreach(entry ${ENTRIES})
+    string(REGEX MATCH "^[^=]*" name "${entry}")
+    string(REGEX REPLACE "^[^=]*=" "" file "${entry}")
+    file(READ "${file}" hex HEX)
+    string(REGEX REPLACE "(................................)" "\\1\n" hex "${hex}")
+    string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," hex "${hex}")
+    string(APPEND source "\nstd::string_view ${name}();\nstd::string_view ${name}() {\n"
+      "  static const unsigned char bytes[] = {\n${hex}0};\n"
+      "  return {reinterpret_cast<const char*>(bytes), sizeof bytes - 1};\n}\n")
+  endforeach()
+  string(APPEND source "\n}  // namespace prospect::${NAMESPACE}\n")
+  file(WRITE "${OUTPUT}" "${source}")
+endif()
