@@ -128,20 +128,36 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict block
   const VisibilityKernelStage s = stage;
   alignas(64) double count[8] = {}, variance[8] = {};
   alignas(64) double d_count[vd::kCount][8] = {}, d_variance[vd::kCount][8] = {};
-  alignas(64) double t1[8], t0[8], s1[8], s0[8], depth[8], range[8], cos_view[8], alive[8], rsu[8],
-      rsv[8];
+  alignas(64) double t1[8], t0[8], s1[8], s0[8], depth[8], range[8], squared_range[8], cos_view[8],
+      alive[8], rsu[8], rsv[8];
 
   for (int block = 0; block < num_blocks; ++block) {
     const VisibilityBlock& l = blocks[block];
     VisibilityBlockResult& out = results[block];
 
     for (int j = 0; j < kLanes; ++j) {
+      alive[j] = s.R[6] * (l.x[j] - s.sensor[0]) + s.R[7] * (l.y[j] - s.sensor[1]) +
+                 s.R[8] * (l.z[j] - s.sensor[2]) - c.near_depth;
+    }
+    bool any = false;
+    for (int j = 0; j < kLanes; ++j) any |= alive[j] > 0.0;
+    if (!any) {
+      out.alive = false;
+      for (int j = 0; j < kLanes; ++j) out.pi[j] = 0.0;
+      continue;
+    }
+
+    for (int j = 0; j < kLanes; ++j) {
       const Point p = point(l, j, c, s);
       const double ku = c.fx * p.inverse_z;
       const double kv = c.fy * p.inverse_z;
       const double noise = c.pixel_variance + c.border_variance;
-      rsu[j] = 1.0 / std::sqrt(ku * ku * p.Qu + noise);
-      rsv[j] = 1.0 / std::sqrt(kv * kv * p.Qv + noise);
+      // One division for both: dividing is most of this loop.
+      const double su = std::sqrt(ku * ku * p.Qu + noise);
+      const double sv = std::sqrt(kv * kv * p.Qv + noise);
+      const double both = 1.0 / (su * sv);
+      rsu[j] = both * sv;
+      rsv[j] = both * su;
       const double u = c.fx * p.a;
       const double v = c.fy * p.b;
       t1[j] = clamp((c.u_max - u) * rsu[j], -kTail, kTail);
@@ -149,15 +165,12 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict block
       s1[j] = clamp((c.v_max - v) * rsv[j], -kTail, kTail);
       s0[j] = clamp((c.v_min - v) * rsv[j], -kTail, kTail);
       depth[j] = p.Z;
-      const double near2 = c.near_depth * c.near_depth;
-      const double r2 = p.X * p.X + p.Y * p.Y + p.Z * p.Z;
-      const double r = std::sqrt(at_least(r2, near2));
-      range[j] = r;
-      cos_view[j] = -(p.dx * l.nx[j] + p.dy * l.ny[j] + p.dz * l.nz[j]) / r;
+      squared_range[j] = p.X * p.X + p.Y * p.Y + p.Z * p.Z;
+      cos_view[j] = -(p.dx * l.nx[j] + p.dy * l.ny[j] + p.dz * l.nz[j]);  // times the range
       // Positive exactly where pi is not identically zero.
       alive[j] = at_least(p.Z - c.near_depth, 0.0) * (t1[j] - t0[j]) * (s1[j] - s0[j]);
     }
-    bool any = false;
+    any = false;
     for (int j = 0; j < kLanes; ++j) any |= alive[j] > 0.0;
     out.alive = any;
     if (!any) {
@@ -182,6 +195,8 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict block
       Pv[j] = upper - lower;
     }
     for (int j = 0; j < kLanes; ++j) {
+      range[j] = std::sqrt(at_least(squared_range[j], c.near_depth * c.near_depth));
+      cos_view[j] /= range[j];
       const double scale = range[j] * l.inverse_creation_range[j];
       const double L = kLogisticTail;
       e1[j] = exponential_in_range(clamp((c.r_min - depth[j]) * c.inverse_r_min_width, -L, L));
