@@ -206,7 +206,7 @@ TEST(StrictYaml, SurvivesMutatedText) {
         default:
           text.insert(at, 1, "{}[]:,-#&*!|>'\"%@\n\t "[random() % 20]);
       }
-      if (text.empty()) text = " ";
+      if (text.empty()) text.push_back(' ');
     }
     try {
       StrictYaml yaml = StrictYaml::from_text(text, "f.yaml");
