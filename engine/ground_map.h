@@ -8,8 +8,8 @@
 namespace prospect {
 
 /// The octree projected on the ground plane, over the height slice that the robot's body sweeps.
-/// A cell is occupied if any voxel of its column in the slice is occupied; free if none is and at
-/// least half of them are known free; unknown otherwise. It is both the 2-D obstacle map and the
+/// A cell is occupied if any voxel of its column in the slice is occupied; free if none is and any
+/// is known free; unknown otherwise. It is both the 2-D obstacle map and the
 /// exploration map G(n): g = 1 (explored) exactly where the state is not unknown.
 ///
 /// Changes are tracked per tile (16 x 16 cells): a consumer remembers the last revision() it has

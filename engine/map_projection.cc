@@ -60,7 +60,7 @@ CellState project_column(const VoxelGrid& voxels, Cell c, const SliceLayers& lay
     occupied += s == CellState::kOccupied;
     free += s == CellState::kFree;
   }
-  return project_column(occupied, free, layers.count());
+  return project_column(occupied, free);
 }
 
 GroundMap project(const VoxelGrid& voxels, const HeightSlice& slice) {

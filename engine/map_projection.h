@@ -29,12 +29,15 @@ struct SliceLayers {
 /// Throws std::invalid_argument if the slice is not finite, empty, or the resolution not positive.
 SliceLayers slice_layers(const HeightSlice& slice, double resolution);
 
-/// State of a ground cell from the counts of its column (formulation, section 2: the exploration
-/// map is the octree projected on the ground plane; the share of one half is our choice):
-///   occupied if occupied > 0;  free if none is and 2 free >= layers;  unknown otherwise.
-inline CellState project_column(int occupied, int free, int layers) {
+/// State of a ground cell from the counts of its column (formulation, section 2: the exploration map
+/// is the octree projected on the ground plane; the rule is our choice):
+///   occupied if occupied > 0;  free if none is and any is known free;  unknown if nothing is known.
+/// One free layer is enough: what lies behind a low obstacle is seen at the sensor's height only, and
+/// a stricter rule leaves frontiers there that no look resolves. A low obstacle not seen from afar
+/// makes its cell occupied when the sensor comes near.
+inline CellState project_column(int occupied, int free) {
   if (occupied > 0) return CellState::kOccupied;
-  return 2 * free >= layers ? CellState::kFree : CellState::kUnknown;
+  return free > 0 ? CellState::kFree : CellState::kUnknown;
 }
 
 /// State of cell c from its column in `voxels`; layers outside the grid are unknown.

@@ -58,7 +58,7 @@ struct PlannerParameters {
   double deadline = 0.0;  ///< wall-clock limit of a step [s]; 0: none, results are reproducible
 
   int max_landmarks = 300;
-  double visibility_lattice = 0.2;  ///< spacing of the occlusion tables [m]
+  double visibility_lattice = 0.3;  ///< spacing of the occlusion tables [m]
   VisibilityParameters visibility;
   VisibleFeaturesParameters features;
   bool feature_prior = true;  ///< count expected features on surfaces not seen yet

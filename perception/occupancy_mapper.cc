@@ -237,7 +237,7 @@ void OccupancyMapper::Impl::flush_ground() {
     Columns& c = *columns[block];
     c.changed[cell] = false;
     const Cell address{c.bx * kBrick + cell % kBrick, c.by * kBrick + cell / kBrick};
-    const CellState state = project_column(c.occupied[cell], c.free[cell], slice.count());
+    const CellState state = project_column(c.occupied[cell], c.free[cell]);
     if (ground->state(address) == state) continue;
     if (!unshared(ground)) ground = std::make_shared<GroundMap>(*ground);
     ground->set(address, state);

@@ -25,9 +25,9 @@ struct OdometryOptions {
   int degraded_below = 20;
   /// Dead reckoning while lost, one standard deviation: of the distance and of the angle turned
   /// [share], and of the heading per metre driven [rad/m].
-  double reckoning_distance = 0.05;
-  double reckoning_angle = 0.05;
-  double reckoning_heading = 0.03;
+  double reckoning_distance = 0.02;
+  double reckoning_angle = 0.02;
+  double reckoning_heading = 0.01;
 };
 
 /// Visual odometry as a model of its error: how the estimate departs from the truth, given the

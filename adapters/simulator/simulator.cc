@@ -120,7 +120,7 @@ struct Simulator::Impl {
       if (seen_column[column] != 0) continue;
       const bool solid = seen_voxels[index] == CellState::kOccupied;
       if (!solid) ++seen_free[column];
-      if (project_column(solid ? 1 : 0, seen_free[column], layers.count()) == CellState::kUnknown) {
+      if (project_column(solid ? 1 : 0, seen_free[column]) == CellState::kUnknown) {
         continue;
       }
       seen_column[column] = 1;

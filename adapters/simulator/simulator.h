@@ -91,7 +91,7 @@ class Simulator {
   /// Cells of the true map counted by coverage(): nonzero = counts. Without one coverage is zero.
   void set_reachable(const Grid<std::uint8_t>& reachable);
   /// Share of the reachable cells whose column has really been seen by valid depth rays, by the
-  /// rule of the ground map (any solid voxel hit, or at least half of the slice seen free).
+  /// rule of the ground map (any voxel of the slice seen, solid or free).
   double coverage() const;
   /// Area [m^2] of all true cells seen so far.
   double seen_area() const;

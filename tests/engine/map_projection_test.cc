@@ -30,11 +30,10 @@ TEST(MapProjection, LayersOfASlice) {
 }
 
 TEST(MapProjection, ColumnRule) {
-  EXPECT_EQ(project_column(1, 3, 4), CellState::kOccupied);
-  EXPECT_EQ(project_column(0, 2, 4), CellState::kFree);
-  EXPECT_EQ(project_column(0, 1, 4), CellState::kUnknown);
-  EXPECT_EQ(project_column(0, 2, 5), CellState::kUnknown);
-  EXPECT_EQ(project_column(0, 3, 5), CellState::kFree);
+  EXPECT_EQ(project_column(1, 3), CellState::kOccupied);
+  EXPECT_EQ(project_column(1, 0), CellState::kOccupied);
+  EXPECT_EQ(project_column(0, 1), CellState::kFree);
+  EXPECT_EQ(project_column(0, 0), CellState::kUnknown);
 }
 
 TEST(MapProjection, OctreeToVoxelsMatchesSearchVoxelByVoxel) {
@@ -98,12 +97,12 @@ TEST(MapProjection, BeliefMapsOfAnOctree) {
   set(-2, 1, 1, -1.0F);
   set(-2, 1, 4, 1.0F);
   set(0, 0, 2, -1.0F);  // one of four layers only
-  set(1, 0, 9, 1.0F);   // above the slice
+  set(1, 0, 9, 1.0F);   // above the slice only
   const BeliefMaps maps = belief_maps(tree, {0.1, 0.5}, -0.3, 2.0);
   EXPECT_EQ(maps.octree, tree);
   EXPECT_EQ(maps.ground->state({3, 4}), CellState::kFree);
   EXPECT_EQ(maps.ground->state({-2, 1}), CellState::kOccupied);
-  EXPECT_EQ(maps.ground->state({0, 0}), CellState::kUnknown);
+  EXPECT_EQ(maps.ground->state({0, 0}), CellState::kFree);
   EXPECT_EQ(maps.ground->state({1, 0}), CellState::kUnknown);
   EXPECT_EQ(maps.voxels->state(1, 0, 9), CellState::kOccupied);
 }
