@@ -5,10 +5,8 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <limits>
-#include <new>
 #include <random>
 #include <stdexcept>
 
@@ -16,27 +14,6 @@
 #include "engine/voxel_grid.h"
 #include "models/make_model.h"
 #include "tests/engine/visibility_scene.h"
-
-namespace {
-long allocations = 0;
-}
-
-// Counts every allocation of this program.
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size)) return p;
-  throw std::bad_alloc();
-}
-void* operator new(std::size_t size, std::align_val_t alignment) {
-  ++allocations;
-  const std::size_t a = static_cast<std::size_t>(alignment);
-  if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
-  throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 
 namespace prospect {
 namespace {
@@ -400,31 +377,6 @@ TEST(VisibleFeatures, BatchEqualsSingle) {
       EXPECT_EQ(counts, single);
     }
   }
-}
-
-TEST(VisibleFeatures, DoesNotAllocate) {
-  std::mt19937_64 rng(51);
-  const auto model = make_model("unicycle");
-  const auto landmarks = visibility_scene::landmarks(rng, 120);
-  const TrajectoryBatch t = walks(rng, *model, 10, 0.3, 1);
-  const TrajectoryBatch many = walks(rng, *model, 10, 0.3, 50);
-  TermOutput out = output(t), out_many = output(many);
-  for (const auto criterion : {VisibilityCriterion::kCount, VisibilityCriterion::kInformation}) {
-    VisibleFeaturesParameters f;
-    f.criterion = criterion;
-    f.chance_weight = 1.0;
-    f.rho = 1.0;
-    const VisibleFeatures term(std::make_shared<const VisibilityPrediction>(
-                                   landmarks, StereoCamera{}, CameraMount{},
-                                   pillars(landmarks, false), VisibilityParameters{}),
-                               f, std::make_shared<const WavySurface>());
-    const auto scratch = term.make_scratch(t.horizon, 50);
-    const long before = allocations;
-    term.evaluate(t, {true}, scratch.get(), out);
-    term.evaluate(many, {false}, scratch.get(), out_many);
-    EXPECT_EQ(allocations, before);
-  }
-  EXPECT_GT(allocations, 0);
 }
 
 TEST(VisibleFeatures, NothingVisibleCostsOne) {
