@@ -22,10 +22,4 @@ foreach(module core imgproc imgcodecs)
     INTERFACE_INCLUDE_DIRECTORIES ${PROSPECT_OPENCV_INCLUDE})
 endforeach()
 
-# octomap and fcl export plain library names and include variables; wrap them so that consumers see
-# targets.
-add_library(prospect_octomap INTERFACE)
-target_include_directories(prospect_octomap SYSTEM INTERFACE ${OCTOMAP_INCLUDE_DIRS})
-target_link_libraries(prospect_octomap INTERFACE ${OCTOMAP_LIBRARIES})
-add_library(prospect_fcl INTERFACE)
-target_link_libraries(prospect_fcl INTERFACE fcl prospect_octomap)
+include(${CMAKE_CURRENT_LIST_DIR}/LibraryTargets.cmake)

@@ -1,0 +1,33 @@
+# `cmake --install`: the program, and the rooms that another project can link, with
+#   find_package(prospect CONFIG REQUIRED)
+#   target_link_libraries(controller PRIVATE prospect::engine prospect::solvers)
+# The adapters stay inside the program: they are how it meets files and screens.
+include(CMakePackageConfigHelpers)
+set(rooms models engine solvers perception)
+foreach(room ${rooms})
+  install(TARGETS prospect_${room} EXPORT prospect ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  install(DIRECTORY ${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/${room}
+    FILES_MATCHING PATTERN *.h)
+endforeach()
+if(TARGET prospect)
+  install(TARGETS prospect RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
+
+set(package ${CMAKE_INSTALL_LIBDIR}/cmake/prospect)
+install(EXPORT prospect FILE prospectTargets.cmake NAMESPACE prospect:: DESTINATION ${package})
+# A consumer needs the solver libraries that this build has found.
+set(PROSPECT_WITH_NLOPT OFF)
+if(TARGET NLopt::nlopt)
+  set(PROSPECT_WITH_NLOPT ON)
+endif()
+set(PROSPECT_WITH_IPOPT OFF)
+if(TARGET PkgConfig::IPOPT)
+  set(PROSPECT_WITH_IPOPT ON)
+endif()
+configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/prospectConfig.cmake.in
+  ${PROJECT_BINARY_DIR}/prospectConfig.cmake INSTALL_DESTINATION ${package})
+# 0.x: a minor version may change interfaces.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/prospectConfigVersion.cmake
+  COMPATIBILITY SameMinorVersion)
+install(FILES ${PROJECT_BINARY_DIR}/prospectConfig.cmake ${PROJECT_BINARY_DIR}/prospectConfigVersion.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/LibraryTargets.cmake DESTINATION ${package})

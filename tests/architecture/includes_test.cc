@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/architecture/include_rules.h"
+
+namespace prospect::testing {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A tree of source files in a folder of its own.
+class Tree {
+ public:
+  Tree() : root_(fs::path(::testing::TempDir()) / "prospect includes") { fs::remove_all(root_); }
+  ~Tree() { fs::remove_all(root_); }
+  Tree& add(const std::string& path, const std::string& text) {
+    fs::create_directories((root_ / path).parent_path());
+    std::ofstream(root_ / path) << text;
+    return *this;
+  }
+  std::vector<std::string> forbidden() const { return forbidden_includes(root_); }
+
+ private:
+  fs::path root_;
+};
+
+TEST(Includes, EveryRoomUsesOnlyWhatItMay) {
+  const fs::path root = PROSPECT_SOURCE_DIR;
+  for (const auto& [room, rules] : architecture()) EXPECT_TRUE(fs::exists(root / room)) << room;
+  for (const std::string& line : forbidden_includes(root)) ADD_FAILURE() << line;
+}
+
+TEST(Includes, EachForbiddenDirectionIsCaught) {
+  struct Case {
+    const char *path, *include, *why;
+  };
+  for (const Case& c : {
+           Case{"models/a.cc", "\"engine/grid.h\"", "models may not use engine"},
+           Case{"models/a.h", "<octomap/OcTree.h>", "models may not use octomap"},
+           Case{"engine/a.cc", "\"solvers/registry.h\"", "engine may not use solvers"},
+           Case{"engine/terms/a.cc", "\"perception/occupancy_mapper.h\"",
+                "engine may not use perception"},
+           Case{"engine/a.cc", "\"adapters/cli/commands.h\"", "engine may not use adapters"},
+           Case{"engine/a.cc", "<nlopt.h>", "engine may not use nlopt"},
+           Case{"engine/a.cc", "<nlopt.hpp>", "engine may not use nlopt"},
+           Case{"engine/a.cc", "<IpTNLP.hpp>", "engine may not use Ipopt"},
+           Case{"engine/a.cc", "<coin/IpTNLP.hpp>", "engine may not use Ipopt"},
+           Case{"engine/a.cc", "<ceres/ceres.h>", "engine may not use ceres"},
+           Case{"engine/a.cc", "<opencv2/core.hpp>", "engine may not use opencv2"},
+           Case{"engine/a.h", "<fcl/geometry/shape/box.h>", "forward-declare"},
+           Case{"engine/a.h", "<octomap/OcTree.h>", "forward-declare"},
+           Case{"solvers/a.cc", "\"perception/occupancy_mapper.h\"",
+                "solvers may not use perception"},
+           Case{"solvers/a.h", "<IpTNLP.hpp>", "forward-declare"},
+           Case{"solvers/nlopt/a.h", "<nlopt.h>", "forward-declare"},
+           Case{"solvers/a.cc", "<fcl/narrowphase/distance.h>", "solvers may not use fcl"},
+           Case{"perception/a.cc", "\"solvers/registry.h\"", "perception may not use solvers"},
+           Case{"perception/a.h", "<opencv2/core.hpp>", "forward-declare"},
+           Case{"perception/a.cc", "\"adapters/run/run_record.h\"",
+                "perception may not use adapters"},
+           Case{"adapters/a.cc", "\"tests/engine/view_worlds.h\"", "adapters may not use tests"},
+           Case{"engine/a.cc", "<boost/optional.hpp>", "engine may not use boost"},
+       }) {
+    const auto found =
+        Tree()
+            .add(c.path, std::string("// a comment\n  #  include ") + c.include + "  // why\n")
+            .forbidden();
+    ASSERT_EQ(found.size(), 1u) << c.path << " with " << c.include;
+    EXPECT_NE(found[0].find(std::string(c.path) + ":2: "), std::string::npos) << found[0];
+    EXPECT_NE(found[0].find(c.why), std::string::npos) << found[0];
+  }
+}
+
+TEST(Includes, WhatIsAllowedPasses) {
+  Tree tree;
+  tree.add("models/a.h", "#include <Eigen/Core>\n#include \"models/types.h\"\n#include <vector>\n")
+      .add("engine/a.cc", "#include <octomap/OcTree.h>\n#include <fcl/math/bv/AABB.h>\n")
+      .add("solvers/a.cc", "#include <nlopt.h>\n#include \"engine/solver.h\"\n")
+      .add("adapters/a.cc", "#include <sys/ioctl.h>\n#include \"perception/occupancy_mapper.h\"\n")
+      .add("engine/notes.md", "#include \"solvers/registry.h\"\n")
+      .add("benchmarks/a.cc", "#include \"adapters/run/run_record.h\"\n");
+  EXPECT_EQ(tree.forbidden(), std::vector<std::string>());
+}
+
+}  // namespace
+}  // namespace prospect::testing

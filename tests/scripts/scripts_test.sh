@@ -1,0 +1,124 @@
+#!/usr/bin/env bash
+# What the scripts promise, as far as it can be seen without root and without the network.
+#   scripts_test.sh <source tree>
+set -uo pipefail
+root="$1"
+work="$(mktemp -d)"
+trap 'rm -rf "$work"' EXIT
+failures=0
+fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
+# run COMMAND...: leaves exit code, standard output and error in $code, $out, $err.
+run() {
+  code=0
+  "$@" >"$work/out" 2>"$work/err" </dev/null || code=$?
+  out="$(<"$work/out")"
+  err="$(<"$work/err")"
+}
+lines() { [[ -z "$1" ]] && echo 0 || wc -l <<<"$1"; }
+
+for script in "$root"/scripts/{setup,build,explore,test} "$root/.ci/run"; do
+  [[ -x "$script" ]] || fail "$script is not executable"
+  run bash -n "$script"
+  ((code == 0)) || fail "$script does not parse: $err"
+done
+
+# A checkout may live anywhere: the copies run from a path with spaces.
+here="$work/a robot's workshop"
+mkdir -p "$here"
+cp -r "$root/scripts" "$here/scripts"
+
+run "$here/scripts/setup" --help
+((code == 0)) && [[ "$out" == usage:* ]] || fail "setup --help: exit $code, '$out' '$err'"
+run "$here/scripts/setup" --brwoser
+((code == 2)) || fail "unknown argument: exit $code, expected 2"
+[[ -z "$out" ]] && (("$(lines "$err")" == 1)) && [[ "$err" == *"--brwoser"*"--browser"* ]] ||
+  fail "unknown argument: expected one line that names it and what was expected, got '$out' '$err'"
+
+# Stand-ins for the package tools show what setup asks for. dpkg-query says "installed" to all but
+# the packages named in $absent; apt-get and sudo write down what they were told.
+tools="$work/tools"
+mkdir -p "$tools"
+cat >"$tools/dpkg-query" <<'TOOL'
+#!/usr/bin/env bash
+for last in "$@"; do :; done
+echo "$last" >>"$ASKED"
+[[ " $ABSENT " == *" $last "* ]] || printf 'install ok installed'
+TOOL
+cat >"$tools/apt-get" <<'TOOL'
+#!/usr/bin/env bash
+echo "apt-get $*" >>"$TOLD"
+if [[ " $* " == *" install "* && -n "$REFUSE" ]]; then
+  echo "Reading package lists..."
+  echo "E: $REFUSE" >&2
+  exit 100
+fi
+TOOL
+printf '#!/usr/bin/env bash\necho sudo >>"$TOLD"\nexec "$@"\n' >"$tools/sudo"
+chmod +x "$tools"/*
+setup() {
+  : >"$work/asked" && : >"$work/told"
+  run env PATH="$tools:$PATH" ASKED="$work/asked" TOLD="$work/told" ABSENT="$absent" REFUSE="$refuse" \
+    "$here/scripts/setup" "$@"
+}
+
+absent="" refuse=""
+setup
+((code == 0)) && [[ -z "$out$err" && ! -s "$work/told" ]] || fail "nothing missing: exit $code, '$out' '$err'"
+# The list is parsed: every package once, no comments, no empty names.
+expected="$(grep -v '^#' "$root/scripts/packages" | sed 's/ *#.*//' | grep -v '^ *$')"
+[[ "$(<"$work/asked")" == "$expected" ]] || fail "packages asked for: $(tr '\n' ' ' <"$work/asked")"
+grep -qx libeigen3-dev "$work/asked" || fail "libeigen3-dev was not asked for"
+grep -q chromium "$work/asked" && fail "the browser was asked for without --browser"
+setup --browser
+grep -qx chromium "$work/asked" || fail "--browser did not ask for the browser"
+
+absent="libfcl-dev liboctomap-dev"
+setup
+((code == 0)) || fail "two packages missing: exit $code: $err"
+grep -q "install.* liboctomap-dev libfcl-dev$" "$work/told" || fail "installed: $(<"$work/told")"
+(("$(grep -c 'install' "$work/told")" == 1)) || fail "more than one installation: $(<"$work/told")"
+if ((EUID != 0)); then
+  grep -qx sudo "$work/told" || fail "not root, but sudo was not used"
+fi
+
+refuse="Unable to locate package libfcl-dev"
+setup
+((code != 0)) || fail "a package that cannot be had: exit 0"
+[[ "$(tail -n 1 <<<"$err")" == *"Unable to locate package libfcl-dev"* ]] && (("$(lines "$err")" <= 2)) ||
+  fail "a package that cannot be had: expected one clear line, got '$err'"
+
+# For real, where nothing is missing: not a word.
+complete=1
+for package in $expected; do
+  [[ "$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null)" == "install ok installed" ]] || complete=0
+done
+if ((complete)); then
+  run "$here/scripts/setup"
+  ((code == 0)) && [[ -z "$out$err" ]] || fail "setup on this machine: exit $code, '$out' '$err'"
+else
+  echo "skipped on this machine: setup with nothing missing (something is)"
+fi
+
+# explore and test are set up, build, run, in this order, with their arguments, wherever they stand.
+mkdir -p "$here/build"
+printf '#!/usr/bin/env bash\necho setup >>"$TOLD"\n' >"$here/scripts/setup"
+printf '#!/usr/bin/env bash\necho "build $1" >>"$TOLD"\n' >"$here/scripts/build"
+printf '#!/usr/bin/env bash\necho "prospect $*" >>"$TOLD"\n' >"$here/build/prospect"
+printf '#!/usr/bin/env bash\necho "ctest $*" >>"$TOLD"\n' >"$tools/ctest"
+chmod +x "$here/build/prospect" "$tools/ctest"
+: >"$work/told"
+run env TOLD="$work/told" "$here/scripts/explore" corridor --seed 3
+[[ "$(<"$work/told")" == $'setup\nbuild '"$here/build"$'\nprospect explore corridor --seed 3' ]] ||
+  fail "explore did: $(<"$work/told") $err"
+: >"$work/told"
+run env PATH="$tools:$PATH" TOLD="$work/told" "$here/scripts/test" -R problem
+[[ "$(head -n 2 "$work/told")" == $'setup\nbuild '"$here/build" && "$(tail -n 1 "$work/told")" == "ctest --test-dir $here/build "*" -R problem" ]] ||
+  fail "test did: $(<"$work/told") $err"
+
+# A tree that cannot be configured says why on standard error, and fails.
+cp "$root/scripts/build" "$here/scripts/build"
+run "$here/scripts/build" "$here/nowhere"
+((code != 0)) && [[ "$err" == *CMakeLists.txt* ]] || fail "build without a CMakeLists.txt: exit $code, '$err'"
+
+((failures == 0)) && echo "all passed"
+exit $((failures > 0))
