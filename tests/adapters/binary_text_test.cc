@@ -1,0 +1,33 @@
+#include "adapters/report/binary_text.h"
+
+#include <gtest/gtest.h>
+
+namespace prospect {
+namespace {
+
+TEST(BinaryText, Base64AsInRfc4648) {
+  // The examples of section 10; a letter is a varint of one byte.
+  const auto encode = [](const std::string& letters) {
+    BinaryText text;
+    for (const char c : letters) text.add_varint(static_cast<std::uint64_t>(c));
+    return text.base64();
+  };
+  EXPECT_EQ(encode(""), "");
+  EXPECT_EQ(encode("f"), "Zg==");
+  EXPECT_EQ(encode("fo"), "Zm8=");
+  EXPECT_EQ(encode("foo"), "Zm9v");
+  EXPECT_EQ(encode("foobar"), "Zm9vYmFy");
+}
+
+TEST(BinaryText, VarintsAndFloatsByHand) {
+  BinaryText text;
+  text.add_varint(300);  // 0xAC 0x02
+  text.add_varint(127);  // 0x7F
+  EXPECT_EQ(text.base64(), "rAJ/");
+  BinaryText number;
+  number.add_float(1.0);  // 00 00 80 3F
+  EXPECT_EQ(number.base64(), "AACAPw==");
+}
+
+}  // namespace
+}  // namespace prospect

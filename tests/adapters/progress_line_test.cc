@@ -1,0 +1,130 @@
+#include "adapters/report/progress_line.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace prospect {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+StepRecord step() {
+  StepRecord s;
+  s.time = 42.5;
+  s.coverage = 0.632;
+  s.path_length = 31.42;
+  s.localization_error = 0.084;
+  s.localization = "ok";
+  s.tracked_features = 87;
+  s.plan_kind = "optimised";
+  s.wall.plan = 41.4;
+  return s;
+}
+
+/// Columns that a terminal needs: code points, without escape sequences and carriage returns.
+int columns(const std::string& line) {
+  int count = 0;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '\033') {
+      while (line[i] != 'm' && line[i] != 'K') ++i;
+    } else if ((line[i] & 0xC0) != 0x80 && line[i] != '\r') {
+      ++count;
+    }
+  }
+  return count;
+}
+
+TEST(ProgressLine, SaysWhatIsGoingOn) {
+  std::ostringstream out;
+  ProgressLine line(out, true, false);
+  line.show(step(), "ipopt", 0.0);
+  // 0.632 of 20 cells of 8 eighths: 101 eighths, 12 cells and 5.
+  EXPECT_EQ(out.str(),
+            "\r   42.5 s   63.2 %  ████████████▋           31.4 m   error 0.08 m    87 features   "
+            "ipopt   41 ms\033[K");
+  line.finish();
+  EXPECT_EQ(out.str().back(), '\n');
+}
+
+TEST(ProgressLine, IsQuietWhereThereIsNoTerminal) {
+  std::ostringstream out;
+  ProgressLine line(out, false, true);
+  for (int i = 0; i < 100; ++i) line.show(step(), "ipopt", i);
+  line.finish();
+  EXPECT_EQ(out.str(), "");
+}
+
+TEST(ProgressLine, WritesAtMostTenTimesASecondAndTheLastStepAlways) {
+  std::ostringstream out;
+  ProgressLine line(out, true, false);
+  StepRecord s = step();
+  for (int i = 0; i <= 3000; ++i) {  // 3 s, a step each millisecond
+    s.tracked_features = i;
+    line.show(s, "ipopt", 1000.0 + 1e-3 * i);
+  }
+  const std::string before = out.str();
+  const auto written = std::count(before.begin(), before.end(), '\r');
+  EXPECT_LE(written, 31);
+  EXPECT_GE(written, 28);
+  s.tracked_features = 4321;
+  line.show(s, "ipopt", 1003.0 + 1e-3);
+  EXPECT_THAT(out.str(), Not(HasSubstr("4321")));
+  line.finish();
+  EXPECT_THAT(out.str(), HasSubstr("4321 features"));
+  const std::string after = out.str();
+  line.finish();
+  EXPECT_EQ(out.str(), after);
+}
+
+TEST(ProgressLine, FinishesNothingThatWasNotBegun) {
+  std::ostringstream out;
+  ProgressLine(out, true, true).finish();
+  EXPECT_EQ(out.str(), "");
+}
+
+TEST(ProgressLine, ColoursOnlyWhereAsked) {
+  StepRecord s = step();
+  s.localization = "degraded";
+  s.plan_kind = "stopping tail";
+  std::ostringstream plain, colored;
+  ProgressLine(plain, true, false, 200).show(s, "ipopt", 0.0);
+  ProgressLine(colored, true, true, 200).show(s, "ipopt", 0.0);
+  EXPECT_THAT(plain.str(), Not(HasSubstr("\033[3")));
+  EXPECT_THAT(plain.str(), HasSubstr("(degraded)"));
+  EXPECT_THAT(plain.str(), HasSubstr("stopping"));
+  EXPECT_THAT(colored.str(), HasSubstr("\033[33m"));
+  EXPECT_EQ(columns(colored.str()), columns(plain.str()));
+}
+
+TEST(ProgressLine, NeverWraps) {
+  StepRecord s = step();
+  s.localization = "lost";
+  s.plan_kind = "stopping tail";
+  s.coverage = 1.0;
+  for (int width = 1; width < 150; ++width) {
+    std::ostringstream out;
+    ProgressLine(out, true, true, width).show(s, "nlopt:LD_SLSQP", 0.0);
+    EXPECT_LT(columns(out.str()), width);
+  }
+}
+
+TEST(ProgressLine, TakesNumbersThatAreNone) {
+  std::ostringstream out;
+  ProgressLine line(out, true, false, 200);
+  StepRecord s = step();
+  for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e308, -1.0, 7.0}) {
+    s.coverage = s.localization_error = s.wall.plan = s.path_length = bad;
+    line.show(s, "ipopt", 0.0);
+    line.finish();
+  }
+  const std::string text = out.str();
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 6);
+}
+
+}  // namespace
+}  // namespace prospect

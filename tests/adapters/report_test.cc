@@ -1,0 +1,221 @@
+#include "adapters/report/report.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "tests/adapters/synthetic_run.h"
+
+namespace prospect {
+namespace {
+
+int count(const std::string& text, const std::string& what) {
+  int n = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  return n;
+}
+
+nlohmann::json data(const std::string& html) {
+  const std::string open = "<script type=\"application/json\" id=\"run\">";
+  const std::size_t begin = html.find(open) + open.size();
+  return nlohmann::json::parse(html.substr(begin, html.find("</script>", begin) - begin));
+}
+
+/// Reads what the page reads, written independently of it.
+class Reader {
+ public:
+  explicit Reader(const std::string& base64) {
+    const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::uint32_t bits = 0;
+    int held = 0;
+    for (const char c : base64) {
+      if (c == '=') break;
+      bits = bits << 6 | static_cast<std::uint32_t>(digits.find(c));
+      held += 6;
+      if (held >= 8) {
+        held -= 8;
+        bytes_.push_back(static_cast<std::uint8_t>(bits >> held));
+      }
+    }
+  }
+  std::uint64_t varint() {
+    std::uint64_t value = 0;
+    for (int shift = 0;; shift += 7) {
+      const std::uint8_t byte = bytes_.at(at_++);
+      value |= static_cast<std::uint64_t>(byte & 127) << shift;
+      if (byte < 128) return value;
+    }
+  }
+  float number() {
+    std::uint32_t bits = 0;
+    for (int i = 0; i < 4; ++i) bits |= static_cast<std::uint32_t>(bytes_.at(at_++)) << 8 * i;
+    return std::bit_cast<float>(bits);
+  }
+  bool done() const { return at_ == bytes_.size(); }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::size_t at_ = 0;
+};
+
+TEST(Report, NeedsNothingBesideIt) {
+  const std::string html = render_report(synthetic_run(10));
+  EXPECT_EQ(count(html, "default-src 'none'"), 1);
+  for (const char* loading :
+       {"<link", "<img", "<iframe", " src=", "@import", "url(", "fetch(", "XMLHttpRequest(\"",
+        "sourceMappingURL", "{{title", "{{run", "{{lib", "{{style", "{{script"}) {
+    EXPECT_EQ(html.find(loading), std::string::npos) << loading;
+  }
+  EXPECT_EQ(count(html, "dygraphs/blob/v"), 1) << "the library's licence stays with it";
+}
+
+TEST(Report, AMissionOfSixHundredStepsIsSmall) {
+  const RunRecord run = synthetic_run(600);
+  const std::string html = render_report(run);
+  EXPECT_LT(html.size(), 1500000U);
+  EXPECT_EQ(html, render_report(run));
+}
+
+TEST(Report, TextCannotBreakOutOfItsPlace) {
+  RunRecord run = synthetic_run(3);
+  const std::string hostile =
+      "</script><script>alert(1)</script><!-- <script> {{script}} & \" \xff \xe2\x80\xa8";
+  run.summary.world = hostile;
+  run.configuration = hostile;
+  run.steps[1].certificate = hostile;
+  run.steps[1].explanation.terms[0].name = hostile;
+  const std::string html = render_report(run);
+  EXPECT_EQ(count(html, "</script"), 3);
+  EXPECT_EQ(count(html, "alert(1)"), 6) << "title, heading and four strings of the data";
+  EXPECT_EQ(count(html, "<script>alert"), 0);
+  EXPECT_EQ(count(html, "<title>&lt;/script&gt;&lt;script&gt;alert(1)"), 1);
+  const std::string kept =
+      "</script><script>alert(1)</script><!-- <script> {{script}} & \" \xEF\xBF\xBD \xe2\x80\xa8";
+  const nlohmann::json json = data(html);
+  EXPECT_EQ(json["summary"]["world"], kept);
+  EXPECT_EQ(json["configuration"], kept);
+}
+
+TEST(Report, NumbersThatAreNoneAreMarkedAsSuch) {
+  RunRecord run = synthetic_run(4);
+  run.summary.time_to_99_s = std::nan("");
+  run.summary.drift_percent = HUGE_VAL;
+  run.steps[2].coverage = std::nan("");
+  run.steps[2].estimated_pose.position.x() = HUGE_VAL;
+  run.steps[2].frontier_cells.emplace_back(NAN, 1.0F);
+  run.steps[2].frontier_cells.emplace_back(1e30F, 1.0F);
+  run.steps[2].landmarks.push_back({NAN, 0.0F, 0.5F});
+  run.steps[2].landmarks.push_back({1.0F, 0.0F, NAN});
+  const nlohmann::json json = data(render_report(run));
+  EXPECT_TRUE(json["summary"]["time_to_99_s"].is_null());
+  EXPECT_TRUE(json["summary"]["drift_percent"].is_null());
+  Reader coverage(json["columns"]["coverage"]);
+  EXPECT_EQ(coverage.number(), static_cast<float>(run.steps[0].coverage));
+  coverage.number();
+  EXPECT_TRUE(std::isnan(coverage.number()));
+  EXPECT_LT(json["extent"]["width"], 300);
+}
+
+TEST(Report, OfAMissionWithoutSteps) {
+  const std::string html = render_report(RunRecord{});
+  const nlohmann::json json = data(html);
+  EXPECT_EQ(json["steps"], 0);
+  EXPECT_EQ(json["extent"]["width"], 0);
+}
+
+TEST(Report, HoldsTheRun) {
+  RunRecord run = synthetic_run(90);
+  for (StepRecord& s : run.steps) {  // negative cells too
+    for (auto& [cell, state] : s.map_changes) cell.i -= 100, cell.j -= 50;
+    for (Eigen::Vector2f& p : s.frontier_cells) p -= Eigen::Vector2f(10.0F, 5.0F);
+  }
+  run.steps[40].map_changes.emplace_back(Cell{-90, -30}, CellState::kFree);
+  run.steps[40].map_changes.emplace_back(Cell{-90, -30}, CellState::kOccupied);
+  run.steps[50].map_changes.emplace_back(Cell{-90, -30}, CellState::kUnknown);
+  const nlohmann::json json = data(render_report(run));
+  const int width = json["extent"]["width"], i0 = json["extent"]["i0"], j0 = json["extent"]["j0"];
+
+  Reader map(json["map"]), frontiers(json["frontiers"]), landmarks(json["landmarks"]["steps"]),
+      counts(json["horizon"]["counts"]), poses(json["horizon"]["poses"]);
+  std::vector<std::pair<float, float>> positions;
+  for (Reader reader(json["landmarks"]["positions"]); !reader.done();) {
+    const float x = reader.number();
+    positions.emplace_back(x, reader.number());
+  }
+  using Known = std::map<std::pair<int, int>, int>;
+  Known expected, shown;
+  std::set<std::uint64_t> frontier;
+  for (const StepRecord& s : run.steps) {
+    for (const auto& [cell, state] : s.map_changes) {
+      expected[{cell.i, cell.j}] = static_cast<int>(state);
+    }
+    std::uint64_t at = 0;
+    for (std::uint64_t runs = map.varint(); runs > 0; --runs) {
+      at += map.varint();
+      const std::uint64_t code = map.varint();
+      for (std::uint64_t end = at + code / 4; at < end; ++at) {
+        shown[{i0 + static_cast<int>(at) % width, j0 + static_cast<int>(at) / width}] =
+            static_cast<int>(code % 4);
+      }
+    }
+    ASSERT_EQ(shown, expected) << "after step " << s.step;
+
+    at = 0;
+    for (std::uint64_t toggles = frontiers.varint(); toggles > 0; --toggles) {
+      at += frontiers.varint();
+      if (frontier.erase(at) == 0) frontier.insert(at);
+    }
+    std::set<std::uint64_t> cells;
+    for (const Eigen::Vector2f& p : s.frontier_cells) {
+      const int i = static_cast<int>(std::lround(p.x() / 0.1F - 0.5F));
+      const int j = static_cast<int>(std::lround(p.y() / 0.1F - 0.5F));
+      cells.insert(static_cast<std::uint64_t>((j - j0) * width + i - i0));
+    }
+    ASSERT_EQ(frontier, cells) << "at step " << s.step;
+
+    const std::uint64_t n = landmarks.varint();
+    ASSERT_EQ(n, s.landmarks.size());
+    std::vector<bool> found(s.landmarks.size());
+    std::uint64_t index = 0;
+    for (std::uint64_t i = 0; i < n; ++i) {
+      index += landmarks.varint();
+      const auto [x, y] = positions.at(index);
+      const double visibility = static_cast<double>(landmarks.varint()) / 127.0;
+      bool matched = false;
+      for (std::size_t l = 0; l < s.landmarks.size() && !matched; ++l) {
+        const LandmarkView& v = s.landmarks[l];
+        matched = !found[l] && std::abs(v.x - x) < 0.0051F && std::abs(v.y - y) < 0.0051F &&
+                  std::abs(v.visibility - visibility) < 0.5 / 127.0 + 1e-6;
+        if (matched) found[l] = true;
+      }
+      EXPECT_TRUE(matched) << "landmark " << i << " of step " << s.step;
+    }
+
+    ASSERT_EQ(counts.varint(), s.horizon.size());
+    for (const Pose& p : s.horizon) {
+      EXPECT_EQ(poses.number(), static_cast<float>(p.position.x()));
+      EXPECT_EQ(poses.number(), static_cast<float>(p.position.y()));
+      EXPECT_EQ(poses.number(), static_cast<float>(p.yaw));
+    }
+  }
+  EXPECT_TRUE(map.done() && frontiers.done() && landmarks.done() && counts.done() && poses.done());
+
+  // Cost terms weighted, the constraint left out.
+  ASSERT_EQ(json["terms"].size(), 6U);
+  EXPECT_EQ(json["terms"][3]["name"], "cost_to_go");
+  Reader cost_to_go(json["terms"][3]["values"]), tracked(json["columns"]["tracked"]);
+  Reader kind(json["words"]["plan"]["steps"]);
+  for (const StepRecord& s : run.steps) {
+    EXPECT_EQ(cost_to_go.number(), static_cast<float>(s.explanation.terms[3].weighted));
+    EXPECT_EQ(tracked.number(), static_cast<float>(s.tracked_features));
+    EXPECT_EQ(json["words"]["plan"]["words"][kind.varint()], s.plan_kind);
+  }
+}
+
+}  // namespace
+}  // namespace prospect

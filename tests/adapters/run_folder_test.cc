@@ -1,0 +1,352 @@
+#include "adapters/run/run_folder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <octomap/OcTree.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "adapters/config/input_error.h"
+#include "adapters/worlds/octree_file.h"
+#include "tests/adapters/synthetic_run.h"
+
+namespace prospect {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class RunFolderTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    root_ = testing::TempDir() + "run_folder_" + std::to_string(getpid());
+    fs::remove_all(root_);
+    fs::create_directories(root_);
+  }
+  void TearDown() override { fs::remove_all(root_); }
+  std::string path(const std::string& name) const { return root_ + "/" + name; }
+
+  std::string root_;
+};
+
+std::string content(const std::string& file) {
+  std::ostringstream text;
+  text << std::ifstream(file, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+/// Every file below a folder, with its bytes.
+std::map<std::string, std::string> tree(const std::string& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    files[fs::relative(entry.path(), folder)] = entry.is_directory() ? "" : content(entry.path());
+  }
+  return files;
+}
+
+std::vector<std::string> lines(const std::string& text) {
+  std::vector<std::string> result;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) result.push_back(line);
+  return result;
+}
+
+/// Fields of one CSV line (RFC 4180 without line breaks in fields).
+std::vector<std::string> fields(const std::string& line) {
+  std::vector<std::string> result(1);
+  bool quoted = false;
+  for (std::size_t i = 0; i < line.size(); ++i) {
+    if (line[i] == '"') {
+      if (quoted && i + 1 < line.size() && line[i + 1] == '"') {
+        result.back() += line[++i];
+      } else {
+        quoted = !quoted;
+      }
+    } else if (line[i] == ',' && !quoted) {
+      result.emplace_back();
+    } else {
+      result.back() += line[i];
+    }
+  }
+  return result;
+}
+
+std::string refusal(const std::string& path) {
+  try {
+    RunFolder folder(path);
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.lines().size(), 1U);
+    EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
+    return error.what();
+  }
+  return "";
+}
+
+StepRecord plain_step() {
+  StepRecord s;
+  s.step = 3;
+  s.time = 1.5;
+  s.true_pose = {{1.25, -2.0, 0.0}, 0.1};
+  s.estimated_pose = {{1.5, -2.5, 0.125}, M_PI};
+  s.command = {{0.4, 0.0, 0.0}, -0.3};
+  s.plan_kind = "optimised";
+  s.seed = "tail";
+  s.explanation = {
+      7.5, 0.0, {{"control_effort", "", 2.0, 4.0, false}, {"clearance", "m", 0.1, 0.0, true}}};
+  s.predicted_features = 41.5;
+  s.tracked_features = 39;
+  s.localization = "ok";
+  s.coverage = 0.25;
+  s.area = 12.5;
+  s.localization_error = 0.0625;
+  s.path_length = 8.0;
+  s.clearance = 0.3;
+  s.cost_evaluations = 90;
+  s.gradient_evaluations = 30;
+  s.stop_reason = "converged";
+  s.quality = "feasible optimum";
+  s.certified = true;
+  s.certificate = "clear, 0.21 m \"or more\"\nall along";
+  s.active_frontiers = 2;
+  s.guard_stops = 1;
+  return s;
+}
+
+TEST_F(RunFolderTest, WritesAStepByHand) {
+  {
+    RunFolder folder(path("run"));
+    folder.add(plain_step());
+    EXPECT_EQ(folder.error(), "");
+  }
+  EXPECT_EQ(content(path("run/steps.csv")),
+            "step,time,true_x,true_y,true_yaw,estimated_x,estimated_y,estimated_yaw,command_v,"
+            "command_vy,command_omega,plan_kind,seed,cost,violation,term_control_effort,"
+            "term_clearance,predicted_features,tracked_features,localization,localization_error,"
+            "coverage,area,path_length,collisions,clearance,cost_evaluations,"
+            "gradient_evaluations,stop_reason,quality,certified,certificate,active_frontiers,"
+            "guard_stops\n"
+            "3,1.5,1.25,-2,0.1,1.5,-2.5,3.141592653589793,0.4,0,-0.3,optimised,tail,7.5,0,2,0.1,"
+            "41.5,39,ok,0.0625,0.25,12.5,8,0,0.3,90,30,converged,feasible optimum,1,"
+            "\"clear, 0.21 m \"\"or more\"\" all along\",2,1\n");
+  EXPECT_EQ(content(path("run/trajectory_true.tum")),
+            "1.5 1.25 -2 0 0 0 0.04997916927067833 0.9987502603949663\n")
+      << "sin and cos of half of 0.1 rad";
+  EXPECT_THAT(content(path("run/trajectory_estimated.tum")),
+              StartsWith("1.5 1.5 -2.5 0.125 0 0 1 "));
+}
+
+TEST_F(RunFolderTest, StepsAreTheSameBytesWhateverTheClockSays) {
+  RunRecord run = synthetic_run(40);
+  const auto write = [&](const std::string& name) {
+    RunFolder folder(path(name));
+    for (const StepRecord& s : run.steps) folder.add(s);
+    folder.finish(run, nullptr);
+    EXPECT_EQ(folder.error(), "");
+  };
+  write("a");
+  for (StepRecord& s : run.steps) s.wall = {99.0, 98.0, 97.0, 96.0, 95.0, 94.0, 93.0};
+  write("b");
+  for (const char* name : {"steps.csv", "trajectory_true.tum", "trajectory_estimated.tum"}) {
+    EXPECT_EQ(content(path("a/") + name), content(path("b/") + name)) << name;
+  }
+  EXPECT_NE(content(path("a/timing.csv")), content(path("b/timing.csv")));
+  EXPECT_EQ(lines(content(path("b/timing.csv")))[40],
+            "39,99.000,98.000,97.000,96.000,95.000,94.000,93.000");
+}
+
+TEST_F(RunFolderTest, EveryRowHasEveryColumn) {
+  RunRecord run = synthetic_run(130);
+  run.steps[0].explanation = {};  // no plan yet: the columns are not known
+  run.steps[1].explanation = {};
+  run.steps[70].explanation = {};
+  run.steps[71].explanation.terms.pop_back();
+  run.steps[72].explanation.terms.push_back({"appears_late", "", 1.0, 1.0, false});
+  run.steps[73].explanation.terms.push_back(run.steps[73].explanation.terms[0]);
+  run.steps[74].predicted_features = std::nan("");
+  run.steps[75].clearance = std::numeric_limits<double>::infinity();
+  RunFolder folder(path("run"));
+  folder.add(run.steps[0]);
+  folder.add(run.steps[1]);
+  EXPECT_EQ(content(path("run/steps.csv")), "");
+  EXPECT_EQ(lines(content(path("run/trajectory_true.tum"))).size(), 2U) << "these need not wait";
+  for (std::size_t k = 2; k < run.steps.size(); ++k) folder.add(run.steps[k]);
+
+  const std::vector<std::string> rows = lines(content(path("run/steps.csv")));
+  ASSERT_EQ(rows.size(), 131U);
+  const std::vector<std::string> header = fields(rows[0]);
+  const auto value = [&](int step, const std::string& name) {
+    const auto at = std::find(header.begin(), header.end(), name);
+    EXPECT_NE(at, header.end()) << name;
+    return fields(rows[static_cast<std::size_t>(step) + 1])
+        .at(static_cast<std::size_t>(at - header.begin()));
+  };
+  for (const std::string& row : rows) EXPECT_EQ(fields(row).size(), header.size()) << row;
+  for (int k = 0; k < 130; ++k) EXPECT_EQ(value(k, "step"), std::to_string(k));
+  EXPECT_EQ(value(0, "term_control_effort"), "");
+  EXPECT_EQ(value(0, "cost"), "");
+  EXPECT_EQ(value(70, "cost"), "");
+  EXPECT_EQ(value(71, "term_clearance"), "");
+  EXPECT_EQ(value(73, "term_control_effort"), "0.8") << "once, though the term is there twice";
+  EXPECT_EQ(value(74, "predicted_features"), "nan");
+  EXPECT_EQ(value(75, "clearance"), "inf");
+  EXPECT_EQ(value(2, "term_exploration_gain"), "-2") << "raw, not weighted";
+}
+
+TEST_F(RunFolderTest, AKillLeavesWholeRows) {
+  const RunRecord run = synthetic_run(30);
+  const pid_t child = fork();
+  if (child == 0) {
+    RunFolder folder(path("run"));
+    for (;;) {
+      for (const StepRecord& s : run.steps) folder.add(s);
+    }
+  }
+  // Well into the writing: some thousand rows.
+  for (int i = 0; i < 2000; ++i) {
+    std::error_code error;
+    const auto size = fs::file_size(path("run/steps.csv"), error);
+    if (!error && size > 1000000) break;
+    usleep(5000);
+  }
+  kill(child, SIGKILL);
+  waitpid(child, nullptr, 0);
+  for (const char* name : {"steps.csv", "timing.csv", "trajectory_true.tum"}) {
+    const std::string text = content(path("run/") + name);
+    ASSERT_GT(text.size(), 10000U) << name;
+    EXPECT_EQ(text.back(), '\n') << name;
+  }
+  const std::vector<std::string> rows = lines(content(path("run/steps.csv")));
+  EXPECT_EQ(fields(rows.back()).size(), fields(rows[0]).size());
+  EXPECT_FALSE(fs::exists(path("run/summary.json"))) << "its presence says that a run is complete";
+}
+
+TEST_F(RunFolderTest, FinishWritesTheRest) {
+  const RunRecord run = synthetic_run(20);
+  octomap::OcTree map(0.1);
+  map.updateNode(octomap::point3d(1.0F, 2.0F, 0.5F), true);
+  RunFolder folder(path("deep/er/run"));
+  for (const StepRecord& s : run.steps) folder.add(s);
+  folder.finish(run, &map);
+  EXPECT_EQ(folder.error(), "");
+  std::vector<std::string> names;
+  for (const auto& [name, bytes] : tree(path("deep/er/run"))) names.push_back(name);
+  EXPECT_THAT(names, testing::ElementsAre("config.yaml", "map.bt", "report.html", "steps.csv",
+                                          "summary.json", "timing.csv", "trajectory_estimated.tum",
+                                          "trajectory_true.tum"));
+  EXPECT_EQ(content(path("deep/er/run/config.yaml")), run.configuration);
+  const auto summary = nlohmann::json::parse(content(path("deep/er/run/summary.json")));
+  EXPECT_EQ(summary["steps"], 20);
+  const auto again = read_octree(path("deep/er/run/map.bt"));
+  ASSERT_NE(again->search(1.0, 2.0, 0.5), nullptr);
+  EXPECT_TRUE(again->isNodeOccupied(again->search(1.0, 2.0, 0.5)));
+}
+
+TEST_F(RunFolderTest, AMissionWithoutAPlanStillHasItsRows) {
+  RunRecord run;
+  run.steps.resize(2);
+  run.steps[1].step = 1;
+  RunFolder folder(path("run"));
+  for (const StepRecord& s : run.steps) folder.add(s);
+  folder.finish(run, nullptr);
+  EXPECT_EQ(lines(content(path("run/steps.csv"))).size(), 3U);
+  EXPECT_EQ(folder.error(), "");
+}
+
+TEST_F(RunFolderTest, TakesTheFolderOfAnEarlierRun) {
+  const RunRecord run = synthetic_run(5);
+  {
+    RunFolder folder(path("run"));
+    for (const StepRecord& s : run.steps) folder.add(s);
+    folder.finish(run, nullptr);
+  }
+  std::ofstream(path("run/notes.txt")) << "mine";
+  RunFolder folder(path("run"));
+  folder.add(run.steps[0]);
+  EXPECT_EQ(lines(content(path("run/steps.csv"))).size(), 2U);
+  EXPECT_FALSE(fs::exists(path("run/summary.json"))) << "the old one belongs to another run";
+  EXPECT_FALSE(fs::exists(path("run/report.html")));
+  EXPECT_EQ(content(path("run/notes.txt")), "mine");
+}
+
+TEST_F(RunFolderTest, RefusesAForeignFolderAndLeavesItAlone) {
+  fs::create_directories(path("home/photos"));
+  std::ofstream(path("home/summary.json")) << "precious";
+  fs::create_directories(path("odd/steps.csv"));  // a folder of that name is no run
+  std::ofstream(path("odd/map.bt")) << "precious";
+  std::ofstream(path("file")) << "precious";
+  const auto before = tree(root_);
+  EXPECT_EQ(
+      refusal(path("home")),
+      path("home") + ": holds other files; expected an empty folder, an earlier run, or none");
+  EXPECT_THAT(refusal(path("odd")), HasSubstr("holds other files"));
+  EXPECT_EQ(refusal(path("file")),
+            path("file") + ": not a folder; expected a folder for the run, or none");
+  EXPECT_THAT(refusal(path("file/below")), HasSubstr("cannot be created"));
+  EXPECT_THAT(refusal(""), HasSubstr("cannot be created"));
+  EXPECT_EQ(tree(root_), before);
+}
+
+TEST_F(RunFolderTest, RefusesAPlaceWithoutWritePermission) {
+  EXPECT_THAT(refusal("/proc/run"), AllOf(StartsWith("/proc/run: cannot be created ("),
+                                          EndsWith("); expected a writable place")));
+  // Writable by name, not in fact: a file in it cannot be opened for writing.
+  fs::create_directories(path("run/timing.csv"));
+  std::ofstream(path("run/steps.csv")) << "";
+  std::ofstream(path("run/summary.json")) << "precious";
+  EXPECT_EQ(refusal(path("run")), path("run/timing.csv") +
+                                      ": cannot be written (Is a directory); expected a writable "
+                                      "folder");
+  EXPECT_EQ(content(path("run/summary.json")), "precious");
+}
+
+TEST_F(RunFolderTest, AFullDiskIsReportedOnceAndTheRestIsWritten) {
+  fs::create_directories(path("run"));
+  std::ofstream(path("run/steps.csv")) << "";
+  fs::create_symlink("/dev/full", path("run/timing.csv"));
+  fs::create_symlink("/dev/full", path("run/trajectory_true.tum"));
+  const RunRecord run = synthetic_run(10);
+  RunFolder folder(path("run"));
+  for (const StepRecord& s : run.steps) folder.add(s);
+  folder.finish(run, nullptr);
+  EXPECT_EQ(folder.error(), path("run/timing.csv") + ": writing failed (No space left on device)");
+  EXPECT_EQ(lines(content(path("run/steps.csv"))).size(), 11U);
+  EXPECT_TRUE(fs::exists(path("run/summary.json")));
+}
+
+TEST_F(RunFolderTest, AFileAtTheEndAppearsWholeOrNotAtAll) {
+  const RunRecord run = synthetic_run(3);
+  {
+    RunFolder folder(path("run"));
+    fs::create_directories(path("run/report.html/in the way"));
+    folder.finish(run, nullptr);
+    EXPECT_THAT(folder.error(), AllOf(StartsWith(path("run/report.html") + ": writing failed ("),
+                                      testing::Not(HasSubstr("\n"))));
+    EXPECT_TRUE(fs::exists(path("run/summary.json")));
+    EXPECT_FALSE(fs::exists(path("run/report.html.part")));
+  }
+  {
+    RunFolder folder(path("full"));
+    fs::create_symlink("/dev/full", path("full/config.yaml.part"));
+    folder.finish(run, nullptr);
+    EXPECT_EQ(folder.error(),
+              path("full/config.yaml") + ": writing failed (No space left on device)");
+    EXPECT_FALSE(fs::exists(path("full/config.yaml")));
+    EXPECT_FALSE(fs::is_symlink(path("full/config.yaml.part")));
+  }
+}
+
+}  // namespace
+}  // namespace prospect

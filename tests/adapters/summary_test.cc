@@ -1,0 +1,135 @@
+#include "adapters/run/summary.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace prospect {
+namespace {
+
+StepRecord step(double time, double coverage, double path, double error, double plan_ms) {
+  StepRecord s;
+  s.time = time;
+  s.coverage = coverage;
+  s.path_length = path;
+  s.localization_error = error;
+  s.wall.plan = plan_ms;
+  s.plan_kind = "optimised";
+  return s;
+}
+
+TEST(Summary, ByHand) {
+  std::vector<StepRecord> steps = {
+      step(0.0, 0.10, 0.0, 0.0, 30.0),
+      step(10.0, 0.88, 4.0, 0.3, 10.0),
+      step(20.0, 0.92, 9.0, 0.4, 50.0),  // 0.90 halfway from the step before
+      step(25.0, 0.96, 10.0, 0.0, 20.0),
+  };
+  steps[1].plan_kind = "stopping tail";
+  steps[1].guard_stops = 2;
+  steps[3].guard_stops = 1;
+  steps[3].area = 96.5;
+  steps[3].collisions = 1;
+  steps[3].localization_error = 0.5;
+  const Summary s = summarize(steps);
+  EXPECT_NEAR(s.time_to_90_s, 15.0, 1e-9);
+  EXPECT_NEAR(s.path_to_90_m, 6.5, 1e-9);
+  EXPECT_NEAR(s.time_to_95_s, 23.75, 1e-9);  // three quarters of the last step
+  EXPECT_NEAR(s.path_to_95_m, 9.75, 1e-9);
+  EXPECT_TRUE(std::isnan(s.time_to_99_s));
+  EXPECT_TRUE(std::isnan(s.path_to_99_m));
+  EXPECT_EQ(s.coverage, 0.96);
+  EXPECT_EQ(s.area_m2, 96.5);
+  EXPECT_EQ(s.collisions, 1);
+  EXPECT_EQ(s.duration_s, 25.0);
+  EXPECT_EQ(s.path_length_m, 10.0);
+  EXPECT_NEAR(s.localization_rmse_m, std::sqrt((0.09 + 0.16 + 0.25) / 4.0), 1e-12);
+  EXPECT_EQ(s.localization_final_m, 0.5);
+  EXPECT_NEAR(s.drift_percent, 5.0, 1e-12);
+  EXPECT_EQ(s.plan_ms_p50, 20.0);  // second of 10 20 30 50
+  EXPECT_EQ(s.plan_ms_p95, 50.0);
+  EXPECT_EQ(s.plan_ms_max, 50.0);
+  EXPECT_EQ(s.fallbacks, 1);
+  EXPECT_EQ(s.guard_stops, 3);
+  EXPECT_EQ(s.steps, 4);
+}
+
+TEST(Summary, ReachedExactlyOrFromTheStart) {
+  const Summary s = summarize({step(3.0, 0.95, 1.0, 0.0, 1.0), step(4.0, 0.99, 2.0, 0.0, 1.0)});
+  EXPECT_EQ(s.time_to_90_s, 3.0);
+  EXPECT_EQ(s.time_to_95_s, 3.0);
+  EXPECT_EQ(s.time_to_99_s, 4.0);
+}
+
+TEST(Summary, OfNothing) {
+  const Summary s = summarize({});
+  EXPECT_EQ(s.steps, 0);
+  EXPECT_EQ(s.coverage, 0.0);
+  EXPECT_TRUE(std::isnan(s.time_to_90_s));
+  EXPECT_TRUE(std::isnan(s.plan_ms_p95));
+  const Summary still = summarize({step(1.0, 0.5, 0.0, 0.2, 1.0)});
+  EXPECT_EQ(still.drift_percent, 0.0) << "no path, no share of it";
+}
+
+TEST(Percentile, NearestRankAgainstCounting) {
+  // The smallest value that at least p percent of the values do not exceed.
+  for (int n = 1; n <= 250; ++n) {
+    std::vector<double> values;
+    for (int i = 0; i < n; ++i) values.push_back((i * 7919) % n);  // 0 ... n-1 in some order
+    for (int p = 1; p <= 100; ++p) {
+      int least = 0;
+      while (100 * (least + 1) < p * n) ++least;
+      ASSERT_EQ(percentile(values, p), least) << p << " % of " << n;
+    }
+  }
+  EXPECT_EQ(percentile({4.0, 2.0}, 0.0), 2.0);
+  EXPECT_TRUE(std::isnan(percentile({}, 50.0)));
+}
+
+TEST(SummaryJson, HasTheStableNamesAndNullForNotFinite) {
+  Summary s = summarize({step(10.0, 0.93, 4.0, 0.1, 12.0)});
+  s.world = "office \"A\"";
+  s.solver = "nlopt:LD_SLSQP";
+  s.seed = 18446744073709551615ULL;
+  s.reason = "explored";
+  s.drift_percent = INFINITY;
+  const auto json = nlohmann::json::parse(summary_json(s));
+  for (const char* name : {"world",
+                           "solver",
+                           "seed",
+                           "reason",
+                           "coverage",
+                           "area_m2",
+                           "collisions",
+                           "losses",
+                           "duration_s",
+                           "wall_s",
+                           "path_length_m",
+                           "time_to_90_s",
+                           "time_to_95_s",
+                           "time_to_99_s",
+                           "localization_rmse_m",
+                           "localization_final_m",
+                           "drift_percent",
+                           "plan_ms",
+                           "deadline_misses",
+                           "fallbacks"}) {
+    EXPECT_TRUE(json.contains(name)) << name;
+  }
+  EXPECT_EQ(json["world"], "office \"A\"");
+  EXPECT_EQ(json["seed"], 18446744073709551615ULL);
+  EXPECT_EQ(json["time_to_90_s"], 10.0);
+  EXPECT_TRUE(json["time_to_95_s"].is_null());
+  EXPECT_TRUE(json["drift_percent"].is_null());
+  EXPECT_EQ(json["plan_ms"]["p95"], 12.0);
+}
+
+TEST(SummaryJson, TakesTextThatIsNoUtf8) {
+  Summary s;
+  s.world = "caf\xe9.bt";
+  EXPECT_EQ(nlohmann::json::parse(summary_json(s))["world"], "caf\xEF\xBF\xBD.bt");
+}
+
+}  // namespace
+}  // namespace prospect

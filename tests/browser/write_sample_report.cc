@@ -1,0 +1,44 @@
+// Writes a report of a synthetic run, and beside it where the robot is at some steps, for
+// report_test.sh to compare with what a browser draws.
+#include <cstdio>
+#include <fstream>
+#include <string>
+
+#include "adapters/report/report.h"
+#include "tests/adapters/synthetic_run.h"
+
+int main(int argc, char** argv) {
+  if (argc < 2 || argc > 3) {
+    std::fprintf(stderr, "usage: write_sample_report FOLDER [STEPS]\n");
+    return 2;
+  }
+  const std::string folder = argv[1];
+  const int n = argc == 3 ? std::stoi(argv[2]) : 240;
+  const prospect::RunRecord run = prospect::synthetic_run(n);
+  std::ofstream(folder + "/report.html") << prospect::render_report(run);
+
+  // The steps that the page's self-test visits, in its order.
+  std::ofstream expected(folder + "/expected.txt");
+  for (const int k : {0, n / 3, 2 * n / 3, n - 1, n / 2, 0}) {
+    std::size_t known = 0;
+    {
+      std::set<std::pair<int, int>> cells;
+      for (int i = 0; i <= k; ++i) {
+        for (const auto& [cell, state] : run.steps[i].map_changes) cells.emplace(cell.i, cell.j);
+      }
+      known = cells.size();
+    }
+    const prospect::StepRecord& s = run.steps[k];
+    char line[256];
+    std::snprintf(line, sizeof line,
+                  "step %d robot %.3f %.3f known %zu frontiers %zu landmarks %zu horizon %zu "
+                  "clock %.1f",
+                  k, static_cast<double>(static_cast<float>(s.estimated_pose.position.x())),
+                  static_cast<double>(static_cast<float>(s.estimated_pose.position.y())), known,
+                  s.frontier_cells.size(), s.landmarks.size(), s.horizon.size(), s.time);
+    expected << line << '\n';
+  }
+  expected << "plots 5\n";
+  expected.close();
+  return expected ? 0 : 1;
+}
