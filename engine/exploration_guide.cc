@@ -59,6 +59,35 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       !std::isfinite(stamp)) {
     return last_;
   }
+  const double explored_before = traversability_.explored_area();
+  if (relaxed_ && explored_before - relaxed_explored_ >= options_.memory.retry_area) {
+    restart(false);
+  }
+  std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, features);
+  if (guidance->advice == Advice::kDone && !relaxed_) {
+    restart(true);
+    relaxed_explored_ = explored_before;
+    guidance = step(ground, pose, stamp, features);
+  }
+  guidance->relaxed = relaxed_;
+  guidance->milliseconds =
+      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  last_ = guidance;
+  return guidance;
+}
+
+void ExplorationGuide::restart(bool relaxed) {
+  relaxed_ = relaxed;
+  TraversabilityOptions traversability = options_.traversability;
+  if (relaxed) traversability.lattice_slack += options_.relaxed_slack;
+  traversability_ = Traversability(traversability);
+  detector_ = FrontierDetector(options_.frontiers);
+  field_ = CostToGoField(options_.cost_to_go);
+}
+
+std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const Pose& pose,
+                                                 double stamp, const Grid<float>* features) {
+  const Eigen::Vector2d p = pose.position.head<2>();
   traversability_.update(ground);
   detector_.update(traversability_);
   memory_.map_changed(traversability_.changed_states());
@@ -118,9 +147,6 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   guidance->stalled_for = memory_.stalled_for();
   guidance->retries_used = memory_.retries_used();
   guidance->suppressed_cells = memory_.suppressed_count();
-  guidance->milliseconds =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
-  last_ = guidance;
   return guidance;
 }
 

@@ -21,6 +21,8 @@ struct ExplorationGuideOptions {
   FrontierOptions frontiers;
   FrontierMemoryOptions memory;
   CostToGoOptions cost_to_go;
+  /// Added to lattice_slack when nothing is reachable any more [m]; see ExplorationGuide.
+  double relaxed_slack = 0.1;
   double kappa = 0.5;  ///< [m] bonus of a frontier per unit of log(1 + length / 1 m)
 };
 
@@ -45,6 +47,7 @@ struct Guidance {
   double stalled_for = 0.0;    ///< [s] without progress
   int retries_used = 0;
   int suppressed_cells = 0;
+  bool relaxed = false;       ///< narrow gaps count as passable: nothing else is reachable
   double milliseconds = 0.0;  ///< wall time of the update: a report, not an input to anything
 };
 
@@ -57,6 +60,11 @@ struct Guidance {
 /// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the length of the frontier in
 /// metres (the prototype's kappa of 0.5 is "per log-metre"; the formulation calls m_c an area),
 /// with the current target's head start.
+///
+/// Before it says done, the guide asks once more with gaps counted as passable that are up to twice
+/// relaxed_slack narrower than the hard constraint asks for: walls drawn twice by a drifting
+/// estimate close real doors, and a look from near opens them again. What may be driven is decided
+/// by the certificate, not here. It goes back to the strict radii once something new was explored.
 ///
 /// A value. Thread-safety: none (one mission, one thread); what update() returns is immutable and
 /// may be shared. update() never throws on a finite pose; a non-finite pose gives the last guidance
@@ -77,6 +85,9 @@ class ExplorationGuide {
   const CostToGoField& field() const { return field_; }
 
  private:
+  std::shared_ptr<Guidance> step(const GroundMap& ground, const Pose& pose, double stamp,
+                                 const Grid<float>* features);
+  void restart(bool relaxed);
   void mark_reachable(std::vector<Frontier>& frontiers);
 
   ExplorationGuideOptions options_;
@@ -87,6 +98,8 @@ class ExplorationGuide {
   Grid<std::uint8_t> suppressed_;
   std::vector<std::uint8_t> component_;  // 1: in the robot's component; by cell
   std::vector<int> stack_;
+  bool relaxed_ = false;
+  double relaxed_explored_ = 0.0;
   std::shared_ptr<const Guidance> last_;
 };
 

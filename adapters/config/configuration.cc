@@ -183,6 +183,8 @@ void read_planner(YamlMap map, Configuration& c) {
   ExplorationGuideOptions& g = p.guide;
   g.frontiers.min_length = f.number("min_length", g.frontiers.min_length, 0.0, 10.0, "m",
                                     "smallest cluster of frontier cells");
+  g.frontiers.range_margin = f.number("range_margin", g.frontiers.range_margin, 0.0, 10.0, "m",
+                                      "a viewpoint stands this much within the sensor's range");
   g.kappa = f.number("kappa", g.kappa, 0.0, 100.0, "m", "bonus per unit of log(1 + length)");
   g.memory.hysteresis = f.number("hysteresis", g.memory.hysteresis, 0.0, 100.0, "m",
                                  "head start of the current target");

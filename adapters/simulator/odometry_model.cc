@@ -56,6 +56,7 @@ OdometryModel::OdometryModel(const OdometryOptions& options, const StereoCamera&
   heading_scale_ = options.heading_sigma / std::sqrt(reference(2, 2));
   require(std::isfinite(position_scale_) && std::isfinite(heading_scale_), "information",
           reference(0, 0), "regular at the reference points: check camera and mount");
+  lost_covariance_ = keyframe_covariance(reference_points(stereo, std::max(1, options.lost_below)));
 }
 
 std::vector<Eigen::Vector3d> OdometryModel::reference_points(const StereoCamera& stereo,
@@ -147,6 +148,7 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
     const double heading =
         options_.reckoning_angle * std::abs(turned) + options_.reckoning_heading * distance;
     Q = Eigen::Vector3d(position * position, position * position, heading * heading).asDiagonal();
+    Q += lost_covariance_;
   } else {
     Q = keyframe_covariance(points_C);
   }

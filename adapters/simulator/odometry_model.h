@@ -25,9 +25,9 @@ struct OdometryOptions {
   int degraded_below = 20;
   /// Dead reckoning while lost, one standard deviation: of the distance and of the angle turned
   /// [share], and of the heading per metre driven [rad/m].
-  double reckoning_distance = 0.02;
-  double reckoning_angle = 0.02;
-  double reckoning_heading = 0.01;
+  double reckoning_distance = 0.03;
+  double reckoning_angle = 0.03;
+  double reckoning_heading = 0.015;
 };
 
 /// Visual odometry as a model of its error: how the estimate departs from the truth, given the
@@ -43,8 +43,9 @@ struct OdometryOptions {
 /// image and over depths of 1 to 5 m give exactly position_sigma and heading_sigma. Hence Q falls
 /// as 1/N for points alike, and grows for far or clustered ones. Standard deviations of Q are
 /// bounded by 5 cm and 0.05 rad. Below lost_below tracked points the motion is reckoned from the
-/// wheels with the larger noise. Between keyframes the motion since the last one is taken as exact:
-/// its error does not accumulate.
+/// wheels, with the noise of lost_below reference points and that of the reckoning added, so that
+/// being lost is never better than seeing a few. Between keyframes the motion since the last one is
+/// taken as exact: its error does not accumulate.
 ///
 /// Covariance of (x, y, z, yaw) from the start: first-order composition of the same Q; z is known.
 /// Source: calibration from the prototype of the formulation; the model is our choice.
@@ -80,6 +81,7 @@ class OdometryModel {
   std::mt19937_64 noise_;
   double position_scale_ = 1.0;
   double heading_scale_ = 1.0;
+  Eigen::Matrix3d lost_covariance_ = Eigen::Matrix3d::Zero();  // of lost_below reference points
   Pose true_keyframe_;
   Pose keyframe_;
   Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();
