@@ -468,6 +468,7 @@ function addPlot(title, unit, series, { format = compact, low = null, high = nul
     legend: "never", labelsDiv: make("div"), highlightCircleSize: 3, gridLineColor: colors.grid, axisLineColor: colors.line, axisLineWidth: 1,
     rightGap: 10, xRangePad: 2, yRangePad: 6, xAxisHeight: 20, digitsAfterDecimal: 4,
     valueRange: [low, high],
+    dateWindow: n === 1 ? [column.time[0] - 1, column.time[0] + 1] : null,  // one point alone spans nothing
     axes: {
       x: { drawGrid: false, pixelsPerLabel: 64, axisLabelFormatter: (v) => `${+v.toFixed(3)} s`, axisLabelWidth: 60 },
       y: { pixelsPerLabel: many ? 28 : 22, axisLabelWidth: 44, axisLabelFormatter: (v) => (Math.abs(v) >= 1e5 ? v.toExponential(0) : String(+v.toPrecision(6))).replace("-", "−") },
@@ -531,7 +532,7 @@ const nowFields = (() => {
   add("Clearance ahead", (k) => `${fixed(column.clearance[k], 2)} m`);
   add("Localization", (k) => `${word.localization[k]}, error ${fixed(column.error[k], 3)} m`,
     { tone: (k) => ({ degraded: "warn", lost: "bad" })[word.localization[k]] || "" });
-  add("Features", (k) => `${fixed(column.tracked[k], 0)} tracked, ${fixed(column.predicted[k], 0)} predicted`);
+  add("Features, predicted", (k) => `${fixed(column.tracked[k], 0)}, ${fixed(column.predicted[k], 0)}`);
   add("Frontiers", (k) => `${fixed(column.frontiers[k], 0)} active`);
   add("Collisions", (k) => fixed(column.collisions[k], 0), { tone: (k) => (column.collisions[k] > 0 ? "bad" : "") });
   add("Plan", (k) => word.plan[k] + (word.seed[k] ? `, from ${readable(word.seed[k])}` : ""),
@@ -620,7 +621,7 @@ if (n === 0) {
     { format: (v) => fixed(v, 0), low: 0, shade: ill });
   addPlot("Planning time", "ms", [{ name: "time", color: "var(--frontier)", values: column.plan_ms }],
     { format: (v) => `${fixed(v, 1)} ms`, low: 0, shade: (k) => (word.plan[k] === "stopping tail" ? "shade-warn" : null) });
-  const wheel = ["#3b82f6", "#f59e0b", "#10b981", "#ef4444", "#8b5cf6", "#14b8a6", "#ec4899", "#84cc16", "#a16207", "#64748b", "#06b6d4", "#f97316"];
+  const wheel = ["#3b82f6", "#f59e0b", "#10b981", "#ef4444", "#8b5cf6", "#ec4899", "#06b6d4", "#84cc16", "#a16207", "#64748b", "#1d4ed8", "#f97316"];
   if (terms.length) {
     addPlot("Cost terms", "weighted", terms.map(({ name, values }, i) => ({ name: readable(name), color: wheel[i % wheel.length], values })));
   }
@@ -659,7 +660,7 @@ if (location.hash === "#selftest") {
   try {
     for (const name of ["estimated", "true", "horizon"]) $(`layer-${name}`).click();
     const seen = [];
-    for (const k of [0, Math.floor(n / 3), Math.floor(2 * n / 3), n - 1, Math.floor(n / 2), 0]) {
+    for (const k of n ? [0, Math.floor(n / 3), Math.floor(2 * n / 3), n - 1, Math.floor(n / 2), 0] : []) {
       move(k);
       const at = { ...drawn };
       seen.push(at);

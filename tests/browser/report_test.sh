@@ -43,6 +43,12 @@ for size in 1400,1000 600,900; do
 $difference" "$seen"
 done
 
+# A mission that ended at its first step still has a report.
+mkdir "$folder/short"
+"$write_sample_report" "$folder/short" 1
+seen="$(selftest "$folder/short/report.html")"
+grep -qx "selftest passed" <<<"$seen" || fail "the report of one step does not pass" "$seen"
+
 sed 's/\$("slider").addEventListener("input"/$("slider").addEventListener("nothing"/' "$folder/report.html" >"$folder/dead.html"
 cmp -s "$folder/report.html" "$folder/dead.html" && fail "the slider's listener was not found in the page"
 seen="$(selftest "$folder/dead.html")"
