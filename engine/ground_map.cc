@@ -53,10 +53,9 @@ void GroundMap::grow_to(Cell c) {
   GridFrame wide = old;
   wide.i0 = c.i < old.i0 ? c.i - kMargin : old.i0;
   wide.j0 = c.j < old.j0 ? c.j - kMargin : old.j0;
-  wide.width =
-      std::max(old.i0 + old.width, c.i >= old.i0 + old.width ? c.i + kMargin : 0) - wide.i0;
-  wide.height =
-      std::max(old.j0 + old.height, c.j >= old.j0 + old.height ? c.j + kMargin : 0) - wide.j0;
+  const int end_i = old.i0 + old.width, end_j = old.j0 + old.height;
+  wide.width = (c.i >= end_i ? c.i + kMargin : end_i) - wide.i0;
+  wide.height = (c.j >= end_j ? c.j + kMargin : end_j) - wide.j0;
   GroundMap grown(wide);
   const int dx = (old.i0 - grown.cells_.frame.i0) / kTile;
   const int dy = (old.j0 - grown.cells_.frame.j0) / kTile;

@@ -17,7 +17,8 @@ enum class GuardReason {
   kLimit,        ///< faster than the model allows
   kRate,         ///< a larger change of velocity than the model allows
   kStale,        ///< the belief or the plan is too old, or from the future
-  kUncommitted,  ///< the plan does not reach that far, or is not certified
+  kUncommitted,  ///< the plan does not reach that far, is not certified, does not belong to its
+                 ///< commands, or is a stop that does not slow down
   kMap           ///< the newest map forbids what was certified against an older one
 };
 
@@ -33,10 +34,12 @@ struct GuardVerdict {
 
 /// The last gate before the motors. A command passes only if it is finite, within limits and rates,
 /// fresh, and its plan's remaining committed part, with the stop after it, is certified against the
-/// newest map. Otherwise the verdict is the hardest admissible braking from the newest belief's
-/// velocity, or zero if that is not finite.
+/// newest map; the command must be the one that the certified inputs give. Otherwise the verdict is
+/// the hardest admissible braking from the command in force, or zero if that is not finite. A
+/// stopping tail needs no certificate; it passes as long as it slows down.
 ///
-/// check() never throws. Thread-safety: const; may be called concurrently.
+/// check() never throws; the constructor throws std::invalid_argument without a model or with a
+/// shape or options that Certifier refuses. Thread-safety: const; may be called concurrently.
 /// Source: architecture, contracts; the faults it must catch are those of the fault notes.
 class Guard {
  public:
@@ -44,6 +47,10 @@ class Guard {
     double max_belief_age = 0.5;  ///< [s]
     double plan_slack = 0.3;      ///< [s] that a plan may outlive its committed part
     double tolerance = 1e-6;      ///< relative, on limits and rates
+    /// Share of the largest speeds by which a command may differ from what its input gives from the
+    /// newest pose, for bases controlled by acceleration: their body velocity turns with the
+    /// estimated yaw.
+    double mismatch = 0.1;
   };
 
   Guard(std::shared_ptr<const MotionModel> model, const RobotShape& shape,
@@ -60,6 +67,7 @@ class Guard {
  private:
   GuardVerdict stop(GuardReason reason, const std::string& detail, const Twist& previous,
                     const Belief& newest, double dt) const;
+  bool within_rates(const Twist& command, const Twist& previous, double dt) const;
 
   std::shared_ptr<const MotionModel> model_;
   Certifier certifier_;

@@ -1,6 +1,7 @@
 #include "engine/mission.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace prospect {
 namespace {
@@ -81,9 +82,12 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
 
     const int stages =
         std::max(1, std::min<int>(plan.committed, static_cast<int>(plan.commands.size())));
+    // A plan without a duration must not hold the clock still.
+    const bool lasts = std::isfinite(plan.dt) && plan.dt > 0.0;
+    const double dt = lasts ? plan.dt : Plan().dt;
     for (int stage = 0; stage < stages; ++stage) {
       const GuardVerdict verdict = guard.check(plan, stage, previous, *robot.sense(), robot.time());
-      robot.apply(verdict.command, plan.dt);
+      robot.apply(verdict.command, dt);
       previous = verdict.command;
       if (verdict.passed()) continue;
       ++guard_stops;

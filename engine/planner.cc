@@ -7,11 +7,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/admissible_inputs.h"
 #include "engine/body_clearance.h"
 #include "engine/certificate.h"
 #include "engine/clearance_field.h"
 #include "engine/exploration_targets.h"
 #include "engine/landmark_selection.h"
+#include "engine/limited_twist.h"
 #include "engine/occlusion_table.h"
 #include "engine/retreat.h"
 #include "engine/seeds.h"
@@ -107,6 +109,21 @@ Eigen::MatrixXd stage_inputs(const TrajectoryBatch& t) {
   return inputs;
 }
 
+/// Why nothing can be planned from this belief; empty if something can.
+std::string unusable(const Belief& belief) {
+  constexpr double kFarthest = 1e6;  // [m]; beyond this, addresses of cells could overflow
+  if (!belief.octree || !belief.voxels || !belief.ground || !belief.landmarks) {
+    return "the belief lacks a map";
+  }
+  if (!belief.pose.position.allFinite() || !std::isfinite(belief.pose.yaw)) {
+    return "the pose is not finite";
+  }
+  if (belief.pose.position.cwiseAbs().maxCoeff() > kFarthest) return "the pose is out of range";
+  if (!is_finite(belief.twist)) return "the velocity is not finite";
+  if (!std::isfinite(belief.stamp)) return "the stamp is not finite";
+  return "";
+}
+
 }  // namespace
 
 struct Planner::Impl {
@@ -175,7 +192,7 @@ struct Planner::Impl {
   void update_clearance(const Belief& belief);
   void update_views(const Belief& belief);
   std::shared_ptr<const Problem> make_problem(const Belief& belief);
-  std::vector<Candidate> score(const std::vector<Seed>& seeds) const;
+  std::vector<Candidate> score(std::vector<Candidate> candidates) const;
   void polish(std::vector<Candidate>& candidates, const StopCondition& stop, Plan& plan) const;
   void execute_best(const Belief& belief, const std::vector<Candidate>& candidates,
                     Plan& plan) const;
@@ -321,21 +338,25 @@ std::shared_ptr<const Problem> Planner::Impl::make_problem(const Belief& belief)
   return std::make_shared<const Problem>(std::move(d));
 }
 
-std::vector<Candidate> Planner::Impl::score(const std::vector<Seed>& seeds) const {
-  Eigen::MatrixXd X(problem->num_variables(), static_cast<Eigen::Index>(seeds.size()));
-  for (std::size_t i = 0; i < seeds.size(); ++i) X.col(static_cast<Eigen::Index>(i)) = seeds[i].z;
+std::vector<Candidate> Planner::Impl::score(std::vector<Candidate> candidates) const {
+  if (candidates.empty()) return candidates;
+  Eigen::MatrixXd X(problem->num_variables(), static_cast<Eigen::Index>(candidates.size()));
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    X.col(static_cast<Eigen::Index>(i)) = candidates[i].z;
+  }
   Workspace workspace = problem->make_workspace();
   Evaluation evaluation;
   problem->evaluate(X, Evaluate::kValue, workspace, evaluation);
-  std::vector<Candidate> candidates;
-  for (std::size_t i = 0; i < seeds.size(); ++i) {
+  std::vector<Candidate> scored;
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
     const auto b = static_cast<Eigen::Index>(i);
     if (!evaluation.valid[b]) continue;
-    candidates.push_back({seeds[i].name, seeds[i].z, evaluation.cost[b],
-                          violation(evaluation.constraints.col(b)), std::nullopt});
+    candidates[i].cost = evaluation.cost[b];
+    candidates[i].violation = violation(evaluation.constraints.col(b));
+    scored.push_back(std::move(candidates[i]));
   }
-  std::stable_sort(candidates.begin(), candidates.end());
-  return candidates;
+  std::stable_sort(scored.begin(), scored.end());
+  return scored;
 }
 
 void Planner::Impl::polish(std::vector<Candidate>& candidates, const StopCondition& stop,
@@ -346,7 +367,7 @@ void Planner::Impl::polish(std::vector<Candidate>& candidates, const StopConditi
   std::vector<Pose> ends;
   std::vector<Candidate> polished;
   for (const Candidate& seed : candidates) {
-    if (static_cast<int>(polished.size()) >= parameters.polished) break;
+    if (static_cast<int>(ends.size()) >= parameters.polished) break;
     if (stop() != StopRequest::kNone) break;
     const TrajectoryBatch t = problem->rollout(seed.z);
     const Pose end = t.pose(parameters.N, 0);
@@ -358,16 +379,29 @@ void Planner::Impl::polish(std::vector<Candidate>& candidates, const StopConditi
     ends.push_back(end);
     WarmStart warm;
     warm.x = seed.z;
-    Result result = solver->solve(*problem, warm, options, stop);
+    Result result;
+    try {
+      result = solver->solve(*problem, warm, options, stop);
+    } catch (const std::exception& e) {
+      result.detail = std::string("the solver threw: ") + e.what();
+    } catch (...) {
+      result.detail = "the solver threw";
+    }
     plan.counters.cost_evaluations += result.counters.cost_evaluations;
     plan.counters.gradient_evaluations += result.counters.gradient_evaluations;
     plan.counters.iterations += result.counters.iterations;
     plan.stop = result.stop;
     if (result.stop == StopReason::kError) plan.detail = result.detail;
-    if (result.quality == Quality::kNone) continue;
-    Candidate c{seed.name, result.x, result.cost, result.violation, std::move(result)};
+    if (result.quality == Quality::kNone || result.x.size() != problem->num_variables() ||
+        !result.x.allFinite()) {
+      continue;
+    }
+    Candidate c{seed.name, admissible_inputs(*problem, result.x), result.cost, result.violation,
+                std::move(result)};
     polished.push_back(std::move(c));
   }
+  // Measured again: what is compared is what would be driven, whatever the solver says of it.
+  polished = score(std::move(polished));
   candidates.insert(candidates.end(), std::make_move_iterator(polished.begin()),
                     std::make_move_iterator(polished.end()));
   std::stable_sort(candidates.begin(), candidates.end());
@@ -444,13 +478,16 @@ Plan Planner::Impl::stopping_plan(const Belief& belief, const std::string& why) 
   plan.dt = parameters.dt;
   plan.detail = why;
   const MotionModel& model = *robot.model;
-  Eigen::VectorXd x = model.state(belief.pose, belief.twist);
-  const Eigen::MatrixXd tail = stopping_tail(model, x, model.input(belief.twist), parameters.dt);
+  // Braking does not depend on where the robot is, so a lost pose does not keep it from braking.
+  const bool located = belief.pose.position.allFinite() && std::isfinite(belief.pose.yaw);
+  const Twist twist = limited_twist(model, belief.twist);
+  Eigen::VectorXd x = model.state(located ? belief.pose : Pose(), twist);
+  const Eigen::MatrixXd tail = stopping_tail(model, x, model.input(twist), parameters.dt);
   plan.states.push_back(x);
   Eigen::VectorXd next(model.nx());
   for (Eigen::Index k = 0; k < tail.cols(); ++k) {
     model.step(x, tail.col(k), parameters.dt, next);
-    plan.commands.push_back(model.twist(next, tail.col(k)));
+    plan.commands.push_back(limited_twist(model, model.twist(next, tail.col(k))));
     plan.inputs.emplace_back(tail.col(k));
     x.swap(next);
     plan.states.push_back(x);
@@ -466,6 +503,9 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
       parameters.deadline > 0.0 ? (deadline(parameters.deadline) || outer) : outer;
   Plan plan;
   plan.stamp = belief.stamp;
+  if (const std::string why = unusable(belief); !why.empty()) {
+    return stopping_plan(belief, "planning is impossible: " + why);
+  }
   plan.solver = solver->name();
 
   update_recovery(belief);
@@ -491,7 +531,9 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   const bool scripted = guidance->advice == Advice::kGoAndFace && !recovering;
   const std::vector<Seed> seeds =
       scripted ? make_scripted_seeds(*problem, context) : make_seeds(*problem, context);
-  std::vector<Candidate> candidates = score(seeds);
+  std::vector<Candidate> candidates;
+  for (const Seed& seed : seeds) candidates.push_back({seed.name, seed.z, 0.0, 0.0, std::nullopt});
+  candidates = score(std::move(candidates));
   plan.seeds_scored = static_cast<int>(seeds.size());
   if (!candidates.empty()) best_seed = candidates.front().z;
   plan.counters.cost_evaluations = plan.seeds_scored;
@@ -533,6 +575,8 @@ Plan Planner::plan(const Belief& belief, const StopCondition& stop) {
     return impl_->plan(belief, stop);
   } catch (const std::exception& e) {
     return impl_->stopping_plan(belief, std::string("planning failed: ") + e.what());
+  } catch (...) {
+    return impl_->stopping_plan(belief, "planning failed");
   }
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "engine/admissible_inputs.h"
 #include "engine/tracking_input.h"
 
 namespace prospect {
@@ -22,17 +23,22 @@ Eigen::VectorXd roll(const Problem& problem, const Law& law) {
   Eigen::VectorXd x = d.x0;
   Eigen::VectorXd next(model.nx());
   Eigen::VectorXd u = d.u_previous;
-  int last_knot = -1;
-  for (int k = 0; k < d.N; ++k) {
-    if (problem.knot(k) != last_knot) {
-      last_knot = problem.knot(k);
-      u = tracking_input(model, x, u, law(k * d.dt, model.pose(x)), d.dt);
-      z.segment(last_knot * model.nu(), model.nu()) = u;
+  // A velocity may change once a stage; an acceleration acts for as long as the knot lasts.
+  const bool velocity_controlled = model.num_state_constraints() == 0;
+  for (int k = 0; k < d.N;) {
+    const int knot = problem.knot(k);
+    int stages = 1;
+    while (k + stages < d.N && problem.knot(k + stages) == knot) ++stages;
+    const double held = velocity_controlled ? d.dt : stages * d.dt;
+    u = tracking_input(model, x, u, law(k * d.dt, model.pose(x)), held);
+    z.segment(knot * model.nu(), model.nu()) = u;
+    for (int s = 0; s < stages; ++s) {
+      model.step(x, u, d.dt, next);
+      x.swap(next);
     }
-    model.step(x, u, d.dt, next);
-    x.swap(next);
+    k += stages;
   }
-  return z;
+  return admissible_inputs(problem, z);
 }
 
 Twist forward(double v, double w) { return {Eigen::Vector3d(v, 0.0, 0.0), w}; }
@@ -122,7 +128,7 @@ std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context)
     for (int k = 0; k < d.N; ++k) {
       inputs.row(k) = context.previous.col(std::min<Eigen::Index>(k, last)).transpose();
     }
-    seeds.push_back({"previous", problem.knots_from_inputs(inputs)});
+    seeds.push_back({"previous", admissible_inputs(problem, problem.knots_from_inputs(inputs))});
   }
   const double horizon = d.N * d.dt;
   add("follow", laws.follow(1.0));

@@ -31,9 +31,9 @@ struct SeedContext {
 /// (bases that can), and stopping.
 ///
 /// Each is a simple steering law rolled out through the problem's own model, one decision a knot,
-/// the input clamped by tracking_input, so that bounds and rate limits between knots hold. In a
-/// fixed order; "stop" is always among them. Deterministic. Thread-safety: no state. Source:
-/// formulation, section 8; the steering laws are our choice.
+/// the input clamped by tracking_input and admissible_inputs, so that bounds, rate limits between
+/// knots and limits on speeds hold. In a fixed order; "stop" is always among them. Deterministic.
+/// Thread-safety: no state. Source: formulation, section 8; the steering laws are our choice.
 std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context);
 
 /// Only those that follow the cost-to-go to the target's viewpoint and face what is to be seen from

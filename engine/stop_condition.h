@@ -2,7 +2,7 @@
 
 #include <chrono>
 #include <functional>
-#include <limits>
+#include <utility>
 
 namespace prospect {
 
@@ -37,8 +37,13 @@ class StopCondition {
 };
 
 /// Stops once `seconds` of wall-clock (steady) time have passed since this call. Infinite: never.
+/// Not a number, zero or less: at once.
 inline StopCondition deadline(double seconds) {
-  if (!(seconds < std::numeric_limits<double>::infinity())) return {};
+  // Lifetimes would not fit the clock; nobody waits for them.
+  if (seconds >= 1e9) return {};
+  if (!(seconds > 0.0)) {
+    return StopCondition([] { return StopRequest::kDeadline; });
+  }
   const auto end =
       StopCondition::Clock::now() + std::chrono::duration_cast<StopCondition::Clock::duration>(
                                         std::chrono::duration<double>(seconds));
@@ -47,8 +52,9 @@ inline StopCondition deadline(double seconds) {
   });
 }
 
-/// Stops once `flag()` is true (e.g. reads an atomic).
+/// Stops once `flag()` is true (e.g. reads an atomic). An empty function: never.
 inline StopCondition cancelled_by(std::function<bool()> flag) {
+  if (!flag) return {};
   return StopCondition(
       [flag = std::move(flag)] { return flag() ? StopRequest::kCancelled : StopRequest::kNone; });
 }

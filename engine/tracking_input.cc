@@ -24,18 +24,26 @@ Eigen::VectorXd tracking_input(const MotionModel& model, const Eigen::Ref<const 
     model.step(x, u, dt, next);
     return stacked(model.twist(next, u));
   };
-  const Eigen::Vector4d at = velocity(u0);
+  const Eigen::Vector4d wanted = stacked(desired);
   Eigen::MatrixXd J(4, nu);
-  Eigen::VectorXd u = u0;
-  for (int j = 0; j < nu; ++j) {
-    constexpr double h = 1e-4;
-    u[j] = u0[j] + h;
-    const Eigen::Vector4d plus = velocity(u);
-    u[j] = u0[j] - h;
-    J.col(j) = (plus - velocity(u)) / (2.0 * h);
-    u[j] = u0[j];
+  Eigen::VectorXd u = u0, around(nu);
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    const Eigen::Vector4d missing = wanted - velocity(u);
+    if (iteration > 0 && missing.norm() < 1e-10) break;
+    around = u;
+    for (int j = 0; j < nu; ++j) {
+      constexpr double h = 1e-4;
+      around[j] = u[j] + h;
+      const Eigen::Vector4d plus = velocity(around);
+      around[j] = u[j] - h;
+      J.col(j) = (plus - velocity(around)) / (2.0 * h);
+      around[j] = u[j];
+    }
+    const Eigen::VectorXd change = J.completeOrthogonalDecomposition().solve(missing);
+    u += change;
+    // Where some velocity cannot be had at all, the first step is the answer.
+    if (change.norm() < 1e-10 || !u.allFinite()) break;
   }
-  u = u0 + J.completeOrthogonalDecomposition().solve(stacked(desired) - at);
   for (int j = 0; j < nu; ++j) {
     if (!std::isfinite(u[j])) u[j] = u0[j];
     const double reach = limits.rate[j] * dt;

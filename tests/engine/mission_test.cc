@@ -1,0 +1,290 @@
+#include "engine/mission.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "models/unicycle.h"
+#include "tests/engine/obstacle_worlds.h"
+
+namespace prospect {
+namespace {
+
+/// Moves exactly as commanded, in an open world whose map and localization a test may change.
+class FakeRobot final : public Robot {
+ public:
+  explicit FakeRobot(std::shared_ptr<const MotionModel> model) : model_(std::move(model)) {
+    belief = testing::ObstacleWorld().belief();
+  }
+  std::shared_ptr<const Belief> sense() override {
+    ++senses;
+    if (on_sense) on_sense(*this);
+    belief.stamp = clock - lag;
+    return std::make_shared<const Belief>(belief);
+  }
+  void apply(const Twist& command, double duration) override {
+    commands.push_back(command);
+    durations.push_back(duration);
+    if (duration > 0.0) {
+      Eigen::VectorXd next(model_->nx());
+      model_->step(model_->state(belief.pose, command), model_->input(command), duration, next);
+      belief.pose = model_->pose(next);
+      clock += duration;
+    }
+    belief.twist = command;
+  }
+  double time() const override { return clock; }
+
+  Belief belief;
+  double clock = 100.0;
+  double lag = 0.0;  // age of what is sensed
+  int senses = 0;
+  std::function<void(FakeRobot&)> on_sense;
+  std::vector<Twist> commands;
+  std::vector<double> durations;
+
+ private:
+  std::shared_ptr<const MotionModel> model_;
+};
+
+/// Speeds up to `speed` and drives there, `committed` stages at a time; done after `steps` plans.
+class FakeReplanner final : public Replanner {
+ public:
+  Plan plan(const Belief& belief) override {
+    ++plans;
+    if (on_plan) on_plan();
+    Plan plan;
+    plan.kind = kind;
+    plan.stamp = belief.stamp;
+    plan.certified = true;
+    plan.committed = committed;
+    double v = belief.twist.linear.x();
+    for (int k = 0; k < 8; ++k) {
+      v = std::min(speed, v + 0.2);
+      plan.inputs.push_back(Eigen::Vector2d(v, 0.0));
+      plan.commands.push_back({{v, 0.0, 0.0}, 0.0});
+    }
+    if (kind == PlanKind::kStoppingTail) plan.certified = false;
+    guidance_ = std::make_shared<Guidance>();
+    guidance_->advice = plans > steps ? Advice::kDone : Advice::kPlan;
+    return plan;
+  }
+  std::shared_ptr<const Guidance> guidance() const override { return guidance_; }
+
+  double speed = 0.2;
+  int committed = 2;
+  int steps = 1000000;
+  int plans = 0;
+  PlanKind kind = PlanKind::kOptimised;
+  std::function<void()> on_plan;
+
+ private:
+  std::shared_ptr<Guidance> guidance_;
+};
+
+class Mission : public ::testing::Test {
+ protected:
+  static Certifier::Options certificate() {
+    Certifier::Options options;
+    options.slice = {0.1, 0.5};
+    options.unknown = UnknownPolicy::kFree;
+    return options;
+  }
+  std::shared_ptr<const MotionModel> model_ = std::make_shared<Unicycle>();
+  FakeRobot robot_{model_};
+  FakeReplanner planner_;
+  Guard guard_{model_, CylinderShape{}, certificate()};
+  MissionOptions options_;
+
+  void expect_stopped() {
+    ASSERT_FALSE(robot_.commands.empty());
+    EXPECT_EQ(robot_.commands.back().linear.norm(), 0.0);
+    EXPECT_EQ(robot_.commands.back().yaw_rate, 0.0);
+  }
+};
+
+TEST_F(Mission, EndsWhenNothingIsLeftToExplore) {
+  planner_.steps = 3;
+  std::vector<int> indices;
+  const MissionResult result =
+      run_mission(robot_, planner_, guard_, options_, [&](const MissionStep& step) {
+        indices.push_back(step.index);
+        EXPECT_NE(step.plan, nullptr);
+        EXPECT_NE(step.belief, nullptr);
+        EXPECT_NE(step.guidance, nullptr);
+        EXPECT_NEAR(step.time, 0.5 * step.index, 1e-9);
+      });
+  EXPECT_EQ(result.end, MissionEnd::kExplored);
+  EXPECT_EQ(result.steps, 4);
+  EXPECT_EQ(indices, (std::vector<int>{0, 1, 2, 3}));
+  EXPECT_NEAR(result.duration, 3 * 2 * 0.25, 1e-9);
+  EXPECT_EQ(result.guard_stops, 0);
+  EXPECT_EQ(result.fallbacks, 0);
+  EXPECT_FALSE(result.detail.empty());
+  EXPECT_EQ(robot_.commands.size(), 7u);  // six driven and the stop
+  EXPECT_EQ(robot_.commands[5].linear.x(), 0.2);
+  expect_stopped();
+}
+
+TEST_F(Mission, EndsAtItsTimeLimit) {
+  options_.time_limit = 2.0;
+  planner_.speed = 0.1;
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kTimeLimit);
+  EXPECT_EQ(result.steps, 4);
+  EXPECT_NEAR(result.duration, 2.0, 1e-9);
+  EXPECT_NE(result.detail.find("2.0"), std::string::npos);
+  expect_stopped();
+}
+
+TEST_F(Mission, EndsWhenLocalizationDoesNotComeBack) {
+  options_.lost_limit = 3.0;
+  planner_.speed = 0.0;
+  robot_.on_sense = [](FakeRobot& r) {
+    // Lost for two seconds, found again, then lost for good.
+    const double t = r.clock - 100.0;
+    const bool lost = (t > 1.0 && t < 3.0) || t > 5.0;
+    r.belief.localization = lost ? Localization::kLost : Localization::kOk;
+  };
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kLost);
+  EXPECT_GT(result.duration, 8.0);
+  EXPECT_LT(result.duration, 9.1);
+  expect_stopped();
+}
+
+TEST_F(Mission, DegradedIsNotLost) {
+  options_.lost_limit = 0.5;
+  options_.time_limit = 3.0;
+  planner_.speed = 0.0;
+  robot_.belief.localization = Localization::kDegraded;
+  EXPECT_EQ(run_mission(robot_, planner_, guard_, options_).end, MissionEnd::kTimeLimit);
+}
+
+TEST_F(Mission, EndsWhenCancelled) {
+  const MissionResult result =
+      run_mission(robot_, planner_, guard_, options_, {}, [&] { return planner_.plans >= 2; });
+  EXPECT_EQ(result.end, MissionEnd::kCancelled);
+  EXPECT_EQ(result.steps, 2);
+  expect_stopped();
+  // Before the first plan, too.
+  FakeRobot another(model_);
+  EXPECT_EQ(run_mission(another, planner_, guard_, options_, {}, [] { return true; }).steps, 0);
+  EXPECT_EQ(another.commands.size(), 1u);
+}
+
+TEST_F(Mission, AGuardStopBreaksTheCommittedPart) {
+  planner_.committed = 4;
+  planner_.steps = 2;
+  bool wall = false;
+  robot_.on_sense = [&](FakeRobot& r) {
+    // After the second stage of the first plan a wall appears where it was about to drive.
+    if (r.commands.size() == 2 && !wall) {
+      wall = true;
+      testing::ObstacleWorld world;
+      for (int j = -10; j < 10; ++j) world.occupy_column(3, j);
+      const Belief b = world.belief();
+      r.belief.voxels = b.voxels;
+      r.belief.ground = b.ground;
+    }
+    if (r.commands.size() >= 4) {  // and is gone again
+      const Belief b = testing::ObstacleWorld().belief();
+      r.belief.voxels = b.voxels;
+      r.belief.ground = b.ground;
+    }
+  };
+  std::vector<int> stops;
+  std::vector<std::size_t> commands_before;
+  const MissionResult result =
+      run_mission(robot_, planner_, guard_, options_, [&](const MissionStep& step) {
+        stops.push_back(step.guard_stops);
+        commands_before.push_back(robot_.commands.size());
+      });
+  EXPECT_EQ(result.end, MissionEnd::kExplored);
+  // The first plan of four stages ended after the third command, a braking one.
+  ASSERT_GE(commands_before.size(), 2u);
+  EXPECT_EQ(commands_before[1], 3u);
+  EXPECT_LT(robot_.commands[2].linear.x(), robot_.commands[1].linear.x());
+  ASSERT_GE(stops.size(), 2u);
+  EXPECT_EQ(stops[0], 0);
+  EXPECT_EQ(stops[1], 1);
+  EXPECT_GE(result.guard_stops, 1);
+  int counted = 0;
+  for (const int n : stops) counted += n;
+  EXPECT_EQ(result.guard_stops, counted);
+  expect_stopped();
+}
+
+TEST_F(Mission, StaleBeliefsStopTheRobotButNotTheMission) {
+  options_.time_limit = 3.0;
+  robot_.on_sense = [](FakeRobot& r) { r.lag = r.clock > 101.0 ? 2.0 : 0.0; };
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kTimeLimit);
+  EXPECT_GT(result.guard_stops, 3);
+  EXPECT_EQ(robot_.commands[robot_.commands.size() - 2].linear.x(), 0.0);
+}
+
+TEST_F(Mission, CountsFallbacks) {
+  planner_.kind = PlanKind::kStoppingTail;
+  planner_.speed = 0.0;
+  options_.time_limit = 2.0;
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.fallbacks, result.steps);
+  EXPECT_EQ(result.guard_stops, 0);
+}
+
+TEST_F(Mission, AThrowingObserverStopsTheRobotFirst) {
+  EXPECT_THROW(run_mission(robot_, planner_, guard_, options_,
+                           [](const MissionStep& step) {
+                             if (step.index == 2) throw std::runtime_error("disk full");
+                           }),
+               std::runtime_error);
+  EXPECT_EQ(robot_.commands.size(), 5u);
+  EXPECT_GT(robot_.commands[3].linear.x(), 0.0);
+  expect_stopped();
+}
+
+TEST_F(Mission, BrokenPlansAreStops) {
+  // Empty, of no duration, and without a number: a mission must neither crash nor hang.
+  class Broken final : public Replanner {
+   public:
+    Plan plan(const Belief& belief) override {
+      Plan plan;
+      plan.stamp = belief.stamp;
+      switch (++plans_ % 3) {
+        case 0:
+          break;
+        case 1:
+          plan.dt = 0.0;
+          break;
+        case 2:
+          plan.dt = std::numeric_limits<double>::quiet_NaN();
+          plan.commands.resize(3);
+          plan.committed = 3;
+          break;
+      }
+      return plan;
+    }
+    std::shared_ptr<const Guidance> guidance() const override { return nullptr; }
+
+   private:
+    int plans_ = 0;
+  } broken;
+  options_.time_limit = 3.0;
+  robot_.belief.twist.linear.x() = 0.4;
+  const MissionResult result = run_mission(robot_, broken, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kTimeLimit);
+  EXPECT_EQ(result.guard_stops, result.steps);
+  for (std::size_t n = 0; n + 1 < robot_.durations.size(); ++n) {
+    EXPECT_GT(robot_.durations[n], 0.0);
+    EXPECT_LE(robot_.commands[n].linear.norm(), 0.4);
+  }
+  expect_stopped();
+}
+
+}  // namespace
+}  // namespace prospect

@@ -1,0 +1,64 @@
+#include "engine/stop_condition.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <limits>
+#include <thread>
+
+namespace prospect {
+namespace {
+
+TEST(StopCondition, TheDefaultNeverStops) { EXPECT_EQ(StopCondition()(), StopRequest::kNone); }
+
+TEST(StopCondition, ADeadlineStrikesWhenItsTimeHasPassedAndNotBefore) {
+  const auto before = StopCondition::Clock::now();
+  const StopCondition stop = deadline(0.05);
+  const auto after = StopCondition::Clock::now();
+  StopCondition::Clock::time_point asked;
+  do {
+    asked = StopCondition::Clock::now();
+    if (stop() != StopRequest::kNone) break;
+    ASSERT_LT(asked - after, std::chrono::milliseconds(50));
+  } while (true);
+  EXPECT_EQ(stop(), StopRequest::kDeadline);
+  EXPECT_GE(StopCondition::Clock::now() - before, std::chrono::milliseconds(50));
+}
+
+TEST(StopCondition, OddDeadlines) {
+  EXPECT_EQ(deadline(0.0)(), StopRequest::kDeadline);
+  EXPECT_EQ(deadline(-1.0)(), StopRequest::kDeadline);
+  EXPECT_EQ(deadline(-1e300)(), StopRequest::kDeadline);
+  EXPECT_EQ(deadline(std::numeric_limits<double>::quiet_NaN())(), StopRequest::kDeadline);
+  EXPECT_EQ(deadline(std::numeric_limits<double>::infinity())(), StopRequest::kNone);
+  // Longer than the clock can count.
+  for (const double seconds : {1e8, 1e9, 1e10, 1e100}) {
+    EXPECT_EQ(deadline(seconds)(), StopRequest::kNone) << seconds;
+  }
+}
+
+TEST(StopCondition, CancellationIsSeenFromAnotherThread) {
+  std::atomic<bool> flag{false};
+  const StopCondition stop = cancelled_by([&] { return flag.load(); });
+  EXPECT_EQ(stop(), StopRequest::kNone);
+  std::thread([&] { flag = true; }).join();
+  EXPECT_EQ(stop(), StopRequest::kCancelled);
+  EXPECT_EQ(cancelled_by({})(), StopRequest::kNone);
+}
+
+TEST(StopCondition, EitherOfTwoStops) {
+  bool flag = false;
+  const StopCondition cancel = cancelled_by([&] { return flag; });
+  EXPECT_EQ((cancel || StopCondition())(), StopRequest::kNone);
+  EXPECT_EQ((StopCondition() || cancel)(), StopRequest::kNone);
+  EXPECT_EQ((cancel || deadline(0.0))(), StopRequest::kDeadline);
+  EXPECT_EQ((deadline(0.0) || cancel)(), StopRequest::kDeadline);
+  flag = true;
+  EXPECT_EQ((cancel || deadline(0.0))(), StopRequest::kCancelled);  // the first that answers
+  EXPECT_EQ((StopCondition() || cancel)(), StopRequest::kCancelled);
+  EXPECT_EQ((cancel || StopCondition())(), StopRequest::kCancelled);
+  EXPECT_EQ((StopCondition() || StopCondition())(), StopRequest::kNone);
+}
+
+}  // namespace
+}  // namespace prospect
