@@ -368,11 +368,20 @@ class IpoptSolver final : public SolverFrame {
                                options.text("linear_solver") + "' there?");
     }
 
-    const Ipopt::SmartPtr<ReducedProblem> reduced =
-        new ReducedProblem(evaluator, warm_start, start, full, options.integer("stall_iterations"));
-    // OptimizeTNLP anew each time: ReOptimizeTNLP of 3.11 keeps the clock of the first solve.
-    const Ipopt::ApplicationReturnStatus status =
-        application->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(GetRawPtr(reduced)));
+    // A point whose value is fine but whose gradient is not ends Ipopt. The incumbent is evaluable:
+    // it goes on from there.
+    Ipopt::SmartPtr<ReducedProblem> reduced;
+    Ipopt::ApplicationReturnStatus status = Ipopt::Internal_Error;
+    constexpr int kStarts = 3;
+    for (int attempt = 0; attempt < kStarts; ++attempt) {
+      if (attempt > 0 && full) set_option(*application, "warm_start_init_point", std::string("no"));
+      reduced =
+          new ReducedProblem(evaluator, warm_start, attempt == 0 ? start : evaluator.incumbent(),
+                             full, options.integer("stall_iterations"));
+      // OptimizeTNLP anew each time: ReOptimizeTNLP of 3.11 keeps the clock of the first solve.
+      status = application->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(GetRawPtr(reduced)));
+      if (status != Ipopt::Invalid_Number_Detected || evaluator.stopped()) break;
+    }
     WarmStart next = reduced->next();
     next.time = warm_start.time;
     return end(evaluator, status, *reduced, std::move(next));

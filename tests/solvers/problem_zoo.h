@@ -69,6 +69,8 @@ class StillModel final : public MotionModel {
 
 /// What is watched, and what goes wrong, while a problem is evaluated. Counts columns, from 1.
 struct Watch {
+  /// Called at the start of every call of the cost term, before anything else.
+  std::function<void()> on_call = {};
   bool record = false;
   int nan_at = 0;             ///< the evaluation that gives NaN, 0: none
   int throw_at = 0;           ///< the evaluation that throws, 0: none
@@ -109,6 +111,7 @@ class FunctionCost final : public Term {
   void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
                 TermOutput& out) const override {
     ++watch_->calls;
+    if (watch_->on_call) watch_->on_call();
     if (watch_->seconds_a_call > 0.0) {
       std::this_thread::sleep_for(std::chrono::duration<double>(watch_->seconds_a_call));
     }
@@ -432,14 +435,15 @@ class OutsideDisc final : public Term {
   double radius_;
 };
 
-/// A unicycle has to find the inputs behind a path that passes a disc: the optimum is 0. Start: at
-/// rest. N = 20, M = 10, n = 20, m = 20.
+/// A unicycle has to find the inputs behind a path that passes a disc, which is there `discs`
+/// times: the optimum is 0. Start: at rest. N = 20, M = 10, n = 20, m = 20 discs.
 struct PathProblem {
   Problem problem;
   Vector solution;
 };
 
-inline PathProblem path_problem(const std::shared_ptr<Watch>& watch = std::make_shared<Watch>()) {
+inline PathProblem path_problem(const std::shared_ptr<Watch>& watch = std::make_shared<Watch>(),
+                                int discs = 1) {
   ProblemDefinition d;
   d.model = std::make_shared<Unicycle>(Unicycle::Parameters{});
   d.x0 = vec({0, 0, 0});
@@ -460,7 +464,9 @@ inline PathProblem path_problem(const std::shared_ptr<Watch>& watch = std::make_
   double clearance = std::numeric_limits<double>::infinity();
   for (int k = 1; k <= d.N; ++k) clearance = std::min(clearance, (path.col(k) - centre).norm());
   d.terms.push_back({std::make_shared<FollowPath>(path, watch), 1.0});
-  d.terms.push_back({std::make_shared<OutsideDisc>(centre, clearance - 0.05), 1.0});
+  for (int i = 0; i < discs; ++i) {
+    d.terms.push_back({std::make_shared<OutsideDisc>(centre, clearance - 0.05), 1.0});
+  }
   return {Problem(d), z};
 }
 

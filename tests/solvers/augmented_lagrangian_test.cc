@@ -1,0 +1,68 @@
+#include "solvers/augmented_lagrangian.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/solvers/problem_zoo.h"
+
+namespace prospect {
+namespace {
+
+using zoo::vec;
+using zoo::Vector;
+
+TEST(AugmentedLagrangian, HasTheGradientOfItsValue) {
+  const zoo::Case c = zoo::hs43();
+  std::mt19937_64 generator(11);
+  std::uniform_real_distribution<double> uniform(-3.0, 3.0);
+  for (int i = 0; i < 100; ++i) {
+    const Vector lambda = Vector::NullaryExpr(3, [&] { return std::abs(uniform(generator)); });
+    const AugmentedLagrangian merit(3, lambda, 5.0, 0.01);
+    const Vector x = Vector::NullaryExpr(4, [&] { return uniform(generator); });
+    Vector g = c.g(x);
+    merit.add_gradient(c.c(x), c.J(x), g);
+    for (int j = 0; j < 4; ++j) {
+      const double h = 1e-6;
+      Vector a = x, b = x;
+      a[j] += h;
+      b[j] -= h;
+      const double difference =
+          (merit.value(c.f(a), c.c(a)) - merit.value(c.f(b), c.c(b))) / (2 * h);
+      EXPECT_NEAR(g[j], difference, 1e-5 * (1 + std::abs(difference)));
+    }
+  }
+}
+
+TEST(AugmentedLagrangian, IsStationaryAtASolutionWithItsMultipliers) {
+  const zoo::Case c = zoo::hs12();  // solution (2, 3), lambda = 1/2
+  const AugmentedLagrangian merit(1, vec({0.5}), 10.0, 0.0);
+  const Vector x = vec({2, 3});
+  Vector g = c.g(x);
+  merit.add_gradient(c.c(x), c.J(x), g);
+  EXPECT_NEAR(g.norm(), 0.0, 1e-12);
+  EXPECT_NEAR(merit.value(c.f(x), c.c(x)), -30.0, 1e-12);
+}
+
+TEST(AugmentedLagrangian, UpdatesMultipliersAndPenalty) {
+  AugmentedLagrangian merit(2, {}, 10.0, 0.0);
+  EXPECT_EQ(merit.lambda(), vec({0, 0}));
+  EXPECT_DOUBLE_EQ(merit.update(vec({-0.2, 5.0})), 0.2);
+  EXPECT_EQ(merit.lambda(), vec({2, 0}));
+  EXPECT_EQ(merit.rho(), 10.0);
+  EXPECT_DOUBLE_EQ(merit.update(vec({-0.05, 5.0})), 0.05);
+  EXPECT_EQ(merit.rho(), 10.0);
+  EXPECT_DOUBLE_EQ(merit.update(vec({-0.04, 5.0})), 0.04);  // fell by less than half
+  EXPECT_EQ(merit.rho(), 100.0);
+  // A multiplier that pulls although its constraint is slack counts as well.
+  AugmentedLagrangian slack(1, vec({4}), 10.0, 0.0);
+  EXPECT_DOUBLE_EQ(slack.update(vec({3.0})), 0.4);
+  EXPECT_EQ(slack.lambda(), vec({0}));
+  // Multipliers of the wrong number or not finite are not used.
+  EXPECT_EQ(AugmentedLagrangian(2, vec({1}), 1.0, 0.0).lambda(), vec({0, 0}));
+  EXPECT_EQ(AugmentedLagrangian(1, vec({std::nan("")}), 1.0, 0.0).lambda(), vec({0}));
+  EXPECT_EQ(AugmentedLagrangian(1, vec({-1}), 1.0, 0.0).lambda(), vec({0}));
+}
+
+}  // namespace
+}  // namespace prospect

@@ -1,0 +1,199 @@
+#include "solvers/evaluator.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "tests/solvers/problem_zoo.h"
+
+namespace prospect {
+namespace {
+
+using zoo::Case;
+using zoo::Matrix;
+using zoo::vec;
+using zoo::Vector;
+using zoo::Watch;
+
+TEST(Evaluator, RemembersTheLastPoint) {
+  const Case c = zoo::hs43();
+  const auto watch = std::make_shared<Watch>();
+  const Problem problem = c.problem(watch);
+  const StopCondition never;
+  Evaluator e(problem, {}, never);
+  const Vector x = vec({0.1, 0.2, 0.3, 0.4});
+  EXPECT_EQ(e.evaluate(x, Evaluate::kGradient), Outcome::kEvaluated);
+  EXPECT_EQ(e.evaluate(x, Evaluate::kValue), Outcome::kEvaluated);
+  EXPECT_EQ(e.evaluate(x, Evaluate::kGradient), Outcome::kEvaluated);
+  EXPECT_EQ(watch->evaluations, 1);
+  EXPECT_EQ(e.counters().cost_evaluations, 1);
+  EXPECT_EQ(e.counters().gradient_evaluations, 1);
+  EXPECT_EQ(e.cost(), c.f(x));
+  EXPECT_EQ(e.constraints(), c.c(x));
+  EXPECT_TRUE(e.gradient().isApprox(c.g(x), 1e-14));
+  EXPECT_TRUE(e.jacobian().isApprox(c.J(x), 1e-14));
+  // A value alone does not stand for a gradient.
+  const Vector y = vec({0.4, 0.2, 0.3, 0.4});
+  e.evaluate(y, Evaluate::kValue);
+  EXPECT_EQ(e.cost(), c.f(y));
+  e.evaluate(y, Evaluate::kGradient);
+  EXPECT_EQ(watch->evaluations, 3);
+  EXPECT_TRUE(e.gradient().isApprox(c.g(y), 1e-14));
+}
+
+TEST(Evaluator, ShowsOnlyTheFreeVariables) {
+  Case c = zoo::hs43();
+  c.lower[1] = c.upper[1] = 0.7;
+  const Problem problem = c.problem();
+  const StopCondition never;
+  Evaluator e(problem, {}, never);
+  ASSERT_EQ(e.num_variables(), 3);
+  const Vector x = vec({0.1, 0.3, 0.4});
+  const Vector z = vec({0.1, 0.7, 0.3, 0.4});
+  EXPECT_EQ(e.expand(x), z);
+  EXPECT_EQ(e.reduce(z), x);
+  e.evaluate(x, Evaluate::kGradient);
+  EXPECT_EQ(e.cost(), c.f(z));
+  const Vector g = c.g(z);
+  EXPECT_TRUE(e.gradient().isApprox(vec({g[0], g[2], g[3]}), 1e-14));
+  const Matrix J = c.J(z);
+  EXPECT_TRUE(e.jacobian().col(1).isApprox(J.col(2), 1e-14));
+}
+
+TEST(Evaluator, NeverEvaluatesAfterAStop) {
+  const Case c = zoo::hs43();
+  const auto watch = std::make_shared<Watch>();
+  const Problem problem = c.problem(watch);
+  bool stop_now = false;
+  const StopCondition stop([&] { return stop_now ? StopRequest::kDeadline : StopRequest::kNone; });
+  Evaluator e(problem, {}, stop);
+  e.evaluate(c.start, Evaluate::kValue);
+  stop_now = true;
+  EXPECT_EQ(e.evaluate(vec({1, 0, 0, 0}), Evaluate::kValue), Outcome::kStopped);
+  stop_now = false;  // a stop condition that changes its mind changes nothing
+  EXPECT_EQ(e.evaluate(vec({1, 0, 0, 0}), Evaluate::kValue), Outcome::kStopped);
+  EXPECT_EQ(e.evaluate(c.start, Evaluate::kValue), Outcome::kStopped);
+  Eigen::ArrayXd cost, violations;
+  EXPECT_EQ(e.evaluate_batch(Matrix::Zero(4, 5), cost, violations), 0);
+  EXPECT_EQ(watch->evaluations, 1);
+  EXPECT_TRUE(e.should_stop());
+}
+
+TEST(Evaluator, StopsABatchBetweenChunks) {
+  const Case c = zoo::hs43();
+  const auto watch = std::make_shared<Watch>();
+  const Problem problem = c.problem(watch);
+  int asked = 0;
+  const StopCondition stop(
+      [&] { return ++asked > 2 ? StopRequest::kDeadline : StopRequest::kNone; });
+  Evaluator e(problem, {}, stop);
+  std::mt19937_64 generator(3);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  const Matrix X = Matrix::NullaryExpr(
+      4, 5 * Evaluator::kChunk, [&](Eigen::Index, Eigen::Index) { return uniform(generator); });
+  Eigen::ArrayXd cost, violations;
+  ASSERT_EQ(e.evaluate_batch(X, cost, violations), 2 * Evaluator::kChunk);
+  EXPECT_EQ(watch->evaluations, 2 * Evaluator::kChunk);
+  for (Eigen::Index b = 0; b < X.cols(); ++b) {
+    const bool done = b < 2 * Evaluator::kChunk;
+    EXPECT_EQ(cost[b], done ? c.f(X.col(b)) : Problem::kRejectedCost);
+    if (done) {
+      EXPECT_EQ(violations[b], c.violation(X.col(b)));
+    } else {
+      EXPECT_TRUE(std::isinf(violations[b]));
+    }
+  }
+}
+
+TEST(Evaluator, KeepsABatchWithinMaxEvaluations) {
+  const Case c = zoo::hs43();
+  const auto watch = std::make_shared<Watch>();
+  const Problem problem = c.problem(watch);
+  const StopCondition never;
+  CommonOptions options;
+  options.max_evaluations = Evaluator::kChunk + 3;
+  Evaluator e(problem, options, never);
+  Eigen::ArrayXd cost, violations;
+  const Matrix X = Matrix::Zero(4, 3 * Evaluator::kChunk);
+  EXPECT_EQ(e.evaluate_batch(X, cost, violations), Evaluator::kChunk + 3);
+  EXPECT_EQ(watch->evaluations, Evaluator::kChunk + 3);
+  EXPECT_TRUE(e.stopped());
+}
+
+TEST(Evaluator, StandsInForARejectedPointWithABowlAroundTheIncumbent) {
+  Case c = zoo::rosenbrock();
+  const auto f = c.f;
+  c.f = [f](const Vector& x) {
+    return x[0] > 1.0 ? std::numeric_limits<double>::infinity() : f(x);
+  };
+  const Problem problem = c.problem();
+  const StopCondition never;
+  Evaluator e(problem, {}, never);
+  EXPECT_EQ(e.evaluate(vec({1.5, 0}), Evaluate::kGradient), Outcome::kRejected);
+  EXPECT_TRUE(std::isfinite(e.cost()));
+  EXPECT_FALSE(e.has_incumbent());
+  e.evaluate(vec({-1.2, 1}), Evaluate::kGradient);
+  e.evaluate(vec({-2, -2}), Evaluate::kValue);
+  const double worst = f(vec({-2, -2}));
+  EXPECT_EQ(e.evaluate(vec({1.5, 0.5}), Evaluate::kGradient), Outcome::kRejected);
+  EXPECT_GT(e.cost(), worst);
+  EXPECT_EQ(e.incumbent(), vec({-1.2, 1}));
+  for (const Vector& x : {vec({1.5, 0.5}), vec({1.9, -2}), vec({1.01, 2})}) {
+    Vector g(2);
+    e.rejected_cost(x, &g);
+    for (int i = 0; i < 2; ++i) {
+      const double h = 1e-5;
+      Vector a = x, b = x;
+      a[i] += h;
+      b[i] -= h;
+      const double difference =
+          (e.rejected_cost(a, nullptr) - e.rejected_cost(b, nullptr)) / (2 * h);
+      EXPECT_NEAR(g[i], difference, 1e-5 * (1 + std::abs(difference)));
+    }
+    EXPECT_LT(g.dot(e.incumbent() - x), 0.0);
+  }
+}
+
+TEST(Evaluator, ClampsPointsAndSurvivesNanInThem) {
+  const Case c = zoo::hs76();
+  const Problem problem = c.problem();
+  const StopCondition never;
+  Evaluator e(problem, {}, never);
+  const double inf = std::numeric_limits<double>::infinity();
+  e.evaluate(vec({-1, 20, inf, std::numeric_limits<double>::quiet_NaN()}), Evaluate::kGradient);
+  EXPECT_EQ(e.cost(), c.f(vec({0, 10, 5, 5})));
+}
+
+TEST(Evaluator, FindsAnEvaluableStart) {
+  Case c = zoo::rosenbrock();
+  const auto f = c.f;
+  c.f = [f](const Vector& x) { return x[0] < 0.5 ? std::nan("") : f(x); };
+  const Problem problem = c.problem();
+  const StopCondition never;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    CommonOptions options;
+    options.seed = seed;
+    Evaluator e(problem, options, never);
+    WarmStart w;
+    w.x = vec({-1.2, 1});
+    Vector x;
+    EXPECT_EQ(e.evaluate_start(w, Evaluate::kGradient, x), Outcome::kEvaluated);
+    EXPECT_GE(x[0], 0.5);
+    EXPECT_EQ(e.cost(), f(x));
+  }
+}
+
+TEST(Evaluator, KeepsTheOlderPointOfATie) {
+  Case c = zoo::hs76();
+  c.f = [](const Vector&) { return 1.0; };
+  const Problem problem = c.problem();
+  const StopCondition never;
+  Evaluator e(problem, {}, never);
+  e.evaluate(vec({0.5, 0.5, 0.5, 0.5}), Evaluate::kValue);
+  e.evaluate(vec({0.6, 0.5, 0.5, 0.5}), Evaluate::kValue);
+  EXPECT_EQ(e.incumbent(), vec({0.5, 0.5, 0.5, 0.5}));
+}
+
+}  // namespace
+}  // namespace prospect
