@@ -560,7 +560,10 @@ TEST_P(EverySolver, GoesOnFromItsOwnResult) {
   const Result second = solver_->solve(c.problem(), first.next, {}, {});
   EXPECT_LE(second.cost, first.cost);
   EXPECT_LE(second.violation, 1e-6);
-  if (family_ == Family::kGradient) {
+  // MMA and CCSAQ begin as cautiously at a solution as anywhere: they have no curvature to find
+  // out.
+  const bool cautious = GetParam() == "nlopt:LD_MMA" || GetParam() == "nlopt:LD_CCSAQ";
+  if (family_ == Family::kGradient && !cautious) {
     EXPECT_LE(second.counters.cost_evaluations, first.counters.cost_evaluations);
   }
 }
