@@ -80,6 +80,9 @@ void check(const PlannerParameters& p) {
   at_least("M", p.M, 1);
   if (p.M > p.N) refuse("M", p.M, "at most N");
   if (!(p.dt > 0.0) || !std::isfinite(p.dt)) refuse("dt", p.dt, "a finite step > 0");
+  if (!(p.visibility_lattice > 0.0) || !std::isfinite(p.visibility_lattice)) {
+    refuse("visibility_lattice", p.visibility_lattice, "a finite spacing > 0");
+  }
   for (const auto& [name, value] : {std::pair{"w_u", p.w_u},
                                     {"w_du", p.w_du},
                                     {"w_o", p.w_o},
@@ -88,12 +91,17 @@ void check(const PlannerParameters& p) {
                                     {"w_T", p.w_T},
                                     {"w_h", p.w_h},
                                     {"w_c", p.w_c},
+                                    {"desired_speed", p.desired_speed},
+                                    {"deadline", p.deadline},
+                                    {"unknown_attenuation", p.unknown_attenuation},
+                                    {"recovery_time", p.recovery_time},
+                                    {"recovery_pause", p.recovery_pause},
                                     {"d_safe", p.d_safe}}) {
     at_least(name, value, 0.0);
   }
   if (!(p.d_des > p.d_safe)) refuse("d_des", p.d_des, "more than d_safe");
   if (!(p.committed >= p.dt)) refuse("committed", p.committed, "at least dt");
-  if (p.committed > p.N * p.dt) refuse("committed", p.committed, "at most the horizon");
+  if (!(p.committed <= p.N * p.dt)) refuse("committed", p.committed, "at most the horizon");
   at_least("polished", p.polished, 0);
   at_least("polish_evaluations", p.polish_evaluations, 1);
   at_least("max_landmarks", p.max_landmarks, 0);

@@ -1,0 +1,516 @@
+#include "engine/planner.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "engine/certificate.h"
+#include "engine/guard.h"
+#include "models/make_model.h"
+#include "tests/engine/room_belief.h"
+
+namespace prospect {
+namespace {
+
+using testing::empty_belief;
+using testing::Room;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Projected gradient descent with backtracking on cost and squared violation: enough to polish.
+class Descent final : public Solver {
+ public:
+  std::string name() const override { return "descent"; }
+  std::vector<OptionInfo> options() const override { return {}; }
+  std::string explain_unsupported(const Problem&) const override { return ""; }
+  Result solve(const Problem& problem, const WarmStart& start, const Options& options,
+               const StopCondition& stop) const override {
+    Workspace workspace = problem.make_workspace();
+    Evaluation e;
+    Result result;
+    result.stop = StopReason::kIterationLimit;
+    Eigen::VectorXd x = start.x;
+    double step = 0.1, merit = kInfinity;
+    const int budget = std::get<int>(options.at("max_evaluations"));
+    Eigen::VectorXd candidate = x, direction = Eigen::VectorXd::Zero(x.size());
+    for (int n = 0; n < budget && stop() == StopRequest::kNone; ++n) {
+      ++result.counters.cost_evaluations;
+      problem.evaluate(candidate, Evaluate::kGradient, workspace, e);
+      const Eigen::VectorXd c = e.constraints.col(0).cwiseMin(0.0);
+      const double m = e.cost[0] + 100.0 * c.squaredNorm();
+      if (m < merit) {
+        merit = m;
+        x = candidate;
+        direction = -e.gradient - 200.0 * e.jacobian.transpose() * c;
+        result.cost = e.cost[0];
+        result.violation = violation(e.constraints.col(0));
+        step *= 1.5;
+      } else {
+        step *= 0.4;
+      }
+      candidate = (x + step * direction).cwiseMax(problem.lower()).cwiseMin(problem.upper());
+    }
+    result.quality = result.violation < 1e-6 ? Quality::kFeasible : Quality::kInfeasible;
+    result.x = x;
+    return result;
+  }
+};
+
+/// A solver that does what a test says.
+class Scripted final : public Solver {
+ public:
+  using Script = std::function<Result(const Problem&, const WarmStart&)>;
+  explicit Scripted(Script script) : script_(std::move(script)) {}
+  std::string name() const override { return "scripted"; }
+  std::vector<OptionInfo> options() const override { return {}; }
+  std::string explain_unsupported(const Problem&) const override { return ""; }
+  Result solve(const Problem& problem, const WarmStart& start, const Options&,
+               const StopCondition&) const override {
+    return script_(problem, start);
+  }
+
+ private:
+  Script script_;
+};
+
+PlannerParameters small_parameters() {
+  PlannerParameters p;
+  p.N = 12;
+  p.M = 6;
+  p.polish_evaluations = 8;
+  p.max_landmarks = 40;
+  p.max_targets = 60;
+  return p;
+}
+
+RobotDescription robot_with(const std::string& model) {
+  RobotDescription robot;
+  robot.model = make_model(model);
+  return robot;
+}
+
+class PlannerTest : public ::testing::Test {
+ protected:
+  PlannerParameters parameters_ = small_parameters();
+  RobotDescription robot_ = robot_with("unicycle");
+
+  Planner make(std::shared_ptr<const Solver> solver = std::make_shared<Descent>()) {
+    return Planner(robot_, parameters_, std::move(solver));
+  }
+
+  /// Everything that "executable" means; the certificate and the guard are asked independently.
+  void expect_executable(const Plan& plan, const Belief& belief) {
+    const MotionModel& model = *robot_.model;
+    ASSERT_FALSE(plan.commands.empty());
+    ASSERT_GE(plan.committed, 1);
+    ASSERT_LE(plan.committed, static_cast<int>(plan.commands.size()));
+    ASSERT_EQ(plan.inputs.size(), plan.commands.size());
+    ASSERT_EQ(plan.states.size(), plan.inputs.size() + 1);
+    ASSERT_TRUE(std::isfinite(plan.dt) && plan.dt > 0.0);
+    for (const Twist& command : plan.commands) {
+      ASSERT_TRUE(command.linear.allFinite() && std::isfinite(command.yaw_rate));
+      ASSERT_LE(command.linear.norm(), model.max_speed() * (1.0 + 1e-9));
+      ASSERT_LE(std::abs(command.yaw_rate), model.max_yaw_rate() * (1.0 + 1e-9));
+    }
+    if (!plan.certified) {
+      EXPECT_EQ(plan.kind, PlanKind::kStoppingTail);
+      EXPECT_FALSE(plan.detail.empty());
+      EXPECT_LE(plan.commands.back().linear.norm(), 1e-3);
+      EXPECT_LE(std::abs(plan.commands.back().yaw_rate), 1e-3);
+      return;
+    }
+    const InputLimits& limits = model.limits();
+    Eigen::VectorXd before =
+        model.input(belief.twist).cwiseMax(limits.lower).cwiseMin(limits.upper);
+    for (const Eigen::VectorXd& u : plan.inputs) {
+      ASSERT_TRUE((u.array() >= limits.lower.array()).all());
+      ASSERT_TRUE((u.array() <= limits.upper.array()).all());
+      ASSERT_TRUE(((u - before).array().abs() <= limits.rate.array() * plan.dt + 1e-9).all());
+      before = u;
+    }
+    Certifier::Options options;
+    options.margin = 0.5 * parameters_.certificate_margin;
+    options.slice = {0.1, 0.5};
+    // The guard lets the whole committed part pass, one command after the other.
+    const Guard guard(robot_.model, robot_.shape, options);
+    Belief now = belief;
+    Eigen::VectorXd x = plan.states[0];
+    for (int stage = 0; stage < plan.committed; ++stage) {
+      const auto s = static_cast<std::size_t>(stage);
+      const Twist previous = stage == 0 ? belief.twist : plan.commands[s - 1];
+      now.stamp = belief.stamp + stage * plan.dt;
+      now.pose = model.pose(plan.states[s]);
+      now.twist = previous;
+      const GuardVerdict verdict = guard.check(plan, stage, previous, now, now.stamp);
+      EXPECT_TRUE(verdict.passed()) << to_string(verdict.reason) << ": " << verdict.detail;
+    }
+  }
+
+  /// The belief after the plan's committed part.
+  Belief after(Belief belief, const Plan& plan) const {
+    const auto end = static_cast<std::size_t>(plan.committed);
+    belief.pose = robot_.model->pose(plan.states[end]);
+    belief.twist = plan.commands[end - 1];
+    belief.stamp += plan.committed * plan.dt;
+    return belief;
+  }
+};
+
+TEST_F(PlannerTest, PlansTowardsTheUnknownAndKeepsTheContract) {
+  Planner planner = make();
+  Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  EXPECT_EQ(planner.guidance(), nullptr);
+  EXPECT_EQ(planner.problem(), nullptr);
+  double farthest = 0.0;
+  for (int step = 0; step < 8; ++step) {
+    const Plan plan = planner.plan(belief);
+    expect_executable(plan, belief);
+    ASSERT_TRUE(plan.certified) << plan.detail;
+    EXPECT_EQ(plan.stamp, belief.stamp);
+    EXPECT_EQ(plan.committed, 2);
+    EXPECT_EQ(plan.solver, "descent");
+    EXPECT_TRUE(plan.has_active_frontier);
+    EXPECT_EQ(plan.visible.size(), 13u);
+    for (const double n : plan.visible) EXPECT_TRUE(std::isfinite(n) && n >= 0.0);
+    EXPECT_GT(plan.counters.cost_evaluations, plan.seeds_scored);
+    EXPECT_NEAR(
+        plan.explanation.cost,
+        [&] {
+          double sum = 0.0;
+          for (const TermValue& t : plan.explanation.terms) sum += t.weighted;
+          return sum;
+        }(),
+        1e-9);
+    belief = after(belief, plan);
+    farthest = std::max(farthest, belief.pose.position.x());
+  }
+  EXPECT_GT(farthest, 0.5);  // it goes where the unknown is
+  EXPECT_NE(planner.problem(), nullptr);
+  EXPECT_FALSE(planner.landmarks().empty());
+  EXPECT_EQ(planner.landmark_visibility().size(),
+            static_cast<Eigen::Index>(planner.landmarks().size()));
+}
+
+TEST_F(PlannerTest, EveryModelGetsExecutablePlans) {
+  for (const std::string& name : model_names()) {
+    SCOPED_TRACE(name);
+    robot_ = robot_with(name);
+    Planner planner = make();
+    Belief belief = Room{.landmarks_per_wall = 8}.belief();
+    if (name == "multirotor") belief.pose.position.z() = 0.3;
+    int certified = 0;
+    for (int step = 0; step < 5; ++step) {
+      const Plan plan = planner.plan(belief);
+      expect_executable(plan, belief);
+      certified += plan.certified;
+      belief = after(belief, plan);
+    }
+    EXPECT_GT(certified, 2);
+  }
+}
+
+TEST_F(PlannerTest, TheBestCandidateIsNoWorseThanTheBestSeed) {
+  Planner planner = make();
+  const Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  const Plan plan = planner.plan(belief);
+  ASSERT_EQ(plan.kind, PlanKind::kOptimised);
+  EXPECT_LE(plan.explanation.cost, planner.problem()->explain(planner.best_seed()).cost);
+}
+
+TEST_F(PlannerTest, AnEmptyMap) {
+  Planner planner = make();
+  Belief belief = empty_belief();
+  for (int step = 0; step < 4; ++step) {
+    const Plan plan = planner.plan(belief);
+    expect_executable(plan, belief);
+    // Nothing is known to be free: it may not leave where it stands.
+    EXPECT_LT((after(belief, plan).pose.position - belief.pose.position).norm(), 1e-3);
+    belief = after(belief, plan);
+  }
+}
+
+TEST_F(PlannerTest, ARobotInsideAWall) {
+  Planner planner = make();
+  for (const double y : {-1.95, -1.85, 1.9}) {
+    Belief belief = Room{}.belief();
+    belief.pose.position = {0.5, y, 0.0};
+    expect_executable(planner.plan(belief), belief);
+  }
+  Belief belief = Room{}.belief();
+  belief.pose.position = {1.45, -0.3, 0.0};  // amid the box
+  belief.twist.linear.x() = 0.5;
+  expect_executable(planner.plan(belief), belief);
+}
+
+TEST_F(PlannerTest, NoLandmarksAndNoFrontiers) {
+  Planner planner = make();
+  Belief belief = Room{.seen = 2.5, .closed = true}.belief();
+  const Plan plan = planner.plan(belief);
+  expect_executable(plan, belief);
+  EXPECT_FALSE(plan.has_active_frontier);
+  EXPECT_TRUE(planner.landmarks().empty());
+}
+
+TEST_F(PlannerTest, BeliefsThatAreNotFiniteOrLackAMap) {
+  const std::vector<std::pair<std::string, std::function<void(Belief&)>>> faults = {
+      {"x", [](Belief& b) { b.pose.position.x() = kNan; }},
+      {"z", [](Belief& b) { b.pose.position.z() = kInfinity; }},
+      {"yaw", [](Belief& b) { b.pose.yaw = kNan; }},
+      {"far", [](Belief& b) { b.pose.position.y() = 1e12; }},
+      {"speed", [](Belief& b) { b.twist.linear.x() = kNan; }},
+      {"turn", [](Belief& b) { b.twist.yaw_rate = -kInfinity; }},
+      {"stamp", [](Belief& b) { b.stamp = kNan; }},
+      {"octree", [](Belief& b) { b.octree = nullptr; }},
+      {"voxels", [](Belief& b) { b.voxels = nullptr; }},
+      {"ground", [](Belief& b) { b.ground = nullptr; }},
+      {"landmarks", [](Belief& b) { b.landmarks = nullptr; }},
+  };
+  for (const std::string& name : model_names()) {
+    robot_ = robot_with(name);
+    Planner planner = make();
+    const Belief good = Room{.landmarks_per_wall = 5}.belief();
+    for (const auto& [what, fault] : faults) {
+      SCOPED_TRACE(name + ", " + what);
+      Belief belief = good;
+      belief.twist.linear.x() = 0.3;
+      fault(belief);
+      const Plan plan = planner.plan(belief);
+      expect_executable(plan, belief);
+      EXPECT_EQ(plan.kind, PlanKind::kStoppingTail);
+    }
+    // And the next belief is planned with as if nothing had been.
+    EXPECT_TRUE(planner.plan(good).certified);
+  }
+}
+
+TEST_F(PlannerTest, TooFastAlready) {
+  for (const std::string& name : model_names()) {
+    SCOPED_TRACE(name);
+    robot_ = robot_with(name);
+    Planner planner = make();
+    Belief belief = Room{}.belief();
+    belief.twist.linear.x() = 5.0;
+    belief.twist.yaw_rate = -7.0;
+    const Plan plan = planner.plan(belief);
+    for (const Twist& command : plan.commands) {
+      ASSERT_TRUE(command.linear.allFinite() && std::isfinite(command.yaw_rate));
+    }
+    if (!plan.certified) expect_executable(plan, belief);
+  }
+}
+
+TEST_F(PlannerTest, SolversThatThrowOrFail) {
+  const Belief belief = Room{.landmarks_per_wall = 10}.belief();
+  const std::vector<std::pair<std::string, Scripted::Script>> scripts = {
+      {"exception",
+       [](const Problem&, const WarmStart&) -> Result { throw std::runtime_error("out of luck"); }},
+      {"not an exception", [](const Problem&, const WarmStart&) -> Result { throw 42; }},
+      {"error",
+       [](const Problem&, const WarmStart&) {
+         Result r;
+         r.detail = "no library";
+         return r;
+       }},
+  };
+  for (const auto& [what, script] : scripts) {
+    SCOPED_TRACE(what);
+    Planner planner = make(std::make_shared<Scripted>(script));
+    const Plan plan = planner.plan(belief);
+    expect_executable(plan, belief);
+    EXPECT_EQ(plan.kind, PlanKind::kSeed);  // the seeds are there all the same
+    EXPECT_EQ(plan.stop, StopReason::kError);
+    EXPECT_FALSE(plan.detail.empty());
+  }
+}
+
+TEST_F(PlannerTest, SolversThatReturnGarbage) {
+  const Belief belief = Room{.landmarks_per_wall = 10}.belief();
+  const auto claims = [](Eigen::VectorXd x) {
+    Result r;  // the best there ever was, it says
+    r.stop = StopReason::kConverged;
+    r.quality = Quality::kFeasibleOptimum;
+    r.cost = -1e9;
+    r.violation = 0.0;
+    r.x = std::move(x);
+    return r;
+  };
+  const std::vector<std::pair<std::string, Scripted::Script>> scripts = {
+      {"nan",
+       [&](const Problem&, const WarmStart& w) -> Result {
+         return claims(Eigen::VectorXd::Constant(w.x.size(), kNan));
+       }},
+      {"infinite",
+       [&](const Problem&, const WarmStart& w) -> Result {
+         return claims(Eigen::VectorXd::Constant(w.x.size(), -kInfinity));
+       }},
+      {"empty", [&](const Problem&, const WarmStart&) { return claims({}); }},
+      {"too long",
+       [&](const Problem&, const WarmStart& w) -> Result {
+         return claims(Eigen::VectorXd::Zero(w.x.size() + 2));
+       }},
+      {"out of bounds",
+       [&](const Problem&, const WarmStart& w) -> Result {
+         return claims(Eigen::VectorXd::Constant(w.x.size(), 1e6));
+       }},
+      {"bang bang",
+       [&](const Problem& p, const WarmStart& w) -> Result {
+         Eigen::VectorXd x = w.x;
+         for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = i % 4 < 2 ? p.upper()[i] : p.lower()[i];
+         return claims(x);
+       }},
+      {"into the box",
+       [&](const Problem& p, const WarmStart&) -> Result {
+         Eigen::VectorXd x = p.upper();
+         for (Eigen::Index i = 1; i < x.size(); i += 2) x[i] = -0.05;
+         return claims(x);
+       }},
+      {"a nan for its cost",
+       [&](const Problem&, const WarmStart& w) -> Result {
+         Result r = claims(w.x);
+         r.cost = r.violation = kNan;
+         return r;
+       }},
+  };
+  for (const std::string& name : model_names()) {
+    robot_ = robot_with(name);
+    // A plan of the multirotor takes a second: its occlusion tables fill a volume.
+    const bool slow = name == "multirotor";
+    for (const auto& [what, script] : scripts) {
+      if (slow && what != "bang bang") continue;
+      SCOPED_TRACE(name + ", " + what);
+      Planner planner = make(std::make_shared<Scripted>(script));
+      Belief now = belief;
+      for (int step = 0; step < (slow ? 1 : 3); ++step) {
+        const Plan plan = planner.plan(now);
+        expect_executable(plan, now);
+        // What it says of its cost does not count.
+        if (plan.certified) {
+          EXPECT_GT(plan.explanation.cost, -100.0);
+        }
+        now = after(now, plan);
+      }
+    }
+  }
+}
+
+TEST_F(PlannerTest, TheSameBeliefsGiveTheSameBits) {
+  const auto run = [&] {
+    Planner planner = make();
+    Belief belief = Room{.landmarks_per_wall = 20}.belief();
+    std::vector<Eigen::VectorXd> inputs;
+    for (int step = 0; step < 6; ++step) {
+      if (step == 3) belief.localization = Localization::kDegraded;
+      const Plan plan = planner.plan(belief);
+      inputs.insert(inputs.end(), plan.inputs.begin(), plan.inputs.end());
+      belief = after(belief, plan);
+    }
+    return inputs;
+  };
+  const auto a = run(), b = run();
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a[i], b[i]) << i;
+}
+
+TEST_F(PlannerTest, LostLocalizationMeansRecoveryWithoutExploration) {
+  Planner planner = make();
+  Belief belief = Room{.landmarks_per_wall = 30}.belief();
+  const auto weight = [&](const std::string& term) {
+    for (const auto& t : planner.problem()->definition().terms) {
+      if (t.term->name() == term) return t.weight;
+    }
+    ADD_FAILURE() << "no term " << term;
+    return kNan;
+  };
+  Plan plan = planner.plan(belief);
+  EXPECT_NE(plan.kind, PlanKind::kRecovery);
+  EXPECT_EQ(weight("exploration_gain"), -parameters_.w_e);
+  const double w_l = weight("visible_features");
+  for (const Localization bad : {Localization::kDegraded, Localization::kLost}) {
+    belief.localization = bad;
+    belief.tracked_features = 3;
+    belief.stamp += 100.0;
+    plan = planner.plan(belief);
+    expect_executable(plan, belief);
+    EXPECT_EQ(plan.kind, PlanKind::kRecovery);
+    EXPECT_EQ(weight("exploration_gain"), 0.0);
+    EXPECT_GT(weight("visible_features"), w_l);
+    // Found again: back to exploring.
+    belief.localization = Localization::kOk;
+    belief.tracked_features = 100;
+    belief.stamp += 0.5;
+    plan = planner.plan(belief);
+    EXPECT_NE(plan.kind, PlanKind::kRecovery);
+    EXPECT_EQ(weight("exploration_gain"), -parameters_.w_e);
+  }
+}
+
+TEST_F(PlannerTest, ARecoveryThatDoesNotHelpEndsAndPauses) {
+  Planner planner = make();
+  Belief belief = Room{.landmarks_per_wall = 10}.belief();
+  belief.localization = Localization::kLost;
+  belief.tracked_features = 0;
+  int recovering = 0, steps = 0;
+  for (double t = 0.0; t < 24.0; t += 0.5, ++steps) {
+    belief.stamp = t;
+    recovering += planner.plan(belief).kind == PlanKind::kRecovery;
+  }
+  // 6 s of recovery, 20 s of pause.
+  EXPECT_GE(recovering, 12);
+  EXPECT_LE(recovering, 14);
+}
+
+TEST_F(PlannerTest, ADeadlineAndACancellationLeaveAnExecutablePlan) {
+  const Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  parameters_.deadline = 1e-6;
+  Planner hurried = make();
+  Plan plan = hurried.plan(belief);
+  expect_executable(plan, belief);
+  EXPECT_EQ(plan.kind, PlanKind::kSeed);
+  parameters_.deadline = 0.0;
+  Planner cancelled = make();
+  plan = cancelled.plan(belief, cancelled_by([] { return true; }));
+  expect_executable(plan, belief);
+  EXPECT_EQ(plan.kind, PlanKind::kSeed);
+}
+
+TEST_F(PlannerTest, BadParametersAreNamed) {
+  const auto message = [&](const std::function<void(PlannerParameters&)>& change) {
+    PlannerParameters p = small_parameters();
+    change(p);
+    try {
+      Planner(robot_, p, std::make_shared<Descent>());
+    } catch (const std::invalid_argument& e) {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_NE(message([](auto& p) { p.N = 0; }).find("planner.N"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.M = 13; }).find("planner.M"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.dt = kNan; }).find("planner.dt"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.w_l = kNan; }).find("planner.w_l"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.w_e = -1.0; }).find("planner.w_e"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.d_des = 0.0; }).find("planner.d_des"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.committed = 99.0; }).find("planner.committed"),
+            std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.committed = kNan; }).find("planner.committed"),
+            std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.desired_speed = kNan; }).find("planner.desired_speed"),
+            std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.visibility_lattice = 0.0; }).find("visibility_lattice"),
+            std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.deadline = kNan; }).find("planner.deadline"),
+            std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.recovery_time = -1.0; }).find("planner.recovery_time"),
+            std::string::npos);
+  EXPECT_EQ(message([](auto&) {}), "accepted");
+  EXPECT_THROW(Planner({}, small_parameters(), std::make_shared<Descent>()), std::invalid_argument);
+  EXPECT_THROW(Planner(robot_, small_parameters(), nullptr), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace prospect
