@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/footprint_kernel.h"
 #include "engine/occlusion_table.h"
 #include "models/camera.h"
 #include "models/types.h"
@@ -24,8 +25,8 @@ namespace prospect {
 /// The sigmoids are moved `inset` scales inward: a sigmoid worth 1/2 at the true edge rewards
 /// standing still before cells that the sensor never resolves.
 ///
-/// Values that the factors bound below e^-24 = 4e-11 are set to 0, far beneath any solver's
-/// tolerance.
+/// So that most points need no work, g = P_fov P_range is cut off smoothly at e = e^-12 = 6e-6: it
+/// counts as (g - e)^2 / g above and as 0 below, which is C1 and changes no q by more than 2 e.
 ///
 /// Frames: poses in W, points in W, [m] and [rad]. Smoothness: C1 (that of the occlusion table).
 /// Thread-safety: immutable; concurrent calls need separate Scratch. Finite for finite poses, also
@@ -39,14 +40,26 @@ class FootprintVisibility {
     double inset = 2.0;         ///< in scales
   };
 
-  /// Per-thread memory of a value or gradient call.
+  /// Per-thread memory of the calls below.
   struct Scratch {
     explicit Scratch(int points);
-    Eigen::ArrayXd probability, d_x, d_y, d_z;  // of all points
-    Eigen::ArrayXi seen;                        // indices of points with probability > 0
-    Eigen::ArrayXd X, Y, Z, rho, r;             // of the seen points, in C
-    Eigen::ArrayXd e;                           // e^-a of the six sigmoids, one after the other
-    Eigen::ArrayXd q;
+    Eigen::ArrayXd probability, d_x, d_y, d_z;  // of no occlusion: all points
+    Eigen::ArrayXd X, Y, Z;                     // of the points looked at, in C
+    Eigen::ArrayXd u, u_x, u_y, u_z;            // probability of no occlusion, of those
+    // What evaluate() and gradient() sum over.
+    Eigen::ArrayXi point;
+    Eigen::ArrayXd q, q_x, q_y, q_z, q_yaw;
+  };
+
+  /// Where look() writes: arrays of capacity() entries, one for each point looked at. With d_x all
+  /// derivatives (by the base's position in W and its yaw) are asked for, without it none.
+  struct Looks {
+    int* point = nullptr;  ///< its index, increasing
+    double* q = nullptr;
+    double* d_x = nullptr;
+    double* d_y = nullptr;
+    double* d_z = nullptr;
+    double* d_yaw = nullptr;
   };
 
   /// Throws std::invalid_argument unless 0 < fields of view < pi, 0 <= min_range < max_range and
@@ -61,38 +74,35 @@ class FootprintVisibility {
   FootprintVisibility(const RgbdFootprint& footprint, const CameraMount& mount);
 
   int size() const { return occlusion_ ? occlusion_->num_points() : 0; }
+  /// size() rounded up to whole vectors.
+  int capacity() const { return FootprintKernel::padded(size()); }
 
-  /// P_fov P_range of one point in W; 0 for a non-finite pose or point.
+  /// P_fov P_range (cut off) of one point in W; 0 for a non-finite pose or point.
   double in_footprint(const Pose& pose, const Eigen::Vector3d& point) const;
 
-  /// Writes size() probabilities q_c at a pose of B.
+  /// The points that can have q > 0 at a pose of B (their number; -1 for a non-finite pose), with
+  /// q and, if asked for, its derivatives. All other points have q = 0 and derivatives of 0. The
+  /// entries up to the next multiple of eight are overwritten with numbers of no meaning. q has the
+  /// same bits with and without derivatives.
+  int look(const Pose& pose, Scratch& scratch, const Looks& looks) const;
+
+  /// Writes size() probabilities q_c at a pose of B; NaN for a non-finite pose.
   void evaluate(const Pose& pose, Scratch& scratch, double* q) const;
 
-  /// sum_c weight[c] dq_c / d(x, y, z, yaw) of the pose.
+  /// sum_c weight[c] dq_c / d(x, y, z, yaw) of the pose; NaN for a non-finite pose.
   Eigen::Vector4d gradient(const Pose& pose, const double* weight, Scratch& scratch) const;
 
  private:
   void prepare();
-  /// Camera position in W and the rotation from W to C at a pose.
-  struct View {
-    Eigen::Vector3d position;
-    Eigen::Matrix3d R_CW;
-  };
-  View view(const Pose& pose) const;
-  /// Fills scratch.seen and what follows it from scratch.probability; returns the number seen.
-  int look(const View& view, Scratch& scratch) const;
-  /// Exponents -a of the six sigmoids of a point at (X, Y, Z) in C, and its distances.
-  struct Exponents {
-    double a0, a1, a2, a3, a4, a5, rho, r;
-  };
-  Exponents exponents(double X, double Y, double Z) const;
+  FootprintKernelPose kernel_pose(const Pose& pose) const;
 
   RgbdFootprint footprint_;
   CameraMount mount_;
   Options options_;
   std::shared_ptr<const OcclusionTable> occlusion_;
-  Eigen::ArrayXd px_, py_, pz_;  // the points, structure of arrays
-  double sin_h_ = 0.0, cos_h_ = 1.0, sin_v_ = 0.0, cos_v_ = 1.0;
+  Eigen::ArrayXd px_, py_, pz_;  // the points, structure of arrays, padded
+  FootprintKernelConstants constants_;
+  FootprintKernel kernel_ = footprint_kernel(best_instruction_set());
 };
 
 }  // namespace prospect

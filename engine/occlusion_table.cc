@@ -160,47 +160,6 @@ Weights spline_weights(double position, double spacing, int nodes) {
   return r;
 }
 
-// out[i] += sum_b wy[b] sum_a wx[a] rows[b][a][i].
-void add_value(const std::array<const float*, 9>& rows, const std::array<double, 9>& w, int n,
-               double* __restrict out) {
-  const float *r0 = rows[0], *r1 = rows[1], *r2 = rows[2], *r3 = rows[3], *r4 = rows[4],
-              *r5 = rows[5], *r6 = rows[6], *r7 = rows[7], *r8 = rows[8];
-  const double w0 = w[0], w1 = w[1], w2 = w[2], w3 = w[3], w4 = w[4], w5 = w[5], w6 = w[6],
-               w7 = w[7], w8 = w[8];
-  for (int i = 0; i < n; ++i) {
-    out[i] += ((w0 * r0[i] + w1 * r1[i] + w2 * r2[i]) + (w3 * r3[i] + w4 * r4[i] + w5 * r5[i])) +
-              (w6 * r6[i] + w7 * r7[i] + w8 * r8[i]);
-  }
-}
-
-// The same with the derivatives along x and y (scaled by wz) and z (scaled by dz).
-template <bool kVertical>
-void add_value_and_gradient(const std::array<const float*, 9>& rows, const Weights& x,
-                            const Weights& y, double wz, double dz, int n, double* __restrict out,
-                            double* __restrict out_x, double* __restrict out_y,
-                            [[maybe_unused]] double* __restrict out_z) {
-  const float *r0 = rows[0], *r1 = rows[1], *r2 = rows[2], *r3 = rows[3], *r4 = rows[4],
-              *r5 = rows[5], *r6 = rows[6], *r7 = rows[7], *r8 = rows[8];
-  const double x0 = x.w[0], x1 = x.w[1], x2 = x.w[2];
-  const double e0 = x.d[0] * wz, e1 = x.d[1] * wz, e2 = x.d[2] * wz;
-  const double y0 = y.w[0], y1 = y.w[1], y2 = y.w[2];
-  const double f0 = y.d[0] * wz, f1 = y.d[1] * wz, f2 = y.d[2] * wz;
-  for (int i = 0; i < n; ++i) {
-    const double a0 = r0[i], a1 = r1[i], a2 = r2[i];
-    const double b0 = r3[i], b1 = r4[i], b2 = r5[i];
-    const double c0 = r6[i], c1 = r7[i], c2 = r8[i];
-    const double a = x0 * a0 + x1 * a1 + x2 * a2;
-    const double b = x0 * b0 + x1 * b1 + x2 * b2;
-    const double c = x0 * c0 + x1 * c1 + x2 * c2;
-    const double plane = y0 * a + y1 * b + y2 * c;
-    out[i] += wz * plane;
-    if constexpr (kVertical) out_z[i] += dz * plane;
-    out_y[i] += f0 * a + f1 * b + f2 * c;
-    out_x[i] += y0 * (e0 * a0 + e1 * a1 + e2 * a2) + y1 * (e0 * b0 + e1 * b1 + e2 * b2) +
-                y2 * (e0 * c0 + e1 * c1 + e2 * c2);
-  }
-}
-
 }  // namespace
 
 SensorLattice SensorLattice::around(const Eigen::Vector3d& center, double reach, double spacing,
@@ -434,32 +393,22 @@ void OcclusionTable::evaluate(const Eigen::Vector3d& sensor, double* probability
   const Weights x = spline_weights(local.x(), lattice_.spacing, lattice_.nx);
   const Weights y = spline_weights(local.y(), lattice_.spacing, lattice_.ny);
   const Weights z = spline_weights(local.z(), lattice_.spacing, lattice_.nz);
-  for (double* out : {probability, d_x, d_y, d_z}) {
-    if (out) std::fill_n(out, n, 0.0);
-  }
-  std::array<const float*, 9> rows;
+  if (d_z && z.count == 1) std::fill_n(d_z, n, 0.0);
+  double* const slope_z = gradient && z.count > 1 ? d_z : nullptr;
+  OcclusionPlane plane;
+  std::copy_n(x.w.data(), 3, plane.x);
+  std::copy_n(y.w.data(), 3, plane.y);
+  std::copy_n(x.d.data(), 3, plane.dx);
+  std::copy_n(y.d.data(), 3, plane.dy);
   for (int c = 0; c < z.count; ++c) {
-    const double wz = z.w[static_cast<std::size_t>(c)];
+    plane.z = z.w[static_cast<std::size_t>(c)];
+    plane.dz = z.d[static_cast<std::size_t>(c)];
     for (int b = 0; b < 3; ++b) {
       for (int a = 0; a < 3; ++a) {
-        rows[static_cast<std::size_t>(b * 3 + a)] =
-            table_.data() + row(x.first + a, y.first + b, z.first + c);
+        plane.rows[b * 3 + a] = table_.data() + row(x.first + a, y.first + b, z.first + c);
       }
     }
-    if (gradient) {
-      const double dz = z.d[static_cast<std::size_t>(c)];
-      if (d_z && z.count > 1) {
-        add_value_and_gradient<true>(rows, x, y, wz, dz, n, probability, d_x, d_y, d_z);
-      } else {
-        add_value_and_gradient<false>(rows, x, y, wz, dz, n, probability, d_x, d_y, nullptr);
-      }
-    } else {
-      std::array<double, 9> w;
-      for (std::size_t b = 0; b < 3; ++b) {
-        for (std::size_t a = 0; a < 3; ++a) w[b * 3 + a] = wz * y.w[b] * x.w[a];
-      }
-      add_value(rows, w, n, probability);
-    }
+    kernel_(plane, n, c == 0, probability, gradient ? d_x : nullptr, d_y, slope_z);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/occlusion_kernel.h"
 #include "engine/voxel_grid.h"
 
 namespace prospect {
@@ -31,8 +32,9 @@ struct SensorLattice {
 /// with w the C1 tensor-product quadratic B-spline of the lattice (a partition of unity, >= 0), so
 /// 0 <= P_i <= 1 and its gradient is exact and continuous. The rays are exact voxel traversals,
 /// cast once for all candidates and stages; evaluating is one weighted sum of table rows, the same
-/// weights for all points, hence vectorised over the points. The last `trim` metres before a point
-/// are left out (the point lies on an occupied voxel).
+/// weights for all points, hence vectorised over the points (OcclusionKernel; the value has the
+/// same bits with and without derivatives). The last `trim` metres before a point are left out (the
+/// point lies on an occupied voxel).
 ///
 /// A node inside an occupied voxel has no view of its own; it takes the mean row of its neighbours
 /// (at most 8, or 26 with nz > 1) that are not inside one, so that a sensor beside a wall is not
@@ -102,6 +104,7 @@ class OcclusionTable {
   std::vector<float> table_;                 // node-major, x fastest
   std::vector<std::uint8_t> in_wall_;        // per node: inside an occupied voxel
   std::int64_t rays_cast_ = 0;
+  OcclusionKernel kernel_ = occlusion_kernel(best_instruction_set());
 };
 
 }  // namespace prospect

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "engine/shared_results.h"
+
 namespace prospect {
 namespace {
 
@@ -22,10 +24,26 @@ double violation(const Eigen::Ref<const Eigen::VectorXd>& constraints) {
 }
 
 struct Workspace::Impl {
-  TrajectoryBatch trajectories;
+  // What has the size of the batch, kept for every size met.
+  struct Batch {
+    TrajectoryBatch trajectories;
+    std::vector<TermOutput> outputs;  // by term
+  };
+  Batch& batch(Eigen::Index B) {
+    for (const auto& batch : batches) {
+      if (batch->trajectories.states.cols() == B) return *batch;
+    }
+    batches.push_back(std::make_unique<Batch>(prototype));
+    batches.back()->trajectories.states.resize(prototype.trajectories.states.rows(), B);
+    batches.back()->trajectories.inputs.resize(prototype.trajectories.inputs.rows(), B);
+    return *batches.back();
+  }
+
+  Batch prototype;
+  std::vector<std::unique_ptr<Batch>> batches;
+  SharedResults shared;
   std::vector<std::unique_ptr<TermScratch>> scratch;  // by term
   int scratch_batch = 0;
-  std::vector<TermOutput> outputs;           // by term
   std::vector<Eigen::MatrixXd> A, B;         // by stage
   std::vector<Eigen::MatrixXd> sensitivity;  // S_k, by node
   Eigen::VectorXd lambda, lambda_next;
@@ -105,13 +123,16 @@ Workspace Problem::make_workspace() const {
   Workspace::Impl& w = *workspace.impl_;
   const int nx = horizon_.nx();
   const int nu = horizon_.nu();
-  w.trajectories.horizon = horizon_;
-  w.trajectories.layout = definition_.model->pose_layout();
-  w.trajectories.u_previous = definition_.u_previous;
+  TrajectoryBatch& trajectories = w.prototype.trajectories;
+  trajectories.horizon = horizon_;
+  trajectories.layout = definition_.model->pose_layout();
+  trajectories.u_previous = definition_.u_previous;
+  trajectories.states.resize((definition_.N + 1) * nx, 0);
+  trajectories.inputs.resize(definition_.N * nu, 0);
   w.scratch.resize(definition_.terms.size());
-  w.outputs.resize(definition_.terms.size());
+  w.prototype.outputs.resize(definition_.terms.size());
   for (std::size_t t = 0; t < definition_.terms.size(); ++t) {
-    TermOutput& out = w.outputs[t];
+    TermOutput& out = w.prototype.outputs[t];
     if (!layouts_[t].constraint) {
       out.state_gradient.resize((definition_.N + 1) * nx, 1);
       out.input_gradient.resize(definition_.N * nu, 1);
@@ -161,8 +182,10 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
   if (gradient && !has_gradient_)
     refuse("a gradient is asked for", "terms that all have gradients");
 
-  TrajectoryBatch& t = w.trajectories;
+  Workspace::Impl::Batch& batch = w.batch(B);
+  TrajectoryBatch& t = batch.trajectories;
   roll(X, t);
+  w.shared.begin(t, gradient);
   if (B > w.scratch_batch) {
     for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
       w.scratch[i] = definition_.terms[i].term->make_scratch(horizon_, B);
@@ -202,7 +225,7 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
   for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
     const auto& [term, weight] = definition_.terms[i];
     const auto& [constraint, rows, blocks] = layouts_[i];
-    TermOutput& o = w.outputs[i];
+    TermOutput& o = batch.outputs[i];
     o.value.resize(rows, B);
     if (gradient && !constraint) {
       o.state_gradient.setZero((definition_.N + 1) * nx, 1);
@@ -280,7 +303,7 @@ Explanation Problem::explain(const Eigen::Ref<const Eigen::VectorXd>& z) const {
     const TermTraits traits = term->traits();
     TermValue v{std::string(term->name()), traits.unit, 0.0, 0.0,
                 traits.kind == TermKind::kConstraint};
-    const BatchArray& value = workspace.impl_->outputs[i].value;
+    const BatchArray& value = workspace.impl_->batch(1).outputs[i].value;
     v.raw = value.size() > 0 ? value.minCoeff() : 0.0;
     v.weighted = v.constraint ? 0.0 : weight * v.raw;
     e.terms.push_back(std::move(v));

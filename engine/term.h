@@ -72,7 +72,8 @@ struct JacobianBlock {
 /// Problem; see docs/examples. evaluate() is const and may be called from several threads with
 /// different scratch. It writes finite numbers, or a non-finite value for a candidate it cannot
 /// evaluate (the Problem then rejects that candidate); it does not allocate after its first call
-/// with a given scratch and batch size. An exception thrown from it ends the solve with an error.
+/// with a given scratch and batch size. What several terms need alike they may keep in the
+/// evaluation's SharedResults. An exception thrown from it ends the solve with an error.
 class Term {
  public:
   virtual ~Term() = default;

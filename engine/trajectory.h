@@ -16,6 +16,8 @@ struct Horizon {
   int nu() const { return model->nu(); }
 };
 
+class SharedResults;
+
 /// B trajectories over one horizon, structure of arrays (a column is a candidate).
 ///   states: ((N+1) nx) x B, row k nx + i is x_k[i];   inputs: (N nu) x B, row k nu + j is u_k[j].
 /// u_k acts from t_k = k dt to t_{k+1}; x_0 is the present state.
@@ -25,6 +27,7 @@ struct TrajectoryBatch {
   Eigen::VectorXd u_previous;  ///< u_{-1}: the input in force now; nu
   BatchArray states;
   BatchArray inputs;
+  SharedResults* shared = nullptr;  ///< set by a Problem; see SharedResults::of
 
   int batch() const { return static_cast<int>(states.cols()); }
   double x(int k, int i, int b) const { return states(k * horizon.nx() + i, b); }

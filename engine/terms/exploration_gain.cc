@@ -1,12 +1,15 @@
 #include "engine/terms/exploration_gain.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "engine/occlusion_table.h"
+#include "engine/shared_results.h"
 
 namespace prospect {
 namespace {
@@ -25,22 +28,58 @@ std::shared_ptr<const OcclusionTable> checked(const ExplorationTargets& targets,
 
 }  // namespace
 
+// The looks of all candidates and stages that can have q > 0, one stage after the other.
+struct ExplorationGain::Looks : TermScratch {
+  Looks(int capacity, int stages, int max_batch) {
+    count.setZero(stages + 1, max_batch);
+    start.setZero(stages + 1, max_batch);
+    stamp.setZero(max_batch);
+    // Room for the worst case; memory that is never written costs nothing.
+    const Eigen::Index all = Eigen::Index{capacity} * stages * max_batch;
+    point.resize(all);
+    q.resize(all);
+  }
+
+  // Drops all looks.
+  void begin(std::uint64_t new_stamp, bool with_gradient) {
+    newest = new_stamp;
+    gradient = with_gradient;
+    used = 0;
+    stamp.setZero();
+    if (!gradient || d_x.size() == q.size()) return;
+    for (Eigen::ArrayXd* d : {&d_x, &d_y, &d_z, &d_yaw}) d->resize(q.size());
+  }
+
+  std::uint64_t newest = 0;  // the evaluation that the looks belong to
+  bool gradient = false;     // whether they have derivatives
+  Eigen::Index used = 0;
+  Eigen::Array<std::uint64_t, Eigen::Dynamic, 1> stamp;              // by candidate; `newest`: done
+  Eigen::ArrayXXi count;                                             // by stage and candidate
+  Eigen::Array<Eigen::Index, Eigen::Dynamic, Eigen::Dynamic> start;  // in the arrays below
+  Eigen::ArrayXi point;
+  Eigen::ArrayXd q, d_x, d_y, d_z, d_yaw;
+};
+
 struct ExplorationGain::Scratch : TermScratch {
-  Scratch(int targets, int stages)
-      : view(targets),
-        p(targets, stages + 1),
-        before(targets, stages + 2),
+  Scratch(int targets, int capacity, int stages, int batch)
+      : max_batch(batch),
+        view(targets),
+        unseen(targets),
         later(targets),
-        weight(targets),
+        before(Eigen::Index{capacity} * stages),
+        factor(stages + 1),
+        area(stages + 1),
         ones(stages + 1) {
     ones.setOnes();
   }
+  int max_batch;
   FootprintVisibility::Scratch view;
-  Eigen::ArrayXXd p;       // p_ck, a column per stage
-  Eigen::ArrayXXd before;  // prod_{j<k} (1 - p_cj), a column per stage
+  std::unique_ptr<Looks> own;  // outside of a Problem; one candidate
+  Eigen::ArrayXd unseen;       // prod_{j<k} (1 - p_cj) of the stage in work
   Eigen::ArrayXd later;
-  Eigen::ArrayXd weight;
-  Eigen::ArrayXd ones;
+  Eigen::ArrayXd before;  // the same of every look
+  Eigen::ArrayXd factor;  // p_ck / q_ck, by stage
+  Eigen::ArrayXd area, ones;
 };
 
 ExplorationGain::ExplorationGain(const ExplorationTargets& targets, const RgbdFootprint& footprint,
@@ -74,45 +113,119 @@ TermTraits ExplorationGain::traits() const {
   return {TermKind::kCost, Smoothness::kC1, true, "-", "expected newly explored area over A_ref"};
 }
 
-std::unique_ptr<TermScratch> ExplorationGain::make_scratch(const Horizon& horizon, int) const {
-  return std::make_unique<Scratch>(num_targets(), horizon.N);
+std::unique_ptr<TermScratch> ExplorationGain::make_scratch(const Horizon& horizon,
+                                                           int max_batch) const {
+  return std::make_unique<Scratch>(num_targets(), visibility_.capacity(), horizon.N, max_batch);
 }
 
-void ExplorationGain::look(const TrajectoryBatch& t, int b, double tau, Scratch& s) const {
-  s.before.col(0).setOnes();
-  s.before.col(1).setOnes();
-  s.p.col(0).setZero();
-  for (int k = 1; k <= t.horizon.N; ++k) {
-    visibility_.evaluate(t.pose(k, b), s.view, s.p.col(k).data());
-    s.p.col(k) *= options_.eta * std::exp(-k * t.horizon.dt / tau);
-    s.before.col(k + 1) = s.before.col(k) * (1.0 - s.p.col(k));
+ExplorationGain::Candidate ExplorationGain::look(const TrajectoryBatch& t, int b, bool gradient,
+                                                 Scratch& s) const {
+  const int N = t.horizon.N;
+  SharedResults* const shared = SharedResults::of(t);
+  Looks* looks = nullptr;
+  int place = 0;
+  if (shared) {
+    looks = &shared->get<Looks>(
+        this, [&] { return std::make_unique<Looks>(visibility_.capacity(), N, s.max_batch); });
+    if (looks->stamp.size() < t.batch()) *looks = Looks(visibility_.capacity(), N, t.batch());
+    place = b;
+    // Whoever comes first computes what others will ask for.
+    gradient = gradient || shared->gradient();
+    if (looks->newest != shared->stamp() || looks->gradient != gradient) {
+      looks->begin(shared->stamp(), gradient);
+    }
+    if (looks->stamp[place] == looks->newest) return {*looks, place};
+  } else {
+    if (!s.own) s.own = std::make_unique<Looks>(visibility_.capacity(), N, 1);
+    looks = s.own.get();
+    looks->begin(1, gradient);
   }
+  Looks& l = *looks;
+  for (int k = 1; k <= N; ++k) {
+    FootprintVisibility::Looks at;
+    at.point = l.point.data() + l.used;
+    at.q = l.q.data() + l.used;
+    if (gradient) {
+      at.d_x = l.d_x.data() + l.used;
+      at.d_y = l.d_y.data() + l.used;
+      at.d_z = l.d_z.data() + l.used;
+      at.d_yaw = l.d_yaw.data() + l.used;
+    }
+    l.count(k, place) = visibility_.look(t.pose(k, b), s.view, at);
+    l.start(k, place) = l.used;
+    l.used += FootprintKernel::padded(std::max(l.count(k, place), 0));
+  }
+  l.stamp[place] = l.newest;
+  return {l, place};
 }
 
-void ExplorationGain::add_adjoint(const TrajectoryBatch& t, int b, double tau,
+bool ExplorationGain::accumulate(const TrajectoryBatch& t, Candidate candidate, double tau,
+                                 Scratch& s) const {
+  const auto& [l, place] = candidate;
+  s.unseen.setOnes();
+  s.area[0] = 0.0;
+  const Eigen::Index first = l.start(1, place);
+  for (int k = 1; k <= t.horizon.N; ++k) {
+    const int n = l.count(k, place);
+    if (n < 0) return false;
+    const Eigen::Index start = l.start(k, place);
+    const int* const point = l.point.data() + start;
+    const double* const q = l.q.data() + start;
+    double* const before = s.before.data() + (start - first);
+    const double factor = s.factor[k] = options_.eta * std::exp(-k * t.horizon.dt / tau);
+    double area = 0.0;
+    for (int j = 0; j < n; ++j) {
+      double& unseen = s.unseen[point[j]];
+      const double now = factor * q[j] * unseen;
+      before[j] = unseen;
+      area += mass_[point[j]] * now;
+      unseen -= now;
+    }
+    s.area[k] = area;
+  }
+  return true;
+}
+
+void ExplorationGain::add_adjoint(const TrajectoryBatch& t, int b, Candidate candidate,
                                   const double* adjoint, double scale, Scratch& s,
                                   TermOutput& out) const {
   // With T_k = sum_{i>k} adjoint_i p_i prod_{k<j<i} (1 - p_j):
   //   d/dp_k = m before_k (adjoint_k - T_k),   T_{k-1} = adjoint_k p_k + (1 - p_k) T_k.
+  // Where p_k = 0, T does not change.
+  const auto& [l, place] = candidate;
   s.later.setZero();
+  const Eigen::Index first = l.start(1, place);
   for (int k = t.horizon.N; k >= 1; --k) {
-    const double discount = options_.eta * std::exp(-k * t.horizon.dt / tau);
-    s.weight = (scale * discount) * mass_ * s.before.col(k) * (adjoint[k] - s.later);
-    s.later = adjoint[k] * s.p.col(k) + (1.0 - s.p.col(k)) * s.later;
-    const Eigen::Vector4d g = visibility_.gradient(t.pose(k, b), s.weight.data(), s.view);
-    out.add_pose_gradient(t, k, b, g[0], g[1], g[2], g[3]);
+    const Eigen::Index start = l.start(k, place);
+    double gx = 0.0, gy = 0.0, gz = 0.0, gyaw = 0.0;
+    for (Eigen::Index i = start; i < start + l.count(k, place); ++i) {
+      const int c = l.point[i];
+      const double excess = adjoint[k] - s.later[c];
+      const double weight = mass_[c] * s.before[i - first] * excess;
+      gx += weight * l.d_x[i];
+      gy += weight * l.d_y[i];
+      gz += weight * l.d_z[i];
+      gyaw += weight * l.d_yaw[i];
+      s.later[c] += s.factor[k] * l.q[i] * excess;
+    }
+    const double each = scale * s.factor[k];
+    out.add_pose_gradient(t, k, b, each * gx, each * gy, each * gz, each * gyaw);
   }
 }
 
 void ExplorationGain::evaluate(const TrajectoryBatch& t, const TermRequest& request,
                                TermScratch* scratch, TermOutput& out) const {
   auto& s = static_cast<Scratch&>(*scratch);
-  const int last = t.horizon.N + 1;
   for (int b = 0; b < t.batch(); ++b) {
-    look(t, b, options_.tau, s);
-    out.value(0, b) = (mass_ * (1.0 - s.before.col(last))).sum() / reference_area_;
+    const Candidate candidate = look(t, b, request.gradient, s);
+    if (!accumulate(t, candidate, options_.tau, s)) {
+      out.value(0, b) = std::numeric_limits<double>::quiet_NaN();
+      continue;
+    }
+    // sum_k p_k prod_{j<k} (1 - p_j) = 1 - prod_k (1 - p_k).
+    out.value(0, b) = s.area.sum() / reference_area_;
     if (request.gradient) {
-      add_adjoint(t, b, options_.tau, s.ones.data(), 1.0 / reference_area_, s, out);
+      add_adjoint(t, b, candidate, s.ones.data(), 1.0 / reference_area_, s, out);
     }
   }
 }
@@ -120,17 +233,17 @@ void ExplorationGain::evaluate(const TrajectoryBatch& t, const TermRequest& requ
 void ExplorationGain::evaluate(const TrajectoryBatch& t, int b, TermScratch* scratch,
                                double* area) const {
   auto& s = static_cast<Scratch&>(*scratch);
-  look(t, b, kForever, s);
-  area[0] = 0.0;
-  for (int k = 1; k <= t.horizon.N; ++k) {
-    area[k] = options_.surface_per_area * (mass_ * s.p.col(k) * s.before.col(k)).sum();
+  const bool finite = accumulate(t, look(t, b, false, s), kForever, s);
+  for (int k = 0; k <= t.horizon.N; ++k) {
+    area[k] =
+        finite ? options_.surface_per_area * s.area[k] : std::numeric_limits<double>::quiet_NaN();
   }
 }
 
 void ExplorationGain::add_gradient(const TrajectoryBatch& t, int b, TermScratch* scratch,
                                    const double* adjoint, TermOutput& out) const {
-  add_adjoint(t, b, kForever, adjoint, options_.surface_per_area, static_cast<Scratch&>(*scratch),
-              out);
+  auto& s = static_cast<Scratch&>(*scratch);
+  add_adjoint(t, b, look(t, b, true, s), adjoint, options_.surface_per_area, s, out);
 }
 
 }  // namespace prospect

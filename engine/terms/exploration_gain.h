@@ -31,6 +31,9 @@ class OcclusionTable;
 /// probability),
 ///   A_k = surface_per_area sum_c m_c eta q_ck prod_{0<j<k} (1 - eta q_cj) [m^2],   A_0 = 0.
 ///
+/// Both need the same looks q_ck and their derivatives; within one evaluation of a Problem they are
+/// computed once (SharedResults).
+///
 /// Smoothness: C1. Thread-safety: immutable; concurrent calls need separate scratch. One scratch
 /// serves either interface, but add_gradient() must directly follow its evaluate().
 /// Non-finite poses give a NaN value, which rejects the candidate.
@@ -69,12 +72,22 @@ class ExplorationGain : public Term, public NewSurface {
   double reference_area() const { return reference_area_; }
 
  private:
+  struct Looks;
   struct Scratch;
-  /// Fills scratch with p_ck = eta q_ck e^{-t_k/tau} and the products before each stage.
-  void look(const TrajectoryBatch& t, int b, double tau, Scratch& s) const;
-  /// Adds d/dx of sum_k adjoint[k] sum_c m_c p_ck prod_{j<k} (1 - p_cj), times `scale`.
-  void add_adjoint(const TrajectoryBatch& t, int b, double tau, const double* adjoint, double scale,
-                   Scratch& s, TermOutput& out) const;
+  /// The looks of one candidate: those at `place` of `looks`.
+  struct Candidate {
+    const Looks& looks;
+    int place;
+  };
+  /// The looks of candidate b, with derivatives if `gradient`: shared where that can be, else in
+  /// the scratch.
+  Candidate look(const TrajectoryBatch& t, int b, bool gradient, Scratch& s) const;
+  /// s.area[k] = sum_c m_c p_ck prod_{j<k} (1 - p_cj) with p_ck = eta q_ck e^{-t_k / tau}, and what
+  /// add_adjoint() needs of it. False if a pose is not finite.
+  bool accumulate(const TrajectoryBatch& t, Candidate candidate, double tau, Scratch& s) const;
+  /// Adds scale d/dx sum_k adjoint[k] s.area[k]. After accumulate(), looks with derivatives.
+  void add_adjoint(const TrajectoryBatch& t, int b, Candidate candidate, const double* adjoint,
+                   double scale, Scratch& s, TermOutput& out) const;
 
   FootprintVisibility visibility_;
   Eigen::ArrayXd mass_;

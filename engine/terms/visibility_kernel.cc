@@ -2,11 +2,8 @@
 
 #include <cmath>
 
+#include "engine/instruction_set.h"
 #include "engine/normal_distribution.h"
-
-// Everything below the dispatch is force-inlined, because a function compiled for the baseline
-// cannot be widened after the fact: each entry point is one body per instruction set.
-#define PROSPECT_FORCE_INLINE [[gnu::always_inline]] static inline
 
 namespace prospect {
 namespace {
@@ -527,27 +524,31 @@ PROSPECT_FORCE_INLINE void information_gradient_body(
 
 PROSPECT_VISIBILITY_KERNEL(generic, )
 #if defined(__x86_64__)
-PROSPECT_VISIBILITY_KERNEL(avx2, __attribute__((target("avx2"))))
-PROSPECT_VISIBILITY_KERNEL(
-    avx512, __attribute__((target("avx512f,avx512dq,avx512vl,prefer-vector-width=512"))))
+PROSPECT_VISIBILITY_KERNEL(avx2, PROSPECT_TARGET_AVX2)
+PROSPECT_VISIBILITY_KERNEL(avx512, PROSPECT_TARGET_AVX512)
 #endif
 #undef PROSPECT_VISIBILITY_KERNEL
 
 }  // namespace
 
 std::vector<VisibilityKernel> available_visibility_kernels() {
-  std::vector<VisibilityKernel> kernels = {
-      {"generic", evaluate_generic, information_generic, information_gradient_generic}};
+  std::vector<VisibilityKernel> kernels;
+  for (const InstructionSet set : available_instruction_sets()) {
+    switch (set) {
 #if defined(__x86_64__)
-  __builtin_cpu_init();
-  if (__builtin_cpu_supports("avx2")) {
-    kernels.push_back({"avx2", evaluate_avx2, information_avx2, information_gradient_avx2});
-  }
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl")) {
-    kernels.push_back({"avx512", evaluate_avx512, information_avx512, information_gradient_avx512});
-  }
+      case InstructionSet::kAvx2:
+        kernels.push_back({name(set), evaluate_avx2, information_avx2, information_gradient_avx2});
+        break;
+      case InstructionSet::kAvx512:
+        kernels.push_back(
+            {name(set), evaluate_avx512, information_avx512, information_gradient_avx512});
+        break;
 #endif
+      default:
+        kernels.push_back(
+            {name(set), evaluate_generic, information_generic, information_gradient_generic});
+    }
+  }
   return kernels;
 }
 

@@ -1,0 +1,227 @@
+#include "engine/footprint_kernel.h"
+
+#include <cmath>
+
+#include "engine/normal_distribution.h"
+
+namespace prospect {
+namespace {
+
+constexpr int kLanes = FootprintKernel::kLanes;
+
+// Regularises angles of a point at the sensor itself [m].
+constexpr double kNear = 0.02;
+// Beyond this exponent a sigmoid is below 1e-43, or 1 to the last bit; the clamp keeps products of
+// six finite.
+constexpr double kLargestExponent = 100.0;
+
+PROSPECT_FORCE_INLINE double at_most(double a, double b) { return a < b ? a : b; }
+
+PROSPECT_FORCE_INLINE double magnitude(double a) { return std::abs(a); }
+
+// 1 / s(a) - 1 = e^exponent of a sigmoid.
+PROSPECT_FORCE_INLINE double odds(double exponent) {
+  return exponential_in_range(
+      normal_distribution_detail::clamp(exponent, -kLargestExponent, kLargestExponent));
+}
+
+// Everything about one point; the pairs of sigmoids A (left, right), B (top, bottom), C (near,
+// far).
+struct Look {
+  double inverse_rho, inverse_r, rho;
+  double e0, e1, e2, e3, e4, e5;  // e^-a of the six sigmoids
+  double A, B, C;                 // 1 / product of each pair
+  double product;                 // 1 / (P_fov P_range)
+  double g;                       // P_fov P_range before the cut-off
+  double above;                   // 1 - negligible / g, at least 0
+};
+
+PROSPECT_FORCE_INLINE Look look(const FootprintKernelConstants& c, double X, double Y, double Z) {
+  Look l;
+  const double rho_squared = X * X + Z * Z + kNear * kNear;
+  l.rho = std::sqrt(rho_squared);
+  const double r = std::sqrt(rho_squared + Y * Y);
+  const double inverse = 1.0 / (l.rho * r);
+  l.inverse_rho = inverse * r;
+  l.inverse_r = inverse * l.rho;
+  const double h = c.inverse_angle_scale * l.inverse_rho;
+  const double v = c.inverse_angle_scale * l.inverse_r;
+  const double h0 = c.inset - c.sin_h * Z * h, h1 = c.cos_h * X * h;
+  const double v0 = c.inset - c.sin_v * l.rho * v, v1 = c.cos_v * Y * v;
+  l.e0 = odds(h0 + h1);
+  l.e1 = odds(h0 - h1);
+  l.e2 = odds(v0 + v1);
+  l.e3 = odds(v0 - v1);
+  l.e4 = odds(c.inset - (r - c.min_range) * c.inverse_range_scale);
+  l.e5 = odds(c.inset - (c.max_range - r) * c.inverse_range_scale);
+  l.A = (1.0 + l.e0) * (1.0 + l.e1);
+  l.B = (1.0 + l.e2) * (1.0 + l.e3);
+  l.C = (1.0 + l.e4) * (1.0 + l.e5);
+  l.product = l.A * l.B * l.C;
+  l.g = 1.0 / l.product;
+  const double above = 1.0 - c.negligible * l.product;
+  l.above = normal_distribution_detail::select_negative(above, 0.0, above);
+  return l;
+}
+
+PROSPECT_FORCE_INLINE int select_body(const FootprintKernelConstants& constants,
+                                      const FootprintKernelPose& pose, const double* __restrict px,
+                                      const double* __restrict py, const double* __restrict pz,
+                                      const double* __restrict unoccluded, int n,
+                                      int* __restrict point, double* __restrict X,
+                                      double* __restrict Y, double* __restrict Z) {
+  const FootprintKernelConstants c = constants;
+  const FootprintKernelPose p = pose;
+  alignas(64) double x[kLanes], y[kLanes], z[kLanes], open[kLanes], live[kLanes];
+  int selected = 0;
+  for (int first = 0; first < n; first += kLanes) {
+    const int count = n - first < kLanes ? n - first : kLanes;
+    if (count == kLanes) {
+      for (int j = 0; j < kLanes; ++j) open[j] = unoccluded[first + j];
+    } else {
+      for (int j = 0; j < kLanes; ++j) open[j] = j < count ? unoccluded[first + j] : 0.0;
+    }
+    for (int j = 0; j < kLanes; ++j) {
+      const double dx = px[first + j] - p.sensor[0], dy = py[first + j] - p.sensor[1],
+                   dz = pz[first + j] - p.sensor[2];
+      x[j] = p.R[0] * dx + p.R[1] * dy + p.R[2] * dz;
+      y[j] = p.R[3] * dx + p.R[4] * dy + p.R[5] * dz;
+      z[j] = p.R[6] * dx + p.R[7] * dy + p.R[8] * dz;
+      const double rho_squared = x[j] * x[j] + z[j] * z[j] + kNear * kNear;
+      // Signed square of rho sin(angle inside the nearer side).
+      const double inside = c.sin_h * z[j] - c.cos_h * magnitude(x[j]);
+      const double beside = inside * magnitude(inside) + c.outside_squared * rho_squared;
+      const double near = c.far_squared - (rho_squared + y[j] * y[j]);
+      live[j] = at_most(at_most(beside, near), open[j]);
+    }
+    double most = live[0];
+    for (int j = 1; j < kLanes; ++j) most = most > live[j] ? most : live[j];
+    if (!(most > 0.0)) continue;
+    for (int j = 0; j < kLanes; ++j) {
+      point[selected] = first + j;
+      X[selected] = x[j];
+      Y[selected] = y[j];
+      Z[selected] = z[j];
+      selected += live[j] > 0.0;
+    }
+  }
+  // The padding is any point before the sensor.
+  for (int j = selected; j < FootprintKernel::padded(selected); ++j) {
+    point[j] = 0;
+    X[j] = Y[j] = 0.0;
+    Z[j] = 1.0;
+  }
+  return selected;
+}
+
+PROSPECT_FORCE_INLINE void value_body(const FootprintKernelConstants& constants,
+                                      const double* __restrict X, const double* __restrict Y,
+                                      const double* __restrict Z,
+                                      const double* __restrict unoccluded, int n,
+                                      double* __restrict q) {
+  const FootprintKernelConstants c = constants;
+  for (int first = 0; first < n; first += kLanes) {
+    for (int i = first; i < first + kLanes; ++i) {
+      const Look l = look(c, X[i], Y[i], Z[i]);
+      q[i] = unoccluded[i] * (l.g * (l.above * l.above));
+    }
+  }
+}
+
+PROSPECT_FORCE_INLINE void gradient_body(
+    const FootprintKernelConstants& constants, const FootprintKernelPose& pose,
+    const double* __restrict X, const double* __restrict Y, const double* __restrict Z,
+    const double* __restrict unoccluded, const double* __restrict u_x, const double* __restrict u_y,
+    const double* __restrict u_z, int n, double* __restrict q, double* __restrict d_x,
+    double* __restrict d_y, double* __restrict d_z, double* __restrict d_yaw) {
+  const FootprintKernelConstants c = constants;
+  const FootprintKernelPose p = pose;
+  for (int first = 0; first < n; first += kLanes) {
+    for (int i = first; i < first + kLanes; ++i) {
+      const double x = X[i], y = Y[i], z = Z[i];
+      const Look l = look(c, x, y, z);
+      const double footprint = l.g * (l.above * l.above);
+      q[i] = unoccluded[i] * footprint;
+      // d(g above^2)/dg = above (1 + negligible / g); dg/da = g (1 - s(a)) for each sigmoid, with
+      // 1 - s(a) = e / (1 + e), and 1 / A = g B C.
+      const double w = unoccluded[i] * (l.g * (l.above * (1.0 + c.negligible * l.product)));
+      const double wA = w * (l.g * (l.B * l.C));
+      const double wB = w * (l.g * (l.A * l.C));
+      const double wC = w * (l.g * (l.A * l.B));
+      const double a0 = wA * (l.e0 * (1.0 + l.e1)), a1 = wA * (l.e1 * (1.0 + l.e0));
+      const double a2 = wB * (l.e2 * (1.0 + l.e3)), a3 = wB * (l.e3 * (1.0 + l.e2));
+      const double a4 = wC * (l.e4 * (1.0 + l.e5)), a5 = wC * (l.e5 * (1.0 + l.e4));
+      const double h = c.inverse_angle_scale * l.inverse_rho;
+      const double v = c.inverse_angle_scale * l.inverse_r;
+      // (sin_h Z -+ cos_h X) / rho
+      const double sz = c.sin_h * z, cx = c.cos_h * x;
+      const double horizontal = (a0 * (sz - cx) + a1 * (sz + cx)) * l.inverse_rho;
+      double gX = h * ((a1 - a0) * c.cos_h - horizontal * x * l.inverse_rho);
+      double gZ = h * ((a0 + a1) * c.sin_h - horizontal * z * l.inverse_rho);
+      // (sin_v rho -+ cos_v Y) / r
+      const double sr = c.sin_v * l.rho, cy = c.cos_v * y;
+      const double vertical = (a2 * (sr - cy) + a3 * (sr + cy)) * l.inverse_r;
+      double gY = v * ((a3 - a2) * c.cos_v - vertical * y * l.inverse_r);
+      const double g_rho =
+          v * ((a2 + a3) * c.sin_v - vertical * l.rho * l.inverse_r) * l.inverse_rho;
+      const double g_r = (a4 - a5) * c.inverse_range_scale * l.inverse_r;
+      gX += (g_rho + g_r) * x;
+      gZ += (g_rho + g_r) * z;
+      gY += g_r * y;
+      // Moving the camera by dc moves the point by -R_CW dc in C; turning the base turns it by
+      // -d(yaw) about W's z axis and moves the camera along z x arm.
+      const double bx = footprint * u_x[i] - (p.R[0] * gX + p.R[3] * gY + p.R[6] * gZ);
+      const double by = footprint * u_y[i] - (p.R[1] * gX + p.R[4] * gY + p.R[7] * gZ);
+      const double bz = footprint * u_z[i] - (p.R[2] * gX + p.R[5] * gY + p.R[8] * gZ);
+      const double turn =
+          p.R[2] * (y * gZ - z * gY) + p.R[5] * (z * gX - x * gZ) + p.R[8] * (x * gY - y * gX);
+      d_x[i] = bx;
+      d_y[i] = by;
+      d_z[i] = bz;
+      d_yaw[i] = by * p.arm[0] - bx * p.arm[1] - turn;
+    }
+  }
+}
+
+#define PROSPECT_FOOTPRINT_KERNEL(SUFFIX, TARGET)                                                 \
+  TARGET int select_##SUFFIX(const FootprintKernelConstants& c, const FootprintKernelPose& p,     \
+                             const double* px, const double* py, const double* pz,                \
+                             const double* unoccluded, int n, int* point, double* X, double* Y,   \
+                             double* Z) {                                                         \
+    return select_body(c, p, px, py, pz, unoccluded, n, point, X, Y, Z);                          \
+  }                                                                                               \
+  TARGET void value_##SUFFIX(const FootprintKernelConstants& c, const double* X, const double* Y, \
+                             const double* Z, const double* unoccluded, int n, double* q) {       \
+    value_body(c, X, Y, Z, unoccluded, n, q);                                                     \
+  }                                                                                               \
+  TARGET void gradient_##SUFFIX(const FootprintKernelConstants& c, const FootprintKernelPose& p,  \
+                                const double* X, const double* Y, const double* Z,                \
+                                const double* unoccluded, const double* u_x, const double* u_y,   \
+                                const double* u_z, int n, double* q, double* d_x, double* d_y,    \
+                                double* d_z, double* d_yaw) {                                     \
+    gradient_body(c, p, X, Y, Z, unoccluded, u_x, u_y, u_z, n, q, d_x, d_y, d_z, d_yaw);          \
+  }
+
+PROSPECT_FOOTPRINT_KERNEL(generic, )
+#if defined(__x86_64__)
+PROSPECT_FOOTPRINT_KERNEL(avx2, PROSPECT_TARGET_AVX2)
+PROSPECT_FOOTPRINT_KERNEL(avx512, PROSPECT_TARGET_AVX512)
+#endif
+#undef PROSPECT_FOOTPRINT_KERNEL
+
+}  // namespace
+
+FootprintKernel footprint_kernel([[maybe_unused]] InstructionSet set) {
+#if defined(__x86_64__)
+  if (set == InstructionSet::kAvx512) return {select_avx512, value_avx512, gradient_avx512};
+  if (set == InstructionSet::kAvx2) return {select_avx2, value_avx2, gradient_avx2};
+#endif
+  return {select_generic, value_generic, gradient_generic};
+}
+
+double footprint_value(const FootprintKernelConstants& constants, double X, double Y, double Z) {
+  const Look l = look(constants, X, Y, Z);
+  return l.g * (l.above * l.above);
+}
+
+}  // namespace prospect

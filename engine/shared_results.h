@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "engine/term.h"
+#include "engine/trajectory.h"
+
+namespace prospect {
+
+/// What the terms of one problem compute once per evaluation and use several times, e.g. the looks
+/// that ExplorationGain needs as a cost and as a prior. Owned by a Workspace, so that terms stay
+/// const and two workspaces know nothing of each other; reached through the batch of trajectories
+/// that a term is given. A term that shares nothing need not know of it.
+///
+///   if (SharedResults* shared = SharedResults::of(trajectories)) {
+///     auto& mine = shared->get<Mine>(this, [&] { return std::make_unique<Mine>(...); });
+///     if (mine.stamp != shared->stamp()) { ...compute...; mine.stamp = shared->stamp(); }
+///   }
+///
+/// Thread-safety: none; one thread a workspace.
+class SharedResults {
+ public:
+  SharedResults() = default;
+  SharedResults(const SharedResults&) = delete;
+  SharedResults& operator=(const SharedResults&) = delete;
+
+  /// Those of the evaluation that these very trajectories belong to; null for a copy of them (which
+  /// may have been altered) and outside of a Problem.
+  static SharedResults* of(const TrajectoryBatch& trajectories) {
+    SharedResults* shared = trajectories.shared;
+    return shared && shared->trajectories_ == &trajectories ? shared : nullptr;
+  }
+
+  /// Begins an evaluation of `trajectories`: what was computed before does not hold any more.
+  void begin(TrajectoryBatch& trajectories, bool gradient) {
+    ++stamp_;
+    gradient_ = gradient;
+    trajectories_ = &trajectories;
+    trajectories.shared = this;
+  }
+
+  /// Differs from evaluation to evaluation; never 0.
+  std::uint64_t stamp() const { return stamp_; }
+  /// Whether this evaluation asks its terms for gradients.
+  bool gradient() const { return gradient_; }
+
+  /// The results of `owner` (an address that outlives the workspace, such as the term's), made by
+  /// `make` at the first call. One owner has one type of results.
+  template <class Results, class Make>
+  Results& get(const void* owner, Make&& make) {
+    for (const auto& [key, results] : results_) {
+      if (key == owner) return static_cast<Results&>(*results);
+    }
+    results_.emplace_back(owner, std::forward<Make>(make)());
+    return static_cast<Results&>(*results_.back().second);
+  }
+
+ private:
+  std::vector<std::pair<const void*, std::unique_ptr<TermScratch>>> results_;
+  const TrajectoryBatch* trajectories_ = nullptr;
+  std::uint64_t stamp_ = 0;
+  bool gradient_ = false;
+};
+
+}  // namespace prospect
