@@ -7,7 +7,7 @@
 namespace prospect {
 
 /// Ipopt: primal-dual interior point with a filter line search and a limited-memory BFGS Hessian.
-/// Works with Ipopt 3.11 and 3.14.
+/// Written for Ipopt 3.11 and 3.14 alike; the tests have run with 3.11.9.
 ///
 /// Every registered option of the library is taken under its own name besides the common ones,
 /// except those that would print, write files or ask for a Hessian, which problems do not have.
