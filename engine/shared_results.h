@@ -13,9 +13,10 @@ namespace prospect {
 /// What the terms of one problem compute once per evaluation and use several times, e.g. the looks
 /// that ExplorationGain needs as a cost and as a prior. Owned by a Workspace, so that terms stay
 /// const and two workspaces know nothing of each other; reached through the batch of trajectories
-/// that a term is given. A term that shares nothing need not know of it.
+/// that a term is given. A term that shares nothing need not know of it. Outside of a Problem, and
+/// for a copy of the batch, there is none.
 ///
-///   if (SharedResults* shared = SharedResults::of(trajectories)) {
+///   if (SharedResults* shared = trajectories.shared.get()) {
 ///     auto& mine = shared->get<Mine>(this, [&] { return std::make_unique<Mine>(...); });
 ///     if (mine.stamp != shared->stamp()) { ...compute...; mine.stamp = shared->stamp(); }
 ///   }
@@ -27,19 +28,11 @@ class SharedResults {
   SharedResults(const SharedResults&) = delete;
   SharedResults& operator=(const SharedResults&) = delete;
 
-  /// Those of the evaluation that these very trajectories belong to; null for a copy of them (which
-  /// may have been altered) and outside of a Problem.
-  static SharedResults* of(const TrajectoryBatch& trajectories) {
-    SharedResults* shared = trajectories.shared;
-    return shared && shared->trajectories_ == &trajectories ? shared : nullptr;
-  }
-
   /// Begins an evaluation of `trajectories`: what was computed before does not hold any more.
   void begin(TrajectoryBatch& trajectories, bool gradient) {
     ++stamp_;
     gradient_ = gradient;
-    trajectories_ = &trajectories;
-    trajectories.shared = this;
+    trajectories.shared.results_ = this;
   }
 
   /// Differs from evaluation to evaluation; never 0.
@@ -60,7 +53,6 @@ class SharedResults {
 
  private:
   std::vector<std::pair<const void*, std::unique_ptr<TermScratch>>> results_;
-  const TrajectoryBatch* trajectories_ = nullptr;
   std::uint64_t stamp_ = 0;
   bool gradient_ = false;
 };

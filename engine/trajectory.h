@@ -18,6 +18,23 @@ struct Horizon {
 
 class SharedResults;
 
+/// Where the terms that are given a batch of trajectories keep what they share. A copy of the batch
+/// points to nothing: it may be altered, or outlive the results.
+class SharedResultsPointer {
+ public:
+  SharedResultsPointer() = default;
+  SharedResultsPointer(const SharedResultsPointer&) {}
+  SharedResultsPointer& operator=(const SharedResultsPointer&) {
+    results_ = nullptr;
+    return *this;
+  }
+  SharedResults* get() const { return results_; }
+
+ private:
+  friend class SharedResults;
+  SharedResults* results_ = nullptr;
+};
+
 /// B trajectories over one horizon, structure of arrays (a column is a candidate).
 ///   states: ((N+1) nx) x B, row k nx + i is x_k[i];   inputs: (N nu) x B, row k nu + j is u_k[j].
 /// u_k acts from t_k = k dt to t_{k+1}; x_0 is the present state.
@@ -27,7 +44,7 @@ struct TrajectoryBatch {
   Eigen::VectorXd u_previous;  ///< u_{-1}: the input in force now; nu
   BatchArray states;
   BatchArray inputs;
-  SharedResults* shared = nullptr;  ///< set by a Problem; see SharedResults::of
+  SharedResultsPointer shared;  ///< set by a Problem; see SharedResults
 
   int batch() const { return static_cast<int>(states.cols()); }
   double x(int k, int i, int b) const { return states(k * horizon.nx() + i, b); }

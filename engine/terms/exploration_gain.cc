@@ -121,7 +121,7 @@ std::unique_ptr<TermScratch> ExplorationGain::make_scratch(const Horizon& horizo
 ExplorationGain::Candidate ExplorationGain::look(const TrajectoryBatch& t, int b, bool gradient,
                                                  Scratch& s) const {
   const int N = t.horizon.N;
-  SharedResults* const shared = SharedResults::of(t);
+  SharedResults* const shared = t.shared.get();
   Looks* looks = nullptr;
   int place = 0;
   if (shared) {

@@ -19,7 +19,7 @@ class Destination {
     std::vector<double> sum;
   };
   const std::vector<double>& get(const TrajectoryBatch& t) const {
-    SharedResults* shared = SharedResults::of(t);
+    SharedResults* shared = t.shared.get();
     if (!shared) throw std::logic_error("not shared");
     auto& r = shared->get<Results>(this, [] { return std::make_unique<Results>(); });
     if (r.stamp != shared->stamp()) {
@@ -44,7 +44,7 @@ class DestinationCost final : public Term {
   void evaluate(const TrajectoryBatch& t, const TermRequest&, TermScratch*,
                 TermOutput& out) const override {
     const TrajectoryBatch copy = t;
-    EXPECT_EQ(SharedResults::of(copy), nullptr);
+    EXPECT_EQ(copy.shared.get(), nullptr);
     const std::vector<double>& sum = destination_->get(t);
     for (int b = 0; b < t.batch(); ++b) {
       EXPECT_EQ(sum[static_cast<std::size_t>(b)], t.px(t.horizon.N, b) + t.py(t.horizon.N, b));
@@ -75,8 +75,7 @@ TEST(SharedResults, ComputedOncePerEvaluationAndWorkspaceAndNeverStale) {
     }
   }
   const Workspace moved = std::move(one);
-  EXPECT_EQ(SharedResults::of(problem.rollout(Eigen::VectorXd::Zero(problem.num_variables()))),
-            nullptr);
+  EXPECT_EQ(problem.rollout(Eigen::VectorXd::Zero(problem.num_variables())).shared.get(), nullptr);
 }
 
 TEST(SharedResults, SharedLooksGiveTheBitsOfSeparateOnes) {
