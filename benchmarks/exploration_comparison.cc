@@ -1,0 +1,268 @@
+// Missions of several planners over maps and seeds, one process each, into a table.
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "adapters/config/configuration.h"
+#include "adapters/config/input_error.h"
+#include "adapters/run/exploration_run.h"
+#include "adapters/worlds/builtin_worlds.h"
+#include "adapters/worlds/load_world.h"
+#include "benchmarks/comparison_table.h"
+#include "benchmarks/frontier_planner.h"
+#include "solvers/registry.h"
+
+namespace prospect {
+namespace {
+
+/// Maps of the default comparison, below the data folder: those of 50 to 600 m2 reachable, of
+/// different kinds. Their resolution is that of their .yaml, else 0.05 m a pixel.
+const std::vector<std::string> kMaps = {
+    "movingai/Berlin_0_256.map",
+    "ipa_room_segmentation/freiburg_building101.png",
+    "aws_bookstore/map.yaml",
+    "stage/simple_rooms.png",
+    "aws_warehouse/map.yaml",
+    "ipa_room_segmentation/Freiburg79_scan.png",
+    "ipa_room_segmentation/lab_c_scan.png",
+    "ipa_room_segmentation/intel_map.png",
+    "nav2_depot/depot.yaml",
+    "stage/cave.png",
+    "ipa_room_segmentation/lab_d_scan_furnitures.png",
+};
+
+const std::vector<std::string> kPlanners = {"mpc", "nearest", "cost-utility", "nearest-mpc"};
+
+struct Arguments {
+  std::vector<std::string> maps;
+  std::string data = "../shared/data/maps2d";
+  int seeds = 3;
+  std::vector<std::string> planners = kPlanners;
+  int jobs = 1;
+  std::string out = "exploration_comparison.csv";
+  double time_limit = 1800.0;
+  std::string configuration;
+  std::string report;
+  std::string paths;
+  bool list = false;
+};
+
+struct Mission {
+  std::string path, map, planner;
+  std::uint64_t seed = 0;
+};
+
+std::string label(const std::string& path) {
+  const std::filesystem::path p(path);
+  const std::string stem = p.stem().string();
+  return stem == "map" && p.has_parent_path() ? p.parent_path().filename().string() : stem;
+}
+
+std::vector<std::string> maps_of(const Arguments& arguments) {
+  if (!arguments.maps.empty()) return arguments.maps;
+  std::vector<std::string> maps = builtin_world_names();
+  for (const std::string& map : kMaps) maps.push_back(arguments.data + "/" + map);
+  return maps;
+}
+
+std::function<std::unique_ptr<Replanner>(const Configuration&)> maker(const std::string& planner) {
+  if (planner == "nearest" || planner == "cost-utility") {
+    const FrontierRule rule =
+        planner == "nearest" ? FrontierRule::kNearest : FrontierRule::kCostUtility;
+    return [rule](const Configuration& c) {
+      return std::make_unique<FrontierPlanner>(rule, c.robot, c.planner);
+    };
+  }
+  if (planner == "nearest-mpc") {
+    return [](const Configuration& c) {
+      return std::make_unique<Planner>(c.robot, nearest_frontier_parameters(c.planner),
+                                       make_solver(c.solver));
+    };
+  }
+  return {};
+}
+
+ComparisonRow failed(const Mission& mission, const std::string& why) {
+  ComparisonRow row;
+  row.map = mission.map;
+  row.planner = mission.planner;
+  row.seed = mission.seed;
+  row.reason = "failed: " + why;
+  return row;
+}
+
+ComparisonRow run(const Mission& mission, const Arguments& arguments) {
+  try {
+    Configuration configuration = read_configuration(arguments.configuration);
+    configuration.mission.time_limit = arguments.time_limit;
+    const auto world =
+        std::make_shared<const World>(load_world(mission.path, world_options_for(configuration)));
+    ExplorationRunOptions options;
+    options.seed = mission.seed;
+    options.make_planner = maker(mission.planner);
+    std::FILE* path = nullptr;
+    if (!arguments.paths.empty()) {
+      const std::string name = arguments.paths + "/" + mission.map + "_" + mission.planner + "_" +
+                               std::to_string(mission.seed) + ".csv";
+      path = std::fopen(name.c_str(), "w");
+      if (path == nullptr) throw InputError(name + ": cannot be opened for writing");
+      std::fputs("time,x,y,yaw,coverage,plan\n", path);
+      options.on_step = [path](const StepRecord& s) {
+        std::fprintf(path, "%.3f,%.3f,%.3f,%.3f,%.5f,%s\n", s.time, s.true_pose.position.x(),
+                     s.true_pose.position.y(), s.true_pose.yaw, s.coverage, s.seed.c_str());
+      };
+    }
+    options.keep_steps = false;
+    const ExplorationRunResult result = run_exploration(world, configuration, options);
+    if (path != nullptr) std::fclose(path);
+    return comparison_row(mission.map, mission.planner, result.record.summary);
+  } catch (const std::exception& e) {
+    return failed(mission, e.what());
+  }
+}
+
+void list_maps(const Arguments& arguments) {
+  const Configuration configuration = read_configuration(arguments.configuration);
+  for (const std::string& path : maps_of(arguments)) {
+    try {
+      const World world = load_world(path, world_options_for(configuration));
+      std::printf("%7.1f m2  %s\n", reachable_area(world, configuration).area, path.c_str());
+    } catch (const std::exception& e) {
+      std::printf("          -  %s\n", e.what());
+    }
+    std::fflush(stdout);
+  }
+}
+
+/// Every mission in a process of its own, so that one that crashes costs only itself.
+void run_all(const std::vector<Mission>& missions, const Arguments& arguments) {
+  std::map<pid_t, Mission> running;
+  std::size_t next = 0, done = 0;
+  while (next < missions.size() || !running.empty()) {
+    while (next < missions.size() && static_cast<int>(running.size()) < arguments.jobs) {
+      const Mission& mission = missions[next++];
+      std::fflush(nullptr);
+      const pid_t child = ::fork();
+      if (child < 0) throw std::runtime_error("cannot start a process");
+      if (child == 0) {
+        try {
+          append_comparison(arguments.out, run(mission, arguments));
+          ::_exit(0);
+        } catch (const std::exception& e) {
+          std::cerr << "exploration_comparison: " << e.what() << std::endl;
+          ::_exit(3);
+        }
+      }
+      running.emplace(child, mission);
+    }
+    int status = 0;
+    const pid_t child = ::wait(&status);
+    const auto it = running.find(child);
+    if (it == running.end()) continue;
+    const Mission mission = it->second;
+    running.erase(it);
+    ++done;
+    std::printf("%zu/%zu  %s, %s, seed %llu\n", done, missions.size(), mission.map.c_str(),
+                mission.planner.c_str(), static_cast<unsigned long long>(mission.seed));
+    std::fflush(stdout);
+    if (WIFEXITED(status) && WEXITSTATUS(status) == 3) {
+      throw InputError(arguments.out + ": the row could not be written");
+    }
+    if (WIFSIGNALED(status)) {
+      append_comparison(arguments.out,
+                        failed(mission, "signal " + std::to_string(WTERMSIG(status))));
+    }
+  }
+}
+
+int main_program(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app{
+      "Exploration missions of several planners over maps and seeds, and their comparison"};
+  app.add_option("--maps", arguments.maps, "worlds, as `prospect explore` takes them");
+  app.add_option("--data", arguments.data, "folder of the default maps")->capture_default_str();
+  app.add_option("--seeds", arguments.seeds, "seeds 1 to this")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--planners", arguments.planners, "mpc, nearest, cost-utility, nearest-mpc")
+      ->delimiter(',')
+      ->check(CLI::IsMember(kPlanners));
+  app.add_option("--jobs", arguments.jobs, "missions at a time")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_option("--out", arguments.out, "table; missions it already holds are not run again")
+      ->capture_default_str();
+  app.add_option("--time-limit", arguments.time_limit, "of a mission, robot's clock [s]")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--config", arguments.configuration, "configuration file of all missions");
+  app.add_option("--paths", arguments.paths, "existing folder for the path of each mission");
+  app.add_option("--report", arguments.report, "print the Markdown tables of this table and end");
+  app.add_flag("--list", arguments.list, "print the reachable area of each map and end");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  if (!arguments.report.empty()) {
+    const std::vector<ComparisonRow> rows = read_comparison(arguments.report);
+    if (rows.empty()) throw InputError(arguments.report + ": no rows");
+    std::cout << comparison_report(rows);
+    return 0;
+  }
+  if (arguments.list) {
+    list_maps(arguments);
+    return 0;
+  }
+
+  std::map<std::string, std::string> path_of;
+  for (const std::string& path : maps_of(arguments)) {
+    const auto [it, fresh] = path_of.emplace(label(path), path);
+    if (!fresh && it->second != path) {
+      throw InputError("two maps are called " + it->first + ": " + it->second + " and " + path);
+    }
+  }
+  std::set<std::tuple<std::string, std::string, std::uint64_t>> known;
+  for (const ComparisonRow& row : read_comparison(arguments.out)) {
+    known.emplace(row.map, row.planner, row.seed);
+  }
+  // Seeds outermost: a run that is broken off has compared all maps.
+  std::vector<Mission> missions;
+  for (int seed = 1; seed <= arguments.seeds; ++seed) {
+    for (const std::string& path : maps_of(arguments)) {
+      for (const std::string& planner : arguments.planners) {
+        Mission m{path, label(path), planner, static_cast<std::uint64_t>(seed)};
+        if (known.emplace(m.map, m.planner, m.seed).second) missions.push_back(std::move(m));
+      }
+    }
+  }
+  run_all(missions, arguments);
+  return 0;
+}
+
+}  // namespace
+}  // namespace prospect
+
+int main(int argc, char** argv) {
+  try {
+    return prospect::main_program(argc, argv);
+  } catch (const prospect::InputError& e) {
+    std::cerr << "exploration_comparison: " << e.what() << '\n';
+    return 2;
+  } catch (const std::exception& e) {
+    std::cerr << "exploration_comparison: " << e.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,285 @@
+#include "benchmarks/frontier_planner.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "benchmarks/single_frontier_guide.h"
+#include "engine/body_clearance.h"
+#include "engine/certificate.h"
+#include "engine/clearance_field.h"
+#include "engine/limited_twist.h"
+
+namespace prospect {
+namespace {
+
+class Stopwatch {
+ public:
+  /// Milliseconds since the last lap.
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
+    last_ = now;
+    return ms;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// As Planner derives them: what the guide needs to know about the robot follows from the robot.
+ExplorationGuideOptions guide_options(const RobotDescription& robot, const PlannerParameters& p) {
+  if (!robot.model) throw std::invalid_argument("frontier planner: no motion model; expected one");
+  validate(robot.shape);
+  ExplorationGuideOptions options = p.guide;
+  const double radius = circumscribed_radius(robot.shape);
+  options.traversability.hard_radius = radius + p.d_safe;
+  options.traversability.comfortable_radius =
+      std::max(options.traversability.hard_radius, radius + p.d_des * 0.7);
+  options.frontiers.sensor_range = robot.depth.max_range;
+  options.memory.sensor_range = robot.depth.max_range;
+  options.memory.sensor_fov = robot.depth.horizontal_fov;
+  options.cost_to_go.v_max = robot.model->max_speed();
+  return options;
+}
+
+}  // namespace
+
+struct FrontierPlanner::Impl {
+  RobotDescription robot;
+  PlannerParameters parameters;
+  SingleFrontierGuide guide;
+  DynamicWindowOptions window;
+  std::optional<Certifier> certifier;
+  // Of half the margin, as a guard has it. A motion that starts within the whole margin is checked
+  // with the true body; the guard, whose smaller body is still free, would refuse it later.
+  std::optional<Certifier> guarded;
+  VerticalExtent slice{0.0, 0.0};
+  int committed = 1;
+
+  std::shared_ptr<const Guidance> guidance;
+  std::shared_ptr<const ClearanceField> occupied;
+  std::optional<double> escape_since;    // [s]
+  std::optional<FrontierTarget> facing;  // the robot has arrived, and looks
+  double facing_within = 0.3;            // [m] from the viewpoint
+
+  Impl(FrontierRule rule, RobotDescription r, PlannerParameters p)
+      : robot(std::move(r)),
+        parameters(std::move(p)),
+        guide(rule, guide_options(robot, parameters)) {
+    const PlannerParameters& q = parameters;
+    if (!(q.dt > 0.0) || !(q.committed >= q.dt) || !(q.committed < 60.0)) {
+      throw std::invalid_argument("frontier planner: dt = " + std::to_string(q.dt) +
+                                  ", committed = " + std::to_string(q.committed) +
+                                  "; expected 0 < dt <= committed < 60 s");
+    }
+    if (!(q.d_safe >= 0.0) || !(q.d_des > q.d_safe)) {
+      throw std::invalid_argument("frontier planner: d_safe = " + std::to_string(q.d_safe) +
+                                  ", d_des = " + std::to_string(q.d_des) +
+                                  "; expected 0 <= d_safe < d_des");
+    }
+    window.dt = q.dt;
+    window.d_safe = q.d_safe;
+    window.d_des = q.d_des;
+    committed = std::max(1, static_cast<int>(std::lround(q.committed / q.dt)));
+    window.stages = std::max(committed, static_cast<int>(std::lround(1.75 / q.dt)));
+    const VerticalExtent extent = vertical_extent(robot.shape);
+    const double z = robot.model->pose_layout().fixed_z;
+    slice = {extent.z_min + z, extent.z_max + z};
+    Certifier::Options options;
+    options.margin = q.certificate_margin;
+    options.unknown = q.unknown;
+    options.slice = slice;
+    certifier.emplace(robot.shape, options);
+    options.margin *= 0.5;
+    guarded.emplace(robot.shape, options);
+  }
+
+  // A robot that stands and would go on standing, although it has somewhere to go, looks from where
+  // it is if that is near the viewpoint. Farther off it must be so close to a corner that every
+  // motion along the path is refused (the base may be unable to reverse): it gets away first, until
+  // it has room again or for 4 s.
+  void note_impasse(const Belief& belief, const DriveTask& task, const Plan& plan) {
+    if (!task.target || task.arrived || task.escape) return;
+    if (belief.twist.linear.norm() > 0.02 || std::abs(belief.twist.yaw_rate) > 0.05) return;
+    if (plan.certified) {
+      const Pose from = robot.model->pose(plan.states.front());
+      const Pose to = robot.model->pose(plan.states.back());
+      if ((to.position - from.position).norm() > 0.02 || std::abs(to.yaw - from.yaw) > 0.05) return;
+    }
+    const double distance = (task.target->viewpoint - belief.pose.position.head<2>()).norm();
+    if (distance < 0.6 && guidance->advice != Advice::kGoAndFace) {
+      facing = task.target;
+      facing_within = distance + 0.1;
+    } else {
+      escape_since = belief.stamp;
+    }
+  }
+  bool escaping(const Pose& pose, const BodyClearance& body, double stamp) {
+    if (!escape_since) return false;
+    const bool free = body.clearance(pose) > 0.7 * std::min(parameters.d_des, body.saturation());
+    if (free || stamp - *escape_since > 4.0 || stamp < *escape_since) escape_since.reset();
+    return escape_since.has_value();
+  }
+
+  // Latched, so that the robot does not set off again for a viewpoint beside the one it stands at.
+  bool arrived(const Pose& pose) {
+    const std::optional<FrontierTarget>& target = guidance->target;
+    if (!target) {
+      facing.reset();
+      return false;
+    }
+    const double distance = (target->viewpoint - pose.position.head<2>()).norm();
+    const bool same = facing && (facing->looks_at - target->looks_at).norm() < 1.0;
+    // A robot that looks from beside the viewpoint without success must go right there.
+    const double near = guidance->advice == Advice::kGoAndFace ? 0.08 : same ? facing_within : 0.15;
+    if (distance < near) {
+      if (!same) {
+        facing = target;
+        facing_within = 0.3;
+      }
+      return true;
+    }
+    facing.reset();
+    return false;
+  }
+
+  void fill(const Eigen::VectorXd& x0, const Eigen::MatrixXd& inputs, Plan& plan) const {
+    Eigen::VectorXd x = x0, next(robot.model->nx());
+    plan.states.push_back(x);
+    for (Eigen::Index k = 0; k < inputs.cols(); ++k) {
+      robot.model->step(x, inputs.col(k), parameters.dt, next);
+      plan.commands.push_back(limited_twist(*robot.model, robot.model->twist(next, inputs.col(k))));
+      plan.inputs.emplace_back(inputs.col(k));
+      x.swap(next);
+      plan.states.push_back(x);
+    }
+  }
+
+  Plan stopping_plan(const Belief& belief, const std::string& why) const {
+    Plan plan;
+    plan.kind = PlanKind::kStoppingTail;
+    plan.stamp = belief.stamp;
+    plan.dt = parameters.dt;
+    plan.detail = why;
+    // Braking does not depend on where the robot is, so a lost pose does not keep it from braking.
+    const bool located = belief.pose.position.allFinite() && std::isfinite(belief.pose.yaw);
+    const Twist twist = limited_twist(*robot.model, belief.twist);
+    const Eigen::VectorXd x = robot.model->state(located ? belief.pose : Pose(), twist);
+    const Eigen::MatrixXd tail =
+        stopping_tail(*robot.model, x, robot.model->input(twist), parameters.dt);
+    fill(x, tail, plan);
+    plan.committed = static_cast<int>(tail.cols());
+    return plan;
+  }
+
+  Plan plan(const Belief& belief) {
+    if (!belief.voxels || !belief.ground || !belief.pose.position.allFinite() ||
+        !(belief.pose.position.cwiseAbs().maxCoeff() < 1e6) || !std::isfinite(belief.pose.yaw) ||
+        !is_finite(belief.twist) || !std::isfinite(belief.stamp)) {
+      return stopping_plan(belief, "a map is missing, or the belief is not finite");
+    }
+    Stopwatch total, watch;
+    PlanTimes times;
+    guidance = guide.update(*belief.ground, belief.pose, belief.stamp);
+    times.guide = watch.lap();
+
+    ClearanceField::Options field;
+    field.vertical = robot.model->pose_layout().pz >= 0;
+    field.slice = slice;
+    field.reach = robot.model->max_speed() * window.stages * window.dt + 1.0;
+    field.cutoff = std::max(0.8, circumscribed_radius(robot.shape) + parameters.d_des + 0.2);
+    occupied = std::make_shared<const ClearanceField>(belief.pose.position, *belief.voxels,
+                                                      *belief.ground, field, occupied.get());
+    const BodyClearance body(occupied, robot.shape);
+    times.clearance = watch.lap();
+
+    DriveTask task;
+    task.x0 = robot.model->state(belief.pose, belief.twist);
+    const InputLimits& limits = robot.model->limits();
+    task.u_previous =
+        robot.model->input(belief.twist).cwiseMax(limits.lower).cwiseMin(limits.upper);
+    task.cost_to_go = guidance->cost_to_go.get();
+    task.target = guidance->target;
+    task.arrived = arrived(belief.pose);
+    task.escape = !task.arrived && escaping(belief.pose, body, belief.stamp);
+    const std::vector<DriveCandidate> candidates = dynamic_window(*robot.model, body, task, window);
+    times.seeds = watch.lap();
+
+    constexpr int kAttempts = 40;
+    std::string refused;
+    Plan plan;
+    int attempts = 0;
+    for (const DriveCandidate& c : candidates) {
+      // "stop" is worth a try whatever its rank.
+      if (attempts >= kAttempts && c.name != "stop") continue;
+      ++attempts;
+      const Eigen::MatrixXd leading = c.inputs.leftCols(committed);
+      Certificate certificate = certifier->certify(belief, *robot.model, task.x0, task.u_previous,
+                                                   leading, parameters.dt);
+      if (certificate.ok()) {
+        certificate = guarded->certify(belief, *robot.model, task.x0, task.u_previous, leading,
+                                       parameters.dt);
+      }
+      if (!certificate.ok()) {
+        if (refused.empty()) refused = certificate.detail;
+        continue;
+      }
+      plan.kind = task.arrived ? PlanKind::kScripted : PlanKind::kSeed;
+      plan.stamp = belief.stamp;
+      plan.dt = parameters.dt;
+      fill(task.x0, c.inputs, plan);
+      plan.committed = committed;
+      plan.certified = true;
+      plan.certificate = certificate.detail;
+      plan.seed = c.name;
+      plan.quality = Quality::kFeasible;
+      break;
+    }
+    note_impasse(belief, task, plan);
+    if (!plan.certified) {
+      plan = stopping_plan(belief, "no candidate could be certified: " + refused);
+    }
+    plan.solver = "dynamic window";
+    plan.has_active_frontier = guidance->target.has_value();
+    plan.seeds_scored = static_cast<int>(candidates.size());
+    times.certify = watch.lap();
+    times.total = total.lap();
+    plan.times = times;
+    return plan;
+  }
+};
+
+FrontierPlanner::FrontierPlanner(FrontierRule rule, RobotDescription robot,
+                                 PlannerParameters parameters)
+    : impl_(std::make_unique<Impl>(rule, std::move(robot), std::move(parameters))) {}
+FrontierPlanner::~FrontierPlanner() = default;
+
+Plan FrontierPlanner::plan(const Belief& belief) {
+  try {
+    return impl_->plan(belief);
+  } catch (const std::exception& e) {
+    return impl_->stopping_plan(belief, std::string("planning failed: ") + e.what());
+  } catch (...) {
+    return impl_->stopping_plan(belief, "planning failed");
+  }
+}
+
+std::shared_ptr<const Guidance> FrontierPlanner::guidance() const { return impl_->guidance; }
+int FrontierPlanner::choices() const { return impl_->guide.choices(); }
+
+PlannerParameters nearest_frontier_parameters(PlannerParameters p) {
+  p.guide.kappa = 0.0;
+  p.guide.memory.hysteresis = 500.0;
+  p.w_l = 0.0;
+  p.w_c = 0.0;
+  p.target_frontier_only = true;
+  return p;
+}
+
+}  // namespace prospect

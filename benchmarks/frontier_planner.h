@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+
+#include "benchmarks/dynamic_window.h"
+#include "benchmarks/frontier_rule.h"
+#include "engine/planner.h"
+#include "engine/replanner.h"
+
+namespace prospect {
+
+/// A classical frontier planner to measure Planner against: choose one frontier by a rule, drive to
+/// the best viewpoint of it, turn towards it, choose the next when it is resolved.
+///
+/// Of the planner it shares everything but the objective and the optimiser: model and rate limits,
+/// frontiers, viewpoints, memory of failed looks, watchdog and cost-to-go (SingleFrontierGuide),
+/// hard and desired clearance, certificate, policy on unknown space, stopping tail. It drives by a
+/// dynamic window (dynamic_window()). It knows nothing of features, and does not turn back when
+/// localization degrades.
+///
+/// plan() never throws and always returns an executable plan, as Planner. Deterministic.
+/// Thread-safety: one thread a planner.
+class FrontierPlanner final : public Replanner {
+ public:
+  /// Of `parameters`, what is not said above has no effect. Throws std::invalid_argument naming the
+  /// parameter, its value and what was expected.
+  FrontierPlanner(FrontierRule rule, RobotDescription robot, PlannerParameters parameters);
+  ~FrontierPlanner() override;
+  FrontierPlanner(const FrontierPlanner&) = delete;
+  FrontierPlanner& operator=(const FrontierPlanner&) = delete;
+
+  Plan plan(const Belief& belief) override;
+  std::shared_ptr<const Guidance> guidance() const override;
+  /// How often a frontier has been chosen.
+  int choices() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Parameters that leave Planner only the choice of the nearest frontier: the cost-to-go has no
+/// bonus for size and a head start that no other frontier can make up, so it leads to the nearest
+/// until that is resolved; gain counts at that frontier alone; features have no weight. The rest
+/// (horizon, weights, solver, certificate, recovery) stays: what is left of the difference to
+/// FrontierPlanner with kNearest is the driver, and to Planner the objective.
+PlannerParameters nearest_frontier_parameters(PlannerParameters parameters);
+
+}  // namespace prospect

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "benchmarks/frontier_rule.h"
+#include "engine/exploration_guide.h"
+
+namespace prospect {
+
+/// Guidance to one frontier at a time: the same frontiers, viewpoints, memory of failed looks,
+/// stall watchdog, retries and cost-to-go as ExplorationGuide, but the cost-to-go leads to the
+/// viewpoints of the chosen frontier only, and a rule chooses it.
+///
+/// A choice holds as long as that frontier is active and reachable; what is within target_radius of
+/// the last target counts as the same frontier (FrontierMemory). kCostUtility also chooses anew
+/// every `reselect_after` [s]. kappa and hysteresis of the options have no effect.
+///
+/// A value. Thread-safety: none. update() never throws on a finite pose; a non-finite pose gives
+/// the last guidance again.
+class SingleFrontierGuide {
+ public:
+  /// Throws std::invalid_argument naming the option, its value and what was expected.
+  SingleFrontierGuide(FrontierRule rule, const ExplorationGuideOptions& options,
+                      double reselect_after = 3.0);
+
+  std::shared_ptr<const Guidance> update(const GroundMap& ground, const Pose& pose, double stamp);
+
+  /// What the rule was last asked.
+  const std::vector<FrontierOption>& options() const { return options_; }
+  /// How often the rule has been asked.
+  int choices() const { return choices_; }
+
+ private:
+  int choose(Cell robot, double stamp);
+  void find_options(Cell robot);
+  void flood(Cell robot);
+
+  FrontierRule rule_;
+  double reselect_after_;
+  Traversability traversability_;
+  FrontierDetector detector_;
+  FrontierMemory memory_;
+  CostToGoField field_;
+  Grid<std::uint8_t> suppressed_;
+  std::vector<FrontierOption> options_;
+  std::vector<double> distance_;  // [m of path equivalent] from the robot, by cell
+  double chosen_at_ = 0.0;        // [s]
+  int choices_ = 0;
+  std::shared_ptr<const Guidance> last_;
+};
+
+}  // namespace prospect
