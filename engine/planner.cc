@@ -139,6 +139,7 @@ struct Planner::Impl {
   PlannerParameters parameters;
   std::shared_ptr<const Solver> solver;
   std::optional<Certifier> certifier;
+  std::optional<Certifier> close_certifier;  // when nothing else is reachable
   ExplorationGuide guide;
   VerticalExtent slice{0.0, 0.0};  // of the body, in W
   double reach = 0.0;              // how far the base can get within the horizon [m]
@@ -174,6 +175,8 @@ struct Planner::Impl {
     options.unknown = parameters.unknown;
     options.slice = slice;
     certifier.emplace(robot.shape, options);
+    options.margin = 0.5 * parameters.certificate_margin;
+    close_certifier.emplace(robot.shape, options);
     reach = robot.model->max_speed() * parameters.N * parameters.dt;
   }
 
@@ -184,7 +187,8 @@ struct Planner::Impl {
     validate(robot.shape);
     ExplorationGuideOptions options = parameters.guide;
     const double radius = circumscribed_radius(robot.shape);
-    options.traversability.hard_radius = radius + parameters.d_safe;
+    options.traversability.hard_radius =
+        radius + std::max(parameters.d_safe, parameters.certificate_margin);
     options.traversability.comfortable_radius =
         std::max(options.traversability.hard_radius, radius + parameters.d_des * 0.7);
     options.frontiers.sensor_range = robot.depth.max_range;
@@ -330,8 +334,8 @@ std::shared_ptr<const Problem> Planner::Impl::make_problem(const Belief& belief)
   if (p.w_h > 0.0) d.terms.push_back({std::make_shared<HeadingAlignment>(cost_to_go), p.w_h});
 
   ClearanceConstraint::Options clearance;
-  clearance.d_safe = p.d_safe;
-  clearance.floor = std::min(clearance.floor, p.d_safe);
+  clearance.d_safe = guidance->relaxed ? 0.0 : p.d_safe;
+  clearance.floor = std::min(clearance.floor, clearance.d_safe);
   d.terms.push_back({std::make_shared<ClearanceConstraint>(body, clearance), 1.0});
   if (p.unknown != UnknownPolicy::kFree) {
     const auto known_body = std::make_shared<const BodyClearance>(known, robot.shape);
@@ -449,8 +453,9 @@ void Planner::Impl::execute_best(const Belief& belief, const std::vector<Candida
     if (attempts >= kAttempts && c.name != "stop") continue;
     ++attempts;
     const TrajectoryBatch t = problem->rollout(c.z);
-    const Certificate certificate = certifier->certify(belief, *robot.model, d.x0, d.u_previous,
-                                                       stage_inputs(t).leftCols(committed), d.dt);
+    const Certificate certificate = (guidance->relaxed ? close_certifier : certifier)
+                                        ->certify(belief, *robot.model, d.x0, d.u_previous,
+                                                  stage_inputs(t).leftCols(committed), d.dt);
     if (!certificate.ok()) {
       if (plan.certificate.empty()) plan.certificate = certificate.detail;
       continue;

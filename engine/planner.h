@@ -46,10 +46,14 @@ struct PlannerParameters {
   double w_c = 0.0;            ///< chance penalty on the number of visible features
   double desired_speed = 1.0;  ///< share of the largest speed
 
-  double d_safe = 0.04;  ///< hard clearance [m]
-  double d_des = 0.25;   ///< clearance beyond which the soft cost vanishes [m]
+  /// Hard clearance [m]. Small, because the lattice understates it by up to half a voxel in gaps,
+  /// and a constraint stricter than what the cost-to-go takes for passable leaves the robot in
+  /// places from which nothing can be reached. Comfort is d_des's part, certainty the
+  /// certificate's.
+  double d_safe = 0.01;
+  double d_des = 0.25;  ///< clearance beyond which the soft cost vanishes [m]
   UnknownPolicy unknown = UnknownPolicy::kBraking;
-  double certificate_margin = 0.01;  ///< by which the certified body is grown [m]
+  double certificate_margin = 0.02;  ///< by which the certified body is grown [m]
 
   double committed = 0.5;       ///< [s] of a plan that are certified and executed before the next
   int polished = 2;             ///< seeds handed to the solver

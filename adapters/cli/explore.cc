@@ -1,3 +1,4 @@
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <iostream>
@@ -5,6 +6,7 @@
 
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
+#include "adapters/report/progress_line.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/run/run_folder.h"
 #include "adapters/worlds/load_world.h"
@@ -75,8 +77,16 @@ int explore(const ExploreArguments& arguments) {
   RunFolder folder(out);
   std::signal(SIGINT, interrupt);
   std::signal(SIGTERM, interrupt);
-  options.on_step = [&](const StepRecord& step) { folder.add(step); };
+  ProgressLine progress = ProgressLine::on_stderr();
+  const auto start = std::chrono::steady_clock::now();
+  options.on_step = [&](const StepRecord& step) {
+    folder.add(step);
+    if (arguments.quiet) return;
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    progress.show(step, configuration.solver, elapsed.count());
+  };
   const ExplorationRunResult result = run_exploration(world, configuration, options);
+  progress.finish();
   folder.finish(result.record, result.map.get());
   if (!folder.error().empty()) std::cerr << "prospect: " << folder.error() << '\n';
 

@@ -50,6 +50,12 @@ class LandmarkBuilder {
   void update(const std::vector<FeatureObservation>& observations, const Pose& estimated_pose,
               const VoxelGrid& voxels, double surface_area);
 
+  /// The landmark of a feature, or null; valid until the next update.
+  const Landmark* find(std::uint64_t id) const {
+    const auto it = position_.find(id);
+    return it == position_.end() ? nullptr : &map_->landmarks[it->second];
+  }
+
   /// The map now. It is copied before the next update only if somebody still holds it.
   std::shared_ptr<const LandmarkMap> map() const { return map_; }
 

@@ -131,7 +131,10 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
                   : count < options_.degraded_below ? Localization::kDegraded
                                                     : Localization::kOk;
   const bool lost = localization_ == Localization::kLost;
-  if (lost && before != Localization::kLost) ++losses_;
+  if (lost && before != Localization::kLost) {
+    ++losses_;
+    covariance_at_loss_ = covariance_;
+  }
 
   const Eigen::Vector3d moved = true_pose.position - true_keyframe_.position;
   const double distance = moved.head<2>().norm();
@@ -176,6 +179,12 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
   true_keyframe_ = true_pose;
   ++keyframes_;
   return true;
+}
+
+void OdometryModel::relocalize(const Pose& true_pose, const Pose& found) {
+  true_keyframe_ = true_pose;
+  keyframe_ = found;
+  covariance_ = covariance_at_loss_;
 }
 
 Pose OdometryModel::estimate(const Pose& true_pose) const {

@@ -25,9 +25,9 @@ struct OdometryOptions {
   int degraded_below = 20;
   /// Dead reckoning while lost, one standard deviation: of the distance and of the angle turned
   /// [share], and of the heading per metre driven [rad/m].
-  double reckoning_distance = 0.03;
-  double reckoning_angle = 0.03;
-  double reckoning_heading = 0.015;
+  double reckoning_distance = 0.02;
+  double reckoning_angle = 0.01;
+  double reckoning_heading = 0.005;
 };
 
 /// Visual odometry as a model of its error: how the estimate departs from the truth, given the
@@ -60,6 +60,10 @@ class OdometryModel {
   /// Returns true if it became a keyframe.
   bool image(const Pose& true_pose, const std::vector<Eigen::Vector3d>& points_C);
 
+  /// The pose was found again in the map of landmarks: the estimate at `true_pose` becomes `found`,
+  /// and the covariance what it was when localization was lost.
+  void relocalize(const Pose& true_pose, const Pose& found);
+
   /// Estimate at a true pose reached since the last keyframe.
   Pose estimate(const Pose& true_pose) const;
   Eigen::Matrix4d covariance() const { return covariance_; }
@@ -85,6 +89,7 @@ class OdometryModel {
   Pose true_keyframe_;
   Pose keyframe_;
   Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();
+  Eigen::Matrix4d covariance_at_loss_ = Eigen::Matrix4d::Zero();
   Localization localization_ = Localization::kOk;
   int losses_ = 0;
   int keyframes_ = 0;

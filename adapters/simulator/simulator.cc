@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "adapters/simulator/relocalization.h"
+
 namespace prospect {
 namespace {
 
@@ -61,6 +63,7 @@ struct Simulator::Impl {
   Pose image_pose;  // true pose of the newest image
   std::vector<std::uint64_t> tracked;
   int visible = 0;
+  int relocalization_images_left = 0;
 
   // What has really been seen, on the true lattice.
   SliceLayers layers;
@@ -145,6 +148,22 @@ struct Simulator::Impl {
       points.push_back(o.true_point);
     }
     const bool keyframe = odometry.image(pose, points);
+    // Points seen before the loss are looked for until they are found or given up; new ones would
+    // carry the error of the loss and wait that long.
+    constexpr int kRelocalizationImages = 30;
+    if (odometry.localization() == Localization::kLost) {
+      relocalization_images_left = kRelocalizationImages;
+    } else if (relocalization_images_left > 0) {
+      --relocalization_images_left;
+      const auto find = [this](std::uint32_t feature) { return landmarks.find(feature); };
+      const auto found = relocalize(observations, find, options.features.stereo,
+                                    options.stereo_mount, odometry.estimate(pose));
+      if (found) {
+        odometry.relocalize(pose, *found);
+        relocalization_images_left = 0;
+      }
+    }
+    if (relocalization_images_left > 0) return;
     if ((keyframe || first) && odometry.localization() != Localization::kLost) {
       const double r = mapper.options().resolution;
       landmarks.update(observations, odometry.estimate(pose), *mapper.voxels(),

@@ -208,7 +208,9 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
                        ": is a directory; expected a world: .yaml, .bt, .ot, .pgm, .png, .map");
     }
     if (extension == ".bt" || extension == ".ot") {
-      world = world_from_octree(*read_octree(name_or_path), name_or_path);
+      OctreeWorldOptions octree;
+      octree.resolution = options.resolution;
+      world = world_from_octree(*read_octree(name_or_path), name_or_path, octree);
     } else if (extension == ".yaml" || extension == ".yml") {
       world = names_an_image(name_or_path) ? world_from_ros_map(name_or_path, options)
                                            : world_from_file(name_or_path, &states_start);

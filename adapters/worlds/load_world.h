@@ -13,9 +13,11 @@ struct WorldOptions {
   std::optional<Pose> start;
   /// Where the default start looks for room, and what a given start is checked against.
   BodySlice slice;
-  /// Merge voxels of a fine map to about this size [m] (a coarse voxel is occupied if any fine one
-  /// is, free if all are); 0 keeps the source's resolution. Images only: .pgm, .png, .map.
-  double image_resolution = 0.1;
+  /// Merge the voxels of a finer map to about this size [m], a whole multiple of theirs; 0 keeps
+  /// the source's resolution. A merged voxel is occupied if any fine one is; of an image it is free
+  /// if all are, of an octree (whose free space is full of unseen holes) if at least half are.
+  /// Merged, the truth has no obstacle thinner than the map that the robot builds can hold.
+  double resolution = 0.1;
   /// [m per pixel] of an image that comes without a .yaml.
   double pixel_size = 0.05;
   /// Height to which the cells of a 2-D map are extruded [m].

@@ -95,6 +95,48 @@ void fill_pockets(std::vector<CellState>& dense, const Eigen::Array3i& size, std
   }
 }
 
+int floor_divide(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+
+/// Merges voxels; the floor stays the layer just below z = 0.
+World merged(World world, double resolution) {
+  const VoxelGrid& fine = world.voxels;
+  const double r = fine.resolution();
+  const int factor = static_cast<int>(std::floor(resolution / r + 1e-6));
+  if (factor < 2) return world;
+  const GridFrame& f = fine.frame();
+  GridFrame frame{r * factor, floor_divide(f.i0, factor), floor_divide(f.j0, factor), 0, 0};
+  frame.width = floor_divide(f.i0 + f.width - 1, factor) - frame.i0 + 1;
+  frame.height = floor_divide(f.j0 + f.height - 1, factor) - frame.j0 + 1;
+  const int top = floor_divide(fine.k0() + fine.depth() - 1, factor);
+  VoxelGrid coarse(frame, -0.5 * frame.resolution, (top + 0.5) * frame.resolution);
+  for (int n = 0; n < frame.size(); ++n) {
+    const Cell c = frame.at(n);
+    bool any_free = false;
+    for (int k = 0; k <= top; ++k) {
+      int occupied = 0, free = 0, inside = 0;
+      for (int dj = 0; dj < factor; ++dj) {
+        for (int di = 0; di < factor; ++di) {
+          for (int dk = 0; dk < factor; ++dk) {
+            const int i = c.i * factor + di, j = c.j * factor + dj, l = k * factor + dk;
+            inside += fine.contains(i, j, l);
+            const CellState state = fine.state(i, j, l);
+            occupied += state == CellState::kOccupied;
+            free += state == CellState::kFree;
+          }
+        }
+      }
+      if (occupied > 0) coarse.set(c.i, c.j, k, CellState::kOccupied);
+      if (occupied == 0 && free > 0 && 2 * free >= inside) {
+        coarse.set(c.i, c.j, k, CellState::kFree);
+        any_free = any_free || k == 0;
+      }
+    }
+    if (any_free) coarse.set(c.i, c.j, -1, CellState::kOccupied);
+  }
+  world.voxels = std::move(coarse);
+  return world;
+}
+
 }  // namespace
 
 World world_from_octree(const octomap::OcTree& tree, const std::string& name,
@@ -162,7 +204,7 @@ World world_from_octree(const octomap::OcTree& tree, const std::string& name,
       }
     }
   }
-  return world;
+  return merged(std::move(world), options.resolution);
 }
 
 }  // namespace prospect

@@ -12,6 +12,9 @@ namespace prospect {
 
 struct OctreeWorldOptions {
   double height = 2.5;  ///< [m] above the floor that is kept
+  /// [m] Voxels are merged to the largest multiple of the tree's resolution up to this (0: not): a
+  /// merged voxel is occupied if any fine one is, free if at least half of them are, else unknown.
+  double resolution = 0.0;
   std::size_t max_voxels = 400'000'000;
   /// [m^3] Largest pocket that is filled with free space; 0 leaves every unknown voxel unknown.
   double max_pocket = 1.0;

@@ -286,11 +286,11 @@ Plan merge(const Plan& fine, int factor) {
 
 World extrude(const Plan& fine, double resolution, const Eigen::Vector2d& origin,
               const std::string& path, const WorldOptions& options) {
-  const bool sound = std::isfinite(options.image_resolution) && options.image_resolution >= 0.0 &&
+  const bool sound = std::isfinite(options.resolution) && options.resolution >= 0.0 &&
                      std::isfinite(options.wall_height) && options.wall_height > 0.0;
   if (!sound) fail(path, "image resolution or wall height; expected finite positive lengths");
   // Written so that a ratio of thousands cannot overflow.
-  const double ratio = std::min(options.image_resolution / resolution, 1e4);
+  const double ratio = std::min(options.resolution / resolution, 1e4);
   const int factor = std::max(1, static_cast<int>(std::lround(ratio)));
   const Plan plan = merge(fine, factor);
   const double r = resolution * factor;

@@ -15,7 +15,7 @@ namespace prospect {
 /// / 255, or v / 255 with negate. 205, map_saver's value for unknown, is unknown whatever
 /// free_thresh says if the image also has white pixels (>= 250).
 ///
-/// Fine maps are merged to about image_resolution (WorldOptions).
+/// Fine maps are merged to about resolution (WorldOptions).
 ///
 /// Occupied cells become walls of wall_height, free cells free columns over a floor, unknown cells
 /// unknown columns; wall_height is rounded up to whole voxels. The origin is moved to the nearest

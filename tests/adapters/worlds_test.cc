@@ -283,7 +283,7 @@ TEST_F(Worlds, FineMapsAreMergedConservatively) {
   EXPECT_NEAR(coarse.voxels.resolution(), 0.1, 1e-12);
   EXPECT_EQ(coarse.voxels.frame().width, 31);
   EXPECT_EQ(coarse.voxels.state(15, 12, 3), CellState::kOccupied) << "one pixel of four";
-  options.image_resolution = 0.0;
+  options.resolution = 0.0;
   const World fine = load_world(file, options);
   EXPECT_EQ(fine.voxels.frame().width, 61);
   const GridFrame& frame = coarse.voxels.frame();
