@@ -140,6 +140,7 @@ struct Planner::Impl {
   std::shared_ptr<const Solver> solver;
   std::optional<Certifier> certifier;
   std::optional<Certifier> close_certifier;  // when nothing else is reachable
+  std::optional<Certifier> guard_certifier;  // as the guard will ask
   ExplorationGuide guide;
   VerticalExtent slice{0.0, 0.0};  // of the body, in W
   double reach = 0.0;              // how far the base can get within the horizon [m]
@@ -177,6 +178,9 @@ struct Planner::Impl {
     certifier.emplace(robot.shape, options);
     options.margin = 0.5 * parameters.certificate_margin;
     close_certifier.emplace(robot.shape, options);
+    options.margin = parameters.guard_margin();
+    options.unknown = UnknownPolicy::kFree;
+    guard_certifier.emplace(robot.shape, options);
     reach = robot.model->max_speed() * parameters.N * parameters.dt;
   }
 
@@ -453,9 +457,16 @@ void Planner::Impl::execute_best(const Belief& belief, const std::vector<Candida
     if (attempts >= kAttempts && c.name != "stop") continue;
     ++attempts;
     const TrajectoryBatch t = problem->rollout(c.z);
-    const Certificate certificate = (guidance->relaxed ? close_certifier : certifier)
-                                        ->certify(belief, *robot.model, d.x0, d.u_previous,
-                                                  stage_inputs(t).leftCols(committed), d.dt);
+    const Eigen::MatrixXd inputs = stage_inputs(t).leftCols(committed);
+    Certificate certificate = (guidance->relaxed ? close_certifier : certifier)
+                                  ->certify(belief, *robot.model, d.x0, d.u_previous, inputs, d.dt);
+    // A start within the larger margin is checked with the true body, which may come closer to an
+    // obstacle than the guard allows later on: without its margin the two would disagree for ever.
+    if (certificate.ok()) {
+      const Certificate guard =
+          guard_certifier->certify(belief, *robot.model, d.x0, d.u_previous, inputs, d.dt);
+      if (!guard.ok()) certificate = guard;
+    }
     if (!certificate.ok()) {
       if (plan.certificate.empty()) plan.certificate = certificate.detail;
       continue;

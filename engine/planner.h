@@ -54,6 +54,9 @@ struct PlannerParameters {
   double d_des = 0.25;  ///< clearance beyond which the soft cost vanishes [m]
   UnknownPolicy unknown = UnknownPolicy::kBraking;
   double certificate_margin = 0.02;  ///< by which the certified body is grown [m]
+  /// Margin that a guard of these plans must use [m]: smaller, so that what was certified with the
+  /// whole margin passes from the slightly different pose at which it is executed.
+  double guard_margin() const { return 0.25 * certificate_margin; }
 
   double committed = 0.5;       ///< [s] of a plan that are certified and executed before the next
   int polished = 2;             ///< seeds handed to the solver

@@ -123,7 +123,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   SimulatedRobot robot(simulator);
 
   Certifier::Options certificate;
-  certificate.margin = 0.25 * configuration.planner.certificate_margin;
+  certificate.margin = configuration.planner.guard_margin();
   certificate.unknown = UnknownPolicy::kFree;
   const VerticalExtent extent = vertical_extent(configuration.robot.shape);
   certificate.slice = extent;
