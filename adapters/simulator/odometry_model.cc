@@ -133,7 +133,8 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
   const bool lost = localization_ == Localization::kLost;
   if (lost && before != Localization::kLost) {
     ++losses_;
-    covariance_at_loss_ = covariance_;
+    if (!adrift_) covariance_at_loss_ = covariance_;
+    adrift_ = true;
   }
 
   const Eigen::Vector3d moved = true_pose.position - true_keyframe_.position;
@@ -184,7 +185,9 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
 void OdometryModel::relocalize(const Pose& true_pose, const Pose& found) {
   true_keyframe_ = true_pose;
   keyframe_ = found;
-  covariance_ = covariance_at_loss_;
+  // Without a loss there is nothing to forget.
+  if (adrift_) covariance_ = covariance_at_loss_;
+  adrift_ = false;
 }
 
 Pose OdometryModel::estimate(const Pose& true_pose) const {

@@ -61,8 +61,12 @@ class OdometryModel {
   bool image(const Pose& true_pose, const std::vector<Eigen::Vector3d>& points_C);
 
   /// The pose was found again in the map of landmarks: the estimate at `true_pose` becomes `found`,
-  /// and the covariance what it was when localization was lost.
+  /// and the covariance what it was when localization was lost: at the first of several losses,
+  /// if the count of features wavered about the limit before the pose was found.
   void relocalize(const Pose& true_pose, const Pose& found);
+
+  /// The search was given up: what the loss added to the error stays.
+  void accept_drift() { adrift_ = false; }
 
   /// Estimate at a true pose reached since the last keyframe.
   Pose estimate(const Pose& true_pose) const;
@@ -90,6 +94,7 @@ class OdometryModel {
   Pose keyframe_;
   Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();
   Eigen::Matrix4d covariance_at_loss_ = Eigen::Matrix4d::Zero();
+  bool adrift_ = false;  // lost, and neither found again nor given up since
   Localization localization_ = Localization::kOk;
   int losses_ = 0;
   int keyframes_ = 0;

@@ -161,6 +161,8 @@ struct Simulator::Impl {
       if (found) {
         odometry.relocalize(pose, *found);
         relocalization_images_left = 0;
+      } else if (relocalization_images_left == 0) {
+        odometry.accept_drift();
       }
     }
     if (relocalization_images_left > 0) return;

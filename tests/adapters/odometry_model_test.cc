@@ -194,6 +194,45 @@ TEST(OdometryModel, LossDriftsMoreThanFewFeatures) {
   }
 }
 
+TEST(OdometryModel, FindingThePoseForgetsAllLossesSinceItWasKnown) {
+  const StereoCamera stereo;
+  for (const bool given_up : {false, true}) {
+    OdometryModel model({}, stereo, {}, {}, 3);
+    const auto many = OdometryModel::reference_points(stereo, 100);
+    const auto few = OdometryModel::reference_points(stereo, 5);
+    Pose pose;
+    const auto drive = [&](const std::vector<Eigen::Vector3d>& points, int keyframes) {
+      for (int n = 0; n < keyframes; ++n) {
+        pose.position.x() += 0.15;
+        model.image(pose, points);
+      }
+    };
+    drive(many, 10);
+    const Eigen::Matrix4d known = model.covariance();
+    drive(few, 10);
+    drive(many, 1);  // sees enough for once, but nothing it knows
+    const Eigen::Matrix4d between = model.covariance();
+    EXPECT_GT(between(0, 0), 1.5 * known(0, 0));
+    if (given_up) model.accept_drift();
+    drive(few, 10);
+    drive(many, 1);
+    EXPECT_EQ(model.losses(), 2);
+    EXPECT_GT(model.covariance()(0, 0), between(0, 0));
+    Pose found = pose;
+    found.position.y() = 0.01;
+    found.yaw = -0.02;
+    model.relocalize(pose, found);
+    EXPECT_EQ(model.covariance(), given_up ? between : known);
+    EXPECT_EQ(model.estimate(pose).position, found.position);
+    EXPECT_EQ(model.estimate(pose).yaw, found.yaw);
+    // Without a loss since, a second time changes the pose alone.
+    drive(many, 10);
+    const Eigen::Matrix4d later = model.covariance();
+    model.relocalize(pose, found);
+    EXPECT_EQ(model.covariance(), later);
+  }
+}
+
 TEST(OdometryModel, PerfectModeIsTheTruth) {
   OdometryOptions options;
   options.perfect = true;

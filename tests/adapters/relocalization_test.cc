@@ -1,0 +1,255 @@
+#include "adapters/simulator/relocalization.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <random>
+
+#include "adapters/simulator/depth_camera.h"
+
+namespace prospect {
+namespace {
+
+// What a stereo camera at a pose sees of landmarks that were created from that very pose.
+struct Scene {
+  StereoCamera stereo;
+  CameraMount mount;
+  Pose pose;
+  std::vector<FeatureObservation> observations;
+  std::map<std::uint32_t, Landmark> landmarks;
+
+  Scene(int count, const Pose& at, std::mt19937_64& random, double farthest = 5.0) : pose(at) {
+    std::uniform_real_distribution<double> u(20.0, 620.0), v(20.0, 460.0), z(1.5, farthest);
+    const Eigen::Isometry3d T_WC = camera_pose(pose, mount);
+    for (int n = 0; n < count; ++n) {
+      const double depth = z(random);
+      const double disparity = stereo.left.fx * stereo.baseline / depth;
+      FeatureObservation o;
+      o.feature = static_cast<std::uint32_t>(7 * n + 3);
+      o.u = u(random);
+      o.v = v(random);
+      o.disparity = disparity;
+      o.true_point = stereo.triangulate(o.u, o.v, o.disparity);
+      observations.push_back(o);
+      Landmark l;
+      l.id = o.feature;
+      l.position = T_WC * o.true_point;
+      const Eigen::Vector3d to_eye = T_WC.translation() - l.position;
+      l.creation_range = to_eye.norm();
+      l.creation_direction = to_eye.normalized();
+      landmarks[o.feature] = l;
+    }
+  }
+
+  std::optional<Pose> find(const Pose& guess, int least = 12) const {
+    return relocalize(
+        observations,
+        [this](std::uint32_t feature) -> const Landmark* {
+          const auto it = landmarks.find(feature);
+          return it == landmarks.end() ? nullptr : &it->second;
+        },
+        stereo, mount, guess, least);
+  }
+
+  void measure(std::mt19937_64& random) {
+    std::normal_distribution<double> normal(0.0, 1.0);
+    for (FeatureObservation& o : observations) {
+      o.u += stereo.sigma_u * normal(random);
+      o.v += stereo.sigma_v * normal(random);
+      o.disparity += stereo.sigma_d * normal(random);
+    }
+  }
+};
+
+Pose random_pose(std::mt19937_64& random, double yaw_limit = M_PI) {
+  std::uniform_real_distribution<double> xy(-30.0, 30.0), yaw(-yaw_limit, yaw_limit);
+  const double x = xy(random), y = xy(random);
+  return {{x, y, 0.0}, yaw(random)};
+}
+
+// Off by up to 0.2 m and 0.5 rad: what a robot has that was lost for some metres.
+Pose nearby(const Pose& pose, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> off(-0.14, 0.14), turn(-0.5, 0.5);
+  Pose guess = pose;
+  guess.position.x() += off(random);
+  guess.position.y() += off(random);
+  guess.yaw += turn(random);
+  return guess;
+}
+
+double distance(const Pose& a, const Pose& b) { return (a.position - b.position).head<2>().norm(); }
+
+TEST(Relocalization, ExactWithoutNoiseAndContinuousInYaw) {
+  std::mt19937_64 random(1);
+  for (int n = 0; n < 500; ++n) {
+    Pose pose = random_pose(random);
+    if (n % 4 == 0) pose.yaw = std::copysign(M_PI - 1e-3 * (n % 16), pose.yaw);
+    const Scene scene(12 + n % 60, pose, random);
+    Pose guess = nearby(pose, random);
+    // The guess may stand on the other side of pi, or have turned about itself many times.
+    const double turns = 2.0 * M_PI * (n % 7 - 3);
+    guess.yaw += turns;
+    guess.position.z() = 0.01;
+    const auto found = scene.find(guess);
+    ASSERT_TRUE(found) << n;
+    EXPECT_LT(distance(*found, pose), 1e-9) << n;
+    EXPECT_NEAR(found->yaw, pose.yaw + turns, 1e-9) << n;
+    EXPECT_EQ(found->position.z(), guess.position.z());
+    const auto again = scene.find(guess);
+    EXPECT_EQ(again->position, found->position);
+    EXPECT_EQ(again->yaw, found->yaw);
+  }
+}
+
+// Covariance of the weighted least squares estimate, the weights being those of the traces and the
+// noise being that of the pixels and of the landmarks: A^-1 B A^-1.
+Eigen::Matrix3d covariance(const Scene& scene) {
+  Eigen::Matrix3d A = Eigen::Matrix3d::Zero(), B = Eigen::Matrix3d::Zero();
+  const Eigen::Isometry3d T_WC = camera_pose(scene.pose, scene.mount);
+  for (const FeatureObservation& o : scene.observations) {
+    const Landmark& l = scene.landmarks.at(o.feature);
+    const Eigen::Matrix3d Y = scene.stereo.triangulation_covariance(o.u, o.v, o.disparity);
+    const double w = 1.0 / (Y.trace() + l.covariance.trace());
+    const Eigen::Vector3d arm = T_WC * o.true_point - scene.pose.position;
+    Eigen::Matrix<double, 2, 3> J;
+    J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+    const Eigen::Matrix3d noise = T_WC.linear() * Y * T_WC.linear().transpose() + l.covariance;
+    A += w * J.transpose() * J;
+    B += w * w * J.transpose() * noise.topLeftCorner<2, 2>() * J;
+  }
+  return A.inverse() * B * A.inverse();
+}
+
+TEST(Relocalization, ErrorsUnderNoiseHaveTheCovarianceOfTheEstimator) {
+  std::mt19937_64 random(2);
+  std::normal_distribution<double> normal(0.0, 1.0);
+  constexpr int kTrials = 600;
+  double sum = 0.0, square = 0.0;
+  for (int n = 0; n < kTrials; ++n) {
+    Scene scene(80, random_pose(random), random, 4.0);
+    for (auto& [id, l] : scene.landmarks) {
+      l.covariance = Eigen::Matrix3d::Identity() * 4e-4;
+      for (int a = 0; a < 3; ++a) l.position[a] += 0.02 * normal(random);
+    }
+    const Eigen::Matrix3d C = covariance(scene);
+    scene.measure(random);
+    const auto found = scene.find(nearby(scene.pose, random));
+    ASSERT_TRUE(found);
+    const Eigen::Vector3d e(found->position.x() - scene.pose.position.x(),
+                            found->position.y() - scene.pose.position.y(),
+                            found->yaw - scene.pose.yaw);
+    sum += e.dot(C.ldlt().solve(e));
+    square += e.head<2>().squaredNorm();
+  }
+  const double mean = sum / kTrials, rms = std::sqrt(square / kTrials);
+  RecordProperty("normalized_square", std::to_string(mean));
+  RecordProperty("rms_m", std::to_string(rms));
+  // Chi-squared with 3 degrees of freedom; its mean over the trials has a deviation of 0.1.
+  EXPECT_GT(mean, 2.6);
+  EXPECT_LT(mean, 3.5);
+  EXPECT_LT(rms, 0.03);
+}
+
+TEST(Relocalization, AThirdOfWrongMatchesDoesNotMoveIt) {
+  std::mt19937_64 random(3);
+  double square = 0.0, right_square = 0.0;
+  constexpr int kTrials = 200;
+  for (int n = 0; n < kTrials; ++n) {
+    Scene scene(100, random_pose(random), random, 4.0);
+    scene.measure(random);
+    const Pose guess = nearby(scene.pose, random);
+    const auto right = scene.find(guess);
+    ASSERT_TRUE(right);
+    right_square += std::pow(distance(*right, scene.pose), 2);
+    // The first thirty are each taken for the next one: as recognisable, but elsewhere.
+    const Landmark first = scene.landmarks[scene.observations[0].feature];
+    for (std::size_t m = 0; m < 30; ++m) {
+      scene.landmarks[scene.observations[m].feature] =
+          m + 1 < 30 ? scene.landmarks[scene.observations[m + 1].feature] : first;
+    }
+    const auto found = scene.find(guess);
+    ASSERT_TRUE(found);
+    square += std::pow(distance(*found, scene.pose), 2);
+    EXPECT_LT(distance(*found, scene.pose), 0.15);
+    EXPECT_NEAR(found->yaw, scene.pose.yaw, 0.06);
+  }
+  RecordProperty("rms_m", std::to_string(std::sqrt(square / kTrials)));
+  RecordProperty("rms_without_m", std::to_string(std::sqrt(right_square / kTrials)));
+  EXPECT_LT(std::sqrt(square / kTrials), 0.06);
+}
+
+TEST(Relocalization, NothingButWrongMatchesGiveNothing) {
+  std::mt19937_64 random(4);
+  for (int n = 0; n < 100; ++n) {
+    Scene scene(40, random_pose(random), random);
+    std::vector<Landmark> all;
+    for (const auto& [id, l] : scene.landmarks) all.push_back(l);
+    std::shuffle(all.begin(), all.end(), random);
+    std::size_t k = 0;
+    for (auto& [id, l] : scene.landmarks) l = all[k++];
+    EXPECT_FALSE(scene.find(scene.pose)) << n;
+  }
+}
+
+TEST(Relocalization, TooFewMatchesGiveNothing) {
+  std::mt19937_64 random(5);
+  const Pose pose = random_pose(random);
+  for (int count = 0; count < 30; ++count) {
+    const Scene scene(count, pose, random);
+    EXPECT_EQ(scene.find(pose).has_value(), count >= 12) << count;
+    EXPECT_EQ(scene.find(pose, 20).has_value(), count >= 20) << count;
+  }
+  // Features that the map does not know do not count.
+  Scene scene(40, pose, random);
+  while (scene.landmarks.size() > 12) scene.landmarks.erase(scene.landmarks.begin());
+  EXPECT_TRUE(scene.find(pose));
+  scene.landmarks.erase(scene.landmarks.begin());
+  EXPECT_FALSE(scene.find(pose));
+}
+
+TEST(Relocalization, ViewsTooDifferentGiveNothing) {
+  std::mt19937_64 random(6);
+  const Pose pose = random_pose(random);
+  const auto with = [&](double turn, double scale) {
+    std::mt19937_64 same(7);
+    Scene scene(40, pose, same);
+    for (auto& [id, l] : scene.landmarks) {
+      const Eigen::Vector3d axis = l.creation_direction.unitOrthogonal();
+      l.creation_direction = Eigen::AngleAxisd(turn, axis) * l.creation_direction;
+      l.creation_range *= scale;
+    }
+    return scene.find(pose).has_value();
+  };
+  for (const double turn : {0.0, 0.3, 0.49}) EXPECT_TRUE(with(turn, 1.0)) << turn;
+  for (const double turn : {0.51, 1.0, 2.0, M_PI}) EXPECT_FALSE(with(turn, 1.0)) << turn;
+  for (const double scale : {1.49, 1.0 / 1.49}) EXPECT_TRUE(with(0.0, scale)) << scale;
+  for (const double scale : {1.51, 1.0 / 1.51, 10.0}) EXPECT_FALSE(with(0.0, scale)) << scale;
+}
+
+TEST(Relocalization, NonPositiveDisparitiesAndDegenerateLandmarksDoNotCount) {
+  std::mt19937_64 random(8);
+  const Pose pose = random_pose(random);
+  Scene scene(40, pose, random);
+  const double bad[] = {0.0, -3.0, std::nan(""), -std::numeric_limits<double>::infinity()};
+  for (std::size_t n = 0; n < 24; ++n) scene.observations[n].disparity = bad[n % 4];
+  // A landmark in the very place of the camera has no direction.
+  for (std::size_t n = 24; n < 28; ++n) {
+    scene.landmarks[scene.observations[n].feature].position =
+        camera_pose(pose, scene.mount).translation();
+  }
+  const auto found = scene.find(pose);
+  ASSERT_TRUE(found) << "twelve are left";
+  EXPECT_LT(distance(*found, pose), 1e-9);
+  EXPECT_NEAR(found->yaw, pose.yaw, 1e-9);
+  scene.observations[39].disparity = 0.0;
+  EXPECT_FALSE(scene.find(pose));
+}
+
+}  // namespace
+}  // namespace prospect
