@@ -59,15 +59,15 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       !std::isfinite(stamp)) {
     return last_;
   }
-  const double explored_before = traversability_.explored_area();
-  if (relaxed_ && explored_before - relaxed_explored_ >= options_.memory.retry_area) {
+  if (relaxed_ &&
+      traversability_.explored_area() - relaxed_explored_ >= options_.memory.retry_area) {
     restart(false);
   }
   std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, features);
   if (guidance->advice == Advice::kDone && !relaxed_) {
     restart(true);
-    relaxed_explored_ = explored_before;
     guidance = step(ground, pose, stamp, features);
+    relaxed_explored_ = traversability_.explored_area();
   }
   guidance->relaxed = relaxed_;
   guidance->milliseconds =

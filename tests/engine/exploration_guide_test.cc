@@ -155,6 +155,87 @@ TEST(ExplorationGuide, FrontiersBehindAWallAreActiveButNotReachable) {
   EXPECT_EQ(g->advice, Advice::kDone);
 }
 
+// Two closed rooms, joined by a doorway of `door` cells. The far end of the second is unknown, too
+// far from the first to be seen from there.
+GroundMap two_rooms(int door) {
+  GroundMap map(GridFrame{0.1, 0, 0, 160, 64});
+  for (int j = 5; j < 50; ++j) {
+    for (int i = 5; i < 110; ++i) {
+      const bool in_door = j >= 25 && j < 25 + door;
+      const bool wall = i < 7 || j < 7 || j > 47 || (i > 38 && i < 42 && !in_door);
+      map.set({i, j}, wall ? CellState::kOccupied : CellState::kFree);
+    }
+  }
+  return map;
+}
+
+TEST(ExplorationGuide, ADoorwayTooNarrowForTheHardRadiusIsTriedBeforeDone) {
+  const Pose pose{{2.0, 2.0, 0.0}, 0.0};
+  // Cells, and the clearance in the middle: 0.05, 0.05, 0.15, 0.15, 0.25 m. It takes 0.21 m, or
+  // 0.11 m when relaxed.
+  for (int door = 1; door <= 5; ++door) {
+    SCOPED_TRACE(door);
+    const GroundMap map = two_rooms(door);
+    ExplorationGuide guide{ExplorationGuideOptions{}};
+    const auto g = guide.update(map, pose, 0.0);
+    const bool open = door >= 3;
+    EXPECT_EQ(g->advice, open ? Advice::kPlan : Advice::kDone);
+    ASSERT_EQ(g->target.has_value(), open);
+    EXPECT_EQ(g->relaxed, door < 5) << "also a gap that stays shut has been asked about twice";
+    if (open) {
+      EXPECT_GT(g->target->viewpoint.x(), 4.2) << "beyond the door";
+      EXPECT_GT(g->target->looks_at.x(), 10.5);
+      EXPECT_TRUE(std::isfinite(g->cost_to_go->value(2.0, 2.0)));
+    }
+  }
+  ExplorationGuideOptions strict;
+  strict.relaxed_slack = 0.0;
+  ExplorationGuide guide(strict);
+  EXPECT_EQ(guide.update(two_rooms(3), pose, 0.0)->advice, Advice::kDone);
+}
+
+TEST(ExplorationGuide, GoesBackToTheStrictRadiiWhenSomethingNewWasExplored) {
+  const ExplorationGuideOptions options;
+  GroundMap map = two_rooms(3);
+  ExplorationGuide guide(options);
+  Pose pose{{2.0, 2.0, 0.0}, 0.0};
+  double stamp = 0.0;
+  ASSERT_TRUE(guide.update(map, pose, stamp)->relaxed);
+  // Beyond the door the strict radii would do, but nothing was explored yet.
+  pose.position.x() = 6.0;
+  for (int n = 0; n < 3; ++n) {
+    const auto g = guide.update(map, pose, stamp += 0.5);
+    EXPECT_TRUE(g->relaxed);
+    EXPECT_TRUE(g->target.has_value());
+  }
+  // Two columns of 41 cells: 0.82 m^2 of the 1 m^2.
+  ASSERT_EQ(options.memory.retry_area, 1.0);
+  const auto explore_column = [&](int i) {
+    for (int j = 7; j < 48; ++j) map.set({i, j}, CellState::kFree);
+  };
+  explore_column(110);
+  explore_column(111);
+  for (int n = 0; n < 3; ++n) EXPECT_TRUE(guide.update(map, pose, stamp += 0.5)->relaxed);
+  explore_column(112);
+  guide.update(map, pose, stamp += 0.5);
+  const auto g = guide.update(map, pose, stamp += 0.5);
+  EXPECT_FALSE(g->relaxed);
+  ASSERT_TRUE(g->target.has_value());
+  EXPECT_EQ(g->advice, Advice::kPlan);
+  EXPECT_FALSE(guide.traversability().passable({40, 26})) << "the doorway is shut again";
+  // The result is that of a guide that has always been strict.
+  ExplorationGuide fresh(options);
+  const auto f = fresh.update(map, pose, 0.0);
+  EXPECT_FALSE(f->relaxed);
+  EXPECT_EQ(f->frontiers.size(), g->frontiers.size());
+  EXPECT_EQ(f->explored_area, g->explored_area);
+  // Back in the first room it is needed again.
+  pose.position.x() = 2.0;
+  const auto back = guide.update(map, pose, stamp += 0.5);
+  EXPECT_TRUE(back->relaxed);
+  EXPECT_TRUE(back->target.has_value());
+}
+
 TEST(ExplorationGuide, DegenerateMapsAndPoses) {
   const double nan = std::nan("");
   for (const int kind : {0, 1, 2}) {
