@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -499,6 +500,101 @@ TEST_F(Worlds, OctreeWithoutFreeSpaceOrTooLargeIsRefused) {
   put(tree, -30000, -30000, -30000, false);
   put(tree, 30000, 30000, 30000, false);
   EXPECT_THROW(world_from_octree(tree, "x"), InputError);
+}
+
+/// Random voxels above a floor, about half of them unknown in places; addresses on both sides of 0.
+octomap::OcTree mottled_octree(std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  octomap::OcTree tree(0.05);
+  for (int i = -31; i < 30; ++i) {
+    for (int j = -23; j < 28; ++j) {
+      put(tree, i, j, -6, true);
+      for (int k = -5; k < 32; ++k) {
+        const int known = i < 0 ? 50 : 95;
+        const int occupied = (i / 8 + j / 8) % 2 == 0 ? 0 : 4;
+        if (static_cast<int>(random() % 100) >= known) continue;
+        put(tree, i, j, k, static_cast<int>(random() % 100) < occupied);
+      }
+    }
+  }
+  return tree;
+}
+
+TEST_F(Worlds, FineOctreesAreMerged) {
+  struct Count {
+    int occupied = 0, free = 0, all = 0;
+  };
+  OctreeWorldOptions options;
+  options.max_pocket = 0.0;
+  for (const int factor : {2, 3, 5}) {
+    SCOPED_TRACE(factor);
+    const octomap::OcTree tree = mottled_octree(static_cast<std::uint64_t>(factor));
+    options.resolution = 0.0;
+    const World fine = world_from_octree(tree, "x", options);
+    ASSERT_NEAR(fine.voxels.resolution(), 0.05, 1e-12);
+    ASSERT_EQ(fine.voxels.state(0, 0, -1), CellState::kOccupied);
+    options.resolution = 0.05 * factor + 0.02;
+    const World coarse = world_from_octree(tree, "x", options);
+    EXPECT_NEAR(coarse.voxels.resolution(), 0.05 * factor, 1e-12);
+    EXPECT_EQ(coarse.source_floor_height, fine.source_floor_height);
+    EXPECT_EQ(coarse.voxels.k0(), -1);
+
+    // Every fine voxel above the floor belongs to the coarse one that contains its centre.
+    std::map<std::array<int, 3>, Count> counts;
+    const GridFrame f = fine.voxels.frame();
+    const auto owner = [&](int n) { return static_cast<int>(std::floor((n + 0.5) / factor)); };
+    for (int n = 0; n < f.size(); ++n) {
+      const Cell c = f.at(n);
+      for (int k = 0; k < fine.voxels.k0() + fine.voxels.depth(); ++k) {
+        Count& count = counts[{owner(c.i), owner(c.j), owner(k)}];
+        const CellState state = fine.voxels.state(c.i, c.j, k);
+        count.occupied += state == CellState::kOccupied;
+        count.free += state == CellState::kFree;
+        ++count.all;
+      }
+    }
+    const GridFrame g = coarse.voxels.frame();
+    EXPECT_EQ(counts.size(), static_cast<std::size_t>(g.size() * (coarse.voxels.depth() - 1)));
+    std::map<CellState, int> seen;
+    int halves = 0;
+    for (const auto& [at, count] : counts) {
+      const CellState expected = count.occupied > 0            ? CellState::kOccupied
+                                 : 2 * count.free >= count.all ? CellState::kFree
+                                                               : CellState::kUnknown;
+      ASSERT_EQ(coarse.voxels.state(at[0], at[1], at[2]), expected)
+          << at[0] << " " << at[1] << " " << at[2];
+      ++seen[expected];
+      halves += count.occupied == 0 && 2 * count.free == count.all;
+    }
+    EXPECT_EQ(seen.size(), 3u);
+    if (factor == 2) {
+      EXPECT_GT(halves, 100) << "exactly half free is free";
+    }
+    // The floor is the layer just below z = 0, under free space.
+    int floor = 0;
+    for (int n = 0; n < g.size(); ++n) {
+      const Cell c = g.at(n);
+      const bool free = coarse.voxels.state(c.i, c.j, 0) == CellState::kFree;
+      ASSERT_EQ(coarse.voxels.state(c.i, c.j, -1),
+                free ? CellState::kOccupied : CellState::kUnknown);
+      floor += free;
+    }
+    EXPECT_GT(floor, 20);
+  }
+}
+
+TEST_F(Worlds, OctreesThatAreCoarseEnoughStayAsTheyAre) {
+  const octomap::OcTree tree = mottled_octree(9);
+  OctreeWorldOptions options;
+  const World fine = world_from_octree(tree, "x", options);
+  for (const double resolution : {0.01, 0.05, 0.099, -1.0}) {
+    options.resolution = resolution;
+    const World world = world_from_octree(tree, "x", options);
+    EXPECT_EQ(world.voxels.resolution(), fine.voxels.resolution());
+    EXPECT_EQ(world.voxels.data(), fine.voxels.data());
+  }
+  options.resolution = 0.1;
+  EXPECT_NEAR(world_from_octree(tree, "x", options).voxels.resolution(), 0.1, 1e-12);
 }
 
 // --- texture
