@@ -30,7 +30,8 @@ int main() {
   robot.model = std::make_shared<prospect::Unicycle>();
   robot.shape = prospect::CylinderShape{.center = {0, 0, 0.3}, .radius = 0.18, .height = 0.4};
   prospect::Planner planner(robot, prospect::PlannerParameters(), prospect::make_solver("nlopt"));
-  const prospect::Guard guard(robot.model, robot.shape, {.slice = {0.1, 0.5}});
+  const prospect::Guard guard(robot.model, robot.shape,
+                              {.margin = planner.parameters().guard_margin(), .slice = {0.1, 0.5}});
 
   // What it knows: the maps that planning needs are derived from the octree, between the floor and
   // the top of the body. A robot with visual odometry also passes its landmarks.
