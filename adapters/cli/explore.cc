@@ -6,6 +6,7 @@
 
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
+#include "adapters/config/input_error.h"
 #include "adapters/report/progress_line.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/run/run_folder.h"
@@ -49,9 +50,12 @@ void print_summary(const Summary& s) {
 
 int explore(const ExploreArguments& arguments) {
   Configuration configuration = read_configuration(arguments.configuration);
-  if (!arguments.solver.empty()) configuration.solver = arguments.solver;
+  if (!arguments.solver.empty()) {
+    configuration.solver = arguments.solver;
+    const std::string wrong = solver_problem(configuration.solver);
+    if (!wrong.empty()) throw InputError("--solver: " + wrong);
+  }
   if (arguments.time_limit > 0.0) configuration.mission.time_limit = arguments.time_limit;
-  const auto solver = make_solver(configuration.solver);
   for (const SolverInfo& info : list_solvers()) {
     if (info.name == configuration.solver && !info.available) {
       std::cerr << "prospect: " << info.name << " is not built in; it needs " << info.needs << '\n';

@@ -1,9 +1,12 @@
+#include <algorithm>
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
+#include "adapters/config/input_error.h"
+#include "adapters/config/nearest_name.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "solvers/options.h"
 #include "solvers/registry.h"
@@ -35,6 +38,13 @@ constexpr TermInfo kTerms[] = {
 }  // namespace
 
 int list(const std::string& what, bool json) {
+  const std::vector<std::string> known = {"solvers", "worlds", "terms"};
+  if (what.empty())
+    throw InputError("list: nothing named; expected one of: solvers, worlds, terms");
+  if (std::find(known.begin(), known.end(), what) == known.end()) {
+    throw InputError("list: unknown '" + what + "'" + did_you_mean(what, known) +
+                     "; expected one of: solvers, worlds, terms");
+  }
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   if (what == "solvers") {
     for (const SolverInfo& s : list_solvers()) {

@@ -1,17 +1,59 @@
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <exception>
 #include <iostream>
+#include <limits>
+#include <sstream>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "adapters/cli/commands.h"
 #include "adapters/config/input_error.h"
+#include "adapters/config/nearest_name.h"
 
 namespace {
 
 /// One `prospect: ` line a problem, on stderr.
 int report(const std::vector<std::string>& lines, int code) {
-  for (const std::string& line : lines) std::cerr << "prospect: " << line << '\n';
+  for (std::string line : lines) {
+    for (char& c : line) {
+      if (c == '\n' || c == '\r') c = ' ';  // a file's name may hold one
+    }
+    std::cerr << "prospect: " << line << '\n';
+  }
   return code;
+}
+
+/// A finite number in [min, max]: CLI::Range lets nan through.
+CLI::Validator number_within(double min, double max) {
+  std::ostringstream range;
+  range << "a number from " << min << " to " << max;
+  const std::string expected = range.str();
+  return {[=](std::string& text) -> std::string {
+            double value = 0.0;
+            const char* last = text.data() + text.size();
+            const auto [end, error] = std::from_chars(text.data(), last, value);
+            const bool sound = error == std::errc() && end == last && value >= min && value <= max;
+            return sound ? "" : "is '" + text + "'; expected " + expected;
+          },
+          ""};
+}
+
+/// A whole number in [min, max]: CLI11 wraps a negative one around.
+CLI::Validator whole_number_within(std::uint64_t min, std::uint64_t max) {
+  return {[=](std::string& text) -> std::string {
+            std::uint64_t value = 0;
+            const char* last = text.data() + text.size();
+            const auto [end, error] = std::from_chars(text.data(), last, value);
+            const bool sound = error == std::errc() && end == last && value >= min && value <= max;
+            return sound ? ""
+                         : "is '" + text + "'; expected a whole number from " +
+                               std::to_string(min) + " to " + std::to_string(max);
+          },
+          ""};
 }
 
 int run(int argc, char** argv) {
@@ -32,14 +74,16 @@ int run(int argc, char** argv) {
   explore_command->add_option("--solver", explore_arguments.solver,
                               "Back end, see `prospect list solvers`");
   explore_command->add_option("--seed", explore_arguments.seed, "Seed of all noise")
+      ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
   explore_command->add_option("--out", explore_arguments.out,
                               "Run folder [runs/WORLD_SOLVER_SEED]");
   explore_command
       ->add_option("--time-limit", explore_arguments.time_limit, "Of the robot's clock [s]")
-      ->check(CLI::Range(1.0, 1e6));
+      ->check(number_within(1.0, 1e6));
   explore_command->add_option("--start", explore_arguments.start, "Start x [m] y [m] yaw [deg]")
-      ->expected(3);
+      ->expected(3)
+      ->check(number_within(-1e6, 1e6));
   explore_command->add_flag("--json", explore_arguments.json, "Print the summary as JSON");
   explore_command->add_flag("--quiet", explore_arguments.quiet, "No progress line");
 
@@ -55,20 +99,19 @@ int run(int argc, char** argv) {
       ->delimiter(',');
   solve_command
       ->add_option("--deadline", solve_arguments.deadline, "Wall-clock limit of each solve [s]")
-      ->check(CLI::Range(0.0, 3600.0));
+      ->check(number_within(0.0, 3600.0));
   solve_command->add_option("--max-evaluations", solve_arguments.max_evaluations, "Of each solve")
-      ->check(CLI::Range(1, 100000000))
+      ->check(whole_number_within(1, 100000000))
       ->capture_default_str();
   solve_command->add_option("--seed", solve_arguments.seed, "Of the mission and the solvers")
+      ->check(whole_number_within(0, std::numeric_limits<int>::max()))
       ->capture_default_str();
   solve_command->add_flag("--json", solve_arguments.json, "Print JSON");
 
   std::string what;
   bool list_json = false;
   CLI::App* list_command = app.add_subcommand("list", "What there is: solvers, worlds or terms");
-  list_command->add_option("what", what, "solvers, worlds or terms")
-      ->required()
-      ->check(CLI::IsMember({"solvers", "worlds", "terms"}));
+  list_command->add_option("what", what, "solvers, worlds or terms");
   list_command->add_flag("--json", list_json, "Print JSON");
 
   std::string configuration;
@@ -76,6 +119,18 @@ int run(int argc, char** argv) {
       app.add_subcommand("config", "The full effective configuration, with units and defaults");
   config_command->add_option("file", configuration, "Configuration file (YAML) [the defaults]");
 
+  if (argc > 1 && argv[1][0] != '-') {
+    std::vector<std::string> commands;
+    std::string list;
+    for (const CLI::App* command : app.get_subcommands({})) {
+      commands.push_back(command->get_name());
+      list += (list.empty() ? "" : ", ") + command->get_name();
+    }
+    if (std::find(commands.begin(), commands.end(), argv[1]) == commands.end()) {
+      throw InputError("unknown command '" + std::string(argv[1]) + "'" +
+                       did_you_mean(argv[1], commands) + "; expected one of: " + list);
+    }
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -122,7 +122,11 @@ int solve(const SolveArguments& arguments) {
   std::vector<std::string> names = arguments.solvers;
   if (names.empty()) names = {"ipopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "sampling"};
   std::vector<std::shared_ptr<const Solver>> solvers;
-  for (const std::string& name : names) solvers.push_back(make_solver(name));
+  for (const std::string& name : names) {
+    const std::string wrong = solver_problem(name);
+    if (!wrong.empty()) throw InputError("--solver: " + wrong);
+    solvers.push_back(make_solver(name));
+  }
 
   bool any_feasible = false, all_absent = true;
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
@@ -151,7 +155,10 @@ int solve(const SolveArguments& arguments) {
       }
     }
   }
-  if (arguments.json) std::cout << json.dump(2) << '\n';
+  if (arguments.json) {
+    // A problem may be named after a file whose name is no UTF-8.
+    std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+  }
   if (all_absent) return kNotBuiltIn;
   return any_feasible ? kDone : kFailed;
 }

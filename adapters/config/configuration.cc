@@ -2,9 +2,12 @@
 
 #include <cmath>
 #include <exception>
+#include <stdexcept>
 
 #include "adapters/config/input_error.h"
+#include "adapters/config/nearest_name.h"
 #include "models/make_model.h"
+#include "solvers/registry.h"
 
 namespace prospect {
 namespace {
@@ -37,12 +40,17 @@ RobotShape read_shape(YamlMap map) {
           {vector3(sphere.required_numbers("center", 3, -5.0, 5.0, "m", "centre")),
            sphere.required_number("radius", 0.01, 5.0, "m", "radius")});
     }
-    if (shape.spheres.empty()) map.problem("spheres", "no spheres; expected at least one");
+    if (shape.spheres.empty()) {
+      map.problem("spheres", "no spheres; expected at least one");
+      return CylinderShape{};  // sound, so that one mistake is reported once
+    }
     return shape;
   }
   ConvexShape shape;
+  const std::size_t problems = map.problem_count();
   const std::vector<double> v =
       map.required_numbers("vertices", -1, -5.0, 5.0, "m", "x, y, z of each vertex in turn");
+  if (map.problem_count() != problems) return CylinderShape{};
   if (v.size() % 3 != 0 || v.size() < 12) {
     map.problem("vertices",
                 std::to_string(v.size()) + " numbers; expected 3 a vertex, 4 vertices or more");
@@ -122,6 +130,9 @@ void read_planner(YamlMap map, Configuration& c) {
     value = static_cast<int>(map.integer(key, value, min, max, "1", what));
   };
   c.solver = map.text("solver", c.solver, "back end, see `prospect list solvers`");
+  if (const std::string wrong = solver_problem(c.solver); !wrong.empty()) {
+    map.problem("solver", wrong);
+  }
   integer("N", p.N, 1, 1000, "stages of the horizon");
   number("dt", p.dt, 0.01, 5.0, "s", "duration of a stage");
   integer("M", p.M, 1, 1000, "knots (move blocking), at most N");
@@ -245,6 +256,22 @@ Configuration read(StrictYaml yaml) {
 }
 
 }  // namespace
+
+std::string solver_problem(const std::string& name) {
+  try {
+    make_solver(name);
+    return "";
+  } catch (const std::invalid_argument&) {
+    std::vector<std::string> names;
+    std::string list;
+    for (const SolverInfo& info : list_solvers()) {
+      names.push_back(info.name);
+      list += (list.empty() ? "" : ", ") + info.name;
+    }
+    return "unknown solver '" + name + "'" + did_you_mean(name, names) +
+           "; expected one of: " + list;
+  }
+}
 
 Configuration read_configuration(const std::string& path) {
   return path.empty() ? configuration_from_text("", "defaults") : read(StrictYaml::from_file(path));

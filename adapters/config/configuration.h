@@ -25,7 +25,11 @@ struct Configuration {
 /// problem at once (file:line: what; expected what).
 Configuration read_configuration(const std::string& path);
 
-/// The same from text; `source` stands for the file's name in messages.
+/// "" if the registry knows a back end of that name (built in or not), else what is wrong with it:
+/// "unknown solver 'x' (did you mean 'y'?); expected one of: ...".
+std::string solver_problem(const std::string& name);
+
+/// The same as read_configuration() from text; `source` stands for the file's name in messages.
 Configuration configuration_from_text(const std::string& text, const std::string& source);
 
 }  // namespace prospect

@@ -1,0 +1,221 @@
+#!/usr/bin/env bash
+# What the program `prospect` promises to who types a command: exit codes, messages, files.
+#   cli_test.sh <prospect> <scratch directory>
+set -uo pipefail
+prospect="$(realpath "$1")"
+mkdir -p "$2"
+work="$(mktemp -d "$2/cli.XXXXXX")"
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+failures=0
+fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
+# run ARGUMENT...: leaves exit code, standard output and error in $code, $out, $err.
+run() {
+  code=0
+  "$prospect" "$@" >out.txt 2>err.txt </dev/null || code=$?
+  out="$(<out.txt)"
+  err="$(<err.txt)"
+}
+# succeeds WHAT ARGUMENT...
+succeeds() {
+  local what="$1"
+  shift
+  run "$@"
+  ((code == 0)) || fail "$what: exit $code, expected 0; '$err'"
+}
+# refused WHAT NAMED EXPECTED ARGUMENT...: bad input, whose message names the culprit and what was
+# expected (both as fixed text), and which leaves nothing behind.
+refused() {
+  local what="$1" named="$2" expected="$3"
+  shift 3
+  run "$@"
+  ((code == 2)) || fail "$what: exit $code, expected 2"
+  [[ ! -s out.txt ]] || fail "$what: wrote to standard output: '$out'"
+  [[ -s err.txt ]] || fail "$what: no message"
+  ! grep -qv '^prospect: ' err.txt || fail "$what: a line without 'prospect: ' in '$err'"
+  grep -F -- "$named" err.txt | grep -qF -- "$expected" ||
+    fail "$what: no line with '$named' and '$expected' in '$err'"
+  [[ ! -e run && ! -e runs ]] || fail "$what: left a run folder behind"
+  rm -rf run runs
+}
+explore=(explore --time-limit 1 --quiet --out run)
+
+# --- A short mission, twice: the same bytes, and the files that every run leaves.
+for n in first second; do
+  succeeds "$n mission" explore office --time-limit 5 --seed 3 --quiet --out "$n" --json
+done
+for file in steps.csv trajectory_estimated.tum trajectory_true.tum map.bt config.yaml; do
+  [[ -s first/$file ]] || fail "the run has no $file"
+  cmp -s "first/$file" "second/$file" || fail "$file differs between two runs with the same seed"
+done
+for file in summary.json report.html timing.csv; do
+  [[ -s first/$file ]] || fail "the run has no $file"
+done
+(($(wc -l <first/steps.csv) > 5)) || fail "steps.csv has hardly any row"
+succeeds "another seed" explore office --time-limit 5 --seed 4 --quiet --out fourth
+! cmp -s first/trajectory_true.tum fourth/trajectory_true.tum ||
+  fail "another seed gives the same trajectory"
+succeeds "explore --json" explore office --time-limit 1 --quiet --out json --json
+cp out.txt out.json
+for key in world solver seed reason coverage area_m2 collisions losses duration_s wall_s \
+  path_length_m time_to_90_s time_to_95_s time_to_99_s localization_rmse_m localization_final_m \
+  drift_percent plan_ms p50 p95 p99 max deadline_misses fallbacks; do
+  for file in out.json first/summary.json; do
+    grep -q "\"$key\": " "$file" || fail "$file has no '$key'"
+  done
+done
+cmp -s out.json json/summary.json || fail "explore --json prints other facts than summary.json"
+[[ ! -s err.txt ]] || fail "explore --quiet wrote to standard error: '$(<err.txt)'"
+# A map that was built is a world to explore; an earlier run's folder may be used again.
+succeeds "a map of an earlier run as the world" explore first/map.bt --time-limit 1 --quiet \
+  --out again
+succeeds "a run folder used again" explore office --time-limit 1 --quiet --out again
+succeeds "a start to the left of the origin" explore office --time-limit 1 --quiet --out again \
+  --start 2 1.5 -90
+
+# --- Worlds that cannot be read.
+: >empty.bt
+head -c $(($(wc -c <first/map.bt) / 2)) first/map.bt >truncated.bt
+# flip FILE OFFSET: first/map.bt with one bit of that byte flipped.
+flip() {
+  local octal
+  octal="$(od -An -to1 -j "$2" -N1 first/map.bt | tr -d ' ')"
+  cp first/map.bt "$1"
+  # shellcheck disable=SC2059
+  printf "\\$(printf %03o $((8#$octal ^ 1)))" | dd of="$1" bs=1 seek="$2" conv=notrunc status=none
+  ! cmp -s "$1" first/map.bt || fail "$1: no bit was flipped"
+}
+flip flipped_name.bt 4
+flip flipped_data.bt $(($(grep -abo '^data' first/map.bt | head -1 | cut -d: -f1) + 5))
+mkdir folder
+printf 'P5\n100 100\n255\n%s' "0123456789" >short.pgm
+printf 'image: short.pgm\nresolution: 0.05\norigin: [0, 0, 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.2\n' >short.yaml
+refused "missing world" nothing.bt "no such file; expected" "${explore[@]}" nothing.bt
+refused "missing world in a folder" no/where "no such file; expected" "${explore[@]}" no/where
+refused "directory as world" folder "is a directory; expected" "${explore[@]}" folder
+refused "empty octree" empty.bt "empty file; expected" "${explore[@]}" empty.bt
+refused "truncated octree" truncated.bt "expected enough for" "${explore[@]}" truncated.bt
+refused "bit flipped in the first line" flipped_name.bt expected "${explore[@]}" flipped_name.bt
+refused "bit flipped in the data" flipped_data.bt expected "${explore[@]}" flipped_data.bt
+refused "image of wrong size" short.pgm "10 bytes of pixels; expected 10000" \
+  "${explore[@]}" short.pgm
+refused "ROS map with such an image" short.pgm "expected 10000" "${explore[@]}" short.yaml
+refused "misspelt world" offce "did you mean 'office'?" "${explore[@]}" offce
+refused "misspelt world" offce "expected one of: office" "${explore[@]}" offce
+
+# --- Configurations.
+printf 'planner:\n  weights:\n    w_ee: 1\n' >key.yaml
+printf 'planner:\n  weights:\n    w_e: .nan\n' >nan.yaml
+printf 'planner:\n  N: 100000\n' >range.yaml
+printf '\nplanner:\n  solver: nlop\n' >solver.yaml
+printf 'planner: {N: 10, M: 11}\nmission: {time_limits: 3}\n' >two.yaml
+refused "unknown key" key.yaml:3: "(did you mean 'w_e'?); expected" \
+  "${explore[@]}" office --config key.yaml
+refused "NaN weight" nan.yaml:3: "planner.weights.w_e: is '.nan'; expected a number" \
+  "${explore[@]}" office --config nan.yaml
+refused "value out of range" range.yaml:2: "planner.N: is '100000'; expected a whole number" \
+  "${explore[@]}" office --config range.yaml
+refused "unknown solver in a file" solver.yaml:3: "unknown solver 'nlop' (did you mean 'nlopt'?)" \
+  "${explore[@]}" office --config solver.yaml
+refused "missing configuration" no.yaml "no such file; expected" \
+  "${explore[@]}" office --config no.yaml
+refused "directory as configuration" folder "is a directory; expected" config folder
+refused "two problems: the first" two.yaml:1: "expected at most N" config two.yaml
+refused "two problems: the second" two.yaml:2: "did you mean 'time_limit'?" config two.yaml
+
+# --- Arguments.
+refused "start inside a wall" "start (0, 0)" "expected at least" \
+  "${explore[@]}" office --start 0 0 0
+refused "start outside the map" "start (1000, 0)" "expected at least" \
+  "${explore[@]}" office --start 1000 0 0
+refused "start that is no number" --start: "expected a number" "${explore[@]}" office --start 1 nan 0
+refused "start with two numbers" --start: "3 required" "${explore[@]}" office --start 1 1
+refused "unknown solver" "--solver: unknown solver 'ipop'" "did you mean 'ipopt'?" \
+  "${explore[@]}" office --solver ipop
+refused "negative seed" --seed: "'-1'; expected a whole number" "${explore[@]}" office --seed -1
+refused "time limit that is no number" --time-limit: "'nan'; expected a number from 1" \
+  explore office --out run --time-limit nan
+refused "time limit out of range" --time-limit: "'0'; expected a number from 1" \
+  explore office --out run --time-limit 0
+refused "unknown option" --bogus expected "${explore[@]}" office --bogus
+refused "unknown command" "'exlore'" "did you mean 'explore'?" exlore office
+refused "no command" required "see \`prospect --help\`"
+refused "unknown list" "'solver'" "did you mean 'solvers'?); expected" list solver
+refused "list of nothing" list: "expected one of: solvers, worlds, terms" list
+refused "problem without a step" "'office'" "expected WORLD@STEP" solve office
+refused "problem with a bad step" "'office@-3'" "expected WORLD@STEP" solve office@-3
+refused "problem in an unknown world" "'offce'" "did you mean 'office'?" solve offce@3
+refused "solve with an unknown solver" "unknown solver 'bogus'" "expected one of: " \
+  solve office@3 --solver nlopt,bogus
+refused "solve without a deadline" --deadline: "'nan'; expected a number" \
+  solve office@3 --deadline nan
+
+# --- Folders of others stay as they are.
+mkdir foreign
+echo precious >foreign/notes.txt
+echo precious >file
+for target in foreign file file/below; do
+  refused "--out $target" "$target" expected explore office --time-limit 1 --quiet --out "$target"
+done
+[[ "$(ls foreign)" == notes.txt && "$(<foreign/notes.txt)" == precious && "$(<file)" == precious ]] ||
+  fail "a folder or file of others was touched"
+
+# --- The other commands.
+succeeds "config" config
+cp out.txt defaults.yaml
+succeeds "config of its own output" config defaults.yaml
+cmp -s out.txt defaults.yaml || fail "prospect config does not read back as itself"
+printf 'planner: {N: 24, weights: {w_e: 0.75}}\nrobot: {shape: {type: box}}\n' >own.yaml
+succeeds "config of a file" config own.yaml
+cp out.txt effective.yaml
+grep -q 'N: 24 ' effective.yaml || fail "config does not show what the file says"
+succeeds "config of its own output" config effective.yaml
+cmp -s out.txt effective.yaml || fail "prospect config FILE does not read back as itself"
+succeeds "a run with a configuration" explore office --time-limit 1 --quiet --out with_own \
+  --config own.yaml
+grep -q 'N: 24 ' with_own/config.yaml || fail "the run's config.yaml is not the one in effect"
+succeeds "a run with the default configuration in full" explore office --time-limit 5 --seed 3 \
+  --quiet --out full --config defaults.yaml
+cmp -s full/steps.csv first/steps.csv || fail "the defaults written out plan differently"
+
+# named WHAT NAME...: each at the start of a line of the output.
+named() {
+  local name
+  for name in "${@:2}"; do grep -q "^$name " out.txt || fail "$1: no '$name' in '$out'"; done
+}
+succeeds "list solvers" list solvers
+named "list solvers" nlopt nlopt:LD_SLSQP ipopt sampling
+succeeds "list worlds" list worlds
+named "list worlds" office corridor loop
+succeeds "list terms" list terms
+named "list terms" control_effort obstacles visible_features exploration_gain cost_to_go clearance
+for what in solvers worlds terms; do
+  succeeds "list $what --json" list "$what" --json
+  [[ "$out" == \[*\"name\":*\] ]] || fail "list $what --json: '$out'"
+done
+
+succeeds "solve" solve office@3 --solver nlopt,ipopt,sampling --json
+for key in solver cost violation terms cost_evaluations gradient_evaluations iterations wall_ms \
+  stop_reason quality detail; do
+  (($(grep -c "^    \"$key\": " out.txt) == 3)) || fail "solve: '$key' not three times"
+done
+for term in control_effort cost_to_go visible_features clearance; do
+  (($(grep -c "^      \"$term\": {" out.txt) == 3)) || fail "solve: term '$term' not three times"
+done
+[[ "$(grep '^    "solver": ' out.txt | tr -d ' ",' | tr '\n' ' ')" == \
+  "solver:nlopt solver:ipopt solver:sampling " ]] || fail "solve: not the solvers that were asked for"
+succeeds "solve as a table" solve office@3 --solver sampling
+named "solve as a table" sampling control_effort
+
+for arguments in --help "explore --help" "solve --help" "list --help" "config --help" --version; do
+  # shellcheck disable=SC2086
+  succeeds "$arguments" $arguments
+  [[ -s out.txt && ! -s err.txt ]] || fail "$arguments: expected text on standard output alone"
+done
+succeeds "--help" --help
+for command in explore solve list config; do
+  grep -q "^  $command " out.txt || fail "--help does not name '$command'"
+done
+
+((failures == 0)) || { echo "$failures failed" >&2; exit 1; }
+echo "all as promised"
