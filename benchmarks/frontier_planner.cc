@@ -38,7 +38,7 @@ ExplorationGuideOptions guide_options(const RobotDescription& robot, const Plann
   validate(robot.shape);
   ExplorationGuideOptions options = p.guide;
   const double radius = circumscribed_radius(robot.shape);
-  options.traversability.hard_radius = radius + p.d_safe;
+  options.traversability.hard_radius = radius + std::max(p.d_safe, p.certificate_margin);
   options.traversability.comfortable_radius =
       std::max(options.traversability.hard_radius, radius + p.d_des * 0.7);
   options.frontiers.sensor_range = robot.depth.max_range;
@@ -55,10 +55,8 @@ struct FrontierPlanner::Impl {
   PlannerParameters parameters;
   SingleFrontierGuide guide;
   DynamicWindowOptions window;
-  std::optional<Certifier> certifier;
-  // Of half the margin, as a guard has it. A motion that starts within the whole margin is checked
-  // with the true body; the guard, whose smaller body is still free, would refuse it later.
-  std::optional<Certifier> guarded;
+  // As Planner has them: the second when only narrow gaps are left, the last as the guard will ask.
+  std::optional<Certifier> certifier, close_certifier, guard_certifier;
   VerticalExtent slice{0.0, 0.0};
   int committed = 1;
 
@@ -96,8 +94,11 @@ struct FrontierPlanner::Impl {
     options.unknown = q.unknown;
     options.slice = slice;
     certifier.emplace(robot.shape, options);
-    options.margin *= 0.5;
-    guarded.emplace(robot.shape, options);
+    options.margin = 0.5 * q.certificate_margin;
+    close_certifier.emplace(robot.shape, options);
+    options.margin = q.guard_margin();
+    options.unknown = UnknownPolicy::kFree;
+    guard_certifier.emplace(robot.shape, options);
   }
 
   // A robot that stands and would go on standing, although it has somewhere to go, looks from where
@@ -208,6 +209,7 @@ struct FrontierPlanner::Impl {
     task.target = guidance->target;
     task.arrived = arrived(belief.pose);
     task.escape = !task.arrived && escaping(belief.pose, body, belief.stamp);
+    window.d_safe = guidance->relaxed ? 0.0 : parameters.d_safe;
     const std::vector<DriveCandidate> candidates = dynamic_window(*robot.model, body, task, window);
     times.seeds = watch.lap();
 
@@ -220,11 +222,12 @@ struct FrontierPlanner::Impl {
       if (attempts >= kAttempts && c.name != "stop") continue;
       ++attempts;
       const Eigen::MatrixXd leading = c.inputs.leftCols(committed);
-      Certificate certificate = certifier->certify(belief, *robot.model, task.x0, task.u_previous,
-                                                   leading, parameters.dt);
+      Certificate certificate =
+          (guidance->relaxed ? close_certifier : certifier)
+              ->certify(belief, *robot.model, task.x0, task.u_previous, leading, parameters.dt);
       if (certificate.ok()) {
-        certificate = guarded->certify(belief, *robot.model, task.x0, task.u_previous, leading,
-                                       parameters.dt);
+        certificate = guard_certifier->certify(belief, *robot.model, task.x0, task.u_previous,
+                                               leading, parameters.dt);
       }
       if (!certificate.ok()) {
         if (refused.empty()) refused = certificate.detail;

@@ -8,9 +8,10 @@
 
 namespace prospect {
 
-/// Guidance to one frontier at a time: the same frontiers, viewpoints, memory of failed looks,
-/// stall watchdog, retries and cost-to-go as ExplorationGuide, but the cost-to-go leads to the
-/// viewpoints of the chosen frontier only, and a rule chooses it.
+/// Guidance to one frontier at a time: ExplorationGuide with a bonus rule that admits the chosen
+/// frontier alone, so that the cost-to-go leads to its viewpoints only. All else (frontiers,
+/// viewpoints, memory of failed looks, stall watchdog, retries, narrow gaps before "done") is the
+/// guide's.
 ///
 /// A choice holds as long as that frontier is active and reachable; what is within target_radius of
 /// the last target counts as the same frontier (FrontierMemory). kCostUtility also chooses anew
@@ -32,22 +33,19 @@ class SingleFrontierGuide {
   int choices() const { return choices_; }
 
  private:
-  int choose(Cell robot, double stamp);
-  void find_options(Cell robot);
-  void flood(Cell robot);
+  std::vector<double> bonuses(const BonusQuestion& question, double stamp);
+  void find_options(const BonusQuestion& question);
+  void flood(const Traversability& traversability, Cell robot);
 
   FrontierRule rule_;
   double reselect_after_;
-  Traversability traversability_;
-  FrontierDetector detector_;
-  FrontierMemory memory_;
-  CostToGoField field_;
-  Grid<std::uint8_t> suppressed_;
+  ExplorationGuide guide_;
   std::vector<FrontierOption> options_;
   std::vector<double> distance_;  // [m of path equivalent] from the robot, by cell
+  int chosen_ = -1;               // index of the frontier led to
+  bool held_ = false;             // it was chosen in an earlier step
   double chosen_at_ = 0.0;        // [s]
   int choices_ = 0;
-  std::shared_ptr<const Guidance> last_;
 };
 
 }  // namespace prospect

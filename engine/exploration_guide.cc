@@ -49,8 +49,8 @@ void ExplorationGuide::mark_reachable(std::vector<Frontier>& frontiers) {
 }
 
 std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground, const Pose& pose,
-                                                         double stamp,
-                                                         const Grid<float>* features) {
+                                                         double stamp, const Grid<float>* features,
+                                                         const BonusRule& rule) {
   const auto begin = std::chrono::steady_clock::now();
   // Beyond this the cell address would not fit an int.
   constexpr double kFarthest = 1e6;
@@ -63,10 +63,10 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       traversability_.explored_area() - relaxed_explored_ >= options_.memory.retry_area) {
     restart(false);
   }
-  std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, features);
+  std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, features, rule);
   if (guidance->advice == Advice::kDone && !relaxed_) {
     restart(true);
-    guidance = step(ground, pose, stamp, features);
+    guidance = step(ground, pose, stamp, features, rule);
     relaxed_explored_ = traversability_.explored_area();
   }
   guidance->relaxed = relaxed_;
@@ -85,8 +85,30 @@ void ExplorationGuide::restart(bool relaxed) {
   field_ = CostToGoField(options_.cost_to_go);
 }
 
+std::vector<double> ExplorationGuide::bonuses(const BonusQuestion& question,
+                                              const BonusRule& rule) const {
+  const std::vector<Frontier>& frontiers = question.detector.frontiers();
+  std::vector<double> bonus(frontiers.size(), 0.0);
+  if (rule) {
+    bonus = rule(question);
+    bonus.resize(frontiers.size(), 0.0);
+  } else {
+    const double resolution = question.detector.frame().resolution;
+    for (std::size_t k = 0; k < frontiers.size(); ++k) {
+      const auto counted =
+          static_cast<double>(frontiers[k].cells.size()) - frontiers[k].suppressed_cells;
+      bonus[k] = options_.kappa * std::log1p(counted * resolution);
+    }
+  }
+  if (question.current >= 0) {
+    bonus[static_cast<std::size_t>(question.current)] += options_.memory.hysteresis;
+  }
+  return bonus;
+}
+
 std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const Pose& pose,
-                                                 double stamp, const Grid<float>* features) {
+                                                 double stamp, const Grid<float>* features,
+                                                 const BonusRule& rule) {
   const Eigen::Vector2d p = pose.position.head<2>();
   traversability_.update(ground);
   detector_.update(traversability_);
@@ -96,7 +118,6 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
   const GridFrame& frame = traversability_.frame();
   const Cell robot = frame.cell(p.x(), p.y());
   auto guidance = std::make_shared<Guidance>();
-  std::vector<double> bonus;
   // Suppressing or reactivating changes the sources, so the cost-to-go is repaired and the question
   // put again; the memory does so at most once a retry and once for a stall.
   for (bool again = true; again;) {
@@ -104,15 +125,18 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
     detector_.find_viewpoints(traversability_, suppressed_);
     const std::vector<Frontier>& frontiers = detector_.frontiers();
     const int current = memory_.current_target(frontiers, frame);
-    bonus.assign(frontiers.size(), 0.0);
-    for (std::size_t k = 0; k < frontiers.size(); ++k) {
-      const auto counted =
-          static_cast<double>(frontiers[k].cells.size()) - frontiers[k].suppressed_cells;
-      bonus[k] = options_.kappa * std::log1p(counted * frame.resolution);
-      if (static_cast<int>(k) == current) bonus[k] += options_.memory.hysteresis;
-    }
+    BonusQuestion question{traversability_, detector_, current, robot};
+    const std::vector<double> bonus = bonuses(question, rule);
     detector_.set_bonuses(bonus);
     field_.update(traversability_, detector_, robot, features);
+    if (rule && !field_.anchor_reached()) {
+      question.unreached = true;
+      const std::vector<double> second = bonuses(question, rule);
+      if (second != bonus) {
+        detector_.set_bonuses(second);
+        field_.update(traversability_, detector_, robot, features);
+      }
+    }
 
     guidance->target.reset();
     std::optional<std::pair<int, Cell>> target;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -35,6 +36,19 @@ struct FrontierTarget {
   double yaw = 0.0;             ///< heading there that faces it [rad]
 };
 
+/// What a BonusRule is asked. The references hold during the call.
+struct BonusQuestion {
+  const Traversability& traversability;
+  const FrontierDetector& detector;  ///< viewpoints are found
+  int current = -1;                  ///< index of the current target, -1 for none
+  Cell robot;
+  bool unreached = false;  ///< asked a second time: the first answer leads the robot nowhere
+};
+
+/// The bonus of each of detector.frontiers() [m], -infinity for one that must not be led to; the
+/// head start of the current target comes on top. A second answer that differs replaces the first.
+using BonusRule = std::function<std::vector<double>(const BonusQuestion&)>;
+
 /// What one planning step needs to know about the frontiers; immutable.
 struct Guidance {
   std::uint64_t map_revision = 0;
@@ -59,7 +73,7 @@ struct Guidance {
 ///
 /// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the length of the frontier in
 /// metres (the prototype's kappa of 0.5 is "per log-metre"; the formulation calls m_c an area),
-/// with the current target's head start.
+/// with the current target's head start. Another rule for the bonus may be given.
 ///
 /// Before it says done, the guide asks once more with gaps counted as passable that are up to twice
 /// relaxed_slack narrower than the hard constraint asks for: walls drawn twice by a drifting
@@ -75,9 +89,11 @@ class ExplorationGuide {
   explicit ExplorationGuide(const ExplorationGuideOptions& options);
 
   /// ground: successive states of one map. stamp [s], non-decreasing. features: expected count of
-  /// visible features by cell in the direction of travel, null: no localization weighting.
+  /// visible features by cell in the direction of travel, null: no localization weighting. rule:
+  /// null: kappa log(1 + m_c), as above.
   std::shared_ptr<const Guidance> update(const GroundMap& ground, const Pose& pose, double stamp,
-                                         const Grid<float>* features = nullptr);
+                                         const Grid<float>* features = nullptr,
+                                         const BonusRule& rule = nullptr);
 
   const Traversability& traversability() const { return traversability_; }
   const FrontierDetector& detector() const { return detector_; }
@@ -86,7 +102,8 @@ class ExplorationGuide {
 
  private:
   std::shared_ptr<Guidance> step(const GroundMap& ground, const Pose& pose, double stamp,
-                                 const Grid<float>* features);
+                                 const Grid<float>* features, const BonusRule& rule);
+  std::vector<double> bonuses(const BonusQuestion& question, const BonusRule& rule) const;
   void restart(bool relaxed);
   void mark_reachable(std::vector<Frontier>& frontiers);
 
