@@ -8,25 +8,12 @@
 #include <string>
 
 #include "engine/admissible_inputs.h"
-#include "engine/body_clearance.h"
 #include "engine/certificate.h"
-#include "engine/clearance_field.h"
 #include "engine/exploration_targets.h"
 #include "engine/landmark_selection.h"
 #include "engine/limited_twist.h"
-#include "engine/occlusion_table.h"
 #include "engine/retreat.h"
 #include "engine/seeds.h"
-#include "engine/terms/braking_constraint.h"
-#include "engine/terms/clearance_constraint.h"
-#include "engine/terms/control_effort.h"
-#include "engine/terms/cost_to_go_term.h"
-#include "engine/terms/exploration_gain.h"
-#include "engine/terms/heading_alignment.h"
-#include "engine/terms/input_rate.h"
-#include "engine/terms/obstacle_cost.h"
-#include "engine/terms/rate_limit.h"
-#include "engine/terms/speed_limit.h"
 
 namespace prospect {
 namespace {
@@ -147,14 +134,12 @@ struct Planner::Impl {
 
   // From one step to the next.
   std::shared_ptr<const Guidance> guidance;
-  std::shared_ptr<const ClearanceField> occupied, known;
-  std::shared_ptr<const OcclusionTable> landmark_table, target_table;
-  std::shared_ptr<const VisibilityPrediction> prediction;
-  std::shared_ptr<const VisibleFeatures> visible_features;
+  ProblemParts parts;
+  std::shared_ptr<const ProblemRecipe> recipe;
   std::shared_ptr<const Problem> problem;
+  std::vector<Seed> seeds;  // of the problem, best first
   std::vector<Landmark> landmarks;
   Eigen::VectorXd visibility;
-  Eigen::VectorXd best_seed;
   Eigen::MatrixXd last_inputs;  // nu x N of the last plan
   double last_stamp = 0.0;
   RetreatTrail trail;
@@ -205,17 +190,13 @@ struct Planner::Impl {
 
   Plan plan(const Belief& belief, const StopCondition& stop);
   void update_recovery(const Belief& belief);
-  void update_clearance(const Belief& belief);
-  void update_views(const Belief& belief);
-  std::shared_ptr<const Problem> make_problem(const Belief& belief);
+  std::shared_ptr<const ProblemRecipe> make_recipe(const Belief& belief);
   std::vector<Candidate> score(std::vector<Candidate> candidates) const;
   void polish(std::vector<Candidate>& candidates, const StopCondition& stop, Plan& plan) const;
   void execute_best(const Belief& belief, const std::vector<Candidate>& candidates,
                     Plan& plan) const;
   void fill(const TrajectoryBatch& t, int committed, Plan& plan) const;
   Plan stopping_plan(const Belief& belief, const std::string& why) const;
-
-  std::shared_ptr<const ExplorationGain> gain;
 };
 
 void Planner::Impl::update_recovery(const Belief& belief) {
@@ -234,124 +215,82 @@ void Planner::Impl::update_recovery(const Belief& belief) {
   }
 }
 
-void Planner::Impl::update_clearance(const Belief& belief) {
-  ClearanceField::Options options;
-  options.vertical = robot.model->pose_layout().pz >= 0;
-  options.slice = slice;
-  options.reach = reach + 1.0;
-  options.cutoff = std::max(0.8, circumscribed_radius(robot.shape) + parameters.d_des + 0.2);
-  occupied = std::make_shared<const ClearanceField>(belief.pose.position, *belief.voxels,
-                                                    *belief.ground, options, occupied.get());
-  if (parameters.unknown == UnknownPolicy::kFree) return;
-  options.obstacles = ClearanceField::Obstacles::kOccupiedAndUnknown;
-  known = std::make_shared<const ClearanceField>(belief.pose.position, *belief.voxels,
-                                                 *belief.ground, options, known.get());
-}
+std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& belief) {
+  const PlannerParameters& p = parameters;
+  const MotionModel& model = *robot.model;
+  const InputLimits& limits = model.limits();
+  auto r = std::make_shared<ProblemRecipe>();
+  r->robot = robot;
+  r->x0 = model.state(belief.pose, belief.twist);
+  r->u_previous = model.input(belief.twist).cwiseMax(limits.lower).cwiseMin(limits.upper);
+  r->N = p.N;
+  r->dt = p.dt;
+  r->M = p.M;
+  Twist desired;
+  desired.linear.x() = p.desired_speed * model.max_speed();
+  r->desired_input = model.input(desired);
+  r->voxels = belief.voxels;
+  r->ground = belief.ground;
 
-void Planner::Impl::update_views(const Belief& belief) {
-  const bool vertical = robot.model->pose_layout().pz >= 0;
+  const bool vertical = model.pose_layout().pz >= 0;
+  r->clearance_center = belief.pose.position;
+  r->clearance_field.vertical = vertical;
+  r->clearance_field.slice = slice;
+  r->clearance_field.reach = reach + 1.0;
+  r->clearance_field.cutoff = std::max(0.8, circumscribed_radius(robot.shape) + p.d_des + 0.2);
+  r->d_safe = p.d_safe;
+  r->d_des = p.d_des;
+  r->clearance.d_safe = guidance->relaxed ? 0.0 : p.d_safe;
+  r->clearance.floor = std::min(r->clearance.floor, r->clearance.d_safe);
+  r->unknown = p.unknown;
+  r->unknown_d_safe = p.d_safe;
+
   const Eigen::Isometry3d T_WB =
       Eigen::Translation3d(belief.pose.position) *
       Eigen::Isometry3d(Eigen::AngleAxisd(belief.pose.yaw, Eigen::Vector3d::UnitZ()));
-
   const double stereo_offset = robot.stereo_mount.T_BC.translation().head<2>().norm();
-  landmarks = select_landmarks(*belief.landmarks, belief.pose, reach + stereo_offset,
-                               parameters.max_landmarks, parameters.visibility);
-  std::vector<Eigen::Vector3d> points;
-  points.reserve(landmarks.size());
-  for (const Landmark& l : landmarks) points.push_back(l.position);
-  OcclusionTable::Options table;
-  table.attenuation = parameters.unknown_attenuation;
-  table.trim = 1.5 * belief.voxels->resolution();
-  table.max_range = parameters.visibility.r_max + 1.0;
-  landmark_table = std::make_shared<const OcclusionTable>(
+  r->landmarks = select_landmarks(*belief.landmarks, belief.pose, reach + stereo_offset,
+                                  p.max_landmarks, p.visibility);
+  r->landmark_lattice =
       SensorLattice::around(T_WB * robot.stereo_mount.T_BC.translation(), reach + stereo_offset,
-                            parameters.visibility_lattice, vertical),
-      std::move(points), belief.voxels, table, landmark_table.get());
-  prediction = std::make_shared<const VisibilityPrediction>(
-      landmarks, robot.stereo, robot.stereo_mount, landmark_table, parameters.visibility);
-  visibility = prediction->probabilities(belief.pose);
+                            p.visibility_lattice, vertical);
+  r->landmark_occlusion.attenuation = p.unknown_attenuation;
+  r->landmark_occlusion.trim = 1.5 * belief.voxels->resolution();
+  r->landmark_occlusion.max_range = p.visibility.r_max + 1.0;
+  r->visibility = p.visibility;
 
   std::vector<Cell> frontier_cells;
   for (std::size_t i = 0; i < guidance->frontiers.size(); ++i) {
     const Frontier& f = guidance->frontiers[i];
     const bool chosen = guidance->target && guidance->target->frontier == static_cast<int>(i);
-    if (f.active && (chosen || !parameters.target_frontier_only)) {
+    if (f.active && (chosen || !p.target_frontier_only)) {
       frontier_cells.insert(frontier_cells.end(), f.cells.begin(), f.cells.end());
     }
   }
   ExplorationTargetOptions target_options;
-  target_options.max_targets = parameters.max_targets;
-  const ExplorationTargets targets =
+  target_options.max_targets = p.max_targets;
+  r->targets =
       exploration_targets(belief, frontier_cells, robot.depth, robot.depth_mount, target_options);
   const double depth_offset = robot.depth_mount.T_BC.translation().head<2>().norm();
-  table.max_range = robot.depth.max_range + 1.0;
-  target_table = std::make_shared<const OcclusionTable>(
-      SensorLattice::around(T_WB * robot.depth_mount.T_BC.translation(), reach + depth_offset,
-                            parameters.visibility_lattice, vertical),
-      targets.positions(), belief.voxels, table, target_table.get());
-  gain = std::make_shared<const ExplorationGain>(targets, robot.depth, robot.depth_mount,
-                                                 target_table);
-}
+  r->target_lattice = SensorLattice::around(T_WB * robot.depth_mount.T_BC.translation(),
+                                            reach + depth_offset, p.visibility_lattice, vertical);
+  r->target_occlusion = r->landmark_occlusion;
+  r->target_occlusion.max_range = robot.depth.max_range + 1.0;
 
-std::shared_ptr<const Problem> Planner::Impl::make_problem(const Belief& belief) {
-  const PlannerParameters& p = parameters;
-  ProblemDefinition d;
-  d.model = robot.model;
-  d.x0 = robot.model->state(belief.pose, belief.twist);
-  const InputLimits& limits = robot.model->limits();
-  d.u_previous = robot.model->input(belief.twist).cwiseMax(limits.lower).cwiseMin(limits.upper);
-  d.N = p.N;
-  d.dt = p.dt;
-  d.M = p.M;
-
-  std::shared_ptr<const CostToGo> cost_to_go = guidance->cost_to_go;
+  r->cost_to_go = guidance->cost_to_go;
   double w_e = p.w_e, w_l = p.w_l;
   if (recovering) {
     w_e = 0.0;
     w_l *= 2.0;
-    const auto retreat = trail.cost_to_go(guide.traversability(), belief.pose.position.head<2>(),
-                                          robot.model->max_speed());
-    if (retreat) cost_to_go = retreat;
+    const auto retreat =
+        trail.cost_to_go(guide.traversability(), belief.pose.position.head<2>(), model.max_speed());
+    if (retreat) r->cost_to_go = retreat;
   }
-
-  Twist desired;
-  desired.linear.x() = p.desired_speed * robot.model->max_speed();
-  d.terms.push_back({std::make_shared<ControlEffort>(robot.model->input(desired), limits), p.w_u});
-  d.terms.push_back({std::make_shared<InputRate>(limits), p.w_du});
-  const auto body = std::make_shared<const BodyClearance>(occupied, robot.shape);
-  d.terms.push_back({std::make_shared<ObstacleCost>(body, p.d_safe, p.d_des), p.w_o});
-
-  VisibleFeaturesParameters features = p.features;
-  std::shared_ptr<const NewSurface> new_surface;
-  if (p.feature_prior) {
-    features.rho = belief.landmarks->feature_density;
-    new_surface = gain;
-  } else {
-    features.rho = 0.0;
-  }
-  features.chance_weight = w_l > 0.0 ? p.w_c / w_l : 0.0;
-  visible_features = std::make_shared<const VisibleFeatures>(prediction, features, new_surface);
-  d.terms.push_back({visible_features, w_l});
-  d.terms.push_back({gain, -w_e});
-  d.terms.push_back({std::make_shared<CostToGoTerm>(cost_to_go), p.w_T});
-  if (p.w_h > 0.0) d.terms.push_back({std::make_shared<HeadingAlignment>(cost_to_go), p.w_h});
-
-  ClearanceConstraint::Options clearance;
-  clearance.d_safe = guidance->relaxed ? 0.0 : p.d_safe;
-  clearance.floor = std::min(clearance.floor, clearance.d_safe);
-  d.terms.push_back({std::make_shared<ClearanceConstraint>(body, clearance), 1.0});
-  if (p.unknown != UnknownPolicy::kFree) {
-    const auto known_body = std::make_shared<const BodyClearance>(known, robot.shape);
-    d.terms.push_back({unknown_space_constraint(p.unknown, known_body, p.d_safe), 1.0});
-  }
-  if (limits.rate.array().isFinite().any()) {
-    d.terms.push_back({std::make_shared<RateLimit>(limits, p.M), 1.0});
-  }
-  if (robot.model->num_state_constraints() > 0) {
-    d.terms.push_back({std::make_shared<SpeedLimit>(*robot.model), 1.0});
-  }
-  return std::make_shared<const Problem>(std::move(d));
+  r->features = p.features;
+  r->features.rho = p.feature_prior ? belief.landmarks->feature_density : 0.0;
+  r->features.chance_weight = w_l > 0.0 ? p.w_c / w_l : 0.0;
+  r->weights = {p.w_u, p.w_du, p.w_o, w_l, w_e, p.w_T, p.w_h};
+  return r;
 }
 
 std::vector<Candidate> Planner::Impl::score(std::vector<Candidate> candidates) const {
@@ -480,7 +419,7 @@ void Planner::Impl::execute_best(const Belief& belief, const std::vector<Candida
                        ? c.result->quality
                        : (c.violation <= kFeasible ? Quality::kFeasible : Quality::kInfeasible);
     plan.explanation = problem->explain(c.z);
-    plan.visible = visible_features->visible(t, 0);
+    plan.visible = parts.visible_features->visible(t, 0);
     return;
   }
   const std::string why = "no candidate could be certified: " + plan.certificate;
@@ -527,6 +466,9 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
       parameters.deadline > 0.0 ? (deadline(parameters.deadline) || outer) : outer;
   Plan plan;
   plan.stamp = belief.stamp;
+  problem = nullptr;
+  recipe = nullptr;
+  seeds.clear();
   if (const std::string why = unusable(belief); !why.empty()) {
     return stopping_plan(belief, "planning is impossible: " + why);
   }
@@ -536,11 +478,15 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   guidance = guide.update(*belief.ground, belief.pose, belief.stamp);
   plan.has_active_frontier = guidance->target.has_value();
   plan.times.guide = watch.lap();
-  update_clearance(belief);
-  plan.times.clearance = watch.lap();
-  update_views(belief);
+  recipe = make_recipe(belief);
+  landmarks = recipe->landmarks;
   plan.times.views = watch.lap();
-  problem = make_problem(belief);
+  update_clearance(*recipe, parts);
+  plan.times.clearance = watch.lap();
+  update_views(*recipe, parts);
+  visibility = parts.prediction->probabilities(belief.pose);
+  plan.times.views += watch.lap();
+  problem = assemble_problem(*recipe, parts);
 
   SeedContext context;
   context.cost_to_go = guidance->cost_to_go.get();
@@ -553,21 +499,21 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
     }
   }
   const bool scripted = guidance->advice == Advice::kGoAndFace && !recovering;
-  const std::vector<Seed> seeds =
+  const std::vector<Seed> made =
       scripted ? make_scripted_seeds(*problem, context) : make_seeds(*problem, context);
   std::vector<Candidate> candidates;
-  for (const Seed& seed : seeds) candidates.push_back({seed.name, seed.z, 0.0, 0.0, std::nullopt});
+  for (const Seed& seed : made) candidates.push_back({seed.name, seed.z, 0.0, 0.0, std::nullopt});
   candidates = score(std::move(candidates));
-  plan.seeds_scored = static_cast<int>(seeds.size());
-  if (!candidates.empty()) best_seed = candidates.front().z;
+  plan.seeds_scored = static_cast<int>(made.size());
+  for (const Candidate& c : candidates) seeds.push_back({c.name, c.z});
   plan.counters.cost_evaluations = plan.seeds_scored;
   plan.times.seeds = watch.lap();
   if (scripted) {
     // The script is what the optimisation did not find: its first certified entry is taken.
     const auto rank = [&](const Candidate& c) {
       const auto at =
-          std::find_if(seeds.begin(), seeds.end(), [&](const Seed& s) { return s.name == c.name; });
-      return std::distance(seeds.begin(), at);
+          std::find_if(made.begin(), made.end(), [&](const Seed& s) { return s.name == c.name; });
+      return std::distance(made.begin(), at);
     };
     std::stable_sort(candidates.begin(), candidates.end(),
                      [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
@@ -606,7 +552,8 @@ Plan Planner::plan(const Belief& belief, const StopCondition& stop) {
 
 std::shared_ptr<const Guidance> Planner::guidance() const { return impl_->guidance; }
 std::shared_ptr<const Problem> Planner::problem() const { return impl_->problem; }
-const Eigen::VectorXd& Planner::best_seed() const { return impl_->best_seed; }
+std::shared_ptr<const ProblemRecipe> Planner::recipe() const { return impl_->recipe; }
+const std::vector<Seed>& Planner::seeds() const { return impl_->seeds; }
 const std::vector<Landmark>& Planner::landmarks() const { return impl_->landmarks; }
 const Eigen::VectorXd& Planner::landmark_visibility() const { return impl_->visibility; }
 const PlannerParameters& Planner::parameters() const { return impl_->parameters; }

@@ -8,26 +8,16 @@
 #include "engine/exploration_guide.h"
 #include "engine/plan.h"
 #include "engine/problem.h"
+#include "engine/problem_recipe.h"
 #include "engine/replanner.h"
+#include "engine/robot_description.h"
+#include "engine/seeds.h"
 #include "engine/solver.h"
 #include "engine/terms/visibility_prediction.h"
 #include "engine/terms/visible_features.h"
 #include "engine/unknown_policy.h"
-#include "models/camera.h"
-#include "models/motion_model.h"
-#include "models/robot_shape.h"
 
 namespace prospect {
-
-/// The robot as the planner knows it.
-struct RobotDescription {
-  std::shared_ptr<const MotionModel> model;
-  RobotShape shape = CylinderShape{};
-  StereoCamera stereo;
-  CameraMount stereo_mount;
-  RgbdFootprint depth;
-  CameraMount depth_mount;
-};
 
 /// Everything that can be set about planning. Weights multiply terms that are O(1) at nominal
 /// conditions (formulation, section 7), so they carry over between robots and horizons.
@@ -109,10 +99,13 @@ class Planner final : public Replanner {
 
   /// The frontiers and the cost-to-go of the last step; null before the first.
   std::shared_ptr<const Guidance> guidance() const override;
-  /// The problem that the last step solved; null before the first.
+  /// The problem that the last step solved, and what it was made from; null before the first step
+  /// and after one that met none (a belief that nothing can be planned from).
   std::shared_ptr<const Problem> problem() const;
-  /// The best-scored seed of that problem: where the last step's polishing began. Empty before.
-  const Eigen::VectorXd& best_seed() const;
+  std::shared_ptr<const ProblemRecipe> recipe() const;
+  /// The seeds of that problem, best first: where polishing began. Those that could not be
+  /// evaluated are left out. Empty where there is no problem.
+  const std::vector<Seed>& seeds() const;
   /// Landmarks considered in the last step, and the probability that each is visible now.
   const std::vector<Landmark>& landmarks() const;
   const Eigen::VectorXd& landmark_visibility() const;

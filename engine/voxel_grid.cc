@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
 
 #if defined(__x86_64__) && defined(__GNUC__)
 #define PROSPECT_X86
@@ -17,6 +20,19 @@ VoxelGrid::VoxelGrid(const GridFrame& frame, double z_min, double z_max) : frame
   depth_ = std::max(1, static_cast<int>(std::ceil(z_max / frame.resolution)) - k0_);
   data_.assign(static_cast<std::size_t>(frame.size()) * static_cast<std::size_t>(depth_),
                CellState::kUnknown);
+}
+
+VoxelGrid::VoxelGrid(const GridFrame& frame, int k0, int depth, std::vector<CellState> data)
+    : frame_(frame), k0_(k0), depth_(depth), data_(std::move(data)) {
+  if (frame.width < 1 || frame.height < 1 || depth < 1 || !(frame.resolution > 0.0) ||
+      data_.size() != static_cast<std::size_t>(frame.width) *
+                          static_cast<std::size_t>(frame.height) *
+                          static_cast<std::size_t>(depth)) {
+    throw std::invalid_argument("voxel grid: " + std::to_string(data_.size()) + " states for " +
+                                std::to_string(frame.width) + " x " + std::to_string(frame.height) +
+                                " x " + std::to_string(depth) +
+                                " voxels; expected one each, at least one");
+  }
 }
 
 void VoxelGrid::set(int i, int j, int k, CellState state) {

@@ -18,6 +18,9 @@ class VoxelGrid {
  public:
   /// Covers `frame` between the heights z_min and z_max [m], rounded outward to whole voxels.
   VoxelGrid(const GridFrame& frame, double z_min, double z_max);
+  /// Covers `frame` and the `depth` layers from k0 on; `data` in the order of data(). Throws
+  /// std::invalid_argument if it has another size.
+  VoxelGrid(const GridFrame& frame, int k0, int depth, std::vector<CellState> data);
 
   double resolution() const { return frame_.resolution; }
   const GridFrame& frame() const { return frame_; }

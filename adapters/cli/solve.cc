@@ -53,7 +53,8 @@ NamedProblem capture(const std::string& text, const Configuration& configuration
     steps_done = record.step + 1;
     if (record.step != step) return;
     named.problem = planner->problem();
-    named.warm_start.x = planner->best_seed();  // every back end starts from the same point
+    // Every back end starts from the same point: the best seed.
+    if (!planner->seeds().empty()) named.warm_start.x = planner->seeds().front().z;
   };
   options.cancelled = [&] { return steps_done > step; };
   run_exploration(world, configuration, options);
