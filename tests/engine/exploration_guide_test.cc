@@ -236,6 +236,49 @@ TEST(ExplorationGuide, GoesBackToTheStrictRadiiWhenSomethingNewWasExplored) {
   EXPECT_TRUE(back->target.has_value());
 }
 
+TEST(ExplorationGuide, ABonusRuleDecidesWhichFrontiersAreLedTo) {
+  // A free strip with unknown space at both ends; the robot is nearer to the west.
+  GroundMap map(GridFrame{0.1, 0, 0, 120, 40});
+  for (int j = 10; j < 31; ++j) {
+    for (int i = 10; i < 100; ++i) {
+      map.set({i, j}, j == 10 || j == 30 ? CellState::kOccupied : CellState::kFree);
+    }
+  }
+  const Pose pose{{4.0, 2.0, 0.0}, 0.0};
+  ExplorationGuideOptions options;
+  options.frontiers.sensor_range = options.memory.sensor_range = 1.5;
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  int asked = 0;
+  const auto only = [&](bool east, bool after_refusal) {
+    return [&asked, east, after_refusal](const BonusQuestion& question) {
+      ++asked;
+      std::vector<double> bonus;
+      for (const Frontier& f : question.detector.frontiers()) {
+        const bool there = question.detector.frame().center(f.cells.front()).x() > 5.5;
+        const bool refused = after_refusal && !question.unreached;
+        bonus.push_back(there == east && !refused ? 0.0 : -kInfinity);
+      }
+      return bonus;
+    };
+  };
+  for (const bool east : {false, true}) {
+    for (const bool after_refusal : {false, true}) {
+      asked = 0;
+      ExplorationGuide guide(options);
+      const auto g = guide.update(map, pose, 0.0, nullptr, only(east, after_refusal));
+      ASSERT_TRUE(g->target.has_value());
+      EXPECT_EQ(g->target->viewpoint.x() > 5.5, east);
+      EXPECT_EQ(asked, after_refusal ? 2 : 1);
+      for (const Frontier& f : g->frontiers) EXPECT_EQ(f.active, f.reachable);
+    }
+  }
+  ExplorationGuide guide(options);
+  const auto none = [](const BonusQuestion& question) {
+    return std::vector<double>(question.detector.frontiers().size(), -kInfinity);
+  };
+  EXPECT_EQ(guide.update(map, pose, 0.0, nullptr, none)->advice, Advice::kDone);
+}
+
 TEST(ExplorationGuide, DegenerateMapsAndPoses) {
   const double nan = std::nan("");
   for (const int kind : {0, 1, 2}) {
