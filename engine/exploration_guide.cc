@@ -7,6 +7,12 @@
 #include <utility>
 
 namespace prospect {
+namespace {
+
+constexpr double kGapAhead = 2.0;   // [m] how far ahead the gap that held the robot up may lie
+constexpr double kGapRadius = 0.3;  // [m] of the disc that is closed around its narrowest cell
+
+}  // namespace
 
 ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
     : options_(options),
@@ -85,6 +91,32 @@ void ExplorationGuide::restart(bool relaxed) {
   field_ = CostToGoField(options_.cost_to_go);
 }
 
+// The first place on the way down that is too narrow for the strict radius.
+void ExplorationGuide::close_gap() {
+  const GridFrame& frame = traversability_.frame();
+  const Cell goal = field_.source_of_anchor();
+  const int steps = static_cast<int>(kGapAhead / frame.resolution);
+  Cell c = field_.anchor();
+  for (int step = 0; step < steps; ++step) {
+    if (traversability_.clearance(c) + options_.traversability.lattice_slack <
+        options_.traversability.hard_radius) {
+      traversability_.close(c, kGapRadius);
+      detector_.update(traversability_);
+      return;
+    }
+    if (c == goal) return;
+    Cell best = c;
+    for (int dj = -1; dj <= 1; ++dj) {
+      for (int di = -1; di <= 1; ++di) {
+        const Cell n{c.i + di, c.j + dj};
+        if (field_.value(n) < field_.value(best)) best = n;
+      }
+    }
+    if (best == c) return;
+    c = best;
+  }
+}
+
 std::vector<double> ExplorationGuide::bonuses(const BonusQuestion& question,
                                               const BonusRule& rule) const {
   const std::vector<Frontier>& frontiers = question.detector.frontiers();
@@ -112,8 +144,8 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
   const Eigen::Vector2d p = pose.position.head<2>();
   traversability_.update(ground);
   detector_.update(traversability_);
-  memory_.map_changed(traversability_.changed_states());
-  memory_.look(traversability_.states(), detector_.frontiers(), pose, stamp);
+  memory_.map_changed(traversability_.newly_known(), traversability_.changed_states());
+  memory_.look(traversability_.see_through(), detector_.frontiers(), pose, stamp);
 
   const GridFrame& frame = traversability_.frame();
   const Cell robot = frame.cell(p.x(), p.y());
@@ -158,7 +190,10 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
       guidance->advice = Advice::kPlan;  // nothing seen yet is not everything seen
       again = false;
     } else {
-      guidance->advice = memory_.decide(frontiers, frame, target, value, explored, stamp, &again);
+      const int given_up = memory_.given_up();
+      guidance->advice =
+          memory_.decide(frontiers, frame, target, p, value, explored, stamp, &again);
+      if (relaxed_ && memory_.given_up() > given_up) close_gap();
     }
   }
 

@@ -78,7 +78,9 @@ struct Guidance {
 /// Before it says done, the guide asks once more with gaps counted as passable that are up to twice
 /// relaxed_slack narrower than the hard constraint asks for: walls drawn twice by a drifting
 /// estimate close real doors, and a look from near opens them again. What may be driven is decided
-/// by the certificate, not here. It goes back to the strict radii once something new was explored.
+/// by the certificate, not here: a gap at which a target is given up is closed, else every frontier
+/// behind it would be tried in turn. It goes back to the strict radii once something new was
+/// explored.
 ///
 /// A value. Thread-safety: none (one mission, one thread); what update() returns is immutable and
 /// may be shared. update() never throws on a finite pose; a non-finite pose gives the last guidance
@@ -105,6 +107,7 @@ class ExplorationGuide {
                                  const Grid<float>* features, const BonusRule& rule);
   std::vector<double> bonuses(const BonusQuestion& question, const BonusRule& rule) const;
   void restart(bool relaxed);
+  void close_gap();
   void mark_reachable(std::vector<Frontier>& frontiers);
 
   ExplorationGuideOptions options_;

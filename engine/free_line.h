@@ -46,14 +46,13 @@ bool visit_line(const GridFrame& frame, const Eigen::Vector2d& from, const Eigen
   }
 }
 
-/// Whether all cells between those of `from` and `to`, both excluded, are known free.
-inline bool free_line(const Grid<CellState>& states, const Eigen::Vector2d& from,
-                      const Eigen::Vector2d& to) {
-  const Cell first = states.frame.cell(from.x(), from.y());
-  const Cell last = states.frame.cell(to.x(), to.y());
-  return visit_line(states.frame, from, to, [&](Cell c) {
-    return c == first || c == last || states.get(c, CellState::kUnknown) == CellState::kFree;
-  });
+/// Whether all cells between those of `from` and `to`, both excluded, are seen through.
+inline bool line_of_sight(const Grid<std::uint8_t>& see_through, const Eigen::Vector2d& from,
+                          const Eigen::Vector2d& to) {
+  const Cell first = see_through.frame.cell(from.x(), from.y());
+  const Cell last = see_through.frame.cell(to.x(), to.y());
+  return visit_line(see_through.frame, from, to,
+                    [&](Cell c) { return c == first || c == last || see_through.get(c, 0) != 0; });
 }
 
 }  // namespace prospect

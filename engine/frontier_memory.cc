@@ -50,6 +50,8 @@ FrontierMemory::FrontierMemory(const FrontierMemoryOptions& options) : options_(
           o.sensor_fov, "more than 0, up to 2 pi");
   require(o.fov_margin >= 0.0 && 2.0 * o.fov_margin < o.sensor_fov, "fov_margin", o.fov_margin,
           "0 to less than half of sensor_fov");
+  require(o.reactivations >= 0 && o.reactivations <= 1000000, "reactivations", o.reactivations,
+          "0 to 1000000");
   require(o.reactivation_cells >= 0 && o.reactivation_cells <= 50, "reactivation_cells",
           o.reactivation_cells, "0 to 50");
   positive("script_after", o.script_after);
@@ -61,30 +63,40 @@ FrontierMemory::FrontierMemory(const FrontierMemoryOptions& options) : options_(
   positive("retry_area", o.retry_area);
 }
 
-void FrontierMemory::map_changed(const std::vector<Cell>& changed) {
+void FrontierMemory::map_changed(const std::vector<Cell>& newly_known,
+                                 const std::vector<Cell>& changed) {
   if (looks_.empty() || changed.empty()) return;
-  std::unordered_set<std::uint64_t> cells;
-  cells.reserve(changed.size());
-  for (const Cell c : changed) cells.insert(address(c.i, c.j));
+  std::unordered_set<std::uint64_t> known, all;
+  for (const Cell c : newly_known) known.insert(address(c.i, c.j));
+  for (const Cell c : changed) all.insert(address(c.i, c.j));
   const int reach = options_.reactivation_cells;
-  for (auto it = looks_.begin(); it != looks_.end();) {
-    bool near = false;
-    for (int dj = -reach; dj <= reach && !near; ++dj) {
-      for (int di = -reach; di <= reach && !near; ++di) {
-        near = cells.contains(address(it->first.second + di, it->first.first + dj));
+  const auto near = [reach](Cell c, const std::unordered_set<std::uint64_t>& cells) {
+    if (cells.empty()) return false;
+    for (int dj = -reach; dj <= reach; ++dj) {
+      for (int di = -reach; di <= reach; ++di) {
+        if (cells.contains(address(c.i + di, c.j + dj))) return true;
       }
     }
-    if (near) {
-      suppressed_count_ -= it->second.suppressed;
+    return false;
+  };
+  for (auto it = looks_.begin(); it != looks_.end();) {
+    const Cell c{it->first.second, it->first.first};
+    Look& look = it->second;
+    if (near(c, known)) {
+      suppressed_count_ -= look.suppressed;
       it = looks_.erase(it);
-    } else {
-      ++it;
+      continue;
     }
+    if (look.forgiven < options_.reactivations && near(c, all)) {
+      suppressed_count_ -= look.suppressed;
+      look = {0, false, look.forgiven + look.suppressed};
+    }
+    ++it;
   }
 }
 
-void FrontierMemory::look(const Grid<CellState>& map, const std::vector<Frontier>& frontiers,
-                          const Pose& pose, double stamp) {
+void FrontierMemory::look(const Grid<std::uint8_t>& see_through,
+                          const std::vector<Frontier>& frontiers, const Pose& pose, double stamp) {
   const Eigen::Vector2d eye = pose.position.head<2>();
   if (!eye.allFinite() || !std::isfinite(pose.yaw) || !std::isfinite(stamp)) return;
   if (last_look_ && stamp >= *last_look_ && stamp - *last_look_ < options_.look_interval - 1e-9) {
@@ -96,11 +108,11 @@ void FrontierMemory::look(const Grid<CellState>& map, const std::vector<Frontier
   const Eigen::Vector2d ahead(std::cos(pose.yaw), std::sin(pose.yaw));
   for (const Frontier& frontier : frontiers) {
     for (const Cell c : frontier.cells) {
-      const Eigen::Vector2d to = map.frame.center(c) - eye;
+      const Eigen::Vector2d to = see_through.frame.center(c) - eye;
       if (to.squaredNorm() > range * range) continue;
       const double bearing = std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
       if (std::abs(bearing) > half) continue;
-      if (!free_line(map, eye, map.frame.center(c))) continue;
+      if (!line_of_sight(see_through, eye, see_through.frame.center(c))) continue;
       Look& seen = looks_[{c.j, c.i}];
       if (++seen.failed >= options_.failed_looks && !seen.suppressed) {
         seen.suppressed = true;
@@ -141,8 +153,9 @@ int FrontierMemory::current_target(const std::vector<Frontier>& frontiers,
 }
 
 Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const GridFrame& frame,
-                              std::optional<std::pair<int, Cell>> target, double value,
-                              double explored, double stamp, bool* sources_changed) {
+                              std::optional<std::pair<int, Cell>> target,
+                              const Eigen::Vector2d& position, double value, double explored,
+                              double stamp, bool* sources_changed) {
   *sources_changed = false;
   const bool first = !progress_stamp_.has_value();
   // A clock that jumps back must not freeze the watchdog.
@@ -151,6 +164,7 @@ Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const Grid
     progress_explored_ = explored;
     retry_explored_ = explored;
     best_value_ = value;
+    progress_position_ = position;
   }
   if (explored - retry_explored_ >= options_.retry_area) {
     retry_explored_ = explored;
@@ -181,9 +195,11 @@ Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const Grid
   target_ = cell;
   // A way that has become longer (a door turned out closed) is measured anew, on the same clock.
   if (value > best_value_ + 2.0 * options_.progress_distance) best_value_ = value;
-  if (value <= best_value_ - options_.progress_distance) {
+  if (value <= best_value_ - options_.progress_distance &&
+      (position - progress_position_).norm() >= options_.progress_distance) {
     best_value_ = value;
     progress_stamp_ = stamp;
+    progress_position_ = position;
   }
   if (explored - progress_explored_ >= options_.progress_area) {
     progress_explored_ = explored;
@@ -203,6 +219,7 @@ Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const Grid
       }
       *sources_changed = true;
     }
+    ++given_up_;
     target_.reset();
     scripting_ = false;
     progress_stamp_ = stamp;

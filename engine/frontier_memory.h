@@ -24,7 +24,10 @@ struct FrontierMemoryOptions {
   double sensor_fov = 1.047;   ///< horizontal field of view [rad]
   double fov_margin = 0.05;    ///< left out at either side [rad]
   int reactivation_cells = 2;  ///< a change this near (Chebyshev) forgives a cell
-  double script_after = 3.0;   ///< [s] without progress: go and face the target by script
+  /// How often a change of known cells (free to occupied or back) may forgive a cell: noise flips
+  /// cells for ever. What newly became known always does.
+  int reactivations = 2;
+  double script_after = 3.0;       ///< [s] without progress: go and face the target by script
   double deactivate_after = 8.0;   ///< [s] without progress: the target is suppressed
   double progress_distance = 0.2;  ///< [m] fall of the cost-to-go that counts as progress
   double progress_area = 0.1;      ///< [m^2] newly explored that counts as progress
@@ -52,10 +55,11 @@ enum class Advice {
 /// * Hysteresis: the frontier that holds the cell nearest the last target, within target_radius,
 /// has
 ///   `hysteresis` metres of head start.
-/// * Stall watchdog: progress is a fall of the cost-to-go at the robot by progress_distance under
-/// its
-///   least value for this target, or progress_area newly explored. Without any for script_after:
-///   kGoAndFace; for deactivate_after: all cells of the target are suppressed.
+/// * Stall watchdog: progress is progress_area newly explored, or a fall of the cost-to-go at the
+///   robot by progress_distance under its least value for this target while the robot has moved as
+///   far: a cell that noise opens and closes moves the cost-to-go of a robot that stands. Without
+///   any for script_after: kGoAndFace; for deactivate_after: all cells of the target are
+///   suppressed.
 /// * Before "done" everything is reactivated, `retries` times; retry_area newly explored restores
 /// the
 ///   retries.
@@ -68,13 +72,14 @@ class FrontierMemory {
   /// Throws std::invalid_argument naming the option, its value and what was expected.
   explicit FrontierMemory(const FrontierMemoryOptions& options);
 
-  /// Forgives cells near a change.
-  void map_changed(const std::vector<Cell>& changed);
+  /// Forgives cells near a change: `newly_known` cells that were unknown, `changed` all whose state
+  /// changed.
+  void map_changed(const std::vector<Cell>& newly_known, const std::vector<Cell>& changed);
 
   /// Counts a look at time `stamp` [s] from `pose`: every frontier cell in view, and still unknown
-  /// by definition, has one failed look more.
-  void look(const Grid<CellState>& map, const std::vector<Frontier>& frontiers, const Pose& pose,
-            double stamp);
+  /// by definition, has one failed look more. see_through: nonzero where sight passes a cell.
+  void look(const Grid<std::uint8_t>& see_through, const std::vector<Frontier>& frontiers,
+            const Pose& pose, double stamp);
 
   bool suppressed(Cell c) const;
   int suppressed_count() const { return suppressed_count_; }
@@ -85,22 +90,26 @@ class FrontierMemory {
   int current_target(const std::vector<Frontier>& frontiers, const GridFrame& frame) const;
 
   /// After the cost-to-go is known. target: frontier index and cell it leads the robot to, if any
-  /// frontier is reachable; value [m]: cost-to-go at the robot without the head start; explored
-  /// [m^2]. Returns what to do; if it has suppressed or reactivated cells, `sources_changed` is set
-  /// and the cost-to-go must be computed again (then call again with the result).
+  /// frontier is reachable; position of the robot in W [m]; value [m]: cost-to-go there without the
+  /// head start; explored [m^2]. Returns what to do; if it has suppressed or reactivated cells,
+  /// `sources_changed` is set and the cost-to-go must be computed again (then call again with the
+  /// result).
   Advice decide(const std::vector<Frontier>& frontiers, const GridFrame& frame,
-                std::optional<std::pair<int, Cell>> target, double value, double explored,
-                double stamp, bool* sources_changed);
+                std::optional<std::pair<int, Cell>> target, const Eigen::Vector2d& position,
+                double value, double explored, double stamp, bool* sources_changed);
 
   int retries_used() const { return retries_used_; }
   /// [s] since the last progress, at the last decide().
   double stalled_for() const { return stalled_for_; }
+  /// Targets given up because no progress was made towards them, so far.
+  int given_up() const { return given_up_; }
   std::optional<Cell> target_cell() const { return target_; }
 
  private:
   struct Look {
     int failed = 0;
     bool suppressed = false;
+    int forgiven = 0;  // times that a change of known cells did
   };
   using Key = std::pair<int, int>;  // (j, i): scan order
 
@@ -110,11 +119,13 @@ class FrontierMemory {
   std::optional<double> last_look_;
   std::optional<Cell> target_;
   std::optional<double> progress_stamp_;
+  Eigen::Vector2d progress_position_ = Eigen::Vector2d::Zero();
   double best_value_ = 0.0;
   double progress_explored_ = 0.0;
   double retry_explored_ = 0.0;
   int retries_used_ = 0;
   double stalled_for_ = 0.0;
+  int given_up_ = 0;
   bool scripting_ = false;  // kGoAndFace was advised for the present target
 };
 

@@ -142,6 +142,7 @@ void FrontierDetector::update(const Traversability& traversability) {
 void FrontierDetector::find_cells(const Traversability& traversability) {
   const GridFrame& f = label_.frame;
   for (const Cell c : traversability.changed_states()) moved_[tile_of(c)].add(c);
+  for (const Cell c : traversability.changed_sights()) moved_[tile_of(c)].add(c);
   for (const Cell c : traversability.changed_factors()) {
     const std::uint8_t passable = traversability.passable(c);
     if (passable_[c] == passable) continue;
@@ -287,7 +288,7 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
 
 void FrontierDetector::cast(const Traversability& traversability, Piece& piece) {
   const GridFrame& frame = label_.frame;
-  const CellState* states = traversability.states().data.data();
+  const std::uint8_t* see_through = traversability.see_through().data.data();
   piece.entries.clear();
   piece.touched = {};
   marked_.clear();
@@ -301,7 +302,7 @@ void FrontierDetector::cast(const Traversability& traversability, Piece& piece) 
         if (!frame.contains(c)) break;
         last = c;
         const auto at = static_cast<std::size_t>(frame.index(c));
-        if (states[at] != CellState::kFree) break;
+        if (see_through[at] == 0) break;
         if (passable_.data[at] == 0) continue;
         float& best = best_.data[at];
         if (best == kNoSource) marked_.push_back(c);

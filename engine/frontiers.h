@@ -14,7 +14,7 @@ struct FrontierOptions {
   double min_length = 0.5;     ///< [m] smallest cluster: number of cells x resolution
   double sensor_range = 4.0;   ///< r_max [m]
   double range_margin = 0.1;   ///< a viewpoint stands within sensor_range - range_margin [m]
-  int rays = 40;               ///< directions tried from each frontier cell
+  int rays = 90;               ///< directions tried from each frontier cell
   double near_distance = 1.0;  ///< [m]
   double near_slope = 0.3;     ///< cost of a viewpoint per metre up to near_distance; 1 beyond
 };
@@ -48,9 +48,10 @@ struct ViewpointSource {
 
 /// Finds frontiers and the viewpoints from which they can be seen, by changed tile.
 ///
-/// A frontier is active only if a free line, through known-free cells only, joins one of its
-/// unknown cells to a traversable cell within sensor_range - range_margin. Frontiers in pockets
-/// that no pose can see otherwise hold a planner for ever.
+/// A frontier is active only if a line of sight, through cells that are seen through
+/// (GroundMap::see_through: over a low obstacle too), joins one of its unknown cells to a
+/// traversable cell within sensor_range - range_margin. Frontiers in pockets that no pose can see
+/// otherwise hold a planner for ever.
 ///
 /// Frontier cells are kept per tile and found again only in tiles that changed. The viewpoints of
 /// the frontier cells of one tile and one cluster ("piece") are cached and cast again only if the

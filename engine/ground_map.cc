@@ -22,20 +22,23 @@ GridFrame whole_tiles(const GridFrame& f) {
 
 }  // namespace
 
-GroundMap::GroundMap(const GridFrame& frame) : cells_(whole_tiles(frame), CellState::kUnknown) {
+GroundMap::GroundMap(const GridFrame& frame)
+    : cells_(whole_tiles(frame), CellState::kUnknown), see_through_(cells_.frame, 0) {
   tile_revision_.assign(static_cast<std::size_t>(tiles_x() * tiles_y()), 0);
 }
 
-void GroundMap::set(Cell c, CellState state) {
+void GroundMap::set(Cell c, CellState state, bool see_through) {
   if (!cells_.frame.contains(c)) {
-    if (state == CellState::kUnknown) return;
+    if (state == CellState::kUnknown && !see_through) return;
     grow_to(c);
   }
   CellState& current = cells_[c];
-  if (current == state) return;
+  std::uint8_t& sight = see_through_[c];
+  if (current == state && (sight != 0) == see_through) return;
   free_ += (state == CellState::kFree) - (current == CellState::kFree);
   occupied_ += (state == CellState::kOccupied) - (current == CellState::kOccupied);
   current = state;
+  sight = see_through;
   const int tx = (c.i - cells_.frame.i0) / kTile;
   const int ty = (c.j - cells_.frame.j0) / kTile;
   tile_revision_[static_cast<std::size_t>(ty * tiles_x() + tx)] = ++revision_;
@@ -60,9 +63,10 @@ void GroundMap::grow_to(Cell c) {
   const int dx = (old.i0 - grown.cells_.frame.i0) / kTile;
   const int dy = (old.j0 - grown.cells_.frame.j0) / kTile;
   for (int j = 0; j < old.height; ++j) {
-    const auto from = cells_.data.begin() + static_cast<std::ptrdiff_t>(j) * old.width;
-    std::copy(from, from + old.width,
-              grown.cells_.data.begin() + grown.cells_.frame.index({old.i0, old.j0 + j}));
+    const auto from = static_cast<std::ptrdiff_t>(j) * old.width;
+    const auto to = grown.cells_.frame.index({old.i0, old.j0 + j});
+    std::copy_n(cells_.data.begin() + from, old.width, grown.cells_.data.begin() + to);
+    std::copy_n(see_through_.data.begin() + from, old.width, grown.see_through_.data.begin() + to);
   }
   for (int ty = 0; ty < tiles_y(); ++ty) {
     for (int tx = 0; tx < tiles_x(); ++tx) {

@@ -12,6 +12,9 @@ namespace prospect {
 /// is known free; unknown otherwise. It is both the 2-D obstacle map and the
 /// exploration map G(n): g = 1 (explored) exactly where the state is not unknown.
 ///
+/// Beside its state a cell knows whether the sensor looks through it: a camera sees over a low
+/// obstacle that stops the body, and a frontier behind one can be looked at from before it.
+///
 /// Changes are tracked per tile (16 x 16 cells): a consumer remembers the last revision() it has
 /// seen and redoes what depends on tiles with a newer one. A change of frame() (the map grew) keeps
 /// all cell addresses and the revisions of the tiles that existed.
@@ -29,9 +32,13 @@ class GroundMap {
   CellState state(Cell c) const { return cells_.get(c, CellState::kUnknown); }
   bool explored(Cell c) const { return state(c) != CellState::kUnknown; }
 
+  /// Whether the voxel at the height of the line of sight is known free; false outside the map.
+  bool see_through(Cell c) const { return see_through_.get(c, 0) != 0; }
+
   /// Sets a cell; grows the map (with a margin) if the cell lies outside. Bumps the tile's revision
-  /// if the state really changes.
-  void set(Cell c, CellState state);
+  /// if state or sight really change. Without `see_through`: what is free is seen through.
+  void set(Cell c, CellState state, bool see_through);
+  void set(Cell c, CellState state) { set(c, state, state == CellState::kFree); }
 
   /// Revision of the newest change, 0 for a fresh map; strictly increasing.
   std::uint64_t revision() const { return revision_; }
@@ -53,6 +60,7 @@ class GroundMap {
   void grow_to(Cell c);
 
   Grid<CellState> cells_;
+  Grid<std::uint8_t> see_through_;
   std::vector<std::uint64_t> tile_revision_;
   std::uint64_t revision_ = 0;
   int free_ = 0;

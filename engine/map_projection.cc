@@ -39,6 +39,10 @@ SliceLayers slice_layers(const HeightSlice& slice, double resolution) {
     throw std::invalid_argument("height slice [" + std::to_string(slice.z_min) + ", " +
                                 std::to_string(slice.z_max) + "] m: expected z_min < z_max");
   }
+  if (slice.sight && !std::isfinite(*slice.sight)) {
+    throw std::invalid_argument("line of sight " + std::to_string(*slice.sight) +
+                                " m: expected a finite height");
+  }
   if (!std::isfinite(resolution) || !(resolution > 0.0)) {
     throw std::invalid_argument("resolution " + std::to_string(resolution) +
                                 " m: expected a positive number");
@@ -49,6 +53,9 @@ SliceLayers slice_layers(const HeightSlice& slice, double resolution) {
   layers.k_low = static_cast<int>(std::floor((slice.z_min + kOverlap) / resolution));
   layers.k_high = static_cast<int>(std::ceil((slice.z_max - kOverlap) / resolution)) - 1;
   layers.k_high = std::max(layers.k_high, layers.k_low);
+  if (slice.sight) {
+    layers.k_sight = static_cast<int>(std::floor((*slice.sight + kOverlap) / resolution));
+  }
   return layers;
 }
 
@@ -63,13 +70,19 @@ CellState project_column(const VoxelGrid& voxels, Cell c, const SliceLayers& lay
   return project_column(occupied, free);
 }
 
+bool see_through(const VoxelGrid& voxels, Cell c, const SliceLayers& layers) {
+  if (!layers.k_sight) return project_column(voxels, c, layers) == CellState::kFree;
+  return voxels.state(c.i, c.j, *layers.k_sight) == CellState::kFree;
+}
+
 GroundMap project(const VoxelGrid& voxels, const HeightSlice& slice) {
   const SliceLayers layers = slice_layers(slice, voxels.resolution());
   const GridFrame& frame = voxels.frame();
   GroundMap ground(frame);
   for (int j = frame.j0; j < frame.j0 + frame.height; ++j) {
     for (int i = frame.i0; i < frame.i0 + frame.width; ++i) {
-      ground.set({i, j}, project_column(voxels, {i, j}, layers));
+      ground.set({i, j}, project_column(voxels, {i, j}, layers),
+                 see_through(voxels, {i, j}, layers));
     }
   }
   return ground;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "engine/grid.h"
 #include "engine/ground_map.h"
@@ -16,25 +17,30 @@ namespace prospect {
 struct HeightSlice {
   double z_min = 0.1;
   double z_max = 0.5;
+  /// Height of the depth sensor's line of sight [m, in W]; none: what is free is seen through.
+  std::optional<double> sight = std::nullopt;
 };
 
 /// The layers of voxels k_low <= k <= k_high that a slice overlaps by more than a micrometre.
 struct SliceLayers {
   int k_low = 0;
   int k_high = 0;
+  std::optional<int> k_sight;  ///< the layer that holds the line of sight
   int count() const { return k_high - k_low + 1; }
 };
 
 /// Layers of `slice` on a lattice of `resolution` [m]; always at least one.
-/// Throws std::invalid_argument if the slice is not finite, empty, or the resolution not positive.
+/// Throws std::invalid_argument if the slice or its line of sight is not finite, empty, or the
+/// resolution not positive.
 SliceLayers slice_layers(const HeightSlice& slice, double resolution);
 
-/// State of a ground cell from the counts of its column (formulation, section 2: the exploration map
-/// is the octree projected on the ground plane; the rule is our choice):
-///   occupied if occupied > 0;  free if none is and any is known free;  unknown if nothing is known.
-/// One free layer is enough: what lies behind a low obstacle is seen at the sensor's height only, and
-/// a stricter rule leaves frontiers there that no look resolves. A low obstacle not seen from afar
-/// makes its cell occupied when the sensor comes near.
+/// State of a ground cell from the counts of its column (formulation, section 2: the exploration
+/// map is the octree projected on the ground plane; the rule is our choice):
+///   occupied if occupied > 0;  free if none is and any is known free;  unknown if nothing is
+///   known.
+/// One free layer is enough: what lies behind a low obstacle is seen at the sensor's height only,
+/// and a stricter rule leaves frontiers there that no look resolves. A low obstacle not seen from
+/// afar makes its cell occupied when the sensor comes near.
 inline CellState project_column(int occupied, int free) {
   if (occupied > 0) return CellState::kOccupied;
   return free > 0 ? CellState::kFree : CellState::kUnknown;
@@ -42,6 +48,10 @@ inline CellState project_column(int occupied, int free) {
 
 /// State of cell c from its column in `voxels`; layers outside the grid are unknown.
 CellState project_column(const VoxelGrid& voxels, Cell c, const SliceLayers& layers);
+
+/// Whether cell c is seen through: its voxel at the line of sight is known free; without one, the
+/// cell is free.
+bool see_through(const VoxelGrid& voxels, Cell c, const SliceLayers& layers);
 
 /// Projects every column: the ground map of a whole grid. O(cells x layers).
 GroundMap project(const VoxelGrid& voxels, const HeightSlice& slice);

@@ -72,6 +72,8 @@ void Traversability::restart(const GridFrame& frame) {
   reach_ = 1;
   while (axis_square(reach_) < limit_sq_) ++reach_;
   state_ = Grid<CellState>(frame, CellState::kUnknown);
+  see_through_ = Grid<std::uint8_t>(frame, 0);
+  closed_ = Grid<std::uint8_t>(frame, 0);
   occupied_sq_ = Grid<std::int32_t>(frame, limit_sq_);
   unknown_sq_ = Grid<std::int32_t>(frame, 0);
   factor_ = Grid<float>(frame, 0.0F);
@@ -97,6 +99,8 @@ void copy_into(Grid<T>& grid, const GridFrame& frame, const T& value) {
 void Traversability::widen(const GridFrame& frame) {
   const GridFrame old = state_.frame;
   copy_into(state_, frame, CellState::kUnknown);
+  copy_into(see_through_, frame, std::uint8_t{0});
+  copy_into(closed_, frame, std::uint8_t{0});
   copy_into(occupied_sq_, frame, limit_sq_);
   copy_into(unknown_sq_, frame, 0);
   copy_into(factor_, frame, 0.0F);
@@ -169,7 +173,8 @@ void Traversability::refresh_factors(const Rectangle& cells) {
     for (int i = cells.i0; i <= cells.i1; ++i) {
       const auto at = static_cast<std::size_t>(state_.frame.index({i, j}));
       float factor = 0.0F;
-      if (state_.data[at] == CellState::kFree && occupied_sq_.data[at] >= hard_sq_) {
+      if (state_.data[at] == CellState::kFree && occupied_sq_.data[at] >= hard_sq_ &&
+          closed_.data[at] == 0) {
         factor = (occupied_sq_.data[at] < comfortable_sq_ ? tight : 1.0F) *
                  (unknown_sq_.data[at] < comfortable_sq_ ? near : 1.0F);
       }
@@ -181,8 +186,22 @@ void Traversability::refresh_factors(const Rectangle& cells) {
   }
 }
 
+void Traversability::close(Cell c, double radius) {
+  const int reach = static_cast<int>(std::ceil(radius / state_.frame.resolution));
+  const Rectangle cells = within({c.i, c.j, c.i, c.j}, reach);
+  for (int j = cells.j0; j <= cells.j1; ++j) {
+    for (int i = cells.i0; i <= cells.i1; ++i) {
+      const double distance = state_.frame.resolution * std::hypot(i - c.i, j - c.j);
+      if (distance <= radius) closed_[{i, j}] = 1;
+    }
+  }
+  refresh_factors(cells);
+}
+
 void Traversability::update(const GroundMap& ground) {
   changed_states_.clear();
+  newly_known_.clear();
+  changed_sights_.clear();
   changed_factors_.clear();
   restarted_ = false;
   GridFrame frame = ground.frame();
@@ -212,7 +231,13 @@ void Traversability::update(const GroundMap& ground) {
         for (int i = tile.i0; i < tile.i0 + tile.width; ++i) {
           const CellState now = ground.cells()[{i, j}];
           CellState& before = state_[{i, j}];
+          const std::uint8_t sight = ground.see_through({i, j});
+          if (see_through_[{i, j}] != sight) {
+            see_through_[{i, j}] = sight;
+            changed_sights_.push_back({i, j});
+          }
           if (now == before) continue;
+          if (before == CellState::kUnknown) newly_known_.push_back({i, j});
           if ((now == CellState::kOccupied) != (before == CellState::kOccupied)) o.add(i, j);
           if ((now == CellState::kUnknown) != (before == CellState::kUnknown)) u.add(i, j);
           explored_cells_ += (now != CellState::kUnknown) - (before != CellState::kUnknown);

@@ -49,8 +49,16 @@ class Traversability {
   /// map with another resolution, or one that does not cover the last, starts afresh.
   void update(const GroundMap& ground);
 
+  /// Makes the cells within `radius` [m] of the centre of `c` impassable from now on, whatever the
+  /// map says: a gap that could not be passed. Adds them to changed_factors().
+  void close(Cell c, double radius);
+
   /// Cells whose CellState differs from that at the previous update, in scan order of the tiles.
   const std::vector<Cell>& changed_states() const { return changed_states_; }
+  /// Those of them that were unknown.
+  const std::vector<Cell>& newly_known() const { return newly_known_; }
+  /// Likewise cells whose see_through() differs.
+  const std::vector<Cell>& changed_sights() const { return changed_sights_; }
   /// Cells whose factor differs from that at the previous update.
   const std::vector<Cell>& changed_factors() const { return changed_factors_; }
   /// Whether the last update covered the whole map, for want of a usable past.
@@ -61,6 +69,8 @@ class Traversability {
   const GridFrame& frame() const { return state_.frame; }
   CellState state(Cell c) const { return state_.get(c, CellState::kUnknown); }
   const Grid<CellState>& states() const { return state_; }
+  /// Nonzero where the sensor looks through the cell (GroundMap::see_through).
+  const Grid<std::uint8_t>& see_through() const { return see_through_; }
   /// [m], truncated to clearance_limit(); that limit outside the map.
   double clearance(Cell c) const;
   /// Distance [m] to the square of the nearest unknown cell, likewise truncated; 0 outside the map.
@@ -91,6 +101,8 @@ class Traversability {
   std::int32_t limit_sq_ = 0;  // half cells squared: where distances are truncated
   std::int32_t hard_sq_ = 0, comfortable_sq_ = 0;  // least squared distances, slack included
   Grid<CellState> state_;
+  Grid<std::uint8_t> see_through_;
+  Grid<std::uint8_t> closed_;
   Grid<std::int32_t> occupied_sq_;  // squared distance [(cell / 2)^2], truncated
   Grid<std::int32_t> unknown_sq_;
   Grid<float> factor_;
@@ -99,6 +111,8 @@ class Traversability {
   bool fresh_ = true;
   bool restarted_ = true;
   std::vector<Cell> changed_states_;
+  std::vector<Cell> newly_known_;
+  std::vector<Cell> changed_sights_;
   std::vector<Cell> changed_factors_;
   std::vector<std::int32_t> scratch_;
 };

@@ -51,6 +51,7 @@ struct Brick {
 struct Columns {  // of an 8 x 8 square of ground cells: counts over the slice's layers
   std::uint16_t occupied[kBrick * kBrick] = {};
   std::uint16_t free[kBrick * kBrick] = {};
+  bool see_through[kBrick * kBrick] = {};  // the voxel at the line of sight is known free
   bool changed[kBrick * kBrick] = {};
   int bx = 0, by = 0;
 };
@@ -221,11 +222,15 @@ void OccupancyMapper::Impl::set_value(Brick& b, std::uint32_t index, int m, std:
   }
   if (occupied == was_occupied && known) return;
   const int k = b.bz * kBrick + compact(m >> 2);
-  if (k < slice.k_low || k > slice.k_high) return;
+  const bool in_slice = k >= slice.k_low && k <= slice.k_high;
+  if (!in_slice && k != slice.k_sight) return;
   Columns& c = *columns[column];
   const int cell = compact(m) + kBrick * compact(m >> 1);
-  c.occupied[cell] = static_cast<std::uint16_t>(c.occupied[cell] + occupied - was_occupied);
-  c.free[cell] = static_cast<std::uint16_t>(c.free[cell] + !occupied - was_free);
+  if (in_slice) {
+    c.occupied[cell] = static_cast<std::uint16_t>(c.occupied[cell] + occupied - was_occupied);
+    c.free[cell] = static_cast<std::uint16_t>(c.free[cell] + !occupied - was_free);
+  }
+  if (k == slice.k_sight) c.see_through[cell] = !occupied;
   if (!c.changed[cell]) {
     c.changed[cell] = true;
     changed_cells.emplace_back(column, cell);
@@ -238,9 +243,10 @@ void OccupancyMapper::Impl::flush_ground() {
     c.changed[cell] = false;
     const Cell address{c.bx * kBrick + cell % kBrick, c.by * kBrick + cell / kBrick};
     const CellState state = project_column(c.occupied[cell], c.free[cell]);
-    if (ground->state(address) == state) continue;
+    const bool sight = slice.k_sight ? c.see_through[cell] : state == CellState::kFree;
+    if (ground->state(address) == state && ground->see_through(address) == sight) continue;
     if (!unshared(ground)) ground = std::make_shared<GroundMap>(*ground);
-    ground->set(address, state);
+    ground->set(address, state, sight);
   }
   changed_cells.clear();
 }

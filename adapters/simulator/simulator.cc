@@ -37,6 +37,7 @@ OccupancyMapperOptions mapping_options(const World& world, const SimulatorOption
   const VerticalExtent extent = vertical_extent(options.shape);
   mapping.slice.z_min = world.start.position.z() + extent.z_min;
   mapping.slice.z_max = world.start.position.z() + extent.z_max;
+  mapping.slice.sight = world.start.position.z() + options.depth_mount.T_BC.translation().z();
   mapping.max_range = options.depth.footprint.max_range;
   return mapping;
 }

@@ -194,6 +194,23 @@ TEST(ExplorationGuide, ADoorwayTooNarrowForTheHardRadiusIsTriedBeforeDone) {
   EXPECT_EQ(guide.update(two_rooms(3), pose, 0.0)->advice, Advice::kDone);
 }
 
+// Else every part of every frontier behind the gap would be given up in turn, 8 s each.
+TEST(ExplorationGuide, AGapThatCannotBePassedIsClosed) {
+  const GroundMap map = two_rooms(3);
+  ExplorationGuide guide{ExplorationGuideOptions{}};
+  const Pose pose{{3.0, 2.65, 0.0}, 0.0};  // held up before the doorway
+  double done = 0.0;
+  for (double t = 0.0; t < 30.0 && done == 0.0; t += 0.5) {
+    const auto g = guide.update(map, pose, t);
+    if (t < 8.0) {
+      EXPECT_TRUE(g->target.has_value());
+    }
+    if (g->advice == Advice::kDone) done = t;
+  }
+  EXPECT_EQ(done, 8.0);
+  EXPECT_FALSE(guide.traversability().passable({40, 26}));
+}
+
 TEST(ExplorationGuide, GoesBackToTheStrictRadiiWhenSomethingNewWasExplored) {
   const ExplorationGuideOptions options;
   GroundMap map = two_rooms(3);

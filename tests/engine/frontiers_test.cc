@@ -78,7 +78,7 @@ Grid<float> slow_sources(const GroundMap& map, const Traversability& t, const Fr
           if (step == Cell{0, 0}) return true;
           const Cell at{c.i + step.i, c.j + step.j};
           const double distance = r * std::hypot(step.i, step.j);
-          if (distance > reach || map.state(at) != CellState::kFree) return false;
+          if (distance > reach || !map.see_through(at)) return false;
           if (t.passable(at)) {
             source[at] = std::min(source[at], static_cast<float>(viewpoint_cost(distance, o)) -
                                                   static_cast<float>(bonus[k]));
@@ -140,6 +140,11 @@ TEST(Frontiers, ClustersAndSourcesEqualTheSlowOnesWhateverTheHistory) {
         if (step % 3 == 2) robot = world.open_cell(4, random);
       } else {
         testing::scribble(map, 8, 60, -10 * step, random);
+      }
+      // Obstacles that sight passes over, and free cells that it does not pass.
+      for (int n = 0; n < 30; ++n) {
+        const Cell c = map.frame().at(static_cast<int>(random() % map.cells().data.size()));
+        if (map.explored(c)) map.set(c, map.state(c), !map.see_through(c));
       }
       t.update(map);
       kept.update(t);
@@ -253,6 +258,34 @@ TEST(Frontiers, PhantomFrontierInAPocketStaysInactive) {
       for (const ViewpointSource& s : d.sources()) EXPECT_LT(s.cell.i, 40);
     }
   }
+}
+
+// The camera sees over a low obstacle that stops the body.
+TEST(Frontiers, IsSeenOverALowObstacle) {
+  TraversabilityOptions narrow;  // as above
+  narrow.hard_radius = 0.75;
+  narrow.comfortable_radius = 0.8;
+  GroundMap map = pocket(0);
+  Traversability t(narrow);
+  FrontierDetector d{FrontierOptions{}};
+  t.update(map);
+  d.update(t);
+  d.find_viewpoints(t, {});
+  ASSERT_FALSE(d.frontiers()[0].active);
+  // What is known of the height of the wall changes, not its state.
+  for (int k = 0; k < 4; ++k) {
+    ASSERT_EQ(map.state({40, 50 + k}), CellState::kOccupied);
+    map.set({40, 50 + k}, CellState::kOccupied, true);
+  }
+  t.update(map);
+  EXPECT_TRUE(t.changed_states().empty());
+  EXPECT_EQ(t.changed_sights().size(), 4u);
+  d.update(t);
+  d.find_viewpoints(t, {});
+  d.set_bonuses({0.0});
+  EXPECT_TRUE(d.frontiers()[0].active);
+  EXPECT_FALSE(d.sources().empty());
+  for (const ViewpointSource& s : d.sources()) EXPECT_LT(s.cell.i, 40);
 }
 
 TEST(Frontiers, LinesDoNotSlipBetweenCellsThatTouchAtACorner) {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <ctime>
 #include <limits>
+#include <optional>
 #include <random>
 #include <stdexcept>
 
@@ -169,21 +170,34 @@ TEST(OccupancyMapper, InnerNodesAndPruningAreThoseOfAFullUpdate) {
 }
 
 TEST(OccupancyMapper, IncrementalProjectionIsTheProjectionFromScratch) {
-  std::mt19937_64 generator(3);
-  OccupancyMapper mapper;
-  for (int n = 0; n < 15; ++n) {
-    DepthScan scan = random_scan(generator, 700);
-    scan.misses = random_scan(generator, 100).hits;
-    mapper.insert(scan);
-    if (n % 5 == 2) mapper.clear_cylinder({0.3 * n, 0.1, 0.0}, 0.3, 0.6);
-    const BeliefMaps maps = mapper.snapshot();
-    const HeightSlice slice = mapper.options().slice;
-    EXPECT_TRUE(same_state(*maps.ground, project(*maps.voxels, slice)));
-    const BeliefMaps scratch =
-        belief_maps(maps.octree, slice, mapper.options().z_min, mapper.options().z_max);
-    EXPECT_TRUE(same_state(*maps.voxels, *scratch.voxels));
-    EXPECT_TRUE(same_state(*maps.ground, *scratch.ground));
-    EXPECT_GT(maps.ground->free_cells(), 100);
+  for (const std::optional<double> sight : {std::optional<double>{}, {0.25}, {0.75}}) {
+    std::mt19937_64 generator(3);
+    OccupancyMapperOptions options;
+    options.slice.sight = sight;  // none, within the slice, above it
+    OccupancyMapper mapper(options);
+    for (int n = 0; n < 15; ++n) {
+      DepthScan scan = random_scan(generator, 700);
+      scan.misses = random_scan(generator, 100).hits;
+      mapper.insert(scan);
+      if (n % 5 == 2) mapper.clear_cylinder({0.3 * n, 0.1, 0.0}, 0.3, 0.6);
+      const BeliefMaps maps = mapper.snapshot();
+      const HeightSlice slice = mapper.options().slice;
+      EXPECT_TRUE(same_state(*maps.ground, project(*maps.voxels, slice)));
+      const BeliefMaps scratch =
+          belief_maps(maps.octree, slice, mapper.options().z_min, mapper.options().z_max);
+      EXPECT_TRUE(same_state(*maps.voxels, *scratch.voxels));
+      EXPECT_TRUE(same_state(*maps.ground, *scratch.ground));
+      EXPECT_GT(maps.ground->free_cells(), 100);
+      int seen_over = 0;
+      const GroundMap scratch_ground = project(*maps.voxels, slice);
+      for (int index = 0; index < maps.ground->frame().size(); ++index) {
+        const Cell c = maps.ground->frame().at(index);
+        ASSERT_EQ(maps.ground->see_through(c), scratch_ground.see_through(c));
+        ASSERT_EQ(maps.ground->see_through(c), scratch.ground->see_through(c));
+        seen_over += maps.ground->see_through(c) && maps.ground->state(c) != CellState::kFree;
+      }
+      EXPECT_EQ(seen_over > 0, sight.has_value());
+    }
   }
 }
 
