@@ -1,7 +1,8 @@
 # `cmake --install`: the program, and the rooms that another project can link, with
 #   find_package(prospect CONFIG REQUIRED)
 #   target_link_libraries(controller PRIVATE prospect::engine prospect::solvers)
-# The adapters stay inside the program: they are how it meets files and screens.
+# The adapters stay inside the program: they are how it meets files and screens. One is a library of
+# its own, prospect::problem_file, for those who want to read the problems of a mission.
 include(CMakePackageConfigHelpers)
 set(rooms models engine solvers perception)
 foreach(room ${rooms})
@@ -9,6 +10,9 @@ foreach(room ${rooms})
   install(DIRECTORY ${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/${room}
     FILES_MATCHING PATTERN *.h)
 endforeach()
+install(TARGETS prospect_problem_file EXPORT prospect ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(FILES adapters/problem_file/problem_file.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/adapters/problem_file)
 if(TARGET prospect)
   install(TARGETS prospect RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()

@@ -22,16 +22,17 @@ struct ExploreArguments {
   std::string out;            ///< run folder; empty: runs/WORLD_SOLVER_SEED
   double time_limit = 0.0;    ///< [s]; 0: as configured
   std::vector<double> start;  ///< x [m], y [m], yaw [deg]; empty: the world's
+  int save_problems = 0;      ///< write the problem of every so manyeth planning step; 0: none
   bool json = false;
   bool quiet = false;
 };
 int explore(const ExploreArguments& arguments);
 
 struct SolveArguments {
-  std::vector<std::string> problems;  ///< WORLD@STEP
-  std::string configuration;
-  std::vector<std::string> solvers;  ///< empty: one of each family
-  double deadline = 0.0;             ///< [s], 0: none
+  std::vector<std::string> problems;  ///< problem files, WORLD@STEP
+  std::string configuration;          ///< of the missions of WORLD@STEP
+  std::vector<std::string> solvers;   ///< empty: one of each family
+  double deadline = 0.0;              ///< [s], 0: none
   int max_evaluations = 400;
   std::uint64_t seed = 1;
   bool json = false;

@@ -7,10 +7,12 @@
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
+#include "adapters/problem_file/problem_file.h"
 #include "adapters/report/progress_line.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/run/run_folder.h"
 #include "adapters/worlds/load_world.h"
+#include "engine/planner.h"
 #include "solvers/registry.h"
 
 namespace prospect {
@@ -83,8 +85,22 @@ int explore(const ExploreArguments& arguments) {
   std::signal(SIGTERM, interrupt);
   ProgressLine progress = ProgressLine::on_stderr();
   const auto start = std::chrono::steady_clock::now();
+  const Planner* planner = nullptr;
+  options.make_planner = [&](const Configuration& c) {
+    auto made = std::make_unique<Planner>(c.robot, c.planner, make_solver(c.solver));
+    planner = made.get();
+    return made;
+  };
   options.on_step = [&](const StepRecord& step) {
     folder.add(step);
+    const int every = arguments.save_problems;
+    if (every > 0 && step.step % every == 0 && planner->recipe()) {
+      folder.add(SavedProblem{
+          {"prospect " PROSPECT_VERSION, world->name, arguments.seed, step.step, step.time},
+          *planner->recipe(),
+          planner->seeds(),
+          std::nullopt});
+    }
     if (arguments.quiet) return;
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     progress.show(step, configuration.solver, elapsed.count());

@@ -84,6 +84,10 @@ int run(int argc, char** argv) {
   explore_command->add_option("--start", explore_arguments.start, "Start x [m] y [m] yaw [deg]")
       ->expected(3)
       ->check(number_within(-1e6, 1e6));
+  explore_command
+      ->add_option("--save-problems", explore_arguments.save_problems,
+                   "Write the planning problem of every Nth step into the run folder")
+      ->check(whole_number_within(1, 1000000));
   explore_command->add_flag("--json", explore_arguments.json, "Print the summary as JSON");
   explore_command->add_flag("--quiet", explore_arguments.quiet, "No progress line");
 
@@ -92,9 +96,11 @@ int run(int argc, char** argv) {
       app.add_subcommand("solve", "One planning problem, several back ends, side by side");
   solve_command
       ->add_option("problem", solve_arguments.problems,
-                   "WORLD@STEP: the problem that a mission in WORLD meets at planning step STEP")
+                   "Problem file (explore --save-problems), or WORLD@STEP: the problem that a "
+                   "mission in WORLD meets at planning step STEP")
       ->required();
-  solve_command->add_option("--config", solve_arguments.configuration, "Configuration file (YAML)");
+  solve_command->add_option("--config", solve_arguments.configuration,
+                            "Configuration file (YAML) of the mission of WORLD@STEP");
   solve_command->add_option("--solver", solve_arguments.solvers, "Back ends, separated by commas")
       ->delimiter(',');
   solve_command

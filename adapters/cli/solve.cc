@@ -1,12 +1,16 @@
 #include <charconv>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <system_error>
+#include <utility>
 
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
+#include "adapters/problem_file/problem_file.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
 #include "engine/planner.h"
@@ -21,7 +25,20 @@ struct NamedProblem {
   WarmStart warm_start;
 };
 
-/// WORLD@STEP: runs the mission up to that planning step and takes the problem it meets there.
+/// The problem file `path`.
+NamedProblem load(const std::string& path) {
+  ReadProblem read = read_problem(path);
+  NamedProblem named{path, std::move(read.problem), {}};
+  if (read.saved.warm_start) {
+    named.warm_start = std::move(*read.saved.warm_start);
+  } else if (!read.saved.seeds.empty()) {
+    named.warm_start.x = read.saved.seeds.front().z;
+  }
+  return named;
+}
+
+/// WORLD@STEP: runs the mission up to that planning step and takes the problem it meets there. Any
+/// other text is the path of a problem file.
 NamedProblem capture(const std::string& text, const Configuration& configuration,
                      std::uint64_t seed) {
   const std::size_t at = text.rfind('@');
@@ -33,8 +50,12 @@ NamedProblem capture(const std::string& text, const Configuration& configuration
     if (error != std::errc() || end != last) step = -1;
   }
   if (step < 0) {
+    const std::filesystem::path path(text);
+    std::error_code ignored;
+    if (path.extension() == ".h5" || std::filesystem::exists(path, ignored)) return load(text);
     throw InputError("problem '" + text +
-                     "': no planning step; expected WORLD@STEP, e.g. office@40");
+                     "': no such file and no planning step; expected WORLD@STEP, e.g. office@40, "
+                     "or a problem file");
   }
   const auto world = std::make_shared<const World>(
       load_world(text.substr(0, at), world_options_for(configuration)));

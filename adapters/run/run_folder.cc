@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "adapters/config/input_error.h"
+#include "adapters/problem_file/problem_file.h"
 #include "adapters/report/report.h"
 #include "adapters/worlds/octree_file.h"
 
@@ -82,6 +83,29 @@ std::string step_row(const StepRecord& s, const std::vector<std::string>& terms)
          std::to_string(s.active_frontiers) + ',' + std::to_string(s.guard_stops) + '\n';
 }
 
+constexpr const char* kProblems = "problems";
+
+std::string problem_name(int step) {
+  char name[32];
+  std::snprintf(name, sizeof name, "step_%06d.h5", step);
+  return name;
+}
+
+/// Removes the problem files of an earlier run, and their folder if nothing else is in it.
+void remove_problems(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> old;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    int step = 0;
+    const std::string name = entry.path().filename().string();
+    if (std::sscanf(name.c_str(), "step_%d.h5", &step) == 1 && name == problem_name(step)) {
+      old.push_back(entry.path());
+    }
+  }
+  for (const fs::path& path : old) fs::remove(path, error);
+  if (fs::is_directory(folder, error) && fs::is_empty(folder, error)) fs::remove(folder, error);
+}
+
 std::string timing_row(const StepRecord& s) {
   std::string row = std::to_string(s.step);
   for (const double ms : {s.wall.plan, s.wall.guide, s.wall.clearance, s.wall.views, s.wall.seeds,
@@ -129,6 +153,7 @@ RunFolder::RunFolder(const std::string& path) : path_(path) {
   for (const char* name : {"summary.json", "config.yaml", "map.bt", "report.html"}) {
     fs::remove(fs::path(path) / name, error);
   }
+  remove_problems(fs::path(path) / kProblems);
   append(timing_, "timing.csv",
          "step,plan_ms,guide_ms,clearance_ms,views_ms,seeds_ms,polish_ms,certify_ms\n");
 }
@@ -147,6 +172,17 @@ void RunFolder::add(const StepRecord& step) {
   append(true_, "trajectory_true.tum", tum(step.time, step.true_pose));
   waiting_.push_back(step);
   if (header_written_ || !step.explanation.terms.empty()) write_waiting();
+}
+
+void RunFolder::add(const SavedProblem& saved) {
+  const fs::path folder = fs::path(path_) / kProblems;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  try {
+    write_problem((folder / problem_name(saved.origin.step)).string(), saved);
+  } catch (const std::exception& e) {
+    if (error_.empty()) error_ = e.what();
+  }
 }
 
 void RunFolder::write_waiting() {

@@ -13,10 +13,13 @@ class OcTree;
 
 namespace prospect {
 
+struct SavedProblem;
+
 /// The folder that a mission writes (docs/report.md describes every file and column):
 ///   steps.csv                   one row a planning step; the same bytes for the same seed
 ///   timing.csv                  wall-clock milliseconds of each step, kept apart for that reason
 ///   trajectory_estimated.tum, trajectory_true.tum
+///   problems/step_000040.h5     the problem of a planning step, if asked for
 ///   summary.json, config.yaml, map.bt, report.html     at the end
 ///
 /// Rows are handed to the operating system one by one, so a kill at any moment leaves whole rows
@@ -33,6 +36,8 @@ class RunFolder {
   /// The columns of steps.csv are the terms of the first step that has any; rows before it wait
   /// for them. A term that first appears later has no column.
   void add(const StepRecord& step);
+  /// Writes the problem file of a planning step (saved.origin.step), whole or not at all.
+  void add(const SavedProblem& saved);
   /// Everything that is written at the end. `map` may be null.
   void finish(const RunRecord& record, const octomap::OcTree* map);
 
