@@ -15,7 +15,7 @@ BodyClearance::BodyClearance(std::shared_ptr<const ClearanceField> field, const 
   if (field_ == nullptr) throw std::invalid_argument("body clearance: no clearance field");
   if (!(temperature > 0.0) || !std::isfinite(temperature)) {
     throw std::invalid_argument("body clearance: temperature is " + std::to_string(temperature) +
-                                " m, expected > 0");
+                                " m; expected > 0");
   }
   validate(shape);
   if (field_->options().vertical) {
@@ -30,7 +30,7 @@ BodyClearance::BodyClearance(std::shared_ptr<const ClearanceField> field, const 
   if (!(saturation_ > 0.0)) {
     throw std::invalid_argument("body clearance: the field's cutoff less its margin is " +
                                 std::to_string(saturation_ + largest_radius_) +
-                                " m, expected more than the largest bounding radius, " +
+                                " m; expected more than the largest bounding radius, " +
                                 std::to_string(largest_radius_));
   }
   centred_ = bodies_.size() == 1 && bodies_.front().center.head<2>().isZero(0.0);

@@ -314,17 +314,17 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 Certifier::Certifier(const RobotShape& shape, Options options) : options_(options) {
   if (!(options.margin > 0.0) || !std::isfinite(options.margin)) {
     throw std::invalid_argument("certifier: margin is " + std::to_string(options.margin) +
-                                " m, expected > 0");
+                                " m; expected > 0");
   }
   if (!std::isfinite(options.slice.z_min) || !std::isfinite(options.slice.z_max) ||
       !(options.slice.z_max > options.slice.z_min)) {
     throw std::invalid_argument("certifier: slice is [" + std::to_string(options.slice.z_min) +
                                 ", " + std::to_string(options.slice.z_max) +
-                                "] m, expected z_min < z_max");
+                                "] m; expected z_min < z_max");
   }
   if (!(options.max_tail_time > 0.0)) {
     throw std::invalid_argument("certifier: max_tail_time is " +
-                                std::to_string(options.max_tail_time) + " s, expected > 0");
+                                std::to_string(options.max_tail_time) + " s; expected > 0");
   }
   auto body = std::make_unique<Body>();
   body->exact = Body::parts(shape, 0.0);

@@ -41,22 +41,23 @@ ClearanceField::ClearanceField(const Eigen::Vector3d& center, const VoxelGrid& v
     : options_(options) {
   const double r = voxels.resolution();
   require(center.allFinite() && center.cwiseAbs().maxCoeff() < 1e6,
-          "the centre is not finite or beyond 1000 km");
+          "the centre is not finite or beyond 1000 km; expected one within");
   require(options.reach > 0.0 && options.reach / r < 2000.0,
-          "reach is " + std::to_string(options.reach) + " m, expected within (0, 2000 voxels)");
+          "reach is " + std::to_string(options.reach) + " m; expected within (0, 2000 voxels)");
   require(options.cutoff >= r && options.cutoff <= (kMaxHalo - 1) * r,
-          "cutoff is " + std::to_string(options.cutoff) + " m, expected between 1 and 49 voxels");
-  require(std::isfinite(options.margin), "margin is not finite");
-  require(ground.frame().resolution == r, "ground map and voxels differ in resolution");
+          "cutoff is " + std::to_string(options.cutoff) + " m; expected between 1 and 49 voxels");
+  require(std::isfinite(options.margin), "margin is not finite; expected a finite number");
+  require(ground.frame().resolution == r,
+          "ground map and voxels differ in resolution; expected the same");
   if (options.vertical) {
     require(options.vertical_reach > 0.0 && options.vertical_reach / r < 500.0,
             "vertical_reach is " + std::to_string(options.vertical_reach) +
-                " m, expected within (0, 500 voxels)");
+                " m; expected within (0, 500 voxels)");
   } else {
     require(std::isfinite(options.slice.z_min) && std::isfinite(options.slice.z_max) &&
                 options.slice.z_max > options.slice.z_min,
             "slice is [" + std::to_string(options.slice.z_min) + ", " +
-                std::to_string(options.slice.z_max) + "] m, expected z_min < z_max");
+                std::to_string(options.slice.z_max) + "] m; expected z_min < z_max");
   }
 
   halo_ = static_cast<int>(std::floor(options.cutoff / r + 0.5));

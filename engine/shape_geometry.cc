@@ -67,7 +67,7 @@ std::vector<PlacedGeometry> shape_geometry(const RobotShape& shape, double infla
   validate(shape);
   if (!(inflation >= 0.0) || !std::isfinite(inflation)) {
     throw std::invalid_argument("shape geometry: inflation is " + std::to_string(inflation) +
-                                " m, expected a finite number >= 0");
+                                " m; expected a finite number >= 0");
   }
   return std::visit(Builder{inflation}, shape);
 }

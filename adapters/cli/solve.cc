@@ -150,10 +150,15 @@ int solve(const SolveArguments& arguments) {
     solvers.push_back(make_solver(name));
   }
 
+  // All of them before any is solved: a bad one is refused with nothing printed.
+  std::vector<NamedProblem> problems;
+  for (const std::string& text : arguments.problems) {
+    problems.push_back(capture(text, configuration, arguments.seed));
+  }
+
   bool any_feasible = false, all_absent = true;
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const std::string& text : arguments.problems) {
-    NamedProblem named = capture(text, configuration, arguments.seed);
+  for (const NamedProblem& named : problems) {
     Options options;
     options["max_evaluations"] = arguments.max_evaluations;
     options["seed"] = static_cast<int>(arguments.seed);
@@ -167,7 +172,7 @@ int solve(const SolveArguments& arguments) {
       any_feasible |= r.quality == Quality::kFeasible || r.quality == Quality::kFeasibleOptimum;
       if (r.quality != Quality::kNone) all_absent = false;
       nlohmann::ordered_json row = to_json(solver->name(), r);
-      if (arguments.problems.size() > 1) row["problem"] = named.name;
+      if (problems.size() > 1) row["problem"] = named.name;
       json.push_back(std::move(row));
     }
     if (!arguments.json) print_table(named, rows);

@@ -41,7 +41,7 @@ class Hdf5Writer final : public Archive {
 /// Takes nothing on trust: an entry must have the very type and shape that is asked for before
 /// anything is read or allocated, its data must lie in this file (no external files, no links to
 /// elsewhere, no filters but the usual), and checksums must hold. Entries that are not asked for
-/// are ignored.
+/// are ignored. (Against accidents: HDF5 inflates a crafted chunk before it compares sizes.)
 class Hdf5Reader final : public Archive {
  public:
   /// `file` need not outlive the constructor. Throws std::invalid_argument if it is no HDF5 file.

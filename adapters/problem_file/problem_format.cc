@@ -20,7 +20,7 @@ constexpr std::size_t kMostBodyParts = 1000;
 constexpr std::size_t kMostSeeds = 100'000;
 constexpr double kMostFieldNodes = 25e6;
 constexpr double kMostTableEntries = 50e6;
-constexpr double kMostRaySteps = 1e11;
+constexpr double kMostRaySteps = 5e9;
 constexpr int kMostStages = 1000;
 constexpr double kFarthest = 1e6;  // [m]; beyond, addresses of cells could overflow
 constexpr int kFarthestCell = 1'000'000'000;
@@ -259,7 +259,7 @@ void occlusion(Archive& a, SensorLattice& lattice, OcclusionTable::Options& opti
                std::to_string(nodes[0]) + " x " + std::to_string(nodes[1]) + " x " +
                    std::to_string(nodes[2]) + " nodes with rays to " + std::to_string(points) +
                    " points within " + std::to_string(options.max_range) + " m",
-               "at most 5e7 rays of 1e11 voxels in all");
+               "at most 5e7 rays of 5e9 voxels in all");
     }
   });
 }
@@ -470,10 +470,15 @@ void seeds(Archive& a, SavedProblem& problem) {
   });
 }
 
-/// A vector of any length; empty means none.
-void multipliers(Archive& a, const char* name, Eigen::VectorXd& values, std::size_t most) {
+/// A vector of `size` numbers, or empty, which means none.
+void optional_vector(Archive& a, const char* name, Eigen::VectorXd& values, Eigen::Index size) {
   std::vector<double> data(values.data(), values.data() + values.size());
+  const auto most = static_cast<std::size_t>(size);
   const Archive::Shape shape = a.shape(name, {data.size()}, most);
+  if (shape[0] != 0 && shape[0] != most) {
+    a.refuse(name, "has " + std::to_string(shape[0]) + " entries",
+             std::to_string(most) + " or none");
+  }
   a.array(name, data, shape);
   values = Eigen::Map<const Eigen::VectorXd>(data.data(), index(data.size()));
 }
@@ -481,13 +486,13 @@ void multipliers(Archive& a, const char* name, Eigen::VectorXd& values, std::siz
 void warm_start(Archive& a, SavedProblem& problem) {
   bool present = problem.warm_start.has_value();
   a.optional_group("warm_start", present, [&] {
-    constexpr std::size_t kMost = 1'000'000;
     if (!problem.warm_start) problem.warm_start.emplace();
     WarmStart& w = *problem.warm_start;
-    multipliers(a, "x", w.x, kMost);
-    multipliers(a, "lambda", w.lambda, kMost);
-    multipliers(a, "z_lower", w.z_lower, kMost);
-    multipliers(a, "z_upper", w.z_upper, kMost);
+    const std::shared_ptr<const Problem> made = make_problem(problem.recipe);
+    optional_vector(a, "x", w.x, made->num_variables());
+    optional_vector(a, "lambda", w.lambda, made->num_constraints());
+    optional_vector(a, "z_lower", w.z_lower, made->num_variables());
+    optional_vector(a, "z_upper", w.z_upper, made->num_variables());
     a.number("mu", w.mu, 0.0);
     a.number("time", w.time);
   });

@@ -24,7 +24,7 @@ BrakingConstraint::BrakingConstraint(std::shared_ptr<const BodyClearance> known,
   if (known_ == nullptr) throw std::invalid_argument("braking constraint: no clearance");
   if (known_->field().options().obstacles != ClearanceField::Obstacles::kOccupiedAndUnknown) {
     throw std::invalid_argument(
-        "braking constraint: the clearance ignores unknown space, expected a field with "
+        "braking constraint: the clearance ignores unknown space; expected a field with "
         "kOccupiedAndUnknown");
   }
   if (!(options_.margin >= 0.0) || !(options_.slack >= 0.0) || !std::isfinite(options_.slack) ||
@@ -32,12 +32,12 @@ BrakingConstraint::BrakingConstraint(std::shared_ptr<const BodyClearance> known,
     throw std::invalid_argument(
         "braking constraint: margin, slack and deceleration are " +
         std::to_string(options_.margin) + ", " + std::to_string(options_.slack) + ", " +
-        std::to_string(options_.deceleration) + ", expected finite numbers >= 0");
+        std::to_string(options_.deceleration) + "; expected finite numbers >= 0");
   }
   if (!(known_->saturation() > options_.margin)) {
     throw std::invalid_argument("braking constraint: the clearance saturates at " +
                                 std::to_string(known_->saturation()) +
-                                " m, expected above the margin, " +
+                                " m; expected above the margin, " +
                                 std::to_string(options_.margin) + " m (raise the field's cutoff)");
   }
 }

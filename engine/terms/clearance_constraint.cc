@@ -28,16 +28,16 @@ ClearanceConstraint::ClearanceConstraint(std::shared_ptr<const BodyClearance> cl
       options_.floor > options_.d_safe) {
     throw std::invalid_argument(who + "floor = " + std::to_string(options_.floor) +
                                 " m, d_safe = " + std::to_string(options_.d_safe) +
-                                " m, expected floor <= d_safe");
+                                " m; expected floor <= d_safe");
   }
   if (!(options_.slack >= 0.0) || !std::isfinite(options_.slack)) {
     throw std::invalid_argument(who + "slack = " + std::to_string(options_.slack) +
-                                " m, expected >= 0");
+                                " m; expected >= 0");
   }
   if (!(clearance_->saturation() > options_.d_safe)) {
     throw std::invalid_argument(who + "the clearance saturates at " +
                                 std::to_string(clearance_->saturation()) +
-                                " m, expected above d_safe = " + std::to_string(options_.d_safe) +
+                                " m; expected above d_safe = " + std::to_string(options_.d_safe) +
                                 " m (raise the field's cutoff)");
   }
 }

@@ -14,12 +14,12 @@ ObstacleCost::ObstacleCost(std::shared_ptr<const BodyClearance> clearance, doubl
   if (!(d_safe >= 0.0) || !(d_des > d_safe) || !std::isfinite(d_des)) {
     throw std::invalid_argument("obstacle cost: d_safe = " + std::to_string(d_safe) +
                                 " m, d_des = " + std::to_string(d_des) +
-                                " m, expected 0 <= d_safe < d_des");
+                                " m; expected 0 <= d_safe < d_des");
   }
   if (!(clearance_->saturation() >= d_des)) {
     throw std::invalid_argument(
         "obstacle cost: the clearance saturates at " + std::to_string(clearance_->saturation()) +
-        " m, expected at least d_des = " + std::to_string(d_des) + " m (raise the field's cutoff)");
+        " m; expected at least d_des = " + std::to_string(d_des) + " m (raise the field's cutoff)");
   }
   alpha_ = 6.0 / (d_des - d_safe);
   beta_ = 0.5 * (d_des + d_safe);

@@ -137,6 +137,10 @@ refused "time limit that is no number" --time-limit: "'nan'; expected a number f
   explore office --out run --time-limit nan
 refused "time limit out of range" --time-limit: "'0'; expected a number from 1" \
   explore office --out run --time-limit 0
+for every in 0 -1 2.5 x; do
+  refused "--save-problems $every" --save-problems: "'$every'; expected a whole number from 1" \
+    "${explore[@]}" office --save-problems "$every"
+done
 refused "unknown option" --bogus expected "${explore[@]}" office --bogus
 refused "unknown command" "'exlore'" "did you mean 'explore'?" exlore office
 refused "no command" required "see \`prospect --help\`"
@@ -206,6 +210,36 @@ done
   "solver:nlopt solver:ipopt solver:sampling " ]] || fail "solve: not the solvers that were asked for"
 succeeds "solve as a table" solve office@3 --solver sampling
 named "solve as a table" sampling control_effort
+
+# --- Problem files: of a mission that goes on as if none was written, and solved as if one was there.
+for n in saved saved_again; do
+  succeeds "a mission that saves problems" explore office --time-limit 5 --seed 3 --quiet \
+    --out "$n" --save-problems 4
+  [[ "$(ls "$n/problems" | tr '\n' ' ')" == "step_000000.h5 step_000004.h5 step_000008.h5 " ]] ||
+    fail "not the problems of every fourth step: '$(ls "$n/problems")'"
+done
+cmp -s saved/steps.csv first/steps.csv || fail "saving problems changes the mission"
+diff -r saved/problems saved_again/problems || fail "problem files differ between two equal runs"
+succeeds "solve a step of a mission" solve office@8 --seed 3 --solver nlopt,ipopt,sampling --json
+grep -v '"wall_ms"' out.txt >of_mission.json
+succeeds "solve a problem file" solve saved/problems/step_000008.h5 --seed 3 \
+  --solver nlopt,ipopt,sampling --json
+grep -v '"wall_ms"' out.txt | diff of_mission.json - ||
+  fail "a problem file is solved differently from the mission's problem"
+succeeds "solve two problem files" solve saved/problems/step_00000{0,4}.h5 --solver sampling
+named "solve two problem files" saved/problems/step_000000.h5: saved/problems/step_000004.h5:
+
+problem=saved/problems/step_000004.h5
+head -c 30000 $problem >truncated.h5
+cp $problem flipped.h5
+printf '\xff\xff' | dd of=flipped.h5 bs=1 seek=60 conv=notrunc status=none
+cp first/map.bt map.h5
+for file in truncated.h5 flipped.h5 map.h5 first/map.bt empty.bt nothing.h5 folder first/steps.csv; do
+  refused "$file as a problem" "prospect: $file: " "; expected " solve "$file" --solver sampling
+  (($(wc -l <err.txt) == 1)) || fail "$file as a problem: more than one line: '$err'"
+done
+refused "a bad problem after a good one" truncated.h5 "; expected a whole problem file" \
+  solve $problem truncated.h5 --solver sampling
 
 for arguments in --help "explore --help" "solve --help" "list --help" "config --help" --version; do
   # shellcheck disable=SC2086
