@@ -1,7 +1,6 @@
 #include "benchmarks/frontier_planner.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <exception>
 #include <optional>
@@ -14,41 +13,9 @@
 #include "engine/certificate.h"
 #include "engine/clearance_field.h"
 #include "engine/limited_twist.h"
+#include "engine/stopwatch.h"
 
 namespace prospect {
-namespace {
-
-class Stopwatch {
- public:
-  /// Milliseconds since the last lap.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
-    return ms;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
-
-/// As Planner derives them: what the guide needs to know about the robot follows from the robot.
-ExplorationGuideOptions guide_options(const RobotDescription& robot, const PlannerParameters& p) {
-  if (!robot.model) throw std::invalid_argument("frontier planner: no motion model; expected one");
-  validate(robot.shape);
-  ExplorationGuideOptions options = p.guide;
-  const double radius = circumscribed_radius(robot.shape);
-  options.traversability.hard_radius = radius + std::max(p.d_safe, p.certificate_margin);
-  options.traversability.comfortable_radius =
-      std::max(options.traversability.hard_radius, radius + p.d_des * 0.7);
-  options.frontiers.sensor_range = robot.depth.max_range;
-  options.memory.sensor_range = robot.depth.max_range;
-  options.memory.sensor_fov = robot.depth.horizontal_fov;
-  options.cost_to_go.v_max = robot.model->max_speed();
-  return options;
-}
-
-}  // namespace
 
 struct FrontierPlanner::Impl {
   RobotDescription robot;
@@ -69,7 +36,7 @@ struct FrontierPlanner::Impl {
   Impl(FrontierRule rule, RobotDescription r, PlannerParameters p)
       : robot(std::move(r)),
         parameters(std::move(p)),
-        guide(rule, guide_options(robot, parameters)) {
+        guide(rule, guide_options_for(robot, parameters)) {
     const PlannerParameters& q = parameters;
     if (!(q.dt > 0.0) || !(q.committed >= q.dt) || !(q.committed < 60.0)) {
       throw std::invalid_argument("frontier planner: dt = " + std::to_string(q.dt) +
@@ -187,7 +154,8 @@ struct FrontierPlanner::Impl {
     }
     Stopwatch total, watch;
     PlanTimes times;
-    guidance = guide.update(*belief.ground, belief.pose, belief.stamp);
+    guidance = guide.update(*belief.ground, belief.pose, belief.stamp,
+                            {.looked = belief.localization != Localization::kLost});
     times.guide = watch.lap();
 
     ClearanceField::Options field;

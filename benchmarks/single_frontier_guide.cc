@@ -1,6 +1,5 @@
 #include "benchmarks/single_frontier_guide.h"
 
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -129,8 +128,9 @@ std::vector<double> SingleFrontierGuide::bonuses(const BonusQuestion& question, 
 }
 
 std::shared_ptr<const Guidance> SingleFrontierGuide::update(const GroundMap& ground,
-                                                            const Pose& pose, double stamp) {
-  return guide_.update(ground, pose, stamp, nullptr,
+                                                            const Pose& pose, double stamp,
+                                                            const GuideAttention& attention) {
+  return guide_.update(ground, pose, stamp, attention, nullptr,
                        [&](const BonusQuestion& question) { return bonuses(question, stamp); });
 }
 

@@ -25,7 +25,8 @@ class SingleFrontierGuide {
   SingleFrontierGuide(FrontierRule rule, const ExplorationGuideOptions& options,
                       double reselect_after = 3.0);
 
-  std::shared_ptr<const Guidance> update(const GroundMap& ground, const Pose& pose, double stamp);
+  std::shared_ptr<const Guidance> update(const GroundMap& ground, const Pose& pose, double stamp,
+                                         const GuideAttention& attention = {});
 
   /// What the rule was last asked.
   const std::vector<FrontierOption>& options() const { return options_; }

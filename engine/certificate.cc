@@ -440,7 +440,9 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
         length = piece;
       }
     }
-    result.detail = "clear for " + std::to_string(result.time) + " s";
+    char detail[40];
+    std::snprintf(detail, sizeof detail, "clear for %.6g s", result.time);
+    result.detail = detail;
     return result;
   } catch (const std::exception& error) {
     return reject(Certificate::Status::kNonFinite,

@@ -89,8 +89,8 @@ class Certifier {
                       const Eigen::Ref<const Eigen::VectorXd>& u_previous,
                       const Eigen::Ref<const Eigen::MatrixXd>& committed, double dt) const;
 
-  /// Whether the true body (no margin) touches an occupied voxel at this pose; true for a pose that is
-  /// not finite.
+  /// Whether the true body (no margin) touches an occupied voxel at this pose; true for a pose that
+  /// is not finite.
   bool in_collision(const Belief& belief, const Pose& pose, bool planar) const;
 
   const Options& options() const { return options_; }

@@ -1,10 +1,12 @@
 #include "engine/exploration_guide.h"
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 #include <utility>
+
+#include "engine/stopwatch.h"
 
 namespace prospect {
 namespace {
@@ -55,9 +57,11 @@ void ExplorationGuide::mark_reachable(std::vector<Frontier>& frontiers) {
 }
 
 std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground, const Pose& pose,
-                                                         double stamp, const Grid<float>* features,
+                                                         double stamp,
+                                                         const GuideAttention& attention,
+                                                         const Grid<float>* features,
                                                          const BonusRule& rule) {
-  const auto begin = std::chrono::steady_clock::now();
+  Stopwatch watch;
   // Beyond this the cell address would not fit an int.
   constexpr double kFarthest = 1e6;
   const Eigen::Vector2d p = pose.position.head<2>();
@@ -65,19 +69,24 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       !std::isfinite(stamp)) {
     return last_;
   }
-  if (relaxed_ &&
-      traversability_.explored_area() - relaxed_explored_ >= options_.memory.retry_area) {
+  if (relaxed_ && traversability_.explored_area() - relaxed_explored_ >= memory_.retry_area()) {
     restart(false);
+    reopenings_ = 0;
   }
-  std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, features, rule);
-  if (guidance->advice == Advice::kDone && !relaxed_) {
-    restart(true);
-    guidance = step(ground, pose, stamp, features, rule);
-    relaxed_explored_ = traversability_.explored_area();
+  std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, features, rule);
+  if (guidance->advice == Advice::kDone) {
+    const bool reopen = relaxed_ && gap_closed_ && reopenings_ < options_.reopenings;
+    if (!relaxed_ || reopen) {
+      if (reopen) ++reopenings_;
+      restart(true);
+      // What was in view is counted already.
+      guidance = step(ground, pose, stamp, {.looked = false, .pursued = attention.pursued},
+                      features, rule);
+      relaxed_explored_ = traversability_.explored_area();
+    }
   }
   guidance->relaxed = relaxed_;
-  guidance->milliseconds =
-      std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+  guidance->milliseconds = watch.lap();
   last_ = guidance;
   return guidance;
 }
@@ -85,9 +94,14 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
 void ExplorationGuide::restart(bool relaxed) {
   relaxed_ = relaxed;
   TraversabilityOptions traversability = options_.traversability;
-  if (relaxed) traversability.lattice_slack += options_.relaxed_slack;
+  FrontierOptions frontiers = options_.frontiers;
+  if (relaxed) {
+    traversability.lattice_slack += options_.relaxed_slack;
+    frontiers.min_length = std::min(frontiers.min_length, options_.relaxed_length);
+  }
+  gap_closed_ = false;
   traversability_ = Traversability(traversability);
-  detector_ = FrontierDetector(options_.frontiers);
+  detector_ = FrontierDetector(frontiers);
   field_ = CostToGoField(options_.cost_to_go);
 }
 
@@ -101,6 +115,7 @@ void ExplorationGuide::close_gap() {
     if (traversability_.clearance(c) + options_.traversability.lattice_slack <
         options_.traversability.hard_radius) {
       traversability_.close(c, kGapRadius);
+      gap_closed_ = true;
       detector_.update(traversability_);
       return;
     }
@@ -139,13 +154,17 @@ std::vector<double> ExplorationGuide::bonuses(const BonusQuestion& question,
 }
 
 std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const Pose& pose,
-                                                 double stamp, const Grid<float>* features,
+                                                 double stamp, const GuideAttention& attention,
+                                                 const Grid<float>* features,
                                                  const BonusRule& rule) {
   const Eigen::Vector2d p = pose.position.head<2>();
   traversability_.update(ground);
   detector_.update(traversability_);
   memory_.map_changed(traversability_.newly_known(), traversability_.changed_states());
-  memory_.look(traversability_.see_through(), detector_.frontiers(), pose, stamp);
+  if (attention.looked) {
+    memory_.look(traversability_.see_through(), detector_.frontiers(), pose, stamp);
+  }
+  if (!attention.pursued) memory_.hold_clock(stamp);
 
   const GridFrame& frame = traversability_.frame();
   const Cell robot = frame.cell(p.x(), p.y());

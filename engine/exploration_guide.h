@@ -24,7 +24,17 @@ struct ExplorationGuideOptions {
   CostToGoOptions cost_to_go;
   /// Added to lattice_slack when nothing is reachable any more [m]; see ExplorationGuide.
   double relaxed_slack = 0.1;
+  /// Smallest frontier then [m], if less than frontiers.min_length: a keyhole may show a room.
+  double relaxed_length = 0.2;
+  /// How often the gaps at which targets were given up are opened again before "done".
+  int reopenings = 1;
   double kappa = 0.5;  ///< [m] bonus of a frontier per unit of log(1 + length / 1 m)
+};
+
+/// What the robot did since the last update.
+struct GuideAttention {
+  bool looked = true;   ///< images extended the map: what was in view was looked at
+  bool pursued = true;  ///< it tried to reach the target; false: it had something else to do
 };
 
 /// Where the cost-to-go leads the robot.
@@ -79,8 +89,13 @@ struct Guidance {
 /// relaxed_slack narrower than the hard constraint asks for: walls drawn twice by a drifting
 /// estimate close real doors, and a look from near opens them again. What may be driven is decided
 /// by the certificate, not here: a gap at which a target is given up is closed, else every frontier
-/// behind it would be tried in turn. It goes back to the strict radii once something new was
+/// behind it would be tried in turn; before "done" all gaps are opened again, `reopenings` times.
+/// Frontiers from relaxed_length on count then, too: what a keyhole shows is a short frontier,
+/// whatever lies behind it. The guide goes back to the strict rules once something new was
 /// explored.
+///
+/// A robot that is lost does not extend its map, and one that recovers does not drive to its
+/// target: the attention says so, else frontiers are given up that nobody has tried.
 ///
 /// A value. Thread-safety: none (one mission, one thread); what update() returns is immutable and
 /// may be shared. update() never throws on a finite pose; a non-finite pose gives the last guidance
@@ -90,10 +105,12 @@ class ExplorationGuide {
   /// Throws std::invalid_argument naming the option, its value and what was expected.
   explicit ExplorationGuide(const ExplorationGuideOptions& options);
 
-  /// ground: successive states of one map. stamp [s], non-decreasing. features: expected count of
+  /// ground: successive states of one map. stamp [s], non-decreasing. attention: of the time since
+  /// the last update. features: expected count of
   /// visible features by cell in the direction of travel, null: no localization weighting. rule:
   /// null: kappa log(1 + m_c), as above.
   std::shared_ptr<const Guidance> update(const GroundMap& ground, const Pose& pose, double stamp,
+                                         const GuideAttention& attention = {},
                                          const Grid<float>* features = nullptr,
                                          const BonusRule& rule = nullptr);
 
@@ -104,7 +121,8 @@ class ExplorationGuide {
 
  private:
   std::shared_ptr<Guidance> step(const GroundMap& ground, const Pose& pose, double stamp,
-                                 const Grid<float>* features, const BonusRule& rule);
+                                 const GuideAttention& attention, const Grid<float>* features,
+                                 const BonusRule& rule);
   std::vector<double> bonuses(const BonusQuestion& question, const BonusRule& rule) const;
   void restart(bool relaxed);
   void close_gap();
@@ -120,6 +138,8 @@ class ExplorationGuide {
   std::vector<int> stack_;
   bool relaxed_ = false;
   double relaxed_explored_ = 0.0;
+  bool gap_closed_ = false;  // since the last restart
+  int reopenings_ = 0;       // since the strict rules were left
   std::shared_ptr<const Guidance> last_;
 };
 

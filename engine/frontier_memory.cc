@@ -32,7 +32,8 @@ double distance(Cell a, Cell b, double resolution) {
 
 }  // namespace
 
-FrontierMemory::FrontierMemory(const FrontierMemoryOptions& options) : options_(options) {
+FrontierMemory::FrontierMemory(const FrontierMemoryOptions& options)
+    : options_(options), retry_area_(options.retry_area) {
   const auto& o = options_;
   const auto positive = [](const char* name, double value) {
     require(value > 0.0 && value < 1e6, name, value, "more than 0, below 1e6");
@@ -122,6 +123,12 @@ void FrontierMemory::look(const Grid<std::uint8_t>& see_through,
   }
 }
 
+void FrontierMemory::hold_clock(double stamp) {
+  if (!progress_stamp_ || !(stamp > decided_at_)) return;
+  *progress_stamp_ += stamp - decided_at_;
+  decided_at_ = stamp;
+}
+
 bool FrontierMemory::suppressed(Cell c) const {
   const auto it = looks_.find({c.j, c.i});
   return it != looks_.end() && it->second.suppressed;
@@ -160,14 +167,16 @@ Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const Grid
   const bool first = !progress_stamp_.has_value();
   // A clock that jumps back must not freeze the watchdog.
   if (first || stamp < *progress_stamp_) progress_stamp_ = stamp;
+  decided_at_ = stamp;
   if (first) {
     progress_explored_ = explored;
     retry_explored_ = explored;
     best_value_ = value;
     progress_position_ = position;
   }
-  if (explored - retry_explored_ >= options_.retry_area) {
+  if (explored - retry_explored_ >= retry_area_) {
     retry_explored_ = explored;
+    if (retries_used_ > 0) retry_area_ *= 2.0;
     retries_used_ = 0;
   }
 

@@ -32,7 +32,8 @@ struct FrontierMemoryOptions {
   double progress_distance = 0.2;  ///< [m] fall of the cost-to-go that counts as progress
   double progress_area = 0.1;      ///< [m^2] newly explored that counts as progress
   int retries = 2;                 ///< times that everything is reactivated before "done"
-  double retry_area = 1.0;         ///< [m^2] newly explored that restores the retries
+  /// [m^2] newly explored that restores the retries; twice as much each time they are restored.
+  double retry_area = 1.0;
 };
 
 /// What the mission is told to do about its frontiers.
@@ -61,8 +62,8 @@ enum class Advice {
 ///   any for script_after: kGoAndFace; for deactivate_after: all cells of the target are
 ///   suppressed.
 /// * Before "done" everything is reactivated, `retries` times; retry_area newly explored restores
-/// the
-///   retries.
+///   the retries, twice that the next time and so on: a map that noise widens for ever would give
+///   retries for ever.
 ///
 /// Deterministic. Thread-safety: none (one mission, one thread). Never throws after construction.
 /// Source: formulation, section 6; the prototype's constants; what counts as progress is our
@@ -80,6 +81,10 @@ class FrontierMemory {
   /// by definition, has one failed look more. see_through: nonzero where sight passes a cell.
   void look(const Grid<std::uint8_t>& see_through, const std::vector<Frontier>& frontiers,
             const Pose& pose, double stamp);
+
+  /// The time since the last decide(), up to `stamp` [s], does not count as standing still: the
+  /// robot had something else to do than to reach its target.
+  void hold_clock(double stamp);
 
   bool suppressed(Cell c) const;
   int suppressed_count() const { return suppressed_count_; }
@@ -99,6 +104,8 @@ class FrontierMemory {
                 double value, double explored, double stamp, bool* sources_changed);
 
   int retries_used() const { return retries_used_; }
+  /// [m^2] newly explored that restores the retries next.
+  double retry_area() const { return retry_area_; }
   /// [s] since the last progress, at the last decide().
   double stalled_for() const { return stalled_for_; }
   /// Targets given up because no progress was made towards them, so far.
@@ -119,10 +126,12 @@ class FrontierMemory {
   std::optional<double> last_look_;
   std::optional<Cell> target_;
   std::optional<double> progress_stamp_;
+  double decided_at_ = 0.0;  // stamp of the last decide()
   Eigen::Vector2d progress_position_ = Eigen::Vector2d::Zero();
   double best_value_ = 0.0;
   double progress_explored_ = 0.0;
   double retry_explored_ = 0.0;
+  double retry_area_ = 0.0;
   int retries_used_ = 0;
   double stalled_for_ = 0.0;
   int given_up_ = 0;

@@ -1,7 +1,6 @@
 #include "engine/planner.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <exception>
 #include <stdexcept>
@@ -14,6 +13,7 @@
 #include "engine/limited_twist.h"
 #include "engine/retreat.h"
 #include "engine/seeds.h"
+#include "engine/stopwatch.h"
 
 namespace prospect {
 namespace {
@@ -21,20 +21,6 @@ namespace {
 /// Violation [m and the like] up to which a candidate counts as feasible when candidates are
 /// compared: the certificate, not this number, decides what may be executed.
 constexpr double kFeasible = 1e-3;
-
-class Stopwatch {
- public:
-  /// Milliseconds since the last lap.
-  double lap() {
-    const auto now = std::chrono::steady_clock::now();
-    const double ms = std::chrono::duration<double, std::milli>(now - last_).count();
-    last_ = now;
-    return ms;
-  }
-
- private:
-  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
-};
 
 struct Candidate {
   std::string name;
@@ -151,7 +137,9 @@ struct Planner::Impl {
       : robot(std::move(r)),
         parameters(std::move(p)),
         solver(std::move(s)),
-        guide(guide_options()) {
+        guide(guide_options_for(robot, parameters)) {
+    if (!solver) throw std::invalid_argument("planner: no solver; expected one");
+    parameters.guide = guide_options_for(robot, parameters);
     check(parameters);
     const VerticalExtent extent = vertical_extent(robot.shape);
     const double z = robot.model->pose_layout().fixed_z;
@@ -169,25 +157,6 @@ struct Planner::Impl {
     reach = robot.model->max_speed() * parameters.N * parameters.dt;
   }
 
-  /// What the guide needs to know about the robot follows from the robot.
-  ExplorationGuideOptions guide_options() {
-    if (!robot.model) throw std::invalid_argument("planner: no motion model; expected one");
-    if (!solver) throw std::invalid_argument("planner: no solver; expected one");
-    validate(robot.shape);
-    ExplorationGuideOptions options = parameters.guide;
-    const double radius = circumscribed_radius(robot.shape);
-    options.traversability.hard_radius =
-        radius + std::max(parameters.d_safe, parameters.certificate_margin);
-    options.traversability.comfortable_radius =
-        std::max(options.traversability.hard_radius, radius + parameters.d_des * 0.7);
-    options.frontiers.sensor_range = robot.depth.max_range;
-    options.memory.sensor_range = robot.depth.max_range;
-    options.memory.sensor_fov = robot.depth.horizontal_fov;
-    options.cost_to_go.v_max = robot.model->max_speed();
-    parameters.guide = options;
-    return options;
-  }
-
   Plan plan(const Belief& belief, const StopCondition& stop);
   void update_recovery(const Belief& belief);
   std::shared_ptr<const ProblemRecipe> make_recipe(const Belief& belief);
@@ -198,6 +167,23 @@ struct Planner::Impl {
   void fill(const TrajectoryBatch& t, int committed, Plan& plan) const;
   Plan stopping_plan(const Belief& belief, const std::string& why) const;
 };
+
+ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
+                                          const PlannerParameters& parameters) {
+  if (!robot.model) throw std::invalid_argument("planner: no motion model; expected one");
+  validate(robot.shape);
+  ExplorationGuideOptions options = parameters.guide;
+  const double radius = circumscribed_radius(robot.shape);
+  options.traversability.hard_radius =
+      radius + std::max(parameters.d_safe, parameters.certificate_margin);
+  options.traversability.comfortable_radius =
+      std::max(options.traversability.hard_radius, radius + parameters.d_des * 0.7);
+  options.frontiers.sensor_range = robot.depth.max_range;
+  options.memory.sensor_range = robot.depth.max_range;
+  options.memory.sensor_fov = robot.depth.horizontal_fov;
+  options.cost_to_go.v_max = robot.model->max_speed();
+  return options;
+}
 
 void Planner::Impl::update_recovery(const Belief& belief) {
   const double enough = 1.5 * parameters.features.N_min;
@@ -475,7 +461,9 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   plan.solver = solver->name();
 
   update_recovery(belief);
-  guidance = guide.update(*belief.ground, belief.pose, belief.stamp);
+  guidance =
+      guide.update(*belief.ground, belief.pose, belief.stamp,
+                   {.looked = belief.localization != Localization::kLost, .pursued = !recovering});
   plan.has_active_frontier = guidance->target.has_value();
   plan.times.guide = watch.lap();
   recipe = make_recipe(belief);

@@ -70,6 +70,11 @@ struct PlannerParameters {
   double recovery_pause = 20.0;
 };
 
+/// parameters.guide, with what the guide must know about the robot (size, sensor, speed) filled in.
+/// Throws std::invalid_argument if the robot has no model or its shape is unusable.
+ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
+                                          const PlannerParameters& parameters);
+
 /// One replanning step: Belief in, Plan out.
 ///
 ///   seeds -> batch score -> polish the best few -> exact certificate -> else the stopping tail.

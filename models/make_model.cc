@@ -1,13 +1,13 @@
 #include "models/make_model.h"
 
 #include <algorithm>
-#include <numeric>
 #include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "models/holonomic.h"
 #include "models/multirotor.h"
+#include "models/nearest_name.h"
 #include "models/unicycle.h"
 #include "models/unicycle_accel.h"
 
@@ -50,32 +50,10 @@ Fields<Multirotor> fields<Multirotor>() {
           {"az_max", &P::az_max}, {"omega_max", &P::omega_max}, {"alpha_max", &P::alpha_max}};
 }
 
-/// Number of single-character insertions, deletions and substitutions between two words.
-int edit_distance(std::string_view a, std::string_view b) {
-  std::vector<int> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    int diagonal = row[0];
-    row[0] = static_cast<int>(i);
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const int substituted = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row[b.size()];
-}
-
 [[noreturn]] void refuse(std::string_view what, std::string_view given,
                          const std::vector<std::string>& valid) {
-  const auto nearest = std::min_element(valid.begin(), valid.end(), [&](auto& a, auto& b) {
-    return edit_distance(given, a) < edit_distance(given, b);
-  });
-  std::ostringstream message;
-  message << "unknown " << what << " '" << given << "'; expected one of";
-  for (const std::string& name : valid) message << ' ' << name;
-  message << "; the nearest is '" << *nearest << "'";
-  throw std::invalid_argument(message.str());
+  throw std::invalid_argument("unknown " + std::string(what) + " '" + std::string(given) + "'" +
+                              did_you_mean(std::string(given), valid) + expected_one_of(valid));
 }
 
 template <class Model>

@@ -1,31 +1,15 @@
 #include "solvers/options.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
+#include "models/nearest_name.h"
+
 namespace prospect {
 namespace {
-
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), 0U);
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t substituted = diagonal + (lower(a[i - 1]) == lower(b[j - 1]) ? 0U : 1U);
-      diagonal = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, substituted});
-    }
-  }
-  return row.back();
-}
 
 std::string_view type_name(const OptionValue& value) {
   if (std::holds_alternative<double>(value)) return "a number";
@@ -33,19 +17,6 @@ std::string_view type_name(const OptionValue& value) {
 }
 
 }  // namespace
-
-std::string nearest_name(std::string_view name, const std::vector<std::string>& valid) {
-  std::string nearest;
-  std::size_t smallest = std::numeric_limits<std::size_t>::max();
-  for (const std::string& candidate : valid) {
-    const std::size_t distance = edit_distance(name, candidate);
-    if (distance < smallest) {
-      smallest = distance;
-      nearest = candidate;
-    }
-  }
-  return nearest;
-}
 
 std::vector<OptionInfo> common_options() {
   const CommonOptions fallback;
@@ -82,7 +53,7 @@ OptionSet::OptionSet(const std::vector<OptionInfo>& known, const Options& given)
     const auto found = values_.find(name);
     if (found == values_.end()) {
       require(false,
-              "unknown option '" + name + "'; the nearest is '" + nearest_name(name, names) + "'");
+              "unknown option '" + name + "'" + did_you_mean(name, names) + expected_one_of(names));
       continue;
     }
     given_.insert(name);

@@ -10,10 +10,6 @@
 
 namespace prospect {
 
-/// The name that needs the fewest single-character edits to become `name` (Levenshtein distance,
-/// letter case ignored); empty if there are none. A tie goes to the first.
-std::string nearest_name(std::string_view name, const std::vector<std::string>& valid);
-
 /// max_evaluations, tolerance, feasibility_tolerance, seed: see CommonOptions.
 std::vector<OptionInfo> common_options();
 

@@ -4,6 +4,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include "models/nearest_name.h"
 #include "solvers/evaluator.h"
 #include "solvers/nlopt_algorithms.h"
 #include "solvers/options.h"
@@ -92,8 +93,9 @@ std::shared_ptr<const Solver> make_solver(std::string_view name) {
     }
     names.push_back(entry.name);
   }
-  throw std::invalid_argument("unknown solver '" + std::string(name) + "'; the nearest is '" +
-                              nearest_name(name, names) + "'");
+  const std::string given(name);
+  throw std::invalid_argument("unknown solver '" + given + "'" + did_you_mean(given, names) +
+                              expected_one_of(names));
 }
 
 std::vector<SolverInfo> list_solvers() {

@@ -6,8 +6,8 @@
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
-#include "adapters/config/nearest_name.h"
 #include "adapters/worlds/builtin_worlds.h"
+#include "models/nearest_name.h"
 #include "solvers/options.h"
 #include "solvers/registry.h"
 
@@ -24,8 +24,9 @@ constexpr TermInfo kTerms[] = {
     {"control_effort", "w_u", "deviation of the input from the desired one"},
     {"input_rate", "w_du", "change of the input from stage to stage"},
     {"obstacles", "w_o", "closeness to obstacles, from FCL distances"},
-    {"visible_features", "w_l", "too few features predicted in view (count or information)"},
-    {"visible_features_chance", "w_c", "chance that fewer than N_min features are in view"},
+    {"visible_features", "w_l",
+     "too few features predicted in view (count or information); with w_c also the chance of fewer "
+     "than N_min"},
     {"exploration_gain", "w_e", "expected newly explored area (a reward)"},
     {"cost_to_go", "w_T", "time to the viewpoints of the active frontiers"},
     {"heading_alignment", "w_h", "heading away from where the cost-to-go falls"},

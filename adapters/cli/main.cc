@@ -12,7 +12,7 @@
 
 #include "adapters/cli/commands.h"
 #include "adapters/config/input_error.h"
-#include "adapters/config/nearest_name.h"
+#include "models/nearest_name.h"
 
 namespace {
 

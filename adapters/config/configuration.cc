@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "adapters/config/input_error.h"
-#include "adapters/config/nearest_name.h"
 #include "models/make_model.h"
+#include "models/nearest_name.h"
 #include "solvers/registry.h"
 
 namespace prospect {
@@ -151,7 +151,7 @@ void read_planner(YamlMap map, Configuration& c) {
   p.w_e = w.number("w_e", p.w_e, 0.0, 1e6, "1", "exploration gain");
   p.w_T = w.number("w_T", p.w_T, 0.0, 1e6, "1", "cost-to-go");
   p.w_h = w.number("w_h", p.w_h, 0.0, 1e6, "1", "heading alignment");
-  p.w_c = w.number("w_c", p.w_c, 0.0, 1e6, "1", "chance penalty on visible features");
+  p.w_c = w.number("w_c", p.w_c, 0.0, 1e6, "1", "chance penalty on visible features; counts only if w_l > 0");
   number("desired_speed", p.desired_speed, 0.0, 1.0, "1", "share of the largest speed");
   number("d_safe", p.d_safe, 0.0, 5.0, "m", "hard clearance");
   number("d_des", p.d_des, 0.01, 5.0, "m", "clearance beyond which closeness costs nothing");
@@ -261,15 +261,8 @@ std::string solver_problem(const std::string& name) {
   try {
     make_solver(name);
     return "";
-  } catch (const std::invalid_argument&) {
-    std::vector<std::string> names;
-    std::string list;
-    for (const SolverInfo& info : list_solvers()) {
-      names.push_back(info.name);
-      list += (list.empty() ? "" : ", ") + info.name;
-    }
-    return "unknown solver '" + name + "'" + did_you_mean(name, names) +
-           "; expected one of: " + list;
+  } catch (const std::invalid_argument& e) {
+    return e.what();
   }
 }
 

@@ -15,7 +15,7 @@
 #include <limits>
 #include <sstream>
 
-#include "adapters/config/nearest_name.h"
+#include "models/nearest_name.h"
 
 namespace prospect {
 

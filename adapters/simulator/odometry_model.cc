@@ -133,7 +133,10 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
   const bool lost = localization_ == Localization::kLost;
   if (lost && before != Localization::kLost) {
     ++losses_;
-    if (!adrift_) covariance_at_loss_ = covariance_;
+    if (!adrift_) {
+      covariance_at_loss_ = covariance_;
+      drift_covariance_ = Eigen::Vector4d(1e-4, 1e-4, 0.0, 2.5e-5).asDiagonal();
+    }
     adrift_ = true;
   }
 
@@ -175,6 +178,7 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
   G.topLeftCorner<2, 2>() = rotation(keyframe_.yaw);
   G(3, 2) = 1.0;
   covariance_ = F * covariance_ * F.transpose() + G * Q * G.transpose();
+  drift_covariance_ = F * drift_covariance_ * F.transpose() + G * Q * G.transpose();
 
   keyframe_.yaw += error[2];
   true_keyframe_ = true_pose;

@@ -71,6 +71,9 @@ class OdometryModel {
   /// Estimate at a true pose reached since the last keyframe.
   Pose estimate(const Pose& true_pose) const;
   Eigen::Matrix4d covariance() const { return covariance_; }
+  /// Of what has been added to the error since localization was lost, (x, y, z, yaw) in W, on top
+  /// of 1 cm and 5 mrad; of no meaning unless a search for the pose is under way.
+  const Eigen::Matrix4d& drift_covariance() const { return drift_covariance_; }
   Localization localization() const { return localization_; }
   int losses() const { return losses_; }
   int keyframes() const { return keyframes_; }
@@ -94,6 +97,7 @@ class OdometryModel {
   Pose keyframe_;
   Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();
   Eigen::Matrix4d covariance_at_loss_ = Eigen::Matrix4d::Zero();
+  Eigen::Matrix4d drift_covariance_ = Eigen::Matrix4d::Zero();
   bool adrift_ = false;  // lost, and neither found again nor given up since
   Localization localization_ = Localization::kOk;
   int losses_ = 0;

@@ -1,6 +1,8 @@
 #include "adapters/simulator/relocalization.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
 
 #include "adapters/simulator/depth_camera.h"
@@ -10,8 +12,7 @@ namespace {
 
 struct Match {
   Eigen::Vector2d body, map;
-  double variance;
-  double weight;
+  Eigen::Matrix2d body_covariance, map_covariance;
 };
 
 }  // namespace
@@ -19,9 +20,11 @@ struct Match {
 std::optional<Pose> relocalize(const std::vector<FeatureObservation>& observations,
                                const std::function<const Landmark*(std::uint32_t)>& find,
                                const StereoCamera& stereo, const CameraMount& mount,
-                               const Pose& guess, int least) {
-  constexpr double kScale = 1.5, kViewChange = 0.5, kSlack = 0.02;
+                               const Pose& guess, const Eigen::Matrix3d& Omega, int least) {
+  constexpr double kScale = 1.5, kViewChange = 0.5, kSlack = 0.02, kHuber = 1.5, kAgrees = 3.0;
+  constexpr double kPlausible = 16.27;  // 99.9 % of chi-squared with 3 degrees of freedom
   const Eigen::Vector3d eye = camera_pose(guess, mount).translation();
+  const Eigen::Matrix3d R_BC = mount.T_BC.linear();
   std::vector<Match> matches;
   for (const FeatureObservation& o : observations) {
     const Landmark* l = find(o.feature);
@@ -34,48 +37,45 @@ std::optional<Pose> relocalize(const std::vector<FeatureObservation>& observatio
       continue;
     }
     const Eigen::Vector3d p = mount.T_BC * stereo.triangulate(o.u, o.v, o.disparity);
-    const double variance =
-        stereo.triangulation_covariance(o.u, o.v, o.disparity).trace() + l->covariance.trace();
-    matches.push_back({p.head<2>(), l->position.head<2>(), variance, 1.0 / variance});
+    const Eigen::Matrix3d covariance =
+        R_BC * stereo.triangulation_covariance(o.u, o.v, o.disparity) * R_BC.transpose();
+    matches.push_back({p.head<2>(), l->position.head<2>(), covariance.topLeftCorner<2, 2>(),
+                       l->covariance.topLeftCorner<2, 2>()});
   }
   if (static_cast<int>(matches.size()) < least) return std::nullopt;
 
-  double yaw = 0.0;
-  Eigen::Vector2d shift = Eigen::Vector2d::Zero();
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();  // xi - xi_0
   int agreeing = 0;
-  for (int iteration = 0; iteration < 8; ++iteration) {
-    double total = 0.0;
-    Eigen::Vector2d body = Eigen::Vector2d::Zero(), map = Eigen::Vector2d::Zero();
-    for (const Match& m : matches) {
-      total += m.weight;
-      body += m.weight * m.body;
-      map += m.weight * m.map;
-    }
-    body /= total;
-    map /= total;
-    double cross = 0.0, dot = 0.0;
-    for (const Match& m : matches) {
-      const Eigen::Vector2d b = m.body - body, w = m.map - map;
-      cross += m.weight * (b.x() * w.y() - b.y() * w.x());
-      dot += m.weight * b.dot(w);
-    }
-    yaw = std::atan2(cross, dot);
-    const Eigen::Rotation2Dd R(yaw);
-    shift = map - R * body;
+  constexpr int kIterations = 20;
+  for (int iteration = 0; iteration <= kIterations; ++iteration) {
+    const Eigen::Matrix2d R = Eigen::Rotation2Dd(guess.yaw + offset[2]).toRotationMatrix();
+    const Eigen::Vector2d shift = guess.position.head<2>() + offset.head<2>();
+    Eigen::Matrix3d H = Omega;
+    Eigen::Vector3d g = Omega * offset;
     agreeing = 0;
-    for (Match& m : matches) {
-      const double sigma = std::sqrt(m.variance);
-      const double residual = (R * m.body + shift - m.map).norm();
-      const double huber = 1.5 * sigma + kSlack;
-      m.weight = (residual > huber ? huber / residual : 1.0) / m.variance;
-      agreeing += residual <= 3.0 * sigma + kSlack;
+    for (const Match& m : matches) {
+      const Eigen::Vector2d arm = R * m.body;
+      const Eigen::Vector2d r = arm + shift - m.map;
+      const Eigen::Matrix2d S = R * m.body_covariance * R.transpose() + m.map_covariance +
+                                kSlack * kSlack * Eigen::Matrix2d::Identity();
+      const Eigen::Matrix2d information = S.inverse();
+      const double distance = std::sqrt(r.dot(information * r));
+      agreeing += distance <= kAgrees;
+      const double weight = distance > kHuber ? kHuber / distance : 1.0;
+      Eigen::Matrix<double, 2, 3> J;
+      J << 1.0, 0.0, -arm.y(), 0.0, 1.0, arm.x();
+      H += weight * J.transpose() * information * J;
+      g += weight * J.transpose() * information * r;
     }
+    if (iteration == kIterations) break;
+    const Eigen::Vector3d step = H.ldlt().solve(-g);
+    if (!step.allFinite()) return std::nullopt;
+    offset += step;
   }
-  if (agreeing < least) return std::nullopt;
+  if (agreeing < least || offset.dot(Omega * offset) > kPlausible) return std::nullopt;
   Pose pose = guess;
-  pose.position.head<2>() = shift;
-  // The yaw stays continuous along the mission.
-  pose.yaw = guess.yaw + std::remainder(yaw - guess.yaw, 2.0 * M_PI);
+  pose.position.head<2>() += offset.head<2>();
+  pose.yaw += offset[2];
   return pose;
 }
 

@@ -157,8 +157,10 @@ struct Simulator::Impl {
     } else if (relocalization_images_left > 0) {
       --relocalization_images_left;
       const auto find = [this](std::uint32_t feature) { return landmarks.find(feature); };
+      const Eigen::Vector3i planar(0, 1, 3);
+      const Eigen::Matrix3d drift = odometry.drift_covariance()(planar, planar);
       const auto found = relocalize(observations, find, options.features.stereo,
-                                    options.stereo_mount, odometry.estimate(pose));
+                                    options.stereo_mount, odometry.estimate(pose), drift.inverse());
       if (found) {
         odometry.relocalize(pose, *found);
         relocalization_images_left = 0;

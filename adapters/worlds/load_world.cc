@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "adapters/config/input_error.h"
-#include "adapters/config/nearest_name.h"
+#include "models/nearest_name.h"
 #include "adapters/config/strict_yaml.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "adapters/worlds/octree_file.h"

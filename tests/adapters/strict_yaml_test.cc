@@ -8,8 +8,6 @@
 #include <limits>
 #include <random>
 
-#include "adapters/config/nearest_name.h"
-
 namespace prospect {
 namespace {
 
@@ -222,17 +220,6 @@ TEST(StrictYaml, SurvivesMutatedText) {
   }
   EXPECT_GT(accepted, 0);
   EXPECT_LT(accepted, 3000);
-}
-
-TEST(NearestName, FindsTyposAndNothingElse) {
-  const std::vector<std::string> names = {"office", "corridor", "loop"};
-  EXPECT_EQ(nearest_name("ofice", names), "office");
-  EXPECT_EQ(nearest_name("Corrdior", names), "corridor");
-  EXPECT_EQ(nearest_name("lop", names), "loop");
-  EXPECT_EQ(nearest_name("warehouse", names), "");
-  EXPECT_EQ(nearest_name("", names), "");
-  EXPECT_EQ(nearest_name("x", {"y"}), "");
-  EXPECT_EQ(nearest_name(std::string(100000, 'a'), names), "");
 }
 
 }  // namespace

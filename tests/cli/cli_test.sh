@@ -193,6 +193,21 @@ succeeds "list worlds" list worlds
 named "list worlds" office corridor loop
 succeeds "list terms" list terms
 named "list terms" control_effort obstacles visible_features exploration_gain cost_to_go clearance
+# The terms listed are those that problems have: of a base with speed in its inputs, and in its state.
+problem_terms() {
+  "$prospect" solve office@1 --json --max-evaluations 1 "$@" |
+    sed -n '/"terms": {/,/^    }/s/^      "\([a-z_]*\)": {$/\1/p'
+}
+cat > all_terms.yaml <<'YAML'
+planner: {weights: {w_h: 0.1, w_c: 0.1}}
+YAML
+cat > all_terms_accel.yaml <<'YAML'
+robot: {model: unicycle_accel}
+planner: {weights: {w_h: 0.1, w_c: 0.1}}
+YAML
+{ problem_terms --config all_terms.yaml; problem_terms --config all_terms_accel.yaml; } | sort -u > have.txt
+"$prospect" list terms | sed 's/ .*//' | sort > listed.txt
+diff have.txt listed.txt > out.txt || fail "list terms is not what problems have: $(cat out.txt)"
 for what in solvers worlds terms; do
   succeeds "list $what --json" list "$what" --json
   [[ "$out" == \[*\"name\":*\] ]] || fail "list $what --json: '$out'"

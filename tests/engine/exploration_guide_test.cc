@@ -195,20 +195,66 @@ TEST(ExplorationGuide, ADoorwayTooNarrowForTheHardRadiusIsTriedBeforeDone) {
 }
 
 // Else every part of every frontier behind the gap would be given up in turn, 8 s each.
-TEST(ExplorationGuide, AGapThatCannotBePassedIsClosed) {
+TEST(ExplorationGuide, AGapThatCannotBePassedIsClosedAndTriedOnceMore) {
   const GroundMap map = two_rooms(3);
   ExplorationGuide guide{ExplorationGuideOptions{}};
   const Pose pose{{3.0, 2.65, 0.0}, 0.0};  // held up before the doorway
   double done = 0.0;
   for (double t = 0.0; t < 30.0 && done == 0.0; t += 0.5) {
     const auto g = guide.update(map, pose, t);
-    if (t < 8.0) {
-      EXPECT_TRUE(g->target.has_value());
-    }
+    EXPECT_EQ(g->target.has_value(), t < 16.0) << t;
     if (g->advice == Advice::kDone) done = t;
   }
-  EXPECT_EQ(done, 8.0);
+  EXPECT_EQ(done, 16.0);
   EXPECT_FALSE(guide.traversability().passable({40, 26}));
+}
+
+TEST(ExplorationGuide, AKeyholeIsLookedThroughBeforeDone) {
+  // A room with a window of 1 to 3 cells in its east wall, and nothing else left to see.
+  for (int window = 1; window <= 3; ++window) {
+    SCOPED_TRACE(window);
+    GroundMap map(GridFrame{0.1, 0, 0, 60, 60});
+    for (int j = 5; j < 55; ++j) {
+      for (int i = 5; i < 50; ++i) {
+        const bool edge = i == 5 || j == 5 || i == 49 || j == 54;
+        const bool open = i == 49 && j >= 30 && j < 30 + window;
+        map.set({i, j}, edge && !open ? CellState::kOccupied : CellState::kFree);
+      }
+    }
+    const Pose pose{{2.0, 2.0, 0.0}, 3.0};  // looks away
+    ExplorationGuide guide{ExplorationGuideOptions{}};
+    const auto g = guide.update(map, pose, 0.0);
+    EXPECT_TRUE(g->relaxed);
+    EXPECT_EQ(g->target.has_value(), window >= 2) << "0.2 m on";
+    ExplorationGuideOptions strict;
+    strict.relaxed_length = strict.frontiers.min_length;
+    ExplorationGuide never(strict);
+    EXPECT_EQ(never.update(map, pose, 0.0)->advice, Advice::kDone);
+  }
+}
+
+// A robot that is lost adds nothing to its map, so nothing that it faces can be resolved; one that
+// recovers turns and retreats, so it comes no nearer to its target.
+TEST(ExplorationGuide, ALostRobotGivesNothingUp) {
+  const GroundMap map = two_rooms(7);
+  const Pose pose{{3.0, 2.65, 0.0}, 0.0};
+  ExplorationGuide lost{ExplorationGuideOptions{}}, well{ExplorationGuideOptions{}};
+  int given_up = 0;
+  for (double t = 0.0; t < 60.0; t += 0.5) {
+    const auto g = lost.update(map, pose, t, {.looked = false, .pursued = false});
+    EXPECT_EQ(g->advice, Advice::kPlan);
+    EXPECT_EQ(g->suppressed_cells, 0);
+    EXPECT_EQ(g->stalled_for, 0.0);
+    given_up = std::max(given_up, well.update(map, pose, t)->suppressed_cells);
+  }
+  EXPECT_GT(given_up, 0);
+  // Once it pursues again, the clock runs on from where it was held.
+  for (double t = 60.0; t < 67.5; t += 0.5) {
+    const auto g = lost.update(map, pose, t, {.looked = false});
+    EXPECT_EQ(g->suppressed_cells, 0);
+    EXPECT_EQ(g->advice, g->stalled_for < 3.0 ? Advice::kPlan : Advice::kGoAndFace);
+  }
+  EXPECT_GT(lost.update(map, pose, 67.5, {.looked = false})->suppressed_cells, 0);
 }
 
 TEST(ExplorationGuide, GoesBackToTheStrictRadiiWhenSomethingNewWasExplored) {
@@ -282,7 +328,7 @@ TEST(ExplorationGuide, ABonusRuleDecidesWhichFrontiersAreLedTo) {
     for (const bool after_refusal : {false, true}) {
       asked = 0;
       ExplorationGuide guide(options);
-      const auto g = guide.update(map, pose, 0.0, nullptr, only(east, after_refusal));
+      const auto g = guide.update(map, pose, 0.0, {}, nullptr, only(east, after_refusal));
       ASSERT_TRUE(g->target.has_value());
       EXPECT_EQ(g->target->viewpoint.x() > 5.5, east);
       EXPECT_EQ(asked, after_refusal ? 2 : 1);
@@ -293,7 +339,7 @@ TEST(ExplorationGuide, ABonusRuleDecidesWhichFrontiersAreLedTo) {
   const auto none = [](const BonusQuestion& question) {
     return std::vector<double>(question.detector.frontiers().size(), -kInfinity);
   };
-  EXPECT_EQ(guide.update(map, pose, 0.0, nullptr, none)->advice, Advice::kDone);
+  EXPECT_EQ(guide.update(map, pose, 0.0, {}, nullptr, none)->advice, Advice::kDone);
 }
 
 TEST(ExplorationGuide, DegenerateMapsAndPoses) {

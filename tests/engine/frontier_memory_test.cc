@@ -235,6 +235,29 @@ TEST_F(Memory, DoneOnlyAfterTwoRetries) {
   EXPECT_EQ(memory_.retries_used(), 1);
 }
 
+// A map that noise widens for ever must not give retries for ever.
+TEST_F(Memory, EveryRestorationOfTheRetriesTakesTwiceTheArea) {
+  const std::vector<Frontier> f{frontier(50, 50, 1)};
+  double explored = 10.0;
+  const auto rounds_until_done = [&] {
+    for (int rounds = 0;; ++rounds) {
+      look(f, at(3.0, 5.05, 0.0), 4);
+      if (memory_.decide(f, kFrame, std::nullopt, walked(), 0.0, explored, clock_, &changed_) ==
+          Advice::kDone) {
+        return rounds;
+      }
+    }
+  };
+  EXPECT_EQ(rounds_until_done(), 2);
+  for (const double area : {1.0, 2.0, 4.0, 8.0}) {
+    EXPECT_EQ(memory_.retry_area(), area);
+    explored += 0.9 * area;
+    EXPECT_EQ(rounds_until_done(), 0);
+    explored += 0.2 * area;
+    EXPECT_EQ(rounds_until_done(), 2);
+  }
+}
+
 TEST_F(Memory, NothingReachableAndNothingSuppressedIsDoneAtOnce) {
   EXPECT_EQ(memory_.decide({}, kFrame, std::nullopt, walked(), 0.0, 10.0, 0.0, &changed_),
             Advice::kDone);

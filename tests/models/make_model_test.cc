@@ -38,13 +38,13 @@ TEST(MakeModel, TakesParametersByName) {
 }
 
 TEST(MakeModel, NamesTheNearestModelOrParameter) {
-  EXPECT_THAT(error_of("unicicle"), HasSubstr("nearest is 'unicycle'"));
-  EXPECT_THAT(error_of("unicycle_acc"), HasSubstr("nearest is 'unicycle_accel'"));
-  EXPECT_THAT(error_of("quadrotor"), HasSubstr("nearest is 'multirotor'"));
+  EXPECT_THAT(error_of("unicicle"), HasSubstr("did you mean 'unicycle'?"));
+  EXPECT_THAT(error_of("unicycle_acc"), HasSubstr("did you mean 'unicycle_accel'?"));
+  EXPECT_THAT(error_of("quadrotor"), HasSubstr("; expected one of: unicycle, "));
   EXPECT_THAT(error_of(""), HasSubstr("unknown motion model ''"));
   EXPECT_THAT(error_of("unicycle", {{"vmax", 1.0}}),
               HasSubstr("unknown parameter of model unicycle 'vmax'"));
-  EXPECT_THAT(error_of("unicycle", {{"vmax", 1.0}}), HasSubstr("nearest is 'v_max'"));
+  EXPECT_THAT(error_of("unicycle", {{"vmax", 1.0}}), HasSubstr("did you mean 'v_max'?"));
   EXPECT_THAT(error_of("multirotor", {{"fixed_z", 1.0}}), HasSubstr("unknown parameter"));
 }
 

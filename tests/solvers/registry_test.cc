@@ -149,13 +149,6 @@ TEST_F(Ipopt, GivesTheMultipliersOfConstraints) {
   EXPECT_NEAR(l.next.lambda[0], 0.5, 1e-3);
 }
 
-TEST(Options, FindTheNearestName) {
-  EXPECT_EQ(nearest_name("tolernace", {"seed", "tolerance", "max_evaluations"}), "tolerance");
-  EXPECT_EQ(nearest_name("SEED", {"tolerance", "seed"}), "seed");
-  EXPECT_EQ(nearest_name("ab", {"abc", "abd"}), "abc");
-  EXPECT_EQ(nearest_name("x", {}), "");
-}
-
 TEST(Options, AreReadByTypeOnly) {
   const OptionSet set(common_options(), {{"tolerance", 1}, {"seed", 3}});
   EXPECT_EQ(set.error(), "");

@@ -13,4 +13,7 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
 /// " (did you mean 'x'?)" for the nearest candidate, or "" if none is near.
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates);
 
+/// "; expected one of: a, b, c".
+std::string expected_one_of(const std::vector<std::string>& candidates);
+
 }  // namespace prospect

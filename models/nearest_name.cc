@@ -1,4 +1,4 @@
-#include "adapters/config/nearest_name.h"
+#include "models/nearest_name.h"
 
 #include <algorithm>
 #include <cctype>
@@ -53,6 +53,14 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
 std::string did_you_mean(const std::string& name, const std::vector<std::string>& candidates) {
   const std::string best = nearest_name(name, candidates);
   return best.empty() ? "" : " (did you mean '" + best + "'?)";
+}
+
+std::string expected_one_of(const std::vector<std::string>& candidates) {
+  std::string text = "; expected one of:";
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    text += (k == 0 ? " " : ", ") + candidates[k];
+  }
+  return text;
 }
 
 }  // namespace prospect
