@@ -14,6 +14,20 @@ function(prospect_room name)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/prospect>)
   target_compile_features(prospect_${name} PUBLIC cxx_std_20)
+  prospect_precompile(prospect_${name})
+endfunction()
+
+# Eigen and the standard library are read once for all targets that have the same flags. Only a
+# saving of time: every file includes what it uses, which the builds with
+# CMAKE_DISABLE_PRECOMPILE_HEADERS check (presets dev, asan, tsan).
+set(PROSPECT_PRECOMPILED_HEADERS <Eigen/Dense> <algorithm> <functional> <map> <memory> <optional>
+  <random> <string> <vector>)
+function(prospect_precompile target)
+  if(TARGET prospect_models AND NOT target STREQUAL prospect_models)
+    target_precompile_headers(${target} REUSE_FROM prospect_models)
+  else()
+    target_precompile_headers(${target} PRIVATE ${PROSPECT_PRECOMPILED_HEADERS})
+  endif()
 endfunction()
 
 # Warnings, sanitizers and reproducible arithmetic, for our own targets only. -ffp-contract=off keeps

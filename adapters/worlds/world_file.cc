@@ -204,7 +204,8 @@ World read(StrictYaml yaml, const std::string& source, bool* states_start) {
     root.problem("textures", "no texture; expected at least one, as name: features per m^2");
   }
   if (textures.names.size() > kMostTextures) {
-    root.problem("textures", "too many; expected at most " + std::to_string(kMostTextures));
+    root.problem("textures",
+                 std::string("too many; expected at most ") + std::to_string(kMostTextures));
   }
   const auto texture = [&](YamlMap& map, const char* key, const char* description) {
     return textures.index(map.required_choice(key, textures.names, description));

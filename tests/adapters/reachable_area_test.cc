@@ -254,7 +254,7 @@ TEST(ReachableArea, IsFastAndAsExpectedOnRealMaps) {
        {Case{"octomap/fr_079/fr_079.bt", 90, 115}, Case{"octomap/geb079/geb079.bt", 85, 110},
         Case{"maps2d/ipa_room_segmentation/Freiburg79_scan.png", 280, 320},
         Case{"maps2d/ros_willow_2010/willow-2010-02-18-0.10.yaml", 900, 1150}}) {
-    const std::string path = std::string(PROSPECT_SHARED_DATA) + "/" + c.file;
+    const std::string path = std::string(PROSPECT_SHARED_DATA "/") + c.file;
     if (!std::filesystem::exists(path)) GTEST_SKIP() << "no shared data: " << path;
     const World world = load_world(path);
     const auto begin = std::chrono::steady_clock::now();
