@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 
+#include "engine/descent_path.h"
 #include "engine/tracking_input.h"
 
 namespace prospect {
@@ -13,37 +14,6 @@ double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
 
 Twist forward(double v, double w) { return {Eigen::Vector3d(v, 0.0, 0.0), w}; }
 
-/// The way down the cost-to-go.
-class Path {
- public:
-  Path(const DriveTask& task, const Eigen::Vector2d& from, const DynamicWindowOptions& options)
-      : points_(task.cost_to_go->descend(from, options.path_length)) {
-    if (points_.empty()) points_.push_back(from);
-  }
-
-  /// [m] as the crow flies to the end of the path.
-  double left(const Eigen::Vector2d& p) const { return (points_.back() - p).norm(); }
-
-  /// Heading to the point `lookahead` further on from the one nearest to p; `otherwise` at the
-  /// path's end, where any heading will do: what is to be seen comes after arriving.
-  double heading(const Eigen::Vector2d& p, double lookahead, double otherwise) const {
-    std::size_t at = 0;
-    for (std::size_t i = 1; i < points_.size(); ++i) {
-      if ((points_[i] - p).squaredNorm() < (points_[at] - p).squaredNorm()) at = i;
-    }
-    double left = lookahead;
-    while (at + 1 < points_.size() && left > 0.0) {
-      left -= (points_[at + 1] - points_[at]).norm();
-      ++at;
-    }
-    const Eigen::Vector2d to = points_[at] - p;
-    return to.norm() < 0.15 ? otherwise : std::atan2(to.y(), to.x());
-  }
-
- private:
-  std::vector<Eigen::Vector2d> points_;
-};
-
 }  // namespace
 
 std::vector<DriveCandidate> dynamic_window(const MotionModel& model, const BodyClearance& body,
@@ -51,7 +21,7 @@ std::vector<DriveCandidate> dynamic_window(const MotionModel& model, const BodyC
                                            const DynamicWindowOptions& options) {
   const double v_max = model.max_speed(), w_max = model.max_yaw_rate();
   const Pose start = model.pose(task.x0);
-  const Path path(task, start.position.head<2>(), options);
+  const DescentPath path(*task.cost_to_go, start.position.head<2>(), options.path_length);
   const double allowed = std::min(options.d_safe - options.lattice_slack, body.clearance(start));
   std::vector<DriveCandidate> candidates;
 
@@ -90,6 +60,10 @@ std::vector<DriveCandidate> dynamic_window(const MotionModel& model, const BodyC
       const Eigen::Vector2d to = task.target->looks_at - pose.position.head<2>();
       return forward(0.0, towards(std::atan2(to.y(), to.x()), pose.yaw));
     });
+  } else if (!task.target) {
+    add("look around", [&](const Pose&) { return forward(0.0, w_max); });
+    add("stop", [](const Pose&) { return Twist{}; });
+    return candidates;
   } else if (task.escape) {
     for (const double speed : {0.4, 0.2, 0.0}) {
       add("escape", [&](const Pose& pose) {

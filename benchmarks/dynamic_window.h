@@ -35,7 +35,7 @@ struct DriveTask {
   Eigen::VectorXd x0;                    ///< nx
   Eigen::VectorXd u_previous;            ///< nu, the input in force
   const CostToGo* cost_to_go = nullptr;  ///< non-null
-  std::optional<FrontierTarget> target;  ///< where to look in the end
+  std::optional<FrontierTarget> target;  ///< where to look in the end; none: look around
   bool escape = false;                   ///< stuck: only get away from the obstacles
   bool arrived = false;                  ///< at the viewpoint: turn towards what is to be seen
 };

@@ -26,6 +26,11 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
     throw std::invalid_argument("exploration guide: kappa = " + std::to_string(options.kappa) +
                                 "; expected 0 to 100 m");
   }
+  if (!(options_.look_around >= 0.0) || !(options_.look_around < 1000.0)) {
+    throw std::invalid_argument("exploration guide: look_around = " +
+                                std::to_string(options_.look_around) + "; expected 0 to 1000 s");
+  }
+  relaxed_area_ = options_.memory.retry_area;
   auto empty = std::make_shared<Guidance>();
   empty->cost_to_go = std::make_shared<const CostToGo>();
   last_ = std::move(empty);
@@ -69,34 +74,54 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       !std::isfinite(stamp)) {
     return last_;
   }
-  if (relaxed_ && traversability_.explored_area() - relaxed_explored_ >= memory_.retry_area()) {
-    restart(false);
+  if (rules_ != Rules::kStrict &&
+      traversability_.explored_area() - relaxed_explored_ >= relaxed_area_) {
+    restart(Rules::kStrict);
+    relaxed_area_ *= 2.0;  // as FrontierMemory::retry_area(), for the same reason
     reopenings_ = 0;
   }
   std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, features, rule);
-  if (guidance->advice == Advice::kDone) {
-    const bool reopen = relaxed_ && gap_closed_ && reopenings_ < options_.reopenings;
-    if (!relaxed_ || reopen) {
-      if (reopen) ++reopenings_;
-      restart(true);
-      // What was in view is counted already.
-      guidance = step(ground, pose, stamp, {.looked = false, .pursued = attention.pursued},
-                      features, rule);
-      relaxed_explored_ = traversability_.explored_area();
+  while (guidance->advice == Advice::kDone) {
+    if (rules_ == Rules::kStrict) {
+      restart(Rules::kKeyholes);
+      relaxed_explored_ = guidance->explored_area;
+    } else if (rules_ == Rules::kKeyholes) {
+      restart(Rules::kGaps);
+      memory_.forgive();
+    } else if (gap_closed_ && reopenings_ < options_.reopenings) {
+      ++reopenings_;
+      restart(Rules::kGaps);
+      memory_.forgive();
+    } else {
+      break;
     }
+    // What was in view is counted already.
+    guidance =
+        step(ground, pose, stamp, {.looked = false, .pursued = attention.pursued}, features, rule);
   }
-  guidance->relaxed = relaxed_;
+  if (guidance->advice == Advice::kDone) {
+    if (!nothing_since_ || stamp < *nothing_since_) nothing_since_ = stamp;
+    if (!attention.pursued) *nothing_since_ += std::max(0.0, stamp - updated_at_);
+    if (stamp - *nothing_since_ < options_.look_around - 1e-9) {
+      guidance->advice = Advice::kLookAround;
+    }
+  } else {
+    nothing_since_.reset();
+  }
+  updated_at_ = stamp;
+  guidance->relaxed = rules_ == Rules::kGaps;
   guidance->milliseconds = watch.lap();
   last_ = guidance;
   return guidance;
 }
 
-void ExplorationGuide::restart(bool relaxed) {
-  relaxed_ = relaxed;
+void ExplorationGuide::restart(Rules rules) {
+  rules_ = rules;
+  restarted_ = true;
   TraversabilityOptions traversability = options_.traversability;
   FrontierOptions frontiers = options_.frontiers;
-  if (relaxed) {
-    traversability.lattice_slack += options_.relaxed_slack;
+  if (rules == Rules::kGaps) traversability.lattice_slack += options_.relaxed_slack;
+  if (rules != Rules::kStrict) {
     frontiers.min_length = std::min(frontiers.min_length, options_.relaxed_length);
   }
   gap_closed_ = false;
@@ -160,7 +185,10 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
   const Eigen::Vector2d p = pose.position.head<2>();
   traversability_.update(ground);
   detector_.update(traversability_);
-  memory_.map_changed(traversability_.newly_known(), traversability_.changed_states());
+  if (!restarted_) {
+    memory_.map_changed(traversability_.newly_known(), traversability_.changed_states());
+  }
+  restarted_ = false;
   if (attention.looked) {
     memory_.look(traversability_.see_through(), detector_.frontiers(), pose, stamp);
   }
@@ -212,7 +240,7 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
       const int given_up = memory_.given_up();
       guidance->advice =
           memory_.decide(frontiers, frame, target, p, value, explored, stamp, &again);
-      if (relaxed_ && memory_.given_up() > given_up) close_gap();
+      if (rules_ == Rules::kGaps && memory_.given_up() > given_up) close_gap();
     }
   }
 

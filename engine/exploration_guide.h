@@ -28,6 +28,8 @@ struct ExplorationGuideOptions {
   double relaxed_length = 0.2;
   /// How often the gaps at which targets were given up are opened again before "done".
   int reopenings = 1;
+  /// [s] that nothing must have been reachable before "done": time to look all around once.
+  double look_around = 8.0;
   double kappa = 0.5;  ///< [m] bonus of a frontier per unit of log(1 + length / 1 m)
 };
 
@@ -85,14 +87,20 @@ struct Guidance {
 /// metres (the prototype's kappa of 0.5 is "per log-metre"; the formulation calls m_c an area),
 /// with the current target's head start. Another rule for the bonus may be given.
 ///
-/// Before it says done, the guide asks once more with gaps counted as passable that are up to twice
-/// relaxed_slack narrower than the hard constraint asks for: walls drawn twice by a drifting
-/// estimate close real doors, and a look from near opens them again. What may be driven is decided
-/// by the certificate, not here: a gap at which a target is given up is closed, else every frontier
-/// behind it would be tried in turn; before "done" all gaps are opened again, `reopenings` times.
-/// Frontiers from relaxed_length on count then, too: what a keyhole shows is a short frontier,
-/// whatever lies behind it. The guide goes back to the strict rules once something new was
-/// explored.
+/// Before it says done, the guide asks twice more, under weaker rules:
+///   1. keyholes: frontiers count from relaxed_length on. What a keyhole shows is a short frontier,
+///      whatever lies behind it.
+///   2. gaps: those count as passable that are up to twice relaxed_slack narrower than the hard
+///      constraint asks for, and what was given up is tried again: walls drawn twice by a drifting
+///      estimate close real doors, and a look from near opens them. What may be driven is decided
+///      by the certificate, not here: a gap at which a target is given up is closed, else every
+///      frontier behind it would be tried in turn; before "done" all gaps are opened again, and
+///      everything is tried again, `reopenings` times.
+/// It goes back to the strict rules once retry_area was newly explored, twice that the next time.
+///
+/// It says done only when nothing has been reachable for look_around, and advises kLookAround till
+/// then: a cell that noise fills in a narrow passage must not end a mission, and a turn on the spot
+/// clears it.
 ///
 /// A robot that is lost does not extend its map, and one that recovers does not drive to its
 /// target: the attention says so, else frontiers are given up that nobody has tried.
@@ -124,7 +132,8 @@ class ExplorationGuide {
                                  const GuideAttention& attention, const Grid<float>* features,
                                  const BonusRule& rule);
   std::vector<double> bonuses(const BonusQuestion& question, const BonusRule& rule) const;
-  void restart(bool relaxed);
+  enum class Rules { kStrict, kKeyholes, kGaps };
+  void restart(Rules rules);
   void close_gap();
   void mark_reachable(std::vector<Frontier>& frontiers);
 
@@ -136,10 +145,14 @@ class ExplorationGuide {
   Grid<std::uint8_t> suppressed_;
   std::vector<std::uint8_t> component_;  // 1: in the robot's component; by cell
   std::vector<int> stack_;
-  bool relaxed_ = false;
+  Rules rules_ = Rules::kStrict;
+  bool restarted_ = false;  // every known cell will seem new
   double relaxed_explored_ = 0.0;
-  bool gap_closed_ = false;  // since the last restart
-  int reopenings_ = 0;       // since the strict rules were left
+  std::optional<double> nothing_since_;  // [s] no target, and no retry either
+  double updated_at_ = 0.0;              // [s]
+  bool gap_closed_ = false;              // since the last restart
+  int reopenings_ = 0;                   // since the strict rules were left
+  double relaxed_area_ = 0.0;            // [m^2] newly explored that restores the strict rules
   std::shared_ptr<const Guidance> last_;
 };
 

@@ -123,6 +123,11 @@ void FrontierMemory::look(const Grid<std::uint8_t>& see_through,
   }
 }
 
+void FrontierMemory::forgive() {
+  looks_.clear();
+  suppressed_count_ = 0;
+}
+
 void FrontierMemory::hold_clock(double stamp) {
   if (!progress_stamp_ || !(stamp > decided_at_)) return;
   *progress_stamp_ += stamp - decided_at_;
@@ -188,8 +193,7 @@ Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const Grid
     // Cells not seen to fail have nothing to be forgiven: without suppressed ones a retry would be
     // the same question again.
     if (suppressed_count_ == 0 || retries_used_ >= options_.retries) return Advice::kDone;
-    looks_.clear();
-    suppressed_count_ = 0;
+    forgive();
     ++retries_used_;
     *sources_changed = true;
     return Advice::kPlan;

@@ -38,10 +38,11 @@ struct FrontierMemoryOptions {
 
 /// What the mission is told to do about its frontiers.
 enum class Advice {
-  kPlan,       ///< go on planning
-  kGoAndFace,  ///< no progress for script_after: drive to the target's viewpoint and face it by
-               ///< script
-  kDone        ///< no active reachable frontier is left, after all retries
+  kPlan,        ///< go on planning
+  kGoAndFace,   ///< no progress for script_after: drive to the target's viewpoint and face it by
+                ///< script
+  kLookAround,  ///< nothing is reachable just now: turn on the spot, the map may say otherwise then
+  kDone         ///< no active reachable frontier is left, after all retries
 };
 
 /// What was learned about frontiers from one planning step to the next. Pure logic on cells; the
@@ -81,6 +82,9 @@ class FrontierMemory {
   /// by definition, has one failed look more. see_through: nonzero where sight passes a cell.
   void look(const Grid<std::uint8_t>& see_through, const std::vector<Frontier>& frontiers,
             const Pose& pose, double stamp);
+
+  /// Forgets all failed looks and what was given up: everything is tried again.
+  void forgive();
 
   /// The time since the last decide(), up to `stamp` [s], does not count as standing still: the
   /// robot had something else to do than to reach its target.

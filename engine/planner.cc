@@ -486,7 +486,8 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
       context.previous = last_inputs.rightCols(last_inputs.cols() - passed);
     }
   }
-  const bool scripted = guidance->advice == Advice::kGoAndFace && !recovering;
+  const bool scripted = !recovering && (guidance->advice == Advice::kGoAndFace ||
+                                        guidance->advice == Advice::kLookAround);
   const std::vector<Seed> made =
       scripted ? make_scripted_seeds(*problem, context) : make_seeds(*problem, context);
   std::vector<Candidate> candidates;

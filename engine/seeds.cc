@@ -5,6 +5,7 @@
 #include <functional>
 
 #include "engine/admissible_inputs.h"
+#include "engine/descent_path.h"
 #include "engine/tracking_input.h"
 
 namespace prospect {
@@ -71,6 +72,12 @@ class Laws {
   }
   Law follow(double speed) const {
     return [=, this](double, const Pose& pose) { return descend(speed, pose); };
+  }
+  /// Down the cost-to-go towards a point that far ahead. The path must outlive the law.
+  Law pursue(const DescentPath& path, double speed, double lookahead) const {
+    return [=, this, &path](double, const Pose& pose) {
+      return steer(path.heading(pose.position.head<2>(), lookahead, pose.yaw), speed, pose);
+    };
   }
   /// Down the cost-to-go until `from`, then also turning.
   Law follow_then_look(double from, double turn) const {
@@ -163,12 +170,16 @@ std::vector<Seed> make_scripted_seeds(const Problem& problem, const SeedContext&
     const Pose pose = problem.definition().model->pose(problem.definition().x0);
     const double distance = (context.target->viewpoint - pose.position.head<2>()).norm();
     if (distance > 0.2) {
-      add("script: go", laws.follow(0.5));
+      constexpr double kLength = 3.0;  // [m]
+      const DescentPath path(*context.cost_to_go, pose.position.head<2>(), kLength);
+      add("script: go", laws.pursue(path, 0.5, 0.5));
+      // Looking less far ahead cuts corners less: what gets through narrow gaps.
+      add("script: go closely", laws.pursue(path, 0.3, 0.2));
       add("script: go slowly", laws.follow(0.25));
     }
     add("script: face", laws.turn_then_go(towards(context.target->looks_at), 0.0));
   } else {
-    add("script: turn", laws.constant(0.0, 0.6));
+    add("script: turn", laws.constant(0.0, 1.0));
   }
   add("stop", laws.constant(0.0, 0.0));
   return seeds;

@@ -25,6 +25,7 @@ GroundMap corridor(int west_cells) {
 
 ExplorationGuideOptions guide_options() {
   ExplorationGuideOptions options;
+  options.look_around = 0.0;
   // Only frontiers at arm's length have viewpoints, so that distances are those of the path.
   options.frontiers.sensor_range = 1.3;
   options.memory.sensor_range = 1.3;
