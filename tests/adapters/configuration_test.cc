@@ -1,0 +1,144 @@
+#include "adapters/config/configuration.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <variant>
+
+#include "adapters/config/input_error.h"
+
+namespace prospect {
+namespace {
+
+using ::testing::HasSubstr;
+
+Configuration read(const std::string& text) { return configuration_from_text(text, "f.yaml"); }
+
+/// All problems, one a line; "" if there is none.
+std::string problems(const std::string& text) {
+  try {
+    read(text);
+    return "";
+  } catch (const InputError& e) {
+    return e.what();
+  }
+}
+
+TEST(Configuration, OfNothingIsTheDefaults) {
+  const Configuration c = read("");
+  EXPECT_EQ(c.solver, "nlopt");
+  EXPECT_EQ(c.robot.model->name(), "unicycle");
+  EXPECT_EQ(c.planner.N, PlannerParameters().N);
+  EXPECT_EQ(c.planner.w_l, PlannerParameters().w_l);
+  EXPECT_EQ(c.planner.d_safe, PlannerParameters().d_safe);
+  EXPECT_EQ(c.planner.guide.frontiers.min_length, FrontierOptions().min_length);
+  EXPECT_EQ(c.mission.time_limit, MissionOptions().time_limit);
+  EXPECT_TRUE(std::holds_alternative<CylinderShape>(c.robot.shape));
+}
+
+TEST(Configuration, EveryShapeOfRobot) {
+  const Configuration cylinder =
+      read("robot: {shape: {type: cylinder, radius: 0.25, height: 0.6, center: [0.1, 0, 0.35]}}");
+  const auto& c = std::get<CylinderShape>(cylinder.robot.shape);
+  EXPECT_EQ(c.radius, 0.25);
+  EXPECT_EQ(c.height, 0.6);
+  EXPECT_EQ(c.center, Eigen::Vector3d(0.1, 0.0, 0.35));
+
+  const Configuration box =
+      read("robot: {shape: {type: box, size: [0.5, 0.3, 0.4], center: [0.05, 0, 0.25]}}");
+  const auto& b = std::get<BoxShape>(box.robot.shape);
+  EXPECT_EQ(b.size, Eigen::Vector3d(0.5, 0.3, 0.4));
+  EXPECT_EQ(b.center, Eigen::Vector3d(0.05, 0.0, 0.25));
+
+  const Configuration spheres = read(
+      "robot: {shape: {type: spheres, spheres: [{center: [0.1, 0, 0.3], radius: 0.2},"
+      " {center: [-0.1, 0, 0.3], radius: 0.15}]}}");
+  const auto& s = std::get<SphereSetShape>(spheres.robot.shape);
+  ASSERT_EQ(s.spheres.size(), 2u);
+  EXPECT_EQ(s.spheres[1].center, Eigen::Vector3d(-0.1, 0.0, 0.3));
+  EXPECT_EQ(s.spheres[1].radius, 0.15);
+
+  const Configuration convex = read(
+      "robot: {shape: {type: convex, vertices: [0.2, 0, 0.1, -0.2, 0.1, 0.1, -0.2, -0.1, 0.1,"
+      " 0, 0, 0.5]}}");
+  const auto& v = std::get<ConvexShape>(convex.robot.shape);
+  ASSERT_EQ(v.vertices.size(), 4u);
+  EXPECT_EQ(v.vertices[3], Eigen::Vector3d(0.0, 0.0, 0.5));
+}
+
+TEST(Configuration, EveryMotionModelWithItsParameters) {
+  for (const char* name : {"unicycle", "unicycle_accel", "holonomic", "multirotor"}) {
+    EXPECT_EQ(read(std::string("robot: {model: ") + name + "}").robot.model->name(), name);
+  }
+  const Configuration c = read("robot: {model: unicycle, motion: {v_max: 0.9, omega_max: 0.5}}");
+  EXPECT_EQ(c.robot.model->max_speed(), 0.9);
+  EXPECT_EQ(c.robot.model->max_yaw_rate(), 0.5);
+  EXPECT_THAT(problems("robot: {model: unicycle, motion: {vz_max: 1}}"),
+              HasSubstr("f.yaml:1: unknown key 'robot.motion.vz_max'"));
+}
+
+TEST(Configuration, AnglesAreInDegrees) {
+  const Configuration c = read(
+      "robot: {depth: {horizontal_fov: 90, mount: {position: [0.1, 0, 0.5], yaw: 90, pitch: 30}}}");
+  EXPECT_NEAR(c.robot.depth.horizontal_fov, M_PI / 2.0, 1e-12);
+  // The optical axis is C's z.
+  const Eigen::Vector3d axis = c.robot.depth_mount.T_BC.linear().col(2);
+  EXPECT_NEAR(axis.x(), 0.0, 1e-12);
+  EXPECT_NEAR(axis.y(), std::cos(M_PI / 6.0), 1e-12);
+  EXPECT_NEAR(axis.z(), -0.5, 1e-12);
+  EXPECT_EQ(c.robot.depth_mount.T_BC.translation(), Eigen::Vector3d(0.1, 0.0, 0.5));
+}
+
+// Whatever is asked for is in effect, and what is in effect reads back as itself.
+TEST(Configuration, WhatIsInEffectReadsBackAsItself) {
+  for (const char* text :
+       {"", "robot: {model: multirotor}",
+        "robot: {shape: {type: spheres, spheres: [{center: [0, 0, 0.3], radius: 0.2}]}}",
+        "robot: {shape: {type: convex, vertices: [0.2, 0, 0.1, -0.2, 0.1, 0.1, -0.2, -0.1, 0.1, 0, "
+        "0, 0.5]}}",
+        "planner: {solver: ipopt, N: 12, M: 4, weights: {w_l: 0.25, w_h: 0.1}, unknown: free}\n"
+        "simulator: {odometry: {perfect: true}}\nmission: {time_limit: 77.5}"}) {
+    SCOPED_TRACE(text);
+    const std::string effective = effective_yaml(read(text).entries);
+    EXPECT_EQ(effective_yaml(read(effective).entries), effective);
+  }
+  const Configuration c = read(
+      effective_yaml(read("planner: {solver: ipopt, N: 12, M: 4, weights: {w_l: 0.25}}").entries));
+  EXPECT_EQ(c.solver, "ipopt");
+  EXPECT_EQ(c.planner.N, 12);
+  EXPECT_EQ(c.planner.M, 4);
+  EXPECT_EQ(c.planner.w_l, 0.25);
+}
+
+TEST(Configuration, EveryProblemIsNamedWithItsLineAndWhatWasExpected) {
+  const std::string all = problems(
+      "planner:\n  N: 4\n  M: 9\n  weights:\n    w_e: .nan\n    w_u: -1\n    wl: 2\n"
+      "  solver: nlop\nrobot:\n  depth: {min_range: 5, max_range: 2}\n");
+  EXPECT_THAT(all, HasSubstr("f.yaml:3: planner.M: more knots than stages; expected at most N"));
+  EXPECT_THAT(all, HasSubstr("f.yaml:5: planner.weights.w_e: is '.nan'; expected a number"));
+  EXPECT_THAT(all, HasSubstr("f.yaml:6: planner.weights.w_u: is '-1'; expected a number"));
+  EXPECT_THAT(all, HasSubstr("f.yaml:7: unknown key 'planner.weights.wl' (did you mean 'w_l'?)"));
+  EXPECT_THAT(all, HasSubstr("f.yaml:8: planner.solver: unknown solver 'nlop' (did you mean "
+                             "'nlopt'?); expected one of: "));
+  EXPECT_THAT(all, HasSubstr("max_range <= min_range; expected more"));
+}
+
+TEST(Configuration, UnusableShapesAreRefusedOnce) {
+  const auto refused = [](const std::string& shape, const std::string& why) {
+    const std::string all = problems("robot: {shape: {" + shape + "}}");
+    EXPECT_THAT(all, HasSubstr("f.yaml:1: robot.shape")) << shape;
+    EXPECT_THAT(all, HasSubstr(why)) << shape;
+    EXPECT_EQ(all.find('\n'), std::string::npos) << all;
+  };
+  refused("type: spheres, spheres: []", "no spheres; expected at least one");
+  refused("type: spheres, spheres: [{center: [0, 0, 0.3]}]", "radius");
+  refused("type: convex", "vertices");
+  refused("type: convex, vertices: [0, 0, 0, 1, 0, 0, 0, 1, 0]", "9 numbers; expected 3 a vertex");
+  refused("type: convex, vertices: [0, 0, 0.1, 1, 0, 0.1, 0, 1, 0.1, 1, 1, 0.1]", "expected");
+  refused("type: box, size: [0.1, 0.1]", "expected");
+  refused("type: cylinder, radius: 0", "expected");
+  refused("type: egg", "expected one of: cylinder, box, spheres, convex");
+}
+
+}  // namespace
+}  // namespace prospect
