@@ -351,8 +351,8 @@ std::string comparison_report(const std::vector<ComparisonRow>& rows,
 
   bool first = true;
   for (const ComparisonRow& row : rows) {
-    if (!row.failed() && row.reason == "explored" && row.collisions == 0.0 &&
-        std::isfinite(row.time_to_95_s)) {
+    const bool ended_well = row.reason == "explored" || row.reason == "enough seen";
+    if (!row.failed() && ended_well && row.collisions == 0.0 && std::isfinite(row.time_to_95_s)) {
       continue;
     }
     if (first)

@@ -53,6 +53,7 @@ struct Arguments {
   int jobs = 1;
   std::string out = "exploration_comparison.csv";
   double time_limit = 1800.0;
+  double until = 1.0;
   std::string configuration;
   std::string report;
   std::string paths;
@@ -119,13 +120,18 @@ ComparisonRow run(const Mission& mission, const Arguments& arguments) {
       path = std::fopen(name.c_str(), "w");
       if (path == nullptr) throw InputError(name + ": cannot be opened for writing");
       std::fputs("time,x,y,yaw,coverage,plan\n", path);
-      options.on_step = [path](const StepRecord& s) {
-        std::fprintf(path, "%.3f,%.3f,%.3f,%.3f,%.5f,%s\n", s.time, s.true_pose.position.x(),
-                     s.true_pose.position.y(), s.true_pose.yaw, s.coverage, s.seed.c_str());
-      };
     }
+    bool enough = false;
+    options.on_step = [&](const StepRecord& s) {
+      enough = s.coverage >= arguments.until;
+      if (path == nullptr) return;
+      std::fprintf(path, "%.3f,%.3f,%.3f,%.3f,%.5f,%s\n", s.time, s.true_pose.position.x(),
+                   s.true_pose.position.y(), s.true_pose.yaw, s.coverage, s.seed.c_str());
+    };
+    if (arguments.until < 1.0) options.cancelled = [&] { return enough; };
     options.keep_steps = false;
-    const ExplorationRunResult result = run_exploration(world, configuration, options);
+    ExplorationRunResult result = run_exploration(world, configuration, options);
+    if (enough) result.record.summary.reason = "enough seen";
     if (path != nullptr) std::fclose(path);
     return comparison_row(mission.map, mission.planner, result.record.summary);
   } catch (const std::exception& e) {
@@ -204,6 +210,10 @@ int main_program(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--out", arguments.out, "table; missions it already holds are not run again")
       ->capture_default_str();
+  app.add_option("--until", arguments.until,
+                 "share of the reachable area at which a mission is ended")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 1.0));
   app.add_option("--time-limit", arguments.time_limit, "of a mission, robot's clock [s]")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
