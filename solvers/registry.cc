@@ -84,7 +84,28 @@ std::vector<Entry> entries() {
 
 }  // namespace
 
-std::shared_ptr<const Solver> make_solver(std::string_view name) {
+void SolverRegistry::add(std::shared_ptr<const Solver> solver, std::string description) {
+  const std::string name = solver->name();
+  const auto plain = [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' ||
+           c == '-' || c == '.' || c == ':';
+  };
+  if (name.empty() || name.size() > 64 || !std::all_of(name.begin(), name.end(), plain) ||
+      name == "unknown") {
+    throw std::invalid_argument(
+        "a back end is named '" + name +
+        "'; expected 1 to 64 letters, digits and _-.: other than 'unknown'");
+  }
+  for (const SolverInfo& info : list()) {
+    if (info.name == name) {
+      throw std::invalid_argument("there is a back end named '" + name +
+                                  "' already; expected another name");
+    }
+  }
+  added_.push_back({std::move(solver), std::move(description)});
+}
+
+std::shared_ptr<const Solver> SolverRegistry::make(std::string_view name) const {
   std::vector<std::string> names;
   for (const Entry& entry : entries()) {
     if (entry.name == name) {
@@ -93,18 +114,33 @@ std::shared_ptr<const Solver> make_solver(std::string_view name) {
     }
     names.push_back(entry.name);
   }
+  for (const Added& added : added_) {
+    names.push_back(added.solver->name());
+    if (names.back() == name) return added.solver;
+  }
   const std::string given(name);
   throw std::invalid_argument("unknown solver '" + given + "'" + did_you_mean(given, names) +
                               expected_one_of(names));
 }
 
-std::vector<SolverInfo> list_solvers() {
+std::vector<SolverInfo> SolverRegistry::list() const {
   std::vector<SolverInfo> list;
   for (const Entry& entry : entries()) {
-    list.push_back({entry.name, entry.description, make_solver(entry.name)->options(),
+    list.push_back({entry.name, entry.description, make(entry.name)->options(),
                     static_cast<bool>(entry.make), entry.needs});
   }
+  for (const Added& added : added_) {
+    list.push_back({added.solver->name(), added.description, added.solver->options(), true, ""});
+  }
+  std::sort(list.begin(), list.end(),
+            [](const SolverInfo& a, const SolverInfo& b) { return a.name < b.name; });
   return list;
 }
+
+std::shared_ptr<const Solver> make_solver(std::string_view name) {
+  return SolverRegistry().make(name);
+}
+
+std::vector<SolverInfo> list_solvers() { return SolverRegistry().list(); }
 
 }  // namespace prospect

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "solvers/registry.h"
+
 namespace prospect {
 
 /// Exit codes of the program.
@@ -26,7 +28,7 @@ struct ExploreArguments {
   bool json = false;
   bool quiet = false;
 };
-int explore(const ExploreArguments& arguments);
+int explore(const ExploreArguments& arguments, const SolverRegistry& registry);
 
 struct SolveArguments {
   std::vector<std::string> problems;  ///< problem files, WORLD@STEP
@@ -37,10 +39,10 @@ struct SolveArguments {
   std::uint64_t seed = 1;
   bool json = false;
 };
-int solve(const SolveArguments& arguments);
+int solve(const SolveArguments& arguments, const SolverRegistry& registry);
 
-int list(const std::string& what, bool json);
+int list(const std::string& what, bool json, const SolverRegistry& registry);
 /// Prints the effective configuration of a file (empty: the defaults).
-int print_configuration(const std::string& file);
+int print_configuration(const std::string& file, const SolverRegistry& registry);
 
 }  // namespace prospect

@@ -13,7 +13,7 @@
 #include "adapters/run/run_folder.h"
 #include "adapters/worlds/load_world.h"
 #include "engine/planner.h"
-#include "solvers/registry.h"
+#include "models/version.h"
 
 namespace prospect {
 namespace {
@@ -50,15 +50,15 @@ void print_summary(const Summary& s) {
 
 }  // namespace
 
-int explore(const ExploreArguments& arguments) {
-  Configuration configuration = read_configuration(arguments.configuration);
+int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
+  Configuration configuration = read_configuration(arguments.configuration, registry);
   if (!arguments.solver.empty()) {
     configuration.solver = arguments.solver;
-    const std::string wrong = solver_problem(configuration.solver);
+    const std::string wrong = solver_problem(configuration.solver, registry);
     if (!wrong.empty()) throw InputError("--solver: " + wrong);
   }
   if (arguments.time_limit > 0.0) configuration.mission.time_limit = arguments.time_limit;
-  for (const SolverInfo& info : list_solvers()) {
+  for (const SolverInfo& info : registry.list()) {
     if (info.name == configuration.solver && !info.available) {
       std::cerr << "prospect: " << info.name << " is not built in; it needs " << info.needs << '\n';
       return kNotBuiltIn;
@@ -74,6 +74,12 @@ int explore(const ExploreArguments& arguments) {
   ExplorationRunOptions options;
   options.seed = arguments.seed;
   options.cancelled = [] { return interrupted != 0; };
+  const Planner* planner = nullptr;
+  options.make_planner = [&](const Configuration& c) {
+    auto made = std::make_unique<Planner>(c.robot, c.planner, registry.make(c.solver));
+    planner = made.get();
+    return made;
+  };
   check_start(world, configuration, options);  // before anything is written
 
   const std::string out = arguments.out.empty() ? "runs/" + file_name(world->name) + "_" +
@@ -85,18 +91,12 @@ int explore(const ExploreArguments& arguments) {
   std::signal(SIGTERM, interrupt);
   ProgressLine progress = ProgressLine::on_stderr();
   const auto start = std::chrono::steady_clock::now();
-  const Planner* planner = nullptr;
-  options.make_planner = [&](const Configuration& c) {
-    auto made = std::make_unique<Planner>(c.robot, c.planner, make_solver(c.solver));
-    planner = made.get();
-    return made;
-  };
   options.on_step = [&](const StepRecord& step) {
     folder.add(step);
     const int every = arguments.save_problems;
     if (every > 0 && step.step % every == 0 && planner->recipe()) {
       folder.add(SavedProblem{
-          {"prospect " PROSPECT_VERSION, world->name, arguments.seed, step.step, step.time},
+          {std::string("prospect ") + kVersion, world->name, arguments.seed, step.step, step.time},
           *planner->recipe(),
           planner->seeds(),
           std::nullopt});

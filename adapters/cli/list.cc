@@ -9,7 +9,6 @@
 #include "adapters/worlds/builtin_worlds.h"
 #include "models/nearest_name.h"
 #include "solvers/options.h"
-#include "solvers/registry.h"
 
 namespace prospect {
 namespace {
@@ -38,7 +37,7 @@ constexpr TermInfo kTerms[] = {
 
 }  // namespace
 
-int list(const std::string& what, bool json) {
+int list(const std::string& what, bool json, const SolverRegistry& registry) {
   const std::vector<std::string> known = {"solvers", "worlds", "terms"};
   if (what.empty())
     throw InputError("list: nothing named; expected one of: solvers, worlds, terms");
@@ -48,7 +47,7 @@ int list(const std::string& what, bool json) {
   }
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   if (what == "solvers") {
-    for (const SolverInfo& s : list_solvers()) {
+    for (const SolverInfo& s : registry.list()) {
       nlohmann::ordered_json options = nlohmann::ordered_json::array();
       for (const OptionInfo& o : s.options) {
         options.push_back(
@@ -78,8 +77,8 @@ int list(const std::string& what, bool json) {
   return kDone;
 }
 
-int print_configuration(const std::string& file) {
-  std::cout << effective_yaml(read_configuration(file).entries);
+int print_configuration(const std::string& file, const SolverRegistry& registry) {
+  std::cout << effective_yaml(read_configuration(file, registry).entries);
   return kDone;
 }
 

@@ -13,6 +13,8 @@
 #include "adapters/cli/commands.h"
 #include "adapters/config/input_error.h"
 #include "models/nearest_name.h"
+#include "models/version.h"
+#include "solvers/load_plugin.h"
 
 namespace {
 
@@ -60,7 +62,7 @@ int run(int argc, char** argv) {
   using namespace prospect;
   CLI::App app{"Plans for robots that explore by sight.", "prospect"};
   app.require_subcommand(1);
-  app.set_version_flag("--version", PROSPECT_VERSION);
+  app.set_version_flag("--version", kVersion);
 
   ExploreArguments explore_arguments;
   CLI::App* explore_command =
@@ -125,6 +127,14 @@ int run(int argc, char** argv) {
       app.add_subcommand("config", "The full effective configuration, with units and defaults");
   config_command->add_option("file", configuration, "Configuration file (YAML) [the defaults]");
 
+  std::vector<std::string> plugins;
+  for (CLI::App* command : app.get_subcommands({})) {
+    command
+        ->add_option("--plugin", plugins,
+                     "Shared library with further back ends; may be given several times")
+        ->allow_extra_args(false);
+  }
+
   if (argc > 1 && argv[1][0] != '-') {
     std::vector<std::string> commands;
     std::string list;
@@ -144,10 +154,12 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {
     return report({std::string(error.what()) + "; see `prospect --help`"}, kBadInput);
   }
-  if (*explore_command) return explore(explore_arguments);
-  if (*solve_command) return solve(solve_arguments);
-  if (*list_command) return list(what, list_json);
-  return print_configuration(configuration);
+  SolverRegistry registry;
+  for (const std::string& path : plugins) load_plugin(path, registry);
+  if (*explore_command) return explore(explore_arguments, registry);
+  if (*solve_command) return solve(solve_arguments, registry);
+  if (*list_command) return list(what, list_json, registry);
+  return print_configuration(configuration, registry);
 }
 
 }  // namespace

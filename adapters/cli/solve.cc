@@ -14,7 +14,6 @@
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
 #include "engine/planner.h"
-#include "solvers/registry.h"
 
 namespace prospect {
 namespace {
@@ -40,7 +39,7 @@ NamedProblem load(const std::string& path) {
 /// WORLD@STEP: runs the mission up to that planning step and takes the problem it meets there. Any
 /// other text is the path of a problem file.
 NamedProblem capture(const std::string& text, const Configuration& configuration,
-                     std::uint64_t seed) {
+                     const SolverRegistry& registry, std::uint64_t seed) {
   const std::size_t at = text.rfind('@');
   int step = -1;
   if (at != std::string::npos) {
@@ -66,7 +65,7 @@ NamedProblem capture(const std::string& text, const Configuration& configuration
   options.seed = seed;
   options.keep_steps = false;
   options.make_planner = [&](const Configuration& c) {
-    auto made = std::make_unique<Planner>(c.robot, c.planner, make_solver(c.solver));
+    auto made = std::make_unique<Planner>(c.robot, c.planner, registry.make(c.solver));
     planner = made.get();
     return made;
   };
@@ -139,21 +138,21 @@ void print_table(const NamedProblem& named,
 
 }  // namespace
 
-int solve(const SolveArguments& arguments) {
-  Configuration configuration = read_configuration(arguments.configuration);
+int solve(const SolveArguments& arguments, const SolverRegistry& registry) {
+  Configuration configuration = read_configuration(arguments.configuration, registry);
   std::vector<std::string> names = arguments.solvers;
   if (names.empty()) names = {"ipopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "sampling"};
   std::vector<std::shared_ptr<const Solver>> solvers;
   for (const std::string& name : names) {
-    const std::string wrong = solver_problem(name);
+    const std::string wrong = solver_problem(name, registry);
     if (!wrong.empty()) throw InputError("--solver: " + wrong);
-    solvers.push_back(make_solver(name));
+    solvers.push_back(registry.make(name));
   }
 
   // All of them before any is solved: a bad one is refused with nothing printed.
   std::vector<NamedProblem> problems;
   for (const std::string& text : arguments.problems) {
-    problems.push_back(capture(text, configuration, arguments.seed));
+    problems.push_back(capture(text, configuration, registry, arguments.seed));
   }
 
   bool any_feasible = false, all_absent = true;

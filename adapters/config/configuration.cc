@@ -120,7 +120,7 @@ void read_robot(YamlMap map, Configuration& c) {
   c.robot.depth_mount = read_mount(depth.map("mount"));
 }
 
-void read_planner(YamlMap map, Configuration& c) {
+void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) {
   PlannerParameters& p = c.planner;
   const auto number = [&](const char* key, double& value, double min, double max, const char* unit,
                           const char* what) {
@@ -130,7 +130,7 @@ void read_planner(YamlMap map, Configuration& c) {
     value = static_cast<int>(map.integer(key, value, min, max, "1", what));
   };
   c.solver = map.text("solver", c.solver, "back end, see `prospect list solvers`");
-  if (const std::string wrong = solver_problem(c.solver); !wrong.empty()) {
+  if (const std::string wrong = solver_problem(c.solver, solvers); !wrong.empty()) {
     map.problem("solver", wrong);
   }
   integer("N", p.N, 1, 1000, "stages of the horizon");
@@ -151,7 +151,8 @@ void read_planner(YamlMap map, Configuration& c) {
   p.w_e = w.number("w_e", p.w_e, 0.0, 1e6, "1", "exploration gain");
   p.w_T = w.number("w_T", p.w_T, 0.0, 1e6, "1", "cost-to-go");
   p.w_h = w.number("w_h", p.w_h, 0.0, 1e6, "1", "heading alignment");
-  p.w_c = w.number("w_c", p.w_c, 0.0, 1e6, "1", "chance penalty on visible features; counts only if w_l > 0");
+  p.w_c = w.number("w_c", p.w_c, 0.0, 1e6, "1",
+                   "chance penalty on visible features; counts only if w_l > 0");
   number("desired_speed", p.desired_speed, 0.0, 1.0, "1", "share of the largest speed");
   number("d_safe", p.d_safe, 0.0, 5.0, "m", "hard clearance");
   number("d_des", p.d_des, 0.01, 5.0, "m", "clearance beyond which closeness costs nothing");
@@ -230,11 +231,11 @@ void read_simulator(YamlMap map, Configuration& c) {
       "degraded_below", s.odometry.degraded_below, 0, 10000, "1", "tracked points: degraded"));
 }
 
-Configuration read(StrictYaml yaml) {
+Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
   Configuration c;
   YamlMap root = yaml.root();
   read_robot(root.map("robot"), c);
-  read_planner(root.map("planner"), c);
+  read_planner(root.map("planner"), solvers, c);
   read_simulator(root.map("simulator"), c);
   YamlMap mission = root.map("mission");
   c.mission.time_limit =
@@ -257,21 +258,23 @@ Configuration read(StrictYaml yaml) {
 
 }  // namespace
 
-std::string solver_problem(const std::string& name) {
+std::string solver_problem(const std::string& name, const SolverRegistry& solvers) {
   try {
-    make_solver(name);
+    solvers.make(name);
     return "";
   } catch (const std::invalid_argument& e) {
     return e.what();
   }
 }
 
-Configuration read_configuration(const std::string& path) {
-  return path.empty() ? configuration_from_text("", "defaults") : read(StrictYaml::from_file(path));
+Configuration read_configuration(const std::string& path, const SolverRegistry& solvers) {
+  return path.empty() ? configuration_from_text("", "defaults", solvers)
+                      : read(StrictYaml::from_file(path), solvers);
 }
 
-Configuration configuration_from_text(const std::string& text, const std::string& source) {
-  return read(StrictYaml::from_text(text, source));
+Configuration configuration_from_text(const std::string& text, const std::string& source,
+                                      const SolverRegistry& solvers) {
+  return read(StrictYaml::from_text(text, source), solvers);
 }
 
 }  // namespace prospect

@@ -8,6 +8,7 @@
 #include "adapters/simulator/simulator.h"
 #include "engine/mission.h"
 #include "engine/planner.h"
+#include "solvers/registry.h"
 
 namespace prospect {
 
@@ -21,15 +22,16 @@ struct Configuration {
   std::vector<ConfigEntry> entries;  ///< what is in effect, for config.yaml and `prospect config`
 };
 
-/// Reads a configuration file; an empty path gives the defaults. Throws InputError with every
-/// problem at once (file:line: what; expected what).
-Configuration read_configuration(const std::string& path);
+/// Reads a configuration file; an empty path gives the defaults. Its solver is one of `solvers`.
+/// Throws InputError with every problem at once (file:line: what; expected what).
+Configuration read_configuration(const std::string& path, const SolverRegistry& solvers = {});
 
 /// "" if the registry knows a back end of that name (built in or not), else what is wrong with it:
 /// "unknown solver 'x' (did you mean 'y'?); expected one of: ...".
-std::string solver_problem(const std::string& name);
+std::string solver_problem(const std::string& name, const SolverRegistry& solvers);
 
 /// The same as read_configuration() from text; `source` stands for the file's name in messages.
-Configuration configuration_from_text(const std::string& text, const std::string& source);
+Configuration configuration_from_text(const std::string& text, const std::string& source,
+                                      const SolverRegistry& solvers = {});
 
 }  // namespace prospect

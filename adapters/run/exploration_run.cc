@@ -95,7 +95,9 @@ WorldOptions world_options_for(const Configuration& c) {
 
 void check_start(const std::shared_ptr<const World>& world, const Configuration& configuration,
                  const ExplorationRunOptions& options) {
-  if (!options.make_planner) {
+  if (options.make_planner) {
+    options.make_planner(configuration);
+  } else {
     Planner(configuration.robot, configuration.planner, make_solver(configuration.solver));
   }
   reachable_area(*world, configuration);

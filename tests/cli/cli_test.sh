@@ -1,8 +1,11 @@
 #!/usr/bin/env bash
 # What the program `prospect` promises to who types a command: exit codes, messages, files.
-#   cli_test.sh <prospect> <scratch directory>
+#   cli_test.sh <prospect> <scratch directory> <a plug-in> <a faulty one> <a library that is none>
 set -uo pipefail
 prospect="$(realpath "$1")"
+plugin="$(realpath "$3")"
+faulty="$(realpath "$4")"
+no_plugin="$(realpath "$5")"
 mkdir -p "$2"
 work="$(mktemp -d "$2/cli.XXXXXX")"
 trap 'rm -rf "$work"' EXIT
@@ -255,6 +258,66 @@ for file in truncated.h5 flipped.h5 map.h5 first/map.bt empty.bt nothing.h5 fold
 done
 refused "a bad problem after a good one" truncated.h5 "; expected a whole problem file" \
   solve $problem truncated.h5 --solver sampling
+
+# --- Plug-ins: wherever a solver can be named.
+succeeds "list solvers of a plug-in" list solvers --plugin "$plugin"
+named "list solvers of a plug-in" differential_evolution nlopt sampling
+succeeds "list solvers of a plug-in with its options" list solvers --json --plugin "$plugin"
+grep -qF '"crossover"' out.txt || fail "list solvers --json --plugin: no option of the plug-in"
+succeeds "list solvers of two plug-ins" list solvers --plugin "$plugin" --plugin "$faulty"
+named "list solvers of two plug-ins" differential_evolution misfit nlopt
+succeeds "list solvers without the plug-in" list solvers
+! grep -q differential_evolution out.txt || fail "a plug-in that was not asked for is listed"
+succeeds "solve with a plug-in" solve $problem --plugin "$plugin" --json \
+  --solver nlopt,differential_evolution
+(($(grep -c '"quality": "feasible' out.txt) == 2)) || fail "solve with a plug-in: '$out'"
+for n in once twice; do
+  succeeds "explore with a plug-in" explore --plugin "$plugin" office --time-limit 2 --quiet \
+    --solver differential_evolution --out "plugin_$n" --json
+done
+grep -q '"solver": "differential_evolution"' out.txt || fail "explore with a plug-in: '$out'"
+cmp -s plugin_once/steps.csv plugin_twice/steps.csv || fail "a plug-in's mission is not repeatable"
+printf 'planner:\n  solver: differential_evolution\n' >needs_plugin.yaml
+succeeds "a configuration with its solver" config needs_plugin.yaml --plugin "$plugin"
+grep -q '^  solver: differential_evolution ' out.txt || fail "config --plugin: '$out'"
+refused "that configuration without it" needs_plugin.yaml:2: \
+  "unknown solver 'differential_evolution'" config needs_plugin.yaml
+refused "its solver without it" "unknown solver 'differential_evolution'" "expected one of" \
+  "${explore[@]}" office --solver differential_evolution
+refused "a misspelt solver of a plug-in" "did you mean 'differential_evolution'?" "expected one of" \
+  "${explore[@]}" office --plugin "$plugin" --solver diferential_evolution
+refused "a configuration's misspelt solver" solver.yaml:3: ", differential_evolution" \
+  "${explore[@]}" office --plugin "$plugin" --config solver.yaml
+head -c 60000 "$plugin" >cut.so
+cp first/steps.csv text.so
+# refused_plugin FILE EXPECTED: by every command that takes plug-ins, in one line.
+refused_plugin() {
+  local command
+  for command in "list solvers" "solve $problem --solver nlopt" "${explore[*]} office" config; do
+    # shellcheck disable=SC2086
+    refused "$command --plugin $1" "plug-in '$1': " "$2" $command --plugin "$1"
+    (($(wc -l <err.txt) == 1)) || fail "$command --plugin $1: more than one line: '$err'"
+  done
+}
+refused_plugin nothing.so "no such file; expected a shared library (.so)"
+refused_plugin folder "is a directory; expected a shared library (.so)"
+refused_plugin text.so "; expected a shared library (.so)"
+refused_plugin cut.so "the file is cut off; expected a shared library (.so)"
+refused_plugin "$no_plugin" "has no entry point; expected a function 'prospect_plugin'"
+PROSPECT_TEST_FAULT=interface refused_plugin "$faulty" "has plug-in interface 2; expected 1"
+PROSPECT_TEST_FAULT=alignment refused_plugin "$faulty" "; expected 16, as this program"
+PROSPECT_TEST_FAULT="built in" refused_plugin "$faulty" "named 'nlopt:LD_SLSQP' already; expected"
+PROSPECT_TEST_FAULT="no factory" refused_plugin "$faulty" "'misfit' has no factory; expected one"
+PROSPECT_TEST_FAULT="factory throws" refused_plugin "$faulty" "the factory of 'misfit' failed: two lines"
+refused "the same plug-in twice" "'differential_evolution' already" "expected another name" \
+  list solvers --plugin "$plugin" --plugin "$plugin"
+# What fails while it solves is told from what was refused: the comparison has failed, not the input.
+export PROSPECT_TEST_FAULT="solve throws"
+run solve $problem --plugin "$faulty" --solver misfit,nlopt --json
+unset PROSPECT_TEST_FAULT
+((code == 0)) || fail "a plug-in that throws beside one that solves: exit $code; '$err'"
+grep -qx 'prospect: misfit: misfit: the plug-in failed: no solution today' err.txt ||
+  fail "a plug-in that throws: '$err'"
 
 for arguments in --help "explore --help" "solve --help" "list --help" "config --help" --version; do
   # shellcheck disable=SC2086

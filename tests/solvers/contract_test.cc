@@ -1,4 +1,5 @@
-// The contract of engine/solver.h, on every back end of the registry by the same tests.
+// The contract of engine/solver.h, on every back end of the registry, and on that of a plug-in, by
+// the same tests.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,6 +7,7 @@
 #include <atomic>
 #include <thread>
 
+#include "solvers/load_plugin.h"
 #include "solvers/registry.h"
 #include "tests/solvers/problem_zoo.h"
 
@@ -19,7 +21,7 @@ using zoo::Watch;
 enum class Family { kGradient, kNoDerivative, kGlobal, kSampling };
 
 Family family(const std::string& name) {
-  if (name.starts_with("sampling")) return Family::kSampling;
+  if (name.starts_with("sampling") || name == "differential_evolution") return Family::kSampling;
   if (name.find(":GN_") != std::string::npos) return Family::kGlobal;
   return name.find(":LN_") != std::string::npos ? Family::kNoDerivative : Family::kGradient;
 }
@@ -39,9 +41,19 @@ double precision(Family f) {
   return 0.0;
 }
 
+/// All of ours and the plug-in of docs/examples/plugin.
+const SolverRegistry& registry() {
+  static const SolverRegistry all = [] {
+    SolverRegistry r;
+    load_plugin(PROSPECT_PLUGIN_EXAMPLE, r);
+    return r;
+  }();
+  return all;
+}
+
 std::vector<std::string> available() {
   std::vector<std::string> names;
-  for (const SolverInfo& info : list_solvers()) {
+  for (const SolverInfo& info : registry().list()) {
     if (info.available) names.push_back(info.name);
   }
   return names;
@@ -75,7 +87,7 @@ void expect_same_bits(const Result& a, const Result& b) {
 
 class EverySolver : public testing::TestWithParam<std::string> {
  protected:
-  std::shared_ptr<const Solver> solver_ = make_solver(GetParam());
+  std::shared_ptr<const Solver> solver_ = registry().make(GetParam());
   Family family_ = family(GetParam());
 
   /// What the evolution strategy needs in ten dimensions.
@@ -404,12 +416,13 @@ TEST_P(EverySolver, GivesTheSameBitsForTheSameSeed) {
   const Options options = {{"max_evaluations", 1500}, {"seed", 7}};
   const Result a = solver_->solve(path.problem, from(Vector::Zero(20)), options, {});
   const Result b =
-      make_solver(GetParam())->solve(path.problem, from(Vector::Zero(20)), options, {});
+      registry().make(GetParam())->solve(path.problem, from(Vector::Zero(20)), options, {});
   expect_same_bits(a, b);
 }
 
 TEST_P(EverySolver, UsesItsSeed) {
   const bool random = GetParam() == "sampling" || GetParam() == "sampling:mppi" ||
+                      GetParam() == "differential_evolution" ||
                       GetParam().find("CRS2") != std::string::npos ||
                       GetParam().find("ISRES") != std::string::npos;
   if (!random) return;  // sampling:search may or may not get to its random directions
@@ -423,8 +436,9 @@ TEST_P(EverySolver, UsesItsSeed) {
 
 TEST_P(EverySolver, IsNotChangedByASolveThatTimedOut) {
   const Case c = zoo::hs43();
-  const Result fresh =
-      make_solver(GetParam())->solve(c.problem(), from(c.start), {{"max_evaluations", 800}}, {});
+  const Result fresh = registry()
+                           .make(GetParam())
+                           ->solve(c.problem(), from(c.start), {{"max_evaluations", 800}}, {});
   int asked = 0;
   const StopCondition stop(
       [&] { return ++asked > 5 ? StopRequest::kDeadline : StopRequest::kNone; });

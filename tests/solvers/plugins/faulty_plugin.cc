@@ -1,0 +1,115 @@
+// A plug-in with one fault, which the environment variable PROSPECT_TEST_FAULT names at the moment
+// when its entry point is called.
+#include <cstdlib>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "solvers/options.h"
+#include "solvers/plugin.h"
+
+namespace {
+
+using prospect::Solver;
+
+class Misfit final : public Solver {
+ public:
+  explicit Misfit(std::string fault) : fault_(std::move(fault)) {}
+  std::string name() const override { return "misfit"; }
+  std::vector<prospect::OptionInfo> options() const override {
+    if (fault_ == "options throw") throw std::runtime_error("no options today");
+    return prospect::common_options();
+  }
+  std::string explain_unsupported(const prospect::Problem&) const override {
+    if (fault_ == "explain throws") throw std::runtime_error("no explanation today");
+    return {};
+  }
+  prospect::Result solve(const prospect::Problem& problem, const prospect::WarmStart&,
+                         const prospect::Options&, const prospect::StopCondition&) const override {
+    if (fault_ == "solve throws") throw std::runtime_error("no solution today");
+    if (fault_ == "solve throws a number") throw 42;
+    prospect::Result result;
+    result.quality = prospect::Quality::kFeasible;
+    result.x = problem.lower();
+    result.cost = 0.0;
+    if (fault_ == "wrong size") result.x.conservativeResize(problem.num_variables() + 1);
+    if (fault_ == "x not finite") result.x[0] = std::numeric_limits<double>::quiet_NaN();
+    if (fault_ == "cost not finite") result.cost = -std::numeric_limits<double>::infinity();
+    return result;
+  }
+
+ private:
+  std::string fault_;
+};
+
+std::string fault() {
+  const char* text = std::getenv("PROSPECT_TEST_FAULT");
+  return text ? text : "";
+}
+
+Solver* make() {
+  if (fault() == "factory throws") throw std::runtime_error("two\nlines");
+  if (fault() == "factory throws a number") throw 42;
+  return fault() == "factory returns nothing" ? nullptr : new Misfit(fault());
+}
+Solver* make_another() { return new Misfit("another"); }
+
+}  // namespace
+
+const prospect::Plugin* prospect_plugin() {
+  // Not const: each call gives another one. The tests load from one thread.
+  static prospect::PluginSolver solvers[2];
+  static prospect::Plugin plugin;
+  solvers[0] = {"misfit", "one with a fault", &make};
+  solvers[1] = {"another", "one more", &make_another};
+  plugin = {prospect::kPluginInterface, prospect::kPluginAbi, solvers, 1};
+
+  const std::string f = fault();
+  if (f == "entry throws") throw std::runtime_error("no licence");
+  if (f == "entry throws a number") throw 42;
+  if (f == "entry returns nothing") return nullptr;
+  if (f == "interface") {
+    // Of another version, whose struct is another one: nothing after the number may be read.
+    static const struct {
+      std::uint32_t interface_version;
+      unsigned char rest[4];
+    } future = {prospect::kPluginInterface + 1, {255, 255, 255, 255}};
+    return reinterpret_cast<const prospect::Plugin*>(&future);
+  }
+  if (f == "version") plugin.abi.version = "0.0.9";
+  if (f == "no version") plugin.abi.version = nullptr;
+  if (f == "compiler") ++plugin.abi.compiler;
+  if (f == "standard library") ++plugin.abi.standard_library;
+  if (f == "strings") ++plugin.abi.new_strings;
+  if (f == "containers") ++plugin.abi.checked_containers;
+  if (f == "eigen") ++plugin.abi.eigen;
+  if (f == "alignment") plugin.abi.eigen_alignment *= 2;
+  if (f == "static alignment") plugin.abi.eigen_static *= 2;
+  if (f == "row major") ++plugin.abi.eigen_row_major;
+  if (f == "index") --plugin.abi.eigen_index;
+  if (f == "problem") ++plugin.abi.problem;
+  if (f == "evaluation") ++plugin.abi.evaluation;
+  if (f == "trajectories") ++plugin.abi.trajectories;
+  if (f == "traits") ++plugin.abi.term_traits;
+  if (f == "result") ++plugin.abi.result;
+  if (f == "no solvers") plugin.solvers = nullptr;
+  if (f == "zero solvers") plugin.num_solvers = 0;
+  if (f == "no name") solvers[0].name = nullptr;
+  if (f == "empty name") solvers[0].name = "";
+  if (f == "spaces") solvers[0].name = "my solver";
+  if (f == "comma") solvers[0].name = "my,solver";
+  if (f == "newline") solvers[0].name = "my\nsolver";
+  if (f == "long name") {
+    static const std::string name(65, 'x');
+    solvers[0].name = name.c_str();
+  }
+  if (f == "unknown") solvers[0].name = "unknown";
+  if (f == "built in") solvers[0].name = "nlopt:LD_SLSQP";
+  if (f == "no factory") solvers[0].make = nullptr;
+  if (f == "no description") solvers[0].description = nullptr;
+  if (f == "two") plugin.num_solvers = 2;
+  if (f == "twice" || f == "second is bad") plugin.num_solvers = 2;
+  if (f == "twice") solvers[1].name = "misfit";
+  if (f == "second is bad") solvers[1].make = nullptr;
+  return &plugin;
+}
