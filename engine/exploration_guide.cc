@@ -26,6 +26,10 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
     throw std::invalid_argument("exploration guide: kappa = " + std::to_string(options.kappa) +
                                 "; expected 0 to 100 m");
   }
+  if (!(options_.leftovers_share >= 0.0) || !(options_.leftovers_share < 1000.0)) {
+    throw std::invalid_argument("exploration guide: leftovers_share = " +
+                                std::to_string(options_.leftovers_share) + "; expected 0 to 1000");
+  }
   if (!(options_.look_around >= 0.0) || !(options_.look_around < 1000.0)) {
     throw std::invalid_argument("exploration guide: look_around = " +
                                 std::to_string(options_.look_around) + "; expected 0 to 1000 s");
@@ -80,9 +84,14 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     relaxed_area_ *= 2.0;  // as FrontierMemory::retry_area(), for the same reason
     reopenings_ = 0;
   }
+  if (!began_at_) began_at_ = stamp;
   std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, features, rule);
   while (guidance->advice == Advice::kDone) {
     if (rules_ == Rules::kStrict) {
+      if (!leftovers_until_) {
+        const double took = std::max(60.0, stamp - *began_at_);
+        leftovers_until_ = stamp + options_.leftovers_share * took;
+      }
       restart(Rules::kKeyholes);
       relaxed_explored_ = guidance->explored_area;
     } else if (rules_ == Rules::kKeyholes) {
@@ -107,6 +116,10 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     }
   } else {
     nothing_since_.reset();
+  }
+  if (leftovers_until_ && stamp > *leftovers_until_ && guidance->advice != Advice::kDone) {
+    guidance->advice = Advice::kDone;
+    guidance->abandoned = true;
   }
   updated_at_ = stamp;
   guidance->relaxed = rules_ == Rules::kGaps;

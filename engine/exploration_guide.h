@@ -30,6 +30,9 @@ struct ExplorationGuideOptions {
   int reopenings = 1;
   /// [s] that nothing must have been reachable before "done": time to look all around once.
   double look_around = 8.0;
+  /// Time for what is left once the strict rules lead nowhere, as a share of the time they took; at
+  /// least a minute.
+  double leftovers_share = 1.0;
   double kappa = 0.5;  ///< [m] bonus of a frontier per unit of log(1 + length / 1 m)
 };
 
@@ -74,6 +77,7 @@ struct Guidance {
   int retries_used = 0;
   int suppressed_cells = 0;
   bool relaxed = false;       ///< narrow gaps count as passable: nothing else is reachable
+  bool abandoned = false;     ///< done although something is left: the time for it is up
   double milliseconds = 0.0;  ///< wall time of the update: a report, not an input to anything
 };
 
@@ -97,6 +101,11 @@ struct Guidance {
 ///      frontier behind it would be tried in turn; before "done" all gaps are opened again, and
 ///      everything is tried again, `reopenings` times.
 /// It goes back to the strict rules once retry_area was newly explored, twice that the next time.
+///
+/// All this may take as long as the strict rules took, the first time that they led nowhere
+/// (leftovers_share); then it says done (Guidance::abandoned). An estimate that drifts goes on
+/// drawing walls twice, and with them frontiers, for ever, and a robot in narrow places with such a
+/// map will touch something in the end.
 ///
 /// It says done only when nothing has been reachable for look_around, and advises kLookAround till
 /// then: a cell that noise fills in a narrow passage must not end a mission, and a turn on the spot
@@ -148,11 +157,13 @@ class ExplorationGuide {
   Rules rules_ = Rules::kStrict;
   bool restarted_ = false;  // every known cell will seem new
   double relaxed_explored_ = 0.0;
-  std::optional<double> nothing_since_;  // [s] no target, and no retry either
-  double updated_at_ = 0.0;              // [s]
-  bool gap_closed_ = false;              // since the last restart
-  int reopenings_ = 0;                   // since the strict rules were left
-  double relaxed_area_ = 0.0;            // [m^2] newly explored that restores the strict rules
+  std::optional<double> nothing_since_;    // [s] no target, and no retry either
+  std::optional<double> began_at_;         // [s] first update
+  std::optional<double> leftovers_until_;  // [s] known once the strict rules led nowhere
+  double updated_at_ = 0.0;                // [s]
+  bool gap_closed_ = false;                // since the last restart
+  int reopenings_ = 0;                     // since the strict rules were left
+  double relaxed_area_ = 0.0;              // [m^2] newly explored that restores the strict rules
   std::shared_ptr<const Guidance> last_;
 };
 

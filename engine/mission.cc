@@ -76,7 +76,9 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
     if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
     if (guidance && guidance->advice == Advice::kDone) {
       result.end = MissionEnd::kExplored;
-      result.detail = "no active reachable frontier is left";
+      result.detail = guidance->abandoned
+                          ? "what is left to see has taken as long as all that was seen"
+                          : "no active reachable frontier is left";
       return result;
     }
 

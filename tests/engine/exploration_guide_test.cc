@@ -272,6 +272,39 @@ TEST(ExplorationGuide, LooksAroundBeforeDone) {
   EXPECT_EQ(done, ExplorationGuideOptions().look_around + 3.0);
 }
 
+// An estimate that drifts draws new frontiers for ever.
+TEST(ExplorationGuide, AbandonsLeftoversThatTakeAsLongAsAllElse) {
+  GroundMap map = two_rooms(7);
+  const Pose pose{{2.0, 2.0, 0.0}, 0.0};
+  ExplorationGuide guide(prompt());
+  double t = 0.0;
+  for (; t < 100.0; t += 0.5) {
+    // A frontier of the strict rules for 100 s, which noise keeps alive; then only a keyhole.
+    map.set({110, 20 + static_cast<int>(t) % 20}, CellState::kFree);
+    const auto g = guide.update(map, pose, t, {.looked = false, .pursued = false});
+    ASSERT_EQ(g->advice, Advice::kPlan) << t;
+  }
+  for (int j = 7; j < 48; ++j) {
+    for (int i = 42; i < 125; ++i) {
+      if (map.frame().contains({i, j}) && map.state({i, j}) == CellState::kUnknown) {
+        map.set({i, j}, CellState::kOccupied);
+      }
+    }
+  }
+  for (int j = 26; j < 29; ++j) map.set({110, j}, CellState::kUnknown);
+  const double begin = t;
+  double done = 0.0;
+  for (; t < 400.0 && done == 0.0; t += 0.5) {
+    const auto g = guide.update(map, pose, t, {.looked = false, .pursued = false});
+    ASSERT_EQ(g->abandoned, g->advice == Advice::kDone);
+    if (g->abandoned) {
+      EXPECT_TRUE(g->target.has_value());
+      done = t;
+    }
+  }
+  EXPECT_NEAR(done - begin, begin, 1.0);
+}
+
 // A robot that is lost adds nothing to its map, so nothing that it faces can be resolved; one that
 // recovers turns and retreats, so it comes no nearer to its target.
 TEST(ExplorationGuide, ALostRobotGivesNothingUp) {
