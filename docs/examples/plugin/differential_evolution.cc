@@ -1,10 +1,11 @@
 // A back end of one's own, loaded by the program at run time:
-//   prospect solve office@40 --plugin ./libdifferential_evolution.so --solver
-//   differential_evolution
+//   prospect solve office@40 --plugin FILE.so --solver differential_evolution
 // Differential evolution, DE/rand/1/bin, of Storn and Price, J. Global Optimization 11 (1997): a
 // population of points; each is challenged by a + F (b - c) of three others, crossed over with
 // itself, and replaced if the challenger is no worse.
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <random>
 
 #include "solvers/plugin.h"
