@@ -10,11 +10,18 @@ namespace prospect {
 
 Evaluator::Evaluator(const Problem& problem, const CommonOptions& options,
                      const StopCondition& stop)
-    : problem_(problem),
-      options_(options),
-      stop_(stop),
-      workspace_(problem.make_workspace()),
-      batch_workspace_(problem.make_workspace()) {
+    : Evaluator(problem, options, stop, nullptr) {}
+
+Evaluator::Evaluator(Evaluator& outer, const CommonOptions& options)
+    : Evaluator(outer.problem_, options, outer.stop_, &outer) {}
+
+Evaluator::Evaluator(const Problem& problem, const CommonOptions& options,
+                     const StopCondition& stop, Evaluator* outer)
+    : problem_(problem), options_(options), stop_(stop), outer_(outer) {
+  if (!outer_) {
+    workspace_ = problem.make_workspace();
+    batch_workspace_ = problem.make_workspace();
+  }
   const Eigen::VectorXd& lower = problem.lower();
   const Eigen::VectorXd& upper = problem.upper();
   for (int i = 0; i < problem.num_variables(); ++i) {
@@ -69,6 +76,13 @@ void Evaluator::store_exception() {
   } catch (...) {
     fail("the problem threw something that is not a std::exception");
   }
+  if (outer_) outer_->fail(stop_detail_);
+}
+
+void Evaluator::count_evaluations(int count, bool gradient) {
+  counters_.cost_evaluations += count;
+  if (gradient) counters_.gradient_evaluations += count;
+  if (outer_) outer_->count_evaluations(count, gradient);
 }
 
 void Evaluator::fail(std::string message) {
@@ -80,9 +94,15 @@ void Evaluator::fail(std::string message) {
 
 bool Evaluator::should_stop() {
   if (stopped_) return true;
+  if (outer_ && outer_->should_stop()) {
+    stopped_ = true;
+    stop_reason_ = outer_->stop_reason_;
+    stop_detail_ = outer_->stop_detail_;
+    return true;
+  }
   StopRequest request = StopRequest::kNone;
   try {
-    request = stop_();
+    if (!outer_) request = stop_();
   } catch (...) {
     store_exception();
     return true;
@@ -105,6 +125,7 @@ bool Evaluator::should_stop() {
 
 void Evaluator::consider(const Eigen::Ref<const Eigen::VectorXd>& x, double cost, double violation,
                          const Eigen::Ref<const Eigen::VectorXd>& constraints) {
+  if (outer_) outer_->consider(x, cost, violation, constraints);
   worst_cost_ = has_incumbent_ ? std::max(worst_cost_, cost) : cost;
   if (has_incumbent_) {
     const bool feasible = violation <= options_.feasibility_tolerance;
@@ -135,14 +156,13 @@ Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate
   last_known_ = false;
   bool valid = false;
   try {
-    problem_.evaluate(z_, what, workspace_, evaluation_);
+    problem_.evaluate(z_, what, workspace(), evaluation_);
     valid = evaluation_.valid[0];
   } catch (...) {
     store_exception();
     return Outcome::kStopped;
   }
-  ++counters_.cost_evaluations;
-  if (gradient) ++counters_.gradient_evaluations;
+  count_evaluations(1, gradient);
   valid = valid && std::isfinite(evaluation_.cost[0]) && evaluation_.constraints.allFinite();
   if (valid && gradient) {
     valid = evaluation_.gradient.allFinite() && evaluation_.jacobian.allFinite();
@@ -194,13 +214,13 @@ int Evaluator::evaluate_batch(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen:
     }
     last_known_ = false;
     try {
-      problem_.evaluate(batch_z_.leftCols(chunk), Evaluate::kValue, batch_workspace_,
+      problem_.evaluate(batch_z_.leftCols(chunk), Evaluate::kValue, batch_workspace(),
                         batch_evaluation_);
     } catch (...) {
       store_exception();
       return done;
     }
-    counters_.cost_evaluations += chunk;
+    count_evaluations(chunk, false);
     for (int b = 0; b < chunk; ++b) {
       const auto constraints = batch_evaluation_.constraints.col(b);
       const double value = batch_evaluation_.cost[b];
@@ -269,7 +289,7 @@ Result Evaluator::finish(StopReason reason, bool optimum, std::string detail, Wa
                      : converged           ? Quality::kFeasibleOptimum
                                            : Quality::kFeasible;
     try {
-      result.explanation = problem_.explain(result.x);
+      if (!outer_) result.explanation = problem_.explain(result.x);
     } catch (...) {
       if (result.stop != StopReason::kError) {
         stopped_ = false;

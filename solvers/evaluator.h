@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -47,6 +49,12 @@ class Evaluator {
   static constexpr int kChunk = 32;
 
   Evaluator(const Problem& problem, const CommonOptions& options, const StopCondition& stop);
+  /// For a back end that is run within the solve of `outer`, which it may not outlive: an
+  /// incumbent, a budget and counters of its own. Whatever is evaluated here is evaluated, counted
+  /// and compared by `outer` too; what stops `outer` stops this, an exception of a term stops both,
+  /// and the end of this one's budget or a fail() of the inner back end leaves `outer` running.
+  /// finish() explains nothing.
+  Evaluator(Evaluator& outer, const CommonOptions& options);
 
   const Problem& problem() const { return problem_; }
   const CommonOptions& options() const { return options_; }
@@ -105,8 +113,14 @@ class Evaluator {
   double incumbent_cost() const { return incumbent_cost_; }
   double incumbent_violation() const { return incumbent_violation_; }
   const Counters& counters() const { return counters_; }
-  int evaluations_left() const { return options_.max_evaluations - counters_.cost_evaluations; }
-  void count_iteration() { ++counters_.iterations; }
+  int evaluations_left() const {
+    const int own = options_.max_evaluations - counters_.cost_evaluations;
+    return outer_ ? std::min(own, outer_->evaluations_left()) : own;
+  }
+  void count_iteration() {
+    ++counters_.iterations;
+    if (outer_) outer_->count_iteration();
+  }
 
   /// The result of the solve. What ended it here (deadline, cancellation, evaluations used up, an
   /// exception) goes before what the back end says. `optimum`: the back end's own test of
@@ -119,18 +133,24 @@ class Evaluator {
   bool differs_from_last(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   void consider(const Eigen::Ref<const Eigen::VectorXd>& x, double cost, double violation,
                 const Eigen::Ref<const Eigen::VectorXd>& constraints);
+  void count_evaluations(int count, bool gradient);
   void store_exception();
+  Workspace& workspace() { return outer_ ? outer_->workspace() : *workspace_; }
+  Workspace& batch_workspace() { return outer_ ? outer_->batch_workspace() : *batch_workspace_; }
+  Evaluator(const Problem& problem, const CommonOptions& options, const StopCondition& stop,
+            Evaluator* outer);
 
   const Problem& problem_;
   CommonOptions options_;
   const StopCondition& stop_;
+  Evaluator* outer_;  // null: this is the solve itself
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 
   std::vector<int> free_;
   Eigen::VectorXd lower_, upper_, middle_;
   double radius_ = 1.0;
 
-  Workspace workspace_, batch_workspace_;
+  std::optional<Workspace> workspace_, batch_workspace_;  // none if there is an outer one
   Evaluation evaluation_, batch_evaluation_;
   Eigen::MatrixXd z_, batch_z_;
   Eigen::VectorXd last_x_;

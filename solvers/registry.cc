@@ -6,6 +6,7 @@
 
 #include "models/nearest_name.h"
 #include "solvers/evaluator.h"
+#include "solvers/hybrid/hybrid_solver.h"
 #include "solvers/nlopt_algorithms.h"
 #include "solvers/options.h"
 #include "solvers/sampling/sampling_solver.h"
@@ -78,6 +79,18 @@ std::vector<Entry> entries() {
            "model predictive path integral control on the knots");
   sampling("sampling:search", SamplingMethod::kSearch,
            "systematic search over constant and two-segment inputs, then pattern search");
+  all.push_back({"hybrid",
+                 "many seeds scored in one batch, the best of different basins polished with "
+                 "derivatives",
+                 "NLopt (libnlopt-dev) or Ipopt (coinor-libipopt-dev)",
+                 {}});
+#if defined(PROSPECT_WITH_NLOPT)
+  all.back().make = [] {
+    return make_hybrid_solver("hybrid", {&make_solver, "nlopt:LD_LBFGS", "nlopt:LD_SLSQP"});
+  };
+#elif defined(PROSPECT_WITH_IPOPT)
+  all.back().make = [] { return make_hybrid_solver("hybrid", {&make_solver, "ipopt", "ipopt"}); };
+#endif
   std::sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) { return a.name < b.name; });
   return all;
 }

@@ -4,42 +4,63 @@
 
 namespace prospect {
 
+OptionSet SolverFrame::read(const Options& options) const {
+  std::vector<OptionInfo> known = this->options();
+  const std::vector<OptionInfo> further = further_options();
+  known.insert(known.end(), further.begin(), further.end());
+  return OptionSet(known, options);
+}
+
+std::string SolverFrame::explain_refusal(const Problem& problem, OptionSet& set) const {
+  if (set.error().empty()) check_options(set);
+  const std::string why = set.error().empty() ? explain_unsupported(problem) : set.error();
+  return why.empty() ? why : name() + ": " + why;
+}
+
+Result SolverFrame::solve_with(Evaluator& evaluator, const OptionSet& set,
+                               const WarmStart& warm_start) const {
+  WarmStart next;
+  next.time = warm_start.time;
+  try {
+    Eigen::VectorXd start;
+    const Outcome outcome = evaluator.evaluate_start(warm_start, start_evaluation(), start);
+    if (outcome != Outcome::kEvaluated) {
+      return evaluator.finish(StopReason::kNumericalTrouble, false, "", next);
+    }
+    if (evaluator.num_variables() == 0) {
+      return evaluator.finish(StopReason::kConverged, true, "every variable is fixed", next);
+    }
+    return run(evaluator, set, warm_start, start);
+  } catch (const std::exception& e) {
+    evaluator.fail(name() + ": " + e.what());
+  } catch (...) {
+    evaluator.fail(name() + ": an exception that is not a std::exception");
+  }
+  return evaluator.finish(StopReason::kError, false, "", next);
+}
+
 Result SolverFrame::solve(const Problem& problem, const WarmStart& warm_start,
                           const Options& options, const StopCondition& stop) const {
   try {
-    std::vector<OptionInfo> known = this->options();
-    const std::vector<OptionInfo> further = further_options();
-    known.insert(known.end(), further.begin(), further.end());
-    OptionSet set(known, options);
-    if (set.error().empty()) check_options(set);
-    if (!set.error().empty()) return failed_result(problem, name() + ": " + set.error());
-    const std::string unsupported = explain_unsupported(problem);
-    if (!unsupported.empty()) return failed_result(problem, name() + ": " + unsupported);
-
+    OptionSet set = read(options);
+    const std::string refusal = explain_refusal(problem, set);
+    if (!refusal.empty()) return failed_result(problem, refusal);
     Evaluator evaluator(problem, set.common(), stop);
-    WarmStart next;
-    next.time = warm_start.time;
-    try {
-      Eigen::VectorXd start;
-      const Outcome outcome = evaluator.evaluate_start(warm_start, start_evaluation(), start);
-      if (outcome != Outcome::kEvaluated) {
-        return evaluator.finish(StopReason::kNumericalTrouble, false, "", next);
-      }
-      if (evaluator.num_variables() == 0) {
-        return evaluator.finish(StopReason::kConverged, true, "every variable is fixed", next);
-      }
-      return run(evaluator, set, warm_start, start);
-    } catch (const std::exception& e) {
-      evaluator.fail(name() + ": " + e.what());
-    } catch (...) {
-      evaluator.fail(name() + ": an exception that is not a std::exception");
-    }
-    return evaluator.finish(StopReason::kError, false, "", next);
+    return solve_with(evaluator, set, warm_start);
   } catch (const std::exception& e) {
     return failed_result(problem, name() + ": " + e.what());
   } catch (...) {
     return failed_result(problem, name() + ": an exception that is not a std::exception");
   }
+}
+
+Result SolverFrame::solve_within(Evaluator& outer, const WarmStart& warm_start,
+                                 const Options& options) const {
+  OptionSet set = read(options);
+  const std::string refusal = explain_refusal(outer.problem(), set);
+  if (!refusal.empty()) return failed_result(outer.problem(), refusal);
+  Evaluator evaluator(outer, set.common());
+  return solve_with(evaluator, set, warm_start);
 }
 
 std::string explain_no_gradient(const Problem& problem) {

@@ -17,6 +17,10 @@ class SolverFrame : public Solver {
   Result solve(const Problem& problem, const WarmStart& warm_start, const Options& options,
                const StopCondition& stop) const final;
 
+  /// The same within the solve of another back end, whose evaluator is `outer`: everything
+  /// evaluated here counts there too. The explanation of the result is left empty.
+  Result solve_within(Evaluator& outer, const WarmStart& warm_start, const Options& options) const;
+
  protected:
   /// Options that are taken too, but are too many to be listed by options().
   virtual std::vector<OptionInfo> further_options() const { return {}; }
@@ -28,6 +32,12 @@ class SolverFrame : public Solver {
   /// variable. May throw.
   virtual Result run(Evaluator& evaluator, const OptionSet& options, const WarmStart& warm_start,
                      const Eigen::VectorXd& start) const = 0;
+
+ private:
+  /// Empty, or why the solve cannot begin.
+  std::string explain_refusal(const Problem& problem, OptionSet& set) const;
+  OptionSet read(const Options& options) const;
+  Result solve_with(Evaluator& evaluator, const OptionSet& set, const WarmStart& warm_start) const;
 };
 
 /// Sentence for a gradient back end that cannot take the problem; empty if it can.

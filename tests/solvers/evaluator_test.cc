@@ -195,5 +195,61 @@ TEST(Evaluator, KeepsTheOlderPointOfATie) {
   EXPECT_EQ(e.incumbent(), vec({0.5, 0.5, 0.5, 0.5}));
 }
 
+TEST(Evaluator, SharesWhatAnInnerOneEvaluates) {
+  const Case c = zoo::hs43();
+  const auto watch = std::make_shared<Watch>();
+  const Problem problem = c.problem(watch);
+  const StopCondition never;
+  Evaluator outer(problem, {.max_evaluations = 6}, never);
+  const Vector good = vec({0, 0.5, 1, -0.5}), poor = Vector::Zero(4);
+  outer.evaluate(good, Evaluate::kValue);
+  {
+    Evaluator inner(outer, {.max_evaluations = 2});
+    inner.evaluate(poor, Evaluate::kGradient);
+    EXPECT_EQ(inner.incumbent(), poor);  // its own
+    EXPECT_EQ(outer.incumbent(), good);
+    EXPECT_EQ(inner.evaluate(vec({0.1, 0, 0, 0}), Evaluate::kValue), Outcome::kEvaluated);
+    EXPECT_EQ(inner.evaluate(vec({0.2, 0, 0, 0}), Evaluate::kValue), Outcome::kStopped);
+    const Result r = inner.finish(StopReason::kConverged, true, "", {});
+    EXPECT_EQ(r.stop, StopReason::kIterationLimit);
+    EXPECT_TRUE(r.explanation.terms.empty());
+  }
+  EXPECT_FALSE(outer.should_stop());
+  EXPECT_EQ(outer.counters().cost_evaluations, 3);
+  EXPECT_EQ(outer.counters().gradient_evaluations, 1);
+  EXPECT_EQ(watch->evaluations, 3);
+  const Vector better = vec({0, 1, 1.5, -0.5});
+  ASSERT_LT(c.f(better), c.f(good));
+  ASSERT_EQ(c.violation(better), 0.0);
+  {
+    Evaluator inner(outer, {.max_evaluations = 100});
+    EXPECT_EQ(inner.evaluations_left(), 3);
+    Eigen::ArrayXd cost, violations;
+    EXPECT_EQ(inner.evaluate_batch(better.replicate(1, 8), cost, violations), 3);
+    EXPECT_EQ(outer.incumbent(), better);
+    EXPECT_TRUE(inner.stopped());
+  }
+  EXPECT_EQ(outer.finish(StopReason::kConverged, true, "", {}).stop, StopReason::kIterationLimit);
+}
+
+TEST(Evaluator, StopsWithAnInnerOneOnlyIfTheProblemThrew) {
+  const Case c = zoo::hs43();
+  const auto watch = std::make_shared<Watch>();
+  const Problem problem = c.problem(watch);
+  const StopCondition never;
+  Evaluator outer(problem, {}, never);
+  Evaluator failed(outer, {});
+  failed.fail("gave up");
+  EXPECT_TRUE(failed.should_stop());
+  EXPECT_FALSE(outer.should_stop());
+  watch->throw_at = 1;
+  Evaluator inner(outer, {});
+  EXPECT_EQ(inner.evaluate(Vector::Zero(4), Evaluate::kValue), Outcome::kStopped);
+  EXPECT_TRUE(outer.should_stop());
+  const Result r = outer.finish(StopReason::kConverged, true, "", {});
+  EXPECT_EQ(r.stop, StopReason::kError);
+  EXPECT_THAT(r.detail, testing::HasSubstr("injected fault"));
+}
+
 }  // namespace
 }  // namespace prospect

@@ -51,7 +51,7 @@ TEST(Registry, ListsWhatItMakes) {
   }
   for (const char* required :
        {"ipopt", "nlopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "nlopt:LD_MMA", "nlopt:LN_BOBYQA",
-        "nlopt:GN_DIRECT_L", "sampling", "sampling:mppi", "sampling:search"}) {
+        "hybrid", "nlopt:GN_DIRECT_L", "sampling", "sampling:mppi", "sampling:search"}) {
     EXPECT_TRUE(names.contains(required)) << required;
   }
 }

@@ -1,0 +1,35 @@
+#include "solvers/hybrid/spread_candidates.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace prospect {
+
+Eigen::MatrixXd spread_candidates(const Problem& problem, int count, int segments) {
+  const int nu = problem.horizon().nu();
+  const int M = problem.definition().M;
+  const int stretches = std::clamp(segments, 1, M);
+  const int D = stretches * nu;
+  double phi = 2.0;
+  for (int i = 0; i < 60; ++i) phi = std::pow(1.0 + phi, 1.0 / (D + 1.0));
+  Eigen::VectorXd step(D);
+  for (int d = 0; d < D; ++d) step[d] = std::pow(phi, -(d + 1.0));
+
+  Eigen::MatrixXd candidates(problem.num_variables(), std::max(count, 0));
+  if (count < 1) return candidates;
+  candidates.col(0) = problem.lower().cwiseMax(0.0).cwiseMin(problem.upper());
+  for (Eigen::Index i = 1; i < candidates.cols(); ++i) {
+    for (int m = 0; m < M; ++m) {
+      const int segment = m * stretches / M;
+      for (int j = 0; j < nu; ++j) {
+        const double t = 0.5 + static_cast<double>(i) * step[segment * nu + j];
+        const double share = std::clamp(1.5 * (t - std::floor(t)) - 0.25, 0.0, 1.0);
+        const double lower = problem.lower()[m * nu + j], upper = problem.upper()[m * nu + j];
+        candidates(m * nu + j, i) = std::min(upper, lower + (upper - lower) * share);
+      }
+    }
+  }
+  return candidates;
+}
+
+}  // namespace prospect

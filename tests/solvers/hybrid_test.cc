@@ -1,0 +1,158 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "solvers/hybrid/spread_candidates.h"
+#include "solvers/registry.h"
+#include "tests/solvers/problem_zoo.h"
+
+namespace prospect {
+namespace {
+
+using zoo::Case;
+using zoo::vec;
+using zoo::Vector;
+using zoo::Watch;
+
+class Hybrid : public testing::Test {
+ protected:
+  void SetUp() override {
+    const std::string why = solver_->explain_unsupported(zoo::camel().problem());
+    if (!why.empty()) GTEST_SKIP() << why;
+  }
+  Result solve(const Problem& problem, const Vector& start, const Options& options = {}) const {
+    WarmStart warm;
+    warm.x = start;
+    return solver_->solve(problem, warm, options, {});
+  }
+  std::shared_ptr<const Solver> solver_ = make_solver("hybrid");
+};
+
+/// x^2 + 10 (1 - cos 3x) a variable: minima all over, the only good one at zero.
+Case ripples() {
+  Case c{"ripples", Vector::Constant(2, -5), Vector::Constant(2, 4), Vector::Constant(2, 4)};
+  c.f = [](const Vector& x) {
+    return x.squaredNorm() + 10.0 * (1.0 - (3.0 * x.array()).cos()).sum();
+  };
+  c.g = [](const Vector& x) { return Vector(2.0 * x.array() + 30.0 * (3.0 * x.array()).sin()); };
+  return c;
+}
+
+TEST(SpreadCandidates, FillTheBoxAndReachItsBounds) {
+  const zoo::PathProblem path = zoo::path_problem();
+  const Eigen::MatrixXd Z = spread_candidates(path.problem, 600, 4);
+  ASSERT_EQ(Z.cols(), 600);
+  EXPECT_EQ(Z.col(0), Vector::Zero(20));
+  for (int i = 0; i < 20; ++i) {
+    const double lower = path.problem.lower()[i], upper = path.problem.upper()[i];
+    EXPECT_GE(Z.row(i).minCoeff(), lower);
+    EXPECT_LE(Z.row(i).maxCoeff(), upper);
+    // A sixth on each bound, and of the four sixths between as many in each quarter.
+    EXPECT_NEAR((Z.row(i).array() == upper).count(), 100, 15);
+    EXPECT_NEAR((Z.row(i).array() == lower).count(), 100, 15);
+    for (int q = 0; q < 4; ++q) {
+      const double a = lower + 0.25 * q * (upper - lower), b = a + 0.25 * (upper - lower);
+      EXPECT_NEAR((Z.row(i).array() > a && Z.row(i).array() < b).count(), 100, 15);
+    }
+  }
+  for (Eigen::Index c = 0; c < Z.cols(); ++c) {
+    int changes = 0;
+    for (int m = 1; m < 10; ++m) {
+      changes += Z.col(c).segment<2>(2 * m) != Z.col(c).segment<2>(2 * m - 2);
+    }
+    EXPECT_LE(changes, 3);
+  }
+  EXPECT_EQ(spread_candidates(path.problem, 0, 4).cols(), 0);
+  EXPECT_EQ(spread_candidates(path.problem, 7, 100).cols(), 7);
+  EXPECT_EQ(spread_candidates(zoo::rosenbrock().problem(), 3, 4).rows(), 2);
+}
+
+TEST_F(Hybrid, LeavesTheBasinOfItsStart) {
+  for (const Case& c : {zoo::camel(), ripples()}) {
+    SCOPED_TRACE(c.name);
+    const Problem problem = c.problem();
+    WarmStart warm;
+    warm.x = c.start;
+    const Result local = make_solver("nlopt")->solve(problem, warm, {}, {});
+    EXPECT_GT(local.cost, c.optimum + 0.1);
+    const Result r = solve(problem, c.start);
+    EXPECT_NEAR(r.cost, c.optimum, 1e-6);
+    EXPECT_EQ(r.stop, StopReason::kConverged);
+    EXPECT_EQ(r.quality, Quality::kFeasibleOptimum);
+  }
+}
+
+TEST_F(Hybrid, TakesTheSeedsItIsGiven) {
+  const Case c = ripples();
+  const auto watch = std::make_shared<Watch>();
+  watch->record = true;
+  const Problem problem = c.problem(watch);
+  WarmStart warm;
+  warm.x = c.start;
+  warm.seeds.resize(2, 2);
+  warm.seeds << 0.1, 9.0, -0.2, -9.0;  // the second is clamped
+  const Result r = solver_->solve(problem, warm, {{"candidates", 1}}, {});
+  ASSERT_GE(watch->points.size(), 3U);
+  EXPECT_EQ(watch->points[0], c.start);
+  EXPECT_EQ(watch->points[1], vec({0.1, -0.2}));
+  EXPECT_EQ(watch->points[2], vec({4.0, -5.0}));
+  EXPECT_NEAR(r.cost, 0.0, 1e-6);
+  // Alone, with no seed of its own either, it stays where it starts.
+  EXPECT_GT(solve(problem, c.start, {{"candidates", 1}}).cost, 1.0);
+}
+
+TEST_F(Hybrid, RefusesSeedsThatDoNotFit) {
+  const Problem problem = ripples().problem();
+  WarmStart warm;
+  warm.seeds = Eigen::MatrixXd::Zero(3, 5);
+  Result r = solver_->solve(problem, warm, {}, {});
+  EXPECT_EQ(r.stop, StopReason::kError);
+  EXPECT_THAT(r.detail, testing::HasSubstr("warm_start.seeds is 3 x 5; expected 2 finite rows"));
+  warm.seeds = Eigen::MatrixXd::Constant(2, 1, std::nan(""));
+  r = solver_->solve(problem, warm, {}, {});
+  EXPECT_EQ(r.stop, StopReason::kError);
+}
+
+TEST_F(Hybrid, PolishesWithWhatItIsTold) {
+  const Case c = ripples();
+  for (const SolverInfo& info : list_solvers()) {
+    if (!info.available || info.name.find(":LD_") == std::string::npos) continue;
+    const Result r = solve(c.problem(), c.start, {{"polish", info.name}});
+    EXPECT_NEAR(r.cost, 0.0, 1e-5) << info.name << ": " << r.detail;
+  }
+  const auto detail = [&](const Options& options) {
+    const Result r = solve(c.problem(), c.start, options);
+    EXPECT_EQ(r.stop, StopReason::kError);
+    return r.detail;
+  };
+  EXPECT_THAT(detail({{"polish", std::string("nlopt:LD_SLQP")}}),
+              testing::HasSubstr("'nlopt:LD_SLSQP'"));
+  EXPECT_THAT(detail({{"polish", std::string("hybrid")}}), testing::HasSubstr("other than this"));
+  EXPECT_THAT(detail({{"basins", 0}}), testing::HasSubstr("1 to"));
+  EXPECT_THAT(detail({{"separation", -0.1}}), testing::HasSubstr("0 or more"));
+  EXPECT_THAT(detail({{"polish_tolerance", 2.0}}), testing::HasSubstr("0 to 1"));
+}
+
+TEST_F(Hybrid, SharesASmallBudget) {
+  // Seeds take half at most, so that some are left to polish with.
+  const Case c = zoo::hs43();
+  for (const int budget : {10, 30, 60, 120}) {
+    const auto watch = std::make_shared<Watch>();
+    watch->record = true;
+    const Result r = solve(c.problem(watch), c.start, {{"max_evaluations", budget}});
+    EXPECT_LE(r.counters.cost_evaluations, budget);
+    EXPECT_GE(r.counters.gradient_evaluations, budget / 5);
+    EXPECT_LE(r.cost, c.f(c.start));
+    EXPECT_LE(r.violation, 1e-6);
+  }
+}
+
+TEST_F(Hybrid, StaysFeasibleAndSolvesWithConstraints) {
+  // A wall of discs before a path: the best input of many seeds that violate them.
+  const zoo::PathProblem path = zoo::path_problem();
+  const Result r = solve(path.problem, Vector::Constant(20, 0.6));
+  EXPECT_LE(r.violation, 1e-6);
+  EXPECT_LE(r.cost, 1e-5) << r.detail;
+}
+
+}  // namespace
+}  // namespace prospect
