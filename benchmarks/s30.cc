@@ -1,7 +1,7 @@
 // s30 [--starts SEED] [SOLVER[,OPTION=VALUE]...]...: R1 from thirty starts, a row for each back end
 // (all that are built in if none is named), each from the cold guess with its default options: the
 // median of the times of a solve, J (mean, median) and how many are solved (r1.h). Of the solves of
-// one start the fastest of five counts: other work on the machine only ever adds time. Other
+// one start the fastest of three counts: other work on the machine only ever adds time. Other
 // starts than S30 (--starts, to tune on) have no best known costs: the best of all rows counts.
 
 #include <algorithm>
@@ -22,7 +22,7 @@ namespace prospect {
 namespace {
 
 constexpr int kStarts = 30;
-constexpr int kRepeats = 5;
+constexpr int kRepeats = 3;
 constexpr unsigned kS30Seed = 17;
 
 struct Row {

@@ -75,6 +75,8 @@ std::vector<Entry> entries() {
   };
   sampling("sampling", SamplingMethod::kBoth,
            "systematic search, path integral from its best, pattern search");
+  sampling("sampling:cem", SamplingMethod::kCrossEntropy,
+           "cross-entropy method on the knots, diagonal covariance");
   sampling("sampling:mppi", SamplingMethod::kPathIntegral,
            "model predictive path integral control on the knots");
   sampling("sampling:search", SamplingMethod::kSearch,

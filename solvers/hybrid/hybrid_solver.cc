@@ -43,7 +43,7 @@ class HybridSolver final : public SolverFrame {
         {"segments", 5, "stretches of constant input in the seeds of its own, 1 or more"});
     options.push_back({"basins", 10, "seeds that are polished at most, 1 or more"});
     options.push_back(
-        {"separation", 0.4, "distance below which two seeds share a basin, 0 or more [-]"});
+        {"separation", 0.3, "distance below which two seeds share a basin, 0 or more [-]"});
     options.push_back(
         {"polish_evaluations", 10, "evaluations a basin gets in the first round, 2 or more"});
     options.push_back(

@@ -2,55 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <vector>
 
+#include "solvers/sampling/candidate_rank.h"
+#include "solvers/sampling/noise_bank.h"
+
 namespace prospect {
-namespace {
-
-/// Standard normal numbers, free variables x columns, drawn once; candidates take its columns in
-/// turn.
-Eigen::MatrixXd noise_bank(const Evaluator& evaluator, int columns, double correlation) {
-  std::mt19937_64 generator(evaluator.options().seed);
-  std::normal_distribution<double> normal;
-  const int nu = evaluator.problem().horizon().nu();
-  const double fresh = std::sqrt(std::max(0.0, 1.0 - correlation * correlation));
-  Eigen::VectorXd z(evaluator.problem().num_variables());
-  Eigen::MatrixXd bank(evaluator.num_variables(), columns);
-  for (int c = 0; c < columns; ++c) {
-    for (Eigen::Index i = 0; i < z.size(); ++i) {
-      const double eta = normal(generator);
-      z[i] = (c % 2 == 1 && i >= nu) ? correlation * z[i - nu] + fresh * eta : eta;
-    }
-    bank.col(c) = evaluator.reduce(z);
-  }
-  return bank;
-}
-
-/// Costs with the violations folded in, see the header; infinite for rejected candidates.
-void rank(const Eigen::ArrayXd& violation, double tolerance, Eigen::ArrayXd& cost) {
-  double least = 0.0, most = 0.0;
-  bool any = false;
-  for (Eigen::Index s = 0; s < cost.size(); ++s) {
-    if (violation[s] > tolerance) continue;
-    least = any ? std::min(least, cost[s]) : cost[s];
-    most = any ? std::max(most, cost[s]) : cost[s];
-    any = true;
-  }
-  const double spread = std::max(most - least, 1e-9 * std::max(1.0, std::abs(most)));
-  double largest = 0.0;
-  for (Eigen::Index s = 0; s < cost.size(); ++s) {
-    if (std::isfinite(violation[s])) largest = std::max(largest, violation[s]);
-  }
-  for (Eigen::Index s = 0; s < cost.size(); ++s) {
-    if (violation[s] <= tolerance) continue;
-    cost[s] = !std::isfinite(violation[s]) ? violation[s]
-              : any                        ? most + spread * (0.1 + violation[s] / largest)
-                                           : violation[s];
-  }
-}
-
-}  // namespace
 
 bool path_integral(Evaluator& evaluator, const RateProjection& rate,
                    const PathIntegralSettings& settings, double convergence,
@@ -88,7 +45,7 @@ bool path_integral(Evaluator& evaluator, const RateProjection& rate,
     }
     if (evaluator.evaluate_batch(X, cost, violations) < K) return false;
     evaluator.count_iteration();
-    rank(violations, evaluator.options().feasibility_tolerance, cost);
+    fold_violations(violations, evaluator.options().feasibility_tolerance, cost);
     sorted.clear();
     for (int s = 0; s < K; ++s) {
       if (std::isfinite(cost[s])) sorted.push_back(cost[s]);

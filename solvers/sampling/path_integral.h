@@ -18,11 +18,10 @@ namespace prospect {
 /// The centre itself and the incumbent are among the candidates.
 ///
 /// J of a candidate with violated constraints lies above that of all feasible ones and grows with
-/// the violation; rejected candidates have no weight. No weight is ever NaN: if all costs are
-/// equal, so are the weights.
+/// the violation (candidate_rank.h); rejected candidates have no weight. No weight is ever NaN: if
+/// all costs are equal, so are the weights.
 ///
-/// eps comes from a bank of standard normal numbers drawn once from the seed; every other candidate
-/// is correlated over the knots, eps_m = c eps_{m-1} + sqrt(1 - c^2) eta_m.
+/// eps comes from the bank of noise_bank.h.
 ///
 /// Source: Williams et al. (2017), information-theoretic MPPI; adaptation as in Stulp and Sigaud
 /// (2012), PI2-CMA, here a diagonal. Knots instead of stages, the relative temperature and the

@@ -5,6 +5,7 @@
 
 #include "solvers/evaluator.h"
 #include "solvers/options.h"
+#include "solvers/sampling/cross_entropy.h"
 #include "solvers/sampling/path_integral.h"
 #include "solvers/sampling/pattern_search.h"
 #include "solvers/sampling/rate_projection.h"
@@ -25,10 +26,24 @@ class SamplingSolver final : public SolverFrame {
     std::vector<OptionInfo> options = common_options();
     options.push_back({"rate_feasible", 1,
                        "1: candidates keep the rate limits of the model, 0: constraints alone do"});
-    if (method_ != SamplingMethod::kPathIntegral) {
+    if (searches()) {
       options.push_back({"candidates", 400, "candidates of the systematic search, 1 or more"});
     }
-    if (method_ != SamplingMethod::kSearch) {
+    if (method_ == SamplingMethod::kCrossEntropy) {
+      const CrossEntropySettings fallback;
+      options.push_back({"samples", fallback.samples, "candidates an iteration, 4 or more"});
+      options.push_back({"sigma", fallback.sigma,
+                         "standard deviation at the start, as a fraction of the range of each "
+                         "variable, above 0, up to 1 [-]"});
+      options.push_back(
+          {"elite", fallback.elite,
+           "share of the candidates that the next ones follow, above 0, up to 1 [-]"});
+      options.push_back({"smoothing", fallback.smoothing,
+                         "how far mean and sigma go to those of the elite, above 0, up to 1 [-]"});
+      options.push_back({"correlation", fallback.correlation,
+                         "of the noise between knots, for every other candidate, 0 to 1 [-]"});
+    }
+    if (integrates()) {
       const PathIntegralSettings fallback;
       // After a search fewer do: it stands in the right basin already.
       const int samples =
@@ -59,20 +74,29 @@ class SamplingSolver final : public SolverFrame {
     };
     const int rate = options.integer("rate_feasible");
     range("rate_feasible", rate == 0 || rate == 1, "0 or 1");
-    if (method_ != SamplingMethod::kPathIntegral) {
+    if (searches()) {
       const int candidates = options.integer("candidates");
       range("candidates", candidates >= 1 && candidates <= 1000000, "1 to 1000000");
     }
+    const auto unit = [&](const char* name) {
+      return options.number(name) >= 0.0 && options.number(name) <= 1.0;
+    };
+    const auto positive_unit = [&](const char* name) {
+      range(name, unit(name) && options.number(name) > 0.0, "a number above 0, up to 1");
+    };
     if (method_ != SamplingMethod::kSearch) {
-      const auto unit = [&](const char* name) {
-        return options.number(name) >= 0.0 && options.number(name) <= 1.0;
-      };
       const int samples = options.integer("samples");
       range("samples", samples >= 4 && samples <= 100000, "4 to 100000");
-      range("sigma", unit("sigma") && options.number("sigma") > 0.0, "a number above 0, up to 1");
+      positive_unit("sigma");
+      range("correlation", unit("correlation"), "0 to 1");
+    }
+    if (method_ == SamplingMethod::kCrossEntropy) {
+      positive_unit("elite");
+      positive_unit("smoothing");
+    }
+    if (integrates()) {
       range("temperature", options.number("temperature") > 0.0, "a number above 0");
       range("adaptation", unit("adaptation"), "0 to 1");
-      range("correlation", unit("correlation"), "0 to 1");
     }
   }
 
@@ -82,7 +106,7 @@ class SamplingSolver final : public SolverFrame {
     const bool rate_feasible = options.integer("rate_feasible") == 1;
     const double precision = std::clamp(std::sqrt(evaluator.options().tolerance) * 0.1, 1e-9, 0.05);
     PathIntegralSettings settings;
-    if (method_ != SamplingMethod::kSearch) {
+    if (integrates()) {
       settings.samples = options.integer("samples");
       settings.sigma = options.number("sigma");
       settings.temperature = options.number("temperature");
@@ -94,6 +118,14 @@ class SamplingSolver final : public SolverFrame {
     bool converged = false;
     if (method_ == SamplingMethod::kPathIntegral) {
       converged = path_integral(evaluator, rate, settings, precision, start);
+    } else if (method_ == SamplingMethod::kCrossEntropy) {
+      const CrossEntropySettings cem{.samples = options.integer("samples"),
+                                     .sigma = options.number("sigma"),
+                                     .elite = options.number("elite"),
+                                     .smoothing = options.number("smoothing"),
+                                     .correlation = options.number("correlation"),
+                                     .rate_feasible = rate_feasible};
+      converged = cross_entropy(evaluator, rate, cem, precision, start);
     } else {
       search(evaluator, rate, rate_feasible, options.integer("candidates"));
       if (method_ == SamplingMethod::kSearch) {
@@ -118,6 +150,13 @@ class SamplingSolver final : public SolverFrame {
   }
 
  private:
+  bool searches() const {
+    return method_ == SamplingMethod::kSearch || method_ == SamplingMethod::kBoth;
+  }
+  bool integrates() const {
+    return method_ == SamplingMethod::kPathIntegral || method_ == SamplingMethod::kBoth;
+  }
+
   static void search(Evaluator& evaluator, const RateProjection& rate, bool rate_feasible,
                      int candidates) {
     // Half of the evaluations at most, so that some are left to refine what was found.

@@ -10,6 +10,7 @@ namespace prospect {
 enum class SamplingMethod {
   kSearch,        ///< systematic_search.h, then pattern_search.h
   kPathIntegral,  ///< path_integral.h
+  kCrossEntropy,  ///< cross_entropy.h
   kBoth           ///< systematic search, path integral from its best, pattern search, path integral
 };
 

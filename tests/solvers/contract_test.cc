@@ -422,7 +422,7 @@ TEST_P(EverySolver, GivesTheSameBitsForTheSameSeed) {
 
 TEST_P(EverySolver, UsesItsSeed) {
   const bool random = GetParam() == "sampling" || GetParam() == "sampling:mppi" ||
-                      GetParam() == "differential_evolution" ||
+                      GetParam() == "sampling:cem" || GetParam() == "differential_evolution" ||
                       GetParam().find("CRS2") != std::string::npos ||
                       GetParam().find("ISRES") != std::string::npos;
   if (!random) return;  // sampling:search may or may not get to its random directions

@@ -49,9 +49,9 @@ TEST(Registry, ListsWhatItMakes) {
     EXPECT_EQ(r.quality, Quality::kNone);
     EXPECT_THAT(r.detail, testing::HasSubstr(info.needs));
   }
-  for (const char* required :
-       {"ipopt", "nlopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "nlopt:LD_MMA", "nlopt:LN_BOBYQA",
-        "hybrid", "nlopt:GN_DIRECT_L", "sampling", "sampling:mppi", "sampling:search"}) {
+  for (const char* required : {"ipopt", "nlopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "nlopt:LD_MMA",
+                               "nlopt:LN_BOBYQA", "hybrid", "nlopt:GN_DIRECT_L", "sampling",
+                               "sampling:cem", "sampling:mppi", "sampling:search"}) {
     EXPECT_TRUE(names.contains(required)) << required;
   }
 }
@@ -65,6 +65,9 @@ TEST(Registry, RefusesOptionsOfOthers) {
   };
   EXPECT_THAT(detail("sampling:mppi", {{"sample", 10}}), testing::HasSubstr("'samples'"));
   EXPECT_THAT(detail("sampling:mppi", {{"samples", 3}}), testing::HasSubstr("4 to"));
+  EXPECT_THAT(detail("sampling:cem", {{"elite", 0.0}}), testing::HasSubstr("above 0"));
+  EXPECT_THAT(detail("sampling:cem", {{"smoothing", 1.5}}), testing::HasSubstr("up to 1"));
+  EXPECT_THAT(detail("sampling:cem", {{"temperature", 0.1}}), testing::HasSubstr("unknown"));
   EXPECT_THAT(detail("sampling", {{"sigma", 0.0}}), testing::HasSubstr("above 0"));
   EXPECT_THAT(detail("sampling", {{"temperature", -1.0}}), testing::HasSubstr("above 0"));
   EXPECT_THAT(detail("sampling:search", {{"candidates", 0}}), testing::HasSubstr("1 to"));

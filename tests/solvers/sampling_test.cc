@@ -3,6 +3,7 @@
 #include <random>
 
 #include "solvers/registry.h"
+#include "solvers/sampling/cross_entropy.h"
 #include "solvers/sampling/path_integral.h"
 #include "solvers/sampling/pattern_search.h"
 #include "solvers/sampling/rate_projection.h"
@@ -112,7 +113,7 @@ TEST(SystematicSearch, FillsTheBoxWhereAGridIsTooCoarse) {
 }
 
 TEST(PathIntegral, KeepsRateLimitsInEveryCandidate) {
-  for (const char* name : {"sampling", "sampling:mppi", "sampling:search"}) {
+  for (const char* name : {"sampling", "sampling:cem", "sampling:mppi", "sampling:search"}) {
     const auto watch = std::make_shared<Watch>();
     watch->record = true;
     const zoo::PathProblem path = zoo::path_problem(watch);
@@ -155,7 +156,7 @@ TEST(PathIntegral, StaysFiniteOnFlatSteepAndBrokenCosts) {
     const auto watch = std::make_shared<Watch>();
     watch->record = true;
     const Problem problem = c.problem(watch);
-    for (const char* solver : {"sampling", "sampling:mppi", "sampling:search"}) {
+    for (const char* solver : {"sampling", "sampling:cem", "sampling:mppi", "sampling:search"}) {
       WarmStart w;
       w.x = Vector::Constant(4, 0.5);
       const Result r = make_solver(solver)->solve(problem, w, {}, {});
@@ -171,11 +172,31 @@ TEST(PathIntegral, FindsAFeasiblePointFromAnInfeasibleStart) {
   ASSERT_GT(c.violation(c.start), 1.0);
   WarmStart w;
   w.x = c.start;
-  for (const char* solver : {"sampling", "sampling:mppi", "sampling:search"}) {
+  for (const char* solver : {"sampling", "sampling:cem", "sampling:mppi", "sampling:search"}) {
     const Result r = make_solver(solver)->solve(c.problem(), w, {{"max_evaluations", 1500}}, {});
     EXPECT_LE(r.violation, 1e-6) << solver;
     EXPECT_LE(r.cost, 1.2) << solver;
   }
+}
+
+TEST(CrossEntropy, ConvergesOnABowlAndFollowsASlopeToItsEnd) {
+  const zoo::Case c = zoo::bounded_quadratic();
+  const Problem problem = c.problem();
+  const StopCondition never;
+  Evaluator e(problem, {}, never);
+  EXPECT_TRUE(cross_entropy(e, RateProjection(problem), {}, 1e-3, c.start));
+  EXPECT_NEAR(e.incumbent_cost(), c.optimum, 1e-3);
+
+  // From one corner of the box to the other with a small sigma: it must grow on the way.
+  zoo::Case slope = zoo::hs76();
+  slope.rows = 0;
+  slope.f = [](const Vector& x) { return x.sum(); };
+  const Problem downhill = slope.problem();
+  Evaluator d(downhill, {}, never);
+  CrossEntropySettings small;
+  small.sigma = 0.01;
+  EXPECT_TRUE(cross_entropy(d, RateProjection(downhill), small, 1e-3, slope.upper));
+  EXPECT_NEAR(d.incumbent_cost(), 0.0, 1e-6);
 }
 
 TEST(PatternSearch, ConvergesOnABowlFromTheIncumbent) {
