@@ -30,6 +30,10 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
     throw std::invalid_argument("exploration guide: leftovers_share = " +
                                 std::to_string(options_.leftovers_share) + "; expected 0 to 1000");
   }
+  if (!(options_.leftovers_least >= 0.0) || !(options_.leftovers_least < 1e6)) {
+    throw std::invalid_argument("exploration guide: leftovers_least = " +
+                                std::to_string(options_.leftovers_least) + "; expected 0 to 1e6 s");
+  }
   if (!(options_.look_around >= 0.0) || !(options_.look_around < 1000.0)) {
     throw std::invalid_argument("exploration guide: look_around = " +
                                 std::to_string(options_.look_around) + "; expected 0 to 1000 s");
@@ -89,8 +93,8 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   while (guidance->advice == Advice::kDone) {
     if (rules_ == Rules::kStrict) {
       if (!leftovers_until_) {
-        const double took = std::max(60.0, stamp - *began_at_);
-        leftovers_until_ = stamp + options_.leftovers_share * took;
+        leftovers_until_ = stamp + std::max(options_.leftovers_least,
+                                            options_.leftovers_share * (stamp - *began_at_));
       }
       restart(Rules::kKeyholes);
       relaxed_explored_ = guidance->explored_area;

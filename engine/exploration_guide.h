@@ -30,9 +30,10 @@ struct ExplorationGuideOptions {
   int reopenings = 1;
   /// [s] that nothing must have been reachable before "done": time to look all around once.
   double look_around = 8.0;
-  /// Time for what is left once the strict rules lead nowhere, as a share of the time they took; at
-  /// least a minute.
-  double leftovers_share = 1.0;
+  /// Time for what is left once the strict rules lead nowhere: a share of the time they took, but
+  /// at least leftovers_least [s].
+  double leftovers_share = 0.5;
+  double leftovers_least = 300.0;
   double kappa = 0.5;  ///< [m] bonus of a frontier per unit of log(1 + length / 1 m)
 };
 
@@ -102,10 +103,10 @@ struct Guidance {
 ///      everything is tried again, `reopenings` times.
 /// It goes back to the strict rules once retry_area was newly explored, twice that the next time.
 ///
-/// All this may take as long as the strict rules took, the first time that they led nowhere
-/// (leftovers_share); then it says done (Guidance::abandoned). An estimate that drifts goes on
-/// drawing walls twice, and with them frontiers, for ever, and a robot in narrow places with such a
-/// map will touch something in the end.
+/// All this may take half as long as the strict rules took, the first time that they led nowhere,
+/// or five minutes (leftovers_share, leftovers_least); then it says done (Guidance::abandoned). An
+/// estimate that drifts goes on drawing walls twice, and with them frontiers, for ever, and a robot
+/// in narrow places with such a map will touch something in the end.
 ///
 /// It says done only when nothing has been reachable for look_around, and advises kLookAround till
 /// then: a cell that noise fills in a narrow passage must not end a mission, and a turn on the spot

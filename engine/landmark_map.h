@@ -15,6 +15,8 @@ struct Landmark {
       Eigen::Vector3d::UnitX();  ///< unit, from the point to the camera that created it
   double creation_range = 2.0;   ///< [m]
   double survival = 0.9;         ///< tau_i: share of expected views in which it was tracked
+  /// mu_i: how many landmarks it stands for; above 1 where others like it were left out.
+  double multiplicity = 1.0;
 };
 
 /// Landmarks known to the planner, and what has been learned of texture in general.

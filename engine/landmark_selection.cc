@@ -20,12 +20,14 @@ struct Candidate {
   const Landmark* landmark;
   double azimuth;
   double bound;
+  std::size_t sector;
 };
 
 bool usable(const Landmark& l) {
   return l.position.allFinite() && l.covariance.allFinite() && l.creation_direction.allFinite() &&
          l.creation_direction.norm() > 1e-6 && std::isfinite(l.creation_range) &&
-         l.creation_range > 0.0 && l.survival > 0.0 && l.survival <= 1.0;
+         l.creation_range > 0.0 && l.survival > 0.0 && l.survival <= 1.0 && l.multiplicity > 0.0 &&
+         std::isfinite(l.multiplicity);
 }
 
 // The largest survival * P_range * P_view over camera positions within `reach` of `center`, each
@@ -75,8 +77,9 @@ std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose,
     const double azimuth =
         std::atan2(l.position.y() - pose.position.y(), l.position.x() - pose.position.x());
     const double turn = azimuth / (2.0 * std::numbers::pi) + 0.5;
-    const int sector = std::clamp(static_cast<int>(turn * kSectors), 0, kSectors - 1);
-    sectors[static_cast<std::size_t>(sector)].push_back({&l, azimuth, bound});
+    const auto sector =
+        static_cast<std::size_t>(std::clamp(static_cast<int>(turn * kSectors), 0, kSectors - 1));
+    sectors[sector].push_back({&l, azimuth, bound, sector});
     ++total;
   }
   // Ties are broken by everything that can tell two landmarks apart, so that the order in the map
@@ -92,17 +95,33 @@ std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose,
   }
   std::vector<Candidate> chosen;
   const std::size_t wanted = std::min(total, static_cast<std::size_t>(std::max(0, max_count)));
+  std::array<std::size_t, kSectors> taken{};
   for (std::size_t rank = 0; chosen.size() < wanted; ++rank) {
-    for (const auto& sector : sectors) {
-      if (rank < sector.size() && chosen.size() < wanted) chosen.push_back(sector[rank]);
+    for (std::size_t s = 0; s < kSectors; ++s) {
+      if (rank >= sectors[s].size() || chosen.size() >= wanted) continue;
+      chosen.push_back(sectors[s][rank]);
+      taken[s] = rank + 1;
     }
+  }
+  std::array<double, kSectors> stands_for{};
+  for (std::size_t s = 0; s < kSectors; ++s) {
+    double all = 0.0, of_chosen = 0.0;
+    for (std::size_t rank = 0; rank < sectors[s].size(); ++rank) {
+      const double mass = sectors[s][rank].bound * sectors[s][rank].landmark->multiplicity;
+      all += mass;
+      if (rank < taken[s]) of_chosen += mass;
+    }
+    stands_for[s] = of_chosen > 0.0 ? all / of_chosen : 1.0;
   }
   std::sort(chosen.begin(), chosen.end(), [&](const Candidate& a, const Candidate& b) {
     return a.azimuth != b.azimuth ? a.azimuth < b.azimuth : key(a) < key(b);
   });
   std::vector<Landmark> result;
   result.reserve(chosen.size());
-  for (const Candidate& c : chosen) result.push_back(*c.landmark);
+  for (const Candidate& c : chosen) {
+    result.push_back(*c.landmark);
+    result.back().multiplicity *= stands_for[c.sector];
+  }
   return result;
 }
 

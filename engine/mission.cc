@@ -77,7 +77,7 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
     if (guidance && guidance->advice == Advice::kDone) {
       result.end = MissionEnd::kExplored;
       result.detail = guidance->abandoned
-                          ? "what is left to see has taken as long as all that was seen"
+                          ? "the time for what is left to see is up"
                           : "no active reachable frontier is left";
       return result;
     }

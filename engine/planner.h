@@ -29,7 +29,7 @@ struct PlannerParameters {
   double w_u = 0.02;           ///< deviation from the desired input
   double w_du = 0.03;          ///< change of input
   double w_o = 0.5;            ///< closeness to obstacles
-  double w_l = 1.0;            ///< too few visible features; more than 1 was measured to do harm
+  double w_l = 0.5;            ///< too few visible features; docs/results.md says what it costs
   double w_e = 1.0;            ///< exploration gain (a reward)
   double w_T = 1.5;            ///< cost-to-go
   double w_h = 0.0;            ///< heading alignment

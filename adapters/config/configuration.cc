@@ -147,7 +147,7 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
   p.w_u = w.number("w_u", p.w_u, 0.0, 1e6, "1", "deviation from the desired input");
   p.w_du = w.number("w_du", p.w_du, 0.0, 1e6, "1", "change of input");
   p.w_o = w.number("w_o", p.w_o, 0.0, 1e6, "1", "closeness to obstacles");
-  p.w_l = w.number("w_l", p.w_l, 0.0, 1e6, "1", "too few visible features; above 1 does harm");
+  p.w_l = w.number("w_l", p.w_l, 0.0, 1e6, "1", "too few visible features");
   p.w_e = w.number("w_e", p.w_e, 0.0, 1e6, "1", "exploration gain");
   p.w_T = w.number("w_T", p.w_T, 0.0, 1e6, "1", "cost-to-go");
   p.w_h = w.number("w_h", p.w_h, 0.0, 1e6, "1", "heading alignment");

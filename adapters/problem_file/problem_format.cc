@@ -320,6 +320,8 @@ void landmarks(Archive& a, std::vector<Landmark>& list) {
                   [](Landmark& l, std::size_t) -> double& { return l.creation_range; });
     table<double>(a, "survival", list, {},
                   [](Landmark& l, std::size_t) -> double& { return l.survival; });
+    table<double>(a, "multiplicity", list, {},
+                  [](Landmark& l, std::size_t) -> double& { return l.multiplicity; });
   });
 }
 

@@ -207,8 +207,8 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict block
       const double gate = t * t * t * (10.0 + t * (6.0 * t - 15.0));
       const double pi = l.survival[j] * open[j] * gate * P5[j] * (Pu[j] * Pv[j]);
       out.pi[j] = pi;
-      count[j] += pi;
-      variance[j] += pi * (1.0 - pi);
+      count[j] += l.multiplicity[j] * pi;
+      variance[j] += l.multiplicity[j] * pi * (1.0 - pi);
     }
 
     if constexpr (kGradient) {
@@ -288,8 +288,9 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict block
       }
       for (int m = 0; m < vd::kCount; ++m) {
         for (int j = 0; j < kLanes; ++j) {
-          d_count[m][j] += out.d[m][j];
-          d_variance[m][j] += (1.0 - 2.0 * out.pi[j]) * out.d[m][j];
+          const double d = l.multiplicity[j] * out.d[m][j];
+          d_count[m][j] += d;
+          d_variance[m][j] += (1.0 - 2.0 * out.pi[j]) * d;
         }
       }
     }
@@ -367,9 +368,10 @@ PROSPECT_FORCE_INLINE void information_body(const VisibilityBlock* __restrict bl
     const double* pi = results[block].pi;
     for (int j = 0; j < kLanes; ++j) {
       const Measurement m = measurement(point(l, j, c, s), c, s);
-      const double alpha = pi[j] * m.alpha;
-      const double beta = pi[j] * m.beta;
-      const double zeta = pi[j] * m.zeta;
+      const double weight = l.multiplicity[j] * pi[j];
+      const double alpha = weight * m.alpha;
+      const double beta = weight * m.beta;
+      const double zeta = weight * m.zeta;
       int n = 0;
 #pragma GCC unroll 6
       for (int i = 0; i < 6; ++i) {
@@ -425,8 +427,8 @@ PROSPECT_FORCE_INLINE void information_gradient_body(
         vv += m.hv[i] * Pv[i];
       }
       // T = <P, H^T S^-1 H> = <W, S^-1>, W = (uu, uv; uv, vv);  dT/dS = -S^-1 W S^-1 = -E.
-      const double pi = r.pi[j];
-      d_pi[j] = m.alpha * uu + 2.0 * m.beta * uv + m.zeta * vv;
+      const double pi = l.multiplicity[j] * r.pi[j];
+      d_pi[j] = l.multiplicity[j] * (m.alpha * uu + 2.0 * m.beta * uv + m.zeta * vv);
       const double Wu0 = uu * m.alpha + uv * m.beta, Wu1 = uu * m.beta + uv * m.zeta;
       const double Wv0 = uv * m.alpha + vv * m.beta, Wv1 = uv * m.beta + vv * m.zeta;
       const double d_qu = -pi * (m.alpha * Wu0 + m.beta * Wv0);

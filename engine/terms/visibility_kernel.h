@@ -13,7 +13,8 @@ struct alignas(64) VisibilityBlock {
   double xx[8], xy[8], xz[8], yy[8], yz[8], zz[8];  ///< Sigma_i
   double nx[8], ny[8], nz[8];                       ///< creation direction
   double inverse_creation_range[8];
-  double survival[8];  ///< tau_i
+  double survival[8];      ///< tau_i
+  double multiplicity[8];  ///< mu_i
 };
 
 /// What stays the same for all stages.
@@ -64,8 +65,8 @@ struct alignas(64) VisibilityBlockResult {
 
 /// Sums over all landmarks.
 struct VisibilitySums {
-  double count;                                      ///< sum pi
-  double variance;                                   ///< sum pi (1 - pi)
+  double count;                                      ///< sum mu pi
+  double variance;                                   ///< sum mu pi (1 - pi)
   double d_count[visibility_derivative::kCount];     ///< with gradient
   double d_variance[visibility_derivative::kCount];  ///< with gradient
 };
@@ -93,8 +94,8 @@ struct VisibilityKernel {
                    const UnoccludedInput& unoccluded, bool gradient, VisibilityBlockResult* results,
                    VisibilitySums& sums);
 
-  /// information (6 x 6, row-major, symmetric, overwritten) = sum_i pi_i H_i^T S_i^-1 H_i, after
-  /// evaluate() for the same stage.
+  /// information (6 x 6, row-major, symmetric, overwritten) = sum_i mu_i pi_i H_i^T S_i^-1 H_i,
+  /// after evaluate() for the same stage.
   void (*information)(const VisibilityBlock* blocks, int num_blocks,
                       const VisibilityKernelConstants& constants,
                       const VisibilityKernelStage& stage, const VisibilityBlockResult* results,

@@ -95,6 +95,9 @@ void check(const Landmark& l) {
   if (!(l.survival >= 0.0 && l.survival <= 1.0)) {
     refuse(l, "survival is " + std::to_string(l.survival) + "; expected 0 to 1");
   }
+  if (!(l.multiplicity > 0.0 && l.multiplicity <= 1e6)) {
+    refuse(l, "multiplicity is " + std::to_string(l.multiplicity) + "; expected above 0, to 1e6");
+  }
 }
 
 void set_lane(VisibilityBlock& block, int j, const Landmark& l) {
@@ -114,6 +117,7 @@ void set_lane(VisibilityBlock& block, int j, const Landmark& l) {
   block.nz[j] = n.z();
   block.inverse_creation_range[j] = 1.0 / std::max(l.creation_range, 1e-6);
   block.survival[j] = l.survival;
+  block.multiplicity[j] = l.multiplicity;
 }
 
 bool evaluable(const Pose& pose) {

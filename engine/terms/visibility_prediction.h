@@ -57,7 +57,8 @@ struct VisibilityParameters {
 ///         w_z = w_p for bases that move in 3-D, 0 for a base on the plane (its height is known)
 ///   S_ik = H_x Sigma_rel,k H_x^T + H_l Sigma_i H_l^T + sigma_px^2 I                      [px^2]
 ///   pi_ik = tau_i P_fov P_range P_view P_unoccluded
-///   N_k = sum_i pi_ik (+ prior),   Var N_k = sum_i pi_ik (1 - pi_ik) (+ prior)
+///   N_k = sum_i mu_i pi_ik (+ prior),   Var N_k = sum_i mu_i pi_ik (1 - pi_ik) (+ prior),
+///   mu_i the landmarks that i stands for (Landmark::multiplicity)
 ///
 /// Sigma_rel is the uncertainty of the pose at stage k relative to the pose now: the map drifts
 /// with the odometry's frame, so the present pose is exact with respect to it. F_k is the Jacobian

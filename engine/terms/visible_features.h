@@ -19,7 +19,7 @@ enum class VisibilityCriterion {
 struct VisibleFeaturesParameters {
   VisibilityCriterion criterion = VisibilityCriterion::kCount;
 
-  double N_req = 60.0;  ///< points at which the cost vanishes
+  double N_req = 30.0;  ///< points at which the cost vanishes
   double beta = 0.2;    ///< sharpness of the softplus [1/point]
 
   double N_min = 20.0;         ///< points below which the odometry is not to be trusted

@@ -8,6 +8,7 @@
 #include <random>
 #include <set>
 
+#include "models/make_model.h"
 #include "tests/engine/visibility_scene.h"
 
 namespace prospect {
@@ -82,6 +83,42 @@ TEST(LandmarkSelection, EmptiesNoDirectionForAnother) {
     previous = azimuth;
   }
   EXPECT_GT(behind, 100);
+}
+
+// However few are chosen: the count that they predict is about that of all.
+TEST(LandmarkSelection, ThoseChosenStandForAll) {
+  std::mt19937_64 rng(4);
+  LandmarkMap map;
+  map.landmarks = visibility_scene::landmarks(rng, 3000);
+  const CameraMount mount;
+  const VisibilityPrediction all(map.landmarks, {}, mount, nullptr, {});
+  const auto model = make_model("unicycle");
+  const TrajectoryBatch t = visibility_scene::walks(rng, *model, 4, 0.25, 40);
+  const VisibilityPrediction some(select_landmarks(map, Pose{}, 2.0, 300), {}, mount, nullptr, {});
+  std::vector<Landmark> unweighted = select_landmarks(map, Pose{}, 2.0, 300);
+  for (Landmark& l : unweighted) l.multiplicity = 1.0;
+  const VisibilityPrediction truncated(unweighted, {}, mount, nullptr, {});
+  double of_all = 0.0, of_some = 0.0, of_truncated = 0.0, error = 0.0;
+  for (int b = 0; b < 40; ++b) {
+    const double want = all.visible(t, b)[2], have = some.visible(t, b)[2];
+    of_all += want;
+    of_some += have;
+    of_truncated += truncated.visible(t, b)[2];
+    error += std::abs(have - want);
+  }
+  EXPECT_NEAR(of_some / of_all, 1.0, 0.25);
+  EXPECT_LT(error / of_all, 0.3);
+  EXPECT_LT(of_truncated / of_all, 0.5) << "what is left without multiplicity";
+}
+
+TEST(LandmarkSelection, NothingLeftOutStandsForItself) {
+  std::mt19937_64 rng(5);
+  LandmarkMap map;
+  map.landmarks = visibility_scene::landmarks(rng, 200);
+  for (Landmark& l : map.landmarks) l.multiplicity = 1.0;
+  for (const Landmark& l : select_landmarks(map, Pose{}, 2.0, 1000)) {
+    EXPECT_EQ(l.multiplicity, 1.0);
+  }
 }
 
 TEST(LandmarkSelection, LeavesOutWhatIsNotUsable) {

@@ -295,6 +295,8 @@ TEST(VisibilityPrediction, CountsAreSumsOverAllLandmarksAtEachStage) {
   std::mt19937_64 rng(4);
   const auto model = make_model("holonomic");
   const auto landmarks = visibility_scene::landmarks(rng, 150);
+  Eigen::ArrayXd mu(150);
+  for (int i = 0; i < 150; ++i) mu[i] = landmarks[static_cast<std::size_t>(i)].multiplicity;
   const VisibilityPrediction prediction(landmarks, {}, {}, nullptr, {});
   const TrajectoryBatch t = visibility_scene::walks(rng, *model, 10, 0.25, 3);
   const auto scratch = prediction.make_scratch(t.horizon);
@@ -308,9 +310,41 @@ TEST(VisibilityPrediction, CountsAreSumsOverAllLandmarksAtEachStage) {
     for (int k = 0; k <= 10; ++k) {
       const auto n = static_cast<std::size_t>(k);
       const Eigen::ArrayXd pi = prediction.probabilities(t.pose(k, b), sigma[n]).array();
-      EXPECT_NEAR(count[n], pi.sum(), 1e-12);
+      EXPECT_NEAR(count[n], (mu * pi).sum(), 1e-12);
       EXPECT_EQ(count[n], stages.count[n]);
-      EXPECT_NEAR(stages.variance[n], (pi * (1.0 - pi)).sum(), 1e-12);
+      EXPECT_NEAR(stages.variance[n], (mu * pi * (1.0 - pi)).sum(), 1e-12);
+    }
+  }
+}
+
+TEST(VisibilityPrediction, ALandmarkThatStandsForThreeIsAsThreeOfThem) {
+  std::mt19937_64 rng(14);
+  const auto model = make_model("holonomic");
+  auto landmarks = visibility_scene::landmarks(rng, 120);
+  std::vector<Landmark> repeated;
+  for (std::size_t i = 0; i < landmarks.size(); ++i) {
+    Landmark l = landmarks[i];
+    l.multiplicity = 1.0;
+    const int times = static_cast<int>(i % 3) + 1;
+    landmarks[i].multiplicity = times;
+    for (int n = 0; n < times; ++n) repeated.push_back(l);
+  }
+  const VisibilityPrediction few(landmarks, {}, {}, nullptr, {});
+  const VisibilityPrediction many(repeated, {}, {}, nullptr, {});
+  const TrajectoryBatch t = visibility_scene::walks(rng, *model, 8, 0.25, 3);
+  VisibilityPrediction::Request request;
+  request.variance = true;
+  request.information = true;
+  const auto a = few.make_scratch(t.horizon), b = many.make_scratch(t.horizon);
+  for (int walk = 0; walk < 3; ++walk) {
+    ASSERT_TRUE(few.propagate(t, walk, request, nullptr, *a));
+    ASSERT_TRUE(many.propagate(t, walk, request, nullptr, *b));
+    const auto& x = VisibilityPrediction::stages(*a);
+    const auto& y = VisibilityPrediction::stages(*b);
+    for (std::size_t k = 0; k <= 8; ++k) {
+      EXPECT_NEAR(x.count[k], y.count[k], 1e-10);
+      EXPECT_NEAR(x.variance[k], y.variance[k], 1e-10);
+      EXPECT_NEAR(x.log_det[k], y.log_det[k], 1e-9);
     }
   }
 }
@@ -324,6 +358,7 @@ TEST(VisibilityPrediction, MeanAndVarianceAreThoseOfTheNumberSeen) {
     auto l = visibility_scene::landmarks(rng, 1)[0];
     const VisibilityPrediction one({l}, {}, mount, nullptr, {});
     const double pi = one.probabilities(Pose{})[0];
+    l.multiplicity = 1.0;
     if (pi > 0.02) few.push_back(l);
   }
   const auto model = make_model("unicycle");
@@ -436,6 +471,9 @@ TEST(VisibilityPrediction, RefusesBadInputInOneLine) {
   l = good;
   l.survival = 1.5;
   EXPECT_THAT(message(l, {}), testing::HasSubstr("survival"));
+  l.survival = 1.0;
+  l.multiplicity = 0.0;
+  EXPECT_THAT(message(l, {}), testing::HasSubstr("multiplicity is 0"));
   l = good;
   l.creation_range = 0.0;
   EXPECT_THAT(message(l, {}), testing::HasSubstr("creation_range"));

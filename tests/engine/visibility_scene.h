@@ -44,6 +44,8 @@ inline std::vector<Landmark> landmarks(std::mt19937_64& rng, int count, double d
     l.creation_direction = (creator - l.position).normalized();
     l.creation_range = (creator - l.position).norm();
     l.survival = uniform(rng, 0.5, 1.0);
+    // Every second one stands for others as well.
+    if (i % 2 == 1) l.multiplicity = uniform(rng, 0.5, 4.0);
     result.push_back(l);
   }
   return result;

@@ -240,12 +240,14 @@ TEST(VisibleFeatures, ValueIsTheMeanOverStagesOfTheFormula) {
   const VisibleFeatures plain(prediction, f);
   const VisibleFeaturesChance chance(prediction, f);
   const auto sigma = prediction->relative_covariances(t, 0);
+  Eigen::ArrayXd mu(200);
+  for (int i = 0; i < 200; ++i) mu[i] = landmarks[static_cast<std::size_t>(i)].multiplicity;
   double psi = 0.0, chi = 0.0;
   for (int k = 1; k <= 8; ++k) {
     const Eigen::ArrayXd pi =
         prediction->probabilities(t.pose(k, 0), sigma[static_cast<std::size_t>(k)]).array();
-    const double N = pi.sum(), variance = (pi * (1.0 - pi)).sum();
-    psi += std::pow(std::log1p(std::exp(0.2 * (60.0 - N))) / 0.2 / 60.0, 2) / 8.0;
+    const double N = (mu * pi).sum(), variance = (mu * pi * (1.0 - pi)).sum();
+    psi += std::pow(std::log1p(std::exp(0.2 * (f.N_req - N))) / 0.2 / f.N_req, 2) / 8.0;
     chi += std::log1p(std::exp(20.0 + 1.645 * std::sqrt(variance + 0.01) - N)) / 20.0 / 8.0;
   }
   EXPECT_NEAR(value(plain, t, plain.make_scratch(t.horizon, 1).get()), psi, 1e-12);
@@ -315,7 +317,7 @@ TEST(VisibleFeatures, InformationEqualsDirectComputation) {
       const Eigen::Matrix2d S = Hx * sigma[n] * Hx.transpose() +
                                 Hl * l.covariance * Hl.transpose() +
                                 p.sigma_px * p.sigma_px * Eigen::Matrix2d::Identity();
-      I += pi[i] * H.transpose() * S.inverse() * H;
+      I += l.multiplicity * pi[i] * H.transpose() * S.inverse() * H;
     }
     const double expected = std::log(I.determinant());
     EXPECT_NEAR(VisibilityPrediction::stages(*scratch).log_det[n], expected, 1e-7);
@@ -392,7 +394,13 @@ TEST(VisibleFeatures, NothingVisibleCostsOne) {
     const auto scratch = term.make_scratch(t.horizon, 1);
     TermOutput out = output(t);
     term.evaluate(t, {true}, scratch.get(), out);
-    EXPECT_NEAR(out.value(0, 0), 1.0, 1e-4);
+    // The count is above 1 by what the softplus is above the ramp at N = 0: e^-6 / 6 for N_req
+    // = 30.
+    const double ramp = f.beta * f.N_req;
+    const double softplus = std::pow(std::log1p(std::exp(ramp)) / ramp, 2);
+    const bool counts = criterion == VisibilityCriterion::kCount;
+    EXPECT_NEAR(out.value(0, 0), counts ? softplus : 1.0, 1e-12);
+    EXPECT_NEAR(out.value(0, 0), 1.0, 1e-3);
     EXPECT_EQ(out.state_gradient.abs().maxCoeff(), 0.0);
   }
 }
