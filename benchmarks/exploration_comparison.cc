@@ -22,6 +22,7 @@
 #include "adapters/worlds/load_world.h"
 #include "benchmarks/comparison_table.h"
 #include "benchmarks/frontier_planner.h"
+#include "engine/mission.h"
 #include "solvers/registry.h"
 
 namespace prospect {
@@ -131,7 +132,9 @@ ComparisonRow run(const Mission& mission, const Arguments& arguments) {
     if (arguments.until < 1.0) options.cancelled = [&] { return enough; };
     options.keep_steps = false;
     ExplorationRunResult result = run_exploration(world, configuration, options);
-    if (enough) result.record.summary.reason = "enough seen";
+    // Nothing else cancels a mission: one that ends by itself keeps its reason.
+    std::string& reason = result.record.summary.reason;
+    if (reason == to_string(MissionEnd::kCancelled)) reason = "enough seen";
     if (path != nullptr) std::fclose(path);
     return comparison_row(mission.map, mission.planner, result.record.summary);
   } catch (const std::exception& e) {

@@ -22,22 +22,15 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
       detector_(options.frontiers),
       memory_(options.memory),
       field_(options.cost_to_go) {
-  if (!(options.kappa >= 0.0) || !(options.kappa < 100.0)) {
-    throw std::invalid_argument("exploration guide: kappa = " + std::to_string(options.kappa) +
-                                "; expected 0 to 100 m");
-  }
-  if (!(options_.leftovers_share >= 0.0) || !(options_.leftovers_share < 1000.0)) {
-    throw std::invalid_argument("exploration guide: leftovers_share = " +
-                                std::to_string(options_.leftovers_share) + "; expected 0 to 1000");
-  }
-  if (!(options_.leftovers_least >= 0.0) || !(options_.leftovers_least < 1e6)) {
-    throw std::invalid_argument("exploration guide: leftovers_least = " +
-                                std::to_string(options_.leftovers_least) + "; expected 0 to 1e6 s");
-  }
-  if (!(options_.look_around >= 0.0) || !(options_.look_around < 1000.0)) {
-    throw std::invalid_argument("exploration guide: look_around = " +
-                                std::to_string(options_.look_around) + "; expected 0 to 1000 s");
-  }
+  const auto require = [](const char* name, double value, double below, const char* expected) {
+    if (value >= 0.0 && value < below) return;
+    throw std::invalid_argument("exploration guide: " + std::string(name) + " = " +
+                                std::to_string(value) + "; expected " + expected);
+  };
+  require("kappa", options.kappa, 100.0, "0 to 100 m");
+  require("leftovers_share", options.leftovers_share, 1000.0, "0 to 1000");
+  require("leftovers_least", options.leftovers_least, 1e6, "0 to 1e6 s");
+  require("look_around", options.look_around, 1000.0, "0 to 1000 s");
   relaxed_area_ = options_.memory.retry_area;
   auto empty = std::make_shared<Guidance>();
   empty->cost_to_go = std::make_shared<const CostToGo>();

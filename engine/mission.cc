@@ -76,9 +76,8 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
     if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
     if (guidance && guidance->advice == Advice::kDone) {
       result.end = MissionEnd::kExplored;
-      result.detail = guidance->abandoned
-                          ? "the time for what is left to see is up"
-                          : "no active reachable frontier is left";
+      result.detail = guidance->abandoned ? "the time for what is left to see is up"
+                                          : "no active reachable frontier is left";
       return result;
     }
 

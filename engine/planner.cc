@@ -133,13 +133,17 @@ struct Planner::Impl {
   double recovery_started = 0.0;
   double recovery_allowed_at = 0.0;
 
+  static PlannerParameters with_guide_options(const RobotDescription& r, PlannerParameters p) {
+    p.guide = guide_options_for(r, p);
+    return p;
+  }
+
   Impl(RobotDescription r, PlannerParameters p, std::shared_ptr<const Solver> s)
       : robot(std::move(r)),
-        parameters(std::move(p)),
+        parameters(with_guide_options(robot, std::move(p))),
         solver(std::move(s)),
-        guide(guide_options_for(robot, parameters)) {
+        guide(parameters.guide) {
     if (!solver) throw std::invalid_argument("planner: no solver; expected one");
-    parameters.guide = guide_options_for(robot, parameters);
     check(parameters);
     const VerticalExtent extent = vertical_extent(robot.shape);
     const double z = robot.model->pose_layout().fixed_z;

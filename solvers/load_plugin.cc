@@ -69,15 +69,19 @@ class GuardedSolver final : public Solver {
   std::vector<OptionInfo> options_;
 };
 
+std::string in_one_line(std::string text) {
+  for (char& c : text) {
+    if (c == '\n' || c == '\r') c = ' ';
+  }
+  return text;
+}
+
 /// dlerror() without the path, which the message has already, in one line.
 std::string reason_of_loader(const std::string& path) {
   const char* text = dlerror();
   std::string reason = text ? text : "no reason given";
   if (reason.starts_with(path + ": ")) reason.erase(0, path.size() + 2);
-  for (char& c : reason) {
-    if (c == '\n' || c == '\r') c = ' ';
-  }
-  return reason;
+  return in_one_line(reason);
 }
 
 /// Whether the file ends before its table of sections, which compilers write last. The loader maps
@@ -207,11 +211,7 @@ void load_plugin(const std::string& path, SolverRegistry& registry) {
     for (std::size_t i = 0; i < plugin.num_solvers; ++i) add(plugin.solvers[i], extended);
     registry = std::move(extended);
   } catch (const std::invalid_argument& e) {
-    std::string line = "plug-in '" + path + "': " + e.what();
-    for (char& c : line) {
-      if (c == '\n' || c == '\r') c = ' ';
-    }
-    throw std::invalid_argument(line);
+    throw std::invalid_argument(in_one_line("plug-in '" + path + "': " + e.what()));
   }
 }
 

@@ -71,19 +71,19 @@ OptionSet::OptionSet(const std::vector<OptionInfo>& known, const Options& given)
                          describe(value) + "; expected " + std::string(type_name(target)));
     }
   }
-  const auto range = [this](const std::string& name, bool good, const std::string& expected) {
-    require(good,
-            "option '" + name + "' is " + describe(values_.at(name)) + "; expected " + expected);
-  };
   if (!values_.contains("max_evaluations")) return;
-  range("max_evaluations", integer("max_evaluations") >= 1, "1 or more");
-  range("tolerance", number("tolerance") >= 0.0 && number("tolerance") <= 1.0, "0 to 1");
-  range("feasibility_tolerance", number("feasibility_tolerance") > 0.0, "a number above 0");
-  range("seed", integer("seed") >= 0, "0 or more");
+  require_value("max_evaluations", integer("max_evaluations") >= 1, "1 or more");
+  require_value("tolerance", number("tolerance") >= 0.0 && number("tolerance") <= 1.0, "0 to 1");
+  require_value("feasibility_tolerance", number("feasibility_tolerance") > 0.0, "a number above 0");
+  require_value("seed", integer("seed") >= 0, "0 or more");
 }
 
 void OptionSet::require(bool condition, const std::string& message) {
   if (!condition && error_.empty()) error_ = message;
+}
+
+void OptionSet::require_value(const std::string& name, bool good, const std::string& expected) {
+  require(good, "option '" + name + "' is " + describe(value(name)) + "; expected " + expected);
 }
 
 double OptionSet::number(const std::string& name) const {

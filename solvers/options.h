@@ -38,6 +38,8 @@ class OptionSet {
 
   /// Records an error for an option out of range; the first one stands.
   void require(bool condition, const std::string& message);
+  /// The same for the value of one: "option 'name' is VALUE; expected ...".
+  void require_value(const std::string& name, bool good, const std::string& expected);
 
  private:
   std::map<std::string, OptionValue> values_;

@@ -11,7 +11,6 @@
 #include <sstream>
 
 #include "adapters/config/input_error.h"
-#include "models/nearest_name.h"
 #include "adapters/config/strict_yaml.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "adapters/worlds/octree_file.h"
@@ -19,6 +18,7 @@
 #include "adapters/worlds/reachable_area.h"
 #include "adapters/worlds/ros_map.h"
 #include "adapters/worlds/world_file.h"
+#include "models/nearest_name.h"
 
 namespace prospect {
 namespace {

@@ -59,27 +59,24 @@ class HybridSolver final : public SolverFrame {
   Evaluate start_evaluation() const override { return Evaluate::kValue; }
 
   void check_options(OptionSet& options) const override {
-    const auto range = [&](const char* name, bool good, const char* expected) {
-      options.require(good, std::string("option '") + name + "' is " +
-                                describe(options.value(name)) + "; expected " + expected);
-    };
     const auto whole = [&](const char* name, int least, const char* expected) {
       const int value = options.integer(name);
-      range(name, value >= least && value <= 1000000, expected);
+      options.require_value(name, value >= least && value <= 1000000, expected);
     };
     whole("candidates", 1, "1 to 1000000");
     whole("segments", 1, "1 to 1000000");
     whole("basins", 1, "1 to 1000000");
     whole("polish_evaluations", 2, "2 to 1000000");
-    range("separation", options.number("separation") >= 0.0, "0 or more");
+    options.require_value("separation", options.number("separation") >= 0.0, "0 or more");
     const double tolerance = options.number("polish_tolerance");
-    range("polish_tolerance", tolerance >= 0.0 && tolerance <= 1.0, "0 to 1");
+    options.require_value("polish_tolerance", tolerance >= 0.0 && tolerance <= 1.0, "0 to 1");
     if (options.text("polish") == "auto") return;
     try {
       const auto polish = polish_.find(options.text("polish"));
-      range("polish",
-            dynamic_cast<const SolverFrame*>(polish.get()) != nullptr && polish->name() != name_,
-            "a back end that is built in, other than this one");
+      options.require_value(
+          "polish",
+          dynamic_cast<const SolverFrame*>(polish.get()) != nullptr && polish->name() != name_,
+          "a back end that is built in, other than this one");
     } catch (const std::invalid_argument& e) {
       options.require(false, std::string("option 'polish': ") + e.what());
     }

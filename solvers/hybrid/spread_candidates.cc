@@ -3,18 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/sampling/additive_recurrence.h"
+
 namespace prospect {
 
 Eigen::MatrixXd spread_candidates(const Problem& problem, int count, int segments) {
   const int nu = problem.horizon().nu();
   const int M = problem.definition().M;
   const int stretches = std::clamp(segments, 1, M);
-  const int D = stretches * nu;
-  double phi = 2.0;
-  for (int i = 0; i < 60; ++i) phi = std::pow(1.0 + phi, 1.0 / (D + 1.0));
-  Eigen::VectorXd step(D);
-  for (int d = 0; d < D; ++d) step[d] = std::pow(phi, -(d + 1.0));
-
+  const Eigen::VectorXd step = additive_recurrence_steps(stretches * nu);
   Eigen::MatrixXd candidates(problem.num_variables(), std::max(count, 0));
   if (count < 1) return candidates;
   candidates.col(0) = problem.lower().cwiseMax(0.0).cwiseMin(problem.upper());

@@ -124,12 +124,9 @@ class NloptSolver final : public SolverFrame {
                         "option '" + info.name + "' is negative; expected 0 or more");
       } else if (info.name == "initial_step") {
         const double step = options.number(info.name);
-        options.require(step >= 0.0 && step <= 1.0,
-                        "option 'initial_step' is " + describe(step) + "; expected 0 to 1");
+        options.require_value(info.name, step >= 0.0 && step <= 1.0, "0 to 1");
       } else if (info.name == "penalty" || info.name == "initial_penalty") {
-        const double penalty = options.number(info.name);
-        options.require(penalty > 0.0, "option '" + info.name + "' is " + describe(penalty) +
-                                           "; expected a number above 0");
+        options.require_value(info.name, options.number(info.name) > 0.0, "a number above 0");
       }
     }
   }

@@ -19,7 +19,7 @@ namespace prospect {
 /// Candidates are ranked as in candidate_rank.h: feasible before infeasible; rejected ones are
 /// never elite. The mean itself and the incumbent are among the candidates.
 ///
-/// eps comes from the bank of noise_bank.h.
+/// Drawn and evaluated by candidate_rounds.h.
 ///
 /// Source: Rubinstein (1999); smoothing as in de Boer, Kroese, Mannor and Rubinstein, "A tutorial
 /// on the cross-entropy method" (2005), section 3.

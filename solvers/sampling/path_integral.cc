@@ -4,48 +4,24 @@
 #include <cmath>
 #include <vector>
 
-#include "solvers/sampling/candidate_rank.h"
-#include "solvers/sampling/noise_bank.h"
+#include "solvers/sampling/candidate_rounds.h"
 
 namespace prospect {
 
 bool path_integral(Evaluator& evaluator, const RateProjection& rate,
                    const PathIntegralSettings& settings, double convergence,
                    Eigen::VectorXd centre) {
-  constexpr int kBanks = 8;
   const int n = evaluator.num_variables();
   const int K = settings.samples;
-  const bool project = settings.rate_feasible && rate.active();
-  // An odd stride per iteration over the bank, so that no iteration repeats another's candidates.
-  const int columns = kBanks * K + 1;
-  const Eigen::MatrixXd bank = noise_bank(evaluator, columns, settings.correlation);
+  CandidateRounds rounds(evaluator, rate, settings.rate_feasible, K, settings.correlation);
+  const Eigen::MatrixXd& X = rounds.candidates();
+  const Eigen::ArrayXd& cost = rounds.cost();
   const Eigen::VectorXd range = evaluator.upper() - evaluator.lower();
   Eigen::VectorXd sigma = settings.sigma * range;
-  Eigen::MatrixXd X(n, K);
-  Eigen::ArrayXd cost, violations, weight(K);
+  Eigen::ArrayXd weight(K);
   std::vector<double> sorted;
-  Eigen::VectorXd mean(n);
-  int next = 0;
   while (true) {
-    for (int s = 0; s < K; ++s) {
-      if (s == 0) {
-        X.col(s) = centre;
-      } else if (s == 1 && evaluator.has_incumbent()) {
-        X.col(s) = evaluator.incumbent();
-      } else {
-        X.col(s) = centre + sigma.cwiseProduct(bank.col(next));
-        next = (next + 1) % columns;
-      }
-      X.col(s) = X.col(s).cwiseMax(evaluator.lower()).cwiseMin(evaluator.upper());
-      if (project) {
-        Eigen::VectorXd z = evaluator.expand(X.col(s));
-        rate.apply(z);
-        X.col(s) = evaluator.reduce(z);
-      }
-    }
-    if (evaluator.evaluate_batch(X, cost, violations) < K) return false;
-    evaluator.count_iteration();
-    fold_violations(violations, evaluator.options().feasibility_tolerance, cost);
+    if (!rounds.next(centre, sigma)) return false;
     sorted.clear();
     for (int s = 0; s < K; ++s) {
       if (std::isfinite(cost[s])) sorted.push_back(cost[s]);
@@ -70,7 +46,7 @@ bool path_integral(Evaluator& evaluator, const RateProjection& rate,
       }
     }
     weight /= weight.sum();  // >= 1 before: the best candidate has weight 1
-    mean.noalias() = X * weight.matrix();
+    const Eigen::VectorXd mean = X * weight.matrix();
     for (int i = 0; i < n; ++i) {
       const double scatter = (weight * (X.row(i).array().transpose() - centre[i]).square()).sum();
       const double variance =

@@ -21,7 +21,7 @@ namespace prospect {
 /// the violation (candidate_rank.h); rejected candidates have no weight. No weight is ever NaN: if
 /// all costs are equal, so are the weights.
 ///
-/// eps comes from the bank of noise_bank.h.
+/// Drawn and evaluated by candidate_rounds.h.
 ///
 /// Source: Williams et al. (2017), information-theoretic MPPI; adaptation as in Stulp and Sigaud
 /// (2012), PI2-CMA, here a diagonal. Knots instead of stages, the relative temperature and the

@@ -68,35 +68,32 @@ class SamplingSolver final : public SolverFrame {
   Evaluate start_evaluation() const override { return Evaluate::kValue; }
 
   void check_options(OptionSet& options) const override {
-    const auto range = [&](const char* name, bool good, const char* expected) {
-      options.require(good, std::string("option '") + name + "' is " +
-                                describe(options.value(name)) + "; expected " + expected);
-    };
     const int rate = options.integer("rate_feasible");
-    range("rate_feasible", rate == 0 || rate == 1, "0 or 1");
+    options.require_value("rate_feasible", rate == 0 || rate == 1, "0 or 1");
     if (searches()) {
       const int candidates = options.integer("candidates");
-      range("candidates", candidates >= 1 && candidates <= 1000000, "1 to 1000000");
+      options.require_value("candidates", candidates >= 1 && candidates <= 1000000, "1 to 1000000");
     }
     const auto unit = [&](const char* name) {
       return options.number(name) >= 0.0 && options.number(name) <= 1.0;
     };
     const auto positive_unit = [&](const char* name) {
-      range(name, unit(name) && options.number(name) > 0.0, "a number above 0, up to 1");
+      options.require_value(name, unit(name) && options.number(name) > 0.0,
+                            "a number above 0, up to 1");
     };
     if (method_ != SamplingMethod::kSearch) {
       const int samples = options.integer("samples");
-      range("samples", samples >= 4 && samples <= 100000, "4 to 100000");
+      options.require_value("samples", samples >= 4 && samples <= 100000, "4 to 100000");
       positive_unit("sigma");
-      range("correlation", unit("correlation"), "0 to 1");
+      options.require_value("correlation", unit("correlation"), "0 to 1");
     }
     if (method_ == SamplingMethod::kCrossEntropy) {
       positive_unit("elite");
       positive_unit("smoothing");
     }
     if (integrates()) {
-      range("temperature", options.number("temperature") > 0.0, "a number above 0");
-      range("adaptation", unit("adaptation"), "0 to 1");
+      options.require_value("temperature", options.number("temperature") > 0.0, "a number above 0");
+      options.require_value("adaptation", unit("adaptation"), "0 to 1");
     }
   }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <vector>
 
+#include "solvers/sampling/additive_recurrence.h"
+
 namespace prospect {
 namespace {
 
@@ -42,18 +44,15 @@ Eigen::MatrixXd grid(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
   return points;
 }
 
-/// nu x count points that fill the box evenly: frac(0.5 + i a_j), a_j = phi^-(j+1),
-/// phi^(nu+1) = phi + 1.
+/// nu x count points that fill the box evenly.
 Eigen::MatrixXd additive_recurrence(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
                                     int count) {
   const auto nu = static_cast<int>(lower.size());
-  double phi = 2.0;
-  for (int i = 0; i < 60; ++i) phi = std::pow(1.0 + phi, 1.0 / (nu + 1.0));
+  const Eigen::VectorXd step = additive_recurrence_steps(nu);
   Eigen::MatrixXd points(nu, count);
   for (int j = 0; j < nu; ++j) {
-    const double step = std::pow(phi, -(j + 1.0));
     for (int c = 0; c < count; ++c) {
-      const double t = 0.5 + (c + 1) * step;
+      const double t = 0.5 + (c + 1) * step[j];
       points(j, c) = lower[j] + (upper[j] - lower[j]) * (t - std::floor(t));
     }
   }
