@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "benchmarks/r1.h"
+#include "problems/r1.h"
 #include "solvers/registry.h"
 
 namespace prospect {

@@ -27,8 +27,9 @@ inline std::map<std::string, RoomRules> architecture() {
        {{"models", "engine", "solvers"}, {"Eigen", "nlopt", "Ipopt", "ceres"}, {"Eigen"}}},
       {"perception",
        {{"models", "engine", "perception"}, {"Eigen", "octomap", "opencv2", "ceres"}, {"Eigen"}}},
+      {"problems", {{"models", "engine", "problems"}, {"Eigen"}, {"Eigen"}}},
       {"adapters",
-       {{"models", "engine", "solvers", "perception", "adapters"},
+       {{"models", "engine", "solvers", "problems", "perception", "adapters"},
         {"Eigen", "octomap", "opencv2", "fcl", "yaml-cpp", "nlohmann", "CLI", "hdf5", "mcap"},
         {"Eigen", "nlohmann"}}},
   };

@@ -60,6 +60,8 @@ TEST(Includes, EachForbiddenDirectionIsCaught) {
            Case{"perception/a.cc", "\"adapters/run/run_record.h\"",
                 "perception may not use adapters"},
            Case{"adapters/a.cc", "\"tests/engine/view_worlds.h\"", "adapters may not use tests"},
+           Case{"engine/a.cc", "\"problems/r1.h\"", "engine may not use problems"},
+           Case{"problems/a.cc", "\"solvers/registry.h\"", "problems may not use solvers"},
            Case{"engine/a.cc", "<boost/optional.hpp>", "engine may not use boost"},
        }) {
     const auto found =

@@ -1,11 +1,11 @@
-#include "benchmarks/r1.h"
+#include "problems/r1.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "benchmarks/r1_kernel.h"
+#include "problems/r1_kernel.h"
 #include "solvers/registry.h"
 
 namespace prospect {

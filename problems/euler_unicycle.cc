@@ -1,4 +1,4 @@
-#include "benchmarks/euler_unicycle.h"
+#include "problems/euler_unicycle.h"
 
 #include <cmath>
 #include <limits>

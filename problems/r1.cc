@@ -1,11 +1,11 @@
-#include "benchmarks/r1.h"
+#include "problems/r1.h"
 
 #include <algorithm>
 #include <cmath>
 #include <random>
 
-#include "benchmarks/euler_unicycle.h"
-#include "benchmarks/r1_kernel.h"
+#include "problems/euler_unicycle.h"
+#include "problems/r1_kernel.h"
 
 namespace prospect {
 namespace {

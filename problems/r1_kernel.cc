@@ -1,4 +1,4 @@
-#include "benchmarks/r1_kernel.h"
+#include "problems/r1_kernel.h"
 
 #include <cmath>
 
