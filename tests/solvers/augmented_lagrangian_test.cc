@@ -9,7 +9,6 @@
 namespace prospect {
 namespace {
 
-using zoo::vec;
 using zoo::Vector;
 
 TEST(AugmentedLagrangian, HasTheGradientOfItsValue) {

@@ -99,7 +99,7 @@ class EverySolver : public testing::TestWithParam<std::string> {
 TEST_P(EverySolver, HasItsName) { EXPECT_EQ(solver_->name(), GetParam()); }
 
 TEST_P(EverySolver, FindsTheOptimaOfTheZoo) {
-  for (const Case& c : zoo::all_cases()) {
+  for (const Case& c : zoo::all()) {
     SCOPED_TRACE(c.name);
     const Problem problem = c.problem();
     ASSERT_EQ(solver_->explain_unsupported(problem), "");
@@ -132,7 +132,7 @@ TEST_P(EverySolver, FindsTheOptimaOfTheZoo) {
 }
 
 TEST_P(EverySolver, FindsTheInputsBehindAPathPastADisc) {
-  const zoo::PathProblem path = zoo::path_problem();
+  const PathProblem path = path_problem();
   const Result r = solver_->solve(path.problem, from(Vector::Zero(20)), {}, {});
   expect_sound(r, path.problem);
   EXPECT_LE(r.violation, 1e-6);
@@ -172,8 +172,8 @@ TEST_P(EverySolver, KeepsTheBestOfAllPointsEvaluated) {
     SCOPED_TRACE(c.name);
     const auto watch = std::make_shared<Watch>();
     watch->record = true;
-    const Result r =
-        solver_->solve(c.problem(watch), from(c.start), {{"max_evaluations", 700}}, {});
+    const Result r = solver_->solve(zoo::watched(c.problem(), watch), from(c.start),
+                                    {{"max_evaluations", 700}}, {});
     ASSERT_FALSE(watch->points.empty());
     bool found = false;
     double cost = 0.0, violation = 0.0;
@@ -217,7 +217,7 @@ TEST_P(EverySolver, StopsWithinOneEvaluationAndAsksBeforeEach) {
         stopped = true;
         return request;
       });
-      const Problem problem = c.problem(watch);
+      const Problem problem = zoo::watched(c.problem(), watch);
       const Result r = solver_->solve(problem, from(c.start), {}, stop);
       ASSERT_TRUE(stopped);
       EXPECT_EQ(calls_unasked, 0);
@@ -243,7 +243,8 @@ TEST_P(EverySolver, HonoursAWallClockDeadlineWithASlowTerm) {
   watch->seconds_a_call = 0.02;
   const Case c = zoo::rosenbrock();
   const auto begin = std::chrono::steady_clock::now();
-  const Result r = solver_->solve(c.problem(watch), from(c.start), {}, deadline(0.15));
+  const Result r =
+      solver_->solve(zoo::watched(c.problem(), watch), from(c.start), {}, deadline(0.15));
   const double wall =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   EXPECT_EQ(r.stop, StopReason::kDeadline);
@@ -255,7 +256,7 @@ TEST_P(EverySolver, HonoursAWallClockDeadlineWithASlowTerm) {
 
 TEST_P(EverySolver, HonoursADeadlineWithManyConstraints) {
   // What a method computes between two evaluations counts too (the dual problem of MMA took 1 s).
-  const zoo::PathProblem path = zoo::path_problem(std::make_shared<Watch>(), 6);
+  const PathProblem path = path_problem(6);
   for (const double seconds : {0.005, 0.04}) {
     for (const Vector& start : {Vector(Vector::Zero(20)), Vector()}) {
       const auto begin = std::chrono::steady_clock::now();
@@ -277,7 +278,7 @@ TEST_P(EverySolver, SurvivesNanAtAnyEvaluation) {
     for (const int seed : family_ == Family::kGlobal ? std::vector{1, 2} : std::vector{1}) {
       const auto watch = std::make_shared<Watch>();
       watch->nan_at = at;
-      const Problem problem = c.problem(watch);
+      const Problem problem = zoo::watched(c.problem(), watch);
       const Result r = solver_->solve(problem, from(c.start), {{"seed", seed}}, {});
       expect_sound(r, problem);
       EXPECT_NE(r.stop, StopReason::kError) << r.detail;
@@ -302,10 +303,10 @@ TEST_P(EverySolver, SaysSoIfNothingCanBeEvaluated) {
 
 TEST_P(EverySolver, SolvesAProblemThatIsNotDefinedEverywhere) {
   // -log(x0) - log(x1) + 2 x0 + 4 x1 where both are positive: optimum at (1/2, 1/4).
-  Case c{"logarithms", zoo::vec({-1, -1}), zoo::vec({2, 2}), zoo::vec({1.5, 1.5})};
+  Case c{"logarithms", vec({-1, -1}), vec({2, 2}), vec({1.5, 1.5})};
   c.f = [](const Vector& x) { return 2 * x[0] + 4 * x[1] - std::log(x[0]) - std::log(x[1]); };
-  c.g = [](const Vector& x) { return zoo::vec({2 - 1 / x[0], 4 - 1 / x[1]}); };
-  const double optimum = c.f(zoo::vec({0.5, 0.25}));
+  c.g = [](const Vector& x) { return vec({2 - 1 / x[0], 4 - 1 / x[1]}); };
+  const double optimum = c.f(vec({0.5, 0.25}));
   const Problem problem = c.problem();
   const Result r = solver_->solve(problem, from(c.start), generous(), {});
   expect_sound(r, problem);
@@ -318,7 +319,7 @@ TEST_P(EverySolver, TurnsAThrowingTermIntoAnError) {
     SCOPED_TRACE(at);
     const auto watch = std::make_shared<Watch>();
     watch->throw_at = at;
-    const Problem problem = c.problem(watch);
+    const Problem problem = zoo::watched(c.problem(), watch);
     const Result r = solver_->solve(problem, from(c.start), {}, {});
     EXPECT_EQ(r.stop, StopReason::kError);
     EXPECT_THAT(r.detail, testing::HasSubstr("injected fault"));
@@ -351,7 +352,7 @@ TEST_P(EverySolver, KeepsFixedVariables) {
   }
   const auto watch = std::make_shared<Watch>();
   watch->record = true;
-  const Problem problem = c.problem(watch);
+  const Problem problem = zoo::watched(c.problem(), watch);
   const Result r = solver_->solve(problem, from(c.start), generous(), {});
   expect_sound(r, problem);
   EXPECT_LE(r.cost, c.f(best) + precision(family_) * c.f(best)) << r.detail;
@@ -362,9 +363,9 @@ TEST_P(EverySolver, KeepsFixedVariables) {
 
 TEST_P(EverySolver, ReturnsTheOnlyPointIfAllVariablesAreFixed) {
   Case c = zoo::hs35();
-  c.lower = c.upper = zoo::vec({0.5, 0.25, 0.125});
+  c.lower = c.upper = vec({0.5, 0.25, 0.125});
   const auto watch = std::make_shared<Watch>();
-  const Problem problem = c.problem(watch);
+  const Problem problem = zoo::watched(c.problem(), watch);
   const Result r = solver_->solve(problem, {}, {}, {});
   EXPECT_EQ(r.x, c.lower);
   EXPECT_EQ(r.cost, c.f(c.lower));
@@ -378,7 +379,7 @@ TEST_P(EverySolver, TakesAStartOutsideTheBoundsAndNeverLeavesThem) {
     const Case c = zoo::hs76();
     const auto watch = std::make_shared<Watch>();
     watch->record = true;
-    const Problem problem = c.problem(watch);
+    const Problem problem = zoo::watched(c.problem(), watch);
     const Vector start = c.upper + Vector::Constant(4, far);
     const Result r = solver_->solve(problem, from(start), {}, {});
     expect_sound(r, problem);
@@ -395,7 +396,7 @@ TEST_P(EverySolver, StartsInTheMiddleWithoutAWarmStart) {
   const Case c = zoo::hs76();
   const auto watch = std::make_shared<Watch>();
   watch->record = true;
-  solver_->solve(c.problem(watch), {}, {{"max_evaluations", 1}}, {});
+  solver_->solve(zoo::watched(c.problem(), watch), {}, {{"max_evaluations", 1}}, {});
   ASSERT_FALSE(watch->points.empty());
   EXPECT_EQ(watch->points.front(), Vector::Constant(4, 5.0));
 }
@@ -406,13 +407,13 @@ TEST_P(EverySolver, RefusesABadWarmStart) {
   EXPECT_EQ(short_one.stop, StopReason::kError);
   EXPECT_THAT(short_one.detail, testing::HasSubstr("3 entries; expected 4"));
   const Result nan = solver_->solve(
-      c.problem(), from(zoo::vec({0, std::numeric_limits<double>::quiet_NaN(), 0, 0})), {}, {});
+      c.problem(), from(vec({0, std::numeric_limits<double>::quiet_NaN(), 0, 0})), {}, {});
   EXPECT_EQ(nan.stop, StopReason::kError);
   EXPECT_THAT(nan.detail, testing::HasSubstr("non-finite"));
 }
 
 TEST_P(EverySolver, GivesTheSameBitsForTheSameSeed) {
-  const zoo::PathProblem path = zoo::path_problem();
+  const PathProblem path = path_problem();
   const Options options = {{"max_evaluations", 1500}, {"seed", 7}};
   const Result a = solver_->solve(path.problem, from(Vector::Zero(20)), options, {});
   const Result b =
@@ -454,8 +455,8 @@ TEST_P(EverySolver, KeepsToMaxEvaluations) {
   const Case c = zoo::rosenbrock();
   for (const int budget : {1, 2, 7, 20}) {
     const auto watch = std::make_shared<Watch>();
-    const Result r =
-        solver_->solve(c.problem(watch), from(c.start), {{"max_evaluations", budget}}, {});
+    const Result r = solver_->solve(zoo::watched(c.problem(), watch), from(c.start),
+                                    {{"max_evaluations", budget}}, {});
     EXPECT_EQ(r.counters.cost_evaluations, budget);
     EXPECT_EQ(watch->evaluations, budget + 1);  // and the explanation
     EXPECT_EQ(r.stop, StopReason::kIterationLimit);
@@ -467,7 +468,7 @@ TEST_P(EverySolver, IsStrictWithOptions) {
   const Case c = zoo::hs76();
   const auto watch = std::make_shared<Watch>();
   const auto detail = [&](const Options& options) {
-    const Result r = solver_->solve(c.problem(watch), from(c.start), options, {});
+    const Result r = solver_->solve(zoo::watched(c.problem(), watch), from(c.start), options, {});
     EXPECT_EQ(r.stop, StopReason::kError);
     EXPECT_EQ(r.quality, Quality::kNone);
     return r.detail;
@@ -526,7 +527,7 @@ TEST_P(EverySolver, MayBeUsedByFourThreadsAtOnce) {
 TEST_P(EverySolver, HonoursDeadlinesOfFourThreadsAtOnce) {
   const auto watch = std::make_shared<Watch>();
   watch->seconds_a_call = 0.005;
-  const Problem problem = zoo::rosenbrock().problem(watch);
+  const Problem problem = zoo::watched(zoo::rosenbrock().problem(), watch);
   std::vector<double> wall(4);
   std::vector<std::thread> threads;
   for (std::size_t t = 0; t < 4; ++t) {
@@ -547,8 +548,7 @@ TEST_P(EverySolver, RefusesWhatItCannotSolve) {
 
   const Case c = zoo::hs76();
   ProblemDefinition d = c.problem().definition();
-  d.terms[0].term = std::make_shared<zoo::FunctionCost>(c.f, c.g, std::make_shared<Watch>(),
-                                                        Smoothness::kDiscontinuous);
+  d.terms[0].term = std::make_shared<FunctionCost>(c.f, c.g, Smoothness::kDiscontinuous);
   const Problem discontinuous(d);
   for (const Problem* problem : {&without, &discontinuous}) {
     const std::string why = solver_->explain_unsupported(*problem);

@@ -12,14 +12,14 @@ namespace {
 
 using zoo::Case;
 using zoo::Matrix;
-using zoo::vec;
+
 using zoo::Vector;
 using zoo::Watch;
 
 TEST(Evaluator, RemembersTheLastPoint) {
   const Case c = zoo::hs43();
   const auto watch = std::make_shared<Watch>();
-  const Problem problem = c.problem(watch);
+  const Problem problem = zoo::watched(c.problem(), watch);
   const StopCondition never;
   Evaluator e(problem, {}, never);
   const Vector x = vec({0.1, 0.2, 0.3, 0.4});
@@ -64,7 +64,7 @@ TEST(Evaluator, ShowsOnlyTheFreeVariables) {
 TEST(Evaluator, NeverEvaluatesAfterAStop) {
   const Case c = zoo::hs43();
   const auto watch = std::make_shared<Watch>();
-  const Problem problem = c.problem(watch);
+  const Problem problem = zoo::watched(c.problem(), watch);
   bool stop_now = false;
   const StopCondition stop([&] { return stop_now ? StopRequest::kDeadline : StopRequest::kNone; });
   Evaluator e(problem, {}, stop);
@@ -83,7 +83,7 @@ TEST(Evaluator, NeverEvaluatesAfterAStop) {
 TEST(Evaluator, StopsABatchBetweenChunks) {
   const Case c = zoo::hs43();
   const auto watch = std::make_shared<Watch>();
-  const Problem problem = c.problem(watch);
+  const Problem problem = zoo::watched(c.problem(), watch);
   int asked = 0;
   const StopCondition stop(
       [&] { return ++asked > 2 ? StopRequest::kDeadline : StopRequest::kNone; });
@@ -109,7 +109,7 @@ TEST(Evaluator, StopsABatchBetweenChunks) {
 TEST(Evaluator, KeepsABatchWithinMaxEvaluations) {
   const Case c = zoo::hs43();
   const auto watch = std::make_shared<Watch>();
-  const Problem problem = c.problem(watch);
+  const Problem problem = zoo::watched(c.problem(), watch);
   const StopCondition never;
   CommonOptions options;
   options.max_evaluations = Evaluator::kChunk + 3;
@@ -198,7 +198,7 @@ TEST(Evaluator, KeepsTheOlderPointOfATie) {
 TEST(Evaluator, SharesWhatAnInnerOneEvaluates) {
   const Case c = zoo::hs43();
   const auto watch = std::make_shared<Watch>();
-  const Problem problem = c.problem(watch);
+  const Problem problem = zoo::watched(c.problem(), watch);
   const StopCondition never;
   Evaluator outer(problem, {.max_evaluations = 6}, never);
   const Vector good = vec({0, 0.5, 1, -0.5}), poor = Vector::Zero(4);
@@ -235,7 +235,7 @@ TEST(Evaluator, SharesWhatAnInnerOneEvaluates) {
 TEST(Evaluator, StopsWithAnInnerOneOnlyIfTheProblemThrew) {
   const Case c = zoo::hs43();
   const auto watch = std::make_shared<Watch>();
-  const Problem problem = c.problem(watch);
+  const Problem problem = zoo::watched(c.problem(), watch);
   const StopCondition never;
   Evaluator outer(problem, {}, never);
   Evaluator failed(outer, {});

@@ -9,7 +9,7 @@ namespace prospect {
 namespace {
 
 using zoo::Case;
-using zoo::vec;
+
 using zoo::Vector;
 using zoo::Watch;
 
@@ -38,7 +38,7 @@ Case ripples() {
 }
 
 TEST(SpreadCandidates, FillTheBoxAndReachItsBounds) {
-  const zoo::PathProblem path = zoo::path_problem();
+  const PathProblem path = path_problem();
   const Eigen::MatrixXd Z = spread_candidates(path.problem, 600, 4);
   ASSERT_EQ(Z.cols(), 600);
   EXPECT_EQ(Z.col(0), Vector::Zero(20));
@@ -85,7 +85,7 @@ TEST_F(Hybrid, TakesTheSeedsItIsGiven) {
   const Case c = ripples();
   const auto watch = std::make_shared<Watch>();
   watch->record = true;
-  const Problem problem = c.problem(watch);
+  const Problem problem = zoo::watched(c.problem(), watch);
   WarmStart warm;
   warm.x = c.start;
   warm.seeds.resize(2, 2);
@@ -138,7 +138,8 @@ TEST_F(Hybrid, SharesASmallBudget) {
   for (const int budget : {10, 30, 60, 120}) {
     const auto watch = std::make_shared<Watch>();
     watch->record = true;
-    const Result r = solve(c.problem(watch), c.start, {{"max_evaluations", budget}});
+    const Result r =
+        solve(zoo::watched(c.problem(), watch), c.start, {{"max_evaluations", budget}});
     EXPECT_LE(r.counters.cost_evaluations, budget);
     EXPECT_GE(r.counters.gradient_evaluations, budget / 5);
     EXPECT_LE(r.cost, c.f(c.start));
@@ -148,7 +149,7 @@ TEST_F(Hybrid, SharesASmallBudget) {
 
 TEST_F(Hybrid, StaysFeasibleAndSolvesWithConstraints) {
   // A wall of discs before a path: the best input of many seeds that violate them.
-  const zoo::PathProblem path = zoo::path_problem();
+  const PathProblem path = path_problem();
   const Result r = solve(path.problem, Vector::Constant(20, 0.6));
   EXPECT_LE(r.violation, 1e-6);
   EXPECT_LE(r.cost, 1e-5) << r.detail;

@@ -14,7 +14,7 @@ namespace prospect {
 namespace {
 
 using zoo::Matrix;
-using zoo::vec;
+
 using zoo::Vector;
 using zoo::Watch;
 
@@ -34,7 +34,7 @@ double rate_excess(const Problem& problem, const Vector& z) {
 }
 
 TEST(RateProjection, MakesInputsKeepTheLimitsAndLeavesThoseThatDo) {
-  const zoo::PathProblem path = zoo::path_problem();
+  const PathProblem path = path_problem();
   const RateProjection rate(path.problem);
   ASSERT_TRUE(rate.active());
   std::mt19937_64 generator(5);
@@ -67,7 +67,7 @@ TEST(RateProjection, IsIdleWithoutLimits) {
 }
 
 TEST(SystematicSearch, HoldsEveryConstantAndEverySwitch) {
-  const zoo::PathProblem path = zoo::path_problem();
+  const PathProblem path = path_problem();
   const Matrix Z = systematic_candidates(path.problem, 1000);
   EXPECT_LE(Z.cols(), 1000);
   EXPECT_GE(Z.cols(), 500);
@@ -108,7 +108,7 @@ TEST(SystematicSearch, FillsTheBoxWhereAGridIsTooCoarse) {
   }
   for (const int most : {0, 1, 2, 3, 17}) {
     EXPECT_LE(systematic_candidates(problem, most).cols(), most);
-    EXPECT_LE(systematic_candidates(zoo::path_problem().problem, most).cols(), most);
+    EXPECT_LE(systematic_candidates(path_problem().problem, most).cols(), most);
   }
 }
 
@@ -116,7 +116,8 @@ TEST(PathIntegral, KeepsRateLimitsInEveryCandidate) {
   for (const char* name : {"sampling", "sampling:cem", "sampling:mppi", "sampling:search"}) {
     const auto watch = std::make_shared<Watch>();
     watch->record = true;
-    const zoo::PathProblem path = zoo::path_problem(watch);
+    PathProblem path = path_problem();
+    path.problem = zoo::watched(path.problem, watch);
     WarmStart w;
     w.x = vec({0.3, 0}).replicate(10, 1);
     const Result r = make_solver(name)->solve(path.problem, w, {{"max_evaluations", 3000}}, {});
@@ -141,7 +142,7 @@ TEST(PathIntegral, KeepsRateLimitsInEveryCandidate) {
 }
 
 TEST(PathIntegral, StaysFiniteOnFlatSteepAndBrokenCosts) {
-  const std::vector<std::pair<std::string, zoo::FunctionCost::Value>> costs = {
+  const std::vector<std::pair<std::string, FunctionCost::Value>> costs = {
       {"flat", [](const Vector&) { return 3.0; }},
       {"huge", [](const Vector& x) { return 1e18 * x.squaredNorm(); }},
       {"tiny", [](const Vector& x) { return 1e-300 * x.squaredNorm(); }},
@@ -155,7 +156,7 @@ TEST(PathIntegral, StaysFiniteOnFlatSteepAndBrokenCosts) {
     c.f = f;
     const auto watch = std::make_shared<Watch>();
     watch->record = true;
-    const Problem problem = c.problem(watch);
+    const Problem problem = zoo::watched(c.problem(), watch);
     for (const char* solver : {"sampling", "sampling:cem", "sampling:mppi", "sampling:search"}) {
       WarmStart w;
       w.x = Vector::Constant(4, 0.5);

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "engine/problem.h"
+
+namespace prospect {
+
+/// Cost f(u) of the inputs of the first stage. Without a gradient, back ends with derivatives
+/// refuse the problem.
+class FunctionCost final : public Term {
+ public:
+  using Value = std::function<double(const Eigen::VectorXd& u)>;
+  using Gradient = std::function<Eigen::VectorXd(const Eigen::VectorXd& u)>;
+  FunctionCost(Value value, Gradient gradient, Smoothness smoothness = Smoothness::kSmooth)
+      : value_(std::move(value)), gradient_(std::move(gradient)), smoothness_(smoothness) {}
+  std::string_view name() const override { return "function"; }
+  TermTraits traits() const override;
+  void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
+                TermOutput& out) const override;
+
+ private:
+  Value value_;
+  Gradient gradient_;
+  Smoothness smoothness_;
+};
+
+/// Constraints c(u) >= 0 of the inputs of the first stage, with a dense Jacobian (rows x n).
+class FunctionConstraint final : public Term {
+ public:
+  using Value = std::function<Eigen::VectorXd(const Eigen::VectorXd& u)>;
+  using Jacobian = std::function<Eigen::MatrixXd(const Eigen::VectorXd& u)>;
+  FunctionConstraint(int rows, Value value, Jacobian jacobian)
+      : rows_(rows), value_(std::move(value)), jacobian_(std::move(jacobian)) {}
+  std::string_view name() const override { return "constraint function"; }
+  TermTraits traits() const override;
+  int rows(const Horizon&) const override { return rows_; }
+  std::vector<JacobianBlock> jacobian_pattern(const Horizon&) const override;
+  void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
+                TermOutput& out) const override;
+
+ private:
+  int rows_;
+  Value value_;
+  Jacobian jacobian_;
+};
+
+/// A plain nonlinear programme, min f(u) subject to c(u) >= 0 and finite bounds, with its known
+/// optimum: what is left of a planning problem with one stage and a model whose state stands still.
+struct FunctionProblem {
+  std::string name;
+  Eigen::VectorXd lower, upper, start;  ///< n; the start may lie outside the bounds
+  FunctionCost::Value f = {};
+  FunctionCost::Gradient g = {};
+  int rows = 0;  ///< of c
+  FunctionConstraint::Value c = {};
+  FunctionConstraint::Jacobian J = {};
+  double optimum = 0.0;         ///< f at the global solution
+  bool several_basins = false;  ///< local methods may end in another minimum
+
+  /// N = M = 1, so that z = u.
+  Problem problem() const;
+  double violation(const Eigen::VectorXd& u) const {
+    return rows == 0 ? 0.0 : prospect::violation(c(u));
+  }
+};
+
+/// The numbers as a vector.
+Eigen::VectorXd vec(std::initializer_list<double> values);
+
+}  // namespace prospect

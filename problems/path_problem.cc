@@ -1,0 +1,103 @@
+#include "problems/path_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <utility>
+
+#include "models/unicycle.h"
+
+namespace prospect {
+namespace {
+
+/// Mean squared distance of the positions to a path [m^2], and the distance to a disc as a hard
+/// constraint [m].
+class FollowPath final : public Term {
+ public:
+  explicit FollowPath(Eigen::Matrix2Xd path) : path_(std::move(path)) {}
+  std::string_view name() const override { return "follow path"; }
+  TermTraits traits() const override {
+    return {TermKind::kCost, Smoothness::kSmooth, true, "m^2", "mean over stages"};
+  }
+  void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
+                TermOutput& out) const override {
+    const int N = t.horizon.N;
+    for (int b = 0; b < t.batch(); ++b) {
+      double sum = 0.0;
+      for (int k = 1; k <= N; ++k) {
+        const double dx = t.px(k, b) - path_(0, k), dy = t.py(k, b) - path_(1, k);
+        sum += (dx * dx + dy * dy) / N;
+        if (request.gradient) out.add_pose_gradient(t, k, b, 2 * dx / N, 2 * dy / N, 0, 0);
+      }
+      out.value(0, b) = sum;
+    }
+  }
+
+ private:
+  Eigen::Matrix2Xd path_;
+};
+
+class OutsideDisc final : public Term {
+ public:
+  OutsideDisc(Eigen::Vector2d centre, double radius) : centre_(centre), radius_(radius) {}
+  std::string_view name() const override { return "outside disc"; }
+  TermTraits traits() const override {
+    return {TermKind::kConstraint, Smoothness::kSmooth, true, "m", "none"};
+  }
+  int rows(const Horizon& h) const override { return h.N; }
+  std::vector<JacobianBlock> jacobian_pattern(const Horizon& h) const override {
+    std::vector<JacobianBlock> blocks;
+    for (int k = 0; k < h.N; ++k) blocks.push_back({k, k + 1, false});
+    return blocks;
+  }
+  void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
+                TermOutput& out) const override {
+    for (int b = 0; b < t.batch(); ++b) {
+      for (int k = 0; k < t.horizon.N; ++k) {
+        const Eigen::Vector2d r(t.px(k + 1, b) - centre_.x(), t.py(k + 1, b) - centre_.y());
+        const double distance = std::sqrt(r.squaredNorm() + 1e-12);
+        out.value(k, b) = distance - radius_;
+        if (request.gradient) {
+          out.jacobian.col(k).setZero();
+          out.jacobian.col(k).head<2>() = r / distance;
+        }
+      }
+    }
+  }
+
+ private:
+  Eigen::Vector2d centre_;
+  double radius_;
+};
+
+}  // namespace
+
+PathProblem path_problem(int discs) {
+  ProblemDefinition d;
+  d.model = std::make_shared<Unicycle>(Unicycle::Parameters{});
+  d.x0 = Eigen::Vector3d::Zero();
+  d.u_previous = Eigen::Vector2d(0.3, 0.0);
+  d.N = 20;
+  d.M = 10;
+  d.dt = 0.25;
+  Eigen::VectorXd z(20);
+  for (int m = 0; m < 10; ++m) {
+    z[2 * m] = 0.3 + 0.1 * std::sin(0.5 * m);
+    z[2 * m + 1] = 0.4 * std::sin(0.6 * m);
+  }
+  const TrajectoryBatch t = Problem(d).rollout(z);
+  Eigen::Matrix2Xd path(2, d.N + 1);
+  for (int k = 0; k <= d.N; ++k) path.col(k) << t.px(k, 0), t.py(k, 0);
+  // A disc beside the middle of the path, which it clears by 5 cm.
+  Eigen::Vector2d centre = path.col(10) + Eigen::Vector2d(0.1, -0.3);
+  double clearance = std::numeric_limits<double>::infinity();
+  for (int k = 1; k <= d.N; ++k) clearance = std::min(clearance, (path.col(k) - centre).norm());
+  d.terms.push_back({std::make_shared<FollowPath>(path), 1.0});
+  for (int i = 0; i < discs; ++i) {
+    d.terms.push_back({std::make_shared<OutsideDisc>(centre, clearance - 0.05), 1.0});
+  }
+  return {Problem(d), z};
+}
+
+}  // namespace prospect

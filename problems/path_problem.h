@@ -1,0 +1,18 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "engine/problem.h"
+
+namespace prospect {
+
+/// A unicycle has to find the inputs behind a path that passes a disc, which is there `discs`
+/// times: the optimum is 0. Start: at rest. N = 20, M = 10, n = 20, m = 20 discs.
+struct PathProblem {
+  Problem problem;
+  Eigen::VectorXd solution;  ///< z
+};
+
+PathProblem path_problem(int discs = 1);
+
+}  // namespace prospect

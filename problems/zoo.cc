@@ -1,0 +1,184 @@
+#include "problems/zoo.h"
+
+#include <cmath>
+
+namespace prospect::zoo {
+namespace {
+
+using Vector = Eigen::VectorXd;
+using Matrix = Eigen::MatrixXd;
+
+}  // namespace
+
+FunctionProblem rosenbrock() {
+  FunctionProblem p{"Rosenbrock", vec({-2, -2}), vec({2, 2}), vec({-1.2, 1})};
+  p.f = [](const Vector& x) {
+    return 100 * std::pow(x[1] - x[0] * x[0], 2) + std::pow(1 - x[0], 2);
+  };
+  p.g = [](const Vector& x) {
+    const double r = x[1] - x[0] * x[0];
+    return vec({-400 * x[0] * r - 2 * (1 - x[0]), 200 * r});
+  };
+  return p;
+}
+
+FunctionProblem bounded_quadratic() {
+  constexpr int n = 10;
+  FunctionProblem p{"bounded quadratic", Vector::Constant(n, -1), Vector::Constant(n, 1),
+                    Vector::Zero(n)};
+  Vector t(n);
+  for (int i = 0; i < n; ++i) t[i] = i % 3 == 0 ? 1.5 : 0.8 * std::sin(1.0 + i);
+  p.f = [t](const Vector& x) {
+    double sum = 0;
+    for (int i = 0; i < n; ++i) sum += (i + 1) * std::pow(x[i] - t[i], 2);
+    return sum;
+  };
+  p.g = [t](const Vector& x) {
+    Vector g(x.size());
+    for (int i = 0; i < n; ++i) g[i] = 2 * (i + 1) * (x[i] - t[i]);
+    return g;
+  };
+  for (int i = 0; i < n; i += 3) p.optimum += (i + 1) * 0.25;
+  return p;
+}
+
+FunctionProblem hs12() {
+  FunctionProblem p{"HS12", vec({-10, -10}), vec({10, 10}), vec({0, 0})};
+  p.f = [](const Vector& x) {
+    return 0.5 * x[0] * x[0] + x[1] * x[1] - x[0] * x[1] - 7 * x[0] - 7 * x[1];
+  };
+  p.g = [](const Vector& x) { return vec({x[0] - x[1] - 7, 2 * x[1] - x[0] - 7}); };
+  p.rows = 1;
+  p.c = [](const Vector& x) { return vec({25 - 4 * x[0] * x[0] - x[1] * x[1]}); };
+  p.J = [](const Vector& x) { return Matrix(vec({-8 * x[0], -2 * x[1]}).transpose()); };
+  p.optimum = -30;
+  return p;
+}
+
+FunctionProblem hs21() {
+  FunctionProblem p{"HS21", vec({2, -50}), vec({50, 50}),
+                    vec({-1, -1})};  // starts outside its bounds
+  p.f = [](const Vector& x) { return 0.01 * x[0] * x[0] + x[1] * x[1] - 100; };
+  p.g = [](const Vector& x) { return vec({0.02 * x[0], 2 * x[1]}); };
+  p.rows = 1;
+  p.c = [](const Vector& x) { return vec({10 * x[0] - x[1] - 10}); };
+  p.J = [](const Vector&) { return Matrix(vec({10, -1}).transpose()); };
+  p.optimum = -99.96;
+  return p;
+}
+
+FunctionProblem hs22() {
+  FunctionProblem p{"HS22", vec({-5, -5}), vec({5, 5}), vec({2, 2})};  // an infeasible start
+  p.f = [](const Vector& x) { return std::pow(x[0] - 2, 2) + std::pow(x[1] - 1, 2); };
+  p.g = [](const Vector& x) { return vec({2 * (x[0] - 2), 2 * (x[1] - 1)}); };
+  p.rows = 2;
+  p.c = [](const Vector& x) { return vec({2 - x[0] - x[1], x[1] - x[0] * x[0]}); };
+  p.J = [](const Vector& x) {
+    Matrix J(2, 2);
+    J << -1, -1, -2 * x[0], 1;
+    return J;
+  };
+  p.optimum = 1;
+  return p;
+}
+
+FunctionProblem hs29() {
+  FunctionProblem p{"HS29", vec({-10, -10, -10}), vec({10, 10, 10}), vec({1, 1, 1})};
+  p.f = [](const Vector& x) { return -x[0] * x[1] * x[2]; };
+  p.g = [](const Vector& x) { return vec({-x[1] * x[2], -x[0] * x[2], -x[0] * x[1]}); };
+  p.rows = 1;
+  p.c = [](const Vector& x) { return vec({48 - x[0] * x[0] - 2 * x[1] * x[1] - 4 * x[2] * x[2]}); };
+  p.J = [](const Vector& x) { return Matrix(vec({-2 * x[0], -4 * x[1], -8 * x[2]}).transpose()); };
+  p.optimum = -16 * std::sqrt(2.0);
+  return p;
+}
+
+FunctionProblem hs35() {
+  FunctionProblem p{"HS35", vec({0, 0, 0}), vec({10, 10, 10}), vec({0.5, 0.5, 0.5})};
+  p.f = [](const Vector& x) {
+    return 9 - 8 * x[0] - 6 * x[1] - 4 * x[2] + 2 * x[0] * x[0] + 2 * x[1] * x[1] + x[2] * x[2] +
+           2 * x[0] * x[1] + 2 * x[0] * x[2];
+  };
+  p.g = [](const Vector& x) {
+    return vec(
+        {-8 + 4 * x[0] + 2 * x[1] + 2 * x[2], -6 + 4 * x[1] + 2 * x[0], -4 + 2 * x[2] + 2 * x[0]});
+  };
+  p.rows = 1;
+  p.c = [](const Vector& x) { return vec({3 - x[0] - x[1] - 2 * x[2]}); };
+  p.J = [](const Vector&) { return Matrix(vec({-1, -1, -2}).transpose()); };
+  p.optimum = 1.0 / 9.0;
+  return p;
+}
+
+FunctionProblem hs43() {
+  FunctionProblem p{"HS43", Vector::Constant(4, -10), Vector::Constant(4, 10), Vector::Zero(4)};
+  p.f = [](const Vector& x) {
+    return x[0] * x[0] + x[1] * x[1] + 2 * x[2] * x[2] + x[3] * x[3] - 5 * x[0] - 5 * x[1] -
+           21 * x[2] + 7 * x[3];
+  };
+  p.g = [](const Vector& x) {
+    return vec({2 * x[0] - 5, 2 * x[1] - 5, 4 * x[2] - 21, 2 * x[3] + 7});
+  };
+  p.rows = 3;
+  p.c = [](const Vector& x) {
+    const Vector s = x.cwiseAbs2();
+    return vec({8 - s.sum() - x[0] + x[1] - x[2] + x[3],
+                10 - s[0] - 2 * s[1] - s[2] - 2 * s[3] + x[0] + x[3],
+                5 - 2 * s[0] - s[1] - s[2] - 2 * x[0] + x[1] + x[3]});
+  };
+  p.J = [](const Vector& x) {
+    Matrix J(3, 4);
+    J << -2 * x[0] - 1, -2 * x[1] + 1, -2 * x[2] - 1, -2 * x[3] + 1,  //
+        -2 * x[0] + 1, -4 * x[1], -2 * x[2], -4 * x[3] + 1,           //
+        -4 * x[0] - 2, -2 * x[1] + 1, -2 * x[2], 1;
+    return J;
+  };
+  p.optimum = -44;
+  return p;
+}
+
+FunctionProblem hs76() {
+  FunctionProblem p{"HS76", Vector::Zero(4), Vector::Constant(4, 10), Vector::Constant(4, 0.5)};
+  p.f = [](const Vector& x) {
+    return x[0] * x[0] + 0.5 * x[1] * x[1] + x[2] * x[2] + 0.5 * x[3] * x[3] - x[0] * x[2] +
+           x[2] * x[3] - x[0] - 3 * x[1] + x[2] - x[3];
+  };
+  p.g = [](const Vector& x) {
+    return vec({2 * x[0] - x[2] - 1, x[1] - 3, 2 * x[2] - x[0] + x[3] + 1, x[3] + x[2] - 1});
+  };
+  p.rows = 3;
+  p.c = [](const Vector& x) {
+    return vec({5 - x[0] - 2 * x[1] - x[2] - x[3], 4 - 3 * x[0] - x[1] - 2 * x[2] + x[3],
+                x[1] + 4 * x[2] - 1.5});
+  };
+  p.J = [](const Vector&) {
+    Matrix J(3, 4);
+    J << -1, -2, -1, -1, -3, -1, -2, 1, 0, 1, 4, 0;
+    return J;
+  };
+  p.optimum = -4.681818181818182;
+  return p;
+}
+
+FunctionProblem camel() {
+  FunctionProblem p{"six-hump camel", vec({-3, -2}), vec({3, 2}), vec({-1.8, 0.9})};
+  p.f = [](const Vector& x) {
+    const double a = x[0] * x[0], b = x[1] * x[1];
+    return (4 - 2.1 * a + a * a / 3) * a + x[0] * x[1] + (-4 + 4 * b) * b;
+  };
+  p.g = [](const Vector& x) {
+    const double a = x[0] * x[0];
+    return vec({8 * x[0] - 8.4 * x[0] * a + 2 * x[0] * a * a + x[1],
+                x[0] - 8 * x[1] + 16 * x[1] * x[1] * x[1]});
+  };
+  p.optimum = -1.031628453489877;
+  p.several_basins = true;
+  return p;
+}
+
+std::vector<FunctionProblem> all() {
+  return {rosenbrock(), bounded_quadratic(), hs12(), hs21(), hs22(), hs29(), hs35(), hs43(), hs76(),
+          camel()};
+}
+
+}  // namespace prospect::zoo

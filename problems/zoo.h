@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "problems/function_problem.h"
+
+/// Ten small problems with known optima, with and without constraints.
+namespace prospect::zoo {
+
+FunctionProblem rosenbrock();
+/// n = 10: sum_i (i+1) (x_i - t_i)^2 with every third t_i outside the bounds.
+FunctionProblem bounded_quadratic();
+
+// Hock and Schittkowski, "Test examples for nonlinear programming codes" (1981), by their numbers;
+// absent bounds are replaced by wide ones.
+FunctionProblem hs12();
+FunctionProblem hs21();
+FunctionProblem hs22();
+FunctionProblem hs29();
+FunctionProblem hs35();
+FunctionProblem hs43();
+FunctionProblem hs76();
+
+/// Six-hump camel back: two of its six minima are global.
+FunctionProblem camel();
+
+std::vector<FunctionProblem> all();
+
+}  // namespace prospect::zoo
