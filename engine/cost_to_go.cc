@@ -56,8 +56,10 @@ CostToGo::CostToGo(Grid<double> seconds, Grid<std::uint8_t> reached, double v_ma
     throw std::invalid_argument("cost-to-go: v_max = " + std::to_string(v_max) +
                                 "; expected more than 0");
   }
+  lowest_ = seconds_.data.front();
   for (const double v : seconds_.data) {
     if (!std::isfinite(v)) throw std::invalid_argument("cost-to-go: a value is not finite");
+    lowest_ = std::min(lowest_, v);
   }
 }
 

@@ -46,6 +46,8 @@ class CostToGo {
 
   const GridFrame& frame() const { return seconds_.frame; }
   double v_max() const { return v_max_; }
+  /// The least value of a cell: V is nowhere below it.
+  double lowest() const { return lowest_; }
   const Grid<double>& cells() const { return seconds_; }
   bool reached(Cell c) const { return reached_.get(c, 0) != 0; }
 
@@ -56,6 +58,7 @@ class CostToGo {
   Grid<double> seconds_;
   Grid<std::uint8_t> reached_;
   double v_max_ = 1.0;
+  double lowest_ = 0.0;
 };
 
 }  // namespace prospect

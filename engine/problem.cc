@@ -46,6 +46,18 @@ struct Workspace::Impl {
   int scratch_batch = 0;
   std::vector<Eigen::MatrixXd> A, B;         // by stage
   std::vector<Eigen::MatrixXd> sensitivity;  // S_k, by node
+  // The residuals of one term; made at the first evaluation that asks for residuals.
+  struct Residuals {
+    int sign = 0;  // 0: none
+    int first_row = 0, rows = 0;
+    bool whole = false;  // one residual for the whole term
+    double offset = 0.0, root_weight = 0.0;
+    std::vector<JacobianBlock> pattern;
+  };
+  std::vector<Residuals> residuals;  // by term
+  int num_residuals = 0;
+  double residual_offset = 0.0;  // of all
+  Eigen::VectorXd row;
   Eigen::VectorXd lambda, lambda_next;
   BatchArray state_gradient, input_gradient;  // weighted sums
 };
@@ -142,10 +154,6 @@ Workspace Problem::make_workspace() const {
   }
   w.A.assign(static_cast<std::size_t>(definition_.N), Eigen::MatrixXd(nx, nx));
   w.B.assign(static_cast<std::size_t>(definition_.N), Eigen::MatrixXd(nx, nu));
-  if (num_constraints_ > 0) {
-    w.sensitivity.assign(static_cast<std::size_t>(definition_.N) + 1,
-                         Eigen::MatrixXd::Zero(nx, num_variables()));
-  }
   w.lambda.resize(nx);
   w.lambda_next.resize(nx);
   w.state_gradient.resize((definition_.N + 1) * nx, 1);
@@ -167,6 +175,151 @@ void Problem::roll(const Eigen::Ref<const Eigen::MatrixXd>& X, TrajectoryBatch& 
   }
 }
 
+void Problem::linearise(const TrajectoryBatch& t, bool sensitivities, Workspace& workspace) const {
+  Workspace::Impl& w = *workspace.impl_;
+  const int nx = horizon_.nx();
+  const int nu = horizon_.nu();
+  for (int k = 0; k < definition_.N; ++k) {
+    const Eigen::Map<const Eigen::VectorXd> x(t.states.data() + k * nx, nx);
+    const Eigen::Map<const Eigen::VectorXd> u(t.inputs.data() + k * nu, nu);
+    definition_.model->jacobians(x, u, definition_.dt, w.A[static_cast<std::size_t>(k)],
+                                 w.B[static_cast<std::size_t>(k)]);
+  }
+  if (!sensitivities) return;
+  if (w.sensitivity.empty()) {
+    w.sensitivity.assign(static_cast<std::size_t>(definition_.N) + 1,
+                         Eigen::MatrixXd::Zero(nx, num_variables()));
+  }
+  w.sensitivity[0].setZero();
+  for (int k = 0; k < definition_.N; ++k) {
+    const auto s = static_cast<std::size_t>(k);
+    // Inputs of later knots do not move x_k: only the leading columns are worked on.
+    const int columns = (knot(k) + 1) * nu;
+    w.sensitivity[s + 1].setZero();
+    w.sensitivity[s + 1].leftCols(columns).noalias() = w.A[s] * w.sensitivity[s].leftCols(columns);
+    w.sensitivity[s + 1].middleCols(knot(k) * nu, nu) += w.B[s];
+  }
+}
+
+void Problem::chain(const JacobianBlock& block, const Eigen::Ref<const Eigen::VectorXd>& derivative,
+                    const Workspace& workspace, RowRef row) const {
+  const int nu = horizon_.nu();
+  if (block.input) {
+    row.segment(knot(block.stage) * nu, nu) += derivative.head(nu).transpose();
+  } else {
+    row.noalias() += derivative.head(horizon_.nx()).transpose() *
+                     workspace.impl_->sensitivity[static_cast<std::size_t>(block.stage)];
+  }
+}
+
+void Problem::pull_back(const Eigen::Ref<const Eigen::VectorXd>& state_gradient,
+                        const Eigen::Ref<const Eigen::VectorXd>& input_gradient,
+                        Workspace& workspace, Eigen::Ref<Eigen::VectorXd> gradient) const {
+  Workspace::Impl& w = *workspace.impl_;
+  const int nx = horizon_.nx();
+  const int nu = horizon_.nu();
+  w.lambda = state_gradient.tail(nx);
+  for (int k = definition_.N - 1; k >= 0; --k) {
+    const auto s = static_cast<std::size_t>(k);
+    auto g = gradient.segment(knot(k) * nu, nu);
+    g += input_gradient.segment(k * nu, nu);
+    g.noalias() += w.B[s].transpose() * w.lambda;
+    w.lambda_next = state_gradient.segment(k * nx, nx);
+    w.lambda_next.noalias() += w.A[s].transpose() * w.lambda;
+    w.lambda.swap(w.lambda_next);
+  }
+}
+
+std::string Problem::terms_without_residuals() const {
+  std::string names;
+  for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
+    const auto& [term, weight] = definition_.terms[i];
+    if (layouts_[i].constraint || weight == 0.0) continue;
+    if (term->residual_form(horizon_, weight > 0.0 ? 1 : -1)) continue;
+    names += (names.empty() ? "'" : ", '") + std::string(term->name()) + "'";
+  }
+  return names;
+}
+
+void Problem::prepare_residuals(Workspace& workspace) const {
+  const std::string without = terms_without_residuals();
+  if (!without.empty()) {
+    refuse("residuals are asked for, which " + without + " do not have",
+           "costs that are sums of squares");
+  }
+  Workspace::Impl& w = *workspace.impl_;
+  std::vector<Workspace::Impl::Residuals> all(definition_.terms.size());
+  TermOutput* const outputs = w.batch(1).outputs.data();
+  w.num_residuals = 0;
+  w.residual_offset = 0.0;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& [term, weight] = definition_.terms[i];
+    if (layouts_[i].constraint || weight == 0.0) continue;
+    Workspace::Impl::Residuals& r = all[i];
+    r.sign = weight > 0.0 ? 1 : -1;
+    ResidualForm form = *term->residual_form(horizon_, r.sign);
+    for (const JacobianBlock& block : form.pattern) {
+      const int last = block.input ? definition_.N - 1 : definition_.N;
+      if (block.row < 0 || block.row >= form.rows || block.stage < 0 || block.stage > last) {
+        refuse("the residual pattern of term '" + std::string(term->name()) + "'",
+               "rows and stages in range");
+      }
+    }
+    r.whole = form.rows == 0;
+    r.first_row = w.num_residuals;
+    r.rows = r.whole ? 1 : form.rows;
+    r.offset = form.offset;
+    r.root_weight = std::sqrt(std::abs(weight));
+    r.pattern = std::move(form.pattern);
+    outputs[i].residuals.resize(r.rows);
+    if (!r.whole) {
+      outputs[i].jacobian.resize(std::max(horizon_.nx(), horizon_.nu()),
+                                 static_cast<Eigen::Index>(r.pattern.size()));
+    }
+    w.num_residuals += r.rows;
+    w.residual_offset += std::abs(weight) * r.offset;
+  }
+  w.row.resize(num_variables());
+  w.residuals = std::move(all);
+}
+
+void Problem::evaluate_residuals(std::size_t term_index, const TrajectoryBatch& t, TermOutput& o,
+                                 Workspace& workspace, Evaluation& out) const {
+  Workspace::Impl& w = *workspace.impl_;
+  const Term& term = *definition_.terms[term_index].term;
+  TermScratch* const scratch = w.scratch[term_index].get();
+  const Workspace::Impl::Residuals& r = w.residuals[term_index];
+  if (r.sign == 0) return term.evaluate(t, {}, scratch, o);
+  if (r.whole) {
+    o.state_gradient.setZero(t.states.rows(), 1);
+    o.input_gradient.setZero(t.inputs.rows(), 1);
+    term.evaluate(t, {.gradient = true}, scratch, o);
+    const double above = r.sign * o.value(0, 0) - r.offset;
+    if (above < -1e-9 * std::max(1.0, std::abs(r.offset))) {
+      throw std::domain_error("term '" + std::string(term.name()) + "' is " +
+                              std::to_string(-above) + " below the bound of its residual form, " +
+                              std::to_string(r.offset));
+    }
+    const RootResidual root(above < 0.0 ? 0.0 : above);
+    out.residuals[r.first_row] = r.root_weight * root.value;
+    w.row.setZero();
+    pull_back(o.state_gradient.col(0).matrix(), o.input_gradient.col(0).matrix(), workspace, w.row);
+    out.residual_jacobian.row(r.first_row) =
+        (r.root_weight * r.sign * root.slope) * w.row.transpose();
+    return;
+  }
+  term.evaluate(t, {.residuals = r.sign}, scratch, o);
+  out.residuals.segment(r.first_row, r.rows) = r.root_weight * o.residuals;
+  for (std::size_t b = 0; b < r.pattern.size(); ++b) {
+    const JacobianBlock& block = r.pattern[b];
+    const auto derivative = o.jacobian.col(static_cast<Eigen::Index>(b));
+    // A pattern covers what may depend on what: much of it is zero at any one trajectory.
+    if (derivative.isZero(0.0)) continue;
+    chain(block, derivative, workspace, out.residual_jacobian.row(r.first_row + block.row));
+  }
+  out.residual_jacobian.middleRows(r.first_row, r.rows) *= r.root_weight;
+}
+
 bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what,
                        Workspace& workspace, Evaluation& out) const {
   Workspace::Impl& w = *workspace.impl_;
@@ -174,13 +327,16 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
   const int nx = horizon_.nx();
   const int nu = horizon_.nu();
   const int B = static_cast<int>(X.cols());
-  const bool gradient = what == Evaluate::kGradient;
+  const bool residuals = what == Evaluate::kResiduals;
+  const bool gradient = what != Evaluate::kValue;
   if (X.rows() != n || B < 1 || (gradient && B != 1)) {
     refuse("a batch of " + std::to_string(X.rows()) + " x " + std::to_string(B),
            std::to_string(n) + " rows and at least one column, exactly one with the gradient");
   }
   if (gradient && !has_gradient_)
     refuse("a gradient is asked for", "terms that all have gradients");
+
+  if (residuals && w.residuals.empty()) prepare_residuals(workspace);
 
   Workspace::Impl::Batch& batch = w.batch(B);
   TrajectoryBatch& t = batch.trajectories;
@@ -201,24 +357,12 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
     out.jacobian.setZero(num_constraints_, n);
     w.state_gradient.setZero();
     w.input_gradient.setZero();
-    for (int k = 0; k < definition_.N; ++k) {
-      const Eigen::Map<const Eigen::VectorXd> x(t.states.data() + k * nx, nx);
-      const Eigen::Map<const Eigen::VectorXd> u(t.inputs.data() + k * nu, nu);
-      definition_.model->jacobians(x, u, definition_.dt, w.A[static_cast<std::size_t>(k)],
-                                   w.B[static_cast<std::size_t>(k)]);
-    }
-    if (num_constraints_ > 0) {
-      w.sensitivity[0].setZero();
-      for (int k = 0; k < definition_.N; ++k) {
-        const auto s = static_cast<std::size_t>(k);
-        // Inputs of later knots do not move x_k: only the leading columns are worked on.
-        const int columns = (knot(k) + 1) * nu;
-        w.sensitivity[s + 1].setZero();
-        w.sensitivity[s + 1].leftCols(columns).noalias() =
-            w.A[s] * w.sensitivity[s].leftCols(columns);
-        w.sensitivity[s + 1].middleCols(knot(k) * nu, nu) += w.B[s];
-      }
-    }
+    linearise(t, residuals || num_constraints_ > 0, workspace);
+  }
+  if (residuals) {
+    out.residual_offset = w.residual_offset;
+    out.residuals.setZero(w.num_residuals);
+    out.residual_jacobian.setZero(w.num_residuals, n);
   }
 
   int first_row = 0;
@@ -227,6 +371,11 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
     const auto& [constraint, rows, blocks] = layouts_[i];
     TermOutput& o = batch.outputs[i];
     o.value.resize(rows, B);
+    if (residuals && !constraint) {
+      evaluate_residuals(i, t, o, workspace, out);
+      out.cost += weight * o.value.row(0).transpose();
+      continue;
+    }
     if (gradient && !constraint) {
       o.state_gradient.setZero((definition_.N + 1) * nx, 1);
       o.input_gradient.setZero(definition_.N * nu, 1);
@@ -236,15 +385,8 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
       out.constraints.middleRows(first_row, rows) = o.value.matrix();
       if (gradient) {
         for (std::size_t b = 0; b < blocks.size(); ++b) {
-          const JacobianBlock& block = blocks[b];
-          auto row = out.jacobian.row(first_row + block.row);
-          const auto column = o.jacobian.col(static_cast<Eigen::Index>(b));
-          if (block.input) {
-            row.segment(knot(block.stage) * nu, nu) += column.head(nu).transpose();
-          } else {
-            row.noalias() +=
-                column.head(nx).transpose() * w.sensitivity[static_cast<std::size_t>(block.stage)];
-          }
+          chain(blocks[b], o.jacobian.col(static_cast<Eigen::Index>(b)), workspace,
+                out.jacobian.row(first_row + blocks[b].row));
         }
       }
       first_row += rows;
@@ -257,25 +399,18 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
     }
   }
 
-  if (gradient) {
-    const auto state_gradient = w.state_gradient.col(0).matrix();
-    const auto input_gradient = w.input_gradient.col(0).matrix();
-    w.lambda = state_gradient.tail(nx);
-    for (int k = definition_.N - 1; k >= 0; --k) {
-      const auto s = static_cast<std::size_t>(k);
-      auto g = out.gradient.segment(knot(k) * nu, nu);
-      g += input_gradient.segment(k * nu, nu);
-      g.noalias() += w.B[s].transpose() * w.lambda;
-      w.lambda_next = state_gradient.segment(k * nx, nx);
-      w.lambda_next.noalias() += w.A[s].transpose() * w.lambda;
-      w.lambda.swap(w.lambda_next);
-    }
+  if (residuals) {
+    out.gradient.noalias() = out.residual_jacobian.transpose() * out.residuals;
+  } else if (gradient) {
+    pull_back(w.state_gradient.col(0).matrix(), w.input_gradient.col(0).matrix(), workspace,
+              out.gradient);
   }
 
   bool all_valid = true;
   for (int b = 0; b < B; ++b) {
     bool ok = std::isfinite(out.cost[b]) && out.constraints.col(b).allFinite();
     if (gradient) ok = ok && out.gradient.allFinite() && out.jacobian.allFinite();
+    if (residuals) ok = ok && out.residuals.allFinite() && out.residual_jacobian.allFinite();
     if (ok) continue;
     all_valid = false;
     out.valid[b] = false;
@@ -286,6 +421,10 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
     if (gradient) {
       out.gradient.setZero();
       out.jacobian.setZero();
+    }
+    if (residuals) {
+      out.residuals.setZero();
+      out.residual_jacobian.setZero();
     }
   }
   return all_valid;

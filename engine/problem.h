@@ -40,7 +40,8 @@ struct ProblemDefinition {
   std::vector<WeightedTerm> terms;
 };
 
-enum class Evaluate { kValue, kGradient };
+/// What is to be evaluated; each includes what the ones before it give.
+enum class Evaluate { kValue, kGradient, kResiduals };
 
 /// Result of an evaluation. Shapes: B candidates, n variables, m constraints.
 struct Evaluation {
@@ -49,6 +50,11 @@ struct Evaluation {
   Eigen::Array<bool, Eigen::Dynamic, 1> valid;  ///< B; false: some term was not evaluable there
   Eigen::VectorXd gradient;                     ///< n; with kGradient (B = 1)
   Eigen::MatrixXd jacobian;  ///< m x n, dense, zero outside the pattern; with kGradient
+  /// With kResiduals: cost = residual_offset + 1/2 |residuals|^2, to rounding; the cost itself has
+  /// the same bits whatever is evaluated. gradient = residual_jacobian^T residuals.
+  double residual_offset = 0.0;
+  Eigen::VectorXd residuals;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> residual_jacobian;
 };
 
 /// max_r max(0, -c_r) of one column of constraint values; 0 for none.
@@ -80,7 +86,9 @@ class Workspace {
 ///
 /// The gradient is one adjoint sweep, lambda_k = dJ/dx_k + A_k^T lambda_{k+1},
 /// dJ/du_k = dJ_direct/du_k + B_k^T lambda_{k+1}. The Jacobian of the constraints uses forward
-/// sensitivities S_k = dx_k/dz.
+/// sensitivities S_k = dx_k/dz, and so does that of the residuals (ResidualForm, scaled by
+/// sqrt(|w_t|)); a residual that stands for a whole term has an adjoint sweep of its own. Terms of
+/// weight 0 have no residuals.
 ///
 /// Thread-safety: all methods const; concurrent calls need separate workspaces.
 /// Source: formulation, section 7.
@@ -103,10 +111,13 @@ class Problem {
   /// The roughest smoothness among the terms, and whether all have gradients.
   Smoothness smoothness() const { return smoothness_; }
   bool has_gradient() const { return has_gradient_; }
+  /// The quoted names of the costs that have no residual form for the sign of their weight,
+  /// separated by commas; empty: kResiduals can be asked for.
+  std::string terms_without_residuals() const;
 
   Workspace make_workspace() const;
 
-  /// Evaluates the columns of X (n x B). With kGradient, B must be 1. Never writes a non-finite
+  /// Evaluates the columns of X (n x B). Beyond kValue, B must be 1. Never writes a non-finite
   /// number; returns false if any candidate was not evaluable (see Evaluation::valid). Does not
   /// allocate after the first call with a workspace and batch size. Points outside the bounds are
   /// evaluated as they are. Passes on exceptions of terms.
@@ -127,7 +138,20 @@ class Problem {
   static constexpr double kRejectedCost = 1e20;
 
  private:
+  using RowRef = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
   void roll(const Eigen::Ref<const Eigen::MatrixXd>& X, TrajectoryBatch& t) const;
+  void linearise(const TrajectoryBatch& t, bool sensitivities, Workspace& workspace) const;
+  /// Adds the derivative by z of what depends through `block` on x or u to `row` (1 x n).
+  void chain(const JacobianBlock& block, const Eigen::Ref<const Eigen::VectorXd>& derivative,
+             const Workspace& workspace, RowRef row) const;
+  /// Adds the gradient by z of what has these derivatives by states and inputs: the adjoint sweep.
+  void pull_back(const Eigen::Ref<const Eigen::VectorXd>& state_gradient,
+                 const Eigen::Ref<const Eigen::VectorXd>& input_gradient, Workspace& workspace,
+                 Eigen::Ref<Eigen::VectorXd> gradient) const;
+  void prepare_residuals(Workspace& workspace) const;
+  /// Evaluates a cost and writes its rows of the residuals.
+  void evaluate_residuals(std::size_t term, const TrajectoryBatch& t, TermOutput& o,
+                          Workspace& workspace, Evaluation& out) const;
 
   ProblemDefinition definition_;
   Horizon horizon_;

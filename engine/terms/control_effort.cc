@@ -1,5 +1,6 @@
 #include "engine/terms/control_effort.h"
 
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -24,6 +25,16 @@ TermTraits ControlEffort::traits() const {
           "mean over stages, inputs relative to their bounds"};
 }
 
+std::optional<ResidualForm> ControlEffort::residual_form(const Horizon& horizon, int sign) const {
+  if (sign < 0) return std::nullopt;
+  ResidualForm form;
+  form.rows = horizon.N * static_cast<int>(R_.size());
+  for (int row = 0; row < form.rows; ++row) {
+    form.pattern.push_back({row, row / static_cast<int>(R_.size()), true});
+  }
+  return form;
+}
+
 void ControlEffort::evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
                              TermOutput& out) const {
   const int N = t.horizon.N, nu = static_cast<int>(R_.size());
@@ -35,6 +46,12 @@ void ControlEffort::evaluate(const TrajectoryBatch& t, const TermRequest& reques
       out.value.row(0) += (mean * R_[j]) * (t.inputs.row(row) - desired_[j]).square();
       if (request.gradient) {
         out.input_gradient.row(row) += (2.0 * mean * R_[j]) * (t.inputs.row(row) - desired_[j]);
+      }
+      if (request.residuals != 0) {
+        const double root = std::sqrt(2.0 * mean * R_[j]);
+        out.residuals[row] = root * (t.inputs(row, 0) - desired_[j]);
+        out.jacobian.col(row).setZero();
+        out.jacobian(j, row) = root;
       }
     }
   }

@@ -15,6 +15,9 @@ namespace prospect {
 /// alone, moving later costs the same as moving now, and every new plan defers again. Stage 0 is
 /// left out: it is given.
 ///
+/// Residuals: the root of 2 w_k (V(p_k) - V_0), T = sum_k w_k V(p_k), V_0 = CostToGo::lowest(), in
+/// row k-1.
+///
 /// Smoothness: C2 in p. Exact gradient. Thread-safety: const. A candidate with a non-finite
 /// position gets NaN. Source: formulation, sections 6 and 7.
 class CostToGoTerm final : public Term {
@@ -24,6 +27,7 @@ class CostToGoTerm final : public Term {
 
   std::string_view name() const override { return "cost_to_go"; }
   TermTraits traits() const override;
+  std::optional<ResidualForm> residual_form(const Horizon& horizon, int sign) const override;
   void evaluate(const TrajectoryBatch& trajectories, const TermRequest& request,
                 TermScratch* scratch, TermOutput& out) const override;
 

@@ -113,6 +113,17 @@ TermTraits ExplorationGain::traits() const {
   return {TermKind::kCost, Smoothness::kC1, true, "-", "expected newly explored area over A_ref"};
 }
 
+std::optional<ResidualForm> ExplorationGain::residual_form(const Horizon& horizon, int sign) const {
+  if (sign > 0) return std::nullopt;
+  ResidualForm form;
+  form.offset = -mass_.sum() / reference_area_;
+  form.rows = num_targets();
+  for (int k = 1; k <= horizon.N; ++k) {
+    for (int c = 0; c < form.rows; ++c) form.pattern.push_back({c, k, false});
+  }
+  return form;
+}
+
 std::unique_ptr<TermScratch> ExplorationGain::make_scratch(const Horizon& horizon,
                                                            int max_batch) const {
   return std::make_unique<Scratch>(num_targets(), visibility_.capacity(), horizon.N, max_batch);
@@ -213,11 +224,27 @@ void ExplorationGain::add_adjoint(const TrajectoryBatch& t, int b, Candidate can
   }
 }
 
+void ExplorationGain::write_residuals(const TrajectoryBatch& t, Candidate candidate,
+                                      const Scratch& s, TermOutput& out) const {
+  const auto& [l, place] = candidate;
+  out.residuals = (2.0 / reference_area_ * mass_ * s.unseen).sqrt();
+  out.jacobian.setZero();
+  for (int k = 1; k <= t.horizon.N; ++k) {
+    const Eigen::Index start = l.start(k, place);
+    for (Eigen::Index i = start; i < start + l.count(k, place); ++i) {
+      const int c = l.point[i];
+      const double slope = -0.5 * out.residuals[c] * s.factor[k] / (1.0 - s.factor[k] * l.q[i]);
+      out.set_pose_block(t, (k - 1) * num_targets() + c, slope * l.d_x[i], slope * l.d_y[i],
+                         slope * l.d_z[i], slope * l.d_yaw[i]);
+    }
+  }
+}
+
 void ExplorationGain::evaluate(const TrajectoryBatch& t, const TermRequest& request,
                                TermScratch* scratch, TermOutput& out) const {
   auto& s = static_cast<Scratch&>(*scratch);
   for (int b = 0; b < t.batch(); ++b) {
-    const Candidate candidate = look(t, b, request.gradient, s);
+    const Candidate candidate = look(t, b, request.gradient || request.residuals != 0, s);
     if (!accumulate(t, candidate, options_.tau, s)) {
       out.value(0, b) = std::numeric_limits<double>::quiet_NaN();
       continue;
@@ -227,6 +254,7 @@ void ExplorationGain::evaluate(const TrajectoryBatch& t, const TermRequest& requ
     if (request.gradient) {
       add_adjoint(t, b, candidate, s.ones.data(), 1.0 / reference_area_, s, out);
     }
+    if (request.residuals != 0) write_residuals(t, candidate, s, out);
   }
 }
 

@@ -27,6 +27,9 @@ class OcclusionTable;
 /// The gradient runs over suffix products instead of dividing by (1 - eta q): exact for eta up
 /// to 1.
 ///
+/// Residuals of -gain, a reward: sqrt(2 m_c / A_ref prod_k (1 - eta q_ck e^{-t_k / tau})) in row c,
+/// what stays unseen of target c, over the offset -sum_c m_c / A_ref.
+///
 /// As NewSurface it predicts, without the time preference (that is a preference, not a
 /// probability),
 ///   A_k = surface_per_area sum_c m_c eta q_ck prod_{0<j<k} (1 - eta q_cj) [m^2],   A_0 = 0.
@@ -58,6 +61,7 @@ class ExplorationGain : public Term, public NewSurface {
 
   std::string_view name() const override { return "exploration_gain"; }
   TermTraits traits() const override;
+  std::optional<ResidualForm> residual_form(const Horizon& horizon, int sign) const override;
   std::unique_ptr<TermScratch> make_scratch(const Horizon& horizon, int max_batch) const override;
 
   void evaluate(const TrajectoryBatch& trajectories, const TermRequest& request,
@@ -85,6 +89,9 @@ class ExplorationGain : public Term, public NewSurface {
   /// s.area[k] = sum_c m_c p_ck prod_{j<k} (1 - p_cj) with p_ck = eta q_ck e^{-t_k / tau}, and what
   /// add_adjoint() needs of it. False if a pose is not finite.
   bool accumulate(const TrajectoryBatch& t, Candidate candidate, double tau, Scratch& s) const;
+  /// After accumulate(), looks with derivatives.
+  void write_residuals(const TrajectoryBatch& t, Candidate candidate, const Scratch& s,
+                       TermOutput& out) const;
   /// Adds scale d/dx sum_k adjoint[k] s.area[k]. After accumulate(), looks with derivatives.
   void add_adjoint(const TrajectoryBatch& t, int b, Candidate candidate, const double* adjoint,
                    double scale, Scratch& s, TermOutput& out) const;

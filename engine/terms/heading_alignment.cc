@@ -17,6 +17,15 @@ TermTraits HeadingAlignment::traits() const {
   return {TermKind::kCost, Smoothness::kC1, true, "-", "mean over stages"};
 }
 
+std::optional<ResidualForm> HeadingAlignment::residual_form(const Horizon& horizon,
+                                                            int sign) const {
+  if (sign < 0) return std::nullopt;
+  ResidualForm form;
+  form.rows = 2 * horizon.N;
+  for (int row = 0; row < form.rows; ++row) form.pattern.push_back({row, row / 2 + 1, false});
+  return form;
+}
+
 void HeadingAlignment::evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
                                 TermOutput& out) const {
   const int N = t.horizon.N;
@@ -29,7 +38,7 @@ void HeadingAlignment::evaluate(const TrajectoryBatch& t, const TermRequest& req
       const Eigen::Vector2d h(std::cos(yaw), std::sin(yaw));
       Eigen::Vector2d gradient;
       Eigen::Matrix2d hessian;
-      if (request.gradient) {
+      if (request.gradient || request.residuals != 0) {
         v_->value(p, gradient, hessian);
       } else {
         v_->value(p, gradient);
@@ -40,6 +49,19 @@ void HeadingAlignment::evaluate(const TrajectoryBatch& t, const TermRequest& req
       const double q = norm * norm + kFade * kFade;
       const double numerator = norm * norm - norm * along;
       out.value(0, b) += numerator / (q * N);
+      if (request.residuals != 0) {
+        const double scale = 1.0 / std::sqrt(q * N);
+        const Eigen::Vector2d apart = g - norm * h;
+        Eigen::Matrix2d by_g = Eigen::Matrix2d::Identity() - apart * g.transpose() / q;
+        if (norm > 0.0) by_g -= h * g.transpose() / norm;
+        const Eigen::Matrix2d by_position = -v_max * scale * by_g * hessian;
+        const Eigen::Vector2d by_yaw = -norm * scale * Eigen::Vector2d(-h.y(), h.x());
+        for (int i = 0; i < 2; ++i) {
+          const int row = 2 * (k - 1) + i;
+          out.residuals[row] = scale * apart[i];
+          out.set_pose_block(t, row, by_position(i, 0), by_position(i, 1), 0.0, by_yaw[i]);
+        }
+      }
       if (!request.gradient) continue;
       Eigen::Vector2d d_g = (2.0 * g - norm * h) / q - g * (2.0 * numerator / (q * q));
       // (h . g) g / |g| vanishes with g.

@@ -17,6 +17,8 @@ namespace prospect {
 /// viewpoint, where nothing is reachable); the second form has no angle to wrap and a continuous
 /// gradient at g = 0.
 ///
+/// Residuals: (g_k - |g_k| h_k) / sqrt(N (|g_k|^2 + e^2)), in rows 2k-2 and 2k-1.
+///
 /// At all stages that the inputs move, never at the last alone: that only defers the turn. The
 /// gradient is full: with respect to the position it needs the Hessian of V. Smoothness: C1 (V is
 /// C2). Thread-safety: const. A candidate with a non-finite pose gets NaN. Source: formulation,
@@ -28,6 +30,7 @@ class HeadingAlignment final : public Term {
 
   std::string_view name() const override { return "heading_alignment"; }
   TermTraits traits() const override;
+  std::optional<ResidualForm> residual_form(const Horizon& horizon, int sign) const override;
   void evaluate(const TrajectoryBatch& trajectories, const TermRequest& request,
                 TermScratch* scratch, TermOutput& out) const override;
 

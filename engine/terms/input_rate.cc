@@ -1,5 +1,7 @@
 #include "engine/terms/input_rate.h"
 
+#include <cmath>
+
 #include "engine/terms/input_scale.h"
 
 namespace prospect {
@@ -9,6 +11,18 @@ InputRate::InputRate(const InputLimits& limits) : R_(input_scale(limits)) {}
 TermTraits InputRate::traits() const {
   return {TermKind::kCost, Smoothness::kSmooth, true, "-",
           "mean over stages, inputs relative to their bounds"};
+}
+
+std::optional<ResidualForm> InputRate::residual_form(const Horizon& horizon, int sign) const {
+  if (sign < 0) return std::nullopt;
+  const int nu = static_cast<int>(R_.size());
+  ResidualForm form;
+  form.rows = horizon.N * nu;
+  for (int row = 0; row < form.rows; ++row) {
+    form.pattern.push_back({row, row / nu, true});
+    if (row >= nu) form.pattern.push_back({row, row / nu - 1, true});
+  }
+  return form;
 }
 
 void InputRate::evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
@@ -29,6 +43,19 @@ void InputRate::evaluate(const TrajectoryBatch& t, const TermRequest& request, T
       const auto slope = 2.0 * w * (t.inputs.row(row) - t.inputs.row(row - nu));
       out.input_gradient.row(row) += slope;
       out.input_gradient.row(row - nu) -= slope;
+    }
+  }
+  if (request.residuals == 0) return;
+  Eigen::Index block = 0;
+  for (int row = 0; row < N * nu; ++row) {
+    const int j = row % nu;
+    const double root = std::sqrt(2.0 * mean * R_[j]);
+    const double before = row < nu ? t.u_previous[j] : t.inputs(row - nu, 0);
+    out.residuals[row] = root * (t.inputs(row, 0) - before);
+    for (const double slope : {root, -root}) {
+      if (slope < 0.0 && row < nu) break;
+      out.jacobian.col(block).setZero();
+      out.jacobian(j, block++) = slope;
     }
   }
 }

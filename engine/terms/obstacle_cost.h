@@ -16,6 +16,9 @@ namespace prospect {
 /// half-way along the arc by at most |acceleration| dt^2 / 8, 5 mm at 0.6 m/s, 1 rad/s and 0.25 s).
 /// phi is flat deep inside obstacles; there the ClearanceConstraint carries the gradient.
 ///
+/// Residuals: sqrt(phi / N), phi = 1 / (1 + exp(2 alpha (d - beta))), of mid-point k+1/2 in row 2k
+/// and of node k+1 in row 2k+1; smooth, as phi does not vanish.
+///
 /// Smoothness: C1. Thread-safety: const.
 /// Source: formulation, section 5.
 class ObstacleCost final : public Term {
@@ -26,6 +29,7 @@ class ObstacleCost final : public Term {
 
   std::string_view name() const override { return "obstacles"; }
   TermTraits traits() const override;
+  std::optional<ResidualForm> residual_form(const Horizon& horizon, int sign) const override;
   void evaluate(const TrajectoryBatch& trajectories, const TermRequest& request,
                 TermScratch* scratch, TermOutput& out) const override;
 

@@ -76,6 +76,11 @@ class VisibleFeatures : public Term {
 
   std::string_view name() const override { return "visible_features"; }
   TermTraits traits() const override;
+  /// No structure but the bound 0: N_k depends on all stages before k.
+  std::optional<ResidualForm> residual_form(const Horizon&, int sign) const override {
+    if (sign < 0) return std::nullopt;
+    return ResidualForm{};
+  }
   std::unique_ptr<TermScratch> make_scratch(const Horizon& horizon, int max_batch) const override;
   void evaluate(const TrajectoryBatch& trajectories, const TermRequest& request,
                 TermScratch* scratch, TermOutput& out) const override;
