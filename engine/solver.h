@@ -61,12 +61,21 @@ struct CommonOptions {
   double tolerance = 1e-6;      ///< relative change of cost that counts as converged
   double feasibility_tolerance = 1e-6;
   std::uint64_t seed = 1;
+  bool trace = false;  ///< keep Result::trace
 };
 
 struct Counters {
   int cost_evaluations = 0;
   int gradient_evaluations = 0;
   int iterations = 0;
+};
+
+/// The incumbent at the moment it became better.
+struct Improvement {
+  double seconds = 0.0;  ///< since the solve began, by the steady clock
+  int evaluations = 0;   ///< cost evaluations so far; of a batch: at the end of its chunk
+  double cost = Problem::kRejectedCost;
+  double violation = 0.0;
 };
 
 struct Result {
@@ -79,6 +88,8 @@ struct Result {
   WarmStart next;
   Counters counters;
   double wall_seconds = 0.0;
+  /// With the option `trace`: every improvement of the incumbent, the last one is the result.
+  std::vector<Improvement> trace;
   std::string detail;  ///< one sentence
 };
 

@@ -7,6 +7,13 @@
 #include <random>
 
 namespace prospect {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+}  // namespace
 
 Evaluator::Evaluator(const Problem& problem, const CommonOptions& options,
                      const StopCondition& stop)
@@ -144,12 +151,15 @@ void Evaluator::consider(const Eigen::Ref<const Eigen::VectorXd>& x, double cost
   incumbent_cost_ = cost;
   incumbent_violation_ = violation;
   incumbent_constraints_ = constraints;
+  if (options_.trace) {
+    trace_.push_back({seconds_since(begin_), counters_.cost_evaluations, cost, violation});
+  }
 }
 
 Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate what) {
-  const bool gradient = what == Evaluate::kGradient;
+  const bool gradient = what != Evaluate::kValue;
   if (stopped_) return Outcome::kStopped;
-  if (!differs_from_last(x) && (last_has_gradient_ || !gradient)) return last_outcome_;
+  if (!differs_from_last(x) && what <= last_what_) return last_outcome_;
   if (should_stop()) return Outcome::kStopped;
 
   clamp_to_z(x);
@@ -178,6 +188,13 @@ Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate
         jacobian_.col(i) = evaluation_.jacobian.col(j);
       }
     }
+    if (what == Evaluate::kResiduals) {
+      residual_jacobian_.resize(evaluation_.residuals.size(), num_variables());
+      for (int i = 0; i < num_variables(); ++i) {
+        residual_jacobian_.col(i) =
+            evaluation_.residual_jacobian.col(free_[static_cast<std::size_t>(i)]);
+      }
+    }
     consider(last_x_, cost_, violation(constraints_), constraints_);
   } else {
     cost_ = rejected_cost(last_x_, &gradient_);
@@ -185,7 +202,7 @@ Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate
     jacobian_.setZero();
   }
   last_known_ = true;
-  last_has_gradient_ = gradient || !valid;
+  last_what_ = valid ? what : Evaluate::kResiduals;  // a rejected point has all there is
   last_outcome_ = valid ? Outcome::kEvaluated : Outcome::kRejected;
   return last_outcome_;
 }
@@ -307,8 +324,8 @@ Result Evaluator::finish(StopReason reason, bool optimum, std::string detail, Wa
       result.detail = "the problem is not evaluable at any point tried";
     }
   }
-  result.wall_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+  result.trace = std::move(trace_);
+  result.wall_seconds = seconds_since(begin_);
   return result;
 }
 

@@ -86,6 +86,11 @@ class Evaluator {
   const Eigen::VectorXd& constraints() const { return constraints_; }  ///< m
   const Eigen::VectorXd& gradient() const { return gradient_; }        ///< free variables
   const Eigen::MatrixXd& jacobian() const { return jacobian_; }        ///< m x free variables
+  /// With kResiduals, where the point was not rejected: see Evaluation.
+  const Eigen::VectorXd& residuals() const { return evaluation_.residuals; }
+  const ResidualJacobian& residual_jacobian() const {  ///< rows x free variables
+    return residual_jacobian_;
+  }
 
   /// A smooth, finite stand-in for the cost where the problem is not evaluable, above all costs
   /// seen, that leads back to the incumbent x*:  f_worst + s (1 + |x - x*|^2 / r^2),  s = 1 +
@@ -154,12 +159,14 @@ class Evaluator {
   Evaluation evaluation_, batch_evaluation_;
   Eigen::MatrixXd z_, batch_z_;
   Eigen::VectorXd last_x_;
-  bool last_known_ = false, last_has_gradient_ = false;
+  bool last_known_ = false;
+  Evaluate last_what_ = Evaluate::kValue;
   Outcome last_outcome_ = Outcome::kStopped;
 
   double cost_ = Problem::kRejectedCost;
   Eigen::VectorXd constraints_, gradient_;
   Eigen::MatrixXd jacobian_;
+  ResidualJacobian residual_jacobian_;
 
   bool has_incumbent_ = false;
   Eigen::VectorXd incumbent_, incumbent_constraints_;
@@ -171,6 +178,7 @@ class Evaluator {
   StopReason stop_reason_ = StopReason::kConverged;
   std::string stop_detail_;
   Counters counters_;
+  std::vector<Improvement> trace_;  // with options_.trace
 };
 
 /// A result for a solve that ended before its first evaluation.

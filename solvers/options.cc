@@ -28,6 +28,8 @@ std::vector<OptionInfo> common_options() {
       {"feasibility_tolerance", fallback.feasibility_tolerance,
        "largest violation of a constraint that counts as feasible, above 0 [unit of constraint]"},
       {"seed", static_cast<int>(fallback.seed), "of the random numbers, 0 or more"},
+      {"trace", static_cast<int>(fallback.trace),
+       "1: keep every improvement of the incumbent with its time, 0 or 1"},
   };
 }
 
@@ -76,6 +78,7 @@ OptionSet::OptionSet(const std::vector<OptionInfo>& known, const Options& given)
   require_value("tolerance", number("tolerance") >= 0.0 && number("tolerance") <= 1.0, "0 to 1");
   require_value("feasibility_tolerance", number("feasibility_tolerance") > 0.0, "a number above 0");
   require_value("seed", integer("seed") >= 0, "0 or more");
+  require_value("trace", integer("trace") == 0 || integer("trace") == 1, "0 or 1");
 }
 
 void OptionSet::require(bool condition, const std::string& message) {
@@ -112,7 +115,7 @@ const std::string& OptionSet::text(const std::string& name) const {
 
 CommonOptions OptionSet::common() const {
   return {integer("max_evaluations"), number("tolerance"), number("feasibility_tolerance"),
-          static_cast<std::uint64_t>(integer("seed"))};
+          static_cast<std::uint64_t>(integer("seed")), integer("trace") == 1};
 }
 
 }  // namespace prospect

@@ -10,7 +10,7 @@
 
 namespace prospect {
 
-/// max_evaluations, tolerance, feasibility_tolerance, seed: see CommonOptions.
+/// max_evaluations, tolerance, feasibility_tolerance, seed, trace: see CommonOptions.
 std::vector<OptionInfo> common_options();
 
 /// The options of one solve: every known one with its value, given or fallback.

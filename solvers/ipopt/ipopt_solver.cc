@@ -353,9 +353,10 @@ class IpoptSolver final : public SolverFrame {
         settings["mu_init"] = std::clamp(warm_start.mu, 1e-8, 1e-1);
       }
     }
+    const std::vector<OptionInfo> of_all = common_options();
     for (const OptionInfo& info : own_options()) {
-      const bool is_common = info.name == "max_evaluations" || info.name == "tolerance" ||
-                             info.name == "feasibility_tolerance" || info.name == "seed";
+      const bool is_common = std::any_of(of_all.begin(), of_all.end(),
+                                         [&](const OptionInfo& o) { return o.name == info.name; });
       const bool is_ours = is_common || info.name == "stall_iterations";
       if (!is_ours) settings[info.name] = options.value(info.name);
     }

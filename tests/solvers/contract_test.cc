@@ -464,6 +464,36 @@ TEST_P(EverySolver, KeepsToMaxEvaluations) {
   }
 }
 
+TEST_P(EverySolver, TracesEveryImprovementOfTheIncumbent) {
+  for (const Case& c : {zoo::hs22(), zoo::hs43()}) {  // HS22 starts infeasible
+    const Problem problem = c.problem();
+    const Options untraced = {{"max_evaluations", 300}};
+    const Options traced = {{"max_evaluations", 300}, {"trace", 1}};
+    const Result plain = solver_->solve(problem, from(c.start), untraced, {});
+    const Result r = solver_->solve(problem, from(c.start), traced, {});
+    EXPECT_TRUE(plain.trace.empty());
+    EXPECT_EQ(plain.x, r.x);
+    ASSERT_FALSE(r.trace.empty());
+    EXPECT_EQ(r.trace.back().cost, r.cost);
+    EXPECT_EQ(r.trace.back().violation, r.violation);
+    EXPECT_LE(r.trace.back().evaluations, r.counters.cost_evaluations);
+    EXPECT_LE(r.trace.back().seconds, r.wall_seconds);
+    EXPECT_GE(r.trace.front().evaluations, 1);
+    for (std::size_t i = 1; i < r.trace.size(); ++i) {
+      const Improvement &a = r.trace[i - 1], &b = r.trace[i];
+      EXPECT_LE(a.seconds, b.seconds);
+      EXPECT_LE(a.evaluations, b.evaluations);
+      const bool feasible_before = a.violation <= 1e-6, feasible = b.violation <= 1e-6;
+      EXPECT_TRUE(feasible || !feasible_before);
+      if (feasible == feasible_before) {
+        EXPECT_TRUE(feasible ? b.cost < a.cost
+                             : b.violation < a.violation ||
+                                   (b.violation == a.violation && b.cost < a.cost));
+      }
+    }
+  }
+}
+
 TEST_P(EverySolver, IsStrictWithOptions) {
   const Case c = zoo::hs76();
   const auto watch = std::make_shared<Watch>();
@@ -481,6 +511,7 @@ TEST_P(EverySolver, IsStrictWithOptions) {
               testing::HasSubstr("finite"));
   EXPECT_THAT(detail({{"max_evaluations", 0}}), testing::HasSubstr("1 or more"));
   EXPECT_THAT(detail({{"seed", -1}}), testing::HasSubstr("0 or more"));
+  EXPECT_THAT(detail({{"trace", 2}}), testing::HasSubstr("0 or 1"));
   EXPECT_THAT(detail({{"feasibility_tolerance", -1e-3}}), testing::HasSubstr("above 0"));
   EXPECT_EQ(watch->evaluations, 0);
   // An int is promoted where a number is expected.
