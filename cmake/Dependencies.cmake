@@ -10,6 +10,7 @@ find_package(CLI11 CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
 find_package(NLopt CONFIG QUIET)
 pkg_check_modules(IPOPT QUIET IMPORTED_TARGET ipopt)
+find_package(Ceres CONFIG QUIET)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)
 
 # Debian's OpenCV module packages ship neither a CMake configuration nor a pkg-config file.

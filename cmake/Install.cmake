@@ -28,6 +28,10 @@ set(PROSPECT_WITH_IPOPT OFF)
 if(TARGET PkgConfig::IPOPT)
   set(PROSPECT_WITH_IPOPT ON)
 endif()
+set(PROSPECT_WITH_CERES OFF)
+if(TARGET Ceres::ceres)
+  set(PROSPECT_WITH_CERES ON)
+endif()
 configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/prospectConfig.cmake.in
   ${PROJECT_BINARY_DIR}/prospectConfig.cmake INSTALL_DESTINATION ${package})
 # 0.x: a minor version may change interfaces.

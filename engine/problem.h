@@ -43,6 +43,8 @@ struct ProblemDefinition {
 /// What is to be evaluated; each includes what the ones before it give.
 enum class Evaluate { kValue, kGradient, kResiduals };
 
+using ResidualJacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// Result of an evaluation. Shapes: B candidates, n variables, m constraints.
 struct Evaluation {
   Eigen::ArrayXd cost;                          ///< B; finite; kRejectedCost where not valid
@@ -54,7 +56,7 @@ struct Evaluation {
   /// the same bits whatever is evaluated. gradient = residual_jacobian^T residuals.
   double residual_offset = 0.0;
   Eigen::VectorXd residuals;
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> residual_jacobian;
+  ResidualJacobian residual_jacobian;
 };
 
 /// max_r max(0, -c_r) of one column of constraint values; 0 for none.

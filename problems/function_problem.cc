@@ -60,12 +60,22 @@ TermTraits FunctionCost::traits() const {
   return {TermKind::kCost, smoothness_, static_cast<bool>(gradient_), "-", "none"};
 }
 
+std::optional<ResidualForm> FunctionCost::residual_form(const Horizon&, int sign) const {
+  if (sign < 0 || !residuals_) return std::nullopt;
+  ResidualForm form{residuals_->offset, residuals_->rows, {}};
+  for (int r = 0; r < form.rows; ++r) form.pattern.push_back({r, 0, true});
+  return form;
+}
+
 void FunctionCost::evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
                             TermOutput& out) const {
   for (int b = 0; b < t.batch(); ++b) {
     const Vector u = t.inputs.col(b).matrix();
     out.value(0, b) = value_(u);
     if (request.gradient) out.input_gradient.col(b) += gradient_(u).array();
+    if (request.residuals == 0) continue;
+    out.residuals = residuals_->r(u);
+    out.jacobian.topRows(u.size()) = residuals_->J(u).transpose();
   }
 }
 
@@ -97,7 +107,7 @@ Problem FunctionProblem::problem() const {
   d.u_previous = Vector::Zero(lower.size());
   d.N = d.M = 1;
   d.dt = 1.0;
-  d.terms.push_back({std::make_shared<FunctionCost>(f, g), 1.0});
+  d.terms.push_back({std::make_shared<FunctionCost>(f, g, Smoothness::kSmooth, residuals), 1.0});
   if (rows > 0) d.terms.push_back({std::make_shared<FunctionConstraint>(rows, c, J), 1.0});
   return Problem(d);
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <initializer_list>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -12,16 +13,29 @@
 
 namespace prospect {
 
+/// f(u) = offset + 1/2 |r(u)|^2; without rows only a lower bound, offset, of f.
+struct FunctionResiduals {
+  double offset = 0.0;
+  int rows = 0;
+  std::function<Eigen::VectorXd(const Eigen::VectorXd& u)> r = {};  ///< rows
+  std::function<Eigen::MatrixXd(const Eigen::VectorXd& u)> J = {};  ///< rows x n
+};
+
 /// Cost f(u) of the inputs of the first stage. Without a gradient, back ends with derivatives
-/// refuse the problem.
+/// refuse the problem; without residuals, those that minimise sums of squares.
 class FunctionCost final : public Term {
  public:
   using Value = std::function<double(const Eigen::VectorXd& u)>;
   using Gradient = std::function<Eigen::VectorXd(const Eigen::VectorXd& u)>;
-  FunctionCost(Value value, Gradient gradient, Smoothness smoothness = Smoothness::kSmooth)
-      : value_(std::move(value)), gradient_(std::move(gradient)), smoothness_(smoothness) {}
+  FunctionCost(Value value, Gradient gradient, Smoothness smoothness = Smoothness::kSmooth,
+               std::optional<FunctionResiduals> residuals = std::nullopt)
+      : value_(std::move(value)),
+        gradient_(std::move(gradient)),
+        smoothness_(smoothness),
+        residuals_(std::move(residuals)) {}
   std::string_view name() const override { return "function"; }
   TermTraits traits() const override;
+  std::optional<ResidualForm> residual_form(const Horizon& horizon, int sign) const override;
   void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
                 TermOutput& out) const override;
 
@@ -29,6 +43,7 @@ class FunctionCost final : public Term {
   Value value_;
   Gradient gradient_;
   Smoothness smoothness_;
+  std::optional<FunctionResiduals> residuals_;
 };
 
 /// Constraints c(u) >= 0 of the inputs of the first stage, with a dense Jacobian (rows x n).
@@ -58,6 +73,7 @@ struct FunctionProblem {
   Eigen::VectorXd lower, upper, start;  ///< n; the start may lie outside the bounds
   FunctionCost::Value f = {};
   FunctionCost::Gradient g = {};
+  std::optional<FunctionResiduals> residuals = std::nullopt;
   int rows = 0;  ///< of c
   FunctionConstraint::Value c = {};
   FunctionConstraint::Jacobian J = {};

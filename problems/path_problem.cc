@@ -20,15 +20,27 @@ class FollowPath final : public Term {
   TermTraits traits() const override {
     return {TermKind::kCost, Smoothness::kSmooth, true, "m^2", "mean over stages"};
   }
+  std::optional<ResidualForm> residual_form(const Horizon& h, int sign) const override {
+    if (sign < 0) return std::nullopt;
+    ResidualForm form{0.0, 2 * h.N, {}};
+    for (int row = 0; row < form.rows; ++row) form.pattern.push_back({row, row / 2 + 1, false});
+    return form;
+  }
   void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
                 TermOutput& out) const override {
     const int N = t.horizon.N;
+    const double root = std::sqrt(2.0 / N);
     for (int b = 0; b < t.batch(); ++b) {
       double sum = 0.0;
       for (int k = 1; k <= N; ++k) {
         const double dx = t.px(k, b) - path_(0, k), dy = t.py(k, b) - path_(1, k);
         sum += (dx * dx + dy * dy) / N;
         if (request.gradient) out.add_pose_gradient(t, k, b, 2 * dx / N, 2 * dy / N, 0, 0);
+        if (request.residuals == 0) continue;
+        const int row = 2 * (k - 1);
+        out.residuals.segment<2>(row) << root * dx, root * dy;
+        out.set_pose_block(t, row, root, 0, 0, 0);
+        out.set_pose_block(t, row + 1, 0, root, 0, 0);
       }
       out.value(0, b) = sum;
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <random>
 
 #include "problems/euler_unicycle.h"
@@ -46,11 +47,18 @@ Columns draw_points() {
   return points;
 }
 
-/// A sum over the stages 1..N of a value at each pose.
+/// A sum over the stages 1..N of a value at each pose, whose residuals are the roots of what each
+/// stage is above the bound of sign times that value.
 class PoseTerm : public Term {
  public:
   TermTraits traits() const override {
     return {.smoothness = Smoothness::kC0, .unit = "-", .normalisation = "sum over stages"};
+  }
+  std::optional<ResidualForm> residual_form(const Horizon& h, int sign) const final {
+    if (sign != sign_) return std::nullopt;
+    ResidualForm form{h.N * bound_, h.N, {}};
+    for (int k = 1; k <= h.N; ++k) form.pattern.push_back({k - 1, k, false});
+    return form;
   }
   void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
                 TermOutput& out) const final {
@@ -59,8 +67,15 @@ class PoseTerm : public Term {
       for (int k = 1; k <= t.horizon.N; ++k) {
         const double theta = t.yaw(k, b);
         const R1Pose pose{t.px(k, b), t.py(k, b), std::cos(theta), std::sin(theta)};
-        const R1Value stage = at(pose, request.gradient);
+        const R1Value stage = at(pose, request.gradient || request.residuals != 0);
         value += stage.value;
+        if (request.residuals != 0) {
+          const RootResidual root(sign_ * stage.value - bound_);
+          const double slope = sign_ * root.slope;
+          out.residuals[k - 1] = root.value;
+          out.set_pose_block(t, k - 1, slope * stage.d_px, slope * stage.d_py, 0.0,
+                             slope * stage.d_theta);
+        }
         if (request.gradient) {
           out.add_pose_gradient(t, k, b, stage.d_px, stage.d_py, 0.0, stage.d_theta);
         }
@@ -70,12 +85,17 @@ class PoseTerm : public Term {
   }
 
  protected:
+  /// bound <= sign T at every pose.
+  PoseTerm(int sign, double bound) : sign_(sign), bound_(bound) {}
   virtual R1Value at(const R1Pose& pose, bool gradient) const = 0;
+  const int sign_;
+  const double bound_;
   const R1Kernel kernel_ = r1_kernel(best_instruction_set());
 };
 
 class Collision final : public PoseTerm {
  public:
+  Collision() : PoseTerm(1, 0.0) {}
   std::string_view name() const override { return "r1_collision"; }
 
  private:
@@ -88,6 +108,7 @@ class Collision final : public PoseTerm {
 
 class Gain final : public PoseTerm {
  public:
+  Gain() : PoseTerm(-1, -kBlobs) {}
   std::string_view name() const override { return "r1_gain"; }
 
  private:
@@ -95,11 +116,13 @@ class Gain final : public PoseTerm {
     return (gradient ? kernel_.gain_gradient : kernel_.gain)(pose, blobs_.x.data(), blobs_.y.data(),
                                                              blobs_.padded());
   }
-  const Columns blobs_ = draw_places(13, 10, 2.0, 7.0, 4.0);
+  static constexpr int kBlobs = 10;
+  const Columns blobs_ = draw_places(13, kBlobs, 2.0, 7.0, 4.0);
 };
 
 class Features final : public PoseTerm {
  public:
+  Features() : PoseTerm(1, 0.0) {}
   std::string_view name() const override { return "r1_features"; }
 
  private:
@@ -117,6 +140,15 @@ class Inputs final : public Term {
  public:
   std::string_view name() const override { return "r1_inputs"; }
   TermTraits traits() const override { return {.unit = "-", .normalisation = "sum over stages"}; }
+  std::optional<ResidualForm> residual_form(const Horizon& h, int sign) const override {
+    if (sign < 0) return std::nullopt;
+    ResidualForm form{0.0, 3 * h.N, {}};
+    for (int k = 0; k < h.N; ++k) {
+      for (int i = 0; i < 3; ++i) form.pattern.push_back({3 * k + i, k, true});
+      if (k > 0) form.pattern.push_back({3 * k + 2, k - 1, true});
+    }
+    return form;
+  }
   void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
                 TermOutput& out) const override {
     for (int b = 0; b < t.batch(); ++b) {
@@ -125,6 +157,7 @@ class Inputs final : public Term {
         const double slow = t.u(k, 0, b) - 0.5, w = t.u(k, 1, b), change = w - before;
         value += 0.05 * w * w + 0.1 * slow * slow + 0.2 * change * change;
         before = w;
+        if (request.residuals != 0) write_residuals(k, slow, w, change, out);
         if (!request.gradient) continue;
         out.input_gradient(2 * k, b) += 0.2 * slow;
         out.input_gradient(2 * k + 1, b) += 0.1 * w + 0.4 * change;
@@ -132,6 +165,18 @@ class Inputs final : public Term {
       }
       out.value(0, b) = value;
     }
+  }
+
+ private:
+  static void write_residuals(int k, double slow, double w, double change, TermOutput& out) {
+    const double a = std::sqrt(0.2), b = std::sqrt(0.1), c = std::sqrt(0.4);
+    out.residuals.segment<3>(3 * k) << a * slow, b * w, c * change;
+    const int first = k == 0 ? 0 : 4 * k - 1;
+    out.jacobian.middleCols(first, k == 0 ? 3 : 4).setZero();
+    out.jacobian(0, first) = a;
+    out.jacobian(1, first + 1) = b;
+    out.jacobian(1, first + 2) = c;
+    if (k > 0) out.jacobian(1, first + 3) = -c;
   }
 };
 

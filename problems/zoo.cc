@@ -1,5 +1,6 @@
 #include "problems/zoo.h"
 
+#include <Eigen/Cholesky>
 #include <cmath>
 
 namespace prospect::zoo {
@@ -7,6 +8,21 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
+
+/// The residuals of f = 1/2 x^T Q x + b^T x + f(0), Q = L L^T positive definite:
+/// r = L^T x + L^-1 b.
+FunctionResiduals of_quadratic(const FunctionProblem& p) {
+  const Eigen::Index n = p.lower.size();
+  const Vector b = p.g(Vector::Zero(n));
+  Matrix Q(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) Q.col(i) = p.g(Vector::Unit(n, i)) - b;
+  const Eigen::LLT<Matrix> cholesky(Q);
+  const Matrix L = cholesky.matrixL();
+  const Vector at_zero = cholesky.matrixL().solve(b);
+  return {p.f(Vector::Zero(n)) - 0.5 * at_zero.squaredNorm(), static_cast<int>(n),
+          [L, at_zero](const Vector& x) { return Vector(L.transpose() * x + at_zero); },
+          [L](const Vector&) { return Matrix(L.transpose()); }};
+}
 
 }  // namespace
 
@@ -19,6 +35,16 @@ FunctionProblem rosenbrock() {
     const double r = x[1] - x[0] * x[0];
     return vec({-400 * x[0] * r - 2 * (1 - x[0]), 200 * r});
   };
+  const double a = std::sqrt(200.0), b = std::sqrt(2.0);
+  p.residuals = {0.0, 2,
+                 [=](const Vector& x) {
+                   return vec({a * (x[1] - x[0] * x[0]), b * (1 - x[0])});
+                 },
+                 [=](const Vector& x) {
+                   Matrix J(2, 2);
+                   J << -2 * a * x[0], a, -b, 0;
+                   return J;
+                 }};
   return p;
 }
 
@@ -39,6 +65,7 @@ FunctionProblem bounded_quadratic() {
     return g;
   };
   for (int i = 0; i < n; i += 3) p.optimum += (i + 1) * 0.25;
+  p.residuals = of_quadratic(p);
   return p;
 }
 
@@ -52,6 +79,7 @@ FunctionProblem hs12() {
   p.c = [](const Vector& x) { return vec({25 - 4 * x[0] * x[0] - x[1] * x[1]}); };
   p.J = [](const Vector& x) { return Matrix(vec({-8 * x[0], -2 * x[1]}).transpose()); };
   p.optimum = -30;
+  p.residuals = of_quadratic(p);
   return p;
 }
 
@@ -64,6 +92,7 @@ FunctionProblem hs21() {
   p.c = [](const Vector& x) { return vec({10 * x[0] - x[1] - 10}); };
   p.J = [](const Vector&) { return Matrix(vec({10, -1}).transpose()); };
   p.optimum = -99.96;
+  p.residuals = of_quadratic(p);
   return p;
 }
 
@@ -79,6 +108,7 @@ FunctionProblem hs22() {
     return J;
   };
   p.optimum = 1;
+  p.residuals = of_quadratic(p);
   return p;
 }
 
@@ -90,6 +120,7 @@ FunctionProblem hs29() {
   p.c = [](const Vector& x) { return vec({48 - x[0] * x[0] - 2 * x[1] * x[1] - 4 * x[2] * x[2]}); };
   p.J = [](const Vector& x) { return Matrix(vec({-2 * x[0], -4 * x[1], -8 * x[2]}).transpose()); };
   p.optimum = -16 * std::sqrt(2.0);
+  p.residuals = FunctionResiduals{-1000.0};
   return p;
 }
 
@@ -107,6 +138,7 @@ FunctionProblem hs35() {
   p.c = [](const Vector& x) { return vec({3 - x[0] - x[1] - 2 * x[2]}); };
   p.J = [](const Vector&) { return Matrix(vec({-1, -1, -2}).transpose()); };
   p.optimum = 1.0 / 9.0;
+  p.residuals = of_quadratic(p);
   return p;
 }
 
@@ -134,6 +166,7 @@ FunctionProblem hs43() {
     return J;
   };
   p.optimum = -44;
+  p.residuals = of_quadratic(p);
   return p;
 }
 
@@ -157,6 +190,7 @@ FunctionProblem hs76() {
     return J;
   };
   p.optimum = -4.681818181818182;
+  p.residuals = of_quadratic(p);
   return p;
 }
 
@@ -173,6 +207,20 @@ FunctionProblem camel() {
   };
   p.optimum = -1.031628453489877;
   p.several_basins = true;
+  // f = -81/64 + 1/2 (x + y)^2 + x^2 q + (2 y^2 - 9/8)^2, q = 3.5 - 2.1 x^2 + x^4 / 3 > 0.
+  p.residuals = {-81.0 / 64.0, 3,
+                 [](const Vector& x) {
+                   const double s = x[0] * x[0], q = 3.5 - 2.1 * s + s * s / 3;
+                   return vec({x[0] + x[1], x[0] * std::sqrt(2 * q),
+                               std::sqrt(2.0) * (2 * x[1] * x[1] - 1.125)});
+                 },
+                 [](const Vector& x) {
+                   const double s = x[0] * x[0], q = 3.5 - 2.1 * s + s * s / 3;
+                   const double root = std::sqrt(2 * q);
+                   Matrix J(3, 2);
+                   J << 1, 1, root + s * (-4.2 + 4 * s / 3) / root, 0, 0, std::sqrt(2.0) * 4 * x[1];
+                   return J;
+                 }};
   return p;
 }
 

@@ -41,6 +41,22 @@ void AugmentedLagrangian::add_gradient(const Eigen::Ref<const Eigen::VectorXd>& 
   }
 }
 
+void AugmentedLagrangian::residuals(const Eigen::Ref<const Eigen::VectorXd>& constraints,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+                                    Eigen::Ref<Eigen::VectorXd> r, Eigen::Ref<Rows>* rows) const {
+  const double root = std::sqrt(rho_);
+  for (Eigen::Index i = 0; i < constraints.size(); ++i) {
+    const double shifted = lambda_[i] - rho_ * (constraints[i] - margin_);
+    r[i] = std::max(0.0, shifted) / root;
+    if (!rows) continue;
+    if (shifted > 0.0) {
+      rows->row(i) = -root * jacobian.row(i);
+    } else {
+      rows->row(i).setZero();
+    }
+  }
+}
+
 double AugmentedLagrangian::update(const Eigen::Ref<const Eigen::VectorXd>& constraints) {
   double sigma = 0.0;
   for (Eigen::Index i = 0; i < constraints.size(); ++i) {

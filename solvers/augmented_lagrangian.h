@@ -10,7 +10,10 @@ namespace prospect {
 ///                                                - lambda_i^2 ]
 ///   grad L            = grad f - sum_i max(0, lambda_i - rho (c_i - margin)) grad c_i
 ///
-/// once continuously differentiable. Between inner minimisations
+/// once continuously differentiable. As a sum of squares, for methods that minimise those,
+///   L = f + 1/2 |r|^2 - 1/(2 rho) |lambda|^2,   r_i = max(0, lambda_i - rho (c_i - margin)) /
+///   sqrt(rho).
+/// Between inner minimisations
 ///   lambda_i <- max(0, lambda_i - rho (c_i - margin)),
 /// and rho grows tenfold when  sigma = max_i |min(c_i - margin, lambda_i / rho)|  (infeasibility
 /// and lack of complementarity in one, in the unit of c) fell by less than half.
@@ -22,6 +25,8 @@ namespace prospect {
 /// Birgin, Martinez, Schuverdt (2007). That it is used here is our choice.
 class AugmentedLagrangian {
  public:
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
   /// lambda: m multipliers to start from (>= 0), or empty for zeros. rho > 0.
   AugmentedLagrangian(int m, const Eigen::VectorXd& lambda, double rho, double margin);
 
@@ -30,6 +35,10 @@ class AugmentedLagrangian {
   void add_gradient(const Eigen::Ref<const Eigen::VectorXd>& constraints,
                     const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
                     Eigen::Ref<Eigen::VectorXd> gradient) const;
+  /// r (m), and with rows not null its derivative, -sqrt(rho) grad c_i where r_i > 0 (m x n).
+  void residuals(const Eigen::Ref<const Eigen::VectorXd>& constraints,
+                 const Eigen::Ref<const Eigen::MatrixXd>& jacobian, Eigen::Ref<Eigen::VectorXd> r,
+                 Eigen::Ref<Rows>* rows) const;
   /// After an inner minimisation that ended with these constraint values. Returns sigma.
   double update(const Eigen::Ref<const Eigen::VectorXd>& constraints);
 

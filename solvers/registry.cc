@@ -10,6 +10,9 @@
 #include "solvers/nlopt_algorithms.h"
 #include "solvers/options.h"
 #include "solvers/sampling/sampling_solver.h"
+#ifdef PROSPECT_WITH_CERES
+#include "solvers/ceres/ceres_solver.h"
+#endif
 #ifdef PROSPECT_WITH_IPOPT
 #include "solvers/ipopt/ipopt_solver.h"
 #endif
@@ -57,6 +60,13 @@ Entry nlopt_entry(std::string name, const NloptAlgorithm& algorithm) {
 
 std::vector<Entry> entries() {
   std::vector<Entry> all;
+  all.push_back({"ceres",
+                 "Ceres: Levenberg-Marquardt on costs that are sums of squares",
+                 "Ceres (libceres-dev)",
+                 {}});
+#ifdef PROSPECT_WITH_CERES
+  all.back().make = &make_ceres_solver;
+#endif
   all.push_back({"ipopt",
                  "Ipopt: interior point with limited-memory BFGS, warm starts with duals",
                  "Ipopt (coinor-libipopt-dev)",

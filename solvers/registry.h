@@ -31,10 +31,10 @@ class SolverRegistry {
   /// for "unknown".
   void add(std::shared_ptr<const Solver> solver, std::string description);
 
-  /// The back end of that name: "ipopt"; "hybrid"; "nlopt" or "nlopt:ALGORITHM"; "sampling",
-  /// "sampling:cem", "sampling:mppi" or "sampling:search"; one that was added. A back end whose
-  /// library is absent is returned all the same: its explain_unsupported() and the kError of its
-  /// solve() say what is missing.
+  /// The back end of that name: "ceres"; "ipopt"; "hybrid"; "nlopt" or "nlopt:ALGORITHM";
+  /// "sampling", "sampling:cem", "sampling:mppi" or "sampling:search"; one that was added. A back
+  /// end whose library is absent is returned all the same: its explain_unsupported() and the kError
+  /// of its solve() say what is missing.
   ///
   /// Throws std::invalid_argument, with the nearest valid name, if there is no such back end.
   std::shared_ptr<const Solver> make(std::string_view name) const;

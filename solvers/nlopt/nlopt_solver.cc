@@ -11,6 +11,7 @@
 
 #include "solvers/augmented_lagrangian.h"
 #include "solvers/evaluator.h"
+#include "solvers/incumbent.h"
 #include "solvers/options.h"
 #include "solvers/solver_frame.h"
 
@@ -246,37 +247,6 @@ class NloptSolver final : public SolverFrame {
     }
     return evaluator.finish(reason, optimum && !algorithm_.global, std::move(detail),
                             std::move(next));
-  }
-
-  /// Moves from the feasible incumbent towards the infeasible point x as far as the segment stays
-  /// feasible (bisection): the solution of a method that approaches the feasible set from outside
-  /// is not thrown away for a far worse feasible point.
-  static void approach_from_incumbent(Evaluator& evaluator, const Eigen::VectorXd& x) {
-    if (!evaluator.incumbent_feasible()) return;
-    if (evaluator.evaluate(x, Evaluate::kValue) != Outcome::kEvaluated) return;
-    const double tolerance = evaluator.options().feasibility_tolerance;
-    if (violation(evaluator.constraints()) <= tolerance) return;
-    const Eigen::VectorXd feasible = evaluator.incumbent();
-    double from = 0.0, to = 1.0;
-    for (int i = 0; i < 12; ++i) {
-      const double t = 0.5 * (from + to);
-      const Eigen::VectorXd between = feasible + t * (x - feasible);
-      const Outcome outcome = evaluator.evaluate(between, Evaluate::kValue);
-      if (outcome == Outcome::kStopped) return;
-      const bool good =
-          outcome == Outcome::kEvaluated && violation(evaluator.constraints()) <= tolerance;
-      (good ? from : to) = t;
-    }
-  }
-
-  /// The method's convergence holds at its last point x; it holds at the incumbent if that is as
-  /// good.
-  static bool incumbent_is_as_good(Evaluator& evaluator, const Eigen::VectorXd& x) {
-    if (evaluator.stopped() || !evaluator.incumbent_feasible()) return false;
-    if (evaluator.evaluate(x, Evaluate::kValue) != Outcome::kEvaluated) return false;
-    const double slack = std::max(evaluator.options().tolerance, 1e-9);
-    return evaluator.incumbent_cost() <=
-           evaluator.cost() + 10.0 * slack * std::max(1.0, std::abs(evaluator.cost()));
   }
 
   Result run_direct(Evaluator& evaluator, const OptionSet& options, const WarmStart& warm_start,

@@ -306,6 +306,7 @@ TEST_P(EverySolver, SolvesAProblemThatIsNotDefinedEverywhere) {
   Case c{"logarithms", vec({-1, -1}), vec({2, 2}), vec({1.5, 1.5})};
   c.f = [](const Vector& x) { return 2 * x[0] + 4 * x[1] - std::log(x[0]) - std::log(x[1]); };
   c.g = [](const Vector& x) { return vec({2 - 1 / x[0], 4 - 1 / x[1]}); };
+  c.residuals = FunctionResiduals{};  // positive: the optimum is 2 + log(8)
   const double optimum = c.f(vec({0.5, 0.25}));
   const Problem problem = c.problem();
   const Result r = solver_->solve(problem, from(c.start), generous(), {});

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <thread>
@@ -54,6 +55,9 @@ class WatchedCost final : public Term {
       : cost_(std::move(cost)), watch_(std::move(watch)) {}
   std::string_view name() const override { return cost_->name(); }
   TermTraits traits() const override { return cost_->traits(); }
+  std::optional<ResidualForm> residual_form(const Horizon& horizon, int sign) const override {
+    return cost_->residual_form(horizon, sign);
+  }
   void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch* scratch,
                 TermOutput& out) const override {
     ++watch_->calls;
