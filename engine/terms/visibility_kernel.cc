@@ -11,10 +11,10 @@ namespace {
 namespace vd = visibility_derivative;
 constexpr int kLanes = VisibilityBlock::kLanes;
 
-// Beyond this many standard deviations outside the image P_fov is exactly 0: Phi there is 6e-58,
-// far below what a count can hold, and the clamp keeps products of tails out of the slow denormal
-// range.
-constexpr double kTail = 16.0;
+// Beyond this many standard deviations outside the image P_fov counts as 0: Phi there is 1e-19, far
+// below what the sum over the landmarks can hold, and the clamp keeps products of tails out of the
+// slow denormal range. The same for the logistic factors: 4e-18.
+constexpr double kTail = 9.0;
 constexpr double kLogisticTail = 40.0;
 
 PROSPECT_FORCE_INLINE double clamp(double x, double lower, double upper) {
@@ -123,6 +123,7 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict block
   // Copies, so that the compiler need not fear that results overwrite them.
   const VisibilityKernelConstants c = constants;
   const VisibilityKernelStage s = stage;
+  const double farthest = c.r_max + kLogisticTail / c.inverse_r_max_width;
   alignas(64) double count[8] = {}, variance[8] = {};
   alignas(64) double d_count[vd::kCount][8] = {}, d_variance[vd::kCount][8] = {};
   alignas(64) double t1[8], t0[8], s1[8], s0[8], depth[8], range[8], squared_range[8], cos_view[8],
@@ -131,6 +132,7 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict block
   for (int block = 0; block < num_blocks; ++block) {
     const VisibilityBlock& l = blocks[block];
     VisibilityBlockResult& out = results[block];
+    const double* open = unoccluded.probability + block * kLanes;
 
     for (int j = 0; j < kLanes; ++j) {
       alive[j] = s.R[6] * (l.x[j] - s.sensor[0]) + s.R[7] * (l.y[j] - s.sensor[1]) +
@@ -164,8 +166,10 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict block
       depth[j] = p.Z;
       squared_range[j] = p.X * p.X + p.Y * p.Y + p.Z * p.Z;
       cos_view[j] = -(p.dx * l.nx[j] + p.dy * l.ny[j] + p.dz * l.nz[j]);  // times the range
-      // Positive exactly where pi is not identically zero.
-      alive[j] = at_least(p.Z - c.near_depth, 0.0) * (t1[j] - t0[j]) * (s1[j] - s0[j]);
+      // Positive exactly where pi is not identically zero. P_unoccluded is C1 and >= 0: where it is
+      // 0, so are its derivatives.
+      alive[j] = at_least(p.Z - c.near_depth, 0.0) * at_least(farthest - p.Z, 0.0) *
+                 ((t1[j] - t0[j]) * (s1[j] - s0[j])) * (l.survival[j] * open[j]);
     }
     any = false;
     for (int j = 0; j < kLanes; ++j) any |= alive[j] > 0.0;
@@ -175,7 +179,6 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict block
       continue;
     }
 
-    const double* open = unoccluded.probability + block * kLanes;
     alignas(64) double Pu[8], Pv[8], P5[8], e1[8], e2[8], e3[8], e4[8], e5[8];
     alignas(64) double ft1[8], ft0[8], fs1[8], fs0[8];
     for (int j = 0; j < kLanes; ++j) {

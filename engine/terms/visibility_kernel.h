@@ -83,8 +83,9 @@ struct UnoccludedInput {
 /// The loops over landmarks, compiled for several vector widths from one source. All of them give
 /// the same bits: sums run in eight lanes whatever the width.
 ///
-/// Landmarks for which pi underflows to exact zero (behind the near plane, or beyond 16 standard
-/// deviations outside the image) are skipped in blocks of eight.
+/// Landmarks whose pi is exactly 0 (behind the near plane, or with no free line of sight) or below
+/// what a sum can hold (9 standard deviations outside the image, 40 logistic widths beyond r_max)
+/// are skipped in blocks of eight.
 struct VisibilityKernel {
   std::string_view name;  ///< "generic", "avx2", "avx512"
 
