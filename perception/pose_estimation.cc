@@ -1,0 +1,301 @@
+#include "perception/pose_estimation.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace prospect {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+constexpr int kMinInliers = 6;
+
+Matrix3d skew(const Vector3d& a) {
+  Matrix3d S;
+  S << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+  return S;
+}
+
+bool sees_right(const PointObservation& o) { return std::isfinite(o.right); }
+
+/// Gauss-Newton on three points of the left image; false if it does not settle.
+bool three_point_pose(const StereoCamera& camera, const PointObservation* const points[3],
+                      Isometry3d& T) {
+  const PinholeCamera& left = camera.left;
+  for (int iteration = 0; iteration < 12; ++iteration) {
+    Matrix6d J;
+    Vector6d r;
+    for (int i = 0; i < 3; ++i) {
+      const Vector3d Y = T * points[i]->point;
+      if (!(Y.z() > 0.01)) return false;
+      const Eigen::Matrix<double, 2, 3> P = left.projection_jacobian(Y);
+      r.segment<2>(2 * i) = points[i]->left - left.project(Y);
+      J.block<2, 3>(2 * i, 0) = P;
+      J.block<2, 3>(2 * i, 3) = -P * skew(Y);
+    }
+    const Vector6d xi = J.partialPivLu().solve(r);
+    if (!xi.allFinite() || xi.tail<3>().norm() > 1.0) return false;
+    T = exp_se3(xi) * T;
+    if (r.cwiseAbs().maxCoeff() < 1e-3) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+bool observation_residual(const StereoCamera& camera, const Isometry3d& T_CW,
+                          const PointObservation& o, ObservationResidual& out) {
+  const Vector3d Y = T_CW * o.point;
+  if (!(Y.z() > 0.01)) return false;
+  Eigen::Matrix3d P;
+  P.topRows<2>() = camera.left.projection_jacobian(Y);
+  out.r.head<2>() = o.left - camera.left.project(Y);
+  if (sees_right(o)) {
+    const Vector3d right = Y - Vector3d(camera.baseline, 0.0, 0.0);
+    P.row(2) = camera.left.projection_jacobian(right).row(0);
+    out.r[2] = o.right - camera.left.project(right).x();
+  } else {
+    P.row(2).setZero();
+    out.r[2] = 0.0;
+  }
+  // exp(xi) Y = Y + t + omega x Y
+  out.d_pose.leftCols<3>() = -P;
+  out.d_pose.rightCols<3>() = P * skew(Y);
+  out.d_point = -P * T_CW.linear();
+  return true;
+}
+
+Matrix3d observation_weight(const PointObservation& o, const ObservationResidual& residual,
+                            const PoseEstimatorOptions& options) {
+  Matrix3d S = residual.d_point * o.covariance * residual.d_point.transpose();
+  S(0, 0) += options.sigma_left * options.sigma_left;
+  S(1, 1) += options.sigma_left * options.sigma_left;
+  Matrix3d W = Matrix3d::Zero();
+  if (sees_right(o)) {
+    S(2, 2) += options.sigma_right * options.sigma_right;
+    W = S.inverse();
+  } else {
+    W.topLeftCorner<2, 2>() = S.topLeftCorner<2, 2>().inverse();
+  }
+  return 0.5 * (W + W.transpose());
+}
+
+Isometry3d exp_se3(const Vector6d& xi) {
+  const Vector3d w = xi.tail<3>();
+  const double angle = w.norm();
+  const Matrix3d K = skew(w);
+  double a, b;  // (1 - cos)/angle^2, (angle - sin)/angle^3
+  Isometry3d T = Isometry3d::Identity();
+  if (angle < 1e-5) {
+    a = 0.5 - angle * angle / 24.0;
+    b = 1.0 / 6.0 - angle * angle / 120.0;
+  } else {
+    a = (1.0 - std::cos(angle)) / (angle * angle);
+    b = (angle - std::sin(angle)) / (angle * angle * angle);
+  }
+  const double s = angle < 1e-5 ? 1.0 - angle * angle / 6.0 : std::sin(angle) / angle;
+  T.linear() = Matrix3d::Identity() + s * K + a * K * K;
+  T.translation() = (Matrix3d::Identity() + a * K + b * K * K) * xi.head<3>();
+  return T;
+}
+
+Vector6d log_se3(const Isometry3d& T) {
+  const Eigen::AngleAxisd rotation(T.linear());
+  const Vector3d w = rotation.angle() * rotation.axis();
+  const double angle = rotation.angle();
+  const Matrix3d K = skew(w);
+  // V^-1 = I - K/2 + c K^2
+  const double c = angle < 1e-4 ? 1.0 / 12.0 + angle * angle / 720.0
+                                : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle);
+  Vector6d xi;
+  xi << (Matrix3d::Identity() - 0.5 * K + c * K * K) * T.translation(), w;
+  return xi;
+}
+
+double PoseEstimate::sigma_position() const {
+  const Matrix3d block = covariance.topLeftCorner<3, 3>();
+  if (!block.allFinite()) return std::numeric_limits<double>::infinity();
+  return std::sqrt(std::max(
+      0.0,
+      Eigen::SelfAdjointEigenSolver<Matrix3d>(block, Eigen::EigenvaluesOnly).eigenvalues()[2]));
+}
+
+double PoseEstimate::sigma_rotation() const {
+  const Matrix3d block = covariance.bottomRightCorner<3, 3>();
+  if (!block.allFinite()) return std::numeric_limits<double>::infinity();
+  return std::sqrt(std::max(
+      0.0,
+      Eigen::SelfAdjointEigenSolver<Matrix3d>(block, Eigen::EigenvaluesOnly).eigenvalues()[2]));
+}
+
+PoseEstimate ransac_pose(const StereoCamera& camera,
+                         const std::vector<PointObservation>& observations, const Isometry3d& prior,
+                         std::uint64_t seed, const PoseEstimatorOptions& options) {
+  PoseEstimate best;
+  best.T_CW = prior;
+  const int n = static_cast<int>(observations.size());
+  best.inlier.assign(n, 0);
+  if (n < kMinInliers) return best;
+  // Whitening seen from the prior.
+  std::vector<Eigen::Matrix2d> weights(n, Eigen::Matrix2d::Zero());
+  for (int i = 0; i < n; ++i) {
+    ObservationResidual residual;
+    if (!observation_residual(camera, prior, observations[i], residual)) continue;
+    Eigen::Matrix2d S =
+        (residual.d_point * observations[i].covariance * residual.d_point.transpose())
+            .topLeftCorner<2, 2>();
+    S.diagonal().array() += options.sigma_left * options.sigma_left;
+    weights[i] = S.inverse();
+  }
+  std::mt19937_64 generator(seed);
+  // Not std::uniform_int_distribution, whose results differ between standard libraries.
+  const auto draw = [&] { return static_cast<int>(generator() % static_cast<std::uint64_t>(n)); };
+  int needed = options.ransac_hypotheses;
+  double best_cost = std::numeric_limits<double>::infinity();
+  // Number and cost of those that agree; MSAC: how well they agree counts, too.
+  std::vector<char> inlier(n);
+  const auto score = [&](const Isometry3d& T, int& count) {
+    count = 0;
+    double cost = 0.0;
+    for (int i = 0; i < n; ++i) {
+      const Vector3d Y = T * observations[i].point;
+      inlier[i] = 0;
+      double chi2 = options.ransac_gate;
+      if (Y.z() > 0.01 && weights[i](0, 0) > 0.0) {
+        const Eigen::Vector2d r = observations[i].left - camera.left.project(Y);
+        const double squared = r.dot(weights[i] * r);
+        if (squared <= options.ransac_gate) {
+          chi2 = squared;
+          inlier[i] = 1;
+          ++count;
+        }
+      }
+      cost += chi2;
+    }
+    return cost;
+  };
+  for (int h = 0; h < needed; ++h) {
+    Isometry3d T = prior;
+    // The prior itself is the first hypothesis.
+    if (h > 0) {
+      const int a = draw(), b = draw(), c = draw();
+      if (a == b || b == c || a == c) continue;
+      const PointObservation* const three[3] = {&observations[a], &observations[b],
+                                                &observations[c]};
+      if (!three_point_pose(camera, three, T)) continue;
+    }
+    int count = 0;
+    double cost = score(T, count);
+    // Three noisy points give a rough pose: before a new best is judged it is refined on those that
+    // agree with it, as long as that helps (LO-RANSAC: Chum, Matas, Kittler 2003).
+    for (int round = 0; cost < best_cost; ++round) {
+      best_cost = cost;
+      best.T_CW = T;
+      best.inlier = inlier;
+      best.inliers = count;
+      if (round == 4 || count < kMinInliers) break;
+      const PoseEstimate refined = refine_pose(camera, observations, best.inlier, T, options);
+      if (!refined.solved) break;
+      T = refined.T_CW;
+      cost = score(T, count);
+    }
+    const double share = static_cast<double>(best.inliers) / n;
+    const double miss = 1.0 - share * share * share;
+    if (h > 0 && miss < 1.0) {
+      const double enough =
+          miss <= 0.0 ? 1.0 : std::log(1.0 - options.ransac_confidence) / std::log(miss);
+      needed = static_cast<int>(
+          std::min<double>(options.ransac_hypotheses, std::ceil(std::max(enough, 10.0))));
+    }
+  }
+  best.solved = best.inliers >= kMinInliers && 5 * best.inliers >= n;
+  return best;
+}
+
+PoseEstimate refine_pose(const StereoCamera& camera,
+                         const std::vector<PointObservation>& observations,
+                         const std::vector<char>& use, const Isometry3d& start,
+                         const PoseEstimatorOptions& options) {
+  PoseEstimate estimate;
+  const int n = static_cast<int>(observations.size());
+  estimate.T_CW = start;
+  estimate.inlier.assign(n, 1);
+  if (!use.empty()) estimate.inlier = use;
+  ObservationResidual residual;
+  for (int round = 0; round < 4; ++round) {
+    const bool robust = round == 0;
+    for (int iteration = 0; iteration < 10; ++iteration) {
+      Matrix6d H = Matrix6d::Zero();
+      Vector6d g = Vector6d::Zero();
+      for (int i = 0; i < n; ++i) {
+        if (!estimate.inlier[i]) continue;
+        if (!observation_residual(camera, estimate.T_CW, observations[i], residual)) continue;
+        Matrix3d W = observation_weight(observations[i], residual, options);
+        if (robust) {
+          const double norm = std::sqrt(residual.r.dot(W * residual.r));
+          if (norm > options.huber) W *= options.huber / norm;
+        }
+        const Eigen::Matrix<double, 6, 3> JW = residual.d_pose.transpose() * W;
+        H.noalias() += JW * residual.d_pose;
+        g.noalias() += JW * residual.r;
+      }
+      const Eigen::LDLT<Matrix6d> solver(H);
+      if (solver.info() != Eigen::Success || !solver.isPositive()) return estimate;
+      const Vector6d xi = -solver.solve(g);
+      if (!xi.allFinite()) return estimate;
+      estimate.T_CW = exp_se3(xi) * estimate.T_CW;
+      if (xi.norm() < 1e-7) break;
+    }
+    // Gate all that may be used, so that a point can come back; then solve again without loss.
+    bool changed = false;
+    int inliers = 0;
+    double chi2_sum = 0.0;
+    int dof = -6;
+    Matrix6d H = Matrix6d::Zero();
+    for (int i = 0; i < n; ++i) {
+      if (!use.empty() && !use[i]) continue;
+      char in = 0;
+      if (observation_residual(camera, estimate.T_CW, observations[i], residual)) {
+        const Matrix3d W = observation_weight(observations[i], residual, options);
+        const double chi2 = residual.r.dot(W * residual.r);
+        in = chi2 <= options.final_gate;
+        if (in) {
+          ++inliers;
+          chi2_sum += chi2;
+          dof += sees_right(observations[i]) ? 3 : 2;
+          H.noalias() += residual.d_pose.transpose() * W * residual.d_pose;
+        }
+      }
+      if (in != estimate.inlier[i]) changed = true;
+      estimate.inlier[i] = in;
+    }
+    estimate.inliers = inliers;
+    if (inliers < kMinInliers) return estimate;
+    estimate.information = H;
+    estimate.chi2_per_dof = dof > 0 ? chi2_sum / dof : 0.0;
+    if (!robust && !changed) break;
+  }
+  const Eigen::SelfAdjointEigenSolver<Matrix6d> spectrum(estimate.information);
+  estimate.solved = spectrum.info() == Eigen::Success && estimate.T_CW.matrix().allFinite();
+  // Below this the direction is known to no better than 30 m or 30 rad: not at all.
+  if (!estimate.solved || spectrum.eigenvalues()[0] < 1e-3) {
+    estimate.solved = false;
+    estimate.covariance.setZero();
+    estimate.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
+    return estimate;
+  }
+  estimate.covariance = std::max(1.0, estimate.chi2_per_dof) * spectrum.eigenvectors() *
+                        spectrum.eigenvalues().cwiseInverse().asDiagonal() *
+                        spectrum.eigenvectors().transpose();
+  return estimate;
+}
+
+}  // namespace prospect

@@ -1,0 +1,95 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "models/camera.h"
+
+namespace prospect {
+
+/// A point of the map and where a stereo pair sees it.
+struct PointObservation {
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();          ///< l in W [m]
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();     ///< Sigma_l in W [m^2]
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();           ///< (u, v) in the left image [px]
+  double right = std::numeric_limits<double>::quiet_NaN();  ///< u in the right image; NaN: not seen
+};
+
+/// Residual of one observation at the pose T_CW and its derivatives:
+///   r = (u, v, u_right) - (Pi(Y), Pi_u(Y - b e_x)),  Y = T_CW l,
+///   dr/dxi for T_CW <- exp(xi) T_CW, xi = (t, omega) in C;   dr/dl.
+/// The third row is zero where the right image does not see the point.
+struct ObservationResidual {
+  Eigen::Vector3d r;
+  Eigen::Matrix<double, 3, 6> d_pose;
+  Eigen::Matrix3d d_point;
+};
+/// False if the point is not in front of the camera (Y.z() <= 1 cm).
+bool observation_residual(const StereoCamera& camera, const Eigen::Isometry3d& T_CW,
+                          const PointObservation& observation, ObservationResidual& out);
+
+/// W = S^-1 of such a residual, S as in refine_pose(); zero in the third row and column where the
+/// right image does not see the point.
+struct PoseEstimatorOptions;
+Eigen::Matrix3d observation_weight(const PointObservation& observation,
+                                   const ObservationResidual& residual,
+                                   const PoseEstimatorOptions& options);
+
+/// exp: se(3) -> SE(3) for xi = (t, omega) as used above: rotation by omega, translation by V t.
+Eigen::Isometry3d exp_se3(const Eigen::Matrix<double, 6, 1>& xi);
+/// Its inverse; rotations below pi.
+Eigen::Matrix<double, 6, 1> log_se3(const Eigen::Isometry3d& T);
+
+struct PoseEstimatorOptions {
+  double sigma_left = 0.25;   ///< [px] of a tracked position, each coordinate
+  double sigma_right = 0.25;  ///< [px] of the position in the right image
+  int ransac_hypotheses = 200;
+  double ransac_confidence = 0.999;
+  /// Gates, squared and in whitened units: of RANSAC (two coordinates) and of the last solution
+  /// (two or three).
+  double ransac_gate = 13.8;  ///< chi^2_2, 0.999
+  double final_gate = 11.3;   ///< chi^2_3, 0.99
+  double huber = 1.5;         ///< [standard deviations]
+};
+
+struct PoseEstimate {
+  bool solved = false;
+  Eigen::Isometry3d T_CW = Eigen::Isometry3d::Identity();
+  /// H = sum d_pose^T S^-1 d_pose over the inliers, for xi = (t, omega) in C.
+  Eigen::Matrix<double, 6, 6> information = Eigen::Matrix<double, 6, 6>::Zero();
+  /// max(1, chi^2/dof) H^-1; infinite diagonal if H's smallest eigenvalue (metres and radians) does
+  /// not fix the pose.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  std::vector<char> inlier;  ///< parallel to the observations
+  int inliers = 0;
+  double chi2_per_dof = 0.0;
+
+  double sigma_position() const;  ///< sqrt of the largest eigenvalue of the position's block [m]
+  double sigma_rotation() const;  ///< likewise [rad]
+};
+
+/// RANSAC (Fischler and Bolles 1981) on the left image: each hypothesis is the pose that three
+/// points fix, by Gauss-Newton from `prior`; residuals are whitened by tracking noise and the
+/// point's covariance (S below), seen from the prior; each new best is refined on the points that
+/// agree. `solved` if at least max(6, a fifth) agree; then T_CW, inlier and inliers are set. The
+/// generator starts at `seed`: same input, same bits.
+PoseEstimate ransac_pose(const StereoCamera& camera,
+                         const std::vector<PointObservation>& observations,
+                         const Eigen::Isometry3d& prior, std::uint64_t seed,
+                         const PoseEstimatorOptions& options = {});
+
+/// Maximum likelihood with Huber's loss over the observations flagged in `use` (empty: all):
+///   min sum rho(r^T S^-1 r),  S = diag(sigma_left^2, sigma_left^2, sigma_right^2)
+///                                 + d_point Sigma_l d_point^T,
+/// iterated Gauss-Newton with S held over an iteration; then gated by chi^2 and solved again
+/// without loss over the inliers, until the set settles (three times at most). Not solved if fewer
+/// than six inliers remain or the normal equations are singular.
+PoseEstimate refine_pose(const StereoCamera& camera,
+                         const std::vector<PointObservation>& observations,
+                         const std::vector<char>& use, const Eigen::Isometry3d& start,
+                         const PoseEstimatorOptions& options = {});
+
+}  // namespace prospect

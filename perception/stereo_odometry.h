@@ -1,0 +1,129 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "engine/belief.h"
+#include "engine/landmark_map.h"
+#include "models/camera.h"
+#include "perception/corner_detector.h"
+#include "perception/disparity_offset.h"
+#include "perception/image.h"
+#include "perception/keyframe_policy.h"
+#include "perception/patch_tracker.h"
+#include "perception/pose_estimation.h"
+#include "perception/stereo_matcher.h"
+
+namespace prospect {
+
+struct StereoOdometryOptions {
+  CornerDetectorOptions corners;
+  StereoMatcherOptions matching;
+  PatchTrackerOptions tracking;
+  PoseEstimatorOptions pose;
+  KeyframePolicyOptions keyframes;
+  DisparityOffsetOptions disparity_offset;
+
+  int pyramid_levels = 5;
+  /// Standard deviations [px] of a new landmark's coordinates. (u, v) are by definition where its
+  /// patch was taken; what they carry is only the patch's finite extent.
+  double sigma_corner = 0.05;
+  double sigma_disparity = 0.25;
+  double max_scale = 1.6;  ///< a landmark seen this much nearer or farther is made anew
+  int max_misses = 3;      ///< frames in a row without a track before a landmark is dropped
+
+  /// When a pose is not trusted.
+  int lost_points = 12;      ///< fewer: lost
+  int degraded_points = 40;  ///< fewer: degraded
+  double lost_share = 0.15;  ///< of the landmarks in view that are tracked and agree
+  double degraded_share = 0.4;
+  double lost_right_share = 0.2;  ///< of the tracked ones that the right image confirms
+  double degraded_right_share = 0.5;
+  double max_sigma_position = 0.25;     ///< [m] since the last keyframe; above: lost
+  double max_speed = 50.0;              ///< [m/s]
+  double max_turn_rate = 6.0;           ///< [rad/s]
+  double max_acceleration = 30.0;       ///< [m/s^2]
+  double max_turn_acceleration = 60.0;  ///< [rad/s^2]
+  double max_gap = 2.6;                 ///< of the usual time between frames; above: degraded
+  int recovery_keyframes = 5;           ///< that are tried while lost
+  /// Lost for so long [s]: a new map is begun at the last good pose; 0: never.
+  double restart_after = 4.0;
+
+  std::uint64_t seed = 1;
+};
+
+/// Wall time of one frame [ms]; the only numbers that differ between two runs.
+struct OdometryTimes {
+  double pyramids = 0.0, tracking = 0.0, pose = 0.0, keyframe = 0.0;
+  double total() const { return pyramids + tracking + pose + keyframe; }
+};
+
+struct OdometryFrame {
+  double stamp = 0.0;  ///< [s]
+  Localization state = Localization::kLost;
+  /// Why the state is not ok, several reasons joined by "; ". Empty if ok.
+  std::string reason;
+  /// Pose of the left camera in W. Lost: the last pose that was trusted.
+  Eigen::Isometry3d T_WC = Eigen::Isometry3d::Identity();
+  /// Of xi = (t, omega) in C with T_CW <- exp(xi) T_CW, against the first pose: the sum over
+  /// keyframes and this frame. Grows while lost.
+  Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  bool keyframe = false;
+  bool restarted = false;  ///< a new map begins here: the pose may be off by any motion while lost
+  std::string keyframe_reason;
+  int expected = 0;   ///< landmarks predicted in view
+  int tracked = 0;    ///< landmarks that were found and agree with the pose
+  int confirmed = 0;  ///< of them, those the right image confirms
+  int matched = 0;    ///< landmarks made at this frame
+  double chi2_per_dof = 0.0;
+  /// Median row error of the stereo matches of the newest keyframe [px]: health of the calibration.
+  double row_error = 0.0;
+  /// Error of the calibration found by motion (disparity_offset.h), already corrected [px].
+  double disparity_offset = 0.0;
+  double disparity_offset_sigma = 0.0;
+  OdometryTimes times;
+};
+
+/// Visual odometry from rectified stereo pairs, after eVO (Sanfourche, Vittori, Le Besnerais 2013):
+/// a sparse map of landmarks, made by stereo matching at keyframes, and the pose of every frame
+/// from where they are found again.
+///
+/// Each frame: landmarks are predicted with the last motion, their patches - always those of the
+/// keyframe that made them, so tracks do not creep - warped by the predicted change of scale and
+/// rotation and aligned with the left image (patch_tracker.h); RANSAC; then, from that pose, the
+/// ones missed again, and all of them in the right image; robust refinement with both
+/// (pose_estimation.h). Keyframes (keyframe_policy.h) fill the image cells that hold no landmark.
+///
+/// States. Ok: enough points, spread over the image, agree. Degraded: the pose is measured, but by
+/// few points, on a part of the image, or after a gap; or the image did not change at all and the
+/// pose is held. Lost: no pose is measured; the last good one is held and its covariance grows;
+/// every frame is tried against the newest keyframes, and after restart_after a new map begins,
+/// flagged. A pose that implies an impossible motion is not taken.
+///
+/// Thread-safety: one thread calls process(); landmarks() snapshots may be read anywhere. Errors:
+/// the constructor throws std::invalid_argument on a wrong camera or option; process() never throws
+/// for any image: one of a wrong size or time makes the frame lost, with the reason. Determinism:
+/// same frames, same bits, but for `times`. One thread, so nothing depends on scheduling.
+class StereoOdometry {
+ public:
+  explicit StereoOdometry(const StereoCamera& camera, const StereoOdometryOptions& options = {},
+                          const Eigen::Isometry3d& initial_T_WC = Eigen::Isometry3d::Identity());
+  ~StereoOdometry();
+  StereoOdometry(StereoOdometry&&) noexcept;
+  StereoOdometry& operator=(StereoOdometry&&) noexcept;
+
+  /// One rectified pair of the camera's size, stamps increasing [s].
+  OdometryFrame process(double stamp, const ImageView& left, const ImageView& right);
+
+  /// The landmarks that are tracked now or were of late, in W; made on demand.
+  std::shared_ptr<const LandmarkMap> landmarks() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace prospect

@@ -1,0 +1,221 @@
+#include "perception/pose_estimation.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <random>
+
+#include "perception/disparity_offset.h"
+
+namespace prospect {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+class PoseEstimation : public testing::Test {
+ protected:
+  std::mt19937_64 rng_{5};
+  StereoCamera camera_;
+  double uniform(double a, double b) { return std::uniform_real_distribution<double>(a, b)(rng_); }
+  double normal(double s) { return s > 0 ? std::normal_distribution<double>(0.0, s)(rng_) : 0.0; }
+
+  Isometry3d motion(double translation, double rotation) {
+    Vector6d xi;
+    for (int i = 0; i < 6; ++i) xi[i] = uniform(-1, 1) * (i < 3 ? translation : rotation);
+    return exp_se3(xi);
+  }
+
+  struct Scene {
+    std::vector<PointObservation> observations;
+    std::vector<Vector3d> sensitivity;
+    Isometry3d truth;
+  };
+  /// n points triangulated from noisy stereo measurements at the identity, seen from T with noise.
+  /// `offset`: the measured disparities are too small by so much, in both views.
+  Scene scene(int n, const Isometry3d& T, double outliers, const PoseEstimatorOptions& options,
+              double offset = 0.0) {
+    Scene s;
+    s.truth = T;
+    camera_.sigma_u = camera_.sigma_v = 1e-9;
+    while (static_cast<int>(s.observations.size()) < n) {
+      const double u = uniform(20, 620), v = uniform(20, 460), z = uniform(1.0, 8.0);
+      const double d = camera_.left.fx * camera_.baseline / z;
+      const Vector3d true_point = camera_.triangulate(u, v, d);
+      const Vector3d Y = T * true_point;
+      if (Y.z() < 0.3 || !camera_.left.in_image(camera_.left.project(Y))) continue;
+      const double measured = d - offset + normal(camera_.sigma_d);
+      PointObservation o;
+      o.point = camera_.triangulate(u, v, measured);
+      o.covariance = camera_.triangulation_covariance(u, v, measured);
+      o.left = camera_.left.project(Y) +
+               Eigen::Vector2d(normal(options.sigma_left), normal(options.sigma_left));
+      o.right = camera_.left.project(Y - Vector3d(camera_.baseline, 0, 0)).x() + offset +
+                normal(options.sigma_right);
+      if (uniform(0, 1) < outliers) o.left += Eigen::Vector2d(uniform(-60, 60), uniform(-60, 60));
+      if (uniform(0, 1) < 0.2) o.right = std::nan("");
+      s.observations.push_back(o);
+      s.sensitivity.push_back(camera_.triangulation_jacobian(u, v, measured).col(2));
+    }
+    return s;
+  }
+};
+
+TEST_F(PoseEstimation, ExponentialAndLogarithmAreInverse) {
+  for (int n = 0; n < 200; ++n) {
+    const double size = std::pow(10.0, uniform(-9, 0.3));
+    Vector6d xi;
+    for (int i = 0; i < 6; ++i) xi[i] = uniform(-1, 1) * size;
+    const Isometry3d T = exp_se3(xi);
+    EXPECT_LE((log_se3(T) - xi).norm(), 1e-9 * (1.0 + xi.norm()) + 1e-7 * xi.norm());
+    EXPECT_LE((T.linear() * T.linear().transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-12);
+  }
+  // A screw about z: half a turn on a circle of diameter 2/pi along x.
+  Vector6d half;
+  half << 1, 0, 0, 0, 0, M_PI;
+  EXPECT_LE((exp_se3(half).translation() - Vector3d(0, 2.0 / M_PI, 0)).norm(), 1e-12);
+}
+
+TEST_F(PoseEstimation, JacobiansAgreeWithDifferences) {
+  for (int n = 0; n < 300; ++n) {
+    const Isometry3d T = motion(0.5, 0.5);
+    PointObservation o;
+    o.point = T.inverse() * Vector3d(uniform(-2, 2), uniform(-2, 2), uniform(1, 6));
+    o.left = {300, 200};
+    if (n % 2) o.right = 250;
+    ObservationResidual at, plus, minus;
+    ASSERT_TRUE(observation_residual(camera_, T, o, at));
+    const double h = 1e-6;
+    for (int i = 0; i < 6; ++i) {
+      const Vector6d e = h * Vector6d::Unit(i);
+      ASSERT_TRUE(observation_residual(camera_, exp_se3(e) * T, o, plus));
+      ASSERT_TRUE(observation_residual(camera_, exp_se3(-e) * T, o, minus));
+      EXPECT_LE((at.d_pose.col(i) - (plus.r - minus.r) / (2 * h)).norm(),
+                1e-5 * (1 + at.d_pose.norm()));
+    }
+    for (int i = 0; i < 3; ++i) {
+      PointObservation a = o, b = o;
+      a.point[i] += h;
+      b.point[i] -= h;
+      ASSERT_TRUE(observation_residual(camera_, T, a, plus));
+      ASSERT_TRUE(observation_residual(camera_, T, b, minus));
+      EXPECT_LE((at.d_point.col(i) - (plus.r - minus.r) / (2 * h)).norm(),
+                1e-5 * (1 + at.d_point.norm()));
+    }
+    if (n % 2 == 0) {
+      EXPECT_EQ(at.d_pose.row(2).norm(), 0.0);
+    }
+  }
+  PointObservation behind;
+  behind.point = {0, 0, -1};
+  ObservationResidual out;
+  EXPECT_FALSE(observation_residual(camera_, Isometry3d::Identity(), behind, out));
+}
+
+TEST_F(PoseEstimation, TheCovarianceIsHonest) {
+  // Normalised error squared of the pose over 300 trials: chi^2_6 / 6, mean 1 +- 0.033.
+  PoseEstimatorOptions options;
+  double sum = 0.0, chi2 = 0.0;
+  int n = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    const Scene s = scene(120, motion(0.3, 0.08), 0.0, options);
+    const PoseEstimate e =
+        refine_pose(camera_, s.observations, {}, Isometry3d::Identity(), options);
+    ASSERT_TRUE(e.solved);
+    const Vector6d error = log_se3(e.T_CW * s.truth.inverse());
+    sum += error.dot(e.covariance.ldlt().solve(error)) / 6.0;
+    chi2 += e.chi2_per_dof;
+    ++n;
+    EXPECT_LT((e.T_CW.inverse().translation() - s.truth.inverse().translation()).norm(), 0.02);
+    EXPECT_GT(e.sigma_position(), 1e-4);
+    EXPECT_LT(e.sigma_position(), 0.02);
+  }
+  EXPECT_GT(sum / n, 0.8);
+  EXPECT_LT(sum / n, 1.3);
+  EXPECT_NEAR(chi2 / n, 1.0, 0.1);
+}
+
+TEST_F(PoseEstimation, RansacSortsOutHalfOfTheObservations) {
+  PoseEstimatorOptions options;
+  for (int trial = 0; trial < 50; ++trial) {
+    const Scene s = scene(150, motion(0.4, 0.1), 0.5, options);
+    const PoseEstimate coarse =
+        ransac_pose(camera_, s.observations, Isometry3d::Identity(), 7, options);
+    ASSERT_TRUE(coarse.solved) << trial;
+    const PoseEstimate fine =
+        refine_pose(camera_, s.observations, coarse.inlier, coarse.T_CW, options);
+    ASSERT_TRUE(fine.solved);
+    const Vector6d error = log_se3(fine.T_CW * s.truth.inverse());
+    EXPECT_LT(error.head<3>().norm(), 0.03) << trial;
+    EXPECT_LT(error.tail<3>().norm(), 0.005) << trial;
+    // Same seed, same bits.
+    const PoseEstimate again =
+        ransac_pose(camera_, s.observations, Isometry3d::Identity(), 7, options);
+    EXPECT_EQ(again.T_CW.matrix(), coarse.T_CW.matrix());
+    EXPECT_EQ(again.inlier, coarse.inlier);
+  }
+}
+
+TEST_F(PoseEstimation, SaysSoWhenThePointsDoNotFixThePose) {
+  PoseEstimatorOptions options;
+  Scene few = scene(5, Isometry3d::Identity(), 0.0, options);
+  EXPECT_FALSE(ransac_pose(camera_, few.observations, Isometry3d::Identity(), 1, options).solved);
+  EXPECT_FALSE(refine_pose(camera_, few.observations, {}, Isometry3d::Identity(), options).solved);
+  // Twenty times the same point.
+  Scene one = scene(1, Isometry3d::Identity(), 0.0, options);
+  one.observations[0].right = std::nan("");
+  const std::vector<PointObservation> same(20, one.observations[0]);
+  const PoseEstimate e = refine_pose(camera_, same, {}, Isometry3d::Identity(), options);
+  EXPECT_FALSE(e.solved);
+  // Nothing but noise.
+  Scene noise = scene(100, Isometry3d::Identity(), 1.0, options);
+  EXPECT_FALSE(ransac_pose(camera_, noise.observations, Isometry3d::Identity(), 1, options).solved);
+}
+
+TEST_F(PoseEstimation, MotionShowsAnOffsetOfTheDisparity) {
+  // 30 views, each with its own points, all disparities measured 0.2 px too small.
+  PoseEstimatorOptions options;
+  DisparityOffset offset({.prior_sigma = 0.3, .walk_sigma = 0.0, .trust = 1.0});
+  for (int k = 0; k < 30; ++k) {
+    Isometry3d T = motion(0.05, 0.03);
+    T.translation().z() -= 0.4;
+    Scene s = scene(150, T, 0.0, options, 0.2);
+    // Corrected by what is known so far, as the odometry does.
+    for (std::size_t i = 0; i < s.observations.size(); ++i) {
+      PointObservation& o = s.observations[i];
+      const Eigen::Vector2d at = camera_.left.project(o.point);
+      const double d = camera_.left.fx * camera_.baseline / o.point.z() + offset.value();
+      o.point = camera_.triangulate(at.x(), at.y(), d);
+      o.covariance = camera_.triangulation_covariance(at.x(), at.y(), d);
+      s.sensitivity[i] = camera_.triangulation_jacobian(at.x(), at.y(), d).col(2);
+      o.right -= offset.value();
+    }
+    const PoseEstimate e = refine_pose(camera_, s.observations, {}, T, options);
+    ASSERT_TRUE(e.solved);
+    const auto evidence = disparity_offset_evidence(camera_, s.observations, s.sensitivity,
+                                                    e.inlier, e.T_CW, options);
+    EXPECT_GT(evidence.information, 0.0);
+    offset.update(evidence);
+  }
+  EXPECT_LT(offset.sigma(), 0.05);
+  EXPECT_NEAR(offset.value(), 0.2, 4.0 * offset.sigma());
+}
+
+TEST_F(PoseEstimation, AtRestTheOffsetStaysUnknown) {
+  PoseEstimatorOptions options;
+  const Scene s = scene(150, Isometry3d::Identity(), 0.0, options, 0.2);
+  const PoseEstimate e = refine_pose(camera_, s.observations, {}, Isometry3d::Identity(), options);
+  const auto evidence =
+      disparity_offset_evidence(camera_, s.observations, s.sensitivity, e.inlier, e.T_CW, options);
+  DisparityOffset offset;
+  offset.update(evidence);
+  EXPECT_GT(offset.sigma(), 0.2);
+  DisparityOffset off({.prior_sigma = 0.0});
+  off.update({100.0, -50.0});
+  EXPECT_EQ(off.value(), 0.0);
+}
+
+}  // namespace
+}  // namespace prospect

@@ -1,0 +1,272 @@
+#include "perception/stereo_odometry.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tests/perception/image_faults.h"
+#include "tests/perception/rendered_room.h"
+
+namespace prospect {
+namespace {
+
+using Eigen::Isometry3d;
+using testing::RenderedRoom;
+using testing::StereoFrame;
+
+StereoCamera small_camera() {
+  StereoCamera camera;
+  camera.left = {330.0, 330.0, 240.0, 180.0, 480.0, 360.0};
+  camera.baseline = 0.12;
+  return camera;
+}
+
+constexpr double kPeriod = 0.1;
+
+/// An arc through the room at 0.5 m/s and 0.17 rad/s.
+Isometry3d arc(int k) {
+  const double yaw = -0.3 + 0.017 * k;
+  const double s = 0.05 * k;
+  return RenderedRoom::looking(-1.6 + s * std::cos(-0.3 + 0.0085 * k),
+                               -0.6 + s * std::sin(-0.3 + 0.0085 * k), 1.05, yaw);
+}
+
+struct Sequence {
+  std::vector<StereoFrame> frames;
+  std::vector<Isometry3d> T_WC;
+};
+
+const Sequence& moving() {
+  static const Sequence sequence = [] {
+    Sequence s;
+    const RenderedRoom room;
+    for (int k = 0; k < 40; ++k) {
+      s.T_WC.push_back(arc(k));
+      auto pair = room.render(small_camera(), arc(k), 2.0, k);
+      s.frames.push_back({kPeriod * k, std::move(pair.left), std::move(pair.right)});
+    }
+    return s;
+  }();
+  return sequence;
+}
+
+double path_length(const std::vector<Isometry3d>& poses) {
+  double length = 0.0;
+  for (std::size_t k = 1; k < poses.size(); ++k) {
+    length += (poses[k].translation() - poses[k - 1].translation()).norm();
+  }
+  return length;
+}
+
+TEST(StereoOdometry, FollowsAnArc) {
+  const Sequence& s = moving();
+  StereoOdometry odometry(small_camera(), {}, s.T_WC[0]);
+  int keyframes = 0;
+  OdometryFrame last;
+  double worst = 0.0, normalised = 0.0;
+  for (std::size_t k = 0; k < s.frames.size(); ++k) {
+    last = odometry.process(s.frames[k].stamp, s.frames[k].left.view(), s.frames[k].right.view());
+    EXPECT_EQ(last.state, Localization::kOk) << k << ": " << last.reason;
+    keyframes += last.keyframe;
+    const Isometry3d error = last.T_WC.inverse() * s.T_WC[k];  // T_CW_est T_WC_true
+    worst = std::max(worst, error.translation().norm());
+    if (k > 0) {
+      const Eigen::Matrix<double, 6, 1> xi = log_se3(error);
+      normalised += xi.dot(last.covariance.ldlt().solve(xi)) / 6.0 / (s.frames.size() - 1);
+    }
+  }
+  const double length = path_length(s.T_WC);
+  std::printf(
+      "rendered arc: worst error %.1f mm over %.2f m, %d keyframes, normalised error %.2f, "
+      "disparity offset %.3f +- %.3f px\n",
+      1e3 * worst, length, keyframes, normalised, last.disparity_offset,
+      last.disparity_offset_sigma);
+  EXPECT_LT(worst, 0.008 * length);
+  const Isometry3d error = s.T_WC.back().inverse() * last.T_WC;
+  EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.3 * M_PI / 180.0);
+  EXPECT_LT(keyframes, 20);
+  // One run, errors that follow each other: a wide band, but neither ten times too sure nor too
+  // shy.
+  EXPECT_GT(normalised, 0.02);
+  EXPECT_LT(normalised, 6.0);
+  EXPECT_NEAR(last.disparity_offset, 0.0, 4.0 * last.disparity_offset_sigma);
+
+  const auto map = odometry.landmarks();
+  EXPECT_GT(map->landmarks.size(), 100u);
+  for (const Landmark& l : map->landmarks) {
+    EXPECT_GT(l.survival, 0.0);
+    EXPECT_LE(l.survival, 1.0);
+    EXPECT_NEAR(l.creation_direction.norm(), 1.0, 1e-9);
+  }
+}
+
+TEST(StereoOdometry, SameFramesSameBits) {
+  const Sequence& s = moving();
+  StereoOdometry first(small_camera()), second(small_camera());
+  for (int k = 0; k < 15; ++k) {
+    const auto a =
+        first.process(s.frames[k].stamp, s.frames[k].left.view(), s.frames[k].right.view());
+    const auto b =
+        second.process(s.frames[k].stamp, s.frames[k].left.view(), s.frames[k].right.view());
+    ASSERT_EQ(a.T_WC.matrix(), b.T_WC.matrix());
+    ASSERT_EQ(a.covariance, b.covariance);
+    ASSERT_EQ(a.tracked, b.tracked);
+  }
+}
+
+TEST(StereoOdometry, NothingDriftsAtRest) {
+  const RenderedRoom room;
+  StereoOdometry odometry(small_camera());
+  double worst = 0.0;
+  for (int k = 0; k < 20; ++k) {
+    const auto pair = room.render(small_camera(), arc(10), 2.0, 100 + k);
+    const auto frame = odometry.process(kPeriod * k, pair.left.view(), pair.right.view());
+    EXPECT_EQ(frame.state, Localization::kOk) << frame.reason;
+    EXPECT_EQ(frame.keyframe, k == 0);
+    worst = std::max(worst, frame.T_WC.translation().norm());
+  }
+  EXPECT_LT(worst, 0.002);
+}
+
+TEST(StereoOdometry, AMiscalibratedDisparityIsFoundWhileMoving) {
+  // The right camera's principal point is half a pixel off: all disparities too small by 0.5 px.
+  const RenderedRoom room;
+  StereoCamera true_right = small_camera();
+  true_right.left.cx += 0.5;
+  const Sequence& s = moving();
+  double error[2];
+  for (const bool estimate : {false, true}) {
+    StereoOdometryOptions options;
+    if (!estimate) options.disparity_offset.prior_sigma = 0.0;
+    StereoOdometry odometry(small_camera(), options, s.T_WC[0]);
+    OdometryFrame last;
+    for (std::size_t k = 0; k < s.frames.size(); ++k) {
+      Isometry3d T_right = s.T_WC[k];
+      T_right.translation() += 0.12 * T_right.linear().col(0);
+      static std::vector<Image> right;
+      if (right.size() <= k) right.push_back(room.render(true_right.left, T_right, 2.0, 5000 + k));
+      last = odometry.process(s.frames[k].stamp, s.frames[k].left.view(), right[k].view());
+    }
+    error[estimate] = (last.T_WC.translation() - s.T_WC.back().translation()).norm();
+    if (estimate) {
+      EXPECT_NEAR(last.disparity_offset, 0.5, 0.2);
+    }
+  }
+  std::printf(
+      "disparity 0.5 px off: end error %.1f mm without, %.1f mm with the offset estimated\n",
+      1e3 * error[0], 1e3 * error[1]);
+  EXPECT_LT(error[1], 0.5 * error[0]);
+}
+
+TEST(StereoOdometry, RefusesBadCamerasAndOptions) {
+  StereoCamera camera = small_camera();
+  camera.baseline = -0.1;
+  EXPECT_THROW(StereoOdometry{camera}, std::invalid_argument);
+  StereoOdometryOptions options;
+  options.pyramid_levels = 0;
+  EXPECT_THROW(StereoOdometry(small_camera(), options), std::invalid_argument);
+}
+
+TEST(StereoOdometry, BlankFromTheStartIsLostUntilThereIsSomething) {
+  StereoOdometry odometry(small_camera());
+  const Image blank(480, 360, 100);
+  for (int k = 0; k < 3; ++k) {
+    const auto frame = odometry.process(kPeriod * k, blank.view(), blank.view());
+    EXPECT_EQ(frame.state, Localization::kLost);
+    EXPECT_FALSE(frame.reason.empty());
+  }
+  const auto& f = moving().frames[5];
+  EXPECT_EQ(odometry.process(1.0, f.left.view(), f.right.view()).state, Localization::kOk);
+}
+
+TEST(StereoOdometry, FaultsAreNoticedAndOvercome) {
+  const Sequence& s = moving();
+  const int first = 15;
+  std::printf("%-20s %-9s %-48s %s\n", "fault", "state", "reason", "after it");
+  for (const testing::ImageFault& fault : testing::image_faults()) {
+    SCOPED_TRACE(fault.name);
+    StereoOdometry odometry(small_camera(), {}, s.T_WC[0]);
+    Localization worst = Localization::kOk;
+    std::string reason;
+    int noticed = -1, good_again = -1;
+    Isometry3d before = s.T_WC[0];
+    for (int k = 0; k < static_cast<int>(s.frames.size()); ++k) {
+      const bool faulty = k >= first && k < first + fault.count;
+      if (faulty && !fault.apply) continue;
+      const StereoFrame frame =
+          faulty ? fault.apply(s.frames[k], s.frames[first - 1], k - first) : s.frames[k];
+      const OdometryFrame out =
+          odometry.process(frame.stamp, frame.left.view(), frame.right.view());
+      ASSERT_TRUE(out.T_WC.matrix().allFinite());
+      ASSERT_FALSE(out.covariance.hasNaN());
+      // Where the pose is claimed, it is right: no jump, whatever happened.
+      const double error = (out.T_WC.translation() - s.T_WC[k].translation()).norm();
+      if (out.state != Localization::kLost && out.reason.find("frozen") == std::string::npos) {
+        EXPECT_LT(error, 0.05) << k << " " << out.reason;
+      }
+      const double step = (out.T_WC.translation() - before.translation()).norm();
+      EXPECT_LT(step, 0.06 * (fault.count + 2)) << k;
+      before = out.T_WC;
+      const bool after_drop = !fault.apply && k == first + fault.count;
+      if (faulty || after_drop) {
+        if (out.state != Localization::kOk && noticed < 0) {
+          noticed = faulty ? k - first : 0;
+          reason = out.reason;
+        }
+        worst = std::max(worst, out.state);
+      } else if (k >= first + fault.count && good_again < 0 && out.state == Localization::kOk) {
+        good_again = k - first - fault.count;
+      }
+      EXPECT_TRUE(out.state == Localization::kOk || !out.reason.empty());
+    }
+    std::printf("%-20s %-9s %-48s ok again after %d\n", fault.name.c_str(),
+                worst == Localization::kLost       ? "lost"
+                : worst == Localization::kDegraded ? "degraded"
+                                                   : "ok",
+                reason.c_str(), good_again);
+    EXPECT_GE(noticed, 0);
+    EXPECT_LE(noticed, 1);  // within two frames
+    if (fault.must_be_lost) {
+      EXPECT_EQ(worst, Localization::kLost);
+    }
+    EXPECT_GE(good_again, 0);
+    EXPECT_LE(good_again, 2);
+  }
+}
+
+TEST(StereoOdometry, LostForLongBeginsANewMapAndSaysSo) {
+  const Sequence& s = moving();
+  StereoOdometryOptions options;
+  options.restart_after = 1.0;
+  StereoOdometry odometry(small_camera(), options);
+  for (int k = 0; k < 5; ++k) {
+    odometry.process(s.frames[k].stamp, s.frames[k].left.view(), s.frames[k].right.view());
+  }
+  // The robot is carried to where it has never looked.
+  const RenderedRoom room;
+  bool restarted = false;
+  double sigma_before = 0.0;
+  for (int k = 5; k < 25 && !restarted; ++k) {
+    const auto pair = room.render(
+        small_camera(), RenderedRoom::looking(1.0, 1.5, 1.2, 2.6 + 0.002 * k), 2.0, 300 + k);
+    const auto frame = odometry.process(kPeriod * k, pair.left.view(), pair.right.view());
+    restarted = frame.restarted;
+    if (!restarted) {
+      EXPECT_EQ(frame.state, Localization::kLost);
+      EXPECT_GT(frame.covariance(0, 0), sigma_before);
+      sigma_before = frame.covariance(0, 0);
+    } else {
+      EXPECT_EQ(frame.state, Localization::kDegraded);
+      EXPECT_GE(frame.covariance(0, 0), sigma_before);
+    }
+  }
+  EXPECT_TRUE(restarted);
+}
+
+}  // namespace
+}  // namespace prospect
