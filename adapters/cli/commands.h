@@ -41,6 +41,21 @@ struct SolveArguments {
 };
 int solve(const SolveArguments& arguments, const SolverRegistry& registry);
 
+struct BenchArguments {
+  std::vector<std::string> sets;     ///< empty: all built-in ones
+  std::vector<std::string> solvers;  ///< names, each followed by its options; empty: one of a kind
+  std::vector<double> deadlines;     ///< [s], 0: none; empty: as the help says
+  int repeats = 0;                   ///< 0: as the help says
+  int max_evaluations = 10000;
+  int seed = 1;
+  double tolerance = 0.01;
+  std::string out;  ///< folder; empty: runs/bench
+  bool quick = false;
+  bool keep_best = false;
+  bool json = false;
+};
+int bench(const BenchArguments& arguments, const SolverRegistry& registry);
+
 int list(const std::string& what, bool json, const SolverRegistry& registry);
 /// Prints the effective configuration of a file (empty: the defaults).
 int print_configuration(const std::string& file, const SolverRegistry& registry);

@@ -3,6 +3,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "adapters/bench/problem_set.h"
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
@@ -38,12 +39,12 @@ constexpr TermInfo kTerms[] = {
 }  // namespace
 
 int list(const std::string& what, bool json, const SolverRegistry& registry) {
-  const std::vector<std::string> known = {"solvers", "worlds", "terms"};
+  const std::vector<std::string> known = {"solvers", "worlds", "terms", "sets"};
   if (what.empty())
-    throw InputError("list: nothing named; expected one of: solvers, worlds, terms");
+    throw InputError("list: nothing named; expected one of: solvers, worlds, terms, sets");
   if (std::find(known.begin(), known.end(), what) == known.end()) {
     throw InputError("list: unknown '" + what + "'" + did_you_mean(what, known) +
-                     "; expected one of: solvers, worlds, terms");
+                     "; expected one of: solvers, worlds, terms, sets");
   }
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   if (what == "solvers") {
@@ -66,6 +67,11 @@ int list(const std::string& what, bool json, const SolverRegistry& registry) {
     for (const std::string& name : builtin_world_names()) {
       out.push_back({{"name", name}, {"description", builtin_world_summary(name)}});
       if (!json) std::printf("%-12s %s\n", name.c_str(), builtin_world_summary(name).c_str());
+    }
+  } else if (what == "sets") {
+    for (const std::string& name : builtin_set_names()) {
+      out.push_back({{"name", name}, {"description", builtin_set_summary(name)}});
+      if (!json) std::printf("%-12s %s\n", name.c_str(), builtin_set_summary(name).c_str());
     }
   } else {
     for (const TermInfo& t : kTerms) {

@@ -116,10 +116,49 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   solve_command->add_flag("--json", solve_arguments.json, "Print JSON");
 
+  BenchArguments bench_arguments;
+  CLI::App* bench_command = app.add_subcommand(
+      "bench", "Whole sets of problems by several back ends: who solves what, and how fast");
+  bench_command->add_option("set", bench_arguments.sets,
+                            "Built-in set (see `prospect list sets`), folder of problem files, "
+                            "problem file [all built-in sets]");
+  bench_command
+      ->add_option("--solver", bench_arguments.solvers,
+                   "Back ends, separated by commas; NAME,OPTION=VALUE sets an option of one")
+      ->delimiter(',');
+  bench_command
+      ->add_option("--deadline", bench_arguments.deadlines,
+                   "Wall-clock limits of a solve [s], separated by commas; 0: none [0.1,1; with "
+                   "--quick 0.1]")
+      ->delimiter(',')
+      ->check(number_within(0.0, 3600.0));
+  bench_command
+      ->add_option("--repeat", bench_arguments.repeats, "How often each solve is made [3; 1]")
+      ->check(whole_number_within(1, 1000));
+  bench_command->add_option("--max-evaluations", bench_arguments.max_evaluations, "Of each solve")
+      ->check(whole_number_within(1, 100000000))
+      ->capture_default_str();
+  bench_command
+      ->add_option("--tolerance", bench_arguments.tolerance,
+                   "Share of the best known cost within which a problem is solved")
+      ->check(number_within(1e-9, 1.0))
+      ->capture_default_str();
+  bench_command->add_option("--seed", bench_arguments.seed, "Of the back ends")
+      ->check(whole_number_within(0, std::numeric_limits<int>::max()))
+      ->capture_default_str();
+  bench_command->add_option("--out", bench_arguments.out,
+                            "Folder of bench.html, bench.csv and bench.json [runs/bench]");
+  bench_command->add_flag("--quick", bench_arguments.quick,
+                          "A share of each built-in set, few back ends: less than a minute");
+  bench_command->add_flag("--keep-best", bench_arguments.keep_best,
+                          "Keep the best costs found in best_known.json of the set's folder");
+  bench_command->add_flag("--json", bench_arguments.json, "Print JSON");
+
   std::string what;
   bool list_json = false;
-  CLI::App* list_command = app.add_subcommand("list", "What there is: solvers, worlds or terms");
-  list_command->add_option("what", what, "solvers, worlds or terms");
+  CLI::App* list_command =
+      app.add_subcommand("list", "What there is: solvers, worlds, terms or sets");
+  list_command->add_option("what", what, "solvers, worlds, terms or sets");
   list_command->add_flag("--json", list_json, "Print JSON");
 
   std::string configuration;
@@ -158,6 +197,7 @@ int run(int argc, char** argv) {
   for (const std::string& path : plugins) load_plugin(path, registry);
   if (*explore_command) return explore(explore_arguments, registry);
   if (*solve_command) return solve(solve_arguments, registry);
+  if (*bench_command) return bench(bench_arguments, registry);
   if (*list_command) return list(what, list_json, registry);
   return print_configuration(configuration, registry);
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "adapters/report/binary_text.h"
+#include "adapters/report/html_page.h"
 #include "adapters/report/report_assets.h"
 #include "adapters/run/summary.h"
 
@@ -272,83 +273,18 @@ Json run_json(const RunRecord& record) {
   };
 }
 
-std::string replace_all(std::string_view text, std::string_view from, std::string_view to) {
-  std::string result;
-  for (std::size_t at = 0;;) {
-    const std::size_t found = text.find(from, at);
-    result += text.substr(at, found - at);
-    if (found == std::string_view::npos) return result;
-    result += to;
-    at = found + from.size();
-  }
-}
-
-std::string escape_html(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        result += "&amp;";
-        break;
-      case '<':
-        result += "&lt;";
-        break;
-      case '>':
-        result += "&gt;";
-        break;
-      case '"':
-        result += "&quot;";
-        break;
-      default:
-        result += c;
-    }
-  }
-  return result;
-}
-
-/// A library's text without the line that points a browser at a separate source map.
-std::string_view without_source_map(std::string_view text) {
-  const std::size_t at = text.rfind("sourceMappingURL=");
-  return at == std::string_view::npos ? text : text.substr(0, text.rfind('\n', at));
-}
-
-/// Fit for a <script> element: inside JavaScript, </script can only stand in a string or a regular
-/// expression, where \/ means /.
-std::string script_text(std::string_view text) {
-  return replace_all(without_source_map(text), "</script", "<\\/script");
-}
-
-/// Fit for a <script> element: inside JSON, < can only stand in a string.
-std::string json_text(const Json& json) {
-  return replace_all(json.dump(-1, ' ', false, Json::error_handler_t::replace), "<", "\\u003c");
-}
-
 }  // namespace
 
 std::string render_report(const RunRecord& record) {
   const Json run = run_json(record);
   const std::string title = run["summary"]["world"].get<std::string>();
-  const std::vector<std::pair<std::string_view, std::string>> parts = {
-      {"{{title}}", escape_html(title)},
-      {"{{library style}}", std::string(without_source_map(report_assets::dygraph_style()))},
-      {"{{style}}", std::string(report_assets::style())},
-      {"{{run}}", json_text(run)},
-      {"{{library}}", script_text(report_assets::dygraph_script())},
-      {"{{script}}", script_text(report_assets::script())},
-  };
-  // One pass, so that nothing in a filled-in text counts as a place.
-  const std::string_view page = report_assets::page();
-  std::string html;
-  for (std::size_t at = 0;;) {
-    const std::size_t open = page.find("{{", at);
-    html += page.substr(at, open - at);
-    if (open == std::string_view::npos) return html;
-    at = page.find("}}", open) + 2;
-    const std::string_view place = page.substr(open, at - open);
-    for (const auto& [name, text] : parts) {
-      if (name == place) html += text;
-    }
-  }
+  return fill_page(report_assets::page(),
+                   {{"{{title}}", escape_html(title)},
+                    {"{{library style}}", library_text(report_assets::dygraph_style())},
+                    {"{{style}}", std::string(report_assets::style())},
+                    {"{{run}}", json_text(run)},
+                    {"{{library}}", script_text(report_assets::dygraph_script())},
+                    {"{{script}}", script_text(report_assets::script())}});
 }
 
 }  // namespace prospect

@@ -1,19 +1,19 @@
 #include "adapters/run/run_folder.h"
 
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <system_error>
 #include <utility>
 
 #include "adapters/config/input_error.h"
 #include "adapters/problem_file/problem_file.h"
 #include "adapters/report/report.h"
+#include "adapters/run/csv.h"
+#include "adapters/run/whole_file.h"
 #include "adapters/worlds/octree_file.h"
 
 namespace prospect {
@@ -21,23 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The shortest text that reads back as the same number; nan, inf or -inf where it is not finite.
-std::string text(double value) {
-  if (std::isnan(value)) return "nan";  // without the sign that a NaN may carry
-  char buffer[64];
-  return {buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr};
-}
-
-/// A CSV field (RFC 4180), kept on one line: quoted if it must be.
-std::string field(const std::string& value) {
-  if (value.find_first_of(",\"\n\r") == std::string::npos) return value;
-  std::string quoted = "\"";
-  for (const char c : value) {
-    if (c == '"') quoted += '"';
-    quoted += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return quoted + '"';
-}
+using csv::field;
+using csv::text;
 
 std::string tum(double time, const Pose& p) {
   const double half = 0.5 * p.yaw;
@@ -199,21 +184,8 @@ void RunFolder::write_waiting() {
 }
 
 void RunFolder::write_whole(const std::string& name, const std::string& content) {
-  const fs::path target = fs::path(path_) / name;
-  fs::path temporary = target;
-  temporary += ".part";
-  errno = 0;
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  file << content;
-  file.close();
-  const int reason = errno;
-  std::error_code error;
-  if (!file) {
-    fail(name, reason ? std::strerror(reason) : "unknown reason");
-  } else if (fs::rename(temporary, target, error); error) {
-    fail(name, error.message());
-  }
-  if (!error_.empty()) fs::remove(temporary, error);
+  const std::string wrong = write_whole_file((fs::path(path_) / name).string(), content);
+  if (!wrong.empty()) fail(name, wrong);
 }
 
 void RunFolder::finish(const RunRecord& record, const octomap::OcTree* map) {

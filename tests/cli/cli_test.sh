@@ -148,7 +148,7 @@ refused "unknown option" --bogus expected "${explore[@]}" office --bogus
 refused "unknown command" "'exlore'" "did you mean 'explore'?" exlore office
 refused "no command" required "see \`prospect --help\`"
 refused "unknown list" "'solver'" "did you mean 'solvers'?); expected" list solver
-refused "list of nothing" list: "expected one of: solvers, worlds, terms" list
+refused "list of nothing" list: "expected one of: solvers, worlds, terms, sets" list
 refused "problem without a step" "'office'" "expected WORLD@STEP" solve office
 refused "problem with a bad step" "'office@-3'" "expected WORLD@STEP" solve office@-3
 refused "problem in an unknown world" "'offce'" "did you mean 'office'?" solve offce@3
@@ -211,7 +211,7 @@ YAML
 { problem_terms --config all_terms.yaml; problem_terms --config all_terms_accel.yaml; } | sort -u > have.txt
 "$prospect" list terms | sed 's/ .*//' | sort > listed.txt
 diff have.txt listed.txt > out.txt || fail "list terms is not what problems have: $(cat out.txt)"
-for what in solvers worlds terms; do
+for what in solvers worlds terms sets; do
   succeeds "list $what --json" list "$what" --json
   [[ "$out" == \[*\"name\":*\] ]] || fail "list $what --json: '$out'"
 done
@@ -304,7 +304,7 @@ refused_plugin folder "is a directory; expected a shared library (.so)"
 refused_plugin text.so "; expected a shared library (.so)"
 refused_plugin cut.so "the file is cut off; expected a shared library (.so)"
 refused_plugin "$no_plugin" "has no entry point; expected a function 'prospect_plugin'"
-PROSPECT_TEST_FAULT=interface refused_plugin "$faulty" "has plug-in interface 2; expected 1"
+PROSPECT_TEST_FAULT=interface refused_plugin "$faulty" "has plug-in interface 3; expected 2"
 PROSPECT_TEST_FAULT=alignment refused_plugin "$faulty" "; expected 16, as this program"
 PROSPECT_TEST_FAULT="built in" refused_plugin "$faulty" "named 'nlopt:LD_SLSQP' already; expected"
 PROSPECT_TEST_FAULT="no factory" refused_plugin "$faulty" "'misfit' has no factory; expected one"
@@ -319,13 +319,68 @@ unset PROSPECT_TEST_FAULT
 grep -qx 'prospect: misfit: misfit: the plug-in failed: no solution today' err.txt ||
   fail "a plug-in that throws: '$err'"
 
-for arguments in --help "explore --help" "solve --help" "list --help" "config --help" --version; do
+# --- Bench: whole sets, a folder of results that appears whole or not at all.
+succeeds "list sets" list sets
+named "list sets" zoo s30
+succeeds "bench" bench zoo saved/problems --solver nlopt:LD_SLSQP,sampling,max_evaluations=200 \
+  --deadline 0,0.05 --repeat 1 --out bench
+for text in "all, 14 problems, no deadline" "zoo, 11 problems, deadline 50 ms" \
+  "problems, 3 problems, no deadline" "bench/bench.html"; do
+  grep -qF "$text" out.txt || fail "bench: no '$text' in '$out'"
+done
+named bench solver nlopt:LD_SLSQP sampling,max_evaluations=200
+[[ "$(ls bench | tr '\n' ' ')" == "bench.csv bench.html bench.json " ]] || fail "bench: $(ls bench)"
+(($(wc -l <bench/bench.csv) == 1 + 14 * 2 * 2)) || fail "bench.csv has $(wc -l <bench/bench.csv) lines"
+# What no clock decides repeats exactly: costs, counts, who solves what.
+counted() { grep ',nlopt:LD_SLSQP,,' "$1/bench.csv" | cut -d, -f1-8,11,16-20; }
+succeeds "bench again into the same folder" bench zoo saved/problems --solver nlopt:LD_SLSQP \
+  --deadline 0 --repeat 2 --out bench_again --json
+diff <(counted bench) <(counted bench_again) || fail "two benches of one set differ"
+succeeds "bench over an earlier one" bench zoo --quick --solver sampling --out bench_again
+grep -q '"solved": true' bench_again/bench.json || fail "bench.json: nothing solved"
+succeeds "bench that keeps the best" bench saved/problems --solver nlopt --deadline 0 --repeat 1 \
+  --out bench_kept --keep-best
+grep -q '"step_000008": -\?[0-9]' saved/problems/best_known.json || fail "no best costs are kept"
+succeeds "bench with best costs known" bench saved/problems --solver nlopt --deadline 0 --repeat 1 \
+  --out bench_kept
+grep -q '"best_known_by": "stored"' bench_kept/bench.json || fail "best_known.json is not read"
+cp -r saved/problems some_damaged
+cp truncated.h5 some_damaged/step_000009.h5
+cp -r saved/problems bad_best
+echo '{"costs": {"step_000000": "low"}}' >bad_best/best_known.json
+mkdir no_problems
+bench=(bench --repeat 1 --out run)
+refused "bench of an unknown set" "'zo'" "did you mean 'zoo'?" "${bench[@]}" zo
+refused "bench of a missing folder" nowhere/at/all "no such file or folder" "${bench[@]}" nowhere/at/all
+refused "bench of a folder without problems" no_problems "expected a folder of problem files" \
+  "${bench[@]}" no_problems
+refused "bench of a damaged problem" truncated.h5 "expected a whole problem file" \
+  "${bench[@]}" zoo truncated.h5
+refused "bench of a folder with a damaged one" some_damaged/step_000009.h5 \
+  "expected a whole problem file" "${bench[@]}" some_damaged
+refused "bench with bad best costs" bad_best/best_known.json "'step_000000' is no number; expected" \
+  "${bench[@]}" bad_best
+refused "bench of a set twice" "'zoo'" "expected sets of different names" "${bench[@]}" zoo zoo
+refused "bench with an unknown solver" "did you mean 'hybrid'?" "expected one of" \
+  "${bench[@]}" zoo --solver hybird
+refused "bench with an unknown option" "did you mean 'basins'?" "expected one of" \
+  "${bench[@]}" zoo --solver hybrid,basin=3
+refused "bench with a bad deadline" --deadline: "'soon'; expected a number" \
+  "${bench[@]}" zoo --deadline 0.1,soon
+refused "bench with one deadline twice" --deadline "expected each once" \
+  "${bench[@]}" zoo --deadline 0.1,0.1
+refused "bench that keeps the best of no folder" "'zoo'" "expected folders" "${bench[@]}" zoo --keep-best
+refused "bench into a folder of others" foreign "holds other files; expected" bench zoo --out foreign
+refused "bench into a file" file "expected a new or empty folder" bench zoo --out file
+[[ "$(ls foreign)" == notes.txt && "$(<file)" == precious ]] || fail "bench touched a file of others"
+
+for arguments in --help "explore --help" "solve --help" "bench --help" "list --help" "config --help" --version; do
   # shellcheck disable=SC2086
   succeeds "$arguments" $arguments
   [[ -s out.txt && ! -s err.txt ]] || fail "$arguments: expected text on standard output alone"
 done
 succeeds "--help" --help
-for command in explore solve list config; do
+for command in explore solve bench list config; do
   grep -q "^  $command " out.txt || fail "--help does not name '$command'"
 done
 

@@ -1,0 +1,245 @@
+(() => {
+"use strict";
+// Whatever goes wrong is kept, for the self-test at the end.
+const errors = [];
+addEventListener("error", (e) => errors.push(e.message || String(e)));
+
+const $ = (id) => document.getElementById(id);
+function make(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name === "class") element.className = value; else element.setAttribute(name, value);
+  }
+  element.append(...children);
+  return element;
+}
+
+const bench = JSON.parse($("bench").textContent);
+const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
+// Three significant digits, without exponents where they can be done without.
+function compact(x) {
+  if (!isNumber(x)) return "–";
+  if (x === 0) return "0";
+  const size = Math.abs(x);
+  if (size < 1e-4 || size >= 1e6) return x.toExponential(1).replace(/-/g, "−");
+  return (size >= 100 ? x.toFixed(0) : String(+x.toPrecision(3))).replace("-", "−");
+}
+const deadlineText = (seconds) => (seconds > 0 ? `${compact(1000 * seconds)} ms` : "none");
+const percent = (share) => `${compact(100 * share)} %`;
+
+// ---- Head ---------------------------------------------------------------------------------------
+const problems = bench.sets.reduce((sum, set) => sum + set.problems.length, 0);
+const plural = (n, what) => `${n} ${what}${n === 1 ? "" : "s"}`;
+$("facts").textContent = [bench.program, plural(problems, "problem"), plural(bench.solvers.length, "back end"),
+  plural(bench.repeats, "repeat"), `at most ${bench.max_evaluations} evaluations`, `seed ${bench.seed}`].join(" · ");
+$("rule").textContent = `Solved: feasible to ${compact(bench.feasibility_tolerance)} and a cost of at most best + max(${bench.relative_tolerance} |best|, a), ` +
+  bench.sets.map((set) => `a = ${set.absolute_tolerance} in ${set.name}`).join(", ") +
+  ". Best: the best cost known, or found in this run if that is lower. “To target”: until the first such point, over all problems; – where more than the stated share was not solved." +
+  bench.sets.filter((set) => set.left_out.length).map((set) => ` Left out of ${set.name}: ${set.left_out.join("; ")}.`).join("");
+
+// ---- Colours: one a back end, the same in all plots -----------------------------------------------
+const dark = matchMedia("(prefers-color-scheme: dark)");
+const hues = ["#2563eb", "#ea580c", "#0d9488", "#c026d3", "#ca8a04", "#dc2626", "#65a30d", "#0891b2", "#7c3aed", "#57534e",
+  "#db2777", "#1e3a8a", "#9a3412", "#115e59", "#86198f", "#713f12", "#7f1d1d", "#3f6212"];
+const lightHues = ["#6ea0ff", "#fb923c", "#2dd4bf", "#e879f9", "#facc15", "#f87171", "#a3e635", "#22d3ee", "#a78bfa", "#a8a29e",
+  "#f472b6", "#93c5fd", "#fdba74", "#99f6e4", "#f0abfc", "#fde68a", "#fca5a5", "#d9f99d"];
+const color = (k) => (dark.matches ? lightHues : hues)[k % hues.length];
+const hidden = new Set();
+
+// ---- Choice of set and deadline -------------------------------------------------------------------
+const names = [...new Set(bench.summary.map((group) => group.set))];
+for (const name of names) $("set").append(make("option", { value: name }, name === "all" ? "all sets" : name));
+for (const seconds of bench.deadlines_s) $("deadline").append(make("option", { value: seconds }, deadlineText(seconds)));
+$("deadline").value = bench.deadlines_s[bench.deadlines_s.length - 1];
+const group = () => bench.summary.find((g) => g.set === $("set").value && g.deadline_s === +$("deadline").value);
+
+// ---- Table ----------------------------------------------------------------------------------------
+function fillSummary() {
+  const g = group();
+  const withDeadline = g.deadline_s > 0;
+  // [head, unit, value of a row, how to print it, whether less is better]
+  const columns = [
+    ["to target", "ms, median", (s) => s.ms_to_target.median], ["", "p90", (s) => s.ms_to_target.p90], ["", "p99", (s) => s.ms_to_target.p99],
+    ["", "evaluations", (s) => s.evaluations_to_target_median],
+    ["whole solve", "ms, median", (s) => s.ms.median], ["", "p90", (s) => s.ms.p90], ["", "p99", (s) => s.ms.p99],
+    ["", "evaluations", (s) => s.evaluations_median], ["", "with gradient", (s) => s.gradients_median], ["gap", "median", (s) => s.gap_median],
+    ...(withDeadline ? [["past deadline", "ms, median", (s) => s.overrun_ms.p50], ["", "p99", (s) => s.overrun_ms.p99], ["", "worst", (s) => s.overrun_ms.max]] : []),
+  ];
+  const head = make("tr", {}, make("th", {}, "back end"), make("th", {}, "solved"));
+  for (const [what, unit] of columns) head.append(make("th", {}, what, make("br"), unit));
+  const body = make("tbody");
+  const best = columns.map(([, , value]) => Math.min(...g.solvers.map(value).filter(isNumber)));
+  const most = Math.max(...g.solvers.map((s) => s.solved));
+  g.solvers.forEach((s, k) => {
+    const mark = make("i");
+    mark.style.background = color(k);
+    const name = make("th", { scope: "row", tabindex: "0", role: "button", "aria-pressed": String(!hidden.has(k)) }, mark, s.solver);
+    const toggle = () => { if (!hidden.delete(k)) hidden.add(k); fillSummary(); drawAll(); };
+    name.addEventListener("click", toggle);
+    name.addEventListener("keydown", (e) => { if (e.key === "Enter" || e.key === " ") { e.preventDefault(); toggle(); } });
+    const bar = make("b");
+    bar.style.width = `${100 * s.solved / s.problems}%`;
+    const notes = [s.refused && `${s.refused} refused`, s.errors && `${s.errors} errors`].filter(Boolean).join(", ");
+    const row = make("tr", hidden.has(k) ? { class: "off" } : {}, name,
+      make("td", { class: s.solved === most ? "share best" : "share", title: notes }, make("span", { class: "bar" }, bar), `${s.solved} of ${s.problems}${notes ? "*" : ""}`));
+    columns.forEach(([what, , value], c) => {
+      const x = value(s);
+      row.append(make("td", isNumber(x) && x === best[c] && c < 4 ? { class: "best" } : {}, compact(x)));
+    });
+    body.append(row);
+  });
+  $("summary").replaceChildren(make("thead", {}, head), body);
+}
+
+// ---- Plots ----------------------------------------------------------------------------------------
+const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const power = (v) => {
+  const x = 10 ** v;
+  return x >= 1e-3 && x < 1e5 ? String(+x.toPrecision(2)) : `1e${Math.round(v)}`.replace("-", "−");
+};
+// Ticks at whole powers of ten, and at 2 and 5 between them where there is room.
+function ticker(low, high, pixels) {
+  const fine = pixels / (high - low) > 140 ? [1, 2, 5] : [1];
+  const every = Math.max(1, Math.ceil((high - low) / (pixels / 50)));
+  const ticks = [];
+  for (let e = Math.floor(low); e <= Math.ceil(high); ++e) {
+    if (e % every) continue;
+    for (const m of fine) {
+      const v = e + Math.log10(m);
+      if (v >= low - 1e-9 && v <= high + 1e-9) ticks.push({ v, label: power(v) });
+    }
+  }
+  return ticks;
+}
+const logAxis = (label) => ({ ticker: (a, b, pixels) => ticker(a, b, pixels), axisLabelFormatter: power, valueFormatter: power, ...label });
+
+const plots = [];
+function addPlot(title, unit, build) {
+  const area = make("div", { class: "area" });
+  const heading = make("h2", {}, title, make("em", {}, unit));
+  $("plots").append(make("div", { class: "card" }, heading, area));
+  plots.push({ area, build, graph: null, rows: 0 });
+}
+
+// Steps of all back ends on one axis of log10 of the ratio.
+function profileData(g, key) {
+  const ratios = [...new Set([1, ...g.solvers.flatMap((s) => s[key].ratio)])].sort((a, b) => a - b);
+  const end = Math.max(1.5, ratios[ratios.length - 1]);
+  ratios.push(1.15 * end);
+  const at = g.solvers.map(() => 0), share = g.solvers.map(() => 0);
+  const rows = ratios.map((ratio) => [Math.log10(ratio), ...g.solvers.map((s, k) => {
+    const steps = s[key];
+    while (at[k] < steps.ratio.length && steps.ratio[at[k]] <= ratio) share[k] = steps.share[at[k]++];
+    return share[k];
+  })]);
+  return { rows, options: {
+    stepPlot: true, strokeWidth: 1.8, valueRange: [0, 1.03], dateWindow: [0, Math.log10(1.15 * end)],
+    axes: { x: logAxis({ axisLabelWidth: 46 }), y: { axisLabelFormatter: (v) => `${Math.round(100 * v)} %`, axisLabelWidth: 44, pixelsPerLabel: 40 } },
+  } };
+}
+
+const kFloor = 1e-6;
+function curveData(g, key, axis, unit) {
+  const at = (g.solvers.find((s) => s[key][axis].length) || { [key]: { [axis]: [] } })[key][axis];
+  const finite = g.solvers.flatMap((s) => [...s[key].median, ...s[key].upper]).filter(isNumber);
+  const top = Math.min(1e4, Math.max(0.1, ...finite)) * 1.5;
+  const log = (gap) => Math.log10(Math.min(top, Math.max(kFloor, gap)));
+  const rows = at.map((x, i) => [Math.log10(unit * x), ...g.solvers.map((s) => {
+    const c = s[key];
+    if (!isNumber(c.median[i])) return [null, null, null];
+    return [log(c.lower[i]), log(c.median[i]), isNumber(c.upper[i]) ? log(c.upper[i]) : Math.log10(top)];
+  })]);
+  return { rows, options: {
+    customBars: true, fillAlpha: g.solvers.length - hidden.size > 4 ? 0.05 : 0.12, strokeWidth: 1.8,
+    valueRange: [Math.log10(kFloor) - 0.15, Math.log10(top)],
+    axes: { x: logAxis({ axisLabelWidth: 46 }), y: { ...logAxis({ axisLabelWidth: 44 }) } },
+    underlayCallback: (context, chart, graph) => {
+      const y = graph.toDomYCoord(Math.log10(bench.relative_tolerance));
+      context.strokeStyle = css("--good");
+      context.setLineDash([5, 4]);
+      context.beginPath(); context.moveTo(chart.x, y); context.lineTo(chart.x + chart.w, y); context.stroke();
+      context.setLineDash([]);
+    },
+  } };
+}
+
+addPlot("Performance profile, by time", "share solved within a factor of the fastest", (g) => profileData(g, "profile_by_time"));
+addPlot("Performance profile, by evaluations", "share solved within a factor of the fewest evaluations", (g) => profileData(g, "profile_by_evaluations"));
+addPlot("Gap against time", "ms; median and quartiles over the problems; dashed: solved", (g) => curveData(g, "gap_over_time", "seconds", 1000));
+addPlot("Gap against evaluations", "median and quartiles over the problems; dashed: solved", (g) => curveData(g, "gap_over_evaluations", "evaluations", 1));
+
+function drawAll() {
+  const g = group();
+  for (const plot of plots) {
+    if (plot.graph) plot.graph.destroy();
+    const { rows, options } = plot.build(g);
+    plot.rows = rows.length;
+    plot.graph = rows.length < 2 ? null : new Dygraph(plot.area, rows, {
+      labels: ["x", ...g.solvers.map((s) => s.solver)], colors: g.solvers.map((s, k) => color(k)), visibility: g.solvers.map((s, k) => !hidden.has(k)),
+      legend: "never", labelsDiv: make("div"), gridLineColor: css("--grid"), axisLineColor: css("--line"), axisLineWidth: 1, rightGap: 14, xAxisHeight: 20,
+      highlightCircleSize: 0, highlightSeriesOpts: { strokeWidth: 3 }, highlightSeriesBackgroundAlpha: 1, ...options,
+    });
+    if (!plot.graph) plot.area.replaceChildren(make("p", { class: "note" }, "Nothing to draw: no back end found a feasible point."));
+  }
+}
+
+// ---- Every problem --------------------------------------------------------------------------------
+function fillCells() {
+  const g = group();
+  const of = new Map();
+  for (const row of bench.rows) {
+    if (row.deadline_s === g.deadline_s) of.set(`${row.set}\n${row.problem}\n${row.solver}`, row);
+  }
+  const body = make("tbody");
+  for (const set of bench.sets) {
+    if (g.set !== "all" && g.set !== set.name) continue;
+    for (const problem of set.problems) {
+      const line = make("tr", {}, make("th", { scope: "row", title: `best known: ${compact(problem.best_known)} (${problem.best_known_by || "none"}); ${plural(problem.variables, "variable")}, ${plural(problem.constraints, "constraint")}` },
+        g.set === "all" ? `${set.name}: ${problem.name}` : problem.name), make("td", {}, isNumber(problem.best_known) ? String(+problem.best_known.toPrecision(6)).replace("-", "−") : "–"));
+      for (const solver of bench.solvers) {
+        const row = of.get(`${set.name}\n${problem.name}\n${solver}`);
+        if (!row) { line.append(make("td", { class: "none" }, "–")); continue; }
+        const refused = row.stop_reason === "not supported";
+        const kind = row.solved ? "solved" : refused ? "none" : isNumber(row.gap) ? "" : "infeasible";
+        const title = refused ? row.detail : `${solver}: cost ${row.cost}, violation ${compact(row.violation)}, ${compact(row.wall_ms)} ms, ${row.cost_evaluations} evaluations, ${row.stop_reason}: ${row.detail}`;
+        line.append(make("td", { class: kind, title }, refused ? "–" : isNumber(row.gap) ? compact(row.gap) : "✕"));
+      }
+      body.append(line);
+    }
+  }
+  $("cells").replaceChildren(make("thead", {}, make("tr", {}, make("th", {}, "problem"), make("th", {}, "best"), ...bench.solvers.map((s) => make("th", {}, s.replace("nlopt:", ""))))), body);
+}
+
+function show() { fillSummary(); drawAll(); fillCells(); }
+$("set").addEventListener("change", show);
+$("deadline").addEventListener("change", show);
+dark.addEventListener("change", show);
+show();
+
+// ---- Self-test: bench.html#selftest ---------------------------------------------------------------
+// Goes through every choice as a hand would and writes what is shown, one line a fact.
+if (location.hash === "#selftest") {
+  const lines = [];
+  const failures = [];
+  const expect = (what, ok) => { if (!ok) failures.push(what); };
+  try {
+    for (const set of [...$("set").options]) {
+      for (const deadline of [...$("deadline").options]) {
+        $("set").value = set.value; $("deadline").value = deadline.value;
+        $("set").dispatchEvent(new Event("change"));
+        const solved = [...$("summary").querySelectorAll("tbody tr")].map((row) => row.children[1].textContent);
+        lines.push(`${set.value} ${deadline.value} solved ${solved.join(", ")} problems ${$("cells").tBodies[0].rows.length} green ${$("cells").querySelectorAll(".solved").length}`);
+        plots.forEach((plot, i) => expect(`plot ${i} of ${set.value}, ${deadline.value} is drawn`, plot.graph && plot.rows > 1));
+      }
+    }
+    // Hiding a back end takes its line out of every plot.
+    $("summary").querySelector("tbody th").click();
+    for (const plot of plots) expect("a hidden back end is not drawn", plot.graph && plot.graph.visibility()[0] === false);
+  } catch (e) {
+    failures.push(String(e));
+  }
+  for (const failure of [...failures, ...errors]) lines.push(`failed: ${failure}`);
+  lines.push(failures.length || errors.length ? "selftest failed" : "selftest passed");
+  document.body.append(make("pre", { id: "selftest" }, lines.join("\n")));
+}
+})();

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "adapters/bench/bench_run.h"
+
+namespace prospect {
+
+/// How far from the best known a back end is, as it goes on: quartiles over the problems.
+struct GapCurve {
+  struct Point {
+    double at = 0.0;  ///< [s], or evaluations
+    /// SolvedRule::gap of the incumbent: a quarter, half, three quarters of the problems are at
+    /// most this far from the best. Infinite where so many have no feasible point yet. [-]
+    double lower = 0.0, median = 0.0, upper = 0.0;
+  };
+  std::vector<Point> points;
+};
+
+enum class GapAxis { kSeconds, kEvaluations };
+
+/// The curve of rows of one back end (of one deadline; one or several sets), at `count` places that
+/// are evenly spread in logarithm from `first` to `last`. A row that has ended keeps its last
+/// incumbent; one that cannot solve its problem is infinitely far. No points without rows.
+GapCurve gap_curve(const BenchTable& table, const std::vector<const BenchRow*>& rows, GapAxis axis,
+                   double first, double last, int count);
+
+}  // namespace prospect

@@ -1,0 +1,181 @@
+#include "adapters/bench/problem_set.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <system_error>
+#include <utility>
+
+#include "adapters/config/input_error.h"
+#include "adapters/problem_file/problem_file.h"
+#include "adapters/run/whole_file.h"
+#include "models/nearest_name.h"
+#include "problems/path_problem.h"
+#include "problems/r1.h"
+#include "problems/zoo.h"
+
+namespace prospect {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kBestFile = "best_known.json";
+
+BenchProblem started(std::string name, Problem problem, const Eigen::VectorXd& x, double best) {
+  BenchProblem made;
+  made.name = std::move(name);
+  made.problem = std::make_shared<const Problem>(std::move(problem));
+  made.start.x = x;
+  made.best_known = best;
+  return made;
+}
+
+ProblemSet zoo_set() {
+  ProblemSet set{"zoo", "known optima", 1e-3, {}, {}, ""};
+  for (const FunctionProblem& p : zoo::all()) {
+    set.problems.push_back(started(p.name, p.problem(), p.start, p.optimum));
+  }
+  PathProblem path = path_problem();
+  const Eigen::VectorXd at_rest = Eigen::VectorXd::Zero(path.problem.num_variables());
+  set.problems.push_back(started("path past a disc", std::move(path.problem), at_rest, 0.0));
+  return set;
+}
+
+ProblemSet s30_set(bool quick) {
+  ProblemSet set{"s30", "best of 200 local solves from random inputs each", 0.01, {}, {}, ""};
+  const std::vector<Eigen::Vector3d> starts = r1_starts(17, 30);
+  for (std::size_t i = 0; i < starts.size(); i += quick ? 5 : 1) {
+    set.problems.push_back(
+        started("start " + std::to_string(i), make_r1(starts[i]), r1_cold(), s30_best_known()[i]));
+  }
+  return set;
+}
+
+BenchProblem problem_of_file(const std::string& path, const std::string& name) {
+  ReadProblem read = read_problem(path);
+  BenchProblem problem;
+  problem.name = name;
+  problem.problem = std::move(read.problem);
+  if (read.saved.warm_start) problem.start = std::move(*read.saved.warm_start);
+  const std::vector<Seed>& seeds = read.saved.seeds;
+  if (seeds.empty()) return problem;
+  if (problem.start.x.size() == 0) problem.start.x = seeds.front().z;
+  problem.start.seeds.resize(problem.problem->num_variables(),
+                             static_cast<Eigen::Index>(seeds.size()));
+  for (std::size_t i = 0; i < seeds.size(); ++i) {
+    problem.start.seeds.col(static_cast<Eigen::Index>(i)) = seeds[i].z;
+  }
+  return problem;
+}
+
+/// best_known.json: {"costs": {"name of a problem": its best known cost, ...}}.
+void read_best_known(ProblemSet& set) {
+  const std::string path = (fs::path(set.folder) / kBestFile).string();
+  if (std::error_code error; !fs::exists(path, error)) return;
+  const char* const expected = "; expected {\"costs\": {\"PROBLEM\": number, ...}}";
+  std::ifstream file(path, std::ios::binary);
+  const Json json = Json::parse(file, nullptr, false);
+  if (json.is_discarded()) throw InputError(path + ": is no JSON" + expected);
+  const auto costs = json.is_object() ? json.find("costs") : json.end();
+  if (!json.is_object() || costs == json.end() || !costs->is_object()) {
+    throw InputError(path + ": has no costs" + expected);
+  }
+  for (BenchProblem& problem : set.problems) {
+    const auto found = costs->find(problem.name);
+    if (found == costs->end()) continue;
+    if (!found->is_number() || !std::isfinite(found->get<double>())) {
+      throw InputError(path + ": '" + problem.name + "' is no number" + expected);
+    }
+    problem.best_known = found->get<double>();
+  }
+}
+
+ProblemSet folder_set(const std::string& path) {
+  ProblemSet set;
+  const fs::path folder = fs::path(path).lexically_normal();
+  set.name =
+      folder.has_filename() ? folder.filename().string() : folder.parent_path().filename().string();
+  if (set.name.empty() || set.name == ".") set.name = path;
+  set.best_known_source = std::string("best costs kept in ") + kBestFile;
+  set.folder = path;
+  std::vector<std::string> files;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(path, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (entry->path().extension() == ".h5" && entry->is_regular_file()) {
+      files.push_back(fs::relative(entry->path(), path).generic_string());
+    }
+  }
+  if (error)
+    throw InputError(path + ": cannot be read (" + error.message() +
+                     "); expected a folder of problem files");
+  if (files.empty())
+    throw InputError(path + ": holds no problem file (.h5); expected a folder of problem files");
+  std::sort(files.begin(), files.end());
+  for (const std::string& file : files) {
+    set.problems.push_back(
+        problem_of_file((fs::path(path) / file).string(), file.substr(0, file.size() - 3)));
+  }
+  read_best_known(set);
+  return set;
+}
+
+struct Builtin {
+  const char* name;
+  const char* summary;
+};
+constexpr Builtin kBuiltins[] = {
+    {"zoo", "eleven small problems with known optima, with and without constraints"},
+    {"s30", "R1, an exploration problem of 40 variables with many basins, from thirty starts"},
+};
+
+}  // namespace
+
+std::vector<std::string> builtin_set_names() {
+  std::vector<std::string> names;
+  for (const Builtin& set : kBuiltins) names.emplace_back(set.name);
+  return names;
+}
+
+std::string builtin_set_summary(const std::string& name) {
+  for (const Builtin& set : kBuiltins) {
+    if (name == set.name) return set.summary;
+  }
+  return "";
+}
+
+ProblemSet make_problem_set(const std::string& text, bool quick) {
+  if (text == "zoo") return zoo_set();
+  if (text == "s30") return s30_set(quick);
+  std::error_code error;
+  const fs::file_status status = fs::status(text, error);
+  if (fs::is_directory(status)) return folder_set(text);
+  const std::string extension = fs::path(text).extension().string();
+  if (extension == ".h5" || (fs::exists(status) && extension != ".json")) {
+    ProblemSet set;
+    set.name = fs::path(text).stem().string();
+    set.problems.push_back(problem_of_file(text, set.name));
+    return set;
+  }
+  std::string names;
+  for (const Builtin& set : kBuiltins) names += std::string(set.name) + ", ";
+  throw InputError("problem set '" + text + "': no such file or folder" +
+                   did_you_mean(text, builtin_set_names()) + "; expected one of: " + names +
+                   "a folder of problem files, a problem file (.h5)");
+}
+
+void keep_best_known(const ProblemSet& set) {
+  Json costs = Json::object();
+  for (const BenchProblem& problem : set.problems) {
+    if (problem.best_known) costs[problem.name] = *problem.best_known;
+  }
+  const std::string path = (fs::path(set.folder) / kBestFile).string();
+  const std::string wrong = write_whole_file(path, Json{{"costs", costs}}.dump(1) + '\n');
+  if (!wrong.empty()) throw std::runtime_error(path + ": cannot be written (" + wrong + ")");
+}
+
+}  // namespace prospect

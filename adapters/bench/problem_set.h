@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/problem.h"
+#include "engine/solver.h"
+
+namespace prospect {
+
+/// One problem to measure back ends on, and from where they start.
+struct BenchProblem {
+  std::string name;  ///< unique within its set
+  std::shared_ptr<const Problem> problem;
+  WarmStart start;  ///< x; of missions also the planner's seeds
+  /// Cost of the best feasible point known before the run; none if nobody has looked.
+  std::optional<double> best_known;
+};
+
+/// Problems that are reported together.
+struct ProblemSet {
+  std::string name;
+  std::string best_known_source;  ///< where best_known is from, in words
+  /// What counts as the same cost where the best known is near 0: solved_target() of solved_rule.h.
+  double absolute_tolerance = 1e-3;
+  std::vector<BenchProblem> problems;
+  std::vector<std::string> left_out;  ///< what the source holds besides, and why it is not here
+  std::string folder;                 ///< that the problems are from, to keep best costs in; or ""
+};
+
+/// zoo, r1, s30, missions.
+std::vector<std::string> builtin_set_names();
+/// One line on a built-in set; "" for an unknown name.
+std::string builtin_set_summary(const std::string& name);
+
+/// A set by name or path: a built-in one; a problem file (.h5); a folder of problem files, with the
+/// best costs known in best_known.json beside them, if it is there; a file of problems stated as
+/// expressions (.json, expression_file.h). `quick`: of a built-in set a share that is solved in
+/// seconds. Throws InputError in one line, also for a folder of which one file is damaged.
+ProblemSet make_problem_set(const std::string& text, bool quick);
+
+/// Keeps the best costs of a set that is from a folder: best_known.json, whole or not at all.
+/// Throws std::runtime_error if writing fails.
+void keep_best_known(const ProblemSet& set);
+
+}  // namespace prospect

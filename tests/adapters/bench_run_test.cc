@@ -1,0 +1,228 @@
+#include "adapters/bench/bench_run.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "adapters/bench/bench_files.h"
+#include "adapters/bench/bench_page.h"
+#include "adapters/bench/bench_summary.h"
+#include "problems/zoo.h"
+
+namespace prospect {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// A back end whose results are written down: walks through points of decreasing cost.
+class Scripted final : public Solver {
+ public:
+  Scripted(std::string name, std::vector<Improvement> trace)
+      : name_(std::move(name)), trace_(std::move(trace)) {}
+  std::string name() const override { return name_; }
+  std::vector<OptionInfo> options() const override { return {}; }
+  std::string explain_unsupported(const Problem& p) const override {
+    return p.num_variables() > 3 ? "takes three variables at most" : "";
+  }
+  Result solve(const Problem&, const WarmStart&, const Options& options,
+               const StopCondition&) const override {
+    EXPECT_EQ(std::get<int>(options.at("trace")), 1);
+    Result r;
+    r.trace = trace_;
+    r.stop = StopReason::kConverged;
+    r.quality = Quality::kFeasible;
+    r.cost = trace_.back().cost;
+    r.violation = trace_.back().violation;
+    r.counters = {trace_.back().evaluations + 5, 0, 1};
+    return r;
+  }
+
+ private:
+  std::string name_;
+  std::vector<Improvement> trace_;
+};
+
+SolverChoice scripted(const std::string& name, std::vector<Improvement> trace) {
+  return {name, std::make_shared<Scripted>(name, std::move(trace)), {}};
+}
+
+ProblemSet two_problems() {
+  ProblemSet set;
+  set.name = "two";
+  for (const FunctionProblem& p : {zoo::hs35(), zoo::hs43()}) {  // 3 and 4 variables
+    BenchProblem problem;
+    problem.name = p.name;
+    problem.problem = std::make_shared<const Problem>(p.problem());
+    problem.start.x = p.start;
+    set.problems.push_back(problem);
+  }
+  set.problems[0].best_known = 10.0;
+  return set;
+}
+
+const std::vector<Improvement> kGood = {
+    {0.001, 1, 50.0, 1.0}, {0.002, 4, 30.0, 0.0}, {0.003, 9, 10.09, 0.0}, {0.004, 20, 10.05, 0.0}};
+const std::vector<Improvement> kPoor = {{0.001, 1, 20.0, 0.0}, {0.010, 100, 12.0, 0.0}};
+const std::vector<Improvement> kInfeasible = {{0.001, 1, 5.0, 0.1}};
+
+BenchTable table() {
+  return run_bench({two_problems()},
+                   {scripted("good", kGood), scripted("poor", kPoor), scripted("off", kInfeasible)},
+                   {});
+}
+
+TEST(BenchRun, JudgesEveryRowAgainstTheBestKnown) {
+  const BenchTable t = table();
+  ASSERT_EQ(t.rows.size(), 6U);
+  EXPECT_EQ(t.best[0][0].cost, 10.0);
+  EXPECT_EQ(t.best[0][0].found_by, "stored");
+  const BenchRow &good = t.rows[0], &poor = t.rows[1], &off = t.rows[2];
+  EXPECT_TRUE(good.solved);
+  EXPECT_NEAR(good.gap, 0.005, 1e-15);
+  EXPECT_EQ(good.seconds_to_target, 0.003);  // 10.09 is within 1 %
+  EXPECT_EQ(good.evaluations_to_target, 9);
+  EXPECT_FALSE(poor.solved);
+  EXPECT_NEAR(poor.gap, 0.2, 1e-15);
+  EXPECT_TRUE(std::isinf(poor.seconds_to_target));
+  EXPECT_FALSE(off.solved);  // cheap, but not feasible
+  EXPECT_TRUE(std::isinf(off.gap));
+  for (int i = 3; i < 6; ++i) {
+    EXPECT_FALSE(t.rows[i].supported);
+    EXPECT_THAT(t.rows[i].detail, HasSubstr("three variables"));
+  }
+  EXPECT_TRUE(std::isinf(t.best[0][1].cost));
+}
+
+TEST(BenchRun, TakesAFeasibleResultBelowTheStoredOneForTheBest) {
+  ProblemSet set = two_problems();
+  set.problems[0].best_known = 20.0;
+  const BenchTable t =
+      run_bench({set}, {scripted("good", kGood), scripted("off", kInfeasible)}, {});
+  EXPECT_EQ(t.best[0][0].cost, 10.05);
+  EXPECT_EQ(t.best[0][0].found_by, "good");
+}
+
+TEST(BenchRun, SummarizesByHandComputedNumbers) {
+  const auto groups = summarize(table());
+  ASSERT_EQ(groups.size(), 1U);
+  const SolverSummary &good = groups[0].solvers[0], &poor = groups[0].solvers[1];
+  EXPECT_EQ(good.solved, 1);
+  EXPECT_EQ(good.refused, 1);
+  EXPECT_EQ(good.problems, 2);
+  EXPECT_DOUBLE_EQ(good.ms_to_target_median, 3.0);
+  EXPECT_TRUE(std::isinf(good.ms_to_target_p90));  // the other problem is not solved
+  EXPECT_EQ(good.evaluations_median, 25.0);
+  EXPECT_EQ(good.by_time.at(1.0), 0.5);
+  EXPECT_EQ(poor.solved, 0);
+  EXPECT_TRUE(poor.by_time.steps.empty());
+  EXPECT_EQ(groups[0].solvers[2].feasible, 0);
+}
+
+TEST(GapCurve, FollowsTheIncumbentsOfTheRows) {
+  const BenchTable t = table();
+  const GapCurve curve = gap_curve(t, {&t.rows[0]}, GapAxis::kEvaluations, 1.0, 100.0, 3);
+  ASSERT_EQ(curve.points.size(), 3U);  // at 1, 10 and 100 evaluations
+  EXPECT_TRUE(std::isinf(curve.points[0].median));
+  EXPECT_DOUBLE_EQ(curve.points[1].at, 10.0);
+  EXPECT_NEAR(curve.points[1].median, 0.009, 1e-12);
+  EXPECT_NEAR(curve.points[2].median, 0.005, 1e-12);
+  const GapCurve both = gap_curve(t, {&t.rows[0], &t.rows[1]}, GapAxis::kSeconds, 0.02, 0.02, 1);
+  EXPECT_NEAR(both.points[0].lower, 0.005, 1e-12);
+  EXPECT_NEAR(both.points[0].upper, 0.2, 1e-12);
+  EXPECT_TRUE(gap_curve(t, {}, GapAxis::kSeconds, 1e-3, 1.0, 5).points.empty());
+}
+
+/// A back end that finds a worse cost with every solve.
+class Tiring final : public Solver {
+ public:
+  std::string name() const override { return "tiring"; }
+  std::vector<OptionInfo> options() const override { return {}; }
+  std::string explain_unsupported(const Problem&) const override { return ""; }
+  Result solve(const Problem&, const WarmStart&, const Options&,
+               const StopCondition&) const override {
+    Result r;
+    r.stop = StopReason::kDeadline;
+    r.quality = Quality::kFeasible;
+    r.cost = ++*solves_;
+    r.violation = 0.0;
+    r.trace = {{1e-3, 1, r.cost, 0.0}};
+    if (*solves_ == 1) std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    return r;
+  }
+
+ private:
+  std::shared_ptr<int> solves_ = std::make_shared<int>(0);
+};
+
+TEST(BenchRun, TakesTheMedianOfTheRepeatsUnderADeadlineAndTheirWorstOverrun) {
+  ProblemSet set = two_problems();
+  set.problems.resize(1);
+  set.problems[0].best_known.reset();
+  BenchOptions options;
+  options.repeats = 3;
+  options.deadlines = {0.01};
+  const BenchTable t = run_bench({set}, {{"tiring", std::make_shared<Tiring>(), {}}}, options);
+  ASSERT_EQ(t.rows.size(), 1U);
+  EXPECT_EQ(t.rows[0].cost, 2.0);
+  EXPECT_GE(t.rows[0].overrun, 0.02);
+  options.deadlines = {0.0};
+  const BenchTable fastest =
+      run_bench({set}, {{"tiring", std::make_shared<Tiring>(), {}}}, options);
+  EXPECT_GT(fastest.rows[0].cost, 1.0);  // the first one sleeps
+  EXPECT_EQ(fastest.rows[0].overrun, 0.0);
+}
+
+TEST(BenchFiles, HaveARowForEveryCellAndAsManyFieldsAsTheHead) {
+  const BenchTable t = table();
+  std::istringstream csv(bench_csv(t));
+  std::string head, line;
+  std::getline(csv, head);
+  const auto commas = std::count(head.begin(), head.end(), ',');
+  int rows = 0;
+  while (std::getline(csv, line)) {
+    ++rows;
+    EXPECT_EQ(std::count(line.begin(), line.end(), ','), commas) << line;
+  }
+  EXPECT_EQ(rows, 6);
+  EXPECT_THAT(bench_csv(t), HasSubstr("\ntwo,HS35,3,1,good,,10.05,0,10,"));
+  EXPECT_THAT(bench_csv(t), HasSubstr("\ntwo,HS43,4,3,good,,,,,,0,"));
+}
+
+TEST(BenchFiles, HaveJsonThatReadsBackWithWhatTheTableSays) {
+  const BenchTable t = table();
+  const auto groups = summarize(t);
+  const auto json = nlohmann::ordered_json::parse(bench_json(t, groups, true).dump());
+  EXPECT_EQ(json["rows"].size(), 6U);
+  EXPECT_EQ(json["rows"][0]["cost"], 10.05);
+  EXPECT_EQ(json["rows"][0]["trace"]["cost"].size(), 4U);
+  EXPECT_TRUE(json["rows"][1]["ms_to_target"].is_null());
+  EXPECT_TRUE(json["rows"][3]["cost"].is_null());
+  EXPECT_EQ(json["rows"][3]["stop_reason"], "not supported");
+  EXPECT_EQ(json["summary"][0]["solvers"][0]["solved"], 1);
+  EXPECT_EQ(json["sets"][0]["problems"][0]["best_known"], 10.0);
+  EXPECT_THAT(bench_text(t, groups[0]), HasSubstr("good         1/2"));
+}
+
+TEST(BenchPage, HoldsTheDataAndLeavesNoPlaceUnfilled) {
+  BenchTable t = table();
+  t.sets[0].name = "</script><b>";
+  const std::string page = bench_page(bench_json(t, summarize(t), false));
+  for (const char* place : {"{{title}}", "{{style}}", "{{bench}}", "{{library", "{{script}}"}) {
+    EXPECT_EQ(page.find(place), std::string::npos) << place;
+  }
+  EXPECT_EQ(page.find("</script><b>"), std::string::npos);
+  EXPECT_THAT(page, HasSubstr("profile_by_time"));
+  EXPECT_THAT(page, HasSubstr("Dygraph"));
+}
+
+}  // namespace
+}  // namespace prospect
