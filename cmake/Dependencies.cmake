@@ -10,7 +10,9 @@ find_package(CLI11 CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
 find_package(NLopt CONFIG QUIET)
 pkg_check_modules(IPOPT QUIET IMPORTED_TARGET ipopt)
+set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)  # its SuiteSparse module reports every library it looks at
 find_package(Ceres CONFIG QUIET)
+unset(CMAKE_MESSAGE_LOG_LEVEL)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)
 
 # Debian's OpenCV module packages ship neither a CMake configuration nor a pkg-config file.

@@ -42,18 +42,18 @@ void AugmentedLagrangian::add_gradient(const Eigen::Ref<const Eigen::VectorXd>& 
 }
 
 void AugmentedLagrangian::residuals(const Eigen::Ref<const Eigen::VectorXd>& constraints,
-                                    const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
-                                    Eigen::Ref<Eigen::VectorXd> r, Eigen::Ref<Rows>* rows) const {
-  const double root = std::sqrt(rho_);
+                                    Eigen::Ref<Eigen::VectorXd> r) const {
   for (Eigen::Index i = 0; i < constraints.size(); ++i) {
-    const double shifted = lambda_[i] - rho_ * (constraints[i] - margin_);
-    r[i] = std::max(0.0, shifted) / root;
-    if (!rows) continue;
-    if (shifted > 0.0) {
-      rows->row(i) = -root * jacobian.row(i);
-    } else {
-      rows->row(i).setZero();
-    }
+    r[i] = std::max(0.0, lambda_[i] - rho_ * (constraints[i] - margin_)) / std::sqrt(rho_);
+  }
+}
+
+void AugmentedLagrangian::residual_jacobian(const Eigen::Ref<const Eigen::VectorXd>& constraints,
+                                            const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+                                            Eigen::Ref<ResidualJacobian> J) const {
+  for (Eigen::Index i = 0; i < constraints.size(); ++i) {
+    const bool pulls = lambda_[i] - rho_ * (constraints[i] - margin_) > 0.0;
+    J.row(i) = (pulls ? -std::sqrt(rho_) : 0.0) * jacobian.row(i);
   }
 }
 

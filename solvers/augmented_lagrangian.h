@@ -2,6 +2,8 @@
 
 #include <Eigen/Core>
 
+#include "engine/problem.h"
+
 namespace prospect {
 
 /// The constraints c(x) >= 0 folded into the cost, for methods that take bounds only:
@@ -25,8 +27,6 @@ namespace prospect {
 /// Birgin, Martinez, Schuverdt (2007). That it is used here is our choice.
 class AugmentedLagrangian {
  public:
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
   /// lambda: m multipliers to start from (>= 0), or empty for zeros. rho > 0.
   AugmentedLagrangian(int m, const Eigen::VectorXd& lambda, double rho, double margin);
 
@@ -35,10 +35,13 @@ class AugmentedLagrangian {
   void add_gradient(const Eigen::Ref<const Eigen::VectorXd>& constraints,
                     const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
                     Eigen::Ref<Eigen::VectorXd> gradient) const;
-  /// r (m), and with rows not null its derivative, -sqrt(rho) grad c_i where r_i > 0 (m x n).
+  /// r (m).
   void residuals(const Eigen::Ref<const Eigen::VectorXd>& constraints,
-                 const Eigen::Ref<const Eigen::MatrixXd>& jacobian, Eigen::Ref<Eigen::VectorXd> r,
-                 Eigen::Ref<Rows>* rows) const;
+                 Eigen::Ref<Eigen::VectorXd> r) const;
+  /// Its derivative (m x n), -sqrt(rho) grad c_i where r_i > 0, from jacobian (m x n).
+  void residual_jacobian(const Eigen::Ref<const Eigen::VectorXd>& constraints,
+                         const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
+                         Eigen::Ref<ResidualJacobian> J) const;
   /// After an inner minimisation that ended with these constraint values. Returns sigma.
   double update(const Eigen::Ref<const Eigen::VectorXd>& constraints);
 

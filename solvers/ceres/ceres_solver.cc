@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -13,43 +14,47 @@
 #include "solvers/evaluator.h"
 #include "solvers/incumbent.h"
 #include "solvers/options.h"
+#include "solvers/relaxed_barrier.h"
 #include "solvers/solver_frame.h"
 
 namespace prospect {
 namespace {
 
-using Rows = AugmentedLagrangian::Rows;
-
 /// All residuals of the problem and of its constraints, as one block of one parameter.
 class Residuals final : public ceres::CostFunction {
  public:
+  /// Writes the rows of the constraints as last evaluated, one more than there are constraints, and
+  /// with J not null their Jacobian.
+  using Constraints =
+      std::function<void(Eigen::Ref<Eigen::VectorXd> r, Eigen::Ref<ResidualJacobian>* J)>;
+
   /// The evaluator has evaluated residuals before.
-  Residuals(Evaluator& evaluator, const AugmentedLagrangian& merit)
+  Residuals(Evaluator& evaluator, const Constraints& constraints)
       : evaluator_(evaluator),
-        merit_(merit),
+        constraints_(constraints),
         costs_(evaluator.residuals().size()),
         gradient_(evaluator.num_variables()) {
-    set_num_residuals(static_cast<int>(costs_) + evaluator.num_constraints());
+    set_num_residuals(static_cast<int>(costs_) + evaluator.num_constraints() + 1);
     mutable_parameter_block_sizes()->push_back(evaluator.num_variables());
   }
 
   // Called by Ceres, through which no exception may pass: the evaluator lets none out.
   bool Evaluate(double const* const* parameters, double* residuals,
                 double** jacobians) const noexcept override {
-    const Eigen::Index n = evaluator_.num_variables(), m = evaluator_.num_constraints();
+    const Eigen::Index n = evaluator_.num_variables(), more = evaluator_.num_constraints() + 1;
     const Eigen::Map<const Eigen::VectorXd> x(parameters[0], n);
     if (!x.allFinite()) return false;
     if (evaluator_.evaluate(x, prospect::Evaluate::kResiduals) != Outcome::kEvaluated) return false;
-    Eigen::Map<Eigen::VectorXd> r(residuals, costs_ + m);
+    Eigen::Map<Eigen::VectorXd> r(residuals, costs_ + more);
     r.head(costs_) = evaluator_.residuals();
     if (!jacobians || !jacobians[0]) {
-      merit_.residuals(evaluator_.constraints(), evaluator_.jacobian(), r.tail(m), nullptr);
+      constraints_(r.tail(more), nullptr);
       return true;
     }
-    Eigen::Map<Rows> J(jacobians[0], costs_ + m, n);
+    Eigen::Map<ResidualJacobian> J(jacobians[0], costs_ + more, n);
     J.topRows(costs_) = evaluator_.residual_jacobian();
-    Eigen::Ref<Rows> rows = J.bottomRows(m);
-    merit_.residuals(evaluator_.constraints(), evaluator_.jacobian(), r.tail(m), &rows);
+    Eigen::Ref<ResidualJacobian> rows = J.bottomRows(more);
+    constraints_(r.tail(more), &rows);
     gradient_.noalias() = J.transpose() * r;
     for (Eigen::Index i = 0; i < n; ++i) {
       const bool pushed_out = (x[i] <= evaluator_.lower()[i] && gradient_[i] > 0.0) ||
@@ -61,7 +66,7 @@ class Residuals final : public ceres::CostFunction {
 
  private:
   Evaluator& evaluator_;
-  const AugmentedLagrangian& merit_;
+  const Constraints& constraints_;
   Eigen::Index costs_;
   mutable Eigen::VectorXd gradient_;
 };
@@ -97,10 +102,14 @@ class CeresSolver final : public SolverFrame {
     std::vector<OptionInfo> options = common_options();
     options.push_back(
         {"initial_penalty", 1000.0, "rho of the augmented Lagrangian at the start, above 0"});
-    options.push_back(
-        {"initial_trust_region_radius", 1e4, "Ceres: inverse of the first damping, above 0 [-]"});
-    options.push_back({"linear_solver", std::string("dense_normal_cholesky"),
-                       "Ceres: dense_normal_cholesky or dense_qr"});
+    options.push_back({"barrier", 0.01,
+                       "mu of the relaxed barrier that stands for constraints at first, above 0"});
+    options.push_back({"barrier_width", 0.01,
+                       "delta of that barrier, finite below it, above 0 [unit of constraint]"});
+    options.push_back({"barrier_trust_region_radius", 1.0,
+                       "Ceres: inverse of the first damping with that barrier, above 0 [-]"});
+    options.push_back({"initial_trust_region_radius", 1e4,
+                       "Ceres: inverse of the first damping otherwise, above 0 [-]"});
     return options;
   }
 
@@ -117,30 +126,40 @@ class CeresSolver final : public SolverFrame {
   Evaluate start_evaluation() const override { return Evaluate::kResiduals; }
 
   void check_options(OptionSet& options) const override {
-    for (const char* name : {"initial_penalty", "initial_trust_region_radius"}) {
+    for (const char* name : {"initial_penalty", "barrier", "barrier_width",
+                             "barrier_trust_region_radius", "initial_trust_region_radius"}) {
       options.require_value(name, options.number(name) > 0.0, "a number above 0");
     }
-    ceres::LinearSolverType type;
-    options.require_value("linear_solver", linear_solver(options, type),
-                          "dense_normal_cholesky or dense_qr");
   }
 
   Result run(Evaluator& evaluator, const OptionSet& options, const WarmStart& warm_start,
              const Eigen::VectorXd& start) const override {
     const double tolerance = evaluator.options().tolerance;
     const double margin = 0.5 * evaluator.options().feasibility_tolerance;
-    const bool constrained = evaluator.num_constraints() > 0;
-    AugmentedLagrangian merit(evaluator.num_constraints(), warm_start.lambda,
-                              options.number("initial_penalty"), margin);
+    const int m = evaluator.num_constraints();
+    const bool constrained = m > 0;
     Eigen::VectorXd x = start;
+    Eigen::VectorXd lambda = warm_start.lambda;
+    if (constrained && lambda.size() != m) lambda = through_barrier(evaluator, options, margin, x);
+    AugmentedLagrangian merit(m, lambda, options.number("initial_penalty"), margin);
+    const Residuals::Constraints rows = [&](Eigen::Ref<Eigen::VectorXd> r,
+                                            Eigen::Ref<ResidualJacobian>* J) {
+      r[m] = 0.0;
+      merit.residuals(evaluator.constraints(), r.head(m));
+      if (!J) return;
+      J->row(m).setZero();
+      merit.residual_jacobian(evaluator.constraints(), evaluator.jacobian(), J->topRows(m));
+    };
     double inner_tolerance = constrained ? std::max(tolerance, 1e-3) : tolerance;
     bool solved = false;
     std::string detail;
     constexpr int kOuter = 40;
     for (int outer = 0; outer < kOuter; ++outer) {
       const double before = evaluator.incumbent_cost();
-      const bool converged = minimise(evaluator, options, merit, inner_tolerance, x, detail);
-      if (evaluator.stopped() || evaluator.evaluate(x, Evaluate::kValue) != Outcome::kEvaluated) {
+      const bool converged = minimise(evaluator, rows, inner_tolerance,
+                                      options.number("initial_trust_region_radius"), x, detail);
+      if (evaluator.stopped() ||
+          evaluator.evaluate(x, Evaluate::kResiduals) != Outcome::kEvaluated) {
         break;
       }
       const bool precise = inner_tolerance <= tolerance;
@@ -168,18 +187,35 @@ class CeresSolver final : public SolverFrame {
   }
 
  private:
-  static bool linear_solver(const OptionSet& options, ceres::LinearSolverType& type) {
-    const std::string& name = options.text("linear_solver");
-    type = name == "dense_qr" ? ceres::DENSE_QR : ceres::DENSE_NORMAL_CHOLESKY;
-    return name == "dense_qr" || name == "dense_normal_cholesky";
+  /// Minimisations with a falling relaxed barrier, from x to x. Returns estimates of the
+  /// multipliers.
+  static Eigen::VectorXd through_barrier(Evaluator& evaluator, const OptionSet& options,
+                                         double margin, Eigen::VectorXd& x) {
+    constexpr int kBarriers = 2;
+    constexpr double kFall = 0.1;
+    double mu = options.number("barrier");
+    Eigen::VectorXd lambda;
+    std::string detail;
+    for (int i = 0; i < kBarriers && !evaluator.stopped(); ++i, mu *= kFall) {
+      const RelaxedBarrier barrier(mu, options.number("barrier_width"), margin);
+      const Residuals::Constraints rows = [&](Eigen::Ref<Eigen::VectorXd> r,
+                                              Eigen::Ref<ResidualJacobian>* J) {
+        barrier.residuals(evaluator.constraints(), r);
+        if (J) barrier.residual_jacobian(evaluator.constraints(), evaluator.jacobian(), *J);
+      };
+      minimise(evaluator, rows, std::max(1e-3, evaluator.options().tolerance),
+               options.number("barrier_trust_region_radius"), x, detail);
+      if (evaluator.evaluate(x, Evaluate::kResiduals) != Outcome::kEvaluated) break;
+      lambda = barrier.multipliers(evaluator.constraints());
+    }
+    return lambda;
   }
 
   /// One minimisation from x, whose end is left in x. Whether it converged.
-  static bool minimise(Evaluator& evaluator, const OptionSet& set, const AugmentedLagrangian& merit,
-                       double tolerance, Eigen::VectorXd& x, std::string& detail) {
-    // The residuals are counted where x was evaluated with them: mostly remembered.
+  static bool minimise(Evaluator& evaluator, const Residuals::Constraints& constraints,
+                       double tolerance, double radius, Eigen::VectorXd& x, std::string& detail) {
     if (evaluator.evaluate(x, Evaluate::kResiduals) != Outcome::kEvaluated) return false;
-    Residuals residuals(evaluator, merit);
+    Residuals residuals(evaluator, constraints);
     ceres::Problem::Options ownership;
     ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
     ownership.disable_all_safety_checks = true;
@@ -194,8 +230,12 @@ class CeresSolver final : public SolverFrame {
 
     ceres::Solver::Options options;
     options.trust_region_strategy_type = ceres::LEVENBERG_MARQUARDT;  // the one that takes bounds
-    linear_solver(set, options.linear_solver_type);
-    options.initial_trust_region_radius = set.number("initial_trust_region_radius");
+    options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
+    const bool constrained = evaluator.num_constraints() > 0;
+    options.initial_trust_region_radius = radius;
+    // Where a step violates constraints, the line search that Ceres adds for bounds may take a
+    // thousandth of it: there a smaller trust region does better.
+    if (constrained) options.max_num_line_search_step_size_iterations = 0;
     options.max_num_iterations = 1000000;  // the evaluator keeps the budget and the deadline
     options.max_solver_time_in_seconds = 1e9;
     options.function_tolerance = 0.0;  // see Watch

@@ -33,6 +33,26 @@ TEST(AugmentedLagrangian, HasTheGradientOfItsValue) {
   }
 }
 
+TEST(AugmentedLagrangian, IsASumOfSquares) {
+  const zoo::Case c = zoo::hs43();
+  std::mt19937_64 generator(12);
+  std::uniform_real_distribution<double> uniform(-3.0, 3.0);
+  for (int i = 0; i < 100; ++i) {
+    const Vector lambda = Vector::NullaryExpr(3, [&] { return std::abs(uniform(generator)); });
+    const AugmentedLagrangian merit(3, lambda, 5.0, 0.01);
+    const Vector x = Vector::NullaryExpr(4, [&] { return uniform(generator); });
+    Vector r(3);
+    ResidualJacobian J(3, 4);
+    merit.residuals(c.c(x), r);
+    merit.residual_jacobian(c.c(x), c.J(x), J);
+    EXPECT_NEAR(0.5 * r.squaredNorm() - lambda.squaredNorm() / 10.0, merit.value(0.0, c.c(x)),
+                1e-10);
+    Vector gradient = Vector::Zero(4);
+    merit.add_gradient(c.c(x), c.J(x), gradient);
+    EXPECT_LE((J.transpose() * r - gradient).norm(), 1e-12 * (1.0 + gradient.norm()));
+  }
+}
+
 TEST(AugmentedLagrangian, IsStationaryAtASolutionWithItsMultipliers) {
   const zoo::Case c = zoo::hs12();  // solution (2, 3), lambda = 1/2
   const AugmentedLagrangian merit(1, vec({0.5}), 10.0, 0.0);
