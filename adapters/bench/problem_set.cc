@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "adapters/bench/mission_set.h"
 #include "adapters/config/input_error.h"
 #include "adapters/problem_file/problem_file.h"
 #include "adapters/run/whole_file.h"
@@ -55,21 +56,36 @@ ProblemSet s30_set(bool quick) {
   return set;
 }
 
-BenchProblem problem_of_file(const std::string& path, const std::string& name) {
-  ReadProblem read = read_problem(path);
-  BenchProblem problem;
-  problem.name = name;
-  problem.problem = std::move(read.problem);
-  if (read.saved.warm_start) problem.start = std::move(*read.saved.warm_start);
-  const std::vector<Seed>& seeds = read.saved.seeds;
-  if (seeds.empty()) return problem;
-  if (problem.start.x.size() == 0) problem.start.x = seeds.front().z;
-  problem.start.seeds.resize(problem.problem->num_variables(),
-                             static_cast<Eigen::Index>(seeds.size()));
+BenchProblem problem_of(const std::string& name, std::shared_ptr<const Problem> problem,
+                        const std::vector<Seed>& seeds, const WarmStart* warm_start) {
+  BenchProblem made;
+  made.name = name;
+  made.problem = std::move(problem);
+  if (warm_start) made.start = *warm_start;
+  if (seeds.empty()) return made;
+  if (made.start.x.size() == 0) made.start.x = seeds.front().z;
+  made.start.seeds.resize(made.problem->num_variables(), static_cast<Eigen::Index>(seeds.size()));
   for (std::size_t i = 0; i < seeds.size(); ++i) {
-    problem.start.seeds.col(static_cast<Eigen::Index>(i)) = seeds[i].z;
+    made.start.seeds.col(static_cast<Eigen::Index>(i)) = seeds[i].z;
   }
-  return problem;
+  return made;
+}
+
+BenchProblem problem_of_file(const std::string& path, const std::string& name) {
+  const ReadProblem read = read_problem(path);
+  const std::optional<WarmStart>& warm_start = read.saved.warm_start;
+  return problem_of(name, read.problem, read.saved.seeds, warm_start ? &*warm_start : nullptr);
+}
+
+ProblemSet mission_set(const SolverRegistry& registry, bool quick) {
+  ProblemSet set{"missions", "", 1e-3, {}, {}, ""};
+  capture_missions(
+      quick ? quick_missions() : default_missions(), registry, [&](const SavedProblem& saved) {
+        const std::string file = problem_file_name(saved.origin);
+        set.problems.push_back(problem_of(file.substr(0, file.size() - 3),
+                                          make_problem(saved.recipe), saved.seeds, nullptr));
+      });
+  return set;
 }
 
 /// best_known.json: {"costs": {"name of a problem": its best known cost, ...}}.
@@ -131,6 +147,7 @@ struct Builtin {
 constexpr Builtin kBuiltins[] = {
     {"zoo", "eleven small problems with known optima, with and without constraints"},
     {"s30", "R1, an exploration problem of 40 variables with many basins, from thirty starts"},
+    {"missions", "112 planning problems of missions on eight maps, driven first: takes minutes"},
 };
 
 }  // namespace
@@ -148,9 +165,10 @@ std::string builtin_set_summary(const std::string& name) {
   return "";
 }
 
-ProblemSet make_problem_set(const std::string& text, bool quick) {
+ProblemSet make_problem_set(const std::string& text, const SolverRegistry& registry, bool quick) {
   if (text == "zoo") return zoo_set();
   if (text == "s30") return s30_set(quick);
+  if (text == "missions") return mission_set(registry, quick);
   std::error_code error;
   const fs::file_status status = fs::status(text, error);
   if (fs::is_directory(status)) return folder_set(text);

@@ -3,20 +3,24 @@
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "adapters/bench/bench_files.h"
 #include "adapters/bench/bench_run.h"
 #include "adapters/bench/bench_summary.h"
+#include "adapters/bench/mission_set.h"
 #include "adapters/bench/problem_set.h"
 #include "adapters/bench/solver_choice.h"
 #include "adapters/cli/commands.h"
 #include "adapters/config/input_error.h"
+#include "adapters/problem_file/problem_file.h"
 
 namespace prospect {
 namespace {
@@ -40,9 +44,39 @@ std::vector<std::string> default_solvers(const SolverRegistry& registry, bool qu
   return names;
 }
 
+/// Writes the problems of the set `missions` to a new folder, which is then a set.
+int capture(const BenchArguments& arguments, const SolverRegistry& registry) {
+  namespace fs = std::filesystem;
+  const std::string& folder = arguments.capture;
+  const char* const expected = "; expected a new or empty folder";
+  if (!arguments.sets.empty()) {
+    throw InputError("--capture: '" + arguments.sets.front() +
+                     "' beside it; expected no set, as it writes 'missions'");
+  }
+  std::error_code error;
+  if (fs::exists(folder, error) && !(fs::is_directory(folder) && fs::is_empty(folder, error))) {
+    throw InputError("--capture " + folder + ": is there already" + expected);
+  }
+  fs::create_directories(folder, error);
+  if (error) {
+    throw InputError("--capture " + folder + ": cannot be made (" + error.message() + ")" +
+                     expected);
+  }
+  int written = 0;
+  capture_missions(arguments.quick ? quick_missions() : default_missions(), registry,
+                   [&](const SavedProblem& saved) {
+                     write_problem((fs::path(folder) / problem_file_name(saved.origin)).string(),
+                                   saved);
+                     ++written;
+                   });
+  std::printf("%d problems in %s\n", written, folder.c_str());
+  return kDone;
+}
+
 }  // namespace
 
 int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
+  if (!arguments.capture.empty()) return capture(arguments, registry);
   // Everything is looked at before anything is measured or written.
   const std::vector<SolverChoice> solvers = choose_solvers(
       arguments.solvers.empty() ? default_solvers(registry, arguments.quick) : arguments.solvers,
@@ -59,7 +93,7 @@ int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
   std::vector<ProblemSet> sets;
   std::set<std::string> used;
   for (const std::string& name : names) {
-    sets.push_back(make_problem_set(name, arguments.quick));
+    sets.push_back(make_problem_set(name, registry, arguments.quick));
     if (!used.insert(sets.back().name).second) {
       throw InputError("problem set '" + name + "': another one is named '" + sets.back().name +
                        "' too; expected sets of different names");

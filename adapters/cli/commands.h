@@ -49,12 +49,22 @@ struct BenchArguments {
   int max_evaluations = 10000;
   int seed = 1;
   double tolerance = 0.01;
-  std::string out;  ///< folder; empty: runs/bench
+  std::string out;      ///< folder; empty: runs/bench
+  std::string capture;  ///< folder to write the problems of `missions` to, instead of a bench
   bool quick = false;
   bool keep_best = false;
   bool json = false;
 };
 int bench(const BenchArguments& arguments, const SolverRegistry& registry);
+
+struct OdometryArguments {
+  std::string dataset;  ///< folder of a recording
+  std::string out;      ///< folder for trajectories and tables; empty: none
+  int frames = 0;       ///< the first so many; 0: all
+  bool json = false;
+  bool quiet = false;
+};
+int odometry(const OdometryArguments& arguments);
 
 int list(const std::string& what, bool json, const SolverRegistry& registry);
 /// Prints the effective configuration of a file (empty: the defaults).

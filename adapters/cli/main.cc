@@ -148,11 +148,27 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   bench_command->add_option("--out", bench_arguments.out,
                             "Folder of bench.html, bench.csv and bench.json [runs/bench]");
+  bench_command->add_option("--capture", bench_arguments.capture,
+                            "Write the problems of the set missions to this new folder, as a set");
   bench_command->add_flag("--quick", bench_arguments.quick,
                           "A share of each built-in set, few back ends: less than a minute");
   bench_command->add_flag("--keep-best", bench_arguments.keep_best,
                           "Keep the best costs found in best_known.json of the set's folder");
   bench_command->add_flag("--json", bench_arguments.json, "Print JSON");
+
+  OdometryArguments odometry_arguments;
+  CLI::App* odometry_command =
+      app.add_subcommand("odometry", "Visual odometry over a recording of a stereo pair");
+  odometry_command
+      ->add_option("dataset", odometry_arguments.dataset, "Folder in KITTI or EuRoC layout")
+      ->required();
+  odometry_command->add_option("--out", odometry_arguments.out,
+                               "Folder for the trajectory (TUM and KITTI), a table of frames and a "
+                               "summary [none]");
+  odometry_command->add_option("--frames", odometry_arguments.frames, "Only the first so many")
+      ->check(whole_number_within(1, 1000000000));
+  odometry_command->add_flag("--json", odometry_arguments.json, "Print the summary as JSON");
+  odometry_command->add_flag("--quiet", odometry_arguments.quiet, "No progress line");
 
   std::string what;
   bool list_json = false;
@@ -198,6 +214,7 @@ int run(int argc, char** argv) {
   if (*explore_command) return explore(explore_arguments, registry);
   if (*solve_command) return solve(solve_arguments, registry);
   if (*bench_command) return bench(bench_arguments, registry);
+  if (*odometry_command) return odometry(odometry_arguments);
   if (*list_command) return list(what, list_json, registry);
   return print_configuration(configuration, registry);
 }

@@ -4,15 +4,19 @@
 
 #include <algorithm>
 #include <cctype>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <limits>
 #include <sstream>
+#include <string_view>
+#include <system_error>
 
 #include "adapters/config/input_error.h"
 #include "adapters/config/strict_yaml.h"
 #include "adapters/worlds/builtin_worlds.h"
+#include "adapters/worlds/floor_plan.h"
 #include "adapters/worlds/octree_file.h"
 #include "adapters/worlds/octree_world.h"
 #include "adapters/worlds/reachable_area.h"
@@ -149,6 +153,19 @@ bool names_an_image(const std::string& path) {
   return false;
 }
 
+/// The number of "plan:NUMBER".
+std::optional<std::uint64_t> plan_seed(const std::string& name) {
+  constexpr std::string_view kPlan = "plan:";
+  if (!name.starts_with(kPlan)) return std::nullopt;
+  std::uint64_t seed = 0;
+  const char* last = name.data() + name.size();
+  const auto [end, wrong] = std::from_chars(name.data() + kPlan.size(), last, seed);
+  if (wrong != std::errc() || end != last) {
+    throw InputError("world '" + name + "': no seed; expected plan:SEED, e.g. plan:7");
+  }
+  return seed;
+}
+
 }  // namespace
 
 void place_start(World& world, const BodySlice& slice, const std::optional<Pose>& given,
@@ -190,6 +207,8 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
   if (std::find(names.begin(), names.end(), name_or_path) != names.end()) {
     world = world_from_yaml(builtin_world_text(name_or_path), "built-in " + name_or_path,
                             &states_start);
+  } else if (const std::optional<std::uint64_t> seed = plan_seed(name_or_path)) {
+    world = world_from_yaml(random_floor_plan(*seed), name_or_path, &states_start);
   } else {
     const fs::path path(name_or_path);
     const std::string extension = lower(path.extension().string());
@@ -201,7 +220,7 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
           like_a_path
               ? name_or_path + ": no such file; expected a world: .yaml, .bt, .ot, .pgm, .png, .map"
               : "unknown world '" + name_or_path + "'" + did_you_mean(name_or_path, names) +
-                    "; expected one of: " + list + ", or a file");
+                    "; expected one of: " + list + ", plan:SEED, or a file");
     }
     if (fs::is_directory(path, error)) {
       throw InputError(name_or_path +

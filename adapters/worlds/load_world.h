@@ -24,7 +24,8 @@ struct WorldOptions {
   double wall_height = 2.0;
 };
 
-/// A world by name or path: a built-in name (builtin_world_names()), else by extension: .yaml/.yml
+/// A world by name or path: a built-in name (builtin_world_names()), plan:SEED
+/// (random_floor_plan()), else by extension: .yaml/.yml
 /// (a world file, or a ROS map if it has the key `image`), .bt/.ot (OctoMap), .pgm/.png (bare map
 /// image), .map (MovingAI). Throws InputError: unknown name (with the nearest built-in name),
 /// missing file, directory, unreadable or corrupt content, no place to stand, or a given start from

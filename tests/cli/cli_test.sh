@@ -321,7 +321,7 @@ grep -qx 'prospect: misfit: misfit: the plug-in failed: no solution today' err.t
 
 # --- Bench: whole sets, a folder of results that appears whole or not at all.
 succeeds "list sets" list sets
-named "list sets" zoo s30
+named "list sets" zoo s30 missions
 succeeds "bench" bench zoo saved/problems --solver nlopt:LD_SLSQP,sampling,max_evaluations=200 \
   --deadline 0,0.05 --repeat 1 --out bench
 for text in "all, 14 problems, no deadline" "zoo, 11 problems, deadline 50 ms" \
@@ -370,6 +370,11 @@ refused "bench with a bad deadline" --deadline: "'soon'; expected a number" \
 refused "bench with one deadline twice" --deadline "expected each once" \
   "${bench[@]}" zoo --deadline 0.1,0.1
 refused "bench that keeps the best of no folder" "'zoo'" "expected folders" "${bench[@]}" zoo --keep-best
+succeeds "bench that captures missions" bench --capture captured --quick
+[[ "$(ls captured | wc -l)" == 9 && -s captured/plan-1_000022.h5 ]] || fail "captured: $(ls captured)"
+refused "bench that captures into a folder of others" foreign "expected a new or empty folder" \
+  bench --capture foreign
+refused "bench that captures a set" "'zoo'" "expected no set" bench zoo --capture run
 refused "bench into a folder of others" foreign "holds other files; expected" bench zoo --out foreign
 refused "bench into a file" file "expected a new or empty folder" bench zoo --out file
 [[ "$(ls foreign)" == notes.txt && "$(<file)" == precious ]] || fail "bench touched a file of others"

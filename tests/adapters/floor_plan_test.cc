@@ -1,0 +1,45 @@
+#include "adapters/worlds/floor_plan.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "adapters/config/input_error.h"
+#include "adapters/worlds/load_world.h"
+#include "adapters/worlds/reachable_area.h"
+#include "adapters/worlds/world_file.h"
+
+namespace prospect {
+namespace {
+
+TEST(FloorPlan, IsTheSameForTheSameSeedAndAnotherForAnother) {
+  EXPECT_EQ(random_floor_plan(3), random_floor_plan(3));
+  EXPECT_NE(random_floor_plan(3), random_floor_plan(4));
+  EXPECT_EQ(load_world("plan:3").voxels.data(), load_world("plan:3").voxels.data());
+  EXPECT_EQ(load_world("plan:3").name, "plan:3");
+}
+
+TEST(FloorPlan, CanBeDrivenThroughFromAnyRoomToAnyOther) {
+  const BodySlice slice;
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    SCOPED_TRACE(seed);
+    const World world = load_world("plan:" + std::to_string(seed));
+    const Grid<std::uint8_t> standing = standing_columns(world.voxels, slice);
+    const Grid<std::uint8_t> reached = connected_component(
+        standing, standing.frame.cell(world.start.position.x(), world.start.position.y()));
+    const auto count = [](const Grid<std::uint8_t>& grid) {
+      return std::count(grid.data.begin(), grid.data.end(), 1);
+    };
+    EXPECT_GT(count(reached), 40 * 100);                // 40 m2 to stand on
+    EXPECT_GT(count(reached), 0.98 * count(standing));  // but for corners behind furniture
+  }
+}
+
+TEST(FloorPlan, NeedsASeed) {
+  for (const char* name : {"plan:", "plan:x", "plan:-1", "plan:1.5"}) {
+    EXPECT_THROW(load_world(name), InputError) << name;
+  }
+}
+
+}  // namespace
+}  // namespace prospect
