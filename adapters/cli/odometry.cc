@@ -1,0 +1,151 @@
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "adapters/cli/commands.h"
+#include "adapters/config/input_error.h"
+#include "adapters/datasets/odometry_run.h"
+#include "adapters/datasets/stereo_dataset.h"
+#include "adapters/run/whole_file.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kDegrees = 180.0 / M_PI;
+
+nlohmann::ordered_json number(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json times(const TimePercentiles& t) {
+  return {{"p50", t.p50}, {"p95", t.p95}, {"p99", t.p99}, {"max", t.max}};
+}
+
+nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dataset,
+                               const OdometrySummary& s) {
+  return {{"dataset", name},
+          {"layout", dataset.layout()},
+          {"frames", s.frames},
+          {"ok", s.ok},
+          {"degraded", s.degraded},
+          {"lost", s.lost},
+          {"losses", s.losses},
+          {"restarts", s.restarts},
+          {"keyframes", s.keyframes},
+          {"estimated_length_m", s.estimated_length},
+          {"true_length_m", number(s.true_length)},
+          {"end_error_m", number(s.end.translation)},
+          {"end_error_percent", number(100.0 * s.end.share)},
+          {"end_rotation_deg", number(kDegrees * s.end.rotation)},
+          {"rpe_1m_percent", number(100.0 * s.rpe_1m.translation)},
+          {"rpe_1m_deg_per_m", number(kDegrees * s.rpe_1m.rotation)},
+          {"rpe_10m_percent", number(100.0 * s.rpe_10m.translation)},
+          {"rpe_10m_deg_per_m", number(kDegrees * s.rpe_10m.rotation)},
+          {"ate_first_pose_rmse_m", number(s.ate_first.rmse)},
+          {"ate_best_fit_rmse_m", number(s.ate_fit.rmse)},
+          {"disparity_offset_px", s.disparity_offset},
+          {"disparity_offset_sigma_px", s.disparity_offset_sigma},
+          {"ms",
+           {{"frame", times(s.frame)},
+            {"pyramids", times(s.pyramids)},
+            {"tracking", times(s.tracking)},
+            {"pose", times(s.pose)},
+            {"keyframe", times(s.keyframe)}}}};
+}
+
+void print(const OdometrySummary& s) {
+  std::printf("frames       %d: %d ok, %d degraded, %d lost (%d times); %d keyframes\n", s.frames,
+              s.ok, s.degraded, s.lost, s.losses, s.keyframes);
+  if (s.restarts > 0) std::printf("new maps     %d after a loss\n", s.restarts);
+  if (std::isfinite(s.true_length)) {
+    std::printf("length       %.3f m estimated, %.3f m true\n", s.estimated_length, s.true_length);
+    std::printf("end error    %.4f m, %.3f %% of the path; %.3f deg\n", s.end.translation,
+                100.0 * s.end.share, kDegrees * s.end.rotation);
+    if (s.rpe_1m.segments > 0) {
+      std::printf("per 1 m      %.3f %%, %.4f deg/m over %d segments\n",
+                  100.0 * s.rpe_1m.translation, kDegrees * s.rpe_1m.rotation, s.rpe_1m.segments);
+    }
+    if (s.rpe_10m.segments > 0) {
+      std::printf("per 10 m     %.3f %%, %.4f deg/m over %d segments\n",
+                  100.0 * s.rpe_10m.translation, kDegrees * s.rpe_10m.rotation, s.rpe_10m.segments);
+    }
+    std::printf("ATE          %.4f m rmse with the first pose aligned, %.4f m with the best fit\n",
+                s.ate_first.rmse, s.ate_fit.rmse);
+  } else {
+    std::printf("length       %.3f m estimated; no ground truth\n", s.estimated_length);
+  }
+  std::printf("disparities  measured %.3f +- %.3f px too small, corrected\n", s.disparity_offset,
+              s.disparity_offset_sigma);
+  const auto row = [](const char* name, const TimePercentiles& t) {
+    std::printf("%-12s %6.1f %6.1f %6.1f %6.1f\n", name, t.p50, t.p95, t.p99, t.max);
+  };
+  std::printf("time [ms]       p50    p95    p99    max\n");
+  row("  frame", s.frame);
+  row("    pyramids", s.pyramids);
+  row("    tracking", s.tracking);
+  row("    pose", s.pose);
+  row("  keyframe", s.keyframe);
+}
+
+}  // namespace
+
+int odometry(const OdometryArguments& arguments) {
+  const StereoDataset dataset = StereoDataset::open(arguments.dataset);
+  std::filesystem::path out = arguments.out;
+  if (!out.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(out, error);
+    if (error || !std::filesystem::is_directory(out)) {
+      throw InputError(out.string() + ": cannot be created; expected a folder to write to");
+    }
+  }
+  const bool follow = !arguments.quiet && !arguments.json && isatty(STDERR_FILENO) != 0;
+  const int frames =
+      arguments.frames > 0 ? std::min(arguments.frames, dataset.size()) : dataset.size();
+  const OdometryRun run =
+      run_odometry(dataset, {}, arguments.frames, [&](int done, const OdometryFrame& frame) {
+        if (!follow) return;
+        std::fprintf(stderr, "\r%6d of %d frames  %4d points  %-8s", done, frames, frame.tracked,
+                     frame.state == Localization::kOk         ? "ok"
+                     : frame.state == Localization::kDegraded ? "degraded"
+                                                              : "lost");
+      });
+  if (follow) std::fputc('\n', stderr);
+  const OdometrySummary summary = summarize(run);
+  const auto json = as_json(arguments.dataset, dataset, summary);
+  if (!out.empty()) {
+    for (const auto& [name, content] :
+         {std::pair<const char*, std::string>{"trajectory.tum", tum_text(run.trajectory)},
+          {"trajectory.kitti", kitti_text(run.trajectory)},
+          {"frames.csv", frames_csv(run)},
+          {"summary.json", json.dump(2) + "\n"}}) {
+      const std::string problem = write_whole_file((out / name).string(), content);
+      if (!problem.empty()) {
+        std::cerr << "prospect: " << (out / name).string() << ": " << problem << '\n';
+        return kFailed;
+      }
+    }
+  }
+  if (arguments.json) {
+    std::cout << json.dump(2) << '\n';
+  } else {
+    std::printf(
+        "%s, %d pairs of %.0f x %.0f px%s%s\n", dataset.layout().c_str(), dataset.size(),
+        dataset.camera().left.width, dataset.camera().left.height,
+        dataset.times_assumed() ? ", no times.txt: 10 Hz assumed" : "",
+        dataset.unpaired() > 0
+            ? (", " + std::to_string(dataset.unpaired()) + " frames of one camera only").c_str()
+            : "");
+    print(summary);
+    if (!out.empty()) std::printf("written to   %s\n", out.string().c_str());
+  }
+  return kDone;
+}
+
+}  // namespace prospect

@@ -1,0 +1,117 @@
+#include "adapters/datasets/odometry_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <opencv2/core.hpp>
+
+namespace prospect {
+
+TimePercentiles percentiles(std::vector<double> ms) {
+  TimePercentiles out;
+  if (ms.empty()) return out;
+  std::sort(ms.begin(), ms.end());
+  const auto at = [&](double share) {
+    const std::size_t rank = static_cast<std::size_t>(std::ceil(share * ms.size()));
+    return ms[std::min(ms.size(), std::max<std::size_t>(1, rank)) - 1];
+  };
+  out.p50 = at(0.50);
+  out.p95 = at(0.95);
+  out.p99 = at(0.99);
+  out.max = ms.back();
+  return out;
+}
+
+OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options,
+                         int max_frames,
+                         const std::function<void(int, const OdometryFrame&)>& progress) {
+  cv::setNumThreads(1);  // one core, and nothing that depends on scheduling
+  OdometryRun run;
+  Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
+  const int n = max_frames > 0 ? std::min(max_frames, dataset.size()) : dataset.size();
+  const auto first = associate({{dataset.stamp(0), start}}, dataset.ground_truth());
+  if (!first.empty()) start = first[0].truth;
+  StereoOdometry odometry(dataset.camera(), options, start);
+  for (int i = 0; i < n; ++i) {
+    const StereoDataset::Pair pair = dataset.read(i);
+    run.frames.push_back(odometry.process(dataset.stamp(i), pair.left.view(), pair.right.view()));
+    const OdometryFrame& frame = run.frames.back();
+    if (frame.state != Localization::kLost) run.trajectory.push_back({frame.stamp, frame.T_WC});
+    if (progress) progress(i + 1, frame);
+  }
+  run.pairs = associate(run.trajectory, dataset.ground_truth());
+  return run;
+}
+
+OdometrySummary summarize(const OdometryRun& run) {
+  OdometrySummary s;
+  std::vector<double> pyramids, tracking, pose, keyframe, frame;
+  bool was_lost = false;
+  for (const OdometryFrame& f : run.frames) {
+    ++s.frames;
+    const bool lost = f.state == Localization::kLost;
+    s.ok += f.state == Localization::kOk;
+    s.degraded += f.state == Localization::kDegraded;
+    s.lost += lost;
+    s.losses += lost && !was_lost;
+    was_lost = lost;
+    s.restarts += f.restarted;
+    s.keyframes += f.keyframe;
+    pyramids.push_back(f.times.pyramids);
+    tracking.push_back(f.times.tracking);
+    pose.push_back(f.times.pose);
+    frame.push_back(f.times.pyramids + f.times.tracking + f.times.pose);
+    if (f.keyframe) keyframe.push_back(f.times.keyframe);
+    s.disparity_offset = f.disparity_offset;
+    s.disparity_offset_sigma = f.disparity_offset_sigma;
+  }
+  s.pyramids = percentiles(pyramids);
+  s.tracking = percentiles(tracking);
+  s.pose = percentiles(pose);
+  s.keyframe = percentiles(keyframe);
+  s.frame = percentiles(frame);
+  for (std::size_t i = 1; i < run.trajectory.size(); ++i) {
+    s.estimated_length +=
+        (run.trajectory[i].T.translation() - run.trajectory[i - 1].T.translation()).norm();
+  }
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  s.true_length = run.pairs.empty() ? nan : path_length(run.pairs);
+  if (run.pairs.empty()) {
+    s.ate_first = s.ate_fit = {nan, nan, nan};
+    s.end = {nan, nan, nan};
+  } else {
+    s.ate_first = absolute_error(run.pairs, Alignment::kFirstPose);
+    s.ate_fit = absolute_error(run.pairs, Alignment::kBestFit);
+    s.end = end_error(run.pairs);
+  }
+  s.rpe_1m = relative_error(run.pairs, 1.0);
+  s.rpe_10m = relative_error(run.pairs, 10.0);
+  for (RelativeError* e : {&s.rpe_1m, &s.rpe_10m}) {
+    if (e->segments == 0) e->translation = e->rotation = nan;
+  }
+  return s;
+}
+
+std::string frames_csv(const OdometryRun& run) {
+  std::string text =
+      "frame,stamp_s,state,reason,keyframe,restarted,expected,tracked,confirmed,new,chi2_per_dof,"
+      "x_m,y_m,z_m,sigma_position_m,disparity_offset_px\n";
+  char line[512];
+  for (std::size_t i = 0; i < run.frames.size(); ++i) {
+    const OdometryFrame& f = run.frames[i];
+    const Eigen::Vector3d t = f.T_WC.translation();
+    std::snprintf(line, sizeof line,
+                  "%zu,%.9f,%s,%s,%d,%d,%d,%d,%d,%d,%.3f,%.6f,%.6f,%.6f,%.6f,%.4f\n", i, f.stamp,
+                  f.state == Localization::kOk         ? "ok"
+                  : f.state == Localization::kDegraded ? "degraded"
+                                                       : "lost",
+                  f.reason.c_str(), f.keyframe, f.restarted, f.expected, f.tracked, f.confirmed,
+                  f.matched, f.chi2_per_dof, t.x(), t.y(), t.z(),
+                  std::sqrt(f.covariance.topLeftCorner<3, 3>().trace()), f.disparity_offset);
+    text += line;
+  }
+  return text;
+}
+
+}  // namespace prospect

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "adapters/datasets/stereo_dataset.h"
+#include "adapters/datasets/trajectory_error.h"
+#include "perception/stereo_odometry.h"
+
+namespace prospect {
+
+/// Median, 95 %, 99 % and largest of times [ms].
+struct TimePercentiles {
+  double p50 = 0.0, p95 = 0.0, p99 = 0.0, max = 0.0;
+};
+TimePercentiles percentiles(std::vector<double> ms);
+
+/// What one pass of the odometry over a recording gives. Poses are causal: each as it was known at
+/// its frame, nothing is changed afterwards.
+struct OdometryRun {
+  std::vector<OdometryFrame> frames;
+  Trajectory trajectory;        ///< of frames that are not lost, from the first true pose if known
+  std::vector<PosePair> pairs;  ///< with ground truth; empty: there is none
+};
+
+/// Runs the odometry over a recording, the first `max_frames` of it (0: all). `progress`, if any,
+/// is called after each frame with the number done. One thread; the same recording gives the same
+/// poses.
+OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options = {},
+                         int max_frames = 0,
+                         const std::function<void(int, const OdometryFrame&)>& progress = {});
+
+/// Counts and errors of a run. Errors are NaN without ground truth, or where the path is too short.
+struct OdometrySummary {
+  int frames = 0, ok = 0, degraded = 0, lost = 0, losses = 0, restarts = 0, keyframes = 0;
+  double estimated_length = 0.0, true_length = 0.0;  ///< [m]
+  AbsoluteError ate_first, ate_fit;
+  EndError end;
+  RelativeError rpe_1m, rpe_10m;
+  /// Of every frame, and `keyframe` of what keyframes cost beside it; `frame` is the sum of the
+  /// first three.
+  TimePercentiles pyramids, tracking, pose, keyframe, frame;
+  double disparity_offset = 0.0, disparity_offset_sigma = 0.0;  ///< [px], at the end
+};
+OdometrySummary summarize(const OdometryRun& run);
+
+/// One row a frame: number, stamp, state, reason, keyframe, counts, position and sigma. No
+/// wall-clock times, so the same recording gives the same bytes.
+std::string frames_csv(const OdometryRun& run);
+
+}  // namespace prospect

@@ -1,0 +1,122 @@
+#include "adapters/datasets/trajectory_error.h"
+
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+
+namespace prospect {
+namespace {
+
+double angle(const Eigen::Isometry3d& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
+
+}  // namespace
+
+std::vector<PosePair> associate(const Trajectory& estimate, const Trajectory& truth,
+                                double max_gap) {
+  std::vector<PosePair> pairs;
+  for (const TimedPose& e : estimate) {
+    const auto after =
+        std::lower_bound(truth.begin(), truth.end(), e.stamp,
+                         [](const TimedPose& pose, double stamp) { return pose.stamp < stamp; });
+    if (after == truth.end()) continue;
+    if (after->stamp == e.stamp) {
+      pairs.push_back({e.stamp, e.T, after->T});
+      continue;
+    }
+    if (after == truth.begin()) continue;
+    const auto before = after - 1;
+    const double gap = after->stamp - before->stamp;
+    if (gap > max_gap) continue;
+    const double s = (e.stamp - before->stamp) / gap;
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = Eigen::Quaterniond(before->T.linear())
+                     .slerp(s, Eigen::Quaterniond(after->T.linear()))
+                     .toRotationMatrix();
+    T.translation() = (1.0 - s) * before->T.translation() + s * after->T.translation();
+    pairs.push_back({e.stamp, e.T, T});
+  }
+  return pairs;
+}
+
+double path_length(const std::vector<PosePair>& pairs) {
+  double length = 0.0;
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    length += (pairs[i].truth.translation() - pairs[i - 1].truth.translation()).norm();
+  }
+  return length;
+}
+
+AbsoluteError absolute_error(const std::vector<PosePair>& pairs, Alignment alignment) {
+  AbsoluteError error;
+  if (pairs.empty()) return error;
+  Eigen::Isometry3d A = pairs[0].truth * pairs[0].estimate.inverse();
+  if (alignment == Alignment::kBestFit) {
+    Eigen::Vector3d from = Eigen::Vector3d::Zero(), to = Eigen::Vector3d::Zero();
+    for (const PosePair& p : pairs) {
+      from += p.estimate.translation() / static_cast<double>(pairs.size());
+      to += p.truth.translation() / static_cast<double>(pairs.size());
+    }
+    Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();
+    for (const PosePair& p : pairs) {
+      cross += (p.truth.translation() - to) * (p.estimate.translation() - from).transpose();
+    }
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(cross, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Matrix3d sign = Eigen::Matrix3d::Identity();
+    if (svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0) sign(2, 2) = -1.0;
+    A.linear() = svd.matrixU() * sign * svd.matrixV().transpose();
+    A.translation() = to - A.linear() * from;
+  }
+  std::vector<double> distances;
+  double squares = 0.0;
+  for (const PosePair& p : pairs) {
+    distances.push_back((A * p.estimate.translation() - p.truth.translation()).norm());
+    squares += distances.back() * distances.back();
+  }
+  error.rmse = std::sqrt(squares / static_cast<double>(pairs.size()));
+  error.max = *std::max_element(distances.begin(), distances.end());
+  std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
+  error.median = distances[distances.size() / 2];
+  return error;
+}
+
+EndError end_error(const std::vector<PosePair>& pairs) {
+  EndError error;
+  if (pairs.empty()) return error;
+  const PosePair& a = pairs.front();
+  const PosePair& b = pairs.back();
+  const Eigen::Isometry3d E =
+      (a.truth.inverse() * b.truth).inverse() * (a.estimate.inverse() * b.estimate);
+  error.translation = E.translation().norm();
+  const double length = path_length(pairs);
+  error.share = length > 0.0 ? error.translation / length : 0.0;
+  error.rotation = angle(E);
+  return error;
+}
+
+RelativeError relative_error(const std::vector<PosePair>& pairs, double length) {
+  RelativeError error;
+  std::vector<double> along(pairs.size(), 0.0);
+  for (std::size_t i = 1; i < pairs.size(); ++i) {
+    along[i] =
+        along[i - 1] + (pairs[i].truth.translation() - pairs[i - 1].truth.translation()).norm();
+  }
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto end = std::lower_bound(along.begin() + i, along.end(), along[i] + length);
+    if (end == along.end()) break;
+    const std::size_t j = end - along.begin();
+    const double passed = along[j] - along[i];
+    if (!(passed > 0.0)) continue;
+    const Eigen::Isometry3d E = (pairs[i].truth.inverse() * pairs[j].truth).inverse() *
+                                (pairs[i].estimate.inverse() * pairs[j].estimate);
+    error.translation += E.translation().norm() / passed;
+    error.rotation += angle(E) / passed;
+    ++error.segments;
+  }
+  if (error.segments > 0) {
+    error.translation /= error.segments;
+    error.rotation /= error.segments;
+  }
+  return error;
+}
+
+}  // namespace prospect
