@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "adapters/bench/expression_file.h"
 #include "adapters/bench/mission_set.h"
 #include "adapters/config/input_error.h"
 #include "adapters/problem_file/problem_file.h"
@@ -25,15 +26,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr const char* kBestFile = "best_known.json";
-
-BenchProblem started(std::string name, Problem problem, const Eigen::VectorXd& x, double best) {
-  BenchProblem made;
-  made.name = std::move(name);
-  made.problem = std::make_shared<const Problem>(std::move(problem));
-  made.start.x = x;
-  made.best_known = best;
-  return made;
-}
 
 ProblemSet zoo_set() {
   ProblemSet set{"zoo", "known optima", 1e-3, {}, {}, ""};
@@ -152,6 +144,16 @@ constexpr Builtin kBuiltins[] = {
 
 }  // namespace
 
+BenchProblem started(std::string name, Problem problem, const Eigen::VectorXd& x,
+                     double best_known) {
+  BenchProblem made;
+  made.name = std::move(name);
+  made.problem = std::make_shared<const Problem>(std::move(problem));
+  made.start.x = x;
+  made.best_known = best_known;
+  return made;
+}
+
 std::vector<std::string> builtin_set_names() {
   std::vector<std::string> names;
   for (const Builtin& set : kBuiltins) names.emplace_back(set.name);
@@ -173,7 +175,8 @@ ProblemSet make_problem_set(const std::string& text, const SolverRegistry& regis
   const fs::file_status status = fs::status(text, error);
   if (fs::is_directory(status)) return folder_set(text);
   const std::string extension = fs::path(text).extension().string();
-  if (extension == ".h5" || (fs::exists(status) && extension != ".json")) {
+  if (extension == ".json") return read_expression_file(text);
+  if (extension == ".h5" || fs::exists(status)) {
     ProblemSet set;
     set.name = fs::path(text).stem().string();
     set.problems.push_back(problem_of_file(text, set.name));
@@ -181,9 +184,10 @@ ProblemSet make_problem_set(const std::string& text, const SolverRegistry& regis
   }
   std::string names;
   for (const Builtin& set : kBuiltins) names += std::string(set.name) + ", ";
-  throw InputError("problem set '" + text + "': no such file or folder" +
-                   did_you_mean(text, builtin_set_names()) + "; expected one of: " + names +
-                   "a folder of problem files, a problem file (.h5)");
+  throw InputError(
+      "problem set '" + text + "': no such file or folder" +
+      did_you_mean(text, builtin_set_names()) + "; expected one of: " + names +
+      "a folder of problem files, a problem file (.h5), problems as expressions (.json)");
 }
 
 void keep_best_known(const ProblemSet& set) {

@@ -20,6 +20,10 @@ struct BenchProblem {
   std::optional<double> best_known;
 };
 
+/// A problem that starts at x.
+BenchProblem started(std::string name, Problem problem, const Eigen::VectorXd& x,
+                     double best_known);
+
 /// Problems that are reported together.
 struct ProblemSet {
   std::string name;

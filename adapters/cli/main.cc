@@ -119,9 +119,10 @@ int run(int argc, char** argv) {
   BenchArguments bench_arguments;
   CLI::App* bench_command = app.add_subcommand(
       "bench", "Whole sets of problems by several back ends: who solves what, and how fast");
-  bench_command->add_option("set", bench_arguments.sets,
-                            "Built-in set (see `prospect list sets`), folder of problem files, "
-                            "problem file [all built-in sets]");
+  bench_command->add_option(
+      "set", bench_arguments.sets,
+      "Built-in set (see `prospect list sets`), folder of problem files, "
+      "problem file, file of problems as expressions (.json) [all built-in sets]");
   bench_command
       ->add_option("--solver", bench_arguments.solvers,
                    "Back ends, separated by commas; NAME,OPTION=VALUE sets an option of one")

@@ -370,6 +370,16 @@ refused "bench with a bad deadline" --deadline: "'soon'; expected a number" \
 refused "bench with one deadline twice" --deadline "expected each once" \
   "${bench[@]}" zoo --deadline 0.1,0.1
 refused "bench that keeps the best of no folder" "'zoo'" "expected folders" "${bench[@]}" zoo --keep-best
+cat >hs35.json <<'JSON'
+{"problems": [{"name": "HS35", "n": 3, "x0": [0.5, 0.5, 0.5], "f_opt": 0.1111111111111111,
+  "objective": "9-8*x1-6*x2-4*x3+2*x1^2+2*x2^2+x3^2+2*x1*x2+2*x1*x3", "equalities_zero": [],
+  "inequalities_nonneg": ["3-x1-x2-2*x3"], "lower": [0, 0, 0], "upper": [null, null, null]}]}
+JSON
+succeeds "bench of expressions" bench hs35.json --solver nlopt --deadline 0 --out bench_hs35
+grep -q '^nlopt  *1/1 ' out.txt || fail "bench of expressions: not solved: '$out'"
+sed 's/x1-x2-2/x1-x2 2/' hs35.json >misspelt.json
+refused "bench of a misspelt expression" "misspelt.json: problem 1 'HS35'" \
+  "expected an operator" "${bench[@]}" misspelt.json
 succeeds "bench that captures missions" bench --capture captured --quick
 [[ "$(ls captured | wc -l)" == 9 && -s captured/plan-1_000022.h5 ]] || fail "captured: $(ls captured)"
 refused "bench that captures into a folder of others" foreign "expected a new or empty folder" \
