@@ -30,6 +30,7 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
   require("kappa", options.kappa, 100.0, "0 to 100 m");
   require("leftovers_share", options.leftovers_share, 1000.0, "0 to 1000");
   require("leftovers_least", options.leftovers_least, 1e6, "0 to 1e6 s");
+  require("leftovers_growth", options.leftovers_growth, 1000.0, "0 to 1000");
   require("look_around", options.look_around, 1000.0, "0 to 1000 s");
   relaxed_area_ = options_.memory.retry_area;
   auto empty = std::make_shared<Guidance>();
@@ -75,8 +76,11 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       !std::isfinite(stamp)) {
     return last_;
   }
-  if (rules_ != Rules::kStrict &&
-      traversability_.explored_area() - relaxed_explored_ >= relaxed_area_) {
+  const double explored = traversability_.explored_area();
+  const bool no_leftovers =
+      leftovers_until_ && explored >= (1.0 + options_.leftovers_growth) * leftovers_area_;
+  if (no_leftovers) leftovers_until_.reset();
+  if (rules_ != Rules::kStrict && (no_leftovers || explored - relaxed_explored_ >= relaxed_area_)) {
     restart(Rules::kStrict);
     relaxed_area_ *= 2.0;  // as FrontierMemory::retry_area(), for the same reason
     reopenings_ = 0;
@@ -88,6 +92,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       if (!leftovers_until_) {
         leftovers_until_ = stamp + std::max(options_.leftovers_least,
                                             options_.leftovers_share * (stamp - *began_at_));
+        leftovers_area_ = guidance->explored_area;
       }
       restart(Rules::kKeyholes);
       relaxed_explored_ = guidance->explored_area;

@@ -31,9 +31,11 @@ struct ExplorationGuideOptions {
   /// [s] that nothing must have been reachable before "done": time to look all around once.
   double look_around = 8.0;
   /// Time for what is left once the strict rules lead nowhere: a share of the time they took, but
-  /// at least leftovers_least [s].
+  /// at least leftovers_least [s]. Once they have shown leftovers_growth of what was explored by
+  /// then, they were no leftovers: the time is given anew when the strict rules lead nowhere again.
   double leftovers_share = 0.5;
   double leftovers_least = 300.0;
+  double leftovers_growth = 0.1;
   double kappa = 0.5;  ///< [m] bonus of a frontier per unit of log(1 + length / 1 m)
 };
 
@@ -106,7 +108,9 @@ struct Guidance {
 /// All this may take half as long as the strict rules took, the first time that they led nowhere,
 /// or five minutes (leftovers_share, leftovers_least); then it says done (Guidance::abandoned). An
 /// estimate that drifts goes on drawing walls twice, and with them frontiers, for ever, and a robot
-/// in narrow places with such a map will touch something in the end.
+/// in narrow places with such a map will touch something in the end. What adds a tenth to the
+/// explored area (leftovers_growth) is not such a thing but a part of the building behind a door
+/// that looked shut, and the time starts anew.
 ///
 /// It says done only when nothing has been reachable for look_around, and advises kLookAround till
 /// then: a cell that noise fills in a narrow passage must not end a mission, and a turn on the spot
@@ -161,6 +165,7 @@ class ExplorationGuide {
   std::optional<double> nothing_since_;    // [s] no target, and no retry either
   std::optional<double> began_at_;         // [s] first update
   std::optional<double> leftovers_until_;  // [s] known once the strict rules led nowhere
+  double leftovers_area_ = 0.0;            // [m^2] explored then
   double updated_at_ = 0.0;                // [s]
   bool gap_closed_ = false;                // since the last restart
   int reopenings_ = 0;                     // since the strict rules were left
