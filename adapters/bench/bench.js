@@ -34,8 +34,7 @@ $("facts").textContent = [bench.program, plural(problems, "problem"), plural(ben
   plural(bench.repeats, "repeat"), `at most ${bench.max_evaluations} evaluations`, `seed ${bench.seed}`].join(" · ");
 $("rule").textContent = `Solved: feasible to ${compact(bench.feasibility_tolerance)} and a cost of at most best + max(${bench.relative_tolerance} |best|, a), ` +
   bench.sets.map((set) => `a = ${set.absolute_tolerance} in ${set.name}`).join(", ") +
-  ". Best: the best cost known, or found in this run if that is lower. “To target”: until the first such point, over all problems; – where more than the stated share was not solved." +
-  bench.sets.filter((set) => set.left_out.length).map((set) => ` Left out of ${set.name}: ${set.left_out.join("; ")}.`).join("");
+  ". Best: the best cost known, or found in this run if that is lower. “To target”: until the first such point, over all problems; – where more than the stated share was not solved.";
 
 // ---- Colours: one a back end, the same in all plots -----------------------------------------------
 const dark = matchMedia("(prefers-color-scheme: dark)");

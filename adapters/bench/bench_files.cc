@@ -194,7 +194,6 @@ Json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups
     sets.push_back({{"name", set.name},
                     {"best_known_source", set.best_known_source},
                     {"absolute_tolerance", set.absolute_tolerance},
-                    {"left_out", set.left_out},
                     {"problems", problems}});
   }
   Json rows = Json::array();
@@ -235,6 +234,7 @@ std::string bench_text(const BenchTable& table, const GroupSummary& group) {
                 "solver", "solved", "to target", "p90 ms", "p99 ms", "evals", "solve ms", "p99 ms",
                 "evals", "grads", "median gap");
   out += line;
+  if (group.deadline > 0.0) out.insert(out.size() - 1, "  past deadline: p50, p99, max ms");
   for (const SolverSummary& s : group.solvers) {
     std::snprintf(
         line, sizeof line, "%-*s %3d/%-3d %9s %9s %9s %8s %9s %9s %8s %8s %10s", width,
@@ -245,8 +245,8 @@ std::string bench_text(const BenchTable& table, const GroupSummary& group) {
         cell(s.gradients_median, "%.0f").c_str(), cell(s.gap_median, "%.2g").c_str());
     out += line;
     if (group.deadline > 0.0 && std::isfinite(s.ms_median)) {
-      out += "  over by " + cell(s.overrun_ms_p50, "%.2g") + ", " + cell(s.overrun_ms_p99, "%.2g") +
-             ", " + cell(s.overrun_ms_max, "%.2g") + " ms";
+      out += "  " + cell(s.overrun_ms_p50, "%.2g") + ", " + cell(s.overrun_ms_p99, "%.2g") + ", " +
+             cell(s.overrun_ms_max, "%.2g");
     }
     if (s.refused > 0) out += "  refused " + std::to_string(s.refused);
     if (s.errors > 0) out += "  errors " + std::to_string(s.errors);

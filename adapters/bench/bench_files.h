@@ -13,8 +13,8 @@ namespace prospect {
 std::string bench_csv(const BenchTable& table);
 
 /// Everything: problems with their best known costs, rows, summaries with profiles and curves.
-/// `traces`: with the improvements of every row, thinned to those that at least halve the distance
-/// to what the row came to, in steps of a twentieth.
+/// `traces`: with the improvements of every row, less those that gain under a twentieth of what was
+/// still to gain.
 nlohmann::ordered_json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups,
                                   bool traces);
 

@@ -28,7 +28,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kBestFile = "best_known.json";
 
 ProblemSet zoo_set() {
-  ProblemSet set{"zoo", "known optima", 1e-3, {}, {}, ""};
+  ProblemSet set{"zoo", "known optima", 1e-3, {}, ""};
   for (const FunctionProblem& p : zoo::all()) {
     set.problems.push_back(started(p.name, p.problem(), p.start, p.optimum));
   }
@@ -39,7 +39,7 @@ ProblemSet zoo_set() {
 }
 
 ProblemSet s30_set(bool quick) {
-  ProblemSet set{"s30", "best of 200 local solves from random inputs each", 0.01, {}, {}, ""};
+  ProblemSet set{"s30", "best of 200 local solves from random inputs each", 0.01, {}, ""};
   const std::vector<Eigen::Vector3d> starts = r1_starts(17, 30);
   for (std::size_t i = 0; i < starts.size(); i += quick ? 5 : 1) {
     set.problems.push_back(
@@ -70,7 +70,7 @@ BenchProblem problem_of_file(const std::string& path, const std::string& name) {
 }
 
 ProblemSet mission_set(const SolverRegistry& registry, bool quick) {
-  ProblemSet set{"missions", "", 1e-3, {}, {}, ""};
+  ProblemSet set{"missions", "", 1e-3, {}, ""};
   capture_missions(
       quick ? quick_missions() : default_missions(), registry, [&](const SavedProblem& saved) {
         const std::string file = problem_file_name(saved.origin);

@@ -27,12 +27,11 @@ BenchProblem started(std::string name, Problem problem, const Eigen::VectorXd& x
 /// Problems that are reported together.
 struct ProblemSet {
   std::string name;
-  std::string best_known_source;  ///< where best_known is from, in words
+  std::string best_known_source;  ///< where best_known is from, in words; empty: from nowhere
   /// What counts as the same cost where the best known is near 0: solved_target() of solved_rule.h.
   double absolute_tolerance = 1e-3;
   std::vector<BenchProblem> problems;
-  std::vector<std::string> left_out;  ///< what the source holds besides, and why it is not here
-  std::string folder;                 ///< that the problems are from, to keep best costs in; or ""
+  std::string folder;  ///< that the problems are from, to keep best costs in; or ""
 };
 
 /// zoo, s30, missions.

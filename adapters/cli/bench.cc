@@ -31,10 +31,12 @@ void interrupt(int) { interrupted = 1; }
 /// One of each kind, of those that are built in.
 std::vector<std::string> default_solvers(const SolverRegistry& registry, bool quick) {
   const std::vector<std::string> wanted =
-      quick ? std::vector<std::string>{"hybrid", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "sampling"}
-            : std::vector<std::string>{"hybrid",         "ipopt",          "nlopt:LD_SLSQP",
-                                       "nlopt:LD_LBFGS", "nlopt:LD_CCSAQ", "nlopt:LN_BOBYQA",
-                                       "nlopt:LN_SBPLX", "sampling",       "sampling:cem"};
+      quick ? std::vector<std::string>{"hybrid", "ceres", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS",
+                                       "sampling"}
+            : std::vector<std::string>{"hybrid",          "ceres",          "ipopt",
+                                       "nlopt:LD_SLSQP",  "nlopt:LD_LBFGS", "nlopt:LD_CCSAQ",
+                                       "nlopt:LN_BOBYQA", "nlopt:LN_SBPLX", "sampling",
+                                       "sampling:cem"};
   std::vector<std::string> names;
   for (const std::string& name : wanted) {
     for (const SolverInfo& info : registry.list()) {
@@ -152,11 +154,6 @@ int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
               << '\n';
   } else {
     for (const GroupSummary& group : groups) std::printf("%s\n", bench_text(table, group).c_str());
-    for (const ProblemSet& set : table.sets) {
-      for (const std::string& line : set.left_out) {
-        std::printf("left out of %s: %s\n", set.name.c_str(), line.c_str());
-      }
-    }
     std::printf("%s/bench.html\n", out.c_str());
   }
   std::set<std::string> told;

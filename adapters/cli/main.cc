@@ -104,7 +104,8 @@ int run(int argc, char** argv) {
   solve_command->add_option("--config", solve_arguments.configuration,
                             "Configuration file (YAML) of the mission of WORLD@STEP");
   solve_command->add_option("--solver", solve_arguments.solvers, "Back ends, separated by commas")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   solve_command
       ->add_option("--deadline", solve_arguments.deadline, "Wall-clock limit of each solve [s]")
       ->check(number_within(0.0, 3600.0));
@@ -126,12 +127,14 @@ int run(int argc, char** argv) {
   bench_command
       ->add_option("--solver", bench_arguments.solvers,
                    "Back ends, separated by commas; NAME,OPTION=VALUE sets an option of one")
-      ->delimiter(',');
+      ->delimiter(',')
+      ->allow_extra_args(false);
   bench_command
       ->add_option("--deadline", bench_arguments.deadlines,
                    "Wall-clock limits of a solve [s], separated by commas; 0: none [0.1,1; with "
                    "--quick 0.1]")
       ->delimiter(',')
+      ->allow_extra_args(false)
       ->check(number_within(0.0, 3600.0));
   bench_command
       ->add_option("--repeat", bench_arguments.repeats, "How often each solve is made [3; 1]")

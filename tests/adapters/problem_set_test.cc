@@ -68,11 +68,17 @@ class Missions : public ::testing::Test {
   Missions() {
     fs::remove_all(folder_);
     fs::create_directories(folder_ / "below");
-    capture_missions({{"plan:6"}, 1, 1, 2, 2}, {}, [&](const SavedProblem& saved) {
+    static const std::vector<SavedProblem> kMet = [] {
+      std::vector<SavedProblem> met;
+      capture_missions({{"plan:6"}, 1, 1, 2, 2}, {},
+                       [&](const SavedProblem& saved) { met.push_back(saved); });
+      return met;
+    }();
+    for (const SavedProblem& saved : kMet) {
       captured_.push_back(problem_file_name(saved.origin));
       const fs::path folder = captured_.size() == 1 ? folder_ : folder_ / "below";
       write_problem((folder / captured_.back()).string(), saved);
-    });
+    }
   }
   ~Missions() override { fs::remove_all(folder_); }
 

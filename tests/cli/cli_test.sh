@@ -244,7 +244,7 @@ succeeds "solve a problem file" solve saved/problems/step_000008.h5 --seed 3 \
   --solver nlopt,ipopt,sampling --json
 grep -v '"wall_ms"' out.txt | diff of_mission.json - ||
   fail "a problem file is solved differently from the mission's problem"
-succeeds "solve two problem files" solve saved/problems/step_00000{0,4}.h5 --solver sampling
+succeeds "solve two problem files" solve --solver sampling saved/problems/step_00000{0,4}.h5
 named "solve two problem files" saved/problems/step_000000.h5: saved/problems/step_000004.h5:
 
 problem=saved/problems/step_000004.h5
@@ -336,7 +336,7 @@ counted() { grep ',nlopt:LD_SLSQP,,' "$1/bench.csv" | cut -d, -f1-8,11,16-20; }
 succeeds "bench again into the same folder" bench zoo saved/problems --solver nlopt:LD_SLSQP \
   --deadline 0 --repeat 2 --out bench_again --json
 diff <(counted bench) <(counted bench_again) || fail "two benches of one set differ"
-succeeds "bench over an earlier one" bench zoo --quick --solver sampling --out bench_again
+succeeds "bench over an earlier one" bench --quick --solver sampling --deadline 0 zoo --out bench_again
 grep -q '"solved": true' bench_again/bench.json || fail "bench.json: nothing solved"
 succeeds "bench that keeps the best" bench saved/problems --solver nlopt --deadline 0 --repeat 1 \
   --out bench_kept --keep-best
