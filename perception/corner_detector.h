@@ -9,10 +9,10 @@ namespace prospect {
 
 struct CornerDetectorOptions {
   /// Cells that the image is divided into, about: cells are squares of side sqrt(width height / n).
-  int cells = 400;
+  int cells = 300;
   /// Floor of the corner strength: smaller eigenvalue of the mean of grad I grad I^T over 7 x 7
   /// pixels [grey^2/px^2]. Absolute, so a blank wall with noise of 2 grey levels gives nothing.
-  double min_strength = 8.0;
+  double min_strength = 3.0;
   int border = 10;  ///< [px] without corners along the image's edges
 };
 

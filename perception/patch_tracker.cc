@@ -26,7 +26,7 @@ bool inside(const PyramidLevel& image, const Eigen::Vector2f& p) {
 
 TrackResult track_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
                         const Eigen::Matrix2f& A, const ImagePyramid& to,
-                        const Eigen::Vector2f& start, int top, bool check_return,
+                        const Eigen::Vector2f& start, int top, int bottom, bool check_return,
                         const PatchTrackerOptions& options) {
   TrackResult result;
   Eigen::Vector2f position = start;
@@ -34,23 +34,27 @@ TrackResult track_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
     result.outcome = TrackOutcome::kNotInView;
     return result;
   }
-  for (int l = std::min({top, from.levels() - 1, to.levels() - 1}); l >= 0; --l) {
-    const float scale = 1.0f / static_cast<float>(1 << l);
+  const int lowest = std::min({bottom, from.levels() - 1, to.levels() - 1});
+  float scale = 1.0f;
+  for (int l = std::min({top, from.levels() - 1, to.levels() - 1}); l >= lowest; --l) {
+    const bool last = l == lowest;
+    scale = 1.0f / static_cast<float>(1 << l);
     const auto patch = Patch::make(from.level(l), scale * point, A, options.min_texture);
     if (!patch) {
-      if (l > 0) continue;
+      if (!last) continue;
       result.outcome = TrackOutcome::kNoTexture;
       return result;
     }
     const Patch::Alignment found =
-        patch->align(to.level(l), scale * position, options.shift_per_level, l > 0 ? 10 : 20,
-                     l > 0 ? 0.05f : 0.01f);
+        patch->align(to.level(l), scale * position, options.shift_per_level, last ? 20 : 10,
+                     last ? 0.01f : 0.05f);
     if (found.converged) position = found.position / scale;
-    if (l > 0) continue;
+    if (!last) continue;
     if (!found.converged || found.agreement < options.min_agreement) return result;
     result.agreement = found.agreement;
   }
-  if (check_return && !returns(from.level(0), point, A, to.level(0), position, options)) {
+  if (check_return &&
+      !returns(from.level(lowest), scale * point, A, to.level(lowest), scale * position, options)) {
     result.outcome = TrackOutcome::kNotConsistent;
     return result;
   }

@@ -22,16 +22,16 @@ struct TrackResult {
 };
 
 /// Finds the patch around `point` of one image in another, from `start`, coarse to fine (pyramidal
-/// alignment: Bouguet 2000), beginning at level `top`. A, 2 x 2: offsets in `to` times A are
-/// offsets in `from`; a known change of scale and rotation is so taken out of the patch before it
-/// is compared, which keeps tracks exact when the camera approaches.
+/// alignment: Bouguet 2000), from level `top` to level `bottom`. A, 2 x 2: offsets in `to` times A
+/// are offsets in `from`; a known change of scale and rotation is so taken out of the patch before
+/// it is compared, which keeps tracks exact when the camera approaches.
 ///
-/// Levels on which the patch leaves the image or has no texture are skipped; level 0 is not. With
-/// `check_return` the patch found is tracked back on level 0 and must return to `point`.
+/// Levels on which the patch leaves the image or has no texture are skipped; `bottom` is not. With
+/// `check_return` the patch found is tracked back on that level and must return to `point`.
 /// Deterministic; no state.
 TrackResult track_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
                         const Eigen::Matrix2f& A, const ImagePyramid& to,
-                        const Eigen::Vector2f& start, int top, bool check_return,
+                        const Eigen::Vector2f& start, int top, int bottom, bool check_return,
                         const PatchTrackerOptions& options = {});
 
 struct StereoTrackResult {

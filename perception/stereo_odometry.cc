@@ -6,11 +6,13 @@
 #include <cmath>
 #include <cstring>
 #include <deque>
+#include <optional>
 #include <stdexcept>
 #include <vector>
 
 #include "engine/stopwatch.h"
 #include "perception/image_pyramid.h"
+#include "perception/image_shift.h"
 
 namespace prospect {
 namespace {
@@ -56,6 +58,7 @@ struct Track {
 /// A good pose and what was known then, to come back to.
 struct Recall {
   Isometry3d T_CW;
+  PyramidLevel coarse;  // the coarsest level of its left image
   std::vector<Track> tracks;
 };
 
@@ -104,6 +107,7 @@ struct StereoOdometry::Impl {
   std::vector<Track> tracks;
   std::uint64_t next_id = 1;
   std::deque<Recall> recalls;
+  PyramidLevel good_coarse;  // of the last trusted frame, as in Recall
   Image last_left, last_right;
   bool have_images = false;
 
@@ -159,7 +163,7 @@ struct StereoOdometry::Impl {
     t.covariance = R * camera.triangulation_covariance(u, v, d) * R.transpose();
   }
 
-  /// First pass: left image only, coarse to fine; RANSAC sorts out what is wrong.
+  /// First pass: left image only, down to level 1; RANSAC sorts out what is wrong.
   void track_coarse(std::vector<Track>& points, const Isometry3d& T, const ImagePyramid& left,
                     int top) const {
     for (Track& t : points) {
@@ -169,7 +173,7 @@ struct StereoOdometry::Impl {
       t.in_view = predict(t, T, start, A);
       if (!t.in_view) continue;
       const TrackResult result =
-          track_patch(t.anchor->left, t.pixel, A, left, start, top, false, options.tracking);
+          track_patch(t.anchor->left, t.pixel, A, left, start, top, 1, false, options.tracking);
       t.tracked = result.outcome == TrackOutcome::kTracked;
       if (t.tracked) t.left = result.position;
     }
@@ -222,6 +226,21 @@ struct StereoOdometry::Impl {
     int expected = 0, tracked = 0, confirmed = 0;
   };
 
+  /// A pose `from` which the image `before` was seen, turned so as to show the image `now`.
+  Isometry3d turned(const Isometry3d& from, const PyramidLevel& before,
+                    const PyramidLevel& now) const {
+    const std::optional<Vector2d> shift = image_shift(before, now);
+    if (!shift) return from;
+    const double scale = camera.left.width / now.width;
+    const double yaw = std::atan(scale * shift->x() / camera.left.fx);
+    const double pitch = std::atan(scale * shift->y() / camera.left.fy);
+    Isometry3d R = Isometry3d::Identity();
+    R.linear() =
+        (Eigen::AngleAxisd(yaw, Vector3d::UnitY()) * Eigen::AngleAxisd(-pitch, Vector3d::UnitX()))
+            .toRotationMatrix();
+    return R * from;
+  }
+
   /// The pose of this frame from these points, near `prior`. Leaves tracked, inlier, has_right in
   /// the points.
   Attempt attempt(std::vector<Track>& points, const Isometry3d& prior, const ImagePyramid& left,
@@ -231,6 +250,8 @@ struct StereoOdometry::Impl {
     for (Track& t : points) t.tracked = t.inlier = t.has_right = false;
     std::vector<int> index;
     PoseEstimate coarse;
+    PoseEstimatorOptions level_1 = options.pose;
+    level_1.sigma_left = 2.0 * options.pose.sigma_left + 0.3;  // pixels of that level, and its blur
     const int deep = options.pyramid_levels - 1;
     for (int top : {trust_prior ? std::min(2, deep) : deep, deep}) {
       track_coarse(points, prior, left, top);
@@ -241,13 +262,12 @@ struct StereoOdometry::Impl {
       }
       times.tracking += watch.lap();
       const auto seen = observations(points, index);
-      coarse = ransac_pose(camera, seen, prior, options.seed + frame, options.pose);
+      coarse = ransac_pose(camera, seen, prior, options.seed + frame, level_1);
       times.pose += watch.lap();
       if (top == deep || (coarse.solved && 2 * coarse.inliers >= in_view)) break;
     }
     if (!coarse.solved) return result;
-    coarse =
-        refine_pose(camera, observations(points, index), coarse.inlier, coarse.T_CW, options.pose);
+    coarse = refine_pose(camera, observations(points, index), coarse.inlier, coarse.T_CW, level_1);
     times.pose += watch.lap();
     if (!coarse.solved) return result;
     // From here the predictions are good to about a pixel, and the warps are right.
@@ -348,6 +368,23 @@ struct StereoOdometry::Impl {
     return state;
   }
 
+  /// One landmark an image cell: the oldest, which ties this frame to the earliest keyframe.
+  void thin_out() {
+    const double cell = corner_cell(static_cast<int>(camera.left.width),
+                                    static_cast<int>(camera.left.height), options.corners);
+    const int columns = static_cast<int>(camera.left.width / cell) + 1;
+    const int rows = static_cast<int>(camera.left.height / cell) + 1;
+    std::vector<char> taken(static_cast<std::size_t>(columns) * rows, 0);
+    std::erase_if(tracks, [&](const Track& t) {
+      const int column = std::clamp(static_cast<int>(t.left.x() / cell), 0, columns - 1);
+      const int row = std::clamp(static_cast<int>(t.left.y() / cell), 0, rows - 1);
+      char& full = taken[static_cast<std::size_t>(row) * columns + column];
+      if (full) return true;
+      full = 1;
+      return false;
+    });
+  }
+
   /// New landmarks where the image has none; the pose is T_CW.
   int make_landmarks(const ImageView& image, ImagePyramid& left, const ImagePyramid& right) {
     std::vector<Vector2f> occupied;
@@ -389,7 +426,7 @@ struct StereoOdometry::Impl {
       t.at_keyframe = t.left;
       points_at_keyframe += t.inlier;
     }
-    recalls.push_back({T_CW, tracks});
+    recalls.push_back({T_CW, good_coarse, tracks});
     while (static_cast<int>(recalls.size()) > options.recovery_keyframes) recalls.pop_front();
   }
 
@@ -511,6 +548,7 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     recalls.clear();
     velocity.setZero();
     have_velocity = false;
+    good_coarse = left_pyramid.level(left_pyramid.levels() - 1);
     out.matched = make_landmarks(left, left_pyramid, right_pyramid);
     out.times.keyframe = watch.lap();
     if (out.matched < options.lost_points) {
@@ -540,7 +578,9 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
 
   const double since_good = stamp - good_stamp;
   // A motion goes on for a while, not for ever.
-  const Isometry3d prior = exp_se3(velocity * std::min(since_good, 0.5)) * T_CW;
+  const PyramidLevel coarse = left_pyramid.level(left_pyramid.levels() - 1);
+  const Isometry3d prior = have_velocity ? exp_se3(velocity * std::min(since_good, 0.5)) * T_CW
+                                         : turned(T_CW, good_coarse, coarse);
   Attempt a = attempt(tracks, prior, left_pyramid, right_pyramid, have_velocity && !gap, out.times);
   std::string reason;
   Localization state = judge(a, tracks, since_good, reason);
@@ -557,9 +597,9 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
       tracks = std::move(points);
       return true;
     };
-    bool found = have_velocity && retry(tracks, T_CW);
+    bool found = retry(tracks, turned(T_CW, good_coarse, coarse));
     for (auto recall = recalls.rbegin(); !found && recall != recalls.rend(); ++recall) {
-      found = retry(recall->tracks, recall->T_CW);
+      found = retry(recall->tracks, turned(recall->T_CW, recall->coarse, coarse));
     }
   }
   out.reason = reason;
@@ -594,6 +634,7 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
 
   // The pose is taken.
   watch.lap();
+  good_coarse = coarse;
   const Isometry3d before = T_CW;
   T_CW = a.pose.T_CW;
   const Matrix6d Ad = adjoint(T_CW * keyframe_T_CW.inverse());
@@ -630,6 +671,7 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     out.keyframe = true;
     update_offset(a);
     std::erase_if(tracks, [&](const Track& t) { return t.misses >= 1; });
+    thin_out();
     out.matched = make_landmarks(left, left_pyramid, right_pyramid);
     begin_keyframe();
   } else {

@@ -50,7 +50,7 @@ struct StereoOdometryOptions {
   double max_gap = 2.6;                 ///< of the usual time between frames; above: degraded
   int recovery_keyframes = 5;           ///< that are tried while lost
   /// Lost for so long [s]: a new map is begun at the last good pose; 0: never.
-  double restart_after = 4.0;
+  double restart_after = 2.0;
 
   std::uint64_t seed = 1;
 };

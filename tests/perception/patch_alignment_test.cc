@@ -130,7 +130,7 @@ TEST(PatchTracker, PyramidsReachFarAndTheReturnRejectsWhatIsNotThere) {
   for (float v = 60; v < 190; v += 20) {
     for (float u = 60; u < 260; u += 20) {
       ++total;
-      const auto result = track_patch(first, {u, v}, kSame, second, {u, v}, 3, true);
+      const auto result = track_patch(first, {u, v}, kSame, second, {u, v}, 3, 0, true);
       if (result.outcome != TrackOutcome::kTracked) continue;
       ++tracked;
       good += (result.position - Eigen::Vector2f(u + 17.4f, v - 9.2f)).norm() < 0.1f;
@@ -146,7 +146,7 @@ TEST(PatchTracker, PyramidsReachFarAndTheReturnRejectsWhatIsNotThere) {
   int wrong = 0;
   for (float v = 60; v < 190; v += 20) {
     for (float u = 60; u < 260; u += 20) {
-      wrong += track_patch(first, {u, v}, kSame, other, {u, v}, 3, true).outcome ==
+      wrong += track_patch(first, {u, v}, kSame, other, {u, v}, 3, 0, true).outcome ==
                TrackOutcome::kTracked;
     }
   }
