@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "solvers/evaluator.h"
+#include "solvers/limited_memory_bfgs.h"
 #include "solvers/options.h"
 #include "solvers/solver_frame.h"
 
@@ -28,7 +29,7 @@ std::timed_mutex& ipopt_lock() {
 }
 
 // These belong to this back end.
-constexpr std::array<std::string_view, 14> kReserved = {"print_level",
+constexpr std::array<std::string_view, 13> kReserved = {"print_level",
                                                         "output_file",
                                                         "file_print_level",
                                                         "option_file_name",
@@ -36,7 +37,6 @@ constexpr std::array<std::string_view, 14> kReserved = {"print_level",
                                                         "print_options_documentation",
                                                         "print_timing_statistics",
                                                         "replace_bounds",
-                                                        "hessian_approximation",
                                                         "derivative_test",
                                                         "fixed_variable_treatment",
                                                         "max_cpu_time",
@@ -48,7 +48,8 @@ std::vector<OptionInfo> own_options() {
   options.push_back({"tol", 1e-6, "Ipopt: scaled error of the optimality conditions [-]"});
   options.push_back({"max_iter", 3000, "Ipopt: iterations"});
   options.push_back({"mu_strategy", std::string("adaptive"), "Ipopt: adaptive or monotone"});
-  options.push_back({"limited_memory_max_history", 12, "Ipopt: pairs of the BFGS Hessian kept"});
+  options.push_back(
+      {"limited_memory_max_history", 12, "pairs of the BFGS Hessian kept, 1 or more"});
   options.push_back({"max_soc", 0, "Ipopt: second-order corrections tried for one step"});
   options.push_back({"stall_iterations", 10,
                      "iterations without a gain above 'tolerance' that end the solve once it has a "
@@ -63,6 +64,8 @@ constexpr double kStallDual = 1e-3;
 constexpr double kStallInfeasibility = 1e-4;
 
 bool is_reserved(std::string_view name) {
+  // The Hessian is ours: what is said of it would have no effect.
+  if (name.starts_with("limited_memory_") || name.starts_with("hessian_")) return true;
   return std::find(kReserved.begin(), kReserved.end(), name) != kReserved.end();
 }
 
@@ -102,8 +105,9 @@ const std::vector<OptionInfo>& library_options() {
 class ReducedProblem final : public Ipopt::TNLP {
  public:
   ReducedProblem(Evaluator& evaluator, const WarmStart& warm_start, Eigen::VectorXd start,
-                 bool full_warm_start, int stall_iterations)
+                 bool full_warm_start, int stall_iterations, int history)
       : evaluator_(evaluator),
+        bfgs_(evaluator.num_variables(), history),
         start_(std::move(start)),
         last_(start_),
         stall_iterations_(stall_iterations) {
@@ -127,7 +131,7 @@ class ReducedProblem final : public Ipopt::TNLP {
     n = evaluator_.num_variables();
     m = evaluator_.num_constraints();
     nonzeros = static_cast<Ipopt::Index>(entries_.size());
-    hessian_nonzeros = 0;
+    hessian_nonzeros = n * (n + 1) / 2;
     style = TNLP::C_STYLE;
     return true;
   }
@@ -159,20 +163,20 @@ class ReducedProblem final : public Ipopt::TNLP {
   }
 
   bool eval_f(Ipopt::Index n, const Ipopt::Number* x, bool, Ipopt::Number& value) override {
-    if (!evaluate(n, x, Evaluate::kValue)) return false;
+    if (!evaluate(n, x)) return false;
     value = evaluator_.cost();
     return true;
   }
 
   bool eval_grad_f(Ipopt::Index n, const Ipopt::Number* x, bool, Ipopt::Number* gradient) override {
-    if (!evaluate(n, x, Evaluate::kGradient)) return false;
+    if (!evaluate(n, x)) return false;
     std::copy_n(evaluator_.gradient().data(), n, gradient);
     return true;
   }
 
   bool eval_g(Ipopt::Index n, const Ipopt::Number* x, bool, Ipopt::Index m,
               Ipopt::Number* g) override {
-    if (!evaluate(n, x, Evaluate::kValue)) return false;
+    if (!evaluate(n, x)) return false;
     std::copy_n(evaluator_.constraints().data(), m, g);
     return true;
   }
@@ -186,7 +190,7 @@ class ReducedProblem final : public Ipopt::TNLP {
       }
       return true;
     }
-    if (!evaluate(n, x, Evaluate::kGradient)) return false;
+    if (!evaluate(n, x)) return false;
     for (Ipopt::Index e = 0; e < nonzeros; ++e) {
       const auto& [r, c] = entries_[static_cast<std::size_t>(e)];
       values[e] = evaluator_.jacobian()(r, c);
@@ -194,10 +198,31 @@ class ReducedProblem final : public Ipopt::TNLP {
     return true;
   }
 
-  bool eval_h(Ipopt::Index, const Ipopt::Number*, bool, Ipopt::Number, Ipopt::Index,
-              const Ipopt::Number*, bool, Ipopt::Index, Ipopt::Index*, Ipopt::Index*,
-              Ipopt::Number*) override {
-    return false;  // limited-memory BFGS
+  /// The Lagrangian's, by BFGS from the points at which Ipopt asks for it: its iterates, one after
+  /// the other. Lower triangle, dense.
+  bool eval_h(Ipopt::Index n, const Ipopt::Number* x, bool, Ipopt::Number cost_factor,
+              Ipopt::Index m, const Ipopt::Number* lambda, bool, Ipopt::Index, Ipopt::Index* row,
+              Ipopt::Index* column, Ipopt::Number* values) override {
+    if (values) {
+      if (!evaluate(n, x)) return false;
+      // The restoration phase, where the factor is 0, is about other points and no cost.
+      if (cost_factor > 0.0) {
+        update_bfgs(Eigen::Map<const Eigen::VectorXd>(x, n),
+                    Eigen::Map<const Eigen::VectorXd>(lambda, m) / cost_factor);
+      }
+    }
+    Ipopt::Index e = 0;
+    for (Ipopt::Index i = 0; i < n; ++i) {
+      for (Ipopt::Index j = 0; j <= i; ++j, ++e) {
+        if (values) {
+          values[e] = cost_factor * bfgs_.matrix()(i, j);
+        } else {
+          row[e] = i;
+          column[e] = j;
+        }
+      }
+    }
+    return true;
   }
 
   bool intermediate_callback(Ipopt::AlgorithmMode, Ipopt::Index iteration, Ipopt::Number objective,
@@ -264,13 +289,31 @@ class ReducedProblem final : public Ipopt::TNLP {
   }
 
  private:
+  /// The gradients of f + lambda c at the last point and at this one, with the multipliers of this
+  /// one.
+  void update_bfgs(const Eigen::Ref<const Eigen::VectorXd>& x, const Eigen::VectorXd& lambda) {
+    if (hessian_x_.size() > 0) {
+      const Eigen::VectorXd y = evaluator_.gradient() - hessian_gradient_ +
+                                (evaluator_.jacobian() - hessian_jacobian_).transpose() * lambda;
+      bfgs_.update(x - hessian_x_, y);
+    }
+    hessian_x_ = x;
+    hessian_gradient_ = evaluator_.gradient();
+    hessian_jacobian_ = evaluator_.jacobian();
+  }
+
   /// A rejected point cuts Ipopt's step; after a stop everything fails, so that it ends by itself.
-  bool evaluate(Ipopt::Index n, const Ipopt::Number* x, Evaluate what) {
-    return evaluator_.evaluate(Eigen::Map<const Eigen::VectorXd>(x, n), what) ==
+  /// With derivatives at once, as most trial points are taken: to ask for them later would evaluate
+  /// the point again.
+  bool evaluate(Ipopt::Index n, const Ipopt::Number* x) {
+    return evaluator_.evaluate(Eigen::Map<const Eigen::VectorXd>(x, n), Evaluate::kGradient) ==
            Outcome::kEvaluated;
   }
 
   Evaluator& evaluator_;
+  LimitedMemoryBfgs bfgs_;
+  Eigen::VectorXd hessian_x_, hessian_gradient_;
+  Eigen::MatrixXd hessian_jacobian_;
   Eigen::VectorXd start_, last_;
   std::vector<std::pair<int, int>> entries_;  // (row, column) of the Jacobian
   Eigen::VectorXd lambda_, z_lower_, z_upper_;
@@ -312,6 +355,8 @@ class IpoptSolver final : public SolverFrame {
     options.require(options.text("linear_solver") != "ma97",
                     "option 'linear_solver' is 'ma97', which ends the whole process where its "
                     "library is absent; expected mumps, ma27, ma57, ...");
+    options.require_value("limited_memory_max_history",
+                          options.integer("limited_memory_max_history") >= 1, "1 or more");
     options.require(options.integer("stall_iterations") >= 0,
                     "option 'stall_iterations' is negative; expected 0 or more");
   }
@@ -334,7 +379,9 @@ class IpoptSolver final : public SolverFrame {
     std::map<std::string, OptionValue> settings = {
         {"print_level", 0},
         {"sb", std::string("yes")},
-        {"hessian_approximation", std::string("limited-memory")},
+        {"hessian_approximation", std::string("exact")},  // ours, see eval_h()
+        // A refinement of every solution costs as much as the solution and changes no result.
+        {"min_refinement_steps", 0},
         // Within the bounds, always: terms need not be defined outside, and what is relaxed here
         // would be violated there.
         {"bound_relax_factor", 0.0},
@@ -342,6 +389,8 @@ class IpoptSolver final : public SolverFrame {
         {"acceptable_constr_viol_tol", 0.5 * common.feasibility_tolerance},
         {"max_cpu_time", 1e10},  // the evaluator keeps the wall-clock deadline
     };
+    // Of problems this small the choice of an ordering takes longer than what it saves.
+    if (options.text("linear_solver") == "mumps") settings["mumps_pivot_order"] = 0;
     if (full) {
       settings["warm_start_init_point"] = std::string("yes");
       for (const char* push :
@@ -376,9 +425,9 @@ class IpoptSolver final : public SolverFrame {
     constexpr int kStarts = 3;
     for (int attempt = 0; attempt < kStarts; ++attempt) {
       if (attempt > 0 && full) set_option(*application, "warm_start_init_point", std::string("no"));
-      reduced =
-          new ReducedProblem(evaluator, warm_start, attempt == 0 ? start : evaluator.incumbent(),
-                             full, options.integer("stall_iterations"));
+      reduced = new ReducedProblem(
+          evaluator, warm_start, attempt == 0 ? start : evaluator.incumbent(), full,
+          options.integer("stall_iterations"), options.integer("limited_memory_max_history"));
       // OptimizeTNLP anew each time: ReOptimizeTNLP of 3.11 keeps the clock of the first solve.
       status = application->OptimizeTNLP(Ipopt::SmartPtr<Ipopt::TNLP>(GetRawPtr(reduced)));
       if (status != Ipopt::Invalid_Number_Detected || evaluator.stopped()) break;
