@@ -8,24 +8,25 @@ namespace prospect {
 
 DisparityOffsetEvidence disparity_offset_evidence(const StereoCamera& camera,
                                                   const std::vector<PointObservation>& observations,
-                                                  const std::vector<Eigen::Vector3d>& sensitivity,
+                                                  const PoseEstimate& estimate,
                                                   const std::vector<char>& use,
-                                                  const Eigen::Isometry3d& T_CW,
                                                   const PoseEstimatorOptions& options) {
   Eigen::Matrix<double, 7, 7> H = Eigen::Matrix<double, 7, 7>::Zero();
   Eigen::Matrix<double, 7, 1> g = Eigen::Matrix<double, 7, 1>::Zero();
   ObservationResidual residual;
   for (std::size_t i = 0; i < observations.size(); ++i) {
-    if (!use[i]) continue;
-    if (!observation_residual(camera, T_CW, observations[i], residual)) continue;
+    if (!estimate.inlier[i] || !use[i]) continue;
+    const PointObservation& o = observations[i];
+    const Eigen::Vector3d& m = estimate.measured[i];
+    if (!observation_residual(camera, estimate.T_CW, o, m, residual)) continue;
     Eigen::Matrix<double, 3, 7> J;
     J.leftCols<6>() = residual.d_pose;
-    J.col(6) = residual.d_point * sensitivity[i];
-    if (std::isfinite(observations[i].right)) J(2, 6) -= 1.0;
-    const Eigen::Matrix3d W = observation_weight(observations[i], residual, options);
+    J.col(6) = residual.d_measured.col(2);
+    if (std::isfinite(o.right)) J(2, 6) -= 1.0;
+    const Eigen::Matrix3d W = observation_weight(o, residual, options);
     const Eigen::Matrix<double, 7, 3> JW = J.transpose() * W;
     H.noalias() += JW * J;
-    g.noalias() += JW * residual.r;
+    g.noalias() += JW * (residual.r + residual.d_measured * (o.measured - m));
   }
   DisparityOffsetEvidence evidence;
   const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> pose(H.topLeftCorner<6, 6>());
@@ -36,7 +37,8 @@ DisparityOffsetEvidence disparity_offset_evidence(const StereoCamera& camera,
   if (!std::isfinite(information) || !std::isfinite(gradient) || information <= 0.0) {
     return evidence;
   }
-  return {information, gradient};
+  const double scale = std::max(1.0, estimate.chi2_per_dof);
+  return {information / scale, gradient / scale};
 }
 
 double DisparityOffset::sigma() const { return std::sqrt(variance_); }

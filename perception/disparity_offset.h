@@ -1,7 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <Eigen/Geometry>
 #include <vector>
 
 #include "models/camera.h"
@@ -15,32 +13,34 @@ namespace prospect {
 /// enough) measures all disparities off by a fifth of a pixel, hence far points much too near or
 /// too far, and near ones hardly. Motion shows it: seen from elsewhere, points at all depths agree
 /// with one pose only for the right delta. With the observations of one frame, linearised at its
-/// pose and at the present delta,
+/// pose, at its points and at the present delta,
 ///   minimise over (xi, delta)  sum (r + J xi + j delta)^T W (r + J xi + j delta),
-///   j = d_point dl/ddelta - e_3 [seen in the right image],
+///   j = dr/dm e_3 - e_3 [seen in the right image],
 /// xi is eliminated (Schur complement), which leaves information [1/px^2] and the increment's
-/// right-hand side.
+/// right-hand side. Both are divided by max(1, chi^2/dof) of the pose: noisier images say less.
 struct DisparityOffsetEvidence {
   double information = 0.0;  ///< Lambda [1/px^2], >= 0; zero while the camera stands still
   double gradient =
       0.0;  ///< of half the cost at the present delta [1/px]: delta += -gradient/Lambda
 };
 
-/// `sensitivity`: dl/ddelta of every observation's point, in W [m/px]. Observations with a zero in
-/// `use` do not count.
+/// From those inliers of a solved estimate of the same observations that are flagged in `use`.
 DisparityOffsetEvidence disparity_offset_evidence(const StereoCamera& camera,
                                                   const std::vector<PointObservation>& observations,
-                                                  const std::vector<Eigen::Vector3d>& sensitivity,
+                                                  const PoseEstimate& estimate,
                                                   const std::vector<char>& use,
-                                                  const Eigen::Isometry3d& T_CW,
                                                   const PoseEstimatorOptions& options);
 
 struct DisparityOffsetOptions {
   double prior_sigma = 0.3;  ///< [px] of a calibration; 0: the offset is not estimated
   /// [px] by which it may wander from one update to the next.
   double walk_sigma = 0.01;
-  /// Evidence is worth this share of what it says: the same patches speak again and again.
-  double trust = 0.25;
+  /// Evidence is worth this share of what it says: errors of neighbouring patches are alike.
+  double trust = 0.5;
+  /// A landmark speaks once only, as its own disparity's error is the same ever after: when the
+  /// camera has moved by this share of its depth. So many must speak together.
+  double min_baseline = 0.1;
+  int min_points = 25;
   double max_offset = 2.0;  ///< [px]
 };
 

@@ -26,18 +26,22 @@ Matrix3d skew(const Vector3d& a) {
 
 bool sees_right(const PointObservation& o) { return std::isfinite(o.right); }
 
+Vector3d in_world(const StereoCamera& camera, const PointObservation& o) {
+  return o.T_WA * camera.triangulate(o.measured.x(), o.measured.y(), o.measured.z());
+}
+
 /// Gauss-Newton on three points of the left image; false if it does not settle.
-bool three_point_pose(const StereoCamera& camera, const PointObservation* const points[3],
-                      Isometry3d& T) {
+bool three_point_pose(const StereoCamera& camera, const Vector3d points[3],
+                      const Eigen::Vector2d seen[3], Isometry3d& T) {
   const PinholeCamera& left = camera.left;
   for (int iteration = 0; iteration < 12; ++iteration) {
     Matrix6d J;
     Vector6d r;
     for (int i = 0; i < 3; ++i) {
-      const Vector3d Y = T * points[i]->point;
+      const Vector3d Y = T * points[i];
       if (!(Y.z() > 0.01)) return false;
       const Eigen::Matrix<double, 2, 3> P = left.projection_jacobian(Y);
-      r.segment<2>(2 * i) = points[i]->left - left.project(Y);
+      r.segment<2>(2 * i) = seen[i] - left.project(Y);
       J.block<2, 3>(2 * i, 0) = P;
       J.block<2, 3>(2 * i, 3) = -P * skew(Y);
     }
@@ -52,8 +56,9 @@ bool three_point_pose(const StereoCamera& camera, const PointObservation* const 
 }  // namespace
 
 bool observation_residual(const StereoCamera& camera, const Isometry3d& T_CW,
-                          const PointObservation& o, ObservationResidual& out) {
-  const Vector3d Y = T_CW * o.point;
+                          const PointObservation& o, const Vector3d& m, ObservationResidual& out) {
+  if (!(m.z() > 0.0)) return false;
+  const Vector3d Y = T_CW * (o.T_WA * camera.triangulate(m.x(), m.y(), m.z()));
   if (!(Y.z() > 0.01)) return false;
   Eigen::Matrix3d P;
   P.topRows<2>() = camera.left.projection_jacobian(Y);
@@ -69,13 +74,15 @@ bool observation_residual(const StereoCamera& camera, const Isometry3d& T_CW,
   // exp(xi) Y = Y + t + omega x Y
   out.d_pose.leftCols<3>() = -P;
   out.d_pose.rightCols<3>() = P * skew(Y);
-  out.d_point = -P * T_CW.linear();
+  out.d_measured =
+      -P * T_CW.linear() * o.T_WA.linear() * camera.triangulation_jacobian(m.x(), m.y(), m.z());
   return true;
 }
 
 Matrix3d observation_weight(const PointObservation& o, const ObservationResidual& residual,
                             const PoseEstimatorOptions& options) {
-  Matrix3d S = residual.d_point * o.covariance * residual.d_point.transpose();
+  Matrix3d S =
+      residual.d_measured * o.sigma.cwiseAbs2().asDiagonal() * residual.d_measured.transpose();
   S(0, 0) += options.sigma_left * options.sigma_left;
   S(1, 1) += options.sigma_left * options.sigma_left;
   Matrix3d W = Matrix3d::Zero();
@@ -146,12 +153,17 @@ PoseEstimate ransac_pose(const StereoCamera& camera,
   if (n < kMinInliers) return best;
   // Whitening seen from the prior.
   std::vector<Eigen::Matrix2d> weights(n, Eigen::Matrix2d::Zero());
+  std::vector<Vector3d> points(n, Vector3d::Zero());
   for (int i = 0; i < n; ++i) {
     ObservationResidual residual;
-    if (!observation_residual(camera, prior, observations[i], residual)) continue;
-    Eigen::Matrix2d S =
-        (residual.d_point * observations[i].covariance * residual.d_point.transpose())
-            .topLeftCorner<2, 2>();
+    if (!(observations[i].measured.z() > 0.0)) continue;
+    points[i] = in_world(camera, observations[i]);
+    if (!observation_residual(camera, prior, observations[i], observations[i].measured, residual)) {
+      continue;
+    }
+    Eigen::Matrix2d S = (residual.d_measured * observations[i].sigma.cwiseAbs2().asDiagonal() *
+                         residual.d_measured.transpose())
+                            .topLeftCorner<2, 2>();
     S.diagonal().array() += options.sigma_left * options.sigma_left;
     weights[i] = S.inverse();
   }
@@ -166,7 +178,7 @@ PoseEstimate ransac_pose(const StereoCamera& camera,
     count = 0;
     double cost = 0.0;
     for (int i = 0; i < n; ++i) {
-      const Vector3d Y = T * observations[i].point;
+      const Vector3d Y = T * points[i];
       inlier[i] = 0;
       double chi2 = options.ransac_gate;
       if (Y.z() > 0.01 && weights[i](0, 0) > 0.0) {
@@ -188,9 +200,10 @@ PoseEstimate ransac_pose(const StereoCamera& camera,
     if (h > 0) {
       const int a = draw(), b = draw(), c = draw();
       if (a == b || b == c || a == c) continue;
-      const PointObservation* const three[3] = {&observations[a], &observations[b],
-                                                &observations[c]};
-      if (!three_point_pose(camera, three, T)) continue;
+      const Vector3d three[3] = {points[a], points[b], points[c]};
+      const Eigen::Vector2d seen[3] = {observations[a].left, observations[b].left,
+                                       observations[c].left};
+      if (!three_point_pose(camera, three, seen, T)) continue;
     }
     int count = 0;
     double cost = score(T, count);
@@ -229,21 +242,39 @@ PoseEstimate refine_pose(const StereoCamera& camera,
   estimate.T_CW = start;
   estimate.inlier.assign(n, 1);
   if (!use.empty()) estimate.inlier = use;
+  std::vector<Vector3d>& m = estimate.measured;
+  for (const PointObservation& o : observations) m.push_back(o.measured);
   ObservationResidual residual;
+  Matrix3d W;
+  // The residual as if m were the measurement: what is left to explain by pose and noise.
+  const auto linearise = [&](int i) {
+    if (!observation_residual(camera, estimate.T_CW, observations[i], m[i], residual)) return false;
+    residual.r += residual.d_measured * (observations[i].measured - m[i]);
+    W = observation_weight(observations[i], residual, options);
+    return true;
+  };
+  /// m given the pose and, to first order, its step xi.
+  const auto correct = [&](int i, const Vector6d& xi) {
+    const PointObservation& o = observations[i];
+    const Vector3d corrected = o.measured - o.sigma.cwiseAbs2().asDiagonal() *
+                                                residual.d_measured.transpose() * W *
+                                                (residual.r + residual.d_pose * xi);
+    // A point that is fitted beyond infinity stays where it is.
+    if (corrected.z() > 0.1 * o.measured.z()) m[i] = corrected;
+  };
   for (int round = 0; round < 4; ++round) {
     const bool robust = round == 0;
     for (int iteration = 0; iteration < 10; ++iteration) {
       Matrix6d H = Matrix6d::Zero();
       Vector6d g = Vector6d::Zero();
       for (int i = 0; i < n; ++i) {
-        if (!estimate.inlier[i]) continue;
-        if (!observation_residual(camera, estimate.T_CW, observations[i], residual)) continue;
-        Matrix3d W = observation_weight(observations[i], residual, options);
+        if (!estimate.inlier[i] || !linearise(i)) continue;
+        Matrix3d weight = W;
         if (robust) {
           const double norm = std::sqrt(residual.r.dot(W * residual.r));
-          if (norm > options.huber) W *= options.huber / norm;
+          if (norm > options.huber) weight *= options.huber / norm;
         }
-        const Eigen::Matrix<double, 6, 3> JW = residual.d_pose.transpose() * W;
+        const Eigen::Matrix<double, 6, 3> JW = residual.d_pose.transpose() * weight;
         H.noalias() += JW * residual.d_pose;
         g.noalias() += JW * residual.r;
       }
@@ -251,6 +282,9 @@ PoseEstimate refine_pose(const StereoCamera& camera,
       if (solver.info() != Eigen::Success || !solver.isPositive()) return estimate;
       const Vector6d xi = -solver.solve(g);
       if (!xi.allFinite()) return estimate;
+      for (int i = 0; i < n; ++i) {
+        if (estimate.inlier[i] && linearise(i)) correct(i, xi);
+      }
       estimate.T_CW = exp_se3(xi) * estimate.T_CW;
       if (xi.norm() < 1e-7) break;
     }
@@ -263,8 +297,7 @@ PoseEstimate refine_pose(const StereoCamera& camera,
     for (int i = 0; i < n; ++i) {
       if (!use.empty() && !use[i]) continue;
       char in = 0;
-      if (observation_residual(camera, estimate.T_CW, observations[i], residual)) {
-        const Matrix3d W = observation_weight(observations[i], residual, options);
+      if (linearise(i)) {
         const double chi2 = residual.r.dot(W * residual.r);
         in = chi2 <= options.final_gate;
         if (in) {

@@ -10,26 +10,29 @@
 
 namespace prospect {
 
-/// A point of the map and where a stereo pair sees it.
+/// A landmark as it was measured when it was made, and where a stereo pair sees it now.
 struct PointObservation {
-  Eigen::Vector3d point = Eigen::Vector3d::Zero();          ///< l in W [m]
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();     ///< Sigma_l in W [m^2]
-  Eigen::Vector2d left = Eigen::Vector2d::Zero();           ///< (u, v) in the left image [px]
-  double right = std::numeric_limits<double>::quiet_NaN();  ///< u in the right image; NaN: not seen
+  /// Pose of the left camera that made it, and what it measured: m = (u, v, d) [px], eq. (1).
+  Eigen::Isometry3d T_WA = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d measured = Eigen::Vector3d::Zero();
+  Eigen::Vector3d sigma = Eigen::Vector3d::Zero();          ///< standard deviations of m [px]
+  Eigen::Vector2d left = Eigen::Vector2d::Zero();           ///< (u, v) in the left image now [px]
+  double right = std::numeric_limits<double>::quiet_NaN();  ///< u in the right one; NaN: not seen
 };
 
-/// Residual of one observation at the pose T_CW and its derivatives:
-///   r = (u, v, u_right) - (Pi(Y), Pi_u(Y - b e_x)),  Y = T_CW l,
-///   dr/dxi for T_CW <- exp(xi) T_CW, xi = (t, omega) in C;   dr/dl.
+/// Residual of one observation at the pose T_CW, if what was measured had been m, and derivatives:
+///   r = (u, v, u_right) - (Pi(Y), Pi_u(Y - b e_x)),  Y = T_CW T_WA triangulate(m),
+///   dr/dxi for T_CW <- exp(xi) T_CW, xi = (t, omega) in C;   dr/dm.
 /// The third row is zero where the right image does not see the point.
 struct ObservationResidual {
   Eigen::Vector3d r;
   Eigen::Matrix<double, 3, 6> d_pose;
-  Eigen::Matrix3d d_point;
+  Eigen::Matrix3d d_measured;
 };
-/// False if the point is not in front of the camera (Y.z() <= 1 cm).
+/// False if the point is not in front of the camera (Y.z() <= 1 cm) or its disparity not positive.
 bool observation_residual(const StereoCamera& camera, const Eigen::Isometry3d& T_CW,
-                          const PointObservation& observation, ObservationResidual& out);
+                          const PointObservation& observation, const Eigen::Vector3d& m,
+                          ObservationResidual& out);
 
 /// W = S^-1 of such a residual, S as in refine_pose(); zero in the third row and column where the
 /// right image does not see the point.
@@ -64,6 +67,8 @@ struct PoseEstimate {
   /// not fix the pose.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   std::vector<char> inlier;  ///< parallel to the observations
+  /// m of every observation given both views: the measurement, corrected by what is seen now.
+  std::vector<Eigen::Vector3d> measured;
   int inliers = 0;
   double chi2_per_dof = 0.0;
 
@@ -81,12 +86,17 @@ PoseEstimate ransac_pose(const StereoCamera& camera,
                          const Eigen::Isometry3d& prior, std::uint64_t seed,
                          const PoseEstimatorOptions& options = {});
 
-/// Maximum likelihood with Huber's loss over the observations flagged in `use` (empty: all):
-///   min sum rho(r^T S^-1 r),  S = diag(sigma_left^2, sigma_left^2, sigma_right^2)
-///                                 + d_point Sigma_l d_point^T,
-/// iterated Gauss-Newton with S held over an iteration; then gated by chi^2 and solved again
-/// without loss over the inliers, until the set settles (three times at most). Not solved if fewer
-/// than six inliers remain or the normal equations are singular.
+/// Maximum likelihood of pose and points with Huber's loss over the observations flagged in `use`
+/// (empty: all): what was measured then, m_i, and what is seen now are both noisy,
+///   min over T, m_i   sum rho(r_i(T, m_i)^T R^-1 r_i + (m_i - measured_i)^T M_i^-1 (m_i -
+///   measured_i)),
+/// R = diag(sigma_left^2, sigma_left^2, sigma_right^2), M = diag(sigma^2). By Gauss-Newton; m_i is
+/// eliminated, which leaves 6 unknowns, the residual r + dr/dm (measured - m) and its covariance
+///   S = R + dr/dm M dr/dm^T.
+/// That m_i moves along matters: derivatives at the noisy measurement would draw the motion towards
+/// zero (errors in variables). Then gated by chi^2 and solved again without loss over the inliers,
+/// until the set settles (three times at most). Not solved if fewer than six inliers remain or the
+/// normal equations are singular.
 PoseEstimate refine_pose(const StereoCamera& camera,
                          const std::vector<PointObservation>& observations,
                          const std::vector<char>& use, const Eigen::Isometry3d& start,

@@ -40,11 +40,11 @@ struct Track {
   Vector3d in_anchor;                       // [m], in the anchor's camera frame
   Vector3d position;                        // [m], in W
   Matrix3d covariance;                      // [m^2], in W
-  Vector3d sensitivity;                     // of the position to the disparity offset [m/px]
   Vector2f at_keyframe = Vector2f::Zero();  // where it was at the last keyframe, if it was
   bool seen_at_keyframe = false;
   int misses = 0;  // in a row
   int expected = 0, found = 0;
+  bool has_spoken = false;  // about the disparity offset
 
   // This frame.
   bool in_view = false;
@@ -159,7 +159,6 @@ struct StereoOdometry::Impl {
     const Matrix3d R = t.anchor->T_CW.linear().transpose();
     t.in_anchor = camera.triangulate(u, v, d);
     t.position = t.anchor->T_CW.inverse() * t.in_anchor;
-    t.sensitivity = R * camera.triangulation_jacobian(u, v, d).col(2);
     t.covariance = R * camera.triangulation_covariance(u, v, d) * R.transpose();
   }
 
@@ -211,8 +210,9 @@ struct StereoOdometry::Impl {
       const Track& t = points[i];
       if (!t.tracked) continue;
       PointObservation o;
-      o.point = t.position;
-      o.covariance = t.covariance;
+      o.T_WA = t.anchor->T_CW.inverse();
+      o.measured << t.pixel.x(), t.pixel.y(), std::max(t.disparity + offset.value(), 0.1);
+      o.sigma << options.sigma_corner, options.sigma_corner, options.sigma_disparity;
       o.left = t.left.cast<double>();
       if (t.has_right) o.right = t.right - offset.value();
       out.push_back(o);
@@ -291,10 +291,19 @@ struct StereoOdometry::Impl {
   void update_offset(const Attempt& a) {
     std::vector<int> index;
     const auto seen = observations(tracks, index);
-    std::vector<Vector3d> sensitivity;
-    for (int i : index) sensitivity.push_back(tracks[i].sensitivity);
-    offset.update(disparity_offset_evidence(camera, seen, sensitivity, a.pose.inlier, a.pose.T_CW,
-                                            options.pose));
+    const Vector3d here = a.pose.T_CW.inverse().translation();
+    std::vector<char> speaks(index.size(), 0);
+    int speaking = 0;
+    for (std::size_t k = 0; k < index.size(); ++k) {
+      const Track& t = tracks[index[k]];
+      const double moved = (here - t.anchor->T_CW.inverse().translation()).norm();
+      speaks[k] = a.pose.inlier[k] && !t.has_spoken &&
+                  moved >= options.disparity_offset.min_baseline * t.in_anchor.z();
+      speaking += speaks[k];
+    }
+    if (speaking < options.disparity_offset.min_points) return;
+    for (std::size_t k = 0; k < index.size(); ++k) tracks[index[k]].has_spoken |= speaks[k] != 0;
+    offset.update(disparity_offset_evidence(camera, seen, a.pose, speaks, options.pose));
     for (Track& t : tracks) place(t);
     for (Recall& recall : recalls) {
       for (Track& t : recall.tracks) place(t);
