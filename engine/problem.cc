@@ -212,8 +212,7 @@ void Problem::chain(const JacobianBlock& block, const Eigen::Ref<const Eigen::Ve
   }
 }
 
-void Problem::pull_back(const Eigen::Ref<const Eigen::VectorXd>& state_gradient,
-                        const Eigen::Ref<const Eigen::VectorXd>& input_gradient,
+void Problem::pull_back(const GradientRef& state_gradient, const GradientRef& input_gradient,
                         Workspace& workspace, Eigen::Ref<Eigen::VectorXd> gradient) const {
   Workspace::Impl& w = *workspace.impl_;
   const int nx = horizon_.nx();

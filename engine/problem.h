@@ -141,15 +141,15 @@ class Problem {
 
  private:
   using RowRef = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
+  using GradientRef = Eigen::Ref<const Eigen::VectorXd, 0, Eigen::InnerStride<>>;
   void roll(const Eigen::Ref<const Eigen::MatrixXd>& X, TrajectoryBatch& t) const;
   void linearise(const TrajectoryBatch& t, bool sensitivities, Workspace& workspace) const;
   /// Adds the derivative by z of what depends through `block` on x or u to `row` (1 x n).
   void chain(const JacobianBlock& block, const Eigen::Ref<const Eigen::VectorXd>& derivative,
              const Workspace& workspace, RowRef row) const;
   /// Adds the gradient by z of what has these derivatives by states and inputs: the adjoint sweep.
-  void pull_back(const Eigen::Ref<const Eigen::VectorXd>& state_gradient,
-                 const Eigen::Ref<const Eigen::VectorXd>& input_gradient, Workspace& workspace,
-                 Eigen::Ref<Eigen::VectorXd> gradient) const;
+  void pull_back(const GradientRef& state_gradient, const GradientRef& input_gradient,
+                 Workspace& workspace, Eigen::Ref<Eigen::VectorXd> gradient) const;
   void prepare_residuals(Workspace& workspace) const;
   /// Evaluates a cost and writes its rows of the residuals.
   void evaluate_residuals(std::size_t term, const TrajectoryBatch& t, TermOutput& o,

@@ -95,11 +95,12 @@ TEST(ProblemAllocation, NoneAfterTheFirstEvaluationOfEachBatchSize) {
     std::mt19937_64 random(2);
     const Eigen::MatrixXd X = scene.points(30, random);
     Workspace workspace = problem.make_workspace();
-    Evaluation single, gradient, batch;
+    Evaluation single, gradient, residuals, batch;
     const long before_first = allocations;
     problem.evaluate(X.col(0), Evaluate::kValue, workspace, single);
     EXPECT_GT(allocations, before_first) << "the counter does not count";
     problem.evaluate(X.col(0), Evaluate::kGradient, workspace, gradient);
+    problem.evaluate(X.col(0), Evaluate::kResiduals, workspace, residuals);
     problem.evaluate(X, Evaluate::kValue, workspace, batch);
     problem.evaluate(X.col(0), Evaluate::kValue, workspace, single);
     problem.evaluate(X.col(0), Evaluate::kGradient, workspace, gradient);
@@ -110,11 +111,14 @@ TEST(ProblemAllocation, NoneAfterTheFirstEvaluationOfEachBatchSize) {
       const long value = allocations;
       problem.evaluate(X.col(b), Evaluate::kGradient, workspace, gradient);
       const long with_gradient = allocations;
+      problem.evaluate(X.col(b), Evaluate::kResiduals, workspace, residuals);
+      const long with_residuals = allocations;
       problem.evaluate(X, Evaluate::kValue, workspace, batch);
       const long with_batch = allocations;
       ASSERT_EQ(value - before, 0) << c.name << ", value";
       ASSERT_EQ(with_gradient - value, 0) << c.name << ", gradient";
-      ASSERT_EQ(with_batch - with_gradient, 0) << c.name << ", batch";
+      ASSERT_EQ(with_residuals - with_gradient, 0) << c.name << ", residuals";
+      ASSERT_EQ(with_batch - with_residuals, 0) << c.name << ", batch";
       ASSERT_EQ(single.cost[0], batch.cost[b]) << c.name;
       ASSERT_EQ(gradient.cost[0], single.cost[0]) << c.name;
     }
