@@ -11,10 +11,13 @@ using Clock = std::chrono::steady_clock;
 
 BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, double limit,
                     const BenchOptions& options) {
+  // A back end from elsewhere may lack an option that all of ours have.
   Options given = choice.options;
-  given.emplace("max_evaluations", options.max_evaluations);
-  given.emplace("seed", options.seed);
-  given["trace"] = 1;
+  for (const OptionInfo& info : choice.solver->options()) {
+    if (info.name == "max_evaluations") given.emplace(info.name, options.max_evaluations);
+    if (info.name == "seed") given.emplace(info.name, options.seed);
+    if (info.name == "trace") given[info.name] = 1;
+  }
   const auto begin = Clock::now();
   StopCondition stop = limit > 0.0 ? deadline(limit) : StopCondition();
   if (options.cancelled) stop = stop || cancelled_by(options.cancelled);
@@ -31,6 +34,9 @@ BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, dou
   row.seconds = seconds;
   if (limit > 0.0) row.overrun = std::max(0.0, seconds - limit);
   row.trace = std::move(result.trace);
+  if (row.trace.empty() && row.quality != Quality::kNone) {
+    row.trace = {{seconds, row.counters.cost_evaluations, row.cost, row.violation}};
+  }
   row.detail = std::move(result.detail);
   return row;
 }

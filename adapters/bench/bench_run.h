@@ -40,7 +40,7 @@ struct BenchRow {
   double seconds = 0.0;  ///< of the call of solve(), as its caller sees it
   /// The longest time past the deadline of all repeats. [s]
   double overrun = 0.0;
-  std::vector<Improvement> trace;
+  std::vector<Improvement> trace;  ///< of a back end that keeps none: the result alone
   std::string detail;
 
   // Against the best known.

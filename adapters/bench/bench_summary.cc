@@ -68,8 +68,11 @@ GroupSummary group_of(const BenchTable& table, const std::string& name, double d
   std::vector<std::vector<double>> times, evaluations;
   for (std::size_t k = 0; k < by_solver.size(); ++k) {
     group.solvers.push_back(summary_of(table.solvers[k], by_solver[k]));
-    times.push_back(column(by_solver[k], [](auto& r) { return r.seconds_to_target; }));
-    evaluations.push_back(column(by_solver[k], [](auto& r) { return r.evaluations_to_target; }));
+    // Ratios need measures above zero, whatever a clock or a back end's counter says.
+    times.push_back(
+        column(by_solver[k], [](auto& r) { return std::max(r.seconds_to_target, 1e-9); }));
+    evaluations.push_back(
+        column(by_solver[k], [](auto& r) { return std::max(r.evaluations_to_target, 1.0); }));
     for (const BenchRow* row : by_solver[k]) {
       if (row->trace.empty()) continue;
       first_s = std::min(first_s, std::max(row->trace.front().seconds, 1e-6));

@@ -17,6 +17,7 @@
 #include "adapters/bench/bench_page.h"
 #include "adapters/bench/bench_summary.h"
 #include "problems/zoo.h"
+#include "solvers/options.h"
 
 namespace prospect {
 namespace {
@@ -29,7 +30,7 @@ class Scripted final : public Solver {
   Scripted(std::string name, std::vector<Improvement> trace)
       : name_(std::move(name)), trace_(std::move(trace)) {}
   std::string name() const override { return name_; }
-  std::vector<OptionInfo> options() const override { return {}; }
+  std::vector<OptionInfo> options() const override { return common_options(); }
   std::string explain_unsupported(const Problem& p) const override {
     return p.num_variables() > 3 ? "takes three variables at most" : "";
   }
@@ -179,6 +180,34 @@ TEST(BenchRun, TakesTheMedianOfTheRepeatsUnderADeadlineAndTheirWorstOverrun) {
       run_bench({set}, {{"tiring", std::make_shared<Tiring>(), {}}}, options);
   EXPECT_GT(fastest.rows[0].cost, 1.0);  // the first one sleeps
   EXPECT_EQ(fastest.rows[0].overrun, 0.0);
+}
+
+/// A back end that knows nothing of traces and refuses every option.
+class Plain final : public Solver {
+ public:
+  std::string name() const override { return "plain"; }
+  std::vector<OptionInfo> options() const override { return {}; }
+  std::string explain_unsupported(const Problem&) const override { return ""; }
+  Result solve(const Problem&, const WarmStart&, const Options& options,
+               const StopCondition&) const override {
+    EXPECT_TRUE(options.empty());
+    Result r;
+    r.stop = StopReason::kConverged;
+    r.quality = Quality::kFeasible;
+    r.cost = 10.01;
+    r.counters.cost_evaluations = 7;
+    return r;
+  }
+};
+
+TEST(BenchRun, TakesTheEndOfASolveThatKeepsNoTrace) {
+  ProblemSet set = two_problems();
+  set.problems.resize(1);
+  const BenchTable t = run_bench({set}, {{"plain", std::make_shared<Plain>(), {}}}, {});
+  EXPECT_TRUE(t.rows[0].solved);
+  EXPECT_EQ(t.rows[0].seconds_to_target, t.rows[0].seconds);
+  EXPECT_EQ(t.rows[0].evaluations_to_target, 7);
+  EXPECT_EQ(summarize(t)[0].solvers[0].by_time.at(1.0), 1.0);
 }
 
 TEST(BenchFiles, HaveARowForEveryCellAndAsManyFieldsAsTheHead) {
