@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <deque>
 #include <optional>
 #include <stdexcept>
@@ -92,6 +93,13 @@ Matrix6d adjoint(const Isometry3d& T) {
   A.bottomRightCorner<3, 3>() = R;
   A.topRightCorner<3, 3>() = S * R;
   return A;
+}
+
+/// Time that the processor has spent on this thread [ms].
+double processor_ms() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
 }
 
 void add_reason(std::string& reasons, const std::string& reason) {
@@ -714,7 +722,10 @@ StereoOdometry::StereoOdometry(StereoOdometry&&) noexcept = default;
 StereoOdometry& StereoOdometry::operator=(StereoOdometry&&) noexcept = default;
 
 OdometryFrame StereoOdometry::process(double stamp, const ImageView& left, const ImageView& right) {
-  return impl_->process(stamp, left, right);
+  const double begin = processor_ms();
+  OdometryFrame frame = impl_->process(stamp, left, right);
+  frame.times.processor = processor_ms() - begin;
+  return frame;
 }
 
 std::shared_ptr<const LandmarkMap> StereoOdometry::landmarks() const {

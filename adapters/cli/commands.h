@@ -60,7 +60,8 @@ int bench(const BenchArguments& arguments, const SolverRegistry& registry);
 struct OdometryArguments {
   std::string dataset;  ///< folder of a recording
   std::string out;      ///< folder for trajectories and tables; empty: none
-  int frames = 0;       ///< the first so many; 0: all
+  int first = 0;        ///< frame to begin with
+  int frames = 0;       ///< at most so many; 0: all
   bool json = false;
   bool quiet = false;
 };

@@ -169,7 +169,10 @@ int run(int argc, char** argv) {
   odometry_command->add_option("--out", odometry_arguments.out,
                                "Folder for the trajectory (TUM and KITTI), a table of frames and a "
                                "summary [none]");
-  odometry_command->add_option("--frames", odometry_arguments.frames, "Only the first so many")
+  odometry_command->add_option("--from", odometry_arguments.first, "Frame to begin with, from 0")
+      ->check(whole_number_within(0, 1000000000))
+      ->capture_default_str();
+  odometry_command->add_option("--frames", odometry_arguments.frames, "At most so many [all]")
       ->check(whole_number_within(1, 1000000000));
   odometry_command->add_flag("--json", odometry_arguments.json, "Print the summary as JSON");
   odometry_command->add_flag("--quiet", odometry_arguments.quiet, "No progress line");

@@ -56,7 +56,9 @@ nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dat
             {"pyramids", times(s.pyramids)},
             {"tracking", times(s.tracking)},
             {"pose", times(s.pose)},
-            {"keyframe", times(s.keyframe)}}}};
+            {"keyframe", times(s.keyframe)},
+            {"processor", times(s.processor)},
+            {"processor_keyframe", times(s.processor_keyframe)}}}};
 }
 
 void print(const OdometrySummary& s) {
@@ -83,20 +85,27 @@ void print(const OdometrySummary& s) {
   std::printf("disparities  measured %.3f +- %.3f px too small, corrected\n", s.disparity_offset,
               s.disparity_offset_sigma);
   const auto row = [](const char* name, const TimePercentiles& t) {
-    std::printf("%-12s %6.1f %6.1f %6.1f %6.1f\n", name, t.p50, t.p95, t.p99, t.max);
+    std::printf("%-13s %6.1f %6.1f %6.1f %6.1f\n", name, t.p50, t.p95, t.p99, t.max);
   };
-  std::printf("time [ms]       p50    p95    p99    max\n");
+  std::printf("time [ms]        p50    p95    p99    max\n");
   row("  frame", s.frame);
   row("    pyramids", s.pyramids);
   row("    tracking", s.tracking);
   row("    pose", s.pose);
   row("  keyframe", s.keyframe);
+  std::printf("processor time [ms], all of a frame\n");
+  if (s.frames > s.keyframes) row("  without one", s.processor);
+  if (s.keyframes > 0) row("  keyframes", s.processor_keyframe);
 }
 
 }  // namespace
 
 int odometry(const OdometryArguments& arguments) {
   const StereoDataset dataset = StereoDataset::open(arguments.dataset);
+  if (arguments.first >= dataset.size()) {
+    throw InputError("--from is " + std::to_string(arguments.first) + "; expected less than the " +
+                     std::to_string(dataset.size()) + " frames of " + arguments.dataset);
+  }
   std::filesystem::path out = arguments.out;
   if (!out.empty()) {
     std::error_code error;
@@ -106,10 +115,10 @@ int odometry(const OdometryArguments& arguments) {
     }
   }
   const bool follow = !arguments.quiet && !arguments.json && isatty(STDERR_FILENO) != 0;
-  const int frames =
-      arguments.frames > 0 ? std::min(arguments.frames, dataset.size()) : dataset.size();
+  const int rest = dataset.size() - arguments.first;
+  const int frames = arguments.frames > 0 ? std::min(arguments.frames, rest) : rest;
   const OdometryRun run =
-      run_odometry(dataset, {}, arguments.frames, [&](int done, const OdometryFrame& frame) {
+      run_odometry(dataset, {}, arguments.first, frames, [&](int done, const OdometryFrame& frame) {
         if (!follow) return;
         std::fprintf(stderr, "\r%6d of %d frames  %4d points  %-8s", done, frames, frame.tracked,
                      frame.state == Localization::kOk         ? "ok"

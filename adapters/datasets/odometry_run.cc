@@ -24,21 +24,23 @@ TimePercentiles percentiles(std::vector<double> ms) {
 }
 
 OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options,
-                         int max_frames,
+                         int first, int max_frames,
                          const std::function<void(int, const OdometryFrame&)>& progress) {
   cv::setNumThreads(1);  // one core, and nothing that depends on scheduling
   OdometryRun run;
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
-  const int n = max_frames > 0 ? std::min(max_frames, dataset.size()) : dataset.size();
-  const auto first = associate({{dataset.stamp(0), start}}, dataset.ground_truth());
-  if (!first.empty()) start = first[0].truth;
+  const int rest = std::max(0, dataset.size() - first);
+  const int n = max_frames > 0 ? std::min(max_frames, rest) : rest;
+  if (n == 0) return run;
+  const auto begin = associate({{dataset.stamp(first), start}}, dataset.ground_truth());
+  if (!begin.empty()) start = begin[0].truth;
   StereoOdometry odometry(dataset.camera(), options, start);
-  for (int i = 0; i < n; ++i) {
+  for (int i = first; i < first + n; ++i) {
     const StereoDataset::Pair pair = dataset.read(i);
     run.frames.push_back(odometry.process(dataset.stamp(i), pair.left.view(), pair.right.view()));
     const OdometryFrame& frame = run.frames.back();
     if (frame.state != Localization::kLost) run.trajectory.push_back({frame.stamp, frame.T_WC});
-    if (progress) progress(i + 1, frame);
+    if (progress) progress(i - first + 1, frame);
   }
   run.pairs = associate(run.trajectory, dataset.ground_truth());
   return run;
@@ -46,7 +48,7 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
 
 OdometrySummary summarize(const OdometryRun& run) {
   OdometrySummary s;
-  std::vector<double> pyramids, tracking, pose, keyframe, frame;
+  std::vector<double> pyramids, tracking, pose, keyframe, frame, processor, processor_keyframe;
   bool was_lost = false;
   for (const OdometryFrame& f : run.frames) {
     ++s.frames;
@@ -63,6 +65,7 @@ OdometrySummary summarize(const OdometryRun& run) {
     pose.push_back(f.times.pose);
     frame.push_back(f.times.pyramids + f.times.tracking + f.times.pose);
     if (f.keyframe) keyframe.push_back(f.times.keyframe);
+    (f.keyframe ? processor_keyframe : processor).push_back(f.times.processor);
     s.disparity_offset = f.disparity_offset;
     s.disparity_offset_sigma = f.disparity_offset_sigma;
   }
@@ -71,6 +74,8 @@ OdometrySummary summarize(const OdometryRun& run) {
   s.pose = percentiles(pose);
   s.keyframe = percentiles(keyframe);
   s.frame = percentiles(frame);
+  s.processor = percentiles(processor);
+  s.processor_keyframe = percentiles(processor_keyframe);
   for (std::size_t i = 1; i < run.trajectory.size(); ++i) {
     s.estimated_length +=
         (run.trajectory[i].T.translation() - run.trajectory[i - 1].T.translation()).norm();

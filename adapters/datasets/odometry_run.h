@@ -24,11 +24,11 @@ struct OdometryRun {
   std::vector<PosePair> pairs;  ///< with ground truth; empty: there is none
 };
 
-/// Runs the odometry over a recording, the first `max_frames` of it (0: all). `progress`, if any,
-/// is called after each frame with the number done. One thread; the same recording gives the same
-/// poses.
+/// Runs the odometry over a recording, from frame `first`, at most `max_frames` (0: all).
+/// `progress`, if any, is called after each frame with the number done. One thread; the same
+/// recording gives the same poses.
 OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options = {},
-                         int max_frames = 0,
+                         int first = 0, int max_frames = 0,
                          const std::function<void(int, const OdometryFrame&)>& progress = {});
 
 /// Counts and errors of a run. Errors are NaN without ground truth, or where the path is too short.
@@ -41,6 +41,8 @@ struct OdometrySummary {
   /// Of every frame, and `keyframe` of what keyframes cost beside it; `frame` is the sum of the
   /// first three.
   TimePercentiles pyramids, tracking, pose, keyframe, frame;
+  /// Processor time of frames without and of frames with a keyframe, all included.
+  TimePercentiles processor, processor_keyframe;
   double disparity_offset = 0.0, disparity_offset_sigma = 0.0;  ///< [px], at the end
 };
 OdometrySummary summarize(const OdometryRun& run);

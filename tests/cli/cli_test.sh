@@ -389,13 +389,24 @@ refused "bench into a folder of others" foreign "holds other files; expected" be
 refused "bench into a file" file "expected a new or empty folder" bench zoo --out file
 [[ "$(ls foreign)" == notes.txt && "$(<file)" == precious ]] || fail "bench touched a file of others"
 
-for arguments in --help "explore --help" "solve --help" "bench --help" "list --help" "config --help" --version; do
+# --- Odometry: what is no recording is refused (recordings themselves: adapters_stereo_dataset_test).
+refused "odometry of nothing" nowhere "expected a recording in KITTI or EuRoC layout" \
+  odometry nowhere --out run
+mkdir -p half/image_0 half/image_1
+echo "P0: 300 0 200 0 0 300 150 0 0 0 1 0" >half/calib.txt
+refused "odometry with half a calibration" half/calib.txt "expected P0 and P1" odometry half --out run
+echo "P1: 300 0 200 36 0 300 150 0 0 0 1 0" >>half/calib.txt
+refused "odometry with exchanged cameras" half/calib.txt "expected it on the right" \
+  odometry half --out run
+refused "odometry from before the first frame" -1 "expected a whole number" odometry half --from -1
+
+for arguments in --help "explore --help" "solve --help" "bench --help" "odometry --help" "list --help" "config --help" --version; do
   # shellcheck disable=SC2086
   succeeds "$arguments" $arguments
   [[ -s out.txt && ! -s err.txt ]] || fail "$arguments: expected text on standard output alone"
 done
 succeeds "--help" --help
-for command in explore solve bench list config; do
+for command in explore solve bench odometry list config; do
   grep -q "^  $command " out.txt || fail "--help does not name '$command'"
 done
 

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -103,6 +105,46 @@ TEST(StereoOdometry, FollowsAnArc) {
     EXPECT_LE(l.survival, 1.0);
     EXPECT_NEAR(l.creation_direction.norm(), 1.0, 1e-9);
   }
+}
+
+TEST(StereoOdometry, FollowsAHeadThatTurnsFast) {
+  // Six degrees of freedom at 20 Hz, up to 3.7 rad/s, at full size; the first step is 10 degrees,
+  // with nothing known of the motion.
+  const StereoCamera camera;
+  const RenderedRoom room;
+  std::vector<double> plain, keyframes;
+  std::unique_ptr<StereoOdometry> odometry;
+  double length = 0.0, worst = 0.0;
+  Isometry3d before = Isometry3d::Identity();
+  for (int k = 0; k < 30; ++k) {
+    const double t = 0.1 * k;
+    Isometry3d T =
+        RenderedRoom::looking(0.2 + 0.7 * std::sin(0.9 * t), 0.1 + 0.6 * std::sin(1.3 * t + 0.4),
+                              1.2 + 0.3 * std::sin(1.1 * t), 0.9 * std::sin(1.5 * t) + 0.5 * t);
+    T.linear() = T.linear() * Eigen::AngleAxisd(0.2 * std::sin(2.1 * t), Eigen::Vector3d::UnitZ()) *
+                 Eigen::AngleAxisd(0.2 * std::sin(1.7 * t + 1.0), Eigen::Vector3d::UnitX());
+    if (k == 0) {
+      odometry = std::make_unique<StereoOdometry>(camera, StereoOdometryOptions{}, T);
+    } else {
+      length += (T.translation() - before.translation()).norm();
+    }
+    before = T;
+    const auto pair = room.render(camera, T, 2.0, k);
+    const auto frame = odometry->process(0.05 * k, pair.left.view(), pair.right.view());
+    EXPECT_EQ(frame.state, Localization::kOk) << k << ": " << frame.reason;
+    worst = std::max(worst, (frame.T_WC.translation() - T.translation()).norm());
+    (frame.keyframe ? keyframes : plain).push_back(frame.times.processor);
+  }
+  std::sort(plain.begin(), plain.end());
+  std::sort(keyframes.begin(), keyframes.end());
+  std::printf("640 x 480, fast turns: worst error %.1f mm over %.2f m", 1e3 * worst, length);
+  if (!plain.empty()) {
+    std::printf("; processor ms a frame: median %.1f, largest %.1f (%zu)", plain[plain.size() / 2],
+                plain.back(), plain.size());
+  }
+  std::printf("; with a keyframe: median %.1f, largest %.1f (%zu)\n",
+              keyframes[keyframes.size() / 2], keyframes.back(), keyframes.size());
+  EXPECT_LT(worst, 0.005 * length);
 }
 
 TEST(StereoOdometry, SameFramesSameBits) {
