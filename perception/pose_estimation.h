@@ -34,9 +34,9 @@ bool observation_residual(const StereoCamera& camera, const Eigen::Isometry3d& T
                           const PointObservation& observation, const Eigen::Vector3d& m,
                           ObservationResidual& out);
 
+struct PoseEstimatorOptions;
 /// W = S^-1 of such a residual, S as in refine_pose(); zero in the third row and column where the
 /// right image does not see the point.
-struct PoseEstimatorOptions;
 Eigen::Matrix3d observation_weight(const PointObservation& observation,
                                    const ObservationResidual& residual,
                                    const PoseEstimatorOptions& options);
