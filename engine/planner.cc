@@ -306,24 +306,10 @@ std::vector<Candidate> Planner::Impl::score(std::vector<Candidate> candidates) c
 
 void Planner::Impl::polish(std::vector<Candidate>& candidates, const StopCondition& stop,
                            Plan& plan) const {
-  Options options = parameters.solver_options;
-  options.try_emplace("max_evaluations", parameters.polish_evaluations);
-  // Basins apart: seeds that end near each other usually polish to the same plan.
-  std::vector<Pose> ends;
   std::vector<Candidate> polished;
-  for (const Candidate& seed : candidates) {
-    if (static_cast<int>(ends.size()) >= parameters.polished) break;
-    if (stop() != StopRequest::kNone) break;
-    const TrajectoryBatch t = problem->rollout(seed.z);
-    const Pose end = t.pose(parameters.N, 0);
-    const bool known_basin = std::any_of(ends.begin(), ends.end(), [&](const Pose& other) {
-      return (other.position - end.position).norm() < 0.4 &&
-             std::abs(std::remainder(other.yaw - end.yaw, 2.0 * M_PI)) < 0.5;
-    });
-    if (known_basin) continue;
-    ends.push_back(end);
-    WarmStart warm;
-    warm.x = seed.z;
+  const auto solve = [&](const Candidate& seed, const WarmStart& warm, int evaluations) {
+    Options options = parameters.solver_options;
+    options.try_emplace("max_evaluations", evaluations);
     Result result;
     try {
       result = solver->solve(*problem, warm, options, stop);
@@ -339,11 +325,41 @@ void Planner::Impl::polish(std::vector<Candidate>& candidates, const StopConditi
     if (result.stop == StopReason::kError) plan.detail = result.detail;
     if (result.quality == Quality::kNone || result.x.size() != problem->num_variables() ||
         !result.x.allFinite()) {
-      continue;
+      return;
     }
     Candidate c{seed.name, admissible_inputs(*problem, result.x), result.cost, result.violation,
                 std::move(result)};
     polished.push_back(std::move(c));
+  };
+
+  WarmStart warm;
+  if (solver->compares_starts() && !candidates.empty() && parameters.polished > 0) {
+    const auto others = static_cast<Eigen::Index>(candidates.size()) - 1;
+    warm.x = candidates.front().z;
+    warm.seeds.resize(warm.x.size(), others);
+    for (Eigen::Index i = 0; i < others; ++i) {
+      warm.seeds.col(i) = candidates[static_cast<std::size_t>(i) + 1].z;
+    }
+    // It scores the seeds itself: those evaluations are no polish.
+    solve(candidates.front(), warm,
+          parameters.polished * parameters.polish_evaluations + static_cast<int>(others) + 1);
+  } else {
+    // Basins apart: seeds that end near each other usually polish to the same plan.
+    std::vector<Pose> ends;
+    for (const Candidate& seed : candidates) {
+      if (static_cast<int>(ends.size()) >= parameters.polished) break;
+      if (stop() != StopRequest::kNone) break;
+      const TrajectoryBatch t = problem->rollout(seed.z);
+      const Pose end = t.pose(parameters.N, 0);
+      const bool known_basin = std::any_of(ends.begin(), ends.end(), [&](const Pose& other) {
+        return (other.position - end.position).norm() < 0.4 &&
+               std::abs(std::remainder(other.yaw - end.yaw, 2.0 * M_PI)) < 0.5;
+      });
+      if (known_basin) continue;
+      ends.push_back(end);
+      warm.x = seed.z;
+      solve(seed, warm, parameters.polish_evaluations);
+    }
   }
   // Measured again: what is compared is what would be driven, whatever the solver says of it.
   polished = score(std::move(polished));

@@ -48,11 +48,12 @@ struct PlannerParameters {
   /// whole margin passes from the slightly different pose at which it is executed.
   double guard_margin() const { return 0.25 * certificate_margin; }
 
-  double committed = 0.5;       ///< [s] of a plan that are certified and executed before the next
-  int polished = 2;             ///< seeds handed to the solver
-  int polish_evaluations = 24;  ///< cost evaluations each
-  Options solver_options;       ///< passed to the solver besides
-  double deadline = 0.0;  ///< wall-clock limit of a step [s]; 0: none, results are reproducible
+  double committed = 0.5;  ///< [s] of a plan that are certified and executed before the next
+  int polished = 2;        ///< seeds handed to the solver
+  /// Cost evaluations each; a solver that compares starts gets all seeds and the sum of these.
+  int polish_evaluations = 24;
+  Options solver_options;  ///< passed to the solver besides
+  double deadline = 0.0;   ///< wall-clock limit of a step [s]; 0: none, results are reproducible
 
   int max_landmarks = 300;
   double visibility_lattice = 0.3;  ///< spacing of the occlusion tables [m]

@@ -113,6 +113,9 @@ class Solver {
   virtual std::vector<OptionInfo> options() const = 0;
   /// Empty if this back end can solve the problem; otherwise one sentence why not.
   virtual std::string explain_unsupported(const Problem& problem) const = 0;
+  /// Whether it makes something of warm_start.seeds: such a back end is asked once, with all seeds
+  /// and the evaluations of all polishes, where others are asked once for each seed worth it.
+  virtual bool compares_starts() const { return false; }
   /// Solves from warm_start.x (empty: the middle of the bounds).
   virtual Result solve(const Problem& problem, const WarmStart& warm_start, const Options& options,
                        const StopCondition& stop) const = 0;

@@ -27,7 +27,7 @@ namespace prospect {
 
 /// Of this file, and of the virtual functions of Solver, Term, MotionModel and their scratch:
 /// raised with every change of either.
-constexpr std::uint32_t kPluginInterface = 2;
+constexpr std::uint32_t kPluginInterface = 3;
 
 /// What two libraries must have in common to share objects. Constants of the file that is compiled,
 /// so that a plug-in states its own flags; compared one by one.

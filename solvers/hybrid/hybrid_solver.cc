@@ -18,6 +18,9 @@ namespace {
 // Two polished points nearer than this are on their way to one minimum [-].
 constexpr double kMerged = 0.02;
 
+// Seeds where the warm start gives none, itself included.
+constexpr int kOwnSeeds = 60;
+
 /// A point that stands for a basin: a seed at first, then what its polish has come to.
 struct Basin {
   Eigen::VectorXd x;  ///< free variables
@@ -37,8 +40,10 @@ class HybridSolver final : public SolverFrame {
     options.push_back({"polish", std::string("auto"),
                        "back end with derivatives that polishes; auto: " + polish_.unconstrained +
                            " without constraints, " + polish_.constrained + " with"});
-    options.push_back(
-        {"candidates", 60, "seeds that are scored, the given ones included, 1 or more"});
+    options.push_back({"candidates", 0,
+                       "seeds that are scored, the given ones included; 0: those that are given, "
+                       "or " +
+                           std::to_string(kOwnSeeds) + " where none are"});
     options.push_back(
         {"segments", 5, "stretches of constant input in the seeds of its own, 1 or more"});
     options.push_back({"basins", 10, "seeds that are polished at most, 1 or more"});
@@ -55,6 +60,8 @@ class HybridSolver final : public SolverFrame {
     return explain_no_gradient(problem);
   }
 
+  bool compares_starts() const override { return true; }
+
  protected:
   Evaluate start_evaluation() const override { return Evaluate::kValue; }
 
@@ -63,7 +70,7 @@ class HybridSolver final : public SolverFrame {
       const int value = options.integer(name);
       options.require_value(name, value >= least && value <= 1000000, expected);
     };
-    whole("candidates", 1, "1 to 1000000");
+    whole("candidates", 0, "0 to 1000000");
     whole("segments", 1, "1 to 1000000");
     whole("basins", 1, "1 to 1000000");
     whole("polish_evaluations", 2, "2 to 1000000");
@@ -93,13 +100,16 @@ class HybridSolver final : public SolverFrame {
     if (!unsupported.empty()) throw std::invalid_argument(polish.name() + ": " + unsupported);
 
     std::vector<Basin> basins = score(evaluator, options, warm_start, start);
-    keep_apart(evaluator, options.number("separation"), options.integer("basins"), basins);
+    // Each gets its first round within half of what is left.
+    int evaluations = options.integer("polish_evaluations");
+    const int affordable = std::max(1, evaluator.evaluations_left() / (2 * evaluations));
+    keep_apart(evaluator, options.number("separation"),
+               std::min(options.integer("basins"), affordable), basins);
     const std::size_t opened = basins.size();
     Options coarse = {
         {"tolerance", std::max(options.number("polish_tolerance"), evaluator.options().tolerance)},
         {"feasibility_tolerance", evaluator.options().feasibility_tolerance},
         {"seed", static_cast<int>(evaluator.options().seed)}};
-    int evaluations = options.integer("polish_evaluations");
     while (basins.size() > 1 && !evaluator.should_stop()) {
       // Half of what is left goes to the rounds to come and to the end of the best.
       const int share = evaluator.evaluations_left() / (2 * static_cast<int>(basins.size()));
@@ -144,7 +154,9 @@ class HybridSolver final : public SolverFrame {
     }
     const int most = std::max(1, evaluator.evaluations_left() / 2);
     const int taken = std::min(static_cast<int>(given.cols()), most);
-    const int own = std::clamp(options.integer("candidates") - 1 - taken, 0, most - taken);
+    const int asked = options.integer("candidates");
+    const int wanted = asked > 0 ? asked : (taken > 0 ? taken + 1 : kOwnSeeds);
+    const int own = std::clamp(wanted - 1 - taken, 0, most - taken);
     const Eigen::MatrixXd spread = spread_candidates(problem, own, options.integer("segments"));
     const RateProjection rate(problem);
     Eigen::MatrixXd X(evaluator.num_variables(), taken + own);

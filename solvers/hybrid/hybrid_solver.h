@@ -12,13 +12,14 @@ namespace prospect {
 /// Many starts, few of them polished: for problems with several basins, where the start matters
 /// more than the method. A solve goes
 ///
-///  1. Seeds: warm_start.x, the columns of warm_start.seeds, and, where these are fewer than
-///     `candidates`, a spread of its own (spread_candidates.h). They keep bounds and rate limits,
-///     and take half of the evaluations at most.
+///  1. Seeds: warm_start.x and the columns of warm_start.seeds, and a spread of its own
+///     (spread_candidates.h) up to `candidates`; by default only where none are given. They keep
+///     bounds and rate limits, and take half of the evaluations at most.
 ///  2. All are scored in one batch and ranked: feasible first, then by cost, else by violation.
 ///  3. Down the ranking, a seed opens a basin unless it is near one already open,
 ///       |z - z'|^2 / n + ((J - J') / (J_median - J_best))^2 < separation^2,
-///     z normalised by the ranges of the variables, until `basins` are open.
+///     z normalised by the ranges of the variables, until `basins` are open, or as many as can have
+///     their first round with half of what is left.
 ///  4. In rounds, every open basin is polished by the back end `polish` to a loose tolerance, best
 ///     first, and the better half of what they came to stays open; those that came to the same
 ///     point count once. The first round gives each `polish_evaluations`, every other twice as many

@@ -196,6 +196,53 @@ TEST_F(PlannerTest, PlansTowardsTheUnknownAndKeepsTheContract) {
             static_cast<Eigen::Index>(planner.landmarks().size()));
 }
 
+// Hands back its start, or, if it compares starts, the last of the seeds.
+class Recording final : public Solver {
+ public:
+  struct Call {
+    Eigen::Index seeds;
+    int evaluations;
+  };
+  Recording(bool compares, std::vector<Call>& calls) : compares_(compares), calls_(calls) {}
+  std::string name() const override { return "recording"; }
+  std::vector<OptionInfo> options() const override { return {}; }
+  std::string explain_unsupported(const Problem&) const override { return ""; }
+  bool compares_starts() const override { return compares_; }
+  Result solve(const Problem&, const WarmStart& start, const Options& options,
+               const StopCondition&) const override {
+    calls_.push_back({start.seeds.cols(), std::get<int>(options.at("max_evaluations"))});
+    Result result;
+    result.stop = StopReason::kIterationLimit;
+    result.quality = Quality::kFeasible;
+    result.x = start.seeds.cols() > 0 ? start.seeds.col(start.seeds.cols() - 1) : start.x;
+    return result;
+  }
+
+ private:
+  bool compares_;
+  std::vector<Call>& calls_;
+};
+
+TEST_F(PlannerTest, ASolverThatComparesStartsIsAskedOnceWithAllSeeds) {
+  const Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  std::vector<Recording::Call> calls;
+  Planner each = make(std::make_shared<Recording>(false, calls));
+  expect_executable(each.plan(belief), belief);
+  ASSERT_EQ(calls.size(), static_cast<std::size_t>(parameters_.polished));
+  for (const Recording::Call& call : calls) {
+    EXPECT_EQ(call.seeds, 0);
+    EXPECT_EQ(call.evaluations, parameters_.polish_evaluations);
+  }
+  calls.clear();
+  Planner once = make(std::make_shared<Recording>(true, calls));
+  const Plan plan = once.plan(belief);
+  expect_executable(plan, belief);
+  ASSERT_EQ(calls.size(), 1u);
+  const auto seeds = static_cast<int>(once.seeds().size());
+  EXPECT_EQ(calls[0].seeds, seeds - 1);
+  EXPECT_EQ(calls[0].evaluations, parameters_.polished * parameters_.polish_evaluations + seeds);
+}
+
 TEST_F(PlannerTest, EveryModelGetsExecutablePlans) {
   for (const std::string& name : model_names()) {
     SCOPED_TRACE(name);

@@ -90,11 +90,13 @@ TEST_F(Hybrid, TakesTheSeedsItIsGiven) {
   warm.x = c.start;
   warm.seeds.resize(2, 2);
   warm.seeds << 0.1, 9.0, -0.2, -9.0;  // the second is clamped
-  const Result r = solver_->solve(problem, warm, {{"candidates", 1}}, {});
-  ASSERT_GE(watch->points.size(), 3U);
+  const Result r = solver_->solve(problem, warm, {{"basins", 1}, {"max_evaluations", 40}}, {});
+  ASSERT_GE(watch->points.size(), 4U);
   EXPECT_EQ(watch->points[0], c.start);
   EXPECT_EQ(watch->points[1], vec({0.1, -0.2}));
   EXPECT_EQ(watch->points[2], vec({4.0, -5.0}));
+  // None of its own besides: polishing begins, at the best of the three.
+  EXPECT_EQ(watch->points[3], watch->points[1]);
   EXPECT_NEAR(r.cost, 0.0, 1e-6);
   // Alone, with no seed of its own either, it stays where it starts.
   EXPECT_GT(solve(problem, c.start, {{"candidates", 1}}).cost, 1.0);
