@@ -32,7 +32,7 @@ struct ExplorationGuideOptions {
   double look_around = 8.0;
   /// Time for what is left once the strict rules lead nowhere: a share of the time they took, but
   /// at least leftovers_least [s]. Once they have shown leftovers_growth of what was explored by
-  /// then, they were no leftovers: the time is given anew when the strict rules lead nowhere again.
+  /// then, they were no leftovers: the time is given anew.
   double leftovers_share = 0.5;
   double leftovers_least = 300.0;
   double leftovers_growth = 0.1;

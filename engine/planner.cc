@@ -163,6 +163,11 @@ struct Planner::Impl {
 
   Plan plan(const Belief& belief, const StopCondition& stop);
   void update_recovery(const Belief& belief);
+  /// Whether gaps are tried that are narrower than d_safe asks for. Not by a robot that is lost:
+  /// its map does not follow where the drift takes it.
+  bool squeezing(const Belief& belief) const {
+    return guidance->relaxed && belief.localization != Localization::kLost;
+  }
   std::shared_ptr<const ProblemRecipe> make_recipe(const Belief& belief);
   std::vector<Candidate> score(std::vector<Candidate> candidates) const;
   void polish(std::vector<Candidate>& candidates, const StopCondition& stop, Plan& plan) const;
@@ -230,7 +235,7 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   r->clearance_field.cutoff = std::max(0.8, circumscribed_radius(robot.shape) + p.d_des + 0.2);
   r->d_safe = p.d_safe;
   r->d_des = p.d_des;
-  r->clearance.d_safe = guidance->relaxed ? 0.0 : p.d_safe;
+  r->clearance.d_safe = squeezing(belief) ? 0.0 : p.d_safe;
   r->clearance.floor = std::min(r->clearance.floor, r->clearance.d_safe);
   r->unknown = p.unknown;
   r->unknown_d_safe = p.d_safe;
@@ -403,7 +408,7 @@ void Planner::Impl::execute_best(const Belief& belief, const std::vector<Candida
     ++attempts;
     const TrajectoryBatch t = problem->rollout(c.z);
     const Eigen::MatrixXd inputs = stage_inputs(t).leftCols(committed);
-    Certificate certificate = (guidance->relaxed ? close_certifier : certifier)
+    Certificate certificate = (squeezing(belief) ? close_certifier : certifier)
                                   ->certify(belief, *robot.model, d.x0, d.u_previous, inputs, d.dt);
     // A start within the larger margin is checked with the true body, which may come closer to an
     // obstacle than the guard allows later on: without its margin the two would disagree for ever.
@@ -506,7 +511,8 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
       context.previous = last_inputs.rightCols(last_inputs.cols() - passed);
     }
   }
-  const bool scripted = !recovering && (guidance->advice == Advice::kGoAndFace ||
+  const bool lost = belief.localization == Localization::kLost;
+  const bool scripted = !recovering && ((guidance->advice == Advice::kGoAndFace && !lost) ||
                                         guidance->advice == Advice::kLookAround);
   const std::vector<Seed> made =
       scripted ? make_scripted_seeds(*problem, context) : make_seeds(*problem, context);

@@ -243,6 +243,29 @@ TEST_F(PlannerTest, ASolverThatComparesStartsIsAskedOnceWithAllSeeds) {
   EXPECT_EQ(calls[0].evaluations, parameters_.polished * parameters_.polish_evaluations + seeds);
 }
 
+// Its map does not follow where the drift takes it: it neither runs scripts, which take the first
+// certified way to a target, nor squeezes through gaps.
+TEST_F(PlannerTest, ALostRobotFollowsNoScript) {
+  const auto kinds = [&](Localization localization) {
+    Planner planner = make();
+    Belief belief = Room{.landmarks_per_wall = 20}.belief();
+    belief.localization = localization;
+    std::map<PlanKind, int> count;
+    // Held where it is: the watchdog for stalls asks for a script before long.
+    for (; belief.stamp < 20.0; belief.stamp += 0.5) {
+      const Plan plan = planner.plan(belief);
+      ++count[plan.kind];
+      expect_executable(plan, belief);
+    }
+    return count;
+  };
+  EXPECT_GT(kinds(Localization::kOk)[PlanKind::kScripted], 0);
+  auto lost = kinds(Localization::kLost);
+  EXPECT_EQ(lost[PlanKind::kScripted], 0);
+  EXPECT_GT(lost[PlanKind::kRecovery], 0);
+  EXPECT_GT(lost[PlanKind::kOptimised], 0);
+}
+
 TEST_F(PlannerTest, EveryModelGetsExecutablePlans) {
   for (const std::string& name : model_names()) {
     SCOPED_TRACE(name);
