@@ -77,15 +77,13 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     return last_;
   }
   if (!began_at_) began_at_ = stamp;
-  const auto allow_leftovers = [&](double explored) {
-    leftovers_until_ =
-        stamp + std::max(options_.leftovers_least, options_.leftovers_share * (stamp - *began_at_));
-    leftovers_area_ = explored;
-  };
   const double explored = traversability_.explored_area();
   const bool no_leftovers =
       leftovers_until_ && explored >= (1.0 + options_.leftovers_growth) * leftovers_area_;
-  if (no_leftovers) allow_leftovers(explored);
+  if (no_leftovers) {
+    leftovers_until_ = std::max(*leftovers_until_, stamp + options_.leftovers_least);
+    leftovers_area_ = explored;
+  }
   if (rules_ != Rules::kStrict && (no_leftovers || explored - relaxed_explored_ >= relaxed_area_)) {
     restart(Rules::kStrict);
     relaxed_area_ *= 2.0;  // as FrontierMemory::retry_area(), for the same reason
@@ -94,7 +92,11 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, features, rule);
   while (guidance->advice == Advice::kDone) {
     if (rules_ == Rules::kStrict) {
-      if (!leftovers_until_) allow_leftovers(guidance->explored_area);
+      if (!leftovers_until_) {
+        leftovers_until_ = stamp + std::max(options_.leftovers_least,
+                                            options_.leftovers_share * (stamp - *began_at_));
+        leftovers_area_ = guidance->explored_area;
+      }
       restart(Rules::kKeyholes);
       relaxed_explored_ = guidance->explored_area;
     } else if (rules_ == Rules::kKeyholes) {

@@ -32,7 +32,7 @@ struct ExplorationGuideOptions {
   double look_around = 8.0;
   /// Time for what is left once the strict rules lead nowhere: a share of the time they took, but
   /// at least leftovers_least [s]. Once they have shown leftovers_growth of what was explored by
-  /// then, they were no leftovers: the time is given anew.
+  /// then, they were no leftovers, and leftovers_least is given from there on.
   double leftovers_share = 0.5;
   double leftovers_least = 300.0;
   double leftovers_growth = 0.1;
@@ -110,7 +110,7 @@ struct Guidance {
 /// estimate that drifts goes on drawing walls twice, and with them frontiers, for ever, and a robot
 /// in narrow places with such a map will touch something in the end. What adds a tenth to the
 /// explored area (leftovers_growth) is not such a thing but a part of the building behind a door
-/// that looked shut, and the time starts anew.
+/// that looked shut, and leftovers_least begins anew.
 ///
 /// It says done only when nothing has been reachable for look_around, and advises kLookAround till
 /// then: a cell that noise fills in a narrow passage must not end a mission, and a turn on the spot
