@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 
 namespace prospect {
@@ -9,9 +10,11 @@ namespace {
 
 constexpr int kR = kPatchRadius;
 
-/// Bilinear sample; the caller has checked that 0 <= x < width - 1 and likewise y.
+/// Bilinear sample; the caller has checked that 0 <= x < width - 1 and likewise y, to rounding: a
+/// corner of a patch, reached by other sums than the check's, may round to width - 1 itself.
 inline float sample(const PyramidLevel& level, float x, float y) {
-  const int u = static_cast<int>(x), v = static_cast<int>(y);
+  const int u = std::min(static_cast<int>(x), level.width - 2);
+  const int v = std::min(static_cast<int>(y), level.height - 2);
   const float a = x - u, b = y - v;
   const float* top = level.row(v) + u;
   const float* bottom = top + level.width;
