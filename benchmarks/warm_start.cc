@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/bench/solved_rule.h"
 #include "adapters/config/configuration.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
@@ -26,6 +27,7 @@ namespace prospect {
 namespace {
 
 constexpr int kEvaluations = 300;  // of a solve, at most
+constexpr SolvedRule kSameCost{0.01, 0.01};
 
 struct Sum {
   int problems = 0;
@@ -44,8 +46,6 @@ Result solve(const Solver& solver, const Problem& problem, const WarmStart& from
   }
   return result;
 }
-
-double slack(double cost) { return std::max(0.01, 0.01 * std::abs(cost)); }
 
 int evaluations_to(const Result& result, double cost, double tolerance) {
   for (const Improvement& i : result.trace) {
@@ -83,12 +83,12 @@ void compare(const Solver& solver, const Problem& problem, double passed, Eigen:
   if (cold.violation > tolerance || warm.violation > tolerance) return;
   const double worse = std::max(cold.cost, warm.cost);
   const double least = std::min(cold.cost, warm.cost);
-  if (least < worse - slack(worse)) {
+  if (least < worse - kSameCost.slack(worse)) {
     ++(warm.cost < cold.cost ? sum.warm_better : sum.warm_worse);
     return;
   }
-  const int n_warm = evaluations_to(warm, worse + slack(worse), tolerance);
-  const int n_cold = evaluations_to(cold, worse + slack(worse), tolerance);
+  const int n_warm = evaluations_to(warm, worse + kSameCost.slack(worse), tolerance);
+  const int n_cold = evaluations_to(cold, worse + kSameCost.slack(worse), tolerance);
   ++sum.problems;
   sum.warm += n_warm;
   sum.cold += n_cold;
@@ -116,18 +116,12 @@ int measure(const std::vector<std::string>& worlds, int steps) {
     std::map<std::string, Eigen::VectorXd> last;
     double stamp = 0.0;
     int done = 0;
-    Planner* planner = nullptr;
     ExplorationRunOptions options;
     options.seed = 1;
     options.keep_steps = false;
-    options.make_planner = [&](const Configuration& c) {
-      auto made = std::make_unique<Planner>(c.robot, c.planner, make_solver(c.solver));
-      planner = made.get();
-      return made;
-    };
-    options.on_step = [&](const StepRecord& record) {
+    options.on_plan = [&](const StepRecord& record, const Planner& planner) {
       done = record.step + 1;
-      const auto problem = planner->problem();
+      const auto problem = planner.problem();
       for (const auto& solver : solvers) {
         if (!problem || !solver->explain_unsupported(*problem).empty()) continue;
         compare(*solver, *problem, record.time - stamp, last[solver->name()], sums[solver->name()]);

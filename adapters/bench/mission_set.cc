@@ -2,13 +2,11 @@
 
 #include <cstdio>
 #include <memory>
-#include <optional>
 
 #include "adapters/config/configuration.h"
 #include "adapters/run/exploration_run.h"
+#include "adapters/run/planned_problem.h"
 #include "adapters/worlds/load_world.h"
-#include "engine/planner.h"
-#include "models/version.h"
 
 namespace prospect {
 
@@ -28,26 +26,17 @@ void capture_missions(const MissionSet& missions, const SolverRegistry& registry
   }
   const int last = missions.first + (missions.problems - 1) * missions.every;
   for (const auto& world : worlds) {
-    Planner* planner = nullptr;
     int done = 0;
     ExplorationRunOptions options;
     options.seed = missions.seed;
     options.keep_steps = false;
-    options.make_planner = [&](const Configuration& c) {
-      auto made = std::make_unique<Planner>(c.robot, c.planner, registry.make(c.solver));
-      planner = made.get();
-      return made;
-    };
-    options.on_step = [&](const StepRecord& record) {
+    options.solvers = &registry;
+    options.on_plan = [&](const StepRecord& record, const Planner& planner) {
       done = record.step + 1;
       const int since = record.step - missions.first;
       if (since < 0 || since % missions.every != 0 || record.step > last) return;
-      if (!planner->recipe()) return;  // the planner had nothing to solve
-      take({{std::string("prospect ") + kVersion, world->name, missions.seed, record.step,
-             record.time},
-            *planner->recipe(),
-            planner->seeds(),
-            std::nullopt});
+      const auto saved = planned_problem(planner, record, world->name, missions.seed);
+      if (saved) take(*saved);
     };
     options.cancelled = [&] { return done > last; };
     run_exploration(world, configuration, options);

@@ -1,7 +1,6 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
@@ -18,15 +17,14 @@
 #include "adapters/bench/mission_set.h"
 #include "adapters/bench/problem_set.h"
 #include "adapters/bench/solver_choice.h"
+#include "adapters/cli/absent_solver.h"
 #include "adapters/cli/commands.h"
+#include "adapters/cli/interrupt.h"
 #include "adapters/config/input_error.h"
 #include "adapters/problem_file/problem_file.h"
 
 namespace prospect {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
 
 /// One of each kind, of those that are built in.
 std::vector<std::string> default_solvers(const SolverRegistry& registry, bool quick) {
@@ -84,11 +82,7 @@ int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
       arguments.solvers.empty() ? default_solvers(registry, arguments.quick) : arguments.solvers,
       registry);
   for (const SolverChoice& choice : solvers) {
-    for (const SolverInfo& info : registry.list()) {
-      if (info.name != choice.solver->name() || info.available) continue;
-      std::cerr << "prospect: " << info.name << " is not built in; it needs " << info.needs << '\n';
-      return kNotBuiltIn;
-    }
+    if (tell_if_absent(choice.solver->name(), registry)) return kNotBuiltIn;
   }
   std::vector<std::string> names = arguments.sets;
   if (names.empty()) names = builtin_set_names();
@@ -121,9 +115,7 @@ int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
   const std::string out = arguments.out.empty() ? "runs/bench" : arguments.out;
   open_bench_folder(out);
 
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
-  options.cancelled = [] { return interrupted != 0; };
+  options.cancelled = catch_interrupts();
   if (isatty(STDERR_FILENO)) {
     options.on_solve = [](int done, int all) {
       std::fprintf(stderr, "\r%d of %d solves%s", done, all, done == all ? "\n" : "");

@@ -1,25 +1,21 @@
 #include <chrono>
-#include <csignal>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 
+#include "adapters/cli/absent_solver.h"
 #include "adapters/cli/commands.h"
+#include "adapters/cli/interrupt.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
-#include "adapters/problem_file/problem_file.h"
 #include "adapters/report/progress_line.h"
 #include "adapters/run/exploration_run.h"
+#include "adapters/run/planned_problem.h"
 #include "adapters/run/run_folder.h"
 #include "adapters/worlds/load_world.h"
-#include "engine/planner.h"
-#include "models/version.h"
 
 namespace prospect {
 namespace {
-
-volatile std::sig_atomic_t interrupted = 0;
-void interrupt(int) { interrupted = 1; }
 
 /// "nlopt:LD_SLSQP" -> "nlopt-LD_SLSQP": fit for a folder's name.
 std::string file_name(std::string text) {
@@ -58,12 +54,7 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
     if (!wrong.empty()) throw InputError("--solver: " + wrong);
   }
   if (arguments.time_limit > 0.0) configuration.mission.time_limit = arguments.time_limit;
-  for (const SolverInfo& info : registry.list()) {
-    if (info.name == configuration.solver && !info.available) {
-      std::cerr << "prospect: " << info.name << " is not built in; it needs " << info.needs << '\n';
-      return kNotBuiltIn;
-    }
-  }
+  if (tell_if_absent(configuration.solver, registry)) return kNotBuiltIn;
   WorldOptions world_options = world_options_for(configuration);
   if (!arguments.start.empty()) {
     world_options.start =
@@ -73,13 +64,7 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
 
   ExplorationRunOptions options;
   options.seed = arguments.seed;
-  options.cancelled = [] { return interrupted != 0; };
-  const Planner* planner = nullptr;
-  options.make_planner = [&](const Configuration& c) {
-    auto made = std::make_unique<Planner>(c.robot, c.planner, registry.make(c.solver));
-    planner = made.get();
-    return made;
-  };
+  options.solvers = &registry;
   check_start(world, configuration, options);  // before anything is written
 
   const std::string out = arguments.out.empty() ? "runs/" + file_name(world->name) + "_" +
@@ -87,24 +72,22 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
                                                       std::to_string(arguments.seed)
                                                 : arguments.out;
   RunFolder folder(out);
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  options.cancelled = catch_interrupts();
   ProgressLine progress = ProgressLine::on_stderr();
   const auto start = std::chrono::steady_clock::now();
   options.on_step = [&](const StepRecord& step) {
     folder.add(step);
-    const int every = arguments.save_problems;
-    if (every > 0 && step.step % every == 0 && planner->recipe()) {
-      folder.add(SavedProblem{
-          {std::string("prospect ") + kVersion, world->name, arguments.seed, step.step, step.time},
-          *planner->recipe(),
-          planner->seeds(),
-          std::nullopt});
-    }
     if (arguments.quiet) return;
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     progress.show(step, configuration.solver, elapsed.count());
   };
+  if (arguments.save_problems > 0) {
+    options.on_plan = [&](const StepRecord& step, const Planner& planner) {
+      if (step.step % arguments.save_problems != 0) return;
+      const auto saved = planned_problem(planner, step, world->name, arguments.seed);
+      if (saved) folder.add(*saved);
+    };
+  }
   const ExplorationRunResult result = run_exploration(world, configuration, options);
   progress.finish();
   folder.finish(result.record, result.map.get());

@@ -58,23 +58,18 @@ NamedProblem capture(const std::string& text, const Configuration& configuration
   }
   const auto world = std::make_shared<const World>(
       load_world(text.substr(0, at), world_options_for(configuration)));
-  Planner* planner = nullptr;
   int steps_done = 0;
   NamedProblem named{text, nullptr, {}};
   ExplorationRunOptions options;
   options.seed = seed;
   options.keep_steps = false;
-  options.make_planner = [&](const Configuration& c) {
-    auto made = std::make_unique<Planner>(c.robot, c.planner, registry.make(c.solver));
-    planner = made.get();
-    return made;
-  };
-  options.on_step = [&](const StepRecord& record) {
+  options.solvers = &registry;
+  options.on_plan = [&](const StepRecord& record, const Planner& planner) {
     steps_done = record.step + 1;
     if (record.step != step) return;
-    named.problem = planner->problem();
+    named.problem = planner.problem();
     // Every back end starts from the same point: the best seed.
-    if (!planner->seeds().empty()) named.warm_start.x = planner->seeds().front().z;
+    if (!planner.seeds().empty()) named.warm_start.x = planner.seeds().front().z;
   };
   options.cancelled = [&] { return steps_done > step; };
   run_exploration(world, configuration, options);

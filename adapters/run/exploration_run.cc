@@ -74,6 +74,15 @@ class MapChanges {
   std::uint64_t revision_ = 0;
 };
 
+std::unique_ptr<Replanner> planner_for(const Configuration& configuration,
+                                       const ExplorationRunOptions& options) {
+  if (options.make_planner) return options.make_planner(configuration);
+  const SolverRegistry builtin;
+  const SolverRegistry& solvers = options.solvers ? *options.solvers : builtin;
+  return std::make_unique<Planner>(configuration.robot, configuration.planner,
+                                   solvers.make(configuration.solver));
+}
+
 }  // namespace
 
 ReachableArea reachable_area(const World& world, const Configuration& c) {
@@ -95,11 +104,7 @@ WorldOptions world_options_for(const Configuration& c) {
 
 void check_start(const std::shared_ptr<const World>& world, const Configuration& configuration,
                  const ExplorationRunOptions& options) {
-  if (options.make_planner) {
-    options.make_planner(configuration);
-  } else {
-    Planner(configuration.robot, configuration.planner, make_solver(configuration.solver));
-  }
+  planner_for(configuration, options);
   reachable_area(*world, configuration);
   Simulator(world, configuration.simulator);
 }
@@ -108,13 +113,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                                      const Configuration& configuration,
                                      const ExplorationRunOptions& options) {
   const auto wall_start = std::chrono::steady_clock::now();
-  std::unique_ptr<Replanner> planner;
-  if (options.make_planner) {
-    planner = options.make_planner(configuration);
-  } else {
-    planner = std::make_unique<Planner>(configuration.robot, configuration.planner,
-                                        make_solver(configuration.solver));
-  }
+  const std::unique_ptr<Replanner> planner = planner_for(configuration, options);
   const Planner* own_planner = dynamic_cast<const Planner*>(planner.get());
   const ReachableArea reachable = reachable_area(*world, configuration);
 
@@ -197,6 +196,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     }
     r.map_changes = map_changes.since_last(*belief.ground);
     if (options.on_step) options.on_step(r);
+    if (options.on_plan && own_planner) options.on_plan(r, *own_planner);
     if (!options.keep_steps) {
       r.horizon.clear();
       r.frontier_cells.clear();

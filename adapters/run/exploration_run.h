@@ -17,14 +17,22 @@ class OcTree;
 
 namespace prospect {
 
+class Planner;
+class SolverRegistry;
+
 /// One simulated mission: world, configuration and seed in, records out.
 struct ExplorationRunOptions {
   std::uint64_t seed = 1;
   bool keep_steps = true;  ///< keep every StepRecord in the result, for the report
   std::function<void(const StepRecord&)> on_step;  ///< after each planning step
+  /// After on_step, with the Planner that made the step; never called if make_planner makes
+  /// another.
+  std::function<void(const StepRecord&, const Planner&)> on_plan;
   std::function<bool()> cancelled;
   /// Makes the planner; empty: the Planner of this project with the configured solver.
   std::function<std::unique_ptr<Replanner>(const Configuration&)> make_planner;
+  /// Where the configured solver is looked up; null: among those built in.
+  const SolverRegistry* solvers = nullptr;
 };
 
 struct ExplorationRunResult {

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+
+#include "solvers/registry.h"
+
+namespace prospect {
+
+/// Whether the back end of this name is one that was not built in; if so, standard error says in
+/// one line which library it needs.
+bool tell_if_absent(const std::string& solver, const SolverRegistry& registry);
+
+}  // namespace prospect
