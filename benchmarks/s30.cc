@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <iostream>
 #include <limits>
 #include <numeric>
@@ -15,6 +14,8 @@
 #include <string>
 #include <vector>
 
+#include "adapters/bench/solver_choice.h"
+#include "adapters/run/quantile.h"
 #include "problems/r1.h"
 #include "solvers/registry.h"
 
@@ -31,41 +32,8 @@ struct Row {
   double evaluations = 0.0, gradients = 0.0;  ///< mean a solve
 };
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
-}
-
-OptionValue parsed(const std::string& text, const OptionValue& like) {
-  if (std::holds_alternative<std::string>(like)) return text;
-  std::size_t used = 0;
-  OptionValue value;
-  if (std::holds_alternative<int>(like)) {
-    value = std::stoi(text, &used);
-  } else {
-    value = std::stod(text, &used);
-  }
-  if (used != text.size()) throw std::invalid_argument("'" + text + "' is no number");
-  return value;
-}
-
-Row run(const std::string& specification, const std::vector<Eigen::Vector3d>& starts) {
-  std::istringstream parts(specification);
-  std::string name, part;
-  std::getline(parts, name, ',');
-  const auto solver = make_solver(name);
-  Options options;
-  while (std::getline(parts, part, ',')) {
-    const std::size_t equals = std::min(part.find('='), part.size());
-    const std::string key = part.substr(0, equals);
-    OptionValue like = std::string();
-    for (const OptionInfo& info : solver->options()) {
-      if (info.name == key) like = info.fallback;
-    }
-    options[key] = parsed(part.substr(std::min(equals + 1, part.size())), like);
-  }
-  Row row{specification, {}, {}};
+Row run(const SolverChoice& choice, const std::vector<Eigen::Vector3d>& starts) {
+  Row row{choice.label, {}, {}};
   WarmStart cold;
   cold.x = r1_cold();
   for (const Eigen::Vector3d& x0 : starts) {
@@ -73,7 +41,7 @@ Row run(const std::string& specification, const std::vector<Eigen::Vector3d>& st
     double ms = std::numeric_limits<double>::infinity();
     Result result;
     for (int repeat = 0; repeat < kRepeats; ++repeat) {
-      result = solver->solve(problem, cold, options, {});
+      result = choice.solver->solve(problem, cold, choice.options, {});
       if (result.stop == StopReason::kError) throw std::runtime_error(result.detail);
       ms = std::min(ms, 1e3 * result.wall_seconds);
     }
@@ -90,30 +58,32 @@ void print(const Row& row, const std::vector<double>& best) {
   for (std::size_t i = 0; i < best.size(); ++i) solved += r1_solved(row.J[i], best[i]);
   const double mean = std::accumulate(row.J.begin(), row.J.end(), 0.0) / kStarts;
   std::printf("| `%s` | %.1f | %.1f | %.3f | %.4f | %d | %.0f | %.0f |\n", row.name.c_str(),
-              median(row.ms), *std::max_element(row.ms.begin(), row.ms.end()), mean, median(row.J),
-              solved, row.evaluations, row.gradients);
+              quantile(row.ms, 0.5), *std::max_element(row.ms.begin(), row.ms.end()), mean,
+              quantile(row.J, 0.5), solved, row.evaluations, row.gradients);
   std::fflush(stdout);
 }
 
-int table(std::vector<std::string> arguments) {
-  unsigned seed = kS30Seed;
-  if (arguments.size() >= 2 && arguments[0] == "--starts") {
-    seed = static_cast<unsigned>(std::get<int>(parsed(arguments[1], 0)));
-    arguments.erase(arguments.begin(), arguments.begin() + 2);
-  }
-  if (arguments.empty()) {
+/// words: a back end each, options behind commas; empty: all that are built in.
+int table(std::vector<std::string> words, unsigned seed) {
+  if (words.empty()) {
     for (const SolverInfo& info : list_solvers()) {
-      if (info.available) arguments.push_back(info.name);
+      if (info.available) words.push_back(info.name);
     }
   }
+  std::vector<std::string> parts;
+  for (const std::string& word : words) {
+    std::istringstream list(word);
+    for (std::string part; std::getline(list, part, ',');) parts.push_back(part);
+  }
+  const std::vector<SolverChoice> choices = choose_solvers(parts, {});
   const std::vector<Eigen::Vector3d> starts = r1_starts(seed, kStarts);
   std::printf(
       "| back end | ms, median | ms, worst | J, mean | J, median | solved of 30 | evaluations | of "
       "them with gradient |\n|---|---|---|---|---|---|---|---|\n");
   std::vector<double> best(s30_best_known().begin(), s30_best_known().end());
   std::vector<Row> rows;
-  for (const std::string& specification : arguments) {
-    rows.push_back(run(specification, starts));
+  for (const SolverChoice& choice : choices) {
+    rows.push_back(run(choice, starts));
     if (seed == kS30Seed) print(rows.back(), best);
   }
   if (seed != kS30Seed) {
@@ -130,8 +100,14 @@ int table(std::vector<std::string> arguments) {
 }  // namespace prospect
 
 int main(int argc, char** argv) {
+  std::vector<std::string> words(argv + 1, argv + argc);
+  unsigned seed = prospect::kS30Seed;
   try {
-    return prospect::table({argv + 1, argv + argc});
+    if (words.size() >= 2 && words[0] == "--starts") {
+      seed = static_cast<unsigned>(std::stoul(words[1]));
+      words.erase(words.begin(), words.begin() + 2);
+    }
+    return prospect::table(words, seed);
   } catch (const std::exception& e) {
     std::cerr << "s30: " << e.what() << '\n';
     return 2;

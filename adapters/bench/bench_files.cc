@@ -21,7 +21,6 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 /// JSON has no infinity: null.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::string text(double value) { return std::isfinite(value) ? csv::text(value) : std::string(); }
 
@@ -86,9 +85,9 @@ Json curve_json(const GapCurve& curve, const char* axis) {
   Json at = Json::array(), lower = Json::array(), median = Json::array(), upper = Json::array();
   for (const GapCurve::Point& point : curve.points) {
     at.push_back(point.at);
-    lower.push_back(number(point.lower));
-    median.push_back(number(point.median));
-    upper.push_back(number(point.upper));
+    lower.push_back(point.lower);
+    median.push_back(point.median);
+    upper.push_back(point.upper);
   }
   return {{axis, at}, {"lower", lower}, {"median", median}, {"upper", upper}};
 }
@@ -101,15 +100,14 @@ Json summary_json(const SolverSummary& s) {
           {"refused", s.refused},
           {"errors", s.errors},
           {"ms_to_target",
-           {{"median", number(s.ms_to_target_median)},
-            {"p90", number(s.ms_to_target_p90)},
-            {"p99", number(s.ms_to_target_p99)}}},
-          {"evaluations_to_target_median", number(s.evaluations_to_target_median)},
-          {"ms",
-           {{"median", number(s.ms_median)}, {"p90", number(s.ms_p90)}, {"p99", number(s.ms_p99)}}},
-          {"evaluations_median", number(s.evaluations_median)},
-          {"gradients_median", number(s.gradients_median)},
-          {"gap_median", number(s.gap_median)},
+           {{"median", s.ms_to_target_median},
+            {"p90", s.ms_to_target_p90},
+            {"p99", s.ms_to_target_p99}}},
+          {"evaluations_to_target_median", s.evaluations_to_target_median},
+          {"ms", {{"median", s.ms_median}, {"p90", s.ms_p90}, {"p99", s.ms_p99}}},
+          {"evaluations_median", s.evaluations_median},
+          {"gradients_median", s.gradients_median},
+          {"gap_median", s.gap_median},
           {"overrun_ms",
            {{"p50", s.overrun_ms_p50}, {"p99", s.overrun_ms_p99}, {"max", s.overrun_ms_max}}},
           {"profile_by_time", profile_json(s.by_time)},
@@ -124,12 +122,12 @@ Json row_json(const BenchTable& table, const BenchRow& row, bool traces) {
                {"problem", problem_of(table, row).name},
                {"solver", solver_of(table, row)},
                {"deadline_s", row.deadline},
-               {"cost", there ? number(row.cost) : Json(nullptr)},
-               {"violation", there ? number(row.violation) : Json(nullptr)},
-               {"gap", number(row.gap)},
+               {"cost", there ? Json(row.cost) : Json(nullptr)},
+               {"violation", there ? Json(row.violation) : Json(nullptr)},
+               {"gap", row.gap},
                {"solved", row.solved},
-               {"ms_to_target", number(1e3 * row.seconds_to_target)},
-               {"evaluations_to_target", number(row.evaluations_to_target)},
+               {"ms_to_target", 1e3 * row.seconds_to_target},
+               {"evaluations_to_target", row.evaluations_to_target},
                {"wall_ms", 1e3 * row.seconds},
                {"overrun_ms", 1e3 * row.overrun},
                {"cost_evaluations", row.counters.cost_evaluations},
@@ -188,7 +186,7 @@ Json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups
       problems.push_back({{"name", problem.name},
                           {"variables", problem.problem->num_variables()},
                           {"constraints", problem.problem->num_constraints()},
-                          {"best_known", number(table.best[s][p].cost)},
+                          {"best_known", table.best[s][p].cost},
                           {"best_known_by", table.best[s][p].found_by}});
     }
     sets.push_back({{"name", set.name},

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "adapters/bench/quantile.h"
+#include "adapters/run/quantile.h"
 
 namespace prospect {
 namespace {

@@ -19,10 +19,6 @@ namespace {
 
 constexpr double kDegrees = 180.0 / M_PI;
 
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 nlohmann::ordered_json times(const TimePercentiles& t) {
   return {{"p50", t.p50}, {"p95", t.p95}, {"p99", t.p99}, {"max", t.max}};
 }
@@ -39,16 +35,16 @@ nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dat
           {"restarts", s.restarts},
           {"keyframes", s.keyframes},
           {"estimated_length_m", s.estimated_length},
-          {"true_length_m", number(s.true_length)},
-          {"end_error_m", number(s.end.translation)},
-          {"end_error_percent", number(100.0 * s.end.share)},
-          {"end_rotation_deg", number(kDegrees * s.end.rotation)},
-          {"rpe_1m_percent", number(100.0 * s.rpe_1m.translation)},
-          {"rpe_1m_deg_per_m", number(kDegrees * s.rpe_1m.rotation)},
-          {"rpe_10m_percent", number(100.0 * s.rpe_10m.translation)},
-          {"rpe_10m_deg_per_m", number(kDegrees * s.rpe_10m.rotation)},
-          {"ate_first_pose_rmse_m", number(s.ate_first.rmse)},
-          {"ate_best_fit_rmse_m", number(s.ate_fit.rmse)},
+          {"true_length_m", s.true_length},
+          {"end_error_m", s.end.translation},
+          {"end_error_percent", 100.0 * s.end.share},
+          {"end_rotation_deg", kDegrees * s.end.rotation},
+          {"rpe_1m_percent", 100.0 * s.rpe_1m.translation},
+          {"rpe_1m_deg_per_m", kDegrees * s.rpe_1m.rotation},
+          {"rpe_10m_percent", 100.0 * s.rpe_10m.translation},
+          {"rpe_10m_deg_per_m", kDegrees * s.rpe_10m.rotation},
+          {"ate_first_pose_rmse_m", s.ate_first.rmse},
+          {"ate_best_fit_rmse_m", s.ate_fit.rmse},
           {"disparity_offset_px", s.disparity_offset},
           {"disparity_offset_sigma_px", s.disparity_offset_sigma},
           {"ms",

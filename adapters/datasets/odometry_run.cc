@@ -6,21 +6,13 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
+#include "adapters/run/quantile.h"
+
 namespace prospect {
 
-TimePercentiles percentiles(std::vector<double> ms) {
-  TimePercentiles out;
-  if (ms.empty()) return out;
-  std::sort(ms.begin(), ms.end());
-  const auto at = [&](double share) {
-    const std::size_t rank = static_cast<std::size_t>(std::ceil(share * ms.size()));
-    return ms[std::min(ms.size(), std::max<std::size_t>(1, rank)) - 1];
-  };
-  out.p50 = at(0.50);
-  out.p95 = at(0.95);
-  out.p99 = at(0.99);
-  out.max = ms.back();
-  return out;
+TimePercentiles percentiles(const std::vector<double>& ms) {
+  if (ms.empty()) return {};
+  return {quantile(ms, 0.5), quantile(ms, 0.95), quantile(ms, 0.99), quantile(ms, 1.0)};
 }
 
 OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options,

@@ -1,11 +1,12 @@
 #include "adapters/run/summary.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <tuple>
 #include <utility>
+
+#include "adapters/run/quantile.h"
 
 namespace prospect {
 namespace {
@@ -25,19 +26,7 @@ std::pair<double, double> reach(const std::vector<StepRecord>& steps, double sha
   return {kNever, kNever};
 }
 
-nlohmann::ordered_json number(double value) {
-  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 }  // namespace
-
-double percentile(std::vector<double> values, double percent) {
-  if (values.empty()) return kNever;
-  std::sort(values.begin(), values.end());
-  const double n = static_cast<double>(values.size());
-  const auto rank = static_cast<std::size_t>(std::max(1.0, std::ceil(percent * n / 100.0)));
-  return values[std::min(rank, values.size()) - 1];
-}
 
 Summary summarize(const std::vector<StepRecord>& steps) {
   Summary s;
@@ -56,10 +45,10 @@ Summary summarize(const std::vector<StepRecord>& steps) {
     s.guard_stops += step.guard_stops;
     s.fallbacks += step.plan_kind == "stopping tail";
   }
-  s.plan_ms_p50 = percentile(plan_ms, 50.0);
-  s.plan_ms_p95 = percentile(plan_ms, 95.0);
-  s.plan_ms_p99 = percentile(plan_ms, 99.0);
-  s.plan_ms_max = percentile(plan_ms, 100.0);
+  s.plan_ms_p50 = quantile(plan_ms, 0.5);
+  s.plan_ms_p95 = quantile(plan_ms, 0.95);
+  s.plan_ms_p99 = quantile(plan_ms, 0.99);
+  s.plan_ms_max = quantile(plan_ms, 1.0);
   const StepRecord& last = steps.back();
   s.coverage = last.coverage;
   s.area_m2 = last.area;
@@ -75,32 +64,33 @@ Summary summarize(const std::vector<StepRecord>& steps) {
 }
 
 std::string summary_json(const Summary& s) {
+  // Numbers that are not finite become null.
   const nlohmann::ordered_json json = {{"world", s.world},
                                        {"solver", s.solver},
                                        {"seed", s.seed},
                                        {"reason", s.reason},
-                                       {"coverage", number(s.coverage)},
-                                       {"area_m2", number(s.area_m2)},
-                                       {"reachable_area_m2", number(s.reachable_area_m2)},
+                                       {"coverage", s.coverage},
+                                       {"area_m2", s.area_m2},
+                                       {"reachable_area_m2", s.reachable_area_m2},
                                        {"collisions", s.collisions},
                                        {"losses", s.losses},
-                                       {"duration_s", number(s.duration_s)},
-                                       {"wall_s", number(s.wall_s)},
-                                       {"path_length_m", number(s.path_length_m)},
-                                       {"time_to_90_s", number(s.time_to_90_s)},
-                                       {"time_to_95_s", number(s.time_to_95_s)},
-                                       {"time_to_99_s", number(s.time_to_99_s)},
-                                       {"path_to_90_m", number(s.path_to_90_m)},
-                                       {"path_to_95_m", number(s.path_to_95_m)},
-                                       {"path_to_99_m", number(s.path_to_99_m)},
-                                       {"localization_rmse_m", number(s.localization_rmse_m)},
-                                       {"localization_final_m", number(s.localization_final_m)},
-                                       {"drift_percent", number(s.drift_percent)},
+                                       {"duration_s", s.duration_s},
+                                       {"wall_s", s.wall_s},
+                                       {"path_length_m", s.path_length_m},
+                                       {"time_to_90_s", s.time_to_90_s},
+                                       {"time_to_95_s", s.time_to_95_s},
+                                       {"time_to_99_s", s.time_to_99_s},
+                                       {"path_to_90_m", s.path_to_90_m},
+                                       {"path_to_95_m", s.path_to_95_m},
+                                       {"path_to_99_m", s.path_to_99_m},
+                                       {"localization_rmse_m", s.localization_rmse_m},
+                                       {"localization_final_m", s.localization_final_m},
+                                       {"drift_percent", s.drift_percent},
                                        {"plan_ms",
-                                        {{"p50", number(s.plan_ms_p50)},
-                                         {"p95", number(s.plan_ms_p95)},
-                                         {"p99", number(s.plan_ms_p99)},
-                                         {"max", number(s.plan_ms_max)}}},
+                                        {{"p50", s.plan_ms_p50},
+                                         {"p95", s.plan_ms_p95},
+                                         {"p99", s.plan_ms_p99},
+                                         {"max", s.plan_ms_max}}},
                                        {"deadline_misses", s.deadline_misses},
                                        {"fallbacks", s.fallbacks},
                                        {"guard_stops", s.guard_stops},

@@ -10,12 +10,9 @@ namespace prospect {
 /// Fills what follows from the steps: coverage, area, collisions, duration, path length, time and
 /// path to 90 / 95 / 99 % coverage (linear between the steps around it; NaN if never reached),
 /// localization error (root mean square over steps, final, and final as percent of the path),
-/// planning time percentiles (nearest rank), fallbacks, guard stops, steps. All else keeps its
-/// default.
+/// planning time percentiles (nearest rank, quantile.h), fallbacks, guard stops, steps. All else
+/// keeps its default.
 Summary summarize(const std::vector<StepRecord>& steps);
-
-/// The value below or at which `percent` of the sorted values lie (nearest rank); NaN for none.
-double percentile(std::vector<double> values, double percent);
 
 /// summary.json: the names of Summary as they are, the planning time percentiles under plan_ms;
 /// numbers that are not finite are null; text that is not UTF-8 has replacement characters.

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "adapters/bench/quantile.h"
 #include "adapters/bench/solved_rule.h"
 
 namespace prospect {
@@ -37,17 +36,6 @@ TEST(PerformanceProfile, OfASolverThatSolvesNothingHasNoStep) {
   EXPECT_EQ(profiles[1].at(1.0), 0.5);
   EXPECT_TRUE(performance_profiles({}).empty());
   EXPECT_TRUE(performance_profiles({{}, {}})[0].steps.empty());
-}
-
-TEST(Quantile, TakesTheNearestRank) {
-  EXPECT_EQ(quantile({3.0, 1.0, 2.0}, 0.5), 2.0);
-  EXPECT_EQ(quantile({4.0, 1.0, 2.0, 3.0}, 0.5), 2.0);
-  EXPECT_EQ(quantile({4.0, 1.0, 2.0, 3.0}, 0.75), 3.0);
-  EXPECT_EQ(quantile({4.0, 1.0, 2.0, 3.0}, 0.76), 4.0);
-  EXPECT_EQ(quantile({1.0, kNever}, 0.5), 1.0);
-  EXPECT_EQ(quantile({1.0, kNever}, 0.51), kNever);
-  EXPECT_EQ(quantile({7.0}, 0.99), 7.0);
-  EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
 }
 
 TEST(SolvedRule, TakesAShareOfTheBestOrAnAbsoluteSlack) {

@@ -72,21 +72,6 @@ TEST(Summary, OfNothing) {
   EXPECT_EQ(still.drift_percent, 0.0) << "no path, no share of it";
 }
 
-TEST(Percentile, NearestRankAgainstCounting) {
-  // The smallest value that at least p percent of the values do not exceed.
-  for (int n = 1; n <= 250; ++n) {
-    std::vector<double> values;
-    for (int i = 0; i < n; ++i) values.push_back((i * 7919) % n);  // 0 ... n-1 in some order
-    for (int p = 1; p <= 100; ++p) {
-      int least = 0;
-      while (100 * (least + 1) < p * n) ++least;
-      ASSERT_EQ(percentile(values, p), least) << p << " % of " << n;
-    }
-  }
-  EXPECT_EQ(percentile({4.0, 2.0}, 0.0), 2.0);
-  EXPECT_TRUE(std::isnan(percentile({}, 50.0)));
-}
-
 TEST(SummaryJson, HasTheStableNamesAndNullForNotFinite) {
   Summary s = summarize({step(10.0, 0.93, 4.0, 0.1, 12.0)});
   s.world = "office \"A\"";
