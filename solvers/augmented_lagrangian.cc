@@ -26,8 +26,8 @@ double AugmentedLagrangian::value(double cost,
                                   const Eigen::Ref<const Eigen::VectorXd>& constraints) const {
   double sum = 0.0;
   for (Eigen::Index i = 0; i < constraints.size(); ++i) {
-    const double shifted = std::max(0.0, lambda_[i] - rho_ * (constraints[i] - margin_));
-    sum += shifted * shifted - lambda_[i] * lambda_[i];
+    const double pull = std::max(0.0, shifted(i, constraints[i]));
+    sum += pull * pull - lambda_[i] * lambda_[i];
   }
   return cost + sum / (2.0 * rho_);
 }
@@ -36,15 +36,15 @@ void AugmentedLagrangian::add_gradient(const Eigen::Ref<const Eigen::VectorXd>& 
                                        const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
                                        Eigen::Ref<Eigen::VectorXd> gradient) const {
   for (Eigen::Index i = 0; i < constraints.size(); ++i) {
-    const double shifted = lambda_[i] - rho_ * (constraints[i] - margin_);
-    if (shifted > 0.0) gradient -= shifted * jacobian.row(i).transpose();
+    const double pull = shifted(i, constraints[i]);
+    if (pull > 0.0) gradient -= pull * jacobian.row(i).transpose();
   }
 }
 
 void AugmentedLagrangian::residuals(const Eigen::Ref<const Eigen::VectorXd>& constraints,
                                     Eigen::Ref<Eigen::VectorXd> r) const {
   for (Eigen::Index i = 0; i < constraints.size(); ++i) {
-    r[i] = std::max(0.0, lambda_[i] - rho_ * (constraints[i] - margin_)) / std::sqrt(rho_);
+    r[i] = std::max(0.0, shifted(i, constraints[i])) / std::sqrt(rho_);
   }
 }
 
@@ -52,7 +52,7 @@ void AugmentedLagrangian::residual_jacobian(const Eigen::Ref<const Eigen::Vector
                                             const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
                                             Eigen::Ref<ResidualJacobian> J) const {
   for (Eigen::Index i = 0; i < constraints.size(); ++i) {
-    const bool pulls = lambda_[i] - rho_ * (constraints[i] - margin_) > 0.0;
+    const bool pulls = shifted(i, constraints[i]) > 0.0;
     J.row(i) = (pulls ? -std::sqrt(rho_) : 0.0) * jacobian.row(i);
   }
 }
@@ -60,9 +60,8 @@ void AugmentedLagrangian::residual_jacobian(const Eigen::Ref<const Eigen::Vector
 double AugmentedLagrangian::update(const Eigen::Ref<const Eigen::VectorXd>& constraints) {
   double sigma = 0.0;
   for (Eigen::Index i = 0; i < constraints.size(); ++i) {
-    const double c = constraints[i] - margin_;
-    sigma = std::max(sigma, std::abs(std::min(c, lambda_[i] / rho_)));
-    lambda_[i] = std::clamp(lambda_[i] - rho_ * c, 0.0, kLargestMultiplier);
+    sigma = std::max(sigma, std::abs(std::min(constraints[i] - margin_, lambda_[i] / rho_)));
+    lambda_[i] = std::clamp(shifted(i, constraints[i]), 0.0, kLargestMultiplier);
   }
   if (sigma > 0.5 * last_sigma_) rho_ = std::min(10.0 * rho_, kLargestPenalty);
   last_sigma_ = sigma;

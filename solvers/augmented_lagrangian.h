@@ -49,6 +49,9 @@ class AugmentedLagrangian {
   double rho() const { return rho_; }
 
  private:
+  /// lambda_i - rho (c_i - margin).
+  double shifted(Eigen::Index i, double c) const { return lambda_[i] - rho_ * (c - margin_); }
+
   Eigen::VectorXd lambda_;
   double rho_;
   double margin_;
