@@ -22,8 +22,9 @@ DisparityOffsetEvidence disparity_offset_evidence(const StereoCamera& camera,
     Eigen::Matrix<double, 3, 7> J;
     J.leftCols<6>() = residual.d_pose;
     J.col(6) = residual.d_measured.col(2);
-    if (std::isfinite(o.right)) J(2, 6) -= 1.0;
-    const Eigen::Matrix3d W = observation_weight(o, residual, options);
+    if (o.sees_right()) J(2, 6) -= 1.0;
+    const Eigen::Matrix3d W =
+        observation_weight(o, residual, options.sigma_left, options.sigma_right);
     const Eigen::Matrix<double, 7, 3> JW = J.transpose() * W;
     H.noalias() += JW * J;
     g.noalias() += JW * (residual.r + residual.d_measured * (o.measured - m));

@@ -18,14 +18,6 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr int kMinInliers = 6;
 
-Matrix3d skew(const Vector3d& a) {
-  Matrix3d S;
-  S << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
-  return S;
-}
-
-bool sees_right(const PointObservation& o) { return std::isfinite(o.right); }
-
 Vector3d in_world(const StereoCamera& camera, const PointObservation& o) {
   return o.T_WA * camera.triangulate(o.measured.x(), o.measured.y(), o.measured.z());
 }
@@ -54,78 +46,6 @@ bool three_point_pose(const StereoCamera& camera, const Vector3d points[3],
 }
 
 }  // namespace
-
-bool observation_residual(const StereoCamera& camera, const Isometry3d& T_CW,
-                          const PointObservation& o, const Vector3d& m, ObservationResidual& out) {
-  if (!(m.z() > 0.0)) return false;
-  const Vector3d Y = T_CW * (o.T_WA * camera.triangulate(m.x(), m.y(), m.z()));
-  if (!(Y.z() > 0.01)) return false;
-  Eigen::Matrix3d P;
-  P.topRows<2>() = camera.left.projection_jacobian(Y);
-  out.r.head<2>() = o.left - camera.left.project(Y);
-  if (sees_right(o)) {
-    const Vector3d right = Y - Vector3d(camera.baseline, 0.0, 0.0);
-    P.row(2) = camera.left.projection_jacobian(right).row(0);
-    out.r[2] = o.right - camera.left.project(right).x();
-  } else {
-    P.row(2).setZero();
-    out.r[2] = 0.0;
-  }
-  // exp(xi) Y = Y + t + omega x Y
-  out.d_pose.leftCols<3>() = -P;
-  out.d_pose.rightCols<3>() = P * skew(Y);
-  out.d_measured =
-      -P * T_CW.linear() * o.T_WA.linear() * camera.triangulation_jacobian(m.x(), m.y(), m.z());
-  return true;
-}
-
-Matrix3d observation_weight(const PointObservation& o, const ObservationResidual& residual,
-                            const PoseEstimatorOptions& options) {
-  Matrix3d S =
-      residual.d_measured * o.sigma.cwiseAbs2().asDiagonal() * residual.d_measured.transpose();
-  S(0, 0) += options.sigma_left * options.sigma_left;
-  S(1, 1) += options.sigma_left * options.sigma_left;
-  Matrix3d W = Matrix3d::Zero();
-  if (sees_right(o)) {
-    S(2, 2) += options.sigma_right * options.sigma_right;
-    W = S.inverse();
-  } else {
-    W.topLeftCorner<2, 2>() = S.topLeftCorner<2, 2>().inverse();
-  }
-  return 0.5 * (W + W.transpose());
-}
-
-Isometry3d exp_se3(const Vector6d& xi) {
-  const Vector3d w = xi.tail<3>();
-  const double angle = w.norm();
-  const Matrix3d K = skew(w);
-  double a, b;  // (1 - cos)/angle^2, (angle - sin)/angle^3
-  Isometry3d T = Isometry3d::Identity();
-  if (angle < 1e-5) {
-    a = 0.5 - angle * angle / 24.0;
-    b = 1.0 / 6.0 - angle * angle / 120.0;
-  } else {
-    a = (1.0 - std::cos(angle)) / (angle * angle);
-    b = (angle - std::sin(angle)) / (angle * angle * angle);
-  }
-  const double s = angle < 1e-5 ? 1.0 - angle * angle / 6.0 : std::sin(angle) / angle;
-  T.linear() = Matrix3d::Identity() + s * K + a * K * K;
-  T.translation() = (Matrix3d::Identity() + a * K + b * K * K) * xi.head<3>();
-  return T;
-}
-
-Vector6d log_se3(const Isometry3d& T) {
-  const Eigen::AngleAxisd rotation(T.linear());
-  const Vector3d w = rotation.angle() * rotation.axis();
-  const double angle = rotation.angle();
-  const Matrix3d K = skew(w);
-  // V^-1 = I - K/2 + c K^2
-  const double c = angle < 1e-4 ? 1.0 / 12.0 + angle * angle / 720.0
-                                : (1.0 - 0.5 * angle / std::tan(0.5 * angle)) / (angle * angle);
-  Vector6d xi;
-  xi << (Matrix3d::Identity() - 0.5 * K + c * K * K) * T.translation(), w;
-  return xi;
-}
 
 double PoseEstimate::sigma_position() const {
   const Matrix3d block = covariance.topLeftCorner<3, 3>();
@@ -250,7 +170,7 @@ PoseEstimate refine_pose(const StereoCamera& camera,
   const auto linearise = [&](int i) {
     if (!observation_residual(camera, estimate.T_CW, observations[i], m[i], residual)) return false;
     residual.r += residual.d_measured * (observations[i].measured - m[i]);
-    W = observation_weight(observations[i], residual, options);
+    W = observation_weight(observations[i], residual, options.sigma_left, options.sigma_right);
     return true;
   };
   /// m given the pose and, to first order, its step xi.
@@ -303,7 +223,7 @@ PoseEstimate refine_pose(const StereoCamera& camera,
         if (in) {
           ++inliers;
           chi2_sum += chi2;
-          dof += sees_right(observations[i]) ? 3 : 2;
+          dof += observations[i].sees_right() ? 3 : 2;
           H.noalias() += residual.d_pose.transpose() * W * residual.d_pose;
         }
       }

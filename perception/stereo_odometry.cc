@@ -14,6 +14,7 @@
 #include "engine/stopwatch.h"
 #include "perception/image_pyramid.h"
 #include "perception/image_shift.h"
+#include "perception/se3.h"
 
 namespace prospect {
 namespace {
@@ -80,19 +81,6 @@ bool same(const Image& image, const ImageView& view) {
     }
   }
   return true;
-}
-
-/// Adjoint of T for xi = (t, omega).
-Matrix6d adjoint(const Isometry3d& T) {
-  Matrix6d A = Matrix6d::Zero();
-  const Matrix3d R = T.linear();
-  const Vector3d t = T.translation();
-  Matrix3d S;
-  S << 0, -t.z(), t.y(), t.z(), 0, -t.x(), -t.y(), t.x(), 0;
-  A.topLeftCorner<3, 3>() = R;
-  A.bottomRightCorner<3, 3>() = R;
-  A.topRightCorner<3, 3>() = S * R;
-  return A;
 }
 
 /// Time that the processor has spent on this thread [ms].
@@ -170,15 +158,21 @@ struct StereoOdometry::Impl {
     t.covariance = R * camera.triangulation_covariance(u, v, d) * R.transpose();
   }
 
+  /// Forgets what the last pass found; then as predict(), which decides whether the point is in
+  /// view.
+  bool begin_tracking(Track& t, const Isometry3d& T, Vector2f& start, Matrix2f& A) const {
+    t.tracked = t.has_right = false;
+    t.in_view = predict(t, T, start, A);
+    return t.in_view;
+  }
+
   /// First pass: left image only, down to level 1; RANSAC sorts out what is wrong.
   void track_coarse(std::vector<Track>& points, const Isometry3d& T, const ImagePyramid& left,
                     int top) const {
     for (Track& t : points) {
-      t.tracked = t.has_right = false;
       Vector2f start;
       Matrix2f A;
-      t.in_view = predict(t, T, start, A);
-      if (!t.in_view) continue;
+      if (!begin_tracking(t, T, start, A)) continue;
       const TrackResult result =
           track_patch(t.anchor->left, t.pixel, A, left, start, top, 1, false, options.tracking);
       t.tracked = result.outcome == TrackOutcome::kTracked;
@@ -190,11 +184,9 @@ struct StereoOdometry::Impl {
   void track_fine(std::vector<Track>& points, const Isometry3d& T, const ImagePyramid& left,
                   const ImagePyramid& right) const {
     for (Track& t : points) {
-      t.tracked = t.has_right = false;
       Vector2f start;
       Matrix2f A;
-      t.in_view = predict(t, T, start, A);
-      if (!t.in_view) continue;
+      if (!begin_tracking(t, T, start, A)) continue;
       const double depth = (T * t.position).z();
       const float disparity =
           static_cast<float>(camera.left.fx * camera.baseline / depth - offset.value());

@@ -318,11 +318,9 @@ void expect_faults_noticed(const std::string& folder, int first, double step, in
     SCOPED_TRACE(fault.name);
     StereoOdometry odometry(dataset.camera(), {}, good.frames[0].T_WC);
     testing::StereoFrame before;
-    Localization worst = Localization::kOk;
-    std::string reason;
-    int noticed = -1, good_again = -1;
+    testing::FaultOutcome outcome(fault, first);
     for (int k = 0; k < dataset.size(); ++k) {
-      const bool faulty = k >= first && k < first + fault.count;
+      const bool faulty = outcome.faulty(k);
       auto pair = dataset.read(k);
       testing::StereoFrame frame{dataset.stamp(k), std::move(pair.left), std::move(pair.right)};
       if (faulty && !fault.apply) continue;
@@ -335,29 +333,9 @@ void expect_faults_noticed(const std::string& folder, int first, double step, in
         const double off = (out.T_WC.translation() - good.frames[k].T_WC.translation()).norm();
         EXPECT_LT(off, 0.2 * step + 0.01) << k << " " << out.reason;
       }
-      const bool after_drop = !fault.apply && k == first + fault.count;
-      if (faulty || after_drop) {
-        if (out.state != Localization::kOk && noticed < 0) {
-          noticed = faulty ? k - first : 0;
-          reason = out.reason;
-        }
-        worst = std::max(worst, out.state);
-      } else if (k >= first + fault.count && good_again < 0 && out.state == Localization::kOk) {
-        good_again = k - first - fault.count;
-      }
+      outcome.add(k, out);
     }
-    std::printf("%-20s %-9s %-48s ok again after %d\n", fault.name.c_str(),
-                worst == Localization::kLost       ? "lost"
-                : worst == Localization::kDegraded ? "degraded"
-                                                   : "ok",
-                reason.c_str(), good_again);
-    EXPECT_GE(noticed, 0);
-    EXPECT_LE(noticed, 1);
-    if (fault.must_be_lost) {
-      EXPECT_EQ(worst, Localization::kLost);
-    }
-    EXPECT_GE(good_again, 0);
-    EXPECT_LE(good_again, recovery);
+    outcome.expect(recovery);
   }
 }
 

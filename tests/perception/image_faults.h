@@ -1,7 +1,11 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <functional>
 #include <limits>
 #include <string>
@@ -9,6 +13,7 @@
 #include <vector>
 
 #include "perception/image.h"
+#include "perception/stereo_odometry.h"
 
 namespace prospect::testing {
 
@@ -135,5 +140,52 @@ inline std::vector<ImageFault> image_faults() {
       {"dropped frames", 3, nullptr},  // the frames never arrive
   };
 }
+
+/// What the odometry says of a fault in frames [first, first + count), frame by frame.
+class FaultOutcome {
+ public:
+  FaultOutcome(const ImageFault& fault, int first) : fault_(fault), first_(first) {}
+
+  /// Whether frame k is one of the faulty.
+  bool faulty(int k) const { return k >= first_ && k < first_ + fault_.count; }
+
+  void add(int k, const OdometryFrame& out) {
+    const int after = first_ + fault_.count;
+    // Of frames that never arrive the next one tells.
+    if (faulty(k) || (!fault_.apply && k == after)) {
+      if (out.state != Localization::kOk && noticed_ < 0) {
+        noticed_ = faulty(k) ? k - first_ : 0;
+        reason_ = out.reason;
+      }
+      worst_ = std::max(worst_, out.state);
+    } else if (k >= after && good_again_ < 0 && out.state == Localization::kOk) {
+      good_again_ = k - after;
+    }
+  }
+
+  /// Noticed within two frames, lost where it must be, and good again at most so many frames after
+  /// the fault. Prints the row of a table.
+  void expect(int recovery) const {
+    std::printf("%-20s %-9s %-48s ok again after %d\n", fault_.name.c_str(),
+                worst_ == Localization::kLost       ? "lost"
+                : worst_ == Localization::kDegraded ? "degraded"
+                                                    : "ok",
+                reason_.c_str(), good_again_);
+    EXPECT_GE(noticed_, 0);
+    EXPECT_LE(noticed_, 1);
+    if (fault_.must_be_lost) {
+      EXPECT_EQ(worst_, Localization::kLost);
+    }
+    EXPECT_GE(good_again_, 0);
+    EXPECT_LE(good_again_, recovery);
+  }
+
+ private:
+  const ImageFault& fault_;
+  int first_;
+  Localization worst_ = Localization::kOk;
+  std::string reason_;
+  int noticed_ = -1, good_again_ = -1;
+};
 
 }  // namespace prospect::testing

@@ -233,12 +233,10 @@ TEST(StereoOdometry, FaultsAreNoticedAndOvercome) {
   for (const testing::ImageFault& fault : testing::image_faults()) {
     SCOPED_TRACE(fault.name);
     StereoOdometry odometry(small_camera(), {}, s.T_WC[0]);
-    Localization worst = Localization::kOk;
-    std::string reason;
-    int noticed = -1, good_again = -1;
+    testing::FaultOutcome outcome(fault, first);
     Isometry3d before = s.T_WC[0];
     for (int k = 0; k < static_cast<int>(s.frames.size()); ++k) {
-      const bool faulty = k >= first && k < first + fault.count;
+      const bool faulty = outcome.faulty(k);
       if (faulty && !fault.apply) continue;
       const StereoFrame frame =
           faulty ? fault.apply(s.frames[k], s.frames[first - 1], k - first) : s.frames[k];
@@ -254,30 +252,10 @@ TEST(StereoOdometry, FaultsAreNoticedAndOvercome) {
       const double step = (out.T_WC.translation() - before.translation()).norm();
       EXPECT_LT(step, 0.06 * (fault.count + 2)) << k;
       before = out.T_WC;
-      const bool after_drop = !fault.apply && k == first + fault.count;
-      if (faulty || after_drop) {
-        if (out.state != Localization::kOk && noticed < 0) {
-          noticed = faulty ? k - first : 0;
-          reason = out.reason;
-        }
-        worst = std::max(worst, out.state);
-      } else if (k >= first + fault.count && good_again < 0 && out.state == Localization::kOk) {
-        good_again = k - first - fault.count;
-      }
+      outcome.add(k, out);
       EXPECT_TRUE(out.state == Localization::kOk || !out.reason.empty());
     }
-    std::printf("%-20s %-9s %-48s ok again after %d\n", fault.name.c_str(),
-                worst == Localization::kLost       ? "lost"
-                : worst == Localization::kDegraded ? "degraded"
-                                                   : "ok",
-                reason.c_str(), good_again);
-    EXPECT_GE(noticed, 0);
-    EXPECT_LE(noticed, 1);  // within two frames
-    if (fault.must_be_lost) {
-      EXPECT_EQ(worst, Localization::kLost);
-    }
-    EXPECT_GE(good_again, 0);
-    EXPECT_LE(good_again, 2);
+    outcome.expect(2);
   }
 }
 
