@@ -44,8 +44,8 @@ struct Track {
   Matrix3d covariance;                      // [m^2], in W
   Vector2f at_keyframe = Vector2f::Zero();  // where it was at the last keyframe, if it was
   bool seen_at_keyframe = false;
-  int misses = 0;  // in a row
-  int expected = 0, found = 0;
+  int misses = 0;           // in a row
+  int found = 0;            // in how many frames
   bool has_spoken = false;  // about the disparity offset
 
   // This frame.
@@ -122,6 +122,9 @@ struct StereoOdometry::Impl {
   double row_error = 0.0;
   DisparityOffset offset;
   std::uint64_t frame = 0;
+  TrackSurvival survival;
+  std::vector<LandmarkSighting> sightings;  // of this frame, as in the header
+  std::vector<std::uint64_t> given_up;
 
   /// Where the left image shows a landmark at this pose, and how its patch is warped: A of
   /// patch_alignment.h. False if it is out of view or seen at too different a scale.
@@ -146,6 +149,20 @@ struct StereoOdometry::Impl {
     if (!(determinant < limit && determinant > 1.0 / limit)) return false;
     A = B.inverse().cast<float>();
     return true;
+  }
+
+  /// Whether nothing but chance can keep the landmark from being tracked at T_CW: its patch is well
+  /// within the image, at a scale well within the limits.
+  bool in_full_view(const Track& t) const {
+    constexpr double kBorder = 12.0;  // [px]: half a patch, its gradient, and what it may move
+    const double limit = 0.875 * options.max_scale;
+    Vector2f pixel;
+    Matrix2f A;
+    if (!predict(t, T_CW, pixel, A)) return false;
+    const double scale = std::sqrt(1.0 / A.determinant());
+    return scale < limit && scale > 1.0 / limit && pixel.x() >= kBorder && pixel.y() >= kBorder &&
+           pixel.x() <= camera.left.width - 1 - kBorder &&
+           pixel.y() <= camera.left.height - 1 - kBorder;
   }
 
   /// Position and covariance from what was measured in the anchor, eqs. (1) and (2).
@@ -388,7 +405,10 @@ struct StereoOdometry::Impl {
       const int column = std::clamp(static_cast<int>(t.left.x() / cell), 0, columns - 1);
       const int row = std::clamp(static_cast<int>(t.left.y() / cell), 0, rows - 1);
       char& full = taken[static_cast<std::size_t>(row) * columns + column];
-      if (full) return true;
+      if (full) {
+        given_up.push_back(t.id);
+        return true;
+      }
       full = 1;
       return false;
     });
@@ -416,6 +436,7 @@ struct StereoOdometry::Impl {
       t.left = t.pixel;
       t.right = static_cast<float>(t.pixel.x() - m.disparity);
       t.in_view = t.tracked = t.inlier = t.has_right = true;
+      sightings.push_back({t.id, t.pixel.cast<double>(), true, true});
       tracks.push_back(std::move(t));
       rows.push_back(m.row_error);
     }
@@ -506,6 +527,8 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
   OdometryFrame out;
   out.stamp = stamp;
   ++frame;
+  sightings.clear();
+  given_up.clear();
   const auto reject = [&](const std::string& reason) {
     add_reason(out.reason, reason);
     out.state = Localization::kLost;
@@ -562,6 +585,7 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     out.times.keyframe = watch.lap();
     if (out.matched < options.lost_points) {
       tracks.clear();
+      sightings.clear();
       started = false;
       return false;
     }
@@ -667,7 +691,19 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
       ++t.misses;  // out of view for long: gone, it would be found from a keyframe
       continue;
     }
-    ++t.expected;
+    const Vector3d Y = T_CW * t.position;
+    if (t.inlier) {
+      sightings.push_back({t.id, t.left.cast<double>(), true, false});
+    } else if (Y.z() > 0.0) {
+      sightings.push_back({t.id, camera.left.project(Y), false, false});
+    }
+    if (in_full_view(t)) {
+      if (t.misses == 0) {
+        survival.add(t.found, t.inlier);
+      } else {
+        survival.add_missed(t.inlier);
+      }
+    }
     if (t.inlier) {
       ++t.found;
       t.misses = 0;
@@ -675,6 +711,7 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
       ++t.misses;
     }
   }
+  survival.forget();
   out.keyframe_reason = want_keyframe(a);
   if (!out.keyframe_reason.empty()) {
     out.keyframe = true;
@@ -704,6 +741,7 @@ StereoOdometry::StereoOdometry(const StereoCamera& camera, const StereoOdometryO
   impl_->camera.sigma_d = options.sigma_disparity;
   impl_->options = options;
   impl_->offset = DisparityOffset(options.disparity_offset);
+  impl_->survival = TrackSurvival(options.survival);
   impl_->T_CW = initial_T_WC.inverse();
   impl_->keyframe_T_CW = impl_->T_CW;
   impl_->covariance.setZero();
@@ -720,8 +758,12 @@ OdometryFrame StereoOdometry::process(double stamp, const ImageView& left, const
   return frame;
 }
 
-std::shared_ptr<const LandmarkMap> StereoOdometry::landmarks() const {
+std::shared_ptr<const LandmarkMap> StereoOdometry::landmarks(double horizon) const {
   auto map = std::make_shared<LandmarkMap>();
+  const TrackSurvival::Fit fit = impl_->survival.fit();
+  // Before the second frame the rate is not known: that of most recordings.
+  const double period = impl_->period > 0.0 ? impl_->period : 0.1;
+  const int views = static_cast<int>(std::clamp(std::round(horizon / period), 1.0, 1000.0));
   for (const Track& t : impl_->tracks) {
     Landmark landmark;
     landmark.id = t.id;
@@ -730,10 +772,14 @@ std::shared_ptr<const LandmarkMap> StereoOdometry::landmarks() const {
     const Vector3d to_camera = t.anchor->T_CW.inverse().translation() - t.position;
     landmark.creation_range = to_camera.norm();
     landmark.creation_direction = to_camera / std::max(1e-9, landmark.creation_range);
-    landmark.survival = (4.5 + t.found) / (5.0 + t.expected);
+    landmark.survival = TrackSurvival::probability(fit, t.found, t.misses > 0, views);
     map->landmarks.push_back(landmark);
   }
   return map;
 }
+
+const std::vector<LandmarkSighting>& StereoOdometry::sightings() const { return impl_->sightings; }
+
+const std::vector<std::uint64_t>& StereoOdometry::given_up() const { return impl_->given_up; }
 
 }  // namespace prospect

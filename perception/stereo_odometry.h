@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "engine/belief.h"
 #include "engine/landmark_map.h"
@@ -16,6 +17,7 @@
 #include "perception/patch_tracker.h"
 #include "perception/pose_estimation.h"
 #include "perception/stereo_matcher.h"
+#include "perception/track_survival.h"
 
 namespace prospect {
 
@@ -26,6 +28,7 @@ struct StereoOdometryOptions {
   PoseEstimatorOptions pose;
   KeyframePolicyOptions keyframes;
   DisparityOffsetOptions disparity_offset;
+  TrackSurvival::Options survival;
 
   int pyramid_levels = 5;
   /// Standard deviations [px] of a new landmark's coordinates. (u, v) are by definition where its
@@ -88,6 +91,15 @@ struct OdometryFrame {
   OdometryTimes times;
 };
 
+/// A landmark that was to be seen at a frame.
+struct LandmarkSighting {
+  std::uint64_t id = 0;
+  /// [px] Where the left image shows it; where it was expected if it was not tracked.
+  Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
+  bool tracked = false;  ///< found, and agrees with the pose
+  bool made = false;     ///< at this frame; then it is tracked
+};
+
 /// Visual odometry from rectified stereo pairs, after eVO (Sanfourche, Vittori, Le Besnerais 2013):
 /// a sparse map of landmarks, made by stereo matching at keyframes, and the pose of every frame
 /// from where they are found again.
@@ -119,8 +131,16 @@ class StereoOdometry {
   /// One rectified pair of the camera's size, stamps increasing [s].
   OdometryFrame process(double stamp, const ImageView& left, const ImageView& right);
 
-  /// The landmarks that are tracked now or were of late, in W; made on demand.
-  std::shared_ptr<const LandmarkMap> landmarks() const;
+  /// The landmarks that are tracked now or were of late, in W; made on demand. The survival of each
+  /// is the probability that it is tracked `horizon` [s] ahead if it is in view until then, learned
+  /// from this odometry's own tracks (track_survival.h).
+  std::shared_ptr<const LandmarkMap> landmarks(double horizon = 1.0) const;
+
+  /// Landmarks in view of the newest frame; empty where no pose was measured.
+  const std::vector<LandmarkSighting>& sightings() const;
+  /// Those of them, all tracked, that are given up from now on: another, older one stands in the
+  /// same image cell.
+  const std::vector<std::uint64_t>& given_up() const;
 
  private:
   struct Impl;

@@ -28,7 +28,7 @@ namespace prospect {
 class TrackSurvival {
  public:
   struct Options {
-    double prior_loss = 0.05;   ///< at a view
+    double prior_loss = 0.01;   ///< at a view: one in ten over ten views
     double prior_views = 20.0;  ///< that this counts for
     double memory = 300.0;      ///< [frames] after which a view counts for 1/e
   };

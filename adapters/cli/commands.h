@@ -62,6 +62,7 @@ struct OdometryArguments {
   std::string out;      ///< folder for trajectories and tables; empty: none
   int first = 0;        ///< frame to begin with
   int frames = 0;       ///< at most so many; 0: all
+  bool calibrate = false;
   bool json = false;
   bool quiet = false;
 };

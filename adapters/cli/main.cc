@@ -174,6 +174,9 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   odometry_command->add_option("--frames", odometry_arguments.frames, "At most so many [all]")
       ->check(whole_number_within(1, 1000000000));
+  odometry_command->add_flag("--calibrate", odometry_arguments.calibrate,
+                             "Hold what the planner predicts of landmarks and motion against what "
+                             "came of it");
   odometry_command->add_flag("--json", odometry_arguments.json, "Print the summary as JSON");
   odometry_command->add_flag("--quiet", odometry_arguments.quiet, "No progress line");
 

@@ -5,11 +5,14 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "adapters/cli/commands.h"
 #include "adapters/config/input_error.h"
+#include "adapters/datasets/calibration_report.h"
+#include "adapters/datasets/odometry_calibration.h"
 #include "adapters/datasets/odometry_run.h"
 #include "adapters/datasets/stereo_dataset.h"
 #include "adapters/run/whole_file.h"
@@ -113,17 +116,28 @@ int odometry(const OdometryArguments& arguments) {
   const bool follow = !arguments.quiet && !arguments.json && isatty(STDERR_FILENO) != 0;
   const int rest = dataset.size() - arguments.first;
   const int frames = arguments.frames > 0 ? std::min(arguments.frames, rest) : rest;
+  const StereoOdometryOptions options;
+  std::optional<OdometryCalibration> calibration;
+  if (arguments.calibrate) calibration.emplace(dataset.camera(), options);
   const OdometryRun run =
-      run_odometry(dataset, {}, arguments.first, frames, [&](int done, const OdometryFrame& frame) {
+      run_odometry(dataset, options, arguments.first, frames, [&](const OdometryStep& step) {
+        const OdometryFrame& frame = step.frame;
+        if (calibration) calibration->add(step.odometry, frame, step.true_T_WC);
         if (!follow) return;
-        std::fprintf(stderr, "\r%6d of %d frames  %4d points  %-8s", done, frames, frame.tracked,
+        std::fprintf(stderr, "\r%6d of %d frames  %4d points  %-8s", step.done, frames,
+                     frame.tracked,
                      frame.state == Localization::kOk         ? "ok"
                      : frame.state == Localization::kDegraded ? "degraded"
                                                               : "lost");
       });
   if (follow) std::fputc('\n', stderr);
   const OdometrySummary summary = summarize(run);
-  const auto json = as_json(arguments.dataset, dataset, summary);
+  auto json = as_json(arguments.dataset, dataset, summary);
+  std::optional<OdometryCalibrationResult> calibrated;
+  if (calibration) {
+    calibrated = calibration->result();
+    json["calibration"] = calibration_json(*calibrated);
+  }
   if (!out.empty()) {
     for (const auto& [name, content] :
          {std::pair<const char*, std::string>{"trajectory.tum", tum_text(run.trajectory)},
@@ -148,6 +162,7 @@ int odometry(const OdometryArguments& arguments) {
             ? (", " + std::to_string(dataset.unpaired()) + " frames of one camera only").c_str()
             : "");
     print(summary);
+    if (calibrated) std::fputs(calibration_text(*calibrated).c_str(), stdout);
     if (!out.empty()) std::printf("written to   %s\n", out.string().c_str());
   }
   return kDone;

@@ -17,7 +17,7 @@ TimePercentiles percentiles(const std::vector<double>& ms) {
 
 OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options,
                          int first, int max_frames,
-                         const std::function<void(int, const OdometryFrame&)>& progress) {
+                         const std::function<void(const OdometryStep&)>& observe) {
   cv::setNumThreads(1);  // one core, and nothing that depends on scheduling
   OdometryRun run;
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
@@ -32,7 +32,11 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
     run.frames.push_back(odometry.process(dataset.stamp(i), pair.left.view(), pair.right.view()));
     const OdometryFrame& frame = run.frames.back();
     if (frame.state != Localization::kLost) run.trajectory.push_back({frame.stamp, frame.T_WC});
-    if (progress) progress(i - first + 1, frame);
+    if (observe) {
+      const auto truth = associate({{frame.stamp, frame.T_WC}}, dataset.ground_truth());
+      observe({i - first + 1, frame, odometry, pair,
+               truth.empty() ? std::nullopt : std::optional(truth[0].truth)});
+    }
   }
   run.pairs = associate(run.trajectory, dataset.ground_truth());
   return run;

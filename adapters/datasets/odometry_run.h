@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,12 +26,21 @@ struct OdometryRun {
   std::vector<PosePair> pairs;  ///< with ground truth; empty: there is none
 };
 
+/// What there is to see after each frame of a run; valid during the call alone.
+struct OdometryStep {
+  int done = 0;  ///< frames, this one included
+  const OdometryFrame& frame;
+  const StereoOdometry& odometry;
+  const StereoDataset::Pair& images;
+  std::optional<Eigen::Isometry3d> true_T_WC;  ///< if known at this time
+};
+
 /// Runs the odometry over a recording, from frame `first`, at most `max_frames` (0: all).
-/// `progress`, if any, is called after each frame with the number done. One thread; the same
-/// recording gives the same poses.
+/// `observe`, if any, is called after each frame. One thread; the same recording gives the same
+/// poses.
 OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options = {},
                          int first = 0, int max_frames = 0,
-                         const std::function<void(int, const OdometryFrame&)>& progress = {});
+                         const std::function<void(const OdometryStep&)>& observe = {});
 
 /// Counts and errors of a run. Errors are NaN without ground truth, or where the path is too short.
 struct OdometrySummary {

@@ -77,7 +77,7 @@ TEST(TrackSurvival, WhereAllAreAlikeAgeDoesNotMatter) {
 
 TEST(TrackSurvival, BeforeAnyViewItIsThePrior) {
   const TrackSurvival::Fit fit = TrackSurvival().fit();
-  EXPECT_NEAR(TrackSurvival::probability(fit, 0, false, 1), 0.95, 1e-3);
+  EXPECT_NEAR(TrackSurvival::probability(fit, 0, false, 1), 0.99, 1e-3);
   EXPECT_NEAR(TrackSurvival::probability(fit, 0, true, 1), 0.5, 1e-12);
 }
 

@@ -1,0 +1,109 @@
+// odometry_calibration [--sequences N] [--frames N] [--width W] [--json]: what the planner predicts
+// of landmarks and motion, against what the odometry tracked and measured, over rendered sequences:
+// a room of either contrast, seen from a camera that goes and turns at random speeds of an indoor
+// robot (0 to 0.8 m/s, to 30 degrees a second, some sideways). Poses are exact, so errors are the
+// odometry's alone. All sequences count together. Same arguments, same numbers.
+
+#include "adapters/datasets/odometry_calibration.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <vector>
+
+#include "adapters/datasets/calibration_report.h"
+#include "perception/se3.h"
+#include "tests/perception/rendered_room.h"
+
+namespace prospect {
+namespace {
+
+/// Level poses from a random start, at constant speeds, at least 0.4 m from the walls.
+std::vector<Eigen::Isometry3d> random_path(int seed, int frames) {
+  std::mt19937 generator(static_cast<std::uint32_t>(seed + 1));
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * (generator() >> 8) / static_cast<double>(1 << 24);
+  };
+  double x = between(-1.8, -0.3), y = between(-1.2, 1.2), yaw = between(-1.0, 1.0);
+  const double forward = between(0.0, 0.08), turn = between(-0.05, 0.05);
+  const double sideways = seed % 4 == 3 ? between(-0.04, 0.04) : 0.0;
+  std::vector<Eigen::Isometry3d> path;
+  for (int k = 0; k < frames; ++k) {
+    path.push_back(testing::RenderedRoom::looking(x, y, 1.05, yaw));
+    x = std::clamp(x + forward * std::cos(yaw) - sideways * std::sin(yaw), -2.6, 2.0);
+    y = std::clamp(y + forward * std::sin(yaw) + sideways * std::cos(yaw), -2.1, 2.3);
+    yaw += turn;
+  }
+  return path;
+}
+
+int run(int sequences, int frames, double width, bool json) {
+  StereoCamera camera;
+  const double scale = width / 480.0;
+  camera.left = {330.0 * scale, 330.0 * scale, 240.0 * scale, 180.0 * scale, width, 0.75 * width};
+  OdometryCalibration calibration(camera, {});
+  // Of the pose since the first, after so many frames.
+  const std::vector<int> after = {1, 5, 10, 20, 39};
+  std::vector<std::vector<double>> since_first(after.size());
+  for (int s = 0; s < sequences; ++s) {
+    const testing::RenderedRoom room(s % 3 == 2 ? 35.0 : 70.0);
+    const auto path = random_path(s, frames);
+    StereoOdometry odometry(camera, {}, path[0]);
+    calibration.begin_recording();
+    for (int k = 0; k < frames; ++k) {
+      const auto pair = room.render(camera, path[static_cast<std::size_t>(k)], 2.0,
+                                    static_cast<std::uint64_t>(1000 * s + k));
+      const OdometryFrame frame = odometry.process(0.1 * k, pair.left.view(), pair.right.view());
+      calibration.add(odometry, frame, path[static_cast<std::size_t>(k)]);
+      const auto at = std::find(after.begin(), after.end(), k);
+      if (at == after.end() || frame.state == Localization::kLost) continue;
+      since_first[static_cast<std::size_t>(at - after.begin())].push_back(normalised_error_squared(
+          log_se3(frame.T_WC.inverse() * path[static_cast<std::size_t>(k)]), frame.covariance));
+    }
+    if (!json) std::fprintf(stderr, "\r%d of %d sequences", s + 1, sequences);
+  }
+  if (!json) std::fputc('\n', stderr);
+  const OdometryCalibrationResult result = calibration.result();
+  if (json) {
+    auto out = calibration_json(result);
+    for (std::size_t i = 0; i < after.size(); ++i) {
+      const PoseConsistency c = pose_consistency(since_first[i], 6);
+      out["pose_consistency_after"].push_back({{"frames", after[i]},
+                                               {"errors", c.count},
+                                               {"mean", c.mean},
+                                               {"median", c.median},
+                                               {"within_95", c.within_95}});
+    }
+    std::cout << out.dump(2) << '\n';
+    return 0;
+  }
+  std::fputs(calibration_text(result).c_str(), stdout);
+  for (std::size_t i = 0; i < after.size(); ++i) {
+    const PoseConsistency c = pose_consistency(since_first[i], 6);
+    if (c.count == 0) continue;
+    std::printf("  pose, after %2d frames  %6d  %7.2f %7.2f   %5.1f %%\n", after[i], c.count,
+                c.mean, c.median, 100.0 * c.within_95);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace prospect
+
+int main(int argc, char** argv) {
+  CLI::App app("The planner's predictions against the odometry, over rendered sequences");
+  int sequences = 24, frames = 40;
+  double width = 480.0;
+  bool json = false;
+  app.add_option("--sequences", sequences, "How many")->check(CLI::Range(1, 10000));
+  app.add_option("--frames", frames, "Of each")->check(CLI::Range(2, 10000));
+  app.add_option("--width", width, "Of the images [px]; the height is three quarters of it")
+      ->check(CLI::Range(160.0, 1920.0));
+  app.add_flag("--json", json, "Print JSON");
+  CLI11_PARSE(app, argc, argv);
+  return prospect::run(sequences, frames, 4.0 * std::round(width / 4.0), json);
+}
