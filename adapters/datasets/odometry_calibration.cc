@@ -59,7 +59,7 @@ VisibilityParameters odometry_visibility(const StereoCamera& camera,
   // points move outwards, and the range shrinks less than the depth does.
   p.scale_min = 1.05 / options.max_scale;
   p.scale_max = options.max_scale;
-  p.scale_width = 0.02;
+  p.scale_width = 0.035;
   return p;
 }
 
