@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -67,6 +68,21 @@ struct OdometryArguments {
   bool quiet = false;
 };
 int odometry(const OdometryArguments& arguments);
+
+struct MapArguments {
+  std::string dataset;                 ///< folder of a recording
+  std::string out;                     ///< folder for maps and tables; empty: none
+  double resolution = 0.05;            ///< [m]
+  double range = 4.0;                  ///< [m]
+  std::vector<double> camera;          ///< fx, fy, cx, cy [px]; empty: the recording's
+  double camera_height = 0.0;          ///< [m]; 0: not known
+  std::optional<double> camera_pitch;  ///< down [deg]; none: not known
+  int first = 0;                       ///< frame to begin with
+  int frames = 0;                      ///< at most so many; 0: all
+  bool json = false;
+  bool quiet = false;
+};
+int map(const MapArguments& arguments);
 
 int list(const std::string& what, bool json, const SolverRegistry& registry);
 /// Prints the effective configuration of a file (empty: the defaults).

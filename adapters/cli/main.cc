@@ -180,6 +180,41 @@ int run(int argc, char** argv) {
   odometry_command->add_flag("--json", odometry_arguments.json, "Print the summary as JSON");
   odometry_command->add_flag("--quiet", odometry_arguments.quiet, "No progress line");
 
+  MapArguments map_arguments;
+  CLI::App* map_command =
+      app.add_subcommand("map", "Octree, exploration and obstacle map from recorded depth images");
+  map_command
+      ->add_option("dataset", map_arguments.dataset,
+                   "Folder of a recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout")
+      ->required();
+  map_command->add_option("--out", map_arguments.out, "Folder for the maps and tables [none]");
+  map_command->add_option("--resolution", map_arguments.resolution, "Of the maps [m]")
+      ->check(number_within(0.01, 1.0))
+      ->capture_default_str();
+  map_command->add_option("--range", map_arguments.range, "Farther away nothing is learned [m]")
+      ->check(number_within(0.5, 20.0))
+      ->capture_default_str();
+  map_command
+      ->add_option("--camera", map_arguments.camera,
+                   "Intrinsics where no file states them: FX FY CX CY [px]")
+      ->expected(4)
+      ->check(number_within(1.0, 1e5));
+  map_command
+      ->add_option("--camera-height", map_arguments.camera_height,
+                   "Above the floor in the first frames, to 0.15 m [m] [0.2 to 2]")
+      ->check(number_within(0.05, 10.0));
+  map_command
+      ->add_option("--camera-pitch", map_arguments.camera_pitch,
+                   "Down, in the first frames, to 15 deg [deg] [-15 to 55]")
+      ->check(number_within(-90.0, 90.0));
+  map_command->add_option("--from", map_arguments.first, "Frame to begin with, from 0")
+      ->check(whole_number_within(0, 1000000000))
+      ->capture_default_str();
+  map_command->add_option("--frames", map_arguments.frames, "At most so many [all]")
+      ->check(whole_number_within(1, 1000000000));
+  map_command->add_flag("--json", map_arguments.json, "Print the summary as JSON");
+  map_command->add_flag("--quiet", map_arguments.quiet, "No progress line");
+
   std::string what;
   bool list_json = false;
   CLI::App* list_command =
@@ -225,6 +260,7 @@ int run(int argc, char** argv) {
   if (*solve_command) return solve(solve_arguments, registry);
   if (*bench_command) return bench(bench_arguments, registry);
   if (*odometry_command) return odometry(odometry_arguments);
+  if (*map_command) return map(map_arguments);
   if (*list_command) return list(what, list_json, registry);
   return print_configuration(configuration, registry);
 }

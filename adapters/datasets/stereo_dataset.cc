@@ -1,12 +1,10 @@
 #include "adapters/datasets/stereo_dataset.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -16,6 +14,7 @@
 
 #include "adapters/config/input_error.h"
 #include "adapters/config/strict_yaml.h"
+#include "adapters/datasets/numbered_files.h"
 #include "perception/stereo_check.h"
 
 namespace prospect {
@@ -25,37 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr double kMinBaseline = 0.01, kMaxBaseline = 2.0;  // [m]
 
-std::string read_text(const std::string& path) {
-  std::ifstream file(path);
-  if (!file || fs::is_directory(path)) throw InputError(path + ": cannot be read; expected a file");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-/// Stems of the .png files of a folder whose stems are all digits, by number.
-std::vector<std::pair<std::uint64_t, std::string>> numbered_images(const std::string& folder) {
-  std::error_code error;
-  if (!fs::is_directory(folder, error)) {
-    throw InputError(folder + ": no such folder; expected one with numbered .png images");
-  }
-  std::vector<std::pair<std::uint64_t, std::string>> images;
-  for (const auto& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().extension() != ".png") continue;
-    const std::string stem = entry.path().stem().string();
-    if (stem.empty() || stem.size() > 19 ||
-        !std::all_of(stem.begin(), stem.end(), [](unsigned char c) { return std::isdigit(c); })) {
-      throw InputError(entry.path().string() + ": the name is no number; expected numbered images");
-    }
-    images.emplace_back(std::stoull(stem), entry.path().string());
-  }
-  if (images.empty()) {
-    throw InputError(folder + ": holds no image; expected numbered .png images");
-  }
-  std::sort(images.begin(), images.end());
-  return images;
-}
-
 struct PairedImages {
   std::vector<std::uint64_t> numbers;
   std::vector<std::string> left, right;
@@ -63,7 +31,8 @@ struct PairedImages {
 };
 
 PairedImages pair_images(const std::string& left_folder, const std::string& right_folder) {
-  const auto left = numbered_images(left_folder), right = numbered_images(right_folder);
+  const auto left = numbered_files(left_folder, "", ".png"),
+             right = numbered_files(right_folder, "", ".png");
   PairedImages paired;
   std::string first_alone;
   auto l = left.begin();
@@ -133,7 +102,7 @@ void check_size(const std::string& where, const PinholeCamera& camera) {
 }
 
 CalibratedCamera read_sensor(const std::string& path) {
-  std::string text = read_text(path);
+  std::string text = read_text_file(path);
   // OpenCV's directive is not YAML's; the lines keep their numbers.
   if (!text.empty() && text[0] == '%') text.insert(0, "#");
   StrictYaml yaml = StrictYaml::from_text(text, path);
@@ -197,7 +166,7 @@ void StereoDataset::open_kitti(const std::string& folder) {
   layout_ = "KITTI";
   const std::string calibration = folder + "/calib.txt";
   std::vector<std::vector<double>> rows(2);
-  std::istringstream text(read_text(calibration));
+  std::istringstream text(read_text_file(calibration));
   std::string line;
   int unnamed = 0;
   for (int n = 1; std::getline(text, line); ++n) {
@@ -259,7 +228,7 @@ void StereoDataset::open_kitti(const std::string& folder) {
   std::vector<double> times;
   const std::string times_path = folder + "/times.txt";
   if (fs::exists(times_path)) {
-    std::istringstream lines(read_text(times_path));
+    std::istringstream lines(read_text_file(times_path));
     std::vector<double> numbers;
     for (int n = 1; std::getline(lines, line); ++n) {
       if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
@@ -322,7 +291,7 @@ void StereoDataset::open_euroc(const std::string& folder) {
     body = read_tum_trajectory(tum);
   } else if (fs::exists(csv)) {
     // ns, position, quaternion (w first), and more that is not needed.
-    std::istringstream lines(read_text(csv));
+    std::istringstream lines(read_text_file(csv));
     std::string line;
     std::vector<double> n;
     for (int k = 1; std::getline(lines, line); ++k) {

@@ -1,11 +1,13 @@
 #!/usr/bin/env bash
 # What the program `prospect` promises to who types a command: exit codes, messages, files.
 #   cli_test.sh <prospect> <scratch directory> <a plug-in> <a faulty one> <a library that is none>
+#     <write_depth_recording>
 set -uo pipefail
 prospect="$(realpath "$1")"
 plugin="$(realpath "$3")"
 faulty="$(realpath "$4")"
 no_plugin="$(realpath "$5")"
+write_depth_recording="$(realpath "$6")"
 mkdir -p "$2"
 work="$(mktemp -d "$2/cli.XXXXXX")"
 trap 'rm -rf "$work"' EXIT
@@ -401,13 +403,45 @@ refused "odometry with exchanged cameras" half/calib.txt "expected it on the rig
   odometry half --out run
 refused "odometry from before the first frame" -1 "expected a whole number" odometry half --from -1
 
-for arguments in --help "explore --help" "solve --help" "bench --help" "odometry --help" "list --help" "config --help" --version; do
+# --- Maps from depth images.
+"$write_depth_recording" depth || fail "no depth recording was written"
+for n in map1 map2; do
+  succeeds "$n" map depth/posed --out "$n" --quiet
+done
+grep -qF "ground       found in 5 of 5" out.txt || fail "map: no ground: '$out'"
+for file in map.bt ground.csv exploration.png exploration.yaml obstacles.png obstacles.yaml; do
+  [[ -s map1/$file ]] || fail "map wrote no $file"
+  cmp -s "map1/$file" "map2/$file" || fail "map: $file differs between two runs"
+done
+(($(wc -l <map1/ground.csv) == 6)) || fail "ground.csv has not one row a frame"
+succeeds "map --json" map depth/posed --json --frames 2 --from 1
+grep -q '"frames": 2,' out.txt || fail "map --json: '$out'"
+[[ ! -s err.txt ]] || fail "map --json wrote to standard error"
+succeeds "a map read back" explore map1/map.bt --time-limit 1 --quiet --out run
+rm -rf run
+refused "map of nothing" nowhere "expected a recording in 7-Scenes" map nowhere --out run
+refused "map without intrinsics" depth/robot "expected camera-intrinsics.txt, or --camera" \
+  map depth/robot --out run
+succeeds "map without poses" map depth/robot --camera 262.5 262.5 159.5 119.5 --out robot
+grep -qF "no poses, so the ground is measured only" out.txt || fail "map without poses: '$out'"
+[[ -s robot/ground.csv && ! -e robot/map.bt ]] || fail "map without poses: $(ls robot)"
+refused "map of a part that is not there" "--from is 9" "expected less than the 5 frames" \
+  map depth/posed --from 9 --out run
+refused "map at no height" "no ground in the first frames" "expected a floor" \
+  map depth/posed --camera-height 3 --out run
+refused "map with a wild resolution" resolution "expected a number from 0.01" \
+  map depth/posed --resolution nan --out run
+refused "map into a file" file "expected one to write to" map depth/posed --out file
+echo "1 0 0" >depth/posed/frame-000003.pose.txt
+refused "map with half a pose" frame-000003.pose.txt:1 "expected a pose" map depth/posed --out run
+
+for arguments in --help "explore --help" "solve --help" "bench --help" "odometry --help" "map --help" "list --help" "config --help" --version; do
   # shellcheck disable=SC2086
   succeeds "$arguments" $arguments
   [[ -s out.txt && ! -s err.txt ]] || fail "$arguments: expected text on standard output alone"
 done
 succeeds "--help" --help
-for command in explore solve bench odometry list config; do
+for command in explore solve bench odometry map list config; do
   grep -q "^  $command " out.txt || fail "--help does not name '$command'"
 done
 

@@ -1,0 +1,189 @@
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adapters/cli/commands.h"
+#include "adapters/config/input_error.h"
+#include "adapters/datasets/depth_dataset.h"
+#include "adapters/datasets/ground_picture.h"
+#include "adapters/datasets/map_run.h"
+#include "adapters/run/whole_file.h"
+#include "adapters/worlds/octree_file.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kDegrees = 180.0 / M_PI;
+
+nlohmann::ordered_json times(const TimePercentiles& t) {
+  return {{"p50", t.p50}, {"p95", t.p95}, {"p99", t.p99}, {"max", t.max}};
+}
+
+nlohmann::ordered_json as_json(const MapArguments& arguments, const DepthDataset& dataset,
+                               const MapSummary& s) {
+  return {{"dataset", arguments.dataset},
+          {"layout", dataset.layout()},
+          {"poses", dataset.has_poses()},
+          {"resolution_m", arguments.resolution},
+          {"frames", s.frames},
+          {"ok", s.ok},
+          {"degraded", s.degraded},
+          {"rejected", s.rejected},
+          {"ground_found", s.ground},
+          {"height_median_m", s.height_median},
+          {"height_min_m", s.height_min},
+          {"height_max_m", s.height_max},
+          {"height_error_m", s.height_error},
+          {"tilt_spread_deg", kDegrees * s.tilt_spread},
+          {"tilt_worst_deg", kDegrees * s.tilt_worst},
+          {"free_cells", s.free_cells},
+          {"occupied_cells", s.occupied_cells},
+          {"low_cells", s.low_cells},
+          {"wall_cells", s.walls.cells},
+          {"wall_thickness_median_m", s.walls.median},
+          {"wall_thickness_p90_m", s.walls.p90},
+          {"walls_doubled", s.walls.doubled},
+          {"processor_ms",
+           {{"check", times(s.check)},
+            {"ground", times(s.ground_plane)},
+            {"scan", times(s.scan)},
+            {"insert", times(s.insert)},
+            {"snapshot", times(s.snapshot)},
+            {"frame", times(s.frame)}}}};
+}
+
+void print(const MapRun& run, const MapSummary& s) {
+  std::printf("frames       %d: %d ok, %d degraded, %d rejected\n", s.frames, s.ok, s.degraded,
+              s.rejected);
+  std::printf("ground       found in %d of %d\n", s.ground, s.frames);
+  if (s.ground > 0) {
+    std::printf("height       %.3f m in the median, %.3f to %.3f m", s.height_median, s.height_min,
+                s.height_max);
+    if (run.maps.ground) std::printf("; %.3f m rms off the poses'", s.height_error);
+    std::printf("\ntilt         %.2f deg rms about the mean, at most %.2f deg\n",
+                kDegrees * s.tilt_spread, kDegrees * s.tilt_worst);
+  }
+  if (!run.maps.ground) {
+    std::printf("map          none: the recording has no poses, so the ground is measured only\n");
+  } else {
+    const double r = run.maps.ground->frame().resolution;
+    std::printf(
+        "map          %.2f m^2 free, %.2f m^2 occupied; %d of %d occupied cells lower than "
+        "0.2 m\n",
+        s.free_cells * r * r, s.occupied_cells * r * r, s.low_cells, s.occupied_cells);
+    std::printf(
+        "walls        %.2f m thick in the median, 90 %%: %.2f m; %.1f %% doubled of %d "
+        "cells\n",
+        s.walls.median, s.walls.p90, 100.0 * s.walls.doubled, s.walls.cells);
+  }
+  const auto row = [](const char* name, const TimePercentiles& t) {
+    std::printf("%-12s %6.1f %6.1f %6.1f %6.1f\n", name, t.p50, t.p95, t.p99, t.max);
+  };
+  std::printf("processor time [ms]\n");
+  std::printf("%-12s %6s %6s %6s %6s\n", "", "p50", "p95", "p99", "max");
+  row("  ground", s.ground_plane);
+  if (run.maps.ground) {
+    row("  check", s.check);
+    row("  scan", s.scan);
+    row("  insert", s.insert);
+    row("  snapshot", s.snapshot);
+    row("  frame", s.frame);
+  }
+}
+
+}  // namespace
+
+int map(const MapArguments& arguments) {
+  DepthDatasetOptions options;
+  if (!arguments.camera.empty()) {
+    PinholeCamera camera;
+    camera.fx = arguments.camera[0];
+    camera.fy = arguments.camera[1];
+    camera.cx = arguments.camera[2];
+    camera.cy = arguments.camera[3];
+    options.camera = camera;
+  }
+  const DepthDataset dataset = DepthDataset::open(arguments.dataset, options);
+  if (arguments.first >= dataset.size()) {
+    throw InputError("--from is " + std::to_string(arguments.first) + "; expected less than the " +
+                     std::to_string(dataset.size()) + " frames of " + arguments.dataset);
+  }
+  MapRunOptions run_options;
+  run_options.mapper.map.resolution = arguments.resolution;
+  run_options.mapper.map.max_range = arguments.range;
+  GroundPrior& prior = run_options.prior;
+  if (arguments.camera_height > 0.0 || arguments.camera_pitch) {
+    prior = ground_prior(arguments.camera_height > 0.0 ? arguments.camera_height : prior.height,
+                         arguments.camera_pitch ? *arguments.camera_pitch / kDegrees : 0.35, 0.0,
+                         arguments.camera_height > 0.0 ? 0.15 : prior.height_tolerance,
+                         arguments.camera_pitch ? 0.26 : prior.tilt_tolerance);
+  }
+  const std::filesystem::path out = arguments.out;
+  if (!out.empty() && std::filesystem::exists(out) && !std::filesystem::is_directory(out)) {
+    throw InputError(out.string() + ": is no folder; expected one to write to");
+  }
+  const bool follow = !arguments.quiet && !arguments.json && isatty(STDERR_FILENO) != 0;
+  const int rest = dataset.size() - arguments.first;
+  const int frames = arguments.frames > 0 ? std::min(arguments.frames, rest) : rest;
+  const MapRun run = run_mapping(
+      dataset, run_options, arguments.first, frames, [&](int done, const MapRunFrame& frame) {
+        if (!follow) return;
+        std::fprintf(stderr, "\r%6d of %d frames  ground %s  %-8s", done, frames,
+                     frame.mapped.ground.found ? "found" : "not found",
+                     std::string(to_string(frame.mapped.state)).c_str());
+      });
+  if (follow) std::fputc('\n', stderr);
+  const MapSummary summary = summarize(run);
+  const auto json = as_json(arguments, dataset, summary);
+  std::string written;
+  if (!out.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(out, error);
+    if (error || !std::filesystem::is_directory(out)) {
+      throw InputError(out.string() + ": cannot be created; expected a folder to write to");
+    }
+    std::vector<std::pair<std::string, std::string>> files = {
+        {"ground.csv", ground_csv(run)}, {"summary.json", json.dump(2) + "\n"}};
+    if (run.maps.ground) {
+      GroundPicture exploration = exploration_picture(*run.maps.ground, "exploration.png");
+      GroundPicture obstacles = obstacle_picture(*run.maps.ground, "obstacles.png");
+      files.emplace_back("exploration.png", std::move(exploration.png));
+      files.emplace_back("exploration.yaml", std::move(exploration.yaml));
+      files.emplace_back("obstacles.png", std::move(obstacles.png));
+      files.emplace_back("obstacles.yaml", std::move(obstacles.yaml));
+      write_octree(*run.maps.octree, (out / "map.bt").string());
+      written = "map.bt ";
+    }
+    for (const auto& [name, content] : files) {
+      const std::string problem = write_whole_file((out / name).string(), content);
+      if (!problem.empty()) {
+        std::cerr << "prospect: " << (out / name).string() << ": " << problem << '\n';
+        return kFailed;
+      }
+      written += name + " ";
+    }
+  }
+  if (arguments.json) {
+    std::cout << json.dump(2) << '\n';
+    return kDone;
+  }
+  std::printf(
+      "%s, %d depth images of %.0f x %.0f px%s%s%s\n", dataset.layout().c_str(), dataset.size(),
+      dataset.camera().width, dataset.camera().height, dataset.has_poses() ? "" : ", no poses",
+      dataset.times_assumed() ? ", no times: 30 a second assumed" : "",
+      dataset.without_pose() > 0
+          ? (", " + std::to_string(dataset.without_pose()) + " without a pose left out").c_str()
+          : "");
+  print(run, summary);
+  if (!out.empty()) std::printf("written to   %s: %s\n", out.string().c_str(), written.c_str());
+  return kDone;
+}
+
+}  // namespace prospect

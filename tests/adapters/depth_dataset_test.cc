@@ -1,0 +1,193 @@
+#include "adapters/datasets/depth_dataset.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <string>
+
+#include "adapters/config/input_error.h"
+#include "tests/perception/depth_recording.h"
+
+namespace prospect {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::DepthRecording;
+using ::testing::HasSubstr;
+
+/// Recordings of a rendered room, written anew for each test and then damaged.
+class Recording : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ =
+        (fs::temp_directory_path() / ("prospect depth " + std::to_string(::getpid()))).string();
+    fs::remove_all(folder_);
+    recording_.frames = 3;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) {
+    fs::create_directories(fs::path(folder_ + "/" + name).parent_path());
+    std::ofstream(folder_ + "/" + name) << text;
+  }
+  std::string refusal(const DepthDatasetOptions& options = {}) {
+    try {
+      const DepthDataset dataset = DepthDataset::open(folder_, options);
+      for (int i = 0; i < dataset.size(); ++i) dataset.read(i);
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.lines().size(), 1u) << error.what();
+      return error.what();
+    }
+    return "accepted";
+  }
+  static DepthDatasetOptions given_camera() {
+    DepthDatasetOptions options;
+    options.camera = PinholeCamera{262.5, 262.5, 159.5, 119.5, 1.0, 1.0};
+    return options;
+  }
+
+  DepthRecording recording_;
+  std::string folder_;
+};
+
+void expect_good(const DepthDataset& dataset, const DepthRecording& recording, double unit) {
+  ASSERT_EQ(dataset.size(), recording.frames);
+  EXPECT_EQ(dataset.camera().fx, 262.5);
+  EXPECT_EQ(dataset.camera().width, 320.0);
+  EXPECT_EQ(dataset.camera().height, 240.0);
+  EXPECT_NEAR(dataset.stamp(2) - dataset.stamp(0), 0.2, 1e-6);
+  for (int k = 0; k < dataset.size(); ++k) {
+    if (dataset.has_poses()) {
+      EXPECT_TRUE(dataset.pose(k).isApprox(recording.T_DW * recording.pose(k), 1e-6));
+    }
+    const DepthImage image = dataset.read(k);
+    const DepthImage truth =
+        recording.scene.render(recording.camera, recording.pose(k), DepthRecording::kNoise,
+                               100 + static_cast<std::uint64_t>(k));
+    for (int v = 0; v < 240; v += 7) {
+      for (int u = 0; u < 320; u += 7) {
+        ASSERT_EQ(std::isfinite(image.at(u, v)), std::isfinite(truth.at(u, v)));
+        if (std::isfinite(image.at(u, v))) {
+          ASSERT_NEAR(image.at(u, v), truth.at(u, v), 0.51 * unit);
+        }
+      }
+    }
+  }
+}
+
+TEST_F(Recording, SevenScenesLayout) {
+  recording_.write_seven_scenes(folder_);
+  const DepthDataset dataset = DepthDataset::open(folder_);
+  EXPECT_EQ(dataset.layout(), "7-Scenes");
+  EXPECT_TRUE(dataset.has_poses());
+  EXPECT_TRUE(dataset.times_assumed());
+  expect_good(dataset, recording_, 0.001);
+}
+
+TEST_F(Recording, TumLayout) {
+  recording_.write_tum(folder_);
+  const DepthDataset dataset = DepthDataset::open(folder_);
+  EXPECT_EQ(dataset.layout(), "TUM RGB-D");
+  EXPECT_TRUE(dataset.has_poses());
+  EXPECT_FALSE(dataset.times_assumed());
+  EXPECT_EQ(dataset.without_pose(), 0);
+  expect_good(dataset, recording_, 0.0002);
+}
+
+TEST_F(Recording, TumFramesWithoutAPoseAreLeftOut) {
+  recording_.write_tum(folder_);
+  std::ifstream in(folder_ + "/groundtruth.txt");
+  std::string text, line;
+  for (int n = 0; std::getline(in, line); ++n) {
+    if (n != 2) text += line + "\n";  // of the second frame
+  }
+  in.close();
+  write("groundtruth.txt", text);
+  const DepthDataset dataset = DepthDataset::open(folder_);
+  EXPECT_EQ(dataset.size(), 2);
+  EXPECT_EQ(dataset.without_pose(), 1);
+  EXPECT_TRUE(dataset.pose(1).isApprox(recording_.T_DW * recording_.pose(2), 1e-6));
+  write("groundtruth.txt", "1.0 0 0 0 0 0 0 1\n");
+  EXPECT_THAT(refusal(), HasSubstr("no pose within 0.02 s"));
+  fs::remove(folder_ + "/groundtruth.txt");
+  EXPECT_FALSE(DepthDataset::open(folder_).has_poses());
+}
+
+TEST_F(Recording, NumberedLayout) {
+  recording_.write_numbered(folder_);
+  EXPECT_THAT(refusal(), HasSubstr("no file states the camera's intrinsics"));
+  const DepthDataset dataset = DepthDataset::open(folder_, given_camera());
+  EXPECT_EQ(dataset.layout(), "numbered");
+  EXPECT_FALSE(dataset.has_poses());
+  expect_good(dataset, recording_, 0.001);
+  recording_.write_intrinsics(folder_);
+  expect_good(DepthDataset::open(folder_), recording_, 0.001);
+  EXPECT_THAT(refusal(given_camera()), HasSubstr("expected no others beside it"));
+}
+
+TEST_F(Recording, SaysWhatIsMissingOrMalformed) {
+  EXPECT_THAT(refusal(), HasSubstr("no such folder"));
+  fs::create_directories(folder_);
+  EXPECT_THAT(refusal(), HasSubstr("neither depth.txt, nor frame-NNNNNN.depth.png"));
+  fs::create_directories(folder_ + "/depth");
+  EXPECT_THAT(refusal(), HasSubstr("holds no image"));
+
+  recording_.write_seven_scenes(folder_);
+  const auto damaged = [&](const std::string& name, const std::string& text) {
+    recording_.write_seven_scenes(folder_);
+    write(name, text);
+    return refusal();
+  };
+  EXPECT_EQ(refusal(), "accepted");
+  EXPECT_THAT(damaged("camera-intrinsics.txt", "1 2 3\n"), HasSubstr("ends after 1 rows"));
+  EXPECT_THAT(damaged("camera-intrinsics.txt", "585 0 160\n0 x 120\n0 0 1\n"),
+              HasSubstr("camera-intrinsics.txt:2: "));
+  EXPECT_THAT(damaged("camera-intrinsics.txt", "-5 0 160\n0 5 120\n0 0 1\n"),
+              HasSubstr("not of the form"));
+  EXPECT_THAT(damaged("camera-intrinsics.txt", "262 0 900\n0 262 120\n0 0 1\n"),
+              HasSubstr("the principal point is (900, 120)"));
+  EXPECT_THAT(damaged("frame-000003.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 nan 0\n0 0 0 1\n"),
+              HasSubstr("frame-000003.pose.txt:3: "));
+  EXPECT_THAT(damaged("frame-000003.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 -1 0\n0 0 0 1\n"),
+              HasSubstr("not a rotation"));
+  EXPECT_THAT(damaged("frame-000003.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n5\n"),
+              HasSubstr("frame-000003.pose.txt:5: "));
+  EXPECT_THAT(damaged("frame-000003.depth.png", "no image"), HasSubstr("cannot be decoded"));
+  EXPECT_THAT(damaged("frame-zebra.depth.png", "no image"), HasSubstr("the name is no number"));
+  fs::remove_all(folder_);
+  recording_.write_seven_scenes(folder_);
+  fs::remove(folder_ + "/frame-000003.pose.txt");
+  EXPECT_THAT(refusal(), HasSubstr("frame-000003.pose.txt: no such file"));
+
+  fs::remove_all(folder_);
+  recording_.write_tum(folder_);
+  EXPECT_EQ(refusal(), "accepted");
+  write("depth.txt", "1305031102.0 depth/absent.png\n");
+  EXPECT_THAT(refusal(), HasSubstr("depth/absent.png is absent"));
+  write("depth.txt", "now depth/1.png\n");
+  EXPECT_THAT(refusal(), HasSubstr("depth.txt:1: not a frame"));
+  write("depth.txt", "# nothing\n");
+  EXPECT_THAT(refusal(), HasSubstr("holds no frame"));
+  fs::remove_all(folder_);
+  recording_.write_tum(folder_);
+  fs::remove(folder_ + "/camera-intrinsics.txt");
+  EXPECT_THAT(refusal(), HasSubstr("no file states the camera's intrinsics"));
+}
+
+TEST_F(Recording, RefusesImagesThatAreNoDepth) {
+  recording_.write_seven_scenes(folder_);
+  cv::imwrite(folder_ + "/frame-000003.depth.png", cv::Mat(240, 320, CV_8UC1, cv::Scalar(7)));
+  EXPECT_THAT(refusal(), HasSubstr("not of 16 bits a pixel"));
+  cv::imwrite(folder_ + "/frame-000003.depth.png", cv::Mat(120, 160, CV_16UC1, cv::Scalar(7)));
+  EXPECT_THAT(refusal(), HasSubstr("has 160 x 120 pixels, the first image 320 x 240"));
+}
+
+}  // namespace
+}  // namespace prospect
