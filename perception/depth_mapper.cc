@@ -12,6 +12,7 @@ namespace {
 
 constexpr int kCheckStride = 4;          // of the pixels that the image is judged by
 constexpr double kFarBelow = 0.2;        // [m]: no noise of a floor
+constexpr double kFarthest = 30000.0;    // [voxels]
 constexpr double kJustBelow = 1e-6;      // [m]
 constexpr double kSlackPosition = 0.05;  // [m] of a pose, beside what the speed allows
 constexpr double kSlackRotation = 0.05;  // [rad]
@@ -157,6 +158,11 @@ bool DepthMapper::check_image(const DepthImage& image, MappedFrame& out) {
 bool DepthMapper::check_pose(double stamp, const Eigen::Isometry3d& T_WC, MappedFrame& out) {
   if (!is_pose(T_WC)) {
     add_reason(out.reason, "the pose is no rotation and translation");
+    return false;
+  }
+  // Octree addresses are of 16 bits; a wild pose must not become the one that others are held to.
+  if (T_WC.translation().cwiseAbs().maxCoeff() > kFarthest * options_.map.resolution) {
+    add_reason(out.reason, "the pose is outside of what a map can hold");
     return false;
   }
   if (any_accepted_) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <opencv2/core.hpp>
@@ -11,12 +12,14 @@
 #include "adapters/config/input_error.h"
 #include "adapters/datasets/numbered_files.h"
 #include "adapters/datasets/trajectory.h"
+#include "adapters/worlds/checked_png.h"
 
 namespace prospect {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::int64_t kMostPixels = 100'000'000;
 constexpr double kAssumedRate = 30.0;    // [Hz]
 constexpr double kTumUnit = 1.0 / 5000;  // [m]
 constexpr double kSameTime = 0.02;       // [s]
@@ -28,9 +31,11 @@ std::string number(double value) {
 }
 
 cv::Mat decode(const std::string& path) {
+  std::string png = checked_png(path, read_whole_file(path), kMostPixels);
   cv::Mat image;
   try {
-    image = cv::imread(path, cv::IMREAD_UNCHANGED);
+    image = cv::imdecode(cv::Mat(1, static_cast<int>(png.size()), CV_8UC1, png.data()),
+                         cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
     image.release();
   }
@@ -45,7 +50,7 @@ cv::Mat decode(const std::string& path) {
 Eigen::MatrixXd read_matrix(const std::string& path, int rows, int columns,
                             const std::string& expected) {
   Eigen::MatrixXd matrix(rows, columns);
-  std::istringstream text(read_text_file(path));
+  std::istringstream text(read_whole_file(path));
   std::string line;
   std::vector<double> numbers;
   int row = 0;
@@ -171,7 +176,7 @@ void DepthDataset::open_tum(const std::string& folder) {
   layout_ = "TUM RGB-D";
   unit_ = kTumUnit;
   const std::string list = folder + "/depth.txt";
-  std::istringstream text(read_text_file(list));
+  std::istringstream text(read_whole_file(list));
   std::string line;
   std::vector<double> stamp;
   std::vector<double> stamps;

@@ -107,7 +107,8 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
 
   std::vector<Floor> floors;
   std::string why;
-  for (int i = first; i < first + std::min(n, std::max(1, options.first_frames)); ++i) {
+  const auto enough = static_cast<std::size_t>(std::max(1, options.first_frames));
+  for (int i = first; i < first + n && floors.size() < enough; ++i) {
     const GroundPlane ground =
         find_ground(camera, dataset.read(i), options.prior, options.mapper.ground);
     if (!ground.found) {
@@ -119,7 +120,7 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
     floors.push_back({normal, ground.height - normal.dot(T.translation())});
   }
   if (floors.empty()) {
-    throw InputError("no ground in the first frames: " + why +
+    throw InputError("no ground in any frame: " + why +
                      "; expected a floor, or --camera-height and --camera-pitch as they are");
   }
   const Floor floor = middle(floors);

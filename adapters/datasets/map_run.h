@@ -18,7 +18,7 @@ struct MapRunOptions {
   /// What is known of the camera before the first image. The default is wide: carried or on a
   /// robot, 0.2 to 2 m high, pitched up by 15 to down by 55 degrees.
   GroundPrior prior = ground_prior(1.1, 0.35, 0.0, 0.9, 0.61);
-  /// The ground of so many frames says where the floor is.
+  /// The ground of the first so many frames that show it says where the floor is.
   int first_frames = 10;
   /// Without poses: how far the ground of a frame may be from that of the first ones.
   double tilt_tolerance = 0.15;   ///< [rad]
@@ -40,19 +40,19 @@ struct MapRun {
   /// W from the recording's world: z up, floor at z = 0, origin below the first camera, which looks
   /// along +x. Identity without poses.
   Eigen::Isometry3d T_WD = Eigen::Isometry3d::Identity();
-  GroundPrior first;  ///< the ground in the first frames, as seen by the camera
+  GroundPrior first;  ///< the ground of the first frames, as the first camera would see it
   BeliefMaps maps;    ///< null without poses: nothing is mapped
 };
 
 /// Runs the mapper over a recording, from frame `first`, at most `max_frames` (0: all).
 ///
 /// The recording's world points anywhere, so the floor is found first: of the ground planes in the
-/// first frames (find_ground() with `prior`), all in the recording's world, the one with the least
-/// sum of distances to the others (angle / 0.02 rad + height / 0.02 m) is W's floor. Without poses
-/// that is done in the camera's frame, and then the ground of each frame is measured, but nothing
-/// is mapped.
+/// first frames that show one (find_ground() with `prior`), all in the recording's world, the one
+/// with the least sum of distances to the others (angle / 0.02 rad + height / 0.02 m) is W's floor.
+/// Without poses that is done in the camera's frame, and then the ground of each frame is measured,
+/// but nothing is mapped.
 ///
-/// Throws InputError if the first frames show no ground, or an image cannot be read. `progress`, if
+/// Throws InputError if no frame shows the ground, or an image cannot be read. `progress`, if
 /// any, is called after each frame with the number done. One thread; the same recording gives the
 /// same bits, but for times.
 MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options = {}, int first = 0,

@@ -39,7 +39,7 @@ std::vector<std::pair<std::uint64_t, std::string>> numbered_files(const std::str
   return files;
 }
 
-std::string read_text_file(const std::string& path) {
+std::string read_whole_file(const std::string& path) {
   std::ifstream file(path);
   if (!file || fs::is_directory(path)) throw InputError(path + ": cannot be read; expected a file");
   std::ostringstream text;

@@ -14,7 +14,7 @@ std::vector<std::pair<std::uint64_t, std::string>> numbered_files(const std::str
                                                                   const std::string& prefix,
                                                                   const std::string& suffix);
 
-/// All of a text file. Throws InputError if it cannot be read.
-std::string read_text_file(const std::string& path);
+/// All bytes of a file. Throws InputError if it cannot be read.
+std::string read_whole_file(const std::string& path);
 
 }  // namespace prospect

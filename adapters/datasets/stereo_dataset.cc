@@ -102,7 +102,7 @@ void check_size(const std::string& where, const PinholeCamera& camera) {
 }
 
 CalibratedCamera read_sensor(const std::string& path) {
-  std::string text = read_text_file(path);
+  std::string text = read_whole_file(path);
   // OpenCV's directive is not YAML's; the lines keep their numbers.
   if (!text.empty() && text[0] == '%') text.insert(0, "#");
   StrictYaml yaml = StrictYaml::from_text(text, path);
@@ -166,7 +166,7 @@ void StereoDataset::open_kitti(const std::string& folder) {
   layout_ = "KITTI";
   const std::string calibration = folder + "/calib.txt";
   std::vector<std::vector<double>> rows(2);
-  std::istringstream text(read_text_file(calibration));
+  std::istringstream text(read_whole_file(calibration));
   std::string line;
   int unnamed = 0;
   for (int n = 1; std::getline(text, line); ++n) {
@@ -228,7 +228,7 @@ void StereoDataset::open_kitti(const std::string& folder) {
   std::vector<double> times;
   const std::string times_path = folder + "/times.txt";
   if (fs::exists(times_path)) {
-    std::istringstream lines(read_text_file(times_path));
+    std::istringstream lines(read_whole_file(times_path));
     std::vector<double> numbers;
     for (int n = 1; std::getline(lines, line); ++n) {
       if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
@@ -291,7 +291,7 @@ void StereoDataset::open_euroc(const std::string& folder) {
     body = read_tum_trajectory(tum);
   } else if (fs::exists(csv)) {
     // ns, position, quaternion (w first), and more that is not needed.
-    std::istringstream lines(read_text_file(csv));
+    std::istringstream lines(read_whole_file(csv));
     std::string line;
     std::vector<double> n;
     for (int k = 1; std::getline(lines, line); ++k) {

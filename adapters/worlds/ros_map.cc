@@ -15,6 +15,7 @@
 
 #include "adapters/config/input_error.h"
 #include "adapters/config/strict_yaml.h"
+#include "adapters/worlds/checked_png.h"
 
 namespace prospect {
 namespace {
@@ -116,61 +117,13 @@ Image read_pgm(const std::string& path, std::string_view bytes) {
   return image;
 }
 
-std::uint32_t big_endian(std::string_view bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < 4; ++i) {
-    value = value << 8 | static_cast<unsigned char>(bytes[at + i]);
-  }
-  return value;
-}
-
-/// CRC-32 of ISO 3309, as PNG uses it.
-std::uint32_t crc32(std::string_view bytes) {
-  std::uint32_t crc = 0xffffffffu;
-  for (const char c : bytes) {
-    crc ^= static_cast<unsigned char>(c);
-    for (int bit = 0; bit < 8; ++bit) crc = crc >> 1 ^ (0xedb88320u & (0u - (crc & 1u)));
-  }
-  return ~crc;
-}
-
-/// The chunks of a PNG that say what its pixels are, each checked: the decoder would fill what is
-/// missing with anything, and complains on standard error of colour profiles that do not matter
-/// here.
-std::string checked_png(const std::string& path, std::string_view bytes) {
-  constexpr std::size_t kSignature = 8;
-  std::string kept(bytes.substr(0, kSignature));
-  for (std::size_t at = kSignature;;) {
-    if (at + 12 > bytes.size()) fail(path, "truncated PNG; expected its last chunk (IEND)");
-    const std::uint32_t length = big_endian(bytes, at);
-    if (length > bytes.size() - at - 12) {
-      fail(path, "truncated or corrupt PNG; expected " + std::to_string(length) +
-                     " bytes in a chunk at byte " + std::to_string(at));
-    }
-    const std::string_view type = bytes.substr(at + 4, 4);
-    if (crc32(bytes.substr(at + 4, 4 + length)) != big_endian(bytes, at + 8 + length)) {
-      fail(path, "corrupt PNG: wrong checksum of the chunk at byte " + std::to_string(at) +
-                     "; expected an intact file");
-    }
-    if (at == kSignature) {
-      if (type != "IHDR" || length != 13) fail(path, "corrupt PNG; expected an IHDR chunk first");
-      check_size(path, big_endian(bytes, at + 8), big_endian(bytes, at + 12));
-    }
-    if (type == "IHDR" || type == "PLTE" || type == "IDAT" || type == "IEND" || type == "tRNS") {
-      kept += bytes.substr(at, 12 + static_cast<std::size_t>(length));
-    }
-    if (type == "IEND") return kept;
-    at += 12 + static_cast<std::size_t>(length);
-  }
-}
-
 Image read_image(const std::string& path) {
   const std::string bytes = read_bytes(path, "a .pgm or .png image");
   if (bytes.starts_with("P5")) return read_pgm(path, bytes);
   if (!bytes.starts_with("\x89PNG\r\n\x1a\n")) {
     fail(path, "not a binary PGM (P5) or PNG image; expected one of them");
   }
-  std::string png = checked_png(path, bytes);
+  std::string png = checked_png(path, bytes, kMostPixels);
   cv::Mat mat;
   try {
     const cv::Mat raw(1, static_cast<int>(png.size()), CV_8UC1, png.data());

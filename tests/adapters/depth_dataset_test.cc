@@ -159,7 +159,10 @@ TEST_F(Recording, SaysWhatIsMissingOrMalformed) {
               HasSubstr("not a rotation"));
   EXPECT_THAT(damaged("frame-000003.pose.txt", "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n5\n"),
               HasSubstr("frame-000003.pose.txt:5: "));
-  EXPECT_THAT(damaged("frame-000003.depth.png", "no image"), HasSubstr("cannot be decoded"));
+  EXPECT_THAT(damaged("frame-000003.depth.png", "no image"), HasSubstr("not a PNG image"));
+  recording_.write_seven_scenes(folder_);
+  fs::resize_file(folder_ + "/frame-000003.depth.png", 9000);
+  EXPECT_THAT(refusal(), HasSubstr("truncated"));
   EXPECT_THAT(damaged("frame-zebra.depth.png", "no image"), HasSubstr("the name is no number"));
   fs::remove_all(folder_);
   recording_.write_seven_scenes(folder_);

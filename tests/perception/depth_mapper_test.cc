@@ -304,6 +304,18 @@ TEST(DepthMapper, Faults) {
   }
 }
 
+// The first pose of all may be a wild one: it is not what the next is held to.
+TEST(DepthMapper, AWildFirstPoseIsNotBelieved) {
+  const DepthScene scene = furnished();
+  DepthMapper mapper(kCamera);
+  for (int k = 0; k < 3; ++k) {
+    DepthFrame frame = walk(scene, k);
+    if (k == 0) frame.T_WC.translation().x() = 1e12;
+    const MappedFrame out = mapper.process(frame.stamp, frame.image, frame.T_WC);
+    EXPECT_EQ(out.state, k == 0 ? Mapping::kRejected : Mapping::kOk) << out.reason;
+  }
+}
+
 TEST(DepthMapper, SurvivesRandomInput) {
   std::mt19937_64 generator(9);
   const float inf = std::numeric_limits<float>::infinity();
