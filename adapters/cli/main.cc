@@ -167,8 +167,8 @@ int run(int argc, char** argv) {
       ->add_option("dataset", odometry_arguments.dataset, "Folder in KITTI or EuRoC layout")
       ->required();
   odometry_command->add_option("--out", odometry_arguments.out,
-                               "Folder for the trajectory (TUM and KITTI), a table of frames and a "
-                               "summary [none]");
+                               "Folder for a page, the trajectory (TUM and KITTI), a table of "
+                               "frames and a summary [none]");
   odometry_command->add_option("--from", odometry_arguments.first, "Frame to begin with, from 0")
       ->check(whole_number_within(0, 1000000000))
       ->capture_default_str();

@@ -13,6 +13,7 @@
 #include "adapters/config/input_error.h"
 #include "adapters/datasets/calibration_report.h"
 #include "adapters/datasets/odometry_calibration.h"
+#include "adapters/datasets/odometry_page.h"
 #include "adapters/datasets/odometry_run.h"
 #include "adapters/datasets/stereo_dataset.h"
 #include "adapters/run/whole_file.h"
@@ -119,10 +120,13 @@ int odometry(const OdometryArguments& arguments) {
   const StereoOdometryOptions options;
   std::optional<OdometryCalibration> calibration;
   if (arguments.calibrate) calibration.emplace(dataset.camera(), options);
+  std::optional<OdometryPage> page;
+  if (!out.empty()) page.emplace(frames);
   const OdometryRun run =
       run_odometry(dataset, options, arguments.first, frames, [&](const OdometryStep& step) {
         const OdometryFrame& frame = step.frame;
         if (calibration) calibration->add(step.odometry, frame, step.true_T_WC);
+        if (page) page->add(step);
         if (!follow) return;
         std::fprintf(stderr, "\r%6d of %d frames  %4d points  %-8s", step.done, frames,
                      frame.tracked,
@@ -138,11 +142,14 @@ int odometry(const OdometryArguments& arguments) {
     calibrated = calibration->result();
     json["calibration"] = calibration_json(*calibrated);
   }
-  if (!out.empty()) {
+  if (page) {
+    auto timeless = json;
+    timeless.erase("ms");
     for (const auto& [name, content] :
          {std::pair<const char*, std::string>{"trajectory.tum", tum_text(run.trajectory)},
           {"trajectory.kitti", kitti_text(run.trajectory)},
           {"frames.csv", frames_csv(run)},
+          {"odometry.html", page->html(timeless)},
           {"summary.json", json.dump(2) + "\n"}}) {
       const std::string problem = write_whole_file((out / name).string(), content);
       if (!problem.empty()) {

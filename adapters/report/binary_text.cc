@@ -12,6 +12,10 @@ void BinaryText::add_varint(std::uint64_t value) {
   bytes_.push_back(static_cast<std::uint8_t>(value));
 }
 
+void BinaryText::add_bytes(const std::vector<std::uint8_t>& bytes) {
+  bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+}
+
 void BinaryText::add_float(double value) {
   const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
   for (int shift = 0; shift < 32; shift += 8) {

@@ -19,7 +19,7 @@ TEST(BinaryText, Base64AsInRfc4648) {
   EXPECT_EQ(encode("foobar"), "Zm9vYmFy");
 }
 
-TEST(BinaryText, VarintsAndFloatsByHand) {
+TEST(BinaryText, VarintsFloatsAndBytesByHand) {
   BinaryText text;
   text.add_varint(300);  // 0xAC 0x02
   text.add_varint(127);  // 0x7F
@@ -27,6 +27,9 @@ TEST(BinaryText, VarintsAndFloatsByHand) {
   BinaryText number;
   number.add_float(1.0);  // 00 00 80 3F
   EXPECT_EQ(number.base64(), "AACAPw==");
+  BinaryText bytes;
+  bytes.add_bytes({0xAC, 0x02, 0x7F});
+  EXPECT_EQ(bytes.base64(), "rAJ/");
 }
 
 }  // namespace

@@ -1,0 +1,385 @@
+(() => {
+"use strict";
+// Whatever goes wrong is kept, for the self-test at the end.
+const errors = [];
+addEventListener("error", (e) => errors.push(e.message || String(e)));
+addEventListener("unhandledrejection", (e) => errors.push(String(e.reason)));
+
+const $ = (id) => document.getElementById(id);
+function make(tag, attributes = {}, ...children) {
+  const element = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name === "class") element.className = value; else element.setAttribute(name, value);
+  }
+  element.append(...children);
+  return element;
+}
+
+// ---- Data ---------------------------------------------------------------------------------------
+const run = JSON.parse($("run").textContent);
+const n = run.frames, s = run.summary;
+function floats(base64) {
+  const text = atob(base64);
+  const bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
+  return new Float32Array(bytes.buffer);
+}
+const column = {};
+for (const [name, text] of Object.entries(run.columns)) column[name] = floats(text);
+const pictures = run.pictures.map((p) => {
+  const image = new Image();
+  const ready = new Promise((resolve, reject) => {
+    image.onload = () => resolve();
+    image.onerror = () => reject(new Error(`the image of frame ${p.frame} does not load`));
+  });
+  image.src = `data:image/jpeg;base64,${p.jpeg}`;
+  return { ...p, image, ready, features: floats(p.features) };
+});
+const states = ["ok", "degraded", "lost"];
+
+// ---- Numbers as text ----------------------------------------------------------------------------
+const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
+const fixed = (x, digits) => (isNumber(x) ? x.toFixed(digits).replace("-", "−") : "–");
+function compact(x) {
+  if (!isNumber(x)) return "–";
+  if (x === 0) return "0";
+  const size = Math.abs(x);
+  if (size < 1e-3 || size >= 1e5) return x.toExponential(1).replace(/-/g, "−");
+  return String(+x.toPrecision(3)).replace("-", "−");
+}
+const plural = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
+
+// ---- Head ---------------------------------------------------------------------------------------
+const known = isNumber(s.end_error_m);
+$("facts").textContent = [s.layout, plural(s.frames, "frame"), `${s.ok} ok, ${s.degraded} degraded, ${s.lost} lost`,
+  plural(s.keyframes, "keyframe"), known ? null : "no ground truth"].filter(Boolean).join(" · ");
+const figure = (label, value, unit, bad) => $("figures").append(make("div", bad ? { class: "bad" } : {},
+  make("dd", {}, value, make("small", {}, unit)), make("dt", {}, label)));
+figure("path", fixed(s.estimated_length_m, 1), "m");
+if (known) {
+  figure("error at the end", fixed(s.end_error_percent, 2), "%");
+  figure("rotation at the end", fixed(s.end_rotation_deg, 2), "°");
+  if (isNumber(s.rpe_10m_percent)) figure("per 10 m", fixed(s.rpe_10m_percent, 2), "%");
+  else if (isNumber(s.rpe_1m_percent)) figure("per 1 m", fixed(s.rpe_1m_percent, 2), "%");
+}
+figure("losses", fixed(s.losses, 0), "", s.losses > 0);
+
+// ---- Colours ------------------------------------------------------------------------------------
+const dark = matchMedia("(prefers-color-scheme: dark)");
+const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+// ---- Picture with landmarks ---------------------------------------------------------------------
+const canvas = $("picture"), pen = canvas.getContext("2d");
+const kKinds = ["--tracked", "--made", "--missed"];
+const pictureAt = (k) => {
+  let best = pictures[0];
+  for (const p of pictures) if (p.frame <= k) best = p;
+  return best;
+};
+let drawn = null;  // what the picture shows, for the self-test
+function drawPicture(k) {
+  const p = pictureAt(k);
+  const density = devicePixelRatio || 1;
+  const width = Math.max(1, Math.round(canvas.clientWidth * density));
+  canvas.width = width;
+  canvas.height = Math.max(1, Math.round(width * p.height / p.width));
+  const scale = width / p.width;
+  drawn = { frame: p.frame, counts: [0, 0, 0], picture: false };
+  if (p.image.complete && p.image.naturalWidth > 0) {
+    pen.drawImage(p.image, 0, 0, canvas.width, canvas.height);
+    drawn.picture = true;
+  } else {
+    p.ready.then(() => { if (pictureAt(step) === p) drawPicture(step); }, () => {});
+  }
+  const radius = Math.max(2.2 * density, 1.3 * scale);
+  pen.lineWidth = 1.4 * density;
+  for (let i = 0; i < p.features.length; i += 3) {
+    const u = p.features[i] * scale, v = p.features[i + 1] * scale, kind = p.features[i + 2];
+    ++drawn.counts[kind];
+    const color = css(kKinds[kind]);
+    pen.beginPath();
+    if (kind === 2) pen.rect(u - radius, v - radius, 2 * radius, 2 * radius);
+    else pen.arc(u, v, radius, 0, 2 * Math.PI);
+    if (kind === 0) { pen.fillStyle = color; pen.fill(); } else { pen.strokeStyle = color; pen.stroke(); }
+  }
+  $("shown").textContent = p.frame === k ? "" : `image of frame ${p.frame}`;
+}
+
+// ---- Path ---------------------------------------------------------------------------------------
+const map = $("path"), ink = map.getContext("2d");
+$("axes").textContent = `${run.axes[0]} to the right, ${run.axes[1]} upwards [m]`;
+let marker = null;
+function drawPath(k) {
+  const density = devicePixelRatio || 1;
+  const width = map.clientWidth, height = map.clientHeight;
+  map.width = Math.max(1, Math.round(width * density));
+  map.height = Math.max(1, Math.round(height * density));
+  ink.setTransform(density, 0, 0, density, 0, 0);
+  let low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+  for (const [xs, ys] of [[column.x, column.y], [column.true_x, column.true_y]]) {
+    for (let i = 0; i < n; ++i) {
+      if (!isNumber(xs[i])) continue;
+      low = [Math.min(low[0], xs[i]), Math.min(low[1], ys[i])];
+      high = [Math.max(high[0], xs[i]), Math.max(high[1], ys[i])];
+    }
+  }
+  const border = 26;
+  const span = Math.max(1e-3, (high[0] - low[0]) / Math.max(1, width - 2 * border), (high[1] - low[1]) / Math.max(1, height - 2 * border));
+  const at = (x, y) => [width / 2 + (x - (low[0] + high[0]) / 2) / span, height / 2 - (y - (low[1] + high[1]) / 2) / span];
+  // A grid of 1, 2 or 5 times a power of ten metres.
+  const power = 10 ** Math.floor(Math.log10(span * 60));
+  const cell = [1, 2, 5, 10].map((m) => m * power).find((c) => c / span >= 60);
+  ink.strokeStyle = css("--grid"); ink.fillStyle = css("--ink-3"); ink.lineWidth = 1; ink.font = "11px system-ui, sans-serif";
+  const label = (v) => String(+v.toPrecision(6)).replace("-", "−");
+  const [left, bottom] = [low[0] + high[0], low[1] + high[1]].map((sum, i) => sum / 2 - span * (i ? height : width) / 2);
+  for (let i = Math.ceil(left / cell); i * cell < left + span * width; ++i) {
+    const v = i * cell, [px] = at(v, 0);
+    ink.beginPath(); ink.moveTo(px, 0); ink.lineTo(px, height); ink.stroke(); ink.fillText(label(v), px + 3, height - 4);
+  }
+  for (let i = Math.ceil(bottom / cell); i * cell < bottom + span * height; ++i) {
+    const v = i * cell, [, py] = at(0, v);
+    ink.beginPath(); ink.moveTo(0, py); ink.lineTo(width, py); ink.stroke(); ink.fillText(label(v), 3, py - 3);
+  }
+  const line = (xs, ys, color, widthPx, alpha) => {
+    ink.beginPath();
+    let down = false;
+    for (let i = 0; i < n; ++i) {
+      if (!isNumber(xs[i])) { down = false; continue; }
+      const [px, py] = at(xs[i], ys[i]);
+      if (down) ink.lineTo(px, py); else ink.moveTo(px, py);
+      down = true;
+    }
+    ink.strokeStyle = color; ink.lineWidth = widthPx; ink.globalAlpha = alpha; ink.lineJoin = "round"; ink.stroke(); ink.globalAlpha = 1;
+  };
+  line(column.true_x, column.true_y, css("--true"), 4, 0.45);
+  line(column.x, column.y, css("--estimated"), 2, 1);
+  const [px, py] = at(column.x[k], column.y[k]);
+  ink.beginPath(); ink.arc(px, py, 6, 0, 2 * Math.PI);
+  ink.fillStyle = css("--estimated"); ink.fill(); ink.strokeStyle = css("--halo"); ink.lineWidth = 2; ink.stroke();
+  marker = { x: px * density, y: py * density, shown: [px, py] };
+}
+$("true-legend").hidden = !column.true_x.some(isNumber);
+
+// ---- Plots --------------------------------------------------------------------------------------
+const plots = [];
+let aligning = false, step = -1;
+function nearest(time) {
+  let best = 0;
+  for (let k = 1; k < n; ++k) if (Math.abs(column.time[k] - time) < Math.abs(column.time[best] - time)) best = k;
+  return best;
+}
+function addPlot(title, unit, series, format) {
+  const labels = make("div", { class: "series" });
+  const area = make("div"), cursor = make("div", { class: "cursor" });
+  $("plots").append(make("div", { class: "plot" },
+    make("h3", {}, make("span", {}, title, make("em", {}, unit)), labels), make("div", { class: "area" }, area, cursor)));
+  const values = series.map(({ name, color }) => {
+    const value = make("b");
+    labels.append(make("span", {}, make("i", { style: `background:var(${color})` }), name, value));
+    return value;
+  });
+  const data = Array.from({ length: n }, (_, k) => [column.time[k], ...series.map((one) => (isNumber(one.values[k]) ? one.values[k] : null))]);
+  let graph = null;  // drawCallback already runs inside the constructor
+  function place() {
+    if (!graph || step < 0) return;
+    const at = graph.toDomXCoord(column.time[step]), box = graph.getArea();
+    cursor.style.display = at >= box.x - 1 && at <= box.x + box.w + 1 ? "" : "none";
+    cursor.style.transform = `translateX(${at.toFixed(1)}px)`;
+    cursor.style.top = `${box.y}px`; cursor.style.height = `${box.h}px`; cursor.style.bottom = "auto";
+  }
+  const show = (k) => series.forEach((one, i) => { values[i].textContent = format(one.values[k]); });
+  const colors = () => series.map(({ color }) => css(color));
+  graph = new Dygraph(area, data, {
+    labels: ["time", ...series.map(({ name }) => name)], colors: colors(), strokeWidth: 1.5, legend: "never", labelsDiv: make("div"),
+    highlightCircleSize: 3, gridLineColor: css("--grid"), axisLineColor: css("--line"), axisLineWidth: 1, rightGap: 10, xRangePad: 2, yRangePad: 6,
+    xAxisHeight: 20, digitsAfterDecimal: 4, valueRange: [0, null], drawPoints: n === 1,
+    dateWindow: n === 1 ? [column.time[0] - 1, column.time[0] + 1] : null,  // one point alone spans nothing
+    axes: {
+      x: { drawGrid: false, pixelsPerLabel: 64, axisLabelFormatter: (v) => `${+v.toFixed(3)} s`, axisLabelWidth: 60 },
+      y: { pixelsPerLabel: 26, axisLabelWidth: 48, axisLabelFormatter: (v) => compact(v) },
+    },
+    underlayCallback: (context, chart, g) => {
+      for (let k = 0; k < n; ++k) {
+        if (!column.state[k]) continue;
+        const start = g.toDomXCoord(column.time[k]);
+        const end = k + 1 < n ? g.toDomXCoord(column.time[k + 1]) : start + 2;
+        context.fillStyle = css(column.state[k] === 1 ? "--shade-warn" : "--shade-bad");
+        context.fillRect(start, chart.y, Math.max(1, end - start), chart.h);
+      }
+    },
+    clickCallback: (e, time) => seek(nearest(time)),
+    highlightCallback: (e, time, points, row) => show(row),
+    unhighlightCallback: () => show(step),
+    drawCallback: (g, first) => {
+      if (first || aligning) { place(); return; }
+      aligning = true;
+      for (const other of plots) if (other.graph !== g) other.graph.updateOptions({ dateWindow: g.xAxisRange() });
+      aligning = false;
+      place();
+    },
+  });
+  plots.push({ graph, place, show, cursor, recolor: () => graph.updateOptions({ colors: colors(), gridLineColor: css("--grid"), axisLineColor: css("--line") }) });
+}
+const metres = (v) => (isNumber(v) ? `${compact(v)} m` : "–"), degrees = (v) => (isNumber(v) ? `${compact(v)}°` : "–"), whole = (v) => fixed(v, 0);
+const one = (name, color, values) => ({ name, color, values });
+const errorOf = (name, values) => (values.some(isNumber) ? [one(name, "--bad", values)] : []);
+addPlot("Position", "m", [...errorOf("error", column.error), one("claimed standard deviation", "--accent", column.sigma)], metres);
+addPlot("Orientation", "degrees", [...errorOf("error", column.turned), one("claimed standard deviation", "--accent", column.sigma_turn)], degrees);
+addPlot("Landmarks", "in view", [one("expected", "--ink-3", column.expected), one("tracked", "--good", column.tracked), one("in both images", "--frontier", column.confirmed)], whole);
+addPlot("New landmarks", "at keyframes", [one("new", "--made", column.made)], whole);
+
+// ---- Predictions --------------------------------------------------------------------------------
+const kHorizonColors = ["--accent", "--horizon", "--frontier", "--good"];
+const diagram = { circles: 0 };
+function drawCalibration() {
+  const c = s.calibration;
+  const horizons = c ? c.horizons.filter((h) => h.learned.frames > 0) : [];
+  $("calibration").hidden = horizons.length === 0;
+  if (!horizons.length) return;
+  const svg = (tag, attributes, text) => {
+    const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+    for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+    if (text !== undefined) element.textContent = text;
+    return element;
+  };
+  const X = (p) => 40 + 290 * p, Y = (p) => 300 - 285 * p;
+  const parts = [svg("path", { class: "axis", d: `M${X(0)} ${Y(1)}V${Y(0)}H${X(1)}` }), svg("path", { class: "diagonal", d: `M${X(0)} ${Y(0)}L${X(1)} ${Y(1)}` })];
+  for (const p of [0, 0.25, 0.5, 0.75, 1]) {
+    parts.push(svg("text", { x: X(p), y: Y(0) + 16, "text-anchor": "middle" }, String(p)), svg("text", { x: X(0) - 6, y: Y(p) + 4, "text-anchor": "end" }, String(p)));
+  }
+  parts.push(svg("text", { x: X(0.5), y: 334, "text-anchor": "middle" }, "predicted"), svg("text", { x: 12, y: Y(0.5), "text-anchor": "middle", transform: `rotate(-90 12 ${Y(0.5)})` }, "observed"));
+  diagram.circles = 0;
+  horizons.forEach((h, i) => {
+    const color = css(kHorizonColors[i % kHorizonColors.length]);
+    for (const [kind, fill] of [["constant", "none"], ["learned", color]]) {
+      // Of a handful of landmarks the share says nothing.
+      for (const bin of h[kind].bins.filter((b) => b.count >= 15)) {
+        const radius = Math.max(2.5, Math.min(14, 40 * Math.sqrt(bin.count / h[kind].landmarks)));
+        const circle = svg("circle", { cx: X(bin.predicted), cy: Y(bin.observed), r: radius, fill, stroke: color, "stroke-width": 1.3, "fill-opacity": 0.55, "stroke-opacity": fill === "none" ? 0.55 : 1 });
+        circle.append(svg("title", {}, `${kind}, ${h.horizon_frames} frames ahead: ${fixed(bin.predicted, 2)} predicted, ${fixed(bin.observed, 2)} of ${bin.count} tracked`));
+        parts.push(circle);
+        ++diagram.circles;
+      }
+    }
+    parts.push(svg("circle", { cx: X(0) + 12, cy: Y(1) + 8 + 17 * i, r: 5, fill: color, "fill-opacity": 0.55, stroke: color }), svg("text", { x: X(0) + 23, y: Y(1) + 12 + 17 * i }, `${h.horizon_frames} frames ahead`));
+  });
+  $("diagram").replaceChildren(...parts);
+  const head = ["frames ahead", "survival", "predicted", "tracked", "bias", "mean abs. error", "correlation", "Brier score", "calibration error"];
+  const body = make("tbody");
+  for (const h of horizons) {
+    for (const kind of ["constant", "learned"]) {
+      const a = h[kind];
+      body.append(make("tr", {}, make("th", { scope: "row" }, String(h.horizon_frames)), ...[kind, fixed(a.predicted_mean, 1), fixed(a.tracked_mean, 1), fixed(a.bias, 1),
+        fixed(a.mean_absolute_error, 1), fixed(a.correlation, 2), fixed(a.brier, 3), fixed(a.calibration_error, 3)].map((text) => make("td", {}, text))));
+    }
+  }
+  $("scores").replaceChildren(make("thead", {}, make("tr", {}, ...head.map((text) => make("th", {}, text)))), body);
+  const claims = [["pose since the first, odometry's covariance", c.pose_consistency], ...horizons.map((h) => [`motion over ${h.horizon_frames} frames, planner's covariance`, h.planner_consistency])].filter(([, k]) => k.errors > 0);
+  const rows = make("tbody");
+  for (const [what, k] of claims) {
+    rows.append(make("tr", {}, make("th", { scope: "row" }, what), ...[String(k.errors), compact(k.mean), compact(k.median), `${fixed(100 * k.within_95, 0)} %`].map((text) => make("td", {}, text))));
+  }
+  $("consistency").replaceChildren(...(claims.length ? [make("thead", {}, make("tr", {}, ...["error² over claimed variance (1: true)", "errors", "mean", "median", "within the 95 % bound"].map((text) => make("th", {}, text)))), rows] : []));
+}
+
+// ---- The frame that is shown --------------------------------------------------------------------
+const fields = [
+  ["state", (k) => states[column.state[k]], (k) => ["", "warn", "bad"][column.state[k]]],
+  ["tracked of expected", (k) => `${fixed(column.tracked[k], 0)} of ${fixed(column.expected[k], 0)}`],
+  ["position error", (k) => metres(column.error[k])],
+  ["orientation error", (k) => degrees(column.turned[k])],
+].map(([label, text, kind]) => {
+  const value = make("dd");
+  $("now").append(make("div", {}, make("dt", {}, label), value));
+  return (k) => { value.textContent = text(k); if (kind) value.className = kind(k); };
+});
+const reason = make("dd");
+const reasonBox = make("div", { class: "full" }, make("dt", {}, "why"), reason);
+$("now").append(reasonBox);
+
+function seek(k) {
+  step = Math.max(0, Math.min(n - 1, k));
+  $("slider").value = step;
+  $("clock").replaceChildren(String(step), make("span", {}, ` / ${n - 1} · ${fixed(column.time[step], 1)} s`));
+  for (const field of fields) field(step);
+  reasonBox.hidden = !run.reasons[step];
+  reason.textContent = run.reasons[step] || "";
+  for (const plot of plots) { plot.place(); plot.show(step); }
+  drawPicture(step); drawPath(step);
+}
+
+let playing = false, playedTo = 0, lastFrame = 0;
+function frame(now) {
+  if (!playing) return;
+  playedTo += Math.min(0.2, (now - lastFrame) / 1000);
+  lastFrame = now;
+  let target = step;
+  while (target + 1 < n && column.time[target + 1] <= playedTo) ++target;
+  if (target !== step) seek(target);
+  if (step >= n - 1) play(false); else requestAnimationFrame(frame);
+}
+function play(on) {
+  if (on && step >= n - 1) seek(0);
+  playing = on && n > 1;
+  $("play").classList.toggle("playing", playing);
+  $("play").setAttribute("aria-label", playing ? "Pause" : "Play");
+  if (playing) { playedTo = column.time[step]; lastFrame = performance.now(); requestAnimationFrame(frame); }
+}
+$("play").addEventListener("click", () => play(!playing));
+$("slider").addEventListener("input", () => { play(false); seek(Number($("slider").value)); });
+addEventListener("keydown", (e) => {
+  if (e.ctrlKey || e.metaKey || e.altKey) return;
+  const jump = e.shiftKey ? 10 : 1;
+  const actions = {
+    " ": () => play(!playing), ArrowLeft: () => { play(false); seek(step - jump); }, ArrowRight: () => { play(false); seek(step + jump); },
+    Home: () => { play(false); seek(0); }, End: () => { play(false); seek(n - 1); },
+  };
+  if (!actions[e.key] || (e.key === " " && e.target.closest?.("button"))) return;
+  e.preventDefault();
+  actions[e.key]();
+});
+
+$("slider").max = n - 1;
+drawCalibration();
+dark.addEventListener("change", () => { for (const plot of plots) plot.recolor(); drawCalibration(); seek(step); });
+// #frame=N opens at that frame; otherwise at the last.
+const wanted = location.hash.match(/frame=(\d+)/);
+seek(wanted ? Number(wanted[1]) : n - 1);
+let width = 0;
+new ResizeObserver(() => { if (canvas.clientWidth !== width) { width = canvas.clientWidth; seek(step); } }).observe(canvas);
+
+// ---- Self-test: odometry.html#selftest ----------------------------------------------------------
+// Moves the slider as a hand would and looks at what was drawn. Writes one line a fact into the page.
+if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.ready)).then((loaded) => {
+  const lines = [], failures = [];
+  const expect = (what, ok) => { if (!ok) failures.push(what); };
+  const rgb = (name) => { ink.fillStyle = css(name); return [1, 3, 5].map((i) => parseInt(ink.fillStyle.slice(i, i + 2), 16)); };
+  try {
+    loaded.forEach((l, i) => expect(`image ${i} loads`, l.status === "fulfilled"));
+    for (const k of [...new Set([0, Math.floor(n / 2), n - 1, 0])]) {
+      $("slider").value = k; $("slider").dispatchEvent(new Event("input", { bubbles: true }));
+      lines.push(`frame ${k} image ${drawn.frame} tracked ${drawn.counts[0] + drawn.counts[1]} new ${drawn.counts[1]} missed ${drawn.counts[2]} at ${column.x[k].toFixed(3)} ${column.y[k].toFixed(3)}`);
+      expect(`the image of frame ${k} is drawn`, drawn.picture);
+      expect(`the clock is at ${k}`, $("clock").textContent.startsWith(`${k} /`));
+      // A picture has many grey levels; a blank canvas has one.
+      const { data } = pen.getImageData(0, 0, canvas.width, canvas.height);
+      const levels = new Set();
+      for (let i = 0; i < data.length; i += 4) levels.add(data[i]);
+      expect(`the image of frame ${k} is not blank`, levels.size > 20);
+      const [red, green, blue] = rgb("--estimated"), dot = ink.getImageData(Math.round(marker.x), Math.round(marker.y), 1, 1).data;
+      expect(`the path's marker is painted at frame ${k}`, Math.abs(dot[0] - red) + Math.abs(dot[1] - green) + Math.abs(dot[2] - blue) < 12);
+      plots.forEach((plot, i) => {
+        const x = plot.cursor.getBoundingClientRect().left - plot.cursor.parentElement.getBoundingClientRect().left;
+        expect(`the cursor of plot ${i} is at frame ${k}`, Math.abs(x - plot.graph.toDomXCoord(column.time[k])) < 1);
+      });
+    }
+    lines.push(`plots ${plots.length} images ${pictures.length} circles ${diagram.circles}`);
+    dispatchEvent(new KeyboardEvent("keydown", { key: "End", bubbles: true }));
+    expect("the End key leads to the last frame", step === n - 1);
+  } catch (e) { errors.push(String(e.stack || e)); }
+  for (const failure of failures) lines.push(`FAILED ${failure}`);
+  for (const error of errors) lines.push(`ERROR ${error}`);
+  lines.push(failures.length || errors.length ? "selftest failed" : "selftest passed");
+  document.body.append(make("pre", { id: "selftest" }, lines.join("\n")));
+});
+})();
