@@ -1,0 +1,390 @@
+#include "perception/wheel_fusion.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+
+#include "models/parameter_check.h"
+#include "models/sinc.h"
+#include "perception/se3.h"
+
+namespace prospect {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix2d;
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+Matrix2d rotation(double angle) {
+  Matrix2d R;
+  R << std::cos(angle), -std::sin(angle), std::sin(angle), std::cos(angle);
+  return R;
+}
+
+/// d rotation(a) / da = rotation(a) kTurn.
+const Matrix2d kTurn = (Matrix2d() << 0.0, -1.0, 1.0, 0.0).finished();
+
+double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
+
+void add_reason(std::string& reasons, const std::string& reason) {
+  reasons += (reasons.empty() ? "" : "; ") + reason;
+}
+
+/// The motion a, then b.
+Vector3d composed(const Vector3d& a, const Vector3d& b) {
+  Vector3d c;
+  c << a.head<2>() + rotation(a[2]) * b.head<2>(), a[2] + b[2];
+  return c;
+}
+
+Matrix3d composed_covariance(const Vector3d& a, const Matrix3d& A, const Vector3d& b,
+                             const Matrix3d& B) {
+  Matrix3d d_a = Matrix3d::Identity(), d_b = Matrix3d::Identity();
+  d_a.topRightCorner<2, 1>() = rotation(a[2]) * kTurn * b.head<2>();
+  d_b.topLeftCorner<2, 2>() = rotation(a[2]);
+  return d_a * A * d_a.transpose() + d_b * B * d_b.transpose();
+}
+
+// What no robot on wheels does: beyond these, numbers are faults.
+constexpr double kFastest = 100.0;   // [m/s, rad/s]
+constexpr double kFarthest = 1e4;    // [m] from a keyframe
+constexpr double kLongest = 3600.0;  // [s] without a word
+
+/// Symmetric, finite and positive definite.
+bool is_covariance(const Matrix3d& C) {
+  if (!(C.norm() <= kFarthest * kFarthest) || (C - C.transpose()).norm() > 1e-9 * (1.0 + C.norm()))
+    return false;
+  const Eigen::LLT<Matrix3d> factor(C);
+  return factor.info() == Eigen::Success;
+}
+
+}  // namespace
+
+void set_motion(VisualMotion& visual, const Isometry3d& T_WC_reference, const Isometry3d& T_WC,
+                const Matrix6d& covariance, const Isometry3d& T_BC) {
+  const Isometry3d M = T_BC * T_WC_reference.inverse() * T_WC * T_BC.inverse();
+  const Matrix3d R = M.linear();
+  visual.motion << M.translation().head<2>(), std::atan2(R(1, 0), R(0, 0));
+  Eigen::Matrix<double, 3, 6> J = Eigen::Matrix<double, 3, 6>::Zero();
+  J.topLeftCorner<2, 3>() = R.topRows<2>();
+  J.bottomRightCorner<1, 3>() = R.row(2);
+  const Eigen::Matrix<double, 3, 6> D = J * adjoint(T_BC);
+  visual.covariance = D * covariance * D.transpose();
+  visual.covariance = 0.5 * (visual.covariance + visual.covariance.transpose()).eval();
+}
+
+WheelFusion::WheelFusion(const WheelFusionOptions& options) : options_(options) {
+  const char* const owner = "wheel fusion";
+  check_not_negative(owner, "along", options.along);
+  check_not_negative(owner, "across", options.across);
+  check_not_negative(owner, "turn", options.turn);
+  check_not_negative(owner, "heading", options.heading);
+  check_not_negative(owner, "sigma_scale", options.sigma_scale);
+  check_not_negative(owner, "scale_walk", options.scale_walk);
+  check_positive(owner, "gate", options.gate);
+  check_parameter(options.slips >= 1, owner, "slips", options.slips, "1 or more");
+  check_positive(owner, "max_wheel_gap", options.max_wheel_gap);
+  check_positive(owner, "unknown_speed", options.unknown_speed);
+  check_positive(owner, "max_wait", options.max_wait);
+  check_positive(owner, "max_dead_reckoning", options.max_dead_reckoning);
+  x_[3] = x_[4] = 1.0;
+  P_(3, 3) = P_(4, 4) = options.sigma_scale * options.sigma_scale;
+}
+
+void WheelFusion::begin(double stamp) {
+  if (started_) return;
+  started_ = true;
+  stamp_ = fix_stamp_ = stamp;
+  clone();
+}
+
+void WheelFusion::clone() {
+  x_.tail<3>() = x_.head<3>();
+  P_.bottomRows<3>() = P_.topRows<3>().eval();
+  P_.rightCols<3>() = P_.leftCols<3>().eval();
+  detour_.setZero();
+  detour_covariance_.setZero();
+}
+
+double WheelFusion::position_variance() const {
+  // The larger eigenvalue.
+  const double mean = 0.5 * (P_(0, 0) + P_(1, 1));
+  return mean + std::hypot(0.5 * (P_(0, 0) - P_(1, 1)), P_(0, 1));
+}
+
+void WheelFusion::move(const Vector2d& velocity, double yaw_rate, double dt) {
+  const double s = x_[3], r = x_[4];
+  const Vector2d v = s * velocity;
+  const double w = r * yaw_rate, phi = 0.5 * w * dt;
+  const Matrix2d R = rotation(x_[2] + phi);
+  const double d = dt * sinc(phi);
+  const Vector2d d_psi = d * R * kTurn * v;
+  const Vector2d d_w = 0.5 * dt * (dt * sinc_derivative(phi) * R * v + d_psi);
+  Covariance F = Covariance::Identity();
+  F.block<2, 1>(0, 2) = d_psi;
+  F.block<2, 1>(0, 3) = d * R * velocity;
+  F.block<2, 1>(0, 4) = d_w * yaw_rate;
+  F(2, 4) = yaw_rate * dt;
+
+  const double way = v.norm() * dt, turn = std::abs(w) * dt;
+  // Along and across the direction of driving; the yaw's error acts on the second half of the way.
+  Matrix2d axes = Matrix2d::Identity();
+  if (way > 0.0) axes << v / v.norm(), kTurn * v / v.norm();
+  const Vector2d variance(options_.along * options_.along * way,
+                          options_.across * options_.across * way);
+  const double yaw_variance =
+      options_.turn * options_.turn * turn + options_.heading * options_.heading * way;
+  Eigen::Matrix<double, 3, 3> G = Matrix3d::Identity();
+  G.topLeftCorner<2, 2>() = R * axes;
+  G.topRightCorner<2, 1>() = 0.5 * d_psi;
+
+  x_.head<2>() += d * R * v;
+  x_[2] += w * dt;
+  P_ = (F * P_ * F.transpose()).eval();
+  P_.topLeftCorner<3, 3>() +=
+      G * Vector3d(variance.x(), variance.y(), yaw_variance).asDiagonal() * G.transpose();
+  P_(3, 3) += options_.scale_walk * options_.scale_walk * way;
+  P_(4, 4) += options_.scale_walk * options_.scale_walk * turn;
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+}
+
+void WheelFusion::drift(double dt) {
+  P_.topLeftCorner<3, 3>().diagonal().array() +=
+      options_.unknown_speed * options_.unknown_speed * dt;
+}
+
+void WheelFusion::advance(double stamp) {
+  while (stamp_ < stamp) {
+    // The sample whose time stamp_ lies in: the first one after it.
+    const auto next = std::find_if(wheels_.begin(), wheels_.end(),
+                                   [&](const WheelSample& w) { return w.stamp > stamp_; });
+    double until = stamp;
+    if (next == wheels_.end()) {
+      // Nothing told yet: as before for a while, then no one knows.
+      const double last = wheels_.empty() ? stamp_ : wheels_.back().stamp;
+      const double known = wheels_.empty() ? stamp_ : last + options_.max_wheel_gap;
+      if (stamp_ < known) {
+        until = std::min(stamp, known);
+        move(wheels_.back().velocity, wheels_.back().yaw_rate, until - stamp_);
+      } else {
+        drift(until - stamp_);
+      }
+    } else {
+      until = std::min(stamp, next->stamp);
+      const bool gap =
+          next == wheels_.begin() || next->stamp - std::prev(next)->stamp > options_.max_wheel_gap;
+      move(next->velocity, next->yaw_rate, until - stamp_);
+      if (gap) drift(until - stamp_);
+    }
+    stamp_ = until;
+  }
+  while (wheels_.size() >= 2 && wheels_[1].stamp <= stamp_) wheels_.pop_front();
+}
+
+void WheelFusion::add(const WheelSample& sample) {
+  if (!std::isfinite(sample.stamp) || !(sample.velocity.norm() <= kFastest) ||
+      !(std::abs(sample.yaw_rate) <= kFastest)) {
+    left_out_ = "a wheel sample is not possible";
+    return;
+  }
+  if (started_ && sample.stamp - stamp_ > kLongest) {
+    left_out_ = "the time of the wheels jumps";
+    return;
+  }
+  if (!wheels_.empty() && !(sample.stamp > wheels_.back().stamp)) {
+    left_out_ = "the time of the wheels does not increase";
+    return;
+  }
+  begin(sample.stamp);
+  has_wheels_ = true;
+  wheels_.push_back(sample);
+  work_in_waiting(sample.stamp);
+  // Up to a sample, where the next step begins anyway: so a late frame finds the same steps.
+  const auto waits = std::find_if(wheels_.rbegin(), wheels_.rend(), [&](const WheelSample& w) {
+    return w.stamp <= sample.stamp - options_.max_wait;
+  });
+  if (waits != wheels_.rend()) advance(waits->stamp);
+}
+
+void WheelFusion::add(const VisualMotion& visual) {
+  if (!std::isfinite(visual.stamp)) {
+    left_out_ = "the time of a visual frame is not a number";
+    return;
+  }
+  if (has_visual_ && !(visual.stamp > newest_visual_)) {
+    left_out_ = "the time of visual odometry does not increase";
+    return;
+  }
+  if (started_ && visual.stamp - stamp_ > kLongest) {
+    left_out_ = "the time of visual odometry jumps";
+    return;
+  }
+  begin(visual.stamp);
+  if (visual.stamp < stamp_) {
+    left_out_ = "a visual frame came too late";
+    return;
+  }
+  has_visual_ = true;
+  newest_visual_ = visual.stamp;
+  waiting_.push_back(visual);
+  work_in_waiting(wheels_.empty() ? visual.stamp : wheels_.back().stamp);
+}
+
+void WheelFusion::work_in_waiting(double known) {
+  while (!waiting_.empty()) {
+    const VisualMotion& first = waiting_.front();
+    // Wheels that are silent for long are not waited for.
+    if (has_wheels_ && first.stamp > known &&
+        newest_visual_ - first.stamp <= options_.max_wheel_gap) {
+      return;
+    }
+    work_in(first);
+    waiting_.pop_front();
+  }
+}
+
+void WheelFusion::work_in(const VisualMotion& visual) {
+  advance(visual.stamp);
+  correction_ = 0.0;
+  visual_ = visual.state;
+  visual_reason_.clear();
+  if (visual.begins_map) {
+    clone();
+    has_reference_ = true;
+    beyond_gate_ = 0;
+    visual_reason_ = "a new visual map begins";
+    if (visual_ == Localization::kOk) visual_ = Localization::kDegraded;
+    return;
+  }
+  if (visual.state == Localization::kLost) {
+    visual_reason_ = "visual odometry is lost";
+    return;
+  }
+  if (!has_reference_) {
+    visual_ = Localization::kLost;
+    visual_reason_ = "visual odometry has no reference yet";
+    return;
+  }
+  if (!(visual.motion.norm() <= kFarthest) || !is_covariance(visual.covariance)) {
+    visual_ = Localization::kLost;
+    visual_reason_ = "a visual motion is not possible";
+    return;
+  }
+  // Since the clone, if a reference came in between that was not taken.
+  const Vector3d measured = composed(detour_, visual.motion);
+  const Matrix3d noise =
+      composed_covariance(detour_, detour_covariance_, visual.motion, visual.covariance);
+  const Vector2d before = x_.head<2>();
+  const Matrix2d R = rotation(x_[7]);
+  Eigen::Matrix<double, 3, 8> H = Eigen::Matrix<double, 3, 8>::Zero();
+  const Vector2d h = R.transpose() * (x_.head<2>() - x_.segment<2>(5));
+  H.block<2, 2>(0, 0) = R.transpose();
+  H.block<2, 2>(0, 5) = -R.transpose();
+  H.block<2, 1>(0, 7) = -kTurn * h;
+  H(2, 2) = 1.0;
+  H(2, 7) = -1.0;
+  Vector3d innovation;
+  innovation << measured.head<2>() - h, wrapped(measured[2] - (x_[2] - x_[7]));
+  const Matrix3d S = H * P_ * H.transpose() + noise;
+  const Eigen::LDLT<Matrix3d> factor(S);
+  chi2_ = innovation.dot(factor.solve(innovation));
+  if (!(chi2_ <= options_.gate)) {
+    if (++beyond_gate_ < options_.slips) {
+      visual_ = Localization::kDegraded;
+      visual_reason_ = "wheels and vision disagree";
+      if (visual.becomes_reference) {
+        detour_ = measured;
+        detour_covariance_ = noise;
+      }
+      return;
+    }
+    // From vision alone: p = p_k + R m, psi = psi_k + m_psi.
+    const Vector2d m = measured.head<2>();
+    x_.head<2>() = x_.segment<2>(5) + R * m;
+    x_[2] += wrapped(x_[7] + measured[2] - x_[2]);
+    Matrix3d G = Matrix3d::Identity(), V = Matrix3d::Identity();
+    G.topRightCorner<2, 1>() = R * kTurn * m;
+    V.topLeftCorner<2, 2>() = R;
+    P_.topRows<3>() = (G * P_.bottomRows<3>()).eval();
+    P_.leftCols<3>() = P_.topRows<3>().transpose().eval();
+    P_.topLeftCorner<3, 3>() =
+        G * P_.bottomRightCorner<3, 3>() * G.transpose() + V * noise * V.transpose();
+    visual_ = Localization::kDegraded;
+    visual_reason_ = "the wheels have slipped";
+  } else {
+    const Eigen::Matrix<double, 8, 3> K = factor.solve(H * P_).transpose();
+    x_ += K * innovation;
+    const Covariance I_KH = Covariance::Identity() - K * H;
+    P_ = (I_KH * P_ * I_KH.transpose() + K * noise * K.transpose()).eval();
+    if (visual_ == Localization::kDegraded) visual_reason_ = "visual odometry is degraded";
+    beyond_gate_ = 0;
+  }
+  P_ = (0.5 * (P_ + P_.transpose())).eval();
+  correction_ = (x_.head<2>() - before).norm();
+  variance_at_fix_ = position_variance();
+  fix_stamp_ = visual.stamp;
+  left_out_.clear();
+  if (visual.becomes_reference) {
+    clone();
+    beyond_gate_ = 0;
+  }
+}
+
+FusedOdometry WheelFusion::at(double stamp) const {
+  FusedOdometry out;
+  out.stamp = std::isfinite(stamp) ? std::max(stamp, stamp_) : stamp_;
+  WheelFusion now = *this;
+  while (!now.waiting_.empty() && now.waiting_.front().stamp <= out.stamp) {
+    now.work_in(now.waiting_.front());
+    now.waiting_.pop_front();
+  }
+  now.advance(out.stamp);
+  out.pose = {{now.x_[0], now.x_[1], 0.0}, now.x_[2]};
+  out.covariance = now.P_.topLeftCorner<3, 3>();
+  out.scale = now.x_[3];
+  out.turn_scale = now.x_[4];
+  out.sigma_scale = std::sqrt(now.P_(3, 3));
+  out.sigma_turn_scale = std::sqrt(now.P_(4, 4));
+  out.chi2 = now.chi2_;
+  out.correction = now.correction_;
+  if (!now.started_) {
+    out.covariance.setZero();
+    out.covariance.diagonal().setConstant(std::numeric_limits<double>::infinity());
+    out.reason = "nothing is measured yet";
+    return out;
+  }
+  out.state = now.visual_ == Localization::kOk ? Localization::kOk : Localization::kDegraded;
+  out.reason = now.visual_reason_;
+  const double silent = out.stamp - now.newest_visual_;
+  if (now.has_visual_ && silent > options_.max_wait) {
+    add_reason(out.reason, "visual odometry is silent");
+    out.state = Localization::kDegraded;
+  }
+  const bool wheels_known =
+      !now.wheels_.empty() && out.stamp - now.wheels_.back().stamp <= options_.max_wheel_gap;
+  if (wheels_known) {
+    const WheelSample& newest = now.wheels_.back();
+    out.twist.linear << out.scale * newest.velocity, 0.0;
+    out.twist.yaw_rate = out.turn_scale * newest.yaw_rate;
+  } else {
+    add_reason(out.reason, "no wheel odometry");
+    out.state = Localization::kDegraded;
+  }
+  if (!now.left_out_.empty()) {
+    add_reason(out.reason, now.left_out_);
+    out.state = Localization::kDegraded;
+  }
+  const double since = now.position_variance() - now.variance_at_fix_;
+  if (since > options_.max_dead_reckoning * options_.max_dead_reckoning) {
+    add_reason(out.reason, "too far by dead reckoning");
+    out.state = Localization::kLost;
+  }
+  return out;
+}
+
+}  // namespace prospect

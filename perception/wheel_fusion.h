@@ -1,0 +1,149 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <deque>
+#include <string>
+
+#include "engine/belief.h"
+#include "models/types.h"
+
+namespace prospect {
+
+/// Mean velocity of the wheels over the time since the sample before, in the body frame B.
+struct WheelSample {
+  double stamp = 0.0;                                  ///< [s], end of that time
+  Eigen::Vector2d velocity = Eigen::Vector2d::Zero();  ///< forward and to the left [m/s]
+  double yaw_rate = 0.0;                               ///< [rad/s]
+};
+
+/// What visual odometry says of one frame: the motion of B in the plane since a reference frame.
+struct VisualMotion {
+  double stamp = 0.0;  ///< [s], of the frame
+  Localization state = Localization::kLost;
+  /// (x, y, yaw) of B now in B at the reference frame [m, m, rad]; not used if lost.
+  Eigen::Vector3d motion = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  /// This frame, not lost, is the reference of those to come, as a keyframe is.
+  bool becomes_reference = false;
+  /// This frame is the first of a map: the reference of those to come, while `motion` says nothing.
+  bool begins_map = false;
+};
+
+/// The motion of B in the plane of its x and y axes between two poses of its camera, C.
+///   M = T_BC T_CW(reference) T_WC(now) T_BC^-1,   motion = (M_x, M_y, yaw of M)
+/// covariance: 6x6 of xi = (t, omega) in C now with T_CW <- exp(xi) T_CW, as OdometryFrame gives
+/// it; as M <- M exp(-Ad(T_BC) xi), to first order it is carried over to the motion. Fills motion
+/// and covariance.
+void set_motion(VisualMotion& visual, const Eigen::Isometry3d& T_WC_reference,
+                const Eigen::Isometry3d& T_WC, const Eigen::Matrix<double, 6, 6>& covariance,
+                const Eigen::Isometry3d& T_BC);
+
+struct WheelFusionOptions {
+  /// Standard deviations of what wheels measure; variances grow with the way and the turn made.
+  double along = 0.02;          ///< of the distance [m per sqrt(m)]
+  double across = 0.01;         ///< to the side [m per sqrt(m)]
+  double turn = 0.03;           ///< of the yaw, from turning [rad per sqrt(rad)]
+  double heading = 0.02;        ///< of the yaw, from driving [rad per sqrt(m)]
+  double sigma_scale = 0.05;    ///< of s and r at the start [-]
+  double scale_walk = 0.0005;   ///< of s and r [1 per sqrt(m), 1 per sqrt(rad)]
+  double gate = 16.3;           ///< of an innovation: chi^2_3, 0.999
+  int slips = 3;                ///< visual frames in a row beyond the gate: the wheels have slipped
+  double max_wheel_gap = 0.25;  ///< [s] without a sample: what moves the robot is not known
+  double unknown_speed = 0.5;   ///< [m and rad per sqrt(s)] the way it may make then
+  double max_wait = 1.0;        ///< [s] that a visual frame may arrive late
+  /// Standard deviation [m] of the way made on wheels alone above which the robot is lost.
+  double max_dead_reckoning = 0.25;
+};
+
+struct FusedOdometry {
+  double stamp = 0.0;
+  Pose pose;  ///< of B in W, which is B at the start; z = 0
+  /// Of (x, y, yaw), against the start.
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  Twist twist;  ///< of the newest wheel sample, scaled
+  Localization state = Localization::kLost;
+  std::string reason;                               ///< why it is not ok
+  double scale = 1.0, sigma_scale = 0.0;            ///< s: true over measured speed
+  double turn_scale = 1.0, sigma_turn_scale = 0.0;  ///< r: true over measured yaw rate
+  double chi2 = 0.0;        ///< of the last innovation, 3 degrees of freedom
+  double correction = 0.0;  ///< by how far the last visual frame moved the position [m]
+};
+
+/// Extended Kalman filter over wheel odometry and visual odometry of a robot in the plane.
+///
+/// State (x, y, psi, s, r, x_k, y_k, psi_k): the pose of B, the scales of the wheels' speed and yaw
+/// rate, and the pose at the visual reference frame, a clone: what vision measures is the motion
+/// since that frame, so its error must not be counted against the start (stochastic cloning:
+/// Roumeliotis and Burdick 2002).
+///
+/// Wheels move it: with v = s v_m, w = r w_m over dt, phi = w dt / 2,
+///   p' = p + dt sinc(phi) R(psi + phi) v,   psi' = psi + w dt,
+/// noise along^2 |v| dt and across^2 |v| dt in B, (turn^2 |w| + heading^2 |v|) dt in yaw.
+/// Vision corrects it:
+///   h = (R(psi_k)^T (p - p_k), psi - psi_k),   chi^2 = nu^T S^-1 nu against the gate.
+/// A frame beyond the gate is not taken and makes the state degraded; `slips` of them in a row mean
+/// that the wheels have slipped, since odometry by vision has checks of its own and wheels have
+/// none: then the motion since the reference is taken from vision alone.
+///
+/// Late frames. A frame is worked in at its own time, once the wheels have told of that time, too;
+/// at() works in those that wait, and moves the pose over the samples that came after. So a frame
+/// that is late by less than max_wait gives the same bits as one that arrives at once.
+///
+/// States. Ok: the newest visual frame was taken. Degraded: it was not, or was degraded itself, or
+/// wheels are missing: dead reckoning. Lost: dead reckoning beyond max_dead_reckoning, or nothing
+/// has been measured yet.
+///
+/// Thread-safety: one thread at a time. Errors: the constructor throws std::invalid_argument on an
+/// option out of range; the rest never throws: a sample or frame that is not finite or not possible
+/// (100 m/s), is older than the one before or an hour ahead, or has a covariance that is none, is
+/// left out, and at() says so. Deterministic.
+class WheelFusion {
+ public:
+  explicit WheelFusion(const WheelFusionOptions& options = {});
+
+  void add(const WheelSample& sample);
+  void add(const VisualMotion& visual);
+
+  /// The estimate at `stamp` [s], which is taken as the newest time known if it is older. Beyond
+  /// the newest sample the robot is taken to go on as it does, with the covariance of that.
+  FusedOdometry at(double stamp) const;
+
+ private:
+  using State = Eigen::Matrix<double, 8, 1>;
+  using Covariance = Eigen::Matrix<double, 8, 8>;
+
+  void begin(double stamp);
+  /// Moves the estimate by what was measured over dt.
+  void move(const Eigen::Vector2d& velocity, double yaw_rate, double dt);
+  /// The robot may have moved, nothing says how.
+  void drift(double dt);
+  void advance(double stamp);
+  void work_in(const VisualMotion& visual);
+  void work_in_waiting(double known);
+  void clone();
+  double position_variance() const;
+
+  WheelFusionOptions options_;
+  bool started_ = false;
+  double stamp_ = 0.0;  // of the estimate
+  State x_ = State::Zero();
+  Covariance P_ = Covariance::Zero();
+
+  std::deque<WheelSample> wheels_;    // the newest one up to stamp_, and all after it
+  std::deque<VisualMotion> waiting_;  // for samples of its time
+  // Motion from the clone to vision's reference, of frames that were not taken; (0, 0, 0) mostly.
+  Eigen::Vector3d detour_ = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d detour_covariance_ = Eigen::Matrix3d::Zero();
+  bool has_wheels_ = false, has_visual_ = false, has_reference_ = false;
+  double newest_visual_ = 0.0;  // stamp of the newest frame that was given
+  Localization visual_ = Localization::kLost;
+  std::string visual_reason_ = "no visual odometry yet";
+  std::string left_out_;  // what was refused since the last frame that was taken
+  int beyond_gate_ = 0;
+  double variance_at_fix_ = 0.0;  // of the position, when vision last confirmed it [m^2]
+  double fix_stamp_ = 0.0;
+  double chi2_ = 0.0, correction_ = 0.0;
+};
+
+}  // namespace prospect
