@@ -3,8 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "perception/disparity_offset.h"
 
@@ -154,6 +161,78 @@ TEST_F(PoseEstimation, AtRestTheOffsetStaysUnknown) {
   DisparityOffset off({.prior_sigma = 0.0});
   off.update({100.0, -50.0});
   EXPECT_EQ(off.value(), 0.0);
+}
+
+// Stereo tracks of a car as text, with the camera poses that came with them: refinement alone,
+// without images. Each pair of frames `apart` is solved from the motion before it.
+TEST(RecordedTracks, RefinementAgreesWithTheGivenPoses) {
+  const std::string folder = PROSPECT_SHARED_DATA "/vo_text/gtsam_kitti_large/";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
+  StereoCamera camera;
+  double skew = 0.0;
+  std::ifstream(folder + "VO_calibration.txt") >> camera.left.fx >> camera.left.fy >> skew >>
+      camera.left.cx >> camera.left.cy >> camera.baseline;
+  camera.left.width = 1241;
+  camera.left.height = 376;
+  std::map<int, Isometry3d> T_WC;
+  std::ifstream poses(folder + "VO_camera_poses_large.txt");
+  for (int k; poses >> k;) {
+    Eigen::Matrix4d T;
+    for (int i = 0; i < 16; ++i) poses >> T(i / 4, i % 4);
+    T_WC[k] = Isometry3d(T);
+  }
+  std::map<int, std::map<int, Vector3d>> seen;  // frame, landmark: (u_left, u_right, v)
+  std::ifstream factors(folder + "VO_stereo_factors_large.txt");
+  Vector3d m, point;
+  for (int k, l; factors >> k >> l >> m[0] >> m[1] >> m[2] >> point[0] >> point[1] >> point[2];) {
+    seen[k][l] = m;
+  }
+  ASSERT_EQ(T_WC.size(), 26u);
+  ASSERT_EQ(seen.size(), 26u);
+  PoseEstimatorOptions options;
+  options.sigma_left = options.sigma_right = 0.5;  // tracks of another program, from corners alone
+  for (const int apart : {1, 3}) {
+    std::vector<double> translation, rotation;
+    int used = 0, all = 0;
+    Isometry3d prior = Isometry3d::Identity();
+    for (int k = 1; k + apart <= 26; ++k) {
+      std::vector<PointObservation> observations;
+      for (const auto& [l, a] : seen[k]) {
+        const auto b = seen[k + apart].find(l);
+        if (b == seen[k + apart].end() || a[0] - a[1] < 1.0) continue;
+        PointObservation o;
+        o.measured << a[0], a[2], a[0] - a[1];
+        o.sigma << 0.5, 0.5, 0.7;
+        o.left << b->second[0], b->second[2];
+        o.right = b->second[1];
+        observations.push_back(o);
+      }
+      const PoseEstimate first = ransac_pose(camera, observations, prior, 1, options);
+      ASSERT_TRUE(first.solved) << k;
+      const PoseEstimate e = refine_pose(camera, observations, first.inlier, first.T_CW, options);
+      ASSERT_TRUE(e.solved) << k;
+      prior = e.T_CW;
+      const Isometry3d truth = T_WC[k + apart].inverse() * T_WC[k];
+      const Vector6d error = log_se3(e.T_CW * truth.inverse());
+      translation.push_back(error.head<3>().norm() / truth.translation().norm());
+      rotation.push_back(error.tail<3>().norm() * 180.0 / M_PI);
+      used += e.inliers;
+      all += static_cast<int>(observations.size());
+    }
+    std::sort(translation.begin(), translation.end());
+    std::sort(rotation.begin(), rotation.end());
+    const std::size_t half = translation.size() / 2;
+    std::printf(
+        "frames %d apart, %zu pairs, %d of %d points agree: off by %.2f %% and %.3f deg in the "
+        "median, %.2f %% and %.3f deg at most\n",
+        apart, translation.size(), used, all, 100 * translation[half], rotation[half],
+        100 * translation.back(), rotation.back());
+    EXPECT_LT(translation[half], 0.01);
+    EXPECT_LT(rotation[half], 0.05);
+    EXPECT_LT(translation.back(), 0.015);
+    EXPECT_LT(rotation.back(), 0.1);
+    EXPECT_GT(used, 0.9 * all);
+  }
 }
 
 }  // namespace
