@@ -1,8 +1,8 @@
-// odometry_calibration [--sequences N] [--frames N] [--width W] [--json]: what the planner predicts
-// of landmarks and motion, against what the odometry tracked and measured, over rendered sequences:
-// a room of either contrast, seen from a camera that goes and turns at random speeds of an indoor
-// robot (0 to 0.8 m/s, to 30 degrees a second, some sideways). Poses are exact, so errors are the
-// odometry's alone. All sequences count together. Same arguments, same numbers.
+// odometry_calibration [--first N] [--sequences N] [--frames N] [--width W] [--json]: what the
+// planner predicts of landmarks and motion, against what the odometry tracked and measured, over
+// rendered sequences: a room of either contrast, seen from a camera that goes and turns at random
+// speeds of an indoor robot (0 to 0.8 m/s, to 30 degrees a second, some sideways). Poses are exact,
+// so errors are the odometry's alone. All sequences count together. Same arguments, same numbers.
 
 #include "adapters/datasets/odometry_calibration.h"
 
@@ -41,7 +41,7 @@ std::vector<Eigen::Isometry3d> random_path(int seed, int frames) {
   return path;
 }
 
-int run(int sequences, int frames, double width, bool json) {
+int run(int first, int sequences, int frames, double width, bool json) {
   StereoCamera camera;
   const double scale = width / 480.0;
   camera.left = {330.0 * scale, 330.0 * scale, 240.0 * scale, 180.0 * scale, width, 0.75 * width};
@@ -49,7 +49,7 @@ int run(int sequences, int frames, double width, bool json) {
   // Of the pose since the first, after so many frames.
   const std::vector<int> after = {1, 5, 10, 20, 39};
   std::vector<std::vector<double>> since_first(after.size());
-  for (int s = 0; s < sequences; ++s) {
+  for (int s = first; s < first + sequences; ++s) {
     const testing::RenderedRoom room(s % 3 == 2 ? 35.0 : 70.0);
     const auto path = random_path(s, frames);
     StereoOdometry odometry(camera, {}, path[0]);
@@ -64,7 +64,7 @@ int run(int sequences, int frames, double width, bool json) {
       since_first[static_cast<std::size_t>(at - after.begin())].push_back(normalised_error_squared(
           log_se3(frame.T_WC.inverse() * path[static_cast<std::size_t>(k)]), frame.covariance));
     }
-    if (!json) std::fprintf(stderr, "\r%d of %d sequences", s + 1, sequences);
+    if (!json) std::fprintf(stderr, "\r%d of %d sequences", s + 1 - first, sequences);
   }
   if (!json) std::fputc('\n', stderr);
   const OdometryCalibrationResult result = calibration.result();
@@ -96,14 +96,15 @@ int run(int sequences, int frames, double width, bool json) {
 
 int main(int argc, char** argv) {
   CLI::App app("The planner's predictions against the odometry, over rendered sequences");
-  int sequences = 24, frames = 40;
+  int first = 0, sequences = 24, frames = 40;
   double width = 480.0;
   bool json = false;
   app.add_option("--sequences", sequences, "How many")->check(CLI::Range(1, 10000));
+  app.add_option("--first", first, "Number of the first one")->check(CLI::Range(0, 1000000));
   app.add_option("--frames", frames, "Of each")->check(CLI::Range(2, 10000));
   app.add_option("--width", width, "Of the images [px]; the height is three quarters of it")
       ->check(CLI::Range(160.0, 1920.0));
   app.add_flag("--json", json, "Print JSON");
   CLI11_PARSE(app, argc, argv);
-  return prospect::run(sequences, frames, 4.0 * std::round(width / 4.0), json);
+  return prospect::run(first, sequences, frames, 4.0 * std::round(width / 4.0), json);
 }

@@ -8,12 +8,15 @@
 #include <ctime>
 #include <deque>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <vector>
 
 #include "engine/stopwatch.h"
 #include "perception/image_pyramid.h"
 #include "perception/image_shift.h"
+#include "perception/point_observation.h"
+#include "perception/pose_drift.h"
 #include "perception/se3.h"
 
 namespace prospect {
@@ -30,6 +33,7 @@ using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 /// Where landmarks were made: the image their patches are taken from, and its pose.
 struct Anchor {
+  std::uint64_t id = 0;
   ImagePyramid left;
   Isometry3d T_CW;
 };
@@ -83,6 +87,13 @@ bool same(const Image& image, const ImageView& view) {
   return true;
 }
 
+/// A pose's own noise, from what its residuals say: chi^2 per degree of freedom, not taken to be
+/// smaller than the first number, times the second. Landmarks carry their errors from pose to pose,
+/// which residuals do not show and a covariance of poses alone cannot hold; the numbers make up for
+/// it and are measured (docs/perception.md).
+constexpr double kLeastChi2 = 0.25;
+constexpr double kRepeatedErrors = 2.5;
+
 /// Time that the processor has spent on this thread [ms].
 double processor_ms() {
   timespec t{};
@@ -101,17 +112,17 @@ struct StereoOdometry::Impl {
   StereoOdometryOptions options;
 
   std::vector<Track> tracks;
-  std::uint64_t next_id = 1;
+  std::uint64_t next_id = 1, newest_anchor = 0;
   std::deque<Recall> recalls;
   PyramidLevel good_coarse;  // of the last trusted frame, as in Recall
   Image last_left, last_right;
   bool have_images = false;
 
   bool started = false;
-  Isometry3d T_CW;                       // last trusted pose
-  Isometry3d keyframe_T_CW;              // of the last keyframe
-  Matrix6d covariance;                   // at T_CW, against the start
-  Matrix6d keyframe_covariance;          // at the last keyframe
+  Isometry3d T_CW;           // last trusted pose
+  Isometry3d keyframe_T_CW;  // of the last keyframe
+  Matrix6d covariance;       // at T_CW, against the start
+  PoseDrift drift;
   Vector6d velocity = Vector6d::Zero();  // xi per second, T_CW <- exp(velocity dt) T_CW
   bool have_velocity = false;
   double last_stamp = 0.0;
@@ -304,6 +315,40 @@ struct StereoOdometry::Impl {
     return result;
   }
 
+  /// Covariance of a pose against the start: what it owes to each anchor, and its own noise.
+  Matrix6d covariance_of(const PoseEstimate& pose) {
+    std::vector<int> index;
+    const auto seen = observations(tracks, index);
+    std::vector<PoseDrift::Reference> references;
+    Vector6d b = Vector6d::Zero();
+    for (std::size_t k = 0; k < index.size(); ++k) {
+      ObservationResidual residual;
+      if (!pose.inlier[k] ||
+          !observation_residual(camera, pose.T_CW, seen[k], pose.measured[k], residual)) {
+        continue;
+      }
+      const Matrix3d W =
+          observation_weight(seen[k], residual, options.pose.sigma_left, options.pose.sigma_right);
+      const Anchor& anchor = *tracks[index[k]].anchor;
+      auto reference =
+          std::find_if(references.begin(), references.end(),
+                       [&](const PoseDrift::Reference& r) { return r.anchor == anchor.id; });
+      if (reference == references.end()) {
+        references.push_back({anchor.id, pose.T_CW * anchor.T_CW.inverse(), Matrix6d::Zero()});
+        reference = references.end() - 1;
+      }
+      const Eigen::Matrix<double, 6, 3> JW = residual.d_pose.transpose() * W;
+      reference->information += JW * residual.d_pose;
+      Vector3d by_offset = residual.d_measured.col(2);
+      if (seen[k].sees_right()) by_offset[2] -= 1.0;
+      b += JW * by_offset;
+    }
+    // pose.covariance is H^-1 times at least 1.
+    const double noise = kRepeatedErrors * std::max(kLeastChi2, pose.chi2_per_dof) /
+                         std::max(1.0, pose.chi2_per_dof);
+    return drift.measure(references, b, noise * pose.covariance);
+  }
+
   /// What the newest pose says about the disparity offset; then all landmarks move with it.
   void update_offset(const Attempt& a) {
     std::vector<int> index;
@@ -320,7 +365,10 @@ struct StereoOdometry::Impl {
     }
     if (speaking < options.disparity_offset.min_points) return;
     for (std::size_t k = 0; k < index.size(); ++k) tracks[index[k]].has_spoken |= speaks[k] != 0;
+    const double walk = options.disparity_offset.walk_sigma;
+    const double before = offset.sigma() * offset.sigma() + walk * walk;
     offset.update(disparity_offset_evidence(camera, seen, a.pose, speaks, options.pose));
+    if (offset.estimated()) drift.update_offset(before, offset.sigma() * offset.sigma());
     for (Track& t : tracks) place(t);
     for (Recall& recall : recalls) {
       for (Track& t : recall.tracks) place(t);
@@ -424,6 +472,7 @@ struct StereoOdometry::Impl {
     const std::vector<StereoMatch> matches = match_stereo(left, right, corners, options.matching);
     std::vector<double> rows;
     auto anchor = std::make_shared<Anchor>();
+    anchor->id = ++newest_anchor;
     anchor->left = std::move(left);
     anchor->T_CW = T_CW;
     for (const StereoMatch& m : matches) {
@@ -449,7 +498,6 @@ struct StereoOdometry::Impl {
 
   void begin_keyframe() {
     keyframe_T_CW = T_CW;
-    keyframe_covariance = covariance;
     points_at_keyframe = 0;
     for (Track& t : tracks) {
       t.seen_at_keyframe = t.inlier;
@@ -458,6 +506,16 @@ struct StereoOdometry::Impl {
     }
     recalls.push_back({T_CW, good_coarse, tracks});
     while (static_cast<int>(recalls.size()) > options.recovery_keyframes) recalls.pop_front();
+  }
+
+  /// No longer in the joint covariance: anchors that no landmark comes from.
+  void forget_anchors() {
+    std::set<std::uint64_t> used;
+    for (const Track& t : tracks) used.insert(t.anchor->id);
+    for (const Recall& recall : recalls) {
+      for (const Track& t : recall.tracks) used.insert(t.anchor->id);
+    }
+    drift.keep(used);
   }
 
   std::string want_keyframe(const Attempt& a) const {
@@ -590,6 +648,7 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
       return false;
     }
     started = true;
+    drift.begin(newest_anchor, covariance);
     good_stamp = stamp;
     out.keyframe = true;
     out.expected = out.tracked = out.confirmed = out.matched;
@@ -670,8 +729,7 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
   good_coarse = coarse;
   const Isometry3d before = T_CW;
   T_CW = a.pose.T_CW;
-  const Matrix6d Ad = adjoint(T_CW * keyframe_T_CW.inverse());
-  covariance = Ad * keyframe_covariance * Ad.transpose() + a.pose.covariance;
+  covariance = covariance_of(a.pose);
   if (since_good <= 1.0) {
     velocity = log_se3(T_CW * before.inverse()) / std::max(since_good, 1e-3);
     have_velocity = true;
@@ -719,7 +777,9 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     std::erase_if(tracks, [&](const Track& t) { return t.misses >= 1; });
     thin_out();
     out.matched = make_landmarks(left, left_pyramid, right_pyramid);
+    if (out.matched > 0) drift.add(newest_anchor);
     begin_keyframe();
+    forget_anchors();
   } else {
     std::erase_if(tracks, [&](const Track& t) { return t.misses > options.max_misses; });
   }
@@ -741,11 +801,11 @@ StereoOdometry::StereoOdometry(const StereoCamera& camera, const StereoOdometryO
   impl_->camera.sigma_d = options.sigma_disparity;
   impl_->options = options;
   impl_->offset = DisparityOffset(options.disparity_offset);
+  impl_->drift = PoseDrift(impl_->offset.sigma() * impl_->offset.sigma());
   impl_->survival = TrackSurvival(options.survival);
   impl_->T_CW = initial_T_WC.inverse();
   impl_->keyframe_T_CW = impl_->T_CW;
   impl_->covariance.setZero();
-  impl_->keyframe_covariance.setZero();
 }
 StereoOdometry::~StereoOdometry() = default;
 StereoOdometry::StereoOdometry(StereoOdometry&&) noexcept = default;

@@ -72,8 +72,8 @@ struct OdometryFrame {
   std::string reason;
   /// Pose of the left camera in W. Lost: the last pose that was trusted.
   Eigen::Isometry3d T_WC = Eigen::Isometry3d::Identity();
-  /// Of xi = (t, omega) in C with T_CW <- exp(xi) T_CW, against the first pose: the sum over
-  /// keyframes and this frame. Grows while lost.
+  /// Of xi = (t, omega) in C with T_CW <- exp(xi) T_CW, against the first pose (pose_drift.h).
+  /// Grows while lost.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
   bool keyframe = false;
   bool restarted = false;  ///< a new map begins here: the pose may be off by any motion while lost
