@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -314,12 +315,14 @@ void expect_faults_noticed(const std::string& folder, int first, double step, in
   const StereoDataset dataset = StereoDataset::open(folder);
   const OdometryRun good = run_odometry(dataset);
   std::printf("%-20s %-9s %-48s %s\n", "fault", "state", "reason", "after it");
+  const int begin = first - 8;
   for (const testing::ImageFault& fault : testing::image_faults()) {
     SCOPED_TRACE(fault.name);
-    StereoOdometry odometry(dataset.camera(), {}, good.frames[0].T_WC);
+    StereoOdometry odometry(dataset.camera(), {}, good.frames[begin].T_WC);
     testing::StereoFrame before;
     testing::FaultOutcome outcome(fault, first);
-    for (int k = 0; k < dataset.size(); ++k) {
+    const int end = std::min(dataset.size(), first + fault.count + recovery + 4);
+    for (int k = begin; k < end; ++k) {
       const bool faulty = outcome.faulty(k);
       auto pair = dataset.read(k);
       testing::StereoFrame frame{dataset.stamp(k), std::move(pair.left), std::move(pair.right)};
