@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # What the program `prospect` promises to who types a command: exit codes, messages, files.
 #   cli_test.sh <prospect> <scratch directory> <a plug-in> <a faulty one> <a library that is none>
-#     <write_depth_recording>
+#     <write_depth_recording> <write_stereo_recording>
 set -uo pipefail
 prospect="$(realpath "$1")"
 plugin="$(realpath "$3")"
 faulty="$(realpath "$4")"
 no_plugin="$(realpath "$5")"
 write_depth_recording="$(realpath "$6")"
+write_stereo_recording="$(realpath "$7")"
 mkdir -p "$2"
 work="$(mktemp -d "$2/cli.XXXXXX")"
 trap 'rm -rf "$work"' EXIT
@@ -402,6 +403,25 @@ echo "P1: 300 0 200 36 0 300 150 0 0 0 1 0" >>half/calib.txt
 refused "odometry with exchanged cameras" half/calib.txt "expected it on the right" \
   odometry half --out run
 refused "odometry from before the first frame" -1 "expected a whole number" odometry half --from -1
+"$write_stereo_recording" stereo 12 || fail "no stereo recording was written"
+for n in odometry1 odometry2; do
+  succeeds "$n" odometry stereo --calibrate --out "$n" --quiet
+done
+grep -qE "^  learned +5 " out.txt || fail "odometry --calibrate: no prediction five frames ahead: '$out'"
+for file in odometry.html frames.csv trajectory.tum trajectory.kitti; do
+  [[ -s odometry1/$file ]] || fail "odometry wrote no $file"
+  cmp -s "odometry1/$file" "odometry2/$file" || fail "odometry: $file differs between two runs"
+done
+(($(wc -l <odometry1/frames.csv) == 13)) || fail "frames.csv has not one row a frame"
+succeeds "odometry --json" odometry stereo --json --calibrate
+grep -q '"calibration_error":' out.txt || fail "odometry --json --calibrate: '$out'"
+succeeds "odometry --json without predictions" odometry stereo --json
+! grep -q '"calibration":' out.txt || fail "odometry --json: calibrated without being asked"
+succeeds "odometry of three frames" odometry stereo --calibrate --frames 3
+grep -q "too few frames" out.txt || fail "odometry of three frames: '$out'"
+refused "odometry from behind the last frame" "--from is 12" "expected less than the 12 frames" \
+  odometry stereo --from 12 --out run
+refused "odometry into a file" file "expected a folder" odometry stereo --out file
 
 # --- Maps from depth images.
 "$write_depth_recording" depth || fail "no depth recording was written"
