@@ -66,6 +66,7 @@ class Search {
     const double g2 = options_.gate * options_.gate;
     const double floor2 = g2 * options_.unevenness * options_.unevenness;
     const double slope2 = g2 * plane.h * plane.h;
+    const double below = -1.0 / options_.most_below;
     double sum = 0.0;
     on = 0;
     for (std::size_t i = 0; i < points.x.size(); ++i) {
@@ -74,7 +75,7 @@ class Search {
       const double share = e * e / (floor2 + slope2 * points.noise2[i]);
       const bool inside = share < 1.0;
       on += inside;
-      sum += inside ? 1.0 - share : e < 0.0 ? -1.0 : 0.0;
+      sum += inside ? 1.0 - share : e < 0.0 ? below : 0.0;
     }
     return sum;
   }

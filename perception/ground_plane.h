@@ -74,15 +74,15 @@ struct GroundPlane {
 double ground_sigma(double height, double z, const GroundPlaneOptions& options);
 
 /// The ground in one depth image, by RANSAC (Fischler and Bolles 1981) within a prior: three points
-/// make a plane; it is a hypothesis only if its tilt and height are the
-/// prior's within the tolerances. So a wall, often the largest plane in view, is none. Of the
-/// hypotheses the best is that of the largest
-///   sum over points on it (1 - (e/(gate sigma))^2) - number of points below it by more than gate
-///   sigma,   e = n . p + h:
-/// nothing can be seen through the ground, so a table is not it where the floor is seen beside it,
-/// nor is a plane that cuts through things. Each new best is refined: Gauss-Newton on
-/// (theta_1, theta_2, h) with Tukey's weights. The covariance is max(1, chi^2/dof) (J^T W J)^-1
-/// times the number of points in a patch, for neighbouring errors are not independent.
+/// make a plane; it is a hypothesis only if its tilt and height are the prior's within the
+/// tolerances. So a wall, often the largest plane in view, is none. Of the hypotheses the best has
+/// the largest
+///   sum over points on it (1 - (e/(gate sigma))^2) - (points below it) / most_below,
+/// e = n . p + h; on it: |e| < gate sigma, below: e <= -gate sigma. Nothing can be seen through the
+/// ground, but for reflections on it: so a table is not it where the floor is seen beside it, nor
+/// is a plane that cuts through things. Each new best is refined: Gauss-Newton on (theta_1,
+/// theta_2, h) with Tukey's weights. The covariance is max(1, chi^2/dof) (J^T W J)^-1 times the
+/// number of points in a patch, for neighbouring errors are not independent.
 ///
 /// Not found, with the reason: no depth, no plane within the prior, too few points on the plane,
 /// too many below it, or points that do not fix it (the standard deviations).

@@ -126,12 +126,13 @@ TEST(DepthMapper, MapsARoomWhoseFloorIsNoObstacle) {
   });
 }
 
-// An unevenness of 4 cm and a camera whose tilt is known to a degree only.
-TEST(DepthMapper, UnevenFloorIsNoObstacle) {
+// An unevenness of 2 cm and a camera whose tilt is known to a degree only: the floor is flat in the
+// map, not a voxel stands out of it.
+TEST(DepthMapper, UnevenFloorIsFlat) {
   DepthScene scene;
   for (int n = 0; n < 12; ++n) {
     const double x = -0.5 + 0.35 * n, y = -1.0 + 0.9 * (n % 3);
-    scene.boxes.push_back({{x, y, 0.0}, {x + 0.2, y + 0.3, 0.02 + 0.002 * n}});
+    scene.boxes.push_back({{x, y, 0.0}, {x + 0.2, y + 0.3, 0.01 + 0.001 * n}});
   }
   DepthMapperOptions options = fine();
   options.pose_sigma_tilt = 0.02;
@@ -141,14 +142,70 @@ TEST(DepthMapper, UnevenFloorIsNoObstacle) {
     frame.T_WC.rotate(Eigen::AngleAxisd(1.0 * kDegree, Eigen::Vector3d::UnitX()));
     EXPECT_TRUE(mapper.process(frame.stamp, frame.image, frame.T_WC).ground.found);
   }
-  const auto ground = mapper.map().ground();
-  const GridFrame f = ground->frame();
+  int floor = 0;
+  each_voxel(*mapper.map().voxels(), [&](int i, int j, int k, CellState state) {
+    const Eigen::Vector2d p = 0.05 * Eigen::Vector2d(i + 0.5, j + 0.5);
+    if (state != CellState::kOccupied || p.x() > 3.8 || std::abs(p.y()) > 2.2) return;
+    EXPECT_EQ(k, -1) << p.transpose();
+    ++floor;
+  });
+  EXPECT_GT(floor, 1000);
+}
+
+// What is measured below the floor is no floor.
+TEST(DepthMapper, HolesInTheFloorStayUnknown) {
+  DepthScene scene;
+  scene.room.low.z() = -0.5;
+  const double pit[4] = {-0.4, 0.9, -0.3, 0.2};  // x, y
+  scene.boxes = {{{-3.0, -3.0, -0.5}, {pit[0], 3.0, 0.0}},
+                 {{pit[1], -3.0, -0.5}, {5.0, 3.0, 0.0}},
+                 {{pit[0], -3.0, -0.5}, {pit[1], pit[2], 0.0}},
+                 {{pit[0], pit[3], -0.5}, {pit[1], 3.0, 0.0}}};
+  DepthMapper mapper(kCamera, fine());
+  for (int k = 0; k < 5; ++k) {
+    const DepthFrame frame = walk(scene, k);
+    EXPECT_EQ(mapper.process(frame.stamp, frame.image, frame.T_WC).state, Mapping::kOk);
+  }
+  int inside = 0, around = 0;
+  const auto voxels = mapper.map().voxels();
+  const GridFrame f = voxels->frame();
   for (int n = 0; n < f.size(); ++n) {
-    const Eigen::Vector2d p = f.center(f.at(n));
-    if (p.x() < 3.8 && std::abs(p.y()) < 2.2) {
-      EXPECT_NE(ground->state(f.at(n)), CellState::kOccupied) << p.transpose();
+    const Cell c = f.at(n);
+    const Eigen::Vector2d p = f.center(c);
+    const bool in_pit = p.x() > pit[0] + 0.1 && p.x() < pit[1] - 0.1 && p.y() > pit[2] + 0.1 &&
+                        p.y() < pit[3] - 0.1;
+    const bool floor = voxels->state(c.i, c.j, -1) == CellState::kOccupied;
+    inside += in_pit && floor;
+    around += !in_pit && floor;
+  }
+  EXPECT_EQ(inside, 0);
+  EXPECT_GT(around, 1000);
+}
+
+/// The image with pixels at the edges of things as real sensors give them: between both depths.
+DepthImage with_mixed_pixels(const DepthImage& image) {
+  DepthImage mixed = image;
+  for (int v = 0; v < image.height; ++v) {
+    for (int u = 1; u + 1 < image.width; ++u) {
+      const float a = image.at(u, v), b = image.at(u + 1, v);
+      if (std::abs(a - b) > 0.3F) mixed.at(u, v) = 0.5F * (a + b);
     }
   }
+  return mixed;
+}
+
+TEST(DepthMapper, MixedPixelsAreNoObstacles) {
+  const DepthScene scene = furnished();
+  DepthMapper mapper(kCamera, fine());
+  for (int k = 0; k < 6; ++k) {
+    const DepthFrame frame = walk(scene, k, 0.0);
+    mapper.process(frame.stamp, with_mixed_pixels(frame.image), frame.T_WC);
+  }
+  each_voxel(*mapper.map().voxels(), [&](int i, int j, int k, CellState state) {
+    if (state != CellState::kOccupied) return;
+    const Eigen::Vector3d p = 0.05 * Eigen::Vector3d(i + 0.5, j + 0.5, k + 0.5);
+    EXPECT_LT(to_surface(scene, p), 0.08) << p.transpose();
+  });
 }
 
 TEST(DepthMapper, GroundCorrectsTheTilt) {
@@ -189,7 +246,8 @@ TEST(DepthMapper, InvalidPixelsSayNothing) {
   const DepthScene scene = furnished();
   std::mt19937 generator(5);
   for (int trial = 0; trial < 6; ++trial) {
-    const DepthFrame frame = walk(scene, 2 * trial, 0.0);
+    DepthFrame frame = walk(scene, 2 * trial, 0.0);
+    frame.image = with_mixed_pixels(frame.image);
     DepthImage holed = frame.image;
     const int u0 = static_cast<int>(generator() % 400), v0 = static_cast<int>(generator() % 250);
     for (int v = 0; v < 480; ++v) {

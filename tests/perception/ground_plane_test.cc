@@ -97,12 +97,22 @@ TEST(GroundPlane, IsNotTheLargestPlane) {
 // A table that the prior admits and that shows more points than the floor.
 TEST(GroundPlane, IsNotATableAboveTheFloor) {
   DepthScene scene;
-  scene.boxes.push_back({{0.4, -1.2, 0.0}, {1.6, 0.7, 0.72}});
-  const Eigen::Isometry3d T = DepthScene::looking(-0.6, 0.0, 1.3, 0.0, 30.0 * kDegree);
+  scene.boxes.push_back({{-0.5, -2.0, 0.7}, {1.8, 0.35, 0.72}});
+  const Eigen::Isometry3d T = DepthScene::looking(-0.9, 0.0, 1.3, 0.0, 25.0 * kDegree);
+  int table = 0, floor = 0;
+  for (int v = 0; v < 480; v += 4) {
+    for (int u = 0; u < 640; u += 4) {
+      const double z = (T * (scene.depth(kCamera, T, u, v) * pixel_ray(kCamera, u, v))).z();
+      table += std::abs(z - 0.72) < 0.001;
+      floor += z < 0.001;
+    }
+  }
+  ASSERT_GT(table, floor);
+  ASSERT_GT(floor, 500);
   const GroundPrior wide = ground_prior(1.0, 20.0 * kDegree, 0.0, 0.8, 35.0 * kDegree);
   const GroundPlane ground = find(scene, T, wide);
   ASSERT_TRUE(ground.found) << ground.reason;
-  EXPECT_NEAR(ground.height, 1.3, 0.01);
+  EXPECT_NEAR(ground.height, 1.3, 0.02);
 }
 
 TEST(GroundPlane, NotInViewIsNotFound) {
