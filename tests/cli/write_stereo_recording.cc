@@ -1,6 +1,6 @@
 // write_stereo_recording FOLDER FRAMES [BLANK]: a recording in KITTI layout, with ground truth, of
-// a camera that goes through the rendered room; frame BLANK shows nothing. For the test of the
-// page.
+// a camera that goes through the rendered room; frame BLANK shows nothing. For the tests of
+// the command line and of the page.
 
 #include <cstdio>
 #include <cstdlib>
