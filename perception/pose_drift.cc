@@ -39,6 +39,17 @@ PoseDrift::Matrix6d PoseDrift::measure(const std::vector<Reference>& references,
   return last_covariance_;
 }
 
+PoseDrift::Matrix6d PoseDrift::since(std::uint64_t anchor, const Eigen::Isometry3d& T_CA) const {
+  const auto at = std::find(anchors_.begin(), anchors_.end(), anchor);
+  if (at == anchors_.end()) return last_covariance_;
+  const Eigen::Index i = 1 + 6 * (at - anchors_.begin());
+  const Matrix6d Ad = adjoint(T_CA);
+  const Matrix6d cross = last_.middleCols<6>(i) * Ad.transpose();
+  const Matrix6d C =
+      last_covariance_ - cross - cross.transpose() + Ad * P_.block<6, 6>(i, i) * Ad.transpose();
+  return 0.5 * (C + C.transpose());
+}
+
 void PoseDrift::add(std::uint64_t anchor) {
   const Eigen::Index n = P_.rows();
   P_.conservativeResize(n + 6, n + 6);

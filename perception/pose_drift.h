@@ -45,6 +45,9 @@ class PoseDrift {
   /// of the references' information must be positive definite.
   Matrix6d measure(const std::vector<Reference>& references, const Vector6d& b,
                    const Matrix6d& noise);
+  /// Covariance of the motion from an anchor to the pose measured last, of e_C - Ad(T_CA) e_A:
+  /// errors that both share do not count. The pose's own if the anchor is not kept.
+  Matrix6d since(std::uint64_t anchor, const Eigen::Isometry3d& T_CA) const;
   /// The pose measured last becomes an anchor.
   void add(std::uint64_t anchor);
   /// Forgets all other anchors.

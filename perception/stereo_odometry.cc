@@ -3,10 +3,13 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <ctime>
 #include <deque>
+#include <exception>
+#include <future>
 #include <optional>
 #include <set>
 #include <stdexcept>
@@ -68,6 +71,20 @@ struct Recall {
   std::vector<Track> tracks;
 };
 
+/// Corners without a landmark in the image of a keyframe, and where the right image has them.
+struct Found {
+  std::vector<Vector2f> corners;
+  std::vector<StereoMatch> matches;
+};
+
+/// New landmarks on their way. What finds them may run on a thread of its own: it has images that
+/// nobody changes any more, and changes nothing.
+struct Mapping {
+  std::shared_ptr<const Anchor> anchor;
+  PyramidLevel coarse;  // of the keyframe, as in Recall
+  std::future<Found> found;
+};
+
 Image copy(const ImageView& view) {
   Image image(view.width, view.height);
   for (int v = 0; v < view.height; ++v) {
@@ -112,11 +129,11 @@ struct StereoOdometry::Impl {
   StereoOdometryOptions options;
 
   std::vector<Track> tracks;
-  std::uint64_t next_id = 1, newest_anchor = 0;
+  std::uint64_t next_id = 1, newest_anchor = 0, keyframe_anchor = 0;
   std::deque<Recall> recalls;
   PyramidLevel good_coarse;  // of the last trusted frame, as in Recall
-  Image last_left, last_right;
-  bool have_images = false;
+  std::shared_ptr<const Image> last_left, last_right;
+  std::optional<Mapping> mapping;
 
   bool started = false;
   Isometry3d T_CW;           // last trusted pose
@@ -462,30 +479,74 @@ struct StereoOdometry::Impl {
     });
   }
 
-  /// New landmarks where the image has none; the pose is T_CW.
-  int make_landmarks(const ImageView& image, ImagePyramid& left, const ImagePyramid& right) {
+  /// A keyframe begins at T_CW: it is what later frames are compared with.
+  void begin_keyframe() {
+    keyframe_T_CW = T_CW;
+    points_at_keyframe = 0;
+    for (Track& t : tracks) mark(t);
+  }
+
+  void mark(Track& t) {
+    t.seen_at_keyframe = t.inlier;
+    t.at_keyframe = t.left;
+    points_at_keyframe += t.inlier;
+  }
+
+  /// New landmarks are to be found where the newest left image, at T_CW, has none.
+  void begin_mapping(ImagePyramid left, std::shared_ptr<const ImagePyramid> right,
+                     bool in_background) {
     std::vector<Vector2f> occupied;
     for (const Track& t : tracks) {
       if (t.inlier) occupied.push_back(t.left);
     }
-    const std::vector<Vector2f> corners = detect_corners(image, occupied, options.corners);
-    const std::vector<StereoMatch> matches = match_stereo(left, right, corners, options.matching);
-    std::vector<double> rows;
     auto anchor = std::make_shared<Anchor>();
     anchor->id = ++newest_anchor;
     anchor->left = std::move(left);
     anchor->T_CW = T_CW;
-    for (const StereoMatch& m : matches) {
+    const auto find = [image = last_left, anchor, right = std::move(right),
+                       occupied = std::move(occupied), corners = options.corners,
+                       matching = options.matching] {
+      Found found;
+      found.corners = detect_corners(image->view(), occupied, corners);
+      found.matches = match_stereo(anchor->left, *right, found.corners, matching);
+      return found;
+    };
+    mapping.emplace(Mapping{anchor, good_coarse, {}});
+    if (in_background) {
+      try {
+        mapping->found = std::async(std::launch::async, find);
+        return;
+      } catch (const std::exception&) {
+        // No thread is to be had: in this one, then.
+      }
+    }
+    mapping->found = std::async(std::launch::deferred, find);
+  }
+
+  /// Enters the landmarks that were found; waits for them. The keyframe is that of the newest
+  /// image, or an earlier one. Returns how many there are.
+  int finish_mapping(bool of_newest_image) {
+    Mapping done = std::move(*mapping);
+    mapping.reset();
+    Found found;
+    try {
+      found = done.found.get();
+    } catch (const std::exception&) {
+      // No memory: none are found.
+    }
+    std::vector<double> rows;
+    for (const StereoMatch& m : found.matches) {
       Track t;
       t.id = next_id++;
-      t.anchor = anchor;
-      t.pixel = corners[m.index];
+      t.anchor = done.anchor;
+      t.pixel = found.corners[m.index];
       t.disparity = m.disparity;
       place(t);
       t.left = t.pixel;
       t.right = static_cast<float>(t.pixel.x() - m.disparity);
       t.in_view = t.tracked = t.inlier = t.has_right = true;
-      sightings.push_back({t.id, t.pixel.cast<double>(), true, true});
+      mark(t);
+      if (of_newest_image) sightings.push_back({t.id, t.pixel.cast<double>(), true, true});
       tracks.push_back(std::move(t));
       rows.push_back(m.row_error);
     }
@@ -493,19 +554,9 @@ struct StereoOdometry::Impl {
       std::nth_element(rows.begin(), rows.begin() + rows.size() / 2, rows.end());
       row_error = rows[rows.size() / 2];
     }
-    return static_cast<int>(matches.size());
-  }
-
-  void begin_keyframe() {
-    keyframe_T_CW = T_CW;
-    points_at_keyframe = 0;
-    for (Track& t : tracks) {
-      t.seen_at_keyframe = t.inlier;
-      t.at_keyframe = t.left;
-      points_at_keyframe += t.inlier;
-    }
-    recalls.push_back({T_CW, good_coarse, tracks});
+    recalls.push_back({done.anchor->T_CW, done.coarse, tracks});
     while (static_cast<int>(recalls.size()) > options.recovery_keyframes) recalls.pop_front();
+    return static_cast<int>(found.matches.size());
   }
 
   /// No longer in the joint covariance: anchors that no landmark comes from.
@@ -515,6 +566,7 @@ struct StereoOdometry::Impl {
     for (const Recall& recall : recalls) {
       for (const Track& t : recall.tracks) used.insert(t.anchor->id);
     }
+    used.insert(keyframe_anchor);
     drift.keep(used);
   }
 
@@ -612,8 +664,8 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
   if (dt > 0.0) period = period > 0.0 ? std::min(1.1 * period, std::max(0.9 * period, dt)) : dt;
 
   Stopwatch watch;
-  const bool frozen_left = have_images && same(last_left, left);
-  const bool frozen_right = have_images && same(last_right, right);
+  const bool frozen_left = last_left && same(*last_left, left);
+  const bool frozen_right = last_right && same(*last_right, right);
   if (started && (frozen_left || frozen_right)) {
     // Real sensors never give the same noise twice: this is an old image, not a robot at rest.
     hold(dt);
@@ -626,11 +678,11 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     out.times.pyramids = watch.lap();
     return out;
   }
-  last_left = copy(left);
-  last_right = copy(right);
-  have_images = true;
+  last_left = std::make_shared<const Image>(copy(left));
+  last_right = std::make_shared<const Image>(copy(right));
   ImagePyramid left_pyramid(left, options.pyramid_levels);
-  const ImagePyramid right_pyramid(right, 1);
+  const auto right_levels = std::make_shared<const ImagePyramid>(right, 1);
+  const ImagePyramid& right_pyramid = *right_levels;
   out.times.pyramids = watch.lap();
 
   const auto begin_map = [&] {
@@ -639,15 +691,23 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     velocity.setZero();
     have_velocity = false;
     good_coarse = left_pyramid.level(left_pyramid.levels() - 1);
-    out.matched = make_landmarks(left, left_pyramid, right_pyramid);
+    const Isometry3d kept_pose = keyframe_T_CW;
+    const int kept_points = points_at_keyframe;
+    begin_keyframe();
+    begin_mapping(std::move(left_pyramid), right_levels, false);
+    out.matched = finish_mapping(true);
     out.times.keyframe = watch.lap();
     if (out.matched < options.lost_points) {
+      keyframe_T_CW = kept_pose;
+      points_at_keyframe = kept_points;
       tracks.clear();
+      recalls.clear();
       sightings.clear();
       started = false;
       return false;
     }
     started = true;
+    keyframe_anchor = newest_anchor;
     drift.begin(newest_anchor, covariance);
     good_stamp = stamp;
     out.keyframe = true;
@@ -657,9 +717,14 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
       out.state = Localization::kDegraded;
       add_reason(out.reason, "few points");
     }
-    begin_keyframe();
     return true;
   };
+
+  if (mapping && mapping->found.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+    out.matched = finish_mapping(false);
+    forget_anchors();
+    out.times.keyframe = watch.lap();
+  }
 
   if (!started) {
     out.keyframe_reason = "first frame";
@@ -730,6 +795,7 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
   const Isometry3d before = T_CW;
   T_CW = a.pose.T_CW;
   covariance = covariance_of(a.pose);
+  out.covariance_since_keyframe = drift.since(keyframe_anchor, T_CW * keyframe_T_CW.inverse());
   if (since_good <= 1.0) {
     velocity = log_se3(T_CW * before.inverse()) / std::max(since_good, 1e-3);
     have_velocity = true;
@@ -770,20 +836,22 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     }
   }
   survival.forget();
-  out.keyframe_reason = want_keyframe(a);
+  if (!mapping) out.keyframe_reason = want_keyframe(a);
   if (!out.keyframe_reason.empty()) {
     out.keyframe = true;
     update_offset(a);
     std::erase_if(tracks, [&](const Track& t) { return t.misses >= 1; });
     thin_out();
-    out.matched = make_landmarks(left, left_pyramid, right_pyramid);
-    if (out.matched > 0) drift.add(newest_anchor);
     begin_keyframe();
+    begin_mapping(std::move(left_pyramid), right_levels, options.background_mapping);
+    keyframe_anchor = newest_anchor;
+    drift.add(newest_anchor);
+    if (!options.background_mapping) out.matched = finish_mapping(true);
     forget_anchors();
   } else {
     std::erase_if(tracks, [&](const Track& t) { return t.misses > options.max_misses; });
   }
-  out.times.keyframe = watch.lap();
+  out.times.keyframe += watch.lap();
   finish(out);
   return out;
 }

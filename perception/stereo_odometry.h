@@ -55,6 +55,11 @@ struct StereoOdometryOptions {
   /// Lost for so long [s]: a new map is begun at the last good pose; 0: never.
   double restart_after = 2.0;
 
+  /// Keyframes find their landmarks on a second thread, while frames go on being located; they are
+  /// entered at the next frame after. Poses then depend on how long that takes, in their last
+  /// millimetres. False: in process(), and the same frames give the same bits.
+  bool background_mapping = false;
+
   std::uint64_t seed = 1;
 };
 
@@ -75,13 +80,15 @@ struct OdometryFrame {
   /// Of xi = (t, omega) in C with T_CW <- exp(xi) T_CW, against the first pose (pose_drift.h).
   /// Grows while lost.
   Eigen::Matrix<double, 6, 6> covariance = Eigen::Matrix<double, 6, 6>::Zero();
+  /// Likewise of the motion since the newest keyframe before this frame; zero if none was measured.
+  Eigen::Matrix<double, 6, 6> covariance_since_keyframe = Eigen::Matrix<double, 6, 6>::Zero();
   bool keyframe = false;
   bool restarted = false;  ///< a new map begins here: the pose may be off by any motion while lost
   std::string keyframe_reason;
   int expected = 0;   ///< landmarks predicted in view
   int tracked = 0;    ///< landmarks that were found and agree with the pose
   int confirmed = 0;  ///< of them, those the right image confirms
-  int matched = 0;    ///< landmarks made at this frame
+  int matched = 0;    ///< landmarks entered at this frame
   double chi2_per_dof = 0.0;
   /// Median row error of the stereo matches of the newest keyframe [px]: health of the calibration.
   double row_error = 0.0;
@@ -119,7 +126,8 @@ struct LandmarkSighting {
 /// Thread-safety: one thread calls process(); landmarks() snapshots may be read anywhere. Errors:
 /// the constructor throws std::invalid_argument on a wrong camera or option; process() never throws
 /// for any image: one of a wrong size or time makes the frame lost, with the reason. Determinism:
-/// same frames, same bits, but for `times`. One thread, so nothing depends on scheduling.
+/// same frames, same bits, but for `times`, unless background_mapping is on. The two threads then
+/// share only what neither changes: images, pyramids, and the anchor's pose.
 class StereoOdometry {
  public:
   explicit StereoOdometry(const StereoCamera& camera, const StereoOdometryOptions& options = {},

@@ -8,17 +8,14 @@
 
 #include "models/parameter_check.h"
 #include "models/sinc.h"
-#include "perception/se3.h"
 
 namespace prospect {
 namespace {
 
-using Eigen::Isometry3d;
 using Eigen::Matrix2d;
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
 Matrix2d rotation(double angle) {
   Matrix2d R;
@@ -64,19 +61,6 @@ bool is_covariance(const Matrix3d& C) {
 }
 
 }  // namespace
-
-void set_motion(VisualMotion& visual, const Isometry3d& T_WC_reference, const Isometry3d& T_WC,
-                const Matrix6d& covariance, const Isometry3d& T_BC) {
-  const Isometry3d M = T_BC * T_WC_reference.inverse() * T_WC * T_BC.inverse();
-  const Matrix3d R = M.linear();
-  visual.motion << M.translation().head<2>(), std::atan2(R(1, 0), R(0, 0));
-  Eigen::Matrix<double, 3, 6> J = Eigen::Matrix<double, 3, 6>::Zero();
-  J.topLeftCorner<2, 3>() = R.topRows<2>();
-  J.bottomRightCorner<1, 3>() = R.row(2);
-  const Eigen::Matrix<double, 3, 6> D = J * adjoint(T_BC);
-  visual.covariance = D * covariance * D.transpose();
-  visual.covariance = 0.5 * (visual.covariance + visual.covariance.transpose()).eval();
-}
 
 WheelFusion::WheelFusion(const WheelFusionOptions& options) : options_(options) {
   const char* const owner = "wheel fusion";
@@ -255,10 +239,14 @@ void WheelFusion::work_in(const VisualMotion& visual) {
   visual_reason_.clear();
   if (visual.begins_map) {
     clone();
-    has_reference_ = true;
     beyond_gate_ = 0;
-    visual_reason_ = "a new visual map begins";
-    if (visual_ == Localization::kOk) visual_ = Localization::kDegraded;
+    if (has_reference_) {
+      visual_reason_ = "a new visual map begins";
+      if (visual_ == Localization::kOk) visual_ = Localization::kDegraded;
+    } else if (visual_ == Localization::kDegraded) {
+      visual_reason_ = "visual odometry is degraded";
+    }
+    has_reference_ = true;
     return;
   }
   if (visual.state == Localization::kLost) {

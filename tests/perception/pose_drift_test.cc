@@ -45,6 +45,29 @@ TEST(PoseDrift, AnAnchorThatIsSeenForLongDoesNotAddUp) {
   }
 }
 
+TEST(PoseDrift, WhatTwoPosesShareIsNoErrorOfTheMotionBetweenThem) {
+  std::mt19937 generator(4);
+  const Matrix6d start = some_information(generator).inverse();
+  const Matrix6d noise = 0.01 * some_information(generator).inverse();
+  PoseDrift drift;
+  drift.begin(1, start);
+  const Isometry3d T_21 = some_motion(generator), T_32 = some_motion(generator);
+  drift.measure({{1, T_21, Matrix6d::Identity()}}, Vector6d::Zero(), noise);
+  EXPECT_LT((drift.since(1, T_21) - noise).norm(), 1e-9);
+  drift.add(2);
+  // From landmarks of the second alone: its own noise is shared, too.
+  drift.measure({{2, T_32, Matrix6d::Identity()}}, Vector6d::Zero(), noise);
+  EXPECT_LT((drift.since(2, T_32) - noise).norm(), 1e-9);
+  // From those of the first alone: both have noise of their own.
+  drift.measure({{1, T_32 * T_21, Matrix6d::Identity()}}, Vector6d::Zero(), noise);
+  const Matrix6d Ad = adjoint(T_32);
+  EXPECT_LT((drift.since(2, T_32) - noise - Ad * noise * Ad.transpose()).norm(), 1e-9);
+  EXPECT_LT((drift.since(7, T_32) -
+             drift.measure({{1, T_32 * T_21, Matrix6d::Identity()}}, Vector6d::Zero(), noise))
+                .norm(),
+            1e-12);
+}
+
 TEST(PoseDrift, FromAnchorToAnchorItDoes) {
   const Matrix6d noise = 0.01 * Matrix6d::Identity();
   PoseDrift drift;

@@ -4,11 +4,14 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "tests/perception/image_faults.h"
@@ -158,6 +161,49 @@ TEST(StereoOdometry, SameFramesSameBits) {
     ASSERT_EQ(a.T_WC.matrix(), b.T_WC.matrix());
     ASSERT_EQ(a.covariance, b.covariance);
     ASSERT_EQ(a.tracked, b.tracked);
+  }
+}
+
+TEST(StereoOdometry, MappingOnASecondThreadFollowsAsWell) {
+  const Sequence& s = moving();
+  StereoOdometryOptions options;
+  options.background_mapping = true;
+  StereoOdometry odometry(small_camera(), options, s.T_WC[0]);
+  StereoOdometry one_thread(small_camera(), {}, s.T_WC[0]);
+  int keyframes = 0, entered_later = 0;
+  double worst = 0.0, ms = 0.0, ms_one_thread = 0.0;
+  for (std::size_t k = 0; k < s.frames.size(); ++k) {
+    const OdometryFrame frame =
+        odometry.process(s.frames[k].stamp, s.frames[k].left.view(), s.frames[k].right.view());
+    EXPECT_NE(frame.state, Localization::kLost) << k << ": " << frame.reason;
+    worst = std::max(worst, (frame.T_WC.translation() - s.T_WC[k].translation()).norm());
+    EXPECT_FALSE(frame.covariance.hasNaN());
+    keyframes += frame.keyframe;
+    entered_later += frame.matched > 0 && k > 0 && !frame.keyframe;
+    const OdometryFrame same =
+        one_thread.process(s.frames[k].stamp, s.frames[k].left.view(), s.frames[k].right.view());
+    if (k > 0) ms = std::max(ms, frame.times.processor);
+    if (k > 0) ms_one_thread = std::max(ms_one_thread, same.times.processor);
+    // Nearer to the camera's own pace: landmarks come a frame or two late.
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  std::printf(
+      "two threads: worst error %.1f mm, %d keyframes, landmarks entered later %d times; longest "
+      "frame %.1f ms of the processor, on one thread %.1f ms\n",
+      1e3 * worst, keyframes, entered_later, ms, ms_one_thread);
+  EXPECT_LT(worst, 0.008 * path_length(s.T_WC));
+  EXPECT_GT(keyframes, 2);
+  EXPECT_GE(entered_later, 1);
+  // A map that goes, or is carried elsewhere, while landmarks are on their way.
+  for (int end = 3; end < 12; ++end) {
+    StereoOdometry short_lived(small_camera(), options, s.T_WC[0]);
+    for (int k = 0; k < end; ++k) {
+      short_lived.process(s.frames[3 * k].stamp, s.frames[3 * k].left.view(),
+                          s.frames[3 * k].right.view());
+    }
+    StereoOdometry moved = std::move(short_lived);
+    moved.process(s.frames[3 * end].stamp, s.frames[3 * end].left.view(),
+                  s.frames[3 * end].right.view());
   }
 }
 

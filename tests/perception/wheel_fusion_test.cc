@@ -4,19 +4,17 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <cstdio>
+#include <deque>
 #include <functional>
 #include <limits>
 #include <random>
 #include <stdexcept>
 #include <vector>
 
-#include "perception/se3.h"
-
 namespace prospect {
 namespace {
 
-using Eigen::Isometry3d;
-using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
@@ -369,35 +367,6 @@ TEST(WheelFusion, NothingBreaksIt) {
   WheelFusionOptions wrong;
   wrong.gate = kNaN;
   EXPECT_THROW(WheelFusion{wrong}, std::invalid_argument);
-}
-
-TEST(VisualMotion, IsThatOfTheBodyAndCarriesTheCovarianceOver) {
-  // A camera 0.2 m ahead and 0.1 m to the left that looks along x of B, z forward, y down.
-  Isometry3d T_BC = Isometry3d::Identity();
-  T_BC.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
-  T_BC.translation() << 0.2, 0.1, 0.4;
-  // B turns by 0.5 rad and drives to (0.7, -0.3): where is the camera?
-  Isometry3d M = Isometry3d::Identity();
-  M.linear() = Eigen::AngleAxisd(0.5, Vector3d::UnitZ()).toRotationMatrix();
-  M.translation() << 0.7, -0.3, 0.0;
-  const Isometry3d T_WC0 =
-      exp_se3((Eigen::Matrix<double, 6, 1>() << 1, 2, 3, 0.3, -0.2, 0.9).finished());
-  const Isometry3d T_WC = T_WC0 * T_BC.inverse() * M * T_BC;
-  Eigen::Matrix<double, 6, 6> C = Eigen::Matrix<double, 6, 6>::Identity();
-  VisualMotion visual;
-  set_motion(visual, T_WC0, T_WC, C, T_BC);
-  EXPECT_LT((visual.motion - Vector3d(0.7, -0.3, 0.5)).norm(), 1e-12);
-  // Against differences: T_CW <- exp(xi) T_CW.
-  Eigen::Matrix<double, 3, 6> J;
-  for (int i = 0; i < 6; ++i) {
-    const double h = 1e-6;
-    VisualMotion plus, minus;
-    const Eigen::Matrix<double, 6, 1> e = h * Eigen::Matrix<double, 6, 1>::Unit(i);
-    set_motion(plus, T_WC0, (exp_se3(e) * T_WC.inverse()).inverse(), C, T_BC);
-    set_motion(minus, T_WC0, (exp_se3(-e) * T_WC.inverse()).inverse(), C, T_BC);
-    J.col(i) = (plus.motion - minus.motion) / (2 * h);
-  }
-  EXPECT_LT((visual.covariance - J * J.transpose()).norm(), 1e-7);
 }
 
 }  // namespace

@@ -1,0 +1,47 @@
+#include "perception/visual_motion.h"
+
+#include <cmath>
+
+#include "perception/se3.h"
+
+namespace prospect {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix3d;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+}  // namespace
+
+void set_motion(VisualMotion& visual, const Isometry3d& T_WC_reference, const Isometry3d& T_WC,
+                const Matrix6d& covariance, const Isometry3d& T_BC) {
+  const Isometry3d M = T_BC * T_WC_reference.inverse() * T_WC * T_BC.inverse();
+  const Matrix3d R = M.linear();
+  visual.motion << M.translation().head<2>(), std::atan2(R(1, 0), R(0, 0));
+  Eigen::Matrix<double, 3, 6> J = Eigen::Matrix<double, 3, 6>::Zero();
+  J.topLeftCorner<2, 3>() = R.topRows<2>();
+  J.bottomRightCorner<1, 3>() = R.row(2);
+  const Eigen::Matrix<double, 3, 6> D = J * adjoint(T_BC);
+  visual.covariance = D * covariance * D.transpose();
+  visual.covariance = 0.5 * (visual.covariance + visual.covariance.transpose()).eval();
+}
+
+VisualMotion VisualMotionReader::read(const OdometryFrame& frame) {
+  VisualMotion visual;
+  visual.stamp = frame.stamp;
+  // Of a frozen image nothing is tracked, and the pose is the one before.
+  visual.state = frame.tracked > 0 ? frame.state : Localization::kLost;
+  if (visual.state == Localization::kLost) return visual;
+  visual.begins_map = frame.restarted || !has_reference_;
+  if (visual.begins_map) {
+    has_reference_ = true;
+    T_WC_reference_ = frame.T_WC;
+    return visual;
+  }
+  set_motion(visual, T_WC_reference_, frame.T_WC, frame.covariance_since_keyframe, T_BC_);
+  visual.becomes_reference = frame.keyframe;
+  if (frame.keyframe) T_WC_reference_ = frame.T_WC;
+  return visual;
+}
+
+}  // namespace prospect
