@@ -21,6 +21,7 @@ namespace prospect {
 namespace {
 
 constexpr double kDegrees = 180.0 / M_PI;
+constexpr double kMostVoxels = 200.0;  // of a ray, see OccupancyMapperOptions
 
 nlohmann::ordered_json times(const TimePercentiles& t) {
   return {{"p50", t.p50}, {"p95", t.p95}, {"p99", t.p99}, {"max", t.max}};
@@ -101,6 +102,14 @@ void print(const MapRun& run, const MapSummary& s) {
 }  // namespace
 
 int map(const MapArguments& arguments) {
+  const double farthest = kMostVoxels * arguments.resolution;
+  if (arguments.range > farthest) {
+    char line[160];
+    std::snprintf(line, sizeof line,
+                  "--range is %g m; expected at most %g m (%.0f voxels) with --resolution %g",
+                  arguments.range, farthest, kMostVoxels, arguments.resolution);
+    throw InputError(line);
+  }
   DepthDatasetOptions options;
   if (!arguments.camera.empty()) {
     PinholeCamera camera;

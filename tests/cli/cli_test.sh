@@ -451,6 +451,8 @@ refused "map at no height" "no ground in any frame" "expected a floor" \
   map depth/posed --camera-height 3 --out run
 refused "map with a wild resolution" resolution "expected a number from 0.01" \
   map depth/posed --resolution nan --out run
+refused "map of a range of many voxels" "--range is 4 m" "expected at most 2 m" \
+  map depth/posed --resolution 0.01 --out run
 refused "map into a file" file "expected one to write to" map depth/posed --out file
 echo "1 0 0" >depth/posed/frame-000003.pose.txt
 refused "map with half a pose" frame-000003.pose.txt:1 "expected a pose" map depth/posed --out run
