@@ -34,7 +34,8 @@ TEST(LandmarkSightings, AreWhatTheFrameCountsAndWhereTheyMustBe) {
     const OdometryFrame frame = odometry.process(0.1 * k, pair.left.view(), pair.right.view());
     ASSERT_EQ(frame.state, Localization::kOk) << frame.reason;
     std::unordered_map<std::uint64_t, Eigen::Vector3d> positions;
-    for (const Landmark& l : odometry.landmarks()->landmarks) positions[l.id] = l.position;
+    const auto map = odometry.landmarks();
+    for (const Landmark& l : map->landmarks) positions[l.id] = l.position;
     std::set<std::uint64_t> ids;
     int tracked = 0, made = 0;
     for (const LandmarkSighting& s : odometry.sightings()) {
