@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "perception/se3.h"
+#include "perception/belief_builder.h"
 
 namespace prospect {
 namespace {
@@ -18,12 +18,10 @@ void set_motion(VisualMotion& visual, const Isometry3d& T_WC_reference, const Is
   const Isometry3d M = T_BC * T_WC_reference.inverse() * T_WC * T_BC.inverse();
   const Matrix3d R = M.linear();
   visual.motion << M.translation().head<2>(), std::atan2(R(1, 0), R(0, 0));
-  Eigen::Matrix<double, 3, 6> J = Eigen::Matrix<double, 3, 6>::Zero();
-  J.topLeftCorner<2, 3>() = R.topRows<2>();
-  J.bottomRightCorner<1, 3>() = R.row(2);
-  const Eigen::Matrix<double, 3, 6> D = J * adjoint(T_BC);
-  visual.covariance = D * covariance * D.transpose();
-  visual.covariance = 0.5 * (visual.covariance + visual.covariance.transpose()).eval();
+  // As that of a body whose W is B at the reference.
+  const Eigen::Matrix4d C = body_covariance(M * T_BC, T_BC, covariance);
+  visual.covariance << C.topLeftCorner<2, 2>(), C.topRightCorner<2, 1>(),
+      C.bottomLeftCorner<1, 2>(), C(3, 3);
 }
 
 VisualMotion VisualMotionReader::read(const OdometryFrame& frame) {

@@ -1,0 +1,72 @@
+#include "perception/belief_builder.h"
+
+#include <cmath>
+#include <utility>
+
+#include "models/camera.h"
+#include "perception/se3.h"
+
+namespace prospect {
+namespace {
+
+using Eigen::Isometry3d;
+using Matrix6d = Eigen::Matrix<double, 6, 6>;
+
+Pose body_pose(const Isometry3d& T_WB) {
+  const Eigen::Matrix3d R = T_WB.linear();
+  return {T_WB.translation(), std::atan2(R(1, 0), R(0, 0))};
+}
+
+}  // namespace
+
+Eigen::Matrix4d body_covariance(const Isometry3d& T_WC, const Isometry3d& T_BC,
+                                const Matrix6d& covariance) {
+  const Eigen::Matrix3d R = (T_WC * T_BC.inverse()).linear();
+  Eigen::Matrix<double, 4, 6> J = Eigen::Matrix<double, 4, 6>::Zero();
+  J.topLeftCorner<3, 3>() = R;
+  J.bottomRightCorner<1, 3>() = R.row(2);
+  const Eigen::Matrix<double, 4, 6> D = J * adjoint(T_BC);
+  const Eigen::Matrix4d C = D * covariance * D.transpose();
+  return 0.5 * (C + C.transpose());
+}
+
+BeliefBuilder::BeliefBuilder(const Isometry3d& T_BC, double max_age)
+    : T_BC_(T_BC), max_age_(max_age) {
+  validate(CameraMount{T_BC});
+}
+
+std::shared_ptr<const Belief> BeliefBuilder::build(const OdometryFrame& frame, BeliefMaps maps,
+                                                   std::shared_ptr<const LandmarkMap> landmarks) {
+  const Pose pose = body_pose(frame.T_WC * T_BC_.inverse());
+  const bool measured = frame.state != Localization::kLost && frame.tracked > 0;
+  if (measured) {
+    const double dt = frame.stamp - stamp_;
+    twist_ = {};
+    if (has_pose_ && !frame.restarted && dt > 0.0 && dt <= max_age_) {
+      const double turn = std::remainder(pose.yaw - pose_.yaw, 2.0 * M_PI);
+      // In the body frame half way, in which an arc's velocity is straight ahead.
+      twist_.linear = Eigen::AngleAxisd(-(pose_.yaw + 0.5 * turn), Eigen::Vector3d::UnitZ()) *
+                      (pose.position - pose_.position) / dt;
+      twist_.yaw_rate = turn / dt;
+    }
+    has_pose_ = true;
+    stamp_ = frame.stamp;
+    pose_ = pose;
+  } else if (!(frame.stamp - stamp_ <= max_age_)) {
+    twist_ = {};
+  }
+  auto belief = std::make_shared<Belief>();
+  belief->stamp = frame.stamp;
+  belief->pose = pose;
+  belief->covariance = body_covariance(frame.T_WC, T_BC_, frame.covariance);
+  belief->twist = twist_;
+  belief->localization = frame.state;
+  belief->tracked_features = frame.tracked;
+  belief->octree = std::move(maps.octree);
+  belief->voxels = std::move(maps.voxels);
+  belief->ground = std::move(maps.ground);
+  belief->landmarks = std::move(landmarks);
+  return belief;
+}
+
+}  // namespace prospect

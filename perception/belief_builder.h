@@ -1,0 +1,47 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <memory>
+
+#include "engine/belief.h"
+#include "engine/map_projection.h"
+#include "perception/stereo_odometry.h"
+
+namespace prospect {
+
+/// Covariance of (x, y, z, yaw) of a body in W, from that of its camera's pose.
+///   T_WB = T_WC T_BC^-1;  with T_CW <- exp(xi) T_CW,  T_WB <- T_WB exp(-Ad(T_BC) xi), so
+///   d(p, yaw) = -(R_WB eta_t, (R_WB eta_omega)_z),  eta = Ad(T_BC) xi,
+/// to first order, for a body whose z axis is that of W.
+/// covariance: 6x6 of xi = (t, omega) in C [m, rad], as OdometryFrame gives it.
+Eigen::Matrix4d body_covariance(const Eigen::Isometry3d& T_WC, const Eigen::Isometry3d& T_BC,
+                                const Eigen::Matrix<double, 6, 6>& covariance);
+
+/// Visual odometry and mapping as the Belief that the planner plans on.
+///
+/// W: z up, and the floor is z = 0 where B's origin is on the floor; so the odometry begins at
+/// T_WC = T_BC, or at T_WB T_BC. Of the pose, B's tilt is left out. The twist is that between the
+/// two newest frames whose pose was measured, until it is older than max_age; zero then.
+///
+/// Thread-safety: one thread at a time; beliefs are immutable. Errors: the constructor throws
+/// std::invalid_argument if T_BC is no rotation and translation; build() never throws.
+class BeliefBuilder {
+ public:
+  /// T_BC: of the left camera. max_age [s].
+  explicit BeliefBuilder(const Eigen::Isometry3d& T_BC, double max_age = 0.5);
+
+  /// The belief at a frame. Maps and landmarks as they are known then, none of them null.
+  std::shared_ptr<const Belief> build(const OdometryFrame& frame, BeliefMaps maps,
+                                      std::shared_ptr<const LandmarkMap> landmarks);
+
+ private:
+  Eigen::Isometry3d T_BC_;
+  double max_age_;
+  bool has_pose_ = false;
+  double stamp_ = 0.0;  // of the newest measured pose
+  Pose pose_;
+  Twist twist_;
+};
+
+}  // namespace prospect
