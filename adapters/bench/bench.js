@@ -1,35 +1,10 @@
 (() => {
-"use strict";
-// Whatever goes wrong is kept, for the self-test at the end.
-const errors = [];
-addEventListener("error", (e) => errors.push(e.message || String(e)));
-
-const $ = (id) => document.getElementById(id);
-function make(tag, attributes = {}, ...children) {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) {
-    if (name === "class") element.className = value; else element.setAttribute(name, value);
-  }
-  element.append(...children);
-  return element;
-}
-
 const bench = JSON.parse($("bench").textContent);
-const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
-// Three significant digits, without exponents where they can be done without.
-function compact(x) {
-  if (!isNumber(x)) return "–";
-  if (x === 0) return "0";
-  const size = Math.abs(x);
-  if (size < 1e-4 || size >= 1e6) return x.toExponential(1).replace(/-/g, "−");
-  return (size >= 100 ? x.toFixed(0) : String(+x.toPrecision(3))).replace("-", "−");
-}
 const deadlineText = (seconds) => (seconds > 0 ? `${compact(1000 * seconds)} ms` : "none");
 const percent = (share) => `${compact(100 * share)} %`;
 
 // ---- Head ---------------------------------------------------------------------------------------
 const problems = bench.sets.reduce((sum, set) => sum + set.problems.length, 0);
-const plural = (n, what) => `${n} ${what}${n === 1 ? "" : "s"}`;
 $("facts").textContent = [bench.program, plural(problems, "problem"), plural(bench.solvers.length, "back end"),
   plural(bench.repeats, "repeat"), `at most ${bench.max_evaluations} evaluations`, `seed ${bench.seed}`].join(" · ");
 $("rule").textContent = `Solved: feasible to ${compact(bench.feasibility_tolerance)} and a cost of at most best + max(${bench.relative_tolerance} |best|, a), ` +
@@ -237,8 +212,6 @@ if (location.hash === "#selftest") {
   } catch (e) {
     failures.push(String(e));
   }
-  for (const failure of [...failures, ...errors]) lines.push(`failed: ${failure}`);
-  lines.push(failures.length || errors.length ? "selftest failed" : "selftest passed");
-  document.body.append(make("pre", { id: "selftest" }, lines.join("\n")));
+  showSelftest(lines, failures);
 }
 })();

@@ -20,7 +20,7 @@ std::string bench_page(const nlohmann::ordered_json& bench) {
        {"{{style}}", std::string(report_assets::style()) + std::string(bench_assets::bench_css())},
        {"{{bench}}", json_text(bench)},
        {"{{library}}", script_text(report_assets::dygraph_script())},
-       {"{{script}}", script_text(bench_assets::bench_js())}});
+       {"{{script}}", page_script(bench_assets::bench_js())}});
 }
 
 }  // namespace prospect

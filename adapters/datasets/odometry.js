@@ -1,29 +1,7 @@
 (() => {
-"use strict";
-// Whatever goes wrong is kept, for the self-test at the end.
-const errors = [];
-addEventListener("error", (e) => errors.push(e.message || String(e)));
-addEventListener("unhandledrejection", (e) => errors.push(String(e.reason)));
-
-const $ = (id) => document.getElementById(id);
-function make(tag, attributes = {}, ...children) {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) {
-    if (name === "class") element.className = value; else element.setAttribute(name, value);
-  }
-  element.append(...children);
-  return element;
-}
-
 // ---- Data ---------------------------------------------------------------------------------------
 const run = JSON.parse($("run").textContent);
 const n = run.frames, s = run.summary;
-function floats(base64) {
-  const text = atob(base64);
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
-  return new Float32Array(bytes.buffer);
-}
 const column = {};
 for (const [name, text] of Object.entries(run.columns)) column[name] = floats(text);
 const pictures = run.pictures.map((p) => {
@@ -36,18 +14,6 @@ const pictures = run.pictures.map((p) => {
   return { ...p, image, ready, features: floats(p.features) };
 });
 const states = ["ok", "degraded", "lost"];
-
-// ---- Numbers as text ----------------------------------------------------------------------------
-const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
-const fixed = (x, digits) => (isNumber(x) ? x.toFixed(digits).replace("-", "−") : "–");
-function compact(x) {
-  if (!isNumber(x)) return "–";
-  if (x === 0) return "0";
-  const size = Math.abs(x);
-  if (size < 1e-3 || size >= 1e5) return x.toExponential(1).replace(/-/g, "−");
-  return String(+x.toPrecision(3)).replace("-", "−");
-}
-const plural = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
 
 // ---- Head ---------------------------------------------------------------------------------------
 const known = isNumber(s.end_error_m);
@@ -377,9 +343,6 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
     dispatchEvent(new KeyboardEvent("keydown", { key: "End", bubbles: true }));
     expect("the End key leads to the last frame", step === n - 1);
   } catch (e) { errors.push(String(e.stack || e)); }
-  for (const failure of failures) lines.push(`FAILED ${failure}`);
-  for (const error of errors) lines.push(`ERROR ${error}`);
-  lines.push(failures.length || errors.length ? "selftest failed" : "selftest passed");
-  document.body.append(make("pre", { id: "selftest" }, lines.join("\n")));
+  showSelftest(lines, failures);
 });
 })();

@@ -161,7 +161,7 @@ std::string OdometryPage::html(const nlohmann::ordered_json& summary) const {
                                       std::string(odometry_assets::odometry_css())},
                     {"{{run}}", json_text(run)},
                     {"{{library}}", script_text(report_assets::dygraph_script())},
-                    {"{{script}}", script_text(odometry_assets::odometry_js())}});
+                    {"{{script}}", page_script(odometry_assets::odometry_js())}});
 }
 
 }  // namespace prospect

@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "adapters/report/report_assets.h"
+
 namespace prospect {
 namespace {
 
@@ -48,6 +50,10 @@ std::string library_text(std::string_view text) {
 
 std::string script_text(std::string_view text) {
   return replace_all(library_text(text), "</script", "<\\/script");
+}
+
+std::string page_script(std::string_view own) {
+  return script_text(std::string(report_assets::page_script()) + std::string(own));
 }
 
 std::string json_text(const nlohmann::ordered_json& json) {

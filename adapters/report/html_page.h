@@ -20,6 +20,9 @@ std::string library_text(std::string_view text);
 /// expression, where \/ means /. Without the pointer to a source map.
 std::string script_text(std::string_view text);
 
+/// A page's own script, after what all pages share (page.js); fit for a <script> element.
+std::string page_script(std::string_view own);
+
 /// Fit for a <script> element: inside JSON, < can only stand in a string.
 std::string json_text(const nlohmann::ordered_json& json);
 

@@ -284,7 +284,7 @@ std::string render_report(const RunRecord& record) {
                     {"{{style}}", std::string(report_assets::style())},
                     {"{{run}}", json_text(run)},
                     {"{{library}}", script_text(report_assets::dygraph_script())},
-                    {"{{script}}", script_text(report_assets::script())}});
+                    {"{{script}}", page_script(report_assets::script())}});
 }
 
 }  // namespace prospect

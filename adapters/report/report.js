@@ -1,31 +1,8 @@
 (() => {
-"use strict";
-// Whatever goes wrong is kept, for the self-test at the end.
-const errors = [];
-addEventListener("error", (e) => errors.push(e.message || String(e)));
-addEventListener("unhandledrejection", (e) => errors.push(String(e.reason)));
-
-const $ = (id) => document.getElementById(id);
-function make(tag, attributes = {}, ...children) {
-  const element = document.createElement(tag);
-  for (const [name, value] of Object.entries(attributes)) {
-    if (name === "class") element.className = value; else element.setAttribute(name, value);
-  }
-  element.append(...children);
-  return element;
-}
-
 // ---- Data -------------------------------------------------------------------------------------
 const run = JSON.parse($("run").textContent);
 const n = run.steps;
 
-function bytes(base64) {
-  const text = atob(base64);
-  const array = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; ++i) array[i] = text.charCodeAt(i);
-  return array;
-}
-const floats = (base64) => new Float32Array(bytes(base64).buffer);
 function varints(base64) {
   const data = bytes(base64);
   let at = 0;
@@ -95,11 +72,9 @@ const horizonStart = (() => {
 })();
 
 // ---- Numbers as text --------------------------------------------------------------------------
-const isNumber = (x) => typeof x === "number" && Number.isFinite(x);
-const fixed = (x, digits) => (isNumber(x) ? x.toFixed(digits).replace("-", "−") : "–");
 const percent = (x, digits = 1) => fixed(isNumber(x) ? 100 * x : x, digits);
 // About three significant digits, for quantities of any size.
-function compact(x) {
+function rounded(x) {
   if (!isNumber(x)) return "–";
   const size = Math.abs(x);
   if (size !== 0 && (size < 1e-3 || size >= 1e5)) return x.toExponential(1).replace(/-/g, "−");
@@ -446,7 +421,7 @@ $("follow").addEventListener("click", () => { setFollow(!view.follow); view.touc
 const plots = [];
 let sharedWindow = null, aligning = false;
 
-function addPlot(title, unit, series, { format = compact, low = null, high = null, shade = null, fill = false } = {}) {
+function addPlot(title, unit, series, { format = rounded, low = null, high = null, shade = null, fill = false } = {}) {
   const many = series.length > 2;
   const labels = make("div", { class: "series" });
   const area = make("div"), cursor = make("div", { class: "cursor" });
@@ -679,9 +654,6 @@ if (location.hash === "#selftest") {
     dispatchEvent(new KeyboardEvent("keydown", { key: "End", bubbles: true }));
     expect("the End key leads to the last step", step === n - 1);
   } catch (e) { errors.push(String(e.stack || e)); }
-  for (const failure of failures) lines.push(`FAILED ${failure}`);
-  for (const error of errors) lines.push(`ERROR ${error}`);
-  lines.push(failures.length || errors.length ? "selftest failed" : "selftest passed");
-  document.body.append(make("pre", { id: "selftest" }, lines.join("\n")));
+  showSelftest(lines, failures);
 }
 })();
