@@ -214,7 +214,7 @@ TEST(RealRecording, FaultsInAKitchen) {
   if (!fs::exists(folder)) GTEST_SKIP() << "no " << folder;
   const DepthDataset dataset = DepthDataset::open(folder);
   const MapRun good = run_mapping(dataset, fine());
-  constexpr int kFrames = 16, kFirst = 8;
+  constexpr int kFrames = 11, kFirst = 4;
   std::vector<testing::DepthFrame> frames;
   for (int k = 0; k < kFrames; ++k) {
     frames.push_back({dataset.stamp(k), dataset.read(k), good.T_WD * dataset.pose(k)});
@@ -235,6 +235,36 @@ TEST(RealRecording, FaultsInAKitchen) {
     }
     EXPECT_GT(occupied, 50) << fault.name;
     EXPECT_LE(wrong, 0.1 * occupied) << fault.name;
+  }
+}
+
+// No poses: the camera is held where the first ground planes put it. What is mapped is of no use
+// then, but each image's state is its own.
+TEST(RealRecording, FaultsOnAWheeledRobot) {
+  const std::string folder = shared("aims_realsense_a");
+  if (!fs::exists(folder)) GTEST_SKIP() << "no " << folder;
+  DepthDatasetOptions options;
+  options.camera = PinholeCamera{384.0, 384.0, 320.0, 240.0, 640.0, 480.0};
+  const DepthDataset dataset = DepthDataset::open(folder, options);
+  const GroundPrior ground = run_mapping(dataset, fine()).first;
+  Eigen::Isometry3d T_WC = Eigen::Isometry3d::Identity();
+  const Eigen::Vector3d ahead = (Eigen::Vector3d::UnitZ() - ground.up.z() * ground.up).normalized();
+  T_WC.linear() << ahead.transpose(), ground.up.cross(ahead).transpose(), ground.up.transpose();
+  T_WC.translation().z() = ground.height;
+  constexpr int kFrames = 11, kFirst = 4;
+  std::vector<testing::DepthFrame> frames;
+  for (int k = 0; k < kFrames; ++k) frames.push_back({dataset.stamp(k), dataset.read(k), T_WC});
+  DepthMapper clean(dataset.camera(), fine().mapper);
+  std::vector<Mapping> states;
+  for (const testing::DepthFrame& frame : frames) {
+    states.push_back(clean.process(frame.stamp, frame.image, frame.T_WC).state);
+    EXPECT_EQ(states.back(), Mapping::kOk);
+  }
+  for (const testing::DepthFault& fault : testing::depth_faults()) {
+    DepthMapper mapper(dataset.camera(), fine().mapper);
+    testing::expect_fault_noticed(
+        fault, mapper, kFrames, kFirst, [&](int k) { return frames[static_cast<std::size_t>(k)]; },
+        [&](int k) { return states[static_cast<std::size_t>(k)]; });
   }
 }
 
