@@ -34,6 +34,10 @@ endfunction()
 # results identical between builds for machines with and without fused multiply-add.
 function(prospect_flags target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -ffp-contract=off -fno-math-errno)
+  # g++ collects its garbage at 128 MB, which Eigen reaches soon: a tenth of the time of a build.
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    target_compile_options(${target} PRIVATE "SHELL:--param ggc-min-expand=300" "SHELL:--param ggc-min-heapsize=524288")
+  endif()
   if(PROSPECT_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
