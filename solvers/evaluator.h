@@ -46,7 +46,7 @@ class Evaluator {
   /// Columns of one call of Problem::evaluate in evaluate_batch(): a deadline is honoured within
   /// one such chunk. Fixed, not adapted to the measured speed, so that results do not depend on the
   /// clock.
-  static constexpr int kChunk = 32;
+  static constexpr int kChunk = 16;
 
   Evaluator(const Problem& problem, const CommonOptions& options, const StopCondition& stop);
   /// For a back end that is run within the solve of `outer`, which it may not outlive: an
