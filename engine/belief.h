@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <string_view>
 
 #include "engine/ground_map.h"
 #include "engine/landmark_map.h"
@@ -15,6 +16,19 @@ class OcTree;
 namespace prospect {
 
 enum class Localization { kOk, kDegraded, kLost };
+
+/// "ok", "degraded", "lost".
+constexpr std::string_view to_string(Localization localization) {
+  switch (localization) {
+    case Localization::kOk:
+      return "ok";
+    case Localization::kDegraded:
+      return "degraded";
+    case Localization::kLost:
+      return "lost";
+  }
+  return "?";
+}
 
 /// What the planner knows at one instant: an immutable snapshot, published by perception as
 /// shared_ptr<const Belief>. The maps are shared, never null, and never change after publication,

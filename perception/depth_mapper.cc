@@ -1,11 +1,12 @@
 #include "perception/depth_mapper.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+
+#include "engine/stopwatch.h"
+#include "models/parameter_check.h"
+#include "perception/reason.h"
 
 namespace prospect {
 namespace {
@@ -16,28 +17,6 @@ constexpr double kFarthest = 30000.0;    // [voxels]
 constexpr double kJustBelow = 1e-6;      // [m]
 constexpr double kSlackPosition = 0.05;  // [m] of a pose, beside what the speed allows
 constexpr double kSlackRotation = 0.05;  // [rad]
-
-class ProcessorClock {
- public:
-  /// Milliseconds of this thread since construction or the last lap.
-  double lap() {
-    const double before = last_;
-    last_ = now();
-    return last_ - before;
-  }
-
- private:
-  static double now() {
-    timespec t{};
-    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-    return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-  }
-  double last_ = now();
-};
-
-void add_reason(std::string& reason, const std::string& what) {
-  reason += (reason.empty() ? "" : "; ") + what;
-}
 
 bool is_pose(const Eigen::Isometry3d& T) {
   const Eigen::Matrix3d R = T.linear();
@@ -50,11 +29,8 @@ double gain(double prior, double measured, double least) {
   return p > 0.0 ? p / (p + measured * measured + least * least) : 0.0;
 }
 
-void require(bool ok, const char* what, double got, const char* expected) {
-  if (!ok) {
-    throw std::invalid_argument(std::string("depth mapper: ") + what + " is " +
-                                std::to_string(got) + ", expected " + expected);
-  }
+void require(bool ok, const char* name, double value, const char* expected) {
+  check_parameter(ok, "depth mapper", name, value, expected);
 }
 
 }  // namespace
@@ -243,7 +219,7 @@ bool DepthMapper::make_scan(const DepthImage& image, MappedFrame& frame, DepthSc
 
 MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
                                  const Eigen::Isometry3d& T_WC) {
-  ProcessorClock clock;
+  ProcessorStopwatch clock;
   MappedFrame out;
   out.stamp = stamp;
   if (any_accepted_) out.T_WC = accepted_;

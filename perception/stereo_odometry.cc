@@ -6,7 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <ctime>
 #include <deque>
 #include <exception>
 #include <future>
@@ -20,6 +19,7 @@
 #include "perception/image_shift.h"
 #include "perception/point_observation.h"
 #include "perception/pose_drift.h"
+#include "perception/reason.h"
 #include "perception/se3.h"
 
 namespace prospect {
@@ -110,17 +110,6 @@ bool same(const Image& image, const ImageView& view) {
 /// it and are measured (docs/perception.md).
 constexpr double kLeastChi2 = 0.25;
 constexpr double kRepeatedErrors = 2.5;
-
-/// Time that the processor has spent on this thread [ms].
-double processor_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
-
-void add_reason(std::string& reasons, const std::string& reason) {
-  reasons += (reasons.empty() ? "" : "; ") + reason;
-}
 
 }  // namespace
 
@@ -880,9 +869,9 @@ StereoOdometry::StereoOdometry(StereoOdometry&&) noexcept = default;
 StereoOdometry& StereoOdometry::operator=(StereoOdometry&&) noexcept = default;
 
 OdometryFrame StereoOdometry::process(double stamp, const ImageView& left, const ImageView& right) {
-  const double begin = processor_ms();
+  ProcessorStopwatch watch;
   OdometryFrame frame = impl_->process(stamp, left, right);
-  frame.times.processor = processor_ms() - begin;
+  frame.times.processor = watch.lap();
   return frame;
 }
 

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
-#include <string>
+
+#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {
@@ -15,9 +15,7 @@ constexpr int kStrengths = 19;
 double strength_of(int i) { return std::pow(10.0, i / 6.0); }  // 1 to 1000
 
 void require(bool good, const char* name, double value, const char* expected) {
-  if (good) return;
-  throw std::invalid_argument(std::string("track survival: ") + name + " is " +
-                              std::to_string(value) + "; expected " + expected);
+  check_parameter(good, "track survival", name, value, expected);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "models/parameter_check.h"
 #include "models/sinc.h"
+#include "perception/reason.h"
 
 namespace prospect {
 namespace {
@@ -27,10 +28,6 @@ Matrix2d rotation(double angle) {
 const Matrix2d kTurn = (Matrix2d() << 0.0, -1.0, 1.0, 0.0).finished();
 
 double wrapped(double angle) { return std::remainder(angle, 2.0 * M_PI); }
-
-void add_reason(std::string& reasons, const std::string& reason) {
-  reasons += (reasons.empty() ? "" : "; ") + reason;
-}
 
 /// The motion a, then b.
 Vector3d composed(const Vector3d& a, const Vector3d& b) {

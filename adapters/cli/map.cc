@@ -14,6 +14,7 @@
 #include "adapters/datasets/depth_dataset.h"
 #include "adapters/datasets/ground_picture.h"
 #include "adapters/datasets/map_run.h"
+#include "adapters/datasets/recording_range.h"
 #include "adapters/run/whole_file.h"
 #include "adapters/worlds/octree_file.h"
 
@@ -22,10 +23,6 @@ namespace {
 
 constexpr double kDegrees = 180.0 / M_PI;
 constexpr double kMostVoxels = 200.0;  // of a ray, see OccupancyMapperOptions
-
-nlohmann::ordered_json times(const TimePercentiles& t) {
-  return {{"p50", t.p50}, {"p95", t.p95}, {"p99", t.p99}, {"max", t.max}};
-}
 
 nlohmann::ordered_json as_json(const MapArguments& arguments, const DepthDataset& dataset,
                                const MapSummary& s) {
@@ -52,12 +49,12 @@ nlohmann::ordered_json as_json(const MapArguments& arguments, const DepthDataset
           {"wall_thickness_p90_m", s.walls.p90},
           {"walls_doubled", s.walls.doubled},
           {"processor_ms",
-           {{"check", times(s.check)},
-            {"ground", times(s.ground_plane)},
-            {"scan", times(s.scan)},
-            {"insert", times(s.insert)},
-            {"snapshot", times(s.snapshot)},
-            {"frame", times(s.frame)}}}};
+           {{"check", times_json(s.check)},
+            {"ground", times_json(s.ground_plane)},
+            {"scan", times_json(s.scan)},
+            {"insert", times_json(s.insert)},
+            {"snapshot", times_json(s.snapshot)},
+            {"frame", times_json(s.frame)}}}};
 }
 
 void print(const MapRun& run, const MapSummary& s) {
@@ -120,10 +117,7 @@ int map(const MapArguments& arguments) {
     options.camera = camera;
   }
   const DepthDataset dataset = DepthDataset::open(arguments.dataset, options);
-  if (arguments.first >= dataset.size()) {
-    throw InputError("--from is " + std::to_string(arguments.first) + "; expected less than the " +
-                     std::to_string(dataset.size()) + " frames of " + arguments.dataset);
-  }
+  check_first_frame(arguments.first, dataset.size(), arguments.dataset);
   MapRunOptions run_options;
   run_options.mapper.map.resolution = arguments.resolution;
   run_options.mapper.map.max_range = arguments.range;
@@ -139,8 +133,7 @@ int map(const MapArguments& arguments) {
     throw InputError(out.string() + ": is no folder; expected one to write to");
   }
   const bool follow = !arguments.quiet && !arguments.json && isatty(STDERR_FILENO) != 0;
-  const int rest = dataset.size() - arguments.first;
-  const int frames = arguments.frames > 0 ? std::min(arguments.frames, rest) : rest;
+  const int frames = frames_from(arguments.first, arguments.frames, dataset.size());
   const MapRun run = run_mapping(
       dataset, run_options, arguments.first, frames, [&](int done, const MapRunFrame& frame) {
         if (!follow) return;

@@ -15,6 +15,7 @@
 #include "adapters/datasets/odometry_calibration.h"
 #include "adapters/datasets/odometry_page.h"
 #include "adapters/datasets/odometry_run.h"
+#include "adapters/datasets/recording_range.h"
 #include "adapters/datasets/stereo_dataset.h"
 #include "adapters/run/whole_file.h"
 
@@ -22,10 +23,6 @@ namespace prospect {
 namespace {
 
 constexpr double kDegrees = 180.0 / M_PI;
-
-nlohmann::ordered_json times(const TimePercentiles& t) {
-  return {{"p50", t.p50}, {"p95", t.p95}, {"p99", t.p99}, {"max", t.max}};
-}
 
 nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dataset,
                                const OdometrySummary& s) {
@@ -52,13 +49,13 @@ nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dat
           {"disparity_offset_px", s.disparity_offset},
           {"disparity_offset_sigma_px", s.disparity_offset_sigma},
           {"ms",
-           {{"frame", times(s.frame)},
-            {"pyramids", times(s.pyramids)},
-            {"tracking", times(s.tracking)},
-            {"pose", times(s.pose)},
-            {"keyframe", times(s.keyframe)},
-            {"processor", times(s.processor)},
-            {"processor_keyframe", times(s.processor_keyframe)}}}};
+           {{"frame", times_json(s.frame)},
+            {"pyramids", times_json(s.pyramids)},
+            {"tracking", times_json(s.tracking)},
+            {"pose", times_json(s.pose)},
+            {"keyframe", times_json(s.keyframe)},
+            {"processor", times_json(s.processor)},
+            {"processor_keyframe", times_json(s.processor_keyframe)}}}};
 }
 
 void print(const OdometrySummary& s) {
@@ -102,10 +99,7 @@ void print(const OdometrySummary& s) {
 
 int odometry(const OdometryArguments& arguments) {
   const StereoDataset dataset = StereoDataset::open(arguments.dataset);
-  if (arguments.first >= dataset.size()) {
-    throw InputError("--from is " + std::to_string(arguments.first) + "; expected less than the " +
-                     std::to_string(dataset.size()) + " frames of " + arguments.dataset);
-  }
+  check_first_frame(arguments.first, dataset.size(), arguments.dataset);
   std::filesystem::path out = arguments.out;
   if (!out.empty()) {
     std::error_code error;
@@ -115,8 +109,7 @@ int odometry(const OdometryArguments& arguments) {
     }
   }
   const bool follow = !arguments.quiet && !arguments.json && isatty(STDERR_FILENO) != 0;
-  const int rest = dataset.size() - arguments.first;
-  const int frames = arguments.frames > 0 ? std::min(arguments.frames, rest) : rest;
+  const int frames = frames_from(arguments.first, arguments.frames, dataset.size());
   const StereoOdometryOptions options;
   std::optional<OdometryCalibration> calibration;
   if (arguments.calibrate) calibration.emplace(dataset.camera(), options);
@@ -129,10 +122,7 @@ int odometry(const OdometryArguments& arguments) {
         if (page) page->add(step);
         if (!follow) return;
         std::fprintf(stderr, "\r%6d of %d frames  %4d points  %-8s", step.done, frames,
-                     frame.tracked,
-                     frame.state == Localization::kOk         ? "ok"
-                     : frame.state == Localization::kDegraded ? "degraded"
-                                                              : "lost");
+                     frame.tracked, to_string(frame.state).data());
       });
   if (follow) std::fputc('\n', stderr);
   const OdometrySummary summary = summarize(run);

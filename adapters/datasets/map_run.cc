@@ -1,15 +1,15 @@
 #include "adapters/datasets/map_run.h"
 
-#include <time.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
 
 #include "adapters/config/input_error.h"
+#include "adapters/datasets/recording_range.h"
 #include "adapters/run/csv.h"
 #include "adapters/run/quantile.h"
+#include "engine/stopwatch.h"
 
 namespace prospect {
 namespace {
@@ -20,12 +20,6 @@ constexpr double kDegrees = 180.0 / M_PI;
 constexpr double kAlikeTilt = 0.02;    // [rad]
 constexpr double kAlikeHeight = 0.02;  // [m]
 constexpr double kLow = 0.2;           // [m]
-
-double processor_ms() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_nsec);
-}
 
 double angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
@@ -97,8 +91,7 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
                    int max_frames, const std::function<void(int, const MapRunFrame&)>& progress) {
   cv::setNumThreads(1);  // one core, and nothing that depends on scheduling
   MapRun run;
-  const int rest = std::max(0, dataset.size() - first);
-  const int n = max_frames > 0 ? std::min(max_frames, rest) : rest;
+  const int n = frames_from(first, max_frames, dataset.size());
   if (n == 0) return run;
   const PinholeCamera& camera = dataset.camera();
   const auto pose = [&](int i) {
@@ -144,14 +137,14 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
       mapped = mapper->process(dataset.stamp(i), image, T_WC);
       frame.up = T_WC.linear() * mapped.ground.normal;
       frame.height_error = mapped.ground.height - T_WC.translation().z();
-      const double begin = processor_ms();
+      ProcessorStopwatch watch;
       run.maps = mapper->map().snapshot();
-      frame.snapshot = processor_ms() - begin;
+      frame.snapshot = watch.lap();
     } else {
       mapped.stamp = dataset.stamp(i);
-      const double begin = processor_ms();
+      ProcessorStopwatch watch;
       mapped.ground = find_ground(camera, image, run.first, options.mapper.ground);
-      mapped.times.ground = processor_ms() - begin;
+      mapped.times.ground = watch.lap();
       mapped.state = mapped.ground.found ? Mapping::kOk : Mapping::kDegraded;
       if (!mapped.ground.found) mapped.reason = "no ground: " + mapped.ground.reason;
       frame.up = mapped.ground.normal;

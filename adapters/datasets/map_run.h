@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "adapters/datasets/depth_dataset.h"
-#include "adapters/datasets/odometry_run.h"
+#include "adapters/datasets/time_percentiles.h"
 #include "adapters/datasets/wall_thickness.h"
 #include "perception/depth_mapper.h"
 

@@ -6,14 +6,9 @@
 #include <limits>
 #include <opencv2/core.hpp>
 
-#include "adapters/run/quantile.h"
+#include "adapters/datasets/recording_range.h"
 
 namespace prospect {
-
-TimePercentiles percentiles(const std::vector<double>& ms) {
-  if (ms.empty()) return {};
-  return {quantile(ms, 0.5), quantile(ms, 0.95), quantile(ms, 0.99), quantile(ms, 1.0)};
-}
 
 OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptions& options,
                          int first, int max_frames,
@@ -21,8 +16,7 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
   cv::setNumThreads(1);  // one core, and nothing that depends on scheduling
   OdometryRun run;
   Eigen::Isometry3d start = Eigen::Isometry3d::Identity();
-  const int rest = std::max(0, dataset.size() - first);
-  const int n = max_frames > 0 ? std::min(max_frames, rest) : rest;
+  const int n = frames_from(first, max_frames, dataset.size());
   if (n == 0) return run;
   const auto begin = associate({{dataset.stamp(first), start}}, dataset.ground_truth());
   if (!begin.empty()) start = begin[0].truth;
@@ -104,11 +98,8 @@ std::string frames_csv(const OdometryRun& run) {
     const Eigen::Vector3d t = f.T_WC.translation();
     std::snprintf(line, sizeof line,
                   "%zu,%.9f,%s,%s,%d,%d,%d,%d,%d,%d,%.3f,%.6f,%.6f,%.6f,%.6f,%.4f\n", i, f.stamp,
-                  f.state == Localization::kOk         ? "ok"
-                  : f.state == Localization::kDegraded ? "degraded"
-                                                       : "lost",
-                  f.reason.c_str(), f.keyframe, f.restarted, f.expected, f.tracked, f.confirmed,
-                  f.matched, f.chi2_per_dof, t.x(), t.y(), t.z(),
+                  to_string(f.state).data(), f.reason.c_str(), f.keyframe, f.restarted, f.expected,
+                  f.tracked, f.confirmed, f.matched, f.chi2_per_dof, t.x(), t.y(), t.z(),
                   std::sqrt(f.covariance.topLeftCorner<3, 3>().trace()), f.disparity_offset);
     text += line;
   }

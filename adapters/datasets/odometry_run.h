@@ -7,16 +7,11 @@
 #include <vector>
 
 #include "adapters/datasets/stereo_dataset.h"
+#include "adapters/datasets/time_percentiles.h"
 #include "adapters/datasets/trajectory_error.h"
 #include "perception/stereo_odometry.h"
 
 namespace prospect {
-
-/// Median, 95 %, 99 % and largest of times [ms] (quantile.h); 0 where there were none.
-struct TimePercentiles {
-  double p50 = 0.0, p95 = 0.0, p99 = 0.0, max = 0.0;
-};
-TimePercentiles percentiles(const std::vector<double>& ms);
 
 /// What one pass of the odometry over a recording gives. Poses are causal: each as it was known at
 /// its frame, nothing is changed afterwards.

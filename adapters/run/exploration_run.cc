@@ -26,18 +26,6 @@ class SimulatedRobot final : public Robot {
   Simulator& simulator_;
 };
 
-const char* name(Localization localization) {
-  switch (localization) {
-    case Localization::kOk:
-      return "ok";
-    case Localization::kDegraded:
-      return "degraded";
-    case Localization::kLost:
-      return "lost";
-  }
-  return "?";
-}
-
 /// Cells whose state differs from what was last recorded.
 class MapChanges {
  public:
@@ -155,7 +143,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     const auto committed = static_cast<std::size_t>(std::max(0, plan.committed));
     if (committed < plan.visible.size()) r.predicted_features = plan.visible[committed];
     r.tracked_features = belief.tracked_features;
-    r.localization = name(belief.localization);
+    r.localization = to_string(belief.localization);
     r.coverage = simulator.coverage();
     r.area = simulator.seen_area();
     r.localization_error = simulator.localization_error();

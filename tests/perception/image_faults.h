@@ -167,10 +167,7 @@ class FaultOutcome {
   /// the fault. Prints the row of a table.
   void expect(int recovery) const {
     std::printf("%-20s %-9s %-48s ok again after %d\n", fault_.name.c_str(),
-                worst_ == Localization::kLost       ? "lost"
-                : worst_ == Localization::kDegraded ? "degraded"
-                                                    : "ok",
-                reason_.c_str(), good_again_);
+                to_string(worst_).data(), reason_.c_str(), good_again_);
     EXPECT_GE(noticed_, 0);
     EXPECT_LE(noticed_, 1);
     if (fault_.must_be_lost) {

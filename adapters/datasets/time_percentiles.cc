@@ -1,0 +1,18 @@
+#include "adapters/datasets/time_percentiles.h"
+
+#include <nlohmann/json.hpp>
+
+#include "adapters/run/quantile.h"
+
+namespace prospect {
+
+TimePercentiles percentiles(const std::vector<double>& ms) {
+  if (ms.empty()) return {};
+  return {quantile(ms, 0.5), quantile(ms, 0.95), quantile(ms, 0.99), quantile(ms, 1.0)};
+}
+
+nlohmann::ordered_json times_json(const TimePercentiles& times) {
+  return {{"p50", times.p50}, {"p95", times.p95}, {"p99", times.p99}, {"max", times.max}};
+}
+
+}  // namespace prospect
