@@ -13,6 +13,8 @@ pkg_check_modules(IPOPT QUIET IMPORTED_TARGET ipopt)
 set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)  # its SuiteSparse module reports every library it looks at
 find_package(Ceres CONFIG QUIET)
 unset(CMAKE_MESSAGE_LOG_LEVEL)
+# What pictures of the world need: without it the simulator has no camera tier, and says so.
+find_package(embree 3 CONFIG QUIET)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)
 
 # Debian's OpenCV module packages ship neither a CMake configuration nor a pkg-config file.

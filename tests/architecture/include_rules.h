@@ -30,7 +30,8 @@ inline std::map<std::string, RoomRules> architecture() {
       {"problems", {{"models", "engine", "problems"}, {"Eigen"}, {"Eigen"}}},
       {"adapters",
        {{"models", "engine", "solvers", "problems", "perception", "adapters"},
-        {"Eigen", "octomap", "opencv2", "fcl", "yaml-cpp", "nlohmann", "CLI", "hdf5", "mcap"},
+        {"Eigen", "octomap", "opencv2", "fcl", "yaml-cpp", "nlohmann", "CLI", "hdf5", "mcap",
+         "embree3", "assimp"},
         {"Eigen", "nlohmann"}}},
   };
 }

@@ -1,0 +1,253 @@
+#include "adapters/simulator/camera_rig.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "adapters/simulator/depth_camera.h"
+#include "adapters/simulator/parallel_bands.h"
+#include "models/parameter_check.h"
+
+namespace prospect {
+namespace {
+
+constexpr int kBand = 32;  // rows that a thread takes at a time
+enum Camera : std::uint64_t { kLeft, kRight, kDepth, kDropout };
+
+// Hash of (seed, frame, camera): the output function of SplitMix64 (Steele, Lea and Flood, 2014).
+std::uint64_t mix(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15ull;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
+  return x ^ (x >> 31);
+}
+
+// The random numbers of one image.
+class PixelNoise {
+ public:
+  PixelNoise(std::uint64_t seed, std::uint64_t frame, std::uint64_t camera) {
+    const std::uint64_t key = mix(mix(mix(seed) ^ frame) ^ camera);
+    low_ = static_cast<std::uint32_t>(key);
+    high_ = static_cast<std::uint32_t>(key >> 32);
+  }
+  // 32 random bits of a pixel: an integer hash in two rounds, keyed before each.
+  std::uint32_t bits(std::uint32_t pixel) const {
+    std::uint32_t h = pixel * 0x9e3779b9u + low_;
+    h = (h ^ (h >> 16)) * 0x7feb352du;
+    h = ((h ^ (h >> 15)) + high_) * 0x846ca68bu;
+    return h ^ (h >> 16);
+  }
+  // Mean 0, variance 1: the sum of four uniform bytes.
+  float gaussian(std::uint32_t pixel) const {
+    const std::uint32_t a = bits(pixel);
+    const auto sum =
+        static_cast<int>((a & 255u) + ((a >> 8) & 255u) + ((a >> 16) & 255u) + (a >> 24));
+    return static_cast<float>(sum - 510) * (1.0f / 147.8f);
+  }
+
+ private:
+  std::uint32_t low_, high_;
+};
+
+// Weights of a symmetric filter, from its middle outwards.
+std::vector<float> gaussian_weights(double sigma) {
+  std::vector<float> weights{1.0f};
+  double sum = 1.0;
+  for (int k = 1; sigma > 0.0 && k <= std::ceil(3.0 * sigma); ++k) {
+    weights.push_back(static_cast<float>(std::exp(-0.5 * k * k / (sigma * sigma))));
+    sum += 2.0 * weights.back();
+  }
+  for (float& w : weights) w = static_cast<float>(w / sum);
+  return weights;
+}
+
+// A box `length` pixels long, its ends in parts of a pixel.
+std::vector<float> box_weights(double length) {
+  std::vector<float> weights;
+  length = std::max(length, 1.0);
+  for (int k = 0; k == 0 || k - 0.5 < 0.5 * length; ++k) {
+    const double covered = std::clamp(0.5 * length - (k - 0.5), 0.0, 1.0);
+    weights.push_back(static_cast<float>((k == 0 ? 1.0 : covered) / length));
+  }
+  return weights;
+}
+
+// Filters a row of `n` with symmetric weights; it goes on beyond its ends as it ends. `padded` is
+// scratch.
+void filter_row(const float* row, int n, const std::vector<float>& weights,
+                std::vector<float>& padded, float* out) {
+  const int reach = static_cast<int>(weights.size()) - 1;
+  padded.resize(static_cast<std::size_t>(n + 2 * reach));
+  std::fill_n(padded.begin(), reach, row[0]);
+  std::copy_n(row, n, padded.begin() + reach);
+  std::fill_n(padded.begin() + reach + n, reach, row[n - 1]);
+  const float* centre = padded.data() + reach;
+  for (int u = 0; u < n; ++u) out[u] = weights[0] * centre[u];
+  for (int k = 1; k <= reach; ++k) {
+    const float w = weights[static_cast<std::size_t>(k)];
+    for (int u = 0; u < n; ++u) out[u] += w * (centre[u - k] + centre[u + k]);
+  }
+}
+
+}  // namespace
+
+PinholeCamera depth_camera(const RgbdFootprint& footprint, int width, int height) {
+  PinholeCamera camera;
+  camera.width = width;
+  camera.height = height;
+  camera.fx = 0.5 * width / std::tan(0.5 * footprint.horizontal_fov);
+  camera.fy = 0.5 * height / std::tan(0.5 * footprint.vertical_fov);
+  camera.cx = 0.5 * (width - 1);
+  camera.cy = 0.5 * (height - 1);
+  return camera;
+}
+
+CameraRig::CameraRig(std::shared_ptr<const SceneRenderer> scene, const CameraRigOptions& options)
+    : scene_(std::move(scene)), options_(options) {
+  constexpr std::string_view kOwner = "camera rig";
+  if (!scene_) throw std::invalid_argument("camera rig: expected a scene, got none");
+  validate(options.stereo);
+  validate(options.stereo_mount);
+  validate(options.footprint);
+  validate(options.depth_mount);
+  const auto within = [&](std::string_view name, double value, double low, double high,
+                          std::string_view expected) {
+    check_parameter(value >= low && value <= high, kOwner, name, value, expected);
+  };
+  within("depth_width", options.depth_width, 1, 16384, "1..16384 px");
+  within("depth_height", options.depth_height, 1, 16384, "1..16384 px");
+  within("exposure", options.exposure, 0.0, 100.0, "a gain in [0, 100]");
+  within("vignetting", options.vignetting, 0.0, 1.0, "a share in [0, 1]");
+  within("blur", options.blur, 0.0, 20.0, "0..20 px");
+  within("exposure_time", options.exposure_time, 0.0, 1.0, "0..1 s");
+  within("read_noise", options.read_noise, 0.0, 255.0, "0..255 grey levels");
+  within("shot_noise", options.shot_noise, 0.0, 255.0, "0..255 grey levels");
+  within("depth_noise_constant", options.depth_noise_constant, 0.0, 1.0, "0..1 m");
+  within("depth_noise_quadratic", options.depth_noise_quadratic, 0.0, 1.0, "0..1 per m");
+  within("depth_dropout", options.depth_dropout, 0.0, 1.0, "a probability");
+  within("max_incidence", options.max_incidence, 0.0, 1.6, "0..1.6 rad");
+  within("threads", options.threads, 1, 256, "1..256");
+  depth_camera_ =
+      prospect::depth_camera(options.footprint, options.depth_width, options.depth_height);
+}
+
+Image CameraRig::image(const Eigen::Isometry3d& T_WC, const Twist& twist, std::uint64_t frame,
+                       std::uint64_t camera_number) const {
+  const PinholeCamera& camera = options_.stereo.left;
+  std::vector<float> grey = scene_->intensity(camera, T_WC, options_.threads);
+  const int width = static_cast<int>(camera.width), height = static_cast<int>(camera.height);
+  const auto stride = static_cast<std::size_t>(width);
+  const int bands = (height + kBand - 1) / kBand;
+
+  // Across the rows, then down the columns: the second needs the rows of neighbouring bands.
+  const std::vector<float> lens = gaussian_weights(options_.blur);
+  double flow = camera.fx * std::abs(twist.yaw_rate) * options_.exposure_time;
+  flow = std::isfinite(flow) ? std::min(flow, camera.width) : 0.0;
+  const std::vector<float> motion = box_weights(flow);
+  const double corner_x = std::max(camera.cx, camera.width - camera.cx);
+  const double corner_y = std::max(camera.cy, camera.height - camera.cy);
+  const auto loss =
+      static_cast<float>(options_.vignetting / (corner_x * corner_x + corner_y * corner_y));
+  const auto gain = static_cast<float>(options_.exposure);
+  const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+  parallel_bands(options_.threads, bands, [&](int band) {
+    std::vector<float> padded, filtered(stride);
+    for (int v = band * kBand; v < std::min(height, (band + 1) * kBand); ++v) {
+      float* row = grey.data() + static_cast<std::size_t>(v) * stride;
+      const float y = static_cast<float>(v) - cy;
+      for (int u = 0; u < width; ++u) {
+        const float x = static_cast<float>(u) - cx;
+        row[u] *= gain * (1.0f - loss * (x * x + y * y));
+      }
+      if (lens.size() > 1) {
+        filter_row(row, width, lens, padded, filtered.data());
+        std::copy(filtered.begin(), filtered.end(), row);
+      }
+      if (motion.size() > 1) {
+        filter_row(row, width, motion, padded, filtered.data());
+        std::copy(filtered.begin(), filtered.end(), row);
+      }
+    }
+  });
+
+  Image image(width, height);
+  const PixelNoise noise(options_.seed, frame, camera_number);
+  const auto read = static_cast<float>(options_.read_noise * options_.read_noise);
+  const auto shot = static_cast<float>(options_.shot_noise);
+  parallel_bands(options_.threads, bands, [&](int band) {
+    std::vector<float> sum(stride);
+    const int reach = static_cast<int>(lens.size()) - 1;
+    for (int v = band * kBand; v < std::min(height, (band + 1) * kBand); ++v) {
+      const auto row = [&](int r) {
+        return grey.data() + static_cast<std::size_t>(std::clamp(r, 0, height - 1)) * stride;
+      };
+      const float* middle = row(v);
+      for (std::size_t u = 0; u < stride; ++u) sum[u] = lens[0] * middle[u];
+      for (int k = 1; k <= reach; ++k) {
+        const float w = lens[static_cast<std::size_t>(k)];
+        const float *above = row(v - k), *below = row(v + k);
+        for (std::size_t u = 0; u < stride; ++u) sum[u] += w * (above[u] + below[u]);
+      }
+      const auto first = static_cast<std::uint32_t>(v) * static_cast<std::uint32_t>(width);
+      std::uint8_t* out = image.pixels.data() + static_cast<std::size_t>(v) * stride;
+      for (int u = 0; u < width; ++u) {
+        const float g = sum[static_cast<std::size_t>(u)];
+        const float sigma = std::sqrt(read + shot * g);
+        const float noisy = g + sigma * noise.gaussian(first + static_cast<std::uint32_t>(u));
+        out[u] = static_cast<std::uint8_t>(
+            static_cast<int>(std::min(std::max(noisy, 0.0f), 255.0f) + 0.5f));
+      }
+    }
+  });
+  return image;
+}
+
+StereoImages CameraRig::stereo(const Pose& true_pose, const Twist& twist,
+                               std::uint64_t frame) const {
+  const Eigen::Isometry3d left = camera_pose(true_pose, options_.stereo_mount);
+  Eigen::Isometry3d right = left;
+  right.translation() += left.linear().col(0) * options_.stereo.baseline;
+  return {image(left, twist, frame, kLeft), image(right, twist, frame, kRight)};
+}
+
+DepthImage CameraRig::depth(const Pose& true_pose, std::uint64_t frame) const {
+  std::vector<float> incidence;
+  DepthImage image = scene_->depth(depth_camera_, camera_pose(true_pose, options_.depth_mount),
+                                   options_.threads, &incidence);
+  const PixelNoise noise(options_.seed, frame, kDepth);
+  const PixelNoise dropout(options_.seed, frame, kDropout);
+  // Of 24 random bits, which floats and integers hold exactly.
+  const auto dropped = static_cast<std::uint32_t>(std::lround(options_.depth_dropout * 0x1p24));
+  const auto grazing = static_cast<float>(std::cos(options_.max_incidence));
+  const auto constant = static_cast<float>(options_.depth_noise_constant);
+  const auto quadratic = static_cast<float>(options_.depth_noise_quadratic);
+  const auto min_range = static_cast<float>(options_.footprint.min_range);
+  const auto max_range = static_cast<float>(options_.footprint.max_range);
+  const auto inverse_fx = static_cast<float>(1.0 / depth_camera_.fx);
+  const auto inverse_fy = static_cast<float>(1.0 / depth_camera_.fy);
+  const auto cx = static_cast<float>(depth_camera_.cx), cy = static_cast<float>(depth_camera_.cy);
+  const int bands = (image.height + kBand - 1) / kBand;
+  parallel_bands(options_.threads, bands, [&](int band) {
+    for (int v = band * kBand; v < std::min(image.height, (band + 1) * kBand); ++v) {
+      const float y = (static_cast<float>(v) - cy) * inverse_fy;
+      const auto first = static_cast<std::uint32_t>(v) * static_cast<std::uint32_t>(image.width);
+      for (int u = 0; u < image.width; ++u) {
+        const std::uint32_t pixel = first + static_cast<std::uint32_t>(u);
+        float& z = image.depth[pixel];
+        const float x = (static_cast<float>(u) - cx) * inverse_fx;
+        const float stretch = std::sqrt(x * x + y * y + 1.0f);  // range / z
+        const float measured = z + (constant + quadratic * z * z) * noise.gaussian(pixel);
+        // Comparisons with NaN are false: what was not hit stays so.
+        const bool valid = z * stretch >= min_range && measured > 0.0f &&
+                           measured * stretch <= max_range && incidence[pixel] >= grazing &&
+                           (dropout.bits(pixel) >> 8) >= dropped;
+        z = valid ? measured : DepthImage::kInvalid;
+      }
+    }
+  });
+  return image;
+}
+
+}  // namespace prospect
