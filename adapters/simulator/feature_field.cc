@@ -3,6 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include "adapters/simulator/noise_stream.h"
+
 namespace prospect {
 
 FeatureField::FeatureField(const World& world, const std::function<double(int, int, int)>& density,
@@ -60,6 +62,13 @@ FeatureField::FeatureField(const World& world, const std::function<double(int, i
   std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
   features_.resize(found.size());
   for (const Feature& feature : found) features_[next[bin(feature)]++] = feature;
+}
+
+FeatureField simulated_features(const World& world, std::uint64_t seed) {
+  const std::uint64_t texture = stream_seed(seed, NoiseStream::kTexture);
+  return FeatureField(
+      world, [&](int i, int j, int k) { return texture_density(world, i, j, k, texture); },
+      stream_seed(seed, NoiseStream::kPoints));
 }
 
 }  // namespace prospect

@@ -50,4 +50,8 @@ class FeatureField {
   std::vector<Feature> features_;
 };
 
+/// The features that a simulation of this seed has: of the world's own texture, or of a patchy one
+/// drawn from the seed.
+FeatureField simulated_features(const World& world, std::uint64_t seed);
+
 }  // namespace prospect

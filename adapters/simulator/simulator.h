@@ -2,43 +2,14 @@
 
 #include <cstdint>
 #include <memory>
-#include <vector>
 
-#include "adapters/simulator/depth_camera.h"
-#include "adapters/simulator/feature_camera.h"
-#include "adapters/simulator/kinematic_robot.h"
-#include "adapters/simulator/landmark_builder.h"
-#include "adapters/simulator/odometry_model.h"
+#include "adapters/simulator/simulator_options.h"
 #include "adapters/worlds/world.h"
 #include "engine/belief.h"
 #include "engine/grid.h"
-#include "models/camera.h"
-#include "models/robot_shape.h"
 #include "models/types.h"
-#include "perception/occupancy_mapper.h"
 
 namespace prospect {
-
-/// Everything a simulated mission depends on besides its world and the commands.
-struct SimulatorOptions {
-  std::uint64_t seed = 1;
-
-  RobotShape shape = CylinderShape{};
-  ActuationNoise actuation;  ///< none by default: commands are executed exactly
-
-  CameraMount depth_mount;
-  DepthCameraOptions depth;
-  double depth_rate = 5.0;  ///< [Hz]
-
-  CameraMount stereo_mount;
-  FeatureCameraOptions features;
-  double image_rate = 10.0;  ///< [Hz]: tracking of features; keyframes are taken among these images
-
-  OdometryOptions odometry;
-  LandmarkBuilderOptions landmarks;
-  /// slice is set from the shape's vertical extent, max_range from the depth camera.
-  OccupancyMapperOptions mapping;
-};
 
 /// Kinematic simulator: a robot with a depth camera and a stereo camera in a true world. The
 /// planner sees sense() and nothing else: the estimate drifts with what is really visible, and all
@@ -82,11 +53,6 @@ class Simulator {
   double rotation() const;            ///< [rad] really turned, in absolute value
   int losses() const;                 ///< how often localization was lost
   double lost_time() const;           ///< [s] spent lost
-
-  /// Features tracked in the newest image (landmark ids, ascending) and how many true features are
-  /// visible in it before the tracker's limit on their number.
-  const std::vector<std::uint64_t>& tracked() const;
-  int visible_features() const;
 
   /// Cells of the true map counted by coverage(): nonzero = counts. Without one coverage is zero.
   void set_reachable(const Grid<std::uint8_t>& reachable);
