@@ -207,8 +207,11 @@ void Problem::chain(const JacobianBlock& block, const Eigen::Ref<const Eigen::Ve
   if (block.input) {
     row.segment(knot(block.stage) * nu, nu) += derivative.head(nu).transpose();
   } else {
-    row.noalias() += derivative.head(horizon_.nx()).transpose() *
-                     workspace.impl_->sensitivity[static_cast<std::size_t>(block.stage)];
+    // x_k depends on the knots of the stages before k alone.
+    const int columns = block.stage == 0 ? 0 : (knot(block.stage - 1) + 1) * nu;
+    row.head(columns).noalias() +=
+        derivative.head(horizon_.nx()).transpose() *
+        workspace.impl_->sensitivity[static_cast<std::size_t>(block.stage)].leftCols(columns);
   }
 }
 
