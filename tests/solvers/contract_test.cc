@@ -7,6 +7,7 @@
 #include <atomic>
 #include <thread>
 
+#include "engine/stopwatch.h"
 #include "solvers/load_plugin.h"
 #include "solvers/registry.h"
 #include "tests/solvers/problem_zoo.h"
@@ -248,22 +249,22 @@ TEST_P(EverySolver, HonoursAWallClockDeadlineWithASlowTerm) {
   const double wall =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   EXPECT_EQ(r.stop, StopReason::kDeadline);
-  EXPECT_GE(wall, 0.15);
-  // One evaluation that was running, the explanation, and what a loaded machine adds.
-  EXPECT_LE(wall, 0.15 + 2 * 0.02 + 0.08);
-  EXPECT_NEAR(r.wall_seconds, wall, 0.05);
+  EXPECT_GE(r.wall_seconds, 0.15);
+  EXPECT_LE(r.wall_seconds, wall);
+  // Counted, not timed, since other programs may be running: 0.15 s hold 7 calls and a part of one,
+  // and the explanation is another.
+  EXPECT_LE(watch->calls, 9);
 }
 
 TEST_P(EverySolver, HonoursADeadlineWithManyConstraints) {
   // What a method computes between two evaluations counts too (the dual problem of MMA took 1 s).
+  // Processor time, which other programs do not lengthen.
   const PathProblem path = path_problem(6);
   for (const double seconds : {0.005, 0.04}) {
     for (const Vector& start : {Vector(Vector::Zero(20)), Vector()}) {
-      const auto begin = std::chrono::steady_clock::now();
+      ProcessorStopwatch watch;
       const Result r = solver_->solve(path.problem, from(start), {}, deadline(seconds));
-      const double wall =
-          std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-      EXPECT_LE(wall, seconds + 0.06) << r.detail;
+      EXPECT_LE(1e-3 * watch.lap(), seconds + 0.06) << r.detail;
       expect_sound(r, path.problem);
     }
   }
