@@ -87,8 +87,11 @@ struct Polygon {
   Polygon(Draws& draws, double size) {
     sides = 3 + static_cast<int>(draws.next() * 4.0);
     const double turn = draws.next(0.0, 2.0 * std::numbers::pi);
+    // So that no corner is farther from the middle than `size`.
+    const double jitter = sides == 3 ? 0.1 : 0.15;
     for (int n = 0; n < sides; ++n) {
-      const double angle = turn + 2.0 * std::numbers::pi * (n + draws.next(-0.25, 0.25)) / sides;
+      const double angle =
+          turn + 2.0 * std::numbers::pi * (n + draws.next(-jitter, jitter)) / sides;
       normals[static_cast<std::size_t>(n)] =
           Eigen::Vector2d(std::cos(angle), std::sin(angle)).cast<float>();
       distances[static_cast<std::size_t>(n)] =
@@ -253,9 +256,9 @@ class Painter {
   /// The grey below the marks.
   double ground(const Side& side, const Eigen::Vector3d& p) const {
     constexpr double kFloor = 0.05;  // [m] up to where a surface that looks up is the floor
-    const double plain = side.axis != 2   ? 185.0
-                         : side.sign < 0  ? 235.0
-                         : p.z() > kFloor ? 200.0
+    const double plain = side.axis != 2   ? 175.0
+                         : side.sign < 0  ? 190.0
+                         : p.z() > kFloor ? 180.0
                                           : 140.0;
     return plain + 5.0 * value_noise(p, 1.1, options_.seed) +
            3.0 * value_noise(p, 0.53, options_.seed + 1);
@@ -321,7 +324,6 @@ class Painter {
         for (int x = x0; x < x1; ++x) {
           const Eigen::Vector2f p =
               (Eigen::Vector2d(centre(0, x), centre(1, y)) - mark->centre).cast<float>();
-          // Over the ground, and over older marks: theirs is what it covers.
           const float cover = mark->outer.cover(p, texel);
           if (cover == 0.0f) continue;
           const float inner = mark->inner_contrast == 0.0f ? 0.0f : mark->inner.cover(p, texel);
