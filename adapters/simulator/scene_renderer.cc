@@ -21,9 +21,9 @@ namespace prospect {
 namespace {
 
 constexpr std::uint32_t kNothing = 0xffffffffu;
-constexpr int kPacket = 8;          // rays that are traced abreast: 4 x 2 pixels
+constexpr int kPacket = 16;         // rays that are traced abreast: 4 x 4 pixels
 constexpr int kBand = 8;            // rows that a thread takes at a time
-constexpr float kEdge = 3.0f;       // [grey levels] between pixels that show different triangles
+constexpr float kEdge = 8.0f;       // [grey levels] between pixels that show different triangles
 constexpr float kMaxTaps = 4.0f;    // along the longer axis of a footprint
 constexpr std::size_t kViews = 64;  // triangles whose view a thread keeps, a power of two
 
@@ -234,18 +234,19 @@ struct SceneRenderer::Impl {
     }
   };
 
-  static float look_up(const SurfaceView& view, float u, float v) {
+  // Grey of the square of `size` pixels about (u, v).
+  static float look_up(const SurfaceView& view, float u, float v, float size) {
     const TexturePyramid& texture = *view.texture;
     if (texture.levels() == 1) return view.shade * texture.bilinear(0, 0.0f, 0.0f);
     const auto at = [&](const Eigen::Vector3f& f) { return f[0] * u + f[1] * v + f[2]; };
-    const float z = 1.0f / at(view.inverse_depth);
+    const float z = 1.0f / at(view.inverse_depth), step = size * z;
     const float s = at(view.s) * z, t = at(view.t) * z;
-    // Derivatives of the texture coordinates by the pixel's, and the footprint's axes [texels].
+    // Derivatives of the texture coordinates by the pixel's, times the size; the footprint's axes.
     const auto w = static_cast<float>(texture.width()), h = static_cast<float>(texture.height());
-    const float su = (view.s[0] - s * view.inverse_depth[0]) * z;
-    const float sv = (view.s[1] - s * view.inverse_depth[1]) * z;
-    const float tu = (view.t[0] - t * view.inverse_depth[0]) * z;
-    const float tv = (view.t[1] - t * view.inverse_depth[1]) * z;
+    const float su = (view.s[0] - s * view.inverse_depth[0]) * step;
+    const float sv = (view.s[1] - s * view.inverse_depth[1]) * step;
+    const float tu = (view.t[0] - t * view.inverse_depth[0]) * step;
+    const float tv = (view.t[1] - t * view.inverse_depth[1]) * step;
     const float along_u = su * su * w * w + tu * tu * h * h;
     const float along_v = sv * sv * w * w + tv * tv * h * h;
     const float major = std::max(along_u, along_v);  // squared
@@ -259,19 +260,14 @@ struct SceneRenderer::Impl {
     const auto count = static_cast<float>(taps);
     const float level = std::max(0.0f, 0.5f * rough_log2(major / (count * count)));
     const float ds = along_u > along_v ? su : sv, dt = along_u > along_v ? tu : tv;
-    float sum = 0.0f;
-    for (int k = 0; k < taps; ++k) {
-      const float offset = (static_cast<float>(k) + 0.5f) / count - 0.5f;
-      sum += texture.trilinear(level, s + offset * ds, t + offset * dt);
-    }
-    return view.shade * sum / count;
+    return view.shade * texture.mean_along(level, s, t, ds, dt, taps);
   }
 
   // The triangle that each of a packet's rays, through (u, v), meets first.
   void trace(const Rays& rays, const float* u, const float* v, int count,
              std::uint32_t* triangles) const {
-    alignas(32) RTCRayHit8 packet;
-    alignas(32) int valid[kPacket];
+    alignas(64) RTCRayHit16 packet;
+    alignas(64) int valid[kPacket];
     const Eigen::Matrix3f A = rays.to_ray.cast<float>();
     const Eigen::Vector3f origin = rays.origin.cast<float>();
     for (int n = 0; n < kPacket; ++n) {
@@ -296,7 +292,7 @@ struct SceneRenderer::Impl {
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    rtcIntersect8(valid, scene, &context, &packet);
+    rtcIntersect16(valid, scene, &context, &packet);
     for (int n = 0; n < count; ++n) {
       triangles[n] =
           packet.hit.geomID[n] == RTC_INVALID_GEOMETRY_ID ? kNothing : packet.hit.primID[n];
@@ -310,8 +306,8 @@ struct SceneRenderer::Impl {
     parallel_bands(threads, bands, [&](int band) {
       ViewCache cache;
       const int end = std::min(rays.height, (band + 1) * kBand);
-      for (int v0 = band * kBand; v0 < end; v0 += 2) {
-        const int rows = std::min(2, end - v0);
+      for (int v0 = band * kBand; v0 < end; v0 += 4) {
+        const int rows = std::min(4, end - v0);
         for (int u0 = 0; u0 < rays.width; u0 += 4) {
           const int columns = std::min(4, rays.width - u0);
           float u[kPacket], v[kPacket];
@@ -347,7 +343,7 @@ struct SceneRenderer::Impl {
                  shown[at] = triangle;
                  centres[at] = triangle == kNothing
                                    ? background
-                                   : look_up(cache.get(*this, rays, triangle), u, v);
+                                   : look_up(cache.get(*this, rays, triangle), u, v, 1.0f);
                });
     // Edges. What is written must not be what a neighbour reads.
     std::vector<float> grey = centres;
@@ -376,7 +372,7 @@ struct SceneRenderer::Impl {
           for (int n = p * kSubs; n < (p + 1) * kSubs; ++n) {
             sum += triangles[n] == kNothing
                        ? background
-                       : look_up(cache.get(*this, rays, triangles[n]), u[n], v[n]);
+                       : look_up(cache.get(*this, rays, triangles[n]), u[n], v[n], 0.5f);
           }
           grey[pending[p]] = sum / static_cast<float>(kSubs);
         }

@@ -24,9 +24,10 @@ struct SceneRendererOptions {
 ///
 /// Grey of a pixel = shade x albedo of what its centre's ray meets; the albedo is looked up
 /// trilinearly in a pyramid of the texture, with up to four taps along the longer axis of the
-/// pixel's footprint. Where neighbouring pixels show different triangles in different greys, four
-/// rays of a rotated grid give the pixel's mean instead: edges are smoothed, too.
-/// Pixel (u, v) of an image is the ray ((u - cx) / fx, (v - cy) / fy, 1) in C, at whole u and v.
+/// pixel's footprint. Where neighbouring pixels show different triangles in different greys (8
+/// levels apart), four rays of a rotated grid give the pixel's mean instead: edges are smoothed,
+/// too. Pixel (u, v) of an image is the ray ((u - cx) / fx, (v - cy) / fy, 1) in C, at whole u and
+/// v.
 ///
 /// Immutable: concurrent calls are safe. Deterministic: the same bits with any number of threads.
 /// Errors: the constructor throws std::invalid_argument on a mesh that is not whole (indices,

@@ -16,7 +16,12 @@ TexturePyramid::TexturePyramid(const Image& image) {
   int width = image.width, height = image.height;
   std::size_t offset = 0;
   while (true) {
-    const Level level{width, height, static_cast<std::size_t>(width) + 2, offset};
+    const Level level{width,
+                      height,
+                      256.0f * static_cast<float>(width),
+                      256.0f * static_cast<float>(height),
+                      static_cast<std::size_t>(width) + 2,
+                      offset};
     offset += level.stride * (static_cast<std::size_t>(height) + 2);
     levels_.push_back(level);
     if (width == 1 && height == 1) break;

@@ -48,8 +48,13 @@ TEST(TexturePyramid, HalvesDownToTheMean) {
   const double mean = 3 * 6.0 + 10 * 2.5;
   EXPECT_NEAR(pyramid.bilinear(4, 0.3f, 0.7f), mean, 2.0);  // each level is rounded
   const float fine = pyramid.bilinear(1, 0.4f, 0.4f), coarse = pyramid.bilinear(2, 0.4f, 0.4f);
-  EXPECT_NEAR(pyramid.trilinear(1.25f, 0.4f, 0.4f), 0.75 * fine + 0.25 * coarse, 1e-3);
-  EXPECT_EQ(pyramid.trilinear(77.0f, 0.4f, 0.4f), pyramid.bilinear(4, 0.4f, 0.4f));
+  EXPECT_NEAR(pyramid.mean_along(1.25f, 0.4f, 0.4f, 0.0f, 0.0f, 1), 0.75 * fine + 0.25 * coarse,
+              1e-3);
+  EXPECT_EQ(pyramid.mean_along(77.0f, 0.4f, 0.4f, 0.1f, 0.2f, 3), pyramid.bilinear(4, 0.4f, 0.4f));
+  // Two taps: a quarter of the segment to either side.
+  EXPECT_NEAR(pyramid.mean_along(0.0f, 0.4f, 0.5f, 0.2f, 0.1f, 2),
+              0.5 * (pyramid.bilinear(0, 0.35f, 0.475f) + pyramid.bilinear(0, 0.45f, 0.525f)),
+              1e-3);
 }
 
 TEST(TexturePyramid, RefusesAnEmptyImage) {
