@@ -109,7 +109,8 @@ int run(int argc, char** argv) {
   constexpr std::uint64_t kSeed = 1;
   const FeatureField field(
       world, [&](int i, int j, int k) { return texture_density(world, i, j, k, kSeed); }, kSeed);
-  const TexturedMesh mesh = world_mesh(world, field, mesh_options);
+  const TexturedMesh mesh =
+      world.mesh != nullptr ? *world.mesh : world_mesh(world, field, mesh_options);
   const auto meshing = watch.lap();
   std::size_t texels = 0;
   for (const Image& texture : mesh.textures) texels += texture.pixels.size();

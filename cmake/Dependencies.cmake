@@ -15,6 +15,9 @@ find_package(Ceres CONFIG QUIET)
 unset(CMAKE_MESSAGE_LOG_LEVEL)
 # What pictures of the world need: without it the simulator has no camera tier, and says so.
 find_package(embree 3 CONFIG QUIET)
+# What mesh files need: without them such worlds are refused, and say so.
+find_package(assimp CONFIG QUIET)
+pkg_check_modules(TINYXML2 QUIET IMPORTED_TARGET tinyxml2)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)
 
 # Debian's OpenCV module packages ship neither a CMake configuration nor a pkg-config file.

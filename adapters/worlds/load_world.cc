@@ -17,6 +17,9 @@
 #include "adapters/config/strict_yaml.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "adapters/worlds/floor_plan.h"
+#include "adapters/worlds/gazebo_world.h"
+#include "adapters/worlds/mesh_file.h"
+#include "adapters/worlds/mesh_world.h"
 #include "adapters/worlds/octree_file.h"
 #include "adapters/worlds/octree_world.h"
 #include "adapters/worlds/reachable_area.h"
@@ -26,6 +29,9 @@
 
 namespace prospect {
 namespace {
+
+constexpr const char* kExtensions =
+    ".yaml, .bt, .ot, .pgm, .png, .map, .obj, .dae, .gltf, .glb, .world, .sdf";
 
 /// Distance [m] from a column's centre to the nearest column that is not free, at most `bound`.
 double clearance(const Grid<std::uint8_t>& free, Cell c, double bound) {
@@ -217,14 +223,12 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
       std::string list;
       for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
       throw InputError(
-          like_a_path
-              ? name_or_path + ": no such file; expected a world: .yaml, .bt, .ot, .pgm, .png, .map"
-              : "unknown world '" + name_or_path + "'" + did_you_mean(name_or_path, names) +
-                    "; expected one of: " + list + ", plan:SEED, or a file");
+          like_a_path ? name_or_path + ": no such file; expected a world: " + kExtensions
+                      : "unknown world '" + name_or_path + "'" + did_you_mean(name_or_path, names) +
+                            "; expected one of: " + list + ", plan:SEED, or a file");
     }
     if (fs::is_directory(path, error)) {
-      throw InputError(name_or_path +
-                       ": is a directory; expected a world: .yaml, .bt, .ot, .pgm, .png, .map");
+      throw InputError(name_or_path + ": is a directory; expected a world: " + kExtensions);
     }
     if (extension == ".bt" || extension == ".ot") {
       OctreeWorldOptions octree;
@@ -237,13 +241,19 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
       world = world_from_image(name_or_path, options);
     } else if (extension == ".map") {
       world = world_from_movingai(name_or_path, options);
+    } else if (extension == ".obj" || extension == ".dae" || extension == ".gltf" ||
+               extension == ".glb") {
+      world = world_from_mesh(read_mesh_file(name_or_path), name_or_path);
+    } else if (extension == ".world" || extension == ".sdf") {
+      world = world_from_mesh(read_gazebo_world(name_or_path), name_or_path);
     } else {
       throw InputError(name_or_path + ": unknown kind of file '" + extension +
-                       "'; expected .yaml, .bt, .ot, .pgm, .png or .map");
+                       "'; expected one of " + kExtensions);
     }
     world->name = path.stem().string();
   }
   place_start(*world, options.slice, options.start, states_start);
+  if (world->mesh != nullptr) keep_connected_space(*world);
   return *std::move(world);
 }
 

@@ -13,10 +13,11 @@ struct WorldOptions {
   std::optional<Pose> start;
   /// Where the default start looks for room, and what a given start is checked against.
   BodySlice slice;
-  /// Merge the voxels of a finer map to about this size [m], a whole multiple of theirs; 0 keeps
-  /// the source's resolution. A merged voxel is occupied if any fine one is; of an image it is free
-  /// if all are, of an octree (whose free space is full of unseen holes) if at least half are.
-  /// Merged, the truth has no obstacle thinner than the map that the robot builds can hold.
+  /// Of maps; meshes are voxelised as mesh_world.h says. Merge the voxels of a finer map to about
+  /// this size [m], a whole multiple of theirs; 0 keeps the source's resolution. A merged voxel is
+  /// occupied if any fine one is; of an image it is free if all are, of an octree (whose free space
+  /// is full of unseen holes) if at least half are. Merged, the truth has no obstacle thinner than
+  /// the map that the robot builds can hold.
   double resolution = 0.1;
   /// [m per pixel] of an image that comes without a .yaml.
   double pixel_size = 0.05;
@@ -27,9 +28,10 @@ struct WorldOptions {
 /// A world by name or path: a built-in name (builtin_world_names()), plan:SEED
 /// (random_floor_plan()), else by extension: .yaml/.yml
 /// (a world file, or a ROS map if it has the key `image`), .bt/.ot (OctoMap), .pgm/.png (bare map
-/// image), .map (MovingAI). Throws InputError: unknown name (with the nearest built-in name),
-/// missing file, directory, unreadable or corrupt content, no place to stand, or a given start from
-/// which the robot cannot stand.
+/// image), .map (MovingAI), .obj/.dae/.gltf/.glb (mesh_file.h), .world/.sdf (gazebo_world.h), both
+/// voxelised at 0.05 m (mesh_world.h). Throws InputError: unknown name (with the nearest built-in
+/// name), missing file, directory, unreadable or corrupt content, no place to stand, or a given
+/// start from which the robot cannot stand.
 World load_world(const std::string& name_or_path, const WorldOptions& options = {});
 
 /// Sets the world's start to `given` if there is one; else, if the robot cannot stand at the

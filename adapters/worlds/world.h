@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -8,6 +9,8 @@
 #include "models/types.h"
 
 namespace prospect {
+
+struct TexturedMesh;
 
 /// A true world for the simulator: what is where, and how much texture its surfaces carry.
 ///
@@ -26,6 +29,9 @@ struct World {
   std::vector<std::uint8_t> texture_class;
   /// Height of W's z = 0 in the frame of the source map [m].
   double source_floor_height = 0.0;
+  /// What cameras see of a world that was read from a mesh; null for all others, whose mesh is that
+  /// of their voxels (adapters/simulator/world_mesh.h).
+  std::shared_ptr<const TexturedMesh> mesh = nullptr;
 
   bool solid(int i, int j, int k) const { return voxels.state(i, j, k) != CellState::kFree; }
 };

@@ -1,0 +1,196 @@
+#include "adapters/worlds/mesh_world.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "adapters/config/input_error.h"
+
+namespace prospect {
+namespace {
+
+using Eigen::Vector3d;
+using Corners = std::array<Vector3d, 3>;
+
+/// Whether a triangle and a box have a point in common (separating axes: Akenine-Moeller, 2001).
+bool touches(const Corners& triangle, const Vector3d& centre, const Vector3d& half) {
+  const Corners v = {triangle[0] - centre, triangle[1] - centre, triangle[2] - centre};
+  const auto separates = [&](const Vector3d& axis) {
+    const double a = axis.dot(v[0]), b = axis.dot(v[1]), c = axis.dot(v[2]);
+    const double reach = half.dot(axis.cwiseAbs());
+    return std::min({a, b, c}) > reach || std::max({a, b, c}) < -reach;
+  };
+  for (int k = 0; k < 3; ++k) {
+    if (separates(Vector3d::Unit(k))) return false;
+  }
+  const Corners edges = {v[1] - v[0], v[2] - v[1], v[0] - v[2]};
+  if (separates(edges[0].cross(edges[1]))) return false;
+  for (const Vector3d& edge : edges) {
+    for (int k = 0; k < 3; ++k) {
+      if (separates(edge.cross(Vector3d::Unit(k)))) return false;
+    }
+  }
+  return true;
+}
+
+Corners corners_of(const TexturedMesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+  return {mesh.vertices[triangle[0]].cast<double>(), mesh.vertices[triangle[1]].cast<double>(),
+          mesh.vertices[triangle[2]].cast<double>()};
+}
+
+double floor_height(const TexturedMesh& mesh, const std::string& name) {
+  constexpr double kStep = 0.05;       // [m]
+  constexpr double kLevel = 0.984808;  // cos 10 degrees
+  struct Layer {
+    double area = 0.0, moment = 0.0;  // moment: area times height
+  };
+  for (const double side : {1.0, -1.0}) {
+    std::map<int, Layer> layers;
+    for (const auto& triangle : mesh.triangles) {
+      const Corners c = corners_of(mesh, triangle);
+      const Vector3d normal = 0.5 * (c[1] - c[0]).cross(c[2] - c[0]);
+      const double area = normal.norm();
+      if (!(area > 0.0) || side * normal.z() < kLevel * area) continue;
+      const double height = (c[0].z() + c[1].z() + c[2].z()) / 3.0;
+      Layer& layer = layers[static_cast<int>(std::floor(height / kStep))];
+      layer.area += area;
+      layer.moment += area * height;
+    }
+    double most = 0.0;
+    for (const auto& [height, layer] : layers) most = std::max(most, layer.area);
+    for (const auto& [height, layer] : layers) {
+      if (layer.area >= 0.5 * most) return layer.moment / layer.area;
+    }
+  }
+  throw InputError(name + ": nothing level in the mesh; expected a floor, z up");
+}
+
+}  // namespace
+
+World world_from_mesh(TexturedMesh mesh, const std::string& name, const MeshWorldOptions& options) {
+  const double r = options.resolution;
+  const double floor = floor_height(mesh, name);
+  Eigen::AlignedBox3d box;
+  for (Eigen::Vector3f& p : mesh.vertices) p.z() = static_cast<float>(p.z() - floor);
+  for (const auto& triangle : mesh.triangles) {
+    for (const Vector3d& p : corners_of(mesh, triangle)) box.extend(p);
+  }
+  const double columns = std::ceil(box.sizes().x() / r) + 2.0,
+               rows = std::ceil(box.sizes().y() / r) + 2.0;
+  const int top = static_cast<int>(std::ceil(options.height / r));  // voxels above the floor
+  const double voxels = columns * rows * (top + 1);
+  if (!(voxels <= static_cast<double>(options.max_voxels))) {
+    throw InputError(name + ": " + std::to_string(box.sizes().x()) + " x " +
+                     std::to_string(box.sizes().y()) + " m are too many voxels of " +
+                     std::to_string(r) + " m; expected a mesh in metres, of a building");
+  }
+  const GridFrame frame{r, static_cast<int>(std::floor(box.min().x() / r)),
+                        static_cast<int>(std::floor(box.min().y() / r)), static_cast<int>(columns),
+                        static_cast<int>(rows)};
+  const int depth = top + 1;
+  constexpr int kLowest = -1;
+  const auto index = [&](int i, int j, int k) {
+    return static_cast<std::size_t>(frame.index({i, j})) * static_cast<std::size_t>(depth) +
+           static_cast<std::size_t>(k - kLowest);
+  };
+  std::vector<CellState> data(
+      static_cast<std::size_t>(frame.size()) * static_cast<std::size_t>(depth),
+      CellState::kUnknown);
+  // The slab of layer k: that of the floor reaches up by the tolerance and down to where floors
+  // lie.
+  const double below = std::max(r, 0.1);
+  const auto slab = [&](int k) -> std::pair<double, double> {
+    if (k == kLowest) return {-below, options.floor_tolerance};
+    return {std::max(k * r, options.floor_tolerance), (k + 1) * r};
+  };
+  // A face between two voxels belongs to the one above, by the range of cells; rounding must not
+  // take it from that one, too.
+  constexpr double kRounding = 1e-6;
+  for (const auto& triangle : mesh.triangles) {
+    const Corners corners = corners_of(mesh, triangle);
+    Eigen::AlignedBox3d bounds;
+    for (const Vector3d& p : corners) bounds.extend(p);
+    if (bounds.max().z() < -below || bounds.min().z() > top * r) continue;
+    const auto cell = [&](double x) { return static_cast<int>(std::floor(x / r)); };
+    const int k0 = bounds.min().z() <= options.floor_tolerance ? kLowest : cell(bounds.min().z());
+    const int k1 = std::min(top - 1, std::max(kLowest, cell(std::min(bounds.max().z(), top * r))));
+    const int i0 = std::max(cell(bounds.min().x()), frame.i0);
+    const int i1 = std::min(cell(bounds.max().x()), frame.i0 + frame.width - 1);
+    const int j0 = std::max(cell(bounds.min().y()), frame.j0);
+    const int j1 = std::min(cell(bounds.max().y()), frame.j0 + frame.height - 1);
+    for (int j = j0; j <= j1; ++j) {
+      for (int i = i0; i <= i1; ++i) {
+        for (int k = k0; k <= k1; ++k) {
+          CellState& state = data[index(i, j, k)];
+          const auto [low, high] = slab(k);
+          if (state == CellState::kOccupied || !(low < high)) continue;
+          const Vector3d centre((i + 0.5) * r, (j + 0.5) * r, 0.5 * (low + high));
+          const Vector3d half(0.5 * r, 0.5 * r, 0.5 * (high - low));
+          if (touches(corners, centre, half.array() + kRounding)) {
+            state = CellState::kOccupied;
+          }
+        }
+      }
+    }
+  }
+  for (int j = frame.j0; j < frame.j0 + frame.height; ++j) {
+    for (int i = frame.i0; i < frame.i0 + frame.width; ++i) {
+      if (data[index(i, j, kLowest)] != CellState::kOccupied) continue;
+      for (int k = 0; k < top; ++k) {
+        CellState& state = data[index(i, j, k)];
+        if (state == CellState::kUnknown) state = CellState::kFree;
+      }
+    }
+  }
+  return World{.name = name,
+               .voxels = VoxelGrid(frame, kLowest, depth, std::move(data)),
+               .start = {},
+               .texture_density = {},
+               .texture_class = {},
+               .source_floor_height = floor,
+               .mesh = std::make_shared<const TexturedMesh>(std::move(mesh))};
+}
+
+void keep_connected_space(World& world) {
+  const VoxelGrid& voxels = world.voxels;
+  const GridFrame& frame = voxels.frame();
+  const int depth = voxels.depth();
+  std::vector<CellState> data = voxels.data();
+  std::vector<std::uint8_t> connected(data.size(), 0);
+  std::vector<std::size_t> open;
+  const auto visit = [&](std::size_t n) {
+    if (data[n] != CellState::kFree || connected[n] != 0) return;
+    connected[n] = 1;
+    open.push_back(n);
+  };
+  const Cell start = frame.cell(world.start.position.x(), world.start.position.y());
+  if (frame.contains(start)) {
+    const std::size_t column =
+        static_cast<std::size_t>(frame.index(start)) * static_cast<std::size_t>(depth);
+    for (std::size_t n = 0; n < static_cast<std::size_t>(depth); ++n) visit(column + n);
+  }
+  while (!open.empty()) {
+    const std::size_t n = open.back();
+    open.pop_back();
+    const auto layer = static_cast<int>(n % static_cast<std::size_t>(depth));
+    const Cell cell = frame.at(static_cast<int>(n / static_cast<std::size_t>(depth)));
+    if (layer > 0) visit(n - 1);
+    if (layer + 1 < depth) visit(n + 1);
+    for (const Cell& next : {Cell{cell.i + 1, cell.j}, Cell{cell.i - 1, cell.j},
+                             Cell{cell.i, cell.j + 1}, Cell{cell.i, cell.j - 1}}) {
+      if (!frame.contains(next)) continue;
+      visit(static_cast<std::size_t>(frame.index(next)) * static_cast<std::size_t>(depth) +
+            static_cast<std::size_t>(layer));
+    }
+  }
+  for (std::size_t n = 0; n < data.size(); ++n) {
+    if (data[n] == CellState::kFree && connected[n] == 0) data[n] = CellState::kUnknown;
+  }
+  world.voxels = VoxelGrid(frame, voxels.k0(), depth, std::move(data));
+}
+
+}  // namespace prospect
