@@ -24,6 +24,8 @@ constexpr std::uint32_t kNothing = 0xffffffffu;
 constexpr int kPacket = 16;         // rays that are traced abreast: 4 x 4 pixels
 constexpr int kBand = 8;            // rows that a thread takes at a time
 constexpr float kEdge = 8.0f;       // [grey levels] between pixels that show different triangles
+constexpr float kFarthest = 2e5f;   // [m] and repeats of a texture; floats tell no more
+constexpr float kSteepest = 1e10f;  // squared length of a footprint [texels^2]
 constexpr float kMaxTaps = 4.0f;    // along the longer axis of a footprint
 constexpr std::size_t kViews = 64;  // triangles whose view a thread keeps, a power of two
 
@@ -138,9 +140,8 @@ struct SceneRenderer::Impl {
       }
     }
     for (std::size_t n = 0; n < mesh.vertices.size(); ++n) {
-      constexpr float kFarthest = 1e5f;  // [m] and repeats; floats tell no more
-      const bool sound = mesh.vertices[n].cwiseAbs().maxCoeff() < kFarthest &&
-                         mesh.uv[n].cwiseAbs().maxCoeff() < kFarthest;
+      const bool sound = mesh.vertices[n].cwiseAbs().maxCoeff() < 0.5f * kFarthest &&
+                         mesh.uv[n].cwiseAbs().maxCoeff() < 0.5f * kFarthest;
       if (!sound) refuse("mesh: vertex " + std::to_string(n) + " is not finite or too far away");
     }
   }
@@ -250,6 +251,9 @@ struct SceneRenderer::Impl {
     const float along_u = su * su * w * w + tu * tu * h * h;
     const float along_v = sv * sv * w * w + tv * tv * h * h;
     const float major = std::max(along_u, along_v);  // squared
+    // A plane seen edge-on, where rounding has the last word: its mean grey will do.
+    const bool sound = std::abs(s) < kFarthest && std::abs(t) < kFarthest && major < kSteepest;
+    if (!sound) return view.shade * texture.bilinear(texture.levels() - 1, 0.0f, 0.0f);
     if (!(major > 1.0f)) return view.shade * texture.bilinear(0, s, t);
     const float minor = std::max(std::min(along_u, along_v), 1.0f);
     int taps = 1;
@@ -409,7 +413,9 @@ struct SceneRenderer::Impl {
                  if (triangle == kNothing) return;
                  const SurfaceView& view = cache.get(*this, rays, triangle);
                  const Eigen::Vector3f& f = view.inverse_depth;
-                 image.depth[at] = 1.0f / (f[0] * u + f[1] * v + f[2]);
+                 const float z = 1.0f / (f[0] * u + f[1] * v + f[2]);
+                 if (!(z > 0.0f && z < kFarthest)) return;  // edge-on: rounding alone
+                 image.depth[at] = z;
                  if (incidence == nullptr) return;
                  const float x = (u - cx) * inverse_fx, y = (v - cy) * inverse_fy;
                  const Eigen::Vector3f& n = view.normal_C;

@@ -240,6 +240,35 @@ TEST(SceneRenderer, ShadesByDirection) {
   EXPECT_TRUE(std::isnan(scene.depth(beside.camera, beside.T_WC).at(0, 0)));
 }
 
+TEST(SceneRenderer, SurfacesSeenEdgeOn) {
+  // The eye in the plane of a textured floor, just above and below it, and in its very edge; a
+  // texture that repeats as often as it may.
+  TexturedMesh mesh;
+  mesh.vertices = {{-50, -50, 0}, {50, -50, 0}, {50, 50, 0}, {-50, 50, 0}};
+  mesh.uv = {{-9e4f, -9e4f}, {9e4f, -9e4f}, {9e4f, 9e4f}, {-9e4f, 9e4f}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.material = {0, 0};
+  mesh.textures = {Image(64, 64, 90)};
+  for (int n = 0; n < 64; ++n) mesh.textures[0].at(n, (7 * n) % 64) = 250;
+  const SceneRenderer scene(mesh);
+  const PinholeCamera camera{20.0, 20.0, 32.0, 24.0, 65.0, 49.0};
+  for (const double z : {0.0, 1e-12, 1e-9, -1e-7, 1e-5, 1e-3, 0.1}) {
+    for (const double yaw : {0.0, 0.5, 0.7853981633974483}) {
+      Pose pose;
+      pose.position = {0.0, 0.0, z - 0.45};
+      pose.yaw = yaw;
+      const Isometry3d T_WC = camera_pose(pose, CameraMount{});
+      for (const float grey : scene.intensity(camera, T_WC)) {
+        ASSERT_GE(grey, 0.0f);
+        ASSERT_LE(grey, 255.0f);
+      }
+      for (const float depth : scene.depth(camera, T_WC).depth) {
+        ASSERT_TRUE(std::isnan(depth) || (depth > 0.0f && std::isfinite(depth)));
+      }
+    }
+  }
+}
+
 TEST(SceneRenderer, RefusesABrokenMesh) {
   TexturedMesh whole;
   whole.vertices = {{1, -1, -1}, {1, 1, -1}, {1, 1, 1}};
