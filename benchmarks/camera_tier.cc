@@ -91,7 +91,7 @@ int run(int argc, char** argv) {
   int frames = 40;
   app.add_option("world", name, "As for `prospect explore`");
   app.add_option("--start", start, "X Y YAW [m, rad]")->expected(3);
-  app.add_option("--quality", mesh_options.texture_quality, "Contrast of the marks, 0..1");
+  app.add_option("--quality", mesh_options.texture_quality, "Contrast of the texture, 0..1");
   app.add_option("--frames", frames, "Timed views")->check(CLI::Range(1, 10000));
   app.add_option("--out", out, "Writes left.jpg, right.jpg and depth.jpg there");
   CLI11_PARSE(app, argc, argv);
@@ -114,7 +114,9 @@ int run(int argc, char** argv) {
   const auto meshing = watch.lap();
   std::size_t texels = 0;
   for (const Image& texture : mesh.textures) texels += texture.pixels.size();
-  const auto scene = std::make_shared<const SceneRenderer>(mesh);
+  SceneRendererOptions scene_options;
+  if (world.mesh != nullptr) scene_options.texture_contrast = mesh_options.texture_quality;
+  const auto scene = std::make_shared<const SceneRenderer>(mesh, scene_options);
   const auto building = watch.lap();
   std::printf(
       "%s: %zu triangles, %zu textures of %.1f Mpx; loaded in %.0f ms, meshed in %.0f ms, "

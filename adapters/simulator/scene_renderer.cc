@@ -80,6 +80,17 @@ Rays rays_of(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC) {
           static_cast<int>(camera.width), static_cast<int>(camera.height)};
 }
 
+Image with_contrast(const Image& image, double contrast) {
+  double sum = 0.0;
+  for (const std::uint8_t grey : image.pixels) sum += grey;
+  const double mean = sum / static_cast<double>(std::max<std::size_t>(image.pixels.size(), 1));
+  Image out = image;
+  for (std::uint8_t& grey : out.pixels) {
+    grey = static_cast<std::uint8_t>(std::lround(mean + contrast * (grey - mean)));
+  }
+  return out;
+}
+
 // log2 of a positive number, linear between powers of two: the same everywhere, and near enough for
 // a level of detail.
 float rough_log2(float x) {
@@ -100,7 +111,10 @@ struct SceneRenderer::Impl {
     check(mesh);
     options.light.normalize();
     textures.reserve(mesh.textures.size());
-    for (const Image& image : mesh.textures) textures.emplace_back(image);
+    for (const Image& image : mesh.textures) {
+      textures.emplace_back(
+          options.texture_contrast == 1.0 ? image : with_contrast(image, options.texture_contrast));
+    }
     std::vector<std::uint32_t> kept;  // triangles that have an area
     for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n) {
       if (add_surface(mesh, n)) kept.push_back(n);
@@ -119,6 +133,9 @@ struct SceneRenderer::Impl {
       throw std::invalid_argument("scene renderer: " + what);
     };
     if (!(options.ambient >= 0.0 && options.ambient <= 1.0)) refuse("ambient outside 0..1");
+    if (!(options.texture_contrast >= 0.0 && options.texture_contrast <= 1.0)) {
+      refuse("texture_contrast outside 0..1");
+    }
     if (!(options.background >= 0.0 && options.background <= 255.0)) {
       refuse("background outside 0..255");
     }

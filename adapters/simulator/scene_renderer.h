@@ -13,6 +13,8 @@
 namespace prospect {
 
 struct SceneRendererOptions {
+  /// Contrast of the textures, each about its own mean: 1 as they are, 0 plain.
+  double texture_contrast = 1.0;
   double background = 180.0;  ///< grey where nothing is hit
   /// Share of the light that comes from everywhere; the rest depends on the surface's direction n,
   /// turned towards the camera: shade = ambient + (1 - ambient) (1 + n . light) / 2.

@@ -240,6 +240,29 @@ TEST(SceneRenderer, ShadesByDirection) {
   EXPECT_TRUE(std::isnan(scene.depth(beside.camera, beside.T_WC).at(0, 0)));
 }
 
+TEST(SceneRenderer, ContrastIsAboutTheMean) {
+  TexturedMesh mesh;
+  mesh.vertices = {{1, -1, -1}, {1, 1, -1}, {1, 1, 1}, {1, -1, 1}};
+  mesh.uv = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+  mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+  mesh.material = {0, 0};
+  mesh.textures = {Image(2, 1, 60)};
+  mesh.textures[0].at(1, 0) = 180;
+  for (const double contrast : {1.0, 0.5, 0.0}) {
+    SceneRendererOptions options;
+    options.ambient = 1.0;
+    options.texture_contrast = contrast;
+    const SceneRenderer scene(mesh, options);
+    // In the middles of the texture's two pixels.
+    const Needle dark({0, -0.5, 0.1}, {1, 0, 0}), bright({0, 0.5, 0.1}, {1, 0, 0});
+    EXPECT_NEAR(scene.grey(dark.camera, dark.T_WC).at(0, 0), 120 - 60 * contrast, 1);
+    EXPECT_NEAR(scene.grey(bright.camera, bright.T_WC).at(0, 0), 120 + 60 * contrast, 1);
+  }
+  SceneRendererOptions wrong;
+  wrong.texture_contrast = 1.1;
+  EXPECT_THROW(SceneRenderer(mesh, wrong), std::invalid_argument);
+}
+
 TEST(SceneRenderer, SurfacesSeenEdgeOn) {
   // The eye in the plane of a textured floor, just above and below it, and in its very edge; a
   // texture that repeats as often as it may.
