@@ -17,9 +17,7 @@
 namespace prospect {
 namespace {
 
-constexpr double kFaceTolerance = 1e-6;  // of a voxel; see ClearanceField
-constexpr double kFarthest = 1e6;        // [m]; farther out, addresses of voxels could overflow
-constexpr double kRestSpeed = 1e-3;      // [m/s] and [rad/s]
+constexpr double kRestSpeed = 1e-3;  // [m/s] and [rad/s]
 
 Eigen::Isometry3d body_transform(const Pose& pose) {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();

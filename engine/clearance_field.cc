@@ -20,8 +20,6 @@ constexpr std::int16_t kFar = 20000;
 constexpr int kMaxHalo = 50;
 // Rings of nodes beyond the reach: two for the spline's support and the correction's stencil.
 constexpr int kRing = 2;
-// Relative to a voxel; a body that ends exactly on a voxel's face does not overlap that voxel.
-constexpr double kFaceTolerance = 1e-6;
 
 /// Squared gap, in half voxels, between a voxel's centre and the voxel `a` further along one axis.
 std::int16_t squared_gap(int a) {

@@ -3,18 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "engine/free_line.h"
+#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr float kNoSource = std::numeric_limits<float>::infinity();
+constexpr float kNowhere = std::numeric_limits<float>::infinity();
 
 /// Both neighbours of a cell count only if they differ by less than r f (1 - this). Exactly at r f
 /// the two-sided solution equals the higher neighbour; rounding could then make a cell depend on
@@ -24,25 +23,22 @@ constexpr double kStrictness = 1e-8;
 
 constexpr double kAnchorRadius = 1.0;  // [m]
 
-void require(bool ok, const char* name, double value, const char* expected) {
-  if (ok) return;
-  std::ostringstream message;
-  message << "cost-to-go: " << name << " = " << value << "; expected " << expected;
-  throw std::invalid_argument(message.str());
-}
-
 }  // namespace
 
 CostToGoField::CostToGoField(const CostToGoOptions& options) : options_(options) {
   const auto& o = options_;
-  require(o.v_max > 0.0 && o.v_max < 1e3, "v_max", o.v_max, "more than 0, below 1000 m/s");
-  require(o.stop_beyond >= 0.0 && o.stop_beyond < 1e9, "stop_beyond", o.stop_beyond, "0 m or more");
-  require(o.fill_slope >= 0.0 && o.fill_slope < 1e6, "fill_slope", o.fill_slope, "0 or more");
-  require(o.window_radius > 0.0 && o.window_radius <= 100.0, "window_radius", o.window_radius,
-          "more than 0, up to 100 m");
-  require(o.lambda >= 0.0 && o.lambda <= 1e3, "lambda", o.lambda, "0 to 1000");
-  require(o.features_required > 0.0 && o.features_required < 1e9, "features_required",
-          o.features_required, "more than 0");
+  check_parameter(o.v_max > 0.0 && o.v_max < 1e3, "cost-to-go", "v_max", o.v_max,
+                  "more than 0, below 1000 m/s");
+  check_parameter(o.stop_beyond >= 0.0 && o.stop_beyond < 1e9, "cost-to-go", "stop_beyond",
+                  o.stop_beyond, "0 m or more");
+  check_parameter(o.fill_slope >= 0.0 && o.fill_slope < 1e6, "cost-to-go", "fill_slope",
+                  o.fill_slope, "0 or more");
+  check_parameter(o.window_radius > 0.0 && o.window_radius <= 100.0, "cost-to-go", "window_radius",
+                  o.window_radius, "more than 0, up to 100 m");
+  check_parameter(o.lambda >= 0.0 && o.lambda <= 1e3, "cost-to-go", "lambda", o.lambda,
+                  "0 to 1000");
+  check_parameter(o.features_required > 0.0 && o.features_required < 1e9, "cost-to-go",
+                  "features_required", o.features_required, "more than 0");
 }
 
 void CostToGoField::relayout(const Traversability& traversability) {
@@ -52,7 +48,7 @@ void CostToGoField::relayout(const Traversability& traversability) {
     frame_ = frame;
     d_.assign(size, kInfinity);
     slowness_.assign(size, 0.0F);
-    source_.assign(size, kNoSource);
+    source_.assign(size, kNowhere);
     in_front_.assign(size, 0);
     pending_bucket_.assign(size, -1);
     front_.clear();
@@ -71,7 +67,7 @@ void CostToGoField::relayout(const Traversability& traversability) {
   };
   move(d_, kInfinity);
   move(slowness_, 0.0F);
-  move(source_, kNoSource);
+  move(source_, kNowhere);
   move(in_front_, std::uint8_t{0});
   pending_bucket_.assign(size, -1);
   for (int& index : front_) index = frame.index(old.at(index));

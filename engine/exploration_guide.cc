@@ -70,7 +70,6 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
                                                          const BonusRule& rule) {
   Stopwatch watch;
   // Beyond this the cell address would not fit an int.
-  constexpr double kFarthest = 1e6;
   const Eigen::Vector2d p = pose.position.head<2>();
   if (!(p.cwiseAbs().maxCoeff() < kFarthest) || !p.allFinite() || !std::isfinite(pose.yaw) ||
       !std::isfinite(stamp)) {

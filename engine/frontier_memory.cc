@@ -4,22 +4,14 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 #include <unordered_set>
 
 #include "engine/free_line.h"
+#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {
-
-void require(bool ok, const char* name, double value, const char* expected) {
-  if (ok) return;
-  std::ostringstream message;
-  message << "frontier memory: " << name << " = " << value << "; expected " << expected;
-  throw std::invalid_argument(message.str());
-}
 
 std::uint64_t address(int i, int j) {
   return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(j)) << 32) |
@@ -36,31 +28,35 @@ FrontierMemory::FrontierMemory(const FrontierMemoryOptions& options)
     : options_(options), retry_area_(options.retry_area) {
   const auto& o = options_;
   const auto positive = [](const char* name, double value) {
-    require(value > 0.0 && value < 1e6, name, value, "more than 0, below 1e6");
+    check_parameter(value > 0.0 && value < 1e6, "frontier memory", name, value,
+                    "more than 0, below 1e6");
   };
-  require(o.hysteresis >= 0.0 && o.hysteresis < 1e3, "hysteresis", o.hysteresis, "0 to 1000 m");
+  check_parameter(o.hysteresis >= 0.0 && o.hysteresis < 1e3, "frontier memory", "hysteresis",
+                  o.hysteresis, "0 to 1000 m");
   positive("target_radius", o.target_radius);
-  require(o.failed_looks >= 1 && o.failed_looks <= 1000000, "failed_looks", o.failed_looks,
-          "1 to 1000000");
-  require(o.look_interval >= 0.0 && o.look_interval < 1e3, "look_interval", o.look_interval,
-          "0 to 1000 s");
+  check_parameter(o.failed_looks >= 1 && o.failed_looks <= 1000000, "frontier memory",
+                  "failed_looks", o.failed_looks, "1 to 1000000");
+  check_parameter(o.look_interval >= 0.0 && o.look_interval < 1e3, "frontier memory",
+                  "look_interval", o.look_interval, "0 to 1000 s");
   positive("sensor_range", o.sensor_range);
-  require(o.range_margin >= 0.0 && o.range_margin < o.sensor_range, "range_margin", o.range_margin,
-          "0 to less than sensor_range");
-  require(o.sensor_fov > 0.0 && o.sensor_fov <= 2.0 * std::numbers::pi + 1e-9, "sensor_fov",
-          o.sensor_fov, "more than 0, up to 2 pi");
-  require(o.fov_margin >= 0.0 && 2.0 * o.fov_margin < o.sensor_fov, "fov_margin", o.fov_margin,
-          "0 to less than half of sensor_fov");
-  require(o.reactivations >= 0 && o.reactivations <= 1000000, "reactivations", o.reactivations,
-          "0 to 1000000");
-  require(o.reactivation_cells >= 0 && o.reactivation_cells <= 50, "reactivation_cells",
-          o.reactivation_cells, "0 to 50");
+  check_parameter(o.range_margin >= 0.0 && o.range_margin < o.sensor_range, "frontier memory",
+                  "range_margin", o.range_margin, "0 to less than sensor_range");
+  check_parameter(o.sensor_fov > 0.0 && o.sensor_fov <= 2.0 * std::numbers::pi + 1e-9,
+                  "frontier memory", "sensor_fov", o.sensor_fov, "more than 0, up to 2 pi");
+  check_parameter(o.fov_margin >= 0.0 && 2.0 * o.fov_margin < o.sensor_fov, "frontier memory",
+                  "fov_margin", o.fov_margin, "0 to less than half of sensor_fov");
+  check_parameter(o.reactivations >= 0 && o.reactivations <= 1000000, "frontier memory",
+                  "reactivations", o.reactivations, "0 to 1000000");
+  check_parameter(o.reactivation_cells >= 0 && o.reactivation_cells <= 50, "frontier memory",
+                  "reactivation_cells", o.reactivation_cells, "0 to 50");
   positive("script_after", o.script_after);
-  require(o.deactivate_after > o.script_after && o.deactivate_after < 1e6, "deactivate_after",
-          o.deactivate_after, "more than script_after");
+  check_parameter(o.deactivate_after > o.script_after && o.deactivate_after < 1e6,
+                  "frontier memory", "deactivate_after", o.deactivate_after,
+                  "more than script_after");
   positive("progress_distance", o.progress_distance);
   positive("progress_area", o.progress_area);
-  require(o.retries >= 0 && o.retries <= 1000, "retries", o.retries, "0 to 1000");
+  check_parameter(o.retries >= 0 && o.retries <= 1000, "frontier memory", "retries", o.retries,
+                  "0 to 1000");
   positive("retry_area", o.retry_area);
 }
 

@@ -4,25 +4,17 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "engine/free_line.h"
+#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {
 
 constexpr float kNoSource = std::numeric_limits<float>::infinity();
 constexpr int kTile = GroundMap::kTile;
-
-void require(bool ok, const char* name, double value, const char* expected) {
-  if (ok) return;
-  std::ostringstream message;
-  message << "frontiers: " << name << " = " << value << "; expected " << expected;
-  throw std::invalid_argument(message.str());
-}
 
 bool scan_less(Cell a, Cell b) { return a.j != b.j ? a.j < b.j : a.i < b.i; }
 
@@ -61,15 +53,17 @@ bool FrontierDetector::Rectangle::meets(const Rectangle& o) const {
 
 FrontierDetector::FrontierDetector(const FrontierOptions& options) : options_(options) {
   const auto& o = options_;
-  require(o.min_length >= 0.0 && o.min_length < 100.0, "min_length", o.min_length, "0 to 100 m");
-  require(o.sensor_range > 0.0 && o.sensor_range <= 50.0, "sensor_range", o.sensor_range,
-          "more than 0, up to 50 m");
-  require(o.range_margin >= 0.0 && o.range_margin < o.sensor_range, "range_margin", o.range_margin,
-          "0 to less than sensor_range");
-  require(o.rays >= 8 && o.rays <= 1000, "rays", o.rays, "8 to 1000");
-  require(o.near_distance >= 0.0 && o.near_distance <= 50.0, "near_distance", o.near_distance,
-          "0 to 50 m");
-  require(o.near_slope >= 0.0 && o.near_slope <= 1.0, "near_slope", o.near_slope, "0 to 1");
+  check_parameter(o.min_length >= 0.0 && o.min_length < 100.0, "frontiers", "min_length",
+                  o.min_length, "0 to 100 m");
+  check_parameter(o.sensor_range > 0.0 && o.sensor_range <= 50.0, "frontiers", "sensor_range",
+                  o.sensor_range, "more than 0, up to 50 m");
+  check_parameter(o.range_margin >= 0.0 && o.range_margin < o.sensor_range, "frontiers",
+                  "range_margin", o.range_margin, "0 to less than sensor_range");
+  check_parameter(o.rays >= 8 && o.rays <= 1000, "frontiers", "rays", o.rays, "8 to 1000");
+  check_parameter(o.near_distance >= 0.0 && o.near_distance <= 50.0, "frontiers", "near_distance",
+                  o.near_distance, "0 to 50 m");
+  check_parameter(o.near_slope >= 0.0 && o.near_slope <= 1.0, "frontiers", "near_slope",
+                  o.near_slope, "0 to 1");
 }
 
 std::size_t FrontierDetector::tile_of(Cell c) const {

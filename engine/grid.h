@@ -7,6 +7,10 @@
 
 namespace prospect {
 
+/// Largest coordinate [m] for which addresses of cells and voxels are computed: far beyond any map,
+/// within int.
+inline constexpr double kFarthest = 1e6;
+
 /// Integer address of a ground cell in the world-aligned lattice: cell (i, j) covers
 /// [i r, (i+1) r) x [j r, (j+1) r) in W, r the resolution. Never relative to a map's corner, so an
 /// address stays valid when a map grows.

@@ -16,7 +16,7 @@ constexpr double kRangeOverDepth = 1.5;
 
 double logistic(double x) { return 1.0 / (1.0 + std::exp(-x)); }
 
-struct Candidate {
+struct Eligible {
   const Landmark* landmark;
   double azimuth;
   double bound;
@@ -68,7 +68,7 @@ double visibility_bound(const Landmark& l, const Eigen::Vector3d& center, double
 
 std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose, double reach,
                                        int max_count, const VisibilityParameters& parameters) {
-  std::array<std::vector<Candidate>, kSectors> sectors;
+  std::array<std::vector<Eligible>, kSectors> sectors;
   std::size_t total = 0;
   for (const Landmark& l : map.landmarks) {
     if (!usable(l)) continue;
@@ -84,16 +84,16 @@ std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose,
   }
   // Ties are broken by everything that can tell two landmarks apart, so that the order in the map
   // does not matter even for repeated ids.
-  const auto key = [](const Candidate& c) {
+  const auto key = [](const Eligible& c) {
     const Eigen::Vector3d& p = c.landmark->position;
     return std::make_tuple(c.landmark->id, p.x(), p.y(), p.z());
   };
   for (auto& sector : sectors) {
-    std::sort(sector.begin(), sector.end(), [&](const Candidate& a, const Candidate& b) {
+    std::sort(sector.begin(), sector.end(), [&](const Eligible& a, const Eligible& b) {
       return a.bound != b.bound ? a.bound > b.bound : key(a) < key(b);
     });
   }
-  std::vector<Candidate> chosen;
+  std::vector<Eligible> chosen;
   const std::size_t wanted = std::min(total, static_cast<std::size_t>(std::max(0, max_count)));
   std::array<std::size_t, kSectors> taken{};
   for (std::size_t rank = 0; chosen.size() < wanted; ++rank) {
@@ -113,12 +113,12 @@ std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose,
     }
     stands_for[s] = of_chosen > 0.0 ? all / of_chosen : 1.0;
   }
-  std::sort(chosen.begin(), chosen.end(), [&](const Candidate& a, const Candidate& b) {
+  std::sort(chosen.begin(), chosen.end(), [&](const Eligible& a, const Eligible& b) {
     return a.azimuth != b.azimuth ? a.azimuth < b.azimuth : key(a) < key(b);
   });
   std::vector<Landmark> result;
   result.reserve(chosen.size());
-  for (const Candidate& c : chosen) {
+  for (const Eligible& c : chosen) {
     result.push_back(*c.landmark);
     result.back().multiplicity *= stands_for[c.sector];
   }

@@ -92,7 +92,6 @@ Eigen::MatrixXd stage_inputs(const TrajectoryBatch& t) {
 
 /// Why nothing can be planned from this belief; empty if something can.
 std::string unusable(const Belief& belief) {
-  constexpr double kFarthest = 1e6;  // [m]; beyond this, addresses of cells could overflow
   if (!belief.octree || !belief.voxels || !belief.ground || !belief.landmarks) {
     return "the belief lacks a map";
   }

@@ -2,19 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <sstream>
-#include <stdexcept>
 #include <string>
+
+#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {
-
-void require(bool ok, const char* name, double value, const char* expected) {
-  if (ok) return;
-  std::ostringstream message;
-  message << "traversability: " << name << " = " << value << "; expected " << expected;
-  throw std::invalid_argument(message.str());
-}
 
 constexpr double kRounding = 1e-9;  // [m]; radii given as decimals must not fail by an ulp
 
@@ -50,15 +43,17 @@ std::int64_t Traversability::Rectangle::area() const {
 
 Traversability::Traversability(const TraversabilityOptions& options) : options_(options) {
   const auto& o = options_;
-  require(o.hard_radius >= 0.0 && o.hard_radius < 10.0, "hard_radius", o.hard_radius, "0 to 10 m");
-  require(o.comfortable_radius >= o.hard_radius && o.comfortable_radius < 10.0,
-          "comfortable_radius", o.comfortable_radius, "hard_radius to 10 m");
-  require(o.lattice_slack >= 0.0 && o.lattice_slack < 1.0, "lattice_slack", o.lattice_slack,
-          "0 to 1 m");
-  require(o.tight_factor >= 1.0 && o.tight_factor <= 1e3, "tight_factor", o.tight_factor,
-          "1 to 1000");
-  require(o.unknown_factor >= 1.0 && o.unknown_factor <= 1e3, "unknown_factor", o.unknown_factor,
-          "1 to 1000");
+  check_parameter(o.hard_radius >= 0.0 && o.hard_radius < 10.0, "traversability", "hard_radius",
+                  o.hard_radius, "0 to 10 m");
+  check_parameter(o.comfortable_radius >= o.hard_radius && o.comfortable_radius < 10.0,
+                  "traversability", "comfortable_radius", o.comfortable_radius,
+                  "hard_radius to 10 m");
+  check_parameter(o.lattice_slack >= 0.0 && o.lattice_slack < 1.0, "traversability",
+                  "lattice_slack", o.lattice_slack, "0 to 1 m");
+  check_parameter(o.tight_factor >= 1.0 && o.tight_factor <= 1e3, "traversability", "tight_factor",
+                  o.tight_factor, "1 to 1000");
+  check_parameter(o.unknown_factor >= 1.0 && o.unknown_factor <= 1e3, "traversability",
+                  "unknown_factor", o.unknown_factor, "1 to 1000");
 }
 
 void Traversability::restart(const GridFrame& frame) {

@@ -98,29 +98,26 @@ struct Traversal {
   }
 };
 
-// Largest coordinate [m] for which voxel addresses are computed: far beyond any map, within int.
-constexpr double kFarthest = 1e6;
-
 bool addressable(const Eigen::Vector3d& p) { return p.cwiseAbs().maxCoeff() < kFarthest; }
 
 // Rays side by side through one block of voxels; every address that one can reach lies in the
 // block, at least three voxels before its end (four bytes are read at once).
-constexpr int kLanes = 8;
+constexpr int kRays = 8;
 struct Lanes {
-  alignas(64) double next[3][kLanes];
-  alignas(64) double delta[3][kLanes];
-  alignas(64) std::int64_t stride[3][kLanes];  // signed by the direction of travel
-  alignas(64) std::int64_t address[kLanes];
-  alignas(64) double end[kLanes];
-  alignas(64) std::int64_t active[kLanes];   // in: -1 walk, 0 idle
-  alignas(64) std::int64_t blocked[kLanes];  // out: -1 where an occupied voxel was met
-  alignas(64) double walked[kLanes];         // out: ray parameter at the last face [m]
-  alignas(64) double unknown[kLanes];        // out
+  alignas(64) double next[3][kRays];
+  alignas(64) double delta[3][kRays];
+  alignas(64) std::int64_t stride[3][kRays];  // signed by the direction of travel
+  alignas(64) std::int64_t address[kRays];
+  alignas(64) double end[kRays];
+  alignas(64) std::int64_t active[kRays];   // in: -1 walk, 0 idle
+  alignas(64) std::int64_t blocked[kRays];  // out: -1 where an occupied voxel was met
+  alignas(64) double walked[kRays];         // out: ray parameter at the last face [m]
+  alignas(64) double unknown[kRays];        // out
 };
 
 // One ray at a time.
 void walk_one_by_one(const CellState* data, Lanes& lanes) {
-  for (int l = 0; l < kLanes; ++l) {
+  for (int l = 0; l < kRays; ++l) {
     lanes.blocked[l] = 0;
     lanes.walked[l] = lanes.unknown[l] = 0.0;
     if (!lanes.active[l]) continue;
@@ -162,7 +159,7 @@ void walk_one_by_one(const CellState* data, Lanes& lanes) {
 // the same order as above, hence the same bits. The common step, through a free voxel, only
 // advances; voxels that are not free and rays that end are branched to.
 __attribute__((target("avx2"))) void walk_abreast(const CellState* data, Lanes& lanes) {
-  constexpr int kGroups = kLanes / 4;
+  constexpr int kGroups = kRays / 4;
   constexpr std::uint32_t kAllFree = 0x01010101u * static_cast<std::uint32_t>(CellState::kFree);
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(data);
   __m256d nx[kGroups], ny[kGroups], nz[kGroups], t[kGroups];
@@ -321,11 +318,11 @@ void VoxelGrid::cast_many(const Eigen::Vector3d& from, const Eigen::Vector3d* to
   const std::int64_t here =
       from_inside ? static_cast<std::int64_t>(index(start[0], start[1], start[2])) : 0;
   Lanes lanes;
-  int owner[kLanes];
+  int owner[kRays];
   int used = 0;
   const auto flush = [&] {
     if (used == 0) return;
-    for (int l = used; l < kLanes; ++l) {
+    for (int l = used; l < kRays; ++l) {
       for (int a = 0; a < 3; ++a) {
         lanes.next[a][l] = lanes.delta[a][l] = 0.0;
         lanes.stride[a][l] = 0;
@@ -372,7 +369,7 @@ void VoxelGrid::cast_many(const Eigen::Vector3d& from, const Eigen::Vector3d* to
     lanes.address[l] = here;
     lanes.end[l] = w.end;
     lanes.active[l] = -1;
-    if (used == kLanes) flush();
+    if (used == kRays) flush();
   }
   flush();
 }

@@ -8,6 +8,9 @@
 
 namespace prospect {
 
+/// In voxels: a body that ends exactly on a voxel's face does not overlap that voxel.
+inline constexpr double kFaceTolerance = 1e-6;
+
 /// Dense three-state mirror of the octree's finest level, for ray walks: the octree costs a descent
 /// a voxel, this an index. Voxels are world-aligned like ground cells: voxel (i, j, k) covers [i r,
 /// (i+1) r) x [j r, (j+1) r) x [k r, (k+1) r). Outside the box everything is unknown.

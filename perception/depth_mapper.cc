@@ -11,12 +11,12 @@
 namespace prospect {
 namespace {
 
-constexpr int kCheckStride = 4;          // of the pixels that the image is judged by
-constexpr double kFarBelow = 0.2;        // [m]: no noise of a floor
-constexpr double kFarthest = 30000.0;    // [voxels]
-constexpr double kJustBelow = 1e-6;      // [m]
-constexpr double kSlackPosition = 0.05;  // [m] of a pose, beside what the speed allows
-constexpr double kSlackRotation = 0.05;  // [rad]
+constexpr int kCheckStride = 4;             // of the pixels that the image is judged by
+constexpr double kFarBelow = 0.2;           // [m]: no noise of a floor
+constexpr double kFarthestVoxel = 30000.0;  // [voxels]
+constexpr double kJustBelow = 1e-6;         // [m]
+constexpr double kSlackPosition = 0.05;     // [m] of a pose, beside what the speed allows
+constexpr double kSlackRotation = 0.05;     // [rad]
 
 bool is_pose(const Eigen::Isometry3d& T) {
   const Eigen::Matrix3d R = T.linear();
@@ -27,10 +27,6 @@ bool is_pose(const Eigen::Isometry3d& T) {
 double gain(double prior, double measured, double least) {
   const double p = prior * prior;
   return p > 0.0 ? p / (p + measured * measured + least * least) : 0.0;
-}
-
-void require(bool ok, const char* name, double value, const char* expected) {
-  check_parameter(ok, "depth mapper", name, value, expected);
 }
 
 }  // namespace
@@ -49,20 +45,24 @@ std::string_view to_string(Mapping state) {
 DepthMapper::DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& options)
     : camera_(camera), options_(options), map_(options.map) {
   validate(camera);
-  require(options.range.min > 0.0 && options.range.max > options.range.min &&
-              std::isfinite(options.range.max),
-          "range", options.range.max, "above its lower end, which is above 0 m");
-  require(options.tilt_tolerance > 0.0 && options.tilt_tolerance < 1.5, "tilt_tolerance",
-          options.tilt_tolerance, "0..1.5 rad");
-  require(options.height_tolerance > 0.0 && std::isfinite(options.height_tolerance),
-          "height_tolerance", options.height_tolerance, "above 0 m");
-  require(options.ray_spacing > 0.0 && options.ray_spacing <= 10.0, "ray_spacing",
-          options.ray_spacing, "0..10");
-  require(options.floor_margin >= 0.0 && options.most_margin >= options.floor_margin &&
-              std::isfinite(options.most_margin),
-          "most_margin", options.most_margin, "at least floor_margin, which is at least 0 m");
-  require(options.max_speed > 0.0, "max_speed", options.max_speed, "above 0 m/s");
-  require(options.max_turn_rate > 0.0, "max_turn_rate", options.max_turn_rate, "above 0 rad/s");
+  check_parameter(options.range.min > 0.0 && options.range.max > options.range.min &&
+                      std::isfinite(options.range.max),
+                  "depth mapper", "range", options.range.max,
+                  "above its lower end, which is above 0 m");
+  check_parameter(options.tilt_tolerance > 0.0 && options.tilt_tolerance < 1.5, "depth mapper",
+                  "tilt_tolerance", options.tilt_tolerance, "0..1.5 rad");
+  check_parameter(options.height_tolerance > 0.0 && std::isfinite(options.height_tolerance),
+                  "depth mapper", "height_tolerance", options.height_tolerance, "above 0 m");
+  check_parameter(options.ray_spacing > 0.0 && options.ray_spacing <= 10.0, "depth mapper",
+                  "ray_spacing", options.ray_spacing, "0..10");
+  check_parameter(options.floor_margin >= 0.0 && options.most_margin >= options.floor_margin &&
+                      std::isfinite(options.most_margin),
+                  "depth mapper", "most_margin", options.most_margin,
+                  "at least floor_margin, which is at least 0 m");
+  check_parameter(options.max_speed > 0.0, "depth mapper", "max_speed", options.max_speed,
+                  "above 0 m/s");
+  check_parameter(options.max_turn_rate > 0.0, "depth mapper", "max_turn_rate",
+                  options.max_turn_rate, "above 0 rad/s");
   const double spacing = options.ray_spacing * options.map.resolution *
                          std::min(camera.fx, camera.fy) / options.map.max_range;
   stride_ = static_cast<int>(std::clamp(std::floor(spacing), 1.0, 64.0));
@@ -137,7 +137,7 @@ bool DepthMapper::check_pose(double stamp, const Eigen::Isometry3d& T_WC, Mapped
     return false;
   }
   // Octree addresses are of 16 bits; a wild pose must not become the one that others are held to.
-  if (T_WC.translation().cwiseAbs().maxCoeff() > kFarthest * options_.map.resolution) {
+  if (T_WC.translation().cwiseAbs().maxCoeff() > kFarthestVoxel * options_.map.resolution) {
     add_reason(out.reason, "the pose is outside of what a map can hold");
     return false;
   }

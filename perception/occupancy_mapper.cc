@@ -13,6 +13,8 @@
 #include <string>
 #include <unordered_map>
 
+#include "models/parameter_check.h"
+
 namespace prospect {
 namespace {
 
@@ -63,13 +65,6 @@ std::uint64_t pack(int x, int y, int z) {
 
 bool in_range(double v, double low, double high) {
   return std::isfinite(v) && v >= low && v <= high;
-}
-
-void require(bool ok, const char* what, double got, const char* expected) {
-  if (!ok) {
-    throw std::invalid_argument(std::string("occupancy mapper: ") + what + " is " +
-                                std::to_string(got) + ", expected " + expected);
-  }
 }
 
 // True if nobody else holds the object, so that it may be written. The fence pairs with the release
@@ -130,24 +125,26 @@ struct OccupancyMapper::Impl {
 };
 
 OccupancyMapper::Impl::Impl(const OccupancyMapperOptions& o) : options(o) {
-  require(in_range(o.resolution, 1e-3, 10.0), "resolution", o.resolution, "0.001..10 m");
-  require(in_range(o.max_range, o.resolution, 200.0 * o.resolution), "max_range", o.max_range,
-          "between one and 200 voxels");
-  require(std::isfinite(o.z_min) && std::abs(o.z_min) < 1000.0, "z_min", o.z_min,
-          "a height within 1000 m");
-  require(std::isfinite(o.z_max) && o.z_max > o.z_min && o.z_max - o.z_min < 1000.0, "z_max",
-          o.z_max, "above z_min, by less than 1000 m");
-  require(in_range(o.probability_hit, 0.5, 0.999), "probability_hit", o.probability_hit,
-          "0.5..0.999");
-  require(in_range(o.probability_miss, 0.001, 0.5), "probability_miss", o.probability_miss,
-          "0.001..0.5");
-  require(in_range(o.probability_min, 1e-6, 0.499), "probability_min", o.probability_min,
-          "0.000001..0.499");
-  require(in_range(o.probability_max, 0.501, 1.0 - 1e-6), "probability_max", o.probability_max,
-          "0.501..0.999999");
-  require(in_range(o.offset_constant, 0.0, 1.0), "offset_constant", o.offset_constant, "0..1 m");
-  require(in_range(o.offset_quadratic, 0.0, 1.0), "offset_quadratic", o.offset_quadratic,
-          "0..1 per m");
+  check_parameter(in_range(o.resolution, 1e-3, 10.0), "occupancy mapper", "resolution",
+                  o.resolution, "0.001..10 m");
+  check_parameter(in_range(o.max_range, o.resolution, 200.0 * o.resolution), "occupancy mapper",
+                  "max_range", o.max_range, "between one and 200 voxels");
+  check_parameter(std::isfinite(o.z_min) && std::abs(o.z_min) < 1000.0, "occupancy mapper", "z_min",
+                  o.z_min, "a height within 1000 m");
+  check_parameter(std::isfinite(o.z_max) && o.z_max > o.z_min && o.z_max - o.z_min < 1000.0,
+                  "occupancy mapper", "z_max", o.z_max, "above z_min, by less than 1000 m");
+  check_parameter(in_range(o.probability_hit, 0.5, 0.999), "occupancy mapper", "probability_hit",
+                  o.probability_hit, "0.5..0.999");
+  check_parameter(in_range(o.probability_miss, 0.001, 0.5), "occupancy mapper", "probability_miss",
+                  o.probability_miss, "0.001..0.5");
+  check_parameter(in_range(o.probability_min, 1e-6, 0.499), "occupancy mapper", "probability_min",
+                  o.probability_min, "0.000001..0.499");
+  check_parameter(in_range(o.probability_max, 0.501, 1.0 - 1e-6), "occupancy mapper",
+                  "probability_max", o.probability_max, "0.501..0.999999");
+  check_parameter(in_range(o.offset_constant, 0.0, 1.0), "occupancy mapper", "offset_constant",
+                  o.offset_constant, "0..1 m");
+  check_parameter(in_range(o.offset_quadratic, 0.0, 1.0), "occupancy mapper", "offset_quadratic",
+                  o.offset_quadratic, "0..1 per m");
   slice = slice_layers(o.slice, o.resolution);
   hit = octomap::logodds(o.probability_hit);
   miss = octomap::logodds(o.probability_miss);

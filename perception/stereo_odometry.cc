@@ -79,7 +79,7 @@ struct Found {
 
 /// New landmarks on their way. What finds them may run on a thread of its own: it has images that
 /// nobody changes any more, and changes nothing.
-struct Mapping {
+struct MappingTask {
   std::shared_ptr<const Anchor> anchor;
   PyramidLevel coarse;  // of the keyframe, as in Recall
   std::future<Found> found;
@@ -122,7 +122,7 @@ struct StereoOdometry::Impl {
   std::deque<Recall> recalls;
   PyramidLevel good_coarse;  // of the last trusted frame, as in Recall
   std::shared_ptr<const Image> last_left, last_right;
-  std::optional<Mapping> mapping;
+  std::optional<MappingTask> mapping;
 
   bool started = false;
   Isometry3d T_CW;           // last trusted pose
@@ -500,7 +500,7 @@ struct StereoOdometry::Impl {
       found.matches = match_stereo(anchor->left, *right, found.corners, matching);
       return found;
     };
-    mapping.emplace(Mapping{anchor, good_coarse, {}});
+    mapping.emplace(MappingTask{anchor, good_coarse, {}});
     if (in_background) {
       try {
         mapping->found = std::async(std::launch::async, find);
@@ -515,7 +515,7 @@ struct StereoOdometry::Impl {
   /// Enters the landmarks that were found; waits for them. The keyframe is that of the newest
   /// image, or an earlier one. Returns how many there are.
   int finish_mapping(bool of_newest_image) {
-    Mapping done = std::move(*mapping);
+    MappingTask done = std::move(*mapping);
     mapping.reset();
     Found found;
     try {

@@ -14,18 +14,15 @@ namespace {
 constexpr int kStrengths = 19;
 double strength_of(int i) { return std::pow(10.0, i / 6.0); }  // 1 to 1000
 
-void require(bool good, const char* name, double value, const char* expected) {
-  check_parameter(good, "track survival", name, value, expected);
-}
-
 }  // namespace
 
 TrackSurvival::TrackSurvival(const Options& options) : options_(options) {
-  require(options.prior_loss > 0.0 && options.prior_loss < 1.0, "prior_loss", options.prior_loss,
-          "more than 0, less than 1");
-  require(options.prior_views > 0.0 && std::isfinite(options.prior_views), "prior_views",
-          options.prior_views, "a finite number above 0");
-  require(options.memory >= 1.0, "memory", options.memory, "1 frame at least");
+  check_parameter(options.prior_loss > 0.0 && options.prior_loss < 1.0, "track survival",
+                  "prior_loss", options.prior_loss, "more than 0, less than 1");
+  check_parameter(options.prior_views > 0.0 && std::isfinite(options.prior_views), "track survival",
+                  "prior_views", options.prior_views, "a finite number above 0");
+  check_parameter(options.memory >= 1.0, "track survival", "memory", options.memory,
+                  "1 frame at least");
 }
 
 void TrackSurvival::add(int found_before, bool found) {

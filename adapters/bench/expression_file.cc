@@ -18,7 +18,7 @@ namespace prospect {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
+using UnorderedJson = nlohmann::json;
 
 constexpr double kFarBound = 100.0;
 constexpr double kEqualityBand = 1e-6;
@@ -27,7 +27,7 @@ constexpr int kMostVariables = 1000;
 /// One problem of the file; every complaint begins with where it is.
 class Entry {
  public:
-  Entry(std::string where, const Json& json) : where_(std::move(where)), json_(json) {
+  Entry(std::string where, const UnorderedJson& json) : where_(std::move(where)), json_(json) {
     if (!json.is_object()) fail("is no object", "{\"name\": ..., \"n\": ..., ...}");
   }
   void name(const std::string& name) { where_ += " '" + name + "'"; }
@@ -35,18 +35,18 @@ class Entry {
   [[noreturn]] void fail(const std::string& what, const std::string& expected) const {
     throw InputError(where_ + ": " + what + "; expected " + expected);
   }
-  const Json& at(const char* key, const char* expected) const {
+  const UnorderedJson& at(const char* key, const char* expected) const {
     const auto found = json_.find(key);
     if (found == json_.end()) fail(std::string("has no ") + key, expected);
     return *found;
   }
   std::string text(const char* key) const {
-    const Json& value = at(key, "a text");
+    const UnorderedJson& value = at(key, "a text");
     if (!value.is_string()) fail(std::string(key) + " is no text", "a text");
     return value.get<std::string>();
   }
   double number(const char* key) const {
-    const Json& value = at(key, "a number");
+    const UnorderedJson& value = at(key, "a number");
     if (!value.is_number() || !std::isfinite(value.get<double>())) {
       fail(std::string(key) + " is no number", "a finite number");
     }
@@ -56,13 +56,13 @@ class Entry {
   Eigen::VectorXd numbers(const char* key, int n, double instead, bool may_be_null) const {
     const std::string expected =
         std::to_string(n) + (may_be_null ? " numbers or null" : " finite numbers");
-    const Json& value = at(key, expected.c_str());
+    const UnorderedJson& value = at(key, expected.c_str());
     if (!value.is_array() || value.size() != static_cast<std::size_t>(n)) {
       fail(std::string(key) + " is not of that length", expected);
     }
     Eigen::VectorXd numbers(n);
     for (int i = 0; i < n; ++i) {
-      const Json& one = value[static_cast<std::size_t>(i)];
+      const UnorderedJson& one = value[static_cast<std::size_t>(i)];
       if (may_be_null && one.is_null()) {
         numbers[i] = instead;
       } else if (one.is_number() && std::isfinite(one.get<double>())) {
@@ -81,10 +81,10 @@ class Entry {
     }
   }
   std::vector<Expression> expressions(const char* key, int n) const {
-    const Json& list = at(key, "a list of expressions, which may be empty");
+    const UnorderedJson& list = at(key, "a list of expressions, which may be empty");
     if (!list.is_array()) fail(std::string(key) + " is no list", "a list of expressions");
     std::vector<Expression> read;
-    for (const Json& one : list) {
+    for (const UnorderedJson& one : list) {
       if (!one.is_string()) fail(std::string(key) + " holds no text", "a list of expressions");
       read.push_back(expression(key, one.get<std::string>(), n));
     }
@@ -93,7 +93,7 @@ class Entry {
 
  private:
   std::string where_;
-  const Json& json_;
+  const UnorderedJson& json_;
 };
 
 /// c(x) as rows sign * expression + shift >= 0.
@@ -102,7 +102,8 @@ struct Row {
   double sign, shift;
 };
 
-FunctionProblem read_problem(const std::string& path, std::size_t index, const Json& json) {
+FunctionProblem read_problem(const std::string& path, std::size_t index,
+                             const UnorderedJson& json) {
   Entry entry(path + ": problem " + std::to_string(index + 1), json);
   FunctionProblem p;
   p.name = entry.text("name");
@@ -158,7 +159,7 @@ ProblemSet read_expression_file(const std::string& path) {
   std::error_code error;
   if (!fs::is_regular_file(path, error)) throw InputError(path + ": no such file" + expected);
   std::ifstream file(path, std::ios::binary);
-  const Json json = Json::parse(file, nullptr, false);
+  const UnorderedJson json = UnorderedJson::parse(file, nullptr, false);
   if (json.is_discarded()) throw InputError(path + ": is no JSON" + expected);
   const auto list = json.is_object() ? json.find("problems") : json.end();
   if (!json.is_object() || list == json.end() || !list->is_array() || list->empty()) {

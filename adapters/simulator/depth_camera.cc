@@ -5,17 +5,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "models/parameter_check.h"
+
 namespace prospect {
-namespace {
-
-void require(bool ok, const char* what, double got, const char* expected) {
-  if (!ok) {
-    throw std::invalid_argument(std::string("depth camera: ") + what + " is " +
-                                std::to_string(got) + ", expected " + expected);
-  }
-}
-
-}  // namespace
+namespace {}  // namespace
 
 Eigen::Isometry3d camera_pose(const Pose& body, const CameraMount& mount) {
   Eigen::Isometry3d T_WB = Eigen::Isometry3d::Identity();
@@ -40,20 +33,24 @@ DepthCamera::DepthCamera(const World& world, const DepthCameraOptions& options,
                          const CameraMount& mount, std::uint64_t seed)
     : world_(&world), options_(options), mount_(mount), noise_(seed) {
   const RgbdFootprint& f = options.footprint;
-  require(f.horizontal_fov > 0.0 && f.horizontal_fov < 3.0, "horizontal_fov", f.horizontal_fov,
-          "0..3 rad");
-  require(f.vertical_fov > 0.0 && f.vertical_fov < 3.0, "vertical_fov", f.vertical_fov, "0..3 rad");
-  require(f.min_range >= 0.0 && f.min_range < f.max_range, "min_range", f.min_range,
-          "at least 0 and below max_range");
-  require(std::isfinite(f.max_range) && f.max_range < 1000.0, "max_range", f.max_range,
-          "below 1000 m");
-  require(options.columns >= 1 && options.columns <= 4096, "columns", options.columns, "1..4096");
-  require(options.rows >= 1 && options.rows <= 4096, "rows", options.rows, "1..4096");
-  require(options.noise_constant >= 0.0 && options.noise_constant < 1.0, "noise_constant",
-          options.noise_constant, "0..1 m");
-  require(options.noise_quadratic >= 0.0 && options.noise_quadratic < 1.0, "noise_quadratic",
-          options.noise_quadratic, "0..1 per m");
-  require(options.dropout >= 0.0 && options.dropout <= 1.0, "dropout", options.dropout, "0..1");
+  check_parameter(f.horizontal_fov > 0.0 && f.horizontal_fov < 3.0, "depth camera",
+                  "horizontal_fov", f.horizontal_fov, "0..3 rad");
+  check_parameter(f.vertical_fov > 0.0 && f.vertical_fov < 3.0, "depth camera", "vertical_fov",
+                  f.vertical_fov, "0..3 rad");
+  check_parameter(f.min_range >= 0.0 && f.min_range < f.max_range, "depth camera", "min_range",
+                  f.min_range, "at least 0 and below max_range");
+  check_parameter(std::isfinite(f.max_range) && f.max_range < 1000.0, "depth camera", "max_range",
+                  f.max_range, "below 1000 m");
+  check_parameter(options.columns >= 1 && options.columns <= 4096, "depth camera", "columns",
+                  options.columns, "1..4096");
+  check_parameter(options.rows >= 1 && options.rows <= 4096, "depth camera", "rows", options.rows,
+                  "1..4096");
+  check_parameter(options.noise_constant >= 0.0 && options.noise_constant < 1.0, "depth camera",
+                  "noise_constant", options.noise_constant, "0..1 m");
+  check_parameter(options.noise_quadratic >= 0.0 && options.noise_quadratic < 1.0, "depth camera",
+                  "noise_quadratic", options.noise_quadratic, "0..1 per m");
+  check_parameter(options.dropout >= 0.0 && options.dropout <= 1.0, "depth camera", "dropout",
+                  options.dropout, "0..1");
   directions_.reserve(static_cast<std::size_t>(options.rows) *
                       static_cast<std::size_t>(options.columns));
   for (int row = 0; row < options.rows; ++row) {

@@ -6,16 +6,10 @@
 #include <string>
 
 #include "adapters/simulator/depth_camera.h"
+#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {
-
-void require(bool ok, const char* what, double got, const char* expected) {
-  if (!ok) {
-    throw std::invalid_argument(std::string("feature camera: ") + what + " is " +
-                                std::to_string(got) + ", expected " + expected);
-  }
-}
 
 bool positive(double v) { return std::isfinite(v) && v > 0.0; }
 
@@ -26,24 +20,35 @@ FeatureCamera::FeatureCamera(const World& world, const FeatureField& field,
                              std::uint64_t seed)
     : world_(&world), field_(&field), options_(options), mount_(mount), noise_(seed) {
   const StereoCamera& s = options.stereo;
-  require(positive(s.left.fx), "fx", s.left.fx, "a positive number of pixels");
-  require(positive(s.left.fy), "fy", s.left.fy, "a positive number of pixels");
-  require(positive(s.left.width), "width", s.left.width, "a positive number of pixels");
-  require(positive(s.left.height), "height", s.left.height, "a positive number of pixels");
-  require(positive(s.baseline), "baseline", s.baseline, "a positive length");
-  require(positive(s.sigma_u), "sigma_u", s.sigma_u, "a positive number of pixels");
-  require(positive(s.sigma_v), "sigma_v", s.sigma_v, "a positive number of pixels");
-  require(positive(s.sigma_d), "sigma_d", s.sigma_d, "a positive number of pixels");
-  require(positive(options.min_depth), "min_depth", options.min_depth, "a positive length");
-  require(options.max_depth > options.min_depth && options.max_depth < 1000.0, "max_depth",
-          options.max_depth, "above min_depth, below 1000 m");
-  require(options.max_view_angle > 0.0 && options.max_view_angle < 1.5708, "max_view_angle",
-          options.max_view_angle, "between 0 and pi/2");
-  require(options.bucket_columns >= 1 && options.bucket_columns <= 1000, "bucket_columns",
-          options.bucket_columns, "1..1000");
-  require(options.bucket_rows >= 1 && options.bucket_rows <= 1000, "bucket_rows",
-          options.bucket_rows, "1..1000");
-  require(options.per_bucket >= 1, "per_bucket", options.per_bucket, "at least 1");
+  check_parameter(positive(s.left.fx), "feature camera", "fx", s.left.fx,
+                  "a positive number of pixels");
+  check_parameter(positive(s.left.fy), "feature camera", "fy", s.left.fy,
+                  "a positive number of pixels");
+  check_parameter(positive(s.left.width), "feature camera", "width", s.left.width,
+                  "a positive number of pixels");
+  check_parameter(positive(s.left.height), "feature camera", "height", s.left.height,
+                  "a positive number of pixels");
+  check_parameter(positive(s.baseline), "feature camera", "baseline", s.baseline,
+                  "a positive length");
+  check_parameter(positive(s.sigma_u), "feature camera", "sigma_u", s.sigma_u,
+                  "a positive number of pixels");
+  check_parameter(positive(s.sigma_v), "feature camera", "sigma_v", s.sigma_v,
+                  "a positive number of pixels");
+  check_parameter(positive(s.sigma_d), "feature camera", "sigma_d", s.sigma_d,
+                  "a positive number of pixels");
+  check_parameter(positive(options.min_depth), "feature camera", "min_depth", options.min_depth,
+                  "a positive length");
+  check_parameter(options.max_depth > options.min_depth && options.max_depth < 1000.0,
+                  "feature camera", "max_depth", options.max_depth,
+                  "above min_depth, below 1000 m");
+  check_parameter(options.max_view_angle > 0.0 && options.max_view_angle < 1.5708, "feature camera",
+                  "max_view_angle", options.max_view_angle, "between 0 and pi/2");
+  check_parameter(options.bucket_columns >= 1 && options.bucket_columns <= 1000, "feature camera",
+                  "bucket_columns", options.bucket_columns, "1..1000");
+  check_parameter(options.bucket_rows >= 1 && options.bucket_rows <= 1000, "feature camera",
+                  "bucket_rows", options.bucket_rows, "1..1000");
+  check_parameter(options.per_bucket >= 1, "feature camera", "per_bucket", options.per_bucket,
+                  "at least 1");
 }
 
 std::vector<std::uint32_t> FeatureCamera::visible(const Pose& true_pose) const {

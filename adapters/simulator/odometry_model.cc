@@ -7,18 +7,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "models/parameter_check.h"
+
 namespace prospect {
 namespace {
 
 constexpr double kPositionBound = 0.05;  // [m] of one keyframe
 constexpr double kHeadingBound = 0.05;   // [rad]
-
-void require(bool ok, const char* what, double got, const char* expected) {
-  if (!ok) {
-    throw std::invalid_argument(std::string("odometry: ") + what + " is " + std::to_string(got) +
-                                ", expected " + expected);
-  }
-}
 
 Eigen::Matrix2d rotation(double yaw) { return Eigen::Rotation2Dd(yaw).toRotationMatrix(); }
 
@@ -35,27 +30,32 @@ OdometryModel::OdometryModel(const OdometryOptions& options, const StereoCamera&
                              const CameraMount& mount, const Pose& start, std::uint64_t seed)
     : options_(options), stereo_(stereo), mount_(mount), noise_(seed) {
   const auto share = [](double v) { return std::isfinite(v) && v >= 0.0 && v <= 1.0; };
-  require(options.keyframe_distance > 0.0 && options.keyframe_distance < 100.0, "keyframe_distance",
-          options.keyframe_distance, "0..100 m, not zero");
-  require(options.keyframe_angle > 0.0 && options.keyframe_angle < 10.0, "keyframe_angle",
-          options.keyframe_angle, "0..10 rad, not zero");
-  require(share(options.position_sigma), "position_sigma", options.position_sigma, "0..1 m");
-  require(share(options.heading_sigma), "heading_sigma", options.heading_sigma, "0..1 rad");
-  require(options.lost_below >= 0, "lost_below", options.lost_below, "at least 0");
-  require(options.degraded_below >= options.lost_below, "degraded_below", options.degraded_below,
-          "at least lost_below");
-  require(share(options.reckoning_distance), "reckoning_distance", options.reckoning_distance,
-          "0..1");
-  require(share(options.reckoning_angle), "reckoning_angle", options.reckoning_angle, "0..1");
-  require(share(options.reckoning_heading), "reckoning_heading", options.reckoning_heading,
-          "0..1 rad/m");
+  check_parameter(options.keyframe_distance > 0.0 && options.keyframe_distance < 100.0, "odometry",
+                  "keyframe_distance", options.keyframe_distance, "0..100 m, not zero");
+  check_parameter(options.keyframe_angle > 0.0 && options.keyframe_angle < 10.0, "odometry",
+                  "keyframe_angle", options.keyframe_angle, "0..10 rad, not zero");
+  check_parameter(share(options.position_sigma), "odometry", "position_sigma",
+                  options.position_sigma, "0..1 m");
+  check_parameter(share(options.heading_sigma), "odometry", "heading_sigma", options.heading_sigma,
+                  "0..1 rad");
+  check_parameter(options.lost_below >= 0, "odometry", "lost_below", options.lost_below,
+                  "at least 0");
+  check_parameter(options.degraded_below >= options.lost_below, "odometry", "degraded_below",
+                  options.degraded_below, "at least lost_below");
+  check_parameter(share(options.reckoning_distance), "odometry", "reckoning_distance",
+                  options.reckoning_distance, "0..1");
+  check_parameter(share(options.reckoning_angle), "odometry", "reckoning_angle",
+                  options.reckoning_angle, "0..1");
+  check_parameter(share(options.reckoning_heading), "odometry", "reckoning_heading",
+                  options.reckoning_heading, "0..1 rad/m");
   true_keyframe_ = start;
   keyframe_ = start;
   const Eigen::Matrix3d reference = information(reference_points(stereo)).inverse();
   position_scale_ = options.position_sigma / std::sqrt(reference(0, 0) + reference(1, 1));
   heading_scale_ = options.heading_sigma / std::sqrt(reference(2, 2));
-  require(std::isfinite(position_scale_) && std::isfinite(heading_scale_), "information",
-          reference(0, 0), "regular at the reference points: check camera and mount");
+  check_parameter(std::isfinite(position_scale_) && std::isfinite(heading_scale_), "odometry",
+                  "information", reference(0, 0),
+                  "regular at the reference points: check camera and mount");
   lost_covariance_ = keyframe_covariance(reference_points(stereo, std::max(1, options.lost_below)));
 }
 
