@@ -1,5 +1,6 @@
 #include "perception/belief_builder.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -66,6 +67,32 @@ std::shared_ptr<const Belief> BeliefBuilder::build(const OdometryFrame& frame, B
   belief->voxels = std::move(maps.voxels);
   belief->ground = std::move(maps.ground);
   belief->landmarks = std::move(landmarks);
+  return belief;
+}
+
+std::shared_ptr<const Belief> BeliefBuilder::build(const OdometryFrame& frame,
+                                                   const FusedOdometry& fused, BeliefMaps maps,
+                                                   std::shared_ptr<const LandmarkMap> landmarks) {
+  const Pose seen = body_pose(frame.T_WC * T_BC_.inverse());
+  Isometry3d T = Isometry3d::Identity();
+  T.linear() =
+      Eigen::AngleAxisd(fused.pose.yaw - seen.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  T.translation().head<2>() =
+      fused.pose.position.head<2>() - (T.linear() * seen.position).head<2>();
+  auto moved = std::make_shared<LandmarkMap>(*landmarks);
+  for (Landmark& l : moved->landmarks) {
+    l.position = T * l.position;
+    l.covariance = (T.linear() * l.covariance * T.linear().transpose()).eval();
+    l.creation_direction = T.linear() * l.creation_direction;
+  }
+  auto belief = std::make_shared<Belief>(*build(frame, std::move(maps), std::move(moved)));
+  belief->stamp = fused.stamp;
+  belief->pose = fused.pose;
+  const Eigen::Vector3i planar(0, 1, 3);
+  belief->covariance.setZero();
+  belief->covariance(planar, planar) = fused.covariance;
+  belief->twist = fused.twist;
+  belief->localization = std::max(frame.state, fused.state);
   return belief;
 }
 

@@ -7,6 +7,7 @@
 #include "engine/belief.h"
 #include "engine/map_projection.h"
 #include "perception/stereo_odometry.h"
+#include "perception/wheel_fusion.h"
 
 namespace prospect {
 
@@ -33,6 +34,14 @@ class BeliefBuilder {
 
   /// The belief at a frame. Maps and landmarks as they are known then, none of them null.
   std::shared_ptr<const Belief> build(const OdometryFrame& frame, BeliefMaps maps,
+                                      std::shared_ptr<const LandmarkMap> landmarks);
+
+  /// The same for a robot that has wheels, too: pose, covariance, twist and time are those of the
+  /// fusion, and landmarks, which the odometry knows in a frame of its own since a loss, are moved
+  /// to where the robot sees them: by T_WB(fused) T_WB(odometry)^-1, in the plane. Localization is
+  /// the worse of the two states.
+  std::shared_ptr<const Belief> build(const OdometryFrame& frame, const FusedOdometry& fused,
+                                      BeliefMaps maps,
                                       std::shared_ptr<const LandmarkMap> landmarks);
 
  private:

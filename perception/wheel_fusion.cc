@@ -45,13 +45,14 @@ Matrix3d composed_covariance(const Vector3d& a, const Matrix3d& A, const Vector3
 }
 
 // What no robot on wheels does: beyond these, numbers are faults.
-constexpr double kFastest = 100.0;   // [m/s, rad/s]
-constexpr double kFarthest = 1e4;    // [m] from a keyframe
-constexpr double kLongest = 3600.0;  // [s] without a word
+constexpr double kFastest = 100.0;       // [m/s, rad/s]
+constexpr double kFarthestMotion = 1e4;  // [m] from a keyframe
+constexpr double kLongest = 3600.0;      // [s] without a word
 
 /// Symmetric, finite and positive definite.
 bool is_covariance(const Matrix3d& C) {
-  if (!(C.norm() <= kFarthest * kFarthest) || (C - C.transpose()).norm() > 1e-9 * (1.0 + C.norm()))
+  if (!(C.norm() <= kFarthestMotion * kFarthestMotion) ||
+      (C - C.transpose()).norm() > 1e-9 * (1.0 + C.norm()))
     return false;
   const Eigen::LLT<Matrix3d> factor(C);
   return factor.info() == Eigen::Success;
@@ -73,6 +74,10 @@ WheelFusion::WheelFusion(const WheelFusionOptions& options) : options_(options) 
   check_positive(owner, "unknown_speed", options.unknown_speed);
   check_positive(owner, "max_wait", options.max_wait);
   check_positive(owner, "max_dead_reckoning", options.max_dead_reckoning);
+  check_parameter(options.start.position.allFinite() && std::isfinite(options.start.yaw), owner,
+                  "start", options.start.yaw, "a finite pose");
+  x_.head<2>() = options.start.position.head<2>();
+  x_[2] = options.start.yaw;
   x_[3] = x_[4] = 1.0;
   P_(3, 3) = P_(4, 4) = options.sigma_scale * options.sigma_scale;
 }
@@ -255,7 +260,7 @@ void WheelFusion::work_in(const VisualMotion& visual) {
     visual_reason_ = "visual odometry has no reference yet";
     return;
   }
-  if (!(visual.motion.norm() <= kFarthest) || !is_covariance(visual.covariance)) {
+  if (!(visual.motion.norm() <= kFarthestMotion) || !is_covariance(visual.covariance)) {
     visual_ = Localization::kLost;
     visual_reason_ = "a visual motion is not possible";
     return;

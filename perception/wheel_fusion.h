@@ -32,11 +32,12 @@ struct WheelFusionOptions {
   double max_wait = 1.0;        ///< [s] that a visual frame may arrive late
   /// Standard deviation [m] of the way made on wheels alone above which the robot is lost.
   double max_dead_reckoning = 0.25;
+  Pose start;  ///< of B in W; z is not used
 };
 
 struct FusedOdometry {
   double stamp = 0.0;
-  Pose pose;  ///< of B in W, which is B at the start; z = 0
+  Pose pose;  ///< of B in W, from WheelFusionOptions::start on; z = 0
   /// Of (x, y, yaw), against the start.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   Twist twist;  ///< of the newest wheel sample, scaled

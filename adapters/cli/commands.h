@@ -21,6 +21,7 @@ struct ExploreArguments {
   std::string world = "office";
   std::string configuration;  ///< file; empty: defaults
   std::string solver;         ///< empty: as configured
+  std::string sensors;        ///< "model", "camera"; empty: as configured
   std::uint64_t seed = 1;
   std::string out;            ///< run folder; empty: runs/WORLD_SOLVER_SEED
   double time_limit = 0.0;    ///< [s]; 0: as configured

@@ -9,6 +9,7 @@
 #include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
 #include "adapters/report/progress_line.h"
+#include "adapters/run/csv.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/run/planned_problem.h"
 #include "adapters/run/run_folder.h"
@@ -52,8 +53,17 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
     configuration.solver = arguments.solver;
     const std::string wrong = solver_problem(configuration.solver, registry);
     if (!wrong.empty()) throw InputError("--solver: " + wrong);
+    override_entry(configuration, "planner.solver", arguments.solver);
   }
-  if (arguments.time_limit > 0.0) configuration.mission.time_limit = arguments.time_limit;
+  if (arguments.time_limit > 0.0) {
+    configuration.mission.time_limit = arguments.time_limit;
+    override_entry(configuration, "mission.time_limit", csv::text(arguments.time_limit));
+  }
+  if (!arguments.sensors.empty()) {
+    configuration.simulator.sensors =
+        arguments.sensors == "camera" ? Sensors::kCamera : Sensors::kModel;
+    override_entry(configuration, "simulator.sensors", arguments.sensors);
+  }
   if (tell_if_absent(configuration.solver, registry)) return kNotBuiltIn;
   WorldOptions world_options = world_options_for(configuration);
   if (!arguments.start.empty()) {

@@ -12,6 +12,7 @@
 
 #include "adapters/cli/commands.h"
 #include "adapters/config/input_error.h"
+#include "adapters/config/not_built_in.h"
 #include "models/nearest_name.h"
 #include "models/version.h"
 #include "solvers/load_plugin.h"
@@ -68,13 +69,20 @@ int run(int argc, char** argv) {
   CLI::App* explore_command =
       app.add_subcommand("explore", "A simulated mission until the reachable space is explored");
   explore_command
-      ->add_option("world", explore_arguments.world,
-                   "Built-in name, world file, OctoMap (.bt .ot) or ROS map (.yaml .pgm .png)")
+      ->add_option(
+          "world", explore_arguments.world,
+          "Built-in name, world file, OctoMap (.bt .ot), ROS map (.yaml .pgm .png), mesh (.obj "
+          ".dae .gltf .glb) or Gazebo world")
       ->capture_default_str();
   explore_command->add_option("--config", explore_arguments.configuration,
                               "Configuration file (YAML)");
   explore_command->add_option("--solver", explore_arguments.solver,
                               "Back end, see `prospect list solvers`");
+  explore_command
+      ->add_option("--sensors", explore_arguments.sensors,
+                   "model: odometry as a model of its errors; camera: rendered images through "
+                   "perception")
+      ->check(CLI::IsMember({"model", "camera"}));
   explore_command->add_option("--seed", explore_arguments.seed, "Seed of all noise")
       ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
@@ -274,6 +282,8 @@ int main(int argc, char** argv) {
     return report(error.lines(), prospect::kBadInput);
   } catch (const std::invalid_argument& error) {
     return report({error.what()}, prospect::kBadInput);
+  } catch (const prospect::NotBuiltIn& error) {
+    return report({error.what()}, prospect::kNotBuiltIn);
   } catch (const std::exception& error) {
     return report({error.what()}, prospect::kFailed);
   }

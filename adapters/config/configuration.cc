@@ -206,8 +206,30 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
                                                 "reactivations of everything before the end"));
 }
 
+// What `sensors: camera` needs besides.
+void read_camera(YamlMap map, CameraSensesOptions& c) {
+  const auto number = [&](const char* key, double& value, double max, const char* unit,
+                          const char* what) {
+    value = map.number(key, value, 0.0, max, unit, what);
+  };
+  number("texture_quality", c.texture_quality, 1.0, "1", "contrast of surfaces, 0 blank to 1 rich");
+  number("exposure", c.rig.exposure, 100.0, "1", "gain on the grey levels");
+  number("exposure_time", c.rig.exposure_time, 1.0, "s", "motion blur of a turning robot");
+  number("vignetting", c.rig.vignetting, 1.0, "1", "share of light lost in the corners");
+  number("blur", c.rig.blur, 20.0, "px", "of the lens, one standard deviation");
+  number("read_noise", c.rig.read_noise, 100.0, "1", "grey levels, one standard deviation");
+  number("shot_noise", c.rig.shot_noise, 100.0, "1", "variance a grey level");
+  c.rig.threads = static_cast<int>(map.integer("threads", c.rig.threads, 1, 256, "1",
+                                               "of the renderer; the same bits with any"));
+  c.wheels = map.boolean("wheels", c.wheels, "wheel odometry, fused with what the images say");
+}
+
 void read_simulator(YamlMap map, Configuration& c) {
   SimulatorOptions& s = c.simulator;
+  const std::string sensors =
+      map.choice("sensors", "model", {"model", "camera"},
+                 "odometry as a model of its errors, or rendered images through perception");
+  s.sensors = sensors == "camera" ? Sensors::kCamera : Sensors::kModel;
   s.mapping.resolution = map.number("map_resolution", s.mapping.resolution, 0.02, 1.0, "m",
                                     "of the map that is built");
   s.depth_rate = map.number("depth_rate", s.depth_rate, 0.1, 100.0, "1/s", "depth images");
@@ -229,6 +251,7 @@ void read_simulator(YamlMap map, Configuration& c) {
       o.integer("lost_below", s.odometry.lost_below, 0, 10000, "1", "tracked points: lost"));
   s.odometry.degraded_below = static_cast<int>(o.integer(
       "degraded_below", s.odometry.degraded_below, 0, 10000, "1", "tracked points: degraded"));
+  read_camera(map.map("camera"), s.camera);
 }
 
 Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
@@ -257,6 +280,13 @@ Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
 }
 
 }  // namespace
+
+void override_entry(Configuration& configuration, const std::string& path,
+                    const std::string& value) {
+  for (ConfigEntry& entry : configuration.entries) {
+    if (entry.path == path) entry.value = value;
+  }
+}
 
 std::string solver_problem(const std::string& name, const SolverRegistry& solvers) {
   try {

@@ -26,6 +26,11 @@ struct Configuration {
 /// Throws InputError with every problem at once (file:line: what; expected what).
 Configuration read_configuration(const std::string& path, const SolverRegistry& solvers = {});
 
+/// Notes in the entries that a value, given as YAML, was chosen elsewhere, as on the command line;
+/// what it stands for is to be set by who does so.
+void override_entry(Configuration& configuration, const std::string& path,
+                    const std::string& value);
+
 /// "" if the registry knows a back end of that name (built in or not), else what is wrong with it:
 /// "unknown solver 'x' (did you mean 'y'?); expected one of: ...".
 std::string solver_problem(const std::string& name, const SolverRegistry& solvers);

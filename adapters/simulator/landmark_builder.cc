@@ -7,40 +7,33 @@
 #include <utility>
 
 #include "adapters/simulator/depth_camera.h"
+#include "models/parameter_check.h"
 
 namespace prospect {
-namespace {
-
-void require(bool ok, const char* what, double got, const char* expected) {
-  if (!ok) {
-    throw std::invalid_argument(std::string("landmark builder: ") + what + " is " +
-                                std::to_string(got) + ", expected " + expected);
-  }
-}
-
-}  // namespace
+namespace {}  // namespace
 
 LandmarkBuilder::LandmarkBuilder(const LandmarkBuilderOptions& options,
                                  const FeatureCameraOptions& camera, const CameraMount& mount)
-    : options_(options), camera_(camera), mount_(mount), map_(std::make_shared<LandmarkMap>()) {
-  require(options.max_landmarks >= 1, "max_landmarks", options.max_landmarks, "at least 1");
-  require(options.max_scale > 1.0, "max_scale", options.max_scale, "above 1");
-  require(options.max_view_change > 0.0, "max_view_change", options.max_view_change,
-          "a positive angle");
-  require(options.survival_prior_tracked > 0.0, "survival_prior_tracked",
-          options.survival_prior_tracked, "a positive number");
-  require(options.survival_prior_missed > 0.0, "survival_prior_missed",
-          options.survival_prior_missed, "a positive number");
-  require(options.cull_survival >= 0.0 && options.cull_survival < 1.0, "cull_survival",
-          options.cull_survival, "0..1");
-  require(options.cull_views >= 1, "cull_views", options.cull_views, "at least 1");
-  require(options.density_quantile >= 0.0 && options.density_quantile <= 1.0, "density_quantile",
-          options.density_quantile, "0..1");
-  require(options.density_area > 0.0, "density_area", options.density_area, "a positive area");
-  require(options.density_window >= 4, "density_window", options.density_window, "at least 4");
-  require(std::isfinite(options.initial_density) && options.initial_density >= 0.0,
-          "initial_density", options.initial_density, "at least 0");
-  map_->feature_density = options.initial_density;
+    : options_(options),
+      camera_(camera),
+      mount_(mount),
+      map_(std::make_shared<LandmarkMap>()),
+      density_(options.density) {
+  check_parameter(options.max_landmarks >= 1, "landmark builder", "max_landmarks",
+                  options.max_landmarks, "at least 1");
+  check_parameter(options.max_scale > 1.0, "landmark builder", "max_scale", options.max_scale,
+                  "above 1");
+  check_parameter(options.max_view_change > 0.0, "landmark builder", "max_view_change",
+                  options.max_view_change, "a positive angle");
+  check_parameter(options.survival_prior_tracked > 0.0, "landmark builder",
+                  "survival_prior_tracked", options.survival_prior_tracked, "a positive number");
+  check_parameter(options.survival_prior_missed > 0.0, "landmark builder", "survival_prior_missed",
+                  options.survival_prior_missed, "a positive number");
+  check_parameter(options.cull_survival >= 0.0 && options.cull_survival < 1.0, "landmark builder",
+                  "cull_survival", options.cull_survival, "0..1");
+  check_parameter(options.cull_views >= 1, "landmark builder", "cull_views", options.cull_views,
+                  "at least 1");
+  map_->feature_density = density_.value();
 }
 
 void LandmarkBuilder::update(const std::vector<FeatureObservation>& observations,
@@ -48,6 +41,7 @@ void LandmarkBuilder::update(const std::vector<FeatureObservation>& observations
                              double surface_area) {
   if (map_.use_count() != 1) map_ = std::make_shared<LandmarkMap>(*map_);
   ++keyframe_;
+  int new_landmarks = 0;
   const StereoCamera& stereo = camera_.stereo;
   const Eigen::Isometry3d T_WC = camera_pose(estimated_pose, mount_);
   const Eigen::Isometry3d T_CW = T_WC.inverse();
@@ -91,7 +85,7 @@ void LandmarkBuilder::update(const std::vector<FeatureObservation>& observations
       landmarks.emplace_back();
       landmarks.back().id = id;
       statistics_.emplace_back();
-      ++new_landmarks_;
+      ++new_landmarks;
     }
     Landmark& landmark = landmarks[it->second];
     Statistics& s = statistics_[it->second];
@@ -124,19 +118,8 @@ void LandmarkBuilder::update(const std::vector<FeatureObservation>& observations
         (options_.survival_prior_tracked + options_.survival_prior_missed + s.expected);
   }
 
-  if (surface_area - last_area_ >= options_.density_area) {
-    density_.push_back(new_landmarks_ / (surface_area - last_area_));
-    if (static_cast<int>(density_.size()) > options_.density_window) density_.pop_front();
-    last_area_ = surface_area;
-    new_landmarks_ = 0;
-    if (density_.size() >= 4) {
-      std::vector<double> sorted(density_.begin(), density_.end());
-      const auto rank = static_cast<std::ptrdiff_t>(options_.density_quantile *
-                                                    static_cast<double>(sorted.size() - 1));
-      std::nth_element(sorted.begin(), sorted.begin() + rank, sorted.end());
-      map_->feature_density = sorted[static_cast<std::size_t>(rank)];
-    }
-  }
+  density_.add(new_landmarks, surface_area);
+  map_->feature_density = density_.value();
   cull();
 }
 

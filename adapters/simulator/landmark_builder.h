@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <memory>
 #include <unordered_map>
 #include <vector>
@@ -11,6 +10,7 @@
 #include "engine/voxel_grid.h"
 #include "models/camera.h"
 #include "models/types.h"
+#include "perception/feature_density.h"
 
 namespace prospect {
 
@@ -24,12 +24,7 @@ struct LandmarkBuilderOptions {
   double survival_prior_missed = 0.5;
   double cull_survival = 0.25;  ///< dropped below this ...
   int cull_views = 12;          ///< ... after so many expected views
-  /// feature_density: this quantile of the last `density_window` samples of new landmarks per new
-  /// surface, a sample being taken each `density_area` [m^2] of new surface.
-  double density_quantile = 0.25;
-  double density_area = 1.0;
-  int density_window = 40;
-  double initial_density = 5.0;  ///< [1/m^2], until there are four samples
+  FeatureDensityOptions density;
 };
 
 /// The odometry's landmark map, built in the estimated frame from what is tracked at keyframes.
@@ -74,9 +69,7 @@ class LandmarkBuilder {
   std::vector<Statistics> statistics_;                         // parallel to map_->landmarks
   std::unordered_map<std::uint64_t, std::uint32_t> position_;  // id -> index in both
   std::uint64_t keyframe_ = 0;
-  std::deque<double> density_;
-  double last_area_ = 0.0;
-  int new_landmarks_ = 0;
+  FeatureDensity density_;
 };
 
 }  // namespace prospect

@@ -1,12 +1,21 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "adapters/simulator/seen_area.h"
 #include "engine/belief.h"
 #include "models/types.h"
+#include "perception/image.h"
+#include "perception/stereo_odometry.h"
 
 namespace prospect {
+
+/// An image and the landmarks that were to be seen in it.
+struct CameraPicture {
+  Image image;
+  std::vector<LandmarkSighting> sightings;
+};
 
 /// How a simulated robot perceives: images and depth scans, taken at true poses, become an estimate
 /// and maps. FeatureSenses models that, CameraSenses does it.
@@ -32,6 +41,8 @@ class Senses {
   virtual Pose estimate(double stamp, const Pose& true_pose) const = 0;
   virtual Localization localization() const = 0;
   virtual int losses() const = 0;  ///< how often localization was lost
+  /// The newest left image; empty where there is none.
+  virtual CameraPicture picture() const { return {}; }
 };
 
 }  // namespace prospect

@@ -6,20 +6,15 @@
 #include <string>
 #include <utility>
 
+#include "adapters/simulator/camera_senses.h"
 #include "adapters/simulator/feature_senses.h"
 #include "adapters/simulator/kinematic_robot.h"
 #include "adapters/simulator/noise_stream.h"
 #include "adapters/simulator/seen_area.h"
+#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {
-
-void require(bool ok, const char* what, double got, const char* expected) {
-  if (!ok) {
-    throw std::invalid_argument(std::string("simulator: ") + what + " is " + std::to_string(got) +
-                                ", expected " + expected);
-  }
-}
 
 std::shared_ptr<const World> not_null(std::shared_ptr<const World> world) {
   if (!world) throw std::invalid_argument("simulator: expected a world, got none");
@@ -57,13 +52,18 @@ struct Simulator::Impl {
         robot(*world, o.shape, o.actuation, world->start,
               stream_seed(o.seed, NoiseStream::kActuation)),
         seen(*world, mapping_options(*world, o).slice) {
-    require(o.depth_rate > 0.0 && o.depth_rate <= 1000.0, "depth_rate", o.depth_rate,
-            "0..1000 Hz, not zero");
-    require(o.image_rate > 0.0 && o.image_rate <= 1000.0, "image_rate", o.image_rate,
-            "0..1000 Hz, not zero");
+    check_parameter(o.depth_rate > 0.0 && o.depth_rate <= 1000.0, "simulator", "depth_rate",
+                    o.depth_rate, "0..1000 Hz, not zero");
+    check_parameter(o.image_rate > 0.0 && o.image_rate <= 1000.0, "simulator", "image_rate",
+                    o.image_rate, "0..1000 Hz, not zero");
     // The robot stands there: every voxel that its outline touches is free.
     const double cleared = robot.contact_test().radius() + 0.75 * o.mapping.resolution;
-    senses = std::make_unique<FeatureSenses>(*world, o, mapping_options(*world, o), cleared);
+    const OccupancyMapperOptions mapping = mapping_options(*world, o);
+    if (o.sensors == Sensors::kCamera) {
+      senses = std::make_unique<CameraSenses>(*world, o, mapping, cleared);
+    } else {
+      senses = std::make_unique<FeatureSenses>(*world, o, mapping, cleared);
+    }
     scan();
     image();
   }
@@ -125,6 +125,7 @@ bool Simulator::in_contact() const { return impl_->robot.in_contact(); }
 double Simulator::path_length() const { return impl_->robot.path_length(); }
 double Simulator::rotation() const { return impl_->robot.rotation(); }
 int Simulator::losses() const { return impl_->senses->losses(); }
+CameraPicture Simulator::picture() const { return impl_->senses->picture(); }
 double Simulator::lost_time() const { return impl_->lost_time; }
 void Simulator::set_reachable(const Grid<std::uint8_t>& reachable) {
   impl_->seen.set_reachable(reachable);

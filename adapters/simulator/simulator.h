@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "adapters/simulator/senses.h"
 #include "adapters/simulator/simulator_options.h"
 #include "adapters/worlds/world.h"
 #include "engine/belief.h"
@@ -53,6 +54,9 @@ class Simulator {
   double rotation() const;            ///< [rad] really turned, in absolute value
   int losses() const;                 ///< how often localization was lost
   double lost_time() const;           ///< [s] spent lost
+
+  /// The newest left image, where the robot has cameras; empty otherwise.
+  CameraPicture picture() const;
 
   /// Cells of the true map counted by coverage(): nonzero = counts. Without one coverage is zero.
   void set_reachable(const Grid<std::uint8_t>& reachable);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "adapters/simulator/camera_rig.h"
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/feature_camera.h"
 #include "adapters/simulator/kinematic_robot.h"
@@ -10,12 +11,34 @@
 #include "models/camera.h"
 #include "models/robot_shape.h"
 #include "perception/occupancy_mapper.h"
+#include "perception/stereo_odometry.h"
+#include "perception/wheel_fusion.h"
 
 namespace prospect {
+
+/// How the robot of a simulation perceives.
+enum class Sensors {
+  kModel,   ///< odometry and landmarks as a model of their errors (FeatureSenses): fast
+  kCamera,  ///< rendered images through this project's perception (CameraSenses)
+};
+
+/// What the second of them needs besides.
+struct CameraSensesOptions {
+  /// Cameras and mounts are set from the simulator's, depth noise from its depth camera.
+  CameraRigOptions rig;
+  /// Contrast of the surfaces of worlds that are not meshes: 1 rich, 0 blank.
+  double texture_quality = 1.0;
+  StereoOdometryOptions odometry;
+  /// Wheels measure with these errors, and are fused knowing them. A robot without wheels holds its
+  /// pose while it is lost.
+  bool wheels = true;
+  WheelFusionOptions wheel_fusion;
+};
 
 /// Everything a simulated mission depends on besides its world and the commands.
 struct SimulatorOptions {
   std::uint64_t seed = 1;
+  Sensors sensors = Sensors::kModel;
 
   RobotShape shape = CylinderShape{};
   ActuationNoise actuation;  ///< none by default: commands are executed exactly
@@ -32,6 +55,8 @@ struct SimulatorOptions {
   LandmarkBuilderOptions landmarks;
   /// slice is set from the shape's vertical extent, max_range from the depth camera.
   OccupancyMapperOptions mapping;
+
+  CameraSensesOptions camera;
 };
 
 }  // namespace prospect

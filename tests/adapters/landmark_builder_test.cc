@@ -114,9 +114,9 @@ TEST(LandmarkBuilder, CullsWhatIsNotTrackedAndKeepsTheLimit) {
 
 TEST(LandmarkBuilder, DensityIsAQuantileOverNewSurface) {
   LandmarkBuilderOptions options;
-  options.density_quantile = 0.25;
+  options.density.quantile = 0.25;
   LandmarkBuilder builder(options, kCamera, kMount);
-  EXPECT_EQ(builder.map()->feature_density, options.initial_density);
+  EXPECT_EQ(builder.map()->feature_density, options.density.initial);
   const Pose pose;
   std::uint32_t id = 0;
   double area = 0.0;
@@ -151,7 +151,7 @@ TEST(LandmarkBuilder, RejectsOptionsOutOfRange) {
   options.max_scale = 0.5;
   EXPECT_THROW(LandmarkBuilder(options, kCamera, kMount), std::invalid_argument);
   options = {};
-  options.density_quantile = -0.1;
+  options.density.quantile = -0.1;
   EXPECT_THROW(LandmarkBuilder(options, kCamera, kMount), std::invalid_argument);
 }
 

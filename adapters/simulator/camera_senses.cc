@@ -1,0 +1,156 @@
+#include "adapters/simulator/camera_senses.h"
+
+#include <cmath>
+#include <utility>
+
+#include "adapters/simulator/feature_field.h"
+#include "adapters/simulator/noise_stream.h"
+#include "adapters/simulator/scene_renderer.h"
+#include "adapters/simulator/world_mesh.h"
+#include "models/sinc.h"
+
+namespace prospect {
+namespace {
+
+std::shared_ptr<const SceneRenderer> scene_of(const World& world, const SimulatorOptions& options) {
+  if (world.mesh) return std::make_shared<const SceneRenderer>(*world.mesh);
+  WorldMeshOptions mesh;
+  mesh.texture_quality = options.camera.texture_quality;
+  mesh.seed = stream_seed(options.seed, NoiseStream::kTexture);
+  return std::make_shared<const SceneRenderer>(
+      world_mesh(world, simulated_features(world, options.seed), mesh));
+}
+
+CameraRigOptions rig_of(const SimulatorOptions& options) {
+  CameraRigOptions rig = options.camera.rig;
+  rig.stereo = options.features.stereo;
+  rig.stereo_mount = options.stereo_mount;
+  rig.footprint = options.depth.footprint;
+  rig.depth_mount = options.depth_mount;
+  rig.depth_noise_constant = options.depth.noise_constant;
+  rig.depth_noise_quadratic = options.depth.noise_quadratic;
+  rig.depth_dropout = options.depth.dropout;
+  rig.seed = stream_seed(options.seed, NoiseStream::kImages);
+  return rig;
+}
+
+DepthMapperOptions mapper_of(const SimulatorOptions& options,
+                             const OccupancyMapperOptions& mapping) {
+  DepthMapperOptions mapper;
+  mapper.map = mapping;
+  mapper.range = {options.depth.footprint.min_range, options.depth.footprint.max_range};
+  return mapper;
+}
+
+WheelFusionOptions fusion_of(const SimulatorOptions& options, const Pose& start) {
+  WheelFusionOptions fusion = options.camera.wheel_fusion;
+  fusion.start = start;
+  return fusion;
+}
+
+}  // namespace
+
+CameraSenses::CameraSenses(const World& world, const SimulatorOptions& options,
+                           const OccupancyMapperOptions& mapping, double cleared_radius)
+    : options_(options),
+      rig_(scene_of(world, options), rig_of(options)),
+      looking_(world, options.depth, options.depth_mount,
+               stream_seed(options.seed, NoiseStream::kDepth)),
+      odometry_(options.features.stereo, options.camera.odometry,
+                camera_pose(world.start, options.stereo_mount)),
+      reader_(options.stereo_mount.T_BC),
+      fusion_(fusion_of(options, world.start)),
+      mapper_(rig_.depth_camera(), mapper_of(options, mapping)),
+      builder_(options.stereo_mount.T_BC),
+      wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
+      wheel_pose_(world.start) {
+  frame_.T_WC = camera_pose(world.start, options.stereo_mount);
+  mapper_.map().clear_cylinder(world.start.position, cleared_radius, mapping.slice.z_max);
+  std::normal_distribution<double> normal;
+  wheel_scale_ += options.camera.wheel_fusion.sigma_scale * normal(wheel_noise_);
+  turn_scale_ += options.camera.wheel_fusion.sigma_scale * normal(wheel_noise_);
+}
+
+WheelSample CameraSenses::wheels(double stamp, const Pose& true_pose) {
+  const WheelFusionOptions& errors = options_.camera.wheel_fusion;
+  const double dt = stamp - wheel_stamp_;
+  const double turn = std::remainder(true_pose.yaw - wheel_pose_.yaw, 2.0 * M_PI);
+  // p' = p + dt sinc(turn / 2) R(yaw + turn / 2) v
+  const Eigen::Vector2d v = Eigen::Rotation2Dd(-(wheel_pose_.yaw + 0.5 * turn)) *
+                            (true_pose.position - wheel_pose_.position).head<2>() /
+                            (dt * sinc(0.5 * turn));
+  const double speed = v.norm(), w = turn / dt;
+  std::normal_distribution<double> normal;
+  const double noise_along = normal(wheel_noise_), noise_across = normal(wheel_noise_),
+               noise_turn = normal(wheel_noise_);
+  const double root = std::sqrt(speed / dt);
+  const Eigen::Vector2d forward = speed > 0.0 ? Eigen::Vector2d(v / speed) : Eigen::Vector2d(1, 0);
+  const Eigen::Vector2d aside(-forward.y(), forward.x());
+  WheelSample sample;
+  sample.stamp = stamp;
+  sample.velocity =
+      (v + root * (errors.along * noise_along * forward + errors.across * noise_across * aside)) /
+      wheel_scale_;
+  sample.yaw_rate = (w + std::sqrt((errors.turn * errors.turn * std::abs(w) +
+                                    errors.heading * errors.heading * speed) /
+                                   dt) *
+                             noise_turn) /
+                    turn_scale_;
+  wheel_stamp_ = stamp;
+  wheel_pose_ = true_pose;
+  return sample;
+}
+
+void CameraSenses::image(double stamp, const Pose& true_pose, const Twist& twist) {
+  pair_ = rig_.stereo(true_pose, twist, images_++);
+  if (stamp > wheel_stamp_) fusion_.add(wheels(stamp, true_pose));
+  const bool was_lost = images_ > 1 && frame_.state == Localization::kLost;
+  frame_ = odometry_.process(stamp, pair_.left.view(), pair_.right.view());
+  fusion_.add(reader_.read(frame_));
+  losses_ += frame_.state == Localization::kLost && !was_lost;
+  if (frame_.keyframe) count_landmarks();
+}
+
+void CameraSenses::count_landmarks() {
+  constexpr double kCell = 0.05;  // [m]
+  int anew = 0;
+  const auto map = odometry_.landmarks();
+  for (const Landmark& l : map->landmarks) {
+    std::uint64_t key = 0;
+    for (int i = 0; i < 3; ++i) {
+      const auto cell = static_cast<std::int64_t>(std::floor(l.position[i] / kCell));
+      key = key << 21 | (static_cast<std::uint64_t>(cell) & 0x1FFFFF);
+    }
+    anew += places_.insert(key).second;
+  }
+  const double r = options_.mapping.resolution;
+  density_.add(anew, static_cast<double>(mapper_.map().surface_voxels()) * r * r);
+}
+
+Pose CameraSenses::visual_pose() const {
+  const Eigen::Isometry3d T_WB = frame_.T_WC * options_.stereo_mount.T_BC.inverse();
+  return {{T_WB.translation().x(), T_WB.translation().y(), 0.0},
+          std::atan2(T_WB.linear()(1, 0), T_WB.linear()(0, 0))};
+}
+
+Pose CameraSenses::estimate(double stamp, const Pose&) const {
+  return options_.camera.wheels ? fusion_.at(stamp).pose : visual_pose();
+}
+
+void CameraSenses::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
+  seen.look(looking_, true_pose);
+  const DepthImage depth = rig_.depth(true_pose, scans_++);
+  mapper_.process(stamp, depth, camera_pose(estimate(stamp, true_pose), options_.depth_mount));
+}
+
+std::shared_ptr<const Belief> CameraSenses::belief(double stamp, const Pose&, const Twist&) {
+  auto landmarks = std::make_shared<LandmarkMap>(*odometry_.landmarks());
+  landmarks->feature_density = density_.value();
+  return options_.camera.wheels
+             ? builder_.build(frame_, fusion_.at(stamp), mapper_.map().snapshot(), landmarks)
+             : builder_.build(frame_, mapper_.map().snapshot(), landmarks);
+}
+
+CameraPicture CameraSenses::picture() const { return {pair_.left, odometry_.sightings()}; }
+
+}  // namespace prospect

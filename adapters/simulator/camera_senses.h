@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <random>
+#include <unordered_set>
+
+#include "adapters/simulator/camera_rig.h"
+#include "adapters/simulator/depth_camera.h"
+#include "adapters/simulator/senses.h"
+#include "adapters/simulator/simulator_options.h"
+#include "adapters/worlds/world.h"
+#include "perception/belief_builder.h"
+#include "perception/depth_mapper.h"
+#include "perception/feature_density.h"
+#include "perception/stereo_odometry.h"
+#include "perception/visual_motion.h"
+#include "perception/wheel_fusion.h"
+
+namespace prospect {
+
+/// Perception as it runs on a robot: rendered stereo pairs through StereoOdometry, fused with
+/// wheels, rendered depth through DepthMapper. Nothing but the pose at the start is taken from the
+/// truth.
+///
+/// Wheels say of every time between two images the mean velocity of the body in it, v and w, times
+/// scales drawn once, N(1, sigma_scale^2), plus noise of the variances that WheelFusionOptions
+/// gives: (along^2 |v|, across^2 |v|) / dt and (turn^2 |w| + heading^2 |v|) / dt.
+///
+/// feature_density counts as new landmarks those in cells of 5 cm that held none before.
+///
+/// Bits: the same for any number of threads of the renderer. Source: our choice.
+class CameraSenses final : public Senses {
+ public:
+  /// As FeatureSenses. Throws std::invalid_argument on options out of range, NotBuiltIn without a
+  /// renderer.
+  CameraSenses(const World& world, const SimulatorOptions& options,
+               const OccupancyMapperOptions& mapping, double cleared_radius);
+
+  void image(double stamp, const Pose& true_pose, const Twist& twist) override;
+  void scan(double stamp, const Pose& true_pose, SeenArea& seen) override;
+  std::shared_ptr<const Belief> belief(double stamp, const Pose& true_pose,
+                                       const Twist& commanded) override;
+  Pose estimate(double stamp, const Pose& true_pose) const override;
+  Localization localization() const override { return frame_.state; }
+  int losses() const override { return losses_; }
+  CameraPicture picture() const override;
+
+ private:
+  WheelSample wheels(double stamp, const Pose& true_pose);
+  Pose visual_pose() const;
+  void count_landmarks();
+
+  SimulatorOptions options_;
+  CameraRig rig_;
+  DepthCamera looking_;  ///< what the depth camera's rays pass in truth, for evaluation
+  StereoOdometry odometry_;
+  VisualMotionReader reader_;
+  WheelFusion fusion_;
+  DepthMapper mapper_;
+  BeliefBuilder builder_;
+  FeatureDensity density_;
+  std::unordered_set<std::uint64_t> places_;  // cells that have held a landmark
+
+  std::uint64_t images_ = 0, scans_ = 0;
+  StereoImages pair_;
+  OdometryFrame frame_;
+  int losses_ = 0;
+
+  std::mt19937_64 wheel_noise_;
+  double wheel_scale_ = 1.0, turn_scale_ = 1.0;
+  double wheel_stamp_ = 0.0;
+  Pose wheel_pose_;  // true, at the last sample
+};
+
+}  // namespace prospect
