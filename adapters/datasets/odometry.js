@@ -4,15 +4,7 @@ const run = JSON.parse($("run").textContent);
 const n = run.frames, s = run.summary;
 const column = {};
 for (const [name, text] of Object.entries(run.columns)) column[name] = floats(text);
-const pictures = run.pictures.map((p) => {
-  const image = new Image();
-  const ready = new Promise((resolve, reject) => {
-    image.onload = () => resolve();
-    image.onerror = () => reject(new Error(`the image of frame ${p.frame} does not load`));
-  });
-  image.src = `data:image/jpeg;base64,${p.jpeg}`;
-  return { ...p, image, ready, features: floats(p.features) };
-});
+const pictures = loadPictures(run.pictures);
 const states = ["ok", "degraded", "lost"];
 
 // ---- Head ---------------------------------------------------------------------------------------
@@ -35,39 +27,11 @@ const dark = matchMedia("(prefers-color-scheme: dark)");
 const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 // ---- Picture with landmarks ---------------------------------------------------------------------
-const canvas = $("picture"), pen = canvas.getContext("2d");
-const kKinds = ["--tracked", "--made", "--missed"];
-const pictureAt = (k) => {
-  let best = pictures[0];
-  for (const p of pictures) if (p.frame <= k) best = p;
-  return best;
-};
+const canvas = $("picture");
 let drawn = null;  // what the picture shows, for the self-test
 function drawPicture(k) {
-  const p = pictureAt(k);
-  const density = devicePixelRatio || 1;
-  const width = Math.max(1, Math.round(canvas.clientWidth * density));
-  canvas.width = width;
-  canvas.height = Math.max(1, Math.round(width * p.height / p.width));
-  const scale = width / p.width;
-  drawn = { frame: p.frame, counts: [0, 0, 0], picture: false };
-  if (p.image.complete && p.image.naturalWidth > 0) {
-    pen.drawImage(p.image, 0, 0, canvas.width, canvas.height);
-    drawn.picture = true;
-  } else {
-    p.ready.then(() => { if (pictureAt(step) === p) drawPicture(step); }, () => {});
-  }
-  const radius = Math.max(2.2 * density, 1.3 * scale);
-  pen.lineWidth = 1.4 * density;
-  for (let i = 0; i < p.features.length; i += 3) {
-    const u = p.features[i] * scale, v = p.features[i + 1] * scale, kind = p.features[i + 2];
-    ++drawn.counts[kind];
-    const color = css(kKinds[kind]);
-    pen.beginPath();
-    if (kind === 2) pen.rect(u - radius, v - radius, 2 * radius, 2 * radius);
-    else pen.arc(u, v, radius, 0, 2 * Math.PI);
-    if (kind === 0) { pen.fillStyle = color; pen.fill(); } else { pen.strokeStyle = color; pen.stroke(); }
-  }
+  const p = pictureAt(pictures, k);
+  drawn = drawLandmarks(canvas, p, () => { if (pictureAt(pictures, step) === p) drawPicture(step); });
   $("shown").textContent = p.frame === k ? "" : `image of frame ${p.frame}`;
 }
 
@@ -327,11 +291,7 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
       lines.push(`frame ${k} image ${drawn.frame} tracked ${drawn.counts[0] + drawn.counts[1]} new ${drawn.counts[1]} missed ${drawn.counts[2]} at ${column.x[k].toFixed(3)} ${column.y[k].toFixed(3)}`);
       expect(`the image of frame ${k} is drawn`, drawn.picture);
       expect(`the clock is at ${k}`, $("clock").textContent.startsWith(`${k} /`));
-      // A picture has many grey levels; a blank canvas has one.
-      const { data } = pen.getImageData(0, 0, canvas.width, canvas.height);
-      const levels = new Set();
-      for (let i = 0; i < data.length; i += 4) levels.add(data[i]);
-      expect(`the image of frame ${k} is not blank`, levels.size > 20);
+      expect(`the image of frame ${k} is not blank`, greyLevels(canvas) > 20);
       const [red, green, blue] = rgb("--estimated"), dot = ink.getImageData(Math.round(marker.x), Math.round(marker.y), 1, 1).data;
       expect(`the path's marker is painted at frame ${k}`, Math.abs(dot[0] - red) + Math.abs(dot[1] - green) + Math.abs(dot[2] - blue) < 12);
       plots.forEach((plot, i) => {

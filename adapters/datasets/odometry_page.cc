@@ -5,9 +5,6 @@
 #include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -20,7 +17,6 @@ namespace prospect {
 namespace {
 
 constexpr int kPictureWidth = 640;  // [px], at most
-constexpr int kQuality = 70;        // of JPEG
 
 /// The two axes of W that a view from above shows, to the right and upwards: above is where the
 /// images' upper edges are.
@@ -62,25 +58,8 @@ void OdometryPage::add(const OdometryStep& step) {
   frames_.push_back(step.frame);
   truths_.push_back(step.true_T_WC);
   if (number % every_ != 0) return;
-  const Image& image = step.images.left;
-  Picture picture{number, image.width, image.height, {}, {}};
-  const double scale = std::min(1.0, static_cast<double>(kPictureWidth) / image.width);
-  picture.width = static_cast<int>(std::lround(scale * image.width));
-  picture.height = static_cast<int>(std::lround(scale * image.height));
-  // Read only; OpenCV has no view of constant pixels.
-  const cv::Mat full(image.height, image.width, CV_8U,
-                     const_cast<std::uint8_t*>(image.pixels.data()));
-  cv::Mat small;
-  cv::resize(full, small, cv::Size(picture.width, picture.height), 0, 0, cv::INTER_AREA);
-  cv::imencode(".jpg", small, picture.jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality});
-  for (const LandmarkSighting& s : step.odometry.sightings()) {
-    picture.features.push_back({static_cast<float>(scale * s.pixel.x()),
-                                static_cast<float>(scale * s.pixel.y()),
-                                s.made      ? 1
-                                : s.tracked ? 0
-                                            : 2});
-  }
-  pictures_.push_back(std::move(picture));
+  pictures_.push_back(
+      landmark_picture(number, step.images.left, step.odometry.sightings(), kPictureWidth));
 }
 
 std::string OdometryPage::html(const nlohmann::ordered_json& summary) const {
@@ -131,26 +110,13 @@ std::string OdometryPage::html(const nlohmann::ordered_json& summary) const {
   columns.add("turned", turned);
   columns.add("sigma", sigma);
   columns.add("sigma_turn", sigma_turn);
-  nlohmann::ordered_json pictures = nlohmann::ordered_json::array();
-  for (const Picture& p : pictures_) {
-    BinaryText jpeg, features;
-    jpeg.add_bytes(p.jpeg);
-    for (const Feature& f : p.features) {
-      features.add_float(f.u);
-      features.add_float(f.v);
-      features.add_float(f.kind);
-    }
-    pictures.push_back({{"frame", p.frame},
-                        {"width", p.width},
-                        {"height", p.height},
-                        {"jpeg", jpeg.base64()},
-                        {"features", features.base64()}});
-  }
   const char* const kAxes[3] = {"x", "y", "z"};
-  const nlohmann::ordered_json run = {
-      {"frames", frames_.size()},  {"axes", {kAxes[right], kAxes[up]}},
-      {"columns", columns.json()}, {"reasons", reasons},
-      {"pictures", pictures},      {"summary", summary}};
+  const nlohmann::ordered_json run = {{"frames", frames_.size()},
+                                      {"axes", {kAxes[right], kAxes[up]}},
+                                      {"columns", columns.json()},
+                                      {"reasons", reasons},
+                                      {"pictures", pictures_json(pictures_)},
+                                      {"summary", summary}};
   // The recording's own folder, of a path that may end in a slash.
   std::filesystem::path folder = summary.value("dataset", std::string());
   if (!folder.has_filename()) folder = folder.parent_path();

@@ -1,13 +1,13 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <cstdint>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "adapters/datasets/odometry_run.h"
+#include "adapters/report/landmark_picture.h"
 
 namespace prospect {
 
@@ -30,20 +30,10 @@ class OdometryPage {
   std::string html(const nlohmann::ordered_json& summary) const;
 
  private:
-  struct Feature {
-    float u, v;  ///< [px] of the small image
-    int kind;    ///< 0 tracked, 1 made at this frame, 2 missed
-  };
-  struct Picture {
-    int frame;
-    int width, height;  ///< [px]
-    std::vector<std::uint8_t> jpeg;
-    std::vector<Feature> features;
-  };
   int every_;  ///< so many frames there is a picture
   std::vector<OdometryFrame> frames_;
   std::vector<std::optional<Eigen::Isometry3d>> truths_;
-  std::vector<Picture> pictures_;
+  std::vector<LandmarkPicture> pictures_;
 };
 
 }  // namespace prospect

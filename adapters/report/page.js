@@ -46,3 +46,56 @@ function showSelftest(lines, failures) {
   lines.push(failures.length || errors.length ? "selftest failed" : "selftest passed");
   document.body.append(make("pre", { id: "selftest" }, lines.join("\n")));
 }
+
+// ---- Pictures with landmarks --------------------------------------------------------------------
+// Each with its image on the way: `ready` settles when that is known to load or not.
+const loadPictures = (list) => list.map((p) => {
+  const image = new Image();
+  const ready = new Promise((resolve, reject) => {
+    image.onload = () => resolve();
+    image.onerror = () => reject(new Error(`the image of frame ${p.frame} does not load`));
+  });
+  image.src = `data:image/jpeg;base64,${p.jpeg}`;
+  return { ...p, image, ready, features: floats(p.features) };
+});
+// The newest one at frame k.
+function pictureAt(pictures, k) {
+  let best = pictures[0];
+  for (const p of pictures) if (p.frame <= k) best = p;
+  return best;
+}
+// Draws picture p as wide as the canvas is; `again` is called when its image has come. Returns what was drawn.
+function drawLandmarks(canvas, p, again) {
+  const pen = canvas.getContext("2d"), style = getComputedStyle(document.documentElement);
+  const colors = ["--tracked", "--made", "--missed"].map((name) => style.getPropertyValue(name).trim());
+  const density = devicePixelRatio || 1;
+  const width = Math.max(1, Math.round(canvas.clientWidth * density));
+  canvas.width = width;
+  canvas.height = Math.max(1, Math.round(width * p.height / p.width));
+  const scale = width / p.width;
+  const drawn = { frame: p.frame, counts: [0, 0, 0], picture: false };
+  if (p.image.complete && p.image.naturalWidth > 0) {
+    pen.drawImage(p.image, 0, 0, canvas.width, canvas.height);
+    drawn.picture = true;
+  } else {
+    p.ready.then(again, () => {});
+  }
+  const radius = Math.max(2.2 * density, 1.3 * scale);
+  pen.lineWidth = 1.4 * density;
+  for (let i = 0; i < p.features.length; i += 3) {
+    const u = p.features[i] * scale, v = p.features[i + 1] * scale, kind = p.features[i + 2];
+    ++drawn.counts[kind];
+    pen.beginPath();
+    if (kind === 2) pen.rect(u - radius, v - radius, 2 * radius, 2 * radius);
+    else pen.arc(u, v, radius, 0, 2 * Math.PI);
+    if (kind === 0) { pen.fillStyle = colors[kind]; pen.fill(); } else { pen.strokeStyle = colors[kind]; pen.stroke(); }
+  }
+  return drawn;
+}
+// Grey levels in a canvas: a picture has many, a blank one has one.
+function greyLevels(canvas) {
+  const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  const levels = new Set();
+  for (let i = 0; i < data.length; i += 4) levels.add(data[i]);
+  return levels.size;
+}

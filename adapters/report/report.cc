@@ -269,6 +269,7 @@ Json run_json(const RunRecord& record) {
       {"frontiers", frontier_text(steps, record.resolution, extent)},
       {"landmarks", landmark_json(steps)},
       {"horizon", horizon_json(steps)},
+      {"pictures", pictures_json(record.pictures)},
       {"configuration", record.configuration},
   };
 }

@@ -528,6 +528,16 @@ function apply(change, states) {
 function toggle(cells) {
   for (const cell of cells) if (!frontier.delete(cell)) frontier.add(cell);
 }
+// What the robot's left camera showed, where it has one.
+const pictures = loadPictures(run.pictures);
+$("sight").hidden = pictures.length === 0;
+let sight = null;  // what is drawn, for the self-test
+function drawSight() {
+  if (pictures.length === 0) return;
+  const p = pictureAt(pictures, step);
+  sight = drawLandmarks($("picture"), p, () => { if (pictureAt(pictures, step) === p) drawSight(); });
+  $("shown").textContent = p.frame === step ? "" : `image of ${fixed(column.time[p.frame], 1)} s`;
+}
 function seek(target) {
   if (n === 0) return;
   target = Math.min(n - 1, Math.max(0, Math.round(target)));
@@ -543,6 +553,7 @@ function seek(target) {
   for (const field of nowFields) field(step);
   for (const plot of plots) { plot.place(); plot.show(step); }
   draw();
+  drawSight();
 }
 
 // ---- Playing ----------------------------------------------------------------------------------
@@ -602,7 +613,7 @@ if (n === 0) {
   }
   new ResizeObserver(resize).observe($("map-box"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-    readColors(); for (const plot of plots) plot.recolor(); draw();
+    readColors(); for (const plot of plots) plot.recolor(); draw(); drawSight();
   });
   resize();
   // #step=N opens at that planning step; otherwise the whole mission shows.
@@ -612,7 +623,7 @@ if (n === 0) {
 
 // ---- Self-test: report.html#selftest ----------------------------------------------------------
 // Moves the slider as a hand would and looks at what was drawn. Writes one line a fact into the page.
-if (location.hash === "#selftest") {
+if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.ready)).then((loaded) => {
   const lines = [];
   const failures = [];
   const expect = (what, ok) => { if (!ok) failures.push(what); };
@@ -633,13 +644,15 @@ if (location.hash === "#selftest") {
     return hits / inside;
   };
   try {
+    loaded.forEach((l, i) => expect(`image ${i} loads`, l.status === "fulfilled"));
     for (const name of ["estimated", "true", "horizon"]) $(`layer-${name}`).click();
     const seen = [];
     for (const k of n ? [0, Math.floor(n / 3), Math.floor(2 * n / 3), n - 1, Math.floor(n / 2), 0] : []) {
       move(k);
       const at = { ...drawn };
       seen.push(at);
-      lines.push(`step ${k} robot ${at.x.toFixed(3)} ${at.y.toFixed(3)} known ${known()} frontiers ${at.frontiers} landmarks ${at.landmarks} horizon ${at.horizon} clock ${$("clock").textContent.split(" ")[0]}`);
+      lines.push(`step ${k} robot ${at.x.toFixed(3)} ${at.y.toFixed(3)} known ${known()} frontiers ${at.frontiers} landmarks ${at.landmarks} horizon ${at.horizon} clock ${$("clock").textContent.split(" ")[0]}${sight ? ` image ${sight.frame} tracked ${sight.counts[0]}` : ""}`);
+      if (sight) expect(`the image of step ${k} is drawn`, sight.picture && greyLevels($("picture")) > 20);
       expect(`the robot is painted where it belongs at step ${k}`, painted(at) > 0.35);
       for (const before of seen.slice(0, -1)) {
         const away = Math.hypot(at.sx - before.sx, at.sy - before.sy) > 3 * at.radius;
@@ -655,5 +668,5 @@ if (location.hash === "#selftest") {
     expect("the End key leads to the last step", step === n - 1);
   } catch (e) { errors.push(String(e.stack || e)); }
   showSelftest(lines, failures);
-}
+});
 })();

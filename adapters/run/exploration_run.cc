@@ -62,6 +62,28 @@ class MapChanges {
   std::uint64_t revision_ = 0;
 };
 
+/// Pictures of a run whose length is not known before: at most kMost, at steps that are multiples
+/// of a power of two.
+class SparsePictures {
+ public:
+  void add(int step, const CameraPicture& shown) {
+    if (shown.image.pixels.empty() || step % every_ != 0) return;
+    if (pictures_.size() == kMost) {
+      every_ *= 2;
+      std::erase_if(pictures_, [&](const LandmarkPicture& p) { return p.frame % every_ != 0; });
+      if (step % every_ != 0) return;
+    }
+    pictures_.push_back(landmark_picture(step, shown.image, shown.sightings, kWidth));
+  }
+  std::vector<LandmarkPicture> take() { return std::move(pictures_); }
+
+ private:
+  static constexpr std::size_t kMost = 300;
+  static constexpr int kWidth = 360;  // [px]
+  int every_ = 1;
+  std::vector<LandmarkPicture> pictures_;
+};
+
 std::unique_ptr<Replanner> planner_for(const Configuration& configuration,
                                        const ExplorationRunOptions& options) {
   if (options.make_planner) return options.make_planner(configuration);
@@ -127,6 +149,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   record.configuration = effective_yaml(configuration.entries);
 
   MapChanges map_changes;
+  SparsePictures pictures;
   std::vector<StepRecord> steps;
   const auto observe = [&](const MissionStep& step) {
     const Plan& plan = *step.plan;
@@ -183,6 +206,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
       }
     }
     r.map_changes = map_changes.since_last(*belief.ground);
+    if (options.keep_steps) pictures.add(r.step, simulator.picture());
     if (options.on_step) options.on_step(r);
     if (options.on_plan && own_planner) options.on_plan(r, *own_planner);
     if (!options.keep_steps) {
@@ -219,6 +243,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     }
   }
   if (options.keep_steps) record.steps = std::move(steps);
+  record.pictures = pictures.take();
   result.map = simulator.sense()->octree;
   s.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
   return result;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/report/landmark_picture.h"
 #include "engine/grid.h"
 #include "engine/solver.h"
 #include "models/types.h"
@@ -88,6 +89,8 @@ struct RunRecord {
   double sensor_range = 4.0;
   double sensor_fov = 1.2;
   std::vector<StepRecord> steps;
+  /// Of a robot with cameras: what they showed at some of the steps, evenly spread.
+  std::vector<LandmarkPicture> pictures;
   std::string configuration;  ///< effective, as YAML
 };
 

@@ -15,6 +15,8 @@
 
 namespace prospect {
 
+inline constexpr int kPictureEvery = 3;
+
 /// The record of a drive along fixed waypoints through eight rooms and a corridor (24 m x 16 m),
 /// for tests of what is made of records: a map seen by rays, landmarks on the walls, an estimate
 /// that drifts, a planner that is now and then late. No planner is involved. Deterministic.
@@ -209,6 +211,21 @@ inline RunRecord synthetic_run(int steps) {
     advance(p, yaw, next, kSpeed * kStep);
     driven += (p - before).norm();
     drift += 0.004 * Eigen::Vector2d(normal(generator) + 0.15, normal(generator));
+    // A camera that shows stripes, and as many landmarks as steps have gone by, tracked every
+    // other.
+    if (k % kPictureEvery == 0) {
+      Image image(160, 120);
+      for (int v = 0; v < image.height; ++v) {
+        for (int u = 0; u < image.width; ++u) {
+          image.at(u, v) = static_cast<std::uint8_t>((3 * u + k) % 256);
+        }
+      }
+      std::vector<LandmarkSighting> sightings;
+      for (int i = 0; i <= k / 10; ++i) {
+        sightings.push_back({static_cast<std::uint64_t>(i), {4.0 + 6.0 * i, 60.0}, i % 2 == 0});
+      }
+      run.pictures.push_back(landmark_picture(k, image, sightings));
+    }
     run.steps.push_back(std::move(s));
   }
   run.summary = summarize(run.steps);

@@ -29,13 +29,15 @@ int main(int argc, char** argv) {
       known = cells.size();
     }
     const prospect::StepRecord& s = run.steps[k];
+    const int picture = k - k % prospect::kPictureEvery;
     char line[256];
     std::snprintf(line, sizeof line,
                   "step %d robot %.3f %.3f known %zu frontiers %zu landmarks %zu horizon %zu "
-                  "clock %.1f",
+                  "clock %.1f image %d tracked %d",
                   k, static_cast<double>(static_cast<float>(s.estimated_pose.position.x())),
                   static_cast<double>(static_cast<float>(s.estimated_pose.position.y())), known,
-                  s.frontier_cells.size(), s.landmarks.size(), s.horizon.size(), s.time);
+                  s.frontier_cells.size(), s.landmarks.size(), s.horizon.size(), s.time, picture,
+                  picture / 20 + 1);
     expected << line << '\n';
   }
   expected << "plots 5\n";
