@@ -183,9 +183,12 @@ int main(int argc, char** argv) {
   benchmark::RegisterBenchmark("r1/by_hand/gradient",
                                [&](benchmark::State& state) { by_hand(state, r1); });
   add("r1/batch/32", r1, Evaluate::kValue, 32);
+  add("r1/score/32", r1, Evaluate::kScore, 32);
+  add("r1/score/1000", r1, Evaluate::kScore, 1000);
   for (const auto& term : r1.definition().terms) {
     const std::string name(term.term->name());
     add("r1/term/" + name + "/value", of_one_term(term), Evaluate::kValue, 1);
+    add("r1/term/" + name + "/score", of_one_term(term), Evaluate::kScore, 1);
     add("r1/term/" + name + "/gradient", of_one_term(term), Evaluate::kGradient, 1);
   }
   for (const InstructionSet set : available_instruction_sets()) {

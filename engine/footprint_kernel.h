@@ -5,33 +5,37 @@
 namespace prospect {
 
 /// What stays the same for all poses; see FootprintVisibility for the formula. W and C frames, SI
-/// units.
-struct FootprintKernelConstants {
-  double sin_h, cos_h, sin_v, cos_v;  ///< of half the fields of view
-  double inset;
-  double inverse_angle_scale, inverse_range_scale;
-  double min_range, max_range;
-  double negligible;  ///< g at which P_fov P_range is cut off
+/// units. Members are numbers of one type, and nothing else.
+template <typename T>
+struct FootprintKernelConstantsOf {
+  T sin_h, cos_h, sin_v, cos_v;  ///< of half the fields of view
+  T inset;
+  T inverse_angle_scale, inverse_range_scale;
+  T min_range, max_range;
+  T negligible;  ///< g at which P_fov P_range is cut off
   /// Conservative bounds beyond which g is certainly below `negligible`: sine of the angle outside
   /// a horizontal side, squared (above 1: never); squared distance.
-  double outside_squared, far_squared;
+  T outside_squared, far_squared;
 };
+using FootprintKernelConstants = FootprintKernelConstantsOf<double>;
 
-struct FootprintKernelPose {
-  double sensor[3];  ///< in W
-  double R[9];       ///< R_CW, row-major
-  double arm[2];     ///< sensor - base, x and y in W
+/// As above.
+template <typename T>
+struct FootprintKernelPoseOf {
+  T sensor[3];  ///< in W
+  T R[9];       ///< R_CW, row-major
+  T arm[2];     ///< sensor - base, x and y in W
 };
+using FootprintKernelPose = FootprintKernelPoseOf<double>;
 
 /// The loops over points, compiled for several vector widths from one source, all with the same
 /// bits.
 struct FootprintKernel {
-  static constexpr int kLanes = 8;
-  /// n rounded up to whole blocks of kLanes: the size of every array below.
-  static constexpr int padded(int n) { return (n + kLanes - 1) / kLanes * kLanes; }
+  /// n rounded up to whole vectors of single precision: the size of every array below.
+  static constexpr int padded(int n) { return (n + 15) / 16 * 16; }
 
   /// Picks the points that can have q > 0: their indices in increasing order and their coordinates
-  /// in C; returns their number. Blocks of eight without one cost a few instructions a point.
+  /// in C; returns their number. Vectors without one cost a few instructions a point.
   /// px, py, pz: in W, padded; occluded: P_unoccluded, n values.
   int (*select)(const FootprintKernelConstants& constants, const FootprintKernelPose& pose,
                 const double* px, const double* py, const double* pz, const double* unoccluded,
@@ -48,6 +52,15 @@ struct FootprintKernel {
                    const double* X, const double* Y, const double* Z, const double* unoccluded,
                    const double* u_x, const double* u_y, const double* u_z, int n, double* q,
                    double* d_x, double* d_y, double* d_z, double* d_yaw);
+
+  /// select() and value() in single precision, for comparing candidates; the sensor's position is
+  /// taken from where those of the points are. q is within 6e-6, most of it from exponents cut
+  /// at 14.
+  int (*select_score)(const FootprintKernelConstants& constants, const FootprintKernelPose& pose,
+                      const float* px, const float* py, const float* pz, const float* unoccluded,
+                      int n, int* point, float* X, float* Y, float* Z);
+  void (*value_score)(const FootprintKernelConstants& constants, const float* X, const float* Y,
+                      const float* Z, const float* unoccluded, int n, float* q);
 };
 
 FootprintKernel footprint_kernel(InstructionSet set);

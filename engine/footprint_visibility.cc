@@ -29,6 +29,9 @@ FootprintVisibility::Scratch::Scratch(int points) {
                             &q_x, &q_y, &q_z, &q_yaw}) {
     a->setZero(n);
   }
+  for (Eigen::ArrayXf* a : {&score_probability, &score_X, &score_Y, &score_Z, &score_u, &score_q}) {
+    a->setZero(n);
+  }
   point.setZero(n);
 }
 
@@ -68,6 +71,10 @@ void FootprintVisibility::prepare() {
     py_[c] = p.y();
     pz_[c] = p.z();
   }
+  if (n > 0) score_origin_ = points.front();
+  score_px_ = (px_ - score_origin_.x()).cast<float>();
+  score_py_ = (py_ - score_origin_.y()).cast<float>();
+  score_pz_ = (pz_ - score_origin_.z()).cast<float>();
   FootprintKernelConstants& k = constants_;
   k.sin_h = std::sin(0.5 * f.horizontal_fov);
   k.cos_h = std::cos(0.5 * f.horizontal_fov);
@@ -107,10 +114,28 @@ double FootprintVisibility::in_footprint(const Pose& pose, const Eigen::Vector3d
   return footprint_value(constants_, Y.x(), Y.y(), Y.z());
 }
 
+int FootprintVisibility::score(FootprintKernelPose p, Scratch& s, const Looks& looks) const {
+  auto sensor = Eigen::Vector3d::Map(p.sensor);
+  occlusion_->score(sensor, s.score_probability.data());
+  sensor -= score_origin_;
+  const int n =
+      kernel_.select_score(constants_, p, score_px_.data(), score_py_.data(), score_pz_.data(),
+                           s.score_probability.data(), size(), looks.point, s.score_X.data(),
+                           s.score_Y.data(), s.score_Z.data());
+  for (int j = 0; j < FootprintKernel::padded(n); ++j) {
+    s.score_u[j] = s.score_probability[looks.point[j]];
+  }
+  kernel_.value_score(constants_, s.score_X.data(), s.score_Y.data(), s.score_Z.data(),
+                      s.score_u.data(), n, s.score_q.data());
+  for (int j = 0; j < n; ++j) looks.q[j] = static_cast<double>(s.score_q[j]);
+  return n;
+}
+
 int FootprintVisibility::look(const Pose& pose, Scratch& s, const Looks& looks) const {
   const FootprintKernelPose p = kernel_pose(pose);
   const auto sensor = Eigen::Vector3d::Map(p.sensor);
   if (!sensor.allFinite() || !std::isfinite(pose.yaw)) return -1;
+  if (looks.score) return score(p, s, looks);
   const bool gradient = looks.d_x != nullptr;
   if (gradient) {
     occlusion_->evaluate(sensor, s.probability.data(), s.d_x.data(), s.d_y.data(), s.d_z.data());

@@ -46,13 +46,15 @@ class FootprintVisibility {
     Eigen::ArrayXd probability, d_x, d_y, d_z;  // of no occlusion: all points
     Eigen::ArrayXd X, Y, Z;                     // of the points looked at, in C
     Eigen::ArrayXd u, u_x, u_y, u_z;            // probability of no occlusion, of those
+    Eigen::ArrayXf score_probability, score_X, score_Y, score_Z, score_u, score_q;  // of a score
     // What evaluate() and gradient() sum over.
     Eigen::ArrayXi point;
     Eigen::ArrayXd q, q_x, q_y, q_z, q_yaw;
   };
 
   /// Where look() writes: arrays of capacity() entries, one for each point looked at. With d_x all
-  /// derivatives (by the base's position in W and its yaw) are asked for, without it none.
+  /// derivatives (by the base's position in W and its yaw) are asked for, without it none. A score
+  /// has none; its q are computed in single precision and within 6e-6.
   struct Looks {
     int* point = nullptr;  ///< its index, increasing
     double* q = nullptr;
@@ -60,6 +62,7 @@ class FootprintVisibility {
     double* d_y = nullptr;
     double* d_z = nullptr;
     double* d_yaw = nullptr;
+    bool score = false;
   };
 
   /// Throws std::invalid_argument unless 0 < fields of view < pi, 0 <= min_range < max_range and
@@ -82,8 +85,8 @@ class FootprintVisibility {
 
   /// The points that can have q > 0 at a pose of B (their number; -1 for a non-finite pose), with
   /// q and, if asked for, its derivatives. All other points have q = 0 and derivatives of 0. The
-  /// entries up to the next multiple of eight are overwritten with numbers of no meaning. q has the
-  /// same bits with and without derivatives.
+  /// entries up to FootprintKernel::padded() of it are overwritten with numbers of no meaning. q
+  /// has the same bits with and without derivatives.
   int look(const Pose& pose, Scratch& scratch, const Looks& looks) const;
 
   /// Writes size() probabilities q_c at a pose of B; NaN for a non-finite pose.
@@ -95,12 +98,15 @@ class FootprintVisibility {
  private:
   void prepare();
   FootprintKernelPose kernel_pose(const Pose& pose) const;
+  int score(FootprintKernelPose pose, Scratch& scratch, const Looks& looks) const;
 
   RgbdFootprint footprint_;
   CameraMount mount_;
   Options options_;
   std::shared_ptr<const OcclusionTable> occlusion_;
   Eigen::ArrayXd px_, py_, pz_;  // the points, structure of arrays, padded
+  Eigen::Vector3d score_origin_ = Eigen::Vector3d::Zero();
+  Eigen::ArrayXf score_px_, score_py_, score_pz_;  // the same from there
   FootprintKernelConstants constants_;
   FootprintKernel kernel_ = footprint_kernel(best_instruction_set());
 };

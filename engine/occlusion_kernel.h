@@ -20,4 +20,10 @@ using OcclusionKernel = void (*)(const OcclusionPlane& plane, int n, bool first,
 
 OcclusionKernel occlusion_kernel(InstructionSet set);
 
+/// The value alone in single precision, within 1e-6 for values up to 1; the same bits with every
+/// instruction set.
+using OcclusionScoreKernel = void (*)(const OcclusionPlane& plane, int n, bool first, float* out);
+
+OcclusionScoreKernel occlusion_score_kernel(InstructionSet set);
+
 }  // namespace prospect

@@ -379,22 +379,12 @@ void OcclusionTable::fill_nodes_in_walls() {
   }
 }
 
-void OcclusionTable::evaluate(const Eigen::Vector3d& sensor, double* probability, double* d_x,
-                              double* d_y, double* d_z) const {
-  const int n = num_points();
-  const bool gradient = d_x && d_y;
-  if (!sensor.allFinite()) {
-    for (double* out : {probability, d_x, d_y, d_z}) {
-      if (out) std::fill_n(out, n, std::numeric_limits<double>::quiet_NaN());
-    }
-    return;
-  }
+template <class Add>
+void OcclusionTable::for_planes(const Eigen::Vector3d& sensor, const Add& add) const {
   const Eigen::Vector3d local = sensor - lattice_.origin;
   const Weights x = spline_weights(local.x(), lattice_.spacing, lattice_.nx);
   const Weights y = spline_weights(local.y(), lattice_.spacing, lattice_.ny);
   const Weights z = spline_weights(local.z(), lattice_.spacing, lattice_.nz);
-  if (d_z && z.count == 1) std::fill_n(d_z, n, 0.0);
-  double* const slope_z = gradient && z.count > 1 ? d_z : nullptr;
   OcclusionPlane plane;
   std::copy_n(x.w.data(), 3, plane.x);
   std::copy_n(y.w.data(), 3, plane.y);
@@ -408,8 +398,37 @@ void OcclusionTable::evaluate(const Eigen::Vector3d& sensor, double* probability
         plane.rows[b * 3 + a] = table_.data() + row(x.first + a, y.first + b, z.first + c);
       }
     }
-    kernel_(plane, n, c == 0, probability, gradient ? d_x : nullptr, d_y, slope_z);
+    add(plane, c == 0);
   }
+}
+
+void OcclusionTable::evaluate(const Eigen::Vector3d& sensor, double* probability, double* d_x,
+                              double* d_y, double* d_z) const {
+  const int n = num_points();
+  const bool gradient = d_x && d_y;
+  if (!sensor.allFinite()) {
+    for (double* out : {probability, d_x, d_y, d_z}) {
+      if (out) std::fill_n(out, n, std::numeric_limits<double>::quiet_NaN());
+    }
+    return;
+  }
+  const bool vertical = lattice_.nz > 1;
+  if (d_z && !vertical) std::fill_n(d_z, n, 0.0);
+  for_planes(sensor, [&](const OcclusionPlane& plane, bool first) {
+    kernel_(plane, n, first, probability, gradient ? d_x : nullptr, d_y,
+            gradient && vertical ? d_z : nullptr);
+  });
+}
+
+void OcclusionTable::score(const Eigen::Vector3d& sensor, float* probability) const {
+  const int n = num_points();
+  if (!sensor.allFinite()) {
+    std::fill_n(probability, n, std::numeric_limits<float>::quiet_NaN());
+    return;
+  }
+  for_planes(sensor, [&](const OcclusionPlane& plane, bool first) {
+    score_kernel_(plane, n, first, probability);
+  });
 }
 
 }  // namespace prospect

@@ -78,11 +78,16 @@ class OcclusionTable {
   /// (both null or neither); d_z may be null on its own. No output may overlap another.
   void evaluate(const Eigen::Vector3d& sensor, double* probability, double* d_x = nullptr,
                 double* d_y = nullptr, double* d_z = nullptr) const;
+  /// The probabilities in single precision, to 1e-6: for comparing candidates.
+  void score(const Eigen::Vector3d& sensor, float* probability) const;
 
   /// Number of rays that were cast (not taken over) by the constructor.
   std::int64_t rays_cast() const { return rays_cast_; }
 
  private:
+  /// Calls add(plane, is_first) for each plane of the spline at a finite position.
+  template <class Add>
+  void for_planes(const Eigen::Vector3d& sensor, const Add& add) const;
   void build(const VoxelGrid& voxels, const OcclusionTable* previous);
   void fill_nodes_in_walls();
   /// From the node's address in the world where the lattice is aligned, so that a node has the same
@@ -105,6 +110,7 @@ class OcclusionTable {
   std::vector<std::uint8_t> in_wall_;        // per node: inside an occupied voxel
   std::int64_t rays_cast_ = 0;
   OcclusionKernel kernel_ = occlusion_kernel(best_instruction_set());
+  OcclusionScoreKernel score_kernel_ = occlusion_score_kernel(best_instruction_set());
 };
 
 }  // namespace prospect

@@ -99,7 +99,9 @@ Problem::Problem(ProblemDefinition definition) : definition_(std::move(definitio
     const std::string name(term->name());
     smoothness_ = static_cast<Smoothness>(rougher(smoothness_, traits.smoothness));
     has_gradient_ = has_gradient_ && traits.has_gradient;
-    TermLayout layout{traits.kind == TermKind::kConstraint, 1, {}};
+    has_scores_ = has_scores_ || traits.scores;
+    const bool is_constraint = traits.kind == TermKind::kConstraint;
+    TermLayout layout{is_constraint, traits.scores && !is_constraint, 1, {}};
     if (layout.constraint) {
       layout.blocks = term->jacobian_pattern(horizon_);
       const int rows = layout.rows = term->rows(horizon_);
@@ -330,7 +332,8 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
   const int nu = horizon_.nu();
   const int B = static_cast<int>(X.cols());
   const bool residuals = what == Evaluate::kResiduals;
-  const bool gradient = what != Evaluate::kValue;
+  const bool gradient = what >= Evaluate::kGradient;
+  const bool score = what == Evaluate::kScore;
   if (X.rows() != n || B < 1 || (gradient && B != 1)) {
     refuse("a batch of " + std::to_string(X.rows()) + " x " + std::to_string(B),
            std::to_string(n) + " rows and at least one column, exactly one with the gradient");
@@ -343,7 +346,7 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
   Workspace::Impl::Batch& batch = w.batch(B);
   TrajectoryBatch& t = batch.trajectories;
   roll(X, t);
-  w.shared.begin(t, gradient);
+  w.shared.begin(t, {.gradient = gradient, .score = score});
   if (B > w.scratch_batch) {
     for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
       w.scratch[i] = definition_.terms[i].term->make_scratch(horizon_, B);
@@ -352,6 +355,7 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
   }
 
   out.cost.setZero(B);
+  out.cost_error.setZero(B);
   out.constraints.resize(num_constraints_, B);
   out.valid.setConstant(B, true);
   if (gradient) {
@@ -370,7 +374,7 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
   int first_row = 0;
   for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
     const auto& [term, weight] = definition_.terms[i];
-    const auto& [constraint, rows, blocks] = layouts_[i];
+    const auto& [constraint, scores, rows, blocks] = layouts_[i];
     TermOutput& o = batch.outputs[i];
     o.value.resize(rows, B);
     if (residuals && !constraint) {
@@ -382,7 +386,7 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
       o.state_gradient.setZero((definition_.N + 1) * nx, 1);
       o.input_gradient.setZero(definition_.N * nu, 1);
     }
-    term->evaluate(t, {gradient}, w.scratch[i].get(), o);
+    term->evaluate(t, {.gradient = gradient, .score = score && scores}, w.scratch[i].get(), o);
     if (constraint) {
       out.constraints.middleRows(first_row, rows) = o.value.matrix();
       if (gradient) {
@@ -394,6 +398,10 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
       first_row += rows;
     } else {
       out.cost += weight * o.value.row(0).transpose();
+      if (score && scores) {
+        out.cost_error +=
+            kScoreError * std::abs(weight) * o.value.row(0).abs().max(1.0).transpose();
+      }
       if (gradient) {
         w.state_gradient += weight * o.state_gradient;
         w.input_gradient += weight * o.input_gradient;
@@ -417,6 +425,7 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
     all_valid = false;
     out.valid[b] = false;
     out.cost[b] = kRejectedCost;
+    out.cost_error[b] = 0.0;
     for (int r = 0; r < num_constraints_; ++r) {
       if (!std::isfinite(out.constraints(r, b))) out.constraints(r, b) = -kRejectedCost;
     }

@@ -40,14 +40,19 @@ struct ProblemDefinition {
   std::vector<WeightedTerm> terms;
 };
 
-/// What is to be evaluated; each includes what the ones before it give.
-enum class Evaluate { kValue, kGradient, kResiduals };
+/// What is to be evaluated; each includes what the ones before it give. A score is a value for
+/// comparing candidates: the constraints are exact, the cost is within Evaluation::cost_error, and
+/// terms that can are computed in single precision, at about half the time.
+enum class Evaluate { kScore, kValue, kGradient, kResiduals };
 
 using ResidualJacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Result of an evaluation. Shapes: B candidates, n variables, m constraints.
 struct Evaluation {
-  Eigen::ArrayXd cost;                          ///< B; finite; kRejectedCost where not valid
+  Eigen::ArrayXd cost;  ///< B; finite; kRejectedCost where not valid
+  /// B; with kScore: bound of the difference between this cost and that of kValue,
+  /// kScoreError sum_t |w_t| max(1, |T_t|) over the terms that have scores; else 0.
+  Eigen::ArrayXd cost_error;
   Eigen::MatrixXd constraints;                  ///< m x B; >= 0 is feasible
   Eigen::Array<bool, Eigen::Dynamic, 1> valid;  ///< B; false: some term was not evaluable there
   Eigen::VectorXd gradient;                     ///< n; with kGradient (B = 1)
@@ -113,16 +118,19 @@ class Problem {
   /// The roughest smoothness among the terms, and whether all have gradients.
   Smoothness smoothness() const { return smoothness_; }
   bool has_gradient() const { return has_gradient_; }
+  /// Whether some term has scores; else kScore is kValue.
+  bool has_scores() const { return has_scores_; }
   /// The quoted names of the costs that have no residual form for the sign of their weight,
   /// separated by commas; empty: kResiduals can be asked for.
   std::string terms_without_residuals() const;
 
   Workspace make_workspace() const;
 
-  /// Evaluates the columns of X (n x B). Beyond kValue, B must be 1. Never writes a non-finite
-  /// number; returns false if any candidate was not evaluable (see Evaluation::valid). Does not
-  /// allocate after the first call with a workspace and batch size. Points outside the bounds are
-  /// evaluated as they are. Passes on exceptions of terms.
+  /// Evaluates the columns of X (n x B). Beyond kValue, B must be 1. A column has the same bits
+  /// alone and in any batch, for what is asked. Never writes a non-finite number; returns false if
+  /// any candidate was not evaluable (see Evaluation::valid). Does not allocate after the first
+  /// call with a workspace and batch size. Points outside the bounds are evaluated as they are.
+  /// Passes on exceptions of terms.
   bool evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what, Workspace& workspace,
                 Evaluation& out) const;
 
@@ -162,12 +170,14 @@ class Problem {
   Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic> pattern_;
   struct TermLayout {
     bool constraint;
+    bool scores;
     int rows;
     std::vector<JacobianBlock> blocks;
   };
   std::vector<TermLayout> layouts_;  // by term
   Smoothness smoothness_ = Smoothness::kSmooth;
   bool has_gradient_ = true;
+  bool has_scores_ = false;
 };
 
 }  // namespace prospect

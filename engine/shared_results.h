@@ -29,16 +29,16 @@ class SharedResults {
   SharedResults& operator=(const SharedResults&) = delete;
 
   /// Begins an evaluation of `trajectories`: what was computed before does not hold any more.
-  void begin(TrajectoryBatch& trajectories, bool gradient) {
+  void begin(TrajectoryBatch& trajectories, const TermRequest& request) {
     ++stamp_;
-    gradient_ = gradient;
+    request_ = request;
     trajectories.shared.results_ = this;
   }
 
   /// Differs from evaluation to evaluation; never 0.
   std::uint64_t stamp() const { return stamp_; }
-  /// Whether this evaluation asks its terms for gradients.
-  bool gradient() const { return gradient_; }
+  /// What this evaluation asks of its costs: gradients (or residuals), or scores.
+  const TermRequest& request() const { return request_; }
 
   /// The results of `owner` (an address that outlives the workspace, such as the term's), made by
   /// `make` at the first call. One owner has one type of results.
@@ -54,7 +54,7 @@ class SharedResults {
  private:
   std::vector<std::pair<const void*, std::unique_ptr<TermScratch>>> results_;
   std::uint64_t stamp_ = 0;
-  bool gradient_ = false;
+  TermRequest request_;
 };
 
 }  // namespace prospect

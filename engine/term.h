@@ -25,6 +25,7 @@ struct TermTraits {
   bool has_gradient = true;
   std::string unit;           ///< of the raw value, e.g. "m^2", "-"
   std::string normalisation;  ///< what makes it O(1), e.g. "mean over stages"
+  bool scores = false;        ///< costs: makes use of TermRequest::score
 };
 
 /// Scratch that a term needs to evaluate without allocating. Owned by a Workspace; a term is const.
@@ -38,7 +39,14 @@ struct TermRequest {
   /// +1 or -1: the residuals of that sign and their Jacobian too. Only ever set for batches of one,
   /// without `gradient`, and for a cost whose residual_form() of that sign has rows.
   int residuals = 0;
+  /// Costs only, without the others: the value is for comparing candidates and may be off by up to
+  /// kScoreError max(1, |value|), for instance computed in single precision. Terms whose traits
+  /// say nothing of scores ignore it.
+  bool score = false;
 };
+
+/// Bound of the error of a score, relative to a value above 1, absolute below.
+inline constexpr double kScoreError = 1e-5;
 
 /// Where a term writes.
 ///   Cost:        value (1 x B). With request.gradient, *adds* d value/d x_k into state_gradient

@@ -14,7 +14,13 @@ namespace {
 /// Coordinates by column, padded for the kernel with points far below or beside everything.
 struct Columns {
   std::vector<double> x, y, down;
+  std::vector<float> score_x, score_y, score_down;  // the same for scores
   int padded() const { return static_cast<int>(x.size()); }
+  void finish() {
+    score_x.assign(x.begin(), x.end());
+    score_y.assign(y.begin(), y.end());
+    score_down.assign(down.begin(), down.end());
+  }
 };
 
 double draw(std::mt19937& generator, double lower, double upper) {
@@ -24,11 +30,12 @@ double draw(std::mt19937& generator, double lower, double upper) {
 Columns draw_places(unsigned seed, int count, double x_lower, double x_upper, double y_reach) {
   std::mt19937 generator(seed);
   const auto size = static_cast<std::size_t>(R1Kernel::padded(count));
-  Columns places{std::vector<double>(size, 1e3), std::vector<double>(size, 1e3), {}};
+  Columns places{std::vector<double>(size, 1e3), std::vector<double>(size, 1e3), {}, {}, {}, {}};
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     places.x[i] = draw(generator, x_lower, x_upper);
     places.y[i] = draw(generator, -y_reach, y_reach);
   }
+  places.finish();
   return places;
 }
 
@@ -37,13 +44,18 @@ Columns draw_points() {
   constexpr std::size_t kCount = 150;
   std::mt19937 generator(11);
   const std::size_t size = R1Kernel::padded(kCount);
-  Columns points{std::vector<double>(size, 0.0), std::vector<double>(size, 0.0),
-                 std::vector<double>(size, 1e6)};
+  Columns points{std::vector<double>(size, 0.0),
+                 std::vector<double>(size, 0.0),
+                 std::vector<double>(size, 1e6),
+                 {},
+                 {},
+                 {}};
   for (std::size_t i = 0; i < kCount; ++i) {
     points.x[i] = draw(generator, 2.0, 8.0);
     points.y[i] = draw(generator, -4.0, 4.0);
     points.down[i] = kCameraHeight - draw(generator, 0.2, 2.2);
   }
+  points.finish();
   return points;
 }
 
@@ -52,7 +64,10 @@ Columns draw_points() {
 class PoseTerm : public Term {
  public:
   TermTraits traits() const override {
-    return {.smoothness = Smoothness::kC0, .unit = "-", .normalisation = "sum over stages"};
+    return {.smoothness = Smoothness::kC0,
+            .unit = "-",
+            .normalisation = "sum over stages",
+            .scores = true};
   }
   std::optional<ResidualForm> residual_form(const Horizon& h, int sign) const final {
     if (sign != sign_) return std::nullopt;
@@ -67,6 +82,10 @@ class PoseTerm : public Term {
       for (int k = 1; k <= t.horizon.N; ++k) {
         const double theta = t.yaw(k, b);
         const R1Pose pose{t.px(k, b), t.py(k, b), std::cos(theta), std::sin(theta)};
+        if (request.score) {
+          value += score(pose);
+          continue;
+        }
         const R1Value stage = at(pose, request.gradient || request.residuals != 0);
         value += stage.value;
         if (request.residuals != 0) {
@@ -88,6 +107,8 @@ class PoseTerm : public Term {
   /// bound <= sign T at every pose.
   PoseTerm(int sign, double bound) : sign_(sign), bound_(bound) {}
   virtual R1Value at(const R1Pose& pose, bool gradient) const = 0;
+  /// The value in single precision.
+  virtual double score(const R1Pose& pose) const = 0;
   const int sign_;
   const double bound_;
   const R1Kernel kernel_ = r1_kernel(best_instruction_set());
@@ -103,6 +124,10 @@ class Collision final : public PoseTerm {
     return (gradient ? kernel_.collision_gradient : kernel_.collision)(
         pose, discs_.x.data(), discs_.y.data(), discs_.padded());
   }
+  double score(const R1Pose& pose) const override {
+    return kernel_.collision_score(pose, discs_.score_x.data(), discs_.score_y.data(),
+                                   discs_.padded());
+  }
   const Columns discs_ = draw_places(7, 12, 1.0, 5.0, 2.5);
 };
 
@@ -115,6 +140,9 @@ class Gain final : public PoseTerm {
   R1Value at(const R1Pose& pose, bool gradient) const override {
     return (gradient ? kernel_.gain_gradient : kernel_.gain)(pose, blobs_.x.data(), blobs_.y.data(),
                                                              blobs_.padded());
+  }
+  double score(const R1Pose& pose) const override {
+    return kernel_.gain_score(pose, blobs_.score_x.data(), blobs_.score_y.data(), blobs_.padded());
   }
   static constexpr int kBlobs = 10;
   const Columns blobs_ = draw_places(13, kBlobs, 2.0, 7.0, 4.0);
@@ -132,6 +160,11 @@ class Features final : public PoseTerm {
     const double e = std::exp((20.0 - n.value) / 5.0);  // at most e^4: n >= 0
     const double slope = -0.2 * e / (1.0 + e);
     return {std::log1p(e), slope * n.d_px, slope * n.d_py, slope * n.d_theta};
+  }
+  double score(const R1Pose& pose) const override {
+    const double n = kernel_.visible_score(pose, points_.score_x.data(), points_.score_y.data(),
+                                           points_.score_down.data(), points_.padded());
+    return std::log1p(std::exp((20.0 - n) / 5.0));
   }
   const Columns points_ = draw_points();
 };

@@ -20,9 +20,11 @@ struct R1Pose {
 /// The sigmoids of both image borders share one exponential, a = e^(-u/10): s(u) s(640-u) =
 /// a / ((1+a) (a+e^-64)); exponents are clamped to +-100, which moves a value by less than 1e-22,
 /// so that a point far off the image gives zero derivatives, not NaN.
+///
+/// The scores are the same sums in single precision, for comparing candidates, to 3e-6 of the
+/// number of points. Where e^-64 is nothing, s(u) s(640-u) is one sigmoid of |u - 320|.
 struct R1Kernel {
-  static constexpr int kLanes = 8;
-  static constexpr int padded(int n) { return (n + kLanes - 1) / kLanes * kLanes; }
+  static constexpr int padded(int n) { return (n + 15) / 16 * 16; }
 
   using Points = R1Value (*)(const R1Pose& pose, const double* x, const double* y,
                              const double* down, int n);
@@ -34,6 +36,11 @@ struct R1Kernel {
   Discs collision, collision_gradient;
   /// sum exp(-|q - b|^2 / (2 0.8^2)) at the point q, 1.5 m ahead.
   Discs gain, gain_gradient;
+
+  double (*visible_score)(const R1Pose& pose, const float* x, const float* y, const float* down,
+                          int n);
+  double (*collision_score)(const R1Pose& pose, const float* x, const float* y, int n);
+  double (*gain_score)(const R1Pose& pose, const float* x, const float* y, int n);
 };
 
 R1Kernel r1_kernel(InstructionSet set);

@@ -9,6 +9,9 @@
 namespace prospect {
 namespace {
 
+// After a chunk in which most scores had to be followed by the exact value.
+constexpr int kExactChunks = 8;
+
 double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
@@ -99,9 +102,9 @@ void Evaluator::fail(std::string message) {
   stop_detail_ = std::move(message);
 }
 
-bool Evaluator::should_stop() {
+bool Evaluator::should_stop(bool budget) {
   if (stopped_) return true;
-  if (outer_ && outer_->should_stop()) {
+  if (outer_ && outer_->should_stop(budget)) {
     stopped_ = true;
     stop_reason_ = outer_->stop_reason_;
     stop_detail_ = outer_->stop_detail_;
@@ -122,7 +125,7 @@ bool Evaluator::should_stop() {
     stopped_ = true;
     stop_reason_ = StopReason::kCancelled;
     stop_detail_ = "cancelled by the caller";
-  } else if (evaluations_left() <= 0) {
+  } else if (budget && evaluations_left() <= 0) {
     stopped_ = true;
     stop_reason_ = StopReason::kIterationLimit;
     stop_detail_ = "max_evaluations = " + std::to_string(options_.max_evaluations) + " used up";
@@ -130,22 +133,28 @@ bool Evaluator::should_stop() {
   return stopped_;
 }
 
+bool Evaluator::improves(double cost, double violation) const {
+  if (!has_incumbent_) return true;
+  const bool feasible = violation <= options_.feasibility_tolerance;
+  if (feasible != incumbent_feasible()) return feasible;
+  if (!feasible && violation != incumbent_violation_) return violation < incumbent_violation_;
+  return cost < incumbent_cost_;
+}
+
+bool Evaluator::improves_any(double cost, double violation) const {
+  return improves(cost, violation) || (outer_ && outer_->improves_any(cost, violation));
+}
+
+void Evaluator::note_cost(double cost) {
+  if (outer_) outer_->note_cost(cost);
+  worst_cost_ = has_incumbent_ ? std::max(worst_cost_, cost) : cost;
+}
+
 void Evaluator::consider(const Eigen::Ref<const Eigen::VectorXd>& x, double cost, double violation,
                          const Eigen::Ref<const Eigen::VectorXd>& constraints) {
   if (outer_) outer_->consider(x, cost, violation, constraints);
   worst_cost_ = has_incumbent_ ? std::max(worst_cost_, cost) : cost;
-  if (has_incumbent_) {
-    const bool feasible = violation <= options_.feasibility_tolerance;
-    if (feasible != incumbent_feasible()) {
-      if (!feasible) return;
-    } else if (feasible) {
-      if (!(cost < incumbent_cost_)) return;
-    } else if (violation != incumbent_violation_) {
-      if (violation > incumbent_violation_) return;
-    } else if (!(cost < incumbent_cost_)) {
-      return;
-    }
-  }
+  if (!improves(cost, violation)) return;
   has_incumbent_ = true;
   incumbent_ = x;
   incumbent_cost_ = cost;
@@ -157,7 +166,7 @@ void Evaluator::consider(const Eigen::Ref<const Eigen::VectorXd>& x, double cost
 }
 
 Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate what) {
-  const bool gradient = what != Evaluate::kValue;
+  const bool gradient = what >= Evaluate::kGradient;
   if (stopped_) return Outcome::kStopped;
   if (!differs_from_last(x) && what <= last_what_) return last_outcome_;
   if (should_stop()) return Outcome::kStopped;
@@ -217,7 +226,7 @@ double Evaluator::rejected_cost(const Eigen::Ref<const Eigen::VectorXd>& x,
 }
 
 int Evaluator::evaluate_batch(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::ArrayXd& cost,
-                              Eigen::ArrayXd& violations) {
+                              Eigen::ArrayXd& violations, Evaluate what) {
   const int columns = static_cast<int>(X.cols());
   cost.setConstant(columns, Problem::kRejectedCost);
   violations.setConstant(columns, std::numeric_limits<double>::infinity());
@@ -230,24 +239,48 @@ int Evaluator::evaluate_batch(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen:
       batch_z_.col(b) = z_.col(0);
     }
     last_known_ = false;
+    const bool scored = what == Evaluate::kScore && problem_.has_scores();
+    const bool score = scored && exact_chunks_ == 0;
+    if (scored && !score) --exact_chunks_;
+    int exact = 0;
     try {
-      problem_.evaluate(batch_z_.leftCols(chunk), Evaluate::kValue, batch_workspace(),
-                        batch_evaluation_);
+      problem_.evaluate(batch_z_.leftCols(chunk), score ? Evaluate::kScore : Evaluate::kValue,
+                        batch_workspace(), batch_evaluation_);
+      count_evaluations(chunk, false);
+      for (int b = 0; b < chunk; ++b) {
+        const Evaluation* e = &batch_evaluation_;
+        Eigen::Index column = b;
+        const auto usable = [&] {
+          return e->valid[column] && std::isfinite(e->cost[column]) &&
+                 e->constraints.col(column).allFinite();
+        };
+        // Single precision may overflow where the exact value does not.
+        const bool exactly =
+            score && (!usable() || improves_any(e->cost[b], violation(e->constraints.col(b))));
+        if (exactly) {
+          ++exact;
+          if (should_stop(false)) return done + b;
+          problem_.evaluate(batch_z_.col(b), Evaluate::kValue, batch_workspace(),
+                            exact_evaluation_);
+          e = &exact_evaluation_;
+          column = 0;
+        }
+        if (!usable()) continue;
+        cost[done + b] = e->cost[column];
+        violations[done + b] = violation(e->constraints.col(column));
+        if (score && !exactly) {
+          note_cost(cost[done + b]);
+        } else {
+          consider(reduce(batch_z_.col(b)), cost[done + b], violations[done + b],
+                   e->constraints.col(column));
+        }
+      }
     } catch (...) {
       store_exception();
       return done;
     }
-    count_evaluations(chunk, false);
-    for (int b = 0; b < chunk; ++b) {
-      const auto constraints = batch_evaluation_.constraints.col(b);
-      const double value = batch_evaluation_.cost[b];
-      if (!batch_evaluation_.valid[b] || !std::isfinite(value) || !constraints.allFinite()) {
-        continue;
-      }
-      cost[done + b] = value;
-      violations[done + b] = violation(constraints);
-      consider(reduce(batch_z_.col(b)), value, violations[done + b], constraints);
-    }
+    // A score costs about half of a value: it does not pay where every other one is followed by it.
+    if (2 * exact > chunk) exact_chunks_ = kExactChunks;
     done += chunk;
   }
   return done;

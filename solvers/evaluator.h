@@ -101,11 +101,18 @@ class Evaluator {
   /// Values of the columns of X (free variables x B): cost (B; kRejectedCost where rejected) and
   /// violation (B; infinite where rejected). Returns how many columns were evaluated, from the
   /// left; fewer than B means that the solve is over.
+  ///
+  /// With kScore, a candidate is scored first, and evaluated exactly if its score is better than
+  /// the incumbent: a score may choose, but the incumbent and its cost are always exact. What is
+  /// missed is within Evaluation::cost_error of the incumbent, and so is the cost written for a
+  /// candidate that was scored only. A score and the value that follows it count as one evaluation.
+  /// Where most scores have to be followed by the value, some chunks are evaluated exactly at once.
+  /// For those who rank candidates, not for those who take differences of costs.
   int evaluate_batch(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::ArrayXd& cost,
-                     Eigen::ArrayXd& violation);
+                     Eigen::ArrayXd& violation, Evaluate what = Evaluate::kValue);
 
   /// Asks the stop condition without evaluating. True also once anything else ended the solve.
-  bool should_stop();
+  bool should_stop() { return should_stop(true); }
   bool stopped() const { return stopped_; }
   /// Ends the solve with kError.
   void fail(std::string message);
@@ -138,6 +145,13 @@ class Evaluator {
   bool differs_from_last(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   void consider(const Eigen::Ref<const Eigen::VectorXd>& x, double cost, double violation,
                 const Eigen::Ref<const Eigen::VectorXd>& constraints);
+  /// Whether that is better than the incumbent.
+  bool improves(double cost, double violation) const;
+  /// The same, here or outside.
+  bool improves_any(double cost, double violation) const;
+  void note_cost(double cost);
+  /// Without `budget`, evaluations that are used up are no reason to stop.
+  bool should_stop(bool budget);
   void count_evaluations(int count, bool gradient);
   void store_exception();
   Workspace& workspace() { return outer_ ? outer_->workspace() : *workspace_; }
@@ -156,7 +170,8 @@ class Evaluator {
   double radius_ = 1.0;
 
   std::optional<Workspace> workspace_, batch_workspace_;  // none if there is an outer one
-  Evaluation evaluation_, batch_evaluation_;
+  Evaluation evaluation_, batch_evaluation_, exact_evaluation_;
+  int exact_chunks_ = 0;  // to come of evaluate_batch() that are not scored
   Eigen::MatrixXd z_, batch_z_;
   Eigen::VectorXd last_x_;
   bool last_known_ = false;

@@ -110,7 +110,8 @@ ExplorationGain::ExplorationGain(const ExplorationTargets& targets, const RgbdFo
 }
 
 TermTraits ExplorationGain::traits() const {
-  return {TermKind::kCost, Smoothness::kC1, true, "-", "expected newly explored area over A_ref"};
+  return {
+      TermKind::kCost, Smoothness::kC1, true, "-", "expected newly explored area over A_ref", true};
 }
 
 std::optional<ResidualForm> ExplorationGain::residual_form(const Horizon& horizon, int sign) const {
@@ -135,13 +136,15 @@ ExplorationGain::Candidate ExplorationGain::look(const TrajectoryBatch& t, int b
   SharedResults* const shared = t.shared.get();
   Looks* looks = nullptr;
   int place = 0;
+  bool score = false;
   if (shared) {
     looks = &shared->get<Looks>(
         this, [&] { return std::make_unique<Looks>(visibility_.capacity(), N, s.max_batch); });
     if (looks->stamp.size() < t.batch()) *looks = Looks(visibility_.capacity(), N, t.batch());
     place = b;
     // Whoever comes first computes what others will ask for.
-    gradient = gradient || shared->gradient();
+    gradient = gradient || shared->request().gradient;
+    score = shared->request().score;
     if (looks->newest != shared->stamp() || looks->gradient != gradient) {
       looks->begin(shared->stamp(), gradient);
     }
@@ -156,6 +159,7 @@ ExplorationGain::Candidate ExplorationGain::look(const TrajectoryBatch& t, int b
     FootprintVisibility::Looks at;
     at.point = l.point.data() + l.used;
     at.q = l.q.data() + l.used;
+    at.score = score;
     if (gradient) {
       at.d_x = l.d_x.data() + l.used;
       at.d_y = l.d_y.data() + l.used;

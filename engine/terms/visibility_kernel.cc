@@ -1,7 +1,9 @@
 #include "engine/terms/visibility_kernel.h"
 
 #include <cmath>
+#include <type_traits>
 
+#include "engine/converted_numbers.h"
 #include "engine/instruction_set.h"
 #include "engine/normal_distribution.h"
 
@@ -14,46 +16,58 @@ constexpr int kLanes = VisibilityBlock::kLanes;
 // Beyond this many standard deviations outside the image P_fov counts as 0: Phi there is 1e-19, far
 // below what the sum over the landmarks can hold, and the clamp keeps products of tails out of the
 // slow denormal range. The same for the logistic factors: 4e-18.
-constexpr double kTail = 9.0;
-constexpr double kLogisticTail = 40.0;
+// Single precision holds less: 4e-8 and 1e-7.
+template <typename T>
+constexpr T kTail = T(9.0);
+template <>
+constexpr float kTail<float> = 5.4f;
+template <typename T>
+constexpr T kLogisticTail = T(40.0);
+template <>
+constexpr float kLogisticTail<float> = 16.0f;
 
-PROSPECT_FORCE_INLINE double clamp(double x, double lower, double upper) {
+template <typename T>
+PROSPECT_FORCE_INLINE T clamp(T x, T lower, T upper) {
   return normal_distribution_detail::clamp(x, lower, upper);
 }
 
-PROSPECT_FORCE_INLINE double at_least(double x, double lower) {
+template <typename T>
+PROSPECT_FORCE_INLINE T at_least(T x, T lower) {
   return normal_distribution_detail::select_negative(x - lower, lower, x);
 }
 
 // A point before the camera and the uncertainty of its image. Notation: Y = (X, Y, Z) in C,
 // a = X/Z, b = Y/Z, g = dY/dyaw. dY_x - a dY_z is what moves u, dY_y - b dY_z what moves v:
 //   Q_u = Var(dY_x - a dY_z),  S_uu = (fx/Z)^2 Q_u + sigma^2.
-struct Point {
-  double dx, dy, dz;  // l - sensor, in W
-  double X, Y, Z;
-  double inverse_z;  // of max(Z, near_depth)
-  double a, b;
-  double gz;                // g_z
-  double gamma_u, gamma_v;  // g_x - a g_z, g_y - b g_z
-  double ru[3], rv[3];      // rows of (e_x - a e_z)^T R_CW, (e_y - b e_z)^T R_CW
-  double wu[3], wv[3];      // Sigma_i ru, Sigma_i rv
-  double cu, cv;            // c_x - a c_z, c_y - b c_z
-  double Qu, Qv;
-  double gx, gy;
+template <typename T>
+struct PointOf {
+  T dx, dy, dz;  // l - sensor, in W
+  T X, Y, Z;
+  T inverse_z;  // of max(Z, near_depth)
+  T a, b;
+  T gz;                // g_z
+  T gamma_u, gamma_v;  // g_x - a g_z, g_y - b g_z
+  T ru[3], rv[3];      // rows of (e_x - a e_z)^T R_CW, (e_y - b e_z)^T R_CW
+  T wu[3], wv[3];      // Sigma_i ru, Sigma_i rv
+  T cu, cv;            // c_x - a c_z, c_y - b c_z
+  T Qu, Qv;
+  T gx, gy;
 };
+using Point = PointOf<double>;
 
-PROSPECT_FORCE_INLINE Point point(const VisibilityBlock& l, int j,
-                                  const VisibilityKernelConstants& c,
-                                  const VisibilityKernelStage& s) {
-  Point p;
+template <typename T>
+PROSPECT_FORCE_INLINE PointOf<T> point(const VisibilityBlockOf<T>& l, int j,
+                                       const VisibilityKernelConstantsOf<T>& c,
+                                       const VisibilityKernelStageOf<T>& s) {
+  PointOf<T> p;
   p.dx = l.x[j] - s.sensor[0];
   p.dy = l.y[j] - s.sensor[1];
   p.dz = l.z[j] - s.sensor[2];
   p.X = s.R[0] * p.dx + s.R[1] * p.dy + s.R[2] * p.dz;
   p.Y = s.R[3] * p.dx + s.R[4] * p.dy + s.R[5] * p.dz;
   p.Z = s.R[6] * p.dx + s.R[7] * p.dy + s.R[8] * p.dz;
-  const double z = at_least(p.Z, c.near_depth);
-  p.inverse_z = 1.0 / z;
+  const T z = at_least(p.Z, c.near_depth);
+  p.inverse_z = T(1.0) / z;
   p.a = p.X * p.inverse_z;
   p.b = p.Y * p.inverse_z;
   p.gx = p.Y * c.up[2] - p.Z * c.up[1] + c.lever[0];
@@ -73,15 +87,15 @@ PROSPECT_FORCE_INLINE Point point(const VisibilityBlock& l, int j,
   p.wv[2] = l.xz[j] * p.rv[0] + l.yz[j] * p.rv[1] + l.zz[j] * p.rv[2];
   p.cu = s.c[0] - p.a * s.c[2];
   p.cv = s.c[1] - p.b * s.c[2];
-  const double Qu = s.M[0] + p.a * (p.a * s.M[2] - 2.0 * s.M[4]) +
-                    p.gamma_u * (2.0 * p.cu + p.gamma_u * s.s) +
-                    (p.ru[0] * p.wu[0] + p.ru[1] * p.wu[1] + p.ru[2] * p.wu[2]);
-  const double Qv = s.M[1] + p.b * (p.b * s.M[2] - 2.0 * s.M[5]) +
-                    p.gamma_v * (2.0 * p.cv + p.gamma_v * s.s) +
-                    (p.rv[0] * p.wv[0] + p.rv[1] * p.wv[1] + p.rv[2] * p.wv[2]);
+  const T Qu = s.M[0] + p.a * (p.a * s.M[2] - T(2.0) * s.M[4]) +
+               p.gamma_u * (T(2.0) * p.cu + p.gamma_u * s.s) +
+               (p.ru[0] * p.wu[0] + p.ru[1] * p.wu[1] + p.ru[2] * p.wu[2]);
+  const T Qv = s.M[1] + p.b * (p.b * s.M[2] - T(2.0) * s.M[5]) +
+               p.gamma_v * (T(2.0) * p.cv + p.gamma_v * s.s) +
+               (p.rv[0] * p.wv[0] + p.rv[1] * p.wv[1] + p.rv[2] * p.wv[2]);
   // Both are variances; rounding must not make them negative.
-  p.Qu = at_least(Qu, 0.0);
-  p.Qv = at_least(Qv, 0.0);
+  p.Qu = at_least(Qu, T(0.0));
+  p.Qv = at_least(Qv, T(0.0));
   return p;
 }
 
@@ -113,76 +127,92 @@ PROSPECT_FORCE_INLINE void close_point(const Point& p, const VisibilityKernelCon
   q.yaw += q.X * p.gx + q.Y * p.gy + q.Z * p.gz;
 }
 
-template <bool kGradient>
-PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict blocks, int num_blocks,
-                                         const VisibilityKernelConstants& constants,
+// What a kernel writes of each block besides its sums; a score writes nothing.
+struct NoResult {
+  bool alive;
+};
+template <typename T>
+using BlockResult = std::conditional_t<std::is_same_v<T, double>, VisibilityBlockResult, NoResult>;
+
+template <typename T, bool kGradient>
+PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlockOf<T>* __restrict blocks,
+                                         int num_blocks, const VisibilityKernelConstants& constants,
                                          const VisibilityKernelStage& stage,
-                                         const UnoccludedInput& unoccluded,
-                                         VisibilityBlockResult* __restrict results,
-                                         VisibilitySums& sums) {
+                                         const T* __restrict probability,
+                                         [[maybe_unused]] const UnoccludedInput& unoccluded,
+                                         BlockResult<T>* __restrict results, VisibilitySums& sums) {
+  constexpr int kLanes = VisibilityBlockOf<T>::kLanes;
+  constexpr bool kResults = std::is_same_v<T, double>;
+  constexpr T one = 1.0;
   // Copies, so that the compiler need not fear that results overwrite them.
-  const VisibilityKernelConstants c = constants;
-  const VisibilityKernelStage s = stage;
-  const double farthest = c.r_max + kLogisticTail / c.inverse_r_max_width;
-  alignas(64) double count[8] = {}, variance[8] = {};
-  alignas(64) double d_count[vd::kCount][8] = {}, d_variance[vd::kCount][8] = {};
-  alignas(64) double t1[8], t0[8], s1[8], s0[8], depth[8], range[8], squared_range[8], cos_view[8],
-      alive[8], rsu[8], rsv[8];
+  const auto c = converted_numbers<VisibilityKernelConstantsOf, T>(constants);
+  const auto s = converted_numbers<VisibilityKernelStageOf, T>(stage);
+  const T farthest = c.r_max + kLogisticTail<T> / c.inverse_r_max_width;
+  alignas(64) T count[kLanes] = {}, variance[kLanes] = {};
+  alignas(64) [[maybe_unused]] double d_count[vd::kCount][8] = {}, d_variance[vd::kCount][8] = {};
+  alignas(64) T t1[kLanes], t0[kLanes], s1[kLanes], s0[kLanes], depth[kLanes], range[kLanes],
+      squared_range[kLanes], cos_view[kLanes], alive[kLanes], rsu[kLanes], rsv[kLanes];
 
   for (int block = 0; block < num_blocks; ++block) {
-    const VisibilityBlock& l = blocks[block];
-    VisibilityBlockResult& out = results[block];
-    const double* open = unoccluded.probability + block * kLanes;
+    const VisibilityBlockOf<T>& l = blocks[block];
+    [[maybe_unused]] BlockResult<T>& out = results[kResults ? block : 0];
+    const T* open = probability + block * kLanes;
 
     for (int j = 0; j < kLanes; ++j) {
       alive[j] = s.R[6] * (l.x[j] - s.sensor[0]) + s.R[7] * (l.y[j] - s.sensor[1]) +
                  s.R[8] * (l.z[j] - s.sensor[2]) - c.near_depth;
     }
     bool any = false;
-    for (int j = 0; j < kLanes; ++j) any |= alive[j] > 0.0;
+    for (int j = 0; j < kLanes; ++j) any |= alive[j] > T(0.0);
     if (!any) {
-      out.alive = false;
-      for (int j = 0; j < kLanes; ++j) out.pi[j] = 0.0;
+      if constexpr (kResults) {
+        out.alive = false;
+        for (int j = 0; j < kLanes; ++j) out.pi[j] = 0.0;
+      }
       continue;
     }
 
     for (int j = 0; j < kLanes; ++j) {
-      const Point p = point(l, j, c, s);
-      const double ku = c.fx * p.inverse_z;
-      const double kv = c.fy * p.inverse_z;
-      const double noise = c.pixel_variance + c.border_variance;
+      const PointOf<T> p = point(l, j, c, s);
+      const T ku = c.fx * p.inverse_z;
+      const T kv = c.fy * p.inverse_z;
+      const T noise = c.pixel_variance + c.border_variance;
       // One division for both: dividing is most of this loop.
-      const double su = std::sqrt(ku * ku * p.Qu + noise);
-      const double sv = std::sqrt(kv * kv * p.Qv + noise);
-      const double both = 1.0 / (su * sv);
+      const T su = std::sqrt(ku * ku * p.Qu + noise);
+      const T sv = std::sqrt(kv * kv * p.Qv + noise);
+      const T both = one / (su * sv);
       rsu[j] = both * sv;
       rsv[j] = both * su;
-      const double u = c.fx * p.a;
-      const double v = c.fy * p.b;
-      t1[j] = clamp((c.u_max - u) * rsu[j], -kTail, kTail);
-      t0[j] = clamp((c.u_min + c.fx_baseline * p.inverse_z - u) * rsu[j], -kTail, kTail);
-      s1[j] = clamp((c.v_max - v) * rsv[j], -kTail, kTail);
-      s0[j] = clamp((c.v_min - v) * rsv[j], -kTail, kTail);
+      const T u = c.fx * p.a;
+      const T v = c.fy * p.b;
+      constexpr T tail = kTail<T>;
+      t1[j] = clamp((c.u_max - u) * rsu[j], -tail, tail);
+      t0[j] = clamp((c.u_min + c.fx_baseline * p.inverse_z - u) * rsu[j], -tail, tail);
+      s1[j] = clamp((c.v_max - v) * rsv[j], -tail, tail);
+      s0[j] = clamp((c.v_min - v) * rsv[j], -tail, tail);
       depth[j] = p.Z;
       squared_range[j] = p.X * p.X + p.Y * p.Y + p.Z * p.Z;
       cos_view[j] = -(p.dx * l.nx[j] + p.dy * l.ny[j] + p.dz * l.nz[j]);  // times the range
       // Positive exactly where pi is not identically zero. P_unoccluded is C1 and >= 0: where it is
       // 0, so are its derivatives.
-      alive[j] = at_least(p.Z - c.near_depth, 0.0) * at_least(farthest - p.Z, 0.0) *
+      alive[j] = at_least(p.Z - c.near_depth, T(0.0)) * at_least(farthest - p.Z, T(0.0)) *
                  ((t1[j] - t0[j]) * (s1[j] - s0[j])) * (l.survival[j] * open[j]);
     }
     any = false;
-    for (int j = 0; j < kLanes; ++j) any |= alive[j] > 0.0;
-    out.alive = any;
+    for (int j = 0; j < kLanes; ++j) any |= alive[j] > T(0.0);
+    if constexpr (kResults) out.alive = any;
     if (!any) {
-      for (int j = 0; j < kLanes; ++j) out.pi[j] = 0.0;
+      if constexpr (kResults) {
+        for (int j = 0; j < kLanes; ++j) out.pi[j] = 0.0;
+      }
       continue;
     }
 
-    alignas(64) double Pu[8], Pv[8], P5[8], e1[8], e2[8], e3[8], e4[8], e5[8];
-    alignas(64) double ft1[8], ft0[8], fs1[8], fs0[8];
+    alignas(64) T Pu[kLanes], Pv[kLanes], P5[kLanes], e1[kLanes], e2[kLanes], e3[kLanes],
+        e4[kLanes], e5[kLanes];
+    alignas(64) T ft1[kLanes], ft0[kLanes], fs1[kLanes], fs0[kLanes];
     for (int j = 0; j < kLanes; ++j) {
-      double upper, lower, density;
+      T upper, lower, density;
       normal_in_range(t1[j], upper, density);
       ft1[j] = density;
       normal_in_range(t0[j], lower, density);
@@ -197,21 +227,21 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict block
     for (int j = 0; j < kLanes; ++j) {
       range[j] = std::sqrt(at_least(squared_range[j], c.near_depth * c.near_depth));
       cos_view[j] /= range[j];
-      const double scale = range[j] * l.inverse_creation_range[j];
-      const double L = kLogisticTail;
+      const T scale = range[j] * l.inverse_creation_range[j];
+      constexpr T L = kLogisticTail<T>;
       e1[j] = exponential_in_range(clamp((c.r_min - depth[j]) * c.inverse_r_min_width, -L, L));
       e2[j] = exponential_in_range(clamp((depth[j] - c.r_max) * c.inverse_r_max_width, -L, L));
       e3[j] = exponential_in_range(clamp((c.scale_min - scale) * c.inverse_scale_width, -L, L));
       e4[j] = exponential_in_range(clamp((scale - c.scale_max) * c.inverse_scale_width, -L, L));
       e5[j] = exponential_in_range(clamp((c.cos_view - cos_view[j]) * c.inverse_cos_width, -L, L));
       P5[j] =
-          1.0 / ((1.0 + e1[j]) * (1.0 + e2[j]) * ((1.0 + e3[j]) * (1.0 + e4[j])) * (1.0 + e5[j]));
-      const double t = clamp(depth[j] / c.near_depth - 1.0, 0.0, 1.0);
-      const double gate = t * t * t * (10.0 + t * (6.0 * t - 15.0));
-      const double pi = l.survival[j] * open[j] * gate * P5[j] * (Pu[j] * Pv[j]);
-      out.pi[j] = pi;
+          one / ((one + e1[j]) * (one + e2[j]) * ((one + e3[j]) * (one + e4[j])) * (one + e5[j]));
+      const T t = clamp(depth[j] / c.near_depth - one, T(0.0), one);
+      const T gate = t * t * t * (T(10.0) + t * (T(6.0) * t - T(15.0)));
+      const T pi = l.survival[j] * open[j] * gate * P5[j] * (Pu[j] * Pv[j]);
+      if constexpr (kResults) out.pi[j] = pi;
       count[j] += l.multiplicity[j] * pi;
-      variance[j] += l.multiplicity[j] * pi * (1.0 - pi);
+      variance[j] += l.multiplicity[j] * pi * (one - pi);
     }
 
     if constexpr (kGradient) {
@@ -302,8 +332,8 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlock* __restrict block
   sums.count = 0.0;
   sums.variance = 0.0;
   for (int j = 0; j < kLanes; ++j) {
-    sums.count += count[j];
-    sums.variance += variance[j];
+    sums.count += static_cast<double>(count[j]);
+    sums.variance += static_cast<double>(variance[j]);
   }
   if constexpr (kGradient) {
     for (int m = 0; m < vd::kCount; ++m) {
@@ -503,28 +533,39 @@ PROSPECT_FORCE_INLINE void information_gradient_body(
   }
 }
 
-#define PROSPECT_VISIBILITY_KERNEL(SUFFIX, TARGET)                                               \
-  TARGET void evaluate_##SUFFIX(                                                                 \
-      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants, \
-      const VisibilityKernelStage& stage, const UnoccludedInput& unoccluded, bool gradient,      \
-      VisibilityBlockResult* results, VisibilitySums& sums) {                                    \
-    if (gradient) {                                                                              \
-      evaluate_body<true>(blocks, num_blocks, constants, stage, unoccluded, results, sums);      \
-    } else {                                                                                     \
-      evaluate_body<false>(blocks, num_blocks, constants, stage, unoccluded, results, sums);     \
-    }                                                                                            \
-  }                                                                                              \
-  TARGET void information_##SUFFIX(const VisibilityBlock* blocks, int num_blocks,                \
-                                   const VisibilityKernelConstants& constants,                   \
-                                   const VisibilityKernelStage& stage,                           \
-                                   const VisibilityBlockResult* results, double* information) {  \
-    information_body(blocks, num_blocks, constants, stage, results, information);                \
-  }                                                                                              \
-  TARGET void information_gradient_##SUFFIX(                                                     \
-      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants, \
-      const VisibilityKernelStage& stage, const VisibilityBlockResult* results, const double* P, \
-      double* d) {                                                                               \
-    information_gradient_body(blocks, num_blocks, constants, stage, results, P, d);              \
+#define PROSPECT_VISIBILITY_KERNEL(SUFFIX, TARGET)                                                 \
+  TARGET void evaluate_##SUFFIX(                                                                   \
+      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants,   \
+      const VisibilityKernelStage& stage, const UnoccludedInput& unoccluded, bool gradient,        \
+      VisibilityBlockResult* results, VisibilitySums& sums) {                                      \
+    const double* open = unoccluded.probability;                                                   \
+    if (gradient) {                                                                                \
+      evaluate_body<double, true>(blocks, num_blocks, constants, stage, open, unoccluded, results, \
+                                  sums);                                                           \
+    } else {                                                                                       \
+      evaluate_body<double, false>(blocks, num_blocks, constants, stage, open, unoccluded,         \
+                                   results, sums);                                                 \
+    }                                                                                              \
+  }                                                                                                \
+  TARGET void score_##SUFFIX(const VisibilityScoreBlock* blocks, int num_blocks,                   \
+                             const VisibilityKernelConstants& constants,                           \
+                             const VisibilityKernelStage& stage, const float* unoccluded,          \
+                             VisibilitySums& sums) {                                               \
+    NoResult none;                                                                                 \
+    evaluate_body<float, false>(blocks, num_blocks, constants, stage, unoccluded, {}, &none,       \
+                                sums);                                                             \
+  }                                                                                                \
+  TARGET void information_##SUFFIX(const VisibilityBlock* blocks, int num_blocks,                  \
+                                   const VisibilityKernelConstants& constants,                     \
+                                   const VisibilityKernelStage& stage,                             \
+                                   const VisibilityBlockResult* results, double* information) {    \
+    information_body(blocks, num_blocks, constants, stage, results, information);                  \
+  }                                                                                                \
+  TARGET void information_gradient_##SUFFIX(                                                       \
+      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants,   \
+      const VisibilityKernelStage& stage, const VisibilityBlockResult* results, const double* P,   \
+      double* d) {                                                                                 \
+    information_gradient_body(blocks, num_blocks, constants, stage, results, P, d);                \
   }
 
 PROSPECT_VISIBILITY_KERNEL(generic, )
@@ -542,16 +583,17 @@ std::vector<VisibilityKernel> available_visibility_kernels() {
     switch (set) {
 #if defined(__x86_64__)
       case InstructionSet::kAvx2:
-        kernels.push_back({name(set), evaluate_avx2, information_avx2, information_gradient_avx2});
+        kernels.push_back(
+            {name(set), evaluate_avx2, score_avx2, information_avx2, information_gradient_avx2});
         break;
       case InstructionSet::kAvx512:
-        kernels.push_back(
-            {name(set), evaluate_avx512, information_avx512, information_gradient_avx512});
+        kernels.push_back({name(set), evaluate_avx512, score_avx512, information_avx512,
+                           information_gradient_avx512});
         break;
 #endif
       default:
-        kernels.push_back(
-            {name(set), evaluate_generic, information_generic, information_gradient_generic});
+        kernels.push_back({name(set), evaluate_generic, score_generic, information_generic,
+                           information_gradient_generic});
     }
   }
   return kernels;

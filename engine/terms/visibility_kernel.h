@@ -5,42 +5,50 @@
 
 namespace prospect {
 
-/// Eight landmarks, structure of arrays; what the kernel reads of each. Padding has survival 0.
-/// W frame, SI units.
-struct alignas(64) VisibilityBlock {
-  static constexpr int kLanes = 8;
-  double x[8], y[8], z[8];                          ///< l_i
-  double xx[8], xy[8], xz[8], yy[8], yz[8], zz[8];  ///< Sigma_i
-  double nx[8], ny[8], nz[8];                       ///< creation direction
-  double inverse_creation_range[8];
-  double survival[8];      ///< tau_i
-  double multiplicity[8];  ///< mu_i
+/// Landmarks that fill the widest vector, structure of arrays; what the kernel reads of each.
+/// Padding has survival 0. Position in W, or, with float, from a point near all of them, so that
+/// no digits are lost far from the origin. SI units.
+template <typename T>
+struct alignas(64) VisibilityBlockOf {
+  static constexpr int kLanes = 64 / sizeof(T);
+  using Lanes = T[kLanes];
+  Lanes x, y, z;                 ///< l_i
+  Lanes xx, xy, xz, yy, yz, zz;  ///< Sigma_i
+  Lanes nx, ny, nz;              ///< creation direction
+  Lanes inverse_creation_range;
+  Lanes survival;      ///< tau_i
+  Lanes multiplicity;  ///< mu_i
 };
+using VisibilityBlock = VisibilityBlockOf<double>;
+using VisibilityScoreBlock = VisibilityBlockOf<float>;
 
-/// What stays the same for all stages.
-struct VisibilityKernelConstants {
-  double fx, fy, fx_baseline;
-  double u_min, u_max, v_min,
-      v_max;               ///< trackable image area, relative to the principal point [px]
-  double pixel_variance;   ///< sigma_px^2
-  double border_variance;  ///< border_sigma_px^2
-  double near_depth;       ///< gate: 0 up to here, 1 from twice this on [m]
-  double r_min, r_max, inverse_r_min_width, inverse_r_max_width;
-  double scale_min, scale_max, inverse_scale_width;
-  double cos_view, inverse_cos_width;
-  double up[3];     ///< z axis of B, in C
-  double lever[3];  ///< g_0: dY/dyaw = Y x up + g_0
+/// What stays the same for all stages. Members are numbers of one type, and nothing else.
+template <typename T>
+struct VisibilityKernelConstantsOf {
+  T fx, fy, fx_baseline;
+  T u_min, u_max, v_min, v_max;  ///< trackable image area, relative to the principal point [px]
+  T pixel_variance;              ///< sigma_px^2
+  T border_variance;             ///< border_sigma_px^2
+  T near_depth;                  ///< gate: 0 up to here, 1 from twice this on [m]
+  T r_min, r_max, inverse_r_min_width, inverse_r_max_width;
+  T scale_min, scale_max, inverse_scale_width;
+  T cos_view, inverse_cos_width;
+  T up[3];     ///< z axis of B, in C
+  T lever[3];  ///< g_0: dY/dyaw = Y x up + g_0
 };
+using VisibilityKernelConstants = VisibilityKernelConstantsOf<double>;
 
-/// What changes from stage to stage: where the camera is and how well this is known.
-struct VisibilityKernelStage {
-  double sensor[3];  ///< camera centre in W
-  double R[9];       ///< R_CW, row-major
+/// What changes from stage to stage: where the camera is and how well this is known. As above.
+template <typename T>
+struct VisibilityKernelStageOf {
+  T sensor[3];  ///< camera centre, where the landmarks' positions are
+  T R[9];       ///< R_CW, row-major
   /// Sigma_rel of Y = R_CW (l - sensor), split by cause: dY = rho + (dY/dyaw) dyaw,
-  double M[6];  ///< cov(rho), in C: xx, yy, zz, xy, xz, yz
-  double c[3];  ///< cov(rho, yaw), in C
-  double s;     ///< var(yaw)
+  T M[6];  ///< cov(rho), in C: xx, yy, zz, xy, xz, yz
+  T c[3];  ///< cov(rho, yaw), in C
+  T s;     ///< var(yaw)
 };
+using VisibilityKernelStage = VisibilityKernelStageOf<double>;
 
 /// The quantities with respect to which the kernel differentiates. Off-diagonal entries of M count
 /// as one variable for both places of the symmetric matrix.
@@ -94,6 +102,13 @@ struct VisibilityKernel {
                    const VisibilityKernelConstants& constants, const VisibilityKernelStage& stage,
                    const UnoccludedInput& unoccluded, bool gradient, VisibilityBlockResult* results,
                    VisibilitySums& sums);
+
+  /// Count and variance alone, in single precision, for comparing candidates: pi to about 1e-6.
+  /// `stage.sensor` is taken from where the blocks' positions are; `unoccluded`:
+  /// VisibilityScoreBlock::kLanes values a block.
+  void (*score)(const VisibilityScoreBlock* blocks, int num_blocks,
+                const VisibilityKernelConstants& constants, const VisibilityKernelStage& stage,
+                const float* unoccluded, VisibilitySums& sums);
 
   /// information (6 x 6, row-major, symmetric, overwritten) = sum_i mu_i pi_i H_i^T S_i^-1 H_i,
   /// after evaluate() for the same stage.

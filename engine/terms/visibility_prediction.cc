@@ -100,24 +100,44 @@ void check(const Landmark& l) {
   }
 }
 
-void set_lane(VisibilityBlock& block, int j, const Landmark& l) {
-  block.x[j] = l.position.x();
-  block.y[j] = l.position.y();
-  block.z[j] = l.position.z();
+/// l in lane j, its position from `origin`.
+template <typename T>
+void set_lane(VisibilityBlockOf<T>& block, int j, const Landmark& l, const Vector3d& origin) {
+  const auto put = [j](T* lanes, double x) { lanes[j] = static_cast<T>(x); };
+  put(block.x, l.position.x() - origin.x());
+  put(block.y, l.position.y() - origin.y());
+  put(block.z, l.position.z() - origin.z());
   const Matrix3d S = 0.5 * (l.covariance + l.covariance.transpose());
-  block.xx[j] = S(0, 0);
-  block.xy[j] = S(0, 1);
-  block.xz[j] = S(0, 2);
-  block.yy[j] = S(1, 1);
-  block.yz[j] = S(1, 2);
-  block.zz[j] = S(2, 2);
+  put(block.xx, S(0, 0));
+  put(block.xy, S(0, 1));
+  put(block.xz, S(0, 2));
+  put(block.yy, S(1, 1));
+  put(block.yz, S(1, 2));
+  put(block.zz, S(2, 2));
   const Vector3d n = l.creation_direction.normalized();
-  block.nx[j] = n.x();
-  block.ny[j] = n.y();
-  block.nz[j] = n.z();
-  block.inverse_creation_range[j] = 1.0 / std::max(l.creation_range, 1e-6);
-  block.survival[j] = l.survival;
-  block.multiplicity[j] = l.multiplicity;
+  put(block.nx, n.x());
+  put(block.ny, n.y());
+  put(block.nz, n.z());
+  put(block.inverse_creation_range, 1.0 / std::max(l.creation_range, 1e-6));
+  put(block.survival, l.survival);
+  put(block.multiplicity, l.multiplicity);
+}
+
+/// Whole blocks of landmarks. Padding stands where the last one does, so that it does not keep a
+/// block from being skipped.
+template <typename T>
+std::vector<VisibilityBlockOf<T>> make_blocks(const std::vector<Landmark>& landmarks,
+                                              const Vector3d& origin) {
+  constexpr std::size_t kLanes = VisibilityBlockOf<T>::kLanes;
+  std::vector<VisibilityBlockOf<T>> blocks((landmarks.size() + kLanes - 1) / kLanes);
+  Landmark padding;
+  padding.survival = 0.0;
+  if (!landmarks.empty()) padding.position = landmarks.back().position;
+  for (std::size_t i = 0; i < blocks.size() * kLanes; ++i) {
+    set_lane(blocks[i / kLanes], static_cast<int>(i % kLanes),
+             i < landmarks.size() ? landmarks[i] : padding, origin);
+  }
+  return blocks;
 }
 
 bool evaluable(const Pose& pose) {
@@ -129,13 +149,14 @@ bool evaluable(const Pose& pose) {
 
 class VisibilityPrediction::Scratch : public TermScratch {
  public:
-  Scratch(int num_blocks, int stages) {
-    const std::size_t n = static_cast<std::size_t>(num_blocks * VisibilityBlock::kLanes);
+  Scratch(std::size_t num_blocks, std::size_t num_score_blocks, int stages) {
+    const std::size_t n = num_blocks * VisibilityBlock::kLanes;
     probability.assign(n, 1.0);
     d_x.assign(n, 0.0);
     d_y.assign(n, 0.0);
     d_z.assign(n, 0.0);
-    results.resize(static_cast<std::size_t>(num_blocks));
+    score_probability.assign(num_score_blocks * VisibilityScoreBlock::kLanes, 1.0f);
+    results.resize(num_blocks);
     const std::size_t m = static_cast<std::size_t>(stages);
     for (auto* v : {&out.count, &out.variance, &out.log_det, &out.count_adjoint,
                     &out.variance_adjoint, &out.log_det_adjoint, &out.prior_adjoint}) {
@@ -149,6 +170,7 @@ class VisibilityPrediction::Scratch : public TermScratch {
   }
 
   std::vector<double> probability, d_x, d_y, d_z;  // P_unoccluded at the stage in work
+  std::vector<float> score_probability;            // the same for a score
   std::vector<VisibilityBlockResult> results;      // of the stage in work
   std::vector<VisibilityKernelStage> inputs;
   std::vector<VisibilitySums> sums;
@@ -190,25 +212,10 @@ VisibilityPrediction::VisibilityPrediction(const std::vector<Landmark>& landmark
     }
   }
 
-  constexpr int kLanes = VisibilityBlock::kLanes;
-  blocks_.resize(static_cast<std::size_t>((num_landmarks_ + kLanes - 1) / kLanes));
-  Landmark padding;
-  padding.survival = 0.0;
-  for (int i = 0; i < static_cast<int>(blocks_.size()) * kLanes; ++i) {
-    const bool real = i < num_landmarks_;
-    const Landmark& l = real ? landmarks[static_cast<std::size_t>(i)] : padding;
-    check(l);
-    set_lane(blocks_[static_cast<std::size_t>(i / kLanes)], i % kLanes, l);
-    // Padding stands where the last landmark does, so that it does not keep a block from being
-    // skipped.
-    if (!real) {
-      const Vector3d& p = landmarks.back().position;
-      VisibilityBlock& block = blocks_.back();
-      block.x[i % kLanes] = p.x();
-      block.y[i % kLanes] = p.y();
-      block.z[i % kLanes] = p.z();
-    }
-  }
+  for (const Landmark& l : landmarks) check(l);
+  blocks_ = make_blocks<double>(landmarks, Vector3d::Zero());
+  if (!landmarks.empty()) score_origin_ = landmarks.front().position;
+  score_blocks_ = make_blocks<float>(landmarks, score_origin_);
 
   VisibilityKernelConstants& c = constants_;
   c.fx = camera.left.fx;
@@ -275,8 +282,18 @@ void VisibilityPrediction::unoccluded(const Vector3d& sensor, bool gradient,
   }
 }
 
+void VisibilityPrediction::score(const VisibilityKernelStage& stage, Scratch& scratch,
+                                 VisibilitySums& sums) const {
+  const Vector3d sensor = Vector3d::Map(stage.sensor);
+  if (occlusion_) occlusion_->score(sensor, scratch.score_probability.data());
+  VisibilityKernelStage from_origin = stage;
+  Vector3d::Map(from_origin.sensor) = sensor - score_origin_;
+  kernel_.score(score_blocks_.data(), static_cast<int>(score_blocks_.size()), constants_,
+                from_origin, scratch.score_probability.data(), sums);
+}
+
 std::unique_ptr<TermScratch> VisibilityPrediction::make_scratch(const Horizon& horizon) const {
-  return std::make_unique<Scratch>(static_cast<int>(blocks_.size()), horizon.N + 1);
+  return std::make_unique<Scratch>(blocks_.size(), score_blocks_.size(), horizon.N + 1);
 }
 
 bool VisibilityPrediction::propagate(const TrajectoryBatch& t, int b, const Request& request,
@@ -302,9 +319,13 @@ bool VisibilityPrediction::propagate(const TrajectoryBatch& t, int b, const Requ
     VisibilityKernelStage& stage = scratch.inputs[n];
     VisibilitySums& sums = scratch.sums[n];
     stage = stage_inputs(pose, sigma);
-    unoccluded(Vector3d::Map(stage.sensor), request.gradient, scratch);
-    kernel_.evaluate(blocks_.data(), num_blocks, constants_, stage, open, request.gradient,
-                     scratch.results.data(), sums);
+    if (request.score && !request.gradient && !request.information) {
+      score(stage, scratch, sums);
+    } else {
+      unoccluded(Vector3d::Map(stage.sensor), request.gradient, scratch);
+      kernel_.evaluate(blocks_.data(), num_blocks, constants_, stage, open, request.gradient,
+                       scratch.results.data(), sums);
+    }
     const double prior = prior_count ? prior_count[k] : 0.0;
     out.count[n] = sums.count + prior;
     out.variance[n] = sums.variance + prior;
@@ -439,7 +460,7 @@ Eigen::VectorXd VisibilityPrediction::probabilities(const Pose& pose,
   Eigen::VectorXd pi =
       Eigen::VectorXd::Constant(num_landmarks_, std::numeric_limits<double>::quiet_NaN());
   if (!evaluable(pose) || !sigma_rel.allFinite()) return pi;
-  Scratch scratch(static_cast<int>(blocks_.size()), 1);
+  Scratch scratch(blocks_.size(), score_blocks_.size(), 1);
   const VisibilityKernelStage stage = stage_inputs(pose, sigma_rel);
   unoccluded(Vector3d::Map(stage.sensor), false, scratch);
   const UnoccludedInput open = {scratch.probability.data(), scratch.d_x.data(), scratch.d_y.data(),

@@ -132,6 +132,9 @@ class VisibilityPrediction {
     bool gradient = false;
     bool variance = false;
     bool information = false;
+    /// Count and variance in single precision (VisibilityKernel::score), for comparing candidates.
+    /// Of no effect with `gradient` or `information`.
+    bool score = false;
     /// Prior information Lambda_0 of the camera's pose, diagonal: on translation [1/m^2] and
     /// rotation [1/rad^2]; > 0, so that log det is finite without a landmark.
     double prior_translation = 1.0;
@@ -161,6 +164,7 @@ class VisibilityPrediction {
   class Scratch;
   VisibilityKernelStage stage_inputs(const Pose& pose, const Eigen::Matrix4d& sigma) const;
   void unoccluded(const Eigen::Vector3d& sensor, bool gradient, Scratch& scratch) const;
+  void score(const VisibilityKernelStage& stage, Scratch& scratch, VisibilitySums& sums) const;
 
   int num_landmarks_ = 0;
   StereoCamera camera_;
@@ -169,6 +173,8 @@ class VisibilityPrediction {
   VisibilityParameters parameters_;
   VisibilityKernelConstants constants_;
   std::vector<VisibilityBlock> blocks_;
+  Eigen::Vector3d score_origin_ = Eigen::Vector3d::Zero();  ///< of positions in score_blocks_
+  std::vector<VisibilityScoreBlock> score_blocks_;
   VisibilityKernel kernel_;
 };
 

@@ -91,7 +91,7 @@ VisibleFeatures::VisibleFeatures(std::shared_ptr<const VisibilityPrediction> pre
 }
 
 TermTraits VisibleFeatures::traits() const {
-  return {TermKind::kCost, Smoothness::kC1, true, "-", "1 when nothing is seen at any stage"};
+  return {TermKind::kCost, Smoothness::kC1, true, "-", "1 when nothing is seen at any stage", true};
 }
 
 std::unique_ptr<TermScratch> VisibleFeatures::make_scratch(const Horizon& horizon,
@@ -146,6 +146,7 @@ void VisibleFeatures::evaluate(const TrajectoryBatch& t, const TermRequest& requ
   const int N = t.horizon.N;
   VisibilityPrediction::Request what;
   what.gradient = request.gradient;
+  what.score = request.score;
   what.variance = chance_weight_ > 0.0;
   what.information =
       criterion_weight_ > 0.0 && parameters_.criterion == VisibilityCriterion::kInformation;

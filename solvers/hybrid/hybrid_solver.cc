@@ -171,7 +171,7 @@ class HybridSolver final : public SolverFrame {
     std::vector<Basin> seeds = {
         {start, evaluator.incumbent_cost(), evaluator.incumbent_violation(), false}};
     Eigen::ArrayXd cost, violation;
-    const int done = evaluator.evaluate_batch(X, cost, violation);
+    const int done = evaluator.evaluate_batch(X, cost, violation, Evaluate::kScore);
     evaluator.count_iteration();
     for (int s = 0; s < done; ++s) {
       if (std::isfinite(violation[s])) seeds.push_back({X.col(s), cost[s], violation[s], false});

@@ -36,7 +36,7 @@ bool CandidateRounds::next(const Eigen::VectorXd& centre, const Eigen::VectorXd&
       X_.col(s) = evaluator_.reduce(z);
     }
   }
-  if (evaluator_.evaluate_batch(X_, cost_, violation_) < X_.cols()) return false;
+  if (evaluator_.evaluate_batch(X_, cost_, violation_, Evaluate::kScore) < X_.cols()) return false;
   evaluator_.count_iteration();
   fold_violations(violation_, evaluator_.options().feasibility_tolerance, cost_);
   return true;

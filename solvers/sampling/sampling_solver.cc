@@ -165,7 +165,7 @@ class SamplingSolver final : public SolverFrame {
       X.col(c) = evaluator.reduce(Z.col(c));
     }
     Eigen::ArrayXd cost, violations;
-    evaluator.evaluate_batch(X, cost, violations);
+    evaluator.evaluate_batch(X, cost, violations, Evaluate::kScore);
     evaluator.count_iteration();
   }
 

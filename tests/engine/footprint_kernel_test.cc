@@ -112,6 +112,51 @@ TEST(FootprintKernel, SameBitsWithEveryInstructionSet) {
   EXPECT_GT(looked, 1000u);
 }
 
+/// q of all points.
+std::vector<float> score(const FootprintKernel& kernel, const Inputs& in) {
+  const auto size = static_cast<std::size_t>(FootprintKernel::padded(in.n));
+  const auto single = [](const std::vector<double>& x) {
+    return std::vector<float>(x.begin(), x.end());
+  };
+  const std::vector<float> x = single(in.x), y = single(in.y), z = single(in.z), u = single(in.u);
+  std::vector<float> X(size), Y(size), Z(size), open(size), looked(size);
+  std::vector<int> point(size);
+  const int n = kernel.select_score(in.constants, in.pose, x.data(), y.data(), z.data(), u.data(),
+                                    in.n, point.data(), X.data(), Y.data(), Z.data());
+  for (std::size_t j = 0; j < static_cast<std::size_t>(FootprintKernel::padded(n)); ++j) {
+    open[j] = u[static_cast<std::size_t>(point[j])];
+  }
+  kernel.value_score(in.constants, X.data(), Y.data(), Z.data(), open.data(), n, looked.data());
+  std::vector<float> q(static_cast<std::size_t>(in.n), 0.0f);
+  for (std::size_t j = 0; j < static_cast<std::size_t>(n); ++j) {
+    q[static_cast<std::size_t>(point[j])] = looked[j];
+  }
+  return q;
+}
+
+TEST(FootprintKernel, ScoresAreTheValueInSinglePrecision) {
+  std::mt19937_64 random(5);
+  double worst = 0.0, largest = 0.0;
+  for (int trial = 0; trial < 400; ++trial) {
+    const Inputs in = random_inputs(random, trial % 67);
+    const Looked exact = look(footprint_kernel(InstructionSet::kGeneric), in, false);
+    std::vector<double> q(static_cast<std::size_t>(in.n), 0.0);
+    for (std::size_t j = 0; j < exact.point.size(); ++j) {
+      q[static_cast<std::size_t>(exact.point[j])] = exact.q[j];
+    }
+    const std::vector<float> expected = score(footprint_kernel(InstructionSet::kGeneric), in);
+    for (std::size_t i = 0; i < q.size(); ++i) {
+      worst = std::max(worst, std::abs(static_cast<double>(expected[i]) - q[i]));
+      largest = std::max(largest, q[i]);
+    }
+    for (const InstructionSet set : available_instruction_sets()) {
+      ASSERT_EQ(score(footprint_kernel(set), in), expected) << name(set);
+    }
+  }
+  EXPECT_GT(largest, 0.5);
+  EXPECT_LT(worst, 6e-6);
+}
+
 TEST(FootprintKernel, WhatIsNotSelectedIsExactlyZeroAndTheRestFollowsTheFormula) {
   std::mt19937_64 random(2);
   const auto sigmoid = [](double a) { return 1.0 / (1.0 + std::exp(-a)); };

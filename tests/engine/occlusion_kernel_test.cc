@@ -84,5 +84,27 @@ TEST(OcclusionKernel, IsTheWeightedSumOfRows) {
   }
 }
 
+TEST(OcclusionKernel, ScoresAreTheValueInSinglePrecision) {
+  std::mt19937_64 random(3);
+  for (int n = 1; n < 70; ++n) {
+    const Plane p(random, n);
+    for (const bool first : {false, true}) {
+      const Output exact = p.run(InstructionSet::kGeneric, 0, first);
+      const std::vector<float> before(static_cast<std::size_t>(n), first ? 7.0f : 0.25f);
+      std::vector<float> expected = before;
+      occlusion_score_kernel(InstructionSet::kGeneric)(p.plane, n, first, expected.data());
+      for (std::size_t i = 0; i < expected.size(); ++i) {
+        // The weights of this plane are not those of a spline: they sum up to more than 1.
+        ASSERT_NEAR(static_cast<double>(expected[i]), exact.value[i], 9e-6);
+      }
+      for (const InstructionSet set : available_instruction_sets()) {
+        std::vector<float> score = before;
+        occlusion_score_kernel(set)(p.plane, n, first, score.data());
+        ASSERT_EQ(score, expected) << name(set) << ", " << n;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace prospect

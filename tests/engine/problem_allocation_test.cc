@@ -95,13 +95,14 @@ TEST(ProblemAllocation, NoneAfterTheFirstEvaluationOfEachBatchSize) {
     std::mt19937_64 random(2);
     const Eigen::MatrixXd X = scene.points(30, random);
     Workspace workspace = problem.make_workspace();
-    Evaluation single, gradient, residuals, batch;
+    Evaluation single, gradient, residuals, batch, scores;
     const long before_first = allocations;
     problem.evaluate(X.col(0), Evaluate::kValue, workspace, single);
     EXPECT_GT(allocations, before_first) << "the counter does not count";
     problem.evaluate(X.col(0), Evaluate::kGradient, workspace, gradient);
     problem.evaluate(X.col(0), Evaluate::kResiduals, workspace, residuals);
     problem.evaluate(X, Evaluate::kValue, workspace, batch);
+    problem.evaluate(X, Evaluate::kScore, workspace, scores);
     problem.evaluate(X.col(0), Evaluate::kValue, workspace, single);
     problem.evaluate(X.col(0), Evaluate::kGradient, workspace, gradient);
     for (int b = 0; b < 30; ++b) {
@@ -115,10 +116,13 @@ TEST(ProblemAllocation, NoneAfterTheFirstEvaluationOfEachBatchSize) {
       const long with_residuals = allocations;
       problem.evaluate(X, Evaluate::kValue, workspace, batch);
       const long with_batch = allocations;
+      problem.evaluate(X, Evaluate::kScore, workspace, scores);
+      const long with_scores = allocations;
       ASSERT_EQ(value - before, 0) << c.name << ", value";
       ASSERT_EQ(with_gradient - value, 0) << c.name << ", gradient";
       ASSERT_EQ(with_residuals - with_gradient, 0) << c.name << ", residuals";
       ASSERT_EQ(with_batch - with_residuals, 0) << c.name << ", batch";
+      ASSERT_EQ(with_scores - with_batch, 0) << c.name << ", scores";
       ASSERT_EQ(single.cost[0], batch.cost[b]) << c.name;
       ASSERT_EQ(gradient.cost[0], single.cost[0]) << c.name;
     }

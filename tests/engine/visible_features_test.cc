@@ -354,6 +354,41 @@ TEST(VisibleFeatures, EveryKernelGivesTheSameBits) {
   }
 }
 
+TEST(VisibleFeatures, ScoresAreTheValueInSinglePrecision) {
+  // Also far from the origin, where single precision could not hold a position.
+  std::mt19937_64 rng(48);
+  double worst = 0.0;
+  for (const char* name : kModels) {
+    const auto model = make_model(name);
+    for (const double far : {0.0, 1e6}) {
+      std::vector<Landmark> landmarks = visibility_scene::landmarks(rng, 173);
+      TrajectoryBatch t = walks(rng, *model, 10, 0.3, 20);
+      for (Landmark& l : landmarks) l.position.x() += far;
+      for (int k = 0; k <= 10; ++k) t.states.row(k * model->nx() + t.layout.px) += far;
+      VisibleFeaturesParameters f;
+      f.chance_weight = 0.1;
+      TermOutput first;
+      for (const VisibilityKernel& kernel : available_visibility_kernels()) {
+        const VisibleFeatures term(
+            std::make_shared<const VisibilityPrediction>(landmarks, StereoCamera{}, CameraMount{},
+                                                         nullptr, VisibilityParameters{}, kernel),
+            f);
+        EXPECT_TRUE(term.traits().scores);
+        const auto scratch = term.make_scratch(t.horizon, 20);
+        TermOutput exact = output(t), score = output(t);
+        term.evaluate(t, {}, scratch.get(), exact);
+        term.evaluate(t, {.score = true}, scratch.get(), score);
+        if (first.value.size() == 0) first = score;
+        EXPECT_TRUE((score.value == first.value).all()) << kernel.name;
+        const auto error = (score.value - exact.value).abs() / exact.value.abs().max(1.0);
+        worst = std::max(worst, error.maxCoeff());
+      }
+    }
+  }
+  EXPECT_LT(worst, kScoreError / 3.0);
+  EXPECT_GT(worst, 0.0);
+}
+
 TEST(VisibleFeatures, BatchEqualsSingle) {
   std::mt19937_64 rng(47);
   for (const char* name : kModels) {

@@ -112,6 +112,21 @@ TEST(R1, EvaluatesABatchLikeOneByOne) {
   for (int b = 0; b < Z.cols(); ++b) EXPECT_EQ(e.cost[b], cost(problem, Z.col(b)));
 }
 
+TEST(R1, ScoresAreWithinTheirErrorFromEveryStart) {
+  std::mt19937 generator(8);
+  for (const Eigen::Vector3d& x0 : r1_starts(17, 30)) {
+    const Problem problem = make_r1(x0);
+    Eigen::MatrixXd Z(40, 50);
+    for (int b = 0; b < Z.cols(); ++b) Z.col(b) = random_inputs(generator);
+    Workspace workspace = problem.make_workspace();
+    Evaluation value, score;
+    ASSERT_TRUE(problem.evaluate(Z, Evaluate::kValue, workspace, value));
+    ASSERT_TRUE(problem.evaluate(Z, Evaluate::kScore, workspace, score));
+    EXPECT_TRUE(((score.cost - value.cost).abs() <= 0.5 * score.cost_error).all());
+    EXPECT_LT((score.cost_error / value.cost.abs().max(1.0)).maxCoeff(), 2e-3);
+  }
+}
+
 TEST(R1, HasFiniteGradientsAtAwkwardPoses) {
   // In a disc's centre, and with a point 5 cm before the lens, where images are far off.
   const double disc_x = 1.909356, disc_y = -0.905139, point_x = 2.409841, point_y = 1.317763;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 #include "tests/solvers/problem_zoo.h"
@@ -118,6 +119,94 @@ TEST(Evaluator, KeepsABatchWithinMaxEvaluations) {
   const Matrix X = Matrix::Zero(4, 3 * Evaluator::kChunk);
   EXPECT_EQ(e.evaluate_batch(X, cost, violations), Evaluator::kChunk + 3);
   EXPECT_EQ(watch->evaluations, Evaluator::kChunk + 3);
+  EXPECT_TRUE(e.stopped());
+}
+
+/// A cost whose scores are off by its whole error, either way from point to point.
+class RoughCost final : public Term {
+ public:
+  RoughCost(std::shared_ptr<const Term> cost, std::shared_ptr<Watch> watch)
+      : cost_(std::move(cost)), watch_(std::move(watch)) {}
+  std::string_view name() const override { return "rough"; }
+  TermTraits traits() const override {
+    TermTraits traits = cost_->traits();
+    traits.scores = true;
+    return traits;
+  }
+  void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch* scratch,
+                TermOutput& out) const override {
+    cost_->evaluate(t, request, scratch, out);
+    if (!request.score) {
+      watch_->evaluations += t.batch();
+      return;
+    }
+    for (int b = 0; b < t.batch(); ++b) {
+      const double value = out.value(0, b);
+      const bool up = std::fmod(std::abs(1e6 * t.inputs(0, b)), 2.0) < 1.0;
+      out.value(0, b) += (up ? 0.99 : -0.99) * kScoreError * std::max(1.0, std::abs(value));
+    }
+  }
+
+ private:
+  std::shared_ptr<const Term> cost_;
+  std::shared_ptr<Watch> watch_;
+};
+
+TEST(Evaluator, ScoresChooseButTheIncumbentIsExact) {
+  const Case c = zoo::hs43();
+  const auto watch = std::make_shared<Watch>();
+  ProblemDefinition d = c.problem().definition();
+  d.terms.front().term = std::make_shared<RoughCost>(d.terms.front().term, watch);
+  const Problem rough(d), exact = c.problem();
+  const StopCondition never;
+  std::mt19937_64 generator(9);
+  // Spread out, where scores tell candidates apart, and so near to each other that none does.
+  for (const double spread : {1.0, 1e-6}) {
+    for (const double centre : {0.0, 3.0}) {  // feasible and not
+      std::uniform_real_distribution<double> uniform(centre - spread, centre + spread);
+      const Matrix X =
+          Matrix::NullaryExpr(4, 20 * Evaluator::kChunk,
+                              [&](Eigen::Index, Eigen::Index) { return uniform(generator); });
+      Eigen::ArrayXd cost, violations, exact_cost, exact_violations;
+      Evaluator e(rough, {}, never), reference(exact, {}, never);
+      watch->evaluations = 0;
+      ASSERT_EQ(e.evaluate_batch(X, cost, violations, Evaluate::kScore), X.cols());
+      ASSERT_EQ(reference.evaluate_batch(X, exact_cost, exact_violations), X.cols());
+      EXPECT_EQ(e.incumbent_cost(), c.f(e.incumbent()));
+      EXPECT_EQ(e.incumbent_violation(), c.violation(e.incumbent()));
+      EXPECT_EQ(e.incumbent_feasible(), reference.incumbent_feasible());
+      const double error = kScoreError * std::max(1.0, std::abs(reference.incumbent_cost()));
+      EXPECT_LE(e.incumbent_cost(), reference.incumbent_cost() + 2.0 * error);
+      EXPECT_EQ(e.counters().cost_evaluations, X.cols());
+      EXPECT_TRUE((violations == exact_violations).all());
+      EXPECT_TRUE(((cost - exact_cost).abs() <= kScoreError * exact_cost.abs().max(1.0)).all());
+      if (spread == 1.0) {
+        EXPECT_LT(watch->evaluations, X.cols() / 8);
+        EXPECT_TRUE((cost != exact_cost).any());
+        EXPECT_EQ(e.incumbent(), reference.incumbent());
+      } else {
+        EXPECT_LE(watch->evaluations, X.cols());
+      }
+    }
+  }
+}
+
+TEST(Evaluator, AsksBeforeEveryExactValueOfAScore) {
+  const Case c = zoo::hs43();
+  const auto watch = std::make_shared<Watch>();
+  ProblemDefinition d = c.problem().definition();
+  d.terms.front().term = std::make_shared<RoughCost>(d.terms.front().term, watch);
+  const Problem rough(d);
+  int asked = 0;
+  const StopCondition stop(
+      [&] { return ++asked > 4 ? StopRequest::kDeadline : StopRequest::kNone; });
+  Evaluator e(rough, {}, stop);
+  Matrix X(4, Evaluator::kChunk);  // each better than the one before
+  for (int b = 0; b < X.cols(); ++b) X.col(b).setConstant(0.05 * b);
+  Eigen::ArrayXd cost, violations;
+  EXPECT_EQ(e.evaluate_batch(X, cost, violations, Evaluate::kScore), 3);
+  EXPECT_EQ(watch->evaluations, 3);
+  EXPECT_EQ(e.incumbent(), X.col(2));
   EXPECT_TRUE(e.stopped());
 }
 
