@@ -65,8 +65,8 @@ void measure(const ReadProblem& p, std::map<std::string, double>& sum) {
   sum["value and gradient"] += each(problem, Evaluate::kGradient, workspace);
   sum["candidate of a batch"] +=
       microseconds(X.cols(), [&] { problem.evaluate(X, Evaluate::kValue, workspace, evaluation); });
-  sum["score of a batch"] += microseconds(
-      X.cols(), [&] { problem.evaluate(X, Evaluate::kScore, workspace, evaluation); });
+  sum["score of a batch"] +=
+      microseconds(X.cols(), [&] { problem.evaluate(X, Evaluate::kScore, workspace, evaluation); });
   for (const auto& weighted : problem.definition().terms) {
     ProblemDefinition alone = problem.definition();
     alone.terms = {weighted};

@@ -63,13 +63,13 @@ void problem_single(benchmark::State& state, Evaluate what) {
   }
 }
 
-void problem_batch(benchmark::State& state) {
+void problem_batch(benchmark::State& state, Evaluate what) {
   const Problem& problem = *scene().problem;
   const Eigen::MatrixXd X = points(static_cast<int>(state.range(0)));
   Workspace workspace = problem.make_workspace();
   Evaluation evaluation;
   for (auto _ : state) {
-    problem.evaluate(X, Evaluate::kValue, workspace, evaluation);
+    problem.evaluate(X, what, workspace, evaluation);
     benchmark::DoNotOptimize(evaluation.cost.data());
   }
   state.SetItemsProcessed(state.iterations() * state.range(0));  // candidates
@@ -167,10 +167,13 @@ int main(int argc, char** argv) {
   }
   benchmark::RegisterBenchmark("problem/value", problem_single, Evaluate::kValue);
   benchmark::RegisterBenchmark("problem/gradient", problem_single, Evaluate::kGradient);
-  benchmark::RegisterBenchmark("problem/batch", problem_batch)
-      ->Arg(30)
-      ->Arg(1000)
-      ->Unit(benchmark::kMillisecond);
+  for (const Evaluate what : {Evaluate::kValue, Evaluate::kScore}) {
+    const char* name = what == Evaluate::kScore ? "problem/scores" : "problem/batch";
+    benchmark::RegisterBenchmark(name, problem_batch, what)
+        ->Arg(30)
+        ->Arg(1000)
+        ->Unit(benchmark::kMillisecond);
+  }
   benchmark::RegisterBenchmark("occlusion_table/value", occlusion_table_evaluate, false)->Arg(300);
   benchmark::RegisterBenchmark("occlusion_table/gradient", occlusion_table_evaluate, true)
       ->Arg(300);

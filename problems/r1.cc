@@ -164,7 +164,7 @@ class Features final : public PoseTerm {
   double score(const R1Pose& pose) const override {
     const double n = kernel_.visible_score(pose, points_.score_x.data(), points_.score_y.data(),
                                            points_.score_down.data(), points_.padded());
-    return std::log1p(std::exp((20.0 - n) / 5.0));
+    return static_cast<double>(std::log1p(std::exp(static_cast<float>((20.0 - n) / 5.0))));
   }
   const Columns points_ = draw_points();
 };

@@ -20,6 +20,9 @@ PROSPECT_FORCE_INLINE float exponential_clamped(float a) {
   return exponential_in_range(normal_distribution_detail::clamp(a, -80.0f, 25.0f));
 }
 
+PROSPECT_FORCE_INLINE float at_most(float a, float b) { return a < b ? a : b; }
+PROSPECT_FORCE_INLINE float at_least(float a, float b) { return a > b ? a : b; }
+
 template <typename T>
 PROSPECT_FORCE_INLINE double sum(const T* lane) {
   double total = 0.0;
@@ -42,9 +45,10 @@ PROSPECT_FORCE_INLINE double visible_score_body(const R1Pose& pose, const float*
       const float live = normal_distribution_detail::select_negative(behind, 1.0f, 0.0f);
       const float z = normal_distribution_detail::select_negative(behind, zc, 0.05f);
       const float scale = 45.0f / z;
-      const float a = exponential_clamped(std::abs(scale * xc) - 32.0f);
-      const float b = exponential_clamped(std::abs(scale * down[first + j]) - 24.0f);
-      const float e = exponential_clamped(5.0f - 10.0f * z);
+      const float a = exponential_in_range(at_most(std::abs(scale * xc) - 32.0f, 25.0f));
+      const float b =
+          exponential_in_range(at_most(std::abs(scale * down[first + j]) - 24.0f, 25.0f));
+      const float e = exponential_in_range(at_least(5.0f - 10.0f * z, -80.0f));
       count[j] += live / ((1.0f + a) * (1.0f + b) * (1.0f + e));
     }
   }
