@@ -13,7 +13,11 @@ namespace prospect {
 namespace {
 
 std::shared_ptr<const SceneRenderer> scene_of(const World& world, const SimulatorOptions& options) {
-  if (world.mesh) return std::make_shared<const SceneRenderer>(*world.mesh);
+  if (world.mesh) {
+    SceneRendererOptions as_read;
+    as_read.texture_contrast = options.camera.texture_quality;
+    return std::make_shared<const SceneRenderer>(*world.mesh, as_read);
+  }
   WorldMeshOptions mesh;
   mesh.texture_quality = options.camera.texture_quality;
   mesh.seed = stream_seed(options.seed, NoiseStream::kTexture);

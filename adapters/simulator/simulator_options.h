@@ -26,13 +26,19 @@ enum class Sensors {
 struct CameraSensesOptions {
   /// Cameras and mounts are set from the simulator's, depth noise from its depth camera.
   CameraRigOptions rig;
-  /// Contrast of the surfaces of worlds that are not meshes: 1 rich, 0 blank.
+  /// Contrast of all surfaces: 1 rich, 0 blank.
   double texture_quality = 1.0;
   StereoOdometryOptions odometry;
-  /// Wheels measure with these errors, and are fused knowing them. A robot without wheels holds its
-  /// pose while it is lost.
+  /// Wheels measure with these errors, and are fused knowing them: those of the reckoning in
+  /// OdometryOptions. A robot without wheels holds its pose while it is lost.
   bool wheels = true;
-  WheelFusionOptions wheel_fusion;
+  WheelFusionOptions wheel_fusion = [] {
+    WheelFusionOptions wheels;
+    wheels.turn = 0.01;
+    wheels.heading = 0.005;
+    wheels.sigma_scale = 0.01;
+    return wheels;
+  }();
 };
 
 /// Everything a simulated mission depends on besides its world and the commands.

@@ -188,6 +188,23 @@ succeeds "a run with the default configuration in full" explore office --time-li
   --quiet --out full --config defaults.yaml
 cmp -s full/steps.csv first/steps.csv || fail "the defaults written out plan differently"
 
+
+# --- What the command line chooses stands in config.yaml.
+run explore office --sensors camera --solver sampling --time-limit 2 --quiet --out cameras --json
+if ((code == 3)); then
+  grep -q 'not built in' err.txt || fail "cameras that are not built in: no message but '$err'"
+else
+  ((code == 0)) || fail "a mission with cameras: exit $code; '$err'"
+  for chosen in 'sensors: camera' 'solver: sampling' 'time_limit: 2 '; do
+    grep -q "$chosen" cameras/config.yaml || fail "config.yaml does not say '$chosen'"
+  done
+  grep -q '"jpeg"' cameras/report.html || fail "the report of a mission with cameras has no image"
+  succeeds "a run repeated by its config.yaml" explore office --config cameras/config.yaml --quiet \
+    --out repeated
+  cmp -s cameras/steps.csv repeated/steps.csv || fail "config.yaml does not repeat the run"
+fi
+refused "sensors that there are not" --sensors "{model,camera}" "${explore[@]}" --sensors eyes
+
 # named WHAT NAME...: each at the start of a line of the output.
 named() {
   local name
