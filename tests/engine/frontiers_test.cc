@@ -368,7 +368,7 @@ TEST(Frontiers, BadOptionsAreNamed) {
     FrontierDetector d(FrontierOptions{.sensor_range = -1.0});
     FAIL();
   } catch (const std::invalid_argument& e) {
-    EXPECT_NE(std::string(e.what()).find("sensor_range = -1"), std::string::npos);
+    EXPECT_NE(std::string(e.what()).find("sensor_range is -1"), std::string::npos);
   }
 }
 

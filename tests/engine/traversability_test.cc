@@ -136,7 +136,7 @@ TEST(Traversability, BadOptionsAreNamed) {
     Traversability t(TraversabilityOptions{.hard_radius = 0.4, .comfortable_radius = 0.3});
     FAIL();
   } catch (const std::invalid_argument& e) {
-    EXPECT_NE(std::string(e.what()).find("comfortable_radius = 0.3"), std::string::npos)
+    EXPECT_NE(std::string(e.what()).find("comfortable_radius is 0.3"), std::string::npos)
         << e.what();
   }
   EXPECT_THROW(Traversability(TraversabilityOptions{.hard_radius = std::nan("")}),
