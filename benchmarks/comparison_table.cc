@@ -1,21 +1,14 @@
 #include "benchmarks/comparison_table.h"
 
-#include <fcntl.h>
-#include <sys/file.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <map>
 #include <sstream>
 #include <tuple>
 
-#include "adapters/config/input_error.h"
+#include "benchmarks/result_table.h"
 
 namespace prospect {
 namespace {
@@ -44,12 +37,6 @@ constexpr std::array<std::pair<const char*, Number>, 20> kNumbers = {{
     {"steps", &ComparisonRow::steps},
     {"wall_s", &ComparisonRow::wall_s},
 }};
-
-std::string text(std::string s) {
-  std::replace_if(
-      s.begin(), s.end(), [](char c) { return c == ',' || c == '\n' || c == '\r'; }, ' ');
-  return s;
-}
 
 std::string format(const char* pattern, double value) {
   std::array<char, 64> buffer{};
@@ -152,88 +139,31 @@ std::string comparison_header() {
 }
 
 std::string comparison_line(const ComparisonRow& row) {
-  std::string line = text(row.map) + ',' + text(row.planner) + ',' + std::to_string(row.seed) +
-                     ',' + text(row.reason);
+  std::string line = table_text(row.map) + ',' + table_text(row.planner) + ',' +
+                     std::to_string(row.seed) + ',' + table_text(row.reason);
   for (const auto& [name, number] : kNumbers) {
-    line += ',';
-    if (std::isfinite(row.*number)) line += format("%.6g", row.*number);
+    line += ',' + table_number(row.*number);
   }
   return line;
 }
 
 std::vector<ComparisonRow> read_comparison(const std::string& path) {
   std::vector<ComparisonRow> rows;
-  std::ifstream file(path);
-  if (!file) return rows;
-  std::ostringstream content;
-  content << file.rdbuf();
-  const std::string all = content.str();
-  std::size_t begin = 0;
-  for (int line_number = 1; begin < all.size(); ++line_number) {
-    const std::size_t end = all.find('\n', begin);
-    if (end == std::string::npos) break;
-    std::istringstream line(all.substr(begin, end - begin));
-    begin = end + 1;
-    if (line_number == 1) {
-      if (line.str() == comparison_header()) continue;
-      throw InputError(path + ":1: not a table of this comparison; expected the header " +
-                       comparison_header());
-    }
-    std::vector<std::string> fields;
-    for (std::string field; std::getline(line, field, ',');) fields.push_back(field);
-    if (!line.str().empty() && line.str().back() == ',') fields.emplace_back();
-    constexpr std::size_t expected = 4 + kNumbers.size();
-    const auto refuse = [&](const std::string& what) {
-      throw InputError(path + ":" + std::to_string(line_number) + ": " + what);
-    };
-    if (fields.size() != expected) {
-      refuse(std::to_string(fields.size()) + " entries; expected " + std::to_string(expected));
-    }
+  for (const TableLine& line : read_table(path, comparison_header())) {
     ComparisonRow row;
-    row.map = fields[0];
-    row.planner = fields[1];
-    row.reason = fields[3];
-    char* rest = nullptr;
-    row.seed = std::strtoull(fields[2].c_str(), &rest, 10);
-    if (fields[2].empty() || *rest != '\0') refuse("seed '" + fields[2] + "'; expected a number");
+    row.map = line.fields[0];
+    row.planner = line.fields[1];
+    row.seed = read_seed(path, line, 2);
+    row.reason = line.fields[3];
     std::size_t at = 4;
-    for (const auto& [name, number] : kNumbers) {
-      const std::string& field = fields[at++];
-      if (field.empty()) continue;
-      row.*number = std::strtod(field.c_str(), &rest);
-      if (*rest != '\0') refuse(std::string(name) + " '" + field + "'; expected a number");
-    }
+    for (const auto& [name, number] : kNumbers) row.*number = read_number(path, line, at++, name);
     rows.push_back(std::move(row));
   }
   return rows;
 }
 
 void append_comparison(const std::string& path, const ComparisonRow& row) {
-  const auto refuse = [&](const char* what) {
-    throw InputError(path + ": " + what + ": " + std::strerror(errno));
-  };
-  const int file = ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (file < 0) refuse("cannot be opened for writing");
-  std::string line;
-  bool written = ::flock(file, LOCK_EX) == 0;
-  const off_t size = ::lseek(file, 0, SEEK_END);
-  if (size == 0) line = comparison_header() + '\n';
-  if (size > 0) {
-    // A line that a killed writer left unfinished must not swallow this one.
-    char last = '\n';
-    if (::pread(file, &last, 1, size - 1) == 1 && last != '\n') {
-      off_t end = size;
-      while (end > 0 && ::pread(file, &last, 1, end - 1) == 1 && last != '\n') --end;
-      written = ::ftruncate(file, end) == 0 && written;
-    }
-  }
-  line += comparison_line(row) + '\n';
-  written = written && ::write(file, line.data(), line.size()) == static_cast<ssize_t>(line.size());
-  if (!written) {
-    ::close(file);
-    refuse("cannot be written");
-  }
-  ::close(file);
+  append_to_table(path, comparison_header(), comparison_line(row));
 }
 
 std::string comparison_report(const std::vector<ComparisonRow>& rows,

@@ -41,8 +41,7 @@ struct ComparisonRow {
 ComparisonRow comparison_row(const std::string& map, const std::string& planner,
                              const Summary& summary);
 
-/// Comma-separated values: a header, then one row a mission; empty entries are NaN. Commas and line
-/// ends in texts become blanks.
+/// As a table of result_table.h. Commas and line ends in texts become blanks.
 std::string comparison_header();
 std::string comparison_line(const ComparisonRow& row);
 
@@ -50,8 +49,7 @@ std::string comparison_line(const ComparisonRow& row);
 /// killed) is left out. Throws InputError for a file that is not such a table.
 std::vector<ComparisonRow> read_comparison(const std::string& path);
 
-/// Appends a row, and the header if the file is empty, in one write under a file lock: processes
-/// may append to one file, and a row that was written survives a kill. Throws InputError.
+/// append_to_table(). Throws InputError.
 void append_comparison(const std::string& path, const ComparisonRow& row);
 
 /// Markdown: means over the seeds by map and planner, each with the number of missions that reached

@@ -1,7 +1,4 @@
 // Missions of several planners over maps and seeds, one process each, into a table.
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
@@ -22,6 +19,7 @@
 #include "adapters/worlds/load_world.h"
 #include "benchmarks/comparison_table.h"
 #include "benchmarks/frontier_planner.h"
+#include "benchmarks/mission_processes.h"
 #include "engine/mission.h"
 #include "solvers/registry.h"
 
@@ -155,45 +153,21 @@ void list_maps(const Arguments& arguments) {
   }
 }
 
-/// Every mission in a process of its own, so that one that crashes costs only itself.
 void run_all(const std::vector<Mission>& missions, const Arguments& arguments) {
-  std::map<pid_t, Mission> running;
-  std::size_t next = 0, done = 0;
-  while (next < missions.size() || !running.empty()) {
-    while (next < missions.size() && static_cast<int>(running.size()) < arguments.jobs) {
-      const Mission& mission = missions[next++];
-      std::fflush(nullptr);
-      const pid_t child = ::fork();
-      if (child < 0) throw std::runtime_error("cannot start a process");
-      if (child == 0) {
-        try {
-          append_comparison(arguments.out, run(mission, arguments));
-          ::_exit(0);
-        } catch (const std::exception& e) {
-          std::cerr << "exploration_comparison: " << e.what() << std::endl;
-          ::_exit(3);
-        }
-      }
-      running.emplace(child, mission);
-    }
-    int status = 0;
-    const pid_t child = ::wait(&status);
-    const auto it = running.find(child);
-    if (it == running.end()) continue;
-    const Mission mission = it->second;
-    running.erase(it);
-    ++done;
-    std::printf("%zu/%zu  %s, %s, seed %llu\n", done, missions.size(), mission.map.c_str(),
+  std::size_t done = 0;
+  const auto work = [&](std::size_t i) {
+    append_comparison(arguments.out, run(missions[i], arguments));
+  };
+  run_in_processes(missions.size(), arguments.jobs, work, [&](std::size_t i, ProcessEnd end) {
+    const Mission& mission = missions[i];
+    std::printf("%zu/%zu  %s, %s, seed %llu\n", ++done, missions.size(), mission.map.c_str(),
                 mission.planner.c_str(), static_cast<unsigned long long>(mission.seed));
     std::fflush(stdout);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == 3) {
-      throw InputError(arguments.out + ": the row could not be written");
+    if (end.threw) throw InputError(arguments.out + ": the row could not be written");
+    if (end.signal != 0) {
+      append_comparison(arguments.out, failed(mission, "signal " + std::to_string(end.signal)));
     }
-    if (WIFSIGNALED(status)) {
-      append_comparison(arguments.out,
-                        failed(mission, "signal " + std::to_string(WTERMSIG(status))));
-    }
-  }
+  });
 }
 
 int main_program(int argc, char** argv) {

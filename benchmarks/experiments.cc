@@ -1,0 +1,202 @@
+// Missions over worlds, conditions and seeds, paired by world, seed and start, into a table; and
+// what the table says.
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <set>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "adapters/config/configuration.h"
+#include "adapters/config/input_error.h"
+#include "adapters/run/exploration_run.h"
+#include "adapters/worlds/load_world.h"
+#include "benchmarks/experiments/conditions.h"
+#include "benchmarks/experiments/experiment_report.h"
+#include "benchmarks/experiments/experiment_row.h"
+#include "benchmarks/experiments/mission_start.h"
+#include "benchmarks/mission_processes.h"
+
+namespace prospect {
+namespace {
+
+const std::vector<std::string> kSmallWorlds = {"office", "corridor", "loop", "plan:1", "plan:2"};
+const std::vector<std::string> kSmallConditions = {"with", "without"};
+const std::vector<std::string> kWholeWorlds = {"office", "corridor", "loop",   "plan:1",
+                                               "plan:2", "plan:3",   "plan:4", "plan:5",
+                                               "plan:6", "plan:7",   "plan:8", "plan:9"};
+
+struct Arguments {
+  std::vector<std::string> worlds;
+  std::vector<std::string> conditions;
+  int seeds = 0;
+  double time_limit = 0.0;
+  std::string sensors = "model";
+  int jobs = 1;
+  std::string out = "experiments.csv";
+  std::string report;
+  bool small = false;
+};
+
+struct Mission {
+  std::string world, condition;
+  std::uint64_t seed = 0;
+};
+
+ExperimentRow labelled(ExperimentRow row, const Mission& mission, const Arguments& arguments) {
+  row.world = mission.world;
+  row.condition = mission.condition;
+  row.seed = mission.seed;
+  row.sensors = arguments.sensors;
+  return row;
+}
+
+ExperimentRow failed(const std::string& why) {
+  ExperimentRow row;
+  row.reason = "failed: " + why;
+  return row;
+}
+
+Configuration configuration_of(const Condition& condition, const Arguments& arguments) {
+  Configuration configuration =
+      configuration_from_text(condition.overlay, "condition " + condition.name);
+  configuration.mission.time_limit = arguments.time_limit;
+  configuration.simulator.sensors =
+      arguments.sensors == "camera" ? Sensors::kCamera : Sensors::kModel;
+  return configuration;
+}
+
+ExperimentRow run(const Mission& mission, const Arguments& arguments) {
+  try {
+    const Configuration configuration = configuration_of(condition(mission.condition), arguments);
+    World loaded = load_world(mission.world, world_options_for(configuration));
+    loaded.start = mission_start(loaded.start, reachable_area(loaded, configuration), mission.seed);
+    const auto world = std::make_shared<const World>(std::move(loaded));
+    std::vector<StepRecord> steps;
+    ExplorationRunOptions options;
+    options.seed = mission.seed;
+    options.keep_steps = false;
+    options.on_step = [&](const StepRecord& step) {
+      StepRecord& kept = steps.emplace_back(step);
+      // Only numbers are needed: the rest is megabytes in a long mission.
+      kept.horizon = {};
+      kept.frontier_cells = {};
+      kept.landmarks = {};
+      kept.map_changes = {};
+    };
+    const ExplorationRunResult result = run_exploration(world, configuration, options);
+    return experiment_row(result.record.summary, steps, configuration.planner.features.N_min);
+  } catch (const std::exception& e) {
+    return failed(e.what());
+  }
+}
+
+void run_all(const std::vector<Mission>& missions, const Arguments& arguments) {
+  std::size_t done = 0;
+  const auto work = [&](std::size_t i) {
+    append_experiment(arguments.out, labelled(run(missions[i], arguments), missions[i], arguments));
+  };
+  run_in_processes(missions.size(), arguments.jobs, work, [&](std::size_t i, ProcessEnd end) {
+    const Mission& mission = missions[i];
+    std::printf("%zu/%zu  %s, %s, seed %llu\n", ++done, missions.size(), mission.world.c_str(),
+                mission.condition.c_str(), static_cast<unsigned long long>(mission.seed));
+    std::fflush(stdout);
+    if (end.threw) throw InputError(arguments.out + ": the row could not be written");
+    if (end.signal != 0) {
+      append_experiment(arguments.out, labelled(failed("signal " + std::to_string(end.signal)),
+                                                mission, arguments));
+    }
+  });
+}
+
+int main_program(int argc, char** argv) {
+  Arguments arguments;
+  CLI::App app{"Paired missions under different conditions, and what they show"};
+  app.add_flag("--small", arguments.small,
+               "5 worlds, 4 seeds, with and without, 150 s; options given besides count");
+  app.add_option("--worlds", arguments.worlds,
+                 "worlds, as `prospect explore` takes them; default: office, corridor, loop, "
+                 "plan:1 to plan:9")
+      ->delimiter(',');
+  app.add_option("--conditions", arguments.conditions, "default: all; see conditions.cc")
+      ->delimiter(',');
+  app.add_option("--seeds", arguments.seeds, "seeds 1 to this; default: 20")
+      ->check(CLI::Range(1, 1000));
+  app.add_option("--time-limit", arguments.time_limit,
+                 "of a mission, robot's clock [s]; default: 1200")
+      ->check(CLI::Range(1.0, 1e6));
+  app.add_option("--sensors", arguments.sensors, "model, camera")
+      ->check(CLI::IsMember({"model", "camera"}))
+      ->capture_default_str();
+  app.add_option("--jobs", arguments.jobs, "missions at a time")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  app.add_option("--out", arguments.out, "table; missions it already holds are not run again")
+      ->capture_default_str();
+  app.add_option("--report", arguments.report, "print the Markdown tables of this table and end");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  if (!arguments.report.empty()) {
+    const std::vector<ExperimentRow> rows = read_experiment(arguments.report);
+    if (rows.empty()) throw InputError(arguments.report + ": no rows");
+    std::cout << experiment_report(rows);
+    return 0;
+  }
+
+  const bool small = arguments.small;
+  if (arguments.worlds.empty()) arguments.worlds = small ? kSmallWorlds : kWholeWorlds;
+  if (arguments.seeds == 0) arguments.seeds = small ? 4 : 20;
+  if (arguments.time_limit == 0.0) arguments.time_limit = small ? 150.0 : 1200.0;
+  if (arguments.conditions.empty()) {
+    if (small) {
+      arguments.conditions = kSmallConditions;
+    } else {
+      for (const Condition& c : conditions()) arguments.conditions.push_back(c.name);
+    }
+  }
+  // What is wrong with the arguments is said before the first mission, not in each row.
+  for (const std::string& name : arguments.conditions) {
+    configuration_of(condition(name), arguments);
+  }
+  for (const std::string& world : arguments.worlds) load_world(world);
+
+  std::set<std::tuple<std::string, std::string, std::uint64_t, std::string>> known;
+  for (const ExperimentRow& row : read_experiment(arguments.out)) {
+    known.emplace(row.world, row.condition, row.seed, row.sensors);
+  }
+  // Seeds outermost: a run that is broken off holds pairs of all worlds.
+  std::vector<Mission> missions;
+  for (int seed = 1; seed <= arguments.seeds; ++seed) {
+    for (const std::string& world : arguments.worlds) {
+      for (const std::string& name : arguments.conditions) {
+        Mission m{world, name, static_cast<std::uint64_t>(seed)};
+        if (known.emplace(m.world, m.condition, m.seed, arguments.sensors).second) {
+          missions.push_back(std::move(m));
+        }
+      }
+    }
+  }
+  run_all(missions, arguments);
+  return 0;
+}
+
+}  // namespace
+}  // namespace prospect
+
+int main(int argc, char** argv) {
+  try {
+    return prospect::main_program(argc, argv);
+  } catch (const prospect::InputError& e) {
+    std::cerr << "experiments: " << e.what() << '\n';
+    return 2;
+  } catch (const std::exception& e) {
+    std::cerr << "experiments: " << e.what() << '\n';
+    return 1;
+  }
+}

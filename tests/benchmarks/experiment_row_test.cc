@@ -1,0 +1,93 @@
+#include "benchmarks/experiments/experiment_row.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include "adapters/config/input_error.h"
+#include "adapters/run/summary.h"
+
+namespace prospect {
+namespace {
+
+StepRecord step(double time, double coverage, double error, double predicted, int tracked) {
+  StepRecord s;
+  s.time = time;
+  s.coverage = coverage;
+  s.localization_error = error;
+  s.predicted_features = predicted;
+  s.tracked_features = tracked;
+  s.path_length = 2.0 * time;
+  s.plan_kind = "optimised";
+  return s;
+}
+
+TEST(ExperimentRow, MeasuresTheSteps) {
+  std::vector<StepRecord> steps = {
+      step(0.0, 0.1, 0.0, 60.0, 80), step(1.0, 0.5, 0.2, 20.0, 50),  // predicted 60: e = 10 / 50
+      step(3.0, 0.85, 0.3, 999.0, 5),  // predicted 20: e = 15 / 20, not / 5
+      step(4.0, 0.9, 0.1, 70.0, 100),  // after a stopping tail: no prediction
+  };
+  steps[2].plan_kind = "stopping tail";
+  Summary summary = summarize(steps);
+  summary.duration_s = 5.0;
+  summary.coverage = 0.95;
+  summary.losses = 3;
+  summary.path_length_m = 10.0;
+  const ExperimentRow row = experiment_row(summary, steps, 20.0);
+  EXPECT_EQ(row.duration_s, 5.0);
+  EXPECT_EQ(row.losses, 3.0);
+  EXPECT_EQ(row.error_max_m, 0.3);
+  EXPECT_NEAR(row.error_rms_m, std::sqrt(0.14 / 4.0), 1e-12);
+  EXPECT_EQ(row.drift_m_per_m, 0.01);
+  EXPECT_EQ(row.error_at_80_m, 0.3);
+  EXPECT_EQ(row.coverage_at_10_cm, 0.5);
+  EXPECT_EQ(row.coverage_at_25_cm, 0.85);
+  EXPECT_EQ(row.coverage_at_50_cm, 0.95);  // never: that at the end
+  EXPECT_EQ(row.few_share, 0.2);           // from 3 to 4 s of 5 s
+  EXPECT_EQ(row.time_to_90_s, 4.0);
+  EXPECT_NEAR(row.prediction_error, (0.2 + 0.75) / 2.0, 1e-12);
+  EXPECT_NEAR(row.prediction_bias, (0.2 + 0.75) / 2.0, 1e-12);
+}
+
+TEST(ExperimentRow, TooManyTrackedIsANegativeBias) {
+  const std::vector<StepRecord> steps = {
+      step(0.0, 0.1, 0.0, 30.0, 80), step(1.0, 0.5, 0.0, 90.0, 40), step(2.0, 0.5, 0.0, 0.0, 60)};
+  const ExperimentRow row = experiment_row(summarize(steps), steps, 20.0);
+  EXPECT_NEAR(row.prediction_error, (0.25 + 0.5) / 2.0, 1e-12);
+  EXPECT_NEAR(row.prediction_bias, (-0.25 + 0.5) / 2.0, 1e-12);
+  EXPECT_TRUE(std::isnan(row.error_at_80_m));
+}
+
+TEST(ExperimentRow, ReturnsFromItsTable) {
+  const std::string path = ::testing::TempDir() + "experiment_row_test.csv";
+  std::remove(path.c_str());
+  EXPECT_TRUE(read_experiment(path).empty());
+  ExperimentRow row;
+  row.world = "plan:1";
+  row.condition = "without";
+  row.seed = 7;
+  row.sensors = "camera";
+  row.reason = "failed: a, b";
+  row.losses = 12.0;
+  append_experiment(path, row);
+  append_experiment(path, row);
+  const std::vector<ExperimentRow> rows = read_experiment(path);
+  ASSERT_EQ(rows.size(), 2U);
+  EXPECT_EQ(rows[1].world, "plan:1");
+  EXPECT_EQ(rows[1].condition, "without");
+  EXPECT_EQ(rows[1].seed, 7U);
+  EXPECT_EQ(rows[1].sensors, "camera");
+  EXPECT_EQ(rows[1].reason, "failed: a  b");
+  EXPECT_TRUE(rows[1].failed());
+  EXPECT_EQ(rows[1].losses, 12.0);
+  EXPECT_TRUE(std::isnan(rows[1].coverage));
+  std::ofstream(path) << "map,planner\n";
+  EXPECT_THROW(read_experiment(path), InputError);
+  std::remove(path.c_str());
+}
+
+}  // namespace
+}  // namespace prospect
