@@ -8,6 +8,7 @@
 
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/parallel_bands.h"
+#include "adapters/worlds/mixed_bits.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -16,19 +17,11 @@ namespace {
 constexpr int kBand = 32;  // rows that a thread takes at a time
 enum Camera : std::uint64_t { kLeft, kRight, kDepth, kDropout };
 
-// Hash of (seed, frame, camera): the output function of SplitMix64 (Steele, Lea and Flood, 2014).
-std::uint64_t mix(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15ull;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
-
 // The random numbers of one image.
 class PixelNoise {
  public:
   PixelNoise(std::uint64_t seed, std::uint64_t frame, std::uint64_t camera) {
-    const std::uint64_t key = mix(mix(mix(seed) ^ frame) ^ camera);
+    const std::uint64_t key = mixed_bits(mixed_bits(mixed_bits(seed) ^ frame) ^ camera);
     low_ = static_cast<std::uint32_t>(key);
     high_ = static_cast<std::uint32_t>(key >> 32);
   }

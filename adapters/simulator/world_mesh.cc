@@ -10,6 +10,8 @@
 #include <tuple>
 #include <vector>
 
+#include "adapters/worlds/mixed_bits.h"
+
 namespace prospect {
 namespace {
 
@@ -20,21 +22,11 @@ constexpr double kPlainTexel = 0.05;  // [m] of rectangles without marks
 constexpr double kLattice = 0.1;      // [m] between which the grey below the marks is interpolated
 constexpr int kGutter = 2;  // texels of the surroundings about a texture, which would else repeat
 
-/// The output function of SplitMix64 (Steele, Lea and Flood, 2014) as a hash.
-std::uint64_t mix(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15ull;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
-
-double unit_interval(std::uint64_t x) { return static_cast<double>(x >> 11) * 0x1p-53; }
-
 /// Numbers in [0, 1) in a row, from one hash.
 class Draws {
  public:
   explicit Draws(std::uint64_t state) : state_(state) {}
-  double next() { return unit_interval(state_ = mix(state_)); }
+  double next() { return unit_interval(state_ = mixed_bits(state_)); }
   double next(double low, double high) { return low + (high - low) * next(); }
 
  private:
@@ -49,13 +41,13 @@ double value_noise(const Eigen::Vector3d& p, double size, std::uint64_t seed) {
   for (double& x : w) x = x * x * (3.0 - 2.0 * x);
   double sum = 0.0;
   for (int corner = 0; corner < 8; ++corner) {
-    std::uint64_t h = mix(seed);
+    std::uint64_t h = mixed_bits(seed);
     double weight = 1.0;
     for (int a = 0; a < 3; ++a) {
       const int bit = corner >> a & 1;
       weight *= bit != 0 ? w[a] : 1.0 - w[a];
       const auto x = static_cast<std::int64_t>(whole[a]) + bit;
-      h = mix(h ^ static_cast<std::uint64_t>(x));
+      h = mixed_bits(h ^ static_cast<std::uint64_t>(x));
     }
     sum += weight * (2.0 * unit_interval(h) - 1.0);
   }
@@ -142,7 +134,7 @@ class Painter {
                       static_cast<int>(std::lround(feature.position[axis] / r_))};
       marks_[side].emplace_back(
           Eigen::Vector2d(feature.position[side.across()], feature.position[side.along()]),
-          mix(mix(options.seed) ^ n));
+          mixed_bits(mixed_bits(options.seed) ^ n));
     }
   }
 

@@ -3,20 +3,11 @@
 #include <cmath>
 #include <limits>
 
+#include "adapters/worlds/mixed_bits.h"
 #include "adapters/worlds/reachable_area.h"
 
 namespace prospect {
 namespace {
-
-/// The output function of SplitMix64 (Steele, Lea and Flood, 2014) as a hash.
-std::uint64_t mix(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15ull;
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebull;
-  return x ^ (x >> 31);
-}
-
-double unit_interval(std::uint64_t x) { return static_cast<double>(x >> 11) * 0x1p-53; }
 
 double patchy_density(const Eigen::Vector3d& p, std::uint64_t seed) {
   constexpr double kLattice = 3.0;  // [m]
@@ -27,11 +18,11 @@ double patchy_density(const Eigen::Vector3d& p, std::uint64_t seed) {
     for (int dy = -1; dy <= 1; ++dy) {
       for (int dz = -1; dz <= 1; ++dz) {
         const Eigen::Vector3i c = cell + Eigen::Vector3i(dx, dy, dz);
-        std::uint64_t h = mix(seed);
+        std::uint64_t h = mixed_bits(seed);
         for (int a = 0; a < 3; ++a) {
-          h = mix(h ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(c[a])));
+          h = mixed_bits(h ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(c[a])));
         }
-        const std::uint64_t x = mix(h + 1), y = mix(h + 2), z = mix(h + 3);
+        const std::uint64_t x = mixed_bits(h + 1), y = mixed_bits(h + 2), z = mixed_bits(h + 3);
         const Eigen::Vector3d point =
             kLattice * (c.cast<double>() +
                         Eigen::Vector3d(unit_interval(x), unit_interval(y), unit_interval(z)));
@@ -43,7 +34,7 @@ double patchy_density(const Eigen::Vector3d& p, std::uint64_t seed) {
       }
     }
   }
-  const double u = unit_interval(mix(patch + 4));
+  const double u = unit_interval(mixed_bits(patch + 4));
   return u < 0.5 ? 40.0 : u < 0.8 ? 2.0 : 0.0;
 }
 

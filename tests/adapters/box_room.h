@@ -50,4 +50,20 @@ inline void fill(World& world, const Eigen::Vector3d& low, const Eigen::Vector3d
   }
 }
 
+/// A room 4 m wide, textured up to x = textured [m], white beyond; the robot looks into it.
+inline std::shared_ptr<World> half_white_room(double length, double textured) {
+  auto world = std::make_shared<World>(box_room(length, 4.0, 2.2, 0.1));
+  world->texture_density = {40.0, 0.0};
+  const GridFrame f = world->voxels.frame();
+  for (int j = f.j0; j < f.j0 + f.height; ++j) {
+    for (int i = static_cast<int>(std::lround(textured / 0.1)); i < f.i0 + f.width; ++i) {
+      for (int k = world->voxels.k0(); k < world->voxels.k0() + world->voxels.depth(); ++k) {
+        world->texture_class[world->voxels.index(i, j, k)] = 1;
+      }
+    }
+  }
+  world->start.position = {1.0, 2.0, 0.0};
+  return world;
+}
+
 }  // namespace prospect::test

@@ -46,22 +46,6 @@ std::shared_ptr<World> room_with_an_opening() {
   return world;
 }
 
-// White beyond 4 m.
-std::shared_ptr<World> half_white() {
-  auto world = std::make_shared<World>(test::box_room(9.0, 4.0, 2.2, 0.1));
-  world->texture_density = {40.0, 0.0};
-  const GridFrame f = world->voxels.frame();
-  for (int j = f.j0; j < f.j0 + f.height; ++j) {
-    for (int i = 40; i < f.i0 + f.width; ++i) {
-      for (int k = world->voxels.k0(); k < world->voxels.k0() + world->voxels.depth(); ++k) {
-        world->texture_class[world->voxels.index(i, j, k)] = 1;
-      }
-    }
-  }
-  world->start.position = {1.0, 2.0, 0.0};
-  return world;
-}
-
 /// Half the pixels each way: the same field of view in a quarter of the time.
 SimulatorOptions small_cameras() {
   SimulatorOptions options;
@@ -160,7 +144,7 @@ TEST_F(CameraSensesTest, SameSeedSameBitsWithAnyNumberOfThreads) {
 }
 
 TEST_F(CameraSensesTest, WhiteWallsAreARealLossAndTheWayBackEndsIt) {
-  const auto world = half_white();
+  const auto world = test::half_white_room(9.0, 4.0);
   for (const bool wheels : {true, false}) {
     SimulatorOptions options = small_cameras();
     options.camera.wheels = wheels;

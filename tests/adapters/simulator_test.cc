@@ -161,24 +161,8 @@ TEST(Simulator, EstimateDriftsAndItsCovarianceSaysHowMuch) {
   EXPECT_LT(std::sqrt(predicted / kSeeds), 0.15);
 }
 
-// Textured for x below 6 m, white beyond.
-std::shared_ptr<World> half_white() {
-  auto world = std::make_shared<World>(test::box_room(12.0, 4.0, 2.2, 0.1));
-  world->texture_density = {40.0, 0.0};
-  const GridFrame f = world->voxels.frame();
-  for (int j = f.j0; j < f.j0 + f.height; ++j) {
-    for (int i = 60; i < f.i0 + f.width; ++i) {
-      for (int k = world->voxels.k0(); k < world->voxels.k0() + world->voxels.depth(); ++k) {
-        world->texture_class[world->voxels.index(i, j, k)] = 1;
-      }
-    }
-  }
-  world->start.position = {1.0, 2.0, 0.0};
-  return world;
-}
-
 TEST(Simulator, BlankWallsLoseLocalizationAndTextureBringsItBack) {
-  const auto world = half_white();
+  const auto world = test::half_white_room(12.0, 6.0);
   Simulator simulator(world, {});
   EXPECT_EQ(simulator.sense()->localization, Localization::kOk);
   simulator.apply(twist(0.6, 0.0), 10.0);  // into the white half
@@ -197,7 +181,7 @@ TEST(Simulator, BlankWallsLoseLocalizationAndTextureBringsItBack) {
 
 // Into the white half and back, facing the same way, so that the views come again.
 TEST(Simulator, FindsItsPlaceAgainAfterALoss) {
-  const auto world = half_white();
+  const auto world = test::half_white_room(12.0, 6.0);
   double before = 0.0, lost = 0.0, after = 0.0;
   int losses = 0;
   constexpr int kSeeds = 12;
