@@ -190,12 +190,12 @@ cmp -s full/steps.csv first/steps.csv || fail "the defaults written out plan dif
 
 
 # --- What the command line chooses stands in config.yaml.
-run explore office --sensors camera --solver sampling --time-limit 2 --quiet --out cameras --json
+run explore office --sensors camera --solver sampling --time-limit 1 --quiet --out cameras --json
 if ((code == 3)); then
   grep -q 'not built in' err.txt || fail "cameras that are not built in: no message but '$err'"
 else
   ((code == 0)) || fail "a mission with cameras: exit $code; '$err'"
-  for chosen in 'sensors: camera' 'solver: sampling' 'time_limit: 2 '; do
+  for chosen in 'sensors: camera' 'solver: sampling' 'time_limit: 1 '; do
     grep -q "$chosen" cameras/config.yaml || fail "config.yaml does not say '$chosen'"
   done
   grep -q '"jpeg"' cameras/report.html || fail "the report of a mission with cameras has no image"
