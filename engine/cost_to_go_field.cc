@@ -13,7 +13,7 @@ namespace prospect {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr float kNowhere = std::numeric_limits<float>::infinity();
+constexpr float kNoSource = std::numeric_limits<float>::infinity();
 
 /// Both neighbours of a cell count only if they differ by less than r f (1 - this). Exactly at r f
 /// the two-sided solution equals the higher neighbour; rounding could then make a cell depend on
@@ -48,7 +48,7 @@ void CostToGoField::relayout(const Traversability& traversability) {
     frame_ = frame;
     d_.assign(size, kInfinity);
     slowness_.assign(size, 0.0F);
-    source_.assign(size, kNowhere);
+    source_.assign(size, kNoSource);
     in_front_.assign(size, 0);
     pending_bucket_.assign(size, -1);
     front_.clear();
@@ -67,7 +67,7 @@ void CostToGoField::relayout(const Traversability& traversability) {
   };
   move(d_, kInfinity);
   move(slowness_, 0.0F);
-  move(source_, kNowhere);
+  move(source_, kNoSource);
   move(in_front_, std::uint8_t{0});
   pending_bucket_.assign(size, -1);
   for (int& index : front_) index = frame.index(old.at(index));

@@ -13,12 +13,12 @@ namespace {
 using Eigen::Isometry3d;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
+}  // namespace
+
 Pose body_pose(const Isometry3d& T_WB) {
   const Eigen::Matrix3d R = T_WB.linear();
   return {T_WB.translation(), std::atan2(R(1, 0), R(0, 0))};
 }
-
-}  // namespace
 
 Eigen::Matrix4d body_covariance(const Isometry3d& T_WC, const Isometry3d& T_BC,
                                 const Matrix6d& covariance) {

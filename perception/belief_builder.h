@@ -11,6 +11,9 @@
 
 namespace prospect {
 
+/// The pose of a body whose z axis is that of W; what T_WB tilts besides is left out.
+Pose body_pose(const Eigen::Isometry3d& T_WB);
+
 /// Covariance of (x, y, z, yaw) of a body in W, from that of its camera's pose.
 ///   T_WB = T_WC T_BC^-1;  with T_CW <- exp(xi) T_CW,  T_WB <- T_WB exp(-Ad(T_BC) xi), so
 ///   d(p, yaw) = -(R_WB eta_t, (R_WB eta_omega)_z),  eta = Ad(T_BC) xi,

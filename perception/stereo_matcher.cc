@@ -8,8 +8,8 @@
 namespace prospect {
 namespace {
 
-constexpr int kPatch = 5;  // of the correlated patches
-constexpr int kSide = 2 * kPatch + 1;
+constexpr int kR = 5;  // of the correlated patches
+constexpr int kSide = 2 * kR + 1;
 
 /// Correlation of the patch of `from` around (u, v) with those of `to` around (x, v), x in
 /// [first, last]. The caller keeps all patches inside.
@@ -20,7 +20,7 @@ class RowCorrelation {
     const int n = last - first + 1;
     float mean = 0.0f;
     for (int y = 0; y < kSide; ++y) {
-      const float* row = from.row(v - kPatch + y) + u - kPatch;
+      const float* row = from.row(v - kR + y) + u - kR;
       for (int x = 0; x < kSide; ++x) mean += patch_[y][x] = row[x];
     }
     mean /= kSide * kSide;
@@ -32,11 +32,11 @@ class RowCorrelation {
       }
     }
     cross_.assign(n, 0.0f);
-    column_sum_.assign(n + 2 * kPatch, 0.0f);
-    column_square_.assign(n + 2 * kPatch, 0.0f);
+    column_sum_.assign(n + 2 * kR, 0.0f);
+    column_square_.assign(n + 2 * kR, 0.0f);
     for (int y = 0; y < kSide; ++y) {
-      const float* row = to.row(v - kPatch + y) + first - kPatch;
-      for (int i = 0; i < n + 2 * kPatch; ++i) {
+      const float* row = to.row(v - kR + y) + first - kR;
+      for (int i = 0; i < n + 2 * kR; ++i) {
         // About the patch's mean, so that squares stay small.
         const float value = row[i] - mean;
         column_sum_[i] += value;
@@ -79,9 +79,9 @@ std::vector<StereoMatch> match_stereo(const ImagePyramid& left, const ImagePyram
   for (std::size_t i = 0; i < points.size(); ++i) {
     const int u = static_cast<int>(std::lround(points[i].x()));
     const int v = static_cast<int>(std::lround(points[i].y()));
-    if (u < kPatch || u >= L.width - kPatch || v < kPatch || v >= L.height - kPatch) continue;
-    const int first = std::max(kPatch, u - reach);
-    const int last = std::min(u + 1, R.width - 1 - kPatch);
+    if (u < kR || u >= L.width - kR || v < kR || v >= L.height - kR) continue;
+    const int first = std::max(kR, u - reach);
+    const int last = std::min(u + 1, R.width - 1 - kR);
     if (last <= first) continue;
     forward.compute(L, u, v, R, first, last);
     const auto best = std::max_element(forward.values.begin(), forward.values.end());
@@ -93,8 +93,8 @@ std::vector<StereoMatch> match_stereo(const ImagePyramid& left, const ImagePyram
     }
     if (1.0f - second < options.distinctness * (1.0f - *best)) continue;
     const int x = first + at;
-    const int back_first = std::max(kPatch, x - 1);
-    const int back_last = std::min(x + reach, L.width - 1 - kPatch);
+    const int back_first = std::max(kR, x - 1);
+    const int back_last = std::min(x + reach, L.width - 1 - kR);
     backward.compute(R, x, v, L, back_first, back_last);
     const auto back = std::max_element(backward.values.begin(), backward.values.end());
     if (std::abs(back_first + static_cast<int>(back - backward.values.begin()) - u) > 1) continue;

@@ -60,8 +60,7 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
     override_entry(configuration, "mission.time_limit", csv::text(arguments.time_limit));
   }
   if (!arguments.sensors.empty()) {
-    configuration.simulator.sensors =
-        arguments.sensors == "camera" ? Sensors::kCamera : Sensors::kModel;
+    configuration.simulator.sensors = sensors_named(arguments.sensors);
     override_entry(configuration, "simulator.sensors", arguments.sensors);
   }
   if (tell_if_absent(configuration.solver, registry)) return kNotBuiltIn;

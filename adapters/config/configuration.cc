@@ -229,7 +229,7 @@ void read_simulator(YamlMap map, Configuration& c) {
   const std::string sensors =
       map.choice("sensors", "model", {"model", "camera"},
                  "odometry as a model of its errors, or rendered images through perception");
-  s.sensors = sensors == "camera" ? Sensors::kCamera : Sensors::kModel;
+  s.sensors = sensors_named(sensors);
   s.mapping.resolution = map.number("map_resolution", s.mapping.resolution, 0.02, 1.0, "m",
                                     "of the map that is built");
   s.depth_rate = map.number("depth_rate", s.depth_rate, 0.1, 100.0, "1/s", "depth images");

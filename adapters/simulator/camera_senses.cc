@@ -132,9 +132,9 @@ void CameraSenses::count_landmarks() {
 }
 
 Pose CameraSenses::visual_pose() const {
-  const Eigen::Isometry3d T_WB = frame_.T_WC * options_.stereo_mount.T_BC.inverse();
-  return {{T_WB.translation().x(), T_WB.translation().y(), 0.0},
-          std::atan2(T_WB.linear()(1, 0), T_WB.linear()(0, 0))};
+  Pose pose = body_pose(frame_.T_WC * options_.stereo_mount.T_BC.inverse());
+  pose.position.z() = 0.0;
+  return pose;
 }
 
 Pose CameraSenses::estimate(double stamp, const Pose&) const {

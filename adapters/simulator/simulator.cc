@@ -36,6 +36,7 @@ OccupancyMapperOptions mapping_options(const World& world, const SimulatorOption
 struct Simulator::Impl {
   std::shared_ptr<const World> world;
   SimulatorOptions options;
+  OccupancyMapperOptions mapping;
   KinematicRobot robot;
   SeenArea seen;
   std::unique_ptr<Senses> senses;
@@ -49,16 +50,16 @@ struct Simulator::Impl {
   Impl(std::shared_ptr<const World> w, const SimulatorOptions& o)
       : world(not_null(std::move(w))),
         options(o),
+        mapping(mapping_options(*world, o)),
         robot(*world, o.shape, o.actuation, world->start,
               stream_seed(o.seed, NoiseStream::kActuation)),
-        seen(*world, mapping_options(*world, o).slice) {
+        seen(*world, mapping.slice) {
     check_parameter(o.depth_rate > 0.0 && o.depth_rate <= 1000.0, "simulator", "depth_rate",
                     o.depth_rate, "0..1000 Hz, not zero");
     check_parameter(o.image_rate > 0.0 && o.image_rate <= 1000.0, "simulator", "image_rate",
                     o.image_rate, "0..1000 Hz, not zero");
     // The robot stands there: every voxel that its outline touches is free.
     const double cleared = robot.contact_test().radius() + 0.75 * o.mapping.resolution;
-    const OccupancyMapperOptions mapping = mapping_options(*world, o);
     if (o.sensors == Sensors::kCamera) {
       senses = std::make_unique<CameraSenses>(*world, o, mapping, cleared);
     } else {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include "adapters/simulator/camera_rig.h"
 #include "adapters/simulator/depth_camera.h"
@@ -21,6 +22,11 @@ enum class Sensors {
   kModel,   ///< odometry and landmarks as a model of their errors (FeatureSenses): fast
   kCamera,  ///< rendered images through this project's perception (CameraSenses)
 };
+
+/// "camera" or "model".
+constexpr Sensors sensors_named(std::string_view name) {
+  return name == "camera" ? Sensors::kCamera : Sensors::kModel;
+}
 
 /// What the second of them needs besides.
 struct CameraSensesOptions {
