@@ -74,6 +74,8 @@ WheelFusion::WheelFusion(const WheelFusionOptions& options) : options_(options) 
   check_positive(owner, "unknown_speed", options.unknown_speed);
   check_positive(owner, "max_wait", options.max_wait);
   check_positive(owner, "max_dead_reckoning", options.max_dead_reckoning);
+  check_positive(owner, "piece", options.piece);
+  check_parameter(options.pieces >= 1, owner, "pieces", options.pieces, "1 or more");
   check_parameter(options.start.position.allFinite() && std::isfinite(options.start.yaw), owner,
                   "start", options.start.yaw, "a finite pose");
   x_.head<2>() = options.start.position.head<2>();
@@ -131,6 +133,9 @@ void WheelFusion::move(const Vector2d& velocity, double yaw_rate, double dt) {
 
   x_.head<2>() += d * R * v;
   x_[2] += w * dt;
+  const double turned = yaw_rate * dt;
+  const Vector2d straight = dt * sinc(0.5 * turned) * rotation(0.5 * turned) * velocity;
+  piece_by_wheels_ = composed(piece_by_wheels_, {straight.x(), straight.y(), turned});
   P_ = (F * P_ * F.transpose()).eval();
   P_.topLeftCorner<3, 3>() +=
       G * Vector3d(variance.x(), variance.y(), yaw_variance).asDiagonal() * G.transpose();
@@ -140,6 +145,7 @@ void WheelFusion::move(const Vector2d& velocity, double yaw_rate, double dt) {
 }
 
 void WheelFusion::drift(double dt) {
+  piece_known_ = false;
   P_.topLeftCorner<3, 3>().diagonal().array() +=
       options_.unknown_speed * options_.unknown_speed * dt;
 }
@@ -234,8 +240,29 @@ void WheelFusion::work_in_waiting(double known) {
   }
 }
 
+void WheelFusion::compare(const VisualMotion& visual) {
+  constexpr double kMostTurn = 1.5;  // [rad]: beyond, lines depend on how turns are measured
+  constexpr double kNoScale = 5.0;
+  piece_by_vision_ = composed(piece_by_vision_, visual.motion);
+  const double by_wheels = piece_by_wheels_.head<2>().norm();
+  const bool usable = piece_known_ && !visual.begins_map && piece_by_vision_.allFinite() &&
+                      std::abs(piece_by_wheels_[2]) <= kMostTurn;
+  if (usable && by_wheels < options_.piece) return;
+  const double ratio = piece_by_vision_.head<2>().norm() / by_wheels;
+  if (usable && ratio < kNoScale && ratio > 1.0 / kNoScale) {
+    log_ratios_.push_back(std::log(ratio));
+    while (static_cast<int>(log_ratios_.size()) > options_.pieces) log_ratios_.pop_front();
+  }
+  piece_by_wheels_.setZero();
+  piece_by_vision_.setZero();
+  piece_known_ = has_wheels_;
+}
+
 void WheelFusion::work_in(const VisualMotion& visual) {
   advance(visual.stamp);
+  if (visual.begins_map || (visual.state != Localization::kLost && visual.becomes_reference)) {
+    compare(visual);
+  }
   correction_ = 0.0;
   visual_ = visual.state;
   visual_reason_.clear();
@@ -368,6 +395,15 @@ FusedOdometry WheelFusion::at(double stamp) const {
   if (!now.left_out_.empty()) {
     add_reason(out.reason, now.left_out_);
     out.state = Localization::kDegraded;
+  }
+  // Of a piece by the wheels: along sqrt(piece) of the piece.
+  out.agreement = scale_agreement({now.log_ratios_.begin(), now.log_ratios_.end()},
+                                  options_.along / std::sqrt(options_.piece), options_.sigma_scale,
+                                  options_.agreement);
+  if (out.agreement.verdict == ScaleAgreement::Verdict::kDisagree) {
+    add_reason(out.reason, to_string(out.agreement, "the way by vision is", "that by the wheels") +
+                               ": one of them is calibrated wrongly");
+    out.state = Localization::kLost;
   }
   const double since = now.position_variance() - now.variance_at_fix_;
   if (since > options_.max_dead_reckoning * options_.max_dead_reckoning) {

@@ -6,6 +6,7 @@
 
 #include "engine/belief.h"
 #include "models/types.h"
+#include "perception/scale_agreement.h"
 #include "perception/visual_motion.h"
 
 namespace prospect {
@@ -32,6 +33,11 @@ struct WheelFusionOptions {
   double max_wait = 1.0;        ///< [s] that a visual frame may arrive late
   /// Standard deviation [m] of the way made on wheels alone above which the robot is lost.
   double max_dead_reckoning = 0.25;
+  /// Lengths by vision and by wheels are compared over pieces of the way of this length [m], the
+  /// newest `pieces` of them; sigma_scale is what the wheels' own scale may be off by.
+  double piece = 0.25;
+  int pieces = 16;
+  ScaleAgreementOptions agreement;
   Pose start;  ///< of B in W; z is not used
 };
 
@@ -42,7 +48,8 @@ struct FusedOdometry {
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   Twist twist;  ///< of the newest wheel sample, scaled
   Localization state = Localization::kLost;
-  std::string reason;                               ///< why it is not ok
+  std::string reason;        ///< why it is not ok
+  ScaleAgreement agreement;  ///< of lengths by vision with those by wheels, as they measure
   double scale = 1.0, sigma_scale = 0.0;            ///< s: true over measured speed
   double turn_scale = 1.0, sigma_turn_scale = 0.0;  ///< r: true over measured yaw rate
   double chi2 = 0.0;        ///< of the last innovation, 3 degrees of freedom
@@ -69,9 +76,17 @@ struct FusedOdometry {
 /// at() works in those that wait, and moves the pose over the samples that came after. So a frame
 /// that is late by less than max_wait gives the same bits as one that arrives at once.
 ///
+/// Scale. What the gate lets through, and what is taken from vision after a slip, may still be of
+/// the wrong size: of each piece of the way, from one visual reference to another and turning by
+/// less than 1.5 rad, the ratio of the straight lines between its ends by vision and by the wheels
+/// alone (s = r = 1) is kept, and scale_agreement.h judges them. Pieces that vision calls less than
+/// a fifth or more than five times as long say nothing of a scale: the wheels have slipped, or
+/// vision is wrong.
+///
 /// States. Ok: the newest visual frame was taken. Degraded: it was not, or was degraded itself, or
 /// wheels are missing: dead reckoning. Lost: dead reckoning beyond max_dead_reckoning, or nothing
-/// has been measured yet.
+/// has been measured yet, or vision and wheels disagree about the scale: then one of them is
+/// calibrated wrongly, and no length is known.
 ///
 /// Thread-safety: one thread at a time. Errors: the constructor throws std::invalid_argument on an
 /// option out of range; the rest never throws: a sample or frame that is not finite or not possible
@@ -101,6 +116,8 @@ class WheelFusion {
   void work_in(const VisualMotion& visual);
   void work_in_waiting(double known);
   void clone();
+  /// Vision has a new reference: lengths by it and by the wheels.
+  void compare(const VisualMotion& visual);
   double position_variance() const;
 
   WheelFusionOptions options_;
@@ -123,6 +140,12 @@ class WheelFusion {
   double variance_at_fix_ = 0.0;  // of the position, when vision last confirmed it [m^2]
   double fix_stamp_ = 0.0;
   double chi2_ = 0.0, correction_ = 0.0;
+  // The piece of the way that grows: its motion by wheels as they measure, and by vision up to its
+  // newest reference; false: the wheels were silent in it.
+  Eigen::Vector3d piece_by_wheels_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d piece_by_vision_ = Eigen::Vector3d::Zero();
+  bool piece_known_ = false;
+  std::deque<double> log_ratios_;
 };
 
 }  // namespace prospect

@@ -37,6 +37,8 @@ nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dat
           {"keyframes", s.keyframes},
           {"estimated_length_m", s.estimated_length},
           {"true_length_m", s.true_length},
+          {"scale", s.scale.samples > 0 ? s.scale.ratio : std::nan("")},
+          {"calibration_refused", s.scale.verdict == ScaleAgreement::Verdict::kDisagree},
           {"end_error_m", s.end.translation},
           {"end_error_percent", 100.0 * s.end.share},
           {"end_rotation_deg", kDegrees * s.end.rotation},
@@ -63,7 +65,9 @@ void print(const OdometrySummary& s) {
               s.ok, s.degraded, s.lost, s.losses, s.keyframes);
   if (s.restarts > 0) std::printf("new maps     %d after a loss\n", s.restarts);
   if (std::isfinite(s.true_length)) {
-    std::printf("length       %.3f m estimated, %.3f m true\n", s.estimated_length, s.true_length);
+    std::printf("length       %.3f m estimated, %.3f m true", s.estimated_length, s.true_length);
+    if (s.scale.samples > 0) std::printf("; scale %.4f +- %.4f", s.scale.ratio, s.scale.sigma);
+    std::printf("\n");
     std::printf("end error    %.4f m, %.3f %% of the path; %.3f deg\n", s.end.translation,
                 100.0 * s.end.share, kDegrees * s.end.rotation);
     if (s.rpe_1m.segments > 0) {
@@ -161,6 +165,13 @@ int odometry(const OdometryArguments& arguments) {
     print(summary);
     if (calibrated) std::fputs(calibration_text(*calibrated).c_str(), stdout);
     if (!out.empty()) std::printf("written to   %s\n", out.string().c_str());
+  }
+  if (summary.scale.verdict == ScaleAgreement::Verdict::kDisagree) {
+    std::cerr
+        << "prospect: " << arguments.dataset << ": "
+        << to_string(summary.scale, "the path is estimated", "the ground truth")
+        << "; expected 5 % at most: the baseline or focal length of its calibration is wrong\n";
+    return kBadInput;
   }
   return kDone;
 }

@@ -213,6 +213,10 @@ void read_camera(YamlMap map, CameraSensesOptions& c) {
     value = map.number(key, value, 0.0, max, unit, what);
   };
   number("texture_quality", c.texture_quality, 1.0, "1", "contrast of surfaces, 0 blank to 1 rich");
+  c.focal_error = map.number("focal_error", c.focal_error, -0.9, 9.0, "1",
+                             "by which the stereo pair's focal length is believed too large");
+  c.baseline_error = map.number("baseline_error", c.baseline_error, -0.9, 9.0, "1",
+                                "by which its baseline is believed too large");
   number("exposure", c.rig.exposure, 100.0, "1", "gain on the grey levels");
   number("exposure_time", c.rig.exposure_time, 1.0, "s", "motion blur of a turning robot");
   number("vignetting", c.rig.vignetting, 1.0, "1", "share of light lost in the corners");

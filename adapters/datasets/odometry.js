@@ -17,6 +17,7 @@ figure("path", fixed(s.estimated_length_m, 1), "m");
 if (known) {
   figure("error at the end", fixed(s.end_error_percent, 2), "%");
   figure("rotation at the end", fixed(s.end_rotation_deg, 2), "°");
+  if (s.calibration_refused) figure("of the true length: calibration wrong", fixed(100 * s.scale, 1), "%", true);
   if (isNumber(s.rpe_10m_percent)) figure("per 10 m", fixed(s.rpe_10m_percent, 2), "%");
   else if (isNumber(s.rpe_1m_percent)) figure("per 1 m", fixed(s.rpe_1m_percent, 2), "%");
 }

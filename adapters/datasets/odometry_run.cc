@@ -80,6 +80,7 @@ OdometrySummary summarize(const OdometryRun& run) {
     s.ate_fit = absolute_error(run.pairs, Alignment::kBestFit);
     s.end = end_error(run.pairs);
   }
+  s.scale = scale_of(run.pairs);
   s.rpe_1m = relative_error(run.pairs, 1.0);
   s.rpe_10m = relative_error(run.pairs, 10.0);
   for (RelativeError* e : {&s.rpe_1m, &s.rpe_10m}) {

@@ -41,6 +41,7 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
 struct OdometrySummary {
   int frames = 0, ok = 0, degraded = 0, lost = 0, losses = 0, restarts = 0, keyframes = 0;
   double estimated_length = 0.0, true_length = 0.0;  ///< [m]
+  ScaleAgreement scale;                              ///< of estimated with true lengths
   AbsoluteError ate_first, ate_fit;
   EndError end;
   RelativeError rpe_1m, rpe_10m;

@@ -3,6 +3,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace prospect {
 namespace {
@@ -117,6 +118,26 @@ RelativeError relative_error(const std::vector<PosePair>& pairs, double length) 
     error.rotation /= error.segments;
   }
   return error;
+}
+
+ScaleAgreement scale_of(const std::vector<PosePair>& pairs) {
+  constexpr int kSegments = 20;
+  constexpr double kShortest = 0.1;  // [m]: what truths are good for, some millimetres, is little
+  const double length = std::max(kShortest, path_length(pairs) / kSegments);
+  std::vector<double> log_ratios;
+  double along = 0.0;
+  for (std::size_t begin = 0, end = 1; end < pairs.size(); ++end) {
+    along += (pairs[end].truth.translation() - pairs[end - 1].truth.translation()).norm();
+    if (along < length * (1.0 - 1e-9)) continue;
+    const double truth = (pairs[end].truth.translation() - pairs[begin].truth.translation()).norm();
+    const double estimate =
+        (pairs[end].estimate.translation() - pairs[begin].estimate.translation()).norm();
+    begin = end;
+    along = 0.0;
+    // A truth that trembles makes a way without getting anywhere.
+    if (truth > 0.5 * length && estimate > 0.0) log_ratios.push_back(std::log(estimate / truth));
+  }
+  return scale_agreement(std::move(log_ratios), 0.0, 0.0);
 }
 
 }  // namespace prospect

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "adapters/datasets/trajectory.h"
+#include "perception/scale_agreement.h"
 
 namespace prospect {
 
@@ -50,5 +51,10 @@ struct RelativeError {
   double rotation = 0.0;     ///< angle of E over it [rad/m]
 };
 RelativeError relative_error(const std::vector<PosePair>& pairs, double length);
+
+/// Whether estimate and truth agree about the metre (scale_agreement.h): over consecutive segments
+/// of a twentieth of the true path each, but at least 0.1 m, the ratio of the straight lines
+/// between their ends. A median, so poses that are off for a while do not matter.
+ScaleAgreement scale_of(const std::vector<PosePair>& pairs);
 
 }  // namespace prospect

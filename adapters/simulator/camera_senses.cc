@@ -7,7 +7,9 @@
 #include "adapters/simulator/noise_stream.h"
 #include "adapters/simulator/scene_renderer.h"
 #include "adapters/simulator/world_mesh.h"
+#include "models/parameter_check.h"
 #include "models/sinc.h"
+#include "perception/reason.h"
 
 namespace prospect {
 namespace {
@@ -46,6 +48,20 @@ DepthMapperOptions mapper_of(const SimulatorOptions& options,
   return mapper;
 }
 
+/// The stereo pair as the robot takes it to be.
+StereoCamera believed(const SimulatorOptions& options) {
+  const CameraSensesOptions& errors = options.camera;
+  check_parameter(errors.focal_error > -1.0, "camera", "focal_error", errors.focal_error,
+                  "more than -1");
+  check_parameter(errors.baseline_error > -1.0, "camera", "baseline_error", errors.baseline_error,
+                  "more than -1");
+  StereoCamera camera = options.features.stereo;
+  camera.left.fx *= 1.0 + errors.focal_error;
+  camera.left.fy *= 1.0 + errors.focal_error;
+  camera.baseline *= 1.0 + errors.baseline_error;
+  return camera;
+}
+
 WheelFusionOptions fusion_of(const SimulatorOptions& options, const Pose& start) {
   WheelFusionOptions fusion = options.camera.wheel_fusion;
   fusion.start = start;
@@ -60,7 +76,7 @@ CameraSenses::CameraSenses(const World& world, const SimulatorOptions& options,
       rig_(scene_of(world, options), rig_of(options)),
       looking_(world, options.depth, options.depth_mount,
                stream_seed(options.seed, NoiseStream::kDepth)),
-      odometry_(options.features.stereo, options.camera.odometry,
+      odometry_(believed(options), options.camera.odometry,
                 camera_pose(world.start, options.stereo_mount)),
       reader_(options.stereo_mount.T_BC),
       fusion_(fusion_of(options, world.start)),
@@ -110,9 +126,46 @@ void CameraSenses::image(double stamp, const Pose& true_pose, const Twist& twist
   if (stamp > wheel_stamp_) fusion_.add(wheels(stamp, true_pose));
   const bool was_lost = images_ > 1 && frame_.state == Localization::kLost;
   frame_ = odometry_.process(stamp, pair_.left.view(), pair_.right.view());
+  compare();
+  doubt();
   fusion_.add(reader_.read(frame_));
   losses_ += frame_.state == Localization::kLost && !was_lost;
   if (frame_.keyframe) count_landmarks();
+}
+
+void CameraSenses::compare() {
+  if (depth_stamp_ != frame_.stamp || images_ == 0) return;
+  std::unordered_set<std::uint64_t> tracked;
+  for (const LandmarkSighting& s : odometry_.sightings()) {
+    if (s.tracked) tracked.insert(s.id);
+  }
+  const Eigen::Isometry3d T_CW = frame_.T_WC.inverse();
+  std::vector<Eigen::Vector3d> points;
+  for (const Landmark& l : odometry_.landmarks()->landmarks) {
+    if (tracked.count(l.id) > 0) points.push_back(T_CW * l.position);
+  }
+  const StereoCamera camera = believed(options_);
+  DepthAgreementOptions agreement;
+  agreement.range = {options_.depth.footprint.min_range, options_.depth.footprint.max_range};
+  const ScaleAgreement found = depth_agreement(
+      points, frame_.disparity_offset_sigma / (camera.left.fx * camera.baseline),
+      rig_.depth_camera(), options_.stereo_mount.T_BC.inverse() * options_.depth_mount.T_BC, depth_,
+      agreement);
+  if (found.verdict != ScaleAgreement::Verdict::kUnknown) agreement_ = found;
+}
+
+std::string CameraSenses::complaint() const {
+  if (agreement_.verdict != ScaleAgreement::Verdict::kDisagree) return {};
+  return to_string(agreement_, "depths by the stereo pair are", "those of the depth camera") +
+         "; expected the same: the baseline or focal length of the pair, or the depth camera's "
+         "unit, is wrong";
+}
+
+void CameraSenses::doubt() {
+  const std::string complaint = this->complaint();
+  if (complaint.empty()) return;
+  frame_.state = Localization::kLost;
+  add_reason(frame_.reason, complaint);
 }
 
 void CameraSenses::count_landmarks() {
@@ -143,8 +196,10 @@ Pose CameraSenses::estimate(double stamp, const Pose&) const {
 
 void CameraSenses::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   seen.look(looking_, true_pose);
-  const DepthImage depth = rig_.depth(true_pose, scans_++);
-  mapper_.process(stamp, depth, camera_pose(estimate(stamp, true_pose), options_.depth_mount));
+  depth_ = rig_.depth(true_pose, scans_++);
+  depth_stamp_ = stamp;
+  compare();
+  mapper_.process(stamp, depth_, camera_pose(estimate(stamp, true_pose), options_.depth_mount));
 }
 
 std::shared_ptr<const Belief> CameraSenses::belief(double stamp, const Pose&, const Twist&) {

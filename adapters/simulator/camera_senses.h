@@ -11,6 +11,7 @@
 #include "adapters/simulator/simulator_options.h"
 #include "adapters/worlds/world.h"
 #include "perception/belief_builder.h"
+#include "perception/depth_agreement.h"
 #include "perception/depth_mapper.h"
 #include "perception/feature_density.h"
 #include "perception/stereo_odometry.h"
@@ -26,6 +27,10 @@ namespace prospect {
 /// Wheels say of every time between two images the mean velocity of the body in it, v and w, times
 /// scales drawn once, N(1, sigma_scale^2), plus noise of the variances that WheelFusionOptions
 /// gives: (along^2 |v|, across^2 |v|) / dt and (turn^2 |w| + heading^2 |v|) / dt.
+///
+/// Stereo pair and depth camera are held against each other wherever they look at the same time
+/// (depth_agreement.h). As long as they disagree about the metre, localization by the images is
+/// lost, and complaint() says why.
 ///
 /// feature_density counts as new landmarks those in cells of 5 cm that held none before.
 ///
@@ -44,12 +49,16 @@ class CameraSenses final : public Senses {
   Pose estimate(double stamp, const Pose& true_pose) const override;
   Localization localization() const override { return frame_.state; }
   int losses() const override { return losses_; }
+  std::string complaint() const override;
   CameraPicture picture() const override;
 
  private:
   WheelSample wheels(double stamp, const Pose& true_pose);
   Pose visual_pose() const;
   void count_landmarks();
+  /// Holds the newest frame against the newest depth image, if they are of one time.
+  void compare();
+  void doubt();
 
   SimulatorOptions options_;
   CameraRig rig_;
@@ -66,6 +75,9 @@ class CameraSenses final : public Senses {
   StereoImages pair_;
   OdometryFrame frame_;
   int losses_ = 0;
+  DepthImage depth_;
+  double depth_stamp_ = -1.0;  // [s]
+  ScaleAgreement agreement_;   // of the newest pair of images that says something
 
   std::mt19937_64 wheel_noise_;
   double wheel_scale_ = 1.0, turn_scale_ = 1.0;

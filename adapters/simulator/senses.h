@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "adapters/simulator/seen_area.h"
@@ -41,6 +42,9 @@ class Senses {
   virtual Pose estimate(double stamp, const Pose& true_pose) const = 0;
   virtual Localization localization() const = 0;
   virtual int losses() const = 0;  ///< how often localization was lost
+  /// Why the sensors cannot be trusted, e.g. a calibration that is wrong; empty: nothing is known
+  /// against them.
+  virtual std::string complaint() const { return {}; }
   /// The newest left image; empty where there is none.
   virtual CameraPicture picture() const { return {}; }
 };

@@ -67,6 +67,8 @@ struct Simulator::Impl {
     }
     scan();
     image();
+    const std::string complaint = senses->complaint();
+    if (!complaint.empty()) throw std::invalid_argument("sensors at the start: " + complaint);
   }
 
   void scan() {

@@ -34,6 +34,9 @@ struct CameraSensesOptions {
   CameraRigOptions rig;
   /// Contrast of all surfaces: 1 rich, 0 blank.
   double texture_quality = 1.0;
+  /// Share by which the robot takes its stereo pair's focal length and baseline to be larger than
+  /// they are: a calibration that is wrong.
+  double focal_error = 0.0, baseline_error = 0.0;
   StereoOdometryOptions odometry;
   /// Wheels measure with these errors, and are fused knowing them: those of the reckoning in
   /// OdometryOptions. A robot without wheels holds its pose while it is lost.

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <stdexcept>
+#include <string>
 
 #include "adapters/config/configuration.h"
 #include "adapters/config/not_built_in.h"
@@ -195,6 +197,55 @@ TEST_F(CameraSensesTest, AMissionExploresByWhatTheCamerasSee) {
   EXPECT_LT(s.localization_final_m, 0.05);
 }
 
+TEST_F(CameraSensesTest, RefusesACalibrationThatTheDepthCameraContradicts) {
+  for (const double error : {-0.3, 0.25, 0.5}) {
+    for (const bool focal : {false, true}) {
+      SimulatorOptions options = small_cameras();
+      (focal ? options.camera.focal_error : options.camera.baseline_error) = error;
+      try {
+        Simulator(room_with_an_opening(), options);
+        ADD_FAILURE() << "taken: " << (focal ? "focal length " : "baseline ") << error;
+      } catch (const std::invalid_argument& refusal) {
+        std::printf("%s off by %+.0f %%: %s\n", focal ? "focal length" : "baseline", 100.0 * error,
+                    refusal.what());
+        EXPECT_NE(std::string(refusal.what()).find("those of the depth camera"), std::string::npos)
+            << refusal.what();
+      }
+    }
+  }
+}
+
+TEST_F(CameraSensesTest, ATenthIsNoticedOnceTheDisparitiesZeroIsKnown) {
+  for (const double error : {-0.1, 0.01, 0.1}) {
+    SimulatorOptions options = small_cameras();
+    options.camera.baseline_error = error;
+    Simulator simulator(room_with_an_opening(), options);
+    double way = -1.0;
+    for (int k = 0; k < 12 && way < 0.0; ++k) {
+      simulator.apply(twist(0.3, 0.5), 0.5);
+      if (simulator.sense()->localization == Localization::kLost) way = simulator.path_length();
+    }
+    std::printf("baseline off by %+.0f %%: lost after %.1f m\n", 100.0 * error, way);
+    EXPECT_EQ(way > 0.0, std::abs(error) > 0.05);
+  }
+}
+
+TEST_F(CameraSensesTest, WithoutDepthsInCommonTheWheelsContradictACalibration) {
+  SimulatorOptions options = small_cameras();
+  // The depth camera looks back, where the stereo pair does not.
+  options.depth_mount.T_BC = CameraMount::forward_facing({0.0, 0.0, 0.45}, M_PI, 0.3);
+  options.camera.baseline_error = 0.4;
+  Simulator simulator(room_with_an_opening(), options);
+  simulator.apply(twist(0.0, 0.8), 2.0);
+  EXPECT_NE(simulator.sense()->localization, Localization::kLost);
+  simulator.apply(twist(0.0, -0.8), 2.0);
+  for (int there_and_back = 0; there_and_back < 2; ++there_and_back) {
+    simulator.apply(twist(0.4, 0.0), 3.0);
+    simulator.apply(twist(-0.4, 0.0), 3.0);
+  }
+  EXPECT_EQ(simulator.sense()->localization, Localization::kLost);
+}
+
 TEST_F(CameraSensesTest, RefusesOptionsOutOfRange) {
   SimulatorOptions options = small_cameras();
   options.camera.texture_quality = 2.0;
@@ -204,6 +255,9 @@ TEST_F(CameraSensesTest, RefusesOptionsOutOfRange) {
   EXPECT_THROW(Simulator(room_with_an_opening(), options), std::invalid_argument);
   options = small_cameras();
   options.camera.wheel_fusion.gate = 0.0;
+  EXPECT_THROW(Simulator(room_with_an_opening(), options), std::invalid_argument);
+  options = small_cameras();
+  options.camera.focal_error = -1.0;
   EXPECT_THROW(Simulator(room_with_an_opening(), options), std::invalid_argument);
 }
 

@@ -51,6 +51,40 @@ TEST(TrajectoryError, AStraightPathWithAWrongScale) {
               1e-9);
 }
 
+TEST(TrajectoryError, AWrongScaleIsToldFromErrorsThatAreNone) {
+  using Verdict = ScaleAgreement::Verdict;
+  const auto drive = [](double scale, int poses, double step) {
+    std::vector<PosePair> pairs;
+    for (int i = 0; i < poses; ++i) {
+      const double a = 0.05 * i, r = step / 0.05;
+      const Isometry3d truth = pose(r * std::sin(a), r * (1 - std::cos(a)), a);
+      Isometry3d estimate = truth;
+      estimate.translation() *= scale;
+      // A millimetre of noise, and a loss that puts the last third elsewhere.
+      estimate.translation().y() += i % 2 == 0 ? 1e-3 : -1e-3;
+      if (3 * i > 2 * poses) estimate.translation().x() += 0.7;
+      pairs.push_back({0.1 * i, estimate, truth});
+    }
+    return pairs;
+  };
+  for (const double scale : {0.5, 0.9, 1.1, 1.5}) {
+    const ScaleAgreement wrong = scale_of(drive(scale, 60, 0.05));
+    EXPECT_EQ(wrong.verdict, Verdict::kDisagree) << scale;
+    EXPECT_NEAR(wrong.ratio, scale, 0.01 * scale);
+  }
+  for (const double scale : {0.97, 1.0, 1.04}) {
+    EXPECT_EQ(scale_of(drive(scale, 60, 0.05)).verdict, Verdict::kAgree) << scale;
+  }
+  // 0.3 m are too little to tell; so is a robot at rest whose truth trembles by three millimetres.
+  EXPECT_EQ(scale_of(drive(1.5, 7, 0.05)).verdict, Verdict::kUnknown);
+  std::vector<PosePair> rest;
+  for (int i = 0; i < 500; ++i) {
+    rest.push_back({0.1 * i, pose(0, 0, 0), pose(i % 2 == 0 ? 0.003 : 0.0, 0, 0)});
+  }
+  EXPECT_EQ(scale_of(rest).verdict, Verdict::kUnknown);
+  EXPECT_EQ(scale_of({}).samples, 0);
+}
+
 TEST(TrajectoryError, ATurnedFrameIsNoErrorAndATurningEstimateIs) {
   std::vector<PosePair> turned, turning;
   const Isometry3d G = pose(3, -2, 0.7);
@@ -140,6 +174,8 @@ TEST(TrajectoryError, PublishedEstimatesOfFreiburg1Xyz) {
   std::printf("fr1/xyz, rgbdslam: ATE %.4f m rmse over %zu poses\n", ate.rmse, pairs.size());
   EXPECT_GT(ate.rmse, 0.012);
   EXPECT_LT(ate.rmse, 0.015);
+  EXPECT_EQ(scale_of(pairs).verdict, ScaleAgreement::Verdict::kAgree);
+  EXPECT_NEAR(scale_of(pairs).ratio, 1.0, 0.03);
 }
 
 }  // namespace

@@ -439,6 +439,25 @@ grep -q "too few frames" out.txt || fail "odometry of three frames: '$out'"
 refused "odometry from behind the last frame" "--from is 12" "expected less than the 12 frames" \
   odometry stereo --from 12 --out run
 refused "odometry into a file" file "expected a folder" odometry stereo --out file
+# A baseline half as long again: all is measured and shown, and the calibration is refused.
+"$write_stereo_recording" long 24 -1 0.18 || fail "no stereo recording was written"
+run odometry long --out long_out
+((code == 2)) || fail "odometry with a baseline that is too long: exit $code, expected 2; '$out'"
+grep -qE "^prospect: long: the path is estimated 1\.[45][0-9]* times as long .*baseline" err.txt ||
+  fail "odometry with a baseline that is too long: '$err'"
+[[ $(wc -l <err.txt) == 1 ]] || fail "odometry with a baseline that is too long: '$err'"
+grep -q '"calibration_refused": true' long_out/summary.json || fail "summary.json: no refusal"
+# So it is at the start of a mission, where the depth camera contradicts.
+printf 'simulator:\n  sensors: camera\n  camera: {baseline_error: 0.5}\n' >wrong_baseline.yaml
+run explore office --config wrong_baseline.yaml --quiet --time-limit 1 --out run
+if ((code == 3)); then
+  grep -q 'not built in' err.txt || fail "cameras that are not built in: no message but '$err'"
+else
+  ((code == 2)) || fail "a mission with a wrong baseline: exit $code, expected 2"
+  grep -qF "1.5" err.txt && grep -qF "those of the depth camera" err.txt ||
+    fail "a mission with a wrong baseline: '$err'"
+  [[ ! -e run ]] || fail "a mission with a wrong baseline left a run folder"
+fi
 
 # --- Maps from depth images.
 "$write_depth_recording" depth || fail "no depth recording was written"

@@ -1,6 +1,7 @@
-// write_stereo_recording FOLDER FRAMES [BLANK]: a recording in KITTI layout, with ground truth, of
-// a camera that goes through the rendered room; frame BLANK shows nothing. For the tests of
-// the command line and of the page.
+// write_stereo_recording FOLDER FRAMES [BLANK [BASELINE]]: a recording in KITTI layout, with ground
+// truth, of a camera that goes through the rendered room; frame BLANK (-1: none) shows nothing, and
+// the calibration says BASELINE [m] instead of the true 0.12. For the tests of the command line and
+// of the page.
 
 #include <cstdio>
 #include <cstdlib>
@@ -27,19 +28,21 @@ bool write_png(const std::string& path, const Image& image) {
 
 int main(int argc, char** argv) {
   if (argc < 3) {
-    std::fprintf(stderr, "usage: write_stereo_recording FOLDER FRAMES [BLANK]\n");
+    std::fprintf(stderr, "usage: write_stereo_recording FOLDER FRAMES [BLANK [BASELINE]]\n");
     return 2;
   }
   const std::string folder = argv[1];
   const int frames = std::atoi(argv[2]);
   const int blank = argc > 3 ? std::atoi(argv[3]) : -1;
+  const double baseline = argc > 4 ? std::atof(argv[4]) : 0.12;
   prospect::StereoCamera camera;
   camera.left = {275.0, 275.0, 200.0, 150.0, 400.0, 300.0};
   camera.baseline = 0.12;
   std::filesystem::create_directories(folder + "/image_0");
   std::filesystem::create_directories(folder + "/image_1");
-  std::ofstream(folder + "/calib.txt") << "P0: 275 0 200 0 0 275 150 0 0 0 1 0\n"
-                                          "P1: 275 0 200 -33 0 275 150 0 0 0 1 0\n";
+  std::ofstream(folder + "/calib.txt")
+      << "P0: 275 0 200 0 0 275 150 0 0 0 1 0\n"
+      << "P1: 275 0 200 " << -275.0 * baseline << " 0 275 150 0 0 0 1 0\n";
   std::ofstream times(folder + "/times.txt");
   prospect::Trajectory truth;
   for (int k = 0; k < frames; ++k) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <deque>
@@ -10,6 +11,7 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace prospect {
@@ -215,11 +217,64 @@ TEST(WheelFusion, WheelsThatSpinAreFoundOut) {
     if (noticed < 0 && fused.state == Localization::kDegraded) noticed = k - 30;
     if (slipped < 0 && fused.reason == "the wheels have slipped") slipped = k - 30;
     EXPECT_LT(error_of(fused, truth), 0.2) << k;
+    EXPECT_NE(fused.agreement.verdict, ScaleAgreement::Verdict::kDisagree) << k;
   });
   EXPECT_GE(noticed, 1);
   EXPECT_LE(noticed, 4);
   EXPECT_GE(slipped, noticed);
   EXPECT_LE(slipped, 7);
+}
+
+// Vision whose calibration is wrong: all it measures is too long or too short by a factor.
+TEST(WheelFusion, AVisionOfAnotherScaleIsLost) {
+  for (const double factor : {0.6, 0.75, 1.3, 1.5, 2.5}) {
+    Drive d;
+    d.scale = 1.02;
+    d.meddle = [&](int, VisualMotion& v) { v.motion.head<2>() *= factor; };
+    WheelFusion fusion(d.noise);
+    double lost_after = -1.0, way = 0.0;
+    Vector2d before = Vector2d::Zero();
+    drive(d, fusion, 12.0, 7, [&](int k, const Vector3d& truth) {
+      way += (truth.head<2>() - before).norm();
+      before = truth.head<2>();
+      const FusedOdometry fused = fusion.at(k * kFramePeriod);
+      const bool disagree = fused.agreement.verdict == ScaleAgreement::Verdict::kDisagree;
+      EXPECT_TRUE(!disagree || fused.state == Localization::kLost) << k;
+      EXPECT_EQ(disagree,
+                fused.reason.find("times as long as that by the wheels") != std::string::npos)
+          << k << " " << fused.reason;
+      if (disagree && lost_after < 0.0) lost_after = way;
+    });
+    const FusedOdometry fused = fusion.at(12.0);
+    std::printf("vision %.2f times too long: %.3f +- %.3f found, lost after %.1f m\n", factor,
+                fused.agreement.ratio, fused.agreement.sigma, lost_after);
+    EXPECT_EQ(fused.agreement.verdict, ScaleAgreement::Verdict::kDisagree);
+    // The wheels measure 1 / 1.02 of the way.
+    EXPECT_NEAR(fused.agreement.ratio, 1.02 * factor, 0.05 * factor);
+    EXPECT_GT(lost_after, 1.0);
+    EXPECT_LT(lost_after, 3.0);
+  }
+}
+
+TEST(WheelFusion, AScaleWithinWhatWheelsMayBeOffByIsNoDisagreement) {
+  int judged = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    Drive d;
+    std::mt19937_64 rng(900 + seed);
+    std::normal_distribution<double> normal;
+    // Poor vision; wheels that may be off by 5 %, and by 1 % as in the camera tier.
+    if (seed % 2 == 1) d.noise.sigma_scale = 0.01;
+    d.scale = 1.0 + d.noise.sigma_scale * std::clamp(normal(rng), -2.0, 2.0);
+    d.vision = {0.01, 0.01, 0.006};
+    WheelFusion fusion(d.noise);
+    drive(d, fusion, 20.0, seed, [&](int k, const Vector3d&) {
+      const ScaleAgreement agreement = fusion.at(k * kFramePeriod).agreement;
+      EXPECT_NE(agreement.verdict, ScaleAgreement::Verdict::kDisagree)
+          << seed << " " << k << ": " << to_string(agreement, "vision", "wheels");
+      judged += agreement.verdict == ScaleAgreement::Verdict::kAgree;
+    });
+  }
+  EXPECT_GT(judged, 60 * 100);
 }
 
 TEST(WheelFusion, AJumpOfVisionIsNotTaken) {
