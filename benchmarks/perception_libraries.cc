@@ -272,11 +272,12 @@ void compare_tracking() {
                                "OpenCV, from the keyframe"};
   std::vector<std::vector<Errors>> errors(3, std::vector<Errors>(shown.size()));
   double ms[3] = {0, 0, 0};
-  int frames = 0, tracks[3] = {0, 0, 0};
+  int frames = 0, corners_found = 0, tracks[3] = {0, 0, 0};
   for (int way = 0; way < 3; ++way) {
     const Isometry3d T_WA = pose(way, 0);
     const Image first = room.render(camera.left, T_WA, 2.0, 1000 * way);
     const std::vector<Vector2f> corners = detect_corners(first.view());
+    corners_found += static_cast<int>(corners.size());
     std::vector<Vector3d> points;  // in the keyframe's camera
     std::vector<cv::Point2f> keyframe_points;
     for (const Vector2f& c : corners) {
@@ -366,7 +367,9 @@ void compare_tracking() {
       last = now;
     }
   }
-  std::printf("Tracking, three ways through the rendered room, %d frames of 640 x 480\n", frames);
+  std::printf(
+      "Tracking, three ways through the rendered room, %d frames of 640 x 480, %d corners\n",
+      frames, corners_found / 3);
   for (int method = 0; method < 3; ++method) {
     std::printf("  %-31s %5.2f ms a frame, %.1f us a track\n", names[method], ms[method] / frames,
                 1e3 * ms[method] / std::max(1, tracks[method]));
