@@ -33,7 +33,7 @@ std::vector<Eigen::Isometry3d> random_path(int seed, int frames) {
   const double sideways = seed % 4 == 3 ? between(-0.04, 0.04) : 0.0;
   std::vector<Eigen::Isometry3d> path;
   for (int k = 0; k < frames; ++k) {
-    path.push_back(testing::RenderedRoom::looking(x, y, 1.05, yaw));
+    path.push_back(test::RenderedRoom::looking(x, y, 1.05, yaw));
     x = std::clamp(x + forward * std::cos(yaw) - sideways * std::sin(yaw), -2.6, 2.0);
     y = std::clamp(y + forward * std::sin(yaw) + sideways * std::cos(yaw), -2.1, 2.3);
     yaw += turn;
@@ -50,7 +50,7 @@ int run(int first, int sequences, int frames, double width, bool json) {
   const std::vector<int> after = {1, 5, 10, 20, 39};
   std::vector<std::vector<double>> since_first(after.size());
   for (int s = first; s < first + sequences; ++s) {
-    const testing::RenderedRoom room(s % 3 == 2 ? 35.0 : 70.0);
+    const test::RenderedRoom room(s % 3 == 2 ? 35.0 : 70.0);
     const auto path = random_path(s, frames);
     StereoOdometry odometry(camera, {}, path[0]);
     calibration.begin_recording();

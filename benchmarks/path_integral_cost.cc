@@ -78,7 +78,7 @@ void planner(const std::string& what, int samples, int N, int landmarks) {
   parameters.N = N;
   parameters.dt = 5.0 / N;
   parameters.max_landmarks = landmarks;
-  const testing::PlanningScene scene("unicycle_accel", parameters, landmarks + landmarks / 3);
+  const test::PlanningScene scene("unicycle_accel", parameters, landmarks + landmarks / 3);
   report(what, *scene.problem, samples, 1000);
 }
 

@@ -25,7 +25,7 @@
 namespace prospect {
 namespace {
 
-using testing::uniform;
+using test::uniform;
 
 constexpr int kTrajectories = 16;
 
@@ -35,7 +35,7 @@ void term(benchmark::State& state, const Term& term, bool gradient) {
   std::mt19937_64 random(5);
   std::vector<TrajectoryBatch> trajectories;
   for (int b = 0; b < kTrajectories; ++b) {
-    trajectories.push_back(testing::random_trajectories(model, 20, 0.25, 1, random));
+    trajectories.push_back(test::random_trajectories(model, 20, 0.25, 1, random));
   }
   const Horizon& horizon = trajectories.front().horizon;
   const auto scratch = term.make_scratch(horizon, 1);
@@ -50,7 +50,7 @@ void term(benchmark::State& state, const Term& term, bool gradient) {
 /// Line of sight of these points from all positions the trajectories come to.
 std::shared_ptr<const OcclusionTable> occlusion(const std::vector<Eigen::Vector3d>& points) {
   std::mt19937_64 random(3);
-  static const VoxelGrid hall = testing::hall(random, true, 25);
+  static const VoxelGrid hall = test::hall(random, true, 25);
   return std::make_shared<const OcclusionTable>(SensorLattice::around({0.0, 0.0, 0.45}, 4.0, 0.3),
                                                 points, hall, OcclusionTable::Options());
 }
@@ -88,7 +88,7 @@ void stages(benchmark::State& state, Evaluate what, int M) {
   parameters.N = static_cast<int>(state.range(0));
   parameters.M = M > 0 ? M : parameters.N;
   parameters.dt = 5.0 / parameters.N;
-  const testing::PlanningScene scene("unicycle_accel", parameters);
+  const test::PlanningScene scene("unicycle_accel", parameters);
   std::mt19937_64 random(7);
   const Eigen::MatrixXd X = scene.points(kTrajectories, random);
   Workspace workspace = scene.problem->make_workspace();

@@ -17,11 +17,11 @@
 namespace prospect {
 namespace {
 
-const testing::PlanningScene& scene() {
-  static const testing::PlanningScene scene = [] {
+const test::PlanningScene& scene() {
+  static const test::PlanningScene scene = [] {
     PlannerParameters parameters;
     parameters.w_h = 0.1;
-    return testing::PlanningScene("unicycle_accel", parameters);
+    return test::PlanningScene("unicycle_accel", parameters);
   }();
   return scene;
 }
@@ -79,8 +79,8 @@ OcclusionTable occlusion_table(int num_points, double reach) {
   std::mt19937_64 random(3);
   std::vector<Eigen::Vector3d> at;
   for (int i = 0; i < num_points; ++i) {
-    at.emplace_back(testing::uniform(random, -5, 5), testing::uniform(random, -5, 5),
-                    testing::uniform(random, 0.1, 1.5));
+    at.emplace_back(test::uniform(random, -5, 5), test::uniform(random, -5, 5),
+                    test::uniform(random, 0.1, 1.5));
   }
   return OcclusionTable(SensorLattice::around({0.0, 0.0, 0.45}, reach, 0.3), std::move(at),
                         *scene().belief.voxels, OcclusionTable::Options());

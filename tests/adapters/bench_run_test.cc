@@ -19,7 +19,7 @@
 #include "problems/zoo.h"
 #include "solvers/options.h"
 
-namespace prospect {
+namespace prospect::bench_run_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -254,4 +254,4 @@ TEST(BenchPage, HoldsTheDataAndLeavesNoPlaceUnfilled) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::bench_run_test

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace prospect {
+namespace prospect::binary_text_test {
 namespace {
 
 TEST(BinaryText, Base64AsInRfc4648) {
@@ -33,4 +33,4 @@ TEST(BinaryText, VarintsFloatsAndBytesByHand) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::binary_text_test

@@ -16,7 +16,7 @@
 #include "perception/stereo_odometry.h"
 #include "tests/adapters/box_room.h"
 
-namespace prospect {
+namespace prospect::camera_odometry_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -124,4 +124,4 @@ TEST(CameraOdometry, IsLostBeforeABlankWall) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::camera_odometry_test

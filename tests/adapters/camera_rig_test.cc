@@ -17,7 +17,7 @@
 #include "perception/stereo_matcher.h"
 #include "tests/adapters/box_room.h"
 
-namespace prospect {
+namespace prospect::camera_rig_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -373,4 +373,4 @@ TEST(CameraRig, DepthCameraSeesTheFootprint) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::camera_rig_test

@@ -17,7 +17,7 @@
 #include "engine/map_projection.h"
 #include "tests/adapters/box_room.h"
 
-namespace prospect {
+namespace prospect::camera_senses_test {
 namespace {
 
 class CameraSensesTest : public testing::Test {
@@ -262,4 +262,4 @@ TEST_F(CameraSensesTest, RefusesOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::camera_senses_test

@@ -7,7 +7,7 @@
 
 #include "adapters/config/input_error.h"
 
-namespace prospect {
+namespace prospect::configuration_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -141,4 +141,4 @@ TEST(Configuration, UnusableShapesAreRefusedOnce) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::configuration_test

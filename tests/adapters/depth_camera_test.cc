@@ -8,7 +8,7 @@
 
 #include "tests/adapters/box_room.h"
 
-namespace prospect {
+namespace prospect::depth_camera_test {
 namespace {
 
 DepthCameraOptions noiseless() {
@@ -186,4 +186,4 @@ TEST(DepthCamera, RejectsOptionsOutOfRangeAndSurvivesPosesOutside) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::depth_camera_test

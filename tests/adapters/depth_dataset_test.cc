@@ -15,15 +15,15 @@
 #include "adapters/config/input_error.h"
 #include "tests/perception/depth_recording.h"
 
-namespace prospect {
+namespace prospect::depth_dataset_test {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::DepthRecording;
+using test::DepthRecording;
 using ::testing::HasSubstr;
 
 /// Recordings of a rendered room, written anew for each test and then damaged.
-class Recording : public ::testing::Test {
+class DepthDatasetTest : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ =
@@ -82,7 +82,7 @@ void expect_good(const DepthDataset& dataset, const DepthRecording& recording, d
   }
 }
 
-TEST_F(Recording, SevenScenesLayout) {
+TEST_F(DepthDatasetTest, SevenScenesLayout) {
   recording_.write_seven_scenes(folder_);
   const DepthDataset dataset = DepthDataset::open(folder_);
   EXPECT_EQ(dataset.layout(), "7-Scenes");
@@ -91,7 +91,7 @@ TEST_F(Recording, SevenScenesLayout) {
   expect_good(dataset, recording_, 0.001);
 }
 
-TEST_F(Recording, TumLayout) {
+TEST_F(DepthDatasetTest, TumLayout) {
   recording_.write_tum(folder_);
   const DepthDataset dataset = DepthDataset::open(folder_);
   EXPECT_EQ(dataset.layout(), "TUM RGB-D");
@@ -101,7 +101,7 @@ TEST_F(Recording, TumLayout) {
   expect_good(dataset, recording_, 0.0002);
 }
 
-TEST_F(Recording, TumFramesWithoutAPoseAreLeftOut) {
+TEST_F(DepthDatasetTest, TumFramesWithoutAPoseAreLeftOut) {
   recording_.write_tum(folder_);
   std::ifstream in(folder_ + "/groundtruth.txt");
   std::string text, line;
@@ -120,7 +120,7 @@ TEST_F(Recording, TumFramesWithoutAPoseAreLeftOut) {
   EXPECT_FALSE(DepthDataset::open(folder_).has_poses());
 }
 
-TEST_F(Recording, NumberedLayout) {
+TEST_F(DepthDatasetTest, NumberedLayout) {
   recording_.write_numbered(folder_);
   EXPECT_THAT(refusal(), HasSubstr("no file states the camera's intrinsics"));
   const DepthDataset dataset = DepthDataset::open(folder_, given_camera());
@@ -132,7 +132,7 @@ TEST_F(Recording, NumberedLayout) {
   EXPECT_THAT(refusal(given_camera()), HasSubstr("expected no others beside it"));
 }
 
-TEST_F(Recording, SaysWhatIsMissingOrMalformed) {
+TEST_F(DepthDatasetTest, SaysWhatIsMissingOrMalformed) {
   EXPECT_THAT(refusal(), HasSubstr("no such folder"));
   fs::create_directories(folder_);
   EXPECT_THAT(refusal(), HasSubstr("neither depth.txt, nor frame-NNNNNN.depth.png"));
@@ -184,7 +184,7 @@ TEST_F(Recording, SaysWhatIsMissingOrMalformed) {
   EXPECT_THAT(refusal(), HasSubstr("no file states the camera's intrinsics"));
 }
 
-TEST_F(Recording, RefusesImagesThatAreNoDepth) {
+TEST_F(DepthDatasetTest, RefusesImagesThatAreNoDepth) {
   recording_.write_seven_scenes(folder_);
   cv::imwrite(folder_ + "/frame-000003.depth.png", cv::Mat(240, 320, CV_8UC1, cv::Scalar(7)));
   EXPECT_THAT(refusal(), HasSubstr("not of 16 bits a pixel"));
@@ -193,4 +193,4 @@ TEST_F(Recording, RefusesImagesThatAreNoDepth) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::depth_dataset_test

@@ -13,7 +13,7 @@
 #include "adapters/config/input_error.h"
 #include "solvers/registry.h"
 
-namespace prospect {
+namespace prospect::expression_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -127,4 +127,4 @@ TEST_F(ExpressionFile, StatesTheHockSchittkowskiProblems) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::expression_file_test

@@ -11,7 +11,7 @@
 #include "adapters/simulator/depth_camera.h"
 #include "tests/adapters/box_room.h"
 
-namespace prospect {
+namespace prospect::feature_camera_test {
 namespace {
 
 auto uniform_density(double d) {
@@ -211,4 +211,4 @@ TEST(FeatureCamera, RejectsOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::feature_camera_test

@@ -9,7 +9,7 @@
 #include "adapters/worlds/reachable_area.h"
 #include "adapters/worlds/world_file.h"
 
-namespace prospect {
+namespace prospect::floor_plan_test {
 namespace {
 
 TEST(FloorPlan, IsTheSameForTheSameSeedAndAnotherForAnother) {
@@ -42,4 +42,4 @@ TEST(FloorPlan, NeedsASeed) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::floor_plan_test

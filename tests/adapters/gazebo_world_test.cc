@@ -10,7 +10,7 @@
 #include "adapters/config/input_error.h"
 #include "tests/adapters/mesh_files.h"
 
-namespace prospect {
+namespace prospect::gazebo_world_test {
 namespace {
 
 Eigen::AlignedBox3f bounds(const TexturedMesh& mesh, std::size_t first = 0,
@@ -132,4 +132,4 @@ TEST(GazeboWorld, SaysWhereAndWhat) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::gazebo_world_test

@@ -10,7 +10,7 @@
 
 #include "adapters/worlds/ros_map.h"
 
-namespace prospect {
+namespace prospect::ground_picture_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -70,4 +70,4 @@ TEST_F(Pictures, OfNothingIsAnImage) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::ground_picture_test

@@ -9,7 +9,7 @@
 
 #include "tests/adapters/box_room.h"
 
-namespace prospect {
+namespace prospect::kinematic_robot_test {
 namespace {
 
 TEST(Advance, IsTheLimitOfSmallStepsAndSmoothThroughZeroTurn) {
@@ -274,4 +274,4 @@ TEST(KinematicRobot, BadStartsAreOneClearError) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::kinematic_robot_test

@@ -7,7 +7,7 @@
 
 #include "adapters/simulator/depth_camera.h"
 
-namespace prospect {
+namespace prospect::landmark_builder_test {
 namespace {
 
 const FeatureCameraOptions kCamera;
@@ -156,4 +156,4 @@ TEST(LandmarkBuilder, RejectsOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::landmark_builder_test

@@ -16,11 +16,11 @@
 #include "tests/perception/depth_faults.h"
 #include "tests/perception/depth_recording.h"
 
-namespace prospect {
+namespace prospect::map_run_test {
 namespace {
 
 namespace fs = std::filesystem;
-using testing::DepthRecording;
+using test::DepthRecording;
 using ::testing::HasSubstr;
 
 constexpr double kDegree = M_PI / 180.0;
@@ -31,7 +31,7 @@ MapRunOptions fine() {
   return options;
 }
 
-class Recording : public ::testing::Test {
+class MapRecording : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = (fs::temp_directory_path() / ("prospect map " + std::to_string(::getpid()))).string();
@@ -43,7 +43,7 @@ class Recording : public ::testing::Test {
   std::string folder_;
 };
 
-TEST_F(Recording, IsLevelledAndMapped) {
+TEST_F(MapRecording, IsLevelledAndMapped) {
   recording_.write_seven_scenes(folder_);
   const DepthDataset dataset = DepthDataset::open(folder_);
   const MapRun run = run_mapping(dataset, fine());
@@ -85,7 +85,7 @@ TEST_F(Recording, IsLevelledAndMapped) {
   }
 }
 
-TEST_F(Recording, TheSameGivesTheSame) {
+TEST_F(MapRecording, TheSameGivesTheSame) {
   recording_.write_tum(folder_);
   const DepthDataset dataset = DepthDataset::open(folder_);
   const MapRun a = run_mapping(dataset, fine()), b = run_mapping(dataset, fine());
@@ -99,7 +99,7 @@ TEST_F(Recording, TheSameGivesTheSame) {
   EXPECT_TRUE(run_mapping(dataset, fine(), 12).frames.empty());
 }
 
-TEST_F(Recording, WithoutPosesTheGroundIsMeasuredOnly) {
+TEST_F(MapRecording, WithoutPosesTheGroundIsMeasuredOnly) {
   recording_.write_numbered(folder_);
   DepthDatasetOptions options;
   options.camera = recording_.camera;
@@ -113,7 +113,7 @@ TEST_F(Recording, WithoutPosesTheGroundIsMeasuredOnly) {
   EXPECT_EQ(run.maps.octree, nullptr);
 }
 
-TEST_F(Recording, WithoutGroundIsRefused) {
+TEST_F(MapRecording, WithoutGroundIsRefused) {
   recording_.frames = 3;
   recording_.scene.room.low.z() = -4.0;  // far below
   recording_.scene.boxes.clear();
@@ -127,7 +127,7 @@ TEST_F(Recording, WithoutGroundIsRefused) {
 }
 
 // Poses that jump by 10 cm half way, away from the wall ahead: the wall is entered twice.
-TEST_F(Recording, WrongPosesDoubleWalls) {
+TEST_F(MapRecording, WrongPosesDoubleWalls) {
   recording_.scene.boxes.clear();
   recording_.scene.room.high.x() = 1.4;
   recording_.frames = 16;
@@ -215,13 +215,13 @@ TEST(RealRecording, FaultsInAKitchen) {
   const DepthDataset dataset = DepthDataset::open(folder);
   const MapRun good = run_mapping(dataset, fine());
   constexpr int kFrames = 11, kFirst = 4;
-  std::vector<testing::DepthFrame> frames;
+  std::vector<test::DepthFrame> frames;
   for (int k = 0; k < kFrames; ++k) {
     frames.push_back({dataset.stamp(k), dataset.read(k), good.T_WD * dataset.pose(k)});
   }
-  for (const testing::DepthFault& fault : testing::depth_faults()) {
+  for (const test::DepthFault& fault : test::depth_faults()) {
     DepthMapper mapper(dataset.camera(), fine().mapper);
-    testing::expect_fault_noticed(
+    test::expect_fault_noticed(
         fault, mapper, kFrames, kFirst, [&](int k) { return frames[static_cast<std::size_t>(k)]; },
         [&](int k) { return good.frames[static_cast<std::size_t>(k)].mapped.state; });
     // Nothing is occupied that is free in the map of the whole clip without faults, but at edges.
@@ -252,21 +252,21 @@ TEST(RealRecording, FaultsOnAWheeledRobot) {
   T_WC.linear() << ahead.transpose(), ground.up.cross(ahead).transpose(), ground.up.transpose();
   T_WC.translation().z() = ground.height;
   constexpr int kFrames = 11, kFirst = 4;
-  std::vector<testing::DepthFrame> frames;
+  std::vector<test::DepthFrame> frames;
   for (int k = 0; k < kFrames; ++k) frames.push_back({dataset.stamp(k), dataset.read(k), T_WC});
   DepthMapper clean(dataset.camera(), fine().mapper);
   std::vector<Mapping> states;
-  for (const testing::DepthFrame& frame : frames) {
+  for (const test::DepthFrame& frame : frames) {
     states.push_back(clean.process(frame.stamp, frame.image, frame.T_WC).state);
     EXPECT_EQ(states.back(), Mapping::kOk);
   }
-  for (const testing::DepthFault& fault : testing::depth_faults()) {
+  for (const test::DepthFault& fault : test::depth_faults()) {
     DepthMapper mapper(dataset.camera(), fine().mapper);
-    testing::expect_fault_noticed(
+    test::expect_fault_noticed(
         fault, mapper, kFrames, kFirst, [&](int k) { return frames[static_cast<std::size_t>(k)]; },
         [&](int k) { return states[static_cast<std::size_t>(k)]; });
   }
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::map_run_test

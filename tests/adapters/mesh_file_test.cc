@@ -12,7 +12,7 @@
 #include "adapters/config/input_error.h"
 #include "tests/adapters/mesh_files.h"
 
-namespace prospect {
+namespace prospect::mesh_file_test {
 namespace {
 
 Eigen::AlignedBox3f bounds(const TexturedMesh& mesh) {
@@ -217,4 +217,4 @@ TEST(MeshFile, ATriangleThatIsMirroredKeepsItsOutside) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::mesh_file_test

@@ -16,7 +16,7 @@
 #include "adapters/worlds/reachable_area.h"
 #include "tests/adapters/mesh_files.h"
 
-namespace prospect {
+namespace prospect::mesh_world_test {
 namespace {
 
 std::string box(double x0, double y0, double z0, double x1, double y1, double z1) {
@@ -186,4 +186,4 @@ TEST(MeshWorld, SmallWarehouse) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::mesh_world_test

@@ -15,7 +15,7 @@
 
 #include "adapters/config/input_error.h"
 
-namespace prospect {
+namespace prospect::octree_file_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -273,4 +273,4 @@ INSTANTIATE_TEST_SUITE_P(Data, RealMaps,
                                            "geb079/geb079.bt", "dw_nav2/map.bt"));
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::octree_file_test

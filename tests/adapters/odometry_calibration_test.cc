@@ -15,12 +15,12 @@
 #include "adapters/datasets/calibration_report.h"
 #include "tests/perception/rendered_room.h"
 
-namespace prospect {
+namespace prospect::odometry_calibration_test {
 namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-using testing::RenderedRoom;
+using test::RenderedRoom;
 
 StereoCamera camera() {
   StereoCamera c;
@@ -200,4 +200,4 @@ TEST(OdometryCalibration, RefusesHorizonsOfNothing) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::odometry_calibration_test

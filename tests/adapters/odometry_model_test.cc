@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace prospect {
+namespace prospect::odometry_model_test {
 namespace {
 
 const StereoCamera kStereo;
@@ -263,4 +263,4 @@ TEST(OdometryModel, RejectsOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::odometry_model_test

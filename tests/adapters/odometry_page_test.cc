@@ -11,12 +11,12 @@
 
 #include "tests/perception/rendered_room.h"
 
-namespace prospect {
+namespace prospect::odometry_page_test {
 namespace {
 
+using test::RenderedRoom;
 using ::testing::HasSubstr;
 using ::testing::Not;
-using testing::RenderedRoom;
 
 StereoCamera camera() {
   StereoCamera c;
@@ -84,4 +84,4 @@ TEST(OdometryPage, RefusesNoFrames) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::odometry_page_test

@@ -7,7 +7,7 @@
 
 #include "adapters/bench/solved_rule.h"
 
-namespace prospect {
+namespace prospect::performance_profile_test {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -59,4 +59,4 @@ TEST(SolvedRule, HasAGapThatIsTheShareWhereItIsJustSolved) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::performance_profile_test

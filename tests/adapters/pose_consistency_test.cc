@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace prospect {
+namespace prospect::pose_consistency_test {
 namespace {
 
 /// Normalised errors of Gaussian errors whose covariance is `factor` times the claimed one.
@@ -61,4 +61,4 @@ TEST(PoseConsistency, WhatHasNoCovarianceIsLeftOut) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::pose_consistency_test

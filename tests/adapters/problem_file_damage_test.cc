@@ -20,7 +20,7 @@
 #include "adapters/problem_file/problem_file.h"
 #include "tests/engine/problem_recipes.h"
 
-namespace prospect::testing {
+namespace prospect::test::problem_file_damage_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -265,4 +265,4 @@ TEST_F(ProblemFileDamageTest, WithAnotherValueInAnyEntry) {
 }
 
 }  // namespace
-}  // namespace prospect::testing
+}  // namespace prospect::test::problem_file_damage_test

@@ -20,7 +20,7 @@
 #include "tests/engine/problem_recipes.h"
 #include "tests/engine/same_problem.h"
 
-namespace prospect::testing {
+namespace prospect::test::problem_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -754,4 +754,4 @@ TEST_F(ProblemFileTest, TheDocumentationDescribesEveryEntryAndNoOther) {
 }
 
 }  // namespace
-}  // namespace prospect::testing
+}  // namespace prospect::test::problem_file_test

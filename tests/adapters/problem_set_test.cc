@@ -11,7 +11,7 @@
 #include "adapters/config/input_error.h"
 #include "problems/r1.h"
 
-namespace prospect {
+namespace prospect::problem_set_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -125,4 +125,4 @@ TEST_F(Missions, AreRefusedAsAWholeIfOneFileIsDamaged) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::problem_set_test

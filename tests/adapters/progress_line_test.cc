@@ -7,7 +7,7 @@
 #include <cmath>
 #include <sstream>
 
-namespace prospect {
+namespace prospect::progress_line_test {
 namespace {
 
 using testing::HasSubstr;
@@ -127,4 +127,4 @@ TEST(ProgressLine, TakesNumbersThatAreNone) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::progress_line_test

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace prospect {
+namespace prospect::quantile_test {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -37,4 +37,4 @@ TEST(Quantile, IsWhatCountingGives) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::quantile_test

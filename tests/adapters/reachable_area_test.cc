@@ -12,7 +12,7 @@
 #include "adapters/config/input_error.h"
 #include "adapters/worlds/load_world.h"
 
-namespace prospect {
+namespace prospect::reachable_area_test {
 namespace {
 
 /// A world whose columns are free or solid over their whole height, with some obstacles in the
@@ -270,4 +270,4 @@ TEST(ReachableArea, IsFastAndAsExpectedOnRealMaps) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::reachable_area_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace prospect {
+namespace prospect::rectification_test {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -111,4 +111,4 @@ TEST(Rectification, RefusesWhatIsNoStereoPair) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::rectification_test

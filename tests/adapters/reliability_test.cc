@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace prospect {
+namespace prospect::reliability_test {
 namespace {
 
 TEST(Reliability, OfPredictionsThatAreTrueEveryBinIsOnTheDiagonal) {
@@ -79,4 +79,4 @@ TEST(CountAgreement, NothingVariesNothingCorrelates) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::reliability_test

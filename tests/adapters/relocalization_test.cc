@@ -13,7 +13,7 @@
 
 #include "adapters/simulator/depth_camera.h"
 
-namespace prospect {
+namespace prospect::relocalization_test {
 namespace {
 
 // What a stereo camera at a pose sees of landmarks that were created from that very pose.
@@ -321,4 +321,4 @@ TEST(Relocalization, NonPositiveDisparitiesAndDegenerateLandmarksDoNotCount) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::relocalization_test

@@ -11,7 +11,7 @@
 
 #include "tests/adapters/synthetic_run.h"
 
-namespace prospect {
+namespace prospect::report_test {
 namespace {
 
 int count(const std::string& text, const std::string& what) {
@@ -218,4 +218,4 @@ TEST(Report, HoldsTheRun) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::report_test

@@ -12,7 +12,7 @@
 #include <sstream>
 #include <string>
 
-namespace prospect {
+namespace prospect::row_file_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -82,4 +82,4 @@ TEST(RowFile, TakesBackARowThatFitsOnlyInPart) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::row_file_test

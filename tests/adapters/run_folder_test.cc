@@ -20,7 +20,7 @@
 #include "adapters/worlds/octree_file.h"
 #include "tests/adapters/synthetic_run.h"
 
-namespace prospect {
+namespace prospect::run_folder_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -349,4 +349,4 @@ TEST_F(RunFolderTest, AFileAtTheEndAppearsWholeOrNotAtAll) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::run_folder_test

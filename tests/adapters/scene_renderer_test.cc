@@ -15,7 +15,7 @@
 #include "adapters/worlds/load_world.h"
 #include "tests/adapters/box_room.h"
 
-namespace prospect {
+namespace prospect::scene_renderer_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -332,4 +332,4 @@ TEST(SceneRenderer, RefusesABrokenMesh) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::scene_renderer_test

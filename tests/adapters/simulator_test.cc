@@ -11,7 +11,7 @@
 #include "engine/map_projection.h"
 #include "tests/adapters/box_room.h"
 
-namespace prospect {
+namespace prospect::simulator_test {
 namespace {
 
 std::shared_ptr<World> office_like(double density = 30.0) {
@@ -340,4 +340,4 @@ TEST(Simulator, OneSecondOfRobotTimeCostsLessThanFiftyMilliseconds) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::simulator_test

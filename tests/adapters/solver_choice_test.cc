@@ -5,7 +5,7 @@
 
 #include "adapters/config/input_error.h"
 
-namespace prospect {
+namespace prospect::solver_choice_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -46,4 +46,4 @@ TEST(SolverChoice, RefusesWhatNoBackEndTakesInOneLine) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::solver_choice_test

@@ -20,12 +20,12 @@
 #include "tests/perception/image_faults.h"
 #include "tests/perception/rendered_room.h"
 
-namespace prospect {
+namespace prospect::stereo_dataset_test {
 namespace {
 
 namespace fs = std::filesystem;
+using test::RenderedRoom;
 using ::testing::HasSubstr;
-using testing::RenderedRoom;
 
 constexpr int kFrames = 6;
 
@@ -44,7 +44,7 @@ void write_png(const std::string& path, const Image& image) {
 }
 
 /// Recordings of the rendered room, written anew for each test and then damaged.
-class Recording : public ::testing::Test {
+class StereoRecording : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ =
@@ -159,7 +159,7 @@ void expect_good(const StereoDataset& dataset, double tolerance) {
   EXPECT_LT(s.ate_first.max, tolerance);
 }
 
-TEST_F(Recording, KittiLayout) {
+TEST_F(StereoRecording, KittiLayout) {
   kitti();
   const StereoDataset dataset = StereoDataset::open(folder_);
   EXPECT_EQ(dataset.layout(), "KITTI");
@@ -167,14 +167,14 @@ TEST_F(Recording, KittiLayout) {
   expect_good(dataset, 0.005);
 }
 
-TEST_F(Recording, EurocLayout) {
+TEST_F(StereoRecording, EurocLayout) {
   euroc();
   const StereoDataset dataset = StereoDataset::open(folder_);
   EXPECT_EQ(dataset.layout(), "EuRoC");
   expect_good(dataset, 0.005);
 }
 
-TEST_F(Recording, SaysWhatIsMissingOrMalformed) {
+TEST_F(StereoRecording, SaysWhatIsMissingOrMalformed) {
   EXPECT_THAT(refusal(), HasSubstr("no such folder"));
   fs::create_directories(folder_);
   EXPECT_THAT(refusal(), HasSubstr("neither calib.txt (KITTI) nor mav0 (EuRoC)"));
@@ -200,7 +200,7 @@ TEST_F(Recording, SaysWhatIsMissingOrMalformed) {
   EXPECT_THAT(refusal(), HasSubstr("the name is no number"));
 }
 
-TEST_F(Recording, RefusesACalibrationThatTheImagesContradict) {
+TEST_F(StereoRecording, RefusesACalibrationThatTheImagesContradict) {
   kitti();
   const std::string good = "P1: 300 0 200 -36 0 300 150 0 0 0 1 0";
   const std::pair<const char*, const char*> cases[] = {
@@ -226,7 +226,7 @@ TEST_F(Recording, RefusesACalibrationThatTheImagesContradict) {
               HasSubstr("the principal point is (400, 300) but the images have 400 x 300"));
 }
 
-TEST_F(Recording, RefusesExchangedAndShiftedImages) {
+TEST_F(StereoRecording, RefusesExchangedAndShiftedImages) {
   kitti();
   fs::rename(folder_ + "/image_0", folder_ + "/other");
   fs::rename(folder_ + "/image_1", folder_ + "/image_0");
@@ -254,7 +254,7 @@ TEST_F(Recording, RefusesExchangedAndShiftedImages) {
   EXPECT_THAT(refusal(), HasSubstr("cannot be decoded"));
 }
 
-TEST_F(Recording, RefusesWrongSensorFiles) {
+TEST_F(StereoRecording, RefusesWrongSensorFiles) {
   euroc();
   replace("mav0/cam1/sensor.yaml", "-0.12", "0.12");
   EXPECT_THAT(refusal(), HasSubstr("look exchanged"));
@@ -316,16 +316,16 @@ void expect_faults_noticed(const std::string& folder, int first, double step, in
   const OdometryRun good = run_odometry(dataset);
   std::printf("%-20s %-9s %-48s %s\n", "fault", "state", "reason", "after it");
   const int begin = first - 8;
-  for (const testing::ImageFault& fault : testing::image_faults()) {
+  for (const test::ImageFault& fault : test::image_faults()) {
     SCOPED_TRACE(fault.name);
     StereoOdometry odometry(dataset.camera(), {}, good.frames[begin].T_WC);
-    testing::StereoFrame before;
-    testing::FaultOutcome outcome(fault, first);
+    test::StereoFrame before;
+    test::FaultOutcome outcome(fault, first);
     const int end = std::min(dataset.size(), first + fault.count + recovery + 4);
     for (int k = begin; k < end; ++k) {
       const bool faulty = outcome.faulty(k);
       auto pair = dataset.read(k);
-      testing::StereoFrame frame{dataset.stamp(k), std::move(pair.left), std::move(pair.right)};
+      test::StereoFrame frame{dataset.stamp(k), std::move(pair.left), std::move(pair.right)};
       if (faulty && !fault.apply) continue;
       if (k == first - 1) before = frame;
       if (faulty) frame = fault.apply(frame, before, k - first);
@@ -351,4 +351,4 @@ TEST(RealRecording, FaultsAtRest) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::stereo_dataset_test

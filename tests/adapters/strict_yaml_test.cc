@@ -8,7 +8,7 @@
 #include <limits>
 #include <random>
 
-namespace prospect {
+namespace prospect::strict_yaml_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -223,4 +223,4 @@ TEST(StrictYaml, SurvivesMutatedText) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::strict_yaml_test

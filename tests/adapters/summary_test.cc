@@ -4,8 +4,9 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <vector>
 
-namespace prospect {
+namespace prospect::summary_test {
 namespace {
 
 StepRecord step(double time, double coverage, double path, double error, double plan_ms) {
@@ -63,7 +64,7 @@ TEST(Summary, ReachedExactlyOrFromTheStart) {
 }
 
 TEST(Summary, OfNothing) {
-  const Summary s = summarize({});
+  const Summary s = summarize(std::vector<StepRecord>{});
   EXPECT_EQ(s.steps, 0);
   EXPECT_EQ(s.coverage, 0.0);
   EXPECT_TRUE(std::isnan(s.time_to_90_s));
@@ -117,4 +118,4 @@ TEST(SummaryJson, TakesTextThatIsNoUtf8) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::summary_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace prospect {
+namespace prospect::texture_pyramid_test {
 namespace {
 
 Image ramp(int width, int height) {
@@ -65,4 +65,4 @@ TEST(TexturePyramid, RefusesAnEmptyImage) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::texture_pyramid_test

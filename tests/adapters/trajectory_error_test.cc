@@ -12,7 +12,7 @@
 #include "adapters/config/input_error.h"
 #include "adapters/datasets/trajectory.h"
 
-namespace prospect {
+namespace prospect::trajectory_error_test {
 namespace {
 
 using Eigen::AngleAxisd;
@@ -179,4 +179,4 @@ TEST(TrajectoryError, PublishedEstimatesOfFreiburg1Xyz) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::trajectory_error_test

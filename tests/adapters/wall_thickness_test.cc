@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace prospect {
+namespace prospect::wall_thickness_test {
 namespace {
 
 constexpr double kR = 0.05;
@@ -72,4 +72,4 @@ TEST(WallThickness, LeavesOutWhatIsNoWall) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::wall_thickness_test

@@ -13,7 +13,7 @@
 #include "adapters/worlds/load_world.h"
 #include "tests/adapters/box_room.h"
 
-namespace prospect {
+namespace prospect::world_mesh_test {
 namespace {
 
 FeatureField field_of(const World& world, std::uint64_t seed = 1) {
@@ -192,4 +192,4 @@ TEST(WorldMesh, RefusesWhatMakesNoSense) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::world_mesh_test

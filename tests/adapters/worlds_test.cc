@@ -21,7 +21,7 @@
 #include "adapters/worlds/ros_map.h"
 #include "adapters/worlds/world_file.h"
 
-namespace prospect {
+namespace prospect::worlds_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -659,4 +659,4 @@ TEST_F(Worlds, RealMapsLoadAndCanBeExplored) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::worlds_test

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// What a room's files may include. Libraries are named by the prefix of their headers; the C++
 /// standard library and the C library are free to all.
@@ -89,4 +89,4 @@ inline std::vector<std::string> forbidden_includes(const std::filesystem::path& 
   return found;
 }
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

@@ -4,7 +4,7 @@
 
 #include "tests/architecture/include_rules.h"
 
-namespace prospect::testing {
+namespace prospect::test::includes_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -86,4 +86,4 @@ TEST(Includes, WhatIsAllowedPasses) {
 }
 
 }  // namespace
-}  // namespace prospect::testing
+}  // namespace prospect::test::includes_test

@@ -9,7 +9,7 @@
 
 #include "adapters/config/input_error.h"
 
-namespace prospect {
+namespace prospect::comparison_table_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -105,4 +105,4 @@ TEST(ComparisonReport, FailedMissionsAreCounted) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::comparison_table_test

@@ -9,7 +9,7 @@
 #include "engine/voxel_grid.h"
 #include "models/unicycle.h"
 
-namespace prospect {
+namespace prospect::dynamic_window_test {
 namespace {
 
 constexpr double kResolution = 0.1;
@@ -140,4 +140,4 @@ TEST_F(DynamicWindow, EveryCandidateKeepsTheLimitsAndStopIsAmongThem) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::dynamic_window_test

@@ -9,7 +9,7 @@
 #include "adapters/config/input_error.h"
 #include "benchmarks/experiments/conditions.h"
 
-namespace prospect {
+namespace prospect::experiment_report_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -73,4 +73,4 @@ TEST(Conditions, AreConfigurationsThatDifferFromTheirReference) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::experiment_report_test

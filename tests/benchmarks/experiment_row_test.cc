@@ -9,7 +9,7 @@
 #include "adapters/config/input_error.h"
 #include "adapters/run/summary.h"
 
-namespace prospect {
+namespace prospect::experiment_row_test {
 namespace {
 
 StepRecord step(double time, double coverage, double error, double predicted, int tracked) {
@@ -90,4 +90,4 @@ TEST(ExperimentRow, ReturnsFromItsTable) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::experiment_row_test

@@ -11,7 +11,7 @@
 #include "adapters/simulator/simulator.h"
 #include "adapters/worlds/world_file.h"
 
-namespace prospect {
+namespace prospect::frontier_planner_test {
 namespace {
 
 constexpr const char* kTwoRooms = R"(
@@ -139,4 +139,4 @@ TEST(NearestFrontierParameters, LeaveTheChoiceOfTheNearestOnly) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::frontier_planner_test

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-namespace prospect {
+namespace prospect::frontier_rule_test {
 namespace {
 
 TEST(FrontierRule, NearestTakesTheLeastDistanceWhateverTheLength) {
@@ -30,4 +30,4 @@ TEST(FrontierRule, TakesTheFirstOfEqualOnesAndNoneOfNone) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::frontier_rule_test

@@ -6,7 +6,7 @@
 #include <map>
 #include <stdexcept>
 
-namespace prospect {
+namespace prospect::mission_processes_test {
 namespace {
 
 TEST(MissionProcesses, OneThatCrashesOrThrowsCostsOnlyItself) {
@@ -26,4 +26,4 @@ TEST(MissionProcesses, OneThatCrashesOrThrowsCostsOnlyItself) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::mission_processes_test

@@ -8,7 +8,7 @@
 
 #include "adapters/worlds/load_world.h"
 
-namespace prospect {
+namespace prospect::mission_start_test {
 namespace {
 
 TEST(MissionStart, SeedOneKeepsTheWorldsOwnAndOthersDrawWhereTheRobotStands) {
@@ -32,4 +32,4 @@ TEST(MissionStart, SeedOneKeepsTheWorldsOwnAndOthersDrawWhereTheRobotStands) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::mission_start_test

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace prospect {
+namespace prospect::paired_bootstrap_test {
 namespace {
 
 // For many pairs the interval of the mean is that of the normal distribution.
@@ -73,4 +73,4 @@ TEST(PairedBootstrap, RefusesWhatIsNoSampleOfPairs) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::paired_bootstrap_test

@@ -6,7 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace prospect {
+namespace prospect::signed_rank_test_test {
 namespace {
 
 /// n differences 1 ... n, of which those in `negative` are negative: W- is their sum.
@@ -96,4 +96,4 @@ TEST(SignedRankTest, RefusesWhatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::signed_rank_test_test

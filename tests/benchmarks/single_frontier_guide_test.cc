@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace prospect {
+namespace prospect::single_frontier_guide_test {
 namespace {
 
 constexpr double kResolution = 0.1;
@@ -155,4 +155,4 @@ TEST(SingleFrontierGuide, APoseThatIsNotFiniteGivesTheLastGuidance) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::single_frontier_guide_test

@@ -6,7 +6,7 @@
 
 int main(int argc, char** argv) {
   if (argc != 2) return 2;
-  prospect::testing::DepthRecording recording;
+  prospect::test::DepthRecording recording;
   recording.frames = 5;
   recording.write_seven_scenes(std::string(argv[1]) + "/posed");
   recording.write_numbered(std::string(argv[1]) + "/robot");

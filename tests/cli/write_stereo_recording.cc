@@ -15,7 +15,7 @@
 #include "tests/perception/rendered_room.h"
 
 using prospect::Image;
-using prospect::testing::RenderedRoom;
+using prospect::test::RenderedRoom;
 
 namespace {
 

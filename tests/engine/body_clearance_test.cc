@@ -8,10 +8,10 @@
 
 #include "tests/engine/obstacle_worlds.h"
 
-namespace prospect {
+namespace prospect::body_clearance_test {
 namespace {
 
-using testing::random_world;
+using test::random_world;
 
 std::shared_ptr<const ClearanceField> field_of(std::uint64_t seed, bool vertical) {
   const auto world = random_world(seed, 0.1, 3.0);
@@ -116,4 +116,4 @@ TEST(BodyClearance, RejectsAFieldThatIsTooShortSighted) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::body_clearance_test

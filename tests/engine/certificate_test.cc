@@ -16,13 +16,13 @@
 #include "models/unicycle_accel.h"
 #include "tests/engine/obstacle_worlds.h"
 
-namespace prospect {
+namespace prospect::certificate_test {
 namespace {
 
 using Status = Certificate::Status;
-using testing::Boxes;
-using testing::ObstacleWorld;
-using testing::random_world;
+using test::Boxes;
+using test::ObstacleWorld;
+using test::random_world;
 
 constexpr double kDt = 0.25;
 
@@ -106,7 +106,7 @@ TEST(Certificate, AgreesWithBruteForceForCylinders) {
   const ObstacleWorld world = random_world(4, 0.1, 2.0);
   const Belief belief = world.belief();
   ClearanceField::Options slice;  // 0.1 .. 0.5 m, the cylinder's height
-  const Boxes boxes = testing::boxes_of(world, slice);
+  const Boxes boxes = test::boxes_of(world, slice);
   const Certifier certifier(CylinderShape{{0.0, 0.0, 0.3}, 0.18, 0.4}, free_policy());
   for (int sample = 0; sample < 2000; ++sample) {
     const Pose pose{{place(random), place(random), 0.0}, place(random)};
@@ -141,7 +141,7 @@ TEST(Certificate, AgreesWithSeparatingAxesForBoxes) {
   const Belief belief = world.belief();
   ClearanceField::Options slice;
   slice.slice = {0.15, 0.45};
-  const Boxes boxes = testing::boxes_of(world, slice);
+  const Boxes boxes = test::boxes_of(world, slice);
   const BoxShape box{{0.02, 0.0, 0.3}, {0.5, 0.3, 0.3}};
   Certifier::Options options = free_policy();
   options.slice = slice.slice;
@@ -483,4 +483,4 @@ TEST(Certificate, BadNumbersAreReportedNotThrown) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::certificate_test

@@ -12,13 +12,13 @@
 
 #include "tests/engine/obstacle_worlds.h"
 
-namespace prospect {
+namespace prospect::clearance_field_test {
 namespace {
 
-using testing::Boxes;
-using testing::boxes_of;
-using testing::ObstacleWorld;
-using testing::random_world;
+using test::Boxes;
+using test::boxes_of;
+using test::ObstacleWorld;
+using test::random_world;
 
 ClearanceField make(const ObstacleWorld& world, const ClearanceField::Options& options,
                     const Eigen::Vector3d& center = Eigen::Vector3d(0.0, 0.0, 0.4)) {
@@ -463,4 +463,4 @@ TEST(ClearanceField, BadOptionsAreNamed) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::clearance_field_test

@@ -11,7 +11,7 @@
 #include "tests/engine/term_derivatives.h"
 #include "tests/engine/view_worlds.h"
 
-namespace prospect {
+namespace prospect::control_effort_test {
 namespace {
 
 TEST(InputScale, CountsAnInputAtItsBoundAsOne) {
@@ -29,12 +29,12 @@ TEST(ControlEffort, IsTheMeanOfTheScaledSquares) {
   for (const MotionModel* model :
        {static_cast<const MotionModel*>(&unicycle), static_cast<const MotionModel*>(&multirotor)}) {
     Eigen::VectorXd desired(model->nu());
-    for (double& v : desired) v = testing::uniform(random, -0.3, 0.3);
+    for (double& v : desired) v = test::uniform(random, -0.3, 0.3);
     const ControlEffort effort(desired, model->limits());
     const InputRate rate(model->limits());
     const Eigen::VectorXd R = input_scale(model->limits());
-    const TrajectoryBatch t = testing::random_trajectories(*model, 7, 0.2, 5, random);
-    const TermOutput e = testing::evaluate(effort, t, false), d = testing::evaluate(rate, t, false);
+    const TrajectoryBatch t = test::random_trajectories(*model, 7, 0.2, 5, random);
+    const TermOutput e = test::evaluate(effort, t, false), d = test::evaluate(rate, t, false);
     for (int b = 0; b < 5; ++b) {
       double effort_sum = 0.0, rate_sum = 0.0;
       for (int k = 0; k < 7; ++k) {
@@ -47,9 +47,9 @@ TEST(ControlEffort, IsTheMeanOfTheScaledSquares) {
       EXPECT_NEAR(e.value(0, b), effort_sum / 7, 1e-12);
       EXPECT_NEAR(d.value(0, b), rate_sum / 7, 1e-12);
     }
-    const TrajectoryBatch one = testing::random_trajectories(*model, 7, 0.2, 1, random);
-    testing::expect_derivative_matches_differences(effort, one, 0, 1e-5, 1e-7);
-    testing::expect_derivative_matches_differences(rate, one, 0, 1e-5, 1e-7);
+    const TrajectoryBatch one = test::random_trajectories(*model, 7, 0.2, 1, random);
+    test::expect_derivative_matches_differences(effort, one, 0, 1e-5, 1e-7);
+    test::expect_derivative_matches_differences(rate, one, 0, 1e-5, 1e-7);
   }
 }
 
@@ -61,4 +61,4 @@ TEST(ControlEffort, RefusesADesiredInputThatDoesNotFit) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::control_effort_test

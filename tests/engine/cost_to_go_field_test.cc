@@ -12,7 +12,7 @@
 
 #include "ground_worlds.h"
 
-namespace prospect {
+namespace prospect::cost_to_go_field_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -113,7 +113,7 @@ GroundMap floor(double r, int n) {
 TEST(CostToGoField, SolvesTheUpwindEquations) {
   std::mt19937_64 random(3);
   for (int run = 0; run < 6; ++run) {
-    const auto world = testing::GroundWorld::rooms(10.0, 0.1, 20, random);
+    const auto world = test::GroundWorld::rooms(10.0, 0.1, 20, random);
     GroundMap map(GridFrame{0.1, 0, 0, 16, 16});
     Cell robot{};
     for (int k = 0; k < 4; ++k) {
@@ -192,7 +192,7 @@ TEST(CostToGoField, MetricErrorInOpenSpaceIsSmallAndBounded) {
 TEST(CostToGoField, AgreesWithDijkstraWithinTheMetricErrorsOfBoth) {
   std::mt19937_64 random(4);
   for (int run = 0; run < 4; ++run) {
-    const auto world = testing::GroundWorld::rooms(12.0, 0.1, 10, random);
+    const auto world = test::GroundWorld::rooms(12.0, 0.1, 10, random);
     GroundMap map(GridFrame{0.1, 0, 0, 16, 16});
     Cell robot{};
     for (int k = 0; k < 8; ++k) {
@@ -231,7 +231,7 @@ TEST(CostToGoField, RepairEqualsFromScratchBitForBit) {
   std::int64_t repaired = 0, scratch = 0;
   for (int run = 0; run < 12; ++run) {
     const bool torn = run % 3 == 2;
-    const auto world = testing::GroundWorld::rooms(16.0, 0.1, 40, random);
+    const auto world = test::GroundWorld::rooms(16.0, 0.1, 40, random);
     GroundMap map(GridFrame{0.1, 0, 0, 16, 16});
     Chain chain;
     CostToGoOptions options;
@@ -241,7 +241,7 @@ TEST(CostToGoField, RepairEqualsFromScratchBitForBit) {
     Cell robot = world.open_cell(4, random);
     for (int step = 0; step < 25; ++step) {
       if (torn) {
-        testing::scribble(map, 10, 120, 0, random);
+        test::scribble(map, 10, 120, 0, random);
         robot = {static_cast<int>(random() % 140), static_cast<int>(random() % 140)};
       } else {
         // A drive in small steps, with a jump now and then.
@@ -303,7 +303,7 @@ TEST(CostToGoField, StopsBeyondTheRobot) {
 TEST(CostToGoField, WindowIsFiniteAndRisesAwayFromBothSidesOfAWall) {
   std::mt19937_64 random(6);
   for (int run = 0; run < 10; ++run) {
-    const auto world = testing::GroundWorld::rooms(12.0, 0.1, 30, random);
+    const auto world = test::GroundWorld::rooms(12.0, 0.1, 30, random);
     GroundMap map(GridFrame{0.1, 0, 0, 16, 16});
     const Cell robot = world.open_cell(3, random);
     const Eigen::Vector2d p = world.truth.frame.center(robot);
@@ -386,4 +386,4 @@ TEST(CostToGoField, RobotInAWallIsAnchoredOnItsSide) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::cost_to_go_field_test

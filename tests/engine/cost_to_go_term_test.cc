@@ -12,7 +12,7 @@
 #include "engine/terms/heading_alignment.h"
 #include "models/motion_model.h"
 
-namespace prospect {
+namespace prospect::cost_to_go_term_test {
 namespace {
 
 // The terms read poses only; a model with pose (x, y, yaw) and one entry besides is all they need.
@@ -194,4 +194,4 @@ TEST(CostToGoTerm, NeverInventsAFiniteNumberAndNeverLosesOne) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::cost_to_go_term_test

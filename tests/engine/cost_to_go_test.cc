@@ -8,7 +8,7 @@
 #include <random>
 #include <stdexcept>
 
-namespace prospect {
+namespace prospect::cost_to_go_test {
 namespace {
 
 CostToGo random_field(std::mt19937_64& random, int n = 24) {
@@ -171,4 +171,4 @@ TEST(CostToGo, RefusesBadCells) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::cost_to_go_test

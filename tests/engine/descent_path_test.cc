@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace prospect {
+namespace prospect::descent_path_test {
 namespace {
 
 // V falls to the east by 1 s/m, with a ridge in every other row of cells: with it, the gradient
@@ -47,4 +47,4 @@ TEST(DescentPath, AtItsEndAnyHeadingWillDo) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::descent_path_test

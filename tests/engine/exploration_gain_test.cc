@@ -13,10 +13,10 @@
 #include "tests/engine/term_derivatives.h"
 #include "tests/engine/view_worlds.h"
 
-namespace prospect {
+namespace prospect::exploration_gain_test {
 namespace {
 
-using testing::uniform;
+using test::uniform;
 
 struct Scene {
   ExplorationTargets targets;
@@ -26,7 +26,7 @@ struct Scene {
 
 Scene scene(std::mt19937_64& random, int count, bool vertical = false) {
   Scene s;
-  const VoxelGrid grid = testing::hall(random, true, 15);
+  const VoxelGrid grid = test::hall(random, true, 15);
   for (int i = 0; i < count; ++i) {
     s.targets.targets.push_back(
         {{uniform(random, -5, 5), uniform(random, -5, 5), 0.45}, uniform(random, 0.01, 0.16)});
@@ -61,8 +61,8 @@ TEST(ExplorationGain, EqualsTheDoubleLoopAndTheMonteCarloOfLooks) {
   const ExplorationGain::Options options;
   double largest = 0.0;
   for (int n = 0; n < 10; ++n) {
-    const TrajectoryBatch t = testing::random_trajectories(model, 12, 0.25, 1, random);
-    const double value = testing::evaluate(gain, t, false).value(0, 0);
+    const TrajectoryBatch t = test::random_trajectories(model, 12, 0.25, 1, random);
+    const double value = test::evaluate(gain, t, false).value(0, 0);
     const Eigen::MatrixXd p = look_probabilities(s, t, 0, options, true);
     double loop = 0.0, sum_of_looks = 0.0;
     for (int c = 0; c < p.rows(); ++c) {
@@ -117,15 +117,15 @@ TEST(ExplorationGain, StandingStillNeverEarnsMoreThanThereIs) {
   const ExplorationGain gain(targets, RgbdFootprint(), CameraMount(), table);
   const Unicycle model;
   std::mt19937_64 random(1);
-  TrajectoryBatch t = testing::random_trajectories(model, 30, 0.25, 1, random);
+  TrajectoryBatch t = test::random_trajectories(model, 30, 0.25, 1, random);
   t.states.setZero();
-  const double value = testing::evaluate(gain, t, false).value(0, 0);
+  const double value = test::evaluate(gain, t, false).value(0, 0);
   EXPECT_GT(value, 0.99 * 0.16 / 0.3);
   EXPECT_LE(value, 0.16 / 0.3);
   // Looking later is worth less: turn to it at the end only.
   TrajectoryBatch late = t;
   for (int k = 0; k < 30; ++k) late.states(3 * k + 2, 0) = M_PI;
-  EXPECT_LT(testing::evaluate(gain, late, false).value(0, 0), 0.2 * value);
+  EXPECT_LT(test::evaluate(gain, late, false).value(0, 0), 0.2 * value);
 }
 
 TEST(ExplorationGain, GradientMatchesDifferences) {
@@ -137,8 +137,8 @@ TEST(ExplorationGain, GradientMatchesDifferences) {
     const Multirotor multirotor;
     const MotionModel& model = vertical ? static_cast<const MotionModel&>(multirotor) : unicycle;
     for (int n = 0; n < 6; ++n) {
-      const TrajectoryBatch t = testing::random_trajectories(model, 6, 0.25, 1, random);
-      testing::expect_derivative_matches_differences(gain, t, 0, 1e-5, 2e-6);
+      const TrajectoryBatch t = test::random_trajectories(model, 6, 0.25, 1, random);
+      test::expect_derivative_matches_differences(gain, t, 0, 1e-5, 2e-6);
     }
   }
 }
@@ -148,14 +148,14 @@ TEST(ExplorationGain, BatchEqualsSingleAndPermutationDoesNotMatter) {
   const Scene s = scene(random, 90);
   const Unicycle model;
   const ExplorationGain gain(s.targets, RgbdFootprint(), CameraMount(), s.table);
-  const TrajectoryBatch batch = testing::random_trajectories(model, 10, 0.25, 7, random);
-  const TermOutput all = testing::evaluate(gain, batch, false);
+  const TrajectoryBatch batch = test::random_trajectories(model, 10, 0.25, 7, random);
+  const TermOutput all = test::evaluate(gain, batch, false);
   for (int b = 0; b < 7; ++b) {
     TrajectoryBatch one = batch;
     one.states = batch.states.col(b);
     one.inputs = batch.inputs.col(b);
-    EXPECT_EQ(testing::evaluate(gain, one, false).value(0, 0), all.value(0, b));
-    EXPECT_EQ(testing::evaluate(gain, one, true).value(0, 0), all.value(0, b));
+    EXPECT_EQ(test::evaluate(gain, one, false).value(0, 0), all.value(0, b));
+    EXPECT_EQ(test::evaluate(gain, one, true).value(0, 0), all.value(0, b));
   }
 }
 
@@ -168,7 +168,7 @@ TEST(ExplorationGain, NewSurfaceTelescopesAndItsAdjointMatchesDifferences) {
   const ExplorationGain gain(s.targets, RgbdFootprint(), CameraMount(), s.table, options);
   const NewSurface& surface = gain;
   constexpr int N = 8;
-  const TrajectoryBatch t = testing::random_trajectories(model, N, 0.25, 2, random);
+  const TrajectoryBatch t = test::random_trajectories(model, N, 0.25, 2, random);
   const auto scratch = surface.make_scratch(t.horizon, 2);
   std::vector<double> area(N + 1);
   for (int b = 0; b < 2; ++b) {
@@ -185,7 +185,7 @@ TEST(ExplorationGain, NewSurfaceTelescopesAndItsAdjointMatchesDifferences) {
       EXPECT_NEAR(area[static_cast<std::size_t>(k)], expected, 1e-12);
     }
     Eigen::VectorXd adjoint = Eigen::VectorXd::Random(N + 1);
-    TermOutput out = testing::outputs(gain, t.horizon, 2);
+    TermOutput out = test::outputs(gain, t.horizon, 2);
     surface.add_gradient(t, b, scratch.get(), adjoint.data(), out);
     for (int row = 0; row < t.states.rows(); ++row) {
       double difference = 0.0;
@@ -208,21 +208,21 @@ TEST(ExplorationGain, DegenerateInput) {
   // No targets.
   const Scene none = scene(random, 0);
   const ExplorationGain empty(none.targets, RgbdFootprint(), CameraMount(), none.table);
-  TrajectoryBatch t = testing::random_trajectories(model, 5, 0.25, 1, random);
-  TermOutput out = testing::evaluate(empty, t, true);
+  TrajectoryBatch t = test::random_trajectories(model, 5, 0.25, 1, random);
+  TermOutput out = test::evaluate(empty, t, true);
   EXPECT_EQ(out.value(0, 0), 0.0);
   EXPECT_TRUE((out.state_gradient == 0.0).all());
   // Random places, inside walls and far outside the lattice.
   const Scene s = scene(random, 50);
   const ExplorationGain gain(s.targets, RgbdFootprint(), CameraMount(), s.table);
   for (int n = 0; n < 200; ++n) {
-    t = testing::random_trajectories(model, 5, 0.25, 1, random, n % 2 ? 8.0 : 100.0);
-    out = testing::evaluate(gain, t, true);
+    t = test::random_trajectories(model, 5, 0.25, 1, random, n % 2 ? 8.0 : 100.0);
+    out = test::evaluate(gain, t, true);
     ASSERT_TRUE(std::isfinite(out.value(0, 0)) && out.value(0, 0) >= 0.0);
     ASSERT_TRUE(out.state_gradient.isFinite().all());
   }
   t.states(4, 0) = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(std::isfinite(testing::evaluate(gain, t, false).value(0, 0)));
+  EXPECT_FALSE(std::isfinite(test::evaluate(gain, t, false).value(0, 0)));
   // A table of other points, and options out of range.
   EXPECT_THROW(ExplorationGain(s.targets, RgbdFootprint(), CameraMount(), none.table),
                std::invalid_argument);
@@ -233,4 +233,4 @@ TEST(ExplorationGain, DegenerateInput) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::exploration_gain_test

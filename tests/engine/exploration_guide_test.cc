@@ -10,12 +10,12 @@
 
 #include "ground_worlds.h"
 
-namespace prospect {
+namespace prospect::exploration_guide_test {
 namespace {
 
 // Cells that a robot from `start` can see: within 3.7 m of a cell that it can drive to, by a free
 // line of the true plan.
-int visible_cells(const testing::GroundWorld& world, Cell start) {
+int visible_cells(const test::GroundWorld& world, Cell start) {
   GroundMap map(world.truth.frame);
   for (int k = 0; k < world.truth.frame.size(); ++k) {
     map.set(world.truth.frame.at(k), world.truth.data[static_cast<std::size_t>(k)]);
@@ -52,8 +52,8 @@ struct Mission {
 };
 
 // The simplest driver: 0.3 m down V per half second, facing the way, at its end the target.
-Mission explore(const testing::GroundWorld& world, Cell start,
-                const ExplorationGuideOptions& options, int limit) {
+Mission explore(const test::GroundWorld& world, Cell start, const ExplorationGuideOptions& options,
+                int limit) {
   GroundMap map(GridFrame{world.truth.frame.resolution, start.i, start.j, 1, 1});
   ExplorationGuide guide(options);
   const Eigen::Vector2d p0 = world.truth.frame.center(start);
@@ -90,7 +90,7 @@ Mission explore(const testing::GroundWorld& world, Cell start,
 TEST(ExplorationGuide, LeadsTheSimplestDriverThroughWholeBuildings) {
   std::mt19937_64 random(11);
   for (const int boxes : {0, 25, 60}) {
-    const auto world = testing::GroundWorld::rooms(12.0, 0.1, boxes, random);
+    const auto world = test::GroundWorld::rooms(12.0, 0.1, boxes, random);
     const Cell start = world.open_cell(4, random);
     const Mission m = explore(world, start, ExplorationGuideOptions{}, 6000);
     EXPECT_TRUE(m.done) << boxes;
@@ -102,7 +102,7 @@ TEST(ExplorationGuide, LeadsTheSimplestDriverThroughWholeBuildings) {
 
 TEST(ExplorationGuide, TheSameHistoryGivesTheSameBits) {
   std::mt19937_64 random(12);
-  const auto world = testing::GroundWorld::rooms(12.0, 0.1, 20, random);
+  const auto world = test::GroundWorld::rooms(12.0, 0.1, 20, random);
   ExplorationGuide a{ExplorationGuideOptions{}}, b{ExplorationGuideOptions{}};
   GroundMap map(GridFrame{0.1, 0, 0, 1, 1});
   for (int step = 0; step < 20; ++step) {
@@ -481,4 +481,4 @@ TEST(ExplorationGuide, AFrontierThatNoLookResolvesIsGivenUpAndTriedAgain) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::exploration_guide_test

@@ -14,10 +14,10 @@
 #include "engine/footprint_visibility.h"
 #include "tests/engine/view_worlds.h"
 
-namespace prospect {
+namespace prospect::exploration_targets_test {
 namespace {
 
-using testing::uniform;
+using test::uniform;
 
 struct Scene {
   Belief belief;
@@ -27,7 +27,7 @@ struct Scene {
 /// A hall known up to an irregular front, with patches of unknown inside.
 Scene scene(std::mt19937_64& random) {
   Scene s;
-  auto voxels = std::make_shared<VoxelGrid>(testing::hall(random, false, 12));
+  auto voxels = std::make_shared<VoxelGrid>(test::hall(random, false, 12));
   auto ground = std::make_shared<GroundMap>(GridFrame{0.1, -80, -80, 160, 160});
   std::vector<Eigen::Vector3d> patches;
   for (int n = 0; n < 6; ++n) {
@@ -189,4 +189,4 @@ TEST(ExplorationTargets, DegenerateInput) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::exploration_targets_test

@@ -9,10 +9,10 @@
 #include "engine/footprint_visibility.h"
 #include "tests/engine/view_worlds.h"
 
-namespace prospect {
+namespace prospect::footprint_kernel_test {
 namespace {
 
-using testing::uniform;
+using test::uniform;
 
 struct Looked {
   std::vector<int> point;
@@ -237,4 +237,4 @@ TEST(FootprintKernel, DerivativeIsContinuousAcrossTheCutOff) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::footprint_kernel_test

@@ -9,10 +9,10 @@
 
 #include "tests/engine/view_worlds.h"
 
-namespace prospect {
+namespace prospect::footprint_visibility_test {
 namespace {
 
-using testing::uniform;
+using test::uniform;
 
 struct Scene {
   std::shared_ptr<const OcclusionTable> table;
@@ -22,7 +22,7 @@ struct Scene {
 
 Scene scene(std::mt19937_64& random, bool vertical) {
   Scene s;
-  const VoxelGrid grid = testing::hall(random, true);
+  const VoxelGrid grid = test::hall(random, true);
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 150; ++i) {
     points.emplace_back(uniform(random, -5, 5), uniform(random, -5, 5), uniform(random, 0.1, 1.5));
@@ -143,4 +143,4 @@ TEST(FootprintVisibility, RefusesWhatItCannotModel) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::footprint_visibility_test

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-namespace prospect {
+namespace prospect::frontier_memory_test {
 namespace {
 
 const GridFrame kFrame{0.1, 0, 0, 100, 100};
@@ -273,4 +273,4 @@ TEST_F(Memory, BadInputDoesNotCount) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::frontier_memory_test

@@ -15,7 +15,7 @@
 #include "engine/free_line.h"
 #include "ground_worlds.h"
 
-namespace prospect {
+namespace prospect::frontiers_test {
 namespace {
 
 using Address = std::pair<int, int>;  // (j, i)
@@ -126,7 +126,7 @@ TEST(FreeLine, VisitsTheCellsThatASegmentPierces) {
 TEST(Frontiers, ClustersAndSourcesEqualTheSlowOnesWhateverTheHistory) {
   std::mt19937_64 random(2);
   for (int run = 0; run < 6; ++run) {
-    const auto world = testing::GroundWorld::rooms(10.0, 0.1, 25, random);
+    const auto world = test::GroundWorld::rooms(10.0, 0.1, 25, random);
     GroundMap map(GridFrame{0.1, 0, 0, 16, 16});
     TraversabilityOptions options;
     Traversability t(options);
@@ -139,7 +139,7 @@ TEST(Frontiers, ClustersAndSourcesEqualTheSlowOnesWhateverTheHistory) {
                     map);
         if (step % 3 == 2) robot = world.open_cell(4, random);
       } else {
-        testing::scribble(map, 8, 60, -10 * step, random);
+        test::scribble(map, 8, 60, -10 * step, random);
       }
       // Obstacles that sight passes over, and free cells that it does not pass.
       for (int n = 0; n < 30; ++n) {
@@ -373,4 +373,4 @@ TEST(Frontiers, BadOptionsAreNamed) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::frontiers_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <utility>
 
-namespace prospect {
+namespace prospect::ground_map_test {
 namespace {
 
 std::uint64_t revision_at(const GroundMap& map, Cell c) {
@@ -118,4 +118,4 @@ TEST(GroundMap, GrowthKeepsCellsAndRevisions) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::ground_map_test

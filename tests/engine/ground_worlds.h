@@ -7,7 +7,7 @@
 #include "engine/ground_map.h"
 #include "models/types.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// True ground plans and a depth sensor for tests: everything on the lattice, exact, deterministic.
 struct GroundWorld {
@@ -106,4 +106,4 @@ inline void scribble(GroundMap& map, int count, int span, int lowest, std::mt199
   }
 }
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

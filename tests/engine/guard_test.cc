@@ -10,10 +10,10 @@
 #include "models/make_model.h"
 #include "tests/engine/obstacle_worlds.h"
 
-namespace prospect {
+namespace prospect::guard_test {
 namespace {
 
-using testing::ObstacleWorld;
+using test::ObstacleWorld;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -310,7 +310,7 @@ TEST_P(GuardOfEveryModel, TheVerdictIsAlwaysFiniteAndWithinLimits) {
         return std::uniform_real_distribution<double>(-1, 1)(random);
     }
   };
-  const Belief worlds[] = {testing::random_world(1).belief(), ObstacleWorld().belief(), Belief()};
+  const Belief worlds[] = {test::random_world(1).belief(), ObstacleWorld().belief(), Belief()};
   int passed = 0;
   for (int trial = 0; trial < 20000; ++trial) {
     Belief belief = worlds[random() % 3];
@@ -354,4 +354,4 @@ INSTANTIATE_TEST_SUITE_P(Models, GuardOfEveryModel, ::testing::ValuesIn(model_na
                          [](const auto& info) { return info.param; });
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::guard_test

@@ -11,7 +11,7 @@
 #include "models/make_model.h"
 #include "tests/engine/visibility_scene.h"
 
-namespace prospect {
+namespace prospect::landmark_selection_test {
 namespace {
 
 using visibility_scene::uniform;
@@ -140,4 +140,4 @@ TEST(LandmarkSelection, LeavesOutWhatIsNotUsable) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::landmark_selection_test

@@ -8,7 +8,7 @@
 #include <random>
 #include <stdexcept>
 
-namespace prospect {
+namespace prospect::map_projection_test {
 namespace {
 
 TEST(MapProjection, LayersOfASlice) {
@@ -118,4 +118,4 @@ TEST(MapProjection, BadInputIsOneClearError) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::map_projection_test

@@ -11,14 +11,14 @@
 #include "models/unicycle.h"
 #include "tests/engine/obstacle_worlds.h"
 
-namespace prospect {
+namespace prospect::mission_test {
 namespace {
 
 /// Moves exactly as commanded, in an open world whose map and localization a test may change.
 class FakeRobot final : public Robot {
  public:
   explicit FakeRobot(std::shared_ptr<const MotionModel> model) : model_(std::move(model)) {
-    belief = testing::ObstacleWorld().belief();
+    belief = test::ObstacleWorld().belief();
   }
   std::shared_ptr<const Belief> sense() override {
     ++senses;
@@ -185,14 +185,14 @@ TEST_F(Mission, AGuardStopBreaksTheCommittedPart) {
     // After the second stage of the first plan a wall appears where it was about to drive.
     if (r.commands.size() == 2 && !wall) {
       wall = true;
-      testing::ObstacleWorld world;
+      test::ObstacleWorld world;
       for (int j = -10; j < 10; ++j) world.occupy_column(3, j);
       const Belief b = world.belief();
       r.belief.voxels = b.voxels;
       r.belief.ground = b.ground;
     }
     if (r.commands.size() >= 4) {  // and is gone again
-      const Belief b = testing::ObstacleWorld().belief();
+      const Belief b = test::ObstacleWorld().belief();
       r.belief.voxels = b.voxels;
       r.belief.ground = b.ground;
     }
@@ -287,4 +287,4 @@ TEST_F(Mission, BrokenPlansAreStops) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::mission_test

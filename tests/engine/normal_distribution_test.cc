@@ -6,7 +6,7 @@
 #include <limits>
 #include <random>
 
-namespace prospect {
+namespace prospect::normal_distribution_test {
 namespace {
 
 long double exact_cdf(long double x) { return 0.5L * std::erfc(-x / std::sqrt(2.0L)); }
@@ -104,4 +104,4 @@ TEST(NormalDistribution, DensityIsTheDerivativeOfTheCdf) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::normal_distribution_test

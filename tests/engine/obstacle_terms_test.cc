@@ -12,13 +12,13 @@
 #include "tests/engine/obstacle_worlds.h"
 #include "tests/engine/term_derivatives.h"
 
-namespace prospect {
+namespace prospect::obstacle_terms_test {
 namespace {
 
-using testing::evaluate;
-using testing::ObstacleWorld;
-using testing::random_trajectories;
-using testing::random_world;
+using test::evaluate;
+using test::ObstacleWorld;
+using test::random_trajectories;
+using test::random_world;
 
 using Obstacles = ClearanceField::Obstacles;
 
@@ -85,7 +85,7 @@ TEST(ObstacleCost, GradientMatchesFiniteDifferences) {
     const ObstacleCost cost(c.clearance, 0.03, 0.3);
     for (int sample = 0; sample < 15; ++sample) {
       const TrajectoryBatch t = random_trajectories(*c.model, 4, 0.25, 1, 2.0, random);
-      testing::expect_derivative_matches_differences(cost, t, 0, 1e-6, 2e-4);
+      test::expect_derivative_matches_differences(cost, t, 0, 1e-6, 2e-4);
     }
   }
 }
@@ -129,7 +129,7 @@ TEST(ClearanceConstraint, JacobianMatchesFiniteDifferences) {
     for (int sample = 0; sample < 15; ++sample) {
       const TrajectoryBatch t = random_trajectories(*c.model, 4, 0.25, 1, 2.0, random);
       // x_0 moves the requirement too, which the Jacobian leaves out on purpose.
-      testing::expect_derivative_matches_differences(constraint, t, 1, 1e-6, 5e-4);
+      test::expect_derivative_matches_differences(constraint, t, 1, 1e-6, 5e-4);
     }
   }
 }
@@ -216,7 +216,7 @@ TEST(BrakingConstraint, JacobianMatchesFiniteDifferences) {
     for (int sample = 0; sample < 15; ++sample) {
       TrajectoryBatch t = random_trajectories(*c.model, 4, 0.25, 1, 2.0, random);
       if (sample % 3 == 0) t.inputs.setZero();  // at rest the speed itself is not differentiable
-      testing::expect_derivative_matches_differences(constraint, t, 1, 1e-6, 5e-4);
+      test::expect_derivative_matches_differences(constraint, t, 1, 1e-6, 5e-4);
     }
   }
 }
@@ -285,4 +285,4 @@ TEST(ObstacleTerms, NeverNonFinite) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::obstacle_terms_test

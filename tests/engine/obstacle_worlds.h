@@ -10,7 +10,7 @@
 #include "engine/belief.h"
 #include "engine/clearance_field.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// Maps for the tests of clearance: voxels and the ground map that belongs to them.
 struct ObstacleWorld {
@@ -133,4 +133,4 @@ inline Boxes boxes_of(const ObstacleWorld& world, const ClearanceField::Options&
   return boxes;
 }
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-namespace prospect {
+namespace prospect::occlusion_kernel_test {
 namespace {
 
 struct Output {
@@ -107,4 +107,4 @@ TEST(OcclusionKernel, ScoresAreTheValueInSinglePrecision) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::occlusion_kernel_test

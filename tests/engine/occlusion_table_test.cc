@@ -11,10 +11,10 @@
 
 #include "tests/engine/view_worlds.h"
 
-namespace prospect {
+namespace prospect::occlusion_table_test {
 namespace {
 
-using testing::uniform;
+using test::uniform;
 
 /// Points on occupied voxels that a free voxel touches, as landmarks are.
 std::vector<Eigen::Vector3d> surface_points(const VoxelGrid& grid, int count,
@@ -65,7 +65,7 @@ TEST(OcclusionTable, PredictsHardRayCasts) {
   double brier = 0.0;
   for (int world = 0; world < 4; ++world) {
     std::mt19937_64 random(static_cast<std::uint64_t>(10 + world));
-    const VoxelGrid grid = testing::hall(random, false);
+    const VoxelGrid grid = test::hall(random, false);
     const OcclusionTable::Options options;
     const OcclusionTable table(SensorLattice::around({0, 0, 0.45}, 2.5, 0.2),
                                surface_points(grid, 200, random), grid, options);
@@ -98,7 +98,7 @@ TEST(OcclusionTable, PredictsHardRayCasts) {
 
 TEST(OcclusionTable, EqualsTheSplineOfHardCasts) {
   std::mt19937_64 random(5);
-  const VoxelGrid grid = testing::hall(random, true, 0);
+  const VoxelGrid grid = test::hall(random, true, 0);
   std::vector<Eigen::Vector3d> points;
   for (int i = 0; i < 50; ++i) {
     points.emplace_back(uniform(random, -7, 7), uniform(random, -7, 7), uniform(random, 0, 2.4));
@@ -145,7 +145,7 @@ TEST(OcclusionTable, EqualsTheSplineOfHardCasts) {
 
 TEST(OcclusionTable, GradientIsThatOfTheValue) {
   std::mt19937_64 random(6);
-  const VoxelGrid grid = testing::hall(random, true);
+  const VoxelGrid grid = test::hall(random, true);
   const auto points = surface_points(grid, 61, random);
   const std::size_t n = points.size();
   for (const bool vertical : {false, true}) {
@@ -177,7 +177,7 @@ TEST(OcclusionTable, GradientIsThatOfTheValue) {
 
 TEST(OcclusionTable, TakingOverFromThePreviousTableChangesNothing) {
   std::mt19937_64 random(7);
-  auto grid = std::make_shared<const VoxelGrid>(testing::hall(random, true));
+  auto grid = std::make_shared<const VoxelGrid>(test::hall(random, true));
   std::vector<Eigen::Vector3d> points = surface_points(*grid, 120, random);
   std::unique_ptr<OcclusionTable> previous;
   Eigen::Vector3d center(0, 0, 0.45);
@@ -232,7 +232,7 @@ TEST(OcclusionTable, StaysWithinBoundsOnDegenerateInput) {
       for (int k = -1; k < 10; ++k) solid.set(i, j, k, CellState::kOccupied);
     }
   }
-  const VoxelGrid boxes = testing::hall(random, true);
+  const VoxelGrid boxes = test::hall(random, true);
   for (const VoxelGrid* grid : {&unknown, static_cast<const VoxelGrid*>(&solid), &boxes}) {
     std::vector<Eigen::Vector3d> points = {{0, 0, 0.45}, {0.2, 0, 0.45}, {100, 0, 0}, {0, 0, -5}};
     for (int i = 0; i < 30; ++i) {
@@ -277,4 +277,4 @@ TEST(OcclusionTable, RefusesWhatItCannotInterpolate) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::occlusion_table_test

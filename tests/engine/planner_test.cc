@@ -13,11 +13,11 @@
 #include "models/make_model.h"
 #include "tests/engine/room_belief.h"
 
-namespace prospect {
+namespace prospect::planner_test {
 namespace {
 
-using testing::empty_belief;
-using testing::Room;
+using test::empty_belief;
+using test::Room;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -583,4 +583,4 @@ TEST_F(PlannerTest, BadParametersAreNamed) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::planner_test

@@ -17,7 +17,7 @@
 #include "tests/engine/view_worlds.h"
 #include "tests/engine/visibility_scene.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// Hands back the point it is given.
 class IdleSolver final : public Solver {
@@ -79,4 +79,4 @@ struct PlanningScene {
   }
 };
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

@@ -55,7 +55,7 @@ int posix_memalign(void** p, std::size_t alignment, std::size_t size) {
 }
 #endif
 
-namespace prospect {
+namespace prospect::problem_allocation_test {
 namespace {
 
 struct Case {
@@ -89,7 +89,7 @@ std::vector<Case> cases() {
 TEST(ProblemAllocation, NoneAfterTheFirstEvaluationOfEachBatchSize) {
   if (!PROSPECT_COUNTS_ALLOCATIONS) GTEST_SKIP() << "the sanitizer owns the heap";
   for (const Case& c : cases()) {
-    const testing::PlanningScene scene(c.model, c.parameters, 200);
+    const test::PlanningScene scene(c.model, c.parameters, 200);
     const Problem& problem = *scene.problem;
     EXPECT_GE(problem.definition().terms.size(), 8u) << c.name;
     std::mt19937_64 random(2);
@@ -133,4 +133,4 @@ TEST(ProblemAllocation, NoneAfterTheFirstEvaluationOfEachBatchSize) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::problem_allocation_test

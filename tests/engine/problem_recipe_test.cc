@@ -10,7 +10,7 @@
 #include "tests/engine/room_belief.h"
 #include "tests/engine/same_problem.h"
 
-namespace prospect::testing {
+namespace prospect::test::problem_recipe_test {
 namespace {
 
 std::set<std::string> terms(const Problem& problem) {
@@ -150,4 +150,4 @@ TEST(ProblemRecipe, SaysWhatIsMissing) {
 }
 
 }  // namespace
-}  // namespace prospect::testing
+}  // namespace prospect::test::problem_recipe_test

@@ -6,7 +6,7 @@
 #include "engine/planner.h"
 #include "tests/engine/planning_scene.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// A planner's recipe for one way of planning.
 struct NamedRecipe {
@@ -76,4 +76,4 @@ inline std::vector<NamedRecipe> recipes_of_every_kind() {
   return all;
 }
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

@@ -7,7 +7,7 @@
 #include <memory>
 #include <random>
 
-namespace prospect {
+namespace prospect::problem_test {
 namespace {
 
 /// A deliberately nonlinear model whose state mixes everything, to exercise the adjoint sweep.
@@ -276,4 +276,4 @@ TEST(Problem, SaysWhatIsWrongWithADefinition) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::problem_test

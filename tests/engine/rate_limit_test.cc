@@ -9,7 +9,7 @@
 #include "tests/engine/term_derivatives.h"
 #include "tests/engine/view_worlds.h"
 
-namespace prospect {
+namespace prospect::rate_limit_test {
 namespace {
 
 TEST(RateLimit, HasRowsOnlyWhereTheInputMayChangeAndIsLimited) {
@@ -33,7 +33,7 @@ TEST(RateLimit, RowsAreThoseOfTheStagesWhereAKnotBegins) {
   limits.rate = Eigen::Vector2d(0.8, 2.5);
   for (const int M : {1, 3, 4, 7, 10}) {
     constexpr int N = 10;
-    TrajectoryBatch t = testing::random_trajectories(model, N, 0.25, 3, random);
+    TrajectoryBatch t = test::random_trajectories(model, N, 0.25, 3, random);
     for (int k = 0; k < N; ++k) {
       for (int j = 0; j < 2; ++j) {
         int first = k;
@@ -42,7 +42,7 @@ TEST(RateLimit, RowsAreThoseOfTheStagesWhereAKnotBegins) {
       }
     }
     const RateLimit term(limits, M);
-    const TermOutput out = testing::evaluate(term, t, false);
+    const TermOutput out = test::evaluate(term, t, false);
     ASSERT_EQ(out.value.rows(), 4 * M);
     for (int b = 0; b < 3; ++b) {
       std::vector<double> expected;
@@ -63,10 +63,10 @@ TEST(RateLimit, RowsAreThoseOfTheStagesWhereAKnotBegins) {
       // The stages without a row never bind.
       EXPECT_NEAR(out.value.col(b).minCoeff(), worst, 1e-12);
     }
-    const TrajectoryBatch one = testing::random_trajectories(model, N, 0.25, 1, random);
-    testing::expect_derivative_matches_differences(term, one, 0, 1e-5, 1e-8);
+    const TrajectoryBatch one = test::random_trajectories(model, N, 0.25, 1, random);
+    test::expect_derivative_matches_differences(term, one, 0, 1e-5, 1e-8);
   }
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::rate_limit_test

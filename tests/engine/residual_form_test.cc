@@ -11,7 +11,7 @@
 #include "models/unicycle.h"
 #include "tests/engine/problem_recipes.h"
 
-namespace prospect::testing {
+namespace prospect::test::residual_form_test {
 namespace {
 
 Eigen::VectorXd random_point(const Problem& problem, std::mt19937_64& random) {
@@ -154,4 +154,4 @@ TEST(ResidualForm, SaysSoIfACostIsBelowItsBound) {
 }
 
 }  // namespace
-}  // namespace prospect::testing
+}  // namespace prospect::test::residual_form_test

@@ -8,7 +8,7 @@
 
 #include "tests/engine/ground_worlds.h"
 
-namespace prospect {
+namespace prospect::retreat_test {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -101,7 +101,7 @@ TEST(RetreatTrail, IsFiniteEverywhereOnAnyMap) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     std::mt19937_64 random(seed);
     GroundMap map(GridFrame{0.1, -32, -32, 64, 64});
-    testing::scribble(map, 60, 80, -40, random);
+    test::scribble(map, 60, 80, -40, random);
     const Traversability t = of(map);
     RetreatTrail trail;
     const auto place = [&] { return std::uniform_real_distribution<double>(-5, 5)(random); };
@@ -117,4 +117,4 @@ TEST(RetreatTrail, IsFiniteEverywhereOnAnyMap) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::retreat_test

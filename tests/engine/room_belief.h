@@ -8,7 +8,7 @@
 #include "engine/belief.h"
 #include "engine/map_projection.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// What a robot knows that has seen the part x < `seen` of a room of 8 x 4 m: walls at x = -1 and
 /// y = +-2, a box, and the space between; all from one octree, as a robot would hand it over.
@@ -69,4 +69,4 @@ inline Belief empty_belief() {
   return b;
 }
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

@@ -10,7 +10,7 @@
 #include "engine/problem.h"
 #include "tests/engine/view_worlds.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// The bits of every entry, so that -0 and 0 differ and a NaN equals itself.
 template <typename Derived>
@@ -77,4 +77,4 @@ inline void expect_same_problem(const Problem& a, const Problem& b, std::uint64_
   EXPECT_GE(valid, points / 3);
 }
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

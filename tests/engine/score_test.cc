@@ -6,7 +6,7 @@
 
 #include "tests/engine/planning_scene.h"
 
-namespace prospect {
+namespace prospect::score_test {
 namespace {
 
 TEST(Score, IsWithinItsErrorForEveryModelAndTheConstraintsAreExact) {
@@ -15,7 +15,7 @@ TEST(Score, IsWithinItsErrorForEveryModelAndTheConstraintsAreExact) {
       PlannerParameters parameters;
       parameters.w_h = 0.1;
       parameters.w_c = chance;
-      const testing::PlanningScene scene(model, parameters, 250);
+      const test::PlanningScene scene(model, parameters, 250);
       const Problem& problem = *scene.problem;
       EXPECT_TRUE(problem.has_scores());
       std::mt19937_64 random(4);
@@ -39,7 +39,7 @@ TEST(Score, IsWithinItsErrorForEveryModelAndTheConstraintsAreExact) {
 }
 
 TEST(Score, RejectsWhatAValueRejects) {
-  const testing::PlanningScene scene("unicycle", {}, 50);
+  const test::PlanningScene scene("unicycle", {}, 50);
   std::mt19937_64 random(5);
   Eigen::MatrixXd X = scene.points(3, random);
   X(0, 1) = 1e300;
@@ -53,4 +53,4 @@ TEST(Score, RejectsWhatAValueRejects) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::score_test

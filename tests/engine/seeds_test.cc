@@ -15,7 +15,7 @@
 #include "engine/terms/speed_limit.h"
 #include "models/make_model.h"
 
-namespace prospect {
+namespace prospect::seeds_test {
 namespace {
 
 /// The cost-to-go to one point [s], as the crow flies.
@@ -194,4 +194,4 @@ INSTANTIATE_TEST_SUITE_P(Models, Seeds, ::testing::ValuesIn(model_names()),
                          [](const auto& info) { return info.param; });
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::seeds_test

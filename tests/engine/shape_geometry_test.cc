@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-namespace prospect {
+namespace prospect::shape_geometry_test {
 namespace {
 
 bool contains(const std::vector<PlacedGeometry>& parts, const Eigen::Vector3d& p) {
@@ -96,4 +96,4 @@ TEST(ShapeGeometry, RejectsBadInflationAndBadShapes) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::shape_geometry_test

@@ -8,7 +8,7 @@
 #include "engine/terms/exploration_gain.h"
 #include "tests/engine/planning_scene.h"
 
-namespace prospect {
+namespace prospect::shared_results_test {
 namespace {
 
 /// Sum of the final x and y, worth sharing.
@@ -81,14 +81,14 @@ TEST(SharedResults, ComputedOncePerEvaluationAndWorkspaceAndNeverStale) {
 TEST(SharedResults, SharedLooksGiveTheBitsOfSeparateOnes) {
   // The gain is both a cost and the prior of the features; with two gains of equal content nothing
   // is shared between them.
-  const testing::PlanningScene scene("unicycle_accel", {}, 150);
+  const test::PlanningScene scene("unicycle_accel", {}, 150);
   const Problem& shared = *scene.problem;
   std::vector<Eigen::Vector3d> points;
   ExplorationTargets targets;
   std::mt19937_64 random(3);
   for (int i = 0; i < 150; ++i) {
     targets.targets.push_back(
-        {{testing::uniform(random, -4, 4), testing::uniform(random, -4, 4), 0.45}, 0.1});
+        {{test::uniform(random, -4, 4), test::uniform(random, -4, 4), 0.45}, 0.1});
   }
   targets.reference_area = 2.0;
   const RobotDescription& robot = scene.planner->robot();
@@ -146,4 +146,4 @@ TEST(SharedResults, SharedLooksGiveTheBitsOfSeparateOnes) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::shared_results_test

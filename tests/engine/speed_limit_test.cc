@@ -9,7 +9,7 @@
 #include "models/unicycle_accel.h"
 #include "tests/engine/term_derivatives.h"
 
-namespace prospect {
+namespace prospect::speed_limit_test {
 namespace {
 
 TEST(SpeedLimit, HoldsTheModelsStateBoundsAtEveryStageToChoose) {
@@ -23,8 +23,8 @@ TEST(SpeedLimit, HoldsTheModelsStateBoundsAtEveryStageToChoose) {
     const SpeedLimit term(*model);
     const int n = model->num_state_constraints();
     ASSERT_GT(n, 0);
-    const TrajectoryBatch t = testing::random_trajectories(*model, 8, 0.25, 40, 0.6, random);
-    const TermOutput out = testing::evaluate(term, t, false);
+    const TrajectoryBatch t = test::random_trajectories(*model, 8, 0.25, 40, 0.6, random);
+    const TermOutput out = test::evaluate(term, t, false);
     ASSERT_EQ(out.value.rows(), 8 * n);
     int violated = 0;
     for (int b = 0; b < 40; ++b) {
@@ -45,10 +45,10 @@ TEST(SpeedLimit, HoldsTheModelsStateBoundsAtEveryStageToChoose) {
     }
     EXPECT_GT(violated, 0);
     EXPECT_LT(violated, 320);
-    const TrajectoryBatch one = testing::random_trajectories(*model, 5, 0.25, 1, 0.6, random);
-    testing::expect_derivative_matches_differences(term, one, 0, 1e-5, 1e-7);
+    const TrajectoryBatch one = test::random_trajectories(*model, 5, 0.25, 1, 0.6, random);
+    test::expect_derivative_matches_differences(term, one, 0, 1e-5, 1e-7);
   }
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::speed_limit_test

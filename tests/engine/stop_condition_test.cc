@@ -6,7 +6,7 @@
 #include <limits>
 #include <thread>
 
-namespace prospect {
+namespace prospect::stop_condition_test {
 namespace {
 
 TEST(StopCondition, TheDefaultNeverStops) { EXPECT_EQ(StopCondition()(), StopRequest::kNone); }
@@ -61,4 +61,4 @@ TEST(StopCondition, EitherOfTwoStops) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::stop_condition_test

@@ -7,7 +7,7 @@
 
 #include "engine/term.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// A trajectory of random states and inputs (they need not obey the dynamics: a term is a function
 /// of both).
@@ -94,4 +94,4 @@ inline void expect_derivative_matches_differences(const Term& term, const Trajec
   }
 }
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

@@ -9,7 +9,7 @@
 
 #include "models/make_model.h"
 
-namespace prospect {
+namespace prospect::tracking_input_test {
 namespace {
 
 Eigen::Vector4d stacked(const Twist& t) {
@@ -96,4 +96,4 @@ INSTANTIATE_TEST_SUITE_P(Models, TrackingInput, ::testing::ValuesIn(model_names(
                          [](const auto& info) { return info.param; });
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::tracking_input_test

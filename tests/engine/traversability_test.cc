@@ -10,7 +10,7 @@
 
 #include "ground_worlds.h"
 
-namespace prospect {
+namespace prospect::traversability_test {
 namespace {
 
 // Distance from the centre of c to the square of the nearest cell in that state, one by one, as far
@@ -35,7 +35,7 @@ TEST(Traversability, EqualsTheDistanceToEveryCellOneByOne) {
     GroundMap map(GridFrame{r, -16, -16, 32, 32});
     Traversability t(TraversabilityOptions{});
     for (int step = 0; step < 4; ++step) {
-      testing::scribble(map, 30, 40, -18 - 8 * step, random);
+      test::scribble(map, 30, 40, -18 - 8 * step, random);
       t.update(map);
       const double limit = t.clearance_limit();
       EXPECT_GE(limit, t.options().comfortable_radius - 1e-9);
@@ -71,7 +71,7 @@ TEST(Traversability, UpdatesEqualAFreshComputationBitForBit) {
     Traversability kept(TraversabilityOptions{});
     Grid<float> before;
     for (int step = 0; step < 12; ++step) {
-      testing::scribble(map, 6, 50 + 20 * step, -5 * step, random);
+      test::scribble(map, 6, 50 + 20 * step, -5 * step, random);
       kept.update(map);
       EXPECT_EQ(kept.restarted(), step == 0);
       Traversability fresh(TraversabilityOptions{});
@@ -144,4 +144,4 @@ TEST(Traversability, BadOptionsAreNamed) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::traversability_test

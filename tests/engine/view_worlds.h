@@ -10,7 +10,7 @@
 #include "engine/voxel_grid.h"
 #include "models/motion_model.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 inline double uniform(std::mt19937_64& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
@@ -79,4 +79,4 @@ inline TrajectoryBatch random_trajectories(const MotionModel& model, int N, doub
   return t;
 }
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

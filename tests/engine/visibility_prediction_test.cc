@@ -15,7 +15,7 @@
 #include "models/make_model.h"
 #include "tests/engine/visibility_scene.h"
 
-namespace prospect {
+namespace prospect::visibility_prediction_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -507,4 +507,4 @@ TEST(VisibilityPrediction, PoseThatIsNotANumberIsNotEvaluable) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::visibility_prediction_test

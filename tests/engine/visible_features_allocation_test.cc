@@ -37,7 +37,7 @@ long allocations = 0;
   std::free(p);
 }
 
-namespace prospect {
+namespace prospect::visible_features_allocation_test {
 namespace {
 
 TEST(VisibleFeaturesAllocation, EvaluatingDoesNotAllocate) {
@@ -66,4 +66,4 @@ TEST(VisibleFeaturesAllocation, EvaluatingDoesNotAllocate) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::visible_features_allocation_test

@@ -15,7 +15,7 @@
 #include "models/make_model.h"
 #include "tests/engine/visibility_scene.h"
 
-namespace prospect {
+namespace prospect::visible_features_test {
 namespace {
 
 using Eigen::Matrix4d;
@@ -536,4 +536,4 @@ TEST(VisibleFeatures, RefusesBadParameters) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::visible_features_test

@@ -9,10 +9,10 @@
 
 #include "tests/engine/view_worlds.h"
 
-namespace prospect {
+namespace prospect::voxel_grid_test {
 namespace {
 
-using testing::uniform;
+using test::uniform;
 
 /// The obvious way: clips the segment against every voxel of a block around it.
 VoxelGrid::Ray slow_cast(const VoxelGrid& grid, const Eigen::Vector3d& from,
@@ -66,7 +66,7 @@ VoxelGrid::Ray slow_cast(const VoxelGrid& grid, const Eigen::Vector3d& from,
 
 TEST(VoxelGridCast, AgreesWithClippingEveryVoxel) {
   std::mt19937_64 random(3);
-  const VoxelGrid grid = testing::hall(random, true);
+  const VoxelGrid grid = test::hall(random, true);
   int blocked = 0, through_unknown = 0;
   for (int n = 0; n < 400; ++n) {
     const auto point = [&] {
@@ -91,7 +91,7 @@ TEST(VoxelGridCast, AgreesWithClippingEveryVoxel) {
 
 TEST(VoxelGridCast, ManyEqualsOneByOneToTheLastBit) {
   std::mt19937_64 random(4);
-  const VoxelGrid grid = testing::hall(random, true);
+  const VoxelGrid grid = test::hall(random, true);
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   for (int n = 0; n < 300; ++n) {
     // Inside the grid mostly; also beyond it, above it, on voxel faces, at its very corner, far
@@ -139,4 +139,4 @@ TEST(VoxelGrid, GrowsWithoutLosingWhatItHolds) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::voxel_grid_test

@@ -11,7 +11,7 @@
 #include <stdexcept>
 #include <string>
 
-namespace prospect {
+namespace prospect::camera_test {
 namespace {
 
 using Eigen::Matrix3d;
@@ -215,4 +215,4 @@ TEST_F(Camera, ValidationNamesWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::camera_test

@@ -7,7 +7,7 @@
 
 #include "models/unicycle.h"
 
-namespace prospect {
+namespace prospect::holonomic_test {
 namespace {
 
 /// exp of the twist's matrix in SE(2) by its power series: an independent closed form.
@@ -64,4 +64,4 @@ TEST(Holonomic, CanLookElsewhereThanItDrives) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::holonomic_test

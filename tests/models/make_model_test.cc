@@ -11,7 +11,7 @@
 #include "models/numeric_difference.h"
 #include "models/unicycle.h"
 
-namespace prospect {
+namespace prospect::make_model_test {
 namespace {
 
 using testing::HasSubstr;
@@ -86,4 +86,4 @@ TEST(MakeModel, DoesNotInventParametersOfOtherModels) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::make_model_test

@@ -14,7 +14,7 @@
 #include "models/make_model.h"
 #include "models/numeric_difference.h"
 
-namespace prospect {
+namespace prospect::motion_model_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -379,4 +379,4 @@ INSTANTIATE_TEST_SUITE_P(Models, EveryModel, testing::ValuesIn(model_names()),
                          [](const auto& info) { return info.param; });
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::motion_model_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace prospect {
+namespace prospect::multirotor_test {
 namespace {
 
 Eigen::VectorXd state(double vx, double vy, double vz, double psi) {
@@ -55,4 +55,4 @@ TEST(Multirotor, ItsPoseIsThreeDimensional) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::multirotor_test

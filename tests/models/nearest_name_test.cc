@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace prospect {
+namespace prospect::nearest_name_test {
 namespace {
 
 TEST(NearestName, FindsTyposAndNothingElse) {
@@ -26,4 +26,4 @@ TEST(NearestName, IsToldAlone) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::nearest_name_test

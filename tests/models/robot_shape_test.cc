@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace prospect {
+namespace prospect::robot_shape_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -326,4 +326,4 @@ TEST_F(RobotShapes, DegenerateShapesAreRefusedByEveryFunction) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::robot_shape_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace prospect {
+namespace prospect::sinc_test {
 namespace {
 
 // The full Taylor series in extended precision, as the reference on both sides of the switch.
@@ -56,4 +56,4 @@ TEST(Sinc, HasNoStepWhereSeriesAndFormulaMeet) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::sinc_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace prospect {
+namespace prospect::unicycle_accel_test {
 namespace {
 
 using Vector5d = Eigen::Matrix<double, 5, 1>;
@@ -110,4 +110,4 @@ TEST(UnicycleAccel, BrakingStopsExactlyAndDoesNotReverse) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::unicycle_accel_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace prospect {
+namespace prospect::unicycle_test {
 namespace {
 
 Eigen::VectorXd step(const Unicycle& model, const Eigen::Vector3d& x, const Eigen::Vector2d& u,
@@ -69,4 +69,4 @@ TEST(Unicycle, BrakingStepsDownAtTheRate) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::unicycle_test

@@ -9,7 +9,7 @@
 #include "models/camera.h"
 #include "perception/se3.h"
 
-namespace prospect {
+namespace prospect::belief_builder_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -72,4 +72,4 @@ TEST(BeliefBuilder, CarriesPoseTwistAndCovarianceToTheBody) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::belief_builder_test

@@ -6,7 +6,7 @@
 #include <random>
 #include <stdexcept>
 
-namespace prospect {
+namespace prospect::corner_detector_test {
 namespace {
 
 Image checkerboard(int width, int height, int square, int low, int high) {
@@ -84,4 +84,4 @@ TEST(CornerDetector, OneACellFarFromWhatIsThere) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::corner_detector_test

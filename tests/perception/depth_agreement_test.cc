@@ -13,7 +13,7 @@
 #include "perception/stereo_matcher.h"
 #include "tests/perception/rendered_room.h"
 
-namespace prospect {
+namespace prospect::depth_agreement_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -27,12 +27,12 @@ struct TwoCameras {
   PinholeCamera depth_camera{220.0, 220.0, 159.5, 119.5, 320.0, 240.0};
   Isometry3d T_WC;
   Isometry3d T_CD = Isometry3d::Identity();
-  testing::RenderedRoom room;
-  testing::RenderedRoom::Pair pair;
+  test::RenderedRoom room;
+  test::RenderedRoom::Pair pair;
   DepthImage depth{320, 240};
 
   explicit TwoCameras(double yaw = 0.15)
-      : T_WC(testing::RenderedRoom::looking(-1.2, -0.3, 1.05, yaw)) {
+      : T_WC(test::RenderedRoom::looking(-1.2, -0.3, 1.05, yaw)) {
     stereo.left = {330.0, 330.0, 240.0, 180.0, 480.0, 360.0};
     stereo.baseline = 0.12;
     T_CD.linear() = Eigen::AngleAxisd(0.1, Vector3d::UnitY()).toRotationMatrix();
@@ -121,4 +121,4 @@ TEST(DepthAgreement, SaysNothingWithoutDepths) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::depth_agreement_test

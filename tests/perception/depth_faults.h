@@ -13,7 +13,7 @@
 
 #include "perception/depth_mapper.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// What reaches the mapper as one frame.
 struct DepthFrame {
@@ -135,4 +135,4 @@ inline void expect_fault_noticed(const DepthFault& fault, DepthMapper& mapper, i
               reason.c_str());
 }
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

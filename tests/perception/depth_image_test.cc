@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace prospect {
+namespace prospect::depth_image_test {
 namespace {
 
 TEST(DepthImage, OfMillimetres) {
@@ -69,4 +69,4 @@ TEST(DepthImage, RaysProject) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::depth_image_test

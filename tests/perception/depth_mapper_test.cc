@@ -13,11 +13,11 @@
 #include "tests/perception/depth_faults.h"
 #include "tests/perception/depth_scene.h"
 
-namespace prospect {
+namespace prospect::depth_mapper_test {
 namespace {
 
-using testing::DepthFrame;
-using testing::DepthScene;
+using test::DepthFrame;
+using test::DepthScene;
 
 constexpr double kDegree = M_PI / 180.0;
 const PinholeCamera kCamera{420.0, 420.0, 319.5, 239.5, 640.0, 480.0};
@@ -348,9 +348,9 @@ TEST(DepthMapper, Faults) {
   constexpr int kFrames = 11, kFirst = 4;
   std::vector<DepthFrame> frames;
   for (int k = 0; k < kFrames; ++k) frames.push_back(walk(scene, k));
-  for (const testing::DepthFault& fault : testing::depth_faults()) {
+  for (const test::DepthFault& fault : test::depth_faults()) {
     DepthMapper mapper(kCamera);
-    testing::expect_fault_noticed(
+    test::expect_fault_noticed(
         fault, mapper, kFrames, kFirst, [&](int k) { return frames[k]; },
         [](int) { return Mapping::kOk; });
     const double r = mapper.map().options().resolution;
@@ -429,4 +429,4 @@ TEST(DepthMapper, RefusesWrongOptions) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::depth_mapper_test

@@ -13,7 +13,7 @@
 
 #include "tests/perception/depth_scene.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// A walk with a depth camera through a furnished room, and recordings of it as files.
 struct DepthRecording {
@@ -121,4 +121,4 @@ struct DepthRecording {
   }
 };
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

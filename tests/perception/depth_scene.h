@@ -11,7 +11,7 @@
 #include "models/camera.h"
 #include "perception/depth_image.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// A box-shaped room with boxes in it, seen by an ideal depth camera. World: z up, floor z = 0.
 struct DepthScene {
@@ -69,4 +69,4 @@ struct DepthScene {
   }
 };
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace prospect {
+namespace prospect::feature_density_test {
 namespace {
 
 TEST(FeatureDensity, IsTheQuantileOfWhatNewSurfaceBore) {
@@ -32,4 +32,4 @@ TEST(FeatureDensity, RefusesOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::feature_density_test

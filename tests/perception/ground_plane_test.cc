@@ -16,10 +16,10 @@
 
 #include "tests/perception/depth_scene.h"
 
-namespace prospect {
+namespace prospect::ground_plane_test {
 namespace {
 
-using testing::DepthScene;
+using test::DepthScene;
 
 constexpr double kDegree = M_PI / 180.0;
 const PinholeCamera kCamera{420.0, 420.0, 318.0, 243.0, 640.0, 480.0};
@@ -258,4 +258,4 @@ TEST(GroundPlane, OfARecording) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::ground_plane_test

@@ -15,7 +15,7 @@
 #include "perception/image.h"
 #include "perception/stereo_odometry.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// What reaches the odometry as one frame.
 struct StereoFrame {
@@ -185,4 +185,4 @@ class FaultOutcome {
   int noticed_ = -1, good_again_ = -1;
 };
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

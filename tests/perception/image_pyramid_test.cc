@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-namespace prospect {
+namespace prospect::image_pyramid_test {
 namespace {
 
 TEST(ImagePyramid, LevelsAreHalvesAndPixelsKeepTheirPlace) {
@@ -44,4 +44,4 @@ TEST(ImagePyramid, StopsBeforeLevelsAreTooSmallAndRefusesNothing) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::image_pyramid_test

@@ -6,10 +6,10 @@
 
 #include "tests/perception/rendered_room.h"
 
-namespace prospect {
+namespace prospect::image_shift_test {
 namespace {
 
-using testing::RenderedRoom;
+using test::RenderedRoom;
 
 TEST(ImageShift, FindsATurn) {
   // Turned by 12 degrees to the left and moved by 3 cm: all shifts to the right by about f tan 12.
@@ -36,4 +36,4 @@ TEST(ImageShift, SaysNothingWithoutTexture) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::image_shift_test

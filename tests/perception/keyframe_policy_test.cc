@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace prospect {
+namespace prospect::keyframe_policy_test {
 namespace {
 
 KeyframeEvidence calm() {
@@ -43,4 +43,4 @@ TEST(KeyframePolicy, NoneAtRest) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::keyframe_policy_test

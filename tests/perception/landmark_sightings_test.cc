@@ -8,10 +8,10 @@
 #include "perception/stereo_odometry.h"
 #include "tests/perception/rendered_room.h"
 
-namespace prospect {
+namespace prospect::landmark_sightings_test {
 namespace {
 
-using testing::RenderedRoom;
+using test::RenderedRoom;
 
 StereoCamera camera() {
   StereoCamera c;
@@ -99,4 +99,4 @@ TEST(LandmarkSightings, SurvivalIsLearnedAndFallsWithTheHorizon) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::landmark_sightings_test

@@ -11,7 +11,7 @@
 #include <random>
 #include <stdexcept>
 
-namespace prospect {
+namespace prospect::occupancy_mapper_test {
 namespace {
 
 constexpr double kR = 0.1;
@@ -393,4 +393,4 @@ TEST(OccupancyMapper, OneScanTakesLessThanEightMilliseconds) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::occupancy_mapper_test

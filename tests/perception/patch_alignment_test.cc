@@ -11,7 +11,7 @@
 
 #include "perception/patch_tracker.h"
 
-namespace prospect {
+namespace prospect::patch_alignment_test {
 namespace {
 
 /// A smooth, aperiodic texture, band-limited well below the pixel.
@@ -174,4 +174,4 @@ TEST(PatchTracker, OnePatchForBothImages) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::patch_alignment_test

@@ -7,7 +7,7 @@
 
 #include "perception/se3.h"
 
-namespace prospect {
+namespace prospect::point_observation_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -72,4 +72,4 @@ TEST_F(PointObservationTest, JacobiansAgreeWithDifferences) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::point_observation_test

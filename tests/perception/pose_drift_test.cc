@@ -12,7 +12,7 @@
 
 #include "perception/se3.h"
 
-namespace prospect {
+namespace prospect::pose_drift_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -164,4 +164,4 @@ TEST(PoseDrift, ANewMapOwesNothingToTheOldOne) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::pose_drift_test

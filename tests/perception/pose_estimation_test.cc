@@ -15,7 +15,7 @@
 
 #include "perception/disparity_offset.h"
 
-namespace prospect {
+namespace prospect::pose_estimation_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -236,4 +236,4 @@ TEST(RecordedTracks, RefinementAgreesWithTheGivenPoses) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::pose_estimation_test

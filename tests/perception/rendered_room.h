@@ -10,7 +10,7 @@
 #include "models/camera.h"
 #include "perception/image.h"
 
-namespace prospect::testing {
+namespace prospect::test {
 
 /// A room with a box-shaped pillar, all surfaces textured by smooth noise, seen by an ideal stereo
 /// pair: images with exact poses, depths and disparities. World: z up, the floor at z = 0.
@@ -137,4 +137,4 @@ class RenderedRoom {
   Box pillar_{{2.53, -0.71, 0.013}, {3.17, 0.11, 1.83}};
 };
 
-}  // namespace prospect::testing
+}  // namespace prospect::test

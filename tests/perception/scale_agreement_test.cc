@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-namespace prospect {
+namespace prospect::scale_agreement_test {
 namespace {
 
 using Verdict = ScaleAgreement::Verdict;
@@ -64,4 +64,4 @@ TEST(ScaleAgreement, SaysItInWords) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::scale_agreement_test

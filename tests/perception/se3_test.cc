@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-namespace prospect {
+namespace prospect::se3_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -54,4 +54,4 @@ TEST_F(Se3, SkewIsTheCrossProduct) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::se3_test

@@ -7,11 +7,11 @@
 
 #include "tests/perception/rendered_room.h"
 
-namespace prospect {
+namespace prospect::stereo_check_test {
 namespace {
 
+using test::RenderedRoom;
 using ::testing::HasSubstr;
-using testing::RenderedRoom;
 
 class StereoCheckTest : public ::testing::Test {
  protected:
@@ -58,4 +58,4 @@ TEST_F(StereoCheckTest, WithoutTextureItSaysNothing) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::stereo_check_test

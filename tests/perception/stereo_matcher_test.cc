@@ -21,10 +21,10 @@
 #include "perception/stereo_odometry.h"
 #include "tests/perception/rendered_room.h"
 
-namespace prospect {
+namespace prospect::stereo_matcher_test {
 namespace {
 
-using testing::RenderedRoom;
+using test::RenderedRoom;
 
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
@@ -183,4 +183,4 @@ TEST(StereoMatcher, MiddleburyMotorcycle) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::stereo_matcher_test

@@ -17,12 +17,12 @@
 #include "tests/perception/image_faults.h"
 #include "tests/perception/rendered_room.h"
 
-namespace prospect {
+namespace prospect::stereo_odometry_test {
 namespace {
 
 using Eigen::Isometry3d;
-using testing::RenderedRoom;
-using testing::StereoFrame;
+using test::RenderedRoom;
+using test::StereoFrame;
 
 StereoCamera small_camera() {
   StereoCamera camera;
@@ -276,10 +276,10 @@ TEST(StereoOdometry, FaultsAreNoticedAndOvercome) {
   const Sequence& s = moving();
   const int begin = 7, first = 15, recovery = 2;
   std::printf("%-20s %-9s %-48s %s\n", "fault", "state", "reason", "after it");
-  for (const testing::ImageFault& fault : testing::image_faults()) {
+  for (const test::ImageFault& fault : test::image_faults()) {
     SCOPED_TRACE(fault.name);
     StereoOdometry odometry(small_camera(), {}, s.T_WC[begin]);
-    testing::FaultOutcome outcome(fault, first);
+    test::FaultOutcome outcome(fault, first);
     Isometry3d before = s.T_WC[begin];
     for (int k = begin; k < first + fault.count + recovery + 4; ++k) {
       const bool faulty = outcome.faulty(k);
@@ -335,4 +335,4 @@ TEST(StereoOdometry, LostForLongBeginsANewMapAndSaysSo) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::stereo_odometry_test

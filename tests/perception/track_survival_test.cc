@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-namespace prospect {
+namespace prospect::track_survival_test {
 namespace {
 
 /// A Beta(b, a) number, from two gamma ones.
@@ -111,4 +111,4 @@ TEST(TrackSurvival, RefusesWhatIsNoProbability) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::track_survival_test

@@ -11,7 +11,7 @@
 #include "perception/wheel_fusion.h"
 #include "tests/perception/rendered_room.h"
 
-namespace prospect {
+namespace prospect::visual_motion_test {
 namespace {
 
 using Eigen::Isometry3d;
@@ -51,7 +51,7 @@ TEST(VisualMotion, OfRealFramesFixesABodyOnPoorWheels) {
   StereoCamera camera;
   camera.left = {330.0, 330.0, 240.0, 180.0, 480.0, 360.0};
   camera.baseline = 0.12;
-  const testing::RenderedRoom room;
+  const test::RenderedRoom room;
   Isometry3d T_BC = Isometry3d::Identity();
   T_BC.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   T_BC.translation() << 0.15, 0.0, 1.05;
@@ -111,4 +111,4 @@ TEST(VisualMotion, OfRealFramesFixesABodyOnPoorWheels) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::visual_motion_test

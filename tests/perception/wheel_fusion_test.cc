@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-namespace prospect {
+namespace prospect::wheel_fusion_test {
 namespace {
 
 using Eigen::Vector2d;
@@ -425,4 +425,4 @@ TEST(WheelFusion, NothingBreaksIt) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::wheel_fusion_test

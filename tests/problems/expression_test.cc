@@ -8,7 +8,7 @@
 
 #include "problems/function_problem.h"
 
-namespace prospect {
+namespace prospect::expression_test {
 namespace {
 
 using ::testing::HasSubstr;
@@ -85,4 +85,4 @@ TEST(Expression, SaysWhereItIsWrong) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::expression_test

@@ -8,7 +8,7 @@
 #include "problems/r1_kernel.h"
 #include "solvers/registry.h"
 
-namespace prospect {
+namespace prospect::r1_test {
 namespace {
 
 /// J written down as it is stated, without the shortcuts of the terms.
@@ -213,4 +213,4 @@ TEST(S30, CountsAsSolvedWithinOnePercentOrAHundredth) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::r1_test

@@ -10,7 +10,7 @@
 #include "problems/r1.h"
 #include "problems/zoo.h"
 
-namespace prospect {
+namespace prospect::residual_form_test {
 namespace {
 
 void expect_sum_of_squares(const std::string& name, const Problem& problem) {
@@ -55,4 +55,4 @@ TEST(ResidualForm, OfR1IsItsCost) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::residual_form_test

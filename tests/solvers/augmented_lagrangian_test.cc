@@ -6,7 +6,7 @@
 
 #include "tests/solvers/problem_zoo.h"
 
-namespace prospect {
+namespace prospect::augmented_lagrangian_test {
 namespace {
 
 using zoo::Vector;
@@ -84,4 +84,4 @@ TEST(AugmentedLagrangian, UpdatesMultipliersAndPenalty) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::augmented_lagrangian_test

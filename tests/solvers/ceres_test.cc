@@ -7,7 +7,7 @@
 #include "problems/zoo.h"
 #include "solvers/registry.h"
 
-namespace prospect {
+namespace prospect::ceres_test {
 namespace {
 
 class Ceres : public testing::Test {
@@ -77,4 +77,4 @@ TEST_F(Ceres, RefusesOptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::ceres_test

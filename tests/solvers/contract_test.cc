@@ -12,7 +12,7 @@
 #include "solvers/registry.h"
 #include "tests/solvers/problem_zoo.h"
 
-namespace prospect {
+namespace prospect::contract_test {
 namespace {
 
 using zoo::Case;
@@ -634,4 +634,4 @@ INSTANTIATE_TEST_SUITE_P(Registry, EverySolver, testing::ValuesIn(available()),
                          });
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::contract_test

@@ -8,7 +8,7 @@
 
 #include "tests/solvers/problem_zoo.h"
 
-namespace prospect {
+namespace prospect::evaluator_test {
 namespace {
 
 using zoo::Case;
@@ -341,4 +341,4 @@ TEST(Evaluator, StopsWithAnInnerOneOnlyIfTheProblemThrew) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::evaluator_test

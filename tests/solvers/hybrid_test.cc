@@ -5,7 +5,7 @@
 #include "solvers/registry.h"
 #include "tests/solvers/problem_zoo.h"
 
-namespace prospect {
+namespace prospect::hybrid_test {
 namespace {
 
 using zoo::Case;
@@ -158,4 +158,4 @@ TEST_F(Hybrid, StaysFeasibleAndSolvesWithConstraints) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::hybrid_test

@@ -5,7 +5,7 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
-namespace prospect {
+namespace prospect::limited_memory_bfgs_test {
 namespace {
 
 using Vector = Eigen::VectorXd;
@@ -84,4 +84,4 @@ TEST(LimitedMemoryBfgs, LeavesOutPairsWithoutPositiveCurvature) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::limited_memory_bfgs_test

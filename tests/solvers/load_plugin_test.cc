@@ -16,7 +16,7 @@
 #include "solvers/plugin.h"
 #include "tests/solvers/problem_zoo.h"
 
-namespace prospect {
+namespace prospect::load_plugin_test {
 namespace {
 
 using testing::AllOf;
@@ -261,4 +261,4 @@ TEST_F(FaultyPlugin, ThatFailsToSolveGivesATypedFailure) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::load_plugin_test

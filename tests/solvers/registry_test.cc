@@ -8,7 +8,7 @@
 #include "solvers/options.h"
 #include "tests/solvers/problem_zoo.h"
 
-namespace prospect {
+namespace prospect::registry_test {
 namespace {
 
 std::string why_not(const std::string& name) {
@@ -166,4 +166,4 @@ TEST(Options, AreReadByTypeOnly) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::registry_test

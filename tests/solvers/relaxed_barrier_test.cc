@@ -7,7 +7,7 @@
 
 #include "problems/zoo.h"
 
-namespace prospect {
+namespace prospect::relaxed_barrier_test {
 namespace {
 
 using Vector = Eigen::VectorXd;
@@ -58,4 +58,4 @@ TEST(RelaxedBarrier, HasRowsOfItsValueGradientAndHessian) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::relaxed_barrier_test

@@ -10,7 +10,7 @@
 #include "solvers/sampling/systematic_search.h"
 #include "tests/solvers/problem_zoo.h"
 
-namespace prospect {
+namespace prospect::sampling_test {
 namespace {
 
 using zoo::Matrix;
@@ -211,4 +211,4 @@ TEST(PatternSearch, ConvergesOnABowlFromTheIncumbent) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::sampling_test
