@@ -257,15 +257,15 @@ void track_by_opencv(const OpenCvImage& from, const OpenCvImage& to,
 void compare_tracking() {
   StereoCamera camera;
   camera.left = {440.0, 440.0, 320.0, 240.0, 640.0, 480.0};
-  const testing::RenderedRoom room;
+  const test::RenderedRoom room;
   constexpr int kFrames = 16;
   // Three ways through the room: ahead, past the pillar with a turn, and turning.
   const auto pose = [](int way, int k) {
     const double t = k;
-    return way == 0   ? testing::RenderedRoom::looking(-1.5 + 0.05 * t, -0.4, 1.05, 0.1)
-           : way == 1 ? testing::RenderedRoom::looking(-1.5 + 0.04 * t, -1.2 + 0.03 * t, 1.05,
-                                                       0.1 + 0.01 * t)
-                      : testing::RenderedRoom::looking(-0.5, 0.2 + 0.01 * t, 1.05, 0.5 - 0.03 * t);
+    return way == 0 ? test::RenderedRoom::looking(-1.5 + 0.05 * t, -0.4, 1.05, 0.1)
+           : way == 1
+               ? test::RenderedRoom::looking(-1.5 + 0.04 * t, -1.2 + 0.03 * t, 1.05, 0.1 + 0.01 * t)
+               : test::RenderedRoom::looking(-0.5, 0.2 + 0.01 * t, 1.05, 0.5 - 0.03 * t);
   };
   const std::vector<int> shown = {1, 4, 8, 15};
   const char* const names[] = {"ours: keyframe's patch, warped", "OpenCV, frame to frame",
