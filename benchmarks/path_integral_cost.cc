@@ -2,7 +2,8 @@
 // nanoseconds, of whole solves (the noise is drawn once a solve; the solver's own work is in it):
 // on R1 over the number of samples an iteration, on the planner's problem over samples, stages and
 // landmarks. Of each the least of several solves. "values": the same solve with every cost in
-// double precision.
+// double precision. Then how it grows with threads: 1, 2 and 4 in turn, processor time of all and
+// of the caller, which a solve takes at least, and the least by the clock.
 
 #include <time.h>
 
@@ -82,6 +83,33 @@ void planner(const std::string& what, int samples, int N, int landmarks) {
   report(what, *scene.problem, samples, 1000);
 }
 
+double process_seconds() {
+  timespec t;
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+void threads(const std::string& what, const Problem& problem, int evaluations) {
+  const auto solver = make_solver("sampling:mppi");
+  constexpr int kThreads[] = {1, 2, 4}, kSolves = 30;
+  double clock[] = {1e30, 1e30, 1e30}, all[3] = {}, callers[3] = {};
+  for (int i = 0; i < kSolves; ++i) {
+    for (int t = 0; t < 3; ++t) {
+      const double process = process_seconds(), caller = processor_seconds();
+      const Result r = solver->solve(
+          problem, {},
+          {{"samples", 128}, {"max_evaluations", evaluations}, {"threads", kThreads[t]}}, {});
+      all[t] += 1e3 / kSolves * (process_seconds() - process);
+      callers[t] += 1e3 / kSolves * (processor_seconds() - caller);
+      clock[t] = std::min(clock[t], 1e3 * r.wall_seconds);
+    }
+  }
+  for (int t = 0; t < 3; ++t) {
+    std::printf("| %-40s | %d | %7.1f | %7.1f | %.0f %% | %7.1f |\n", what.c_str(), kThreads[t],
+                all[t], callers[t], 100.0 * callers[t] / all[t], clock[t]);
+  }
+}
+
 }  // namespace
 }  // namespace prospect
 
@@ -99,5 +127,17 @@ int main() {
   }
   for (const int landmarks : {100, 1000, 3000}) {
     planner("planner, " + std::to_string(landmarks) + " landmarks", 128, 20, landmarks);
+  }
+  std::printf(
+      "\n| ms a solve | threads | of the processor | of it the caller | share | least by the clock "
+      "|\n"
+      "|---|---|---|---|---|---|\n");
+  threads("R1, 4096 evaluations", make_r1(), 4096);
+  for (const int landmarks : {300, 3000}) {
+    PlannerParameters parameters;
+    parameters.max_landmarks = landmarks;
+    const test::PlanningScene scene("unicycle_accel", parameters, landmarks + landmarks / 3);
+    threads("planner, " + std::to_string(landmarks) + " landmarks, 1024 evaluations",
+            *scene.problem, 1024);
   }
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <functional>
 #include <limits>
 #include <random>
 
@@ -30,7 +31,11 @@ Evaluator::Evaluator(const Problem& problem, const CommonOptions& options,
     : problem_(problem), options_(options), stop_(stop), outer_(outer) {
   if (!outer_) {
     workspace_ = problem.make_workspace();
-    batch_workspace_ = problem.make_workspace();
+    for (int t = 0; t < options.threads; ++t) {
+      ahead_.push_back(
+          {problem.make_workspace(), problem.lower().replicate(1, kChunk), 0, {}, nullptr});
+    }
+    workers_ = std::make_unique<WorkerThreads>(options.threads);
   }
   const Eigen::VectorXd& lower = problem.lower();
   const Eigen::VectorXd& upper = problem.upper();
@@ -44,7 +49,6 @@ Evaluator::Evaluator(const Problem& problem, const CommonOptions& options,
   const int n = num_variables();
   const int m = num_constraints();
   z_ = lower;  // the fixed entries keep this value
-  batch_z_ = lower.replicate(1, kChunk);
   last_x_ = middle_;
   incumbent_ = middle_;
   constraints_.setZero(m);
@@ -225,30 +229,62 @@ double Evaluator::rejected_cost(const Eigen::Ref<const Eigen::VectorXd>& x,
   return worst + scale + per_square * (x - incumbent_).squaredNorm();
 }
 
+int Evaluator::evaluate_ahead(const Eigen::Ref<const Eigen::MatrixXd>& X, int first,
+                              Evaluate what) {
+  std::vector<Ahead>& chunks = ahead();
+  const int columns = std::min(static_cast<int>(X.cols()), first + evaluations_left());
+  int count = 0, end = first;
+  for (; end < columns && count < static_cast<int>(chunks.size()); ++count) {
+    Ahead& chunk = chunks[static_cast<std::size_t>(count)];
+    chunk.size = std::min(kChunk, columns - end);
+    for (int b = 0; b < chunk.size; ++b) {
+      clamp_to_z(X.col(end + b));
+      chunk.z.col(b) = z_.col(0);
+    }
+    end += chunk.size;
+  }
+  const auto evaluate = [&](int c) {
+    Ahead& chunk = chunks[static_cast<std::size_t>(c)];
+    chunk.error = nullptr;
+    try {
+      problem_.evaluate(chunk.z.leftCols(chunk.size), what, chunk.workspace, chunk.evaluation);
+    } catch (...) {
+      chunk.error = std::current_exception();
+    }
+  };
+  workers().run(count, std::cref(evaluate));
+  return end;
+}
+
 int Evaluator::evaluate_batch(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::ArrayXd& cost,
                               Eigen::ArrayXd& violations, Evaluate what) {
   const int columns = static_cast<int>(X.cols());
   cost.setConstant(columns, Problem::kRejectedCost);
   violations.setConstant(columns, std::numeric_limits<double>::infinity());
   int done = 0;
+  // What was evaluated ahead: columns from `first` on, up to `last`.
+  int first = 0, last = 0;
+  Evaluate ahead_what = what;
   while (done < columns) {
     if (should_stop()) return done;
     const int chunk = std::min({kChunk, columns - done, evaluations_left()});
-    for (int b = 0; b < chunk; ++b) {
-      clamp_to_z(X.col(done + b));
-      batch_z_.col(b) = z_.col(0);
-    }
     last_known_ = false;
     const bool scored = what == Evaluate::kScore && problem_.has_scores();
     const bool score = scored && exact_chunks_ == 0;
     if (scored && !score) --exact_chunks_;
+    const Evaluate wanted = score ? Evaluate::kScore : Evaluate::kValue;
+    if (done >= last || wanted != ahead_what) {
+      first = done;
+      last = evaluate_ahead(X, done, wanted);
+      ahead_what = wanted;
+    }
+    Ahead& evaluated = ahead()[static_cast<std::size_t>((done - first) / kChunk)];
     int exact = 0;
     try {
-      problem_.evaluate(batch_z_.leftCols(chunk), score ? Evaluate::kScore : Evaluate::kValue,
-                        batch_workspace(), batch_evaluation_);
+      if (evaluated.error) std::rethrow_exception(evaluated.error);
       count_evaluations(chunk, false);
       for (int b = 0; b < chunk; ++b) {
-        const Evaluation* e = &batch_evaluation_;
+        const Evaluation* e = &evaluated.evaluation;
         Eigen::Index column = b;
         const auto usable = [&] {
           return e->valid[column] && std::isfinite(e->cost[column]) &&
@@ -260,8 +296,7 @@ int Evaluator::evaluate_batch(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen:
         if (exactly) {
           ++exact;
           if (should_stop(false)) return done + b;
-          problem_.evaluate(batch_z_.col(b), Evaluate::kValue, batch_workspace(),
-                            exact_evaluation_);
+          problem_.evaluate(evaluated.z.col(b), Evaluate::kValue, workspace(), exact_evaluation_);
           e = &exact_evaluation_;
           column = 0;
         }
@@ -271,7 +306,7 @@ int Evaluator::evaluate_batch(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen:
         if (score && !exactly) {
           note_cost(cost[done + b]);
         } else {
-          consider(reduce(batch_z_.col(b)), cost[done + b], violations[done + b],
+          consider(reduce(evaluated.z.col(b)), cost[done + b], violations[done + b],
                    e->constraints.col(column));
         }
       }

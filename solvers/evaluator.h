@@ -3,13 +3,17 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <chrono>
+#include <exception>
+#include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/problem.h"
 #include "engine/solver.h"
 #include "engine/stop_condition.h"
+#include "engine/worker_threads.h"
 
 namespace prospect {
 
@@ -41,6 +45,12 @@ enum class Outcome {
 /// clamped into the bounds before they are evaluated.
 ///
 /// Thread-safety: none; one evaluator a solve. No allocation in evaluate() after the first call.
+///
+/// Threads. With CommonOptions::threads = T > 1, evaluate_batch() has T chunks evaluated at once,
+/// each with a workspace of its own, and then takes them one after another in their order, as if
+/// they had been evaluated then: incumbents, counters and the end of a solve have the same bits for
+/// any T (a deadline apart). What was evaluated ahead and turns out not to be wanted, because the
+/// solve has ended or a chunk is to be exact, is thrown away and not counted.
 class Evaluator {
  public:
   /// Columns of one call of Problem::evaluate in evaluate_batch(): a deadline is honoured within
@@ -155,7 +165,20 @@ class Evaluator {
   void count_evaluations(int count, bool gradient);
   void store_exception();
   Workspace& workspace() { return outer_ ? outer_->workspace() : *workspace_; }
-  Workspace& batch_workspace() { return outer_ ? outer_->batch_workspace() : *batch_workspace_; }
+  /// A chunk of a batch that is evaluated ahead of its turn.
+  struct Ahead {
+    Workspace workspace;
+    Eigen::MatrixXd z;  // kChunk columns, of which `size` count
+    int size = 0;
+    Evaluation evaluation;
+    std::exception_ptr error;
+  };
+  std::vector<Ahead>& ahead() { return outer_ ? outer_->ahead() : ahead_; }
+  WorkerThreads& workers() { return outer_ ? outer_->workers() : *workers_; }
+  /// Evaluates the chunks of X from column `first` on, as many as there are threads and evaluations
+  /// left; no column is counted or considered. Exceptions are kept with their chunk. Returns the
+  /// column after the last.
+  int evaluate_ahead(const Eigen::Ref<const Eigen::MatrixXd>& X, int first, Evaluate what);
   Evaluator(const Problem& problem, const CommonOptions& options, const StopCondition& stop,
             Evaluator* outer);
 
@@ -169,10 +192,13 @@ class Evaluator {
   Eigen::VectorXd lower_, upper_, middle_;
   double radius_ = 1.0;
 
-  std::optional<Workspace> workspace_, batch_workspace_;  // none if there is an outer one
-  Evaluation evaluation_, batch_evaluation_, exact_evaluation_;
+  // None if there is an outer one.
+  std::optional<Workspace> workspace_;
+  std::vector<Ahead> ahead_;  // by thread
+  std::unique_ptr<WorkerThreads> workers_;
+  Evaluation evaluation_, exact_evaluation_;
   int exact_chunks_ = 0;  // to come of evaluate_batch() that are not scored
-  Eigen::MatrixXd z_, batch_z_;
+  Eigen::MatrixXd z_;
   Eigen::VectorXd last_x_;
   bool last_known_ = false;
   Evaluate last_what_ = Evaluate::kValue;

@@ -33,6 +33,12 @@ std::vector<OptionInfo> common_options() {
   };
 }
 
+OptionInfo threads_option() {
+  return {
+      "threads", CommonOptions().threads,
+      "that share the evaluation of candidates, with the same results for any number, 1 to 256"};
+}
+
 std::string describe(const OptionValue& value) {
   std::ostringstream out;
   if (const double* number = std::get_if<double>(&value)) {
@@ -79,6 +85,9 @@ OptionSet::OptionSet(const std::vector<OptionInfo>& known, const Options& given)
   require_value("feasibility_tolerance", number("feasibility_tolerance") > 0.0, "a number above 0");
   require_value("seed", integer("seed") >= 0, "0 or more");
   require_value("trace", integer("trace") == 0 || integer("trace") == 1, "0 or 1");
+  if (values_.contains("threads")) {
+    require_value("threads", integer("threads") >= 1 && integer("threads") <= 256, "1 to 256");
+  }
 }
 
 void OptionSet::require(bool condition, const std::string& message) {
@@ -114,8 +123,9 @@ const std::string& OptionSet::text(const std::string& name) const {
 }
 
 CommonOptions OptionSet::common() const {
-  return {integer("max_evaluations"), number("tolerance"), number("feasibility_tolerance"),
-          static_cast<std::uint64_t>(integer("seed")), integer("trace") == 1};
+  return {integer("max_evaluations"),      number("tolerance"),
+          number("feasibility_tolerance"), static_cast<std::uint64_t>(integer("seed")),
+          integer("trace") == 1,           values_.contains("threads") ? integer("threads") : 1};
 }
 
 }  // namespace prospect

@@ -12,6 +12,8 @@ namespace prospect {
 
 /// max_evaluations, tolerance, feasibility_tolerance, seed, trace: see CommonOptions.
 std::vector<OptionInfo> common_options();
+/// "threads", for back ends that evaluate batches.
+OptionInfo threads_option();
 
 /// The options of one solve: every known one with its value, given or fallback.
 ///

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "adapters/simulator/depth_camera.h"
-#include "adapters/simulator/parallel_bands.h"
 #include "adapters/worlds/mixed_bits.h"
+#include "engine/worker_threads.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -133,6 +133,7 @@ Image CameraRig::image(const Eigen::Isometry3d& T_WC, const Twist& twist, std::u
   const int width = static_cast<int>(camera.width), height = static_cast<int>(camera.height);
   const auto stride = static_cast<std::size_t>(width);
   const int bands = (height + kBand - 1) / kBand;
+  WorkerThreads workers(options_.threads);
 
   // Across the rows, then down the columns: the second needs the rows of neighbouring bands.
   const std::vector<float> lens = gaussian_weights(options_.blur);
@@ -145,7 +146,7 @@ Image CameraRig::image(const Eigen::Isometry3d& T_WC, const Twist& twist, std::u
       static_cast<float>(options_.vignetting / (corner_x * corner_x + corner_y * corner_y));
   const auto gain = static_cast<float>(options_.exposure);
   const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
-  parallel_bands(options_.threads, bands, [&](int band) {
+  workers.run(bands, [&](int band) {
     std::vector<float> padded, filtered(stride);
     for (int v = band * kBand; v < std::min(height, (band + 1) * kBand); ++v) {
       float* row = grey.data() + static_cast<std::size_t>(v) * stride;
@@ -169,7 +170,7 @@ Image CameraRig::image(const Eigen::Isometry3d& T_WC, const Twist& twist, std::u
   const PixelNoise noise(options_.seed, frame, camera_number);
   const auto read = static_cast<float>(options_.read_noise * options_.read_noise);
   const auto shot = static_cast<float>(options_.shot_noise);
-  parallel_bands(options_.threads, bands, [&](int band) {
+  workers.run(bands, [&](int band) {
     std::vector<float> sum(stride);
     const int reach = static_cast<int>(lens.size()) - 1;
     for (int v = band * kBand; v < std::min(height, (band + 1) * kBand); ++v) {
@@ -222,7 +223,7 @@ DepthImage CameraRig::depth(const Pose& true_pose, std::uint64_t frame) const {
   const auto inverse_fy = static_cast<float>(1.0 / depth_camera_.fy);
   const auto cx = static_cast<float>(depth_camera_.cx), cy = static_cast<float>(depth_camera_.cy);
   const int bands = (image.height + kBand - 1) / kBand;
-  parallel_bands(options_.threads, bands, [&](int band) {
+  WorkerThreads(options_.threads).run(bands, [&](int band) {
     for (int v = band * kBand; v < std::min(image.height, (band + 1) * kBand); ++v) {
       const float y = (static_cast<float>(v) - cy) * inverse_fy;
       const auto first = static_cast<std::uint32_t>(v) * static_cast<std::uint32_t>(image.width);

@@ -14,8 +14,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "adapters/simulator/parallel_bands.h"
 #include "adapters/simulator/texture_pyramid.h"
+#include "engine/worker_threads.h"
 
 namespace prospect {
 namespace {
@@ -324,7 +324,7 @@ struct SceneRenderer::Impl {
   template <typename Visitor>
   void each_pixel(const Rays& rays, int threads, const Visitor& visit) const {
     const int bands = (rays.height + kBand - 1) / kBand;
-    parallel_bands(threads, bands, [&](int band) {
+    WorkerThreads(threads).run(bands, [&](int band) {
       ViewCache cache;
       const int end = std::min(rays.height, (band + 1) * kBand);
       for (int v0 = band * kBand; v0 < end; v0 += 4) {
@@ -370,7 +370,7 @@ struct SceneRenderer::Impl {
     std::vector<float> grey = centres;
     const int bands = (rays.height + kBand - 1) / kBand;
     const auto stride = static_cast<std::size_t>(rays.width);
-    parallel_bands(threads, bands, [&](int band) {
+    WorkerThreads(threads).run(bands, [&](int band) {
       ViewCache cache;
       constexpr int kSubs = static_cast<int>(kSubpixels.size());
       constexpr int kPixels = kPacket / kSubs;  // in a packet

@@ -37,6 +37,7 @@ class HybridSolver final : public SolverFrame {
 
   std::vector<OptionInfo> options() const override {
     std::vector<OptionInfo> options = common_options();
+    options.push_back(threads_option());
     options.push_back({"polish", std::string("auto"),
                        "back end with derivatives that polishes; auto: " + polish_.unconstrained +
                            " without constraints, " + polish_.constrained + " with"});

@@ -24,6 +24,7 @@ class SamplingSolver final : public SolverFrame {
 
   std::vector<OptionInfo> options() const override {
     std::vector<OptionInfo> options = common_options();
+    options.push_back(threads_option());
     options.push_back({"rate_feasible", 1,
                        "1: candidates keep the rate limits of the model, 0: constraints alone do"});
     if (searches()) {

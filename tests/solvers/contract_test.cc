@@ -4,10 +4,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <thread>
 
 #include "engine/stopwatch.h"
+#include "problems/r1.h"
 #include "solvers/load_plugin.h"
 #include "solvers/registry.h"
 #include "tests/solvers/problem_zoo.h"
@@ -421,6 +423,24 @@ TEST_P(EverySolver, GivesTheSameBitsForTheSameSeed) {
   const Result b =
       registry().make(GetParam())->solve(path.problem, from(Vector::Zero(20)), options, {});
   expect_same_bits(a, b);
+}
+
+TEST_P(EverySolver, GivesTheSameBitsWithAnyNumberOfThreads) {
+  const auto known = solver_->options();
+  if (std::none_of(known.begin(), known.end(),
+                   [](const OptionInfo& o) { return o.name == "threads"; })) {
+    return;
+  }
+  const Problem r1 = make_r1();
+  Options options = {{"max_evaluations", 1500}, {"threads", 1}};
+  const Result one = solver_->solve(r1, {}, options, {});
+  for (const int threads : {2, 3}) {
+    options["threads"] = threads;
+    expect_same_bits(one, solver_->solve(r1, {}, options, {}));
+  }
+  options["threads"] = 0;
+  EXPECT_THAT(solver_->solve(r1, {}, options, {}).detail,
+              testing::HasSubstr("'threads' is 0; expected 1 to 256"));
 }
 
 TEST_P(EverySolver, UsesItsSeed) {

@@ -5,6 +5,8 @@
 
 #include <cmath>
 #include <random>
+#include <stdexcept>
+#include <vector>
 
 #include "tests/solvers/problem_zoo.h"
 
@@ -137,7 +139,7 @@ class RoughCost final : public Term {
                 TermOutput& out) const override {
     cost_->evaluate(t, request, scratch, out);
     if (!request.score) {
-      watch_->evaluations += t.batch();
+      if (watch_) watch_->evaluations += t.batch();
       return;
     }
     for (int b = 0; b < t.batch(); ++b) {
@@ -186,6 +188,88 @@ TEST(Evaluator, ScoresChooseButTheIncumbentIsExact) {
         EXPECT_EQ(e.incumbent(), reference.incumbent());
       } else {
         EXPECT_LE(watch->evaluations, X.cols());
+      }
+    }
+  }
+}
+
+/// Not defined for inputs above 0.97: a term that throws there.
+class ThrowingAbove final : public Term {
+ public:
+  explicit ThrowingAbove(std::shared_ptr<const Term> cost) : cost_(std::move(cost)) {}
+  std::string_view name() const override { return "throwing"; }
+  TermTraits traits() const override { return cost_->traits(); }
+  void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch* scratch,
+                TermOutput& out) const override {
+    if ((t.inputs.row(0) > 0.97).any()) throw std::domain_error("above");
+    cost_->evaluate(t, request, scratch, out);
+  }
+
+ private:
+  std::shared_ptr<const Term> cost_;
+};
+
+// Scores and exact values, solves that end by their budget, by a stop and by a term that throws.
+TEST(Evaluator, AnyNumberOfThreadsGivesTheSameBits) {
+  const Case c = zoo::hs43();
+  ProblemDefinition d = c.problem().definition();
+  d.terms.front().term = std::make_shared<RoughCost>(d.terms.front().term, nullptr);
+  const Problem rough(d);
+  d.terms.front().term = std::make_shared<ThrowingAbove>(d.terms.front().term);
+  const Problem throwing(d);
+  std::mt19937_64 generator(11);
+  struct Run {
+    int done;
+    Eigen::ArrayXd cost, violations;
+    Vector incumbent;
+    double incumbent_cost;
+    int evaluations;
+    bool stopped;
+  };
+  for (const double spread : {1.0, 1e-6, 0.0}) {  // 0: all from better to worse, all from worse
+    std::uniform_real_distribution<double> uniform(-0.9 - spread, -0.9 + spread);
+    Matrix X = Matrix::NullaryExpr(4, 13 * Evaluator::kChunk + 5,
+                                   [&](Eigen::Index, Eigen::Index) { return uniform(generator); });
+    if (spread == 0.0) {
+      for (Eigen::Index b = 0; b < X.cols(); ++b) X.col(b).setConstant(0.9 - 1e-3 * b);
+      X(0, 150) = 0.99;
+    }
+    for (const int most : {10000, 7 * Evaluator::kChunk + 3}) {
+      for (const int stops : {1000000, 9}) {
+        for (const bool throws : {false, true}) {
+          for (const Evaluate what : {Evaluate::kScore, Evaluate::kValue}) {
+            std::vector<Run> runs;
+            for (const int threads : {1, 2, 3, 7}) {
+              CommonOptions options;
+              options.max_evaluations = most;
+              options.threads = threads;
+              int asked = 0;
+              const StopCondition stop(
+                  [&] { return ++asked > stops ? StopRequest::kCancelled : StopRequest::kNone; });
+              Evaluator e(throws ? throwing : rough, options, stop);
+              Run r;
+              r.done = e.evaluate_batch(X, r.cost, r.violations, what);
+              r.incumbent = e.incumbent();
+              r.incumbent_cost = e.incumbent_cost();
+              r.evaluations = e.counters().cost_evaluations;
+              r.stopped = e.stopped();
+              runs.push_back(r);
+            }
+            for (const Run& r : runs) {
+              EXPECT_EQ(r.done, runs[0].done);
+              EXPECT_TRUE((r.cost == runs[0].cost).all());
+              EXPECT_TRUE((r.violations == runs[0].violations).all());
+              EXPECT_EQ(r.incumbent, runs[0].incumbent);
+              EXPECT_EQ(r.incumbent_cost, runs[0].incumbent_cost);
+              EXPECT_EQ(r.evaluations, runs[0].evaluations);
+              EXPECT_EQ(r.stopped, runs[0].stopped);
+            }
+            EXPECT_GT(runs[0].done, 0);
+            if (spread == 0.0 && throws && most > 1000 && stops > 1000) {
+              EXPECT_EQ(runs[0].done, 144) << "the chunk that throws";
+            }
+          }
+        }
       }
     }
   }
