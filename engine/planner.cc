@@ -28,6 +28,7 @@ struct Candidate {
   double cost = Problem::kRejectedCost;
   double violation = 0.0;
   std::optional<Result> result;  // of the solver, for polished ones
+  double error = 0.0;            // that the cost may have: of a score
 
   bool operator<(const Candidate& other) const {
     const bool feasible = violation <= kFeasible;
@@ -168,7 +169,7 @@ struct Planner::Impl {
     return guidance->relaxed && belief.localization != Localization::kLost;
   }
   std::shared_ptr<const ProblemRecipe> make_recipe(const Belief& belief);
-  std::vector<Candidate> score(std::vector<Candidate> candidates) const;
+  std::vector<Candidate> measure(std::vector<Candidate> candidates, Evaluate what) const;
   void polish(std::vector<Candidate>& candidates, const StopCondition& stop, Plan& plan) const;
   void execute_best(const Belief& belief, const std::vector<Candidate>& candidates,
                     Plan& plan) const;
@@ -287,7 +288,10 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   return r;
 }
 
-std::vector<Candidate> Planner::Impl::score(std::vector<Candidate> candidates) const {
+/// Those that can be evaluated, best first. Scores choose among seeds, the exact value tells what a
+/// plan costs.
+std::vector<Candidate> Planner::Impl::measure(std::vector<Candidate> candidates,
+                                              Evaluate what) const {
   if (candidates.empty()) return candidates;
   Eigen::MatrixXd X(problem->num_variables(), static_cast<Eigen::Index>(candidates.size()));
   for (std::size_t i = 0; i < candidates.size(); ++i) {
@@ -295,13 +299,18 @@ std::vector<Candidate> Planner::Impl::score(std::vector<Candidate> candidates) c
   }
   Workspace workspace = problem->make_workspace();
   Evaluation evaluation;
-  problem->evaluate(X, Evaluate::kValue, workspace, evaluation);
+  if (!problem->evaluate(X, what, workspace, evaluation) && what == Evaluate::kScore) {
+    // Single precision may overflow where the exact value does not.
+    what = Evaluate::kValue;
+    problem->evaluate(X, what, workspace, evaluation);
+  }
   std::vector<Candidate> scored;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const auto b = static_cast<Eigen::Index>(i);
     if (!evaluation.valid[b]) continue;
     candidates[i].cost = evaluation.cost[b];
     candidates[i].violation = violation(evaluation.constraints.col(b));
+    candidates[i].error = evaluation.cost_error[b];
     scored.push_back(std::move(candidates[i]));
   }
   std::stable_sort(scored.begin(), scored.end());
@@ -366,9 +375,31 @@ void Planner::Impl::polish(std::vector<Candidate>& candidates, const StopConditi
     }
   }
   // Measured again: what is compared is what would be driven, whatever the solver says of it.
-  polished = score(std::move(polished));
+  polished = measure(std::move(polished), Evaluate::kValue);
   candidates.insert(candidates.end(), std::make_move_iterator(polished.begin()),
                     std::make_move_iterator(polished.end()));
+  std::stable_sort(candidates.begin(), candidates.end());
+  // So are the seeds that may be better than all that were: the order of what comes first is that
+  // of exact costs.
+  const auto known = std::find_if(candidates.begin(), candidates.end(),
+                                  [](const Candidate& c) { return c.error == 0.0; });
+  std::optional<Candidate> best;
+  if (known != candidates.end()) best = *known;
+  const auto open = [&](const Candidate& c) {
+    if (c.error == 0.0) return false;
+    Candidate least;
+    least.cost = c.cost - c.error;
+    least.violation = c.violation;
+    return !best || !(*best < least);
+  };
+  std::vector<Candidate> leading;
+  for (const Candidate& c : candidates) {
+    if (open(c)) leading.push_back(c);
+  }
+  leading = measure(std::move(leading), Evaluate::kValue);
+  std::erase_if(candidates, open);
+  candidates.insert(candidates.begin(), std::make_move_iterator(leading.begin()),
+                    std::make_move_iterator(leading.end()));
   std::stable_sort(candidates.begin(), candidates.end());
 }
 
@@ -517,7 +548,7 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
       scripted ? make_scripted_seeds(*problem, context) : make_seeds(*problem, context);
   std::vector<Candidate> candidates;
   for (const Seed& seed : made) candidates.push_back({seed.name, seed.z, 0.0, 0.0, std::nullopt});
-  candidates = score(std::move(candidates));
+  candidates = measure(std::move(candidates), Evaluate::kScore);
   plan.seeds_scored = static_cast<int>(made.size());
   for (const Candidate& c : candidates) seeds.push_back({c.name, c.z});
   plan.counters.cost_evaluations = plan.seeds_scored;

@@ -292,6 +292,59 @@ TEST_F(PlannerTest, TheBestCandidateIsNoWorseThanTheBestSeed) {
   EXPECT_LE(plan.explanation.cost, planner.problem()->explain(planner.seeds().front().z).cost);
 }
 
+// Seeds are ranked by scores, in single precision; a polish that gains nothing must not pass for a
+// gain by their error, nor one that gains a little for a loss.
+TEST_F(PlannerTest, WhatIsTakenIsComparedByItsExactCost) {
+  int taken = 0;
+  for (const bool better : {false, true}) {
+    for (int k = 0; k < 8; ++k) {
+      // One polish, that returns its seed, or the seed's cost less a hundredth of a score's error.
+      parameters_.polished = 1;
+      Planner planner =
+          make(std::make_shared<Scripted>([&](const Problem& problem, const WarmStart& start) {
+            Result r;
+            r.stop = StopReason::kIterationLimit;
+            r.quality = Quality::kFeasible;
+            r.x = start.x;
+            if (!better) return r;
+            const double cost = problem.explain(r.x).cost;
+            for (double step = 1e-9; step < 1e-2; step *= 2.0) {
+              for (const double sign : {1.0, -1.0}) {
+                for (Eigen::Index i = 0; i < r.x.size(); ++i) {
+                  Eigen::VectorXd x = r.x;
+                  x[i] += sign * step;
+                  x = x.cwiseMax(problem.lower()).cwiseMin(problem.upper());
+                  const double gain = cost - problem.explain(x).cost;
+                  if (gain <= 1e-9 || gain > 0.01 * kScoreError) continue;
+                  r.x = x;
+                  return r;
+                }
+              }
+            }
+            return r;
+          }));
+      Belief belief = Room{.landmarks_per_wall = 20}.belief();
+      belief.pose.position.x() = 0.05 * k;
+      belief.pose.yaw = 0.3 * k;
+      const Plan plan = planner.plan(belief);
+      ASSERT_TRUE(plan.certified) << k;
+      const Seed& first = planner.seeds().front();
+      if (plan.seed != first.name) continue;  // it could not be certified
+      ++taken;
+      const double cost = planner.problem()->explain(first.z).cost;
+      if (!better) {
+        EXPECT_EQ(plan.kind, PlanKind::kSeed) << k;
+        EXPECT_EQ(plan.explanation.cost, cost) << k;
+      } else {
+        EXPECT_LE(plan.explanation.cost, cost) << k;
+        EXPECT_EQ(plan.kind, plan.explanation.cost < cost ? PlanKind::kOptimised : PlanKind::kSeed)
+            << k;
+      }
+    }
+  }
+  EXPECT_GE(taken, 8);
+}
+
 TEST_F(PlannerTest, AnEmptyMap) {
   Planner planner = make();
   Belief belief = empty_belief();
