@@ -102,6 +102,8 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
   folder.finish(result.record, result.map.get());
   if (!folder.error().empty()) std::cerr << "prospect: " << folder.error() << '\n';
 
+  if (!result.complaint.empty()) std::cerr << "prospect: sensors: " << result.complaint << '\n';
+
   const Summary& summary = result.record.summary;
   if (arguments.json) {
     std::cout << summary_json(summary);

@@ -245,6 +245,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   if (options.keep_steps) record.steps = std::move(steps);
   record.pictures = pictures.take();
   result.map = simulator.sense()->octree;
+  result.complaint = simulator.complaint();
   s.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - wall_start).count();
   return result;
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "adapters/config/configuration.h"
 #include "adapters/run/run_record.h"
@@ -38,6 +39,7 @@ struct ExplorationRunOptions {
 struct ExplorationRunResult {
   RunRecord record;
   std::shared_ptr<const octomap::OcTree> map;  ///< as built, in the estimated frame
+  std::string complaint;  ///< of the simulated sensors at the end: why they cannot be trusted
 };
 
 /// Where the robot of this configuration can stand and what it can see from there, in this world.

@@ -154,18 +154,25 @@ void CameraSenses::compare() {
   if (found.verdict != ScaleAgreement::Verdict::kUnknown) agreement_ = found;
 }
 
-std::string CameraSenses::complaint() const {
+std::string CameraSenses::disagreement() const {
   if (agreement_.verdict != ScaleAgreement::Verdict::kDisagree) return {};
   return to_string(agreement_, "depths by the stereo pair are", "those of the depth camera") +
          "; expected the same: the baseline or focal length of the pair, or the depth camera's "
          "unit, is wrong";
 }
 
+std::string CameraSenses::complaint() const {
+  const std::string depths = disagreement();
+  if (!depths.empty() || !options_.camera.wheels) return depths;
+  const FusedOdometry fused = fusion_.at(frame_.stamp);
+  return fused.agreement.verdict == ScaleAgreement::Verdict::kDisagree ? fused.reason : "";
+}
+
 void CameraSenses::doubt() {
-  const std::string complaint = this->complaint();
-  if (complaint.empty()) return;
+  const std::string why = disagreement();
+  if (why.empty()) return;
   frame_.state = Localization::kLost;
-  add_reason(frame_.reason, complaint);
+  add_reason(frame_.reason, why);
 }
 
 void CameraSenses::count_landmarks() {

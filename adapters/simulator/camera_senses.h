@@ -30,7 +30,8 @@ namespace prospect {
 ///
 /// Stereo pair and depth camera are held against each other wherever they look at the same time
 /// (depth_agreement.h). As long as they disagree about the metre, localization by the images is
-/// lost, and complaint() says why.
+/// lost, from the next image on; as long as vision and wheels do, localization is (WheelFusion).
+/// complaint() says why.
 ///
 /// feature_density counts as new landmarks those in cells of 5 cm that held none before.
 ///
@@ -58,6 +59,8 @@ class CameraSenses final : public Senses {
   void count_landmarks();
   /// Holds the newest frame against the newest depth image, if they are of one time.
   void compare();
+  /// Empty, or that they disagree.
+  std::string disagreement() const;
   void doubt();
 
   SimulatorOptions options_;

@@ -128,6 +128,7 @@ bool Simulator::in_contact() const { return impl_->robot.in_contact(); }
 double Simulator::path_length() const { return impl_->robot.path_length(); }
 double Simulator::rotation() const { return impl_->robot.rotation(); }
 int Simulator::losses() const { return impl_->senses->losses(); }
+std::string Simulator::complaint() const { return impl_->senses->complaint(); }
 CameraPicture Simulator::picture() const { return impl_->senses->picture(); }
 double Simulator::lost_time() const { return impl_->lost_time; }
 void Simulator::set_reachable(const Grid<std::uint8_t>& reachable) {

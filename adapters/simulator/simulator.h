@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 
 #include "adapters/simulator/senses.h"
 #include "adapters/simulator/simulator_options.h"
@@ -53,6 +54,7 @@ class Simulator {
   double path_length() const;         ///< [m] really driven
   double rotation() const;            ///< [rad] really turned, in absolute value
   int losses() const;                 ///< how often localization was lost
+  std::string complaint() const;      ///< why the sensors cannot be trusted; empty: nothing known
   double lost_time() const;           ///< [s] spent lost
 
   /// The newest left image, where the robot has cameras; empty otherwise.

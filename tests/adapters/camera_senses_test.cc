@@ -224,9 +224,11 @@ TEST_F(CameraSensesTest, ATenthIsNoticedOnceTheDisparitiesZeroIsKnown) {
     for (int k = 0; k < 12 && way < 0.0; ++k) {
       simulator.apply(twist(0.3, 0.5), 0.5);
       if (simulator.sense()->localization == Localization::kLost) way = simulator.path_length();
+      EXPECT_TRUE(way < 0.0 || !simulator.complaint().empty());
     }
     std::printf("baseline off by %+.0f %%: lost after %.1f m\n", 100.0 * error, way);
     EXPECT_EQ(way > 0.0, std::abs(error) > 0.05);
+    EXPECT_EQ(simulator.complaint().empty(), way < 0.0);
   }
 }
 
@@ -238,12 +240,15 @@ TEST_F(CameraSensesTest, WithoutDepthsInCommonTheWheelsContradictACalibration) {
   Simulator simulator(room_with_an_opening(), options);
   simulator.apply(twist(0.0, 0.8), 2.0);
   EXPECT_NE(simulator.sense()->localization, Localization::kLost);
+  EXPECT_EQ(simulator.complaint(), "");
   simulator.apply(twist(0.0, -0.8), 2.0);
   for (int there_and_back = 0; there_and_back < 2; ++there_and_back) {
     simulator.apply(twist(0.4, 0.0), 3.0);
     simulator.apply(twist(-0.4, 0.0), 3.0);
   }
   EXPECT_EQ(simulator.sense()->localization, Localization::kLost);
+  EXPECT_NE(simulator.complaint().find("that by the wheels"), std::string::npos)
+      << simulator.complaint();
 }
 
 TEST_F(CameraSensesTest, RefusesOptionsOutOfRange) {
