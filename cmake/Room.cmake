@@ -20,8 +20,8 @@ endfunction()
 # Eigen and the standard library are read once for all targets that have the same flags. Only a
 # saving of time: every file includes what it uses, which the builds without them check (presets dev,
 # asan, tsan; for rooms and programs, that of .ci/run with sanitizers).
-set(PROSPECT_PRECOMPILED_HEADERS <Eigen/Dense> <algorithm> <functional> <map> <memory> <optional>
-  <random> <string> <vector>)
+set(PROSPECT_PRECOMPILED_HEADERS <Eigen/Dense> <algorithm> <filesystem> <fstream> <functional> <map> <memory>
+  <optional> <random> <set> <sstream> <string> <vector>)
 option(PROSPECT_PRECOMPILE_ROOMS "Precompiled headers for rooms and programs too, not for tests only" ON)
 function(prospect_precompile target)
   if(NOT PROSPECT_PRECOMPILE_ROOMS)
