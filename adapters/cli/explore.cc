@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "adapters/cli/absent_solver.h"
 #include "adapters/cli/commands.h"
@@ -74,18 +75,18 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
   ExplorationRunOptions options;
   options.seed = arguments.seed;
   options.solvers = &registry;
-  check_start(world, configuration, options);  // before anything is written
 
   const std::string out = arguments.out.empty() ? "runs/" + file_name(world->name) + "_" +
                                                       file_name(configuration.solver) + "_" +
                                                       std::to_string(arguments.seed)
                                                 : arguments.out;
-  RunFolder folder(out);
+  std::optional<RunFolder> folder;
+  options.on_start = [&] { folder.emplace(out); };  // not before: nothing is written for a refusal
   options.cancelled = catch_interrupts();
   ProgressLine progress = ProgressLine::on_stderr();
   const auto start = std::chrono::steady_clock::now();
   options.on_step = [&](const StepRecord& step) {
-    folder.add(step);
+    folder->add(step);
     if (arguments.quiet) return;
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     progress.show(step, configuration.solver, elapsed.count());
@@ -94,13 +95,13 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
     options.on_plan = [&](const StepRecord& step, const Planner& planner) {
       if (step.step % arguments.save_problems != 0) return;
       const auto saved = planned_problem(planner, step, world->name, arguments.seed);
-      if (saved) folder.add(*saved);
+      if (saved) folder->add(*saved);
     };
   }
   const ExplorationRunResult result = run_exploration(world, configuration, options);
   progress.finish();
-  folder.finish(result.record, result.map.get());
-  if (!folder.error().empty()) std::cerr << "prospect: " << folder.error() << '\n';
+  folder->finish(result.record, result.map.get());
+  if (!folder->error().empty()) std::cerr << "prospect: " << folder->error() << '\n';
 
   if (!result.complaint.empty()) std::cerr << "prospect: sensors: " << result.complaint << '\n';
 
@@ -109,11 +110,11 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
     std::cout << summary_json(summary);
   } else {
     print_summary(summary);
-    std::printf("  report        %s/report.html\n", folder.path().c_str());
+    std::printf("  report        %s/report.html\n", folder->path().c_str());
   }
   const bool lost = summary.reason == to_string(MissionEnd::kLost);
   const bool cancelled = summary.reason == to_string(MissionEnd::kCancelled);
-  return lost || cancelled || summary.collisions > 0 || !folder.error().empty() ? kFailed : kDone;
+  return lost || cancelled || summary.collisions > 0 || !folder->error().empty() ? kFailed : kDone;
 }
 
 }  // namespace prospect

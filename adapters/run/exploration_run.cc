@@ -112,13 +112,6 @@ WorldOptions world_options_for(const Configuration& c) {
   return options;
 }
 
-void check_start(const std::shared_ptr<const World>& world, const Configuration& configuration,
-                 const ExplorationRunOptions& options) {
-  planner_for(configuration, options);
-  reachable_area(*world, configuration);
-  Simulator(world, configuration.simulator);
-}
-
 ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                                      const Configuration& configuration,
                                      const ExplorationRunOptions& options) {
@@ -218,6 +211,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     steps.push_back(std::move(r));
   };
 
+  if (options.on_start) options.on_start();
   const MissionResult mission =
       run_mission(robot, *planner, guard, configuration.mission, observe, options.cancelled);
 

@@ -25,6 +25,9 @@ class SolverRegistry;
 struct ExplorationRunOptions {
   std::uint64_t seed = 1;
   bool keep_steps = true;  ///< keep every StepRecord in the result, for the report
+  /// Once, when all that the input could be refused for has been made, before the first step. What
+  /// it throws ends the run.
+  std::function<void()> on_start;
   std::function<void(const StepRecord&)> on_step;  ///< after each planning step
   /// After on_step, with the Planner that made the step; never called if make_planner makes
   /// another.
@@ -48,13 +51,9 @@ ReachableArea reachable_area(const World& world, const Configuration& configurat
 /// How load_world() must look for a start that this configuration's robot can take.
 WorldOptions world_options_for(const Configuration& configuration);
 
-/// Throws what run_exploration() would throw before its first step.
-void check_start(const std::shared_ptr<const World>& world, const Configuration& configuration,
-                 const ExplorationRunOptions& options);
-
 /// Runs one mission in the kinematic simulator, to its end. Throws InputError if the robot cannot
-/// start there, std::invalid_argument for an unknown solver or options out of range; nothing has
-/// been written then. Deterministic but for wall-clock times.
+/// start there, std::invalid_argument for an unknown solver or options out of range, both before
+/// on_start. Deterministic but for wall-clock times.
 ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                                      const Configuration& configuration,
                                      const ExplorationRunOptions& options);
