@@ -33,6 +33,7 @@ struct Arguments {
   std::vector<std::string> worlds;
   std::vector<std::string> conditions;
   int seeds = 0;
+  int first_seed = 1;
   double time_limit = 0.0;
   std::string sensors = "model";
   int jobs = 1;
@@ -123,8 +124,10 @@ int main_program(int argc, char** argv) {
       ->delimiter(',');
   app.add_option("--conditions", arguments.conditions, "default: all; see conditions.cc")
       ->delimiter(',');
-  app.add_option("--seeds", arguments.seeds, "seeds 1 to this; default: 20")
-      ->check(CLI::Range(1, 1000));
+  app.add_option("--seeds", arguments.seeds, "how many; default: 20")->check(CLI::Range(1, 1000));
+  app.add_option("--first-seed", arguments.first_seed, "the first of them")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
   app.add_option("--time-limit", arguments.time_limit,
                  "of a mission, robot's clock [s]; default: 1200")
       ->check(CLI::Range(1.0, 1e6));
@@ -172,7 +175,8 @@ int main_program(int argc, char** argv) {
   }
   // Seeds outermost: a run that is broken off holds pairs of all worlds.
   std::vector<Mission> missions;
-  for (int seed = 1; seed <= arguments.seeds; ++seed) {
+  const int end = arguments.first_seed + arguments.seeds;
+  for (int seed = arguments.first_seed; seed < end; ++seed) {
     for (const std::string& world : arguments.worlds) {
       for (const std::string& name : arguments.conditions) {
         Mission m{world, name, static_cast<std::uint64_t>(seed)};

@@ -1,27 +1,33 @@
 #include "engine/landmark_selection.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <numbers>
 #include <tuple>
 
 namespace prospect {
 namespace {
 
-constexpr int kSectors = 32;
-constexpr double kWidths = 4.0;  // logistic widths beyond a limit that still count
+constexpr double kFinest = 0.2;    // [m]
+constexpr double kCoarsest = 1e3;  // [m]
+constexpr double kWidths = 4.0;    // logistic widths beyond a limit that still count
 // Range over depth in the corner of the image, for fields of view up to 96 degrees on the diagonal.
 constexpr double kRangeOverDepth = 1.5;
 
-double logistic(double x) { return 1.0 / (1.0 + std::exp(-x)); }
-
-struct Eligible {
-  const Landmark* landmark;
-  double azimuth;
-  double bound;
-  std::size_t sector;
+/// Landmarks that one stands for.
+struct Cluster {
+  const Landmark* first = nullptr;  // lowest id
+  double multiplicity = 0.0;
+  double survival = 0.0;  // times multiplicity
 };
+
+/// Everything that can tell two landmarks apart, so that the order in the map does not matter even
+/// for repeated ids.
+auto key(const Landmark& l) {
+  return std::make_tuple(l.id, l.position.x(), l.position.y(), l.position.z());
+}
 
 bool usable(const Landmark& l) {
   return l.position.allFinite() && l.covariance.allFinite() && l.creation_direction.allFinite() &&
@@ -30,10 +36,9 @@ bool usable(const Landmark& l) {
          std::isfinite(l.multiplicity);
 }
 
-// The largest survival * P_range * P_view over camera positions within `reach` of `center`, each
-// factor bounded on its own; 0 if the landmark cannot matter.
-double visibility_bound(const Landmark& l, const Eigen::Vector3d& center, double reach,
-                        const VisibilityParameters& p) {
+// Whether P_range and P_view are above nothing for some camera position within `reach` of `center`.
+bool can_matter(const Landmark& l, const Eigen::Vector3d& center, double reach,
+                const VisibilityParameters& p) {
   const Eigen::Vector3d to_center = center - l.position;
   const double distance = to_center.norm();
   const double nearest = std::max(0.0, distance - reach);
@@ -47,7 +52,7 @@ double visibility_bound(const Landmark& l, const Eigen::Vector3d& center, double
       farthest < p.r_min - kWidths * p.r_min_width ||
       scale_near > p.scale_max + kWidths * p.scale_width ||
       scale_far < p.scale_min - kWidths * p.scale_width) {
-    return 0.0;
+    return false;
   }
   // From `center` the ball is seen under asin(reach / distance): the view angle can shrink by that.
   double angle = 0.0;
@@ -57,71 +62,72 @@ double visibility_bound(const Landmark& l, const Eigen::Vector3d& center, double
     angle = std::acos(std::clamp(cosine, -1.0, 1.0)) - std::asin(reach / distance);
     angle = std::max(0.0, angle);
   }
-  if (angle > p.view_angle + kWidths * p.view_angle_width) return 0.0;
-  return l.survival * logistic((p.r_max - least_depth) / p.r_max_width) *
-         logistic((p.scale_max - scale_near) / p.scale_width) *
-         logistic((scale_far - p.scale_min) / p.scale_width) *
-         logistic((p.view_angle - angle) / p.view_angle_width);
+  return angle <= p.view_angle + kWidths * p.view_angle_width;
+}
+
+using CellKey = std::tuple<std::int64_t, std::int64_t, std::int64_t, int>;
+
+CellKey cell_of(const Landmark& l, double size) {
+  const auto at = [&](int a) {
+    return static_cast<std::int64_t>(std::floor(l.position[a] / size));
+  };
+  const Eigen::Vector3d& d = l.creation_direction;
+  return {at(0), at(1), at(2), 2 * (d.x() > 0.0) + (d.y() > 0.0)};
+}
+
+/// `landmarks`, by key, as clusters of a lattice; given up as soon as there are more than `most`.
+std::vector<Cluster> clusters(const std::vector<const Landmark*>& landmarks, double size,
+                              std::size_t most) {
+  std::map<CellKey, Cluster> cells;
+  for (const Landmark* l : landmarks) {
+    Cluster& c = cells[cell_of(*l, size)];
+    if (!c.first) c.first = l;
+    c.multiplicity += l->multiplicity;
+    c.survival += l->multiplicity * l->survival;
+    if (cells.size() > most) break;
+  }
+  std::vector<Cluster> result;
+  result.reserve(cells.size());
+  for (const auto& [cell, cluster] : cells) result.push_back(cluster);
+  return result;
 }
 
 }  // namespace
 
 std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose, double reach,
                                        int max_count, const VisibilityParameters& parameters) {
-  std::array<std::vector<Eligible>, kSectors> sectors;
-  std::size_t total = 0;
+  std::vector<const Landmark*> eligible;
   for (const Landmark& l : map.landmarks) {
-    if (!usable(l)) continue;
-    const double bound = visibility_bound(l, pose.position, reach, parameters);
-    if (!(bound > 0.0)) continue;
-    const double azimuth =
-        std::atan2(l.position.y() - pose.position.y(), l.position.x() - pose.position.x());
-    const double turn = azimuth / (2.0 * std::numbers::pi) + 0.5;
-    const auto sector =
-        static_cast<std::size_t>(std::clamp(static_cast<int>(turn * kSectors), 0, kSectors - 1));
-    sectors[sector].push_back({&l, azimuth, bound, sector});
-    ++total;
+    if (usable(l) && can_matter(l, pose.position, reach, parameters)) eligible.push_back(&l);
   }
-  // Ties are broken by everything that can tell two landmarks apart, so that the order in the map
-  // does not matter even for repeated ids.
-  const auto key = [](const Eligible& c) {
-    const Eigen::Vector3d& p = c.landmark->position;
-    return std::make_tuple(c.landmark->id, p.x(), p.y(), p.z());
-  };
-  for (auto& sector : sectors) {
-    std::sort(sector.begin(), sector.end(), [&](const Eligible& a, const Eligible& b) {
-      return a.bound != b.bound ? a.bound > b.bound : key(a) < key(b);
-    });
-  }
-  std::vector<Eligible> chosen;
-  const std::size_t wanted = std::min(total, static_cast<std::size_t>(std::max(0, max_count)));
-  std::array<std::size_t, kSectors> taken{};
-  for (std::size_t rank = 0; chosen.size() < wanted; ++rank) {
-    for (std::size_t s = 0; s < kSectors; ++s) {
-      if (rank >= sectors[s].size() || chosen.size() >= wanted) continue;
-      chosen.push_back(sectors[s][rank]);
-      taken[s] = rank + 1;
-    }
-  }
-  std::array<double, kSectors> stands_for{};
-  for (std::size_t s = 0; s < kSectors; ++s) {
-    double all = 0.0, of_chosen = 0.0;
-    for (std::size_t rank = 0; rank < sectors[s].size(); ++rank) {
-      const double mass = sectors[s][rank].bound * sectors[s][rank].landmark->multiplicity;
-      all += mass;
-      if (rank < taken[s]) of_chosen += mass;
-    }
-    stands_for[s] = of_chosen > 0.0 ? all / of_chosen : 1.0;
-  }
-  std::sort(chosen.begin(), chosen.end(), [&](const Eligible& a, const Eligible& b) {
-    return a.azimuth != b.azimuth ? a.azimuth < b.azimuth : key(a) < key(b);
-  });
+  std::sort(eligible.begin(), eligible.end(),
+            [](const Landmark* a, const Landmark* b) { return key(*a) < key(*b); });
   std::vector<Landmark> result;
-  result.reserve(chosen.size());
-  for (const Eligible& c : chosen) {
-    result.push_back(*c.landmark);
-    result.back().multiplicity *= stands_for[c.sector];
+  const auto most = static_cast<std::size_t>(std::max(0, max_count));
+  if (eligible.size() <= most) {
+    for (const Landmark* l : eligible) result.push_back(*l);
+  } else {
+    std::vector<Cluster> chosen;
+    for (double size = kFinest; size <= kCoarsest; size *= std::numbers::sqrt2) {
+      chosen = clusters(eligible, size, most);
+      if (chosen.size() <= most) break;
+    }
+    if (chosen.size() > most) chosen = clusters(eligible, kCoarsest, eligible.size());
+    std::sort(chosen.begin(), chosen.end(),
+              [](const Cluster& a, const Cluster& b) { return key(*a.first) < key(*b.first); });
+    if (chosen.size() > most) chosen.resize(most);
+    for (const Cluster& c : chosen) {
+      result.push_back(*c.first);
+      result.back().multiplicity = c.multiplicity;
+      result.back().survival = std::min(1.0, c.survival / c.multiplicity);
+    }
   }
+  const auto azimuth = [&](const Landmark& l) {
+    return std::atan2(l.position.y() - pose.position.y(), l.position.x() - pose.position.x());
+  };
+  std::stable_sort(result.begin(), result.end(), [&](const Landmark& a, const Landmark& b) {
+    return azimuth(a) < azimuth(b);  // by key before
+  });
   return result;
 }
 

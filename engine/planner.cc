@@ -14,6 +14,8 @@
 #include "engine/retreat.h"
 #include "engine/seeds.h"
 #include "engine/stopwatch.h"
+#include "engine/tracked_calibration.h"
+#include "engine/unseen_features.h"
 
 namespace prospect {
 namespace {
@@ -123,7 +125,8 @@ struct Planner::Impl {
   ProblemParts parts;
   std::shared_ptr<const ProblemRecipe> recipe;
   std::shared_ptr<const Problem> problem;
-  std::vector<Seed> seeds;  // of the problem, best first
+  std::vector<Seed> seeds;     // of the problem, best first
+  std::size_t num_mapped = 0;  // of the recipe's landmarks; those after them are expected ones
   std::vector<Landmark> landmarks;
   Eigen::VectorXd visibility;
   Eigen::MatrixXd last_inputs;  // nu x N of the last plan
@@ -169,6 +172,7 @@ struct Planner::Impl {
     return guidance->relaxed && belief.localization != Localization::kLost;
   }
   std::shared_ptr<const ProblemRecipe> make_recipe(const Belief& belief);
+  void calibrate(const Belief& belief, const Eigen::Vector3d& camera, ProblemRecipe& r) const;
   std::vector<Candidate> measure(std::vector<Candidate> candidates, Evaluate what) const;
   void polish(std::vector<Candidate>& candidates, const StopCondition& stop, Plan& plan) const;
   void execute_best(const Belief& belief, const std::vector<Candidate>& candidates,
@@ -210,6 +214,22 @@ void Planner::Impl::update_recovery(const Belief& belief) {
   }
 }
 
+/// What is in view now counts as it is tracked.
+void Planner::Impl::calibrate(const Belief& belief, const Eigen::Vector3d& camera,
+                              ProblemRecipe& r) const {
+  Eigen::VectorXd visible =
+      VisibilityPrediction(r.landmarks, robot.stereo, robot.stereo_mount, nullptr, r.visibility)
+          .probabilities(belief.pose);
+  for (std::size_t i = 0; i < r.landmarks.size(); ++i) {
+    double& pi = visible[static_cast<Eigen::Index>(i)];
+    if (!(pi > 0.0)) continue;
+    const VoxelGrid::Ray ray =
+        belief.voxels->cast(camera, r.landmarks[i].position, r.landmark_occlusion.trim);
+    pi *= ray.blocked ? 0.0 : std::exp(-r.landmark_occlusion.attenuation * ray.unknown_length);
+  }
+  calibrate_to_tracked(r.landmarks, visible, belief.tracked_features);
+}
+
 std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& belief) {
   const PlannerParameters& p = parameters;
   const MotionModel& model = *robot.model;
@@ -244,15 +264,25 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
       Eigen::Translation3d(belief.pose.position) *
       Eigen::Isometry3d(Eigen::AngleAxisd(belief.pose.yaw, Eigen::Vector3d::UnitZ()));
   const double stereo_offset = robot.stereo_mount.T_BC.translation().head<2>().norm();
-  r->landmarks = select_landmarks(*belief.landmarks, belief.pose, reach + stereo_offset,
-                                  p.max_landmarks, p.visibility);
+  const Eigen::Vector3d stereo_camera = T_WB * robot.stereo_mount.T_BC.translation();
   r->landmark_lattice =
-      SensorLattice::around(T_WB * robot.stereo_mount.T_BC.translation(), reach + stereo_offset,
-                            p.visibility_lattice, vertical);
-  r->landmark_occlusion.attenuation = p.unknown_attenuation;
+      SensorLattice::around(stereo_camera, reach + stereo_offset, p.visibility_lattice, vertical);
+  r->landmark_occlusion.attenuation = p.feature_attenuation;
   r->landmark_occlusion.trim = 1.5 * belief.voxels->resolution();
   r->landmark_occlusion.max_range = p.visibility.r_max + 1.0;
   r->visibility = p.visibility;
+  UnseenFeatureOptions unseen;
+  unseen.density = p.feature_prior ? belief.landmarks->feature_density : 0.0;
+  unseen.range = reach + p.visibility.r_max;
+  unseen.height = stereo_camera.z();
+  unseen.max_blocks = p.max_landmarks / 4;
+  const std::vector<Landmark> expected = unseen_features(*belief.ground, belief.pose, unseen);
+  r->landmarks =
+      select_landmarks(*belief.landmarks, belief.pose, reach + stereo_offset,
+                       p.max_landmarks - static_cast<int>(expected.size()), p.visibility);
+  num_mapped = r->landmarks.size();
+  r->landmarks.insert(r->landmarks.end(), expected.begin(), expected.end());
+  if (belief.localization != Localization::kLost) calibrate(belief, stereo_camera, *r);
 
   std::vector<Cell> frontier_cells;
   for (std::size_t i = 0; i < guidance->frontiers.size(); ++i) {
@@ -270,6 +300,7 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   r->target_lattice = SensorLattice::around(T_WB * robot.depth_mount.T_BC.translation(),
                                             reach + depth_offset, p.visibility_lattice, vertical);
   r->target_occlusion = r->landmark_occlusion;
+  r->target_occlusion.attenuation = p.unknown_attenuation;
   r->target_occlusion.max_range = robot.depth.max_range + 1.0;
 
   r->cost_to_go = guidance->cost_to_go;
@@ -282,7 +313,7 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
     if (retreat) r->cost_to_go = retreat;
   }
   r->features = p.features;
-  r->features.rho = p.feature_prior ? belief.landmarks->feature_density : 0.0;
+  r->features.rho = 0.0;
   r->features.chance_weight = w_l > 0.0 ? p.w_c / w_l : 0.0;
   r->weights = {p.w_u, p.w_du, p.w_o, w_l, w_e, p.w_T, p.w_h};
   return r;
@@ -522,12 +553,14 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   plan.has_active_frontier = guidance->target.has_value();
   plan.times.guide = watch.lap();
   recipe = make_recipe(belief);
-  landmarks = recipe->landmarks;
+  landmarks.assign(recipe->landmarks.begin(),
+                   recipe->landmarks.begin() + static_cast<std::ptrdiff_t>(num_mapped));
   plan.times.views = watch.lap();
   update_clearance(*recipe, parts);
   plan.times.clearance = watch.lap();
   update_views(*recipe, parts);
-  visibility = parts.prediction->probabilities(belief.pose);
+  visibility =
+      parts.prediction->probabilities(belief.pose).head(static_cast<Eigen::Index>(num_mapped));
   plan.times.views += watch.lap();
   problem = assemble_problem(*recipe, parts);
 

@@ -55,14 +55,16 @@ struct PlannerParameters {
   Options solver_options;  ///< passed to the solver besides
   double deadline = 0.0;   ///< wall-clock limit of a step [s]; 0: none, results are reproducible
 
-  int max_landmarks = 300;
+  int max_landmarks = 300;          ///< a quarter of them at most for what has not been seen
   double visibility_lattice = 0.3;  ///< spacing of the occlusion tables [m]
-  VisibilityParameters visibility;
+  VisibilityParameters visibility = with_landmarks_made_anew();
   VisibleFeaturesParameters features;
-  bool feature_prior = true;  ///< count expected features on surfaces not seen yet
+  /// Count features expected in unknown space (unseen_features.h), of the landmark map's density.
+  bool feature_prior = true;
+  double feature_attenuation = 0.3;  ///< of rays to features through unknown space [1/m]
   int max_targets = 200;
   bool target_frontier_only = false;  ///< count gain only at the frontier that the guide leads to
-  double unknown_attenuation = 0.5;   ///< lambda [1/m] of rays through unknown space
+  double unknown_attenuation = 0.5;   ///< lambda [1/m] of rays to targets through unknown space
 
   ExplorationGuideOptions guide;
 
@@ -112,7 +114,7 @@ class Planner final : public Replanner {
   /// The seeds of that problem, best first: where polishing began. Those that could not be
   /// evaluated are left out. Empty where there is no problem.
   const std::vector<Seed>& seeds() const;
-  /// Landmarks considered in the last step, and the probability that each is visible now.
+  /// Mapped landmarks considered in the last step, and the probability that each is visible now.
   const std::vector<Landmark>& landmarks() const;
   const Eigen::VectorXd& landmark_visibility() const;
 

@@ -175,8 +175,7 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
                                          "number of points, or what they tell about the pose");
   p.features.criterion =
       criterion == "count" ? VisibilityCriterion::kCount : VisibilityCriterion::kInformation;
-  p.feature_prior =
-      v.boolean("prior", p.feature_prior, "count expected features on unseen surfaces");
+  p.feature_prior = v.boolean("prior", p.feature_prior, "count features expected in unknown space");
   p.visibility.r_min =
       v.number("r_min", p.visibility.r_min, 0.05, 100.0, "m", "nearest useful depth");
   p.visibility.r_max =
@@ -184,7 +183,9 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
   p.visibility_lattice =
       v.number("lattice", p.visibility_lattice, 0.05, 2.0, "m", "spacing of the occlusion tables");
   p.unknown_attenuation = v.number("attenuation", p.unknown_attenuation, 0.0, 100.0, "1/m",
-                                   "of rays through unknown space");
+                                   "of rays to targets through unknown space");
+  p.feature_attenuation = v.number("feature_attenuation", p.feature_attenuation, 0.0, 100.0, "1/m",
+                                   "of rays to features through unknown space");
 
   YamlMap r = map.map("recovery");
   p.recovery_time = r.number("time", p.recovery_time, 0.0, 600.0, "s", "longest single attempt");
@@ -255,6 +256,14 @@ void read_simulator(YamlMap map, Configuration& c) {
       o.integer("lost_below", s.odometry.lost_below, 0, 10000, "1", "tracked points: lost"));
   s.odometry.degraded_below = static_cast<int>(o.integer(
       "degraded_below", s.odometry.degraded_below, 0, 10000, "1", "tracked points: degraded"));
+  s.odometry.reckoning_distance =
+      o.number("reckoning_distance", s.odometry.reckoning_distance, 0.0, 1.0, "1",
+               "error of the wheels while lost, share of the distance");
+  s.odometry.reckoning_angle = o.number("reckoning_angle", s.odometry.reckoning_angle, 0.0, 1.0,
+                                        "1", "error of the wheels while lost, share of the angle");
+  s.odometry.reckoning_heading =
+      o.number("reckoning_heading", s.odometry.reckoning_heading, 0.0, 1.0, "rad/m",
+               "error of the wheels while lost, of the heading");
   read_camera(map.map("camera"), s.camera);
 }
 

@@ -210,11 +210,16 @@ void CameraSenses::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
 }
 
 std::shared_ptr<const Belief> CameraSenses::belief(double stamp, const Pose&, const Twist&) {
-  auto landmarks = std::make_shared<LandmarkMap>(*odometry_.landmarks());
+  // Of the next image: those that are lost later on are made anew.
+  auto landmarks = std::make_shared<LandmarkMap>(*odometry_.landmarks(0.0));
   landmarks->feature_density = density_.value();
-  return options_.camera.wheels
-             ? builder_.build(frame_, fusion_.at(stamp), mapper_.map().snapshot(), landmarks)
-             : builder_.build(frame_, mapper_.map().snapshot(), landmarks);
+  auto belief = std::make_shared<Belief>(
+      *(options_.camera.wheels
+            ? builder_.build(frame_, fusion_.at(stamp), mapper_.map().snapshot(), landmarks)
+            : builder_.build(frame_, mapper_.map().snapshot(), landmarks)));
+  if (frame_.state != Localization::kLost) memory_.add(*belief->landmarks);
+  belief->landmarks = memory_.with_remembered(*belief->landmarks);
+  return belief;
 }
 
 CameraPicture CameraSenses::picture() const { return {pair_.left, odometry_.sightings()}; }

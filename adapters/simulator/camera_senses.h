@@ -14,6 +14,7 @@
 #include "perception/depth_agreement.h"
 #include "perception/depth_mapper.h"
 #include "perception/feature_density.h"
+#include "perception/landmark_memory.h"
 #include "perception/stereo_odometry.h"
 #include "perception/visual_motion.h"
 #include "perception/wheel_fusion.h"
@@ -71,6 +72,7 @@ class CameraSenses final : public Senses {
   WheelFusion fusion_;
   DepthMapper mapper_;
   BeliefBuilder builder_;
+  LandmarkMemory memory_;
   FeatureDensity density_;
   std::unordered_set<std::uint64_t> places_;  // cells that have held a landmark
 

@@ -185,6 +185,13 @@ VisibilityPrediction::Stages& VisibilityPrediction::stages(TermScratch& scratch)
   return static_cast<Scratch&>(scratch).out;
 }
 
+VisibilityParameters with_landmarks_made_anew(VisibilityParameters parameters) {
+  parameters.scale_min = 0.0;
+  parameters.scale_max = 1e3;
+  parameters.view_angle = 1.4;
+  return parameters;
+}
+
 VisibilityPrediction::VisibilityPrediction(const std::vector<Landmark>& landmarks,
                                            const StereoCamera& camera, const CameraMount& mount,
                                            std::shared_ptr<const OcclusionTable> occlusion,

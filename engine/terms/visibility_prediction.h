@@ -48,6 +48,12 @@ struct VisibilityParameters {
   OdometryNoise odometry;
 };
 
+/// The same for counting the points that are tracked, whether as themselves or made anew: a tracker
+/// that loses a landmark because it looks from elsewhere finds the same texture there again, and
+/// makes a landmark of it. No limit of scale; of view, 1.4 rad, beyond which a point on a surface
+/// that could be looked at in the first place is likely to be behind it.
+VisibilityParameters with_landmarks_made_anew(VisibilityParameters parameters = {});
+
 /// Expected number of visible landmarks along a trajectory.
 ///
 ///   Sigma_rel,0 = 0,   Sigma_rel,k+1 = F_k Sigma_rel,k F_k^T + W_k(N_k)     over (x, y, z, yaw) in

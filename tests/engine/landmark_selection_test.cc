@@ -55,7 +55,8 @@ TEST(LandmarkSelection, DoesNotDependOnTheOrderOfTheMap) {
   LandmarkMap map;
   map.landmarks = visibility_scene::landmarks(rng, 500);
   const auto first = ids(select_landmarks(map, Pose{}, 2.0, 100));
-  EXPECT_EQ(first.size(), 100u);
+  EXPECT_LE(first.size(), 100u);
+  EXPECT_GT(first.size(), 40u);
   for (int trial = 0; trial < 5; ++trial) {
     std::shuffle(map.landmarks.begin(), map.landmarks.end(), rng);
     EXPECT_EQ(ids(select_landmarks(map, Pose{}, 2.0, 100)), first);
@@ -73,7 +74,7 @@ TEST(LandmarkSelection, EmptiesNoDirectionForAnother) {
     l.survival = 1.0;
   }
   const auto selected = select_landmarks(map, Pose{}, 2.0, 256);
-  ASSERT_EQ(selected.size(), 256u);
+  ASSERT_LE(selected.size(), 256u);
   int behind = 0;
   double previous = -4.0;
   for (const Landmark& l : selected) {
@@ -82,7 +83,7 @@ TEST(LandmarkSelection, EmptiesNoDirectionForAnother) {
     EXPECT_GE(azimuth, previous);
     previous = azimuth;
   }
-  EXPECT_GT(behind, 100);
+  EXPECT_GT(behind, static_cast<int>(selected.size()) / 4);
 }
 
 // However few are chosen: the count that they predict is about that of all.
@@ -106,9 +107,42 @@ TEST(LandmarkSelection, ThoseChosenStandForAll) {
     of_truncated += truncated.visible(t, b)[2];
     error += std::abs(have - want);
   }
-  EXPECT_NEAR(of_some / of_all, 1.0, 0.25);
-  EXPECT_LT(error / of_all, 0.3);
+  EXPECT_NEAR(of_some / of_all, 1.0, 0.1);
+  EXPECT_LT(error / of_all, 0.15);
   EXPECT_LT(of_truncated / of_all, 0.5) << "what is left without multiplicity";
+}
+
+// A step further the same ones are chosen, so that what was computed of them can be kept.
+TEST(LandmarkSelection, StaysWhereTheRobotMoves) {
+  std::mt19937_64 rng(6);
+  LandmarkMap map;
+  map.landmarks = visibility_scene::landmarks(rng, 3000);
+  const auto before = ids(select_landmarks(map, Pose{}, 3.0, 200));
+  const auto after = ids(select_landmarks(map, Pose{{0.02, 0.01, 0.0}, 0.3}, 3.0, 200));
+  const std::set<std::uint64_t> first(before.begin(), before.end());
+  const auto again =
+      std::count_if(after.begin(), after.end(), [&](std::uint64_t id) { return first.count(id); });
+  EXPECT_GT(again, 9 * static_cast<int>(after.size()) / 10);
+}
+
+// The two faces of a wall are not taken together.
+TEST(LandmarkSelection, KeepsApartWhatIsSeenFromOtherSides) {
+  LandmarkMap map;
+  for (std::uint64_t i = 0; i < 8; ++i) {
+    Landmark l;
+    l.id = i;
+    l.position = {2.01 + 0.001 * static_cast<double>(i), 0.05, 0.5};
+    l.creation_direction = {i % 2 == 0 ? -1.0 : 1.0, 0.0, 0.0};
+    l.survival = i % 4 < 2 ? 1.0 : 0.5;
+    map.landmarks.push_back(l);
+  }
+  const auto selected =
+      select_landmarks(map, Pose{}, 3.0, 2, with_landmarks_made_anew(VisibilityParameters{}));
+  ASSERT_EQ(selected.size(), 2u);
+  for (const Landmark& l : selected) {
+    EXPECT_EQ(l.multiplicity, 4.0);
+    EXPECT_EQ(l.survival, 0.75);
+  }
 }
 
 TEST(LandmarkSelection, NothingLeftOutStandsForItself) {
