@@ -156,10 +156,11 @@ TEST_F(ProblemFileTest, TheSameProblemGivesTheSameBytesAndFewOfThem) {
   write_problem(path("b.h5"), problem);
   EXPECT_EQ(content(path("a.h5")), content(path("b.h5")));
 
-  // The whole default problem, 300 landmarks and 200 targets.
+  // The whole default problem: up to 300 landmarks and 200 targets.
   write_problem(path("full.h5"), saved(recipe_of("full", "unicycle", {}, 2000)));
   const ReadProblem full = read_problem(path("full.h5"));
-  EXPECT_EQ(full.saved.recipe.landmarks.size(), 300u);
+  EXPECT_GT(full.saved.recipe.landmarks.size(), 200u);
+  EXPECT_LE(full.saved.recipe.landmarks.size(), 300u);
   EXPECT_LT(fs::file_size(path("full.h5")), 200'000u);
 }
 
