@@ -13,6 +13,8 @@ const std::vector<Condition>& conditions() {
       {"without", "planner: {weights: {w_l: 0}}", "with"},
       {"no_prior", "planner: {visibility: {prior: false}}", "with"},
       {"information", "planner: {visibility: {criterion: information}}", "with"},
+      {"information_2", "planner: {weights: {w_l: 2}, visibility: {criterion: information}}",
+       "with"},
       {"chance", "planner: {weights: {w_c: 0.5}}", "with"},
       {"poor_wheels_without",
        "{simulator: {odometry: " + poor_wheels + "}, planner: {weights: {w_l: 0}}}", ""},
