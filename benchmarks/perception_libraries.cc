@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/video/tracking.hpp>
 #include <random>

@@ -1,5 +1,6 @@
 #include "benchmarks/single_frontier_guide.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>

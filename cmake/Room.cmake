@@ -18,15 +18,11 @@ function(prospect_room name)
 endfunction()
 
 # Eigen and the standard library are read once for all targets that have the same flags. Only a
-# saving of time: every file includes what it uses, which the builds without them check (presets dev,
-# asan, tsan; for rooms and programs, that of .ci/run with sanitizers).
+# saving of time: every file includes what it uses of them, which tests/architecture checks
+# (precompiled_includes_test.cc), as do the builds without them (presets dev, asan, tsan).
 set(PROSPECT_PRECOMPILED_HEADERS <Eigen/Dense> <algorithm> <filesystem> <fstream> <functional> <map> <memory>
   <optional> <random> <set> <sstream> <string> <vector>)
-option(PROSPECT_PRECOMPILE_ROOMS "Precompiled headers for rooms and programs too, not for tests only" ON)
 function(prospect_precompile target)
-  if(NOT PROSPECT_PRECOMPILE_ROOMS)
-    return()
-  endif()
   # Programs are position-independent in another way than libraries: they have a header of their own.
   get_target_property(type ${target} TYPE)
   set(first prospect_models)

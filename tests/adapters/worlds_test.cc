@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>

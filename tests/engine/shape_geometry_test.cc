@@ -4,6 +4,7 @@
 #include <fcl/narrowphase/collision.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <random>
 

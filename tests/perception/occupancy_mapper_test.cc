@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
@@ -10,6 +11,7 @@
 #include <optional>
 #include <random>
 #include <stdexcept>
+#include <string>
 
 namespace prospect::occupancy_mapper_test {
 namespace {
