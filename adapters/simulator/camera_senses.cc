@@ -141,7 +141,8 @@ void CameraSenses::compare() {
   }
   const Eigen::Isometry3d T_CW = frame_.T_WC.inverse();
   std::vector<Eigen::Vector3d> points;
-  for (const Landmark& l : odometry_.landmarks()->landmarks) {
+  const std::shared_ptr<const LandmarkMap> map = odometry_.landmarks();
+  for (const Landmark& l : map->landmarks) {
     if (tracked.count(l.id) > 0) points.push_back(T_CW * l.position);
   }
   const StereoCamera camera = believed(options_);

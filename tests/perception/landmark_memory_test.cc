@@ -49,7 +49,8 @@ TEST(LandmarkMemory, ForgetsWhatWasSeenLongAgo) {
   }
   EXPECT_LE(memory.size(), 100u);
   EXPECT_GE(memory.size(), 80u);
-  for (const Landmark& l : memory.with_remembered({})->landmarks) EXPECT_GT(l.position.x(), 9.0);
+  const auto map = memory.with_remembered({});
+  for (const Landmark& l : map->landmarks) EXPECT_GT(l.position.x(), 9.0);
 }
 
 }  // namespace
