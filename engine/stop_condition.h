@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <functional>
 #include <utility>
@@ -19,21 +20,29 @@ class StopCondition {
 
   /// Never stops.
   StopCondition() = default;
-  explicit StopCondition(Function ask) : ask_(std::move(ask)) {}
+  /// latest: when it will ask to stop at the latest, if that is known.
+  explicit StopCondition(Function ask, Clock::time_point latest = Clock::time_point::max())
+      : ask_(std::move(ask)), latest_(latest) {}
 
   StopRequest operator()() const { return ask_ ? ask_() : StopRequest::kNone; }
+  /// The time by which it stops; max() if it may never. For those who share out the time they have.
+  Clock::time_point latest() const { return latest_; }
 
   friend StopCondition operator||(StopCondition a, StopCondition b) {
     if (!a.ask_) return b;
     if (!b.ask_) return a;
-    return StopCondition([a = std::move(a.ask_), b = std::move(b.ask_)] {
-      const StopRequest first = a();
-      return first != StopRequest::kNone ? first : b();
-    });
+    const Clock::time_point latest = std::min(a.latest_, b.latest_);
+    return StopCondition(
+        [a = std::move(a.ask_), b = std::move(b.ask_)] {
+          const StopRequest first = a();
+          return first != StopRequest::kNone ? first : b();
+        },
+        latest);
   }
 
  private:
   Function ask_;
+  Clock::time_point latest_ = Clock::time_point::max();
 };
 
 /// Stops once `seconds` of wall-clock (steady) time have passed since this call. Infinite: never.
@@ -42,14 +51,16 @@ inline StopCondition deadline(double seconds) {
   // Lifetimes would not fit the clock; nobody waits for them.
   if (seconds >= 1e9) return {};
   if (!(seconds > 0.0)) {
-    return StopCondition([] { return StopRequest::kDeadline; });
+    return StopCondition([] { return StopRequest::kDeadline; }, StopCondition::Clock::now());
   }
   const auto end =
       StopCondition::Clock::now() + std::chrono::duration_cast<StopCondition::Clock::duration>(
                                         std::chrono::duration<double>(seconds));
-  return StopCondition([end] {
-    return StopCondition::Clock::now() >= end ? StopRequest::kDeadline : StopRequest::kNone;
-  });
+  return StopCondition(
+      [end] {
+        return StopCondition::Clock::now() >= end ? StopRequest::kDeadline : StopRequest::kNone;
+      },
+      end);
 }
 
 /// Stops once `flag()` is true (e.g. reads an atomic). An empty function: never.

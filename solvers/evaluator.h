@@ -139,6 +139,10 @@ class Evaluator {
     const int own = options_.max_evaluations - counters_.cost_evaluations;
     return outer_ ? std::min(own, outer_->evaluations_left()) : own;
   }
+  /// When the stop condition strikes at the latest.
+  StopCondition::Clock::time_point latest() const {
+    return outer_ ? outer_->latest() : stop_.latest();
+  }
   void count_iteration() {
     ++counters_.iterations;
     if (outer_) outer_->count_iteration();

@@ -21,6 +21,13 @@ constexpr double kMerged = 0.02;
 // Seeds where the warm start gives none, itself included.
 constexpr int kOwnSeeds = 60;
 
+/// Between now and `latest`; never if that is never.
+StopCondition::Clock::time_point halfway(StopCondition::Clock::time_point latest) {
+  if (latest == StopCondition::Clock::time_point::max()) return latest;
+  const auto now = StopCondition::Clock::now();
+  return now + (latest - now) / 2;
+}
+
 /// A point that stands for a basin: a seed at first, then what its polish has come to.
 struct Basin {
   Eigen::VectorXd x;  ///< free variables
@@ -116,8 +123,11 @@ class HybridSolver final : public SolverFrame {
       const int share = evaluator.evaluations_left() / (2 * static_cast<int>(basins.size()));
       if (share < 2) break;
       coarse["max_evaluations"] = std::min(evaluations, share);
+      // Half of the time, likewise; the best goes first.
+      const StopCondition::Clock::time_point end = halfway(evaluator.latest());
       for (Basin& basin : basins) {
         if (basin.settled) continue;
+        if (&basin != &basins.front() && StopCondition::Clock::now() >= end) break;
         WarmStart from;
         from.x = evaluator.expand(basin.x);
         const Result r = polish.solve_within(evaluator, from, coarse);

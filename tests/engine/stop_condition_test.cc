@@ -37,6 +37,23 @@ TEST(StopCondition, OddDeadlines) {
   }
 }
 
+TEST(StopCondition, SaysWhenItStopsAtTheLatest) {
+  using Time = StopCondition::Clock::time_point;
+  const Time before = StopCondition::Clock::now();
+  const StopCondition soon = deadline(10.0), late = deadline(20.0);
+  const Time after = StopCondition::Clock::now();
+  EXPECT_GE(soon.latest(), before + std::chrono::seconds(10));
+  EXPECT_LE(soon.latest(), after + std::chrono::seconds(10));
+  const StopCondition cancel = cancelled_by([] { return false; });
+  EXPECT_EQ(cancel.latest(), Time::max());
+  EXPECT_EQ(StopCondition().latest(), Time::max());
+  EXPECT_EQ(deadline(1e10).latest(), Time::max());
+  EXPECT_EQ((late || soon).latest(), soon.latest());
+  EXPECT_EQ((soon || late).latest(), soon.latest());
+  EXPECT_EQ((cancel || soon).latest(), soon.latest());
+  EXPECT_LE(deadline(0.0).latest(), StopCondition::Clock::now());
+}
+
 TEST(StopCondition, CancellationIsSeenFromAnotherThread) {
   std::atomic<bool> flag{false};
   const StopCondition stop = cancelled_by([&] { return flag.load(); });

@@ -149,6 +149,23 @@ TEST_F(Hybrid, SharesASmallBudget) {
   }
 }
 
+TEST_F(Hybrid, LeavesTimeForTheEndOfTheBest) {
+  const Case c = ripples();
+  WarmStart warm;
+  warm.x = c.start;
+  // It says that its time is over, but never stops: no round has any time, so all goes to the best.
+  const StopCondition over([] { return StopRequest::kNone; }, StopCondition::Clock::now());
+  const Options basins = {{"basins", 8}};
+  const Result hurried = solver_->solve(c.problem(), warm, basins, over);
+  const Result whole = solver_->solve(c.problem(), warm, basins, {});
+  EXPECT_EQ(hurried.stop, StopReason::kConverged);
+  EXPECT_LT(2 * hurried.counters.gradient_evaluations, whole.counters.gradient_evaluations);
+  // Time enough: nothing changes.
+  const Result unhurried = solver_->solve(c.problem(), warm, basins, deadline(1e6));
+  EXPECT_EQ(unhurried.x, whole.x);
+  EXPECT_EQ(unhurried.counters.gradient_evaluations, whole.counters.gradient_evaluations);
+}
+
 TEST_F(Hybrid, StaysFeasibleAndSolvesWithConstraints) {
   // A wall of discs before a path: the best input of many seeds that violate them.
   const PathProblem path = path_problem();
