@@ -1,8 +1,9 @@
 #include "perception/depth_agreement.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
+
+#include "perception/median.h"
 
 namespace prospect {
 
@@ -39,9 +40,8 @@ ScaleAgreement depth_agreement(const std::vector<Vector3d>& points_in_C, double 
     depths.push_back(Y.z());
   }
   if (samples.empty()) return {};
-  const auto middle = depths.begin() + static_cast<std::ptrdiff_t>(depths.size() / 2);
-  std::nth_element(depths.begin(), middle, depths.end());
-  return scale_agreement(std::move(samples), 0.0, relative_sigma * *middle, options.agreement);
+  return scale_agreement(std::move(samples), 0.0, relative_sigma * median(depths),
+                         options.agreement);
 }
 
 }  // namespace prospect

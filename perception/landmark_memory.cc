@@ -1,24 +1,18 @@
 #include "perception/landmark_memory.h"
 
 #include <algorithm>
-#include <cmath>
 #include <unordered_set>
 #include <utility>
 #include <vector>
+
+#include "perception/lattice_cell.h"
 
 namespace prospect {
 namespace {
 
 constexpr double kCell = 0.25;  // [m]
 
-std::uint64_t cell_of(const Landmark& l) {
-  std::uint64_t key = 0;
-  for (int i = 0; i < 3; ++i) {
-    const auto cell = static_cast<std::int64_t>(std::floor(l.position[i] / kCell));
-    key = key << 21 | (static_cast<std::uint64_t>(cell) & 0x1FFFFF);
-  }
-  return key;
-}
+std::uint64_t cell_of(const Landmark& l) { return lattice_cell(l.position, kCell); }
 
 }  // namespace
 

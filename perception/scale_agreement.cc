@@ -4,17 +4,9 @@
 #include <cmath>
 #include <cstdio>
 
+#include "perception/median.h"
+
 namespace prospect {
-namespace {
-
-double median(std::vector<double>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
-}  // namespace
-
 ScaleAgreement scale_agreement(std::vector<double> log_ratios, double expected, double systematic,
                                const ScaleAgreementOptions& options) {
   ScaleAgreement agreement;

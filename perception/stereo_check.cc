@@ -9,6 +9,7 @@
 
 #include "perception/corner_detector.h"
 #include "perception/image_pyramid.h"
+#include "perception/median.h"
 #include "perception/stereo_matcher.h"
 
 namespace prospect {
@@ -32,10 +33,7 @@ StereoCheck check_stereo(const ImageView& left, const ImageView& right, int max_
       out->corners = static_cast<int>(corners.size());
       std::vector<double> rows;
       for (const StereoMatch& m : matches) rows.push_back(m.row_error);
-      if (!rows.empty()) {
-        std::nth_element(rows.begin(), rows.begin() + rows.size() / 2, rows.end());
-        out->row_error = rows[rows.size() / 2];
-      }
+      if (!rows.empty()) out->row_error = median(rows);
     }
     return static_cast<int>(matches.size());
   };

@@ -17,6 +17,7 @@
 #include "engine/stopwatch.h"
 #include "perception/image_pyramid.h"
 #include "perception/image_shift.h"
+#include "perception/median.h"
 #include "perception/point_observation.h"
 #include "perception/pose_drift.h"
 #include "perception/reason.h"
@@ -539,10 +540,7 @@ struct StereoOdometry::Impl {
       tracks.push_back(std::move(t));
       rows.push_back(m.row_error);
     }
-    if (!rows.empty()) {
-      std::nth_element(rows.begin(), rows.begin() + rows.size() / 2, rows.end());
-      row_error = rows[rows.size() / 2];
-    }
+    if (!rows.empty()) row_error = median(rows);
     recalls.push_back({done.anchor->T_CW, done.coarse, tracks});
     while (static_cast<int>(recalls.size()) > options.recovery_keyframes) recalls.pop_front();
     return static_cast<int>(found.matches.size());
@@ -589,10 +587,7 @@ struct StereoOdometry::Impl {
       held += before[i] && now[i];
     }
     evidence.occupied_cells = were > 0 ? static_cast<double>(held) / were : 0.0;
-    if (!shifts.empty()) {
-      std::nth_element(shifts.begin(), shifts.begin() + shifts.size() / 2, shifts.end());
-      evidence.shift = shifts[shifts.size() / 2];
-    }
+    if (!shifts.empty()) evidence.shift = median(shifts);
     const Vector6d motion = log_se3(a.pose.T_CW * keyframe_T_CW.inverse());
     evidence.significance =
         std::max(motion.head<3>().norm() / std::max(a.pose.sigma_position(), 1e-9),

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "perception/median.h"
+
 namespace prospect {
 namespace {
 
@@ -75,8 +77,7 @@ AbsoluteError absolute_error(const std::vector<PosePair>& pairs, Alignment align
   }
   error.rmse = std::sqrt(squares / static_cast<double>(pairs.size()));
   error.max = *std::max_element(distances.begin(), distances.end());
-  std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
-  error.median = distances[distances.size() / 2];
+  error.median = median(distances);
   return error;
 }
 

@@ -9,6 +9,7 @@
 #include "adapters/simulator/world_mesh.h"
 #include "models/parameter_check.h"
 #include "models/sinc.h"
+#include "perception/lattice_cell.h"
 #include "perception/reason.h"
 
 namespace prospect {
@@ -181,12 +182,7 @@ void CameraSenses::count_landmarks() {
   int anew = 0;
   const auto map = odometry_.landmarks();
   for (const Landmark& l : map->landmarks) {
-    std::uint64_t key = 0;
-    for (int i = 0; i < 3; ++i) {
-      const auto cell = static_cast<std::int64_t>(std::floor(l.position[i] / kCell));
-      key = key << 21 | (static_cast<std::uint64_t>(cell) & 0x1FFFFF);
-    }
-    anew += places_.insert(key).second;
+    anew += places_.insert(lattice_cell(l.position, kCell)).second;
   }
   const double r = options_.mapping.resolution;
   density_.add(anew, static_cast<double>(mapper_.map().surface_voxels()) * r * r);
