@@ -7,6 +7,7 @@
 #include "engine/stopwatch.h"
 #include "models/parameter_check.h"
 #include "perception/reason.h"
+#include "perception/rotation_between.h"
 
 namespace prospect {
 namespace {
@@ -161,7 +162,7 @@ void DepthMapper::correct(MappedFrame& frame) const {
   const double k_height =
       gain(options_.pose_sigma_height, frame.ground.sigma_height(), options_.plane_sigma_height);
   const Eigen::Vector3d up = frame.T_WC.linear() * frame.ground.normal;
-  const Eigen::AngleAxisd whole(Eigen::Quaterniond::FromTwoVectors(up, Eigen::Vector3d::UnitZ()));
+  const Eigen::AngleAxisd whole(rotation_between(up, Eigen::Vector3d::UnitZ()));
   frame.T_WC.linear() =
       Eigen::AngleAxisd(k_tilt * whole.angle(), whole.axis()) * frame.T_WC.linear();
   double& z = frame.T_WC.translation().z();

@@ -20,6 +20,7 @@
 
 #include "adapters/config/input_error.h"
 #include "adapters/worlds/mesh_file.h"
+#include "perception/rotation_between.h"
 
 namespace prospect {
 namespace {
@@ -183,7 +184,7 @@ class Reader {
       }
       plane.triangles = {{0, 1, 3}, {0, 3, 2}};
       Eigen::Affine3d T = place.T_W;
-      T.rotate(Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), direction));
+      T.rotate(rotation_between(Eigen::Vector3d::UnitZ(), direction));
       add_plain(plane, grey_of(visual, place), T);
     } else if (kind != "empty") {
       refuse(place, *shape,

@@ -14,6 +14,7 @@
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/mesh_file.h"
 #include "adapters/worlds/reachable_area.h"
+#include "perception/rotation_between.h"
 #include "tests/adapters/mesh_files.h"
 
 namespace prospect::mesh_world_test {
@@ -169,8 +170,7 @@ TEST(MeshWorld, SmallWarehouse) {
       // The pixel of a camera that looks straight along the ray.
       Eigen::Isometry3d T_WC = camera_pose(pose, mount);
       T_WC.linear() =
-          T_WC.linear() *
-          Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), ray).toRotationMatrix();
+          T_WC.linear() * rotation_between(Eigen::Vector3d::UnitZ(), ray).toRotationMatrix();
       const double z = scene.depth({1.0, 1.0, 0.0, 0.0, 1.0, 1.0}, T_WC).at(0, 0);
       const double difference = z - ray.norm();
       ++rays;

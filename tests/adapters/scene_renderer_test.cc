@@ -13,6 +13,7 @@
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/world_mesh.h"
 #include "adapters/worlds/load_world.h"
+#include "perception/rotation_between.h"
 #include "tests/adapters/box_room.h"
 
 namespace prospect::scene_renderer_test {
@@ -34,8 +35,7 @@ struct Needle {
   Needle(const Vector3d& from, const Vector3d& direction) {
     camera = {1.0, 1.0, 0.0, 0.0, 1.0, 1.0};
     T_WC = Isometry3d::Identity();
-    T_WC.linear() =
-        Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), direction).toRotationMatrix();
+    T_WC.linear() = rotation_between(Vector3d::UnitZ(), direction).toRotationMatrix();
     T_WC.translation() = from;
   }
 };
