@@ -132,11 +132,11 @@ ProblemSet folder_set(const std::string& path) {
   return set;
 }
 
-struct Builtin {
+struct BuiltinSet {
   const char* name;
   const char* summary;
 };
-constexpr Builtin kBuiltins[] = {
+constexpr BuiltinSet kBuiltinSets[] = {
     {"zoo", "eleven small problems with known optima, with and without constraints"},
     {"s30", "R1, an exploration problem of 40 variables with many basins, from thirty starts"},
     {"missions", "112 planning problems of missions on eight maps, driven first: takes minutes"},
@@ -156,12 +156,12 @@ BenchProblem started(std::string name, Problem problem, const Eigen::VectorXd& x
 
 std::vector<std::string> builtin_set_names() {
   std::vector<std::string> names;
-  for (const Builtin& set : kBuiltins) names.emplace_back(set.name);
+  for (const BuiltinSet& set : kBuiltinSets) names.emplace_back(set.name);
   return names;
 }
 
 std::string builtin_set_summary(const std::string& name) {
-  for (const Builtin& set : kBuiltins) {
+  for (const BuiltinSet& set : kBuiltinSets) {
     if (name == set.name) return set.summary;
   }
   return "";
@@ -183,7 +183,7 @@ ProblemSet make_problem_set(const std::string& text, const SolverRegistry& regis
     return set;
   }
   std::string names;
-  for (const Builtin& set : kBuiltins) names += std::string(set.name) + ", ";
+  for (const BuiltinSet& set : kBuiltinSets) names += std::string(set.name) + ", ";
   throw InputError(
       "problem set '" + text + "': no such file or folder" +
       did_you_mean(text, builtin_set_names()) + "; expected one of: " + names +

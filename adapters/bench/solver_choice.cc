@@ -1,22 +1,14 @@
 #include "adapters/bench/solver_choice.h"
 
-#include <charconv>
 #include <cmath>
-#include <system_error>
 
 #include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
+#include "adapters/config/parse_number.h"
 #include "models/nearest_name.h"
 
 namespace prospect {
 namespace {
-
-template <typename Number>
-bool parse(const std::string& text, Number& number) {
-  const char* last = text.data() + text.size();
-  const auto [end, error] = std::from_chars(text.data(), last, number);
-  return error == std::errc() && end == last;
-}
 
 OptionValue option_value(const SolverChoice& choice, const std::string& name,
                          const std::string& text) {
@@ -27,12 +19,12 @@ OptionValue option_value(const SolverChoice& choice, const std::string& name,
     if (std::holds_alternative<std::string>(info.fallback)) return text;
     if (std::holds_alternative<int>(info.fallback)) {
       int number = 0;
-      if (parse(text, number)) return number;
+      if (parse_number(text, number)) return number;
       throw InputError("--solver: option '" + name + "' of " + choice.solver->name() + " is '" +
                        text + "'; expected a whole number");
     }
     double number = 0.0;
-    if (parse(text, number) && std::isfinite(number)) return number;
+    if (parse_number(text, number) && std::isfinite(number)) return number;
     throw InputError("--solver: option '" + name + "' of " + choice.solver->name() + " is '" +
                      text + "'; expected a number");
   }

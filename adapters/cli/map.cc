@@ -11,6 +11,7 @@
 
 #include "adapters/cli/commands.h"
 #include "adapters/config/input_error.h"
+#include "adapters/datasets/degrees.h"
 #include "adapters/datasets/depth_dataset.h"
 #include "adapters/datasets/ground_picture.h"
 #include "adapters/datasets/map_run.h"
@@ -21,7 +22,6 @@
 namespace prospect {
 namespace {
 
-constexpr double kDegrees = 180.0 / M_PI;
 constexpr double kMostVoxels = 200.0;  // of a ray, see OccupancyMapperOptions
 
 nlohmann::ordered_json as_json(const MapArguments& arguments, const DepthDataset& dataset,

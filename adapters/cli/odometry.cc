@@ -12,6 +12,7 @@
 #include "adapters/cli/commands.h"
 #include "adapters/config/input_error.h"
 #include "adapters/datasets/calibration_report.h"
+#include "adapters/datasets/degrees.h"
 #include "adapters/datasets/odometry_calibration.h"
 #include "adapters/datasets/odometry_page.h"
 #include "adapters/datasets/odometry_run.h"
@@ -21,8 +22,6 @@
 
 namespace prospect {
 namespace {
-
-constexpr double kDegrees = 180.0 / M_PI;
 
 nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dataset,
                                const OdometrySummary& s) {

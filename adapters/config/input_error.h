@@ -27,4 +27,9 @@ class InputError : public std::runtime_error {
   std::vector<std::string> lines_;
 };
 
+/// What is wrong with `source`, a file or a key, as an InputError.
+[[noreturn]] inline void fail(const std::string& source, const std::string& what) {
+  throw InputError(source + ": " + what);
+}
+
 }  // namespace prospect

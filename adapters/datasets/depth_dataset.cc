@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
 #include "adapters/config/input_error.h"
+#include "adapters/datasets/number_text.h"
 #include "adapters/datasets/numbered_files.h"
 #include "adapters/datasets/trajectory.h"
 #include "adapters/worlds/checked_png.h"
@@ -24,13 +24,7 @@ constexpr double kAssumedRate = 30.0;    // [Hz]
 constexpr double kTumUnit = 1.0 / 5000;  // [m]
 constexpr double kSameTime = 0.02;       // [s]
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
-cv::Mat decode(const std::string& path) {
+cv::Mat decode_depth(const std::string& path) {
   std::string png = checked_png(path, read_whole_file(path), kMostPixels);
   cv::Mat image;
   try {
@@ -136,15 +130,15 @@ DepthDataset DepthDataset::open(const std::string& folder, const DepthDatasetOpt
                      ": no file states the camera's intrinsics; expected camera-intrinsics.txt, or "
                      "--camera FX FY CX CY");
   }
-  const cv::Mat first = decode(dataset.images_[0]);
+  const cv::Mat first = decode_depth(dataset.images_[0]);
   PinholeCamera& camera = dataset.camera_;
   camera.width = first.cols;
   camera.height = first.rows;
   if (!(camera.cx > 0.25 * camera.width && camera.cx < 0.75 * camera.width &&
         camera.cy > 0.25 * camera.height && camera.cy < 0.75 * camera.height)) {
-    throw InputError(where + ": the principal point is (" + number(camera.cx) + ", " +
-                     number(camera.cy) + ") but the images have " + number(camera.width) + " x " +
-                     number(camera.height) + " pixels; expected it near their centre");
+    throw InputError(where + ": the principal point is (" + number_text(camera.cx) + ", " +
+                     number_text(camera.cy) + ") but the images have " + number_text(camera.width) +
+                     " x " + number_text(camera.height) + " pixels; expected it near their centre");
   }
   return dataset;
 }
@@ -238,11 +232,11 @@ void DepthDataset::open_numbered(const std::string& folder) {
 
 DepthImage DepthDataset::read(int i) const {
   const std::string& path = images_[static_cast<std::size_t>(i)];
-  const cv::Mat raw = decode(path);
+  const cv::Mat raw = decode_depth(path);
   if (raw.cols != camera_.width || raw.rows != camera_.height) {
     throw InputError(path + ": has " + std::to_string(raw.cols) + " x " + std::to_string(raw.rows) +
-                     " pixels, the first image " + number(camera_.width) + " x " +
-                     number(camera_.height) + "; expected the same");
+                     " pixels, the first image " + number_text(camera_.width) + " x " +
+                     number_text(camera_.height) + "; expected the same");
   }
   return depth_image(raw.ptr<std::uint16_t>(), raw.cols, raw.rows,
                      static_cast<std::ptrdiff_t>(raw.step1()), unit_, range_);

@@ -6,6 +6,7 @@
 #include <opencv2/core.hpp>
 
 #include "adapters/config/input_error.h"
+#include "adapters/datasets/degrees.h"
 #include "adapters/datasets/recording_range.h"
 #include "adapters/run/csv.h"
 #include "adapters/run/quantile.h"
@@ -15,13 +16,12 @@ namespace prospect {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kDegrees = 180.0 / M_PI;
 // Differences of ground planes that weigh the same.
 constexpr double kAlikeTilt = 0.02;    // [rad]
 constexpr double kAlikeHeight = 0.02;  // [m]
 constexpr double kLow = 0.2;           // [m]
 
-double angle(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
@@ -38,7 +38,7 @@ Floor middle(const std::vector<Floor>& floors) {
   for (std::size_t i = 0; i < floors.size(); ++i) {
     double sum = 0.0;
     for (const Floor& other : floors) {
-      sum += angle(floors[i].normal, other.normal) / kAlikeTilt +
+      sum += angle_between(floors[i].normal, other.normal) / kAlikeTilt +
              std::abs(floors[i].c - other.c) / kAlikeHeight;
     }
     if (sum < least) {
@@ -187,7 +187,7 @@ MapSummary summarize(const MapRun& run) {
   mean.normalize();
   for (const MapRunFrame& f : run.frames) {
     if (!f.mapped.ground.found) continue;
-    const double off = angle(f.up, mean);
+    const double off = angle_between(f.up, mean);
     s.tilt_spread += off * off / s.ground;
     s.tilt_worst = std::max(s.tilt_worst, off);
   }

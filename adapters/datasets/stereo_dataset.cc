@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <opencv2/core.hpp>
@@ -14,6 +13,7 @@
 
 #include "adapters/config/input_error.h"
 #include "adapters/config/strict_yaml.h"
+#include "adapters/datasets/number_text.h"
 #include "adapters/datasets/numbered_files.h"
 #include "perception/stereo_check.h"
 
@@ -62,7 +62,7 @@ PairedImages pair_images(const std::string& left_folder, const std::string& righ
   return paired;
 }
 
-Image decode(const std::string& path) {
+Image decode_grey(const std::string& path) {
   const cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE);
   if (image.empty()) throw InputError(path + ": cannot be decoded; expected an image");
   Image out(image.cols, image.rows);
@@ -73,21 +73,15 @@ Image decode(const std::string& path) {
   return out;
 }
 
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
-
 void check_baseline(const std::string& where, double baseline) {
   if (baseline < 0.0) {
-    throw InputError(where + ": the right camera is " + number(-baseline) +
+    throw InputError(where + ": the right camera is " + number_text(-baseline) +
                      " m to the left of the left one: they look exchanged; expected it on the "
                      "right");
   }
   if (!(baseline >= kMinBaseline && baseline <= kMaxBaseline)) {
-    throw InputError(where + ": the baseline is " + number(baseline) + " m; expected " +
-                     number(kMinBaseline) + " to " + number(kMaxBaseline) + " m");
+    throw InputError(where + ": the baseline is " + number_text(baseline) + " m; expected " +
+                     number_text(kMinBaseline) + " to " + number_text(kMaxBaseline) + " m");
   }
 }
 
@@ -95,9 +89,9 @@ void check_baseline(const std::string& where, double baseline) {
 void check_size(const std::string& where, const PinholeCamera& camera) {
   if (!(camera.cx > 0.25 * camera.width && camera.cx < 0.75 * camera.width &&
         camera.cy > 0.25 * camera.height && camera.cy < 0.75 * camera.height)) {
-    throw InputError(where + ": the principal point is (" + number(camera.cx) + ", " +
-                     number(camera.cy) + ") but the images have " + number(camera.width) + " x " +
-                     number(camera.height) + " pixels; expected it near their centre");
+    throw InputError(where + ": the principal point is (" + number_text(camera.cx) + ", " +
+                     number_text(camera.cy) + ") but the images have " + number_text(camera.width) +
+                     " x " + number_text(camera.height) + " pixels; expected it near their centre");
   }
 }
 
@@ -314,7 +308,7 @@ void StereoDataset::open_euroc(const std::string& folder) {
 
 void StereoDataset::check_first_pair(const std::string& folder) {
   // Sizes, decoding and rectification of the first pair; then what the images themselves say.
-  Image left = decode(left_[0]), right = decode(right_[0]);
+  Image left = decode_grey(left_[0]), right = decode_grey(right_[0]);
   if (left.width != right.width || left.height != right.height) {
     throw InputError(right_[0] + ": has " + std::to_string(right.width) + " x " +
                      std::to_string(right.height) + " pixels, the left image " +
@@ -328,7 +322,7 @@ void StereoDataset::check_first_pair(const std::string& folder) {
   } else if (left.width != camera_.left.width || left.height != camera_.left.height) {
     throw InputError(left_[0] + ": has " + std::to_string(left.width) + " x " +
                      std::to_string(left.height) + " pixels, the calibration is for " +
-                     number(camera_.left.width) + " x " + number(camera_.left.height) +
+                     number_text(camera_.left.width) + " x " + number_text(camera_.left.height) +
                      "; expected the same");
   }
   // A pair that is dark or blurred says nothing: ask a few along the recording.
@@ -342,13 +336,13 @@ void StereoDataset::check_first_pair(const std::string& folder) {
 }
 
 StereoDataset::Pair StereoDataset::read(int i) const {
-  Pair pair{decode(left_[i]), decode(right_[i])};
+  Pair pair{decode_grey(left_[i]), decode_grey(right_[i])};
   for (const auto& [image, path] :
        {std::pair(&pair.left, &left_[i]), std::pair(&pair.right, &right_[i])}) {
     if (image->width != camera_.left.width || image->height != camera_.left.height) {
       throw InputError(*path + ": has " + std::to_string(image->width) + " x " +
                        std::to_string(image->height) + " pixels, the first image " +
-                       number(camera_.left.width) + " x " + number(camera_.left.height) +
+                       number_text(camera_.left.width) + " x " + number_text(camera_.left.height) +
                        "; expected the same");
     }
   }

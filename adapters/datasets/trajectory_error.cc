@@ -10,7 +10,7 @@
 namespace prospect {
 namespace {
 
-double angle(const Eigen::Isometry3d& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
+double rotation_angle(const Eigen::Isometry3d& T) { return Eigen::AngleAxisd(T.linear()).angle(); }
 
 }  // namespace
 
@@ -91,7 +91,7 @@ EndError end_error(const std::vector<PosePair>& pairs) {
   error.translation = E.translation().norm();
   const double length = path_length(pairs);
   error.share = length > 0.0 ? error.translation / length : 0.0;
-  error.rotation = angle(E);
+  error.rotation = rotation_angle(E);
   return error;
 }
 
@@ -111,7 +111,7 @@ RelativeError relative_error(const std::vector<PosePair>& pairs, double length) 
     const Eigen::Isometry3d E = (pairs[i].truth.inverse() * pairs[j].truth).inverse() *
                                 (pairs[i].estimate.inverse() * pairs[j].estimate);
     error.translation += E.translation().norm() / passed;
-    error.rotation += angle(E) / passed;
+    error.rotation += rotation_angle(E) / passed;
     ++error.segments;
   }
   if (error.segments > 0) {

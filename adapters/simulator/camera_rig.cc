@@ -14,7 +14,7 @@
 namespace prospect {
 namespace {
 
-constexpr int kBand = 32;  // rows that a thread takes at a time
+constexpr int kRowBand = 32;  // rows that a thread takes at a time
 enum Camera : std::uint64_t { kLeft, kRight, kDepth, kDropout };
 
 // The random numbers of one image.
@@ -132,7 +132,7 @@ Image CameraRig::image(const Eigen::Isometry3d& T_WC, const Twist& twist, std::u
   std::vector<float> grey = scene_->intensity(camera, T_WC, options_.threads);
   const int width = static_cast<int>(camera.width), height = static_cast<int>(camera.height);
   const auto stride = static_cast<std::size_t>(width);
-  const int bands = (height + kBand - 1) / kBand;
+  const int bands = (height + kRowBand - 1) / kRowBand;
   WorkerThreads workers(options_.threads);
 
   // Across the rows, then down the columns: the second needs the rows of neighbouring bands.
@@ -148,7 +148,7 @@ Image CameraRig::image(const Eigen::Isometry3d& T_WC, const Twist& twist, std::u
   const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
   workers.run(bands, [&](int band) {
     std::vector<float> padded, filtered(stride);
-    for (int v = band * kBand; v < std::min(height, (band + 1) * kBand); ++v) {
+    for (int v = band * kRowBand; v < std::min(height, (band + 1) * kRowBand); ++v) {
       float* row = grey.data() + static_cast<std::size_t>(v) * stride;
       const float y = static_cast<float>(v) - cy;
       for (int u = 0; u < width; ++u) {
@@ -173,7 +173,7 @@ Image CameraRig::image(const Eigen::Isometry3d& T_WC, const Twist& twist, std::u
   workers.run(bands, [&](int band) {
     std::vector<float> sum(stride);
     const int reach = static_cast<int>(lens.size()) - 1;
-    for (int v = band * kBand; v < std::min(height, (band + 1) * kBand); ++v) {
+    for (int v = band * kRowBand; v < std::min(height, (band + 1) * kRowBand); ++v) {
       const auto row = [&](int r) {
         return grey.data() + static_cast<std::size_t>(std::clamp(r, 0, height - 1)) * stride;
       };
@@ -222,9 +222,9 @@ DepthImage CameraRig::depth(const Pose& true_pose, std::uint64_t frame) const {
   const auto inverse_fx = static_cast<float>(1.0 / depth_camera_.fx);
   const auto inverse_fy = static_cast<float>(1.0 / depth_camera_.fy);
   const auto cx = static_cast<float>(depth_camera_.cx), cy = static_cast<float>(depth_camera_.cy);
-  const int bands = (image.height + kBand - 1) / kBand;
+  const int bands = (image.height + kRowBand - 1) / kRowBand;
   WorkerThreads(options_.threads).run(bands, [&](int band) {
-    for (int v = band * kBand; v < std::min(image.height, (band + 1) * kBand); ++v) {
+    for (int v = band * kRowBand; v < std::min(image.height, (band + 1) * kRowBand); ++v) {
       const float y = (static_cast<float>(v) - cy) * inverse_fy;
       const auto first = static_cast<std::uint32_t>(v) * static_cast<std::uint32_t>(image.width);
       for (int u = 0; u < image.width; ++u) {

@@ -21,13 +21,13 @@ namespace prospect {
 namespace {
 
 constexpr std::uint32_t kNothing = 0xffffffffu;
-constexpr int kPacket = 16;         // rays that are traced abreast: 4 x 4 pixels
-constexpr int kBand = 8;            // rows that a thread takes at a time
-constexpr float kEdge = 8.0f;       // [grey levels] between pixels that show different triangles
-constexpr float kFarthest = 2e5f;   // [m] and repeats of a texture; floats tell no more
-constexpr float kSteepest = 1e10f;  // squared length of a footprint [texels^2]
-constexpr float kMaxTaps = 4.0f;    // along the longer axis of a footprint
-constexpr std::size_t kViews = 64;  // triangles whose view a thread keeps, a power of two
+constexpr int kPacket = 16;           // rays that are traced abreast: 4 x 4 pixels
+constexpr int kRayBand = 8;           // rows that a thread takes at a time
+constexpr float kEdge = 8.0f;         // [grey levels] between pixels that show different triangles
+constexpr float kFarthestHit = 2e5f;  // [m] and repeats of a texture; floats tell no more
+constexpr float kSteepest = 1e10f;    // squared length of a footprint [texels^2]
+constexpr float kMaxTaps = 4.0f;      // along the longer axis of a footprint
+constexpr std::size_t kViews = 64;    // triangles whose view a thread keeps, a power of two
 
 // A rotated grid: its four points have different rows and different columns.
 constexpr std::array<std::array<float, 2>, 4> kSubpixels = {
@@ -157,8 +157,8 @@ struct SceneRenderer::Impl {
       }
     }
     for (std::size_t n = 0; n < mesh.vertices.size(); ++n) {
-      const bool sound = mesh.vertices[n].cwiseAbs().maxCoeff() < 0.5f * kFarthest &&
-                         mesh.uv[n].cwiseAbs().maxCoeff() < 0.5f * kFarthest;
+      const bool sound = mesh.vertices[n].cwiseAbs().maxCoeff() < 0.5f * kFarthestHit &&
+                         mesh.uv[n].cwiseAbs().maxCoeff() < 0.5f * kFarthestHit;
       if (!sound) refuse("mesh: vertex " + std::to_string(n) + " is not finite or too far away");
     }
   }
@@ -269,7 +269,8 @@ struct SceneRenderer::Impl {
     const float along_v = sv * sv * w * w + tv * tv * h * h;
     const float major = std::max(along_u, along_v);  // squared
     // A plane seen edge-on, where rounding has the last word: its mean grey will do.
-    const bool sound = std::abs(s) < kFarthest && std::abs(t) < kFarthest && major < kSteepest;
+    const bool sound =
+        std::abs(s) < kFarthestHit && std::abs(t) < kFarthestHit && major < kSteepest;
     if (!sound) return view.shade * texture.bilinear(texture.levels() - 1, 0.0f, 0.0f);
     if (!(major > 1.0f)) return view.shade * texture.bilinear(0, s, t);
     const float minor = std::max(std::min(along_u, along_v), 1.0f);
@@ -323,11 +324,11 @@ struct SceneRenderer::Impl {
   // visit(cache, index, u, v, triangle) for each pixel, bands of rows in parallel.
   template <typename Visitor>
   void each_pixel(const Rays& rays, int threads, const Visitor& visit) const {
-    const int bands = (rays.height + kBand - 1) / kBand;
+    const int bands = (rays.height + kRayBand - 1) / kRayBand;
     WorkerThreads(threads).run(bands, [&](int band) {
       ViewCache cache;
-      const int end = std::min(rays.height, (band + 1) * kBand);
-      for (int v0 = band * kBand; v0 < end; v0 += 4) {
+      const int end = std::min(rays.height, (band + 1) * kRayBand);
+      for (int v0 = band * kRayBand; v0 < end; v0 += 4) {
         const int rows = std::min(4, end - v0);
         for (int u0 = 0; u0 < rays.width; u0 += 4) {
           const int columns = std::min(4, rays.width - u0);
@@ -368,7 +369,7 @@ struct SceneRenderer::Impl {
                });
     // Edges. What is written must not be what a neighbour reads.
     std::vector<float> grey = centres;
-    const int bands = (rays.height + kBand - 1) / kBand;
+    const int bands = (rays.height + kRayBand - 1) / kRayBand;
     const auto stride = static_cast<std::size_t>(rays.width);
     WorkerThreads(threads).run(bands, [&](int band) {
       ViewCache cache;
@@ -402,7 +403,7 @@ struct SceneRenderer::Impl {
       const auto edge = [&](std::size_t a, std::size_t b) {
         return shown[a] != shown[b] && std::abs(centres[a] - centres[b]) > kEdge;
       };
-      for (int v = band * kBand; v < std::min(rays.height, (band + 1) * kBand); ++v) {
+      for (int v = band * kRayBand; v < std::min(rays.height, (band + 1) * kRayBand); ++v) {
         for (int u = 0; u < rays.width; ++u) {
           const std::size_t at = static_cast<std::size_t>(v) * stride + static_cast<std::size_t>(u);
           if ((u > 0 && edge(at, at - 1)) || (u + 1 < rays.width && edge(at, at + 1)) ||
@@ -431,7 +432,7 @@ struct SceneRenderer::Impl {
                  const SurfaceView& view = cache.get(*this, rays, triangle);
                  const Eigen::Vector3f& f = view.inverse_depth;
                  const float z = 1.0f / (f[0] * u + f[1] * v + f[2]);
-                 if (!(z > 0.0f && z < kFarthest)) return;  // edge-on: rounding alone
+                 if (!(z > 0.0f && z < kFarthestHit)) return;  // edge-on: rounding alone
                  image.depth[at] = z;
                  if (incidence == nullptr) return;
                  const float x = (u - cx) * inverse_fx, y = (v - cy) * inverse_fy;

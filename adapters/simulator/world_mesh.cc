@@ -55,18 +55,18 @@ double value_noise(const Eigen::Vector3d& p, double size, std::uint64_t seed) {
 }
 
 /// The side of a plane of voxel faces: normal `sign` along `axis`, at `axis` = plane r.
-struct Side {
+struct FaceSide {
   int axis;
   int sign;
   int plane;
   auto key() const { return std::tuple(axis, sign, plane); }
-  bool operator<(const Side& other) const { return key() < other.key(); }
+  bool operator<(const FaceSide& other) const { return key() < other.key(); }
   int across() const { return (axis + 1) % 3; }
   int along() const { return (axis + 2) % 3; }
 };
 
 /// Of a plane's faces, in voxels: [i, i + width) across and [j, j + height) along.
-struct Rectangle {
+struct FaceRectangle {
   int i, j, width, height;
 };
 
@@ -130,8 +130,8 @@ class Painter {
       const Feature& feature = features.features()[n];
       int axis = 0;
       feature.normal.cwiseAbs().maxCoeff(&axis);
-      const Side side{axis, feature.normal[axis] > 0.0 ? 1 : -1,
-                      static_cast<int>(std::lround(feature.position[axis] / r_))};
+      const FaceSide side{axis, feature.normal[axis] > 0.0 ? 1 : -1,
+                          static_cast<int>(std::lround(feature.position[axis] / r_))};
       marks_[side].emplace_back(
           Eigen::Vector2d(feature.position[side.across()], feature.position[side.along()]),
           mixed_bits(mixed_bits(options.seed) ^ n));
@@ -156,7 +156,7 @@ class Painter {
   /// The faces of the free voxels of one layer whose surface looks along `sign`.
   void cover(int axis, int sign, int layer, const std::array<int, 3>& low,
              const std::array<int, 3>& size) {
-    const Side side{axis, sign, sign > 0 ? layer : layer + 1};
+    const FaceSide side{axis, sign, sign > 0 ? layer : layer + 1};
     const auto b = static_cast<std::size_t>(side.across());
     const auto c = static_cast<std::size_t>(side.along());
     const int width = size[b], height = size[c];
@@ -183,7 +183,7 @@ class Painter {
     for (int j = 0; j < height; ++j) {
       for (int i = 0; i < width; ++i) {
         if (at(i, j) == 0) continue;
-        Rectangle rectangle{i, j, 1, 1};
+        FaceRectangle rectangle{i, j, 1, 1};
         while (i + rectangle.width < width && at(i + rectangle.width, j) != 0) ++rectangle.width;
         const auto row_is_exposed = [&](int row) {
           for (int k = i; k < i + rectangle.width; ++k) {
@@ -202,7 +202,7 @@ class Painter {
     }
   }
 
-  void add(const Side& side, const Rectangle& rectangle) {
+  void add(const FaceSide& side, const FaceRectangle& rectangle) {
     const Eigen::Vector2d corner = r_ * Eigen::Vector2d(rectangle.i, rectangle.j);
     const Eigen::Vector2d extent = r_ * Eigen::Vector2d(rectangle.width, rectangle.height);
     const std::vector<const Mark*> marks = marks_near(side, corner, extent);
@@ -232,7 +232,7 @@ class Painter {
     mesh_.material.insert(mesh_.material.end(), 2, texture);
   }
 
-  std::vector<const Mark*> marks_near(const Side& side, const Eigen::Vector2d& corner,
+  std::vector<const Mark*> marks_near(const FaceSide& side, const Eigen::Vector2d& corner,
                                       const Eigen::Vector2d& extent) const {
     std::vector<const Mark*> near;
     const auto found = marks_.find(side);
@@ -246,7 +246,7 @@ class Painter {
   }
 
   /// The grey below the marks.
-  double ground(const Side& side, const Eigen::Vector3d& p) const {
+  double ground(const FaceSide& side, const Eigen::Vector3d& p) const {
     constexpr double kFloor = 0.05;  // [m] up to where a surface that looks up is the floor
     const double plain = side.axis != 2   ? 175.0
                          : side.sign < 0  ? 190.0
@@ -256,7 +256,7 @@ class Painter {
            3.0 * value_noise(p, 0.53, options_.seed + 1);
   }
 
-  Image paint(const Side& side, const Eigen::Vector2d& corner, const Eigen::Vector2d& step,
+  Image paint(const FaceSide& side, const Eigen::Vector2d& corner, const Eigen::Vector2d& step,
               const Eigen::Vector2i& texels, const std::vector<const Mark*>& marks) const {
     const int width = texels.x(), height = texels.y();
     const auto centre = [&](int axis, int n) {
@@ -336,7 +336,7 @@ class Painter {
   const VoxelGrid& voxels_;
   double r_;
   WorldMeshOptions options_;
-  std::map<Side, std::vector<Mark>> marks_;
+  std::map<FaceSide, std::vector<Mark>> marks_;
   std::vector<std::uint8_t> exposed_;
   TexturedMesh mesh_;
 };

@@ -5,7 +5,7 @@
 namespace prospect {
 namespace {
 
-struct Builtin {
+struct BuiltinWorld {
   const char* name;
   const char* summary;
   const char* text;
@@ -127,14 +127,14 @@ furniture:
 start: [1.0, 1.0, 0.0]   # x, y [m], yaw [rad]
 )";
 
-constexpr std::array<Builtin, 3> kBuiltins = {{
+constexpr std::array<BuiltinWorld, 3> kBuiltinWorlds = {{
     {"office", "eight furnished rooms on a corridor, mixed texture", kOffice},
     {"corridor", "two rooms, a short way without texture, a long way with it", kCorridor},
     {"loop", "a ring of corridors with alcoves", kLoop},
 }};
 
-const Builtin* find(const std::string& name) {
-  for (const Builtin& b : kBuiltins) {
+const BuiltinWorld* find(const std::string& name) {
+  for (const BuiltinWorld& b : kBuiltinWorlds) {
     if (name == b.name) return &b;
   }
   return nullptr;
@@ -144,17 +144,17 @@ const Builtin* find(const std::string& name) {
 
 std::vector<std::string> builtin_world_names() {
   std::vector<std::string> names;
-  for (const Builtin& b : kBuiltins) names.emplace_back(b.name);
+  for (const BuiltinWorld& b : kBuiltinWorlds) names.emplace_back(b.name);
   return names;
 }
 
 std::string builtin_world_summary(const std::string& name) {
-  const Builtin* b = find(name);
+  const BuiltinWorld* b = find(name);
   return b == nullptr ? "" : b->summary;
 }
 
 std::string builtin_world_text(const std::string& name) {
-  const Builtin* b = find(name);
+  const BuiltinWorld* b = find(name);
   return b == nullptr ? "" : b->text;
 }
 

@@ -10,10 +10,6 @@ namespace {
 
 constexpr std::string_view kSignature = "\x89PNG\r\n\x1a\n";
 
-[[noreturn]] void fail(const std::string& source, const std::string& what) {
-  throw InputError(source + ": " + what);
-}
-
 std::uint32_t big_endian(std::string_view bytes, std::size_t at) {
   std::uint32_t value = 0;
   for (std::size_t i = 0; i < 4; ++i) {

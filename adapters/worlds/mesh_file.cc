@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kLargestFile = 512u << 20;
+constexpr std::uintmax_t kLargestMesh = 512u << 20;
 
 /// The bytes of a PNG without its colour profile, of which the decoder complains on standard error
 /// and which a grey image does not need; anything else as it is.
@@ -54,7 +54,7 @@ std::vector<std::uint8_t> without_colour_profile(const std::uint8_t* data, std::
   return kept;
 }
 
-std::optional<Image> decode(const std::uint8_t* data, std::size_t size) {
+std::optional<Image> decode_texture(const std::uint8_t* data, std::size_t size) {
   try {
     const std::vector<std::uint8_t> bytes = without_colour_profile(data, size);
     if (bytes.empty()) return std::nullopt;
@@ -78,7 +78,7 @@ std::uint8_t grey_of(double red, double green, double blue) {
 
 std::optional<Image> embedded_texture(const aiTexture& texture) {
   if (texture.mHeight == 0) {
-    return decode(reinterpret_cast<const std::uint8_t*>(texture.pcData), texture.mWidth);
+    return decode_texture(reinterpret_cast<const std::uint8_t*>(texture.pcData), texture.mWidth);
   }
   if (texture.mWidth == 0) return std::nullopt;
   Image image(static_cast<int>(texture.mWidth), static_cast<int>(texture.mHeight));
@@ -110,11 +110,11 @@ std::optional<Image> texture_file(const fs::path& folder, std::string name) {
     for (const std::string& candidate : {name, plain}) {
       const fs::path path = place / candidate;
       std::error_code error;
-      if (!fs::is_regular_file(path, error) || fs::file_size(path, error) > kLargestFile) continue;
+      if (!fs::is_regular_file(path, error) || fs::file_size(path, error) > kLargestMesh) continue;
       std::ifstream in(path, std::ios::binary);
       const std::vector<char> bytes{std::istreambuf_iterator<char>(in),
                                     std::istreambuf_iterator<char>()};
-      return decode(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
+      return decode_texture(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
     }
   }
   return std::nullopt;
@@ -183,7 +183,7 @@ TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid) {
   if (!fs::is_regular_file(path, error)) refuse("is not a file; expected a mesh");
   const std::uintmax_t size = fs::file_size(path, error);
   if (error || size == 0) refuse("is empty; expected a mesh");
-  if (size > kLargestFile) refuse("is larger than 512 MB");
+  if (size > kLargestMesh) refuse("is larger than 512 MB");
 
   TexturedMesh mesh;
   try {

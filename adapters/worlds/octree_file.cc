@@ -6,7 +6,6 @@
 
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -17,6 +16,7 @@
 #include <vector>
 
 #include "adapters/config/input_error.h"
+#include "adapters/config/parse_number.h"
 
 namespace prospect {
 namespace {
@@ -42,20 +42,10 @@ struct Header {
   std::size_t data = 0;  ///< offset of the first node's bytes
 };
 
-[[noreturn]] void fail(const std::string& source, const std::string& what) {
-  throw InputError(source + ": " + what);
-}
-
-std::string shown(std::string_view text) {
+std::string printable(std::string_view text) {
   std::string out;
   for (const char c : text.substr(0, 40)) out += c >= 0x20 && c < 0x7f ? c : '?';
   return text.size() > 40 ? out + "..." : out;
-}
-
-template <typename T>
-bool parse(std::string_view text, T& value) {
-  const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
-  return result.ec == std::errc() && result.ptr == text.data() + text.size();
 }
 
 Header parse_header(std::string_view bytes, const std::string& source, const OctreeLimits& limits) {
@@ -95,28 +85,29 @@ Header parse_header(std::string_view bytes, const std::string& source, const Oct
       data = true;
     } else if (slot == nullptr || !slot->empty()) {
       fail(source + ":" + std::to_string(line),
-           (slot == nullptr ? "unknown header line '" : "repeated header line '") + shown(text) +
-               "'; expected id, size, res, data");
+           (slot == nullptr ? "unknown header line '" : "repeated header line '") +
+               printable(text) + "'; expected id, size, res, data");
     } else {
       *slot = value;
     }
   }
   header.data = at;
   if (id != "OcTree") {
-    fail(source, "tree type '" + shown(id) + "'; expected OcTree");
+    fail(source, "tree type '" + printable(id) + "'; expected OcTree");
   }
-  if (!parse(size, header.nodes)) {
-    fail(source, "size '" + shown(size) + "'; expected the number of nodes");
+  if (!parse_number(size, header.nodes)) {
+    fail(source, "size '" + printable(size) + "'; expected the number of nodes");
   }
   if (header.nodes > limits.max_nodes) {
     fail(source, std::to_string(header.nodes) + " nodes; expected at most " +
                      std::to_string(limits.max_nodes));
   }
-  if (!parse(resolution, header.resolution) || !(header.resolution >= limits.min_resolution) ||
+  if (!parse_number(resolution, header.resolution) ||
+      !(header.resolution >= limits.min_resolution) ||
       !(header.resolution <= limits.max_resolution)) {
     std::ostringstream range;
     range << limits.min_resolution << " to " << limits.max_resolution;
-    fail(source, "resolution '" + shown(resolution) + "'; expected " + range.str() + " m");
+    fail(source, "resolution '" + printable(resolution) + "'; expected " + range.str() + " m");
   }
   return header;
 }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr int kKeyOfZero = 32768;  // the library's key of voxel 0
 
-struct Box {
+struct VoxelBox {
   Eigen::Array3i low, high;  ///< voxels, high exclusive
 };
 
@@ -25,7 +25,7 @@ void for_each_leaf(const octomap::OcTree& tree, Visit visit) {
     const octomap::OcTreeKey key = it.getIndexKey();
     const int size = 1 << (tree.getTreeDepth() - it.getDepth());
     const Eigen::Array3i low(key[0] - kKeyOfZero, key[1] - kKeyOfZero, key[2] - kKeyOfZero);
-    visit(Box{low, low + size}, tree.isNodeOccupied(*it));
+    visit(VoxelBox{low, low + size}, tree.isNodeOccupied(*it));
   }
 }
 
@@ -142,9 +142,9 @@ World merged(World world, double resolution) {
 World world_from_octree(const octomap::OcTree& tree, const std::string& name,
                         const OctreeWorldOptions& options) {
   constexpr int kMax = std::numeric_limits<int>::max();
-  Box box{Eigen::Array3i::Constant(kMax), Eigen::Array3i::Constant(-kMax)};
+  VoxelBox box{Eigen::Array3i::Constant(kMax), Eigen::Array3i::Constant(-kMax)};
   bool any_free = false;
-  for_each_leaf(tree, [&](const Box& leaf, bool occupied) {
+  for_each_leaf(tree, [&](const VoxelBox& leaf, bool occupied) {
     box.low = box.low.min(leaf.low);
     box.high = box.high.max(leaf.high);
     any_free = any_free || !occupied;
@@ -161,7 +161,7 @@ World world_from_octree(const octomap::OcTree& tree, const std::string& name,
                      std::to_string(options.max_voxels) + " in all");
   }
   std::vector<CellState> dense(columns * static_cast<std::size_t>(depth), CellState::kUnknown);
-  for_each_leaf(tree, [&](const Box& leaf, bool occupied) {
+  for_each_leaf(tree, [&](const VoxelBox& leaf, bool occupied) {
     const CellState state = occupied ? CellState::kOccupied : CellState::kFree;
     const Eigen::Array3i low = leaf.low - box.low, high = leaf.high - box.low;
     for (int j = low[1]; j < high[1]; ++j) {

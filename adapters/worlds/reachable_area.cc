@@ -12,7 +12,7 @@
 namespace prospect {
 namespace {
 
-constexpr double kTouch = 1e-9;  // relative slack of comparisons between multiples of a resolution
+constexpr double kSlack = 1e-9;  // relative slack of comparisons between multiples of a resolution
 constexpr std::array<Cell, 4> kNeighbours = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
 
 /// Distance [in cells] from the centre of a column to the square of the column offset by (di, dj).
@@ -115,7 +115,7 @@ void check(bool good, const char* what) {
   if (!good) throw std::invalid_argument(what);
 }
 
-bool positive(double value) { return std::isfinite(value) && value > 0.0; }
+bool positive_length(double value) { return std::isfinite(value) && value > 0.0; }
 
 }  // namespace
 
@@ -124,8 +124,8 @@ Grid<std::uint8_t> free_columns(const VoxelGrid& voxels, const BodySlice& slice)
         "body slice: z_min and z_max; expected finite heights with z_min < z_max");
   const GridFrame& frame = voxels.frame();
   const double r = frame.resolution;
-  const int low = static_cast<int>(std::floor(slice.z_min / r + kTouch));
-  const int high = static_cast<int>(std::ceil(slice.z_max / r - kTouch)) - 1;
+  const int low = static_cast<int>(std::floor(slice.z_min / r + kSlack));
+  const int high = static_cast<int>(std::ceil(slice.z_max / r - kSlack)) - 1;
   Grid<std::uint8_t> free(frame, 0);
   if (low < voxels.k0() || high >= voxels.k0() + voxels.depth()) return free;
   const std::vector<CellState>& data = voxels.data();
@@ -152,7 +152,7 @@ Grid<std::uint8_t> standing_columns(const VoxelGrid& voxels, const BodySlice& sl
   const int reach = static_cast<int>(std::ceil(clearance + 0.5));
   for (int dj = -reach; dj <= reach; ++dj) {
     for (int di = -reach; di <= reach; ++di) {
-      if (distance_to_square(di, dj) < clearance * (1.0 - kTouch)) near.push_back({di, dj});
+      if (distance_to_square(di, dj) < clearance * (1.0 - kSlack)) near.push_back({di, dj});
     }
   }
   // The nearest point of what is not free lies on a square with a free neighbour.
@@ -192,13 +192,14 @@ Grid<std::uint8_t> connected_component(const Grid<std::uint8_t>& mask, Cell seed
 }
 
 ReachableArea reachable_area(const World& world, const ReachableAreaOptions& options) {
-  check(positive(options.range), "range; expected a finite distance above 0 m");
-  check(positive(options.map_resolution), "map resolution; expected a finite length above 0 m");
+  check(positive_length(options.range), "range; expected a finite distance above 0 m");
+  check(positive_length(options.map_resolution),
+        "map resolution; expected a finite length above 0 m");
   check(std::isfinite(options.sensor_height), "sensor height; expected a finite height");
   const VoxelGrid& voxels = world.voxels;
   const GridFrame& frame = voxels.frame();
   const double r = frame.resolution;
-  const int layer = static_cast<int>(std::floor(options.sensor_height / r + kTouch));
+  const int layer = static_cast<int>(std::floor(options.sensor_height / r + kSlack));
   check(layer >= voxels.k0() && layer < voxels.k0() + voxels.depth(),
         "sensor height; expected a height within the world's layers");
 
@@ -245,7 +246,7 @@ ReachableArea reachable_area(const World& world, const ReachableAreaOptions& opt
     }
   }
 
-  const double radius = options.range / r * (1.0 + kTouch);
+  const double radius = options.range / r * (1.0 + kSlack);
   const int reach = static_cast<int>(std::floor(radius));
   std::vector<Cell> disc;  // offsets within range, nearest first
   for (int dj = -reach; dj <= reach; ++dj) {
@@ -287,14 +288,14 @@ ReachableArea reachable_area(const World& world, const ReachableAreaOptions& opt
   const double m = options.map_resolution;
   GridFrame cells;
   cells.resolution = m;
-  cells.i0 = static_cast<int>(std::floor(frame.i0 * r / m - kTouch));
-  cells.j0 = static_cast<int>(std::floor(frame.j0 * r / m - kTouch));
-  cells.width = static_cast<int>(std::ceil((frame.i0 + frame.width) * r / m + kTouch)) - cells.i0;
-  cells.height = static_cast<int>(std::ceil((frame.j0 + frame.height) * r / m + kTouch)) - cells.j0;
+  cells.i0 = static_cast<int>(std::floor(frame.i0 * r / m - kSlack));
+  cells.j0 = static_cast<int>(std::floor(frame.j0 * r / m - kSlack));
+  cells.width = static_cast<int>(std::ceil((frame.i0 + frame.width) * r / m + kSlack)) - cells.i0;
+  cells.height = static_cast<int>(std::ceil((frame.j0 + frame.height) * r / m + kSlack)) - cells.j0;
   // (1): 0 no column assigned, 1 all assigned are free, 2 one is not.
   Grid<std::uint8_t> assigned(cells, 0);
   const auto hold = [&](double x, double size) {
-    return static_cast<int>(std::floor(x / size + kTouch));
+    return static_cast<int>(std::floor(x / size + kSlack));
   };
   for (int n = 0; n < frame.size(); ++n) {
     const Cell c = frame.at(n);

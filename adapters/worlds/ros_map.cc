@@ -22,12 +22,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kMostPixels = 100'000'000;
-constexpr std::size_t kMostVoxels = 400'000'000;
-constexpr std::uintmax_t kLargestFile = std::uintmax_t{512} << 20;
+constexpr std::int64_t kMostMapPixels = 100'000'000;
+constexpr std::size_t kMostMapVoxels = 400'000'000;
+constexpr std::uintmax_t kLargestMap = std::uintmax_t{512} << 20;
 
 /// Pixels, row 0 at the top; a transparent pixel has the value kTransparent.
-struct Image {
+struct MapImage {
   static constexpr std::int16_t kTransparent = -1;
   int width = 0, height = 0;
   std::vector<std::int16_t> pixels;  ///< 0..255
@@ -38,10 +38,6 @@ struct Plan {
   int width = 0, height = 0;
   std::vector<CellState> cells;
 };
-
-[[noreturn]] void fail(const std::string& source, const std::string& what) {
-  throw InputError(source + ": " + what);
-}
 
 std::string read_bytes(const std::string& path, const std::string& kind) {
   std::error_code error;
@@ -54,8 +50,8 @@ std::string read_bytes(const std::string& path, const std::string& kind) {
   const std::uintmax_t size = fs::file_size(path, error);
   if (error) fail(path, "cannot be read; expected " + kind);
   if (size == 0) fail(path, "empty file; expected " + kind);
-  if (size > kLargestFile) {
-    fail(path, std::to_string(size) + " bytes; expected at most " + std::to_string(kLargestFile));
+  if (size > kLargestMap) {
+    fail(path, std::to_string(size) + " bytes; expected at most " + std::to_string(kLargestMap));
   }
   std::string bytes(static_cast<std::size_t>(size), '\0');
   std::ifstream in(path, std::ios::binary);
@@ -65,15 +61,15 @@ std::string read_bytes(const std::string& path, const std::string& kind) {
 }
 
 void check_size(const std::string& path, std::int64_t width, std::int64_t height) {
-  if (width < 1 || height < 1 || width > kMostPixels || height > kMostPixels / width) {
+  if (width < 1 || height < 1 || width > kMostMapPixels || height > kMostMapPixels / width) {
     fail(path, "an image of " + std::to_string(width) + " x " + std::to_string(height) +
-                   " pixels; expected at least 1 x 1 and at most " + std::to_string(kMostPixels) +
-                   " pixels");
+                   " pixels; expected at least 1 x 1 and at most " +
+                   std::to_string(kMostMapPixels) + " pixels");
   }
 }
 
 /// Binary PGM with one byte a pixel, read here so that missing or surplus pixels are noticed.
-Image read_pgm(const std::string& path, std::string_view bytes) {
+MapImage read_pgm(const std::string& path, std::string_view bytes) {
   std::size_t at = 2;
   const auto next_number = [&]() -> std::int64_t {
     while (at < bytes.size()) {
@@ -107,7 +103,7 @@ Image read_pgm(const std::string& path, std::string_view bytes) {
     fail(path, std::to_string(found) + " bytes of pixels; expected " + std::to_string(expected) +
                    " for " + std::to_string(width) + " x " + std::to_string(height));
   }
-  Image image{static_cast<int>(width), static_cast<int>(height), {}};
+  MapImage image{static_cast<int>(width), static_cast<int>(height), {}};
   image.pixels.resize(expected);
   for (std::size_t n = 0; n < expected; ++n) {
     const int v = static_cast<unsigned char>(bytes[at + n]);
@@ -117,13 +113,13 @@ Image read_pgm(const std::string& path, std::string_view bytes) {
   return image;
 }
 
-Image read_image(const std::string& path) {
+MapImage read_image(const std::string& path) {
   const std::string bytes = read_bytes(path, "a .pgm or .png image");
   if (bytes.starts_with("P5")) return read_pgm(path, bytes);
   if (!bytes.starts_with("\x89PNG\r\n\x1a\n")) {
     fail(path, "not a binary PGM (P5) or PNG image; expected one of them");
   }
-  std::string png = checked_png(path, bytes, kMostPixels);
+  std::string png = checked_png(path, bytes, kMostMapPixels);
   cv::Mat mat;
   try {
     const cv::Mat raw(1, static_cast<int>(png.size()), CV_8UC1, png.data());
@@ -136,7 +132,7 @@ Image read_image(const std::string& path) {
   }
   const int channels = mat.channels();
   const int colours = channels == 2 || channels == 4 ? channels - 1 : channels;
-  Image image{mat.cols, mat.rows, {}};
+  MapImage image{mat.cols, mat.rows, {}};
   image.pixels.reserve(static_cast<std::size_t>(mat.cols) * static_cast<std::size_t>(mat.rows));
   const auto value = [&](int y, int index) {
     return mat.depth() == CV_8U ? static_cast<int>(mat.ptr<std::uint8_t>(y)[index])
@@ -147,7 +143,7 @@ Image read_image(const std::string& path) {
       int sum = 0;
       for (int c = 0; c < colours; ++c) sum += value(y, x * channels + c);
       const bool transparent = colours < channels && value(y, x * channels + colours) < 128;
-      image.pixels.push_back(transparent ? Image::kTransparent
+      image.pixels.push_back(transparent ? MapImage::kTransparent
                                          : static_cast<std::int16_t>(sum / colours));
     }
   }
@@ -159,7 +155,7 @@ struct Classes {
   std::array<CellState, 256> state;
 };
 
-Classes ros_classes(const Image& image, double occupied, double free, bool negate) {
+Classes ros_classes(const MapImage& image, double occupied, double free, bool negate) {
   constexpr int kUnknownOfMapSaver = 205;
   Classes classes;
   for (int v = 0; v < 256; ++v) {
@@ -174,13 +170,13 @@ Classes ros_classes(const Image& image, double occupied, double free, bool negat
   return classes;
 }
 
-Classes drawn_classes(const Image& image) {
+Classes drawn_classes(const MapImage& image) {
   constexpr int kWhite = 240;
   constexpr int kBlack = 100;  // darker greys are lines, however many
   constexpr int kNear = 8;     // of a grey, from smoothed edges
   std::array<std::size_t, 256> count{};
   for (const std::int16_t v : image.pixels) {
-    if (v != Image::kTransparent) ++count[static_cast<std::size_t>(v)];
+    if (v != MapImage::kTransparent) ++count[static_cast<std::size_t>(v)];
   }
   Classes classes;
   for (int v = 0; v < 256; ++v) {
@@ -196,7 +192,7 @@ Classes drawn_classes(const Image& image) {
   return classes;
 }
 
-Plan classify(const Image& image, const Classes& classes) {
+Plan classify(const MapImage& image, const Classes& classes) {
   Plan plan{image.width, image.height, {}};
   plan.cells.reserve(image.pixels.size());
   for (int j = 0; j < image.height; ++j) {
@@ -204,8 +200,9 @@ Plan classify(const Image& image, const Classes& classes) {
         static_cast<std::size_t>(image.height - 1 - j) * static_cast<std::size_t>(image.width);
     for (int i = 0; i < image.width; ++i) {
       const std::int16_t v = image.pixels[row + static_cast<std::size_t>(i)];
-      plan.cells.push_back(v == Image::kTransparent ? CellState::kUnknown
-                                                    : classes.state[static_cast<std::size_t>(v)]);
+      plan.cells.push_back(v == MapImage::kTransparent
+                               ? CellState::kUnknown
+                               : classes.state[static_cast<std::size_t>(v)]);
     }
   }
   return plan;
@@ -250,10 +247,10 @@ World extrude(const Plan& fine, double resolution, const Eigen::Vector2d& origin
   const double layers_wanted = std::ceil(options.wall_height / r - 1e-9);
   const double voxels =
       static_cast<double>(plan.cells.size()) * (std::max(1.0, layers_wanted) + 1.0);
-  if (voxels > static_cast<double>(kMostVoxels)) {
+  if (voxels > static_cast<double>(kMostMapVoxels)) {
     fail(path, "a world of " + std::to_string(plan.width) + " x " + std::to_string(plan.height) +
-                   " cells at this wall height; expected at most " + std::to_string(kMostVoxels) +
-                   " voxels");
+                   " cells at this wall height; expected at most " +
+                   std::to_string(kMostMapVoxels) + " voxels");
   }
   const int layers = std::max(1, static_cast<int>(layers_wanted));
   const Eigen::Vector2d corner = origin / r;
@@ -340,14 +337,14 @@ World world_from_ros_map(const std::string& path, const WorldOptions& options) {
   }
   yaml.finish();
   const std::string image_path = find_image(path, name, where);
-  const Image image = read_image(image_path);
+  const MapImage image = read_image(image_path);
   return extrude(classify(image, ros_classes(image, occupied, free, negate != 0)), resolution,
                  {origin[0], origin[1]}, path, options);
 }
 
 World world_from_image(const std::string& path, const WorldOptions& options) {
   const double pixel = checked_pixel_size(path, options);
-  const Image image = read_image(path);
+  const MapImage image = read_image(path);
   const Classes classes =
       extension(path) == ".pgm" ? ros_classes(image, 0.65, 0.196, false) : drawn_classes(image);
   return extrude(classify(image, classes), pixel, Eigen::Vector2d::Zero(), path, options);

@@ -1,0 +1,9 @@
+#pragma once
+
+#include <numbers>
+
+namespace prospect {
+
+inline constexpr double kDegrees = 180.0 / std::numbers::pi;  ///< of a radian
+
+}  // namespace prospect
