@@ -1,7 +1,8 @@
 # prospect_room(NAME): the static library of the room in the current folder, target prospect::NAME,
-# from every .cc below it (except under folders given after EXCEPT).
+# from every .cc below it (except under folders given after EXCEPT), compiled several as one unless
+# FILE_BY_FILE (see prospect_unity).
 function(prospect_room name)
-  cmake_parse_arguments(ARG "" "" "EXCEPT" ${ARGN})
+  cmake_parse_arguments(ARG "FILE_BY_FILE" "" "EXCEPT" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cc)
   foreach(folder ${ARG_EXCEPT})
     list(FILTER sources EXCLUDE REGEX "${CMAKE_CURRENT_SOURCE_DIR}/${folder}/")
@@ -14,6 +15,9 @@ function(prospect_room name)
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/prospect>)
   target_compile_features(prospect_${name} PUBLIC cxx_std_20)
+  if(NOT ARG_FILE_BY_FILE)
+    prospect_unity(prospect_${name})
+  endif()
   prospect_precompile(prospect_${name})
 endfunction()
 
@@ -56,5 +60,18 @@ function(prospect_flags target)
       target_compile_options(${target} PRIVATE -fno-sanitize=null,alignment,object-size,vptr)
     endif()
     target_link_options(${target} PUBLIC -fsanitize=${PROSPECT_SANITIZE})
+  endif()
+endfunction()
+
+# Much of the time that a file takes to compile goes into what it includes, so several are compiled as one.
+# (Names in unnamed namespaces are therefore unique in their room.) Not so a room full of Eigen's
+# expressions, FILE_BY_FILE: the time g++ takes grows faster than the number of their types in one unit. The
+# presets dev, asan and tsan and the sanitizer build of .ci/run do without.
+option(PROSPECT_UNITY_ROOMS "Compile several files of a room as one" ON)
+function(prospect_unity target)
+  if(PROSPECT_UNITY_ROOMS)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    # Of several files compiled as one, g++ takes all but the first for headers.
+    target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()
 endfunction()
