@@ -16,7 +16,7 @@ struct CostToGoOptions {
   double stop_beyond = 5.0;         ///< [m] flooding stops this far beyond the robot's value
   double fill_slope = 3.0;          ///< [m/m] rise into cells that were not reached
   double window_radius = 6.0;       ///< [m] half side of the window around the robot
-  double lambda = 0.0;              ///< weight of the localization term, 0: off
+  double lambda = 3.0;              ///< price of ways on which no feature is seen, 0: none
   double features_required = 60.0;  ///< N_req
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -28,6 +29,7 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
                                 std::to_string(value) + "; expected " + expected);
   };
   require("kappa", options.kappa, 100.0, "0 to 100 m");
+  require("look_length", options.look_length, 100.0, "0 to 100 m");
   require("leftovers_share", options.leftovers_share, 1000.0, "0 to 1000");
   require("leftovers_least", options.leftovers_least, 1e6, "0 to 1e6 s");
   require("leftovers_growth", options.leftovers_growth, 1000.0, "0 to 1000");
@@ -66,7 +68,7 @@ void ExplorationGuide::mark_reachable(std::vector<Frontier>& frontiers) {
 std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground, const Pose& pose,
                                                          double stamp,
                                                          const GuideAttention& attention,
-                                                         const Grid<float>* features,
+                                                         const FeatureOutlook* outlook,
                                                          const BonusRule& rule) {
   Stopwatch watch;
   // Beyond this the cell address would not fit an int.
@@ -88,7 +90,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     relaxed_area_ *= 2.0;  // as FrontierMemory::retry_area(), for the same reason
     reopenings_ = 0;
   }
-  std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, features, rule);
+  std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, outlook, rule);
   while (guidance->advice == Advice::kDone) {
     if (rules_ == Rules::kStrict) {
       if (!leftovers_until_) {
@@ -110,7 +112,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     }
     // What was in view is counted already.
     guidance =
-        step(ground, pose, stamp, {.looked = false, .pursued = attention.pursued}, features, rule);
+        step(ground, pose, stamp, {.looked = false, .pursued = attention.pursued}, outlook, rule);
   }
   if (guidance->advice == Advice::kDone) {
     if (!nothing_since_ || stamp < *nothing_since_) nothing_since_ = stamp;
@@ -145,6 +147,29 @@ void ExplorationGuide::restart(Rules rules) {
   traversability_ = Traversability(traversability);
   detector_ = FrontierDetector(frontiers);
   field_ = CostToGoField(options_.cost_to_go);
+}
+
+// The robot travels down the field of the step before. Where that says nothing, nor do the counts.
+void ExplorationGuide::count_along_travel(const FeatureOutlook& outlook) {
+  const GridFrame& frame = traversability_.frame();
+  along_travel_.frame = frame;
+  along_travel_.data.assign(static_cast<std::size_t>(frame.size()),
+                            std::numeric_limits<float>::infinity());
+  for (int index = 0; index < frame.size(); ++index) {
+    const Cell c = frame.at(index);
+    const double here = field_.value(c);
+    if (!(here < std::numeric_limits<double>::infinity())) continue;
+    // Upwind, as the field was solved: towards the lower neighbour.
+    const auto descent = [&](int di, int dj) {
+      const double ahead = field_.value({c.i + di, c.j + dj});
+      const double behind = field_.value({c.i - di, c.j - dj});
+      if (!(std::min(ahead, behind) < here)) return 0.0;
+      return ahead < behind ? here - ahead : behind - here;
+    };
+    const double x = descent(1, 0), y = descent(0, 1);
+    if (x == 0.0 && y == 0.0) continue;
+    along_travel_[c] = static_cast<float>(outlook.count(c, std::atan2(y, x)));
+  }
 }
 
 // The first place on the way down that is too narrow for the strict radius.
@@ -197,7 +222,7 @@ std::vector<double> ExplorationGuide::bonuses(const BonusQuestion& question,
 
 std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const Pose& pose,
                                                  double stamp, const GuideAttention& attention,
-                                                 const Grid<float>* features,
+                                                 const FeatureOutlook* outlook,
                                                  const BonusRule& rule) {
   const Eigen::Vector2d p = pose.position.head<2>();
   traversability_.update(ground);
@@ -212,8 +237,19 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
   if (!attention.pursued) memory_.hold_clock(stamp);
 
   const GridFrame& frame = traversability_.frame();
+  if (attention.got_lost) memory_.put_off_target(detector_.frontiers(), frame);
   const Cell robot = frame.cell(p.x(), p.y());
   auto guidance = std::make_shared<Guidance>();
+  const CostToGoOptions& weighting = options_.cost_to_go;
+  const bool weighted = outlook != nullptr && weighting.lambda > 0.0;
+  if (weighted) count_along_travel(*outlook);
+  const Grid<float>* along = weighted ? &along_travel_ : nullptr;
+  const LookPrice price = [&](Cell viewpoint, Cell sees) {
+    const double count =
+        outlook->count(viewpoint, std::atan2(sees.j - viewpoint.j, sees.i - viewpoint.i));
+    return weighting.lambda * options_.look_length *
+           std::max(0.0, 1.0 - count / weighting.features_required);
+  };
   // Suppressing or reactivating changes the sources, so the cost-to-go is repaired and the question
   // put again; the memory does so at most once a retry and once for a stall.
   for (bool again = true; again;) {
@@ -223,14 +259,14 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
     const int current = memory_.current_target(frontiers, frame);
     BonusQuestion question{traversability_, detector_, current, robot};
     const std::vector<double> bonus = bonuses(question, rule);
-    detector_.set_bonuses(bonus);
-    field_.update(traversability_, detector_, robot, features);
+    detector_.set_bonuses(bonus, weighted ? price : nullptr);
+    field_.update(traversability_, detector_, robot, along);
     if (rule && !field_.anchor_reached()) {
       question.unreached = true;
       const std::vector<double> second = bonuses(question, rule);
       if (second != bonus) {
-        detector_.set_bonuses(second);
-        field_.update(traversability_, detector_, robot, features);
+        detector_.set_bonuses(second, weighted ? price : nullptr);
+        field_.update(traversability_, detector_, robot, along);
       }
     }
 

@@ -9,6 +9,7 @@
 
 #include "engine/cost_to_go.h"
 #include "engine/cost_to_go_field.h"
+#include "engine/feature_outlook.h"
 #include "engine/frontier_memory.h"
 #include "engine/frontiers.h"
 #include "engine/ground_map.h"
@@ -36,13 +37,15 @@ struct ExplorationGuideOptions {
   double leftovers_share = 0.5;
   double leftovers_least = 300.0;
   double leftovers_growth = 0.1;
-  double kappa = 0.5;  ///< [m] bonus of a frontier per unit of log(1 + length / 1 m)
+  double look_length = 2.0;  ///< [m] of travel that a look at a frontier counts as; see below
+  double kappa = 0.5;        ///< [m] bonus of a frontier per unit of log(1 + length / 1 m)
 };
 
 /// What the robot did since the last update.
 struct GuideAttention {
-  bool looked = true;   ///< images extended the map: what was in view was looked at
-  bool pursued = true;  ///< it tried to reach the target; false: it had something else to do
+  bool looked = true;     ///< images extended the map: what was in view was looked at
+  bool pursued = true;    ///< it tried to reach the target; false: it had something else to do
+  bool got_lost = false;  ///< localization was lost on the way: the target is put off
 };
 
 /// Where the cost-to-go leads the robot.
@@ -92,7 +95,10 @@ struct Guidance {
 ///
 /// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the length of the frontier in
 /// metres (the prototype's kappa of 0.5 is "per log-metre"; the formulation calls m_c an area),
-/// with the current target's head start. Another rule for the bonus may be given.
+/// with the current target's head start. Another rule for the bonus may be given. With an outlook,
+/// a metre travelled costs 1 + lambda max(0, 1 - N / N_req) times as much, N the features in view
+/// in the direction of travel (down the field of the step before), and a viewpoint lambda
+/// look_length max(0, 1 - N / N_req) more, N in the direction of what is looked at.
 ///
 /// Before it says done, the guide asks twice more, under weaker rules:
 ///   1. keyholes: frontiers count from relaxed_length on. What a keyhole shows is a short frontier,
@@ -128,12 +134,11 @@ class ExplorationGuide {
   explicit ExplorationGuide(const ExplorationGuideOptions& options);
 
   /// ground: successive states of one map. stamp [s], non-decreasing. attention: of the time since
-  /// the last update. features: expected count of
-  /// visible features by cell in the direction of travel, null: no localization weighting. rule:
+  /// the last update. outlook: what is seen from where, null: no localization weighting. rule:
   /// null: kappa log(1 + m_c), as above.
   std::shared_ptr<const Guidance> update(const GroundMap& ground, const Pose& pose, double stamp,
                                          const GuideAttention& attention = {},
-                                         const Grid<float>* features = nullptr,
+                                         const FeatureOutlook* outlook = nullptr,
                                          const BonusRule& rule = nullptr);
 
   const Traversability& traversability() const { return traversability_; }
@@ -143,11 +148,12 @@ class ExplorationGuide {
 
  private:
   std::shared_ptr<Guidance> step(const GroundMap& ground, const Pose& pose, double stamp,
-                                 const GuideAttention& attention, const Grid<float>* features,
+                                 const GuideAttention& attention, const FeatureOutlook* outlook,
                                  const BonusRule& rule);
   std::vector<double> bonuses(const BonusQuestion& question, const BonusRule& rule) const;
   enum class Rules { kStrict, kKeyholes, kGaps };
   void restart(Rules rules);
+  void count_along_travel(const FeatureOutlook& outlook);
   void close_gap();
   void mark_reachable(std::vector<Frontier>& frontiers);
 
@@ -157,6 +163,7 @@ class ExplorationGuide {
   FrontierMemory memory_;
   CostToGoField field_;
   Grid<std::uint8_t> suppressed_;
+  Grid<float> along_travel_;             // features seen in the direction of travel, by cell
   std::vector<std::uint8_t> component_;  // 1: in the robot's component; by cell
   std::vector<int> stack_;
   Rules rules_ = Rules::kStrict;

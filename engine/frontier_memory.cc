@@ -130,6 +130,25 @@ void FrontierMemory::hold_clock(double stamp) {
   decided_at_ = stamp;
 }
 
+void FrontierMemory::suppress_about(Cell target, const std::vector<Cell>& cells,
+                                    double resolution) {
+  for (const Cell c : cells) {
+    if (distance(c, target, resolution) > options_.target_radius) continue;
+    Look& look = looks_[{c.j, c.i}];
+    if (!look.suppressed) ++suppressed_count_;
+    look.suppressed = true;
+  }
+}
+
+void FrontierMemory::put_off_target(const std::vector<Frontier>& frontiers,
+                                    const GridFrame& frame) {
+  const int current = current_target(frontiers, frame);
+  if (current < 0) return;
+  suppress_about(*target_, frontiers[static_cast<std::size_t>(current)].cells, frame.resolution);
+  target_.reset();
+  scripting_ = false;
+}
+
 bool FrontierMemory::suppressed(Cell c) const {
   const auto it = looks_.find({c.j, c.i});
   return it != looks_.end() && it->second.suppressed;
@@ -220,12 +239,7 @@ Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const Grid
   if (stalled_for_ >= options_.deactivate_after - 1e-9) {
     const auto k = static_cast<std::size_t>(target->first);
     if (k < frontiers.size()) {
-      for (const Cell c : frontiers[k].cells) {
-        if (distance(c, cell, frame.resolution) > options_.target_radius) continue;
-        Look& look = looks_[{c.j, c.i}];
-        if (!look.suppressed) ++suppressed_count_;
-        look.suppressed = true;
-      }
+      suppress_about(cell, frontiers[k].cells, frame.resolution);
       *sources_changed = true;
     }
     ++given_up_;

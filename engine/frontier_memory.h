@@ -90,6 +90,11 @@ class FrontierMemory {
   /// robot had something else to do than to reach its target.
   void hold_clock(double stamp);
 
+  /// Suppresses the cells about the target (target_radius): the way to it, or the look at it, cost
+  /// the robot its localization. Others come first then; it is tried again when the map changes
+  /// there or nothing else is left.
+  void put_off_target(const std::vector<Frontier>& frontiers, const GridFrame& frame);
+
   bool suppressed(Cell c) const;
   int suppressed_count() const { return suppressed_count_; }
   /// One entry a cell of `frame`, 1 where suppressed; reuses `out`.
@@ -123,6 +128,7 @@ class FrontierMemory {
     int forgiven = 0;  // times that a change of known cells did
   };
   using Key = std::pair<int, int>;  // (j, i): scan order
+  void suppress_about(Cell target, const std::vector<Cell>& cells, double resolution);
 
   FrontierMemoryOptions options_;
   std::map<Key, Look> looks_;

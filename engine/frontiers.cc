@@ -311,12 +311,12 @@ void FrontierDetector::cast(const Traversability& traversability, Piece& piece) 
   }
   piece.entries.reserve(marked_.size());
   for (const Cell c : marked_) {
-    piece.entries.push_back({c, best_[c], best_index_[c]});
+    piece.entries.push_back({c, best_[c], best_index_[c], 0.0F});
     best_[c] = kNoSource;
   }
 }
 
-void FrontierDetector::set_bonuses(const std::vector<double>& bonus) {
+void FrontierDetector::set_bonuses(const std::vector<double>& bonus, const LookPrice& price) {
   changed_sources_.clear();
   marked_.clear();
   Rectangle region;
@@ -331,10 +331,16 @@ void FrontierDetector::set_bonuses(const std::vector<double>& bonus) {
   };
   for (const Piece& piece : dropped_) mark(piece);
   dropped_.clear();
+  const bool all = price != nullptr || priced_;
+  priced_ = price != nullptr;
   for (Piece& piece : pieces_) {
     const auto k = static_cast<std::size_t>(piece.frontier);
     const auto value = static_cast<float>(k < bonus.size() ? bonus[k] : 0.0);
-    if (piece.merged && piece.bonus == value) continue;
+    if (piece.merged && piece.bonus == value && !all) continue;
+    for (Entry& e : piece.entries) {
+      const Cell sees = piece.cells[static_cast<std::size_t>(e.sees)];
+      e.price = price ? static_cast<float>(price(e.cell, sees)) : 0.0F;
+    }
     mark(piece);
     piece.bonus = value;
     piece.merged = true;
@@ -345,7 +351,7 @@ void FrontierDetector::set_bonuses(const std::vector<double>& bonus) {
     for (const Entry& e : piece.entries) {
       const auto at = static_cast<std::size_t>(mark_.frame.index(e.cell));
       if (mark_.data[at] == 0) continue;
-      best_.data[at] = std::min(best_.data[at], e.cost - piece.bonus);
+      best_.data[at] = std::min(best_.data[at], e.cost + e.price - piece.bonus);
     }
   }
   for (const Cell c : marked_) {
@@ -379,9 +385,9 @@ ViewpointSource FrontierDetector::source_at(Cell c) const {
   for (const Piece& piece : pieces_) {
     if (!piece.touched.contains(c)) continue;
     for (const Entry& e : piece.entries) {
-      if (!(e.cell == c) || e.cost - piece.bonus >= best.cost) continue;
-      best = {c, e.cost - piece.bonus, piece.cells[static_cast<std::size_t>(e.sees)],
-              piece.frontier};
+      const float cost = e.cost + e.price - piece.bonus;
+      if (!(e.cell == c) || cost >= best.cost) continue;
+      best = {c, cost, piece.cells[static_cast<std::size_t>(e.sees)], piece.frontier};
     }
   }
   return best;

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "engine/grid.h"
@@ -41,10 +42,15 @@ struct Frontier {
 /// Initial value of the cost-to-go at one traversable cell.
 struct ViewpointSource {
   Cell cell;
-  float cost = 0.0F;  ///< [m]: min over what it sees of viewpoint_cost - bonus of the frontier
+  /// [m]: min over what it sees of viewpoint_cost + price of the look - bonus of the frontier.
+  float cost = 0.0F;
   Cell sees;          ///< the frontier cell that gives the minimum
   int frontier = -1;  ///< its index in frontiers()
 };
+
+/// What looking from a viewpoint at a frontier cell costs beside viewpoint_cost() [m of path
+/// equivalent], >= 0.
+using LookPrice = std::function<double(Cell viewpoint, Cell sees)>;
 
 /// Finds frontiers and the viewpoints from which they can be seen, by changed tile.
 ///
@@ -75,7 +81,9 @@ class FrontierDetector {
   void find_viewpoints(const Traversability& traversability, const Grid<std::uint8_t>& suppressed);
 
   /// Recomputes the sources with bonus[k] [m] subtracted for frontier k (one entry a frontier).
-  void set_bonuses(const std::vector<double>& bonus);
+  /// price: asked of every viewpoint of every frontier at each call, null: looks cost nothing more.
+  /// Of what can be seen of one cluster in one tile, the cell nearest the viewpoint stands for all.
+  void set_bonuses(const std::vector<double>& bonus, const LookPrice& price = nullptr);
 
   const std::vector<Frontier>& frontiers() const { return frontiers_; }
   /// Index of the frontier a cell belongs to, -1 for none.
@@ -100,8 +108,9 @@ class FrontierDetector {
  private:
   struct Entry {
     Cell cell;
-    float cost = 0.0F;  // [m], without the bonus
-    int sees = 0;       // index in Piece::cells
+    float cost = 0.0F;   // [m], without the bonus
+    int sees = 0;        // index in Piece::cells
+    float price = 0.0F;  // [m] of the look
   };
   struct Rectangle {
     int i0 = 0, j0 = 0, i1 = -1, j1 = -1;  // inclusive
@@ -151,6 +160,7 @@ class FrontierDetector {
   std::vector<Cell> stack_;
   Grid<int> piece_at_;  // old piece by its first cell, while matching; else -1
   int cells_cast_ = 0;
+  bool priced_ = false;  // the looks were, when the sources were last computed
 };
 
 }  // namespace prospect

@@ -9,8 +9,10 @@
 #include "engine/admissible_inputs.h"
 #include "engine/certificate.h"
 #include "engine/exploration_targets.h"
+#include "engine/feature_outlook.h"
 #include "engine/landmark_selection.h"
 #include "engine/limited_twist.h"
+#include "engine/local_texture.h"
 #include "engine/retreat.h"
 #include "engine/seeds.h"
 #include "engine/stopwatch.h"
@@ -117,8 +119,9 @@ struct Planner::Impl {
   std::optional<Certifier> close_certifier;  // when nothing else is reachable
   std::optional<Certifier> guard_certifier;  // as the guard will ask
   ExplorationGuide guide;
-  VerticalExtent slice{0.0, 0.0};  // of the body, in W
-  double reach = 0.0;              // how far the base can get within the horizon [m]
+  std::optional<FeatureOutlook> outlook;  // if the cost-to-go is weighted by it
+  VerticalExtent slice{0.0, 0.0};         // of the body, in W
+  double reach = 0.0;                     // how far the base can get within the horizon [m]
 
   // From one step to the next.
   std::shared_ptr<const Guidance> guidance;
@@ -132,9 +135,11 @@ struct Planner::Impl {
   Eigen::MatrixXd last_inputs;  // nu x N of the last plan
   double last_stamp = 0.0;
   RetreatTrail trail;
+  bool was_lost = false;
   bool recovering = false;
   double recovery_started = 0.0;
-  double recovery_allowed_at = 0.0;
+  bool recovery_helped = false;  // the last one
+  double paused_until = -1e300;
 
   static PlannerParameters with_guide_options(const RobotDescription& r, PlannerParameters p) {
     p.guide = guide_options_for(r, p);
@@ -162,6 +167,11 @@ struct Planner::Impl {
     options.unknown = UnknownPolicy::kFree;
     guard_certifier.emplace(robot.shape, options);
     reach = robot.model->max_speed() * parameters.N * parameters.dt;
+    if (parameters.guide.cost_to_go.lambda > 0.0 && parameters.w_l > 0.0) {
+      FeatureOutlookOptions options;
+      options.attenuation = parameters.feature_attenuation;
+      outlook.emplace(options, robot, parameters.visibility);
+    }
   }
 
   Plan plan(const Belief& belief, const StopCondition& stop);
@@ -170,6 +180,9 @@ struct Planner::Impl {
   /// its map does not follow where the drift takes it.
   bool squeezing(const Belief& belief) const {
     return guidance->relaxed && belief.localization != Localization::kLost;
+  }
+  double unseen_density(const Belief& belief) const {
+    return parameters.feature_prior ? belief.landmarks->feature_density : 0.0;
   }
   std::shared_ptr<const ProblemRecipe> make_recipe(const Belief& belief);
   void calibrate(const Belief& belief, const Eigen::Vector3d& camera, ProblemRecipe& r) const;
@@ -195,6 +208,7 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
   options.memory.sensor_range = robot.depth.max_range;
   options.memory.sensor_fov = robot.depth.horizontal_fov;
   options.cost_to_go.v_max = robot.model->max_speed();
+  options.cost_to_go.features_required = parameters.features.N_req;
   return options;
 }
 
@@ -206,9 +220,18 @@ void Planner::Impl::update_recovery(const Belief& belief) {
     const bool expired = belief.stamp - recovery_started > parameters.recovery_time;
     if (good || expired) {
       recovering = false;
-      recovery_allowed_at = belief.stamp + parameters.recovery_pause;
+      recovery_helped = good;
+      paused_until = belief.stamp + parameters.recovery_pause;
     }
-  } else if (belief.localization != Localization::kOk && belief.stamp >= recovery_allowed_at) {
+    return;
+  }
+  // A robot with few features still knows where it is, so it need not turn back each time. One that
+  // is lost does not, so it explores only while turning back is of no use.
+  const bool paused = belief.stamp < paused_until;
+  const bool needed = belief.localization == Localization::kLost
+                          ? !paused || recovery_helped
+                          : belief.localization == Localization::kDegraded && !paused;
+  if (needed) {
     recovering = true;
     recovery_started = belief.stamp;
   }
@@ -272,11 +295,13 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   r->landmark_occlusion.max_range = p.visibility.r_max + 1.0;
   r->visibility = p.visibility;
   UnseenFeatureOptions unseen;
-  unseen.density = p.feature_prior ? belief.landmarks->feature_density : 0.0;
+  unseen.density = unseen_density(belief);
   unseen.range = reach + p.visibility.r_max;
   unseen.height = stereo_camera.z();
   unseen.max_blocks = p.max_landmarks / 4;
-  const std::vector<Landmark> expected = unseen_features(*belief.ground, belief.pose, unseen);
+  const LocalTexture texture(*belief.ground, *belief.landmarks);
+  const std::vector<Landmark> expected =
+      unseen_features(*belief.ground, belief.pose, unseen, &texture);
   r->landmarks =
       select_landmarks(*belief.landmarks, belief.pose, reach + stereo_offset,
                        p.max_landmarks - static_cast<int>(expected.size()), p.visibility);
@@ -547,9 +572,17 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   plan.solver = solver->name();
 
   update_recovery(belief);
-  guidance =
-      guide.update(*belief.ground, belief.pose, belief.stamp,
-                   {.looked = belief.localization != Localization::kLost, .pursued = !recovering});
+  const bool lost_now = belief.localization == Localization::kLost;
+  const bool got_lost = lost_now && !was_lost;
+  was_lost = lost_now;
+  // Without a landmark all ways are alike.
+  const bool looks_out = outlook && !belief.landmarks->landmarks.empty();
+  if (looks_out) outlook->update(belief, unseen_density(belief));
+  guidance = guide.update(*belief.ground, belief.pose, belief.stamp,
+                          {.looked = belief.localization != Localization::kLost,
+                           .pursued = !recovering,
+                           .got_lost = got_lost},
+                          looks_out ? &*outlook : nullptr);
   plan.has_active_frontier = guidance->target.has_value();
   plan.times.guide = watch.lap();
   recipe = make_recipe(belief);
@@ -574,8 +607,7 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
       context.previous = last_inputs.rightCols(last_inputs.cols() - passed);
     }
   }
-  const bool lost = belief.localization == Localization::kLost;
-  const bool scripted = !recovering && ((guidance->advice == Advice::kGoAndFace && !lost) ||
+  const bool scripted = !recovering && ((guidance->advice == Advice::kGoAndFace && !lost_now) ||
                                         guidance->advice == Advice::kLookAround);
   const std::vector<Seed> made =
       scripted ? make_scripted_seeds(*problem, context) : make_seeds(*problem, context);

@@ -29,7 +29,7 @@ struct PlannerParameters {
   double w_u = 0.02;           ///< deviation from the desired input
   double w_du = 0.03;          ///< change of input
   double w_o = 0.5;            ///< closeness to obstacles
-  double w_l = 0.5;            ///< too few visible features; docs/results.md says what it costs
+  double w_l = 2.0;            ///< too few visible features; docs/experiments.md says what it does
   double w_e = 1.0;            ///< exploration gain (a reward)
   double w_T = 1.5;            ///< cost-to-go
   double w_h = 0.0;            ///< heading alignment
@@ -58,7 +58,7 @@ struct PlannerParameters {
   int max_landmarks = 300;          ///< a quarter of them at most for what has not been seen
   double visibility_lattice = 0.3;  ///< spacing of the occlusion tables [m]
   VisibilityParameters visibility = with_landmarks_made_anew();
-  VisibleFeaturesParameters features;
+  VisibleFeaturesParameters features{.criterion = VisibilityCriterion::kInformation};
   /// Count features expected in unknown space (unseen_features.h), of the landmark map's density.
   bool feature_prior = true;
   double feature_attenuation = 0.3;  ///< of rays to features through unknown space [1/m]

@@ -9,7 +9,8 @@
 namespace prospect {
 
 std::vector<Landmark> unseen_features(const GroundMap& ground, const Pose& pose,
-                                      const UnseenFeatureOptions& options) {
+                                      const UnseenFeatureOptions& options,
+                                      const LocalTexture* texture) {
   constexpr const char* kOwner = "unseen features";
   check_not_negative(kOwner, "density", options.density);
   check_positive(kOwner, "block", options.block);
@@ -56,6 +57,7 @@ std::vector<Landmark> unseen_features(const GroundMap& ground, const Pose& pose,
       l.creation_range = std::max(to.norm(), r);
       l.survival = 1.0;
       l.multiplicity = options.density * unknown * r * r;
+      if (texture != nullptr) l.multiplicity *= texture->relative(centroid);
       blocks.push_back({l, to.norm(), std::atan2(to.y(), to.x())});
     }
   }

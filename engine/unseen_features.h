@@ -4,6 +4,7 @@
 
 #include "engine/ground_map.h"
 #include "engine/landmark_map.h"
+#include "engine/local_texture.h"
 #include "models/types.h"
 
 namespace prospect {
@@ -17,8 +18,8 @@ struct UnseenFeatureOptions {
 };
 
 /// What the tracker will find where nothing has been seen yet: for each block of ground with
-/// unknown cells a landmark that stands for rho features a square metre of these, at their
-/// centroid, with survival 1, and visible from everywhere.
+/// unknown cells a landmark that stands for rho s(centroid) features a square metre of these, at
+/// their centroid, with survival 1, and visible from everywhere. s: LocalTexture, null: 1.
 ///
 /// With an occlusion table that dims rays by exp(-lambda length in unknown space), their expected
 /// number in view is that of a Poisson field of surfaces: rays into the unknown end at the rate of
@@ -30,6 +31,7 @@ struct UnseenFeatureOptions {
 /// Blocks are aligned in W; ids are from 2^63 up. Ordered by azimuth around the pose (ties: by id).
 /// Deterministic. Errors: std::invalid_argument on an option out of range. Source: ours.
 std::vector<Landmark> unseen_features(const GroundMap& ground, const Pose& pose,
-                                      const UnseenFeatureOptions& options);
+                                      const UnseenFeatureOptions& options,
+                                      const LocalTexture* texture = nullptr);
 
 }  // namespace prospect

@@ -171,7 +171,7 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
   p.features.N_req = v.number("N_req", p.features.N_req, 1.0, 1e4, "1", "features that suffice");
   p.features.N_min = v.number("N_min", p.features.N_min, 1.0, 1e4, "1",
                               "features below which odometry is not to be trusted");
-  const std::string criterion = v.choice("criterion", "count", {"count", "information"},
+  const std::string criterion = v.choice("criterion", "information", {"count", "information"},
                                          "number of points, or what they tell about the pose");
   p.features.criterion =
       criterion == "count" ? VisibilityCriterion::kCount : VisibilityCriterion::kInformation;
@@ -199,6 +199,9 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
   g.frontiers.range_margin = f.number("range_margin", g.frontiers.range_margin, 0.0, 10.0, "m",
                                       "a viewpoint stands this much within the sensor's range");
   g.kappa = f.number("kappa", g.kappa, 0.0, 100.0, "m", "bonus per unit of log(1 + length)");
+  g.cost_to_go.lambda =
+      f.number("lambda", g.cost_to_go.lambda, 0.0, 1000.0, "1",
+               "price of ways on which no feature is seen; 0: none, as with w_l = 0");
   g.memory.hysteresis = f.number("hysteresis", g.memory.hysteresis, 0.0, 100.0, "m",
                                  "head start of the current target");
   g.memory.failed_looks = static_cast<int>(f.integer("failed_looks", g.memory.failed_looks, 1, 1000,

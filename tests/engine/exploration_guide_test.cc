@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "ground_worlds.h"
+#include "models/make_model.h"
 
 namespace prospect::exploration_guide_test {
 namespace {
@@ -341,6 +342,79 @@ TEST(ExplorationGuide, ALostRobotGivesNothingUp) {
     EXPECT_EQ(g->advice, g->stalled_for < 3.0 ? Advice::kPlan : Advice::kGoAndFace);
   }
   EXPECT_GT(lost.update(map, pose, 67.5, {.looked = false})->suppressed_cells, 0);
+}
+
+/// A free strip along x, 11 m by 2 m, with unknown space at both ends; landmarks on its walls west
+/// of x = 5.5 only.
+struct HalfWhiteStrip {
+  Belief belief;
+  GroundMap map{GridFrame{0.1, 0, 0, 130, 40}};
+
+  HalfWhiteStrip() {
+    auto voxels = std::make_shared<VoxelGrid>(map.frame(), 0.0, 1.2);
+    LandmarkMap landmarks;
+    for (int i = 10; i < 120; ++i) {
+      for (int j = 10; j < 31; ++j) {
+        const CellState state = j == 10 || j == 30 ? CellState::kOccupied : CellState::kFree;
+        map.set({i, j}, state);
+        for (int k = 0; k < 12; ++k) voxels->set(i, j, k, state);
+        if (state != CellState::kOccupied || i > 55) continue;
+        Landmark l;
+        l.id = static_cast<std::uint64_t>(1000 * i + j);
+        l.position = {0.1 * i + 0.05, j == 10 ? 1.1 : 3.0, 0.5};
+        l.creation_direction = {0.0, j == 10 ? 1.0 : -1.0, 0.0};
+        landmarks.landmarks.push_back(l);
+      }
+    }
+    belief.voxels = voxels;
+    belief.ground = std::make_shared<const GroundMap>(map);
+    belief.landmarks = std::make_shared<const LandmarkMap>(landmarks);
+  }
+};
+
+TEST(ExplorationGuide, AWayOnWhichNothingIsSeenIsDearer) {
+  const HalfWhiteStrip strip;
+  ExplorationGuideOptions options = prompt();
+  options.frontiers.sensor_range = options.memory.sensor_range = 1.5;
+  RobotDescription robot;
+  robot.model = make_model("unicycle");
+  FeatureOutlook outlook({.blocks_per_update = 10000}, robot, with_landmarks_made_anew());
+  outlook.update(strip.belief, 0.0);
+  // Nearer to the white end.
+  const Pose pose{{7.3, 2.0, 0.0}, 0.0};
+  const auto leads_east = [&](double lambda, const FeatureOutlook* seen) {
+    options.cost_to_go.lambda = lambda;
+    ExplorationGuide guide(options);
+    std::shared_ptr<const Guidance> g;
+    for (int n = 0; n < 3; ++n) {
+      g = guide.update(strip.map, pose, 0.1 * n, {.looked = false}, seen);
+    }
+    EXPECT_TRUE(g->target.has_value());
+    return g->target && g->target->viewpoint.x() > 6.5;
+  };
+  EXPECT_TRUE(leads_east(0.0, &outlook));
+  EXPECT_TRUE(leads_east(3.0, nullptr));
+  EXPECT_FALSE(leads_east(3.0, &outlook));
+  EXPECT_TRUE(leads_east(0.05, &outlook)) << "dearer, not closed";
+}
+
+TEST(ExplorationGuide, ATargetThatCostTheLocalizationIsPutOff) {
+  const HalfWhiteStrip strip;
+  ExplorationGuideOptions options = prompt();
+  options.frontiers.sensor_range = options.memory.sensor_range = 1.5;
+  ExplorationGuide guide(options);
+  const Pose pose{{7.3, 2.0, 0.0}, 0.0};
+  const auto east = [](const Guidance& g) { return g.target && g.target->viewpoint.x() > 6.5; };
+  ASSERT_TRUE(east(*guide.update(strip.map, pose, 0.0)));
+  const GuideAttention lost{.looked = false, .pursued = false, .got_lost = true};
+  const auto put_off = guide.update(strip.map, pose, 0.1, lost);
+  EXPECT_TRUE(put_off->target.has_value());
+  EXPECT_FALSE(east(*put_off));
+  EXPECT_GT(put_off->suppressed_cells, 0);
+  // It stays so, until the other way is gone, too.
+  EXPECT_FALSE(east(*guide.update(strip.map, pose, 0.2)));
+  guide.update(strip.map, pose, 0.3, lost);
+  EXPECT_TRUE(east(*guide.update(strip.map, pose, 0.4)));
 }
 
 TEST(ExplorationGuide, GoesBackToTheStrictRadiiWhenSomethingNewWasExplored) {

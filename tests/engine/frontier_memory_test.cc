@@ -258,6 +258,19 @@ TEST_F(Memory, EveryRestorationOfTheRetriesTakesTwiceTheArea) {
   }
 }
 
+TEST_F(Memory, ATargetPutOffIsSuppressedAboutIt) {
+  const std::vector<Frontier> f{frontier(20, 50, 30)};
+  memory_.put_off_target(f, kFrame);
+  EXPECT_EQ(memory_.suppressed_count(), 0) << "no target yet";
+  memory_.decide(f, kFrame, {{0, Cell{25, 50}}}, walked(), 5.0, 1.0, 0.0, &changed_);
+  memory_.put_off_target(f, kFrame);
+  EXPECT_TRUE(memory_.suppressed({20, 50}));
+  EXPECT_TRUE(memory_.suppressed({35, 50}));
+  EXPECT_FALSE(memory_.suppressed({36, 50})) << "more than a metre away";
+  EXPECT_EQ(memory_.current_target(f, kFrame), -1);
+  EXPECT_EQ(memory_.given_up(), 0);
+}
+
 TEST_F(Memory, NothingReachableAndNothingSuppressedIsDoneAtOnce) {
   EXPECT_EQ(memory_.decide({}, kFrame, std::nullopt, walked(), 0.0, 10.0, 0.0, &changed_),
             Advice::kDone);

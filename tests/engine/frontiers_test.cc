@@ -232,6 +232,42 @@ GroundMap pocket(int gap) {
 
 // Lesson 1 of the prototype. The pocket is known free inside (seen through a crack since closed),
 // and too narrow to drive in.
+TEST(Frontiers, APriceOfLooksComesOnTop) {
+  std::mt19937_64 random(3);
+  const auto world = test::GroundWorld::rooms(10.0, 0.1, 25, random);
+  GroundMap map(GridFrame{0.1, 0, 0, 16, 16});
+  const Eigen::Vector2d p = world.truth.frame.center(world.open_cell(4, random));
+  world.sense({{p.x(), p.y(), 0.0}, 0.3}, 4.0, 3.0, map);
+  Traversability t{TraversabilityOptions{}};
+  t.update(map);
+  FrontierDetector detector{FrontierOptions{}};
+  detector.update(t);
+  detector.find_viewpoints(t, {});
+  const std::vector<double> bonus(detector.frontiers().size(), 0.3);
+  detector.set_bonuses(bonus);
+  const std::vector<ViewpointSource> free = detector.sources();
+  ASSERT_GT(free.size(), 50u);
+  const auto price_of = [](Cell c) { return 0.25 * ((c.i + 3 * c.j) & 7); };
+  // Looks are priced one by one, and again when the price changes although nothing else does.
+  for (const double scale : {1.0, 2.0}) {
+    bool each_sees_a_frontier = true;
+    detector.set_bonuses(bonus, [&](Cell viewpoint, Cell sees) {
+      each_sees_a_frontier &= detector.frontier_of(sees) >= 0;
+      return scale * price_of(viewpoint);
+    });
+    EXPECT_TRUE(each_sees_a_frontier);
+    EXPECT_FALSE(detector.changed_sources().empty());
+    for (const ViewpointSource& s : free) {
+      const double expected = s.cost + scale * price_of(s.cell);
+      EXPECT_NEAR(detector.source(s.cell), expected, 1e-5);
+      EXPECT_EQ(detector.source_at(s.cell).cost, detector.source(s.cell));
+    }
+  }
+  // Without a price it is as it was.
+  detector.set_bonuses(bonus);
+  for (const ViewpointSource& s : free) EXPECT_EQ(detector.source(s.cell), s.cost);
+}
+
 TEST(Frontiers, PhantomFrontierInAPocketStaysInactive) {
   TraversabilityOptions narrow;  // the robot fits nowhere inside: 0.9 m between wall and unknown
   narrow.hard_radius = 0.75;

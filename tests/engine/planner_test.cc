@@ -573,6 +573,54 @@ TEST_F(PlannerTest, LostLocalizationMeansRecoveryWithoutExploration) {
   }
 }
 
+// A pause after it would have the robot explore on while it is lost.
+TEST_F(PlannerTest, AfterARecoveryThatHelpedTheNextLossIsAnsweredAtOnce) {
+  Planner planner = make();
+  Belief belief = Room{.landmarks_per_wall = 30}.belief();
+  for (int n = 0; n < 3; ++n) {
+    belief.localization = Localization::kLost;
+    belief.tracked_features = 0;
+    belief.stamp += 0.5;
+    EXPECT_EQ(planner.plan(belief).kind, PlanKind::kRecovery) << n;
+    belief.localization = Localization::kOk;
+    belief.tracked_features = 100;
+    belief.stamp += 0.5;
+    EXPECT_NE(planner.plan(belief).kind, PlanKind::kRecovery) << n;
+  }
+}
+
+// Once it is lost, the frontier that it was led to is put off.
+TEST_F(PlannerTest, WhatCostTheLocalizationIsPutOff) {
+  Planner planner = make();
+  Belief belief = Room{.landmarks_per_wall = 30}.belief();
+  planner.plan(belief);
+  ASSERT_TRUE(planner.guidance()->target.has_value());
+  EXPECT_EQ(planner.guidance()->suppressed_cells, 0);
+  belief.localization = Localization::kLost;
+  belief.tracked_features = 0;
+  belief.stamp = 0.5;
+  planner.plan(belief);
+  EXPECT_GT(planner.guidance()->suppressed_cells, 0);
+}
+
+TEST_F(PlannerTest, TheCostToGoCanBeWeightedByWhatIsSeenOnTheWay) {
+  const Belief belief = Room{.landmarks_per_wall = 5}.belief();
+  parameters_.feature_prior = false;
+  const auto along = [&](double lambda) {
+    parameters_.guide.cost_to_go.lambda = lambda;
+    Planner planner = make();
+    Belief b = belief;
+    for (int n = 0; n < 4; ++n) {
+      b.stamp = 0.5 * n;
+      expect_executable(planner.plan(b), b);
+    }
+    return planner.guidance()->cost_to_go->value(Eigen::Vector2d(-0.5, 1.0));
+  };
+  const double plain = along(0.0), weighted = along(3.0);
+  EXPECT_GT(weighted, 1.5 * plain);
+  EXPECT_EQ(along(3.0), weighted) << "the same bits";
+}
+
 TEST_F(PlannerTest, ARecoveryThatDoesNotHelpEndsAndPauses) {
   Planner planner = make();
   Belief belief = Room{.landmarks_per_wall = 10}.belief();

@@ -67,6 +67,23 @@ TEST(UnseenFeatures, WhatIsBeyondTheMapIsUnknown) {
                   .empty());
 }
 
+TEST(UnseenFeatures, AreFewerPastWhiteWalls) {
+  GroundMap ground = half_known_ground();
+  for (int i = -30; i < 0; ++i) ground.set({i, 10}, CellState::kOccupied);
+  const LocalTexture white(ground, LandmarkMap{});
+  UnseenFeatureOptions options;
+  options.max_blocks = 10000;
+  const auto plain = unseen_features(ground, Pose{}, options);
+  const auto local = unseen_features(ground, Pose{}, options, &white);
+  ASSERT_EQ(plain.size(), local.size());
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    ASSERT_EQ(plain[i].id, local[i].id);
+    EXPECT_DOUBLE_EQ(local[i].multiplicity,
+                     plain[i].multiplicity * white.relative(plain[i].position.head<2>()));
+  }
+  EXPECT_LT(total(local), 0.97 * total(plain));
+}
+
 TEST(UnseenFeatures, TheNearestBlocksAreKept) {
   UnseenFeatureOptions options;
   options.max_blocks = 9;

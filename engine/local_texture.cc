@@ -1,0 +1,78 @@
+#include "engine/local_texture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/parameter_check.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kLengths = 5.0;  // of correlation: what is farther away counts for nothing
+
+}  // namespace
+
+LocalTexture::LocalTexture(const GroundMap& ground, const LandmarkMap& landmarks,
+                           const LocalTextureOptions& options)
+    : options_(options) {
+  constexpr const char* kOwner = "local texture";
+  check_positive(kOwner, "block", options.block);
+  check_positive(kOwner, "length", options.length);
+  check_positive(kOwner, "prior", options.prior);
+  const Grid<CellState>& cells = ground.cells();
+  const GridFrame& fine = cells.frame;
+  const int side = std::max(1, static_cast<int>(std::lround(options.block / fine.resolution)));
+  const auto floored = [side](int a) { return a >= 0 ? a / side : -((side - 1 - a) / side); };
+  GridFrame frame;
+  frame.resolution = side * fine.resolution;
+  frame.i0 = floored(fine.i0);
+  frame.j0 = floored(fine.j0);
+  frame.width = floored(fine.i0 + fine.width - 1) - frame.i0 + 1;
+  frame.height = floored(fine.j0 + fine.height - 1) - frame.j0 + 1;
+  blocks_ = Grid<Seen>(frame, {});
+
+  double wall = 0.0;
+  for (int index = 0; index < fine.size(); ++index) {
+    if (cells.data[static_cast<std::size_t>(index)] != CellState::kOccupied) continue;
+    const Cell c = fine.at(index);
+    const auto is_free = [&](int di, int dj) {
+      return ground.state({c.i + di, c.j + dj}) == CellState::kFree;
+    };
+    if (!is_free(1, 0) && !is_free(-1, 0) && !is_free(0, 1) && !is_free(0, -1)) continue;
+    blocks_[{floored(c.i), floored(c.j)}].wall += fine.resolution;
+    wall += fine.resolution;
+  }
+  double count = 0.0;
+  for (const Landmark& l : landmarks.landmarks) {
+    const Eigen::Vector2d p = l.position.head<2>();
+    if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kFarthest) continue;
+    if (!blocks_.frame.contains(block_of(p))) continue;
+    blocks_[block_of(p)].landmarks += l.multiplicity;
+    count += l.multiplicity;
+  }
+  if (count > 0.0) {
+    for (Seen& b : blocks_.data) b.landmarks *= wall / count;
+  }
+}
+
+double LocalTexture::relative(const Eigen::Vector2d& p) const {
+  const GridFrame& frame = blocks_.frame;
+  const Cell at = block_of(p);
+  const int reach = static_cast<int>(std::ceil(kLengths * options_.length / frame.resolution));
+  double wall = options_.prior, landmarks = options_.prior;
+  for (int j = std::max(frame.j0, at.j - reach);
+       j <= std::min(frame.j0 + frame.height - 1, at.j + reach); ++j) {
+    for (int i = std::max(frame.i0, at.i - reach);
+         i <= std::min(frame.i0 + frame.width - 1, at.i + reach); ++i) {
+      const Seen& b = blocks_[{i, j}];
+      if (b.wall == 0.0 && b.landmarks == 0.0) continue;
+      const double distance = (frame.center({i, j}) - p).norm();
+      const double w = std::exp(-distance / options_.length);
+      wall += w * b.wall;
+      landmarks += w * b.landmarks;
+    }
+  }
+  return std::min(1.0, landmarks / wall);
+}
+
+}  // namespace prospect
