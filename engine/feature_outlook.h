@@ -11,11 +11,11 @@
 namespace prospect {
 
 struct FeatureOutlookOptions {
-  double block = 0.5;           ///< side of a block of cells that share their counts [m]
+  double block = 0.5;          ///< side of a block of cells that share their counts [m]
   int blocks_per_update = 40;  ///< at most so many are counted in one update
-  int max_landmarks = 600;    ///< that stand for those of the whole map; a quarter for unseen ones
-  double prior_range = 20.0;  ///< unknown ground farther from the robot bears no features [m]
-  double attenuation = 0.3;   ///< lambda of rays through unknown space [1/m]
+  int max_landmarks = 600;     ///< that stand for those of the whole map; a quarter for unseen ones
+  double prior_range = 20.0;   ///< unknown ground farther from the robot bears no features [m]
+  double attenuation = 0.3;    ///< lambda of rays through unknown space [1/m]
 };
 
 /// How many features the robot would see from any known place in any direction:
