@@ -83,7 +83,7 @@ void CostToGoField::refresh(int index, Cell c, const Traversability& traversabil
     // A count that is not a number says nothing: as none.
     double count = static_cast<double>(features->get(c, 0.0F));
     if (!(count > 0.0)) count = 0.0;
-    slowness *= 1.0 + options_.lambda * std::max(0.0, 1.0 - count / options_.features_required);
+    slowness *= 1.0 + options_.localization_price(count);
   }
   const auto s = static_cast<float>(slowness);
   const float source = frontiers.source(c);

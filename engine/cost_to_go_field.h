@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -18,6 +19,11 @@ struct CostToGoOptions {
   double window_radius = 6.0;       ///< [m] half side of the window around the robot
   double lambda = 3.0;              ///< price of ways on which no feature is seen, 0: none
   double features_required = 60.0;  ///< N_req
+
+  /// lambda max(0, 1 - N / N_req): what a way costs more per metre on which N features are in view.
+  double localization_price(double count) const {
+    return lambda * std::max(0.0, 1.0 - count / features_required);
+  }
 };
 
 /// Solves for the cost-to-go D(c) = min over viewpoints of [source + path cost] on the whole map

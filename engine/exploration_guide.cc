@@ -240,16 +240,17 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
   if (attention.got_lost) memory_.put_off_target(detector_.frontiers(), frame);
   const Cell robot = frame.cell(p.x(), p.y());
   auto guidance = std::make_shared<Guidance>();
-  const CostToGoOptions& weighting = options_.cost_to_go;
-  const bool weighted = outlook != nullptr && weighting.lambda > 0.0;
-  if (weighted) count_along_travel(*outlook);
-  const Grid<float>* along = weighted ? &along_travel_ : nullptr;
-  const LookPrice price = [&](Cell viewpoint, Cell sees) {
-    const double count =
-        outlook->count(viewpoint, std::atan2(sees.j - viewpoint.j, sees.i - viewpoint.i));
-    return weighting.lambda * options_.look_length *
-           std::max(0.0, 1.0 - count / weighting.features_required);
-  };
+  const Grid<float>* along = nullptr;
+  LookPrice price;
+  if (outlook != nullptr && options_.cost_to_go.lambda > 0.0) {
+    count_along_travel(*outlook);
+    along = &along_travel_;
+    price = [&](Cell viewpoint, Cell sees) {
+      const double yaw = std::atan2(sees.j - viewpoint.j, sees.i - viewpoint.i);
+      return options_.look_length *
+             options_.cost_to_go.localization_price(outlook->count(viewpoint, yaw));
+    };
+  }
   // Suppressing or reactivating changes the sources, so the cost-to-go is repaired and the question
   // put again; the memory does so at most once a retry and once for a stall.
   for (bool again = true; again;) {
@@ -259,13 +260,13 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
     const int current = memory_.current_target(frontiers, frame);
     BonusQuestion question{traversability_, detector_, current, robot};
     const std::vector<double> bonus = bonuses(question, rule);
-    detector_.set_bonuses(bonus, weighted ? price : nullptr);
+    detector_.set_bonuses(bonus, price);
     field_.update(traversability_, detector_, robot, along);
     if (rule && !field_.anchor_reached()) {
       question.unreached = true;
       const std::vector<double> second = bonuses(question, rule);
       if (second != bonus) {
-        detector_.set_bonuses(second, weighted ? price : nullptr);
+        detector_.set_bonuses(second, price);
         field_.update(traversability_, detector_, robot, along);
       }
     }

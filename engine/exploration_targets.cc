@@ -14,8 +14,6 @@
 namespace prospect {
 namespace {
 
-int floor_divide(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
-
 struct Cluster {
   int count = 0;
   double sum_x = 0.0, sum_y = 0.0;

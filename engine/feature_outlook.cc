@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "engine/landmark_selection.h"
-#include "engine/local_texture.h"
 #include "engine/unseen_features.h"
 #include "models/parameter_check.h"
 
@@ -18,8 +17,6 @@ namespace {
 
 constexpr double kWorthARay = 0.02;  // expected features below which occlusion is not asked for
 constexpr double kUpdatesPerMetre = 1.0;  // by which a block's turn is put off, a metre away
-
-int floored(int a, int side) { return a >= 0 ? a / side : -((side - 1 - a) / side); }
 
 }  // namespace
 
@@ -39,18 +36,13 @@ FeatureOutlook::FeatureOutlook(const FeatureOutlookOptions& options, const Robot
   check_not_negative(kOwner, "attenuation", options.attenuation);
 }
 
-void FeatureOutlook::update(const Belief& belief, double density) {
+void FeatureOutlook::update(const Belief& belief, double density, const LocalTexture* texture) {
   ++updates_;
   const GroundMap& ground = *belief.ground;
   const GridFrame& fine = ground.frame();
   const int side = std::max(1, static_cast<int>(std::lround(options_.block / fine.resolution)));
   side_ = side;
-  GridFrame frame;
-  frame.resolution = side * fine.resolution;
-  frame.i0 = floored(fine.i0, side);
-  frame.j0 = floored(fine.j0, side);
-  frame.width = floored(fine.i0 + fine.width - 1, side) - frame.i0 + 1;
-  frame.height = floored(fine.j0 + fine.height - 1, side) - frame.j0 + 1;
+  const GridFrame frame = frame_of_blocks(fine, side);
   if (!(frame == blocks_.frame)) {
     Grid<Block> wider(frame, Block{});
     for (int k = 0; k < blocks_.frame.size(); ++k) {
@@ -102,8 +94,7 @@ void FeatureOutlook::update(const Belief& belief, double density) {
   unseen.range = options_.prior_range;
   unseen.height = belief.pose.position.z() + mount_.T_BC.translation().z();
   unseen.max_blocks = options_.max_landmarks / 4;
-  const LocalTexture texture(ground, *belief.landmarks);
-  std::vector<Landmark> landmarks = unseen_features(ground, belief.pose, unseen, &texture);
+  std::vector<Landmark> landmarks = unseen_features(ground, belief.pose, unseen, texture);
   const double everywhere = (fine.width + fine.height) * fine.resolution + here.norm();
   const std::vector<Landmark> mapped =
       select_landmarks(*belief.landmarks, belief.pose, everywhere,
@@ -154,7 +145,7 @@ void FeatureOutlook::update(const Belief& belief, double density) {
 double FeatureOutlook::count(Cell c, double yaw) const {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   if (blocks_.frame.size() == 0 || !std::isfinite(yaw)) return kInfinity;
-  const Cell b{floored(c.i, side_), floored(c.j, side_)};
+  const Cell b{floor_divide(c.i, side_), floor_divide(c.j, side_)};
   if (!blocks_.frame.contains(b) || blocks_[b].counted < 0) return kInfinity;
   const double turn = yaw / (2.0 * std::numbers::pi);
   const double at = (turn - std::floor(turn)) * kHeadings;

@@ -5,6 +5,7 @@
 
 #include "engine/belief.h"
 #include "engine/grid.h"
+#include "engine/local_texture.h"
 #include "engine/robot_description.h"
 #include "engine/terms/visibility_prediction.h"
 
@@ -41,8 +42,9 @@ class FeatureOutlook {
   FeatureOutlook(const FeatureOutlookOptions& options, const RobotDescription& robot,
                  const VisibilityParameters& visibility);
 
-  /// belief: successive ones of one map. density: rho of unknown ground [1/m^2], 0: none.
-  void update(const Belief& belief, double density);
+  /// belief: successive ones of one map. density: rho of unknown ground [1/m^2], 0: none. texture:
+  /// of that map, which scales rho; null: not scaled.
+  void update(const Belief& belief, double density, const LocalTexture* texture = nullptr);
 
   /// N at a cell for a heading [rad]; +infinity where nothing was counted yet.
   double count(Cell c, double yaw) const;

@@ -43,6 +43,17 @@ struct GridFrame {
   friend bool operator==(const GridFrame&, const GridFrame&) = default;
 };
 
+/// a / b rounded down, b > 0.
+constexpr int floor_divide(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
+
+/// The frame of the blocks of side x side cells, aligned in W, that hold the cells of `fine`: cell
+/// (i, j) lies in block (floor_divide(i, side), floor_divide(j, side)).
+inline GridFrame frame_of_blocks(const GridFrame& fine, int side) {
+  const int i0 = floor_divide(fine.i0, side), j0 = floor_divide(fine.j0, side);
+  return {fine.resolution * side, i0, j0, floor_divide(fine.i0 + fine.width - 1, side) - i0 + 1,
+          floor_divide(fine.j0 + fine.height - 1, side) - j0 + 1};
+}
+
 /// Values on a rectangle of ground cells.
 template <typename T>
 struct Grid {

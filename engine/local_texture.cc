@@ -22,14 +22,7 @@ LocalTexture::LocalTexture(const GroundMap& ground, const LandmarkMap& landmarks
   const Grid<CellState>& cells = ground.cells();
   const GridFrame& fine = cells.frame;
   const int side = std::max(1, static_cast<int>(std::lround(options.block / fine.resolution)));
-  const auto floored = [side](int a) { return a >= 0 ? a / side : -((side - 1 - a) / side); };
-  GridFrame frame;
-  frame.resolution = side * fine.resolution;
-  frame.i0 = floored(fine.i0);
-  frame.j0 = floored(fine.j0);
-  frame.width = floored(fine.i0 + fine.width - 1) - frame.i0 + 1;
-  frame.height = floored(fine.j0 + fine.height - 1) - frame.j0 + 1;
-  blocks_ = Grid<Seen>(frame, {});
+  blocks_ = Grid<Seen>(frame_of_blocks(fine, side), {});
 
   double wall = 0.0;
   for (int index = 0; index < fine.size(); ++index) {
@@ -39,7 +32,7 @@ LocalTexture::LocalTexture(const GroundMap& ground, const LandmarkMap& landmarks
       return ground.state({c.i + di, c.j + dj}) == CellState::kFree;
     };
     if (!is_free(1, 0) && !is_free(-1, 0) && !is_free(0, 1) && !is_free(0, -1)) continue;
-    blocks_[{floored(c.i), floored(c.j)}].wall += fine.resolution;
+    blocks_[{floor_divide(c.i, side), floor_divide(c.j, side)}].wall += fine.resolution;
     wall += fine.resolution;
   }
   double count = 0.0;

@@ -184,7 +184,8 @@ struct Planner::Impl {
   double unseen_density(const Belief& belief) const {
     return parameters.feature_prior ? belief.landmarks->feature_density : 0.0;
   }
-  std::shared_ptr<const ProblemRecipe> make_recipe(const Belief& belief);
+  std::shared_ptr<const ProblemRecipe> make_recipe(const Belief& belief,
+                                                   const LocalTexture& texture);
   void calibrate(const Belief& belief, const Eigen::Vector3d& camera, ProblemRecipe& r) const;
   std::vector<Candidate> measure(std::vector<Candidate> candidates, Evaluate what) const;
   void polish(std::vector<Candidate>& candidates, const StopCondition& stop, Plan& plan) const;
@@ -253,7 +254,8 @@ void Planner::Impl::calibrate(const Belief& belief, const Eigen::Vector3d& camer
   calibrate_to_tracked(r.landmarks, visible, belief.tracked_features);
 }
 
-std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& belief) {
+std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& belief,
+                                                                const LocalTexture& texture) {
   const PlannerParameters& p = parameters;
   const MotionModel& model = *robot.model;
   const InputLimits& limits = model.limits();
@@ -299,7 +301,6 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   unseen.range = reach + p.visibility.r_max;
   unseen.height = stereo_camera.z();
   unseen.max_blocks = p.max_landmarks / 4;
-  const LocalTexture texture(*belief.ground, *belief.landmarks);
   const std::vector<Landmark> expected =
       unseen_features(*belief.ground, belief.pose, unseen, &texture);
   r->landmarks =
@@ -577,15 +578,14 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   was_lost = lost_now;
   // Without a landmark all ways are alike.
   const bool looks_out = outlook && !belief.landmarks->landmarks.empty();
-  if (looks_out) outlook->update(belief, unseen_density(belief));
+  const LocalTexture texture(*belief.ground, *belief.landmarks);
+  if (looks_out) outlook->update(belief, unseen_density(belief), &texture);
   guidance = guide.update(*belief.ground, belief.pose, belief.stamp,
-                          {.looked = belief.localization != Localization::kLost,
-                           .pursued = !recovering,
-                           .got_lost = got_lost},
+                          {.looked = !lost_now, .pursued = !recovering, .got_lost = got_lost},
                           looks_out ? &*outlook : nullptr);
   plan.has_active_frontier = guidance->target.has_value();
   plan.times.guide = watch.lap();
-  recipe = make_recipe(belief);
+  recipe = make_recipe(belief, texture);
   landmarks.assign(recipe->landmarks.begin(),
                    recipe->landmarks.begin() + static_cast<std::ptrdiff_t>(num_mapped));
   plan.times.views = watch.lap();

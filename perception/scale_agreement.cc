@@ -7,6 +7,7 @@
 #include "perception/median.h"
 
 namespace prospect {
+
 ScaleAgreement scale_agreement(std::vector<double> log_ratios, double expected, double systematic,
                                const ScaleAgreementOptions& options) {
   ScaleAgreement agreement;

@@ -95,8 +95,6 @@ void fill_pockets(std::vector<CellState>& dense, const Eigen::Array3i& size, std
   }
 }
 
-int floor_divide(int a, int b) { return a >= 0 ? a / b : -((-a + b - 1) / b); }
-
 /// Merges voxels; the floor stays the layer just below z = 0.
 World merged(World world, double resolution) {
   const VoxelGrid& fine = world.voxels;
@@ -104,9 +102,7 @@ World merged(World world, double resolution) {
   const int factor = static_cast<int>(std::floor(resolution / r + 1e-6));
   if (factor < 2) return world;
   const GridFrame& f = fine.frame();
-  GridFrame frame{r * factor, floor_divide(f.i0, factor), floor_divide(f.j0, factor), 0, 0};
-  frame.width = floor_divide(f.i0 + f.width - 1, factor) - frame.i0 + 1;
-  frame.height = floor_divide(f.j0 + f.height - 1, factor) - frame.j0 + 1;
+  const GridFrame frame = frame_of_blocks(f, factor);
   const int top = floor_divide(fine.k0() + fine.depth() - 1, factor);
   VoxelGrid coarse(frame, -0.5 * frame.resolution, (top + 0.5) * frame.resolution);
   for (int n = 0; n < frame.size(); ++n) {
