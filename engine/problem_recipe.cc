@@ -94,6 +94,7 @@ void update_clearance(const ProblemRecipe& recipe, ProblemParts& parts) {
 }
 
 void update_views(const ProblemRecipe& recipe, ProblemParts& parts) {
+  require(recipe.robot.model != nullptr, "motion model");
   require(recipe.voxels != nullptr, "voxels");
   parts.landmark_table = std::make_shared<const OcclusionTable>(
       recipe.landmark_lattice, positions(recipe.landmarks), recipe.voxels,
@@ -104,9 +105,9 @@ void update_views(const ProblemRecipe& recipe, ProblemParts& parts) {
   parts.target_table = std::make_shared<const OcclusionTable>(
       recipe.target_lattice, recipe.targets.positions(), recipe.voxels, recipe.target_occlusion,
       parts.target_table.get());
-  parts.gain = std::make_shared<const ExplorationGain>(recipe.targets, recipe.robot.depth,
-                                                       recipe.robot.depth_mount, parts.target_table,
-                                                       recipe.gain);
+  parts.gain = std::make_shared<const ExplorationGain>(
+      recipe.targets, recipe.robot.depth, recipe.robot.depth_mount, parts.target_table, recipe.gain,
+      recipe.robot.model->pose(recipe.x0));
   parts.visible_features = std::make_shared<const VisibleFeatures>(
       parts.prediction, recipe.features, recipe.features.rho > 0.0 ? parts.gain : nullptr);
 }

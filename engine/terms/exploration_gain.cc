@@ -85,7 +85,7 @@ struct ExplorationGain::Scratch : TermScratch {
 ExplorationGain::ExplorationGain(const ExplorationTargets& targets, const RgbdFootprint& footprint,
                                  const CameraMount& mount,
                                  std::shared_ptr<const OcclusionTable> table,
-                                 const Options& options)
+                                 const Options& options, const std::optional<Pose>& present)
     : visibility_(footprint, mount, checked(targets, std::move(table)), options.visibility),
       mass_(static_cast<Eigen::Index>(targets.targets.size())),
       reference_area_(targets.reference_area),
@@ -106,6 +106,14 @@ ExplorationGain::ExplorationGain(const ExplorationTargets& targets, const RgbdFo
     mass_[c] = targets.targets[static_cast<std::size_t>(c)].mass;
     if (!(mass_[c] >= 0.0) || !std::isfinite(mass_[c]))
       fail("a target's mass", mass_[c], ">= 0 m^2");
+  }
+  seen_.setZero(mass_.size());
+  if (present) {
+    FootprintVisibility::Scratch scratch(num_targets());
+    visibility_.evaluate(*present, scratch, seen_.data());
+    if (!seen_.allFinite()) {
+      throw std::invalid_argument("exploration gain: the present pose is not finite");
+    }
   }
 }
 
@@ -167,11 +175,32 @@ ExplorationGain::Candidate ExplorationGain::look(const TrajectoryBatch& t, int b
       at.d_yaw = l.d_yaw.data() + l.used;
     }
     l.count(k, place) = visibility_.look(t.pose(k, b), s.view, at);
+    discount(at, l.count(k, place));
     l.start(k, place) = l.used;
     l.used += FootprintKernel::padded(std::max(l.count(k, place), 0));
   }
   l.stamp[place] = l.newest;
   return {l, place};
+}
+
+void ExplorationGain::discount(const FootprintVisibility::Looks& at, int n) const {
+  for (int j = 0; j < n; ++j) {
+    const double seen = seen_[at.point[j]];
+    if (seen == 0.0) continue;
+    const double v = at.q[j];
+    double q = 0.0, slope = 0.0;
+    if (v > seen) {
+      const double ratio = seen / v;
+      q = (v - seen) * (1.0 - ratio) / (1.0 - seen);
+      slope = (1.0 - ratio * ratio) / (1.0 - seen);
+    }
+    at.q[j] = q;
+    if (!at.d_x) continue;
+    at.d_x[j] *= slope;
+    at.d_y[j] *= slope;
+    at.d_z[j] *= slope;
+    at.d_yaw[j] *= slope;
+  }
 }
 
 bool ExplorationGain::accumulate(const TrajectoryBatch& t, Candidate candidate, double tau,

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "engine/exploration_targets.h"
@@ -17,11 +18,18 @@ class OcclusionTable;
 /// Expected newly explored area over the horizon, relative to what there is to explore nearby:
 ///
 ///   gain = sum_c m_c (1 - prod_{k=1..N} (1 - eta q_ck e^{-t_k / tau})) / A_ref      [-], >= 0
+///   q_ck = max(0, v_ck - v_c0)^2 / (v_ck (1 - v_c0))
 ///
-/// q_ck is FootprintVisibility of target c at stage k, t_k = k dt. With independent looks the
-/// bracket is the probability that c is seen at least once, so no cell counts twice. The factor
-/// e^{-t/tau} is a time preference: without it looking later costs the same as looking now, and
-/// every replan defers again. Stage 0 is the present and cannot be chosen; it does not count.
+/// v_ck is FootprintVisibility of target c at stage k, t_k = k dt. With independent looks the
+/// bracket is the probability that c is seen at least once, so no cell counts twice. But a look
+/// from where the robot stands is not independent of the one that it has just taken: what it could
+/// see is seen, and a target that is unknown all the same needs a better view. q_ck is the share of
+/// it, (v_ck - v_c0) / (1 - v_c0) where that is positive, made C1 like the cut-off of v. Otherwise
+/// every plan stands still a while before cells that it half sees, and every replan again: with
+/// sensors that leave some cells unresolved the robot stares at them. v_c0 is of the pose
+/// `present`, constant; 0 without one. The factor e^{-t/tau} is a time preference: without it
+/// looking later costs the same as looking now, and every replan defers again. Stage 0 is the
+/// present and cannot be chosen; it does not count.
 ///
 /// The raw value is the gain, a reward: its weight in a Problem is negative (-w_e).
 /// The gradient runs over suffix products instead of dividing by (1 - eta q): exact for eta up
@@ -54,7 +62,7 @@ class ExplorationGain : public Term, public NewSurface {
   /// an option out of its range.
   ExplorationGain(const ExplorationTargets& targets, const RgbdFootprint& footprint,
                   const CameraMount& mount, std::shared_ptr<const OcclusionTable> table,
-                  const Options& options);
+                  const Options& options, const std::optional<Pose>& present = std::nullopt);
   ExplorationGain(const ExplorationTargets& targets, const RgbdFootprint& footprint,
                   const CameraMount& mount, std::shared_ptr<const OcclusionTable> table)
       : ExplorationGain(targets, footprint, mount, std::move(table), Options()) {}
@@ -86,6 +94,8 @@ class ExplorationGain : public Term, public NewSurface {
   /// The looks of candidate b, with derivatives if `gradient`: shared where that can be, else in
   /// the scratch.
   Candidate look(const TrajectoryBatch& t, int b, bool gradient, Scratch& s) const;
+  /// Turns v and its derivatives into q and its own (see above), of n looks.
+  void discount(const FootprintVisibility::Looks& at, int n) const;
   /// s.area[k] = sum_c m_c p_ck prod_{j<k} (1 - p_cj) with p_ck = eta q_ck e^{-t_k / tau}, and what
   /// add_adjoint() needs of it. False if a pose is not finite.
   bool accumulate(const TrajectoryBatch& t, Candidate candidate, double tau, Scratch& s) const;
@@ -98,6 +108,7 @@ class ExplorationGain : public Term, public NewSurface {
 
   FootprintVisibility visibility_;
   Eigen::ArrayXd mass_;
+  Eigen::ArrayXd seen_;  // v_c0
   double reference_area_;
   Options options_;
 };
