@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string_view>
 
 #include "engine/ground_map.h"
@@ -42,6 +43,9 @@ struct Belief {
   Eigen::Matrix4d covariance =
       Eigen::Matrix4d::Zero();  ///< of (x, y, z, yaw), from the start of the mission
   Twist twist;                  ///< estimated body velocity
+  /// The command in force, if whoever publishes knows it: rates are limited from there. Without it
+  /// the estimated velocity stands for it, whose noise a limit on rates does not forgive.
+  std::optional<Twist> command;
   Localization localization = Localization::kOk;
   int tracked_features = 0;  ///< points tracked in the newest image
 

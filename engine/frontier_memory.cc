@@ -58,6 +58,8 @@ FrontierMemory::FrontierMemory(const FrontierMemoryOptions& options)
   check_parameter(o.retries >= 0 && o.retries <= 1000, "frontier memory", "retries", o.retries,
                   "0 to 1000");
   positive("retry_area", o.retry_area);
+  check_parameter(o.loss_retries >= 0 && o.loss_retries <= 1000, "frontier memory", "loss_retries",
+                  o.loss_retries, "0 to 1000");
 }
 
 void FrontierMemory::map_changed(const std::vector<Cell>& newly_known,
@@ -147,6 +149,10 @@ void FrontierMemory::put_off_target(const std::vector<Frontier>& frontiers,
   suppress_about(*target_, frontiers[static_cast<std::size_t>(current)].cells, frame.resolution);
   target_.reset();
   scripting_ = false;
+  if (retries_used_ > 0 && losses_ < options_.loss_retries) {
+    --retries_used_;
+    ++losses_;
+  }
 }
 
 bool FrontierMemory::suppressed(Cell c) const {
@@ -198,6 +204,7 @@ Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const Grid
     retry_explored_ = explored;
     if (retries_used_ > 0) retry_area_ *= 2.0;
     retries_used_ = 0;
+    losses_ = 0;
   }
 
   if (!target) {

@@ -34,6 +34,9 @@ struct FrontierMemoryOptions {
   int retries = 2;                 ///< times that everything is reactivated before "done"
   /// [m^2] newly explored that restores the retries; twice as much each time they are restored.
   double retry_area = 1.0;
+  /// Losses of localization that give a retry back, so that they do not use them up: a target put
+  /// off was not seen to fail. Restored with the retries.
+  int loss_retries = 50;
 };
 
 /// What the mission is told to do about its frontiers.
@@ -92,7 +95,7 @@ class FrontierMemory {
 
   /// Suppresses the cells about the target (target_radius): the way to it, or the look at it, cost
   /// the robot its localization. Others come first then; it is tried again when the map changes
-  /// there or nothing else is left.
+  /// there or nothing else is left, up to loss_retries times more than other targets.
   void put_off_target(const std::vector<Frontier>& frontiers, const GridFrame& frame);
 
   bool suppressed(Cell c) const;
@@ -143,6 +146,7 @@ class FrontierMemory {
   double retry_explored_ = 0.0;
   double retry_area_ = 0.0;
   int retries_used_ = 0;
+  int losses_ = 0;  // that gave a retry back
   double stalled_for_ = 0.0;
   int given_up_ = 0;
   bool scripting_ = false;  // kGoAndFace was advised for the present target

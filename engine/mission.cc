@@ -44,6 +44,7 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
   Twist previous = robot.sense()->twist;
   double last_localized = start;
   int guard_stops = 0;
+  GuardReason guard_reason = GuardReason::kPassed;
   while (true) {
     const std::shared_ptr<const Belief> belief = robot.sense();
     result.duration = robot.time() - start;
@@ -66,13 +67,17 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
       return result;
     }
 
-    const Plan plan = planner.plan(*belief);
+    Belief commanded = *belief;
+    commanded.command = previous;
+    const Plan plan = planner.plan(commanded);
     const std::shared_ptr<const Guidance> guidance = planner.guidance();
     if (observe) {
-      observe({result.steps, result.duration, belief.get(), &plan, guidance.get(), guard_stops});
+      observe({result.steps, result.duration, belief.get(), &plan, guidance.get(), guard_stops,
+               guard_reason});
     }
     ++result.steps;
     guard_stops = 0;
+    guard_reason = GuardReason::kPassed;
     if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
     if (guidance && guidance->advice == Advice::kDone) {
       result.end = MissionEnd::kExplored;
@@ -92,6 +97,7 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
       previous = verdict.command;
       if (verdict.passed()) continue;
       ++guard_stops;
+      guard_reason = verdict.reason;
       ++result.guard_stops;
       break;
     }

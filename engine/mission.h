@@ -33,6 +33,7 @@ struct MissionStep {
   const Guidance* guidance = nullptr;
   /// Commands of the previous plan that the guard turned into stops, since the last step.
   int guard_stops = 0;
+  GuardReason guard_reason = GuardReason::kPassed;  ///< of the last of them
 };
 
 struct MissionResult {

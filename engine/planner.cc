@@ -25,6 +25,8 @@ namespace {
 /// Violation [m and the like] up to which a candidate counts as feasible when candidates are
 /// compared: the certificate, not this number, decides what may be executed.
 constexpr double kFeasible = 1e-3;
+// Points tracked, in N_min, with which a robot goes on exploring after a recovery.
+constexpr double kEnoughToGoOn = 1.5;
 
 struct Candidate {
   std::string name;
@@ -73,6 +75,7 @@ void check(const PlannerParameters& p) {
                                     {"deadline", p.deadline},
                                     {"unknown_attenuation", p.unknown_attenuation},
                                     {"recovery_time", p.recovery_time},
+                                    {"recovery_turn", p.recovery_turn},
                                     {"recovery_pause", p.recovery_pause},
                                     {"d_safe", p.d_safe}}) {
     at_least(name, value, 0.0);
@@ -105,6 +108,7 @@ std::string unusable(const Belief& belief) {
   }
   if (belief.pose.position.cwiseAbs().maxCoeff() > kFarthest) return "the pose is out of range";
   if (!is_finite(belief.twist)) return "the velocity is not finite";
+  if (belief.command && !is_finite(*belief.command)) return "the command in force is not finite";
   if (!std::isfinite(belief.stamp)) return "the stamp is not finite";
   return "";
 }
@@ -138,7 +142,8 @@ struct Planner::Impl {
   bool was_lost = false;
   bool recovering = false;
   double recovery_started = 0.0;
-  bool recovery_helped = false;  // the last one
+  double turning_until = 0.0;        // a robot that is still lost turns on the spot
+  bool good_since_recovery = false;  // localization was, at or after the end of the last one
   double paused_until = -1e300;
 
   static PlannerParameters with_guide_options(const RobotDescription& r, PlannerParameters p) {
@@ -214,23 +219,25 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
 }
 
 void Planner::Impl::update_recovery(const Belief& belief) {
-  const double enough = 1.5 * parameters.features.N_min;
+  const double enough = kEnoughToGoOn * parameters.features.N_min;
   const bool good = belief.localization == Localization::kOk && belief.tracked_features >= enough;
   if (good) trail.note(belief.pose.position.head<2>());
   if (recovering) {
     const bool expired = belief.stamp - recovery_started > parameters.recovery_time;
     if (good || expired) {
       recovering = false;
-      recovery_helped = good;
+      good_since_recovery = good;
       paused_until = belief.stamp + parameters.recovery_pause;
+      turning_until = belief.stamp + (good ? 0.0 : parameters.recovery_turn);
     }
     return;
   }
+  good_since_recovery = good_since_recovery || good;
   // A robot with few features still knows where it is, so it need not turn back each time. One that
   // is lost does not, so it explores only while turning back is of no use.
   const bool paused = belief.stamp < paused_until;
   const bool needed = belief.localization == Localization::kLost
-                          ? !paused || recovery_helped
+                          ? !paused || good_since_recovery
                           : belief.localization == Localization::kDegraded && !paused;
   if (needed) {
     recovering = true;
@@ -262,7 +269,9 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   auto r = std::make_shared<ProblemRecipe>();
   r->robot = robot;
   r->x0 = model.state(belief.pose, belief.twist);
-  r->u_previous = model.input(belief.twist).cwiseMax(limits.lower).cwiseMin(limits.upper);
+  r->u_previous = model.input(belief.command.value_or(belief.twist))
+                      .cwiseMax(limits.lower)
+                      .cwiseMin(limits.upper);
   r->N = p.N;
   r->dt = p.dt;
   r->M = p.M;
@@ -339,6 +348,12 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
     if (retreat) r->cost_to_go = retreat;
   }
   r->features = p.features;
+  if (recovering) {
+    // What ends a recovery is a number of points, and few that are well placed tell all the
+    // information asked for: a robot would stand before them until its time is up.
+    r->features.criterion = VisibilityCriterion::kCount;
+    r->features.N_req = std::max(p.features.N_req, 2.0 * kEnoughToGoOn * p.features.N_min);
+  }
   r->features.rho = 0.0;
   r->features.chance_weight = w_l > 0.0 ? p.w_c / w_l : 0.0;
   r->weights = {p.w_u, p.w_du, p.w_o, w_l, w_e, p.w_T, p.w_h};
@@ -541,7 +556,7 @@ Plan Planner::Impl::stopping_plan(const Belief& belief, const std::string& why) 
   const MotionModel& model = *robot.model;
   // Braking does not depend on where the robot is, so a lost pose does not keep it from braking.
   const bool located = belief.pose.position.allFinite() && std::isfinite(belief.pose.yaw);
-  const Twist twist = limited_twist(model, belief.twist);
+  const Twist twist = limited_twist(model, belief.command.value_or(belief.twist));
   Eigen::VectorXd x = model.state(located ? belief.pose : Pose(), twist);
   const Eigen::MatrixXd tail = stopping_tail(model, x, model.input(twist), parameters.dt);
   plan.states.push_back(x);
@@ -575,14 +590,16 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   update_recovery(belief);
   const bool lost_now = belief.localization == Localization::kLost;
   const bool got_lost = lost_now && !was_lost;
+  const bool turning = lost_now && !recovering && belief.stamp < turning_until;
   was_lost = lost_now;
   // Without a landmark all ways are alike.
   const bool looks_out = outlook && !belief.landmarks->landmarks.empty();
   const LocalTexture texture(*belief.ground, *belief.landmarks);
   if (looks_out) outlook->update(belief, unseen_density(belief), &texture);
-  guidance = guide.update(*belief.ground, belief.pose, belief.stamp,
-                          {.looked = !lost_now, .pursued = !recovering, .got_lost = got_lost},
-                          looks_out ? &*outlook : nullptr);
+  guidance =
+      guide.update(*belief.ground, belief.pose, belief.stamp,
+                   {.looked = !lost_now, .pursued = !recovering && !turning, .got_lost = got_lost},
+                   looks_out ? &*outlook : nullptr);
   plan.has_active_frontier = guidance->target.has_value();
   plan.times.guide = watch.lap();
   recipe = make_recipe(belief, texture);
@@ -607,8 +624,10 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
       context.previous = last_inputs.rightCols(last_inputs.cols() - passed);
     }
   }
-  const bool scripted = !recovering && ((guidance->advice == Advice::kGoAndFace && !lost_now) ||
-                                        guidance->advice == Advice::kLookAround);
+  if (turning) context.target.reset();
+  const bool scripted =
+      turning || (!recovering && ((guidance->advice == Advice::kGoAndFace && !lost_now) ||
+                                  guidance->advice == Advice::kLookAround));
   const std::vector<Seed> made =
       scripted ? make_scripted_seeds(*problem, context) : make_seeds(*problem, context);
   std::vector<Candidate> candidates;
@@ -633,8 +652,8 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   plan.times.polish = watch.lap();
   execute_best(belief, candidates, plan);
   plan.times.certify = watch.lap();
-  if (plan.certified && recovering) plan.kind = PlanKind::kRecovery;
   if (plan.certified && scripted) plan.kind = PlanKind::kScripted;
+  if (plan.certified && (recovering || turning)) plan.kind = PlanKind::kRecovery;
 
   last_stamp = belief.stamp;
   last_inputs.resize(robot.model->nu(), static_cast<Eigen::Index>(plan.inputs.size()));

@@ -68,8 +68,11 @@ struct PlannerParameters {
 
   ExplorationGuideOptions guide;
 
-  /// Recovery: how long one attempt may take, and how long the next one waits afterwards [s].
+  /// Recovery: how long one attempt may take, how long a robot that is lost after it turns on the
+  /// spot (a full turn shows all that is to be seen from there), and how long after the attempt the
+  /// next one waits [s].
   double recovery_time = 6.0;
+  double recovery_turn = 7.0;
   double recovery_pause = 20.0;
 };
 

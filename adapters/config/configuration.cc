@@ -189,6 +189,8 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
 
   YamlMap r = map.map("recovery");
   p.recovery_time = r.number("time", p.recovery_time, 0.0, 600.0, "s", "longest single attempt");
+  p.recovery_turn =
+      r.number("turn", p.recovery_turn, 0.0, 600.0, "s", "on the spot, if still lost after it");
   p.recovery_pause =
       r.number("pause", p.recovery_pause, 0.0, 3600.0, "s", "before the next attempt");
 

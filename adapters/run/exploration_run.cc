@@ -175,6 +175,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     r.certified = plan.certified;
     r.certificate = plan.certified ? plan.certificate : plan.detail;
     r.guard_stops = step.guard_stops;
+    if (step.guard_stops > 0) r.guard_reason = to_string(step.guard_reason);
     r.wall = {plan.times.total, plan.times.guide,  plan.times.clearance, plan.times.views,
               plan.times.seeds, plan.times.polish, plan.times.certify};
     if (step.guidance) {

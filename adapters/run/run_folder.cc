@@ -38,7 +38,7 @@ std::string header(const std::vector<std::string>& terms) {
   return row +
          ",predicted_features,tracked_features,localization,localization_error,coverage,area,"
          "path_length,collisions,clearance,cost_evaluations,gradient_evaluations,stop_reason,"
-         "quality,certified,certificate,active_frontiers,guard_stops\n";
+         "quality,certified,certificate,active_frontiers,guard_stops,guard_reason\n";
 }
 
 std::string step_row(const StepRecord& s, const std::vector<std::string>& terms) {
@@ -65,7 +65,8 @@ std::string step_row(const StepRecord& s, const std::vector<std::string>& terms)
          text(s.clearance) + ',' + std::to_string(s.cost_evaluations) + ',' +
          std::to_string(s.gradient_evaluations) + ',' + field(s.stop_reason) + ',' +
          field(s.quality) + ',' + (s.certified ? "1" : "0") + ',' + field(s.certificate) + ',' +
-         std::to_string(s.active_frontiers) + ',' + std::to_string(s.guard_stops) + '\n';
+         std::to_string(s.active_frontiers) + ',' + std::to_string(s.guard_stops) + ',' +
+         s.guard_reason + '\n';
 }
 
 constexpr const char* kProblems = "problems";

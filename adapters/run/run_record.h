@@ -43,6 +43,7 @@ struct StepRecord {
   std::string certificate;
   int active_frontiers = 0;
   int guard_stops = 0;
+  std::string guard_reason;  ///< of the last of them; empty: none
 
   std::vector<Pose> horizon;  ///< predicted poses x_0 ... x_N, estimated frame
   std::vector<Eigen::Vector2f>

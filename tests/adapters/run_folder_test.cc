@@ -122,6 +122,7 @@ StepRecord plain_step() {
   s.certificate = "clear, 0.21 m \"or more\"\nall along";
   s.active_frontiers = 2;
   s.guard_stops = 1;
+  s.guard_reason = "map";
   return s;
 }
 
@@ -137,10 +138,10 @@ TEST_F(RunFolderTest, WritesAStepByHand) {
             "term_clearance,predicted_features,tracked_features,localization,localization_error,"
             "coverage,area,path_length,collisions,clearance,cost_evaluations,"
             "gradient_evaluations,stop_reason,quality,certified,certificate,active_frontiers,"
-            "guard_stops\n"
+            "guard_stops,guard_reason\n"
             "3,1.5,1.25,-2,0.1,1.5,-2.5,3.141592653589793,0.4,0,-0.3,optimised,tail,7.5,0,2,0.1,"
             "41.5,39,ok,0.0625,0.25,12.5,8,0,0.3,90,30,converged,feasible optimum,1,"
-            "\"clear, 0.21 m \"\"or more\"\" all along\",2,1\n");
+            "\"clear, 0.21 m \"\"or more\"\" all along\",2,1,map\n");
   EXPECT_EQ(content(path("run/trajectory_true.tum")),
             "1.5 1.25 -2 0 0 0 0.04997916927067833 0.9987502603949663\n")
       << "sin and cos of half of 0.1 rad";

@@ -271,6 +271,26 @@ TEST_F(Memory, ATargetPutOffIsSuppressedAboutIt) {
   EXPECT_EQ(memory_.given_up(), 0);
 }
 
+// A mission in a room with one door ended "explored" after five losses at it.
+TEST_F(Memory, LossesDoNotUseUpTheRetriesButForFifty) {
+  const std::vector<Frontier> f{frontier(20, 50, 30)};
+  double stamp = 0.0;
+  const auto lost_until_done = [&] {
+    for (int losses = 0;; ++losses) {
+      stamp += 1.0;
+      memory_.decide(f, kFrame, {{0, Cell{25, 50}}}, walked(), 5.0, 10.0, stamp, &changed_);
+      memory_.put_off_target(f, kFrame);
+      if (memory_.decide(f, kFrame, std::nullopt, walked(), 0.0, 10.0, stamp, &changed_) ==
+          Advice::kDone) {
+        return losses;
+      }
+      EXPECT_TRUE(changed_);
+    }
+  };
+  // The first one finds all retries there; the last two have none to give back.
+  EXPECT_EQ(lost_until_done(), 52);
+}
+
 TEST_F(Memory, NothingReachableAndNothingSuppressedIsDoneAtOnce) {
   EXPECT_EQ(memory_.decide({}, kFrame, std::nullopt, walked(), 0.0, 10.0, 0.0, &changed_),
             Advice::kDone);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -57,6 +58,7 @@ class FakeReplanner final : public Replanner {
   Plan plan(const Belief& belief) override {
     ++plans;
     if (on_plan) on_plan();
+    told.push_back(belief.command);
     Plan plan;
     plan.kind = kind;
     plan.stamp = belief.stamp;
@@ -81,6 +83,7 @@ class FakeReplanner final : public Replanner {
   int plans = 0;
   PlanKind kind = PlanKind::kOptimised;
   std::function<void()> on_plan;
+  std::vector<std::optional<Twist>> told;  // the command in force, by plan
 
  private:
   std::shared_ptr<Guidance> guidance_;
@@ -128,6 +131,24 @@ TEST_F(Mission, EndsWhenNothingIsLeftToExplore) {
   EXPECT_EQ(robot_.commands.size(), 7u);  // six driven and the stop
   EXPECT_EQ(robot_.commands[5].linear.x(), 0.2);
   expect_stopped();
+}
+
+// The estimate of the velocity is noisy where it comes from cameras. Plans whose rates were limited
+// from there broke the limit from the command in force, and the guard braked every fifth of them.
+TEST_F(Mission, TellsThePlannerTheCommandInForce) {
+  options_.time_limit = 4.0;
+  robot_.on_sense = [](FakeRobot& r) { r.belief.twist.linear.x() = r.senses % 2 ? 0.05 : 0.4; };
+  std::vector<std::size_t> applied;  // commands, before each plan
+  planner_.on_plan = [&] { applied.push_back(robot_.commands.size()); };
+  run_mission(robot_, planner_, guard_, options_);
+  ASSERT_GE(planner_.told.size(), 6u);
+  for (std::size_t n = 0; n < planner_.told.size(); ++n) {
+    ASSERT_TRUE(planner_.told[n].has_value());
+    if (n == 0) continue;
+    const Twist& last = robot_.commands.at(applied[n] - 1);
+    EXPECT_EQ(planner_.told[n]->linear, last.linear) << n;
+    EXPECT_EQ(planner_.told[n]->yaw_rate, last.yaw_rate) << n;
+  }
 }
 
 TEST_F(Mission, EndsAtItsTimeLimit) {
@@ -202,6 +223,8 @@ TEST_F(Mission, AGuardStopBreaksTheCommittedPart) {
   const MissionResult result =
       run_mission(robot_, planner_, guard_, options_, [&](const MissionStep& step) {
         stops.push_back(step.guard_stops);
+        EXPECT_EQ(step.guard_reason,
+                  step.guard_stops > 0 ? GuardReason::kMap : GuardReason::kPassed);
         commands_before.push_back(robot_.commands.size());
       });
   EXPECT_EQ(result.end, MissionEnd::kExplored);

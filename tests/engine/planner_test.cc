@@ -563,6 +563,9 @@ TEST_F(PlannerTest, LostLocalizationMeansRecoveryWithoutExploration) {
     EXPECT_EQ(plan.kind, PlanKind::kRecovery);
     EXPECT_EQ(weight("exploration_gain"), 0.0);
     EXPECT_GT(weight("visible_features"), w_l);
+    // What ends it is a number of points: few well placed ones are not enough.
+    EXPECT_EQ(planner.recipe()->features.criterion, VisibilityCriterion::kCount);
+    EXPECT_GT(planner.recipe()->features.N_req, 1.5 * parameters_.features.N_min);
     // Found again: back to exploring.
     belief.localization = Localization::kOk;
     belief.tracked_features = 100;
@@ -570,6 +573,7 @@ TEST_F(PlannerTest, LostLocalizationMeansRecoveryWithoutExploration) {
     plan = planner.plan(belief);
     EXPECT_NE(plan.kind, PlanKind::kRecovery);
     EXPECT_EQ(weight("exploration_gain"), -parameters_.w_e);
+    EXPECT_EQ(planner.recipe()->features.criterion, parameters_.features.criterion);
   }
 }
 
@@ -621,19 +625,64 @@ TEST_F(PlannerTest, TheCostToGoCanBeWeightedByWhatIsSeenOnTheWay) {
   EXPECT_EQ(along(3.0), weighted) << "the same bits";
 }
 
-TEST_F(PlannerTest, ARecoveryThatDoesNotHelpEndsAndPauses) {
+TEST_F(PlannerTest, ARecoveryThatDoesNotHelpEndsWithATurnAndPauses) {
   Planner planner = make();
   Belief belief = Room{.landmarks_per_wall = 10}.belief();
   belief.localization = Localization::kLost;
   belief.tracked_features = 0;
-  int recovering = 0, steps = 0;
-  for (double t = 0.0; t < 24.0; t += 0.5, ++steps) {
+  int recovering = 0;
+  double turned = 0.0;
+  for (double t = 0.0; t < 24.0; t += 0.5) {
     belief.stamp = t;
-    recovering += planner.plan(belief).kind == PlanKind::kRecovery;
+    const Plan plan = planner.plan(belief);
+    const bool recovery = plan.kind == PlanKind::kRecovery;
+    recovering += recovery;
+    if (recovery && t > 6.5) turned += plan.dt * (plan.inputs[0][1] + plan.inputs[1][1]);
+    belief.twist = plan.commands[1];
   }
-  // 6 s of recovery, 20 s of pause.
-  EXPECT_GE(recovering, 12);
-  EXPECT_LE(recovering, 14);
+  // 6 s of recovery, 7 s of turning on the spot, 13 s of exploring all the same.
+  EXPECT_GE(recovering, 26);
+  EXPECT_LE(recovering, 29);
+  EXPECT_GT(turned, 2.0 * M_PI) << "all that is to be seen from there";
+}
+
+// Turning back was of no use, but since then the robot knew where it was: a new loss is a new case.
+TEST_F(PlannerTest, ALossAfterLocalizationCameBackByItselfIsAnsweredAtOnce) {
+  Planner planner = make();
+  Belief belief = Room{.landmarks_per_wall = 30}.belief();
+  const auto kind = [&](Localization localization, int tracked, double stamp) {
+    belief.localization = localization;
+    belief.tracked_features = tracked;
+    belief.stamp = stamp;
+    return planner.plan(belief).kind;
+  };
+  for (double t = 0.0; t <= 6.5; t += 0.5) kind(Localization::kDegraded, 15, t);
+  EXPECT_NE(kind(Localization::kDegraded, 15, 7.0), PlanKind::kRecovery) << "it pauses";
+  EXPECT_NE(kind(Localization::kOk, 100, 7.5), PlanKind::kRecovery);
+  EXPECT_NE(kind(Localization::kDegraded, 15, 8.0), PlanKind::kRecovery) << "it still pauses";
+  EXPECT_EQ(kind(Localization::kLost, 0, 8.5), PlanKind::kRecovery);
+}
+
+// The estimate of the velocity is noisy; the guard compares with what was commanded.
+TEST_F(PlannerTest, RatesAreLimitedFromTheCommandInForce) {
+  Planner planner = make();
+  Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  belief.twist = {{0.05, 0.0, 0.0}, 0.4};
+  planner.plan(belief);
+  EXPECT_EQ(planner.problem()->definition().u_previous, robot_.model->input(belief.twist));
+  const Twist command{{0.3, 0.0, 0.0}, -0.2};
+  belief.command = command;
+  belief.stamp = 0.5;
+  const Plan plan = planner.plan(belief);
+  EXPECT_EQ(planner.problem()->definition().u_previous, robot_.model->input(command));
+  ASSERT_TRUE(plan.certified);
+  const Eigen::VectorXd change = plan.inputs.front() - robot_.model->input(command);
+  const Eigen::VectorXd allowed = robot_.model->limits().rate * plan.dt;
+  EXPECT_TRUE((change.array().abs() <= allowed.array() + 1e-9).all()) << change.transpose();
+  belief.command->yaw_rate = kNan;
+  const Plan stop = planner.plan(belief);
+  EXPECT_EQ(stop.kind, PlanKind::kStoppingTail);
+  EXPECT_NE(stop.detail.find("command in force"), std::string::npos) << stop.detail;
 }
 
 TEST_F(PlannerTest, ADeadlineAndACancellationLeaveAnExecutablePlan) {

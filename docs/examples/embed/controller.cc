@@ -40,11 +40,13 @@ int main() {
   belief.octree = maps.octree, belief.voxels = maps.voxels, belief.ground = maps.ground;
   belief.landmarks = std::make_shared<prospect::LandmarkMap>();
 
+  belief.command = prospect::Twist();  // in force: nothing yet
+
   // The control loop; here the robot does exactly as it is told.
   for (int step = 0; step < 5; ++step) {
     const prospect::Plan plan = planner.plan(belief);  // never throws, always executable
     const prospect::GuardVerdict verdict =
-        guard.check(plan, 0, belief.twist, belief, belief.stamp);  // nothing passes unchecked
+        guard.check(plan, 0, *belief.command, belief, belief.stamp);  // nothing passes unchecked
     const prospect::Twist& v = verdict.command;
     std::printf("%.2f s: %.3f m/s, %+.3f rad/s, because: %s plan from '%s', %s; guard %s\n",
                 belief.stamp, v.linear.x(), v.yaw_rate, to_string(plan.kind).data(),
@@ -56,6 +58,7 @@ int main() {
     robot.model->step(robot.model->state(belief.pose, v), robot.model->input(v), plan.dt, next);
     belief.pose = robot.model->pose(next);
     belief.twist = v;
+    belief.command = v;
     belief.stamp += plan.dt;
   }
 }
