@@ -271,7 +271,7 @@ TEST_F(Memory, ATargetPutOffIsSuppressedAboutIt) {
   EXPECT_EQ(memory_.given_up(), 0);
 }
 
-// A mission in a room with one door ended "explored" after five losses at it.
+// What was put off was not seen to fail.
 TEST_F(Memory, LossesDoNotUseUpTheRetriesButForFifty) {
   const std::vector<Frontier> f{frontier(20, 50, 30)};
   double stamp = 0.0;
