@@ -59,7 +59,7 @@ class ExplorationGain : public Term, public NewSurface {
   };
 
   /// `table` holds exactly the targets' positions. Throws std::invalid_argument otherwise, or for
-  /// an option out of its range.
+  /// an option out of its range or a present pose that is not finite.
   ExplorationGain(const ExplorationTargets& targets, const RgbdFootprint& footprint,
                   const CameraMount& mount, std::shared_ptr<const OcclusionTable> table,
                   const Options& options, const std::optional<Pose>& present = std::nullopt);
