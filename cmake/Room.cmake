@@ -24,8 +24,9 @@ endfunction()
 # Eigen and the standard library are read once for all targets that have the same flags. Only a
 # saving of time: every file includes what it uses of them, which tests/architecture checks
 # (precompiled_includes_test.cc), as do the builds without them (presets dev, asan, tsan).
-set(PROSPECT_PRECOMPILED_HEADERS <Eigen/Dense> <algorithm> <filesystem> <fstream> <functional> <map> <memory>
-  <optional> <random> <set> <sstream> <string> <vector>)
+set(PROSPECT_PRECOMPILED_HEADERS <Eigen/Dense> <algorithm> <array> <charconv> <chrono> <filesystem> <fstream> <functional>
+  <iostream> <map> <memory> <numbers> <numeric> <optional> <random> <set> <sstream> <string> <thread> <tuple> <unordered_map>
+  <variant> <vector>)
 function(prospect_precompile target)
   # Programs are position-independent in another way than libraries: they have a header of their own.
   get_target_property(type ${target} TYPE)
@@ -70,7 +71,7 @@ endfunction()
 option(PROSPECT_UNITY_ROOMS "Compile several files of a room as one" ON)
 function(prospect_unity target)
   if(PROSPECT_UNITY_ROOMS)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
     # Of several files compiled as one, g++ takes all but the first for headers.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()

@@ -102,7 +102,7 @@ struct Row {
   double sign, shift;
 };
 
-FunctionProblem read_problem(const std::string& path, std::size_t index,
+FunctionProblem read_function_problem(const std::string& path, std::size_t index,
                              const UnorderedJson& json) {
   Entry entry(path + ": problem " + std::to_string(index + 1), json);
   FunctionProblem p;
@@ -170,7 +170,7 @@ ProblemSet read_expression_file(const std::string& path) {
   set.best_known_source = "known optima";
   std::set<std::string> names;
   for (std::size_t i = 0; i < list->size(); ++i) {
-    const FunctionProblem p = read_problem(path, i, (*list)[i]);
+    const FunctionProblem p = read_function_problem(path, i, (*list)[i]);
     if (!names.insert(p.name).second) {
       throw InputError(path + ": problem '" + p.name + "' is there twice; expected each once");
     }
