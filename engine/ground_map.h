@@ -32,7 +32,8 @@ class GroundMap {
   CellState state(Cell c) const { return cells_.get(c, CellState::kUnknown); }
   bool explored(Cell c) const { return state(c) != CellState::kUnknown; }
 
-  /// Whether the voxel at the height of the line of sight is known free; false outside the map.
+  /// Whether a line of sight passes the cell (see_through() of map_projection.h); false outside the
+  /// map.
   bool see_through(Cell c) const { return see_through_.get(c, 0) != 0; }
 
   /// Sets a cell; grows the map (with a margin) if the cell lies outside. Bumps the tile's revision

@@ -71,8 +71,8 @@ CellState project_column(const VoxelGrid& voxels, Cell c, const SliceLayers& lay
 }
 
 bool see_through(const VoxelGrid& voxels, Cell c, const SliceLayers& layers) {
-  if (!layers.k_sight) return project_column(voxels, c, layers) == CellState::kFree;
-  return voxels.state(c.i, c.j, *layers.k_sight) == CellState::kFree;
+  const CellState column = project_column(voxels, c, layers);
+  return see_through(column, layers.k_sight ? voxels.state(c.i, c.j, *layers.k_sight) : column);
 }
 
 GroundMap project(const VoxelGrid& voxels, const HeightSlice& slice) {

@@ -49,8 +49,15 @@ inline CellState project_column(int occupied, int free) {
 /// State of cell c from its column in `voxels`; layers outside the grid are unknown.
 CellState project_column(const VoxelGrid& voxels, Cell c, const SliceLayers& layers);
 
-/// Whether cell c is seen through: its voxel at the line of sight is known free; without one, the
-/// cell is free.
+/// Whether sight passes a ground cell of state `column` whose voxel at the line of sight is in
+/// state `sight`: known free, or unknown above what is free. A depth camera that measures nothing
+/// beyond its range (no depth is no evidence of free space) knows of a wide room the floor and what
+/// is under its looks down at it, not the height of its own eye.
+inline bool see_through(CellState column, CellState sight) {
+  return sight == CellState::kFree || (sight == CellState::kUnknown && column == CellState::kFree);
+}
+
+/// The same of cell c in `voxels`; without a line of sight, whether the cell is free.
 bool see_through(const VoxelGrid& voxels, Cell c, const SliceLayers& layers);
 
 /// Projects every column: the ground map of a whole grid. O(cells x layers).

@@ -53,7 +53,7 @@ struct Brick {
 struct Columns {  // of an 8 x 8 square of ground cells: counts over the slice's layers
   std::uint16_t occupied[kBrick * kBrick] = {};
   std::uint16_t free[kBrick * kBrick] = {};
-  bool see_through[kBrick * kBrick] = {};  // the voxel at the line of sight is known free
+  CellState sight[kBrick * kBrick] = {};  // of the voxel at the line of sight
   bool changed[kBrick * kBrick] = {};
   int bx = 0, by = 0;
 };
@@ -227,7 +227,7 @@ void OccupancyMapper::Impl::set_value(Brick& b, std::uint32_t index, int m, std:
     c.occupied[cell] = static_cast<std::uint16_t>(c.occupied[cell] + occupied - was_occupied);
     c.free[cell] = static_cast<std::uint16_t>(c.free[cell] + !occupied - was_free);
   }
-  if (k == slice.k_sight) c.see_through[cell] = !occupied;
+  if (k == slice.k_sight) c.sight[cell] = occupied ? CellState::kOccupied : CellState::kFree;
   if (!c.changed[cell]) {
     c.changed[cell] = true;
     changed_cells.emplace_back(column, cell);
@@ -240,7 +240,7 @@ void OccupancyMapper::Impl::flush_ground() {
     c.changed[cell] = false;
     const Cell address{c.bx * kBrick + cell % kBrick, c.by * kBrick + cell / kBrick};
     const CellState state = project_column(c.occupied[cell], c.free[cell]);
-    const bool sight = slice.k_sight ? c.see_through[cell] : state == CellState::kFree;
+    const bool sight = see_through(state, slice.k_sight ? c.sight[cell] : state);
     if (ground->state(address) == state && ground->see_through(address) == sight) continue;
     if (!unshared(ground)) ground = std::make_shared<GroundMap>(*ground);
     ground->set(address, state, sight);

@@ -36,6 +36,26 @@ TEST(MapProjection, ColumnRule) {
   EXPECT_EQ(project_column(0, 0), CellState::kUnknown);
 }
 
+TEST(MapProjection, SightPassesFreeVoxelsAndUnknownOnesAboveFreeCells) {
+  constexpr CellState kUnknown = CellState::kUnknown, kFree = CellState::kFree,
+                      kOccupied = CellState::kOccupied;
+  EXPECT_TRUE(see_through(kFree, kFree));
+  EXPECT_TRUE(see_through(kOccupied, kFree));  // over a low obstacle
+  EXPECT_TRUE(see_through(kFree, kUnknown));   // floor beyond the range at the eye's height
+  EXPECT_FALSE(see_through(kFree, kOccupied));
+  EXPECT_FALSE(see_through(kOccupied, kUnknown));
+  EXPECT_FALSE(see_through(kUnknown, kUnknown));
+
+  VoxelGrid voxels({0.1, 0, 0, 4, 1}, 0.0, 1.0);
+  const SliceLayers layers = slice_layers({0.1, 0.5, 0.85}, 0.1);
+  voxels.set(0, 0, 2, kFree);
+  voxels.set(1, 0, 2, kFree);
+  voxels.set(1, 0, 8, kOccupied);
+  voxels.set(2, 0, 2, kOccupied);
+  voxels.set(2, 0, 8, kFree);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(see_through(voxels, {i, 0}, layers), i == 0 || i == 2) << i;
+}
+
 TEST(MapProjection, OctreeToVoxelsMatchesSearchVoxelByVoxel) {
   std::mt19937_64 generator(1);
   std::uniform_int_distribution<int> address(-20, 20);

@@ -203,6 +203,28 @@ TEST(OccupancyMapper, IncrementalProjectionIsTheProjectionFromScratch) {
   }
 }
 
+// A depth camera that reaches no wall knows the floor of a wide room, and nothing at its own
+// height. A mission by camera took rooms behind open doors for unseeable and ended at 26 % of its
+// building.
+TEST(OccupancyMapper, FloorWithoutAWallInRangeIsSeenThrough) {
+  OccupancyMapperOptions options;
+  options.slice.sight = 0.45;
+  OccupancyMapper mapper(options);
+  DepthScan scan;
+  scan.origin = {0.05, 0.05, 0.45};
+  for (double x = 1.0; x < 3.9; x += 0.03) {
+    for (double y = -0.3; y < 0.3; y += 0.03) scan.hits.push_back({x, y, -0.01});
+  }
+  for (int n = 0; n < 3; ++n) mapper.insert(scan);
+  const auto ground = mapper.ground();
+  const auto voxels = mapper.voxels();
+  const Cell far = ground->frame().cell(2.05, 0.05);
+  EXPECT_EQ(voxels->state(far.i, far.j, 4), CellState::kUnknown);
+  EXPECT_EQ(ground->state(far), CellState::kFree);
+  EXPECT_TRUE(ground->see_through(far));
+  EXPECT_FALSE(ground->see_through(ground->frame().cell(2.05, 1.05)));
+}
+
 TEST(OccupancyMapper, OnlyTilesThatChangeGetANewRevision) {
   std::mt19937_64 generator(4);
   OccupancyMapper mapper;
