@@ -18,17 +18,6 @@ constexpr int kTile = GroundMap::kTile;
 
 bool scan_less(Cell a, Cell b) { return a.j != b.j ? a.j < b.j : a.i < b.i; }
 
-template <typename T>
-void widen(Grid<T>& grid, const GridFrame& frame, const T& value) {
-  Grid<T> wide(frame, value);
-  for (int j = 0; j < grid.frame.height; ++j) {
-    const auto from = grid.data.begin() + static_cast<std::ptrdiff_t>(j) * grid.frame.width;
-    std::copy(from, from + grid.frame.width,
-              wide.data.begin() + frame.index({grid.frame.i0, grid.frame.j0 + j}));
-  }
-  grid = std::move(wide);
-}
-
 }  // namespace
 
 double viewpoint_cost(double distance, const FrontierOptions& options) {
@@ -107,9 +96,9 @@ void FrontierDetector::relayout(const Traversability& traversability) {
   } else if (frame == label_.frame) {
     return;
   } else {
-    widen(label_, frame, -1);
-    widen(passable_, frame, std::uint8_t{0});
-    widen(source_, frame, kNoSource);
+    label_.widen(frame, -1);
+    passable_.widen(frame, std::uint8_t{0});
+    source_.widen(frame, kNoSource);
   }
   mark_ = Grid<std::uint8_t>(frame, 0);
   best_ = Grid<float>(frame, kNoSource);

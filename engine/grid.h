@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace prospect {
@@ -67,6 +69,16 @@ struct Grid {
   const T& operator[](Cell c) const { return data[static_cast<std::size_t>(frame.index(c))]; }
   /// The value at c, or `outside` beyond the rectangle.
   T get(Cell c, const T& outside) const { return frame.contains(c) ? (*this)[c] : outside; }
+  /// Takes the frame `wider`, which holds the present one at the same resolution; new cells get
+  /// `value`.
+  void widen(const GridFrame& wider, const T& value) {
+    Grid wide(wider, value);
+    for (int j = frame.j0; j < frame.j0 + frame.height; ++j) {
+      std::copy_n(data.begin() + frame.index({frame.i0, j}), frame.width,
+                  wide.data.begin() + wider.index({frame.i0, j}));
+    }
+    *this = std::move(wide);
+  }
 };
 
 enum class CellState : std::uint8_t { kUnknown = 0, kFree = 1, kOccupied = 2 };

@@ -1,14 +1,12 @@
 #include "engine/ground_map.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace prospect {
 namespace {
 
-int floor_to_tile(int a) {
-  const int t = GroundMap::kTile;
-  return (a >= 0 ? a / t : -((-a + t - 1) / t)) * t;
-}
+int floor_to_tile(int a) { return floor_divide(a, GroundMap::kTile) * GroundMap::kTile; }
 int ceil_to_tile(int a) { return -floor_to_tile(-a); }
 
 GridFrame whole_tiles(const GridFrame& f) {
@@ -62,22 +60,15 @@ void GroundMap::grow_to(Cell c) {
   GroundMap grown(wide);
   const int dx = (old.i0 - grown.cells_.frame.i0) / kTile;
   const int dy = (old.j0 - grown.cells_.frame.j0) / kTile;
-  for (int j = 0; j < old.height; ++j) {
-    const auto from = static_cast<std::ptrdiff_t>(j) * old.width;
-    const auto to = grown.cells_.frame.index({old.i0, old.j0 + j});
-    std::copy_n(cells_.data.begin() + from, old.width, grown.cells_.data.begin() + to);
-    std::copy_n(see_through_.data.begin() + from, old.width, grown.see_through_.data.begin() + to);
-  }
   for (int ty = 0; ty < tiles_y(); ++ty) {
     for (int tx = 0; tx < tiles_x(); ++tx) {
       grown.tile_revision_[static_cast<std::size_t>((ty + dy) * grown.tiles_x() + tx + dx)] =
           tile_revision(tx, ty);
     }
   }
-  grown.revision_ = revision_;
-  grown.free_ = free_;
-  grown.occupied_ = occupied_;
-  *this = std::move(grown);
+  tile_revision_ = std::move(grown.tile_revision_);
+  cells_.widen(grown.cells_.frame, CellState::kUnknown);
+  see_through_.widen(grown.see_through_.frame, 0);
 }
 
 }  // namespace prospect

@@ -78,27 +78,14 @@ void Traversability::restart(const GridFrame& frame) {
   restarted_ = true;
 }
 
-namespace {
-template <typename T>
-void copy_into(Grid<T>& grid, const GridFrame& frame, const T& value) {
-  Grid<T> wide(frame, value);
-  for (int j = 0; j < grid.frame.height; ++j) {
-    const auto from = grid.data.begin() + static_cast<std::ptrdiff_t>(j) * grid.frame.width;
-    std::copy(from, from + grid.frame.width,
-              wide.data.begin() + frame.index({grid.frame.i0, grid.frame.j0 + j}));
-  }
-  grid = std::move(wide);
-}
-}  // namespace
-
 void Traversability::widen(const GridFrame& frame) {
   const GridFrame old = state_.frame;
-  copy_into(state_, frame, CellState::kUnknown);
-  copy_into(see_through_, frame, std::uint8_t{0});
-  copy_into(closed_, frame, std::uint8_t{0});
-  copy_into(occupied_sq_, frame, limit_sq_);
-  copy_into(unknown_sq_, frame, 0);
-  copy_into(factor_, frame, 0.0F);
+  state_.widen(frame, CellState::kUnknown);
+  see_through_.widen(frame, std::uint8_t{0});
+  closed_.widen(frame, std::uint8_t{0});
+  occupied_sq_.widen(frame, limit_sq_);
+  unknown_sq_.widen(frame, 0);
+  factor_.widen(frame, 0.0F);
   // The cells beyond the old rim are unknown, hence at distance 0 of unknown and impassable, but
   // they may lie near occupied cells within it.
   const int i1 = old.i0 + old.width - 1, j1 = old.j0 + old.height - 1;
