@@ -69,9 +69,10 @@ endfunction()
 # expressions, FILE_BY_FILE: the time g++ takes grows faster than the number of their types in one unit. The
 # presets dev, asan and tsan and the sanitizer build of .ci/run do without.
 option(PROSPECT_UNITY_ROOMS "Compile several files of a room as one" ON)
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 16)  # of rooms and tests
 function(prospect_unity target)
   if(PROSPECT_UNITY_ROOMS)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON)
     # Of several files compiled as one, g++ takes all but the first for headers.
     target_compile_options(${target} PRIVATE -Wno-subobject-linkage)
   endif()

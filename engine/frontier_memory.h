@@ -56,7 +56,7 @@ enum class Advice {
 /// is
 ///   suppressed: it gives no viewpoint and has no part in the cost-to-go. A change of the map
 ///   within reactivation_cells forgives it: counter and suppression. A cell in view = within range
-///   and field of view of the pose, joined to it by a line through known-free cells.
+///   and field of view of the pose, joined to it by a line of sight.
 /// * Hysteresis: the frontier that holds the cell nearest the last target, within target_radius,
 /// has
 ///   `hysteresis` metres of head start.
@@ -65,7 +65,8 @@ enum class Advice {
 ///   far: a cell that noise opens and closes moves the cost-to-go of a robot that stands. Without
 ///   any for script_after: kGoAndFace; for deactivate_after: all cells of the target are
 ///   suppressed.
-/// * Before "done" everything is reactivated, `retries` times; retry_area newly explored restores
+/// * Before "done" everything is reactivated (forgive()), `retries` times; retry_area explored
+/// restores
 ///   the retries, twice that the next time and so on: a map that noise widens for ever would give
 ///   retries for ever.
 ///

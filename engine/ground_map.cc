@@ -57,18 +57,14 @@ void GroundMap::grow_to(Cell c) {
   const int end_i = old.i0 + old.width, end_j = old.j0 + old.height;
   wide.width = (c.i >= end_i ? c.i + kMargin : end_i) - wide.i0;
   wide.height = (c.j >= end_j ? c.j + kMargin : end_j) - wide.j0;
-  GroundMap grown(wide);
-  const int dx = (old.i0 - grown.cells_.frame.i0) / kTile;
-  const int dy = (old.j0 - grown.cells_.frame.j0) / kTile;
-  for (int ty = 0; ty < tiles_y(); ++ty) {
-    for (int tx = 0; tx < tiles_x(); ++tx) {
-      grown.tile_revision_[static_cast<std::size_t>((ty + dy) * grown.tiles_x() + tx + dx)] =
-          tile_revision(tx, ty);
-    }
-  }
-  tile_revision_ = std::move(grown.tile_revision_);
-  cells_.widen(grown.cells_.frame, CellState::kUnknown);
-  see_through_.widen(grown.see_through_.frame, 0);
+  const GridFrame frame = whole_tiles(wide);
+  Grid<std::uint64_t> revisions;
+  revisions.frame = frame_of_blocks(old, kTile);
+  revisions.data = std::move(tile_revision_);
+  revisions.widen(frame_of_blocks(frame, kTile), 0);
+  tile_revision_ = std::move(revisions.data);
+  cells_.widen(frame, CellState::kUnknown);
+  see_through_.widen(frame, 0);
 }
 
 }  // namespace prospect

@@ -103,7 +103,7 @@ struct Row {
 };
 
 FunctionProblem read_function_problem(const std::string& path, std::size_t index,
-                             const UnorderedJson& json) {
+                                      const UnorderedJson& json) {
   Entry entry(path + ": problem " + std::to_string(index + 1), json);
   FunctionProblem p;
   p.name = entry.text("name");

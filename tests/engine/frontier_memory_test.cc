@@ -272,7 +272,7 @@ TEST_F(Memory, ATargetPutOffIsSuppressedAboutIt) {
 }
 
 // What was put off was not seen to fail, so it uses up no retry. But a robot at the end of its
-// mission, with nothing else left, got lost at one sliver ten times in a minute.
+// mission, with nothing else left, got lost at one look into a blank room ten times in a minute.
 TEST_F(Memory, ThreeLossesLeaveATargetForGood) {
   const std::vector<Frontier> f{frontier(20, 50, 30)};
   double stamp = 0.0;
