@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "engine/clearance_field.h"
 #include "engine/cost_to_go.h"
 
 namespace prospect {
@@ -18,11 +19,18 @@ class DescentPath {
   /// from in W [m]; length [m].
   DescentPath(const CostToGo& cost_to_go, const Eigen::Vector2d& from, double length);
 
+  /// Moves every point but the first sideways, up the gradient of the clearance d, until d(point) =
+  /// `enough`, d rises no more, or `most` [m] were gone: the cost-to-go's cells are a voxel wide,
+  /// and in a gap not much wider than the robot their centres are not its middle. z [m, in W] is
+  /// where d is asked (any, of a planar field).
+  void centre(const ClearanceField& clearance, double z, double enough, double most);
+
   /// [m] as the crow flies from p to the end of the path.
   double left(const Eigen::Vector2d& p) const { return (points_.back() - p).norm(); }
 
   /// Heading [rad] from p to the point `lookahead` [m] further on from the one nearest to p;
-  /// `otherwise` within 0.15 m of it, which happens at the path's end, where any heading will do.
+  /// `otherwise` within 0.15 m or half the lookahead of it, which happens at the path's end, where
+  /// any heading will do.
   double heading(const Eigen::Vector2d& p, double lookahead, double otherwise) const;
 
  private:

@@ -617,6 +617,7 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   SeedContext context;
   context.cost_to_go = guidance->cost_to_go.get();
   context.target = guidance->target;
+  context.clearance = parts.occupied.get();
   if (last_inputs.cols() > 0) {
     const auto passed =
         static_cast<Eigen::Index>(std::lround((belief.stamp - last_stamp) / parameters.dt));

@@ -85,11 +85,13 @@ class Laws {
       return t < from ? descend(1.0, pose) : forward(0.0, turn * model_.max_yaw_rate());
     };
   }
-  /// Turns to a heading on the spot, then drives `speed` along it.
-  Law turn_then_go(std::function<double(const Pose&)> heading, double speed) const {
+  /// Turns to a heading on the spot until it is off by less than `near` [rad], then drives `speed`
+  /// along it.
+  Law turn_then_go(std::function<double(const Pose&)> heading, double speed,
+                   double near = 0.3) const {
     return [=, this](double, const Pose& pose) {
       const double error = wrapped(heading(pose) - pose.yaw);
-      if (std::abs(error) < 0.3) return steer(heading(pose), speed, pose);
+      if (std::abs(error) < near) return steer(heading(pose), speed, pose);
       return forward(0.0, std::clamp(2.0 * error, -model_.max_yaw_rate(), model_.max_yaw_rate()));
     };
   }
@@ -170,12 +172,23 @@ std::vector<Seed> make_scripted_seeds(const Problem& problem, const SeedContext&
     const Pose pose = problem.definition().model->pose(problem.definition().x0);
     const double distance = (context.target->viewpoint - pose.position.head<2>()).norm();
     if (distance > 0.2) {
-      constexpr double kLength = 3.0;  // [m]
+      constexpr double kLength = 3.0;      // [m]
+      constexpr double kRoomy = 0.5;       // [m] clearance of a point that is left where it is
+      constexpr double kOffMiddle = 0.15;  // [m] that one is moved
       const DescentPath path(*context.cost_to_go, pose.position.head<2>(), kLength);
       add("script: go", laws.pursue(path, 0.5, 0.5));
       // Looking less far ahead cuts corners less: what gets through narrow gaps.
       add("script: go closely", laws.pursue(path, 0.3, 0.2));
       add("script: go slowly", laws.follow(0.25));
+      // Where the robot stands beside the middle of a gap, no arc ahead leads into it.
+      DescentPath middle = path;
+      if (context.clearance != nullptr) {
+        middle.centre(*context.clearance, pose.position.z(), kRoomy, kOffMiddle);
+      }
+      const auto along = [&](const Pose& p) {
+        return middle.heading(p.position.head<2>(), 0.1, p.yaw);
+      };
+      add("script: turn, then go", laws.turn_then_go(along, 0.2, 0.1));
     }
     add("script: face", laws.turn_then_go(towards(context.target->looks_at), 0.0));
   } else {

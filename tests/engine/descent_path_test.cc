@@ -46,5 +46,35 @@ TEST(DescentPath, AtItsEndAnyHeadingWillDo) {
   EXPECT_EQ(none.heading({0.55, 1.02}, 0.5, -0.5), -0.5);
 }
 
+// A wall along y = 0.7 on one side of the way, and another 0.6 m from it.
+TEST(DescentPath, InAGapItIsMovedToTheMiddle) {
+  const GridFrame frame{0.1, 0, 0, 60, 20};
+  VoxelGrid voxels(frame, 0.0, 0.6);
+  GroundMap ground(frame);
+  for (int n = 0; n < frame.size(); ++n) {
+    const Cell c = frame.at(n);
+    const bool wall = c.i >= 20 && c.i < 40 && (c.j < 7 || c.j >= 13);
+    ground.set(c, wall ? CellState::kOccupied : CellState::kFree);
+    for (int k = 0; k < 6; ++k) {
+      voxels.set(c.i, c.j, k, wall ? CellState::kOccupied : CellState::kFree);
+    }
+  }
+  const ClearanceField clearance({3.0, 1.0, 0.0}, voxels, ground, {});
+  const CostToGo V = eastward(0.0);
+  const Eigen::Vector2d from(0.5, 0.88);
+  DescentPath path(V, from, 4.5);
+  const auto offset = [&](double x) {
+    const Eigen::Vector2d p(x, 0.88);
+    return std::tan(path.heading(p, 0.4, 9.0)) * 0.4;
+  };
+  ASSERT_NEAR(offset(2.5), 0.0, 0.02);
+  path.centre(clearance, 0.0, 0.5, 0.15);
+  EXPECT_NEAR(offset(2.5), 0.12, 0.03) << "to the middle of the gap, y = 1";
+  EXPECT_NEAR(offset(0.7), 0.0, 0.02) << "where there is room it is left alone";
+  DescentPath held(V, from, 4.5);
+  held.centre(clearance, 0.0, 0.5, 0.05);
+  EXPECT_NEAR(std::tan(held.heading({2.5, 0.88}, 0.4, 9.0)) * 0.4, 0.05, 0.015);
+}
+
 }  // namespace
 }  // namespace prospect::descent_path_test
