@@ -1,7 +1,8 @@
 // mission_evaluation FILE...: processor time of one evaluation of the planning problems in these
 // files (explore --save-problems), at the planner's seeds and 60 spread over the bounds: a value, a
-// value with gradient, a candidate of a batch, and each term's value alone. Of each time the least
-// of several rounds, in microseconds, the mean over the problems.
+// value with gradient, a candidate of a batch, a score, and each term's value alone. Of each time
+// the least of several rounds, in microseconds, the mean over the problems. And the largest
+// difference between a score and the value, as a share of max(1, |value|).
 
 #include <time.h>
 
@@ -51,7 +52,7 @@ Eigen::MatrixXd points(const ReadProblem& p) {
   return X;
 }
 
-void measure(const ReadProblem& p, std::map<std::string, double>& sum) {
+void measure(const ReadProblem& p, std::map<std::string, double>& sum, double& score_error) {
   const Problem& problem = *p.problem;
   const Eigen::MatrixXd X = points(p);
   Workspace workspace = problem.make_workspace();
@@ -67,6 +68,10 @@ void measure(const ReadProblem& p, std::map<std::string, double>& sum) {
       microseconds(X.cols(), [&] { problem.evaluate(X, Evaluate::kValue, workspace, evaluation); });
   sum["score of a batch"] +=
       microseconds(X.cols(), [&] { problem.evaluate(X, Evaluate::kScore, workspace, evaluation); });
+  const Eigen::ArrayXd scores = evaluation.cost;
+  problem.evaluate(X, Evaluate::kValue, workspace, evaluation);
+  const Eigen::ArrayXd values = evaluation.cost;
+  score_error = std::max(score_error, ((scores - values).abs() / values.abs().max(1.0)).maxCoeff());
   for (const auto& weighted : problem.definition().terms) {
     ProblemDefinition alone = problem.definition();
     alone.terms = {weighted};
@@ -87,9 +92,11 @@ int main(int argc, char** argv) {
   }
   try {
     std::map<std::string, double> sum;
-    for (int i = 1; i < argc; ++i) measure(read_problem(argv[i]), sum);
+    double score_error = 0.0;
+    for (int i = 1; i < argc; ++i) measure(read_problem(argv[i]), sum, score_error);
     for (const auto& [name, total] : sum)
       std::printf("%-28s %8.2f\n", name.c_str(), total / (argc - 1));
+    std::printf("%-28s %8.1e\n", "largest error of a score", score_error);
   } catch (const std::exception& e) {
     std::fprintf(stderr, "mission_evaluation: %s\n", e.what());
     return 2;

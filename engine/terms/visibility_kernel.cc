@@ -16,15 +16,15 @@ constexpr int kLanes = VisibilityBlock::kLanes;
 // Beyond this many standard deviations outside the image P_fov counts as 0: Phi there is 1e-19, far
 // below what the sum over the landmarks can hold, and the clamp keeps products of tails out of the
 // slow denormal range. The same for the logistic factors: 4e-18.
-// Single precision holds less: 4e-8 and 1e-7.
+// Single precision has fewer exponents to multiply them in: 1e-12 and 4e-11.
 template <typename T>
 constexpr T kTail = T(9.0);
 template <>
-constexpr float kTail<float> = 5.4f;
+constexpr float kTail<float> = 7.0f;
 template <typename T>
 constexpr T kLogisticTail = T(40.0);
 template <>
-constexpr float kLogisticTail<float> = 16.0f;
+constexpr float kLogisticTail<float> = 24.0f;
 
 template <typename T>
 PROSPECT_FORCE_INLINE T clamp(T x, T lower, T upper) {
@@ -127,12 +127,31 @@ PROSPECT_FORCE_INLINE void close_point(const Point& p, const VisibilityKernelCon
   q.yaw += q.X * p.gx + q.Y * p.gy + q.Z * p.gz;
 }
 
-// What a kernel writes of each block besides its sums; a score writes nothing.
-struct NoResult {
-  bool alive;
-};
+// Phi(upper) - Phi(lower) and, in double precision, the densities at both. In single precision it
+// is taken on the side of the smaller tail, where Phi has relative accuracy: the prior that the
+// information is added to is small, so that its determinant feels a landmark whose pi is 1e-8.
 template <typename T>
-using BlockResult = std::conditional_t<std::is_same_v<T, double>, VisibilityBlockResult, NoResult>;
+PROSPECT_FORCE_INLINE void interval(T lower, T upper, T& probability,
+                                    [[maybe_unused]] T& density_lower,
+                                    [[maybe_unused]] T& density_upper) {
+  T from, to;
+  if constexpr (std::is_same_v<T, float>) {
+    const T middle = lower + upper;
+    T density;
+    normal_in_range(normal_distribution_detail::select_negative(middle, upper, -lower), to,
+                    density);
+    normal_in_range(normal_distribution_detail::select_negative(middle, lower, -upper), from,
+                    density);
+  } else {
+    normal_in_range(upper, to, density_upper);
+    normal_in_range(lower, from, density_lower);
+  }
+  probability = to - from;
+}
+
+template <typename T>
+using BlockResult =
+    std::conditional_t<std::is_same_v<T, double>, VisibilityBlockResult, VisibilityScoreResult>;
 
 template <typename T, bool kGradient>
 PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlockOf<T>* __restrict blocks,
@@ -142,7 +161,6 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlockOf<T>* __restrict 
                                          [[maybe_unused]] const UnoccludedInput& unoccluded,
                                          BlockResult<T>* __restrict results, VisibilitySums& sums) {
   constexpr int kLanes = VisibilityBlockOf<T>::kLanes;
-  constexpr bool kResults = std::is_same_v<T, double>;
   constexpr T one = 1.0;
   // Copies, so that the compiler need not fear that results overwrite them.
   const auto c = converted_numbers<VisibilityKernelConstantsOf, T>(constants);
@@ -155,7 +173,7 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlockOf<T>* __restrict 
 
   for (int block = 0; block < num_blocks; ++block) {
     const VisibilityBlockOf<T>& l = blocks[block];
-    [[maybe_unused]] BlockResult<T>& out = results[kResults ? block : 0];
+    BlockResult<T>& out = results[block];
     const T* open = probability + block * kLanes;
 
     for (int j = 0; j < kLanes; ++j) {
@@ -165,10 +183,8 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlockOf<T>* __restrict 
     bool any = false;
     for (int j = 0; j < kLanes; ++j) any |= alive[j] > T(0.0);
     if (!any) {
-      if constexpr (kResults) {
-        out.alive = false;
-        for (int j = 0; j < kLanes; ++j) out.pi[j] = 0.0;
-      }
+      out.alive = false;
+      for (int j = 0; j < kLanes; ++j) out.pi[j] = T(0.0);
       continue;
     }
 
@@ -200,11 +216,9 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlockOf<T>* __restrict 
     }
     any = false;
     for (int j = 0; j < kLanes; ++j) any |= alive[j] > T(0.0);
-    if constexpr (kResults) out.alive = any;
+    out.alive = any;
     if (!any) {
-      if constexpr (kResults) {
-        for (int j = 0; j < kLanes; ++j) out.pi[j] = 0.0;
-      }
+      for (int j = 0; j < kLanes; ++j) out.pi[j] = T(0.0);
       continue;
     }
 
@@ -212,17 +226,8 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlockOf<T>* __restrict 
         e4[kLanes], e5[kLanes];
     alignas(64) T ft1[kLanes], ft0[kLanes], fs1[kLanes], fs0[kLanes];
     for (int j = 0; j < kLanes; ++j) {
-      T upper, lower, density;
-      normal_in_range(t1[j], upper, density);
-      ft1[j] = density;
-      normal_in_range(t0[j], lower, density);
-      ft0[j] = density;
-      Pu[j] = upper - lower;
-      normal_in_range(s1[j], upper, density);
-      fs1[j] = density;
-      normal_in_range(s0[j], lower, density);
-      fs0[j] = density;
-      Pv[j] = upper - lower;
+      interval(t0[j], t1[j], Pu[j], ft0[j], ft1[j]);
+      interval(s0[j], s1[j], Pv[j], fs0[j], fs1[j]);
     }
     for (int j = 0; j < kLanes; ++j) {
       range[j] = std::sqrt(at_least(squared_range[j], c.near_depth * c.near_depth));
@@ -239,7 +244,7 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlockOf<T>* __restrict 
       const T t = clamp(depth[j] / c.near_depth - one, T(0.0), one);
       const T gate = t * t * t * (T(10.0) + t * (T(6.0) * t - T(15.0)));
       const T pi = l.survival[j] * open[j] * gate * P5[j] * (Pu[j] * Pv[j]);
-      if constexpr (kResults) out.pi[j] = pi;
+      out.pi[j] = pi;
       count[j] += l.multiplicity[j] * pi;
       variance[j] += l.multiplicity[j] * pi * (one - pi);
     }
@@ -386,22 +391,32 @@ PROSPECT_FORCE_INLINE Measurement measurement(const Point& p, const VisibilityKe
   return m;
 }
 
+// pi_i of the eight landmarks of a block; null: none of them is seen.
+PROSPECT_FORCE_INLINE const double* visible_of(const VisibilityBlockResult* results, int block) {
+  return results[block].alive ? results[block].pi : nullptr;
+}
+PROSPECT_FORCE_INLINE const float* visible_of(const VisibilityScoreResult* results, int block) {
+  constexpr int kBlocks = VisibilityScoreBlock::kLanes / kLanes;
+  const VisibilityScoreResult& r = results[block / kBlocks];
+  return r.alive ? r.pi + block % kBlocks * kLanes : nullptr;
+}
+
+template <typename Result>
 PROSPECT_FORCE_INLINE void information_body(const VisibilityBlock* __restrict blocks,
                                             int num_blocks,
                                             const VisibilityKernelConstants& constants,
                                             const VisibilityKernelStage& stage,
-                                            const VisibilityBlockResult* __restrict results,
-                                            double* information) {
+                                            const Result* __restrict results, double* information) {
   const VisibilityKernelConstants c = constants;
   const VisibilityKernelStage s = stage;
   alignas(64) double sum[21][8] = {};
   for (int block = 0; block < num_blocks; ++block) {
-    if (!results[block].alive) continue;
+    const auto* const pi = visible_of(results, block);
+    if (pi == nullptr) continue;
     const VisibilityBlock& l = blocks[block];
-    const double* pi = results[block].pi;
     for (int j = 0; j < kLanes; ++j) {
       const Measurement m = measurement(point(l, j, c, s), c, s);
-      const double weight = l.multiplicity[j] * pi[j];
+      const double weight = l.multiplicity[j] * static_cast<double>(pi[j]);
       const double alpha = weight * m.alpha;
       const double beta = weight * m.beta;
       const double zeta = weight * m.zeta;
@@ -550,15 +565,20 @@ PROSPECT_FORCE_INLINE void information_gradient_body(
   TARGET void score_##SUFFIX(const VisibilityScoreBlock* blocks, int num_blocks,                   \
                              const VisibilityKernelConstants& constants,                           \
                              const VisibilityKernelStage& stage, const float* unoccluded,          \
-                             VisibilitySums& sums) {                                               \
-    NoResult none;                                                                                 \
-    evaluate_body<float, false>(blocks, num_blocks, constants, stage, unoccluded, {}, &none,       \
+                             VisibilityScoreResult* results, VisibilitySums& sums) {               \
+    evaluate_body<float, false>(blocks, num_blocks, constants, stage, unoccluded, {}, results,     \
                                 sums);                                                             \
   }                                                                                                \
   TARGET void information_##SUFFIX(const VisibilityBlock* blocks, int num_blocks,                  \
                                    const VisibilityKernelConstants& constants,                     \
                                    const VisibilityKernelStage& stage,                             \
                                    const VisibilityBlockResult* results, double* information) {    \
+    information_body(blocks, num_blocks, constants, stage, results, information);                  \
+  }                                                                                                \
+  TARGET void score_information_##SUFFIX(                                                          \
+      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants,   \
+      const VisibilityKernelStage& stage, const VisibilityScoreResult* results,                    \
+      double* information) {                                                                       \
     information_body(blocks, num_blocks, constants, stage, results, information);                  \
   }                                                                                                \
   TARGET void information_gradient_##SUFFIX(                                                       \
@@ -583,17 +603,17 @@ std::vector<VisibilityKernel> available_visibility_kernels() {
     switch (set) {
 #if defined(__x86_64__)
       case InstructionSet::kAvx2:
-        kernels.push_back(
-            {name(set), evaluate_avx2, score_avx2, information_avx2, information_gradient_avx2});
+        kernels.push_back({name(set), evaluate_avx2, score_avx2, information_avx2,
+                           score_information_avx2, information_gradient_avx2});
         break;
       case InstructionSet::kAvx512:
         kernels.push_back({name(set), evaluate_avx512, score_avx512, information_avx512,
-                           information_gradient_avx512});
+                           score_information_avx512, information_gradient_avx512});
         break;
 #endif
       default:
         kernels.push_back({name(set), evaluate_generic, score_generic, information_generic,
-                           information_gradient_generic});
+                           score_information_generic, information_gradient_generic});
     }
   }
   return kernels;

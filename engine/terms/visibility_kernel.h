@@ -71,6 +71,12 @@ struct alignas(64) VisibilityBlockResult {
   bool alive;  ///< false: all eight are exactly 0 with their derivatives; d is not written
 };
 
+/// The same for scores: pi_i alone.
+struct alignas(64) VisibilityScoreResult {
+  float pi[VisibilityScoreBlock::kLanes];
+  bool alive;  ///< false: all are exactly 0
+};
+
 /// Sums over all landmarks.
 struct VisibilitySums {
   double count;                                      ///< sum mu pi
@@ -105,10 +111,10 @@ struct VisibilityKernel {
 
   /// Count and variance alone, in single precision, for comparing candidates: pi to about 1e-6.
   /// `stage.sensor` is taken from where the blocks' positions are; `unoccluded`:
-  /// VisibilityScoreBlock::kLanes values a block.
+  /// VisibilityScoreBlock::kLanes values a block; results: one per block.
   void (*score)(const VisibilityScoreBlock* blocks, int num_blocks,
                 const VisibilityKernelConstants& constants, const VisibilityKernelStage& stage,
-                const float* unoccluded, VisibilitySums& sums);
+                const float* unoccluded, VisibilityScoreResult* results, VisibilitySums& sums);
 
   /// information (6 x 6, row-major, symmetric, overwritten) = sum_i mu_i pi_i H_i^T S_i^-1 H_i,
   /// after evaluate() for the same stage.
@@ -116,6 +122,14 @@ struct VisibilityKernel {
                       const VisibilityKernelConstants& constants,
                       const VisibilityKernelStage& stage, const VisibilityBlockResult* results,
                       double* information);
+
+  /// The same, but for pi_i, which score() has found: `num_blocks` of `blocks` are as many
+  /// landmarks, in the same order. In single precision the determinant is off by up to 1e-3 where
+  /// the information is weak.
+  void (*score_information)(const VisibilityBlock* blocks, int num_blocks,
+                            const VisibilityKernelConstants& constants,
+                            const VisibilityKernelStage& stage,
+                            const VisibilityScoreResult* results, double* information);
 
   /// d[kCount] (overwritten) = derivatives of sum_ab P_ab information_ab for a symmetric P (6 x 6);
   /// after evaluate() with gradient.

@@ -157,6 +157,7 @@ class VisibilityPrediction::Scratch : public TermScratch {
     d_z.assign(n, 0.0);
     score_probability.assign(num_score_blocks * VisibilityScoreBlock::kLanes, 1.0f);
     results.resize(num_blocks);
+    score_results.resize(num_score_blocks);
     const std::size_t m = static_cast<std::size_t>(stages);
     for (auto* v : {&out.count, &out.variance, &out.log_det, &out.count_adjoint,
                     &out.variance_adjoint, &out.log_det_adjoint, &out.prior_adjoint}) {
@@ -172,6 +173,7 @@ class VisibilityPrediction::Scratch : public TermScratch {
   std::vector<double> probability, d_x, d_y, d_z;  // P_unoccluded at the stage in work
   std::vector<float> score_probability;            // the same for a score
   std::vector<VisibilityBlockResult> results;      // of the stage in work
+  std::vector<VisibilityScoreResult> score_results;
   std::vector<VisibilityKernelStage> inputs;
   std::vector<VisibilitySums> sums;
   std::vector<std::array<double, vd::kCount>> d_log_det;
@@ -290,13 +292,16 @@ void VisibilityPrediction::unoccluded(const Vector3d& sensor, bool gradient,
 }
 
 void VisibilityPrediction::score(const VisibilityKernelStage& stage, Scratch& scratch,
-                                 VisibilitySums& sums) const {
+                                 VisibilitySums& sums, double* information) const {
   const Vector3d sensor = Vector3d::Map(stage.sensor);
   if (occlusion_) occlusion_->score(sensor, scratch.score_probability.data());
   VisibilityKernelStage from_origin = stage;
   Vector3d::Map(from_origin.sensor) = sensor - score_origin_;
   kernel_.score(score_blocks_.data(), static_cast<int>(score_blocks_.size()), constants_,
-                from_origin, scratch.score_probability.data(), sums);
+                from_origin, scratch.score_probability.data(), scratch.score_results.data(), sums);
+  if (information == nullptr) return;
+  kernel_.score_information(blocks_.data(), static_cast<int>(blocks_.size()), constants_, stage,
+                            scratch.score_results.data(), information);
 }
 
 std::unique_ptr<TermScratch> VisibilityPrediction::make_scratch(const Horizon& horizon) const {
@@ -326,8 +331,10 @@ bool VisibilityPrediction::propagate(const TrajectoryBatch& t, int b, const Requ
     VisibilityKernelStage& stage = scratch.inputs[n];
     VisibilitySums& sums = scratch.sums[n];
     stage = stage_inputs(pose, sigma);
-    if (request.score && !request.gradient && !request.information) {
-      score(stage, scratch, sums);
+    Matrix6d I;
+    const bool scored = request.score && !request.gradient;
+    if (scored) {
+      score(stage, scratch, sums, request.information ? I.data() : nullptr);
     } else {
       unoccluded(Vector3d::Map(stage.sensor), request.gradient, scratch);
       kernel_.evaluate(blocks_.data(), num_blocks, constants_, stage, open, request.gradient,
@@ -338,9 +345,10 @@ bool VisibilityPrediction::propagate(const TrajectoryBatch& t, int b, const Requ
     out.variance[n] = sums.variance + prior;
 
     if (request.information) {
-      Matrix6d I;
-      kernel_.information(blocks_.data(), num_blocks, constants_, stage, scratch.results.data(),
-                          I.data());
+      if (!scored) {
+        kernel_.information(blocks_.data(), num_blocks, constants_, stage, scratch.results.data(),
+                            I.data());
+      }
       I.diagonal().head<3>().array() += request.prior_translation;
       I.diagonal().tail<3>().array() += request.prior_rotation;
       const Eigen::LLT<Matrix6d> cholesky(I);

@@ -138,8 +138,8 @@ class VisibilityPrediction {
     bool gradient = false;
     bool variance = false;
     bool information = false;
-    /// Count and variance in single precision (VisibilityKernel::score), for comparing candidates.
-    /// Of no effect with `gradient` or `information`.
+    /// In single precision (VisibilityKernel::score), for comparing candidates. Of no effect with
+    /// `gradient`.
     bool score = false;
     /// Prior information Lambda_0 of the camera's pose, diagonal: on translation [1/m^2] and
     /// rotation [1/rad^2]; > 0, so that log det is finite without a landmark.
@@ -170,7 +170,9 @@ class VisibilityPrediction {
   class Scratch;
   VisibilityKernelStage stage_inputs(const Pose& pose, const Eigen::Matrix4d& sigma) const;
   void unoccluded(const Eigen::Vector3d& sensor, bool gradient, Scratch& scratch) const;
-  void score(const VisibilityKernelStage& stage, Scratch& scratch, VisibilitySums& sums) const;
+  /// information: null, or 6 x 6, without the prior.
+  void score(const VisibilityKernelStage& stage, Scratch& scratch, VisibilitySums& sums,
+             double* information) const;
 
   int num_landmarks_ = 0;
   StereoCamera camera_;

@@ -358,7 +358,7 @@ TEST(VisibleFeatures, EveryKernelGivesTheSameBits) {
 TEST(VisibleFeatures, ScoresAreTheValueInSinglePrecision) {
   // Also far from the origin, where single precision could not hold a position.
   std::mt19937_64 rng(48);
-  double worst = 0.0;
+  std::map<VisibilityCriterion, double> worst;
   for (const char* name : kModels) {
     const auto model = make_model(name);
     for (const double far : {0.0, 1e6}) {
@@ -366,28 +366,75 @@ TEST(VisibleFeatures, ScoresAreTheValueInSinglePrecision) {
       TrajectoryBatch t = walks(rng, *model, 10, 0.3, 20);
       for (Landmark& l : landmarks) l.position.x() += far;
       for (int k = 0; k <= 10; ++k) t.states.row(k * model->nx() + t.layout.px) += far;
-      VisibleFeaturesParameters f;
-      f.chance_weight = 0.1;
-      TermOutput first;
-      for (const VisibilityKernel& kernel : available_visibility_kernels()) {
-        const VisibleFeatures term(
-            std::make_shared<const VisibilityPrediction>(landmarks, StereoCamera{}, CameraMount{},
-                                                         nullptr, VisibilityParameters{}, kernel),
-            f);
-        EXPECT_TRUE(term.traits().scores);
-        const auto scratch = term.make_scratch(t.horizon, 20);
-        TermOutput exact = output(t), score = output(t);
-        term.evaluate(t, {}, scratch.get(), exact);
-        term.evaluate(t, {.score = true}, scratch.get(), score);
-        if (first.value.size() == 0) first = score;
-        EXPECT_TRUE((score.value == first.value).all()) << kernel.name;
-        const auto error = (score.value - exact.value).abs() / exact.value.abs().max(1.0);
-        worst = std::max(worst, error.maxCoeff());
+      for (const auto criterion :
+           {VisibilityCriterion::kCount, VisibilityCriterion::kInformation}) {
+        VisibleFeaturesParameters f;
+        f.criterion = criterion;
+        f.chance_weight = 0.1;
+        TermOutput first;
+        for (const VisibilityKernel& kernel : available_visibility_kernels()) {
+          const VisibleFeatures term(
+              std::make_shared<const VisibilityPrediction>(landmarks, StereoCamera{}, CameraMount{},
+                                                           nullptr, VisibilityParameters{}, kernel),
+              f);
+          EXPECT_TRUE(term.traits().scores);
+          const auto scratch = term.make_scratch(t.horizon, 20);
+          TermOutput exact = output(t), score = output(t);
+          term.evaluate(t, {}, scratch.get(), exact);
+          term.evaluate(t, {.score = true}, scratch.get(), score);
+          if (first.value.size() == 0) first = score;
+          EXPECT_TRUE((score.value == first.value).all()) << kernel.name;
+          const auto error = (score.value - exact.value).abs() / exact.value.abs().max(1.0);
+          worst[criterion] = std::max(worst[criterion], error.maxCoeff());
+        }
       }
     }
   }
+  for (const auto& [criterion, error] : worst) {
+    EXPECT_LT(error, kScoreError / 3.0);
+    EXPECT_GT(error, 0.0);
+  }
+}
+
+// In missions the landmarks in view may fill a patch of wall, with covariances that are long in one
+// direction, and more stand just outside the image: with all of a score in single precision the
+// cost was off by up to 1.2e-4.
+TEST(VisibleFeatures, ScoresHoldWhereTheInformationIsWeak) {
+  std::mt19937_64 rng(53);
+  const auto model = make_model("unicycle");
+  VisibleFeaturesParameters f;
+  f.criterion = VisibilityCriterion::kInformation;
+  double worst = 0.0;
+  int weak = 0;
+  for (int scene = 0; scene < 60; ++scene) {
+    std::vector<Landmark> landmarks = visibility_scene::landmarks(rng, 60, 0.01);
+    const double azimuth = visibility_scene::uniform(rng, -3.0, 3.0);
+    const double width = std::pow(10.0, visibility_scene::uniform(rng, -2.0, 0.0));
+    for (Landmark& l : landmarks) {
+      const Eigen::Vector2d ahead(std::cos(azimuth), std::sin(azimuth));
+      const Eigen::Vector2d beside(-ahead.y(), ahead.x());
+      l.position.head<2>() = 3.5 * ahead + visibility_scene::uniform(rng, -width, width) * beside;
+      l.position.z() = 0.8 + visibility_scene::uniform(rng, -width, width);
+      l.creation_direction = -l.position.normalized();
+      l.creation_range = l.position.norm();
+      const Eigen::Vector3d along = visibility_scene::normal3(rng);
+      l.covariance += 0.1 * along * along.transpose();
+      l.multiplicity = 20.0;
+    }
+    const TrajectoryBatch t = walks(rng, *model, 10, 0.3, 20);
+    const VisibleFeatures term(
+        std::make_shared<const VisibilityPrediction>(landmarks, StereoCamera{}, CameraMount{},
+                                                     nullptr, VisibilityParameters{}),
+        f);
+    const auto scratch = term.make_scratch(t.horizon, 20);
+    TermOutput exact = output(t), score = output(t);
+    term.evaluate(t, {}, scratch.get(), exact);
+    term.evaluate(t, {.score = true}, scratch.get(), score);
+    worst = std::max(worst, (score.value - exact.value).abs().maxCoeff());
+    weak += static_cast<int>((exact.value > 0.01 && exact.value < 0.9).count());
+  }
+  EXPECT_GT(weak, 100);
   EXPECT_LT(worst, kScoreError / 3.0);
-  EXPECT_GT(worst, 0.0);
 }
 
 TEST(VisibleFeatures, BatchEqualsSingle) {
