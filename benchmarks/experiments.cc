@@ -15,6 +15,7 @@
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
 #include "benchmarks/experiments/conditions.h"
+#include "benchmarks/experiments/experiment_plots.h"
 #include "benchmarks/experiments/experiment_report.h"
 #include "benchmarks/experiments/experiment_row.h"
 #include "benchmarks/experiments/mission_start.h"
@@ -38,7 +39,7 @@ struct Arguments {
   std::string sensors = "model";
   int jobs = 1;
   std::string out = "experiments.csv";
-  std::string report;
+  std::string report, plots;
   bool small = false;
 };
 
@@ -113,6 +114,12 @@ void run_all(const std::vector<Mission>& missions, const Arguments& arguments) {
   });
 }
 
+void plot(const std::vector<ExperimentRow>& rows, const Arguments& arguments) {
+  for (const std::string& path : write_experiment_plots(rows, arguments.plots)) {
+    std::fprintf(stderr, "%s\n", path.c_str());
+  }
+}
+
 int main_program(int argc, char** argv) {
   Arguments arguments;
   CLI::App app{"Paired missions under different conditions, and what they show"};
@@ -140,6 +147,8 @@ int main_program(int argc, char** argv) {
   app.add_option("--out", arguments.out, "table; missions it already holds are not run again")
       ->capture_default_str();
   app.add_option("--report", arguments.report, "print the Markdown tables of this table and end");
+  app.add_option("--plots", arguments.plots,
+                 "folder for plots of the table, drawn by gnuplot: with --report, or at the end");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -149,6 +158,7 @@ int main_program(int argc, char** argv) {
     const std::vector<ExperimentRow> rows = read_experiment(arguments.report);
     if (rows.empty()) throw InputError(arguments.report + ": no rows");
     std::cout << experiment_report(rows);
+    if (!arguments.plots.empty()) plot(rows, arguments);
     return 0;
   }
 
@@ -187,6 +197,7 @@ int main_program(int argc, char** argv) {
     }
   }
   run_all(missions, arguments);
+  if (!arguments.plots.empty()) plot(read_experiment(arguments.out), arguments);
   return 0;
 }
 
