@@ -171,8 +171,9 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
   p.features.N_req = v.number("N_req", p.features.N_req, 1.0, 1e4, "1", "features that suffice");
   p.features.N_min = v.number("N_min", p.features.N_min, 1.0, 1e4, "1",
                               "features below which odometry is not to be trusted");
-  const std::string criterion = v.choice("criterion", "information", {"count", "information"},
-                                         "number of points, or what they tell about the pose");
+  const std::string criterion = v.choice(
+      "criterion", p.features.criterion == VisibilityCriterion::kCount ? "count" : "information",
+      {"count", "information"}, "number of points, or what they tell about the pose");
   p.features.criterion =
       criterion == "count" ? VisibilityCriterion::kCount : VisibilityCriterion::kInformation;
   p.feature_prior = v.boolean("prior", p.feature_prior, "count features expected in unknown space");
