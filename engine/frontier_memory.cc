@@ -58,8 +58,8 @@ FrontierMemory::FrontierMemory(const FrontierMemoryOptions& options)
   check_parameter(o.retries >= 0 && o.retries <= 1000, "frontier memory", "retries", o.retries,
                   "0 to 1000");
   positive("retry_area", o.retry_area);
-  check_parameter(o.losses_at_target >= 1 && o.losses_at_target <= 1000, "frontier memory",
-                  "losses_at_target", o.losses_at_target, "1 to 1000");
+  check_parameter(o.loss_retries >= 0 && o.loss_retries <= 1000, "frontier memory", "loss_retries",
+                  o.loss_retries, "0 to 1000");
 }
 
 void FrontierMemory::map_changed(const std::vector<Cell>& newly_known,
@@ -86,9 +86,9 @@ void FrontierMemory::map_changed(const std::vector<Cell>& newly_known,
       it = looks_.erase(it);
       continue;
     }
-    if (look.forgiven < options_.reactivations && forgivable(look) && near(c, all)) {
+    if (look.forgiven < options_.reactivations && near(c, all)) {
       suppressed_count_ -= look.suppressed;
-      look = {0, false, look.forgiven + look.suppressed, look.lost};
+      look = {0, false, look.forgiven + look.suppressed};
     }
     ++it;
   }
@@ -122,17 +122,8 @@ void FrontierMemory::look(const Grid<std::uint8_t>& see_through,
 }
 
 void FrontierMemory::forgive() {
+  looks_.clear();
   suppressed_count_ = 0;
-  for (auto it = looks_.begin(); it != looks_.end();) {
-    Look& look = it->second;
-    if (look.lost == 0) {
-      it = looks_.erase(it);
-      continue;
-    }
-    if (forgivable(look)) look = {0, false, 0, look.lost};
-    suppressed_count_ += look.suppressed;
-    ++it;
-  }
 }
 
 void FrontierMemory::hold_clock(double stamp) {
@@ -141,29 +132,27 @@ void FrontierMemory::hold_clock(double stamp) {
   decided_at_ = stamp;
 }
 
-bool FrontierMemory::suppress_about(Cell target, const std::vector<Cell>& cells, double resolution,
-                                    bool lost) {
-  bool any = false;
+void FrontierMemory::suppress_about(Cell target, const std::vector<Cell>& cells,
+                                    double resolution) {
   for (const Cell c : cells) {
     if (distance(c, target, resolution) > options_.target_radius) continue;
     Look& look = looks_[{c.j, c.i}];
     if (!look.suppressed) ++suppressed_count_;
     look.suppressed = true;
-    look.lost += lost;
-    any = any || forgivable(look);
   }
-  return any;
 }
 
 void FrontierMemory::put_off_target(const std::vector<Frontier>& frontiers,
                                     const GridFrame& frame) {
   const int current = current_target(frontiers, frame);
   if (current < 0) return;
-  const bool tried_again = suppress_about(
-      *target_, frontiers[static_cast<std::size_t>(current)].cells, frame.resolution, true);
-  if (tried_again && retries_used_ > 0) --retries_used_;
+  suppress_about(*target_, frontiers[static_cast<std::size_t>(current)].cells, frame.resolution);
   target_.reset();
   scripting_ = false;
+  if (retries_used_ > 0 && losses_ < options_.loss_retries) {
+    --retries_used_;
+    ++losses_;
+  }
 }
 
 bool FrontierMemory::suppressed(Cell c) const {
@@ -215,6 +204,7 @@ Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const Grid
     retry_explored_ = explored;
     if (retries_used_ > 0) retry_area_ *= 2.0;
     retries_used_ = 0;
+    losses_ = 0;
   }
 
   if (!target) {
@@ -222,12 +212,9 @@ Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const Grid
     scripting_ = false;
     progress_stamp_ = stamp;
     stalled_for_ = 0.0;
-    // Cells not seen to fail have nothing to be forgiven: without suppressed ones that are, a retry
-    // would be the same question again.
-    const bool any = std::any_of(looks_.begin(), looks_.end(), [this](const auto& entry) {
-      return entry.second.suppressed && forgivable(entry.second);
-    });
-    if (!any || retries_used_ >= options_.retries) return Advice::kDone;
+    // Cells not seen to fail have nothing to be forgiven: without suppressed ones a retry would be
+    // the same question again.
+    if (suppressed_count_ == 0 || retries_used_ >= options_.retries) return Advice::kDone;
     forgive();
     ++retries_used_;
     *sources_changed = true;
@@ -259,7 +246,7 @@ Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const Grid
   if (stalled_for_ >= options_.deactivate_after - 1e-9) {
     const auto k = static_cast<std::size_t>(target->first);
     if (k < frontiers.size()) {
-      suppress_about(cell, frontiers[k].cells, frame.resolution, false);
+      suppress_about(cell, frontiers[k].cells, frame.resolution);
       *sources_changed = true;
     }
     ++given_up_;

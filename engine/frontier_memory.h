@@ -34,9 +34,9 @@ struct FrontierMemoryOptions {
   int retries = 2;                 ///< times that everything is reactivated before "done"
   /// [m^2] newly explored that restores the retries; twice as much each time they are restored.
   double retry_area = 1.0;
-  /// Losses of localization at a cell after which no retry forgives it. Up to then they use up no
-  /// retries: a target put off was not seen to fail.
-  int losses_at_target = 3;
+  /// Losses of localization that give a retry back, so that they do not use them up: a target put
+  /// off was not seen to fail. Restored with the retries.
+  int loss_retries = 50;
 };
 
 /// What the mission is told to do about its frontiers.
@@ -87,8 +87,7 @@ class FrontierMemory {
   void look(const Grid<std::uint8_t>& see_through, const std::vector<Frontier>& frontiers,
             const Pose& pose, double stamp);
 
-  /// Forgets all failed looks and what was given up: everything is tried again, but for cells at
-  /// which the robot got lost losses_at_target times.
+  /// Forgets all failed looks and what was given up: everything is tried again.
   void forgive();
 
   /// The time since the last decide(), up to `stamp` [s], does not count as standing still: the
@@ -96,8 +95,8 @@ class FrontierMemory {
   void hold_clock(double stamp);
 
   /// Suppresses the cells about the target (target_radius): the way to it, or the look at it, cost
-  /// the robot its localization. Others come first then; it is tried again when nothing else is
-  /// left, until that has happened losses_at_target times, and when something there becomes known.
+  /// the robot its localization. Others come first then; it is tried again when the map changes
+  /// there or nothing else is left, up to loss_retries times more than other targets.
   void put_off_target(const std::vector<Frontier>& frontiers, const GridFrame& frame);
 
   bool suppressed(Cell c) const;
@@ -131,12 +130,9 @@ class FrontierMemory {
     int failed = 0;
     bool suppressed = false;
     int forgiven = 0;  // times that a change of known cells did
-    int lost = 0;      // times that the cell was put off
   };
   using Key = std::pair<int, int>;  // (j, i): scan order
-  // Returns whether a retry will forgive any of them.
-  bool suppress_about(Cell target, const std::vector<Cell>& cells, double resolution, bool lost);
-  bool forgivable(const Look& look) const { return look.lost < options_.losses_at_target; }
+  void suppress_about(Cell target, const std::vector<Cell>& cells, double resolution);
 
   FrontierMemoryOptions options_;
   std::map<Key, Look> looks_;
@@ -151,6 +147,7 @@ class FrontierMemory {
   double retry_explored_ = 0.0;
   double retry_area_ = 0.0;
   int retries_used_ = 0;
+  int losses_ = 0;  // that gave a retry back
   double stalled_for_ = 0.0;
   int given_up_ = 0;
   bool scripting_ = false;  // kGoAndFace was advised for the present target
