@@ -663,6 +663,29 @@ TEST_F(PlannerTest, ALossAfterLocalizationCameBackByItselfIsAnsweredAtOnce) {
   EXPECT_EQ(kind(Localization::kLost, 0, 8.5), PlanKind::kRecovery);
 }
 
+// Turning back at once, each time, kept robots for six minutes before a blank stretch without a way
+// round.
+TEST_F(PlannerTest, WhereTurningBackLedToNothingNewThreeTimesALostRobotExploresOn) {
+  Planner planner = make();
+  Belief belief = Room{.landmarks_per_wall = 30}.belief();
+  double stamp = 0.0;
+  const auto kind = [&](Localization localization, int tracked) {
+    belief.localization = localization;
+    belief.tracked_features = tracked;
+    belief.stamp = stamp += 0.5;
+    return planner.plan(belief).kind;
+  };
+  for (int loss = 0; loss < 6; ++loss) {
+    const bool answered = kind(Localization::kLost, 0) == PlanKind::kRecovery;
+    EXPECT_EQ(answered, loss < 3) << loss;
+    kind(Localization::kOk, 100);
+    kind(Localization::kOk, 100);
+  }
+  // The pause over, it turns back again.
+  while (stamp < parameters_.recovery_pause + 10.0) kind(Localization::kOk, 100);
+  EXPECT_EQ(kind(Localization::kLost, 0), PlanKind::kRecovery);
+}
+
 // The estimate of the velocity is noisy; the guard compares with what was commanded.
 TEST_F(PlannerTest, RatesAreLimitedFromTheCommandInForce) {
   Planner planner = make();
