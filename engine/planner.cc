@@ -27,10 +27,6 @@ namespace {
 constexpr double kFeasible = 1e-3;
 // Points tracked, in N_min, with which a robot goes on exploring after a recovery.
 constexpr double kEnoughToGoOn = 1.5;
-// Recoveries without kNewGround [m^2] newly explored between them after which a robot that is lost
-// again does not turn back at once.
-constexpr int kFruitless = 3;
-constexpr double kNewGround = 1.0;
 
 struct Candidate {
   std::string name;
@@ -81,6 +77,7 @@ void check(const PlannerParameters& p) {
                                     {"recovery_time", p.recovery_time},
                                     {"recovery_turn", p.recovery_turn},
                                     {"recovery_pause", p.recovery_pause},
+                                    {"recovery_patience", p.recovery_patience},
                                     {"d_safe", p.d_safe}}) {
     at_least(name, value, 0.0);
   }
@@ -148,8 +145,7 @@ struct Planner::Impl {
   double recovery_started = 0.0;
   double turning_until = 0.0;        // a robot that is still lost turns on the spot
   bool good_since_recovery = false;  // localization was, at or after the end of the last one
-  int fruitless_recoveries = 0;      // since new ground was explored
-  double explored_then = 0.0;        // [m^2]
+  double last_not_lost = -1e300;
   double paused_until = -1e300;
 
   static PlannerParameters with_guide_options(const RobotDescription& r, PlannerParameters p) {
@@ -226,33 +222,28 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
 
 void Planner::Impl::update_recovery(const Belief& belief) {
   const double enough = kEnoughToGoOn * parameters.features.N_min;
-  const double explored = guidance ? guidance->explored_area : 0.0;  // at the step before
-  if (explored >= explored_then + kNewGround) {
-    explored_then = explored;
-    fruitless_recoveries = 0;
-  }
   const bool good = belief.localization == Localization::kOk && belief.tracked_features >= enough;
+  const bool lost = belief.localization == Localization::kLost;
+  if (!lost) last_not_lost = belief.stamp;
   if (good) trail.note(belief.pose.position.head<2>());
   if (recovering) {
     const bool expired = belief.stamp - recovery_started > parameters.recovery_time;
     if (good || expired) {
       recovering = false;
       good_since_recovery = good;
-      ++fruitless_recoveries;
       paused_until = belief.stamp + parameters.recovery_pause;
       turning_until = belief.stamp + (good ? 0.0 : parameters.recovery_turn);
     }
     return;
   }
   good_since_recovery = good_since_recovery || good;
-  // A robot with few features still knows where it is, so it need not turn back each time. One that
-  // is lost does not, so it explores only while turning back is of no use: where it did not help,
-  // or has led to nothing new several times: the only way on may lead past blank walls.
+  // Turning back at once from each loss, a robot never gets across a blank stretch that has no way
+  // round; exploring on while lost, it drifts. So in the pause it explores on, but not for long
+  // unless turning back was of no use.
   const bool paused = belief.stamp < paused_until;
-  const bool led_on = fruitless_recoveries < kFruitless;
-  const bool needed = belief.localization == Localization::kLost
-                          ? !paused || (good_since_recovery && led_on)
-                          : belief.localization == Localization::kDegraded && !paused;
+  const bool patient =
+      !good_since_recovery || belief.stamp - last_not_lost <= parameters.recovery_patience;
+  const bool needed = belief.localization != Localization::kOk && (!paused || (lost && !patient));
   if (needed) {
     recovering = true;
     recovery_started = belief.stamp;

@@ -69,11 +69,12 @@ struct PlannerParameters {
   ExplorationGuideOptions guide;
 
   /// Recovery: how long one attempt may take, how long a robot that is lost after it turns on the
-  /// spot (a full turn shows all that is to be seen from there), and how long after the attempt the
-  /// next one waits [s].
+  /// spot (a full turn shows all that is to be seen from there), how long after the attempt the
+  /// next one waits, and how long in that pause a robot that got lost anew explores on [s].
   double recovery_time = 6.0;
   double recovery_turn = 7.0;
   double recovery_pause = 20.0;
+  double recovery_patience = 3.0;
 };
 
 /// parameters.guide, with what the guide must know about the robot (size, sensor, speed) filled in.

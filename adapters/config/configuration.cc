@@ -194,6 +194,8 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
       r.number("turn", p.recovery_turn, 0.0, 600.0, "s", "on the spot, if still lost after it");
   p.recovery_pause =
       r.number("pause", p.recovery_pause, 0.0, 3600.0, "s", "before the next attempt");
+  p.recovery_patience = r.number("patience", p.recovery_patience, 0.0, 3600.0, "s",
+                                 "in the pause, that a robot which got lost anew explores on");
 
   YamlMap f = map.map("frontiers");
   ExplorationGuideOptions& g = p.guide;

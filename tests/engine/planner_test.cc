@@ -577,20 +577,31 @@ TEST_F(PlannerTest, LostLocalizationMeansRecoveryWithoutExploration) {
   }
 }
 
-// A pause after it would have the robot explore on while it is lost.
-TEST_F(PlannerTest, AfterARecoveryThatHelpedTheNextLossIsAnsweredAtOnce) {
+// Turning back at once, each time, kept robots for six minutes before a blank stretch without a way
+// round; exploring on for the whole pause, they were metres off behind it.
+TEST_F(PlannerTest, ALossSoonAfterARecoveryIsAnsweredOnceItLasts) {
   Planner planner = make();
   Belief belief = Room{.landmarks_per_wall = 30}.belief();
-  for (int n = 0; n < 3; ++n) {
-    belief.localization = Localization::kLost;
-    belief.tracked_features = 0;
-    belief.stamp += 0.5;
-    EXPECT_EQ(planner.plan(belief).kind, PlanKind::kRecovery) << n;
-    belief.localization = Localization::kOk;
-    belief.tracked_features = 100;
-    belief.stamp += 0.5;
-    EXPECT_NE(planner.plan(belief).kind, PlanKind::kRecovery) << n;
+  double stamp = 0.0;
+  const auto kind = [&](Localization localization, int tracked) {
+    belief.localization = localization;
+    belief.tracked_features = tracked;
+    belief.stamp = stamp += 0.5;
+    return planner.plan(belief).kind;
+  };
+  EXPECT_EQ(kind(Localization::kLost, 0), PlanKind::kRecovery);
+  for (int loss = 0; loss < 3; ++loss) {
+    EXPECT_NE(kind(Localization::kOk, 100), PlanKind::kRecovery) << loss;
+    double lost_for = 0.0;
+    while (kind(Localization::kLost, 0) != PlanKind::kRecovery) {
+      lost_for += 0.5;
+      ASSERT_LE(lost_for, parameters_.recovery_patience) << loss;
+    }
+    EXPECT_EQ(lost_for, parameters_.recovery_patience) << loss;
   }
+  // The pause over, a loss is answered at once.
+  while (stamp < 3.0 * parameters_.recovery_pause) kind(Localization::kOk, 100);
+  EXPECT_EQ(kind(Localization::kLost, 0), PlanKind::kRecovery);
 }
 
 // Once it is lost, the frontier that it was led to is put off.
@@ -647,7 +658,7 @@ TEST_F(PlannerTest, ARecoveryThatDoesNotHelpEndsWithATurnAndPauses) {
 }
 
 // Turning back was of no use, but since then the robot knew where it was: a new loss is a new case.
-TEST_F(PlannerTest, ALossAfterLocalizationCameBackByItselfIsAnsweredAtOnce) {
+TEST_F(PlannerTest, PatienceWithALossBeginsWhenLocalizationCameBackByItself) {
   Planner planner = make();
   Belief belief = Room{.landmarks_per_wall = 30}.belief();
   const auto kind = [&](Localization localization, int tracked, double stamp) {
@@ -657,33 +668,14 @@ TEST_F(PlannerTest, ALossAfterLocalizationCameBackByItselfIsAnsweredAtOnce) {
     return planner.plan(belief).kind;
   };
   for (double t = 0.0; t <= 6.5; t += 0.5) kind(Localization::kDegraded, 15, t);
-  EXPECT_NE(kind(Localization::kDegraded, 15, 7.0), PlanKind::kRecovery) << "it pauses";
-  EXPECT_NE(kind(Localization::kOk, 100, 7.5), PlanKind::kRecovery);
-  EXPECT_NE(kind(Localization::kDegraded, 15, 8.0), PlanKind::kRecovery) << "it still pauses";
-  EXPECT_EQ(kind(Localization::kLost, 0, 8.5), PlanKind::kRecovery);
-}
-
-// Turning back at once, each time, kept robots for six minutes before a blank stretch without a way
-// round.
-TEST_F(PlannerTest, WhereTurningBackLedToNothingNewThreeTimesALostRobotExploresOn) {
-  Planner planner = make();
-  Belief belief = Room{.landmarks_per_wall = 30}.belief();
-  double stamp = 0.0;
-  const auto kind = [&](Localization localization, int tracked) {
-    belief.localization = localization;
-    belief.tracked_features = tracked;
-    belief.stamp = stamp += 0.5;
-    return planner.plan(belief).kind;
-  };
-  for (int loss = 0; loss < 6; ++loss) {
-    const bool answered = kind(Localization::kLost, 0) == PlanKind::kRecovery;
-    EXPECT_EQ(answered, loss < 3) << loss;
-    kind(Localization::kOk, 100);
-    kind(Localization::kOk, 100);
+  for (double t = 7.0; t <= 12.0; t += 0.5) {
+    EXPECT_NE(kind(Localization::kDegraded, 15, t), PlanKind::kRecovery) << "it pauses";
   }
-  // The pause over, it turns back again.
-  while (stamp < parameters_.recovery_pause + 10.0) kind(Localization::kOk, 100);
-  EXPECT_EQ(kind(Localization::kLost, 0), PlanKind::kRecovery);
+  EXPECT_NE(kind(Localization::kOk, 100, 12.5), PlanKind::kRecovery);
+  EXPECT_NE(kind(Localization::kDegraded, 15, 13.0), PlanKind::kRecovery) << "it still pauses";
+  EXPECT_NE(kind(Localization::kLost, 0, 13.5), PlanKind::kRecovery) << "it is patient";
+  EXPECT_NE(kind(Localization::kLost, 0, 16.0), PlanKind::kRecovery) << "it still is";
+  EXPECT_EQ(kind(Localization::kLost, 0, 16.5), PlanKind::kRecovery);
 }
 
 // The estimate of the velocity is noisy; the guard compares with what was commanded.
