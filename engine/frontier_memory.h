@@ -14,10 +14,9 @@
 namespace prospect {
 
 struct FrontierMemoryOptions {
-  double hysteresis = 0.8;  ///< [m] head start of the current target
-  double target_radius =
-      1.0;               ///< [m] how far a target may move between two steps and stay the same
-  int failed_looks = 4;  ///< steps in view and unresolved that suppress a cell
+  double hysteresis = 0.8;     ///< [m] head start of the current target
+  double target_radius = 1.0;  ///< [m] how far a target may move in a step and stay the same
+  int failed_looks = 4;        ///< steps in view and unresolved that suppress a cell
   double look_interval = 0.4;  ///< [s] steps closer in time than this count as one look
   double sensor_range = 4.0;   ///< r_max [m]
   double range_margin = 0.3;   ///< a cell counts as in view within sensor_range - range_margin [m]
@@ -53,22 +52,19 @@ enum class Advice {
 /// ExplorationGuide).
 ///
 /// * Failed looks: a frontier cell that was in view for `failed_looks` looks and is still unknown
-/// is
-///   suppressed: it gives no viewpoint and has no part in the cost-to-go. A change of the map
+///   is suppressed: it gives no viewpoint and has no part in the cost-to-go. A change of the map
 ///   within reactivation_cells forgives it: counter and suppression. A cell in view = within range
 ///   and field of view of the pose, joined to it by a line of sight.
 /// * Hysteresis: the frontier that holds the cell nearest the last target, within target_radius,
-/// has
-///   `hysteresis` metres of head start.
+///   has `hysteresis` metres of head start.
 /// * Stall watchdog: progress is progress_area newly explored, or a fall of the cost-to-go at the
 ///   robot by progress_distance under its least value for this target while the robot has moved as
 ///   far: a cell that noise opens and closes moves the cost-to-go of a robot that stands. Without
 ///   any for script_after: kGoAndFace; for deactivate_after: all cells of the target are
 ///   suppressed.
 /// * Before "done" everything is reactivated (forgive()), `retries` times; retry_area explored
-/// restores
-///   the retries, twice that the next time and so on: a map that noise widens for ever would give
-///   retries for ever.
+///   restores the retries, twice that the next time and so on: a map that noise widens for ever
+///   would give retries for ever.
 ///
 /// Deterministic. Thread-safety: none (one mission, one thread). Never throws after construction.
 /// Source: formulation, section 6; the prototype's constants; what counts as progress is our

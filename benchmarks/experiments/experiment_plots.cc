@@ -54,14 +54,10 @@ std::string label(const ConditionComparison& c) {
 }
 
 /// A row for each number, a colour for each comparison.
-std::string ratio_script(const std::vector<ConditionComparison>& comparisons) {
-  std::vector<const ConditionComparison*> all;
-  for (const ConditionComparison& c : comparisons) {
-    if (c.group == "all worlds") all.push_back(&c);
-  }
+std::string ratio_script(const std::vector<ConditionComparison>& all) {
   const auto has_ratio = [&](std::size_t k) {
-    return std::any_of(all.begin(), all.end(), [k](const ConditionComparison* c) {
-      return c->numbers[k].ratio > 0.0 && std::isfinite(c->numbers[k].ratio);
+    return std::any_of(all.begin(), all.end(), [k](const ConditionComparison& c) {
+      return c.numbers[k].ratio > 0.0 && std::isfinite(c.numbers[k].ratio);
     });
   };
   std::vector<std::size_t> numbers;
@@ -74,7 +70,7 @@ std::string ratio_script(const std::vector<ConditionComparison>& comparisons) {
   for (std::size_t i = 0; i < all.size(); ++i) {
     s << "$c" << i << " << EOD\n";
     for (std::size_t row = 0; row < numbers.size(); ++row) {
-      const NumberComparison& n = all[i]->numbers[numbers[row]];
+      const NumberComparison& n = all[i].numbers[numbers[row]];
       if (!(n.ratio > 0.0) || !std::isfinite(n.ratio)) continue;
       const double y =
           static_cast<double>(row) +
@@ -97,7 +93,7 @@ std::string ratio_script(const std::vector<ConditionComparison>& comparisons) {
        "set arrow from 1, graph 0 to 1, graph 1 nohead lc rgb '#333333' lw 1.5 back\nplot ";
   for (std::size_t i = 0; i < all.size(); ++i) {
     s << (i == 0 ? "" : ", ") << "$c" << i << " using 1:2:3:4 with xerrorbars lt " << i + 1
-      << " lw 1.8 ps 0.6 title " << in_quotes(label(*all[i]));
+      << " lw 1.8 ps 0.6 title " << in_quotes(label(all[i]));
   }
   s << '\n';
   return s.str();
@@ -189,7 +185,8 @@ void draw(const std::string& script, const std::string& path) {
 
 std::vector<std::string> write_experiment_plots(const std::vector<ExperimentRow>& rows,
                                                 const std::string& folder) {
-  const std::vector<ConditionComparison> comparisons = compare_conditions(rows);
+  std::vector<ConditionComparison> comparisons = compare_conditions(rows);
+  std::erase_if(comparisons, [](const auto& c) { return c.group != "all worlds"; });
   std::vector<std::string> pictures;
   if (comparisons.empty()) return pictures;
   std::error_code error;
@@ -201,8 +198,7 @@ std::vector<std::string> write_experiment_plots(const std::vector<ExperimentRow>
   };
   add("ratios", ratio_script(comparisons));
   for (const ConditionComparison& c : comparisons) {
-    if (c.group == "all worlds")
-      add("pairs_" + c.sensors + "_" + c.condition->name, pair_script(c));
+    add("pairs_" + c.sensors + "_" + c.condition->name, pair_script(c));
   }
   return pictures;
 }

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "tests/engine/obstacle_worlds.h"
+
 namespace prospect::descent_path_test {
 namespace {
 
@@ -48,18 +50,13 @@ TEST(DescentPath, AtItsEndAnyHeadingWillDo) {
 
 // A wall along y = 0.7 on one side of the way, and another 0.6 m from it.
 TEST(DescentPath, InAGapItIsMovedToTheMiddle) {
-  const GridFrame frame{0.1, 0, 0, 60, 20};
-  VoxelGrid voxels(frame, 0.0, 0.6);
-  GroundMap ground(frame);
-  for (int n = 0; n < frame.size(); ++n) {
-    const Cell c = frame.at(n);
-    const bool wall = c.i >= 20 && c.i < 40 && (c.j < 7 || c.j >= 13);
-    ground.set(c, wall ? CellState::kOccupied : CellState::kFree);
-    for (int k = 0; k < 6; ++k) {
-      voxels.set(c.i, c.j, k, wall ? CellState::kOccupied : CellState::kFree);
+  test::ObstacleWorld world(0.1, 6.0, 0.6);
+  for (int i = 20; i < 40; ++i) {
+    for (int j = 0; j < 20; ++j) {
+      if (j < 7 || j >= 13) world.occupy_column(i, j);
     }
   }
-  const ClearanceField clearance({3.0, 1.0, 0.0}, voxels, ground, {});
+  const ClearanceField clearance({3.0, 1.0, 0.0}, world.voxels, world.ground, {});
   const CostToGo V = eastward(0.0);
   const Eigen::Vector2d from(0.5, 0.88);
   DescentPath path(V, from, 4.5);

@@ -355,6 +355,21 @@ TEST(VisibleFeatures, EveryKernelGivesTheSameBits) {
   }
 }
 
+/// The values of a batch, and its scores.
+struct Scored {
+  TermOutput exact, score;
+
+  Scored(const VisibleFeatures& term, const TrajectoryBatch& t)
+      : exact(output(t)), score(output(t)) {
+    const auto scratch = term.make_scratch(t.horizon, static_cast<int>(t.states.cols()));
+    term.evaluate(t, {}, scratch.get(), exact);
+    term.evaluate(t, {.score = true}, scratch.get(), score);
+  }
+  double error() const {
+    return ((score.value - exact.value).abs() / exact.value.abs().max(1.0)).maxCoeff();
+  }
+};
+
 TEST(VisibleFeatures, ScoresAreTheValueInSinglePrecision) {
   // Also far from the origin, where single precision could not hold a position.
   std::mt19937_64 rng(48);
@@ -378,14 +393,10 @@ TEST(VisibleFeatures, ScoresAreTheValueInSinglePrecision) {
                                                            nullptr, VisibilityParameters{}, kernel),
               f);
           EXPECT_TRUE(term.traits().scores);
-          const auto scratch = term.make_scratch(t.horizon, 20);
-          TermOutput exact = output(t), score = output(t);
-          term.evaluate(t, {}, scratch.get(), exact);
-          term.evaluate(t, {.score = true}, scratch.get(), score);
-          if (first.value.size() == 0) first = score;
-          EXPECT_TRUE((score.value == first.value).all()) << kernel.name;
-          const auto error = (score.value - exact.value).abs() / exact.value.abs().max(1.0);
-          worst[criterion] = std::max(worst[criterion], error.maxCoeff());
+          const Scored scored(term, t);
+          if (first.value.size() == 0) first = scored.score;
+          EXPECT_TRUE((scored.score.value == first.value).all()) << kernel.name;
+          worst[criterion] = std::max(worst[criterion], scored.error());
         }
       }
     }
@@ -426,12 +437,9 @@ TEST(VisibleFeatures, ScoresHoldWhereTheInformationIsWeak) {
         std::make_shared<const VisibilityPrediction>(landmarks, StereoCamera{}, CameraMount{},
                                                      nullptr, VisibilityParameters{}),
         f);
-    const auto scratch = term.make_scratch(t.horizon, 20);
-    TermOutput exact = output(t), score = output(t);
-    term.evaluate(t, {}, scratch.get(), exact);
-    term.evaluate(t, {.score = true}, scratch.get(), score);
-    worst = std::max(worst, (score.value - exact.value).abs().maxCoeff());
-    weak += static_cast<int>((exact.value > 0.01 && exact.value < 0.9).count());
+    const Scored scored(term, t);
+    worst = std::max(worst, scored.error());
+    weak += static_cast<int>((scored.exact.value > 0.01 && scored.exact.value < 0.9).count());
   }
   EXPECT_GT(weak, 100);
   EXPECT_LT(worst, kScoreError / 3.0);
