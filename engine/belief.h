@@ -44,7 +44,9 @@ struct Belief {
       Eigen::Matrix4d::Zero();  ///< of (x, y, z, yaw), from the start of the mission
   Twist twist;                  ///< estimated body velocity
   /// The command in force, if whoever publishes knows it: rates are limited from there. Without it
-  /// the estimated velocity stands for it, whose noise a limit on rates does not forgive.
+  /// the estimated velocity stands for it, whose noise a limit on rates does not forgive, and it
+  /// goes unnoticed that the robot does not follow (blocked_motion.h). Zero while something else,
+  /// such as an emergency stop, keeps the robot from following it.
   std::optional<Twist> command;
   Localization localization = Localization::kOk;
   int tracked_features = 0;  ///< points tracked in the newest image

@@ -226,6 +226,10 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
                                                  const BonusRule& rule) {
   const Eigen::Vector2d p = pose.position.head<2>();
   traversability_.update(ground);
+  if (attention.blocked && attention.blocked->allFinite()) {
+    const Cell at = traversability_.frame().cell(attention.blocked->x(), attention.blocked->y());
+    if (traversability_.frame().contains(at)) traversability_.close(at, kGapRadius);
+  }
   detector_.update(traversability_);
   if (!restarted_) {
     memory_.map_changed(traversability_.newly_known(), traversability_.changed_states());

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "engine/admissible_inputs.h"
+#include "engine/blocked_motion.h"
 #include "engine/certificate.h"
 #include "engine/exploration_targets.h"
 #include "engine/feature_outlook.h"
@@ -27,6 +28,9 @@ namespace {
 constexpr double kFeasible = 1e-3;
 // Points tracked, in N_min, with which a robot goes on exploring after a recovery.
 constexpr double kEnoughToGoOn = 1.5;
+// Where the disc is centred that a blocked robot takes for impassable [m ahead]: beyond its own
+// cell.
+constexpr double kBlockedAhead = 0.4;
 
 struct Candidate {
   std::string name;
@@ -140,10 +144,12 @@ struct Planner::Impl {
   Eigen::MatrixXd last_inputs;  // nu x N of the last plan
   double last_stamp = 0.0;
   RetreatTrail trail;
+  BlockedMotion motion;
   bool was_lost = false;
   bool recovering = false;
   double recovery_started = 0.0;
   double turning_until = 0.0;        // a robot that is still lost turns on the spot
+  double turning_away_until = 0.0;   // so does one that is blocked
   bool good_since_recovery = false;  // localization was, at or after the end of the last one
   double last_not_lost = -1e300;
   double paused_until = -1e300;
@@ -183,6 +189,7 @@ struct Planner::Impl {
 
   Plan plan(const Belief& belief, const StopCondition& stop);
   void update_recovery(const Belief& belief);
+  std::optional<Eigen::Vector2d> update_motion(const Belief& belief);
   /// Whether gaps are tried that are narrower than d_safe asks for. Not by a robot that is lost:
   /// its map does not follow where the drift takes it.
   bool squeezing(const Belief& belief) const {
@@ -248,6 +255,18 @@ void Planner::Impl::update_recovery(const Belief& belief) {
     recovering = true;
     recovery_started = belief.stamp;
   }
+}
+
+/// A place ahead of the robot that it cannot get to: it turns away from there.
+std::optional<Eigen::Vector2d> Planner::Impl::update_motion(const Belief& belief) {
+  if (!belief.command || belief.localization == Localization::kLost) {
+    motion.reset();
+    return std::nullopt;
+  }
+  const auto direction = motion.update(belief.stamp, belief.pose, *belief.command);
+  if (!direction) return std::nullopt;
+  turning_away_until = belief.stamp + M_PI / robot.model->max_yaw_rate();
+  return (belief.pose.position + kBlockedAhead * *direction).head<2>();
 }
 
 /// What is in view now counts as it is tracked.
@@ -595,16 +614,20 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   update_recovery(belief);
   const bool lost_now = belief.localization == Localization::kLost;
   const bool got_lost = lost_now && !was_lost;
-  const bool turning = lost_now && !recovering && belief.stamp < turning_until;
+  const std::optional<Eigen::Vector2d> blocked = update_motion(belief);
+  const bool turning = !recovering && ((lost_now && belief.stamp < turning_until) ||
+                                       belief.stamp < turning_away_until);
   was_lost = lost_now;
   // Without a landmark all ways are alike.
   const bool looks_out = outlook && !belief.landmarks->landmarks.empty();
   const LocalTexture texture(*belief.ground, *belief.landmarks);
   if (looks_out) outlook->update(belief, unseen_density(belief), &texture);
-  guidance =
-      guide.update(*belief.ground, belief.pose, belief.stamp,
-                   {.looked = !lost_now, .pursued = !recovering && !turning, .got_lost = got_lost},
-                   looks_out ? &*outlook : nullptr);
+  guidance = guide.update(*belief.ground, belief.pose, belief.stamp,
+                          {.looked = !lost_now,
+                           .pursued = !recovering && !turning,
+                           .got_lost = got_lost,
+                           .blocked = blocked},
+                          looks_out ? &*outlook : nullptr);
   plan.has_active_frontier = guidance->target.has_value();
   plan.times.guide = watch.lap();
   recipe = make_recipe(belief, texture);

@@ -678,6 +678,39 @@ TEST_F(PlannerTest, PatienceWithALossBeginsWhenLocalizationCameBackByItself) {
   EXPECT_EQ(kind(Localization::kLost, 0, 16.5), PlanKind::kRecovery);
 }
 
+// It touches something that the map has elsewhere: it stood so for minutes, commanding the same
+// arc.
+TEST_F(PlannerTest, ARobotThatDoesNotFollowItsCommandsTurnsAwayAndLeavesThatWay) {
+  Planner planner = make();
+  Belief belief = Room{.landmarks_per_wall = 30}.belief();
+  const Eigen::Vector2d ahead =
+      belief.pose.position.head<2>() +
+      0.4 * Eigen::Vector2d(std::cos(belief.pose.yaw), std::sin(belief.pose.yaw));
+  belief.twist = {{0.3, 0.0, 0.0}, 0.1};
+  belief.command = belief.twist;
+  for (double t = 0.0; t < 0.9; t += 0.5) {
+    belief.stamp = t;
+    EXPECT_NE(planner.plan(belief).kind, PlanKind::kRecovery) << t;
+  }
+  ASSERT_TRUE(std::isfinite(planner.guidance()->cost_to_go->value(ahead)));
+  const double before = planner.guidance()->cost_to_go->value(ahead);
+  double turned = 0.0;
+  for (double t = 1.0; t < 1.0 + M_PI / robot_.model->max_yaw_rate(); t += 0.5) {
+    belief.stamp = t;
+    const Plan plan = planner.plan(belief);
+    expect_executable(plan, belief);
+    EXPECT_EQ(plan.kind, PlanKind::kRecovery) << t;
+    turned += plan.dt * (plan.inputs[0][1] + plan.inputs[1][1]);
+    belief.twist = plan.commands[1];
+    belief.command = belief.twist;
+    belief.pose.yaw += plan.dt * (plan.inputs[0][1] + plan.inputs[1][1]);
+  }
+  EXPECT_GT(turned, 2.0) << "away from there";
+  EXPECT_FALSE(planner.guidance()->cost_to_go->value(ahead) < before + 0.1) << "no way leads there";
+  belief.stamp += 1.0;
+  EXPECT_NE(planner.plan(belief).kind, PlanKind::kRecovery);
+}
+
 // The estimate of the velocity is noisy; the guard compares with what was commanded.
 TEST_F(PlannerTest, RatesAreLimitedFromTheCommandInForce) {
   Planner planner = make();
