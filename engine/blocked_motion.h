@@ -7,13 +7,13 @@
 
 namespace prospect {
 
-/// Notices that a robot does not follow its commands: it touches something that its map has
-/// elsewhere, or a wheel spins.
+/// Notices that a robot does not follow its commands over ground: it touches something that its map
+/// has elsewhere, or a wheel spins.
 ///
 /// From the place where the robot last stood (the anchor), the commands are integrated to the
 /// displacement that they ask for,
 ///
-///     d <- d + R(yaw) (v_before + v) / 2 * (t - t_before)      (W, [m]; R about z)
+///     d <- d + R(yaw) (v_before + v) / 2 * (t - t_before)      (in W, horizontal, [m])
 ///
 /// and the motion is blocked once |d| >= kAsked while the robot is still within kMoved of the
 /// anchor. Once it is not, the anchor moves there and d begins anew. To and fro or on a small
@@ -22,14 +22,14 @@ namespace prospect {
 /// A value: one a robot. Thread-safety: none. Never throws. Source: our choice.
 class BlockedMotion {
  public:
-  static constexpr double kAsked = 0.3;    // [m]
-  static constexpr double kMoved = 0.1;    // [m]
-  static constexpr double kLongest = 2.0;  // [s] between two steps that belong together
+  static constexpr double kAsked = 0.3;    ///< [m]
+  static constexpr double kMoved = 0.1;    ///< [m]
+  static constexpr double kLongest = 2.0;  ///< [s] between two steps that belong together
 
   /// pose, in W, at `stamp` [s]; command: body velocity in force. Returns the unit direction (in W)
   /// in which the motion is blocked, if it is, and begins anew then. Values that are not finite and
   /// stamps that do not grow, or by more than kLongest, begin anew, too.
-  std::optional<Eigen::Vector3d> update(double stamp, const Pose& pose, const Twist& command);
+  std::optional<Eigen::Vector2d> update(double stamp, const Pose& pose, const Twist& command);
 
   /// Forgets the past: where it is unknown how the robot moved.
   void reset() { last_.reset(); }
@@ -37,11 +37,11 @@ class BlockedMotion {
  private:
   struct Step {
     double stamp;
-    Eigen::Vector3d velocity;  // in W
+    Eigen::Vector2d velocity;  // in W
   };
   std::optional<Step> last_;
-  Eigen::Vector3d anchor_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d asked_ = Eigen::Vector3d::Zero();  // d
+  Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d asked_ = Eigen::Vector2d::Zero();  // d
 };
 
 }  // namespace prospect

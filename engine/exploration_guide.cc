@@ -14,6 +14,8 @@ namespace {
 
 constexpr double kGapAhead = 2.0;   // [m] how far ahead the gap that held the robot up may lie
 constexpr double kGapRadius = 0.3;  // [m] of the disc that is closed around its narrowest cell
+// [m] how far ahead of a robot that does not get on such a disc is closed: beyond its own cell.
+constexpr double kBlockedAhead = 0.4;
 
 }  // namespace
 
@@ -227,7 +229,8 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
   const Eigen::Vector2d p = pose.position.head<2>();
   traversability_.update(ground);
   if (attention.blocked && attention.blocked->allFinite()) {
-    const Cell at = traversability_.frame().cell(attention.blocked->x(), attention.blocked->y());
+    const Eigen::Vector2d ahead = p + kBlockedAhead * *attention.blocked;
+    const Cell at = traversability_.frame().cell(ahead.x(), ahead.y());
     if (traversability_.frame().contains(at)) traversability_.close(at, kGapRadius);
   }
   detector_.update(traversability_);

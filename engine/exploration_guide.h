@@ -46,8 +46,8 @@ struct GuideAttention {
   bool looked = true;     ///< images extended the map: what was in view was looked at
   bool pursued = true;    ///< it tried to reach the target; false: it had something else to do
   bool got_lost = false;  ///< localization was lost on the way: the target is put off
-  /// Where the robot cannot get, though the map says so (W, [m]): impassable from now on, until the
-  /// rules for gaps change.
+  /// Direction in W in which the robot does not get on, though the map says so: a disc there is
+  /// impassable from now on, until the rules for gaps change.
   std::optional<Eigen::Vector2d> blocked{};
 };
 

@@ -15,8 +15,9 @@ enum class PlanKind {
   kOptimised,     ///< polished by the solver, certified
   kSeed,          ///< a seed scored best or the polished ones failed the certificate; certified
   kStoppingTail,  ///< nothing new could be certified: braking to rest
-  kRecovery,      ///< localization is lost or degraded: turning or retreating to where features are
-  kScripted       ///< the stall watchdog's go-and-face
+  kRecovery,  ///< localization is lost or degraded: turning or retreating to where features are;
+              ///< or the robot does not follow its commands: turning away
+  kScripted   ///< the stall watchdog's go-and-face
 };
 
 std::string_view to_string(PlanKind kind);

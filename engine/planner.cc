@@ -28,9 +28,6 @@ namespace {
 constexpr double kFeasible = 1e-3;
 // Points tracked, in N_min, with which a robot goes on exploring after a recovery.
 constexpr double kEnoughToGoOn = 1.5;
-// Where the disc is centred that a blocked robot takes for impassable [m ahead]: beyond its own
-// cell.
-constexpr double kBlockedAhead = 0.4;
 
 struct Candidate {
   std::string name;
@@ -257,16 +254,15 @@ void Planner::Impl::update_recovery(const Belief& belief) {
   }
 }
 
-/// A place ahead of the robot that it cannot get to: it turns away from there.
+/// The direction in which the robot does not get on, if there is one: it turns away from there.
 std::optional<Eigen::Vector2d> Planner::Impl::update_motion(const Belief& belief) {
   if (!belief.command || belief.localization == Localization::kLost) {
     motion.reset();
     return std::nullopt;
   }
   const auto direction = motion.update(belief.stamp, belief.pose, *belief.command);
-  if (!direction) return std::nullopt;
-  turning_away_until = belief.stamp + M_PI / robot.model->max_yaw_rate();
-  return (belief.pose.position + kBlockedAhead * *direction).head<2>();
+  if (direction) turning_away_until = belief.stamp + M_PI / robot.model->max_yaw_rate();
+  return direction;
 }
 
 /// What is in view now counts as it is tracked.

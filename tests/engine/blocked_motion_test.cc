@@ -20,7 +20,7 @@ TEST(BlockedMotion, ARobotThatDoesNotMoveIsBlockedInTheDirectionOfItsCommands) {
     const auto direction = motion.update(kDt * n, pose, ahead(0.2, 0.9));
     if (!direction) continue;
     ++noticed;
-    EXPECT_NEAR((*direction - Eigen::Vector3d::UnitY()).norm(), 0.0, 1e-12);
+    EXPECT_NEAR((*direction - Eigen::Vector2d::UnitY()).norm(), 0.0, 1e-12);
     EXPECT_EQ(n % 3, 0) << "0.3 m at 0.2 m/s";
   }
   EXPECT_EQ(noticed, 3);
@@ -47,6 +47,13 @@ TEST(BlockedMotion, WhoFollowsItsCommandsIsNot) {
       pose.position += c.slip * v * dt * Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0.0);
       pose.yaw += dt * c.omega;
     }
+  }
+}
+
+TEST(BlockedMotion, HeightHasNoPartInIt) {
+  BlockedMotion motion;
+  for (int n = 0; n < 12; ++n) {
+    EXPECT_FALSE(motion.update(kDt * n, {}, {Eigen::Vector3d(0.0, 0.0, 0.5), 0.0})) << n;
   }
 }
 

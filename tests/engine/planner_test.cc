@@ -678,8 +678,7 @@ TEST_F(PlannerTest, PatienceWithALossBeginsWhenLocalizationCameBackByItself) {
   EXPECT_EQ(kind(Localization::kLost, 0, 16.5), PlanKind::kRecovery);
 }
 
-// It touches something that the map has elsewhere: it stood so for minutes, commanding the same
-// arc.
+// It touched something that the map has elsewhere and commanded the same arc for minutes.
 TEST_F(PlannerTest, ARobotThatDoesNotFollowItsCommandsTurnsAwayAndLeavesThatWay) {
   Planner planner = make();
   Belief belief = Room{.landmarks_per_wall = 30}.belief();
