@@ -20,6 +20,7 @@
 #include "benchmarks/experiments/experiment_row.h"
 #include "benchmarks/experiments/mission_start.h"
 #include "benchmarks/mission_processes.h"
+#include "benchmarks/replanners.h"
 
 namespace prospect {
 namespace {
@@ -73,13 +74,15 @@ Configuration configuration_of(const Condition& condition, const Arguments& argu
 
 ExperimentRow run(const Mission& mission, const Arguments& arguments) {
   try {
-    const Configuration configuration = configuration_of(condition(mission.condition), arguments);
+    const Condition& how = condition(mission.condition);
+    const Configuration configuration = configuration_of(how, arguments);
     World loaded = load_world(mission.world, world_options_for(configuration));
     loaded.start = mission_start(loaded.start, reachable_area(loaded, configuration), mission.seed);
     const auto world = std::make_shared<const World>(std::move(loaded));
     std::vector<StepRecord> steps;
     ExplorationRunOptions options;
     options.seed = mission.seed;
+    options.make_planner = replanner_maker(how.planner);
     options.keep_steps = false;
     options.on_step = [&](const StepRecord& step) {
       StepRecord& kept = steps.emplace_back(step);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <functional>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -18,10 +17,9 @@
 #include "adapters/worlds/builtin_worlds.h"
 #include "adapters/worlds/load_world.h"
 #include "benchmarks/comparison_table.h"
-#include "benchmarks/frontier_planner.h"
 #include "benchmarks/mission_processes.h"
+#include "benchmarks/replanners.h"
 #include "engine/mission.h"
-#include "solvers/registry.h"
 
 namespace prospect {
 namespace {
@@ -42,13 +40,11 @@ const std::vector<std::string> kMaps = {
     "ipa_room_segmentation/lab_d_scan_furnitures.png",
 };
 
-const std::vector<std::string> kPlanners = {"mpc", "nearest", "cost-utility", "nearest-mpc"};
-
 struct Arguments {
   std::vector<std::string> maps;
   std::string data = "../shared/data/maps2d";
   int seeds = 3;
-  std::vector<std::string> planners = kPlanners;
+  std::vector<std::string> planners = replanner_names();
   int jobs = 1;
   std::string out = "exploration_comparison.csv";
   double time_limit = 1800.0;
@@ -77,23 +73,6 @@ std::vector<std::string> maps_of(const Arguments& arguments) {
   return maps;
 }
 
-std::function<std::unique_ptr<Replanner>(const Configuration&)> maker(const std::string& planner) {
-  if (planner == "nearest" || planner == "cost-utility") {
-    const FrontierRule rule =
-        planner == "nearest" ? FrontierRule::kNearest : FrontierRule::kCostUtility;
-    return [rule](const Configuration& c) {
-      return std::make_unique<FrontierPlanner>(rule, c.robot, c.planner);
-    };
-  }
-  if (planner == "nearest-mpc") {
-    return [](const Configuration& c) {
-      return std::make_unique<Planner>(c.robot, nearest_frontier_parameters(c.planner),
-                                       make_solver(c.solver));
-    };
-  }
-  return {};
-}
-
 ComparisonRow failed(const Mission& mission, const std::string& why) {
   ComparisonRow row;
   row.map = mission.map;
@@ -111,7 +90,7 @@ ComparisonRow run(const Mission& mission, const Arguments& arguments) {
         std::make_shared<const World>(load_world(mission.path, world_options_for(configuration)));
     ExplorationRunOptions options;
     options.seed = mission.seed;
-    options.make_planner = maker(mission.planner);
+    options.make_planner = replanner_maker(mission.planner);
     std::FILE* path = nullptr;
     if (!arguments.paths.empty()) {
       const std::string name = arguments.paths + "/" + mission.map + "_" + mission.planner + "_" +
@@ -181,7 +160,7 @@ int main_program(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--planners", arguments.planners, "mpc, nearest, cost-utility, nearest-mpc")
       ->delimiter(',')
-      ->check(CLI::IsMember(kPlanners));
+      ->check(CLI::IsMember(replanner_names()));
   app.add_option("--jobs", arguments.jobs, "missions at a time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();

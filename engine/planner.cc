@@ -324,6 +324,10 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   r->landmark_occlusion.attenuation = p.feature_attenuation;
   r->landmark_occlusion.trim = 1.5 * belief.voxels->resolution();
   r->landmark_occlusion.max_range = p.visibility.r_max + 1.0;
+  r->target_occlusion = r->landmark_occlusion;
+  r->target_occlusion.attenuation = p.unknown_attenuation;
+  r->target_occlusion.max_range = robot.depth.max_range + 1.0;
+  if (!p.feature_occlusion) r->landmark_occlusion.trim = r->landmark_occlusion.max_range;
   r->visibility = p.visibility;
   UnseenFeatureOptions unseen;
   unseen.density = unseen_density(belief);
@@ -337,6 +341,12 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
                        p.max_landmarks - static_cast<int>(expected.size()), p.visibility);
   num_mapped = r->landmarks.size();
   r->landmarks.insert(r->landmarks.end(), expected.begin(), expected.end());
+  if (!p.feature_covariance) {
+    OdometryNoise& noise = r->visibility.odometry;
+    noise.position_per_metre = noise.position_per_radian = 0.0;
+    noise.yaw_per_metre = noise.yaw_per_radian = 0.0;
+    for (Landmark& landmark : r->landmarks) landmark.covariance.setZero();
+  }
   if (belief.localization != Localization::kLost) calibrate(belief, stereo_camera, *r);
 
   std::vector<Cell> frontier_cells;
@@ -354,9 +364,6 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   const double depth_offset = robot.depth_mount.T_BC.translation().head<2>().norm();
   r->target_lattice = SensorLattice::around(T_WB * robot.depth_mount.T_BC.translation(),
                                             reach + depth_offset, p.visibility_lattice, vertical);
-  r->target_occlusion = r->landmark_occlusion;
-  r->target_occlusion.attenuation = p.unknown_attenuation;
-  r->target_occlusion.max_range = robot.depth.max_range + 1.0;
 
   r->cost_to_go = guidance->cost_to_go;
   double w_e = p.w_e, w_l = p.w_l;

@@ -62,6 +62,12 @@ struct PlannerParameters {
   /// Count features expected in unknown space (unseen_features.h), of the landmark map's density.
   bool feature_prior = true;
   double feature_attenuation = 0.3;  ///< of rays to features through unknown space [1/m]
+  /// Parts of the prediction that can be left out, to study what they are worth. Without occlusion
+  /// every feature has a free line of sight to wherever the camera is not deep in a wall (and
+  /// feature_attenuation has no effect); without covariance landmarks and motion are exact, and
+  /// only the noise of an image point is left. Ways (guide) are not concerned.
+  bool feature_occlusion = true;
+  bool feature_covariance = true;
   int max_targets = 200;
   bool target_frontier_only = false;  ///< count gain only at the frontier that the guide leads to
   double unknown_attenuation = 0.5;   ///< lambda [1/m] of rays to targets through unknown space

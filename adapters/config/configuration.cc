@@ -187,6 +187,10 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
                                    "of rays to targets through unknown space");
   p.feature_attenuation = v.number("feature_attenuation", p.feature_attenuation, 0.0, 100.0, "1/m",
                                    "of rays to features through unknown space");
+  p.feature_occlusion =
+      v.boolean("occlusion", p.feature_occlusion, "walls hide features; false: for ablations");
+  p.feature_covariance = v.boolean("covariance", p.feature_covariance,
+                                   "landmarks and motion are uncertain; false: for ablations");
 
   YamlMap r = map.map("recovery");
   p.recovery_time = r.number("time", p.recovery_time, 0.0, 600.0, "s", "longest single attempt");

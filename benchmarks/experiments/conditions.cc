@@ -9,19 +9,34 @@ const std::vector<Condition>& conditions() {
   const std::string poor_wheels =
       "{reckoning_distance: 0.3, reckoning_angle: 0.2, reckoning_heading: 0.1}";
   const std::string count = "{weights: {w_l: 0.5}, visibility: {criterion: count}}";
+  const std::string poor = "simulator: {odometry: " + poor_wheels + "}";
   static const std::vector<Condition> table = {
       {"with", "", ""},
       {"without", "planner: {weights: {w_l: 0}}", "with"},
       {"count", "planner: " + count, "with"},
-      {"no_prior", "planner: {visibility: {prior: false}}", "with"},
       {"chance", "planner: {weights: {w_c: 0.5}}", "with"},
+      // What parts of the prediction, the price of ways and the horizon are worth.
+      {"no_prior", "planner: {visibility: {prior: false}}", "with"},
+      {"no_occlusion", "planner: {visibility: {occlusion: false}}", "with"},
+      {"no_covariance", "planner: {visibility: {covariance: false}}", "with"},
       {"unweighted_ways", "planner: {frontiers: {lambda: 0}}", "with"},
-      {"poor_wheels_with", "simulator: {odometry: " + poor_wheels + "}", ""},
-      {"poor_wheels_without",
-       "{simulator: {odometry: " + poor_wheels + "}, planner: {weights: {w_l: 0}}}",
-       "poor_wheels_with"},
-      {"poor_wheels_count", "{simulator: {odometry: " + poor_wheels + "}, planner: " + count + "}",
-       "poor_wheels_with"},
+      {"short_horizon", "planner: {N: 10, M: 5}", "with"},
+      {"long_horizon", "planner: {N: 40, M: 20}", "with"},
+      // Back ends; `with` is solved by nlopt.
+      {"ipopt", "planner: {solver: ipopt}", "with"},
+      {"ceres", "planner: {solver: ceres}", "with"},
+      {"sampling", "planner: {solver: sampling}", "with"},
+      {"hybrid", "planner: {solver: hybrid}", "with"},
+      // Frontier planners.
+      {"nearest", "", "with", "nearest"},
+      {"cost_utility", "", "with", "cost-utility"},
+      {"nearest_mpc", "", "with", "nearest-mpc"},
+      {"poor_wheels_with", poor, ""},
+      {"poor_wheels_without", "{" + poor + ", planner: {weights: {w_l: 0}}}", "poor_wheels_with"},
+      {"poor_wheels_count", "{" + poor + ", planner: " + count + "}", "poor_wheels_with"},
+      {"poor_wheels_nearest", poor, "poor_wheels_with", "nearest"},
+      {"poor_wheels_cost_utility", poor, "poor_wheels_with", "cost-utility"},
+      {"poor_wheels_nearest_mpc", poor, "poor_wheels_with", "nearest-mpc"},
       {"holonomic_with", "robot: {model: holonomic}", ""},
       {"holonomic_without", "{robot: {model: holonomic}, planner: {weights: {w_l: 0}}}",
        "holonomic_with"},

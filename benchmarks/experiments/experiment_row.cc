@@ -4,16 +4,34 @@
 #include <cmath>
 #include <cstddef>
 
+#include "adapters/datasets/trajectory_error.h"
 #include "benchmarks/result_table.h"
 
 namespace prospect {
 namespace {
 
-double coverage_when_off(const std::vector<StepRecord>& steps, double error, double at_end) {
+/// At the first step of which `number` is more than `limit`; if there is none, at the end.
+double coverage_past(const std::vector<StepRecord>& steps, double StepRecord::*number, double limit,
+                     double at_end) {
   for (const StepRecord& step : steps) {
-    if (step.localization_error > error) return step.coverage;
+    if (step.*number > limit) return step.coverage;
   }
   return at_end;
+}
+
+Eigen::Isometry3d in_plane(const Pose& pose) {
+  return Eigen::Translation3d(pose.position.x(), pose.position.y(), 0.0) *
+         Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ());
+}
+
+double relative_pose_error(const std::vector<StepRecord>& steps) {
+  std::vector<PosePair> pairs;
+  pairs.reserve(steps.size());
+  for (const StepRecord& step : steps) {
+    pairs.push_back({step.time, in_plane(step.estimated_pose), in_plane(step.true_pose)});
+  }
+  const RelativeError error = relative_error(pairs, 10.0);
+  return error.segments > 0 ? error.translation : ExperimentRow::kNone;
 }
 
 }  // namespace
@@ -29,9 +47,14 @@ const std::vector<ExperimentNumber>& experiment_numbers() {
       {"error_max_m", &Row::error_max_m},
       {"drift_m_per_m", &Row::drift_m_per_m},
       {"error_at_80_m", &Row::error_at_80_m},
+      {"rpe_10_m_per_m", &Row::rpe_10_m_per_m},
       {"coverage_at_10_cm", &Row::coverage_at_10_cm},
       {"coverage_at_25_cm", &Row::coverage_at_25_cm},
       {"coverage_at_50_cm", &Row::coverage_at_50_cm},
+      {"coverage_at_60_s", &Row::coverage_at_60_s},
+      {"coverage_at_120_s", &Row::coverage_at_120_s},
+      {"coverage_at_20_m", &Row::coverage_at_20_m},
+      {"coverage_at_40_m", &Row::coverage_at_40_m},
       {"losses", &Row::losses},
       {"few_share", &Row::few_share},
       {"time_to_90_s", &Row::time_to_90_s},
@@ -64,6 +87,7 @@ ExperimentRow experiment_row(const Summary& s, const std::vector<StepRecord>& st
   row.error_max_m = 0.0;
   double time = 0.0, few = 0.0, magnitude = 0.0, sum = 0.0;
   int predictions = 0;
+  bool predicts = false;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     const StepRecord& step = steps[i];
     row.error_max_m = std::max(row.error_max_m, step.localization_error);
@@ -81,15 +105,24 @@ ExperimentRow experiment_row(const Summary& s, const std::vector<StepRecord>& st
     magnitude += std::abs(e);
     sum += e;
     ++predictions;
+    predicts = predicts || step.predicted_features > 0.0;
   }
   if (time > 0.0) row.few_share = few / time;
-  if (predictions > 0) {
+  if (predicts) {
     row.prediction_error = magnitude / predictions;
     row.prediction_bias = sum / predictions;
   }
-  row.coverage_at_10_cm = coverage_when_off(steps, 0.10, s.coverage);
-  row.coverage_at_25_cm = coverage_when_off(steps, 0.25, s.coverage);
-  row.coverage_at_50_cm = coverage_when_off(steps, 0.50, s.coverage);
+  const auto when = [&](double StepRecord::*number, double limit) {
+    return coverage_past(steps, number, limit, s.coverage);
+  };
+  row.coverage_at_10_cm = when(&StepRecord::localization_error, 0.10);
+  row.coverage_at_25_cm = when(&StepRecord::localization_error, 0.25);
+  row.coverage_at_50_cm = when(&StepRecord::localization_error, 0.50);
+  row.coverage_at_60_s = when(&StepRecord::time, 60.0);
+  row.coverage_at_120_s = when(&StepRecord::time, 120.0);
+  row.coverage_at_20_m = when(&StepRecord::path_length, 20.0);
+  row.coverage_at_40_m = when(&StepRecord::path_length, 40.0);
+  row.rpe_10_m_per_m = relative_pose_error(steps);
   return row;
 }
 

@@ -77,6 +77,13 @@ TEST(Configuration, EveryMotionModelWithItsParameters) {
               HasSubstr("f.yaml:1: unknown key 'robot.motion.vz_max'"));
 }
 
+TEST(Configuration, PartsOfThePredictionCanBeLeftOut) {
+  EXPECT_TRUE(read("").planner.feature_occlusion);
+  EXPECT_TRUE(read("").planner.feature_covariance);
+  EXPECT_FALSE(read("planner: {visibility: {occlusion: false}}").planner.feature_occlusion);
+  EXPECT_FALSE(read("planner: {visibility: {covariance: false}}").planner.feature_covariance);
+}
+
 TEST(Configuration, AnglesAreInDegrees) {
   const Configuration c = read(
       "robot: {depth: {horizontal_fov: 90, mount: {position: [0.1, 0, 0.5], yaw: 90, pitch: 30}}}");

@@ -8,6 +8,7 @@
 #include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
 #include "benchmarks/experiments/conditions.h"
+#include "benchmarks/replanners.h"
 
 namespace prospect::experiment_report_test {
 namespace {
@@ -67,7 +68,8 @@ TEST(Conditions, AreConfigurationsThatDifferFromTheirReference) {
     for (std::size_t i = 0; i < configuration.entries.size(); ++i) {
       different += configuration.entries[i].value != base.entries[i].value;
     }
-    EXPECT_GE(different, 1) << c.name;
+    EXPECT_GE(different + (c.planner != reference.planner), 1) << c.name;
+    EXPECT_NO_THROW(replanner_maker(c.planner)) << c.name;
     EXPECT_LE(different, 2) << c.name;
   }
   EXPECT_THROW(condition("witth"), InputError);

@@ -52,6 +52,30 @@ TEST(ExperimentRow, MeasuresTheSteps) {
   EXPECT_NEAR(row.prediction_bias, (0.2 + 0.75) / 2.0, 1e-12);
 }
 
+TEST(ExperimentRow, RelativeErrorAndCoverageOverTimeAndPath) {
+  // Straight ahead at 1 m/s; the estimate is 2 % too long.
+  std::vector<StepRecord> steps;
+  for (int n = 0; n <= 100; ++n) {
+    StepRecord s = step(n, 0.01 * n, 0.0, 0.0, 50);
+    s.path_length = n;
+    s.true_pose.position.x() = n;
+    s.estimated_pose.position.x() = 1.02 * n;
+    s.estimated_pose.yaw = 0.3;  // as at the start: no error of the motion
+    s.true_pose.yaw = 0.3;
+    steps.push_back(s);
+  }
+  ExperimentRow row = experiment_row(summarize(steps), steps, 20.0);
+  EXPECT_NEAR(row.rpe_10_m_per_m, 0.02, 1e-9);
+  EXPECT_DOUBLE_EQ(row.coverage_at_60_s, 0.61);
+  EXPECT_DOUBLE_EQ(row.coverage_at_120_s, 1.0);  // it was shorter
+  EXPECT_DOUBLE_EQ(row.coverage_at_20_m, 0.21);
+  EXPECT_DOUBLE_EQ(row.coverage_at_40_m, 0.41);
+  EXPECT_TRUE(std::isnan(row.prediction_error)) << "a planner that predicts nothing";
+  steps.resize(8);
+  row = experiment_row(summarize(steps), steps, 20.0);
+  EXPECT_TRUE(std::isnan(row.rpe_10_m_per_m)) << "shorter than 10 m";
+}
+
 TEST(ExperimentRow, TooManyTrackedIsANegativeBias) {
   const std::vector<StepRecord> steps = {
       step(0.0, 0.1, 0.0, 30.0, 80), step(1.0, 0.5, 0.0, 90.0, 40), step(2.0, 0.5, 0.0, 0.0, 60)};

@@ -618,6 +618,48 @@ TEST_F(PlannerTest, WhatCostTheLocalizationIsPutOff) {
   EXPECT_GT(planner.guidance()->suppressed_cells, 0);
 }
 
+TEST_F(PlannerTest, OcclusionAndCovarianceCanBeLeftOutOfThePrediction) {
+  Belief belief = Room{.landmarks_per_wall = 30}.belief();
+  LandmarkMap map = *belief.landmarks;
+  Landmark behind;  // the box
+  behind.id = 1000;
+  behind.position = {2.2, -0.3, 0.45};
+  behind.creation_direction = -Eigen::Vector3d::UnitX();
+  map.landmarks.push_back(behind);
+  belief.landmarks = std::make_shared<const LandmarkMap>(map);
+  parameters_.max_landmarks = 300;
+  // Of the point behind the box, from where the camera is: probability of a free line of sight.
+  const auto line_of_sight = [&](ProblemRecipe& recipe) {
+    Planner planner = make();
+    expect_executable(planner.plan(belief), belief);
+    recipe = *planner.recipe();
+    ProblemParts parts;
+    update_clearance(recipe, parts);
+    update_views(recipe, parts);
+    Eigen::VectorXd free(parts.landmark_table->num_points());
+    parts.landmark_table->evaluate(robot_.stereo_mount.T_BC.translation(), free.data());
+    for (std::size_t i = 0; i < recipe.landmarks.size(); ++i) {
+      if (recipe.landmarks[i].id == behind.id) return free[static_cast<Eigen::Index>(i)];
+    }
+    return -1.0;
+  };
+  ProblemRecipe recipe;
+  EXPECT_NEAR(line_of_sight(recipe), 0.0, 1e-6);
+  EXPECT_GT(recipe.visibility.odometry.position_per_metre, 0.0);
+  EXPECT_GT(recipe.landmarks.front().covariance.trace(), 0.0);
+  const OcclusionTable::Options of_targets = recipe.target_occlusion;
+
+  parameters_.feature_occlusion = false;
+  EXPECT_NEAR(line_of_sight(recipe), 1.0, 1e-6);
+  EXPECT_EQ(recipe.target_occlusion, of_targets) << "the exploration gain keeps its own";
+
+  parameters_.feature_covariance = false;
+  line_of_sight(recipe);
+  EXPECT_EQ(recipe.visibility.odometry.position_per_metre, 0.0);
+  EXPECT_EQ(recipe.visibility.odometry.yaw_per_radian, 0.0);
+  for (const Landmark& l : recipe.landmarks) EXPECT_EQ(l.covariance.norm(), 0.0);
+}
+
 TEST_F(PlannerTest, TheCostToGoCanBeWeightedByWhatIsSeenOnTheWay) {
   const Belief belief = Room{.landmarks_per_wall = 5}.belief();
   parameters_.feature_prior = false;
