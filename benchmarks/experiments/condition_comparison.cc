@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <tuple>
@@ -57,6 +59,27 @@ NumberComparison compare(
   }
   c.p = signed_rank_test(difference).p;
   return c;
+}
+
+void compare_all_numbers(ConditionComparison& c) {
+  for (const ShownNumber& number : shown_numbers()) c.numbers.push_back(compare(c.pairs, number));
+}
+
+/// By name(world), in the order of the names.
+std::vector<ConditionComparison> split(const ConditionComparison& c,
+                                       const std::function<std::string(const std::string&)>& name) {
+  std::map<std::string, ConditionComparison> parts;
+  for (const auto& pair : c.pairs) {
+    const std::string part = name(pair.first->world);
+    parts.try_emplace(part, ConditionComparison{c.condition, c.sensors, part, {}, {}})
+        .first->second.pairs.push_back(pair);
+  }
+  std::vector<ConditionComparison> all;
+  for (auto& [part, comparison] : parts) {
+    compare_all_numbers(comparison);
+    all.push_back(std::move(comparison));
+  }
+  return all;
 }
 
 using Key = std::tuple<std::string, std::string, std::string, std::uint64_t>;
@@ -114,28 +137,25 @@ std::vector<ConditionComparison> compare_conditions(const std::vector<Experiment
     for (const Condition& condition : conditions()) {
       if (condition.reference.empty()) continue;
       ConditionComparison all{&condition, sensors, "all worlds", {}, {}};
-      std::map<std::string, ConditionComparison> groups;
       for (const auto& [key, row] : missions) {
         if (row->sensors != sensors || row->condition != condition.name) continue;
         const auto reference = missions.find({sensors, condition.reference, row->world, row->seed});
         if (reference == missions.end()) continue;
-        const std::string name = group_of(row->world);
-        ConditionComparison& group =
-            groups.try_emplace(name, ConditionComparison{&condition, sensors, name, {}, {}})
-                .first->second;
         all.pairs.emplace_back(reference->second, row);
-        group.pairs.emplace_back(reference->second, row);
       }
       if (all.pairs.empty()) continue;
+      compare_all_numbers(all);
+      std::vector<ConditionComparison> groups = split(all, group_of);
       comparisons.push_back(std::move(all));
       if (groups.size() < 2) continue;
-      for (auto& [name, group] : groups) comparisons.push_back(std::move(group));
+      std::move(groups.begin(), groups.end(), std::back_inserter(comparisons));
     }
   }
-  for (ConditionComparison& c : comparisons) {
-    for (const ShownNumber& number : shown_numbers()) c.numbers.push_back(compare(c.pairs, number));
-  }
   return comparisons;
+}
+
+std::vector<ConditionComparison> by_world(const ConditionComparison& comparison) {
+  return split(comparison, [](const std::string& world) { return world; });
 }
 
 }  // namespace prospect

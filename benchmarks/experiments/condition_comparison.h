@@ -53,4 +53,7 @@ std::vector<const ExperimentRow*> last_rows(const std::vector<ExperimentRow>& ro
 /// `rows`.
 std::vector<ConditionComparison> compare_conditions(const std::vector<ExperimentRow>& rows);
 
+/// The same comparison in each of its worlds; `group` is the world.
+std::vector<ConditionComparison> by_world(const ConditionComparison& comparison);
+
 }  // namespace prospect

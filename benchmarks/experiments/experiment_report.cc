@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <map>
 #include <sstream>
@@ -48,6 +49,33 @@ void write(const ConditionComparison& c, std::ostringstream& out) {
   }
 }
 
+/// What the effect is in each world: ratios of means.
+void write_worlds(const ConditionComparison& c, std::ostringstream& out) {
+  const std::vector<ConditionComparison> worlds = by_world(c);
+  if (worlds.size() < 2) return;
+  using Row = ExperimentRow;
+  std::vector<std::size_t> columns;
+  for (std::size_t k = 0; k < shown_numbers().size(); ++k) {
+    for (const auto member : {&Row::losses, &Row::few_share, &Row::error_rms_m,
+                              &Row::coverage_at_25_cm, &Row::coverage}) {
+      if (shown_numbers()[k].member == member) columns.push_back(k);
+    }
+  }
+  out << "\nRatio of means [95 %] by world:\n\n| world | pairs |";
+  for (const std::size_t k : columns) out << ' ' << shown_numbers()[k].label << " |";
+  out << "\n|-|-|";
+  for (std::size_t k = 0; k < columns.size(); ++k) out << "-|";
+  out << '\n';
+  for (const ConditionComparison& world : worlds) {
+    out << "| " << world.group << " | " << world.pairs.size() << " |";
+    for (const std::size_t k : columns) {
+      const NumberComparison& n = world.numbers[k];
+      out << ' ' << with_interval(n.ratio, n.ratio_interval, 2) << " |";
+    }
+    out << '\n';
+  }
+}
+
 }  // namespace
 
 std::string experiment_report(const std::vector<ExperimentRow>& rows) {
@@ -73,7 +101,10 @@ std::string experiment_report(const std::vector<ExperimentRow>& rows) {
       out << " |\n";
     }
   }
-  for (const ConditionComparison& c : compare_conditions(rows)) write(c, out);
+  for (const ConditionComparison& c : compare_conditions(rows)) {
+    write(c, out);
+    if (c.group == "all worlds") write_worlds(c, out);
+  }
   return out.str();
 }
 

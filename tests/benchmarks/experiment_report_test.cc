@@ -48,6 +48,8 @@ TEST(ExperimentReport, PairsByWorldAndSeedAndCountsWhatIsMissing) {
   EXPECT_THAT(report, HasSubstr("| losses of localization | 4.5 | 5.5 | 6 (only one side: 1 / 0) | "
                                 "1.0 [1.0, 1.0] | 1.22 ["));
   EXPECT_THAT(report, HasSubstr("] | 0.031 |"));
+  EXPECT_THAT(report, HasSubstr("| office | 6 | 1.22 ["));
+  EXPECT_THAT(report, HasSubstr("| plan:3 | 1 | - |"));
   EXPECT_THAT(report, Not(HasSubstr("camera")));
 }
 
