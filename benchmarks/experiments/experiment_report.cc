@@ -49,27 +49,26 @@ void write(const ConditionComparison& c, std::ostringstream& out) {
   }
 }
 
-/// What the effect is in each world: ratios of means.
-void write_worlds(const ConditionComparison& c, std::ostringstream& out) {
-  const std::vector<ConditionComparison> worlds = by_world(c);
-  if (worlds.size() < 2) return;
+/// A line for each comparison, named by `name`: ratios of means of the chief numbers.
+void write_ratios(const std::vector<ConditionComparison>& comparisons, const char* what,
+                  std::string (*name)(const ConditionComparison&), std::ostringstream& out) {
   using Row = ExperimentRow;
   std::vector<std::size_t> columns;
   for (std::size_t k = 0; k < shown_numbers().size(); ++k) {
     for (const auto member : {&Row::losses, &Row::few_share, &Row::error_rms_m,
-                              &Row::coverage_at_25_cm, &Row::coverage}) {
+                              &Row::coverage_at_25_cm, &Row::coverage, &Row::plan_ms_p50}) {
       if (shown_numbers()[k].member == member) columns.push_back(k);
     }
   }
-  out << "\nRatio of means [95 %] by world:\n\n| world | pairs |";
+  out << "\nRatio of means [95 %] by " << what << ":\n\n| " << what << " | pairs |";
   for (const std::size_t k : columns) out << ' ' << shown_numbers()[k].label << " |";
   out << "\n|-|-|";
   for (std::size_t k = 0; k < columns.size(); ++k) out << "-|";
   out << '\n';
-  for (const ConditionComparison& world : worlds) {
-    out << "| " << world.group << " | " << world.pairs.size() << " |";
+  for (const ConditionComparison& c : comparisons) {
+    out << "| " << name(c) << " | " << c.pairs.size() << " |";
     for (const std::size_t k : columns) {
-      const NumberComparison& n = world.numbers[k];
+      const NumberComparison& n = c.numbers[k];
       out << ' ' << with_interval(n.ratio, n.ratio_interval, 2) << " |";
     }
     out << '\n';
@@ -101,9 +100,26 @@ std::string experiment_report(const std::vector<ExperimentRow>& rows) {
       out << " |\n";
     }
   }
-  for (const ConditionComparison& c : compare_conditions(rows)) {
+  const std::vector<ConditionComparison> all = compare_conditions(rows);
+  std::vector<ConditionComparison> over_all_worlds;
+  for (const ConditionComparison& c : all) {
+    if (c.group == "all worlds") over_all_worlds.push_back(c);
+  }
+  if (over_all_worlds.size() > 1) {
+    write_ratios(
+        over_all_worlds, "condition",
+        [](const ConditionComparison& c) {
+          return "`" + c.condition->name + "` / `" + c.condition->reference + "`, " + c.sensors;
+        },
+        out);
+  }
+  for (const ConditionComparison& c : all) {
     write(c, out);
-    if (c.group == "all worlds") write_worlds(c, out);
+    if (c.group != "all worlds") continue;
+    const std::vector<ConditionComparison> worlds = by_world(c);
+    if (worlds.size() < 2) continue;
+    write_ratios(
+        worlds, "world", [](const ConditionComparison& world) { return world.group; }, out);
   }
   return out.str();
 }

@@ -53,6 +53,22 @@ TEST(ExperimentReport, PairsByWorldAndSeedAndCountsWhatIsMissing) {
   EXPECT_THAT(report, Not(HasSubstr("camera")));
 }
 
+TEST(ExperimentReport, ShowsSeveralConditionsSideBySide) {
+  std::vector<ExperimentRow> rows;
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    rows.push_back(row("office", "with", seed, 2.0));
+    rows.push_back(row("office", "without", seed, 3.0));
+  }
+  EXPECT_THAT(experiment_report(rows), Not(HasSubstr("by condition")));
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    rows.push_back(row("office", "nearest", seed, 1.0));
+  }
+  const std::string report = experiment_report(rows);
+  EXPECT_THAT(report, HasSubstr("Ratio of means [95 %] by condition:"));
+  EXPECT_THAT(report, HasSubstr("| `without` / `with`, model | 3 | 1.50 [1.50, 1.50] | - |"));
+  EXPECT_THAT(report, HasSubstr("| `nearest` / `with`, model | 2 | 0.50 [0.50, 0.50] | - |"));
+}
+
 TEST(ExperimentReport, SensorsAreNotMixed) {
   ExperimentRow other = row("office", "without", 1, 3.0);
   other.sensors = "camera";
