@@ -158,7 +158,7 @@ int main_program(int argc, char** argv) {
   app.add_option("--seeds", arguments.seeds, "seeds 1 to this")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--planners", arguments.planners, "mpc, nearest, cost-utility, nearest-mpc")
+  app.add_option("--planners", arguments.planners, "planners that are compared")
       ->delimiter(',')
       ->check(CLI::IsMember(replanner_names()));
   app.add_option("--jobs", arguments.jobs, "missions at a time")

@@ -1,6 +1,7 @@
 #include "benchmarks/replanners.h"
 
 #include <stdexcept>
+#include <utility>
 
 #include "benchmarks/frontier_planner.h"
 #include "benchmarks/frontier_rule.h"
@@ -16,25 +17,36 @@ MakeReplanner frontier_planner(FrontierRule rule) {
   };
 }
 
+std::unique_ptr<Replanner> nearest_by_mpc(const Configuration& c) {
+  return std::make_unique<Planner>(c.robot, nearest_frontier_parameters(c.planner),
+                                   make_solver(c.solver));
+}
+
+const std::vector<std::pair<std::string, MakeReplanner>>& table() {
+  static const std::vector<std::pair<std::string, MakeReplanner>> all = {
+      {"mpc", {}},
+      {"nearest", frontier_planner(FrontierRule::kNearest)},
+      {"cost-utility", frontier_planner(FrontierRule::kCostUtility)},
+      {"nearest-mpc", nearest_by_mpc},
+  };
+  return all;
+}
+
 }  // namespace
 
-const std::vector<std::string>& replanner_names() {
-  static const std::vector<std::string> names = {"mpc", "nearest", "cost-utility", "nearest-mpc"};
+std::vector<std::string> replanner_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, make] : table()) names.push_back(name);
   return names;
 }
 
 MakeReplanner replanner_maker(const std::string& name) {
-  if (name == "mpc") return {};
-  if (name == "nearest") return frontier_planner(FrontierRule::kNearest);
-  if (name == "cost-utility") return frontier_planner(FrontierRule::kCostUtility);
-  if (name == "nearest-mpc") {
-    return [](const Configuration& c) {
-      return std::make_unique<Planner>(c.robot, nearest_frontier_parameters(c.planner),
-                                       make_solver(c.solver));
-    };
+  std::string known;
+  for (const auto& [other, make] : table()) {
+    if (other == name) return make;
+    known += (known.empty() ? "" : ", ") + other;
   }
-  throw std::invalid_argument("planner '" + name +
-                              "'; expected mpc, nearest, cost-utility or nearest-mpc");
+  throw std::invalid_argument("planner '" + name + "'; expected one of: " + known);
 }
 
 }  // namespace prospect

@@ -16,7 +16,7 @@ using MakeReplanner = std::function<std::unique_ptr<Replanner>(const Configurati
 
 /// Names of the planners that are compared: mpc (the engine's), nearest and cost-utility
 /// (FrontierPlanner), nearest-mpc (nearest_frontier_parameters()).
-const std::vector<std::string>& replanner_names();
+std::vector<std::string> replanner_names();
 
 /// Throws std::invalid_argument for a name that is none of these.
 MakeReplanner replanner_maker(const std::string& name);

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <functional>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <tuple>
@@ -65,9 +63,9 @@ void compare_all_numbers(ConditionComparison& c) {
   for (const ShownNumber& number : shown_numbers()) c.numbers.push_back(compare(c.pairs, number));
 }
 
-/// By name(world), in the order of the names.
+/// By name(world), in the order of the names; none if all pairs have the same.
 std::vector<ConditionComparison> split(const ConditionComparison& c,
-                                       const std::function<std::string(const std::string&)>& name) {
+                                       std::string (*name)(const std::string& world)) {
   std::map<std::string, ConditionComparison> parts;
   for (const auto& pair : c.pairs) {
     const std::string part = name(pair.first->world);
@@ -75,6 +73,7 @@ std::vector<ConditionComparison> split(const ConditionComparison& c,
         .first->second.pairs.push_back(pair);
   }
   std::vector<ConditionComparison> all;
+  if (parts.size() < 2) return all;
   for (auto& [part, comparison] : parts) {
     compare_all_numbers(comparison);
     all.push_back(std::move(comparison));
@@ -145,13 +144,14 @@ std::vector<ConditionComparison> compare_conditions(const std::vector<Experiment
       }
       if (all.pairs.empty()) continue;
       compare_all_numbers(all);
-      std::vector<ConditionComparison> groups = split(all, group_of);
       comparisons.push_back(std::move(all));
-      if (groups.size() < 2) continue;
-      std::move(groups.begin(), groups.end(), std::back_inserter(comparisons));
     }
   }
   return comparisons;
+}
+
+std::vector<ConditionComparison> by_group(const ConditionComparison& comparison) {
+  return split(comparison, group_of);
 }
 
 std::vector<ConditionComparison> by_world(const ConditionComparison& comparison) {

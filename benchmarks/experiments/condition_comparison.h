@@ -40,7 +40,7 @@ struct NumberComparison {
 struct ConditionComparison {
   const Condition* condition = nullptr;
   std::string sensors;
-  std::string group;  ///< of worlds; "all worlds" for all
+  std::string group;  ///< of worlds, or one of them; "all worlds" for all
   std::vector<std::pair<const ExperimentRow*, const ExperimentRow*>> pairs;  ///< reference first
   std::vector<NumberComparison> numbers;                                     ///< one a shown number
 };
@@ -48,12 +48,13 @@ struct ConditionComparison {
 /// The last row of each mission (sensors, condition, world, seed), in that order.
 std::vector<const ExperimentRow*> last_rows(const std::vector<ExperimentRow>& rows);
 
-/// Sensors "model" first, conditions in the order of conditions(): each over all worlds, then, if
-/// there are several, over each group of them (built in; floor plans; from files). Points into
+/// Over all worlds; sensors "model" first, conditions in the order of conditions(). Points into
 /// `rows`.
 std::vector<ConditionComparison> compare_conditions(const std::vector<ExperimentRow>& rows);
 
-/// The same comparison in each of its worlds; `group` is the world.
+/// The same comparison in each group of its worlds (built in; floor plans; from files), and in each
+/// of its worlds: in the order of their names, none if there is only one.
+std::vector<ConditionComparison> by_group(const ConditionComparison& comparison);
 std::vector<ConditionComparison> by_world(const ConditionComparison& comparison);
 
 }  // namespace prospect

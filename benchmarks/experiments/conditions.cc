@@ -6,10 +6,10 @@ namespace prospect {
 
 const std::vector<Condition>& conditions() {
   // A loss costs what it costs a robot that has little besides its cameras.
-  const std::string poor_wheels =
-      "{reckoning_distance: 0.3, reckoning_angle: 0.2, reckoning_heading: 0.1}";
+  const std::string poor =
+      "simulator: {odometry: {reckoning_distance: 0.3, reckoning_angle: 0.2, "
+      "reckoning_heading: 0.1}}";
   const std::string count = "{weights: {w_l: 0.5}, visibility: {criterion: count}}";
-  const std::string poor = "simulator: {odometry: " + poor_wheels + "}";
   static const std::vector<Condition> table = {
       {"with", "", ""},
       {"without", "planner: {weights: {w_l: 0}}", "with"},

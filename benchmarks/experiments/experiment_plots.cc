@@ -185,8 +185,7 @@ void draw(const std::string& script, const std::string& path) {
 
 std::vector<std::string> write_experiment_plots(const std::vector<ExperimentRow>& rows,
                                                 const std::string& folder) {
-  std::vector<ConditionComparison> comparisons = compare_conditions(rows);
-  std::erase_if(comparisons, [](const auto& c) { return c.group != "all worlds"; });
+  const std::vector<ConditionComparison> comparisons = compare_conditions(rows);
   std::vector<std::string> pictures;
   if (comparisons.empty()) return pictures;
   std::error_code error;

@@ -101,13 +101,9 @@ std::string experiment_report(const std::vector<ExperimentRow>& rows) {
     }
   }
   const std::vector<ConditionComparison> all = compare_conditions(rows);
-  std::vector<ConditionComparison> over_all_worlds;
-  for (const ConditionComparison& c : all) {
-    if (c.group == "all worlds") over_all_worlds.push_back(c);
-  }
-  if (over_all_worlds.size() > 1) {
+  if (all.size() > 1) {
     write_ratios(
-        over_all_worlds, "condition",
+        all, "condition",
         [](const ConditionComparison& c) {
           return "`" + c.condition->name + "` / `" + c.condition->reference + "`, " + c.sensors;
         },
@@ -115,11 +111,12 @@ std::string experiment_report(const std::vector<ExperimentRow>& rows) {
   }
   for (const ConditionComparison& c : all) {
     write(c, out);
-    if (c.group != "all worlds") continue;
     const std::vector<ConditionComparison> worlds = by_world(c);
-    if (worlds.size() < 2) continue;
-    write_ratios(
-        worlds, "world", [](const ConditionComparison& world) { return world.group; }, out);
+    if (!worlds.empty()) {
+      write_ratios(
+          worlds, "world", [](const ConditionComparison& world) { return world.group; }, out);
+    }
+    for (const ConditionComparison& group : by_group(c)) write(group, out);
   }
   return out.str();
 }
