@@ -41,7 +41,8 @@ struct Belief {
   double stamp = 0.0;  ///< [s], from the clock passed to perception
   Pose pose;
   Eigen::Matrix4d covariance =
-      Eigen::Matrix4d::Zero();  ///< of (x, y, z, yaw), from the start of the mission
+      Eigen::Matrix4d::Zero();  ///< of (x, y, z, yaw), from the start of the mission; zero: exact.
+                                ///< Its growth keeps the robot off surfaces not seen for long
   Twist twist;                  ///< estimated body velocity
   /// The command in force, if whoever publishes knows it: rates are limited from there. Without it
   /// the estimated velocity stands for it, whose noise a limit on rates does not forgive, and it

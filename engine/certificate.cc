@@ -9,22 +9,18 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <list>
 #include <stdexcept>
 #include <vector>
 
 #include "engine/shape_geometry.h"
+#include "models/body_transform.h"
 
 namespace prospect {
 namespace {
 
-constexpr double kRestSpeed = 1e-3;  // [m/s] and [rad/s]
-
-Eigen::Isometry3d body_transform(const Pose& pose) {
-  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-  T.linear() = Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  T.translation() = pose.position;
-  return T;
-}
+constexpr double kRestSpeed = 1e-3;      // [m/s] and [rad/s]
+constexpr double kHeldTolerance = 1e-4;  // [m]
 
 bool at_rest(const Twist& twist) {
   return twist.linear.norm() <= kRestSpeed && std::abs(twist.yaw_rate) <= kRestSpeed;
@@ -60,8 +56,15 @@ std::string at_time(double time, const Pose& pose) {
 }  // namespace
 
 struct Certifier::Body {
+  /// The body grown by `margin`, for the columns that may have drifted by `drift` at least [m].
+  struct Shell {
+    double margin;
+    double drift;
+    std::vector<Part> parts;
+  };
+  RobotShape shape;
   std::vector<Part> exact;
-  std::vector<Part> grown;
+  std::vector<Shell> shells;  // by drift; the first is for all columns
   double circumscribed = 0.0;
   double middle = 0.0;  // height of the body's middle in B
 
@@ -117,8 +120,15 @@ class Scene {
   /// Returns whether all were visited.
   template <typename Visit>
   bool occupied(const std::vector<Part>& parts, const Pose& pose, const Visit& visit) const {
+    return occupied(
+        parts, pose, [](Cell) { return true; }, visit);
+  }
+  /// The same for the columns for which counts(cell) holds.
+  template <typename Counts, typename Visit>
+  bool occupied(const std::vector<Part>& parts, const Pose& pose, const Counts& counts,
+                const Visit& visit) const {
     return each_column(parts, pose, [&](const Part& part, const Box& box, int i, int j) {
-      if (!voxels_.frame().contains({i, j})) return true;
+      if (!voxels_.frame().contains({i, j}) || !counts({i, j})) return true;
       for (int k = std::max(low_, box.k_low); k <= std::min(high_, box.k_high); ++k) {
         if (voxels_.state(i, j, k) != CellState::kOccupied) continue;
         Run run{i, j, k, k};
@@ -220,32 +230,48 @@ class Scene {
 /// What a motion has been found to touch so far, and what of that is excused.
 class Walk {
  public:
-  Walk(const Scene& scene, const std::vector<Part>& exact, const std::vector<Part>& grown,
-       UnknownPolicy policy)
-      : scene_(scene), exact_(exact), body_(&grown), policy_(policy) {}
+  Walk(const Scene& scene, const std::vector<Part>& exact, UnknownPolicy policy,
+       const SurfaceDrift* drift)
+      : scene_(scene), exact_(exact), body_(&exact), policy_(policy), drift_(drift) {}
 
-  void start(const Pose& pose) {
-    const bool clear = scene_.occupied(*body_, pose, [](const Run&) { return false; });
-    if (!clear) {
-      body_ = &exact_;
-      scene_.occupied(exact_, pose, [&](const Run& run) {
-        if (find(run) == contacts_.end()) {
-          contacts_.push_back({run, scene_.centre_distance(pose, run), false});
-        }
-        return true;
-      });
+  /// Whether the body is free of the columns that may have drifted by `least` at least.
+  bool free(const Pose& pose, const std::vector<Part>& body, double least) const {
+    return scene_.occupied(
+        body, pose,
+        [&](Cell c) { return !(least > 0.0) || (drift_ != nullptr && drift_->sigma(c) >= least); },
+        [](const Run&) { return false; });
+  }
+  /// From now on `body` has to be; it outlives the walk.
+  void keep_free(const std::vector<Part>& body, double least) {
+    if (least > 0.0) {
+      widened_.push_back({&body, least});
+    } else {
+      body_ = &body;
     }
-    if (policy_ != UnknownPolicy::kFree) {
-      scene_.unknown(
-          exact_, pose, [](const Run&) { return false; },
-          [&](const Run& run) {
-            excused_.push_back(run);
-            return true;
-          });
-    }
+  }
+  /// What the exact body touches at `pose` is excused.
+  void excuse_contacts(const Pose& pose) {
+    scene_.occupied(exact_, pose, [&](const Run& run) {
+      if (find(run) == contacts_.end()) {
+        contacts_.push_back({run, scene_.centre_distance(pose, run), false});
+      }
+      return true;
+    });
+  }
+  void excuse_unknown(const Pose& pose) {
+    if (policy_ == UnknownPolicy::kFree) return;
+    scene_.unknown(
+        exact_, pose, [](const Run&) { return false; },
+        [&](const Run& run) {
+          excused_.push_back(run);
+          return true;
+        });
   }
 
   Certificate::Status step(const Pose& pose) {
+    for (const Widened& widened : widened_) {
+      if (!free(pose, *widened.body, widened.least)) return Certificate::Status::kCollision;
+    }
     for (Contact& contact : contacts_) contact.touched = false;
     const bool clear = scene_.occupied(*body_, pose, [&](const Run& run) {
       const auto contact = find(run);
@@ -274,6 +300,10 @@ class Walk {
     double distance;
     bool touched;
   };
+  struct Widened {
+    const std::vector<Part>* body;
+    double least;
+  };
   std::vector<Contact>::iterator find(const Run& run) {
     return std::find_if(contacts_.begin(), contacts_.end(),
                         [&](const Contact& contact) { return contact.run == run; });
@@ -283,6 +313,8 @@ class Walk {
   const std::vector<Part>& exact_;
   const std::vector<Part>* body_;
   UnknownPolicy policy_;
+  const SurfaceDrift* drift_;
+  std::vector<Widened> widened_;
   std::vector<Contact> contacts_;
   std::vector<Run> excused_;
 };
@@ -324,9 +356,23 @@ Certifier::Certifier(const RobotShape& shape, Options options) : options_(option
     throw std::invalid_argument("certifier: max_tail_time is " +
                                 std::to_string(options.max_tail_time) + " s; expected > 0");
   }
+  if (!(options.held >= 0.0 && options.held <= 1.0)) {
+    throw std::invalid_argument("certifier: held is " + std::to_string(options.held) +
+                                "; expected 0 to 1");
+  }
+  if (!(options.drift_margin >= 0.0) || !std::isfinite(options.drift_margin)) {
+    throw std::invalid_argument("certifier: drift_margin is " +
+                                std::to_string(options.drift_margin) + " m; expected >= 0");
+  }
   auto body = std::make_unique<Body>();
+  body->shape = shape;
   body->exact = Body::parts(shape, 0.0);
-  body->grown = Body::parts(shape, options.margin);
+  for (const double share : {0.0, 0.25, 0.5, 1.0}) {
+    const double drift = share * options.drift_margin;
+    if (share > 0.0 && !(drift > 0.0)) break;
+    const double margin = options.margin + drift;
+    body->shells.push_back({margin, drift, Body::parts(shape, margin)});
+  }
   body->circumscribed = circumscribed_radius(shape);
   const VerticalExtent extent = vertical_extent(shape);
   body->middle = 0.5 * (extent.z_min + extent.z_max);
@@ -339,8 +385,8 @@ Certifier& Certifier::operator=(Certifier&&) noexcept = default;
 
 Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& model,
                                       const Eigen::Ref<const Eigen::VectorXd>& x0,
-                                      const Eigen::Ref<const Eigen::MatrixXd>& inputs,
-                                      double dt) const {
+                                      const Eigen::Ref<const Eigen::MatrixXd>& inputs, double dt,
+                                      const SurfaceDrift* drift) const {
   Certificate result;
   const auto reject = [&result](Certificate::Status status, std::string detail) {
     result.status = status;
@@ -365,8 +411,7 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
     }
     const bool planar = model.pose_layout().pz < 0;
     const Scene scene(belief, options_.slice, planar, body_->middle);
-    Walk walk(scene, body_->exact, body_->grown, options_.unknown);
-    const double spacing = std::min(2.0 * options_.margin, 0.5 * belief.voxels->resolution());
+    Walk walk(scene, body_->exact, options_.unknown, drift);
     const auto moved = [&](const Pose& a, const Pose& b) {
       const double turn = std::min(std::abs(b.yaw - a.yaw), M_PI);
       return (b.position - a.position).norm() + 2.0 * body_->circumscribed * std::sin(0.5 * turn);
@@ -375,7 +420,34 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
     Eigen::VectorXd x = x0;
     Eigen::VectorXd sub(model.nx());
     Pose checked = model.pose(x);
-    walk.start(checked);
+    std::list<std::vector<Part>> held;  // bodies of a robot that starts within a margin
+    double margin = options_.margin;    // that is left of the first shell's
+    for (const Body::Shell& shell : body_->shells) {
+      if (shell.drift > 0.0 && drift == nullptr) break;
+      double kept = shell.margin;
+      if (walk.free(checked, shell.parts, shell.drift)) {
+        walk.keep_free(shell.parts, shell.drift);
+      } else if (walk.free(checked, body_->exact, shell.drift)) {
+        double low = 0.0, high = shell.margin;
+        while (high - low > kHeldTolerance) {
+          const double middle = 0.5 * (low + high);
+          (walk.free(checked, Body::parts(body_->shape, middle), shell.drift) ? low : high) =
+              middle;
+        }
+        // Rounding must not keep a robot from turning on the spot.
+        kept = std::max(0.0, options_.held * low - 0.1 * kHeldTolerance);
+        held.push_back(Body::parts(body_->shape, kept));
+        walk.keep_free(held.back(), shell.drift);
+      } else {
+        kept = 0.0;
+        if (!(shell.drift > 0.0)) walk.excuse_contacts(checked);
+      }
+      if (!(shell.drift > 0.0)) margin = kept;
+    }
+    walk.excuse_unknown(checked);
+    // Without a margin nothing covers the poses in between: they are spaced as for a quarter of it.
+    const double spacing =
+        std::min(2.0 * std::max(margin, 0.25 * options_.margin), 0.5 * belief.voxels->resolution());
     const auto check = [&](const Pose& pose, double time) {
       ++result.poses;
       result.time = time;
@@ -451,8 +523,8 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
 Certificate Certifier::certify(const Belief& belief, const MotionModel& model,
                                const Eigen::Ref<const Eigen::VectorXd>& x0,
                                const Eigen::Ref<const Eigen::VectorXd>& u_previous,
-                               const Eigen::Ref<const Eigen::MatrixXd>& committed,
-                               double dt) const {
+                               const Eigen::Ref<const Eigen::MatrixXd>& committed, double dt,
+                               const SurfaceDrift* drift) const {
   Certificate result;
   try {
     if (x0.size() != model.nx() || u_previous.size() != model.nu() ||
@@ -481,7 +553,7 @@ Certificate Certifier::certify(const Belief& belief, const MotionModel& model,
     const Eigen::MatrixXd tail = stopping_tail(model, x, u, dt, most);
     Eigen::MatrixXd inputs(model.nu(), committed.cols() + tail.cols());
     inputs << committed, tail;
-    result = certify_inputs(belief, model, x0, inputs, dt);
+    result = certify_inputs(belief, model, x0, inputs, dt, drift);
     if (!result.ok()) return result;
     for (Eigen::Index n = 0; n < tail.cols(); ++n) {
       model.step(x, tail.col(n), dt, next);

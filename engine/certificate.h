@@ -5,6 +5,7 @@
 #include <string>
 
 #include "engine/belief.h"
+#include "engine/surface_drift.h"
 #include "engine/unknown_policy.h"
 #include "models/motion_model.h"
 #include "models/robot_shape.h"
@@ -51,11 +52,17 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 /// may not touch unknown columns (planar: ground cells; 3-D: voxels), except those that the body
 /// overlaps already at the start. No margin is applied there; the border of the known is no wall.
 ///
-/// A robot that starts in contact can leave: if the grown body touches voxels at the start, the
-/// check goes on with the true body; if that touches voxels too, these are excused as long as every
-/// move takes the body's centre away from the nearest point of each of them or leaves it in place;
-/// a voxel not touched at the start is never excused, nor is one that was left and is touched
-/// again.
+/// A robot that starts within its margin can leave, and may not come nearer: the body is grown by
+/// `held` times the largest c <= margin with which it touches nothing at the start (found by
+/// bisection, to 0.1 mm). If even the true body touches voxels there, these are excused as
+/// long as every move takes the body's centre away from the nearest point of each of them or leaves
+/// it in place; a voxel not touched at the start is never excused, nor is one that was left and is
+/// touched again.
+///
+/// Surfaces that may not be where the map has them (`drift`, surface_drift.h) are kept farther
+/// away: with the shares a = 1/4, 1/2, 1, the body grown by margin + a drift_margin may not touch
+/// columns of voxels with sigma >= a drift_margin; for a robot that starts nearer than that the
+/// same as above, share by share.
 ///
 /// The octree's finest occupied cells are mirrored in belief.voxels; walking that mirror finds the
 /// few boxes near the body faster than descending the octree.
@@ -69,6 +76,11 @@ class Certifier {
     UnknownPolicy unknown = UnknownPolicy::kBraking;
     VerticalExtent slice = {0.1, 0.5};  ///< [m] in W; planar bases only
     double max_tail_time = 10.0;        ///< [s]; a tail that has not come to rest by then fails
+    /// What a robot within its margin keeps of the distance it has, 0 to 1. With 1 it cannot creep
+    /// up to things, with 0 it may do all but touch: for who checks once more what was certified
+    /// before, from a slightly different pose (guard.h).
+    double held = 0.0;
+    double drift_margin = 0.12;  ///< the most that is added to the margin for drift [m], >= 0
   };
 
   /// Throws std::invalid_argument for an invalid shape or options out of range.
@@ -77,17 +89,20 @@ class Certifier {
   Certifier(Certifier&&) noexcept;
   Certifier& operator=(Certifier&&) noexcept;
 
-  /// Checks the inputs (nu x n, n >= 0, each for dt [s]) from x0.
+  /// Checks the inputs (nu x n, n >= 0, each for dt [s]) from x0. drift: of the belief's surfaces;
+  /// null: they are where the map has them.
   Certificate certify_inputs(const Belief& belief, const MotionModel& model,
                              const Eigen::Ref<const Eigen::VectorXd>& x0,
-                             const Eigen::Ref<const Eigen::MatrixXd>& inputs, double dt) const;
+                             const Eigen::Ref<const Eigen::MatrixXd>& inputs, double dt,
+                             const SurfaceDrift* drift = nullptr) const;
 
   /// Checks the committed inputs (nu x n) and the stopping tail that follows them; u_previous is
   /// the input in force at the start (used when n = 0).
   Certificate certify(const Belief& belief, const MotionModel& model,
                       const Eigen::Ref<const Eigen::VectorXd>& x0,
                       const Eigen::Ref<const Eigen::VectorXd>& u_previous,
-                      const Eigen::Ref<const Eigen::MatrixXd>& committed, double dt) const;
+                      const Eigen::Ref<const Eigen::MatrixXd>& committed, double dt,
+                      const SurfaceDrift* drift = nullptr) const;
 
   /// Whether the true body (no margin) touches an occupied voxel at this pose; true for a pose that
   /// is not finite.

@@ -17,8 +17,10 @@
 #include "engine/retreat.h"
 #include "engine/seeds.h"
 #include "engine/stopwatch.h"
+#include "engine/surface_drift.h"
 #include "engine/tracked_calibration.h"
 #include "engine/unseen_features.h"
+#include "models/body_transform.h"
 
 namespace prospect {
 namespace {
@@ -79,6 +81,7 @@ void check(const PlannerParameters& p) {
                                     {"recovery_turn", p.recovery_turn},
                                     {"recovery_pause", p.recovery_pause},
                                     {"recovery_patience", p.recovery_patience},
+                                    {"drift_margin", p.drift_margin},
                                     {"d_safe", p.d_safe}}) {
     at_least(name, value, 0.0);
   }
@@ -142,6 +145,7 @@ struct Planner::Impl {
   double last_stamp = 0.0;
   RetreatTrail trail;
   BlockedMotion motion;
+  SurfaceDrift drift;
   bool was_lost = false;
   bool recovering = false;
   double recovery_started = 0.0;
@@ -168,12 +172,15 @@ struct Planner::Impl {
     slice = {extent.z_min + z, extent.z_max + z};
     Certifier::Options options;
     options.margin = parameters.certificate_margin;
+    options.held = 1.0;
+    options.drift_margin = parameters.drift_margin;
     options.unknown = parameters.unknown;
     options.slice = slice;
     certifier.emplace(robot.shape, options);
     options.margin = 0.5 * parameters.certificate_margin;
     close_certifier.emplace(robot.shape, options);
     options.margin = parameters.guard_margin();
+    options.held = 0.0;
     options.unknown = UnknownPolicy::kFree;
     guard_certifier.emplace(robot.shape, options);
     reach = robot.model->max_speed() * parameters.N * parameters.dt;
@@ -191,6 +198,11 @@ struct Planner::Impl {
   /// its map does not follow where the drift takes it.
   bool squeezing(const Belief& belief) const {
     return guidance->relaxed && belief.localization != Localization::kLost;
+  }
+  /// Whose surfaces are kept off; null: none. A robot that is lost drifts fast against all that it
+  /// does not see: kept off that as well, it would not get out of where it got lost.
+  const SurfaceDrift* minded_drift(const Belief& belief) const {
+    return belief.localization == Localization::kLost ? nullptr : &drift;
   }
   double unseen_density(const Belief& belief) const {
     return parameters.feature_prior ? belief.landmarks->feature_density : 0.0;
@@ -302,21 +314,26 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   r->ground = belief.ground;
 
   const bool vertical = model.pose_layout().pz >= 0;
+  const double radius = circumscribed_radius(robot.shape);
   r->clearance_center = belief.pose.position;
   r->clearance_field.vertical = vertical;
   r->clearance_field.slice = slice;
   r->clearance_field.reach = reach + 1.0;
-  r->clearance_field.cutoff = std::max(0.8, circumscribed_radius(robot.shape) + p.d_des + 0.2);
-  r->d_safe = p.d_safe;
-  r->d_des = p.d_des;
+  r->clearance_field.cutoff = std::max(0.8, radius + p.d_des + 0.2 + p.drift_margin);
+  const SurfaceDrift* minded = minded_drift(belief);
+  const double drifted =
+      minded == nullptr
+          ? 0.0
+          : std::min(p.drift_margin, minded->sigma_near(belief.pose.position.head<2>(),
+                                                        radius + p.d_des + p.drift_margin));
+  r->d_safe = p.d_safe + drifted;
+  r->d_des = p.d_des + drifted;
   r->clearance.d_safe = squeezing(belief) ? 0.0 : p.d_safe;
   r->clearance.floor = std::min(r->clearance.floor, r->clearance.d_safe);
   r->unknown = p.unknown;
   r->unknown_d_safe = p.d_safe;
 
-  const Eigen::Isometry3d T_WB =
-      Eigen::Translation3d(belief.pose.position) *
-      Eigen::Isometry3d(Eigen::AngleAxisd(belief.pose.yaw, Eigen::Vector3d::UnitZ()));
+  const Eigen::Isometry3d T_WB = body_transform(belief.pose);
   const double stereo_offset = robot.stereo_mount.T_BC.translation().head<2>().norm();
   const Eigen::Vector3d stereo_camera = T_WB * robot.stereo_mount.T_BC.translation();
   r->landmark_lattice =
@@ -537,10 +554,12 @@ void Planner::Impl::execute_best(const Belief& belief, const std::vector<Candida
     ++attempts;
     const TrajectoryBatch t = problem->rollout(c.z);
     const Eigen::MatrixXd inputs = stage_inputs(t).leftCols(committed);
-    Certificate certificate = (squeezing(belief) ? close_certifier : certifier)
-                                  ->certify(belief, *robot.model, d.x0, d.u_previous, inputs, d.dt);
-    // A start within the larger margin is checked with the true body, which may come closer to an
-    // obstacle than the guard allows later on: without its margin the two would disagree for ever.
+    Certificate certificate =
+        (squeezing(belief) ? close_certifier : certifier)
+            ->certify(belief, *robot.model, d.x0, d.u_previous, inputs, d.dt, minded_drift(belief));
+    // A start within the larger margin is checked with less of it, and may come closer to an
+    // obstacle than the guard allows later on: without the guard's margin the two would disagree
+    // for ever.
     if (certificate.ok()) {
       const Certificate guard =
           guard_certifier->certify(belief, *robot.model, d.x0, d.u_previous, inputs, d.dt);
@@ -633,6 +652,7 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
                           looks_out ? &*outlook : nullptr);
   plan.has_active_frontier = guidance->target.has_value();
   plan.times.guide = watch.lap();
+  drift.update(belief, robot);
   recipe = make_recipe(belief, texture);
   landmarks.assign(recipe->landmarks.begin(),
                    recipe->landmarks.begin() + static_cast<std::ptrdiff_t>(num_mapped));

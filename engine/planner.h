@@ -47,6 +47,10 @@ struct PlannerParameters {
   /// Margin that a guard of these plans must use [m]: smaller, so that what was certified with the
   /// whole margin passes from the slightly different pose at which it is executed.
   double guard_margin() const { return 0.25 * certificate_margin; }
+  /// How much farther than that surfaces are kept away that may have drifted since they were last
+  /// in view (surface_drift.h), at most [m]; 0: none. The soft cost's clearances grow by the drift
+  /// of what is near, too. Not while localization is lost.
+  double drift_margin = 0.12;
 
   double committed = 0.5;  ///< [s] of a plan that are certified and executed before the next
   int polished = 2;        ///< seeds handed to the solver

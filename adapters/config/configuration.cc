@@ -159,6 +159,8 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
   if (!(p.d_des > p.d_safe)) map.problem("d_des", "d_des <= d_safe; expected more");
   number("certificate_margin", p.certificate_margin, 0.001, 1.0, "m",
          "by which the certified body is grown");
+  number("drift_margin", p.drift_margin, 0.0, 1.0, "m",
+         "kept besides, at most, from surfaces that may have drifted since they were in view");
   const std::string unknown = map.choice("unknown", "braking", {"free", "blocked", "braking"},
                                          "what unknown space means to motion");
   p.unknown = unknown == "free"      ? UnknownPolicy::kFree

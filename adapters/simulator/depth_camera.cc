@@ -5,16 +5,13 @@
 #include <stdexcept>
 #include <string>
 
+#include "models/body_transform.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
-namespace {}  // namespace
 
 Eigen::Isometry3d camera_pose(const Pose& body, const CameraMount& mount) {
-  Eigen::Isometry3d T_WB = Eigen::Isometry3d::Identity();
-  T_WB.linear() = Eigen::AngleAxisd(body.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  T_WB.translation() = body.position;
-  return T_WB * mount.T_BC;
+  return body_transform(body) * mount.T_BC;
 }
 
 DepthScan transform(const DepthScan& scan_B, const Pose& pose) {

@@ -1,6 +1,7 @@
 #include "solvers/hybrid/hybrid_solver.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -17,6 +18,9 @@ namespace {
 
 // Two polished points nearer than this are on their way to one minimum [-].
 constexpr double kMerged = 0.02;
+
+// What an evaluation with its gradient takes, in scores (docs/performance.md).
+constexpr double kGradientPerScore = 3.0;
 
 // Seeds where the warm start gives none, itself included.
 constexpr int kOwnSeeds = 60;
@@ -107,12 +111,21 @@ class HybridSolver final : public SolverFrame {
     const std::string unsupported = polish.explain_unsupported(evaluator.problem());
     if (!unsupported.empty()) throw std::invalid_argument(polish.name() + ": " + unsupported);
 
+    const StopCondition::Clock::time_point began = StopCondition::Clock::now();
     std::vector<Basin> basins = score(evaluator, options, warm_start, start);
     // Each gets its first round within half of what is left.
     int evaluations = options.integer("polish_evaluations");
-    const int affordable = std::max(1, evaluator.evaluations_left() / (2 * evaluations));
+    int affordable = evaluator.evaluations_left() / (2 * evaluations);
+    if (evaluator.latest() != StopCondition::Clock::time_point::max() && basins.size() > 1) {
+      const StopCondition::Clock::time_point now = StopCondition::Clock::now();
+      const double polish = kGradientPerScore / static_cast<double>(basins.size()) *
+                            std::chrono::duration<double>(now - began).count();  // [s]
+      const double left = std::chrono::duration<double>(evaluator.latest() - now).count();
+      affordable = static_cast<int>(
+          std::clamp(left / (2.0 * evaluations * polish), 0.0, static_cast<double>(affordable)));
+    }
     keep_apart(evaluator, options.number("separation"),
-               std::min(options.integer("basins"), affordable), basins);
+               std::min(options.integer("basins"), std::max(1, affordable)), basins);
     const std::size_t opened = basins.size();
     Options coarse = {
         {"tolerance", std::max(options.number("polish_tolerance"), evaluator.options().tolerance)},

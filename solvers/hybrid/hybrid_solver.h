@@ -19,7 +19,9 @@ namespace prospect {
 ///  3. Down the ranking, a seed opens a basin unless it is near one already open,
 ///       |z - z'|^2 / n + ((J - J') / (J_median - J_best))^2 < separation^2,
 ///     z normalised by the ranges of the variables, until `basins` are open, or as many as can have
-///     their first round with half of what is left.
+///     their first round with half of what is left: of the evaluations, and of the time, if the
+///     stop condition says when it strikes (an evaluation with its gradient is taken for three
+///     times the time of a score).
 ///  4. In rounds, every open basin is polished by the back end `polish` to a loose tolerance, best
 ///     first, and the better half of what they came to stays open; those that came to the same
 ///     point count once. The first round gives each `polish_evaluations`, every other twice as many

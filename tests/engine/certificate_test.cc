@@ -397,6 +397,90 @@ TEST(Certificate, ARobotInContactMayLeaveButNotGoDeeper) {
   EXPECT_EQ(drive(0.115, 0.3).status, Status::kCollision);
 }
 
+TEST(Certificate, ARobotWithinItsMarginMayNotComeNearer) {
+  ObstacleWorld world(0.1, 2.0);
+  for (int j = -20; j < 20; ++j) world.occupy_column(3, j);
+  const Belief belief = world.belief();
+  const Holonomic model;
+  Certifier::Options options = free_policy();
+  options.margin = 0.02;
+  const auto status = [&](double clearance, double towards, double along, double turn) {
+    const Certifier certifier(CylinderShape{{0.0, 0.0, 0.3}, 0.18, 0.4}, options);
+    const Eigen::VectorXd x0 = Eigen::Vector3d(0.3 - 0.18 - clearance, 0.0, 0.0);
+    return certifier
+        .certify_inputs(belief, model, x0,
+                        constant(model, 1, {towards / kDt, along / kDt, turn / kDt}), kDt)
+        .status;
+  };
+  for (const double held : {0.0, 0.5, 1.0}) {
+    options.held = held;
+    SCOPED_TRACE(held);
+    EXPECT_EQ(status(0.025, 0.004, 0.0, 0.0), Status::kOk) << "down to the margin";
+    EXPECT_EQ(status(0.025, 0.006, 0.0, 0.0), Status::kCollision);
+    for (const double clearance : {0.003, 0.012, 0.019}) {
+      SCOPED_TRACE(clearance);
+      EXPECT_EQ(status(clearance, -0.05, 0.0, 0.0), Status::kOk) << "leaves";
+      EXPECT_EQ(status(clearance, 0.0, 0.05, 0.0), Status::kOk) << "follows the wall";
+      EXPECT_EQ(status(clearance, 0.0, 0.0, 0.3), Status::kOk) << "turns";
+      EXPECT_EQ(status(clearance, 0.9 * (1.0 - held) * clearance, 0.0, 0.0), Status::kOk);
+      EXPECT_EQ(status(clearance, 1.1 * (1.0 - held) * clearance + 2e-4, 0.0, 0.0),
+                Status::kCollision);
+    }
+  }
+  options.held = 1.1;
+  EXPECT_THROW(Certifier(CylinderShape(), options), std::invalid_argument);
+}
+
+TEST(Certificate, SurfacesThatMayHaveDriftedAreKeptFartherAway) {
+  ObstacleWorld world(0.1, 2.0);
+  for (int j = -20; j < 20; ++j) world.occupy_column(3, j);
+  Unicycle::Parameters parameters;
+  parameters.v_min = -0.6;
+  const Unicycle model(parameters);
+  const RobotDescription robot;
+  Certifier::Options options = free_policy();
+  options.margin = 0.02;
+  options.held = 1.0;
+  options.drift_margin = 0.12;
+  const CylinderShape shape{{0.0, 0.0, 0.3}, 0.18, 0.4};
+  const Certifier certifier(shape, options);
+  const auto seen = [&](double yaw, double variance, SurfaceDrift& drift) {
+    Belief belief = world.belief();
+    belief.pose = {{-0.5, 0.0, 0.0}, yaw};
+    belief.covariance(0, 0) = belief.covariance(1, 1) = variance;
+    drift.update(belief, robot);
+  };
+  SurfaceDrift drift;
+  seen(0.0, 0.0, drift);
+  seen(M_PI, 0.01, drift);
+  ASSERT_NEAR(drift.sigma({3, 0}), 0.1, 1e-6);
+  // The wall may be 0.1 m off, half of drift_margin at least: 0.08 m are kept.
+  const auto approach = [&](double clearance, double rest, const SurfaceDrift* minded,
+                            const Certifier& by) {
+    const Eigen::VectorXd x0 = Eigen::Vector3d(0.3 - 0.18 - clearance, 0.0, 0.0);
+    const double speed = (clearance - rest) / kDt;
+    return by
+        .certify_inputs(world.belief(), model, x0, constant(model, 1, {speed, 0.0}), kDt, minded)
+        .status;
+  };
+  EXPECT_EQ(approach(0.15, 0.085, &drift, certifier), Status::kOk);
+  EXPECT_EQ(approach(0.15, 0.075, &drift, certifier), Status::kCollision);
+  EXPECT_EQ(approach(0.15, 0.025, nullptr, certifier), Status::kOk);
+  // Closer at the start than it should be, it may not come nearer.
+  EXPECT_EQ(approach(0.07, 0.069, &drift, certifier), Status::kCollision);
+  EXPECT_EQ(approach(0.07, 0.06999, &drift, certifier), Status::kOk);
+  EXPECT_EQ(approach(0.07, 0.12, &drift, certifier), Status::kOk) << "leaves";
+  EXPECT_EQ(approach(0.01, 0.009, &drift, certifier), Status::kCollision);
+  EXPECT_EQ(approach(0.01, 0.05, &drift, certifier), Status::kOk);
+  // Not so where drift is not minded, nor once the wall was in view again.
+  options.drift_margin = 0.0;
+  EXPECT_EQ(approach(0.15, 0.025, &drift, Certifier(shape, options)), Status::kOk);
+  seen(0.0, 0.01, drift);
+  EXPECT_EQ(approach(0.15, 0.025, &drift, certifier), Status::kOk);
+  options.drift_margin = -0.1;
+  EXPECT_THROW(Certifier(shape, options), std::invalid_argument);
+}
+
 TEST(Certificate, MovesInSpaceMindFloorAndCeiling) {
   ObstacleWorld world(0.1, 2.0, 2.0);
   for (int i = -20; i < 20; ++i) {

@@ -577,6 +577,40 @@ TEST_F(PlannerTest, LostLocalizationMeansRecoveryWithoutExploration) {
   }
 }
 
+// A corner last seen minutes before was touched, with an estimate 0.1 m elsewhere since.
+TEST_F(PlannerTest, KeepsOffWhatMayHaveDriftedSinceItWasInView) {
+  Planner planner = make();
+  Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  expect_executable(planner.plan(belief), belief);
+  ASSERT_EQ(planner.recipe()->d_safe, parameters_.d_safe);
+  // Beside the box, looking away from it.
+  belief.stamp += 100.0;
+  belief.pose = {{0.9, -0.3, 0.0}, M_PI};
+  belief.covariance(0, 0) = belief.covariance(1, 1) = 0.0025;
+  expect_executable(planner.plan(belief), belief);
+  EXPECT_NEAR(planner.recipe()->d_safe, parameters_.d_safe + 0.05, 1e-6);
+  EXPECT_NEAR(planner.recipe()->d_des, parameters_.d_des + 0.05, 1e-6);
+  belief.stamp += 0.5;
+  belief.covariance(0, 0) = belief.covariance(1, 1) = 0.25;
+  expect_executable(planner.plan(belief), belief);
+  EXPECT_NEAR(planner.recipe()->d_des, parameters_.d_des + parameters_.drift_margin, 1e-9);
+  // Lost, it has to get out first.
+  belief.stamp += 0.5;
+  belief.localization = Localization::kLost;
+  planner.plan(belief);
+  EXPECT_EQ(planner.recipe()->d_des, parameters_.d_des);
+  belief.localization = Localization::kOk;
+  // Away from it, or having looked at it again, the robot minds the usual clearance.
+  belief.stamp += 0.5;
+  belief.pose = {{0.0, 0.0, 0.0}, 0.0};
+  expect_executable(planner.plan(belief), belief);
+  EXPECT_EQ(planner.recipe()->d_des, parameters_.d_des);
+  belief.stamp += 0.5;
+  belief.pose = {{0.9, -0.3, 0.0}, M_PI};
+  expect_executable(planner.plan(belief), belief);
+  EXPECT_EQ(planner.recipe()->d_des, parameters_.d_des);
+}
+
 // Turning back at once, each time, kept robots for six minutes before a blank stretch without a way
 // round; exploring on for the whole pause, they were metres off behind it.
 TEST_F(PlannerTest, ALossSoonAfterARecoveryIsAnsweredOnceItLasts) {

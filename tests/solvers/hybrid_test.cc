@@ -153,12 +153,14 @@ TEST_F(Hybrid, LeavesTimeForTheEndOfTheBest) {
   const Case c = ripples();
   WarmStart warm;
   warm.x = c.start;
-  // It says that its time is over, but never stops: no round has any time, so all goes to the best.
+  // It says that its time is over, but never stops: no basin but the best has any time.
   const StopCondition over([] { return StopRequest::kNone; }, StopCondition::Clock::now());
   const Options basins = {{"basins", 8}};
   const Result hurried = solver_->solve(c.problem(), warm, basins, over);
   const Result whole = solver_->solve(c.problem(), warm, basins, {});
   EXPECT_EQ(hurried.stop, StopReason::kConverged);
+  EXPECT_THAT(hurried.detail, testing::HasSubstr("best of 1 basins"));
+  EXPECT_THAT(whole.detail, testing::HasSubstr("best of 8 basins"));
   EXPECT_LT(2 * hurried.counters.gradient_evaluations, whole.counters.gradient_evaluations);
   // Time enough: nothing changes.
   const Result unhurried = solver_->solve(c.problem(), warm, basins, deadline(1e6));

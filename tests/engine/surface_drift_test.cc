@@ -1,0 +1,145 @@
+#include "engine/surface_drift.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+
+#include "tests/engine/obstacle_worlds.h"
+
+namespace prospect::surface_drift_test {
+namespace {
+
+using test::ObstacleWorld;
+
+/// A room of 4 x 4 m with walls of one cell; the robot looks along its x axis from 0.45 m.
+ObstacleWorld room() {
+  ObstacleWorld world(0.1, 3.0);
+  for (int a = -20; a < 20; ++a) {
+    world.occupy_column(a, -20);
+    world.occupy_column(a, 19);
+    world.occupy_column(-20, a);
+    world.occupy_column(19, a);
+  }
+  return world;
+}
+
+Belief belief_at(const ObstacleWorld& world, double x, double y, double yaw, double variance) {
+  Belief belief = world.belief();
+  belief.pose = {{x, y, 0.0}, yaw};
+  belief.covariance(0, 0) = belief.covariance(1, 1) = variance;
+  return belief;
+}
+
+constexpr Cell kEast{19, 0}, kWest{-20, 0}, kNorth{0, 19};
+
+TEST(SurfaceDrift, IsTheGrowthOfTheVarianceSinceASurfaceWasInView) {
+  const ObstacleWorld world = room();
+  const RobotDescription robot;
+  SurfaceDrift drift;
+  EXPECT_EQ(drift.sigma(kEast), 0.0);
+  EXPECT_EQ(drift.sigma_near({0.0, 0.0}, 3.0), 0.0);
+
+  drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.01), robot);
+  EXPECT_EQ(drift.sigma(kEast), 0.0);
+  drift.update(belief_at(world, 0.0, 0.0, M_PI, 0.0344), robot);
+  // Off by what came since, not by what was there before.
+  EXPECT_NEAR(drift.sigma(kEast), std::sqrt(0.0244), 1e-6);
+  EXPECT_EQ(drift.sigma(kWest), 0.0);
+  EXPECT_EQ(drift.sigma(kNorth), 0.0) << "never in view: counts as seen now";
+
+  // Looked at again, it is where the map has it.
+  drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.05), robot);
+  EXPECT_EQ(drift.sigma(kEast), 0.0);
+  EXPECT_NEAR(drift.sigma(kWest), std::sqrt(0.05 - 0.0344), 1e-6);
+}
+
+TEST(SurfaceDrift, WhatWasMappedWhileLostIsOffOnceThePoseIsFoundAgain) {
+  const ObstacleWorld world = room();
+  const RobotDescription robot;
+  SurfaceDrift drift;
+  drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.09), robot);
+  drift.update(belief_at(world, 0.0, 0.0, M_PI, 0.01), robot);
+  EXPECT_NEAR(drift.sigma(kEast), std::sqrt(0.08), 1e-6);
+}
+
+TEST(SurfaceDrift, NearCountsOccupiedCellsWithinTheRadius) {
+  const ObstacleWorld world = room();
+  const RobotDescription robot;
+  SurfaceDrift drift;
+  drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.0), robot);
+  drift.update(belief_at(world, 0.0, 0.0, M_PI, 0.01), robot);
+  // The wall's cells have their centres at x = 1.95.
+  EXPECT_NEAR(drift.sigma_near({1.45, 0.05}, 0.51), 0.1, 1e-6);
+  EXPECT_EQ(drift.sigma_near({1.45, 0.05}, 0.49), 0.0);
+  EXPECT_EQ(drift.sigma_near({-1.45, 0.05}, 0.51), 0.0);
+  EXPECT_EQ(drift.sigma_near({500.0, -500.0}, 0.51), 0.0) << "beyond the map";
+}
+
+TEST(SurfaceDrift, WhatIsHiddenOrOutOfTheFieldOfViewIsNotInView) {
+  ObstacleWorld world = room();
+  for (int j = -5; j <= 5; ++j) world.occupy_column(10, j);  // a screen before the east wall
+  const RobotDescription robot;
+  SurfaceDrift drift;
+  for (const double yaw : {0.0, M_PI}) {  // all but the screen's shadow is in view once
+    drift.update(belief_at(world, 1.5, 0.0, yaw, 0.0), robot);
+  }
+  drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.04), robot);
+  EXPECT_EQ(drift.sigma({10, 0}), 0.0);
+  EXPECT_NEAR(drift.sigma(kEast), 0.2, 1e-6) << "behind the screen";
+  EXPECT_NEAR(drift.sigma(kWest), 0.0, 1e-6) << "hidden by the screen from the first place, too";
+  // At 1.95 m, half the field of view of 1.22 rad ends 1.36 m to the side.
+  const Cell beside{19, 15};
+  ASSERT_GT(std::atan2(1.55, 1.95), 0.5 * robot.depth.horizontal_fov);
+  drift.update(belief_at(world, 1.5, 1.55, 0.0, 0.04), robot);
+  ASSERT_EQ(drift.sigma(beside), 0.0);
+  drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.08), robot);
+  EXPECT_NEAR(drift.sigma(beside), 0.2, 1e-6);
+}
+
+TEST(SurfaceDrift, ALowObstacleIsSeenFromAfarOnlyAndOverIt) {
+  ObstacleWorld world = room();
+  world.voxels.set(8, 0, 1, CellState::kOccupied);
+  world.ground.set({8, 0}, CellState::kOccupied, true);
+  const RobotDescription robot;
+  const double near = 0.45 / std::tan(0.5 * robot.depth.vertical_fov);  // where the floor comes in
+  SurfaceDrift drift;
+  drift.update(belief_at(world, 0.85 - near - 0.1, 0.05, 0.0, 0.01), robot);
+  drift.update(belief_at(world, 0.85 - near + 0.1, 0.05, 0.0, 0.02), robot);
+  EXPECT_NEAR(drift.sigma({8, 0}), 0.1, 1e-6);
+  EXPECT_EQ(drift.sigma(kEast), 0.0) << "seen over it";
+  drift.update(belief_at(world, 0.85 - near - 0.1, 0.05, 0.0, 0.03), robot);
+  EXPECT_EQ(drift.sigma({8, 0}), 0.0);
+}
+
+TEST(SurfaceDrift, FollowsTheGrowingMap) {
+  const RobotDescription robot;
+  SurfaceDrift drift;
+  drift.update(belief_at(room(), 0.0, 0.0, 0.0, 0.0), robot);
+  ObstacleWorld wide = room();
+  for (int i = 30; i < 80; ++i) wide.ground.set({i, 0}, CellState::kFree);
+  ASSERT_GT(wide.ground.frame().width, room().ground.frame().width);
+  drift.update(belief_at(wide, 0.0, 0.0, M_PI, 0.01), robot);
+  EXPECT_NEAR(drift.sigma(kEast), 0.1, 1e-6);
+  // Another map begins anew.
+  ObstacleWorld other(0.05, 1.0);
+  other.occupy_column(10, 0);
+  drift.update(belief_at(other, 0.0, 0.0, 0.0, 0.04), robot);
+  EXPECT_EQ(drift.sigma_near({0.0, 0.0}, 2.0), 0.0);
+}
+
+TEST(SurfaceDrift, NumbersThatAreNoneDoNoHarm) {
+  const ObstacleWorld world = room();
+  const RobotDescription robot;
+  SurfaceDrift drift;
+  drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.01), robot);
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1.0}) {
+    drift.update(belief_at(world, 0.0, 0.0, M_PI, bad), robot);
+    EXPECT_TRUE(std::isfinite(drift.sigma_near({0.0, 0.0}, 3.0)));
+  }
+}
+
+}  // namespace
+}  // namespace prospect::surface_drift_test
