@@ -41,8 +41,8 @@ struct WarmStart {
   Eigen::VectorXd z_lower, z_upper;  ///< n, multipliers of the bounds (>= 0)
   double mu = 0.0;                   ///< barrier parameter, 0 = unknown
   double time = 0.0;                 ///< [s], start of the horizon x belongs to
-  Eigen::MatrixXd
-      seeds;  ///< n x S: further points to start from, for back ends that compare starts
+  Eigen::MatrixXd seeds;  ///< n x S: further points to start from, the likely best first, for back
+                          ///< ends that compare starts
 };
 
 using OptionValue = std::variant<double, int, std::string>;

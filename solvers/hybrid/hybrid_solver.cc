@@ -22,14 +22,19 @@ constexpr double kMerged = 0.02;
 // What an evaluation with its gradient takes, in scores (docs/performance.md).
 constexpr double kGradientPerScore = 3.0;
 
+// Under a deadline this many seeds are scored at a time, a register of floats, until this share of
+// the time is over: those given come best first.
+constexpr int kScoredAtATime = 8;
+constexpr double kScoringShare = 0.0625;
+
 // Seeds where the warm start gives none, itself included.
 constexpr int kOwnSeeds = 60;
 
-/// Between now and `latest`; never if that is never.
-StopCondition::Clock::time_point halfway(StopCondition::Clock::time_point latest) {
+/// When `share` of the time from now to `latest` is over; never if that is never.
+StopCondition::Clock::time_point part_way(StopCondition::Clock::time_point latest, double share) {
   if (latest == StopCondition::Clock::time_point::max()) return latest;
   const auto now = StopCondition::Clock::now();
-  return now + (latest - now) / 2;
+  return now + std::chrono::duration_cast<StopCondition::Clock::duration>(share * (latest - now));
 }
 
 /// A point that stands for a basin: a seed at first, then what its polish has come to.
@@ -137,7 +142,7 @@ class HybridSolver final : public SolverFrame {
       if (share < 2) break;
       coarse["max_evaluations"] = std::min(evaluations, share);
       // Half of the time, likewise; the best goes first.
-      const StopCondition::Clock::time_point end = halfway(evaluator.latest());
+      const StopCondition::Clock::time_point end = part_way(evaluator.latest(), 0.5);
       for (Basin& basin : basins) {
         if (basin.settled) continue;
         if (&basin != &basins.front() && StopCondition::Clock::now() >= end) break;
@@ -194,12 +199,22 @@ class HybridSolver final : public SolverFrame {
     // The start is evaluated already, and the incumbent until the batch is.
     std::vector<Basin> seeds = {
         {start, evaluator.incumbent_cost(), evaluator.incumbent_violation(), false}};
-    Eigen::ArrayXd cost, violation;
-    const int done = evaluator.evaluate_batch(X, cost, violation, Evaluate::kScore);
-    evaluator.count_iteration();
-    for (int s = 0; s < done; ++s) {
-      if (std::isfinite(violation[s])) seeds.push_back({X.col(s), cost[s], violation[s], false});
+    const auto total = static_cast<int>(X.cols());
+    const bool hurried = own == 0 && evaluator.latest() != StopCondition::Clock::time_point::max();
+    const StopCondition::Clock::time_point end = part_way(evaluator.latest(), kScoringShare);
+    const int portion = hurried ? kScoredAtATime * options.integer("threads") : std::max(1, total);
+    for (int from = 0; from < total && !evaluator.stopped(); from += portion) {
+      if (from > 0 && StopCondition::Clock::now() >= end) break;
+      Eigen::ArrayXd cost, violation;
+      const auto batch = X.middleCols(from, std::min(portion, total - from));
+      const int done = evaluator.evaluate_batch(batch, cost, violation, Evaluate::kScore);
+      for (int s = 0; s < done; ++s) {
+        if (std::isfinite(violation[s])) {
+          seeds.push_back({batch.col(s), cost[s], violation[s], false});
+        }
+      }
     }
+    evaluator.count_iteration();
     rank(evaluator, seeds);
     return seeds;
   }

@@ -16,6 +16,8 @@ namespace prospect {
 ///     (spread_candidates.h) up to `candidates`; by default only where none are given. They keep
 ///     bounds and rate limits, and take half of the evaluations at most.
 ///  2. All are scored in one batch and ranked: feasible first, then by cost, else by violation.
+///     Under a deadline, given seeds are scored in their order for a sixteenth of the time only
+///     (StopCondition::latest()), eight at least.
 ///  3. Down the ranking, a seed opens a basin unless it is near one already open,
 ///       |z - z'|^2 / n + ((J - J') / (J_median - J_best))^2 < separation^2,
 ///     z normalised by the ranges of the variables, until `basins` are open, or as many as can have

@@ -168,6 +168,30 @@ TEST_F(Hybrid, LeavesTimeForTheEndOfTheBest) {
   EXPECT_EQ(unhurried.counters.gradient_evaluations, whole.counters.gradient_evaluations);
 }
 
+// By 5 ms, scores of seeds took two of them, and the best was not polished to its end.
+TEST_F(Hybrid, InAHurryTheFirstSeedsHaveToDo) {
+  const Case c = ripples();
+  WarmStart warm;
+  warm.x = c.start;
+  warm.seeds.resize(2, 20);
+  for (int s = 0; s < 20; ++s) warm.seeds.col(s) = vec({-4.0 + 0.4 * s, 3.0 - 0.3 * s});
+  const auto scored = [&](const StopCondition& stop) {
+    const auto watch = std::make_shared<Watch>();
+    watch->record = true;
+    const Problem problem = zoo::watched(c.problem(), watch);
+    const Result r = solver_->solve(problem, warm, {}, stop);
+    EXPECT_GT(r.counters.gradient_evaluations, 0);
+    int n = 0;
+    while (n < 20 && watch->points[1 + n] == warm.seeds.col(n)) ++n;
+    return n;
+  };
+  // As above: its time is over, but it is not stopped.
+  const StopCondition over([] { return StopRequest::kNone; }, StopCondition::Clock::now());
+  EXPECT_EQ(scored(over), 8);
+  EXPECT_EQ(scored(deadline(1e6)), 20);
+  EXPECT_EQ(scored({}), 20);
+}
+
 TEST_F(Hybrid, StaysFeasibleAndSolvesWithConstraints) {
   // A wall of discs before a path: the best input of many seeds that violate them.
   const PathProblem path = path_problem();
