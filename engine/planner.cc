@@ -11,6 +11,7 @@
 #include "engine/certificate.h"
 #include "engine/exploration_targets.h"
 #include "engine/feature_outlook.h"
+#include "engine/impasse.h"
 #include "engine/landmark_selection.h"
 #include "engine/limited_twist.h"
 #include "engine/local_texture.h"
@@ -125,8 +126,9 @@ struct Planner::Impl {
   PlannerParameters parameters;
   std::shared_ptr<const Solver> solver;
   std::optional<Certifier> certifier;
-  std::optional<Certifier> close_certifier;  // when nothing else is reachable
-  std::optional<Certifier> guard_certifier;  // as the guard will ask
+  std::optional<Certifier> close_certifier;    // when nothing else is reachable
+  std::optional<Certifier> impasse_certifier;  // in an impasse
+  std::optional<Certifier> guard_certifier;    // as the guard will ask
   ExplorationGuide guide;
   std::optional<FeatureOutlook> outlook;  // if the cost-to-go is weighted by it
   VerticalExtent slice{0.0, 0.0};         // of the body, in W
@@ -146,6 +148,8 @@ struct Planner::Impl {
   RetreatTrail trail;
   BlockedMotion motion;
   SurfaceDrift drift;
+  Impasse impasse;
+  bool stuck = false;  // in an impasse
   bool was_lost = false;
   bool recovering = false;
   double recovery_started = 0.0;
@@ -179,8 +183,9 @@ struct Planner::Impl {
     certifier.emplace(robot.shape, options);
     options.margin = 0.5 * parameters.certificate_margin;
     close_certifier.emplace(robot.shape, options);
-    options.margin = parameters.guard_margin();
     options.held = 0.0;
+    impasse_certifier.emplace(robot.shape, options);
+    options.margin = parameters.guard_margin();
     options.unknown = UnknownPolicy::kFree;
     guard_certifier.emplace(robot.shape, options);
     reach = robot.model->max_speed() * parameters.N * parameters.dt;
@@ -200,9 +205,19 @@ struct Planner::Impl {
     return guidance->relaxed && belief.localization != Localization::kLost;
   }
   /// Whose surfaces are kept off; null: none. A robot that is lost drifts fast against all that it
-  /// does not see: kept off that as well, it would not get out of where it got lost.
+  /// does not see: kept off that as well, it would not get out of where it got lost. Nor would one
+  /// get out of an impasse.
   const SurfaceDrift* minded_drift(const Belief& belief) const {
-    return belief.localization == Localization::kLost ? nullptr : &drift;
+    return belief.localization == Localization::kLost || in_impasse() ? nullptr : &drift;
+  }
+  /// Not while narrow gaps are tried: a robot that is stuck in one had better give it up than creep
+  /// on. In fr_079 one touched a wall that way, with a map half a metre off.
+  bool in_impasse() const { return stuck && !guidance->relaxed; }
+  /// What a motion has to pass. In an impasse no more is asked than that nothing is touched, on
+  /// the map as it is.
+  const Certifier& motion_certifier(const Belief& belief) const {
+    if (in_impasse()) return *impasse_certifier;
+    return squeezing(belief) ? *close_certifier : *certifier;
   }
   double unseen_density(const Belief& belief) const {
     return parameters.feature_prior ? belief.landmarks->feature_density : 0.0;
@@ -554,9 +569,8 @@ void Planner::Impl::execute_best(const Belief& belief, const std::vector<Candida
     ++attempts;
     const TrajectoryBatch t = problem->rollout(c.z);
     const Eigen::MatrixXd inputs = stage_inputs(t).leftCols(committed);
-    Certificate certificate =
-        (squeezing(belief) ? close_certifier : certifier)
-            ->certify(belief, *robot.model, d.x0, d.u_previous, inputs, d.dt, minded_drift(belief));
+    Certificate certificate = motion_certifier(belief).certify(
+        belief, *robot.model, d.x0, d.u_previous, inputs, d.dt, minded_drift(belief));
     // A start within the larger margin is checked with less of it, and may come closer to an
     // obstacle than the guard allows later on: without the guard's margin the two would disagree
     // for ever.
@@ -640,6 +654,8 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   const bool turning = !recovering && ((lost_now && belief.stamp < turning_until) ||
                                        belief.stamp < turning_away_until);
   was_lost = lost_now;
+  stuck = impasse.update(belief.stamp, belief.pose.position.head<2>(),
+                         !lost_now && !recovering && !turning);
   // Without a landmark all ways are alike.
   const bool looks_out = outlook && !belief.landmarks->landmarks.empty();
   const LocalTexture texture(*belief.ground, *belief.landmarks);

@@ -49,7 +49,7 @@ struct PlannerParameters {
   double guard_margin() const { return 0.25 * certificate_margin; }
   /// How much farther than that surfaces are kept away that may have drifted since they were last
   /// in view (surface_drift.h), at most [m]; 0: none. The soft cost's clearances grow by the drift
-  /// of what is near, too. Not while localization is lost.
+  /// of what is near, too. Not while localization is lost, nor in an impasse (impasse.h).
   double drift_margin = 0.12;
 
   double committed = 0.5;  ///< [s] of a plan that are certified and executed before the next

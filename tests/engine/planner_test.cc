@@ -11,6 +11,7 @@
 
 #include "engine/certificate.h"
 #include "engine/guard.h"
+#include "engine/impasse.h"
 #include "models/make_model.h"
 #include "tests/engine/room_belief.h"
 
@@ -609,6 +610,32 @@ TEST_F(PlannerTest, KeepsOffWhatMayHaveDriftedSinceItWasInView) {
   belief.pose = {{0.9, -0.3, 0.0}, M_PI};
   expect_executable(planner.plan(belief), belief);
   EXPECT_EQ(planner.recipe()->d_des, parameters_.d_des);
+}
+
+// Between walls that may have drifted, each in the way of keeping off the other, robots stood for
+// minutes.
+TEST_F(PlannerTest, InAnImpasseOnlyTouchingIsForbidden) {
+  Planner planner = make();
+  Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  expect_executable(planner.plan(belief), belief);
+  const auto keeps_off = [&] {
+    belief.stamp += 0.5;
+    expect_executable(planner.plan(belief), belief);
+    return planner.recipe()->d_des > parameters_.d_des;
+  };
+  belief.stamp = 100.0;
+  belief.pose = {{0.9, -0.3, 0.0}, M_PI};
+  belief.covariance(0, 0) = belief.covariance(1, 1) = 0.25;
+  const double began = belief.stamp;
+  while (keeps_off()) ASSERT_LT(belief.stamp, began + 2.0 * Impasse::kPatience);
+  EXPECT_GT(belief.stamp, began + Impasse::kPatience);
+  belief.pose.position.x() -= 0.9 * Impasse::kAway;
+  EXPECT_FALSE(keeps_off());
+  // Out of it, and back.
+  belief.pose.position.y() = 1.0;
+  keeps_off();
+  belief.pose = {{0.9, -0.3, 0.0}, M_PI};
+  EXPECT_TRUE(keeps_off());
 }
 
 // Turning back at once, each time, kept robots for six minutes before a blank stretch without a way

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace prospect {
+
+/// Notices a robot that tries to get on and does not: it stands or turns on the spot in a place so
+/// narrow that no way out keeps the distances asked for.
+///
+/// The robot is in an impasse once it has tried for kPatience to get farther than kLeash from one
+/// place, and remains in it until it is kAway from there. Time in which it did not try (lost,
+/// recovering, turning) does not count.
+///
+/// A value: one a robot. Thread-safety: none. Never throws. Source: our choice.
+class Impasse {
+ public:
+  static constexpr double kPatience = 10.0;  ///< [s]: more than a turn to look all around takes
+  static constexpr double kLeash = 0.2;      ///< [m]
+  static constexpr double kAway = 0.5;       ///< [m]
+
+  /// position in W (x, y) [m] at `stamp` [s]; tried: since the last update the robot tried to get
+  /// on. Returns whether it is in an impasse. Values that are not finite change nothing.
+  bool update(double stamp, const Eigen::Vector2d& position, bool tried);
+
+ private:
+  bool begun_ = false;
+  bool inside_ = false;
+  Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero();
+  double tried_for_ = 0.0;  // [s]
+  double last_ = 0.0;       // [s]
+};
+
+}  // namespace prospect
