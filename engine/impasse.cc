@@ -7,10 +7,9 @@ namespace prospect {
 
 bool Impasse::update(double stamp, const Eigen::Vector2d& position, bool tried) {
   if (!std::isfinite(stamp) || !position.allFinite()) return inside_;
-  const double passed = begun_ ? std::max(0.0, stamp - last_) : 0.0;
+  const double passed = std::max(0.0, stamp - last_);
   last_ = stamp;
-  if (!begun_ || (position - anchor_).norm() > (inside_ ? kAway : kLeash)) {
-    begun_ = true;
+  if (!anchor_ || (position - *anchor_).norm() > (inside_ ? kAway : kLeash)) {
     inside_ = false;
     anchor_ = position;
     tried_for_ = 0.0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 
 namespace prospect {
 
@@ -19,15 +20,17 @@ class Impasse {
   static constexpr double kAway = 0.5;       ///< [m]
 
   /// position in W (x, y) [m] at `stamp` [s]; tried: since the last update the robot tried to get
-  /// on. Returns whether it is in an impasse. Values that are not finite change nothing.
+  /// on. Returns inside(). Values that are not finite change nothing.
   bool update(double stamp, const Eigen::Vector2d& position, bool tried);
 
+  /// Whether the robot is in an impasse.
+  bool inside() const { return inside_; }
+
  private:
-  bool begun_ = false;
   bool inside_ = false;
-  Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero();
-  double tried_for_ = 0.0;  // [s]
-  double last_ = 0.0;       // [s]
+  std::optional<Eigen::Vector2d> anchor_;  // none before the first update
+  double tried_for_ = 0.0;                 // [s] at the anchor
+  double last_ = 0.0;                      // [s]
 };
 
 }  // namespace prospect

@@ -149,7 +149,6 @@ struct Planner::Impl {
   BlockedMotion motion;
   SurfaceDrift drift;
   Impasse impasse;
-  bool stuck = false;  // in an impasse
   bool was_lost = false;
   bool recovering = false;
   double recovery_started = 0.0;
@@ -212,7 +211,7 @@ struct Planner::Impl {
   }
   /// Not while narrow gaps are tried: a robot that is stuck in one had better give it up than creep
   /// on. In fr_079 one touched a wall that way, with a map half a metre off.
-  bool in_impasse() const { return stuck && !guidance->relaxed; }
+  bool in_impasse() const { return impasse.inside() && !guidance->relaxed; }
   /// What a motion has to pass. In an impasse no more is asked than that nothing is touched, on
   /// the map as it is.
   const Certifier& motion_certifier(const Belief& belief) const {
@@ -654,8 +653,8 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   const bool turning = !recovering && ((lost_now && belief.stamp < turning_until) ||
                                        belief.stamp < turning_away_until);
   was_lost = lost_now;
-  stuck = impasse.update(belief.stamp, belief.pose.position.head<2>(),
-                         !lost_now && !recovering && !turning);
+  impasse.update(belief.stamp, belief.pose.position.head<2>(),
+                 !lost_now && !recovering && !turning);
   // Without a landmark all ways are alike.
   const bool looks_out = outlook && !belief.landmarks->landmarks.empty();
   const LocalTexture texture(*belief.ground, *belief.landmarks);

@@ -202,7 +202,7 @@ class HybridSolver final : public SolverFrame {
     const auto total = static_cast<int>(X.cols());
     const bool hurried = own == 0 && evaluator.latest() != StopCondition::Clock::time_point::max();
     const StopCondition::Clock::time_point end = part_way(evaluator.latest(), kScoringShare);
-    const int portion = hurried ? kScoredAtATime * options.integer("threads") : std::max(1, total);
+    const int portion = hurried ? kScoredAtATime * options.integer("threads") : total;
     for (int from = 0; from < total && !evaluator.stopped(); from += portion) {
       if (from > 0 && StopCondition::Clock::now() >= end) break;
       Eigen::ArrayXd cost, violation;
