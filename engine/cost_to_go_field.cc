@@ -248,7 +248,7 @@ bool CostToGoField::reached(int index) const {
 void CostToGoField::find_anchor(const Traversability& traversability, bool reached_only) {
   const int reach = static_cast<int>(std::ceil(kAnchorRadius / frame_.resolution));
   std::int64_t least = static_cast<std::int64_t>(reach) * reach + 1;
-  Cell best = robot_;
+  Cell best = reached_only ? anchor_ : robot_;
   for (int dj = -reach; dj <= reach; ++dj) {
     for (int di = -reach; di <= reach; ++di) {
       const std::int64_t distance = static_cast<std::int64_t>(di) * di + dj * dj;

@@ -16,6 +16,7 @@ constexpr double kGapAhead = 2.0;   // [m] how far ahead the gap that held the r
 constexpr double kGapRadius = 0.3;  // [m] of the disc that is closed around its narrowest cell
 // [m] how far ahead of a robot that does not get on such a disc is closed: beyond its own cell.
 constexpr double kBlockedAhead = 0.4;
+constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
 
 }  // namespace
 
@@ -42,11 +43,8 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
   last_ = std::move(empty);
 }
 
-// Frontiers with a viewpoint in the robot's component of the passable cells (4-connected, as the
-// cost-to-go).
-void ExplorationGuide::mark_reachable(std::vector<Frontier>& frontiers) {
-  for (Frontier& frontier : frontiers) frontier.reachable = false;
-  if (!field_.anchor_reached()) return;
+// The robot's component of the passable cells (4-connected, as the cost-to-go).
+void ExplorationGuide::flood_from_anchor() {
   const Grid<float>& factors = traversability_.factors();
   const GridFrame& frame = factors.frame;
   component_.assign(factors.data.size(), 0);
@@ -57,14 +55,34 @@ void ExplorationGuide::mark_reachable(std::vector<Frontier>& frontiers) {
     component_[at] = 1;
     stack_.push_back(index);
   };
-  visit(frame.index(field_.anchor()));
+  if (frame.contains(field_.anchor())) visit(frame.index(field_.anchor()));
   while (!stack_.empty()) {
     const int index = stack_.back();
     stack_.pop_back();
     // The outermost cells are impassable: all four neighbours exist.
     for (const int n : {index - 1, index + 1, index - frame.width, index + frame.width}) visit(n);
   }
+}
+
+// Frontiers with a viewpoint in the robot's component.
+void ExplorationGuide::mark_reachable(std::vector<Frontier>& frontiers) {
+  for (Frontier& frontier : frontiers) frontier.reachable = false;
+  if (!field_.anchor_reached()) return;
+  flood_from_anchor();
   detector_.mark_seen_from(component_, frontiers);
+}
+
+// Places that are impassable by now say nothing: a wall drawn twice covers some of any room.
+bool ExplorationGuide::is_enclosed() {
+  flood_from_anchor();
+  const GridFrame& frame = traversability_.frame();
+  int joined = 0, cut_off = 0;
+  for (const Eigen::Vector2d& place : been_) {
+    const Cell c = frame.cell(place.x(), place.y());
+    if (!traversability_.passable(c)) continue;
+    ++(component_[static_cast<std::size_t>(frame.index(c))] != 0 ? joined : cut_off);
+  }
+  return cut_off > joined;
 }
 
 std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground, const Pose& pose,
@@ -91,6 +109,9 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     restart(Rules::kStrict);
     relaxed_area_ *= 2.0;  // as FrontierMemory::retry_area(), for the same reason
     reopenings_ = 0;
+  }
+  if (attention.looked && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
+    been_.push_back(p);
   }
   std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, outlook, rule);
   while (guidance->advice == Advice::kDone) {
@@ -129,6 +150,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     guidance->advice = Advice::kDone;
     guidance->abandoned = true;
   }
+  guidance->enclosed = guidance->advice == Advice::kDone && is_enclosed();
   updated_at_ = stamp;
   guidance->relaxed = rules_ == Rules::kGaps;
   guidance->milliseconds = watch.lap();

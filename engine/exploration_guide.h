@@ -85,8 +85,11 @@ struct Guidance {
   double stalled_for = 0.0;    ///< [s] without progress
   int retries_used = 0;
   int suppressed_cells = 0;
-  bool relaxed = false;       ///< narrow gaps count as passable: nothing else is reachable
-  bool abandoned = false;     ///< done although something is left: the time for it is up
+  bool relaxed = false;    ///< narrow gaps count as passable: nothing else is reachable
+  bool abandoned = false;  ///< done although something is left: the time for it is up
+  /// Done, but less is explored than seems: most places where the robot has been are passable, and
+  /// not joined any more to where it is.
+  bool enclosed = false;
   double milliseconds = 0.0;  ///< wall time of the update: a report, not an input to anything
 };
 
@@ -125,6 +128,10 @@ struct Guidance {
 /// then: a cell that noise fills in a narrow passage must not end a mission, and a turn on the spot
 /// clears it.
 ///
+/// An estimate that drifts can also draw the robot in: then nothing is reachable, but it is not
+/// everything explored. So the guide keeps the places where the robot has been, and says enclosed
+/// when it is done and cut off from most of them.
+///
 /// A robot that is lost does not extend its map, and one that recovers does not drive to its
 /// target: the attention says so, else frontiers are given up that nobody has tried.
 ///
@@ -158,7 +165,9 @@ class ExplorationGuide {
   void restart(Rules rules);
   void count_along_travel(const FeatureOutlook& outlook);
   void close_gap();
+  void flood_from_anchor();
   void mark_reachable(std::vector<Frontier>& frontiers);
+  bool is_enclosed();
 
   ExplorationGuideOptions options_;
   Traversability traversability_;
@@ -169,6 +178,7 @@ class ExplorationGuide {
   Grid<float> along_travel_;             // features seen in the direction of travel, by cell
   std::vector<std::uint8_t> component_;  // 1: in the robot's component; by cell
   std::vector<int> stack_;
+  std::vector<Eigen::Vector2d> been_;  // where the robot was while it was not lost, in W [m]
   Rules rules_ = Rules::kStrict;
   bool restarted_ = false;  // every known cell will seem new
   double relaxed_explored_ = 0.0;

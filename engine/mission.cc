@@ -24,6 +24,8 @@ std::string_view to_string(MissionEnd end) {
   switch (end) {
     case MissionEnd::kExplored:
       return "explored";
+    case MissionEnd::kEnclosed:
+      return "enclosed";
     case MissionEnd::kTimeLimit:
       return "time limit";
     case MissionEnd::kLost:
@@ -80,9 +82,11 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
     guard_reason = GuardReason::kPassed;
     if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
     if (guidance && guidance->advice == Advice::kDone) {
-      result.end = MissionEnd::kExplored;
-      result.detail = guidance->abandoned ? "the time for what is left to see is up"
-                                          : "no active reachable frontier is left";
+      result.end = guidance->enclosed ? MissionEnd::kEnclosed : MissionEnd::kExplored;
+      result.detail = guidance->enclosed
+                          ? "walls as drawn cut the robot off from most places it came through"
+                      : guidance->abandoned ? "the time for what is left to see is up"
+                                            : "no active reachable frontier is left";
       return result;
     }
 

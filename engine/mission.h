@@ -12,6 +12,7 @@ namespace prospect {
 
 enum class MissionEnd {
   kExplored,  ///< no active reachable frontier is left
+  kEnclosed,  ///< so says the guide, but the robot is cut off from most places it came through
   kTimeLimit,
   kLost,  ///< localization was lost and did not come back
   kCancelled

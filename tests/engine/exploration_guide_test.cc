@@ -203,6 +203,51 @@ TEST(ExplorationGuide, ADoorwayTooNarrowForTheHardRadiusIsTriedBeforeDone) {
   EXPECT_EQ(guide.update(two_rooms(3), pose, 0.0)->advice, Advice::kDone);
 }
 
+// fr_079, seed 6: walls that a drifting estimate drew shut a robot up in a nook, and the mission
+// ended as explored with nine tenths seen.
+TEST(ExplorationGuide, ARobotCutOffFromWhereItWasIsEnclosedNotDone) {
+  const auto from_second_to_first_room = [](ExplorationGuide& guide, double lost_until) {
+    std::shared_ptr<const Guidance> g;
+    double t = 0.0;
+    for (double x = 8.0; x > 2.05; x -= 0.25, t += 0.5) {
+      GuideAttention attention;
+      attention.looked = x <= lost_until;
+      g = guide.update(two_rooms(10), {{x, 3.0, 0.0}, 0.0}, t, attention);
+      EXPECT_NE(g->advice, Advice::kDone);
+      EXPECT_FALSE(g->enclosed);
+    }
+    return g;
+  };
+  const Pose inside{{2.0, 3.0, 0.0}, 0.0};
+  GroundMap shut = two_rooms(10);
+  for (int j = 25; j < 35; ++j) shut.set({40, j}, CellState::kOccupied);
+
+  ExplorationGuide guide(prompt());
+  from_second_to_first_room(guide, 8.0);
+  const auto g = guide.update(shut, inside, 100.0);
+  EXPECT_EQ(g->advice, Advice::kDone);
+  EXPECT_TRUE(g->enclosed);
+
+  // Where it was lost, it does not know that it has been.
+  ExplorationGuide lost(prompt());
+  from_second_to_first_room(lost, 4.0);
+  EXPECT_FALSE(lost.update(shut, inside, 100.0)->enclosed);
+
+  // A robot in a wall, as drawn, is joined to nothing.
+  for (int j = 15; j < 45; ++j) {
+    for (int i = 7; i < 38; ++i) shut.set({i, j}, CellState::kOccupied);
+  }
+  const auto in_wall = guide.update(shut, inside, 101.0);
+  EXPECT_EQ(in_wall->advice, Advice::kDone);
+  EXPECT_TRUE(in_wall->enclosed);
+
+  // One that came from nowhere else has explored what it could reach.
+  ExplorationGuide here(prompt());
+  const auto done = here.update(two_rooms(0), inside, 0.0);
+  EXPECT_EQ(done->advice, Advice::kDone);
+  EXPECT_FALSE(done->enclosed);
+}
+
 // Else every part of every frontier behind the gap would be given up in turn, 8 s each.
 TEST(ExplorationGuide, AGapThatCannotBePassedIsClosedAndTriedOnceMore) {
   const GroundMap map = two_rooms(3);

@@ -73,6 +73,7 @@ class FakeReplanner final : public Replanner {
     if (kind == PlanKind::kStoppingTail) plan.certified = false;
     guidance_ = std::make_shared<Guidance>();
     guidance_->advice = plans > steps ? Advice::kDone : Advice::kPlan;
+    guidance_->enclosed = enclosed;
     return plan;
   }
   std::shared_ptr<const Guidance> guidance() const override { return guidance_; }
@@ -80,6 +81,7 @@ class FakeReplanner final : public Replanner {
   double speed = 0.2;
   int committed = 2;
   int steps = 1000000;
+  bool enclosed = false;
   int plans = 0;
   PlanKind kind = PlanKind::kOptimised;
   std::function<void()> on_plan;
@@ -130,6 +132,17 @@ TEST_F(Mission, EndsWhenNothingIsLeftToExplore) {
   EXPECT_FALSE(result.detail.empty());
   EXPECT_EQ(robot_.commands.size(), 7u);  // six driven and the stop
   EXPECT_EQ(robot_.commands[5].linear.x(), 0.2);
+  expect_stopped();
+}
+
+TEST_F(Mission, SaysEnclosedRatherThanExplored) {
+  planner_.steps = 3;
+  planner_.enclosed = true;
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kEnclosed);
+  EXPECT_EQ(to_string(result.end), "enclosed");
+  EXPECT_FALSE(result.detail.empty());
+  EXPECT_EQ(result.steps, 4);
   expect_stopped();
 }
 
