@@ -10,6 +10,7 @@ const std::vector<Condition>& conditions() {
       "simulator: {odometry: {reckoning_distance: 0.3, reckoning_angle: 0.2, "
       "reckoning_heading: 0.1}}";
   const std::string count = "{weights: {w_l: 0.5}, visibility: {criterion: count}}";
+  const std::string slow = "robot: {motion: {v_max: 0.3}}";
   static const std::vector<Condition> table = {
       {"with", "", ""},
       {"without", "planner: {weights: {w_l: 0}}", "with"},
@@ -22,6 +23,8 @@ const std::vector<Condition>& conditions() {
       {"unweighted_ways", "planner: {frontiers: {lambda: 0}}", "with"},
       {"short_horizon", "planner: {N: 10, M: 5}", "with"},
       {"long_horizon", "planner: {N: 40, M: 20}", "with"},
+      // Half the speed everywhere: more than slowing down where features are few could bring.
+      {"slow", slow, "with"},
       // Back ends; `with` is solved by nlopt.
       {"ipopt", "planner: {solver: ipopt}", "with"},
       {"ceres", "planner: {solver: ceres}", "with"},
@@ -34,6 +37,7 @@ const std::vector<Condition>& conditions() {
       {"poor_wheels_with", poor, ""},
       {"poor_wheels_without", "{" + poor + ", planner: {weights: {w_l: 0}}}", "poor_wheels_with"},
       {"poor_wheels_count", "{" + poor + ", planner: " + count + "}", "poor_wheels_with"},
+      {"poor_wheels_slow", "{" + poor + ", " + slow + "}", "poor_wheels_with"},
       {"poor_wheels_nearest", poor, "poor_wheels_with", "nearest"},
       {"poor_wheels_cost_utility", poor, "poor_wheels_with", "cost-utility"},
       {"poor_wheels_nearest_mpc", poor, "poor_wheels_with", "nearest-mpc"},
