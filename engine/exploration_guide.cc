@@ -25,6 +25,7 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
       traversability_(options.traversability),
       detector_(options.frontiers),
       memory_(options.memory),
+      area_(options.area_depth),
       field_(options.cost_to_go) {
   const auto require = [](const char* name, double value, double below, const char* expected) {
     if (value >= 0.0 && value < below) return;
@@ -224,18 +225,16 @@ void ExplorationGuide::close_gap() {
 }
 
 std::vector<double> ExplorationGuide::bonuses(const BonusQuestion& question,
-                                              const BonusRule& rule) const {
+                                              const BonusRule& rule) {
   const std::vector<Frontier>& frontiers = question.detector.frontiers();
   std::vector<double> bonus(frontiers.size(), 0.0);
   if (rule) {
     bonus = rule(question);
     bonus.resize(frontiers.size(), 0.0);
   } else {
-    const double resolution = question.detector.frame().resolution;
+    const std::vector<double>& m = area_.measure(traversability_, frontiers, suppressed_);
     for (std::size_t k = 0; k < frontiers.size(); ++k) {
-      const auto counted =
-          static_cast<double>(frontiers[k].cells.size()) - frontiers[k].suppressed_cells;
-      bonus[k] = options_.kappa * std::log1p(counted * resolution);
+      bonus[k] = options_.kappa * std::log1p(m[k]);
     }
   }
   if (question.current >= 0) {

@@ -10,6 +10,7 @@
 #include "engine/cost_to_go.h"
 #include "engine/cost_to_go_field.h"
 #include "engine/feature_outlook.h"
+#include "engine/frontier_area.h"
 #include "engine/frontier_memory.h"
 #include "engine/frontiers.h"
 #include "engine/ground_map.h"
@@ -38,7 +39,8 @@ struct ExplorationGuideOptions {
   double leftovers_least = 300.0;
   double leftovers_growth = 0.1;
   double look_length = 2.0;  ///< [m] of travel that a look at a frontier counts as; see below
-  double kappa = 0.5;        ///< [m] bonus of a frontier per unit of log(1 + length / 1 m)
+  double kappa = 2.5;        ///< [m] bonus of a frontier per unit of log(1 + m_c / 1 m^2)
+  double area_depth = 1.0;   ///< [m] how far behind a frontier m_c is counted (FrontierArea)
 };
 
 /// What the robot did since the last update.
@@ -99,12 +101,11 @@ struct Guidance {
 ///   std::shared_ptr<const Guidance> g = guide.update(*belief.ground, belief.pose, belief.stamp);
 ///   problem term: CostToGoTerm(g->cost_to_go);   g->advice == Advice::kDone ends the mission
 ///
-/// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the length of the frontier in
-/// metres (the prototype's kappa of 0.5 is "per log-metre"; the formulation calls m_c an area),
-/// with the current target's head start. Another rule for the bonus may be given. With an outlook,
-/// a metre travelled costs 1 + lambda max(0, 1 - N / N_req) times as much, N the features in view
-/// in the direction of travel (down the field of the step before), and a viewpoint lambda
-/// look_length max(0, 1 - N / N_req) more, N in the direction of what is looked at.
+/// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the area that the frontier promises
+/// (FrontierArea), with the current target's head start. Another rule for the bonus may be given.
+/// With an outlook, a metre travelled costs 1 + lambda max(0, 1 - N / N_req) times as much, N the
+/// features in view in the direction of travel (down the field of the step before), and a viewpoint
+/// lambda look_length max(0, 1 - N / N_req) more, N in the direction of what is looked at.
 ///
 /// Before it says done, the guide asks twice more, under weaker rules:
 ///   1. keyholes: frontiers count from relaxed_length on. What a keyhole shows is a short frontier,
@@ -160,7 +161,7 @@ class ExplorationGuide {
   std::shared_ptr<Guidance> step(const GroundMap& ground, const Pose& pose, double stamp,
                                  const GuideAttention& attention, const FeatureOutlook* outlook,
                                  const BonusRule& rule);
-  std::vector<double> bonuses(const BonusQuestion& question, const BonusRule& rule) const;
+  std::vector<double> bonuses(const BonusQuestion& question, const BonusRule& rule);
   enum class Rules { kStrict, kKeyholes, kGaps };
   void restart(Rules rules);
   void count_along_travel(const FeatureOutlook& outlook);
@@ -173,6 +174,7 @@ class ExplorationGuide {
   Traversability traversability_;
   FrontierDetector detector_;
   FrontierMemory memory_;
+  FrontierArea area_;
   CostToGoField field_;
   Grid<std::uint8_t> suppressed_;
   Grid<float> along_travel_;             // features seen in the direction of travel, by cell

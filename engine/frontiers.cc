@@ -191,7 +191,6 @@ void FrontierDetector::cluster() {
       const auto n = static_cast<double>(frontier.cells.size());
       frontier.centroid /= n;
       frontier.length = n * r;
-      frontier.area = n * r * r;
     }
   }
 }

@@ -30,7 +30,6 @@ struct Frontier {
   std::vector<Cell> cells;                             ///< in scan order
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();  ///< of cell centres, in W [m]
   double length = 0.0;                                 ///< number of cells x resolution [m]
-  double area = 0.0;                                   ///< number of cells x resolution^2 [m^2]
   int suppressed_cells = 0;  ///< cells that do not count for now (see FrontierMemory)
   int viewpoints = 0;        ///< entries of its cells' viewpoint lists; 0: no pose can see it
   /// Long enough, and some cell that is not suppressed has a viewpoint.

@@ -76,6 +76,9 @@ class Traversability {
   /// Distance [m] to the square of the nearest unknown cell, likewise truncated; 0 outside the map.
   double unknown_clearance(Cell c) const;
   double clearance_limit() const;
+  /// clearance(c) + slack >= hard_radius: room for the robot, as far as walls are known. Whatever
+  /// the state of the cell; true outside the map.
+  bool clear(Cell c) const { return occupied_sq_.get(c, limit_sq_) >= hard_sq_; }
   bool passable(Cell c) const { return factor(c) > 0.0F; }
   float factor(Cell c) const { return factor_.get(c, 0.0F); }
   const Grid<float>& factors() const { return factor_; }

@@ -48,8 +48,9 @@ TEST(Traversability, EqualsTheDistanceToEveryCellOneByOne) {
         ASSERT_NEAR(t.clearance(c), std::min(occupied, limit), 1e-9);
         ASSERT_NEAR(t.unknown_clearance(c), unknown, 1e-9);
         const double slack = t.options().lattice_slack + 1e-9;
-        const bool expected =
-            map.state(c) == CellState::kFree && occupied + slack >= t.options().hard_radius;
+        const bool clear = occupied + slack >= t.options().hard_radius;
+        ASSERT_EQ(t.clear(c), clear);
+        const bool expected = map.state(c) == CellState::kFree && clear;
         ASSERT_EQ(t.passable(c), expected);
         if (!expected) continue;
         ++passable;

@@ -1,0 +1,170 @@
+// What the order of the frontiers costs: the exploration guide under several configurations, each
+// map from four headings, driven perfectly (exact pose, 0.3 m or 0.5 rad in half a second, a view
+// of 4 m and 60 degrees after each). Missions are chaotic and take minutes; this takes a second a
+// run, so that differences of a few per cent show.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <iostream>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/config/configuration.h"
+#include "adapters/config/input_error.h"
+#include "adapters/run/exploration_run.h"
+#include "adapters/worlds/load_world.h"
+#include "adapters/worlds/reachable_area.h"
+#include "engine/exploration_guide.h"
+#include "tests/engine/ground_worlds.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kStep = 0.5;                                      // [s]
+constexpr double kLongest = 3000.0;                                // [s] of a run
+constexpr std::array<double, 3> kShares = {0.9, 0.95, 0.98};       // of the reachable area
+constexpr std::array<double, 4> kHeadings = {0.0, 1.6, 3.1, 4.7};  // [rad] from the start pose's
+
+struct Place {
+  test::GroundWorld plan;
+  ReachableArea reachable;
+  Pose start;
+};
+
+struct Run {
+  std::array<std::optional<double>, 3> time;  // [s] to each share, none: not reached
+  double path = 0.0;                          // [m]
+  double guide = 0.0;                         // [ms] an update, mean
+};
+
+Place load(const std::string& path, const Configuration& configuration) {
+  const World world = load_world(path, world_options_for(configuration));
+  const Grid<std::uint8_t> free = free_columns(world.voxels, BodySlice{});
+  Place place{{Grid<CellState>(free.frame, CellState::kOccupied)},
+              reachable_area(world, configuration),
+              world.start};
+  for (std::size_t k = 0; k < free.data.size(); ++k) {
+    if (free.data[k] != 0) place.plan.truth.data[k] = CellState::kFree;
+  }
+  return place;
+}
+
+double share_seen(const ReachableArea& reachable, const GroundMap& map) {
+  int seen = 0, all = 0;
+  for (int k = 0; k < reachable.cells.frame.size(); ++k) {
+    if (reachable.cells.data[static_cast<std::size_t>(k)] == 0) continue;
+    ++all;
+    seen += map.state(reachable.cells.frame.at(k)) != CellState::kUnknown;
+  }
+  return static_cast<double>(seen) / all;
+}
+
+Run drive(const Place& place, double heading, const ExplorationGuideOptions& options) {
+  ExplorationGuide guide(options);
+  Pose pose = place.start;
+  pose.yaw += heading;
+  const GridFrame& frame = place.plan.truth.frame;
+  const Cell start = frame.cell(pose.position.x(), pose.position.y());
+  GroundMap map(GridFrame{frame.resolution, start.i, start.j, 1, 1});
+  Run run;
+  int updates = 0;
+  for (double time = 0.0; time < kLongest && !run.time.back(); time += kStep) {
+    place.plan.sense(pose, 4.0, 1.05, map);
+    const auto g = guide.update(map, pose, time);
+    run.guide += g->milliseconds;
+    if (++updates % 4 == 0) {
+      const double share = share_seen(place.reachable, map);
+      for (std::size_t k = 0; k < kShares.size(); ++k) {
+        if (share >= kShares[k] && !run.time[k]) run.time[k] = time;
+      }
+    }
+    if (g->advice == Advice::kDone) break;
+    if (!g->target) continue;
+    const auto way = g->cost_to_go->descend(pose.position.head<2>(), 0.3);
+    double aim = g->target->yaw;
+    if (way.size() > 4) {
+      const Eigen::Vector2d d = way.back() - way.front();
+      aim = std::atan2(d.y(), d.x());
+    }
+    const double turn = std::remainder(aim - pose.yaw, 2.0 * M_PI);
+    pose.yaw += std::clamp(turn, -0.5, 0.5);
+    if (std::abs(turn) < 0.8 && !way.empty()) {
+      run.path += (way.back() - pose.position.head<2>()).norm();
+      pose.position.head<2>() = way.back();
+    }
+  }
+  run.guide /= updates;
+  return run;
+}
+
+// Geometric mean of b / a over the pairs that have both, and its standard error.
+void print_ratio(const std::vector<Run>& a, const std::vector<Run>& b, std::size_t share) {
+  std::vector<double> logarithms;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    if (a[k].time[share] && b[k].time[share]) {
+      logarithms.push_back(std::log(*b[k].time[share] / *a[k].time[share]));
+    }
+  }
+  const auto n = static_cast<double>(logarithms.size());
+  double mean = 0.0, variance = 0.0;
+  for (const double x : logarithms) mean += x / n;
+  for (const double x : logarithms) variance += (x - mean) * (x - mean) / std::max(1.0, n - 1.0);
+  std::printf("  %.3f +- %.3f (%d)", std::exp(mean), std::exp(mean) * std::sqrt(variance / n),
+              static_cast<int>(n));
+}
+
+int main_program(int argc, char** argv) {
+  std::vector<std::string> maps, configurations;
+  CLI::App app{"Time to see a map by the exploration guide alone, for several configurations"};
+  app.add_option("--maps", maps, "worlds, as `prospect explore` takes them")->required();
+  app.add_option("--configs", configurations, "configuration files; the first is compared with")
+      ->required();
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  std::vector<Configuration> read;
+  for (const std::string& file : configurations) read.push_back(read_configuration(file));
+  std::vector<std::vector<Run>> runs(read.size());
+  std::printf("config,map,heading,t90_s,t95_s,t98_s,path_m,guide_ms\n");
+  for (const std::string& map : maps) {
+    const Place place = load(map, read.front());
+    for (const double heading : kHeadings) {
+      for (std::size_t c = 0; c < read.size(); ++c) {
+        const Run& run = runs[c].emplace_back(drive(place, heading, read[c].planner.guide));
+        std::printf("%s,%s,%.1f", configurations[c].c_str(), map.c_str(), heading);
+        for (const auto& time : run.time) time ? std::printf(",%.0f", *time) : std::printf(",");
+        std::printf(",%.1f,%.2f\n", run.path, run.guide);
+        std::fflush(stdout);
+      }
+    }
+  }
+  for (std::size_t c = 0; c < read.size(); ++c) {
+    std::printf("%s against %s, time to 90, 95, 98 %%:", configurations[c].c_str(),
+                configurations.front().c_str());
+    for (std::size_t share = 0; share < kShares.size(); ++share) {
+      print_ratio(runs.front(), runs[c], share);
+    }
+    std::printf("\n");
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace prospect
+
+int main(int argc, char** argv) {
+  try {
+    return prospect::main_program(argc, argv);
+  } catch (const prospect::InputError& e) {
+    std::cerr << "frontier_order: " << e.what() << '\n';
+    return 2;
+  } catch (const std::exception& e) {
+    std::cerr << "frontier_order: " << e.what() << '\n';
+    return 1;
+  }
+}
