@@ -232,10 +232,17 @@ std::vector<double> ExplorationGuide::bonuses(const BonusQuestion& question,
     bonus = rule(question);
     bonus.resize(frontiers.size(), 0.0);
   } else {
-    const std::vector<double>& m = area_.measure(traversability_, frontiers, suppressed_);
-    for (std::size_t k = 0; k < frontiers.size(); ++k) {
-      bonus[k] = options_.kappa * std::log1p(m[k]);
+    if (options_.size == FrontierSize::kArea) {
+      bonus = area_.measure(traversability_, frontiers, suppressed_);
+    } else {
+      const double resolution = question.detector.frame().resolution;
+      for (std::size_t k = 0; k < frontiers.size(); ++k) {
+        const auto counted =
+            static_cast<double>(frontiers[k].cells.size()) - frontiers[k].suppressed_cells;
+        bonus[k] = counted * resolution;
+      }
     }
+    for (double& b : bonus) b = options_.kappa * std::log1p(b);
   }
   if (question.current >= 0) {
     bonus[static_cast<std::size_t>(question.current)] += options_.memory.hysteresis;

@@ -19,6 +19,12 @@
 
 namespace prospect {
 
+/// What the size m_c of a frontier is.
+enum class FrontierSize {
+  kLength,  ///< number of cells that are not suppressed x resolution [m]
+  kArea     ///< the area that it promises [m^2] (FrontierArea)
+};
+
 struct ExplorationGuideOptions {
   TraversabilityOptions traversability;
   FrontierOptions frontiers;
@@ -39,8 +45,9 @@ struct ExplorationGuideOptions {
   double leftovers_least = 300.0;
   double leftovers_growth = 0.1;
   double look_length = 2.0;  ///< [m] of travel that a look at a frontier counts as; see below
-  double kappa = 2.5;        ///< [m] bonus of a frontier per unit of log(1 + m_c / 1 m^2)
-  double area_depth = 1.0;   ///< [m] how far behind a frontier m_c is counted (FrontierArea)
+  FrontierSize size = FrontierSize::kLength;  ///< m_c
+  double kappa = 0.5;       ///< [m] bonus of a frontier per unit of log(1 + m_c); 2.5 suits kArea
+  double area_depth = 1.0;  ///< [m] how far behind a frontier kArea counts
 };
 
 /// What the robot did since the last update.
@@ -101,8 +108,9 @@ struct Guidance {
 ///   std::shared_ptr<const Guidance> g = guide.update(*belief.ground, belief.pose, belief.stamp);
 ///   problem term: CostToGoTerm(g->cost_to_go);   g->advice == Advice::kDone ends the mission
 ///
-/// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the area that the frontier promises
-/// (FrontierArea), with the current target's head start. Another rule for the bonus may be given.
+/// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the frontier's size: its length
+/// (the prototype's kappa of 0.5 is "per log-metre") or, as the formulation has it, an area; with
+/// the current target's head start. Another rule for the bonus may be given.
 /// With an outlook, a metre travelled costs 1 + lambda max(0, 1 - N / N_req) times as much, N the
 /// features in view in the direction of travel (down the field of the step before), and a viewpoint
 /// lambda look_length max(0, 1 - N / N_req) more, N in the direction of what is looked at.

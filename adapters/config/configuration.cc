@@ -209,10 +209,14 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
                                     "smallest cluster of frontier cells");
   g.frontiers.range_margin = f.number("range_margin", g.frontiers.range_margin, 0.0, 10.0, "m",
                                       "a viewpoint stands this much within the sensor's range");
+  const std::string size =
+      f.choice("size", g.size == FrontierSize::kArea ? "area" : "length", {"length", "area"},
+               "m_c: of a frontier, or of what it promises");
+  g.size = size == "area" ? FrontierSize::kArea : FrontierSize::kLength;
   g.kappa = f.number("kappa", g.kappa, 0.0, 100.0, "m",
-                     "bonus per unit of log(1 + m_c), m_c the area that a frontier promises");
-  g.area_depth = f.number("area_depth", g.area_depth, 0.0, 10.0, "m",
-                          "how far behind a frontier that area is counted");
+                     "bonus per unit of log(1 + m_c); with size: area 2.5 was measured to suit");
+  g.area_depth =
+      f.number("area_depth", g.area_depth, 0.0, 10.0, "m", "how far behind a frontier area counts");
   g.cost_to_go.lambda =
       f.number("lambda", g.cost_to_go.lambda, 0.0, 1000.0, "1",
                "price of ways on which no feature is seen; 0: none, as with w_l = 0");

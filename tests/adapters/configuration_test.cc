@@ -84,6 +84,16 @@ TEST(Configuration, PartsOfThePredictionCanBeLeftOut) {
   EXPECT_FALSE(read("planner: {visibility: {covariance: false}}").planner.feature_covariance);
 }
 
+TEST(Configuration, TheSizeOfAFrontierIsALengthOrAnArea) {
+  EXPECT_EQ(read("").planner.guide.size, FrontierSize::kLength);
+  const Configuration c = read("planner: {frontiers: {size: area, kappa: 2.5, area_depth: 1.5}}");
+  EXPECT_EQ(c.planner.guide.size, FrontierSize::kArea);
+  EXPECT_EQ(c.planner.guide.kappa, 2.5);
+  EXPECT_EQ(c.planner.guide.area_depth, 1.5);
+  EXPECT_THAT(problems("planner: {frontiers: {size: mass}}"),
+              HasSubstr("f.yaml:1: planner.frontiers.size"));
+}
+
 TEST(Configuration, AnglesAreInDegrees) {
   const Configuration c = read(
       "robot: {depth: {horizontal_fov: 90, mount: {position: [0.1, 0, 0.5], yaw: 90, pitch: 30}}}");

@@ -547,6 +547,31 @@ TEST(ExplorationGuide, ABonusRuleDecidesWhichFrontiersAreLedTo) {
   EXPECT_EQ(guide.update(map, pose, 0.0, {}, nullptr, none)->advice, Advice::kDone);
 }
 
+TEST(ExplorationGuide, ByAreaARoomFartherOffComesBeforeASliverNearBy) {
+  // A closed room of 6 m by 4 m, the robot in its middle; 2 m west of it the floor along the wall
+  // is unknown over 2 m, two cells wide, and 2.5 m east a door of 1 m has unknown ground behind it.
+  GroundMap map(GridFrame{0.1, 0, 0, 96, 64});
+  for (int j = 5; j < 50; ++j) {
+    for (int i = 5; i < 70; ++i) {
+      const bool wall = i < 8 || i > 66 || j < 8 || j > 46;
+      const bool door = i > 66 && j >= 22 && j < 32;
+      const bool sliver = (i == 8 || i == 9) && j >= 16 && j < 36;
+      if (!door && !sliver) map.set({i, j}, wall ? CellState::kOccupied : CellState::kFree);
+    }
+  }
+  const Pose pose{{3.3, 2.7, 0.0}, 0.5 * M_PI};
+  for (const FrontierSize size : {FrontierSize::kLength, FrontierSize::kArea}) {
+    ExplorationGuideOptions options = prompt();
+    options.size = size;
+    options.kappa = 2.5;
+    options.frontiers.sensor_range = options.memory.sensor_range = 1.5;
+    ExplorationGuide guide(options);
+    const auto g = guide.update(map, pose, 0.0);
+    ASSERT_TRUE(g->target.has_value());
+    EXPECT_EQ(g->target->looks_at.x() > 6.0, size == FrontierSize::kArea);
+  }
+}
+
 TEST(ExplorationGuide, DegenerateMapsAndPoses) {
   const double nan = std::nan("");
   for (const int kind : {0, 1, 2}) {
