@@ -19,6 +19,7 @@
 #include "adapters/worlds/reachable_area.h"
 #include "engine/exploration_guide.h"
 #include "tests/engine/ground_worlds.h"
+#include "tests/engine/simplest_driver.h"
 
 namespace prospect {
 namespace {
@@ -83,18 +84,7 @@ Run drive(const Place& place, double heading, const ExplorationGuideOptions& opt
     }
     if (g->advice == Advice::kDone) break;
     if (!g->target) continue;
-    const auto way = g->cost_to_go->descend(pose.position.head<2>(), 0.3);
-    double aim = g->target->yaw;
-    if (way.size() > 4) {
-      const Eigen::Vector2d d = way.back() - way.front();
-      aim = std::atan2(d.y(), d.x());
-    }
-    const double turn = std::remainder(aim - pose.yaw, 2.0 * M_PI);
-    pose.yaw += std::clamp(turn, -0.5, 0.5);
-    if (std::abs(turn) < 0.8 && !way.empty()) {
-      run.path += (way.back() - pose.position.head<2>()).norm();
-      pose.position.head<2>() = way.back();
-    }
+    run.path += test::follow(*g, pose);
   }
   run.guide /= updates;
   return run;

@@ -11,6 +11,7 @@
 
 #include "ground_worlds.h"
 #include "models/make_model.h"
+#include "simplest_driver.h"
 
 namespace prospect::exploration_guide_test {
 namespace {
@@ -53,7 +54,7 @@ struct Mission {
   int retries = 0;
 };
 
-// The simplest driver: 0.3 m down V per half second, facing the way, at its end the target.
+// With the simplest driver.
 Mission explore(const test::GroundWorld& world, Cell start, const ExplorationGuideOptions& options,
                 int limit) {
   GroundMap map(GridFrame{world.truth.frame.resolution, start.i, start.j, 1, 1});
@@ -72,15 +73,7 @@ Mission explore(const test::GroundWorld& world, Cell start, const ExplorationGui
       break;
     }
     if (!g->target) continue;  // reactivated: sources appear with the next update
-    const auto path = g->cost_to_go->descend(pose.position.head<2>(), 0.3);
-    double aim = g->target->yaw;
-    if (path.size() > 4) {
-      const Eigen::Vector2d d = path.back() - path.front();
-      aim = std::atan2(d.y(), d.x());
-    }
-    const double turn = std::remainder(aim - pose.yaw, 2.0 * M_PI);
-    pose.yaw += std::clamp(turn, -0.5, 0.5);
-    if (std::abs(turn) < 0.8 && !path.empty()) pose.position.head<2>() = path.back();
+    test::follow(*g, pose);
   }
   mission.coverage = static_cast<double>(map.free_cells()) / visible_cells(world, start);
   std::sort(times.begin(), times.end());
