@@ -19,6 +19,7 @@
 #include "benchmarks/experiments/experiment_report.h"
 #include "benchmarks/experiments/experiment_row.h"
 #include "benchmarks/experiments/mission_start.h"
+#include "benchmarks/guarded_main.h"
 #include "benchmarks/mission_processes.h"
 #include "benchmarks/replanners.h"
 
@@ -208,13 +209,5 @@ int main_program(int argc, char** argv) {
 }  // namespace prospect
 
 int main(int argc, char** argv) {
-  try {
-    return prospect::main_program(argc, argv);
-  } catch (const prospect::InputError& e) {
-    std::cerr << "experiments: " << e.what() << '\n';
-    return 2;
-  } catch (const std::exception& e) {
-    std::cerr << "experiments: " << e.what() << '\n';
-    return 1;
-  }
+  return prospect::guarded_main("experiments", prospect::main_program, argc, argv);
 }

@@ -17,6 +17,7 @@
 #include "adapters/worlds/builtin_worlds.h"
 #include "adapters/worlds/load_world.h"
 #include "benchmarks/comparison_table.h"
+#include "benchmarks/guarded_main.h"
 #include "benchmarks/mission_processes.h"
 #include "benchmarks/replanners.h"
 #include "engine/mission.h"
@@ -222,13 +223,5 @@ int main_program(int argc, char** argv) {
 }  // namespace prospect
 
 int main(int argc, char** argv) {
-  try {
-    return prospect::main_program(argc, argv);
-  } catch (const prospect::InputError& e) {
-    std::cerr << "exploration_comparison: " << e.what() << '\n';
-    return 2;
-  } catch (const std::exception& e) {
-    std::cerr << "exploration_comparison: " << e.what() << '\n';
-    return 1;
-  }
+  return prospect::guarded_main("exploration_comparison", prospect::main_program, argc, argv);
 }

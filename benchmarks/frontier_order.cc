@@ -7,16 +7,15 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <iostream>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "adapters/config/configuration.h"
-#include "adapters/config/input_error.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/reachable_area.h"
+#include "benchmarks/guarded_main.h"
 #include "engine/exploration_guide.h"
 #include "tests/engine/ground_worlds.h"
 #include "tests/engine/simplest_driver.h"
@@ -31,7 +30,7 @@ constexpr std::array<double, 4> kHeadings = {0.0, 1.6, 3.1, 4.7};  // [rad] from
 
 struct Place {
   test::GroundWorld plan;
-  ReachableArea reachable;
+  std::vector<Cell> reachable;  // of the plan's lattice
   Pose start;
 };
 
@@ -44,23 +43,23 @@ struct Run {
 Place load(const std::string& path, const Configuration& configuration) {
   const World world = load_world(path, world_options_for(configuration));
   const Grid<std::uint8_t> free = free_columns(world.voxels, BodySlice{});
-  Place place{{Grid<CellState>(free.frame, CellState::kOccupied)},
-              reachable_area(world, configuration),
-              world.start};
+  Place place{{Grid<CellState>(free.frame, CellState::kOccupied)}, {}, world.start};
   for (std::size_t k = 0; k < free.data.size(); ++k) {
     if (free.data[k] != 0) place.plan.truth.data[k] = CellState::kFree;
+  }
+  const Grid<std::uint8_t> cells = reachable_area(world, configuration).cells;
+  for (int k = 0; k < cells.frame.size(); ++k) {
+    if (cells.data[static_cast<std::size_t>(k)] == 0) continue;
+    const Eigen::Vector2d center = cells.frame.center(cells.frame.at(k));
+    place.reachable.push_back(free.frame.cell(center.x(), center.y()));
   }
   return place;
 }
 
-double share_seen(const ReachableArea& reachable, const GroundMap& map) {
-  int seen = 0, all = 0;
-  for (int k = 0; k < reachable.cells.frame.size(); ++k) {
-    if (reachable.cells.data[static_cast<std::size_t>(k)] == 0) continue;
-    ++all;
-    seen += map.state(reachable.cells.frame.at(k)) != CellState::kUnknown;
-  }
-  return static_cast<double>(seen) / all;
+double share_seen(const std::vector<Cell>& reachable, const GroundMap& map) {
+  const auto seen = std::count_if(reachable.begin(), reachable.end(),
+                                  [&](Cell c) { return map.state(c) != CellState::kUnknown; });
+  return static_cast<double>(seen) / static_cast<double>(reachable.size());
 }
 
 Run drive(const Place& place, double heading, const ExplorationGuideOptions& options) {
@@ -148,13 +147,5 @@ int main_program(int argc, char** argv) {
 }  // namespace prospect
 
 int main(int argc, char** argv) {
-  try {
-    return prospect::main_program(argc, argv);
-  } catch (const prospect::InputError& e) {
-    std::cerr << "frontier_order: " << e.what() << '\n';
-    return 2;
-  } catch (const std::exception& e) {
-    std::cerr << "frontier_order: " << e.what() << '\n';
-    return 1;
-  }
+  return prospect::guarded_main("frontier_order", prospect::main_program, argc, argv);
 }

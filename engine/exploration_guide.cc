@@ -224,24 +224,28 @@ void ExplorationGuide::close_gap() {
   }
 }
 
+std::vector<double> ExplorationGuide::sizes(const std::vector<Frontier>& frontiers) {
+  if (options_.size == FrontierSize::kArea) {
+    return area_.measure(traversability_, frontiers, suppressed_);
+  }
+  std::vector<double> length;
+  length.reserve(frontiers.size());
+  for (const Frontier& f : frontiers) {
+    const auto counted = static_cast<double>(f.cells.size()) - f.suppressed_cells;
+    length.push_back(counted * detector_.frame().resolution);
+  }
+  return length;
+}
+
 std::vector<double> ExplorationGuide::bonuses(const BonusQuestion& question,
                                               const BonusRule& rule) {
-  const std::vector<Frontier>& frontiers = question.detector.frontiers();
-  std::vector<double> bonus(frontiers.size(), 0.0);
+  const std::vector<Frontier>& frontiers = detector_.frontiers();
+  std::vector<double> bonus;
   if (rule) {
     bonus = rule(question);
     bonus.resize(frontiers.size(), 0.0);
   } else {
-    if (options_.size == FrontierSize::kArea) {
-      bonus = area_.measure(traversability_, frontiers, suppressed_);
-    } else {
-      const double resolution = question.detector.frame().resolution;
-      for (std::size_t k = 0; k < frontiers.size(); ++k) {
-        const auto counted =
-            static_cast<double>(frontiers[k].cells.size()) - frontiers[k].suppressed_cells;
-        bonus[k] = counted * resolution;
-      }
-    }
+    bonus = sizes(frontiers);
     for (double& b : bonus) b = options_.kappa * std::log1p(b);
   }
   if (question.current >= 0) {

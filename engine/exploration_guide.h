@@ -169,6 +169,7 @@ class ExplorationGuide {
   std::shared_ptr<Guidance> step(const GroundMap& ground, const Pose& pose, double stamp,
                                  const GuideAttention& attention, const FeatureOutlook* outlook,
                                  const BonusRule& rule);
+  std::vector<double> sizes(const std::vector<Frontier>& frontiers);
   std::vector<double> bonuses(const BonusQuestion& question, const BonusRule& rule);
   enum class Rules { kStrict, kKeyholes, kGaps };
   void restart(Rules rules);

@@ -11,15 +11,15 @@ FrontierArea::FrontierArea(double depth) : depth_(depth) {
   check_parameter(depth >= 0.0 && depth <= 10.0, "frontier area", "depth", depth, "0 to 10 m");
 }
 
-const std::vector<double>& FrontierArea::measure(const Traversability& traversability,
-                                                 const std::vector<Frontier>& frontiers,
-                                                 const Grid<std::uint8_t>& suppressed) {
+std::vector<double> FrontierArea::measure(const Traversability& traversability,
+                                          const std::vector<Frontier>& frontiers,
+                                          const Grid<std::uint8_t>& suppressed) {
   const double r = traversability.frame().resolution;
-  area_.assign(frontiers.size(), 0.0);
+  std::vector<double> area(frontiers.size(), 0.0);
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
-    if (frontiers[k].active) area_[k] = r * r * count(traversability, frontiers[k], suppressed);
+    if (frontiers[k].active) area[k] = r * r * count(traversability, frontiers[k], suppressed);
   }
-  return area_;
+  return area;
 }
 
 int FrontierArea::count(const Traversability& traversability, const Frontier& frontier,

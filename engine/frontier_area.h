@@ -29,18 +29,17 @@ class FrontierArea {
   /// naming the option, its value and what was expected.
   explicit FrontierArea(double depth);
 
-  /// m_c of each frontier [m^2], 0 for those that are not active; valid until the next call.
+  /// m_c of each frontier [m^2], 0 for those that are not active.
   /// suppressed: nonzero at frontier cells from which nothing is counted; an empty grid means none.
-  const std::vector<double>& measure(const Traversability& traversability,
-                                     const std::vector<Frontier>& frontiers,
-                                     const Grid<std::uint8_t>& suppressed);
+  std::vector<double> measure(const Traversability& traversability,
+                              const std::vector<Frontier>& frontiers,
+                              const Grid<std::uint8_t>& suppressed);
 
  private:
   int count(const Traversability& traversability, const Frontier& frontier,
             const Grid<std::uint8_t>& suppressed);
 
   double depth_;
-  std::vector<double> area_;    // [m^2], one entry a frontier
   Grid<std::uint8_t> visited_;  // about one frontier
   std::vector<Cell> queue_;
 };

@@ -543,14 +543,9 @@ TEST(ExplorationGuide, ABonusRuleDecidesWhichFrontiersAreLedTo) {
 TEST(ExplorationGuide, ByAreaARoomFartherOffComesBeforeASliverNearBy) {
   // A closed room of 6 m by 4 m, the robot in its middle; 2 m west of it the floor along the wall
   // is unknown over 2 m, two cells wide, and 2.5 m east a door of 1 m has unknown ground behind it.
-  GroundMap map(GridFrame{0.1, 0, 0, 96, 64});
-  for (int j = 5; j < 50; ++j) {
-    for (int i = 5; i < 70; ++i) {
-      const bool wall = i < 8 || i > 66 || j < 8 || j > 46;
-      const bool door = i > 66 && j >= 22 && j < 32;
-      const bool sliver = (i == 8 || i == 9) && j >= 16 && j < 36;
-      if (!door && !sliver) map.set({i, j}, wall ? CellState::kOccupied : CellState::kFree);
-    }
+  GroundMap map = test::known_room(96, [](int j) { return j >= 22 && j < 32; });
+  for (int j = 16; j < 36; ++j) {
+    for (const int i : {8, 9}) map.set({i, j}, CellState::kUnknown);
   }
   const Pose pose{{3.3, 2.7, 0.0}, 0.5 * M_PI};
   for (const FrontierSize size : {FrontierSize::kLength, FrontierSize::kArea}) {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
 #include <limits>
 #include <random>
 #include <stdexcept>
@@ -30,8 +30,7 @@ struct Chain {
   }
 };
 
-// Nonzero at unknown cells with room, from the distance to every occupied cell about; a margin
-// beyond the map too.
+// Nonzero at unknown cells with room, a margin beyond the map too.
 Grid<std::uint8_t> slow_room(const GroundMap& map, const TraversabilityOptions& o) {
   const GridFrame& f = map.frame();
   const double r = f.resolution;
@@ -42,14 +41,7 @@ Grid<std::uint8_t> slow_room(const GroundMap& map, const TraversabilityOptions& 
   for (int k = 0; k < room.frame.size(); ++k) {
     const Cell c = room.frame.at(k);
     if (map.state(c) != CellState::kUnknown) continue;
-    double least = std::numeric_limits<double>::infinity();
-    for (int dj = -reach; dj <= reach; ++dj) {
-      for (int di = -reach; di <= reach; ++di) {
-        if (map.state({c.i + di, c.j + dj}) != CellState::kOccupied) continue;
-        least = std::min(least, r * std::hypot(std::max(0.0, std::abs(di) - 0.5),
-                                               std::max(0.0, std::abs(dj) - 0.5)));
-      }
-    }
+    const double least = test::slow_distance(map, c, CellState::kOccupied, reach);
     room[c] = least + o.lattice_slack + 1e-9 >= o.hard_radius;
   }
   return room;
@@ -112,20 +104,6 @@ TEST(FrontierArea, EqualsACountCellByCell) {
   EXPECT_GT(positive, 10);
 }
 
-// A room of 6 m by 3.9 m whose east wall, 3 cells thick, is known but for what `hole` tells.
-template <typename Hole>
-GroundMap room(int width, const Hole& hole) {
-  GroundMap map(GridFrame{0.1, 0, 0, width, 60});
-  for (int j = 5; j < 50; ++j) {
-    for (int i = 5; i < 70; ++i) {
-      const bool wall = i < 8 || i > 66 || j < 8 || j > 46;
-      if (i > 66 && hole(j)) continue;
-      map.set({i, j}, wall ? CellState::kOccupied : CellState::kFree);
-    }
-  }
-  return map;
-}
-
 double promised(const GroundMap& map) {
   const Chain chain(map);
   double most = 0.0;
@@ -137,23 +115,23 @@ double promised(const GroundMap& map) {
 }
 
 TEST(FrontierArea, ADoorPromisesMoreThanALongSliver) {
-  const double door = promised(room(90, [](int j) { return j >= 20 && j < 30; }));
+  const double door = promised(test::known_room(90, [](int j) { return j >= 20 && j < 30; }));
   EXPECT_GT(door, 0.5);
 
   // The same wall, all of it known, and a strip of the floor 2 cells wide along it that is not.
-  GroundMap sliver = room(90, [](int) { return false; });
+  GroundMap sliver = test::known_room(90, [](int) { return false; });
   for (int j = 12; j < 42; ++j) {
     for (int i = 65; i < 67; ++i) sliver.set({i, j}, CellState::kUnknown);
   }
   EXPECT_EQ(promised(sliver), 0.0);
 
   // A hole in the wall through which no robot could come.
-  EXPECT_EQ(promised(room(90, [](int j) { return j >= 20 && j < 24; })), 0.0);
+  EXPECT_EQ(promised(test::known_room(90, [](int j) { return j >= 20 && j < 24; })), 0.0);
 }
 
 TEST(FrontierArea, BeyondTheMapAllIsUnknown) {
   const auto door = [](int j) { return j >= 20 && j < 30; };
-  EXPECT_EQ(promised(room(70, door)), promised(room(200, door)));
+  EXPECT_EQ(promised(test::known_room(70, door)), promised(test::known_room(200, door)));
 }
 
 TEST(FrontierArea, BadDepthsAreNamed) {

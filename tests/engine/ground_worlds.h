@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include "engine/ground_map.h"
@@ -88,6 +89,37 @@ struct GroundWorld {
     }
   }
 };
+
+/// Distance [m] from the centre of c to the square of the nearest cell in that state, one by one,
+/// infinity if there is none within `reach` cells along either axis.
+inline double slow_distance(const GroundMap& map, Cell c, CellState target, int reach) {
+  const double r = map.frame().resolution;
+  double least = std::numeric_limits<double>::infinity();
+  for (int j = c.j - reach; j <= c.j + reach; ++j) {
+    for (int i = c.i - reach; i <= c.i + reach; ++i) {
+      if (map.state({i, j}) != target) continue;
+      const double dx = r * std::max(0.0, std::abs(i - c.i) - 0.5);
+      const double dy = r * std::max(0.0, std::abs(j - c.j) - 0.5);
+      least = std::min(least, std::hypot(dx, dy));
+    }
+  }
+  return least;
+}
+
+/// A known room, free from 0.8 m to 6.7 m along x and to 4.7 m along y, with walls 3 cells thick;
+/// in a map of `width` cells. What the east wall holds at the rows for which hole(j) is unknown.
+template <typename Hole>
+GroundMap known_room(int width, const Hole& hole) {
+  GroundMap map(GridFrame{0.1, 0, 0, width, 60});
+  for (int j = 5; j < 50; ++j) {
+    for (int i = 5; i < 70; ++i) {
+      const bool wall = i < 8 || i > 66 || j < 8 || j > 46;
+      if (i > 66 && hole(j)) continue;
+      map.set({i, j}, wall ? CellState::kOccupied : CellState::kFree);
+    }
+  }
+  return map;
+}
 
 /// A map with rectangles of random states, as cluttered and torn as can be.
 inline void scribble(GroundMap& map, int count, int span, int lowest, std::mt19937_64& random) {

@@ -14,21 +14,7 @@
 namespace prospect::traversability_test {
 namespace {
 
-// Distance from the centre of c to the square of the nearest cell in that state, one by one, as far
-// as twice the limit of what is kept.
-double slow_distance(const GroundMap& map, Cell c, CellState target) {
-  const double r = map.frame().resolution;
-  double least = std::numeric_limits<double>::infinity();
-  for (int j = c.j - 12; j <= c.j + 12; ++j) {
-    for (int i = c.i - 12; i <= c.i + 12; ++i) {
-      if (map.state({i, j}) != target) continue;
-      const double dx = r * std::max(0.0, std::abs(i - c.i) - 0.5);
-      const double dy = r * std::max(0.0, std::abs(j - c.j) - 0.5);
-      least = std::min(least, std::hypot(dx, dy));
-    }
-  }
-  return least;
-}
+constexpr int kReach = 12;  // [cells] as far as twice the limit of what is kept
 
 TEST(Traversability, EqualsTheDistanceToEveryCellOneByOne) {
   std::mt19937_64 random(1);
@@ -43,8 +29,9 @@ TEST(Traversability, EqualsTheDistanceToEveryCellOneByOne) {
       int passable = 0, tight = 0, dear = 0;
       for (int k = 0; k < t.frame().size(); k += 7) {
         const Cell c = t.frame().at(k);
-        const double occupied = slow_distance(map, c, CellState::kOccupied);
-        const double unknown = std::min(slow_distance(map, c, CellState::kUnknown), limit);
+        const double occupied = test::slow_distance(map, c, CellState::kOccupied, kReach);
+        const double unknown =
+            std::min(test::slow_distance(map, c, CellState::kUnknown, kReach), limit);
         ASSERT_NEAR(t.clearance(c), std::min(occupied, limit), 1e-9);
         ASSERT_NEAR(t.unknown_clearance(c), unknown, 1e-9);
         const double slack = t.options().lattice_slack + 1e-9;
