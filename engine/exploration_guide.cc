@@ -17,6 +17,8 @@ constexpr double kGapRadius = 0.3;  // [m] of the disc that is closed around its
 // [m] how far ahead of a robot that does not get on such a disc is closed: beyond its own cell.
 constexpr double kBlockedAhead = 0.4;
 constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
+// A robot that has not got kHeldWithin [m] away for kHeldAfter [s] is held.
+constexpr double kHeldWithin = 1.0, kHeldAfter = 20.0;
 
 }  // namespace
 
@@ -105,6 +107,17 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   if (no_leftovers) {
     leftovers_until_ = std::max(*leftovers_until_, stamp + options_.leftovers_least);
     leftovers_area_ = explored;
+    held_for_ = 0.0;
+  }
+  if (!arrived_at_ || (p - arrived_).norm() >= kHeldWithin) {
+    arrived_ = p;
+    arrived_at_ = stamp;
+  }
+  if (leftovers_until_ && stamp - *arrived_at_ >= kHeldAfter) {
+    const double left = std::max(0.0, options_.leftovers_least - held_for_);
+    const double held = std::clamp(stamp - updated_at_, 0.0, left);
+    held_for_ += held;
+    *leftovers_until_ += held;
   }
   if (rules_ != Rules::kStrict && (no_leftovers || explored - relaxed_explored_ >= relaxed_area_)) {
     restart(Rules::kStrict);

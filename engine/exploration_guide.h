@@ -131,7 +131,9 @@ struct Guidance {
 /// estimate that drifts goes on drawing walls twice, and with them frontiers, for ever, and a robot
 /// in narrow places with such a map will touch something in the end. What adds a tenth to the
 /// explored area (leftovers_growth) is not such a thing but a part of the building behind a door
-/// that looked shut, and leftovers_least begins anew.
+/// that looked shut, and leftovers_least begins anew. Time in which the robot is held (20 s or
+/// longer within 1 m: in a nook, say, that is hardly wider than itself) does not count, up to
+/// leftovers_least: it does not get to what is left.
 ///
 /// It says done only when nothing has been reachable for look_around, and advises kLookAround till
 /// then: a cell that noise fills in a narrow passage must not end a mission, and a turn on the spot
@@ -197,6 +199,9 @@ class ExplorationGuide {
   std::optional<double> began_at_;         // [s] first update
   std::optional<double> leftovers_until_;  // [s] known once the strict rules led nowhere
   double leftovers_area_ = 0.0;            // [m^2] explored then
+  double held_for_ = 0.0;                  // [s] of their time that did not count
+  Eigen::Vector2d arrived_{0.0, 0.0};      // in W [m]; the robot has been near since
+  std::optional<double> arrived_at_;       // [s]
   double updated_at_ = 0.0;                // [s]
   bool gap_closed_ = false;                // since the last restart
   int reopenings_ = 0;                     // since the strict rules were left

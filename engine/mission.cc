@@ -24,6 +24,8 @@ std::string_view to_string(MissionEnd end) {
   switch (end) {
     case MissionEnd::kExplored:
       return "explored";
+    case MissionEnd::kAbandoned:
+      return "leftovers given up";
     case MissionEnd::kEnclosed:
       return "enclosed";
     case MissionEnd::kTimeLimit:
@@ -82,7 +84,9 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
     guard_reason = GuardReason::kPassed;
     if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
     if (guidance && guidance->advice == Advice::kDone) {
-      result.end = guidance->enclosed ? MissionEnd::kEnclosed : MissionEnd::kExplored;
+      result.end = guidance->enclosed    ? MissionEnd::kEnclosed
+                   : guidance->abandoned ? MissionEnd::kAbandoned
+                                         : MissionEnd::kExplored;
       result.detail = guidance->enclosed
                           ? "walls as drawn cut the robot off from most places it came through"
                       : guidance->abandoned ? "the time for what is left to see is up"

@@ -11,8 +11,9 @@
 namespace prospect {
 
 enum class MissionEnd {
-  kExplored,  ///< no active reachable frontier is left
-  kEnclosed,  ///< so says the guide, but the robot is cut off from most places it came through
+  kExplored,   ///< no active reachable frontier is left
+  kAbandoned,  ///< something is left, but the time for leftovers is up (ExplorationGuide)
+  kEnclosed,   ///< the guide is done, but the robot is cut off from most places it came through
   kTimeLimit,
   kLost,  ///< localization was lost and did not come back
   kCancelled

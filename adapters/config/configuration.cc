@@ -217,6 +217,9 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
                      "bonus per unit of log(1 + m_c); with size: area 2.5 was measured to suit");
   g.area_depth =
       f.number("area_depth", g.area_depth, 0.0, 10.0, "m", "how far behind a frontier area counts");
+  g.traversability.tight_factor =
+      f.number("tight_factor", g.traversability.tight_factor, 1.0, 1000.0, "1",
+               "price of a metre in places narrower than obstacles should be far");
   g.cost_to_go.lambda =
       f.number("lambda", g.cost_to_go.lambda, 0.0, 1000.0, "1",
                "price of ways on which no feature is seen; 0: none, as with w_l = 0");

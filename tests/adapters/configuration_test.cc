@@ -86,10 +86,12 @@ TEST(Configuration, PartsOfThePredictionCanBeLeftOut) {
 
 TEST(Configuration, TheSizeOfAFrontierIsALengthOrAnArea) {
   EXPECT_EQ(read("").planner.guide.size, FrontierSize::kLength);
-  const Configuration c = read("planner: {frontiers: {size: area, kappa: 2.5, area_depth: 1.5}}");
+  const Configuration c =
+      read("planner: {frontiers: {size: area, kappa: 2.5, area_depth: 1.5, tight_factor: 8}}");
   EXPECT_EQ(c.planner.guide.size, FrontierSize::kArea);
   EXPECT_EQ(c.planner.guide.kappa, 2.5);
   EXPECT_EQ(c.planner.guide.area_depth, 1.5);
+  EXPECT_EQ(c.planner.guide.traversability.tight_factor, 8.0);
   EXPECT_THAT(problems("planner: {frontiers: {size: mass}}"),
               HasSubstr("f.yaml:1: planner.frontiers.size"));
 }

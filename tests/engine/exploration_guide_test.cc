@@ -313,12 +313,20 @@ TEST(ExplorationGuide, LooksAroundBeforeDone) {
 }
 
 // An estimate that drifts draws new frontiers for ever. A tenth more of the building is no
-// leftover.
+// leftover, and a robot that is held gets to none.
 TEST(ExplorationGuide, AbandonsLeftoversThatTakeTooLong) {
-  for (const int grown_rows : {0, 2, 12}) {
-    SCOPED_TRACE(grown_rows);
+  struct Case {
+    int grown_rows;
+    bool held;
+  };
+  for (const auto [grown_rows, held] :
+       {Case{0, false}, Case{2, false}, Case{12, false}, Case{0, true}, Case{12, true}}) {
+    SCOPED_TRACE(std::to_string(grown_rows) + (held ? " held" : ""));
     GroundMap map = two_rooms(7);
-    const Pose pose{{2.0, 2.0, 0.0}, 0.0};
+    const auto pose = [held = held](double time) {
+      const bool away = !held && static_cast<int>(time / 5.0) % 2 == 1;
+      return Pose{{away ? 3.2 : 2.0, 2.0, 0.0}, 0.0};
+    };
     ExplorationGuideOptions options = prompt();
     options.leftovers_share = 0.7;
     options.leftovers_least = 60.0;
@@ -327,7 +335,7 @@ TEST(ExplorationGuide, AbandonsLeftoversThatTakeTooLong) {
     for (; t < 100.0; t += 0.5) {
       // A frontier of the strict rules for 100 s, which noise keeps alive; then only a keyhole.
       map.set({110, 20 + static_cast<int>(t) % 20}, CellState::kFree);
-      const auto g = guide.update(map, pose, t, {.looked = false, .pursued = false});
+      const auto g = guide.update(map, pose(t), t, {.looked = false, .pursued = false});
       ASSERT_EQ(g->advice, Advice::kPlan) << t;
     }
     for (int j = 7; j < 48; ++j) {
@@ -346,15 +354,19 @@ TEST(ExplorationGuide, AbandonsLeftoversThatTakeTooLong) {
           for (int i = 5; i < 110; ++i) map.set({i, j}, CellState::kFree);
         }
       }
-      const auto g = guide.update(map, pose, t, {.looked = false, .pursued = false});
+      const auto g = guide.update(map, pose(t), t, {.looked = false, .pursued = false});
       ASSERT_EQ(g->abandoned, g->advice == Advice::kDone);
       if (g->abandoned) {
         EXPECT_TRUE(g->target.has_value());
         done = t;
       }
     }
-    // 0.7 of 100 s; after 30 s of them at least 60 s more.
-    EXPECT_NEAR(done, grown_rows == 12 ? growth + 60.0 : 1.7 * begin, 1.0);
+    // 0.7 of 100 s; after 30 s of them at least 60 s more. Held, 60 s do not count, and 60 s anew
+    // once it has grown; the 30 s before are given then.
+    const bool grown = grown_rows == 12;
+    const double expected =
+        held ? 1.7 * begin + (grown ? 30.0 + 60.0 : 60.0) : (grown ? growth + 60.0 : 1.7 * begin);
+    EXPECT_NEAR(done, expected, 1.0);
   }
 }
 

@@ -74,6 +74,7 @@ class FakeReplanner final : public Replanner {
     guidance_ = std::make_shared<Guidance>();
     guidance_->advice = plans > steps ? Advice::kDone : Advice::kPlan;
     guidance_->enclosed = enclosed;
+    guidance_->abandoned = abandoned;
     return plan;
   }
   std::shared_ptr<const Guidance> guidance() const override { return guidance_; }
@@ -82,6 +83,7 @@ class FakeReplanner final : public Replanner {
   int committed = 2;
   int steps = 1000000;
   bool enclosed = false;
+  bool abandoned = false;
   int plans = 0;
   PlanKind kind = PlanKind::kOptimised;
   std::function<void()> on_plan;
@@ -135,9 +137,19 @@ TEST_F(Mission, EndsWhenNothingIsLeftToExplore) {
   expect_stopped();
 }
 
+TEST_F(Mission, SaysThatLeftoversWereGivenUp) {
+  planner_.steps = 3;
+  planner_.abandoned = true;
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kAbandoned);
+  EXPECT_EQ(to_string(result.end), "leftovers given up");
+  EXPECT_EQ(result.detail, "the time for what is left to see is up");
+}
+
 TEST_F(Mission, SaysEnclosedRatherThanExplored) {
   planner_.steps = 3;
   planner_.enclosed = true;
+  planner_.abandoned = true;
   const MissionResult result = run_mission(robot_, planner_, guard_, options_);
   EXPECT_EQ(result.end, MissionEnd::kEnclosed);
   EXPECT_EQ(to_string(result.end), "enclosed");
