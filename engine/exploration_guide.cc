@@ -20,21 +20,30 @@ constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot
 // A robot that has not got kHeldWithin [m] away for kHeldAfter [s] is held.
 constexpr double kHeldWithin = 1.0, kHeldAfter = 20.0;
 
+TraversabilityOptions with_ample_room(const ExplorationGuideOptions& options) {
+  TraversabilityOptions t = options.traversability;
+  t.hard_radius += options.ample_room;
+  t.comfortable_radius = std::max(t.comfortable_radius, t.hard_radius);
+  return t;
+}
+
 }  // namespace
 
 ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
     : options_(options),
-      traversability_(options.traversability),
+      traversability_(with_ample_room(options)),
       detector_(options.frontiers),
       memory_(options.memory),
       area_(options.area_depth),
-      field_(options.cost_to_go) {
+      field_(options.cost_to_go),
+      rules_(first_rules()) {
   const auto require = [](const char* name, double value, double below, const char* expected) {
     if (value >= 0.0 && value < below) return;
     throw std::invalid_argument("exploration guide: " + std::string(name) + " = " +
                                 std::to_string(value) + "; expected " + expected);
   };
   require("kappa", options.kappa, 100.0, "0 to 100 m");
+  require("ample_room", options.ample_room, 10.0, "0 to 10 m");
   require("look_length", options.look_length, 100.0, "0 to 100 m");
   require("leftovers_share", options.leftovers_share, 1000.0, "0 to 1000");
   require("leftovers_least", options.leftovers_least, 1e6, "0 to 1e6 s");
@@ -119,17 +128,24 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     held_for_ += held;
     *leftovers_until_ += held;
   }
-  if (rules_ != Rules::kStrict && (no_leftovers || explored - relaxed_explored_ >= relaxed_area_)) {
-    restart(Rules::kStrict);
+  const double newly = explored - relaxed_explored_;
+  if (rules_ > Rules::kStrict && (no_leftovers || newly >= relaxed_area_)) {
+    restart(first_rules());
     relaxed_area_ *= 2.0;  // as FrontierMemory::retry_area(), for the same reason
     reopenings_ = 0;
+  } else if (rules_ == Rules::kStrict && first_rules() == Rules::kAmple &&
+             newly >= options_.memory.retry_area && has_ample_room(p)) {
+    restart(first_rules());
   }
   if (attention.looked && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
     been_.push_back(p);
   }
   std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, outlook, rule);
   while (guidance->advice == Advice::kDone) {
-    if (rules_ == Rules::kStrict) {
+    if (rules_ == Rules::kAmple) {
+      restart(Rules::kStrict);
+      relaxed_explored_ = guidance->explored_area;
+    } else if (rules_ == Rules::kStrict) {
       if (!leftovers_until_) {
         leftovers_until_ = stamp + std::max(options_.leftovers_least,
                                             options_.leftovers_share * (stamp - *began_at_));
@@ -172,13 +188,24 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   return guidance;
 }
 
+ExplorationGuide::Rules ExplorationGuide::first_rules() const {
+  return options_.ample_room > 0.0 ? Rules::kAmple : Rules::kStrict;
+}
+
+bool ExplorationGuide::has_ample_room(const Eigen::Vector2d& p) const {
+  const TraversabilityOptions& t = options_.traversability;
+  const double clearance = traversability_.clearance(traversability_.frame().cell(p.x(), p.y()));
+  return clearance + t.lattice_slack >= t.hard_radius + options_.ample_room;
+}
+
 void ExplorationGuide::restart(Rules rules) {
   rules_ = rules;
   restarted_ = true;
   TraversabilityOptions traversability = options_.traversability;
   FrontierOptions frontiers = options_.frontiers;
+  if (rules == Rules::kAmple) traversability = with_ample_room(options_);
   if (rules == Rules::kGaps) traversability.lattice_slack += options_.relaxed_slack;
-  if (rules != Rules::kStrict) {
+  if (rules > Rules::kStrict) {
     frontiers.min_length = std::min(frontiers.min_length, options_.relaxed_length);
   }
   gap_closed_ = false;
@@ -341,6 +368,9 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
     const double explored = traversability_.explored_area();
     if (explored == 0.0) {
       guidance->advice = Advice::kPlan;  // nothing seen yet is not everything seen
+      again = false;
+    } else if (rules_ == Rules::kAmple && !target) {
+      guidance->advice = Advice::kDone;  // narrow places before what failed is tried again
       again = false;
     } else {
       const int given_up = memory_.given_up();

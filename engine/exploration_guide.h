@@ -30,6 +30,9 @@ struct ExplorationGuideOptions {
   FrontierOptions frontiers;
   FrontierMemoryOptions memory;
   CostToGoOptions cost_to_go;
+  /// By how much more than hard_radius a place must be clear to be passable at first [m], 0: narrow
+  /// places do not come last; see ExplorationGuide.
+  double ample_room = 0.05;
   /// Added to lattice_slack when nothing is reachable any more [m]; see ExplorationGuide.
   double relaxed_slack = 0.1;
   /// Smallest frontier then [m], if less than frontiers.min_length: a keyhole may show a room.
@@ -45,8 +48,8 @@ struct ExplorationGuideOptions {
   double leftovers_least = 300.0;
   double leftovers_growth = 0.1;
   double look_length = 2.0;  ///< [m] of travel that a look at a frontier counts as; see below
-  FrontierSize size = FrontierSize::kLength;  ///< m_c
-  double kappa = 0.5;       ///< [m] bonus of a frontier per unit of log(1 + m_c); 2.5 suits kArea
+  FrontierSize size = FrontierSize::kArea;  ///< m_c
+  double kappa = 2.5;       ///< [m] bonus of a frontier per unit of log(1 + m_c); 0.5 suits kLength
   double area_depth = 1.0;  ///< [m] how far behind a frontier kArea counts
 };
 
@@ -108,12 +111,18 @@ struct Guidance {
 ///   std::shared_ptr<const Guidance> g = guide.update(*belief.ground, belief.pose, belief.stamp);
 ///   problem term: CostToGoTerm(g->cost_to_go);   g->advice == Advice::kDone ends the mission
 ///
-/// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the frontier's size: its length
-/// (the prototype's kappa of 0.5 is "per log-metre") or, as the formulation has it, an area; with
-/// the current target's head start. Another rule for the bonus may be given.
-/// With an outlook, a metre travelled costs 1 + lambda max(0, 1 - N / N_req) times as much, N the
-/// features in view in the direction of travel (down the field of the step before), and a viewpoint
-/// lambda look_length max(0, 1 - N / N_req) more, N in the direction of what is looked at.
+/// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the frontier's size: an area, as
+/// the formulation has it, or its length (the prototype's kappa of 0.5 is "per log-metre"); with
+/// the current target's head start. Another rule for the bonus may be given. With an outlook, a
+/// metre travelled costs 1 + lambda max(0, 1 - N / N_req) times as much, N the features in view in
+/// the direction of travel (down the field of the step before), and a viewpoint lambda look_length
+/// max(0, 1 - N / N_req) more, N in the direction of what is looked at.
+///
+/// Narrow places come last: first only places count as passable that have ample_room more than the
+/// hard constraint asks for. A robot that errs by centimetres gets stuck in a nook with as little
+/// around it, or touches something. When that leads nowhere, the strict rules hold (passable is
+/// what the hard constraint lets pass), until retry_area was newly explored and the robot has ample
+/// room again.
 ///
 /// Before it says done, the guide asks twice more, under weaker rules:
 ///   1. keyholes: frontiers count from relaxed_length on. What a keyhole shows is a short frontier,
@@ -124,7 +133,7 @@ struct Guidance {
 ///      by the certificate, not here: a gap at which a target is given up is closed, else every
 ///      frontier behind it would be tried in turn; before "done" all gaps are opened again, and
 ///      everything is tried again, `reopenings` times.
-/// It goes back to the strict rules once retry_area was newly explored, twice that the next time.
+/// It goes back to the first rules once retry_area was newly explored, twice that the next time.
 ///
 /// All this may take half as long as the strict rules took, the first time that they led nowhere,
 /// or five minutes (leftovers_share, leftovers_least); then it says done (Guidance::abandoned). An
@@ -173,8 +182,10 @@ class ExplorationGuide {
                                  const BonusRule& rule);
   std::vector<double> sizes(const std::vector<Frontier>& frontiers);
   std::vector<double> bonuses(const BonusQuestion& question, const BonusRule& rule);
-  enum class Rules { kStrict, kKeyholes, kGaps };
+  enum class Rules { kAmple, kStrict, kKeyholes, kGaps };  // each weaker than the one before
+  Rules first_rules() const;
   void restart(Rules rules);
+  bool has_ample_room(const Eigen::Vector2d& p) const;
   void count_along_travel(const FeatureOutlook& outlook);
   void close_gap();
   void flood_from_anchor();
@@ -192,7 +203,7 @@ class ExplorationGuide {
   std::vector<std::uint8_t> component_;  // 1: in the robot's component; by cell
   std::vector<int> stack_;
   std::vector<Eigen::Vector2d> been_;  // where the robot was while it was not lost, in W [m]
-  Rules rules_ = Rules::kStrict;
+  Rules rules_;
   bool restarted_ = false;  // every known cell will seem new
   double relaxed_explored_ = 0.0;
   std::optional<double> nothing_since_;    // [s] no target, and no retry either

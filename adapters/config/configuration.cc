@@ -161,6 +161,8 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
          "by which the certified body is grown");
   number("drift_margin", p.drift_margin, 0.0, 1.0, "m",
          "kept besides, at most, from surfaces that may have drifted since they were in view");
+  number("lost_margin", p.lost_margin, 0.0, 1.0, "m",
+         "kept from obstacles while localization is lost, certificate_margin at least");
   const std::string unknown = map.choice("unknown", "braking", {"free", "blocked", "braking"},
                                          "what unknown space means to motion");
   p.unknown = unknown == "free"      ? UnknownPolicy::kFree
@@ -214,12 +216,11 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
                "m_c: of a frontier, or of what it promises");
   g.size = size == "area" ? FrontierSize::kArea : FrontierSize::kLength;
   g.kappa = f.number("kappa", g.kappa, 0.0, 100.0, "m",
-                     "bonus per unit of log(1 + m_c); with size: area 2.5 was measured to suit");
+                     "bonus per unit of log(1 + m_c); 0.5 suits a length");
   g.area_depth =
       f.number("area_depth", g.area_depth, 0.0, 10.0, "m", "how far behind a frontier area counts");
-  g.traversability.tight_factor =
-      f.number("tight_factor", g.traversability.tight_factor, 1.0, 1000.0, "1",
-               "price of a metre in places narrower than obstacles should be far");
+  g.ample_room = f.number("ample_room", g.ample_room, 0.0, 10.0, "m",
+                          "around the robot; where less is left free comes last");
   g.cost_to_go.lambda =
       f.number("lambda", g.cost_to_go.lambda, 0.0, 1000.0, "1",
                "price of ways on which no feature is seen; 0: none, as with w_l = 0");

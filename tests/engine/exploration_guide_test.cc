@@ -196,6 +196,43 @@ TEST(ExplorationGuide, ADoorwayTooNarrowForTheHardRadiusIsTriedBeforeDone) {
   EXPECT_EQ(guide.update(two_rooms(3), pose, 0.0)->advice, Advice::kDone);
 }
 
+// geb079, seed 6: a robot turned into a gap of 0.4 m, 0.04 m wider than itself, with half of a wide
+// corridor unseen, touched what was beside it and was enclosed.
+TEST(ExplorationGuide, NarrowPlacesComeLast) {
+  // Three rooms, open at both ends. To the west a door of 0.5 m, which leaves 0.04 m more than it
+  // takes, to the east, and farther, one of 0.8 m.
+  GroundMap map(GridFrame{0.1, 0, 0, 192, 64});
+  for (int j = 5; j < 50; ++j) {
+    for (int i = 5; i < 150; ++i) {
+      const bool west = i > 38 && i < 42 && (j < 25 || j >= 30);
+      const bool east = i > 98 && i < 102 && (j < 25 || j >= 33);
+      map.set({i, j}, j < 7 || j > 47 || west || east ? CellState::kOccupied : CellState::kFree);
+    }
+  }
+  const Pose in_room{{5.0, 2.75, 0.0}, 0.0}, in_door{{4.05, 2.75, 0.0}, 0.0};
+  ExplorationGuideOptions in_any_order = prompt();
+  in_any_order.ample_room = 0.0;
+  ExplorationGuide any(in_any_order), guide(prompt());
+  EXPECT_LT(any.update(map, in_room, 0.0)->target->looks_at.x(), 1.0);
+  EXPECT_GT(guide.update(map, in_room, 0.0)->target->looks_at.x(), 14.0);
+
+  for (int j = 5; j < 50; ++j) map.set({149, j}, CellState::kOccupied);
+  const auto narrow = guide.update(map, in_room, 0.5);
+  ASSERT_TRUE(narrow->target.has_value());
+  EXPECT_LT(narrow->target->looks_at.x(), 1.0);
+  EXPECT_FALSE(narrow->relaxed);
+
+  // A wide place newly explored comes first, but not for a robot on its way through the door.
+  for (int j = 51; j < 56; ++j) {
+    for (int i = 102; i < 149; ++i) map.set({i, j}, CellState::kFree);
+  }
+  for (int j = 48; j < 51; ++j) {
+    for (int i = 120; i < 130; ++i) map.set({i, j}, CellState::kFree);
+  }
+  EXPECT_LT(guide.update(map, in_door, 1.0)->target->looks_at.x(), 1.0);
+  EXPECT_GT(guide.update(map, in_room, 1.5)->target->looks_at.x(), 10.0);
+}
+
 // fr_079, seed 6: walls that a drifting estimate drew shut a robot up in a nook, and the mission
 // ended as explored with nine tenths seen.
 TEST(ExplorationGuide, ARobotCutOffFromWhereItWasIsEnclosedNotDone) {

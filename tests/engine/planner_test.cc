@@ -612,6 +612,43 @@ TEST_F(PlannerTest, KeepsOffWhatMayHaveDriftedSinceItWasInView) {
   EXPECT_EQ(planner.recipe()->d_des, parameters_.d_des);
 }
 
+// fr_079, seed 2: lost in a gap, with a centimetre on either side and an estimate that jumped by
+// five, one went on and touched what was beside it four times.
+TEST_F(PlannerTest, ALostRobotComesNoNearerToWhatItIsNear) {
+  const Belief room = Room{.landmarks_per_wall = 20}.belief();
+  constexpr double kWide = 0.6;
+  Certifier::Options options;
+  options.margin = kWide - 1e-3;
+  options.held = 1.0;
+  const Certifier certifier(robot_.shape, options);
+  // Of the committed motions before the box, how many come nearer than kWide, or nearer still.
+  const auto nearer = [&](double lost_margin) {
+    parameters_.lost_margin = lost_margin;
+    int count = 0;
+    for (const double gap : {0.1, 0.3, 0.5}) {
+      for (double yaw = -1.0; yaw < 1.1; yaw += 0.25) {
+        Belief belief = room;
+        belief.localization = Localization::kLost;
+        belief.pose = {{1.2 - 0.18 - gap, -0.3, 0.0}, yaw};
+        Planner planner = make();
+        const Plan plan = planner.plan(belief);
+        expect_executable(plan, belief);
+        Eigen::MatrixXd inputs(plan.inputs[0].size(), plan.committed);
+        for (int k = 0; k < plan.committed; ++k) {
+          inputs.col(k) = plan.inputs[static_cast<std::size_t>(k)];
+        }
+        count += !certifier
+                      .certify(belief, *robot_.model, plan.states[0],
+                               robot_.model->input(belief.twist), inputs, plan.dt)
+                      .ok();
+      }
+    }
+    return count;
+  };
+  EXPECT_EQ(nearer(kWide), 0);
+  EXPECT_GT(nearer(0.0), 3);
+}
+
 // Between walls that may have drifted, each in the way of keeping off the other, robots stood for
 // minutes.
 TEST_F(PlannerTest, InAnImpasseOnlyTouchingIsForbidden) {
