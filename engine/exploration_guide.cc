@@ -142,15 +142,15 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   }
   std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, outlook, rule);
   while (guidance->advice == Advice::kDone) {
+    if (!leftovers_until_) {
+      leftovers_until_ = stamp + std::max(options_.leftovers_least,
+                                          options_.leftovers_share * (stamp - *began_at_));
+      leftovers_area_ = guidance->explored_area;
+    }
     if (rules_ == Rules::kAmple) {
       restart(Rules::kStrict);
       relaxed_explored_ = guidance->explored_area;
     } else if (rules_ == Rules::kStrict) {
-      if (!leftovers_until_) {
-        leftovers_until_ = stamp + std::max(options_.leftovers_least,
-                                            options_.leftovers_share * (stamp - *began_at_));
-        leftovers_area_ = guidance->explored_area;
-      }
       restart(Rules::kKeyholes);
       relaxed_explored_ = guidance->explored_area;
     } else if (rules_ == Rules::kKeyholes) {

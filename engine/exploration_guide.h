@@ -41,7 +41,7 @@ struct ExplorationGuideOptions {
   int reopenings = 1;
   /// [s] that nothing must have been reachable before "done": time to look all around once.
   double look_around = 8.0;
-  /// Time for what is left once the strict rules lead nowhere: a share of the time they took, but
+  /// Time for what is left once the first rules lead nowhere: a share of the time they took, but
   /// at least leftovers_least [s]. Once they have shown leftovers_growth of what was explored by
   /// then, they were no leftovers, and leftovers_least is given from there on.
   double leftovers_share = 0.5;
@@ -135,14 +135,14 @@ struct Guidance {
 ///      everything is tried again, `reopenings` times.
 /// It goes back to the first rules once retry_area was newly explored, twice that the next time.
 ///
-/// All this may take half as long as the strict rules took, the first time that they led nowhere,
-/// or five minutes (leftovers_share, leftovers_least); then it says done (Guidance::abandoned). An
-/// estimate that drifts goes on drawing walls twice, and with them frontiers, for ever, and a robot
-/// in narrow places with such a map will touch something in the end. What adds a tenth to the
-/// explored area (leftovers_growth) is not such a thing but a part of the building behind a door
-/// that looked shut, and leftovers_least begins anew. Time in which the robot is held (20 s or
-/// longer within 1 m: in a nook, say, that is hardly wider than itself) does not count, up to
-/// leftovers_least: it does not get to what is left.
+/// Narrow places and all this may take half as long as the first rules took, the first time that
+/// they led nowhere, or five minutes (leftovers_share, leftovers_least); then it says done
+/// (Guidance::abandoned). An estimate that drifts goes on drawing walls twice, and with them
+/// frontiers, for ever, and a robot in narrow places with such a map will touch something in the
+/// end. What adds a tenth to the explored area (leftovers_growth) is not such a thing but a part of
+/// the building behind a door that looked shut, and leftovers_least begins anew. Time in which the
+/// robot is held (20 s or longer within 1 m: in a nook, say, that is hardly wider than itself) does
+/// not count, up to leftovers_least: it does not get to what is left.
 ///
 /// It says done only when nothing has been reachable for look_around, and advises kLookAround till
 /// then: a cell that noise fills in a narrow passage must not end a mission, and a turn on the spot
@@ -208,7 +208,7 @@ class ExplorationGuide {
   double relaxed_explored_ = 0.0;
   std::optional<double> nothing_since_;    // [s] no target, and no retry either
   std::optional<double> began_at_;         // [s] first update
-  std::optional<double> leftovers_until_;  // [s] known once the strict rules led nowhere
+  std::optional<double> leftovers_until_;  // [s] known once the first rules led nowhere
   double leftovers_area_ = 0.0;            // [m^2] explored then
   double held_for_ = 0.0;                  // [s] of their time that did not count
   Eigen::Vector2d arrived_{0.0, 0.0};      // in W [m]; the robot has been near since

@@ -233,6 +233,26 @@ TEST(ExplorationGuide, NarrowPlacesComeLast) {
   EXPECT_GT(guide.update(map, in_room, 1.5)->target->looks_at.x(), 10.0);
 }
 
+// In narrow places, too, a robot with a map that drifts touches something in the end.
+TEST(ExplorationGuide, NarrowPlacesAreLeftovers) {
+  const GroundMap map = two_rooms(5);
+  for (const double ample_room : {0.0, 0.05}) {
+    ExplorationGuideOptions options = prompt();
+    options.leftovers_least = 60.0;
+    options.ample_room = ample_room;
+    ExplorationGuide guide(options);
+    double done = 0.0;
+    for (double t = 0.0; t < 200.0 && done == 0.0; t += 0.5) {
+      const Pose pose{{static_cast<int>(t / 5.0) % 2 == 1 ? 3.2 : 2.0, 2.0, 0.0}, 0.0};
+      const auto g = guide.update(map, pose, t, {.looked = false, .pursued = false});
+      ASSERT_TRUE(g->target.has_value());
+      ASSERT_EQ(g->abandoned, g->advice == Advice::kDone);
+      if (g->abandoned) done = t;
+    }
+    EXPECT_EQ(done, ample_room > 0.0 ? 60.5 : 0.0);
+  }
+}
+
 // fr_079, seed 6: walls that a drifting estimate drew shut a robot up in a nook, and the mission
 // ended as explored with nine tenths seen.
 TEST(ExplorationGuide, ARobotCutOffFromWhereItWasIsEnclosedNotDone) {
