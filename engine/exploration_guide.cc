@@ -17,8 +17,6 @@ constexpr double kGapRadius = 0.3;  // [m] of the disc that is closed around its
 // [m] how far ahead of a robot that does not get on such a disc is closed: beyond its own cell.
 constexpr double kBlockedAhead = 0.4;
 constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
-// A robot that has not got kHeldWithin [m] away for kHeldAfter [s] is held.
-constexpr double kHeldWithin = 1.0, kHeldAfter = 20.0;
 
 TraversabilityOptions with_ample_room(const ExplorationGuideOptions& options) {
   TraversabilityOptions t = options.traversability;
@@ -36,6 +34,7 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
       memory_(options.memory),
       area_(options.area_depth),
       field_(options.cost_to_go),
+      leftovers_(options.leftovers),
       rules_(first_rules()) {
   const auto require = [](const char* name, double value, double below, const char* expected) {
     if (value >= 0.0 && value < below) return;
@@ -45,9 +44,6 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
   require("kappa", options.kappa, 100.0, "0 to 100 m");
   require("ample_room", options.ample_room, 10.0, "0 to 10 m");
   require("look_length", options.look_length, 100.0, "0 to 100 m");
-  require("leftovers_share", options.leftovers_share, 1000.0, "0 to 1000");
-  require("leftovers_least", options.leftovers_least, 1e6, "0 to 1e6 s");
-  require("leftovers_growth", options.leftovers_growth, 1000.0, "0 to 1000");
   require("look_around", options.look_around, 1000.0, "0 to 1000 s");
   relaxed_area_ = options_.memory.retry_area;
   auto empty = std::make_shared<Guidance>();
@@ -109,25 +105,8 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       !std::isfinite(stamp)) {
     return last_;
   }
-  if (!began_at_) began_at_ = stamp;
   const double explored = traversability_.explored_area();
-  const bool no_leftovers =
-      leftovers_until_ && explored >= (1.0 + options_.leftovers_growth) * leftovers_area_;
-  if (no_leftovers) {
-    leftovers_until_ = std::max(*leftovers_until_, stamp + options_.leftovers_least);
-    leftovers_area_ = explored;
-    held_for_ = 0.0;
-  }
-  if (!arrived_at_ || (p - arrived_).norm() >= kHeldWithin) {
-    arrived_ = p;
-    arrived_at_ = stamp;
-  }
-  if (leftovers_until_ && stamp - *arrived_at_ >= kHeldAfter) {
-    const double left = std::max(0.0, options_.leftovers_least - held_for_);
-    const double held = std::clamp(stamp - updated_at_, 0.0, left);
-    held_for_ += held;
-    *leftovers_until_ += held;
-  }
+  const bool no_leftovers = leftovers_.update(stamp, p, explored);
   const double newly = explored - relaxed_explored_;
   if (rules_ > Rules::kStrict && (no_leftovers || newly >= relaxed_area_)) {
     restart(first_rules());
@@ -142,11 +121,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   }
   std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, outlook, rule);
   while (guidance->advice == Advice::kDone) {
-    if (!leftovers_until_) {
-      leftovers_until_ = stamp + std::max(options_.leftovers_least,
-                                          options_.leftovers_share * (stamp - *began_at_));
-      leftovers_area_ = guidance->explored_area;
-    }
+    leftovers_.begin(stamp, guidance->explored_area);
     if (rules_ == Rules::kAmple) {
       restart(Rules::kStrict);
       relaxed_explored_ = guidance->explored_area;
@@ -176,7 +151,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   } else {
     nothing_since_.reset();
   }
-  if (leftovers_until_ && stamp > *leftovers_until_ && guidance->advice != Advice::kDone) {
+  if (leftovers_.up(stamp) && guidance->advice != Advice::kDone) {
     guidance->advice = Advice::kDone;
     guidance->abandoned = true;
   }

@@ -14,6 +14,7 @@
 #include "engine/frontier_memory.h"
 #include "engine/frontiers.h"
 #include "engine/ground_map.h"
+#include "engine/leftovers_clock.h"
 #include "engine/traversability.h"
 #include "models/types.h"
 
@@ -41,12 +42,7 @@ struct ExplorationGuideOptions {
   int reopenings = 1;
   /// [s] that nothing must have been reachable before "done": time to look all around once.
   double look_around = 8.0;
-  /// Time for what is left once the first rules lead nowhere: a share of the time they took, but
-  /// at least leftovers_least [s]. Once they have shown leftovers_growth of what was explored by
-  /// then, they were no leftovers, and leftovers_least is given from there on.
-  double leftovers_share = 0.5;
-  double leftovers_least = 300.0;
-  double leftovers_growth = 0.1;
+  LeftoversClock::Options leftovers;
   double look_length = 2.0;  ///< [m] of travel that a look at a frontier counts as; see below
   FrontierSize size = FrontierSize::kArea;  ///< m_c
   double kappa = 2.5;       ///< [m] bonus of a frontier per unit of log(1 + m_c); 0.5 suits kLength
@@ -135,14 +131,8 @@ struct Guidance {
 ///      everything is tried again, `reopenings` times.
 /// It goes back to the first rules once retry_area was newly explored, twice that the next time.
 ///
-/// Narrow places and all this may take half as long as the first rules took, the first time that
-/// they led nowhere, or five minutes (leftovers_share, leftovers_least); then it says done
-/// (Guidance::abandoned). An estimate that drifts goes on drawing walls twice, and with them
-/// frontiers, for ever, and a robot in narrow places with such a map will touch something in the
-/// end. What adds a tenth to the explored area (leftovers_growth) is not such a thing but a part of
-/// the building behind a door that looked shut, and leftovers_least begins anew. Time in which the
-/// robot is held (20 s or longer within 1 m: in a nook, say, that is hardly wider than itself) does
-/// not count, up to leftovers_least: it does not get to what is left.
+/// For narrow places and all this there is a LeftoversClock, which begins when the first rules lead
+/// nowhere; when it is up, the guide says done (Guidance::abandoned).
 ///
 /// It says done only when nothing has been reachable for look_around, and advises kLookAround till
 /// then: a cell that noise fills in a narrow passage must not end a mission, and a turn on the spot
@@ -198,6 +188,7 @@ class ExplorationGuide {
   FrontierMemory memory_;
   FrontierArea area_;
   CostToGoField field_;
+  LeftoversClock leftovers_;
   Grid<std::uint8_t> suppressed_;
   Grid<float> along_travel_;             // features seen in the direction of travel, by cell
   std::vector<std::uint8_t> component_;  // 1: in the robot's component; by cell
@@ -206,17 +197,11 @@ class ExplorationGuide {
   Rules rules_;
   bool restarted_ = false;  // every known cell will seem new
   double relaxed_explored_ = 0.0;
-  std::optional<double> nothing_since_;    // [s] no target, and no retry either
-  std::optional<double> began_at_;         // [s] first update
-  std::optional<double> leftovers_until_;  // [s] known once the first rules led nowhere
-  double leftovers_area_ = 0.0;            // [m^2] explored then
-  double held_for_ = 0.0;                  // [s] of their time that did not count
-  Eigen::Vector2d arrived_{0.0, 0.0};      // in W [m]; the robot has been near since
-  std::optional<double> arrived_at_;       // [s]
-  double updated_at_ = 0.0;                // [s]
-  bool gap_closed_ = false;                // since the last restart
-  int reopenings_ = 0;                     // since the strict rules were left
-  double relaxed_area_ = 0.0;              // [m^2] newly explored that restores the strict rules
+  std::optional<double> nothing_since_;  // [s] no target, and no retry either
+  double updated_at_ = 0.0;              // [s]
+  bool gap_closed_ = false;              // since the last restart
+  int reopenings_ = 0;                   // since the strict rules were left
+  double relaxed_area_ = 0.0;            // [m^2] newly explored that restores the strict rules
   std::shared_ptr<const Guidance> last_;
 };
 

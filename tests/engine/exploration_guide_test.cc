@@ -238,7 +238,7 @@ TEST(ExplorationGuide, NarrowPlacesAreLeftovers) {
   const GroundMap map = two_rooms(5);
   for (const double ample_room : {0.0, 0.05}) {
     ExplorationGuideOptions options = prompt();
-    options.leftovers_least = 60.0;
+    options.leftovers.least = 60.0;
     options.ample_room = ample_room;
     ExplorationGuide guide(options);
     double done = 0.0;
@@ -385,8 +385,8 @@ TEST(ExplorationGuide, AbandonsLeftoversThatTakeTooLong) {
       return Pose{{away ? 3.2 : 2.0, 2.0, 0.0}, 0.0};
     };
     ExplorationGuideOptions options = prompt();
-    options.leftovers_share = 0.7;
-    options.leftovers_least = 60.0;
+    options.leftovers.share = 0.7;
+    options.leftovers.least = 60.0;
     ExplorationGuide guide(options);
     double t = 0.0;
     for (; t < 100.0; t += 0.5) {
