@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/stopwatch.h"
+#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {
@@ -19,6 +20,8 @@ constexpr double kBlockedAhead = 0.4;
 constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
 
 TraversabilityOptions with_ample_room(const ExplorationGuideOptions& options) {
+  check_parameter(options.ample_room >= 0.0 && options.ample_room < 10.0, "exploration guide",
+                  "ample_room", options.ample_room, "0 to 10 m");
   TraversabilityOptions t = options.traversability;
   t.hard_radius += options.ample_room;
   t.comfortable_radius = std::max(t.comfortable_radius, t.hard_radius);
@@ -42,7 +45,6 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
                                 std::to_string(value) + "; expected " + expected);
   };
   require("kappa", options.kappa, 100.0, "0 to 100 m");
-  require("ample_room", options.ample_room, 10.0, "0 to 10 m");
   require("look_length", options.look_length, 100.0, "0 to 100 m");
   require("look_around", options.look_around, 1000.0, "0 to 1000 s");
   relaxed_area_ = options_.memory.retry_area;
@@ -106,7 +108,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     return last_;
   }
   const double explored = traversability_.explored_area();
-  const bool no_leftovers = leftovers_.update(stamp, p, explored);
+  const bool no_leftovers = leftovers_.update(stamp, explored);
   const double newly = explored - relaxed_explored_;
   if (rules_ > Rules::kStrict && (no_leftovers || newly >= relaxed_area_)) {
     restart(first_rules());
@@ -121,11 +123,11 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   }
   std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, outlook, rule);
   while (guidance->advice == Advice::kDone) {
-    leftovers_.begin(stamp, guidance->explored_area);
     if (rules_ == Rules::kAmple) {
       restart(Rules::kStrict);
       relaxed_explored_ = guidance->explored_area;
     } else if (rules_ == Rules::kStrict) {
+      leftovers_.begin(stamp, guidance->explored_area);
       restart(Rules::kKeyholes);
       relaxed_explored_ = guidance->explored_area;
     } else if (rules_ == Rules::kKeyholes) {

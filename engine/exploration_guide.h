@@ -33,7 +33,7 @@ struct ExplorationGuideOptions {
   CostToGoOptions cost_to_go;
   /// By how much more than hard_radius a place must be clear to be passable at first [m], 0: narrow
   /// places do not come last; see ExplorationGuide.
-  double ample_room = 0.05;
+  double ample_room = 0.0;
   /// Added to lattice_slack when nothing is reachable any more [m]; see ExplorationGuide.
   double relaxed_slack = 0.1;
   /// Smallest frontier then [m], if less than frontiers.min_length: a keyhole may show a room.
@@ -44,8 +44,8 @@ struct ExplorationGuideOptions {
   double look_around = 8.0;
   LeftoversClock::Options leftovers;
   double look_length = 2.0;  ///< [m] of travel that a look at a frontier counts as; see below
-  FrontierSize size = FrontierSize::kArea;  ///< m_c
-  double kappa = 2.5;       ///< [m] bonus of a frontier per unit of log(1 + m_c); 0.5 suits kLength
+  FrontierSize size = FrontierSize::kLength;  ///< m_c
+  double kappa = 0.5;       ///< [m] bonus of a frontier per unit of log(1 + m_c); 2.5 suits kArea
   double area_depth = 1.0;  ///< [m] how far behind a frontier kArea counts
 };
 
@@ -114,11 +114,11 @@ struct Guidance {
 /// the direction of travel (down the field of the step before), and a viewpoint lambda look_length
 /// max(0, 1 - N / N_req) more, N in the direction of what is looked at.
 ///
-/// Narrow places come last: first only places count as passable that have ample_room more than the
-/// hard constraint asks for. A robot that errs by centimetres gets stuck in a nook with as little
-/// around it, or touches something. When that leads nowhere, the strict rules hold (passable is
-/// what the hard constraint lets pass), until retry_area was newly explored and the robot has ample
-/// room again.
+/// By choice (ample_room > 0) narrow places come last: first only places count as passable that
+/// have ample_room more than the hard constraint asks for. A robot that errs by centimetres gets
+/// stuck in a nook with as little around it, or touches something. When that leads nowhere, the
+/// strict rules hold (passable is what the hard constraint lets pass), until retry_area was newly
+/// explored and the robot has ample room again.
 ///
 /// Before it says done, the guide asks twice more, under weaker rules:
 ///   1. keyholes: frontiers count from relaxed_length on. What a keyhole shows is a short frontier,
@@ -131,8 +131,8 @@ struct Guidance {
 ///      everything is tried again, `reopenings` times.
 /// It goes back to the first rules once retry_area was newly explored, twice that the next time.
 ///
-/// For narrow places and all this there is a LeftoversClock, which begins when the first rules lead
-/// nowhere; when it is up, the guide says done (Guidance::abandoned).
+/// For all this there is a LeftoversClock, which begins when the strict rules lead nowhere; when it
+/// is up, the guide says done (Guidance::abandoned).
 ///
 /// It says done only when nothing has been reachable for look_around, and advises kLookAround till
 /// then: a cell that noise fills in a narrow passage must not end a mission, and a turn on the spot

@@ -128,7 +128,7 @@ struct Planner::Impl {
   std::shared_ptr<const Solver> solver;
   std::optional<Certifier> certifier;
   std::optional<Certifier> close_certifier;    // when nothing else is reachable
-  std::optional<Certifier> lost_certifier;     // while localization is lost
+  std::optional<Certifier> lost_certifier;     // while lost, if asked for
   std::optional<Certifier> impasse_certifier;  // in an impasse
   std::optional<Certifier> guard_certifier;    // as the guard will ask
   ExplorationGuide guide;
@@ -182,8 +182,10 @@ struct Planner::Impl {
     options.unknown = parameters.unknown;
     options.slice = slice;
     certifier.emplace(robot.shape, options);
-    options.margin = std::max(parameters.certificate_margin, parameters.lost_margin);
-    lost_certifier.emplace(robot.shape, options);
+    if (parameters.lost_margin > 0.0) {
+      options.margin = std::max(parameters.certificate_margin, parameters.lost_margin);
+      lost_certifier.emplace(robot.shape, options);
+    }
     options.margin = 0.5 * parameters.certificate_margin;
     close_certifier.emplace(robot.shape, options);
     options.held = 0.0;
@@ -211,19 +213,16 @@ struct Planner::Impl {
   /// does not see: kept off that as well, it would not get out of where it got lost. Nor would one
   /// get out of an impasse.
   const SurfaceDrift* minded_drift(const Belief& belief) const {
-    return belief.localization == Localization::kLost || in_impasse(belief) ? nullptr : &drift;
+    return belief.localization == Localization::kLost || in_impasse() ? nullptr : &drift;
   }
   /// Not while narrow gaps are tried: a robot that is stuck in one had better give it up than creep
-  /// on. In fr_079 one touched a wall that way, with a map half a metre off. Nor while lost.
-  bool in_impasse(const Belief& belief) const {
-    return impasse.inside() && !guidance->relaxed && belief.localization != Localization::kLost;
-  }
+  /// on. In fr_079 one touched a wall that way, with a map half a metre off.
+  bool in_impasse() const { return impasse.inside() && !guidance->relaxed; }
   /// What a motion has to pass. In an impasse no more is asked than that nothing is touched, on
-  /// the map as it is. A robot that is lost in a narrow place does not come nearer to what it is
-  /// near: it errs by centimetres within a second; it turns, or backs out.
+  /// the map as it is.
   const Certifier& motion_certifier(const Belief& belief) const {
-    if (belief.localization == Localization::kLost) return *lost_certifier;
-    if (in_impasse(belief)) return *impasse_certifier;
+    if (lost_certifier && belief.localization == Localization::kLost) return *lost_certifier;
+    if (in_impasse()) return *impasse_certifier;
     return squeezing(belief) ? *close_certifier : *certifier;
   }
   double unseen_density(const Belief& belief) const {

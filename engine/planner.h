@@ -51,7 +51,8 @@ struct PlannerParameters {
   /// in view (surface_drift.h), at most [m]; 0: none. The soft cost's clearances grow by the drift
   /// of what is near, too. Not while localization is lost, nor in an impasse (impasse.h).
   double drift_margin = 0.12;
-  double lost_margin = 0.05;  ///< [m] the certificate's margin while localization is lost
+  /// The certificate's margin while localization is lost [m], impasse or not; 0: as else.
+  double lost_margin = 0.0;
 
   double committed = 0.5;  ///< [s] of a plan that are certified and executed before the next
   int polished = 2;        ///< seeds handed to the solver

@@ -162,7 +162,7 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
   number("drift_margin", p.drift_margin, 0.0, 1.0, "m",
          "kept besides, at most, from surfaces that may have drifted since they were in view");
   number("lost_margin", p.lost_margin, 0.0, 1.0, "m",
-         "kept from obstacles while localization is lost, certificate_margin at least");
+         "kept from obstacles while localization is lost; 0: no more than else");
   const std::string unknown = map.choice("unknown", "braking", {"free", "blocked", "braking"},
                                          "what unknown space means to motion");
   p.unknown = unknown == "free"      ? UnknownPolicy::kFree
@@ -216,11 +216,11 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
                "m_c: of a frontier, or of what it promises");
   g.size = size == "area" ? FrontierSize::kArea : FrontierSize::kLength;
   g.kappa = f.number("kappa", g.kappa, 0.0, 100.0, "m",
-                     "bonus per unit of log(1 + m_c); 0.5 suits a length");
+                     "bonus per unit of log(1 + m_c); with size: area 2.5 was measured to suit");
   g.area_depth =
       f.number("area_depth", g.area_depth, 0.0, 10.0, "m", "how far behind a frontier area counts");
   g.ample_room = f.number("ample_room", g.ample_room, 0.0, 10.0, "m",
-                          "around the robot; where less is left free comes last");
+                          "besides d_safe; places with less room come last; 0: no such order");
   g.cost_to_go.lambda =
       f.number("lambda", g.cost_to_go.lambda, 0.0, 1000.0, "1",
                "price of ways on which no feature is seen; 0: none, as with w_l = 0");

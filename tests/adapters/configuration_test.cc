@@ -85,11 +85,11 @@ TEST(Configuration, PartsOfThePredictionCanBeLeftOut) {
 }
 
 TEST(Configuration, TheSizeOfAFrontierIsALengthOrAnArea) {
-  EXPECT_EQ(read("").planner.guide.size, FrontierSize::kArea);
+  EXPECT_EQ(read("").planner.guide.size, FrontierSize::kLength);
   const Configuration c =
-      read("planner: {frontiers: {size: length, kappa: 0.5, area_depth: 1.5, ample_room: 0.1}}");
-  EXPECT_EQ(c.planner.guide.size, FrontierSize::kLength);
-  EXPECT_EQ(c.planner.guide.kappa, 0.5);
+      read("planner: {frontiers: {size: area, kappa: 2.5, area_depth: 1.5, ample_room: 0.1}}");
+  EXPECT_EQ(c.planner.guide.size, FrontierSize::kArea);
+  EXPECT_EQ(c.planner.guide.kappa, 2.5);
   EXPECT_EQ(c.planner.guide.area_depth, 1.5);
   EXPECT_EQ(c.planner.guide.ample_room, 0.1);
   EXPECT_THAT(problems("planner: {frontiers: {size: mass}}"),

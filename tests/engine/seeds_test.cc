@@ -233,7 +233,6 @@ TEST(ScriptedSeeds, LeadIntoAGapThatBeginsBesideTheRobot) {
   ExplorationGuideOptions options;
   options.traversability.hard_radius = 0.2;
   options.frontiers.sensor_range = 0.6;
-  options.ample_room = 0.0;  // straight into the gap
   ExplorationGuide guide(options);
   const auto guidance = guide.update(ground, pose, 0.0);
   ASSERT_TRUE(guidance->target);
