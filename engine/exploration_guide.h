@@ -107,8 +107,8 @@ struct Guidance {
 ///   std::shared_ptr<const Guidance> g = guide.update(*belief.ground, belief.pose, belief.stamp);
 ///   problem term: CostToGoTerm(g->cost_to_go);   g->advice == Advice::kDone ends the mission
 ///
-/// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the frontier's size: an area, as
-/// the formulation has it, or its length (the prototype's kappa of 0.5 is "per log-metre"); with
+/// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the frontier's size: its length
+/// (the prototype's kappa of 0.5 is "per log-metre") or, as the formulation has it, an area; with
 /// the current target's head start. Another rule for the bonus may be given. With an outlook, a
 /// metre travelled costs 1 + lambda max(0, 1 - N / N_req) times as much, N the features in view in
 /// the direction of travel (down the field of the step before), and a viewpoint lambda look_length
