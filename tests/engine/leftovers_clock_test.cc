@@ -5,7 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
-namespace prospect {
+namespace prospect::leftovers_clock_test {
 namespace {
 
 constexpr LeftoversClock::Options kOptions{.share = 0.7, .least = 60.0, .growth = 0.1};
@@ -60,4 +60,4 @@ TEST(LeftoversClock, OptionsOutOfRangeAreNamed) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::leftovers_clock_test
