@@ -17,6 +17,10 @@ using Eigen::Matrix2d;
 using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
+using Matrix36d = Eigen::Matrix<double, 3, 6>;
+
+// Where the parts of the state begin.
+constexpr int kReference = 0, kMotion = 3, kScale = 6, kTurnScale = 7;
 
 Matrix2d rotation(double angle) {
   Matrix2d R;
@@ -36,12 +40,27 @@ Vector3d composed(const Vector3d& a, const Vector3d& b) {
   return c;
 }
 
+/// d composed(a, b) / d(a, b).
+Matrix36d composed_jacobian(const Vector3d& a, const Vector3d& b) {
+  Matrix36d J = Matrix36d::Zero();
+  J.leftCols<3>().setIdentity();
+  J.topRightCorner<3, 3>().setIdentity();
+  J.block<2, 1>(0, 2) = rotation(a[2]) * kTurn * b.head<2>();
+  J.block<2, 2>(0, 3) = rotation(a[2]);
+  return J;
+}
+
 Matrix3d composed_covariance(const Vector3d& a, const Matrix3d& A, const Vector3d& b,
                              const Matrix3d& B) {
-  Matrix3d d_a = Matrix3d::Identity(), d_b = Matrix3d::Identity();
-  d_a.topRightCorner<2, 1>() = rotation(a[2]) * kTurn * b.head<2>();
-  d_b.topLeftCorner<2, 2>() = rotation(a[2]);
-  return d_a * A * d_a.transpose() + d_b * B * d_b.transpose();
+  const Matrix36d J = composed_jacobian(a, b);
+  return J.leftCols<3>() * A * J.leftCols<3>().transpose() +
+         J.rightCols<3>() * B * J.rightCols<3>().transpose();
+}
+
+/// The larger eigenvalue of the covariance of a position.
+double largest_variance(const Matrix2d& C) {
+  const double mean = 0.5 * (C(0, 0) + C(1, 1));
+  return mean + std::hypot(0.5 * (C(0, 0) - C(1, 1)), C(0, 1));
 }
 
 // What no robot on wheels does: beyond these, numbers are faults.
@@ -78,46 +97,52 @@ WheelFusion::WheelFusion(const WheelFusionOptions& options) : options_(options) 
   check_parameter(options.pieces >= 1, owner, "pieces", options.pieces, "1 or more");
   check_parameter(options.start.position.allFinite() && std::isfinite(options.start.yaw), owner,
                   "start", options.start.yaw, "a finite pose");
-  x_.head<2>() = options.start.position.head<2>();
-  x_[2] = options.start.yaw;
-  x_[3] = x_[4] = 1.0;
-  P_(3, 3) = P_(4, 4) = options.sigma_scale * options.sigma_scale;
+  x_.segment<3>(kReference) << options.start.position.head<2>(), options.start.yaw;
+  x_[kScale] = x_[kTurnScale] = 1.0;
+  P_(kScale, kScale) = P_(kTurnScale, kTurnScale) = options.sigma_scale * options.sigma_scale;
 }
 
 void WheelFusion::begin(double stamp) {
   if (started_) return;
   started_ = true;
   stamp_ = fix_stamp_ = stamp;
-  clone();
+  take_reference();
 }
 
-void WheelFusion::clone() {
-  x_.tail<3>() = x_.head<3>();
-  P_.bottomRows<3>() = P_.topRows<3>().eval();
-  P_.rightCols<3>() = P_.leftCols<3>().eval();
+void WheelFusion::take_reference() {
+  variance_at_fix_ -= motion_variance();
+  const Vector3d r = x_.segment<3>(kReference), m = x_.segment<3>(kMotion);
+  Covariance J = Covariance::Identity();
+  J.block<3, 6>(kReference, kReference) = composed_jacobian(r, m);
+  J.block<3, 3>(kMotion, kMotion).setZero();
+  x_.segment<3>(kReference) = composed(r, m);
+  x_.segment<3>(kMotion).setZero();
+  P_ = (J * P_ * J.transpose()).eval();
   detour_.setZero();
   detour_covariance_.setZero();
 }
 
-double WheelFusion::position_variance() const {
-  // The larger eigenvalue.
-  const double mean = 0.5 * (P_(0, 0) + P_(1, 1));
-  return mean + std::hypot(0.5 * (P_(0, 0) - P_(1, 1)), P_(0, 1));
+Vector3d WheelFusion::pose() const {
+  return composed(x_.segment<3>(kReference), x_.segment<3>(kMotion));
+}
+
+double WheelFusion::motion_variance() const {
+  return largest_variance(P_.block<2, 2>(kMotion, kMotion));
 }
 
 void WheelFusion::move(const Vector2d& velocity, double yaw_rate, double dt) {
-  const double s = x_[3], r = x_[4];
+  const double s = x_[kScale], r = x_[kTurnScale];
   const Vector2d v = s * velocity;
   const double w = r * yaw_rate, phi = 0.5 * w * dt;
-  const Matrix2d R = rotation(x_[2] + phi);
+  const Matrix2d R = rotation(x_[kMotion + 2] + phi);
   const double d = dt * sinc(phi);
   const Vector2d d_psi = d * R * kTurn * v;
   const Vector2d d_w = 0.5 * dt * (dt * sinc_derivative(phi) * R * v + d_psi);
   Covariance F = Covariance::Identity();
-  F.block<2, 1>(0, 2) = d_psi;
-  F.block<2, 1>(0, 3) = d * R * velocity;
-  F.block<2, 1>(0, 4) = d_w * yaw_rate;
-  F(2, 4) = yaw_rate * dt;
+  F.block<2, 1>(kMotion, kMotion + 2) = d_psi;
+  F.block<2, 1>(kMotion, kScale) = d * R * velocity;
+  F.block<2, 1>(kMotion, kTurnScale) = d_w * yaw_rate;
+  F(kMotion + 2, kTurnScale) = yaw_rate * dt;
 
   const double way = v.norm() * dt, turn = std::abs(w) * dt;
   // Along and across the direction of driving; the yaw's error acts on the second half of the way.
@@ -131,22 +156,22 @@ void WheelFusion::move(const Vector2d& velocity, double yaw_rate, double dt) {
   G.topLeftCorner<2, 2>() = R * axes;
   G.topRightCorner<2, 1>() = 0.5 * d_psi;
 
-  x_.head<2>() += d * R * v;
-  x_[2] += w * dt;
+  x_.segment<2>(kMotion) += d * R * v;
+  x_[kMotion + 2] += w * dt;
   const double turned = yaw_rate * dt;
   const Vector2d straight = dt * sinc(0.5 * turned) * rotation(0.5 * turned) * velocity;
   piece_by_wheels_ = composed(piece_by_wheels_, {straight.x(), straight.y(), turned});
   P_ = (F * P_ * F.transpose()).eval();
-  P_.topLeftCorner<3, 3>() +=
+  P_.block<3, 3>(kMotion, kMotion) +=
       G * Vector3d(variance.x(), variance.y(), yaw_variance).asDiagonal() * G.transpose();
-  P_(3, 3) += options_.scale_walk * options_.scale_walk * way;
-  P_(4, 4) += options_.scale_walk * options_.scale_walk * turn;
+  P_(kScale, kScale) += options_.scale_walk * options_.scale_walk * way;
+  P_(kTurnScale, kTurnScale) += options_.scale_walk * options_.scale_walk * turn;
   P_ = (0.5 * (P_ + P_.transpose())).eval();
 }
 
 void WheelFusion::drift(double dt) {
   piece_known_ = false;
-  P_.topLeftCorner<3, 3>().diagonal().array() +=
+  P_.block<3, 3>(kMotion, kMotion).diagonal().array() +=
       options_.unknown_speed * options_.unknown_speed * dt;
 }
 
@@ -267,7 +292,7 @@ void WheelFusion::work_in(const VisualMotion& visual) {
   visual_ = visual.state;
   visual_reason_.clear();
   if (visual.begins_map) {
-    clone();
+    take_reference();
     beyond_gate_ = 0;
     if (has_reference_) {
       visual_reason_ = "a new visual map begins";
@@ -292,22 +317,14 @@ void WheelFusion::work_in(const VisualMotion& visual) {
     visual_reason_ = "a visual motion is not possible";
     return;
   }
-  // Since the clone, if a reference came in between that was not taken.
+  // Since the filter's reference, if one came in between that was not taken.
   const Vector3d measured = composed(detour_, visual.motion);
   const Matrix3d noise =
       composed_covariance(detour_, detour_covariance_, visual.motion, visual.covariance);
-  const Vector2d before = x_.head<2>();
-  const Matrix2d R = rotation(x_[7]);
-  Eigen::Matrix<double, 3, 8> H = Eigen::Matrix<double, 3, 8>::Zero();
-  const Vector2d h = R.transpose() * (x_.head<2>() - x_.segment<2>(5));
-  H.block<2, 2>(0, 0) = R.transpose();
-  H.block<2, 2>(0, 5) = -R.transpose();
-  H.block<2, 1>(0, 7) = -kTurn * h;
-  H(2, 2) = 1.0;
-  H(2, 7) = -1.0;
-  Vector3d innovation;
-  innovation << measured.head<2>() - h, wrapped(measured[2] - (x_[2] - x_[7]));
-  const Matrix3d S = H * P_ * H.transpose() + noise;
+  const Vector3d before = pose();
+  Vector3d innovation = measured - x_.segment<3>(kMotion);
+  innovation[2] = wrapped(innovation[2]);
+  const Matrix3d S = P_.block<3, 3>(kMotion, kMotion) + noise;
   const Eigen::LDLT<Matrix3d> factor(S);
   chi2_ = innovation.dot(factor.solve(innovation));
   if (!(chi2_ <= options_.gate)) {
@@ -320,34 +337,29 @@ void WheelFusion::work_in(const VisualMotion& visual) {
       }
       return;
     }
-    // From vision alone: p = p_k + R m, psi = psi_k + m_psi.
-    const Vector2d m = measured.head<2>();
-    x_.head<2>() = x_.segment<2>(5) + R * m;
-    x_[2] += wrapped(x_[7] + measured[2] - x_[2]);
-    Matrix3d G = Matrix3d::Identity(), V = Matrix3d::Identity();
-    G.topRightCorner<2, 1>() = R * kTurn * m;
-    V.topLeftCorner<2, 2>() = R;
-    P_.topRows<3>() = (G * P_.bottomRows<3>()).eval();
-    P_.leftCols<3>() = P_.topRows<3>().transpose().eval();
-    P_.topLeftCorner<3, 3>() =
-        G * P_.bottomRightCorner<3, 3>() * G.transpose() + V * noise * V.transpose();
+    // From vision alone.
+    x_.segment<3>(kMotion) += innovation;
+    P_.middleRows<3>(kMotion).setZero();
+    P_.middleCols<3>(kMotion).setZero();
+    P_.block<3, 3>(kMotion, kMotion) = noise;
     visual_ = Localization::kDegraded;
     visual_reason_ = "the wheels have slipped";
   } else {
-    const Eigen::Matrix<double, 8, 3> K = factor.solve(H * P_).transpose();
+    const Eigen::Matrix<double, 8, 3> K = factor.solve(P_.middleRows<3>(kMotion)).transpose();
     x_ += K * innovation;
-    const Covariance I_KH = Covariance::Identity() - K * H;
+    Covariance I_KH = Covariance::Identity();
+    I_KH.middleCols<3>(kMotion) -= K;
     P_ = (I_KH * P_ * I_KH.transpose() + K * noise * K.transpose()).eval();
     if (visual_ == Localization::kDegraded) visual_reason_ = "visual odometry is degraded";
     beyond_gate_ = 0;
   }
   P_ = (0.5 * (P_ + P_.transpose())).eval();
-  correction_ = (x_.head<2>() - before).norm();
-  variance_at_fix_ = position_variance();
+  correction_ = (pose() - before).head<2>().norm();
+  variance_at_fix_ = motion_variance();
   fix_stamp_ = visual.stamp;
   left_out_.clear();
   if (visual.becomes_reference) {
-    clone();
+    take_reference();
     beyond_gate_ = 0;
   }
 }
@@ -361,12 +373,14 @@ FusedOdometry WheelFusion::at(double stamp) const {
     now.waiting_.pop_front();
   }
   now.advance(out.stamp);
-  out.pose = {{now.x_[0], now.x_[1], 0.0}, now.x_[2]};
-  out.covariance = now.P_.topLeftCorner<3, 3>();
-  out.scale = now.x_[3];
-  out.turn_scale = now.x_[4];
-  out.sigma_scale = std::sqrt(now.P_(3, 3));
-  out.sigma_turn_scale = std::sqrt(now.P_(4, 4));
+  const Vector3d pose = now.pose();
+  out.pose = {{pose.x(), pose.y(), 0.0}, pose[2]};
+  const Matrix36d J = composed_jacobian(now.x_.segment<3>(kReference), now.x_.segment<3>(kMotion));
+  out.covariance = J * now.P_.topLeftCorner<6, 6>() * J.transpose();
+  out.scale = now.x_[kScale];
+  out.turn_scale = now.x_[kTurnScale];
+  out.sigma_scale = std::sqrt(now.P_(kScale, kScale));
+  out.sigma_turn_scale = std::sqrt(now.P_(kTurnScale, kTurnScale));
   out.chi2 = now.chi2_;
   out.correction = now.correction_;
   if (!now.started_) {
@@ -405,7 +419,7 @@ FusedOdometry WheelFusion::at(double stamp) const {
                                ": one of them is calibrated wrongly");
     out.state = Localization::kLost;
   }
-  const double since = now.position_variance() - now.variance_at_fix_;
+  const double since = now.motion_variance() - now.variance_at_fix_;
   if (since > options_.max_dead_reckoning * options_.max_dead_reckoning) {
     add_reason(out.reason, "too far by dead reckoning");
     out.state = Localization::kLost;

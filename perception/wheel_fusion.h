@@ -58,16 +58,22 @@ struct FusedOdometry {
 
 /// Extended Kalman filter over wheel odometry and visual odometry of a robot in the plane.
 ///
-/// State (x, y, psi, s, r, x_k, y_k, psi_k): the pose of B, the scales of the wheels' speed and yaw
-/// rate, and the pose at the visual reference frame, a clone: what vision measures is the motion
-/// since that frame, so its error must not be counted against the start (stochastic cloning:
-/// Roumeliotis and Burdick 2002).
+/// State (x_k, y_k, psi_k, x, y, psi, s, r): the pose of B in W at the visual reference frame k,
+/// the motion of B since then in B at k, and the scales of the wheels' speed and yaw rate. The pose
+/// is
+///   p_W = p_k + R(psi_k) p,   psi_W = psi_k + psi;
+/// it becomes that of k, and the motion zero, where vision takes a new reference.
 ///
-/// Wheels move it: with v = s v_m, w = r w_m over dt, phi = w dt / 2,
+/// Wheels add to the motion: with v = s v_m, w = r w_m over dt, phi = w dt / 2,
 ///   p' = p + dt sinc(phi) R(psi + phi) v,   psi' = psi + w dt,
 /// noise along^2 |v| dt and across^2 |v| dt in B, (turn^2 |w| + heading^2 |v|) dt in yaw.
-/// Vision corrects it:
-///   h = (R(psi_k)^T (p - p_k), psi - psi_k),   chi^2 = nu^T S^-1 nu against the gate.
+/// Vision measures it:
+///   h = (x, y, psi),   chi^2 = nu^T S^-1 nu against the gate.
+/// So h is linear in the state, and neither it nor the wheels depend on the pose at k: a frame
+/// moves that only as far as the scales have a part in both. A filter over two poses in W, one a
+/// clone of the other (stochastic cloning: Roumeliotis and Burdick 2002), is the same to first
+/// order, but takes from frames a knowledge of the yaw in W that they do not have, the more the
+/// larger its variance (as with maps: Castellanos et al. 2007), and jumps after losses of vision.
 /// A frame beyond the gate is not taken and makes the state degraded; `slips` of them in a row mean
 /// that the wheels have slipped, since odometry by vision has checks of its own and wheels have
 /// none: then the motion since the reference is taken from vision alone.
@@ -115,10 +121,12 @@ class WheelFusion {
   void advance(double stamp);
   void work_in(const VisualMotion& visual);
   void work_in_waiting(double known);
-  void clone();
+  /// The pose is that of the visual reference from here on.
+  void take_reference();
+  Eigen::Vector3d pose() const;
   /// Vision has a new reference: lengths by it and by the wheels.
   void compare(const VisualMotion& visual);
-  double position_variance() const;
+  double motion_variance() const;
 
   WheelFusionOptions options_;
   bool started_ = false;
@@ -128,7 +136,8 @@ class WheelFusion {
 
   std::deque<WheelSample> wheels_;    // the newest one up to stamp_, and all after it
   std::deque<VisualMotion> waiting_;  // for samples of its time
-  // Motion from the clone to vision's reference, of frames that were not taken; (0, 0, 0) mostly.
+  // Motion from the reference to vision's reference, of frames that were not taken; (0, 0, 0)
+  // mostly.
   Eigen::Vector3d detour_ = Eigen::Vector3d::Zero();
   Eigen::Matrix3d detour_covariance_ = Eigen::Matrix3d::Zero();
   bool has_wheels_ = false, has_visual_ = false, has_reference_ = false;
@@ -137,7 +146,8 @@ class WheelFusion {
   std::string visual_reason_ = "no visual odometry yet";
   std::string left_out_;  // what was refused since the last frame that was taken
   int beyond_gate_ = 0;
-  double variance_at_fix_ = 0.0;  // of the position, when vision last confirmed it [m^2]
+  // Of the motion, when vision last confirmed it [m^2]; less than zero if the reference is newer.
+  double variance_at_fix_ = 0.0;
   double fix_stamp_ = 0.0;
   double chi2_ = 0.0, correction_ = 0.0;
   // The piece of the way that grows: its motion by wheels as they measure, and by vision up to its
