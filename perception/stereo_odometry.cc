@@ -613,11 +613,13 @@ struct StereoOdometry::Impl {
     }
   }
 
-  OdometryFrame process(double stamp, const ImageView& left, const ImageView& right);
+  OdometryFrame process(double stamp, const ImageView& left, const ImageView& right,
+                        const std::optional<Isometry3d>& motion);
 };
 
 OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
-                                            const ImageView& right) {
+                                            const ImageView& right,
+                                            const std::optional<Isometry3d>& motion) {
   OdometryFrame out;
   out.stamp = stamp;
   ++frame;
@@ -720,13 +722,17 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
   const double since_good = stamp - good_stamp;
   // A motion goes on for a while, not for ever.
   const PyramidLevel coarse = left_pyramid.level(left_pyramid.levels() - 1);
-  const Isometry3d prior = have_velocity ? exp_se3(velocity * std::min(since_good, 0.5)) * T_CW
-                                         : turned(T_CW, good_coarse, coarse);
-  Attempt a = attempt(tracks, prior, left_pyramid, right_pyramid, have_velocity && !gap, out.times);
+  const auto as_before = [&]() -> Isometry3d {
+    return have_velocity ? exp_se3(velocity * std::min(since_good, 0.5)) * T_CW
+                         : turned(T_CW, good_coarse, coarse);
+  };
+  const bool measured = motion && motion->matrix().allFinite();
+  Attempt a = attempt(tracks, measured ? motion->inverse() * T_CW : as_before(), left_pyramid,
+                      right_pyramid, measured || (have_velocity && !gap), out.times);
   std::string reason;
   Localization state = judge(a, tracks, since_good, reason);
   if (state == Localization::kLost) {
-    // Once more from where we were, then from the newest keyframes.
+    // Once more as if nothing had been measured, from where we were, from the newest keyframes.
     const auto retry = [&](std::vector<Track> points, const Isometry3d& from) {
       Attempt b = attempt(points, from, left_pyramid, right_pyramid, false, out.times);
       std::string why;
@@ -738,7 +744,8 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
       tracks = std::move(points);
       return true;
     };
-    bool found = retry(tracks, turned(T_CW, good_coarse, coarse));
+    bool found = measured && have_velocity && retry(tracks, as_before());
+    found = found || retry(tracks, turned(T_CW, good_coarse, coarse));
     for (auto recall = recalls.rbegin(); !found && recall != recalls.rend(); ++recall) {
       found = retry(recall->tracks, turned(recall->T_CW, recall->coarse, coarse));
     }
@@ -863,9 +870,10 @@ StereoOdometry::~StereoOdometry() = default;
 StereoOdometry::StereoOdometry(StereoOdometry&&) noexcept = default;
 StereoOdometry& StereoOdometry::operator=(StereoOdometry&&) noexcept = default;
 
-OdometryFrame StereoOdometry::process(double stamp, const ImageView& left, const ImageView& right) {
+OdometryFrame StereoOdometry::process(double stamp, const ImageView& left, const ImageView& right,
+                                      const std::optional<Isometry3d>& motion) {
   ProcessorStopwatch watch;
-  OdometryFrame frame = impl_->process(stamp, left, right);
+  OdometryFrame frame = impl_->process(stamp, left, right, motion);
   frame.times.processor = watch.lap();
   return frame;
 }

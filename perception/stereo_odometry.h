@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -111,7 +112,8 @@ struct LandmarkSighting {
 /// a sparse map of landmarks, made by stereo matching at keyframes, and the pose of every frame
 /// from where they are found again.
 ///
-/// Each frame: landmarks are predicted with the last motion, their patches - always those of the
+/// Each frame: landmarks are predicted with the motion that is given, else the last one, their
+/// patches - always those of the
 /// keyframe that made them, so tracks do not creep - warped by the predicted change of scale and
 /// rotation and aligned with the left image (patch_tracker.h); RANSAC; then, from that pose, the
 /// ones missed again, and all of them in the right image; robust refinement with both
@@ -136,8 +138,13 @@ class StereoOdometry {
   StereoOdometry(StereoOdometry&&) noexcept;
   StereoOdometry& operator=(StereoOdometry&&) noexcept;
 
-  /// One rectified pair of the camera's size, stamps increasing [s].
-  OdometryFrame process(double stamp, const ImageView& left, const ImageView& right);
+  /// One rectified pair of the camera's size, stamps increasing [s]. `motion`: the pose of C now in
+  /// C at the newest frame before whose pose was taken, as others measured it,
+  /// wheels for instance. Only where landmarks are looked for depends on it, but of a texture that
+  /// repeats itself that decides which one is found; one that is wrong costs time, if the images
+  /// can tell. Without it, and if it is not finite, the robot is taken to go on as it did.
+  OdometryFrame process(double stamp, const ImageView& left, const ImageView& right,
+                        const std::optional<Eigen::Isometry3d>& motion = {});
 
   /// The landmarks that are tracked now or were of late, in W; made on demand. The survival of each
   /// is the probability that it is tracked `horizon` [s] ahead if it is in view until then, learned

@@ -42,4 +42,12 @@ VisualMotion VisualMotionReader::read(const OdometryFrame& frame) {
   return visual;
 }
 
+Isometry3d VisualMotionReader::camera_motion(const Pose& before, const Pose& now) const {
+  const auto T_WB = [](const Pose& pose) {
+    return Eigen::Translation3d(pose.position) *
+           Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ());
+  };
+  return T_BC_.inverse() * T_WB(before).inverse() * T_WB(now) * T_BC_;
+}
+
 }  // namespace prospect

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 
 #include "engine/belief.h"
+#include "models/types.h"
 #include "perception/stereo_odometry.h"
 
 namespace prospect {
@@ -36,6 +37,10 @@ class VisualMotionReader {
  public:
   explicit VisualMotionReader(const Eigen::Isometry3d& T_BC) : T_BC_(T_BC) {}
   VisualMotion read(const OdometryFrame& frame);
+
+  /// What a planar estimate of B's pose says of the motion of C: the pose of C when B is at `now`
+  /// in C when B was at `before`; for StereoOdometry::process().
+  Eigen::Isometry3d camera_motion(const Pose& before, const Pose& now) const;
 
  private:
   Eigen::Isometry3d T_BC_;

@@ -289,6 +289,7 @@ void WheelFusion::work_in(const VisualMotion& visual) {
     compare(visual);
   }
   correction_ = 0.0;
+  contradicted_ = false;
   visual_ = visual.state;
   visual_reason_.clear();
   if (visual.begins_map) {
@@ -328,12 +329,17 @@ void WheelFusion::work_in(const VisualMotion& visual) {
   const Eigen::LDLT<Matrix3d> factor(S);
   chi2_ = innovation.dot(factor.solve(innovation));
   if (!(chi2_ <= options_.gate)) {
-    if (++beyond_gate_ < options_.slips) {
+    const bool often = ++beyond_gate_ >= options_.slips;
+    const bool sure = visual.state == Localization::kOk;
+    if (!often || !sure) {
       visual_ = Localization::kDegraded;
       visual_reason_ = "wheels and vision disagree";
-      if (visual.becomes_reference) {
+      contradicted_ = often;
+      if (visual.becomes_reference && sure) {
         detour_ = measured;
         detour_covariance_ = noise;
+      } else if (visual.becomes_reference) {
+        take_reference();
       }
       return;
     }
@@ -419,6 +425,7 @@ FusedOdometry WheelFusion::at(double stamp) const {
                                ": one of them is calibrated wrongly");
     out.state = Localization::kLost;
   }
+  if (now.contradicted_) out.state = Localization::kLost;
   const double since = now.motion_variance() - now.variance_at_fix_;
   if (since > options_.max_dead_reckoning * options_.max_dead_reckoning) {
     add_reason(out.reason, "too far by dead reckoning");

@@ -75,8 +75,10 @@ struct FusedOdometry {
 /// order, but takes from frames a knowledge of the yaw in W that they do not have, the more the
 /// larger its variance (as with maps: Castellanos et al. 2007), and jumps after losses of vision.
 /// A frame beyond the gate is not taken and makes the state degraded; `slips` of them in a row mean
-/// that the wheels have slipped, since odometry by vision has checks of its own and wheels have
-/// none: then the motion since the reference is taken from vision alone.
+/// that the wheels have slipped, if vision is ok, since it has checks of its own and wheels have
+/// none: then the motion since the reference is taken from vision alone. Degraded vision may be as
+/// wrong as the wheels: what it says beyond the gate is never taken, and after `slips` frames
+/// nobody knows, the state is lost.
 ///
 /// Late frames. A frame is worked in at its own time, once the wheels have told of that time, too;
 /// at() works in those that wait, and moves the pose over the samples that came after. So a frame
@@ -91,8 +93,8 @@ struct FusedOdometry {
 ///
 /// States. Ok: the newest visual frame was taken. Degraded: it was not, or was degraded itself, or
 /// wheels are missing: dead reckoning. Lost: dead reckoning beyond max_dead_reckoning, or nothing
-/// has been measured yet, or vision and wheels disagree about the scale: then one of them is
-/// calibrated wrongly, and no length is known.
+/// has been measured yet, or degraded vision and wheels disagree for `slips` frames, or vision and
+/// wheels disagree about the scale: then one of them is calibrated wrongly, and no length is known.
 ///
 /// Thread-safety: one thread at a time. Errors: the constructor throws std::invalid_argument on an
 /// option out of range; the rest never throws: a sample or frame that is not finite or not possible
@@ -146,6 +148,7 @@ class WheelFusion {
   std::string visual_reason_ = "no visual odometry yet";
   std::string left_out_;  // what was refused since the last frame that was taken
   int beyond_gate_ = 0;
+  bool contradicted_ = false;  // by degraded vision, for as long as would mean a slip
   // Of the motion, when vision last confirmed it [m^2]; less than zero if the reference is newer.
   double variance_at_fix_ = 0.0;
   double fix_stamp_ = 0.0;

@@ -1,6 +1,7 @@
 #include "adapters/simulator/camera_senses.h"
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "adapters/simulator/feature_field.h"
@@ -83,6 +84,7 @@ CameraSenses::CameraSenses(const World& world, const SimulatorOptions& options,
       fusion_(fusion_of(options, world.start)),
       mapper_(rig_.depth_camera(), mapper_of(options, mapping)),
       builder_(options.stereo_mount.T_BC),
+      pose_at_fix_(world.start),
       wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
       wheel_pose_(world.start) {
   frame_.T_WC = camera_pose(world.start, options.stereo_mount);
@@ -126,10 +128,16 @@ void CameraSenses::image(double stamp, const Pose& true_pose, const Twist& twist
   pair_ = rig_.stereo(true_pose, twist, images_++);
   if (stamp > wheel_stamp_) fusion_.add(wheels(stamp, true_pose));
   const bool was_lost = images_ > 1 && frame_.state == Localization::kLost;
-  frame_ = odometry_.process(stamp, pair_.left.view(), pair_.right.view());
+  std::optional<Eigen::Isometry3d> motion;
+  if (options_.camera.wheels) {
+    motion = reader_.camera_motion(pose_at_fix_, fusion_.at(stamp).pose);
+  }
+  frame_ = odometry_.process(stamp, pair_.left.view(), pair_.right.view(), motion);
+  const bool taken = frame_.tracked > 0 && frame_.state != Localization::kLost;
   compare();
   doubt();
   fusion_.add(reader_.read(frame_));
+  if (taken) pose_at_fix_ = fusion_.at(stamp).pose;
   losses_ += frame_.state == Localization::kLost && !was_lost;
   if (frame_.keyframe) count_landmarks();
 }

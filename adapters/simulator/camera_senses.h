@@ -79,6 +79,7 @@ class CameraSenses final : public Senses {
   std::uint64_t images_ = 0, scans_ = 0;
   StereoImages pair_;
   OdometryFrame frame_;
+  Pose pose_at_fix_;  ///< fused, when the odometry last took a pose
   int losses_ = 0;
   DepthImage depth_;
   double depth_stamp_ = -1.0;  // [s]

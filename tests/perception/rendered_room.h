@@ -16,7 +16,10 @@ namespace prospect::test {
 /// pair: images with exact poses, depths and disparities. World: z up, the floor at z = 0.
 class RenderedRoom {
  public:
-  explicit RenderedRoom(double contrast = 70.0) : contrast_(contrast) {}
+  /// `period` [m], a multiple of 0.04: the texture repeats itself after it in x, y and z, as tiles
+  /// do; 0: never.
+  explicit RenderedRoom(double contrast = 70.0, double period = 0.0)
+      : contrast_(contrast), period_(period) {}
 
   /// Depth along the optical axis of the surface that pixel (u, v) shows [m].
   double depth(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC, double u,
@@ -114,6 +117,9 @@ class RenderedRoom {
     double sum = 0.0;
     double size = 0.32;
     for (int octave = 0; octave < 4; ++octave, size *= 0.5) {
+      const int n = static_cast<int>(std::lround(period_ / size));  // points of the lattice
+      if (period_ > 0.0 && n == 0) continue;
+      const auto wrapped = [n](int i) { return n > 0 ? (i % n + n) % n : i; };
       const Eigen::Vector3d q = p / size;
       const Eigen::Vector3d f(std::floor(q.x()), std::floor(q.y()), std::floor(q.z()));
       Eigen::Vector3d w = q - f;
@@ -124,14 +130,15 @@ class RenderedRoom {
       for (int k = 0; k < 8; ++k) {
         value += (k & 1 ? w.x() : 1 - w.x()) * (k & 2 ? w.y() : 1 - w.y()) *
                  (k & 4 ? w.z() : 1 - w.z()) *
-                 lattice(x + (k & 1), y + (k >> 1 & 1), z + (k >> 2 & 1), octave);
+                 lattice(wrapped(x + (k & 1)), wrapped(y + (k >> 1 & 1)), wrapped(z + (k >> 2 & 1)),
+                         octave);
       }
       sum += value;
     }
     return contrast_ * sum;
   }
 
-  double contrast_;
+  double contrast_, period_;
   // Not on the lattice of the texture.
   Box room_{{-3.03, -2.51, 0.013}, {5.07, 2.77, 2.61}};
   Box pillar_{{2.53, -0.71, 0.013}, {3.17, 0.11, 1.83}};

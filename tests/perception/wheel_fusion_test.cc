@@ -266,6 +266,27 @@ TEST(WheelFusion, WheelsThatSpinAreFoundOut) {
   EXPECT_LE(slipped, 7);
 }
 
+TEST(WheelFusion, DegradedVisionIsNotBelievedAgainstTheWheels) {
+  Drive d;
+  d.frames_a_reference = 1;
+  // Few points, on edges along which they slide.
+  d.meddle = [](int k, VisualMotion& v) {
+    if (k < 30 || k >= 36) return;
+    v.state = Localization::kDegraded;
+    v.motion.x() -= 0.05;
+  };
+  WheelFusion fusion(d.noise);
+  drive(d, fusion, 6.0, 8, [&](int k, const Vector3d& truth) {
+    const FusedOdometry fused = fusion.at(k * kFramePeriod);
+    EXPECT_LT(error_of(fused, truth), 0.05) << k;
+    const Localization expected = k < 30 || k >= 36 ? Localization::kOk
+                                  : k < 32          ? Localization::kDegraded
+                                                    : Localization::kLost;
+    EXPECT_EQ(fused.state, expected) << k << " " << fused.reason;
+    EXPECT_EQ(fused.reason, expected == Localization::kOk ? "" : "wheels and vision disagree");
+  });
+}
+
 // Vision whose calibration is wrong: all it measures is too long or too short by a factor.
 TEST(WheelFusion, AVisionOfAnotherScaleIsLost) {
   for (const double factor : {0.6, 0.75, 1.3, 1.5, 2.5}) {
