@@ -4,9 +4,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
+#include <random>
 #include <stdexcept>
 #include <string>
 
@@ -127,6 +131,46 @@ TEST_F(CameraSensesTest, FollowsTheRobotAndMapsWhatIsThere) {
   EXPECT_LT(off, static_cast<int>(belief->landmarks->landmarks.size()) / 10);
   EXPECT_EQ(simulator.picture().image.width, 320);
   EXPECT_GT(simulator.picture().sightings.size(), 40U);
+}
+
+/// A room of plain walls on a floor of tiles, each like the other.
+std::shared_ptr<World> tiled_room(double length, double width, double tile) {
+  auto world = std::make_shared<World>(test::box_room(length, width, 2.2, 0.1, 0.0));
+  TexturedMesh mesh;
+  Image speckled(4, 4);
+  std::mt19937 generator(7);
+  for (auto& pixel : speckled.pixels) pixel = static_cast<std::uint8_t>(20 + generator() % 200);
+  mesh.textures = {speckled, Image(1, 1, 150)};
+  const float l = static_cast<float>(length), w = static_cast<float>(width), h = 2.2f;
+  const auto quad = [&](const std::array<Eigen::Vector3f, 4>& corners, std::uint32_t material) {
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const Eigen::Vector3f& c : corners) {
+      mesh.vertices.push_back(c);
+      mesh.uv.emplace_back(c.head<2>() / static_cast<float>(tile));
+    }
+    mesh.triangles.push_back({first, first + 1, first + 2});
+    mesh.triangles.push_back({first, first + 2, first + 3});
+    mesh.material.insert(mesh.material.end(), 2, material);
+  };
+  quad({{{0, 0, 0}, {l, 0, 0}, {l, w, 0}, {0, w, 0}}}, 0);
+  quad({{{0, 0, 0}, {l, 0, 0}, {l, 0, h}, {0, 0, h}}}, 1);
+  quad({{{0, w, 0}, {l, w, 0}, {l, w, h}, {0, w, h}}}, 1);
+  quad({{{0, 0, 0}, {0, w, 0}, {0, w, h}, {0, 0, h}}}, 1);
+  quad({{{l, 0, 0}, {l, w, 0}, {l, w, h}, {l, 0, h}}}, 1);
+  world->mesh = std::make_shared<const TexturedMesh>(std::move(mesh));
+  return world;
+}
+
+TEST_F(CameraSensesTest, OnATiledFloorTheWheelsTellWhichTile) {
+  Simulator simulator(tiled_room(9.0, 7.0, 0.15), small_cameras());
+  double worst = 0.0;
+  for (int k = 0; k < 12; ++k) {
+    simulator.apply(twist(0.5, k % 2 ? -0.6 : 0.6), 0.5);
+    worst = std::max(worst, simulator.localization_error());
+  }
+  std::printf("%.2f m: off by %.1f mm at most, %d losses\n", simulator.path_length(), 1e3 * worst,
+              simulator.losses());
+  EXPECT_LT(worst, 0.03);
 }
 
 TEST_F(CameraSensesTest, SameSeedSameBitsWithAnyNumberOfThreads) {
