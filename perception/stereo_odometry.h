@@ -139,10 +139,11 @@ class StereoOdometry {
   StereoOdometry& operator=(StereoOdometry&&) noexcept;
 
   /// One rectified pair of the camera's size, stamps increasing [s]. `motion`: the pose of C now in
-  /// C at the newest frame before whose pose was taken, as others measured it,
-  /// wheels for instance. Only where landmarks are looked for depends on it, but of a texture that
-  /// repeats itself that decides which one is found; one that is wrong costs time, if the images
-  /// can tell. Without it, and if it is not finite, the robot is taken to go on as it did.
+  /// C at the newest frame before this that was not lost and tracked something, as others measured
+  /// it, wheels for instance (VisualMotionReader::camera_motion). Only where landmarks are looked
+  /// for depends on it, but of a texture that repeats itself that decides which one is found; one
+  /// that is wrong costs time, if the images can tell. Without it, and if it is not finite, the
+  /// robot is taken to go on as it did.
   OdometryFrame process(double stamp, const ImageView& left, const ImageView& right,
                         const std::optional<Eigen::Isometry3d>& motion = {});
 
