@@ -94,6 +94,7 @@ void FeatureOutlook::update(const Belief& belief, double density, const LocalTex
   unseen.range = options_.prior_range;
   unseen.height = belief.pose.position.z() + mount_.T_BC.translation().z();
   unseen.max_blocks = options_.max_landmarks / 4;
+  unseen.image_cell = belief.landmarks->image_cell;
   std::vector<Landmark> landmarks = unseen_features(ground, belief.pose, unseen, texture);
   const double everywhere = (fine.width + fine.height) * fine.resolution + here.norm();
   const std::vector<Landmark> mapped =

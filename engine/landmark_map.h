@@ -17,6 +17,9 @@ struct Landmark {
   double survival = 0.9;         ///< tau_i: share of expected views in which it was tracked
   /// mu_i: how many landmarks it stands for; above 1 where others like it were left out.
   double multiplicity = 1.0;
+  /// How many others share its image cell when it is seen from a depth Z, over Z^2 [1/m^2]; 0:
+  /// none. crowding.h fills it in.
+  double crowding = 0.0;
 };
 
 /// Landmarks known to the planner, and what has been learned of texture in general.
@@ -24,6 +27,9 @@ struct LandmarkMap {
   std::vector<Landmark> landmarks;
   /// rho: pessimistic quantile of new features per newly seen surface [1/m^2].
   double feature_density = 5.0;
+  /// Side of the image cells of which the tracker keeps one landmark each, over the focal length
+  /// [-]; 0: there are none, or the landmarks' survival accounts for them.
+  double image_cell = 0.0;
 };
 
 }  // namespace prospect

@@ -21,6 +21,7 @@ struct Cluster {
   const Landmark* first = nullptr;  // lowest id
   double multiplicity = 0.0;
   double survival = 0.0;  // times multiplicity
+  double crowding = 0.0;  // likewise
 };
 
 /// Everything that can tell two landmarks apart, so that the order in the map does not matter even
@@ -33,7 +34,7 @@ bool usable(const Landmark& l) {
   return l.position.allFinite() && l.covariance.allFinite() && l.creation_direction.allFinite() &&
          l.creation_direction.norm() > 1e-6 && std::isfinite(l.creation_range) &&
          l.creation_range > 0.0 && l.survival > 0.0 && l.survival <= 1.0 && l.multiplicity > 0.0 &&
-         std::isfinite(l.multiplicity);
+         std::isfinite(l.multiplicity) && l.crowding >= 0.0 && std::isfinite(l.crowding);
 }
 
 // Whether P_range and P_view are above nothing for some camera position within `reach` of `center`.
@@ -84,6 +85,7 @@ std::vector<Cluster> clusters(const std::vector<const Landmark*>& landmarks, dou
     if (!c.first) c.first = l;
     c.multiplicity += l->multiplicity;
     c.survival += l->multiplicity * l->survival;
+    c.crowding += l->multiplicity * l->crowding;
     if (cells.size() > most) break;
   }
   std::vector<Cluster> result;
@@ -120,6 +122,7 @@ std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose,
       result.push_back(*c.first);
       result.back().multiplicity = c.multiplicity;
       result.back().survival = std::min(1.0, c.survival / c.multiplicity);
+      result.back().crowding = c.crowding / c.multiplicity;
     }
   }
   const auto azimuth = [&](const Landmark& l) {

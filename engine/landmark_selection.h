@@ -17,11 +17,11 @@ namespace prospect {
 /// survival > 0. If more remain than `max_count`, those in one cell of a lattice fixed in W that
 /// were made from one quarter of directions are taken together, in the finest of the lattices of
 /// 0.2 m, 0.2 sqrt(2) m, ... that leaves few enough; beyond 1000 m the lowest ids are kept. The one
-/// with the lowest id stands for its cell: its multiplicity is the sum of theirs, its survival
-/// their mean by multiplicity. So the count that they predict is that of all, but for where in its
-/// cell a landmark lies (our choice; the best of each direction, weighted, predicted 17 % too many
-/// and was off by half as much again). The lattice does not move with the robot, so the same ones
-/// are chosen again at the next step.
+/// with the lowest id stands for its cell: its multiplicity is the sum of theirs, its survival and
+/// its crowding are their means by multiplicity. So the count that they predict is that of all, but
+/// for where in its cell a landmark lies (our choice; the best of each direction, weighted,
+/// predicted 17 % too many and was off by half as much again). The lattice does not move with the
+/// robot, so the same ones are chosen again at the next step.
 ///
 /// The result is ordered by azimuth around the pose (ties: by id), which lets the prediction skip
 /// runs of points behind the camera. Deterministic, and independent of the order in the map.

@@ -372,6 +372,7 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   unseen.range = reach + p.visibility.r_max;
   unseen.height = stereo_camera.z();
   unseen.max_blocks = p.max_landmarks / 4;
+  unseen.image_cell = belief.landmarks->image_cell;
   const std::vector<Landmark> expected =
       unseen_features(*belief.ground, belief.pose, unseen, &texture);
   r->landmarks =

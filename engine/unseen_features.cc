@@ -15,6 +15,7 @@ std::vector<Landmark> unseen_features(const GroundMap& ground, const Pose& pose,
   check_not_negative(kOwner, "density", options.density);
   check_positive(kOwner, "block", options.block);
   check_positive(kOwner, "range", options.range);
+  check_not_negative(kOwner, "image_cell", options.image_cell);
   std::vector<Landmark> features;
   if (options.density == 0.0 || options.max_blocks <= 0) return features;
   const double r = ground.frame().resolution;
@@ -56,8 +57,10 @@ std::vector<Landmark> unseen_features(const GroundMap& ground, const Pose& pose,
       if (!(to.norm() > 0.0)) l.creation_direction = Eigen::Vector3d::UnitX();
       l.creation_range = std::max(to.norm(), r);
       l.survival = 1.0;
-      l.multiplicity = options.density * unknown * r * r;
-      if (texture != nullptr) l.multiplicity *= texture->relative(centroid);
+      double density = options.density;
+      if (texture != nullptr) density *= texture->relative(centroid);
+      l.multiplicity = density * unknown * r * r;
+      l.crowding = density * options.image_cell * options.image_cell;
       blocks.push_back({l, to.norm(), std::atan2(to.y(), to.x())});
     }
   }

@@ -10,16 +10,18 @@
 namespace prospect {
 
 struct UnseenFeatureOptions {
-  double density = 5.0;  ///< rho [1/m^2]: features a square metre of unknown ground; 0: none
-  double block = 1.5;    ///< side of a block [m], rounded to whole cells
-  double range = 9.0;    ///< blocks farther than this from the robot are left out [m]
-  double height = 0.5;   ///< above the ground where a block's features stand [m]
-  int max_blocks = 75;   ///< the nearest are kept
+  double density = 5.0;     ///< rho [1/m^2]: features a square metre of unknown ground; 0: none
+  double block = 1.5;       ///< side of a block [m], rounded to whole cells
+  double range = 9.0;       ///< blocks farther than this from the robot are left out [m]
+  double height = 0.5;      ///< above the ground where a block's features stand [m]
+  int max_blocks = 75;      ///< the nearest are kept
+  double image_cell = 0.0;  ///< LandmarkMap::image_cell
 };
 
 /// What the tracker will find where nothing has been seen yet: for each block of ground with
 /// unknown cells a landmark that stands for rho s(centroid) features a square metre of these, at
-/// their centroid, with survival 1, and visible from everywhere. s: LocalTexture, null: 1.
+/// their centroid, with survival 1, and visible from everywhere. s: LocalTexture, null: 1. They are
+/// as crowded as such a density is: image_cell^2 rho s.
 ///
 /// With an occlusion table that dims rays by exp(-lambda length in unknown space), their expected
 /// number in view is that of a Poisson field of surfaces: rays into the unknown end at the rate of

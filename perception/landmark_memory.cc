@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/crowding.h"
 #include "perception/lattice_cell.h"
 
 namespace prospect {
@@ -45,6 +46,7 @@ std::shared_ptr<const LandmarkMap> LandmarkMemory::with_remembered(const Landmar
   }
   std::sort(remembered.begin(), remembered.end());  // by cell: no two are the same
   for (const auto& [cell, landmark] : remembered) map->landmarks.push_back(*landmark);
+  note_crowding(*map);
   return map;
 }
 

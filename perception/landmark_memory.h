@@ -22,7 +22,7 @@ class LandmarkMemory {
 
   /// Enters the landmarks that the odometry holds now, placed in W.
   void add(const LandmarkMap& now);
-  /// `now`, and those remembered in other cells.
+  /// `now`, and those remembered in other cells; with how crowded they are together (crowding.h).
   std::shared_ptr<const LandmarkMap> with_remembered(const LandmarkMap& now) const;
 
   std::size_t size() const { return cells_.size(); }

@@ -880,6 +880,10 @@ OdometryFrame StereoOdometry::process(double stamp, const ImageView& left, const
 
 std::shared_ptr<const LandmarkMap> StereoOdometry::landmarks(double horizon) const {
   auto map = std::make_shared<LandmarkMap>();
+  const PinholeCamera& left = impl_->camera.left;
+  map->image_cell = corner_cell(static_cast<int>(left.width), static_cast<int>(left.height),
+                                impl_->options.corners) /
+                    left.fx;
   const TrackSurvival::Fit fit = impl_->survival.fit();
   // Before the second frame the rate is not known: that of most recordings.
   const double period = impl_->period > 0.0 ? impl_->period : 0.1;

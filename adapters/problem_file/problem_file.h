@@ -29,8 +29,8 @@ struct SavedProblem {
   std::optional<WarmStart> warm_start;  ///< of a solver, if there is one
 };
 
-/// The only version of the format that there is; docs/problem_files.md describes it.
-constexpr int kProblemFileVersion = 1;
+/// The version that is written; all up to it are read. docs/problem_files.md describes them.
+constexpr int kProblemFileVersion = 2;
 
 /// Writes a problem file (HDF5): to `path`.part, then renamed, so that `path` is never half
 /// written. Maps are cut down to what the problem looks at (with_maps_cut). The same problem gives

@@ -303,7 +303,7 @@ void obstacle_terms(Archive& a, ProblemRecipe& r) {
   });
 }
 
-void landmarks(Archive& a, std::vector<Landmark>& list) {
+void landmarks(Archive& a, int version, std::vector<Landmark>& list) {
   a.group("landmarks", [&] {
     resize(a, "id", list, {}, kMostLandmarks);
     table<std::uint64_t>(a, "id", list, {},
@@ -322,10 +322,14 @@ void landmarks(Archive& a, std::vector<Landmark>& list) {
                   [](Landmark& l, std::size_t) -> double& { return l.survival; });
     table<double>(a, "multiplicity", list, {},
                   [](Landmark& l, std::size_t) -> double& { return l.multiplicity; });
+    if (version >= 2) {
+      table<double>(a, "crowding", list, {},
+                    [](Landmark& l, std::size_t) -> double& { return l.crowding; });
+    }
   });
 }
 
-void visible_features(Archive& a, ProblemRecipe& r) {
+void visible_features(Archive& a, int version, ProblemRecipe& r) {
   a.group("visible_features", [&] {
     a.number("weight", r.weights.visible_features);
     VisibleFeaturesParameters& f = r.features;
@@ -366,7 +370,7 @@ void visible_features(Archive& a, ProblemRecipe& r) {
       a.number("reference_count", o.reference_count);
       a.number("floor_count", o.floor_count);
     });
-    landmarks(a, r.landmarks);
+    landmarks(a, version, r.landmarks);
     occlusion(a, r.landmark_lattice, r.landmark_occlusion, r.landmarks.size(),
               r.voxels->resolution());
   });
@@ -423,7 +427,7 @@ void cost_to_go(Archive& a, ProblemRecipe& r) {
   });
 }
 
-void terms(Archive& a, ProblemRecipe& r) {
+void terms(Archive& a, int version, ProblemRecipe& r) {
   a.group("terms", [&] {
     a.group("control_effort", [&] {
       a.number("weight", r.weights.control_effort);
@@ -432,7 +436,7 @@ void terms(Archive& a, ProblemRecipe& r) {
     a.group("input_rate", [&] { a.number("weight", r.weights.input_rate); });
     clearance_field(a, r);
     obstacle_terms(a, r);
-    visible_features(a, r);
+    visible_features(a, version, r);
     exploration_gain(a, r);
     cost_to_go(a, r);
     a.group("heading_alignment", [&] { a.number("weight", r.weights.heading_alignment, 0.0); });
@@ -510,16 +514,16 @@ void transfer_problem(Archive& a, SavedProblem& problem) {
   }
   int version = kProblemFileVersion;
   a.integer("version", version, 1, std::numeric_limits<int>::max());
-  if (version != kProblemFileVersion) {
+  if (version > kProblemFileVersion) {
     a.refuse("version", "is " + std::to_string(version),
-             std::to_string(kProblemFileVersion) + ", the one that this program knows");
+             "1 to " + std::to_string(kProblemFileVersion) + ", those that this program knows");
   }
   ProblemRecipe& r = problem.recipe;
   origin(a, problem.origin);
   robot(a, r.robot);
   horizon(a, r);
   map(a, r);
-  terms(a, r);
+  terms(a, version, r);
   seeds(a, problem);
   warm_start(a, problem);
 }

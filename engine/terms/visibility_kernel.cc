@@ -149,6 +149,12 @@ PROSPECT_FORCE_INLINE void interval(T lower, T upper, T& probability,
   probability = to - from;
 }
 
+// P_cell = (6 + m) / (6 + 4 m + m^2).
+template <typename T>
+PROSPECT_FORCE_INLINE T cell_probability(T m) {
+  return (T(6.0) + m) / (T(6.0) + m * (T(4.0) + m));
+}
+
 template <typename T>
 using BlockResult =
     std::conditional_t<std::is_same_v<T, double>, VisibilityBlockResult, VisibilityScoreResult>;
@@ -243,7 +249,8 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlockOf<T>* __restrict 
           one / ((one + e1[j]) * (one + e2[j]) * ((one + e3[j]) * (one + e4[j])) * (one + e5[j]));
       const T t = clamp(depth[j] / c.near_depth - one, T(0.0), one);
       const T gate = t * t * t * (T(10.0) + t * (T(6.0) * t - T(15.0)));
-      const T pi = l.survival[j] * open[j] * gate * P5[j] * (Pu[j] * Pv[j]);
+      const T kept = l.survival[j] * cell_probability(l.crowding[j] * depth[j] * depth[j]);
+      const T pi = kept * open[j] * gate * P5[j] * (Pu[j] * Pv[j]);
       out.pi[j] = pi;
       count[j] += l.multiplicity[j] * pi;
       variance[j] += l.multiplicity[j] * pi * (one - pi);
@@ -258,8 +265,10 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlockOf<T>* __restrict 
         const double t = clamp(depth[j] / c.near_depth - 1.0, 0.0, 1.0);
         const double gate = t * t * t * (10.0 + t * (6.0 * t - 15.0));
         const double gate_slope = 30.0 * t * t * (1.0 - t) * (1.0 - t) / c.near_depth;
-        const double before_gate = l.survival[j] * P5[j] * (Pu[j] * Pv[j]);
-        const double factor = l.survival[j] * open[j] * gate * P5[j];
+        const double m = l.crowding[j] * depth[j] * depth[j];
+        const double kept = l.survival[j] * cell_probability(m);
+        const double before_gate = kept * P5[j] * (Pu[j] * Pv[j]);
+        const double factor = kept * open[j] * gate * P5[j];
         const double pi = out.pi[j];
         PointAdjoint q;
 
@@ -274,6 +283,9 @@ PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlockOf<T>* __restrict 
         q.Z += w12 * (e1[j] * (1.0 + e2[j]) * c.inverse_r_min_width -
                       e2[j] * (1.0 + e1[j]) * c.inverse_r_max_width);
         q.Z += before_gate * open[j] * gate_slope;
+        // d log P_cell / dm = -(18 + 12 m + m^2) / ((6 + m) (6 + 4 m + m^2)).
+        q.Z -= 2.0 * pi * l.crowding[j] * depth[j] * (18.0 + m * (12.0 + m)) /
+               ((6.0 + m) * (6.0 + m * (4.0 + m)));
         const double d_cos = w * p12 * p34 * e5[j] * c.inverse_cos_width;
         const double inverse_r = 1.0 / range[j];
         const double d_range =

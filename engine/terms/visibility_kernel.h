@@ -18,6 +18,7 @@ struct alignas(64) VisibilityBlockOf {
   Lanes inverse_creation_range;
   Lanes survival;      ///< tau_i
   Lanes multiplicity;  ///< mu_i
+  Lanes crowding;      ///< c_i [1/m^2]
 };
 using VisibilityBlock = VisibilityBlockOf<double>;
 using VisibilityScoreBlock = VisibilityBlockOf<float>;

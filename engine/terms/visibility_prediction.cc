@@ -98,6 +98,9 @@ void check(const Landmark& l) {
   if (!(l.multiplicity > 0.0 && l.multiplicity <= 1e6)) {
     refuse(l, "multiplicity is " + std::to_string(l.multiplicity) + "; expected above 0, to 1e6");
   }
+  if (!(l.crowding >= 0.0 && l.crowding <= 1e6)) {
+    refuse(l, "crowding is " + std::to_string(l.crowding) + "; expected 0 to 1e6 / m^2");
+  }
 }
 
 /// l in lane j, its position from `origin`.
@@ -121,6 +124,7 @@ void set_lane(VisibilityBlockOf<T>& block, int j, const Landmark& l, const Vecto
   put(block.inverse_creation_range, 1.0 / std::max(l.creation_range, 1e-6));
   put(block.survival, l.survival);
   put(block.multiplicity, l.multiplicity);
+  put(block.crowding, l.crowding);
 }
 
 /// Whole blocks of landmarks. Padding stands where the last one does, so that it does not keep a

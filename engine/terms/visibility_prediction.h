@@ -62,7 +62,7 @@ VisibilityParameters with_landmarks_made_anew(VisibilityParameters parameters = 
 ///         s = sqrt(|p_{k+1} - p_k|^2 + e^2) - e,  a = sqrt(dyaw^2 + e^2) - e,  e = 1 mm, 1 mrad
 ///         w_z = w_p for bases that move in 3-D, 0 for a base on the plane (its height is known)
 ///   S_ik = H_x Sigma_rel,k H_x^T + H_l Sigma_i H_l^T + sigma_px^2 I                      [px^2]
-///   pi_ik = tau_i P_fov P_range P_view P_unoccluded
+///   pi_ik = tau_i P_fov P_range P_view P_unoccluded P_cell
 ///   N_k = sum_i mu_i pi_ik (+ prior),   Var N_k = sum_i mu_i pi_ik (1 - pi_ik) (+ prior),
 ///   mu_i the landmarks that i stands for (Landmark::multiplicity)
 ///
@@ -78,6 +78,10 @@ VisibilityParameters with_landmarks_made_anew(VisibilityParameters parameters = 
 ///   scale_max. P_view: logistic in the cosine of the angle to the creation view (smooth at angle
 ///   0).
 /// P_unoccluded: an OcclusionTable at the sensor's position; without one, 1.
+/// P_cell = (6 + m) / (6 + 4 m + m^2), m = c_i Z^2 (Landmark::crowding): that i is the one that a
+///   tracker with one landmark an image cell keeps, m others being expected in its cell. It is
+///   E[1 / (1 + K)] = (1 - e^-m) / m of a Poisson number K with mean m, within 0.02, without an
+///   exponential.
 ///
 /// Near the camera plane all of this is multiplied by a quintic gate in depth that is exactly 0 up
 /// to near_depth() and 1 from twice that: twice continuously differentiable, and no division by

@@ -396,8 +396,8 @@ TEST_F(ProblemFileTest, SaysWhichEntryIsNoneOfAProblemWhateverItClaims) {
             "/format: missing; expected a text of a fixed length, at most 4096 bytes");
   EXPECT_EQ(after([](hid_t f) { set_text(f, "/", "format", "prospect map"); }),
             "/format: is 'prospect map'; expected 'prospect problem'");
-  EXPECT_EQ(after([](hid_t f) { set_integer(f, "/", "version", 2); }),
-            "/version: is 2; expected 1, the one that this program knows");
+  EXPECT_EQ(after([](hid_t f) { set_integer(f, "/", "version", 3); }),
+            "/version: is 3; expected 1 to 2, those that this program knows");
   EXPECT_THAT(after([](hid_t f) { set_integer(f, "/", "version", -1); }),
               StartsWith("/version: is -1; expected"));
   EXPECT_THAT(
@@ -623,14 +623,14 @@ TEST_F(ProblemFileTest, SaysWhichEntryIsNoneOfAProblemWhateverItClaims) {
 TEST_F(ProblemFileTest, ReadsWhatAnotherProgramHasStoredInItsOwnWay) {
   const SavedProblem problem = small_problem();
   write_problem(path("a.h5"), problem);
-  // Copied into a file of the oldest format, without compression and checksums.
+  // Copied into a file of the oldest format of HDF5, without compression and checksums.
   const hid_t from = H5Fopen(path("a.h5").c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
   const hid_t to = H5Fcreate(path("b.h5").c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   for (const char* name : {"origin", "robot", "horizon", "map", "terms", "seeds"}) {
     ASSERT_GE(H5Ocopy(from, name, to, name, H5P_DEFAULT, H5P_DEFAULT), 0);
   }
   set_text(to, "/", "format", "prospect problem");
-  set_integer(to, "/", "version", 1);
+  set_integer(to, "/", "version", 2);
   const hid_t d = H5Dopen2(from, "/terms/cost_to_go/seconds", H5P_DEFAULT);
   const hid_t space = H5Dget_space(d);
   hsize_t dims[2];
@@ -647,6 +647,24 @@ TEST_F(ProblemFileTest, ReadsWhatAnotherProgramHasStoredInItsOwnWay) {
   H5Fclose(from);
   ASSERT_NE(content(path("a.h5")), content(path("b.h5")));
   expect_same_problem(*make_problem(problem.recipe), *read_problem(path("b.h5")).problem);
+}
+
+// Version 1 knew of no crowded image cells.
+TEST_F(ProblemFileTest, ReadsVersionOne) {
+  SavedProblem problem = small_problem();
+  for (Landmark& l : problem.recipe.landmarks) l.crowding = 0.3;
+  write_problem(path("two.h5"), problem);
+  expect_same_problem(*make_problem(problem.recipe), *read_problem(path("two.h5")).problem);
+  for (Landmark& l : problem.recipe.landmarks) l.crowding = 0.0;
+  write_problem(path("one.h5"), problem);
+  edit(path("one.h5"), [](hid_t f) {
+    set_integer(f, "/", "version", 1);
+    H5Ldelete(f, "/terms/visible_features/landmarks/crowding", H5P_DEFAULT);
+  });
+  expect_same_problem(*make_problem(problem.recipe), *read_problem(path("one.h5")).problem);
+  edit(path("one.h5"), [](hid_t f) { set_integer(f, "/", "version", 2); });
+  EXPECT_THAT(refused(path("one.h5")),
+              StartsWith("/terms/visible_features/landmarks/crowding: missing; expected"));
 }
 
 TEST_F(ProblemFileTest, LeavesTheSettingsOfHdf5AsTheyWere) {

@@ -8,6 +8,7 @@
 #include <random>
 #include <set>
 
+#include "engine/crowding.h"
 #include "models/make_model.h"
 #include "tests/engine/visibility_scene.h"
 
@@ -91,6 +92,8 @@ TEST(LandmarkSelection, ThoseChosenStandForAll) {
   std::mt19937_64 rng(4);
   LandmarkMap map;
   map.landmarks = visibility_scene::landmarks(rng, 3000);
+  map.image_cell = 0.02;
+  note_crowding(map);  // alike in a cell of the lattice, as all that depends on where they are
   const CameraMount mount;
   const VisibilityPrediction all(map.landmarks, {}, mount, nullptr, {});
   const auto model = make_model("unicycle");

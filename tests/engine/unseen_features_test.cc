@@ -84,6 +84,17 @@ TEST(UnseenFeatures, AreFewerPastWhiteWalls) {
   EXPECT_LT(total(local), 0.97 * total(plain));
 }
 
+TEST(UnseenFeatures, AreAsCrowdedAsTheirDensityIs) {
+  UnseenFeatureOptions options;
+  for (const Landmark& l : unseen_features(half_known_ground(), Pose{}, options)) {
+    EXPECT_EQ(l.crowding, 0.0);
+  }
+  options.image_cell = 0.07;
+  for (const Landmark& l : unseen_features(half_known_ground(), Pose{}, options)) {
+    EXPECT_DOUBLE_EQ(l.crowding, 5.0 * 0.07 * 0.07);
+  }
+}
+
 TEST(UnseenFeatures, TheNearestBlocksAreKept) {
   UnseenFeatureOptions options;
   options.max_blocks = 9;
@@ -111,6 +122,9 @@ TEST(UnseenFeatures, RefusesOptionsOutOfRange) {
   EXPECT_THROW(unseen_features(half_known_ground(), Pose{}, options), std::invalid_argument);
   options = {};
   options.block = 0.0;
+  EXPECT_THROW(unseen_features(half_known_ground(), Pose{}, options), std::invalid_argument);
+  options = {};
+  options.image_cell = -1.0;
   EXPECT_THROW(unseen_features(half_known_ground(), Pose{}, options), std::invalid_argument);
   options = {};
   options.density = 0.0;

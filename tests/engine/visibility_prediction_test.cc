@@ -89,7 +89,10 @@ double reference_probability(const Landmark& l, const Pose& pose, const Matrix4d
       logistic((cosine - std::cos(p.view_angle)) / (std::sin(p.view_angle) * p.view_angle_width));
   const double t = std::min(1.0, Y.z() / near_depth - 1.0);
   const double gate = t * t * t * (10.0 - 15.0 * t + 6.0 * t * t);
-  return l.survival * in_u * in_v * range * view * gate;
+  const double m = l.crowding * Y.z() * Y.z();
+  const double cell = (6.0 + m) / (6.0 + 4.0 * m + m * m);
+  EXPECT_NEAR(cell, m > 0.0 ? -std::expm1(-m) / m : 1.0, 0.02);
+  return l.survival * in_u * in_v * range * view * gate * cell;
 }
 
 Matrix4d random_sigma(std::mt19937_64& rng, double position, double yaw) {
@@ -475,6 +478,9 @@ TEST(VisibilityPrediction, RefusesBadInputInOneLine) {
   l.survival = 1.0;
   l.multiplicity = 0.0;
   EXPECT_THAT(message(l, {}), testing::HasSubstr("multiplicity is 0"));
+  l.multiplicity = 1.0;
+  l.crowding = -0.5;
+  EXPECT_THAT(message(l, {}), testing::HasSubstr("crowding is -0.5"));
   l = good;
   l.creation_range = 0.0;
   EXPECT_THAT(message(l, {}), testing::HasSubstr("creation_range"));

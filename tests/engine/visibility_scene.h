@@ -46,6 +46,8 @@ inline std::vector<Landmark> landmarks(std::mt19937_64& rng, int count, double d
     l.survival = uniform(rng, 0.5, 1.0);
     // Every second one stands for others as well.
     if (i % 2 == 1) l.multiplicity = uniform(rng, 0.5, 4.0);
+    // Every third one is crowded, some alone in their cell and some one of several.
+    if (i % 3 == 2) l.crowding = uniform(rng, 0.0, 1.5);
     result.push_back(l);
   }
   return result;

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "engine/crowding.h"
+
 namespace prospect::landmark_memory_test {
 namespace {
 
@@ -40,6 +44,24 @@ TEST(LandmarkMemory, OnePlaceCountsOnce) {
   EXPECT_EQ(memory.with_remembered(now)->landmarks.size(), 10u);
   now.landmarks.assign(1, landmark_at(1, 5.0, 5.0));
   EXPECT_EQ(memory.with_remembered(now)->landmarks.size(), 10u);
+}
+
+// Those of now and those of before share the cells of the next image.
+TEST(LandmarkMemory, NotesHowCrowdedTheyAre) {
+  LandmarkMemory memory;
+  memory.add(row_of_landmarks(1, 10, 0.05));
+  LandmarkMap now = row_of_landmarks(100, 10, 0.45);
+  now.image_cell = 0.07;
+  const auto all = memory.with_remembered(now);
+  ASSERT_EQ(all->landmarks.size(), 20u);
+  EXPECT_EQ(all->image_cell, 0.07);
+  LandmarkMap alone = now;
+  note_crowding(alone);
+  for (std::size_t i = 0; i < now.landmarks.size(); ++i) {
+    EXPECT_GE(all->landmarks[i].crowding,
+              alone.landmarks[i].crowding + 0.07 * 0.07 * 0.9 / (M_PI * 0.25) - 1e-12)
+        << "its twin 0.4 m away";
+  }
 }
 
 TEST(LandmarkMemory, ForgetsWhatWasSeenLongAgo) {

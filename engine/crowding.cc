@@ -1,0 +1,40 @@
+#include "engine/crowding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <numbers>
+#include <vector>
+
+namespace prospect {
+
+void note_crowding(LandmarkMap& map) {
+  constexpr double kRadius = 0.5;  // h [m]
+  std::vector<Landmark*> along_x;
+  for (Landmark& l : map.landmarks) {
+    l.crowding = 0.0;
+    if (l.position.allFinite() && l.creation_direction.allFinite() && l.multiplicity > 0.0 &&
+        l.survival >= 0.0) {
+      along_x.push_back(&l);
+    }
+  }
+  if (!(map.image_cell > 0.0) || !std::isfinite(map.image_cell)) return;
+  std::sort(along_x.begin(), along_x.end(),
+            [](const Landmark* a, const Landmark* b) { return a->position.x() < b->position.x(); });
+  for (std::size_t i = 0; i < along_x.size(); ++i) {
+    Landmark& a = *along_x[i];
+    a.crowding += std::max(0.0, a.multiplicity - 1.0) * a.survival;
+    for (std::size_t j = i + 1; j < along_x.size(); ++j) {
+      Landmark& b = *along_x[j];
+      if (!(b.position.x() - a.position.x() < kRadius)) break;
+      if (!((b.position - a.position).squaredNorm() < kRadius * kRadius)) continue;
+      if (!(a.creation_direction.dot(b.creation_direction) > 0.0)) continue;
+      a.crowding += b.multiplicity * b.survival;
+      b.crowding += a.multiplicity * a.survival;
+    }
+  }
+  const double cell = map.image_cell * map.image_cell / (std::numbers::pi * kRadius * kRadius);
+  for (Landmark* l : along_x) l->crowding *= cell;
+}
+
+}  // namespace prospect
