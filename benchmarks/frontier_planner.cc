@@ -245,7 +245,7 @@ std::shared_ptr<const Guidance> FrontierPlanner::guidance() const { return impl_
 int FrontierPlanner::choices() const { return impl_->guide.choices(); }
 
 PlannerParameters nearest_frontier_parameters(PlannerParameters p) {
-  p.guide.kappa = 0.0;
+  p.guide.kappa = p.guide.kappa_area = 0.0;
   p.guide.memory.hysteresis = 500.0;
   p.w_l = 0.0;
   p.w_c = 0.0;

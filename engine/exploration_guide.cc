@@ -19,32 +19,24 @@ constexpr double kGapRadius = 0.3;  // [m] of the disc that is closed around its
 constexpr double kBlockedAhead = 0.4;
 constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
 
-TraversabilityOptions with_ample_room(const ExplorationGuideOptions& options) {
-  check_parameter(options.ample_room >= 0.0 && options.ample_room < 10.0, "exploration guide",
-                  "ample_room", options.ample_room, "0 to 10 m");
-  TraversabilityOptions t = options.traversability;
-  t.hard_radius += options.ample_room;
-  t.comfortable_radius = std::max(t.comfortable_radius, t.hard_radius);
-  return t;
-}
-
 }  // namespace
 
 ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
     : options_(options),
-      traversability_(with_ample_room(options)),
+      traversability_(options.traversability),
       detector_(options.frontiers),
       memory_(options.memory),
       area_(options.area_depth),
       field_(options.cost_to_go),
-      leftovers_(options.leftovers),
-      rules_(first_rules()) {
+      leftovers_(options.leftovers) {
   const auto require = [](const char* name, double value, double below, const char* expected) {
     if (value >= 0.0 && value < below) return;
     throw std::invalid_argument("exploration guide: " + std::string(name) + " = " +
                                 std::to_string(value) + "; expected " + expected);
   };
   require("kappa", options.kappa, 100.0, "0 to 100 m");
+  require("kappa_area", options.kappa_area, 100.0, "0 to 100 m");
+  require("ample_room", options.ample_room, 10.0, "0 to 10 m");
   require("look_length", options.look_length, 100.0, "0 to 100 m");
   require("look_around", options.look_around, 1000.0, "0 to 1000 s");
   relaxed_area_ = options_.memory.retry_area;
@@ -53,8 +45,9 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
   last_ = std::move(empty);
 }
 
-// The robot's component of the passable cells (4-connected, as the cost-to-go).
-void ExplorationGuide::flood_from_anchor() {
+// The passable cells with at least `room` clearance [m] that are joined to `start` by such cells
+// (4-connected, as the cost-to-go).
+void ExplorationGuide::flood(Cell start, double room) {
   const Grid<float>& factors = traversability_.factors();
   const GridFrame& frame = factors.frame;
   component_.assign(factors.data.size(), 0);
@@ -62,10 +55,11 @@ void ExplorationGuide::flood_from_anchor() {
   const auto visit = [&](int index) {
     const auto at = static_cast<std::size_t>(index);
     if (factors.data[at] == 0.0F || component_[at] != 0) return;
+    if (room > 0.0 && traversability_.clearance(frame.at(index)) < room) return;
     component_[at] = 1;
     stack_.push_back(index);
   };
-  if (frame.contains(field_.anchor())) visit(frame.index(field_.anchor()));
+  if (frame.contains(start)) visit(frame.index(start));
   while (!stack_.empty()) {
     const int index = stack_.back();
     stack_.pop_back();
@@ -74,17 +68,41 @@ void ExplorationGuide::flood_from_anchor() {
   }
 }
 
+// The passable cell with at least `room` clearance [m] that is the fewest steps from `start`,
+// through free cells; `start` if there is none.
+Cell ExplorationGuide::nearest_with(double room, Cell start) {
+  const GridFrame& frame = traversability_.frame();
+  component_.assign(static_cast<std::size_t>(frame.size()), 0);
+  stack_.clear();
+  const auto visit = [&](Cell c) {
+    if (!frame.contains(c) || traversability_.state(c) != CellState::kFree) return;
+    std::uint8_t& visited = component_[static_cast<std::size_t>(frame.index(c))];
+    if (visited == 0) stack_.push_back(frame.index(c));
+    visited = 1;
+  };
+  visit(start);
+  for (std::size_t next = 0; next < stack_.size(); ++next) {
+    const Cell c = frame.at(stack_[next]);
+    if (traversability_.passable(c) && traversability_.clearance(c) >= room) return c;
+    for (const Cell n :
+         {Cell{c.i - 1, c.j}, Cell{c.i + 1, c.j}, Cell{c.i, c.j - 1}, Cell{c.i, c.j + 1}}) {
+      visit(n);
+    }
+  }
+  return start;
+}
+
 // Frontiers with a viewpoint in the robot's component.
 void ExplorationGuide::mark_reachable(std::vector<Frontier>& frontiers) {
   for (Frontier& frontier : frontiers) frontier.reachable = false;
   if (!field_.anchor_reached()) return;
-  flood_from_anchor();
+  flood(field_.anchor());
   detector_.mark_seen_from(component_, frontiers);
 }
 
 // Places that are impassable by now say nothing: a wall drawn twice covers some of any room.
 bool ExplorationGuide::is_enclosed() {
-  flood_from_anchor();
+  flood(field_.anchor());
   const GridFrame& frame = traversability_.frame();
   int joined = 0, cut_off = 0;
   for (const Eigen::Vector2d& place : been_) {
@@ -111,22 +129,16 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   const bool no_leftovers = leftovers_.update(stamp, explored);
   const double newly = explored - relaxed_explored_;
   if (rules_ > Rules::kStrict && (no_leftovers || newly >= relaxed_area_)) {
-    restart(first_rules());
+    restart(Rules::kStrict);
     relaxed_area_ *= 2.0;  // as FrontierMemory::retry_area(), for the same reason
     reopenings_ = 0;
-  } else if (rules_ == Rules::kStrict && first_rules() == Rules::kAmple &&
-             newly >= options_.memory.retry_area && has_ample_room(p)) {
-    restart(first_rules());
   }
   if (attention.looked && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
     been_.push_back(p);
   }
   std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, outlook, rule);
   while (guidance->advice == Advice::kDone) {
-    if (rules_ == Rules::kAmple) {
-      restart(Rules::kStrict);
-      relaxed_explored_ = guidance->explored_area;
-    } else if (rules_ == Rules::kStrict) {
+    if (rules_ == Rules::kStrict) {
       leftovers_.begin(stamp, guidance->explored_area);
       restart(Rules::kKeyholes);
       relaxed_explored_ = guidance->explored_area;
@@ -165,22 +177,11 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   return guidance;
 }
 
-ExplorationGuide::Rules ExplorationGuide::first_rules() const {
-  return options_.ample_room > 0.0 ? Rules::kAmple : Rules::kStrict;
-}
-
-bool ExplorationGuide::has_ample_room(const Eigen::Vector2d& p) const {
-  const TraversabilityOptions& t = options_.traversability;
-  const double clearance = traversability_.clearance(traversability_.frame().cell(p.x(), p.y()));
-  return clearance + t.lattice_slack >= t.hard_radius + options_.ample_room;
-}
-
 void ExplorationGuide::restart(Rules rules) {
   rules_ = rules;
   restarted_ = true;
   TraversabilityOptions traversability = options_.traversability;
   FrontierOptions frontiers = options_.frontiers;
-  if (rules == Rules::kAmple) traversability = with_ample_room(options_);
   if (rules == Rules::kGaps) traversability.lattice_slack += options_.relaxed_slack;
   if (rules > Rules::kStrict) {
     frontiers.min_length = std::min(frontiers.min_length, options_.relaxed_length);
@@ -241,17 +242,26 @@ void ExplorationGuide::close_gap() {
   }
 }
 
-std::vector<double> ExplorationGuide::sizes(const std::vector<Frontier>& frontiers) {
-  if (options_.size == FrontierSize::kArea) {
-    return area_.measure(traversability_, frontiers, suppressed_);
-  }
-  std::vector<double> length;
-  length.reserve(frontiers.size());
+// kappa log(1 + l) + kappa_area log(1 + A)
+std::vector<double> ExplorationGuide::size_bonuses(std::vector<Frontier> frontiers, Cell robot) {
+  std::vector<double> bonus;
+  bonus.reserve(frontiers.size());
   for (const Frontier& f : frontiers) {
     const auto counted = static_cast<double>(f.cells.size()) - f.suppressed_cells;
-    length.push_back(counted * detector_.frame().resolution);
+    bonus.push_back(options_.kappa * std::log1p(counted * detector_.frame().resolution));
   }
-  return length;
+  if (options_.kappa_area == 0.0) return bonus;
+  const std::vector<double> area = area_.measure(traversability_, frontiers, suppressed_);
+  for (Frontier& f : frontiers) f.reachable = false;
+  const TraversabilityOptions& t = options_.traversability;
+  const double room =
+      std::min(t.hard_radius + options_.ample_room, t.comfortable_radius) - t.lattice_slack;
+  flood(nearest_with(room, robot), room);
+  detector_.mark_seen_from(component_, frontiers);
+  for (std::size_t i = 0; i < frontiers.size(); ++i) {
+    if (frontiers[i].reachable) bonus[i] += options_.kappa_area * std::log1p(area[i]);
+  }
+  return bonus;
 }
 
 std::vector<double> ExplorationGuide::bonuses(const BonusQuestion& question,
@@ -262,8 +272,7 @@ std::vector<double> ExplorationGuide::bonuses(const BonusQuestion& question,
     bonus = rule(question);
     bonus.resize(frontiers.size(), 0.0);
   } else {
-    bonus = sizes(frontiers);
-    for (double& b : bonus) b = options_.kappa * std::log1p(b);
+    bonus = size_bonuses(frontiers, question.robot);
   }
   if (question.current >= 0) {
     bonus[static_cast<std::size_t>(question.current)] += options_.memory.hysteresis;
@@ -345,9 +354,6 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
     const double explored = traversability_.explored_area();
     if (explored == 0.0) {
       guidance->advice = Advice::kPlan;  // nothing seen yet is not everything seen
-      again = false;
-    } else if (rules_ == Rules::kAmple && !target) {
-      guidance->advice = Advice::kDone;  // narrow places before what failed is tried again
       again = false;
     } else {
       const int given_up = memory_.given_up();

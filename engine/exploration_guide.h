@@ -20,20 +20,11 @@
 
 namespace prospect {
 
-/// What the size m_c of a frontier is.
-enum class FrontierSize {
-  kLength,  ///< number of cells that are not suppressed x resolution [m]
-  kArea     ///< the area that it promises [m^2] (FrontierArea)
-};
-
 struct ExplorationGuideOptions {
   TraversabilityOptions traversability;
   FrontierOptions frontiers;
   FrontierMemoryOptions memory;
   CostToGoOptions cost_to_go;
-  /// By how much more than hard_radius a place must be clear to be passable at first [m], 0: narrow
-  /// places do not come last; see ExplorationGuide.
-  double ample_room = 0.0;
   /// Added to lattice_slack when nothing is reachable any more [m]; see ExplorationGuide.
   double relaxed_slack = 0.1;
   /// Smallest frontier then [m], if less than frontiers.min_length: a keyhole may show a room.
@@ -44,9 +35,10 @@ struct ExplorationGuideOptions {
   double look_around = 8.0;
   LeftoversClock::Options leftovers;
   double look_length = 2.0;  ///< [m] of travel that a look at a frontier counts as; see below
-  FrontierSize size = FrontierSize::kLength;  ///< m_c
-  double kappa = 0.5;       ///< [m] bonus of a frontier per unit of log(1 + m_c); 2.5 suits kArea
-  double area_depth = 1.0;  ///< [m] how far behind a frontier kArea counts
+  double kappa = 0.5;        ///< [m] bonus of a frontier per unit of log(1 + length in m)
+  double kappa_area = 0.0;   ///< [m] likewise of log(1 + area in m^2), where there is ample room
+  double area_depth = 1.0;   ///< [m] how far behind a frontier its area counts
+  double ample_room = 0.1;   ///< [m] by how much more than hard_radius a way must be clear
 };
 
 /// What the robot did since the last update.
@@ -107,18 +99,16 @@ struct Guidance {
 ///   std::shared_ptr<const Guidance> g = guide.update(*belief.ground, belief.pose, belief.stamp);
 ///   problem term: CostToGoTerm(g->cost_to_go);   g->advice == Advice::kDone ends the mission
 ///
-/// V(p) = min_c [D(p, c) - kappa log(1 + m_c)] / v_max [s], m_c the frontier's size: its length
-/// (the prototype's kappa of 0.5 is "per log-metre") or, as the formulation has it, an area; with
-/// the current target's head start. Another rule for the bonus may be given. With an outlook, a
-/// metre travelled costs 1 + lambda max(0, 1 - N / N_req) times as much, N the features in view in
-/// the direction of travel (down the field of the step before), and a viewpoint lambda look_length
-/// max(0, 1 - N / N_req) more, N in the direction of what is looked at.
-///
-/// By choice (ample_room > 0) narrow places come last: first only places count as passable that
-/// have ample_room more than the hard constraint asks for. A robot that errs by centimetres gets
-/// stuck in a nook with as little around it, or touches something. When that leads nowhere, the
-/// strict rules hold (passable is what the hard constraint lets pass), until retry_area was newly
-/// explored and the robot has ample room again.
+/// V(p) = min_c [D(p, c) - kappa log(1 + l_c) - kappa_area log(1 + A_c)] / v_max [s], l_c the
+/// length of frontier c [m] and A_c the area that it promises [m^2] (frontier_area.h); with the
+/// current target's head start. A_c counts as 0 where no way with ample room leads: by cells that
+/// have ample_room more than the hard constraint asks for (at most comfortable_radius in all), from
+/// the nearest such cell to the robot. Else the robot would turn into the gaps of a narrow building
+/// with half of its corridor unseen, and a robot that errs by centimetres touches something there.
+/// Another rule for the bonus may be given. With an outlook, a metre travelled costs 1 + lambda
+/// max(0, 1 - N / N_req) times as much, N the features in view in the direction of travel (down the
+/// field of the step before), and a viewpoint lambda look_length max(0, 1 - N / N_req) more, N in
+/// the direction of what is looked at.
 ///
 /// Before it says done, the guide asks twice more, under weaker rules:
 ///   1. keyholes: frontiers count from relaxed_length on. What a keyhole shows is a short frontier,
@@ -170,15 +160,14 @@ class ExplorationGuide {
   std::shared_ptr<Guidance> step(const GroundMap& ground, const Pose& pose, double stamp,
                                  const GuideAttention& attention, const FeatureOutlook* outlook,
                                  const BonusRule& rule);
-  std::vector<double> sizes(const std::vector<Frontier>& frontiers);
+  std::vector<double> size_bonuses(std::vector<Frontier> frontiers, Cell robot);
   std::vector<double> bonuses(const BonusQuestion& question, const BonusRule& rule);
-  enum class Rules { kAmple, kStrict, kKeyholes, kGaps };  // each weaker than the one before
-  Rules first_rules() const;
+  enum class Rules { kStrict, kKeyholes, kGaps };  // each weaker than the one before
   void restart(Rules rules);
-  bool has_ample_room(const Eigen::Vector2d& p) const;
   void count_along_travel(const FeatureOutlook& outlook);
   void close_gap();
-  void flood_from_anchor();
+  void flood(Cell start, double room = 0.0);
+  Cell nearest_with(double room, Cell start);
   void mark_reachable(std::vector<Frontier>& frontiers);
   bool is_enclosed();
 
@@ -191,10 +180,10 @@ class ExplorationGuide {
   LeftoversClock leftovers_;
   Grid<std::uint8_t> suppressed_;
   Grid<float> along_travel_;             // features seen in the direction of travel, by cell
-  std::vector<std::uint8_t> component_;  // 1: in the robot's component; by cell
+  std::vector<std::uint8_t> component_;  // 1: of the last flood; by cell
   std::vector<int> stack_;
   std::vector<Eigen::Vector2d> been_;  // where the robot was while it was not lost, in W [m]
-  Rules rules_;
+  Rules rules_ = Rules::kStrict;
   bool restarted_ = false;  // every known cell will seem new
   double relaxed_explored_ = 0.0;
   std::optional<double> nothing_since_;  // [s] no target, and no retry either

@@ -211,16 +211,16 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
                                     "smallest cluster of frontier cells");
   g.frontiers.range_margin = f.number("range_margin", g.frontiers.range_margin, 0.0, 10.0, "m",
                                       "a viewpoint stands this much within the sensor's range");
-  const std::string size =
-      f.choice("size", g.size == FrontierSize::kArea ? "area" : "length", {"length", "area"},
-               "m_c: of a frontier, or of what it promises");
-  g.size = size == "area" ? FrontierSize::kArea : FrontierSize::kLength;
   g.kappa = f.number("kappa", g.kappa, 0.0, 100.0, "m",
-                     "bonus per unit of log(1 + m_c); with size: area 2.5 was measured to suit");
+                     "bonus of a frontier per unit of log(1 + its length in m)");
+  g.kappa_area =
+      f.number("kappa_area", g.kappa_area, 0.0, 100.0, "m",
+               "the same of log(1 + area in m^2) that it promises, where there is ample room");
   g.area_depth =
       f.number("area_depth", g.area_depth, 0.0, 10.0, "m", "how far behind a frontier area counts");
-  g.ample_room = f.number("ample_room", g.ample_room, 0.0, 10.0, "m",
-                          "besides d_safe; places with less room come last; 0: no such order");
+  g.ample_room =
+      f.number("ample_room", g.ample_room, 0.0, 10.0, "m",
+               "besides d_safe, that the way to a frontier must have for its area to count");
   g.cost_to_go.lambda =
       f.number("lambda", g.cost_to_go.lambda, 0.0, 1000.0, "1",
                "price of ways on which no feature is seen; 0: none, as with w_l = 0");

@@ -84,16 +84,15 @@ TEST(Configuration, PartsOfThePredictionCanBeLeftOut) {
   EXPECT_FALSE(read("planner: {visibility: {covariance: false}}").planner.feature_covariance);
 }
 
-TEST(Configuration, TheSizeOfAFrontierIsALengthOrAnArea) {
-  EXPECT_EQ(read("").planner.guide.size, FrontierSize::kLength);
+TEST(Configuration, FrontiersAreSizedByLengthAndArea) {
   const Configuration c =
-      read("planner: {frontiers: {size: area, kappa: 2.5, area_depth: 1.5, ample_room: 0.1}}");
-  EXPECT_EQ(c.planner.guide.size, FrontierSize::kArea);
-  EXPECT_EQ(c.planner.guide.kappa, 2.5);
+      read("planner: {frontiers: {kappa: 1, kappa_area: 3, area_depth: 1.5, ample_room: 0.2}}");
+  EXPECT_EQ(c.planner.guide.kappa, 1.0);
+  EXPECT_EQ(c.planner.guide.kappa_area, 3.0);
   EXPECT_EQ(c.planner.guide.area_depth, 1.5);
-  EXPECT_EQ(c.planner.guide.ample_room, 0.1);
-  EXPECT_THAT(problems("planner: {frontiers: {size: mass}}"),
-              HasSubstr("f.yaml:1: planner.frontiers.size"));
+  EXPECT_EQ(c.planner.guide.ample_room, 0.2);
+  EXPECT_THAT(problems("planner: {frontiers: {kappa_area: -1}}"),
+              HasSubstr("f.yaml:1: planner.frontiers.kappa_area"));
 }
 
 TEST(Configuration, AnglesAreInDegrees) {
