@@ -186,11 +186,11 @@ void CameraSenses::doubt() {
 }
 
 void CameraSenses::count_landmarks() {
-  constexpr double kCell = 0.05;  // [m]
+  constexpr double kPlace = 0.15;  // [m]
   int anew = 0;
   const auto map = odometry_.landmarks();
   for (const Landmark& l : map->landmarks) {
-    anew += places_.insert(lattice_cell(l.position, kCell)).second;
+    anew += places_.insert(lattice_cell(l.position, kPlace)).second;
   }
   const double r = options_.mapping.resolution;
   density_.add(anew, static_cast<double>(mapper_.map().surface_voxels()) * r * r);
