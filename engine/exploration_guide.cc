@@ -250,7 +250,7 @@ std::vector<double> ExplorationGuide::size_bonuses(std::vector<Frontier> frontie
     const auto counted = static_cast<double>(f.cells.size()) - f.suppressed_cells;
     bonus.push_back(options_.kappa * std::log1p(counted * detector_.frame().resolution));
   }
-  if (options_.kappa_area == 0.0) return bonus;
+  if (options_.kappa_area == 0.0 || rules_ != Rules::kStrict) return bonus;
   const std::vector<double> area = area_.measure(traversability_, frontiers, suppressed_);
   for (Frontier& f : frontiers) f.reachable = false;
   const TraversabilityOptions& t = options_.traversability;

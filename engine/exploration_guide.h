@@ -105,10 +105,11 @@ struct Guidance {
 /// have ample_room more than the hard constraint asks for (at most comfortable_radius in all), from
 /// the nearest such cell to the robot. Else the robot would turn into the gaps of a narrow building
 /// with half of its corridor unseen, and a robot that errs by centimetres touches something there.
-/// Another rule for the bonus may be given. With an outlook, a metre travelled costs 1 + lambda
-/// max(0, 1 - N / N_req) times as much, N the features in view in the direction of travel (down the
-/// field of the step before), and a viewpoint lambda look_length max(0, 1 - N / N_req) more, N in
-/// the direction of what is looked at.
+/// Nor do areas count under the weaker rules below: what is left then is slivers, and what a
+/// drifting estimate drew. Another rule for the bonus may be given. With an outlook, a metre
+/// travelled costs 1 + lambda max(0, 1 - N / N_req) times as much, N the features in view in the
+/// direction of travel (down the field of the step before), and a viewpoint lambda look_length
+/// max(0, 1 - N / N_req) more, N in the direction of what is looked at.
 ///
 /// Before it says done, the guide asks twice more, under weaker rules:
 ///   1. keyholes: frontiers count from relaxed_length on. What a keyhole shows is a short frontier,

@@ -590,6 +590,27 @@ TEST(ExplorationGuide, ByAreaARoomFartherOffComesBeforeASliverNearBy) {
   }
 }
 
+// What is left when the strict rules lead nowhere is slivers, and what a drifting estimate drew.
+TEST(ExplorationGuide, AreasCountUnderTheStrictRulesOnly) {
+  // A closed room with two spots too short for the strict rules, one by the wall near the robot,
+  // which promises nothing, and one of 0.04 m^2 on the open floor, 3 m away.
+  GroundMap map = test::known_room(96, [](int) { return false; });
+  for (const int j : {20, 21}) map.set({8, j}, CellState::kUnknown);
+  for (const int j : {26, 27}) {
+    for (const int i : {50, 51}) map.set({i, j}, CellState::kUnknown);
+  }
+  const Pose pose{{2.0, 2.1, 0.0}, 0.5 * M_PI};
+  ExplorationGuideOptions options = prompt();
+  options.kappa_area = 90.0;  // 3.5 m for the second
+  const auto weaker = ExplorationGuide(options).update(map, pose, 0.0);
+  ASSERT_TRUE(weaker->target.has_value());
+  EXPECT_LT(weaker->target->looks_at.x(), 2.0);
+  options.frontiers.min_length = options.relaxed_length;
+  const auto strict = ExplorationGuide(options).update(map, pose, 0.0);
+  ASSERT_TRUE(strict->target.has_value());
+  EXPECT_GT(strict->target->looks_at.x(), 4.0);
+}
+
 TEST(ExplorationGuide, DegenerateMapsAndPoses) {
   const double nan = std::nan("");
   for (const int kind : {0, 1, 2}) {
