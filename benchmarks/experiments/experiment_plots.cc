@@ -153,7 +153,7 @@ std::string pair_script(const ConditionComparison& c) {
     block = 0;
     for (const std::string& world : worlds) {
       s << ", $p" << block << " with points lt " << block + 1 << " ps 0.8 title "
-        << in_quotes(world);
+        << in_quotes(std::filesystem::path(world).filename().string());
       ++block;
     }
     s << '\n';

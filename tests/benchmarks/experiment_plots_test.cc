@@ -26,7 +26,7 @@ std::string content(const std::string& path) {
 std::vector<ExperimentRow> rows_of(const std::string& sensors) {
   std::vector<ExperimentRow> rows;
   for (const char* condition : {"with", "without"}) {
-    for (const char* world : {"office", "it's 100 %.bt"}) {
+    for (const char* world : {"office", "../maps/it's 100 %.bt"}) {
       for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         ExperimentRow r;
         r.world = world;
@@ -65,6 +65,7 @@ TEST_F(ExperimentPlots, DrawsRatiosAndPairs) {
   EXPECT_THAT(content(pictures[0]), HasSubstr("without / with, cameras, 6 pairs"));
   EXPECT_THAT(content(pictures[0]), HasSubstr("losses of localization"));
   EXPECT_THAT(content(pictures[1]), HasSubstr("it's 100 %.bt"));
+  EXPECT_THAT(content(pictures[1]), Not(HasSubstr("maps"))) << "file names in the key, no folders";
   // 24 of 18 losses a world, and the pair of seed 2.
   EXPECT_THAT(content(folder_ + "/ratios.gp"), HasSubstr("\n1.33333 "));
   EXPECT_THAT(content(folder_ + "/pairs_model_without.gp"), HasSubstr("\n6 8\n"));
