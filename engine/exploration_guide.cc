@@ -243,7 +243,8 @@ void ExplorationGuide::close_gap() {
 }
 
 // kappa log(1 + l) + kappa_area log(1 + A)
-std::vector<double> ExplorationGuide::size_bonuses(std::vector<Frontier> frontiers, Cell robot) {
+std::vector<double> ExplorationGuide::size_bonuses(Cell robot) {
+  const std::vector<Frontier>& frontiers = detector_.frontiers();
   std::vector<double> bonus;
   bonus.reserve(frontiers.size());
   for (const Frontier& f : frontiers) {
@@ -252,14 +253,15 @@ std::vector<double> ExplorationGuide::size_bonuses(std::vector<Frontier> frontie
   }
   if (options_.kappa_area == 0.0 || rules_ != Rules::kStrict) return bonus;
   const std::vector<double> area = area_.measure(traversability_, frontiers, suppressed_);
-  for (Frontier& f : frontiers) f.reachable = false;
   const TraversabilityOptions& t = options_.traversability;
   const double room =
       std::min(t.hard_radius + options_.ample_room, t.comfortable_radius) - t.lattice_slack;
   flood(nearest_with(room, robot), room);
-  detector_.mark_seen_from(component_, frontiers);
-  for (std::size_t i = 0; i < frontiers.size(); ++i) {
-    if (frontiers[i].reachable) bonus[i] += options_.kappa_area * std::log1p(area[i]);
+  std::vector<Frontier> seen = frontiers;
+  for (Frontier& f : seen) f.reachable = false;
+  detector_.mark_seen_from(component_, seen);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i].reachable) bonus[i] += options_.kappa_area * std::log1p(area[i]);
   }
   return bonus;
 }
@@ -272,7 +274,7 @@ std::vector<double> ExplorationGuide::bonuses(const BonusQuestion& question,
     bonus = rule(question);
     bonus.resize(frontiers.size(), 0.0);
   } else {
-    bonus = size_bonuses(frontiers, question.robot);
+    bonus = size_bonuses(question.robot);
   }
   if (question.current >= 0) {
     bonus[static_cast<std::size_t>(question.current)] += options_.memory.hysteresis;

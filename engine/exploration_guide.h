@@ -146,7 +146,7 @@ class ExplorationGuide {
 
   /// ground: successive states of one map. stamp [s], non-decreasing. attention: of the time since
   /// the last update. outlook: what is seen from where, null: no localization weighting. rule:
-  /// null: kappa log(1 + m_c), as above.
+  /// null: the bonuses above.
   std::shared_ptr<const Guidance> update(const GroundMap& ground, const Pose& pose, double stamp,
                                          const GuideAttention& attention = {},
                                          const FeatureOutlook* outlook = nullptr,
@@ -161,7 +161,7 @@ class ExplorationGuide {
   std::shared_ptr<Guidance> step(const GroundMap& ground, const Pose& pose, double stamp,
                                  const GuideAttention& attention, const FeatureOutlook* outlook,
                                  const BonusRule& rule);
-  std::vector<double> size_bonuses(std::vector<Frontier> frontiers, Cell robot);
+  std::vector<double> size_bonuses(Cell robot);
   std::vector<double> bonuses(const BonusQuestion& question, const BonusRule& rule);
   enum class Rules { kStrict, kKeyholes, kGaps };  // each weaker than the one before
   void restart(Rules rules);

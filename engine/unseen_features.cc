@@ -57,10 +57,9 @@ std::vector<Landmark> unseen_features(const GroundMap& ground, const Pose& pose,
       if (!(to.norm() > 0.0)) l.creation_direction = Eigen::Vector3d::UnitX();
       l.creation_range = std::max(to.norm(), r);
       l.survival = 1.0;
-      double density = options.density;
-      if (texture != nullptr) density *= texture->relative(centroid);
-      l.multiplicity = density * unknown * r * r;
-      l.crowding = density * options.image_cell * options.image_cell;
+      const double relative = texture != nullptr ? texture->relative(centroid) : 1.0;
+      l.multiplicity = options.density * unknown * r * r * relative;
+      l.crowding = options.density * relative * options.image_cell * options.image_cell;
       blocks.push_back({l, to.norm(), std::atan2(to.y(), to.x())});
     }
   }
