@@ -14,7 +14,7 @@ void note_crowding(LandmarkMap& map) {
   for (Landmark& l : map.landmarks) {
     l.crowding = 0.0;
     if (l.position.allFinite() && l.creation_direction.allFinite() && l.multiplicity > 0.0 &&
-        l.survival >= 0.0) {
+        std::isfinite(l.multiplicity) && l.survival >= 0.0 && std::isfinite(l.survival)) {
       along_x.push_back(&l);
     }
   }

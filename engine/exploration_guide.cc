@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "engine/stopwatch.h"
-#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {

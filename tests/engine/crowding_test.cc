@@ -109,6 +109,12 @@ TEST(Crowding, WhatIsNotFiniteCountsForNothing) {
     if (i > 8) bad.multiplicity = 1.0, bad.position.x() = i > 10 ? 1e300 : -1e300;
     map.landmarks.insert(map.landmarks.begin() + 5 * i, bad);
   }
+  // Infinite ones would crowd their neighbours out.
+  for (const bool many : {true, false}) {
+    Landmark bad = on_wall(0, 0, 0);
+    (many ? bad.multiplicity : bad.survival) = std::numeric_limits<double>::infinity();
+    map.landmarks.push_back(bad);
+  }
   note_crowding(clean);
   note_crowding(map);
   std::vector<double> expected, found;
