@@ -2,7 +2,8 @@
 // each back end with gradients needs from its own solution of the problem before, shifted in time,
 // and how many from the middle of the bounds, for the same cost: the higher one of those that the
 // two solves end at, and 1 % or 0.01 of slack. Only problems at which they end within that slack of
-// each other count; the others, where they end in different minima, are counted apart. A mission is
+// each other count; the others, where they end in different minima, are counted apart. So are, once
+// more, the problems on which the shifted solution is still feasible. A mission is
 // that of `nlopt`, seed 1, its first N planning steps.
 
 #include <CLI/CLI.hpp>
@@ -34,6 +35,8 @@ struct Sum {
   int warm = 0, cold = 0;               ///< evaluations to the cost that both reach
   int warm_better = 0, warm_worse = 0;  ///< ends that differ by more than the slack
   int halved = 0;                       ///< problems on which warm took at most half as many
+  int warm_feasible = 0,
+      cold_feasible = 0;  ///< evaluations, where the shifted solution is feasible
 };
 
 Result solve(const Solver& solver, const Problem& problem, const WarmStart& from) {
@@ -93,22 +96,31 @@ void compare(const Solver& solver, const Problem& problem, double passed, Eigen:
   sum.warm += n_warm;
   sum.cold += n_cold;
   sum.halved += 2 * n_warm <= n_cold;
+  if (!warm.trace.empty() && warm.trace.front().violation <= tolerance) {
+    sum.warm_feasible += n_warm;
+    sum.cold_feasible += n_cold;
+  }
 }
 
-int measure(const std::vector<std::string>& worlds, int steps) {
+int measure(const std::vector<std::string>& worlds, int steps,
+            const std::vector<std::string>& names) {
   Configuration configuration = read_configuration("");
   configuration.solver = "nlopt";
   std::vector<std::shared_ptr<const Solver>> solvers;
   for (const SolverInfo& info : list_solvers()) {
     // The algorithms behind the aliases, those with gradients, hybrid's own starts left out.
-    if (info.available &&
-        (info.name.starts_with("nlopt:LD_") || info.name == "ipopt" || info.name == "ceres")) {
+    const bool chosen =
+        names.empty()
+            ? info.name.starts_with("nlopt:LD_") || info.name == "ipopt" || info.name == "ceres"
+            : std::find(names.begin(), names.end(), info.name) != names.end();
+    if (info.available && chosen) {
       solvers.push_back(make_solver(info.name));
     }
   }
   std::printf(
       "| world | back end | same end | evaluations, cold | warm | ratio | halved on | other end, "
-      "warm better / worse |\n|---|---|---|---|---|---|---|---|\n");
+      "warm better / worse | cold, warm start feasible | warm "
+      "|\n|---|---|---|---|---|---|---|---|---|---|\n");
   for (const std::string& name : worlds) {
     const auto world =
         std::make_shared<const World>(load_world(name, world_options_for(configuration)));
@@ -131,10 +143,10 @@ int measure(const std::vector<std::string>& worlds, int steps) {
     options.cancelled = [&] { return done >= steps; };
     run_exploration(world, configuration, options);
     for (const auto& [solver, s] : sums) {
-      std::printf("| %s | `%s` | %d | %d | %d | %.2f | %d | %d / %d |\n", name.c_str(),
+      std::printf("| %s | `%s` | %d | %d | %d | %.2f | %d | %d / %d | %d | %d |\n", name.c_str(),
                   solver.c_str(), s.problems, s.cold, s.warm,
                   static_cast<double>(s.warm) / std::max(1, s.cold), s.halved, s.warm_better,
-                  s.warm_worse);
+                  s.warm_worse, s.cold_feasible, s.warm_feasible);
     }
     std::fflush(stdout);
   }
@@ -149,10 +161,12 @@ int main(int argc, char** argv) {
   int steps = 80;
   std::vector<std::string> worlds = {"office", "corridor", "loop"};
   app.add_option("--steps", steps, "planning steps of each mission")->check(CLI::PositiveNumber);
+  std::vector<std::string> names;
+  app.add_option("--solver", names, "back ends (default: all with gradients)")->delimiter(',');
   app.add_option("worlds", worlds, "worlds, as `prospect explore` takes them");
   CLI11_PARSE(app, argc, argv);
   try {
-    return prospect::measure(worlds, steps);
+    return prospect::measure(worlds, steps, names);
   } catch (const std::exception& e) {
     std::cerr << "warm_start: " << e.what() << '\n';
     return 2;

@@ -14,8 +14,11 @@ constexpr double kLargestPenalty = 1e8;
 }  // namespace
 
 AugmentedLagrangian::AugmentedLagrangian(int m, const Eigen::VectorXd& lambda, double rho,
-                                         double margin)
-    : rho_(rho), margin_(margin), last_sigma_(std::numeric_limits<double>::infinity()) {
+                                         Margin margin)
+    : rho_(rho),
+      margin_(std::max(margin.initial, margin.final)),
+      final_margin_(margin.final),
+      last_sigma_(std::numeric_limits<double>::infinity()) {
   lambda_.setZero(m);
   if (lambda.size() == m && lambda.allFinite()) {
     lambda_ = lambda.cwiseMax(0.0).cwiseMin(kLargestMultiplier);
@@ -65,7 +68,10 @@ double AugmentedLagrangian::update(const Eigen::Ref<const Eigen::VectorXd>& cons
   }
   if (sigma > 0.5 * last_sigma_) rho_ = std::min(10.0 * rho_, kLargestPenalty);
   last_sigma_ = sigma;
-  return sigma;
+  const double above = margin_ - final_margin_;
+  // Halved at least: a feasible set that is thinner than the margin would keep sigma as it is.
+  margin_ = std::max(final_margin_, std::min(0.5 * margin_, sigma));
+  return std::max(sigma, above);
 }
 
 }  // namespace prospect

@@ -20,15 +20,21 @@ namespace prospect {
 /// and rho grows tenfold when  sigma = max_i |min(c_i - margin, lambda_i / rho)|  (infeasibility
 /// and lack of complementarity in one, in the unit of c) fell by less than half.
 ///
-/// The margin, half the feasibility tolerance, makes a solution that is right to half the tolerance
-/// feasible.
+/// The margin makes a solution feasible that is right to less than it. It falls from initial_margin
+/// with sigma, margin <- max(final_margin, min(margin / 2, sigma)), so that points on the way
+/// become feasible long before the multipliers have settled: a solve that is stopped early has an
+/// incumbent that is near, not one from before it began.
 ///
 /// Source: Powell (1969), Hestenes (1969), Rockafellar (1973); the safeguards follow Andreani,
-/// Birgin, Martinez, Schuverdt (2007). That it is used here is our choice.
+/// Birgin, Martinez, Schuverdt (2007). That it is used here, and the falling margin, are our
+/// choice, measured (docs/solvers.md).
 class AugmentedLagrangian {
  public:
+  struct Margin {
+    double initial, final;  ///< [unit of c]; 0 <= final; an initial one below it has no effect
+  };
   /// lambda: m multipliers to start from (>= 0), or empty for zeros. rho > 0.
-  AugmentedLagrangian(int m, const Eigen::VectorXd& lambda, double rho, double margin);
+  AugmentedLagrangian(int m, const Eigen::VectorXd& lambda, double rho, Margin margin);
 
   double value(double cost, const Eigen::Ref<const Eigen::VectorXd>& constraints) const;
   /// gradient: in: grad f (n), out: grad L. jacobian: m x n.
@@ -42,7 +48,8 @@ class AugmentedLagrangian {
   void residual_jacobian(const Eigen::Ref<const Eigen::VectorXd>& constraints,
                          const Eigen::Ref<const Eigen::MatrixXd>& jacobian,
                          Eigen::Ref<ResidualJacobian> J) const;
-  /// After an inner minimisation that ended with these constraint values. Returns sigma.
+  /// After an inner minimisation that ended with these constraint values. Returns how far from
+  /// settled they are [unit of c]: sigma, or what the margin was above the final one, if more.
   double update(const Eigen::Ref<const Eigen::VectorXd>& constraints);
 
   const Eigen::VectorXd& lambda() const { return lambda_; }
@@ -54,7 +61,7 @@ class AugmentedLagrangian {
 
   Eigen::VectorXd lambda_;
   double rho_;
-  double margin_;
+  double margin_, final_margin_;
   double last_sigma_;
 };
 

@@ -50,6 +50,10 @@ std::vector<OptionInfo> nlopt_options(const NloptAlgorithm& algorithm) {
   if (algorithm.constraints == NloptAlgorithm::Constraints::kAugmentedLagrangian) {
     options.push_back({"initial_penalty", 10.0,
                        "rho of the first outer iteration, above 0 [cost / constraint^2]"});
+    // Without derivatives the rounds that the margin adds cost more than they bring.
+    options.push_back({"initial_margin", algorithm.gradient ? 0.01 : 0.0,
+                       "by how much constraints are to be kept at first, 0 or more; falls to half "
+                       "the feasibility tolerance [constraint]"});
   }
   if (algorithm.constraints == NloptAlgorithm::Constraints::kPenalty) {
     options.push_back({"penalty", 100.0, "weight of the summed violation [cost / constraint]"});

@@ -141,7 +141,8 @@ class CeresSolver final : public SolverFrame {
     Eigen::VectorXd x = start;
     Eigen::VectorXd lambda = warm_start.lambda;
     if (constrained && lambda.size() != m) lambda = through_barrier(evaluator, options, margin, x);
-    AugmentedLagrangian merit(m, lambda, options.number("initial_penalty"), margin);
+    AugmentedLagrangian merit(m, lambda, options.number("initial_penalty"),
+                              {.initial = margin, .final = margin});
     const Residuals::Constraints rows = [&](Eigen::Ref<Eigen::VectorXd> r,
                                             Eigen::Ref<ResidualJacobian>* J) {
       r[m] = 0.0;

@@ -128,6 +128,8 @@ class NloptSolver final : public SolverFrame {
         options.require_value(info.name, step >= 0.0 && step <= 1.0, "0 to 1");
       } else if (info.name == "penalty" || info.name == "initial_penalty") {
         options.require_value(info.name, options.number(info.name) > 0.0, "a number above 0");
+      } else if (info.name == "initial_margin") {
+        options.require_value(info.name, options.number(info.name) >= 0.0, "a number from 0 on");
       }
     }
   }
@@ -295,7 +297,8 @@ class NloptSolver final : public SolverFrame {
     const double tolerance = evaluator.options().tolerance;
     const double margin = 0.5 * evaluator.options().feasibility_tolerance;
     AugmentedLagrangian merit(evaluator.num_constraints(), warm_start.lambda,
-                              options.number("initial_penalty"), margin);
+                              options.number("initial_penalty"),
+                              {.initial = options.number("initial_margin"), .final = margin});
     double step = algorithm_.gradient ? 0.0 : options.number("initial_step");
     Inner inner;
     bool solved = false;

@@ -75,6 +75,7 @@ TEST(Registry, RefusesOptionsOfOthers) {
   EXPECT_THAT(detail("nlopt:GN_ISRES", {{"population", -1}}), testing::HasSubstr("negative"));
   EXPECT_THAT(detail("nlopt:LN_BOBYQA", {{"initial_step", 2.0}}), testing::HasSubstr("0 to 1"));
   EXPECT_THAT(detail("nlopt:LD_LBFGS", {{"initial_penalty", 0}}), testing::HasSubstr("above 0"));
+  EXPECT_THAT(detail("nlopt:LD_LBFGS", {{"initial_margin", -1.0}}), testing::HasSubstr("0 on"));
 }
 
 TEST(NloptBobyqa, NeedsTwoFreeVariables) {
