@@ -303,7 +303,7 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
   if (!attention.pursued) memory_.hold_clock(stamp);
 
   const GridFrame& frame = traversability_.frame();
-  if (attention.got_lost) memory_.put_off_target(detector_.frontiers(), frame);
+  if (attention.got_lost) memory_.put_off_target(detector_.frontiers(), frame, p);
   const Cell robot = frame.cell(p.x(), p.y());
   auto guidance = std::make_shared<Guidance>();
   const Grid<float>* along = nullptr;

@@ -60,6 +60,9 @@ FrontierMemory::FrontierMemory(const FrontierMemoryOptions& options)
   positive("retry_area", o.retry_area);
   check_parameter(o.loss_retries >= 0 && o.loss_retries <= 1000, "frontier memory", "loss_retries",
                   o.loss_retries, "0 to 1000");
+  check_parameter(o.loss_retries_here >= 0 && o.loss_retries_here <= 1000, "frontier memory",
+                  "loss_retries_here", o.loss_retries_here, "0 to 1000");
+  positive("loss_radius", o.loss_radius);
 }
 
 void FrontierMemory::map_changed(const std::vector<Cell>& newly_known,
@@ -142,16 +145,20 @@ void FrontierMemory::suppress_about(Cell target, const std::vector<Cell>& cells,
   }
 }
 
-void FrontierMemory::put_off_target(const std::vector<Frontier>& frontiers,
-                                    const GridFrame& frame) {
+void FrontierMemory::put_off_target(const std::vector<Frontier>& frontiers, const GridFrame& frame,
+                                    const Eigen::Vector2d& position) {
   const int current = current_target(frontiers, frame);
   if (current < 0) return;
   suppress_about(*target_, frontiers[static_cast<std::size_t>(current)].cells, frame.resolution);
   target_.reset();
   scripting_ = false;
-  if (retries_used_ > 0 && losses_ < options_.loss_retries) {
+  const auto here = std::count_if(losses_.begin(), losses_.end(), [&](const Eigen::Vector2d& p) {
+    return (p - position).norm() <= options_.loss_radius;
+  });
+  if (retries_used_ > 0 && static_cast<int>(losses_.size()) < options_.loss_retries &&
+      here < options_.loss_retries_here) {
     --retries_used_;
-    ++losses_;
+    losses_.push_back(position);
   }
 }
 
@@ -204,7 +211,7 @@ Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const Grid
     retry_explored_ = explored;
     if (retries_used_ > 0) retry_area_ *= 2.0;
     retries_used_ = 0;
-    losses_ = 0;
+    losses_.clear();
   }
 
   if (!target) {

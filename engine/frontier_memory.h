@@ -36,6 +36,10 @@ struct FrontierMemoryOptions {
   /// Losses of localization that give a retry back, so that they do not use them up: a target put
   /// off was not seen to fail. Restored with the retries.
   int loss_retries = 50;
+  /// How many of them within loss_radius [m] of one place: a robot that turns to the same looks
+  /// from there loses its localization again, for ever.
+  int loss_retries_here = 3;
+  double loss_radius = 0.5;
 };
 
 /// What the mission is told to do about its frontiers.
@@ -91,9 +95,11 @@ class FrontierMemory {
   void hold_clock(double stamp);
 
   /// Suppresses the cells about the target (target_radius): the way to it, or the look at it, cost
-  /// the robot its localization. Others come first then; it is tried again when the map changes
-  /// there or nothing else is left, up to loss_retries times more than other targets.
-  void put_off_target(const std::vector<Frontier>& frontiers, const GridFrame& frame);
+  /// the robot, which is at `position` in W [m], its localization. Others come first then; it is
+  /// tried again when the map changes there or nothing else is left, up to loss_retries times more
+  /// than other targets, loss_retries_here times from one place.
+  void put_off_target(const std::vector<Frontier>& frontiers, const GridFrame& frame,
+                      const Eigen::Vector2d& position);
 
   bool suppressed(Cell c) const;
   int suppressed_count() const { return suppressed_count_; }
@@ -143,7 +149,7 @@ class FrontierMemory {
   double retry_explored_ = 0.0;
   double retry_area_ = 0.0;
   int retries_used_ = 0;
-  int losses_ = 0;  // that gave a retry back
+  std::vector<Eigen::Vector2d> losses_;  // where the losses were that gave a retry back
   double stalled_for_ = 0.0;
   int given_up_ = 0;
   bool scripting_ = false;  // kGoAndFace was advised for the present target

@@ -260,10 +260,10 @@ TEST_F(Memory, EveryRestorationOfTheRetriesTakesTwiceTheArea) {
 
 TEST_F(Memory, ATargetPutOffIsSuppressedAboutIt) {
   const std::vector<Frontier> f{frontier(20, 50, 30)};
-  memory_.put_off_target(f, kFrame);
+  memory_.put_off_target(f, kFrame, walked());
   EXPECT_EQ(memory_.suppressed_count(), 0) << "no target yet";
   memory_.decide(f, kFrame, {{0, Cell{25, 50}}}, walked(), 5.0, 1.0, 0.0, &changed_);
-  memory_.put_off_target(f, kFrame);
+  memory_.put_off_target(f, kFrame, walked());
   EXPECT_TRUE(memory_.suppressed({20, 50}));
   EXPECT_TRUE(memory_.suppressed({35, 50}));
   EXPECT_FALSE(memory_.suppressed({36, 50})) << "more than a metre away";
@@ -281,7 +281,7 @@ TEST_F(Memory, LossesDoNotUseUpTheRetriesButForFifty) {
     for (int losses = 0;; ++losses) {
       stamp += 1.0;
       memory_.decide(f, kFrame, {{0, Cell{25, 50}}}, walked(), 5.0, 10.0, stamp, &changed_);
-      memory_.put_off_target(f, kFrame);
+      memory_.put_off_target(f, kFrame, walked());
       if (memory_.decide(f, kFrame, std::nullopt, walked(), 0.0, 10.0, stamp, &changed_) ==
           Advice::kDone) {
         return losses;
@@ -291,6 +291,27 @@ TEST_F(Memory, LossesDoNotUseUpTheRetriesButForFifty) {
   };
   // The first one finds all retries there; the last two have none to give back.
   EXPECT_EQ(lost_until_done(), 52);
+}
+
+// Two looks from one place that lose the localization each time: a robot turned from one to the
+// other for 190 s, and the mission ended with a fifth of the building seen.
+TEST_F(Memory, LossesAtOnePlaceUseUpTheRetriesButForThree) {
+  const std::vector<Frontier> f{frontier(20, 50, 30)};
+  double stamp = 0.0;
+  const auto lost_until_done = [&](const Eigen::Vector2d& at) {
+    for (int losses = 0;; ++losses) {
+      stamp += 1.0;
+      memory_.decide(f, kFrame, {{0, Cell{25, 50}}}, at, 5.0, 10.0, stamp, &changed_);
+      memory_.put_off_target(f, kFrame, at);
+      if (memory_.decide(f, kFrame, std::nullopt, at, 0.0, 10.0, stamp, &changed_) ==
+          Advice::kDone) {
+        return losses;
+      }
+    }
+  };
+  EXPECT_EQ(lost_until_done({1.0, 2.0}), 5) << "two retries and three given back";
+  EXPECT_EQ(lost_until_done({1.3, 2.0}), 0) << "the same place";
+  EXPECT_EQ(lost_until_done({4.0, 2.0}), 3) << "another place";
 }
 
 TEST_F(Memory, NothingReachableAndNothingSuppressedIsDoneAtOnce) {
