@@ -1,10 +1,10 @@
-// warm_start [--steps N] [WORLD...]: on consecutive problems of a mission, how many evaluations
-// each back end with gradients needs from its own solution of the problem before, shifted in time,
-// and how many from the middle of the bounds, for the same cost: the higher one of those that the
-// two solves end at, and 1 % or 0.01 of slack. Only problems at which they end within that slack of
-// each other count; the others, where they end in different minima, are counted apart. So are, once
-// more, the problems on which the shifted solution is still feasible. A mission is
-// that of `nlopt`, seed 1, its first N planning steps.
+// warm_start [--steps N] [--solver NAME,...] [WORLD...]: on consecutive problems of a mission, how
+// many evaluations each back end with gradients needs from its own solution of the problem before,
+// shifted in time, and how many from the middle of the bounds, for the same cost: the higher one of
+// those that the two solves end at, and 1 % or 0.01 of slack. Only problems at which they end
+// within that slack of each other count; the others, where they end in different minima, are
+// counted apart. Of those that count, the ones on which the shifted solution is still feasible are
+// summed once more. A mission is that of `nlopt`, seed 1, its first N planning steps.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -32,11 +32,10 @@ constexpr SolvedRule kSameCost{0.01, 0.01};
 
 struct Sum {
   int problems = 0;
-  int warm = 0, cold = 0;               ///< evaluations to the cost that both reach
-  int warm_better = 0, warm_worse = 0;  ///< ends that differ by more than the slack
-  int halved = 0;                       ///< problems on which warm took at most half as many
-  int warm_feasible = 0,
-      cold_feasible = 0;  ///< evaluations, where the shifted solution is feasible
+  int warm = 0, cold = 0;                    ///< evaluations to the cost that both reach
+  int warm_better = 0, warm_worse = 0;       ///< ends that differ by more than the slack
+  int halved = 0;                            ///< problems on which warm took at most half as many
+  int warm_feasible = 0, cold_feasible = 0;  ///< the same, where the shifted solution is feasible
 };
 
 Result solve(const Solver& solver, const Problem& problem, const WarmStart& from) {
@@ -102,20 +101,25 @@ void compare(const Solver& solver, const Problem& problem, double passed, Eigen:
   }
 }
 
+// The algorithms behind the aliases, those with gradients, hybrid's own starts left out.
+std::vector<std::string> gradient_solvers() {
+  std::vector<std::string> names;
+  for (const SolverInfo& info : list_solvers()) {
+    if (info.available &&
+        (info.name.starts_with("nlopt:LD_") || info.name == "ipopt" || info.name == "ceres")) {
+      names.push_back(info.name);
+    }
+  }
+  return names;
+}
+
 int measure(const std::vector<std::string>& worlds, int steps,
             const std::vector<std::string>& names) {
   Configuration configuration = read_configuration("");
   configuration.solver = "nlopt";
   std::vector<std::shared_ptr<const Solver>> solvers;
-  for (const SolverInfo& info : list_solvers()) {
-    // The algorithms behind the aliases, those with gradients, hybrid's own starts left out.
-    const bool chosen =
-        names.empty()
-            ? info.name.starts_with("nlopt:LD_") || info.name == "ipopt" || info.name == "ceres"
-            : std::find(names.begin(), names.end(), info.name) != names.end();
-    if (info.available && chosen) {
-      solvers.push_back(make_solver(info.name));
-    }
+  for (const std::string& name : names.empty() ? gradient_solvers() : names) {
+    solvers.push_back(make_solver(name));
   }
   std::printf(
       "| world | back end | same end | evaluations, cold | warm | ratio | halved on | other end, "
@@ -159,9 +163,8 @@ int measure(const std::vector<std::string>& worlds, int steps,
 int main(int argc, char** argv) {
   CLI::App app("evaluations with and without a warm start");
   int steps = 80;
-  std::vector<std::string> worlds = {"office", "corridor", "loop"};
+  std::vector<std::string> worlds = {"office", "corridor", "loop"}, names;
   app.add_option("--steps", steps, "planning steps of each mission")->check(CLI::PositiveNumber);
-  std::vector<std::string> names;
   app.add_option("--solver", names, "back ends (default: all with gradients)")->delimiter(',');
   app.add_option("worlds", worlds, "worlds, as `prospect explore` takes them");
   CLI11_PARSE(app, argc, argv);

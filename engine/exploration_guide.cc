@@ -93,7 +93,6 @@ Cell ExplorationGuide::nearest_with(double room, Cell start) {
 
 // Frontiers with a viewpoint in the robot's component.
 void ExplorationGuide::mark_reachable(std::vector<Frontier>& frontiers) {
-  for (Frontier& frontier : frontiers) frontier.reachable = false;
   if (!field_.anchor_reached()) return;
   flood(field_.anchor());
   detector_.mark_seen_from(component_, frontiers);
@@ -257,7 +256,6 @@ std::vector<double> ExplorationGuide::size_bonuses(Cell robot) {
       std::min(t.hard_radius + options_.ample_room, t.comfortable_radius) - t.lattice_slack;
   flood(nearest_with(room, robot), room);
   std::vector<Frontier> seen = frontiers;
-  for (Frontier& f : seen) f.reachable = false;
   detector_.mark_seen_from(component_, seen);
   for (std::size_t i = 0; i < seen.size(); ++i) {
     if (seen[i].reachable) bonus[i] += options_.kappa_area * std::log1p(area[i]);

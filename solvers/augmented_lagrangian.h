@@ -20,14 +20,14 @@ namespace prospect {
 /// and rho grows tenfold when  sigma = max_i |min(c_i - margin, lambda_i / rho)|  (infeasibility
 /// and lack of complementarity in one, in the unit of c) fell by less than half.
 ///
-/// The margin makes a solution feasible that is right to less than it. It falls from initial_margin
-/// with sigma, margin <- max(final_margin, min(margin / 2, sigma)), so that points on the way
-/// become feasible long before the multipliers have settled: a solve that is stopped early has an
-/// incumbent that is near, not one from before it began.
+/// The margin makes a solution feasible that is right to less than it; in the end it is half the
+/// feasibility tolerance. It falls to that with sigma, margin <- max(final, min(margin / 2,
+/// sigma)), so that points on the way become feasible long before the multipliers have settled: a
+/// solve that is stopped early has an incumbent that is near, not one from before it began.
 ///
 /// Source: Powell (1969), Hestenes (1969), Rockafellar (1973); the safeguards follow Andreani,
 /// Birgin, Martinez, Schuverdt (2007). That it is used here, and the falling margin, are our
-/// choice, measured (docs/solvers.md).
+/// choice, measured (docs/performance.md).
 class AugmentedLagrangian {
  public:
   struct Margin {

@@ -88,7 +88,7 @@ TEST(AugmentedLagrangian, UpdatesMultipliersAndPenalty) {
 // min (x - 1)^2, x <= 1/2: the least of L is in closed form, 1/2 the solution, 1 its multiplier.
 TEST(AugmentedLagrangian, PointsOnTheWayAreFeasibleWithAMarginThatFalls) {
   static constexpr double kFinal = 1e-7;
-  const auto rounds = [](double initial, double* first_feasible_at) {
+  const auto rounds = [](double initial, int* first_feasible_at) {
     AugmentedLagrangian merit(1, {}, 10.0, {initial, kFinal});
     double margin = std::max(initial, kFinal);  // as the header has it fall
     for (int round = 1; round <= 40; ++round) {
@@ -98,7 +98,7 @@ TEST(AugmentedLagrangian, PointsOnTheWayAreFeasibleWithAMarginThatFalls) {
       Vector gradient = vec({2.0 * (x - 1.0)});
       merit.add_gradient(c, Eigen::MatrixXd::Constant(1, 1, -1.0), gradient);
       EXPECT_NEAR(gradient[0], 0.0, 1e-6) << "round " << round;
-      if (c[0] >= 0.0 && *first_feasible_at == 0.0) *first_feasible_at = round;
+      if (c[0] >= 0.0 && *first_feasible_at == 0) *first_feasible_at = round;
       const double sigma = std::abs(c[0] - margin);  // the constraint is active
       const double off = merit.update(c);
       EXPECT_DOUBLE_EQ(off, std::max(sigma, margin - kFinal));
@@ -112,11 +112,11 @@ TEST(AugmentedLagrangian, PointsOnTheWayAreFeasibleWithAMarginThatFalls) {
     }
     return 41;
   };
-  double without = 0.0, with = 0.0;
+  int without = 0, with = 0;
   EXPECT_LE(rounds(0.0, &without), 40);
   EXPECT_LE(rounds(0.01, &with), 40);
-  EXPECT_LE(with, 3.0);
-  EXPECT_GE(without, with + 3.0);
+  EXPECT_LE(with, 3);
+  EXPECT_GE(without, with + 3);
 }
 
 // Two constraints that leave a band of 2e-6: no point keeps both by 0.01, ever.
