@@ -5,6 +5,7 @@
 #include <exception>
 #include <functional>
 #include <limits>
+#include <mutex>
 #include <random>
 
 namespace prospect {
@@ -21,21 +22,25 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 
 Evaluator::Evaluator(const Problem& problem, const CommonOptions& options,
                      const StopCondition& stop)
-    : Evaluator(problem, options, stop, nullptr) {}
+    : Evaluator(problem, options, stop, nullptr, {}) {}
 
 Evaluator::Evaluator(Evaluator& outer, const CommonOptions& options)
-    : Evaluator(outer.problem_, options, outer.stop_, &outer) {}
+    : Evaluator(outer.problem_, options, outer.stop_, &outer, {}) {}
 
 Evaluator::Evaluator(const Problem& problem, const CommonOptions& options,
-                     const StopCondition& stop, Evaluator* outer)
-    : problem_(problem), options_(options), stop_(stop), outer_(outer) {
-  if (!outer_) {
+                     const StopCondition& stop, Evaluator* outer, std::vector<Ahead> ahead)
+    : problem_(problem),
+      options_(options),
+      stop_(stop),
+      outer_(outer),
+      ahead_(std::move(ahead)),
+      workers_(outer ? nullptr : std::make_unique<WorkerThreads>(options.threads)) {
+  if (!outer_ && ahead_.empty()) {
     workspace_ = problem.make_workspace();
     for (int t = 0; t < options.threads; ++t) {
       ahead_.push_back(
           {problem.make_workspace(), problem.lower().replicate(1, kChunk), 0, {}, nullptr});
     }
-    workers_ = std::make_unique<WorkerThreads>(options.threads);
   }
   const Eigen::VectorXd& lower = problem.lower();
   const Eigen::VectorXd& upper = problem.upper();
@@ -55,6 +60,82 @@ Evaluator::Evaluator(const Problem& problem, const CommonOptions& options,
   incumbent_constraints_.setZero(m);
   gradient_.setZero(n);
   jacobian_.setZero(m, n);
+}
+
+void Evaluator::run_beside(int count, const CommonOptions& options,
+                           const std::function<void(int, Evaluator&)>& solve) {
+  CommonOptions own = options;
+  own.threads = 1;
+  own.trace = true;  // adopt() reads it
+  std::vector<std::unique_ptr<Evaluator>> inner(static_cast<std::size_t>(count));
+  std::vector<Ahead>& idle = ahead();
+  std::mutex mutex;                        // of `idle` and of these:
+  int threw = count;                       // the first that did
+  StopRequest asked = StopRequest::kNone;  // what the stop condition has said
+  const auto run = [&](int k) {
+    const StopCondition stop(
+        [&, k] {
+          const std::lock_guard lock(mutex);
+          if (threw < k) return StopRequest::kCancelled;  // it is thrown away
+          if (asked == StopRequest::kNone) asked = stop_();
+          return asked;
+        },
+        stop_.latest());
+    std::vector<Ahead> taken;
+    std::unique_lock lock(mutex);
+    taken.push_back(std::move(idle.back()));
+    idle.pop_back();
+    lock.unlock();
+    auto& evaluator = inner[static_cast<std::size_t>(k)];
+    evaluator.reset(new Evaluator(problem_, own, stop, nullptr, std::move(taken)));
+    evaluator->beside_ = true;
+    evaluator->begin_ = begin_;
+    solve(k, *evaluator);
+    lock.lock();
+    if (evaluator->threw_) threw = std::min(threw, k);
+    idle.push_back(std::move(evaluator->ahead_.front()));
+  };
+  workers().run(count, std::cref(run));
+  for (const auto& evaluator : inner) {
+    adopt(*evaluator);
+    if (threw_) break;
+  }
+}
+
+void Evaluator::adopt(const Evaluator& inner) {
+  if (outer_) outer_->adopt(inner);
+  if (inner.has_incumbent_) {
+    worst_cost_ = has_incumbent_ ? std::max(worst_cost_, inner.worst_cost_) : inner.worst_cost_;
+  }
+  bool improved = false;
+  for (const Improvement& i : inner.trace_) {
+    if (!improves(i.cost, i.violation)) continue;
+    improved = has_incumbent_ = true;
+    incumbent_cost_ = i.cost;
+    incumbent_violation_ = i.violation;
+    if (!options_.trace) continue;
+    // Found at the same time as what was taken over before it, it is not known before that.
+    const double seconds = trace_.empty() ? i.seconds : std::max(i.seconds, trace_.back().seconds);
+    trace_.push_back({seconds, counters_.cost_evaluations + i.evaluations, i.cost, i.violation});
+  }
+  if (improved) {
+    incumbent_ = inner.incumbent_;
+    incumbent_constraints_ = inner.incumbent_constraints_;
+  }
+  counters_.cost_evaluations += inner.counters_.cost_evaluations;
+  counters_.gradient_evaluations += inner.counters_.gradient_evaluations;
+  counters_.iterations += inner.counters_.iterations;
+  last_known_ = false;
+  if (inner.threw_) {
+    threw_ = true;
+    fail(inner.stop_detail_);
+  } else if (!stopped_ && inner.stopped_ &&
+             (inner.stop_reason_ == StopReason::kDeadline ||
+              inner.stop_reason_ == StopReason::kCancelled)) {
+    stopped_ = true;
+    stop_reason_ = inner.stop_reason_;
+    stop_detail_ = inner.stop_detail_;
+  }
 }
 
 Eigen::VectorXd Evaluator::reduce(const Eigen::Ref<const Eigen::VectorXd>& z) const {
@@ -90,7 +171,11 @@ void Evaluator::store_exception() {
   } catch (...) {
     fail("the problem threw something that is not a std::exception");
   }
-  if (outer_) outer_->fail(stop_detail_);
+  threw_ = true;
+  if (outer_) {
+    outer_->threw_ = true;
+    outer_->fail(stop_detail_);
+  }
 }
 
 void Evaluator::count_evaluations(int count, bool gradient) {
@@ -374,7 +459,7 @@ Result Evaluator::finish(StopReason reason, bool optimum, std::string detail, Wa
                      : converged           ? Quality::kFeasibleOptimum
                                            : Quality::kFeasible;
     try {
-      if (!outer_) result.explanation = problem_.explain(result.x);
+      if (!outer_ && !beside_) result.explanation = problem_.explain(result.x);
     } catch (...) {
       if (result.stop != StopReason::kError) {
         stopped_ = false;
@@ -392,7 +477,7 @@ Result Evaluator::finish(StopReason reason, bool optimum, std::string detail, Wa
       result.detail = "the problem is not evaluable at any point tried";
     }
   }
-  result.trace = std::move(trace_);
+  if (!beside_) result.trace = std::move(trace_);  // adopt() needs it
   result.wall_seconds = seconds_since(begin_);
   return result;
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -50,7 +51,8 @@ enum class Outcome {
 /// each with a workspace of its own, and then takes them one after another in their order, as if
 /// they had been evaluated then: incumbents, counters and the end of a solve have the same bits for
 /// any T (a deadline apart). What was evaluated ahead and turns out not to be wanted, because the
-/// solve has ended or a chunk is to be exact, is thrown away and not counted.
+/// solve has ended or a chunk is to be exact, is thrown away and not counted. run_beside() does the
+/// like with whole solves.
 class Evaluator {
  public:
   /// Columns of one call of Problem::evaluate in evaluate_batch(): a deadline is honoured within
@@ -65,6 +67,16 @@ class Evaluator {
   /// and the end of this one's budget or a fail() of the inner back end leaves `outer` running.
   /// finish() explains nothing.
   Evaluator(Evaluator& outer, const CommonOptions& options);
+
+  /// Back ends that are run within this solve, several at a time: calls solve(k, inner) for each
+  /// k of 0..count-1, each on one of the threads with an evaluator of its own, with `options`,
+  /// whose incumbent, budget and counters are its own. What they evaluated is counted and compared
+  /// here afterwards, one after another in the order of k, as if they had been run then: the same
+  /// bits for any number of threads. The stop condition is asked by one of them at a time, and what
+  /// it ends is over here, too. An exception of a term ends this solve; what comes after it in the
+  /// order of k is thrown away. `solve` must not throw.
+  void run_beside(int count, const CommonOptions& options,
+                  const std::function<void(int, Evaluator&)>& solve);
 
   const Problem& problem() const { return problem_; }
   const CommonOptions& options() const { return options_; }
@@ -168,7 +180,10 @@ class Evaluator {
   bool should_stop(bool budget);
   void count_evaluations(int count, bool gradient);
   void store_exception();
-  Workspace& workspace() { return outer_ ? outer_->workspace() : *workspace_; }
+  Workspace& workspace() {
+    if (outer_) return outer_->workspace();
+    return workspace_ ? *workspace_ : ahead_.front().workspace;
+  }
   /// A chunk of a batch that is evaluated ahead of its turn.
   struct Ahead {
     Workspace workspace;
@@ -183,8 +198,11 @@ class Evaluator {
   /// left; no column is counted or considered. Exceptions are kept with their chunk. Returns the
   /// column after the last.
   int evaluate_ahead(const Eigen::Ref<const Eigen::MatrixXd>& X, int first, Evaluate what);
+  /// `ahead`: empty, or what a solve on one thread uses for all its evaluations.
   Evaluator(const Problem& problem, const CommonOptions& options, const StopCondition& stop,
-            Evaluator* outer);
+            Evaluator* outer, std::vector<Ahead> ahead);
+  /// Takes over what `inner`, one of run_beside()'s, evaluated.
+  void adopt(const Evaluator& inner);
 
   const Problem& problem_;
   CommonOptions options_;
@@ -196,10 +214,11 @@ class Evaluator {
   Eigen::VectorXd lower_, upper_, middle_;
   double radius_ = 1.0;
 
-  // None if there is an outer one.
+  // None if there is an outer one; within run_beside() `ahead_` serves all evaluations.
   std::optional<Workspace> workspace_;
   std::vector<Ahead> ahead_;  // by thread
   std::unique_ptr<WorkerThreads> workers_;
+  bool beside_ = false;  // one of run_beside()'s
   Evaluation evaluation_, exact_evaluation_;
   int exact_chunks_ = 0;  // to come of evaluate_batch() that are not scored
   Eigen::MatrixXd z_;
@@ -222,6 +241,7 @@ class Evaluator {
   bool stopped_ = false;
   StopReason stop_reason_ = StopReason::kConverged;
   std::string stop_detail_;
+  bool threw_ = false;  // a term or the stop condition
   Counters counters_;
   std::vector<Improvement> trace_;  // with options_.trace
 };

@@ -63,6 +63,24 @@ Result SolverFrame::solve_within(Evaluator& outer, const WarmStart& warm_start,
   return solve_with(evaluator, set, warm_start);
 }
 
+std::vector<std::optional<Result>> SolverFrame::solve_within(
+    Evaluator& outer, const std::vector<WarmStart>& starts, const Options& options,
+    StopCondition::Clock::time_point latest) const {
+  std::vector<std::optional<Result>> results(starts.size());
+  OptionSet set = read(options);
+  const std::string refusal = explain_refusal(outer.problem(), set);
+  if (!refusal.empty()) {
+    for (auto& result : results) result = failed_result(outer.problem(), refusal);
+    return results;
+  }
+  outer.run_beside(static_cast<int>(starts.size()), set.common(), [&](int k, Evaluator& evaluator) {
+    if (k > 0 && StopCondition::Clock::now() >= latest) return;
+    const auto at = static_cast<std::size_t>(k);
+    results[at] = solve_with(evaluator, set, starts[at]);
+  });
+  return results;
+}
+
 std::string explain_no_gradient(const Problem& problem) {
   for (const auto& [term, weight] : problem.definition().terms) {
     const TermTraits traits = term->traits();

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "engine/solver.h"
+#include "engine/stop_condition.h"
 #include "solvers/evaluator.h"
 #include "solvers/options.h"
 
@@ -20,6 +22,12 @@ class SolverFrame : public Solver {
   /// The same within the solve of another back end, whose evaluator is `outer`: everything
   /// evaluated here counts there too. The explanation of the result is left empty.
   Result solve_within(Evaluator& outer, const WarmStart& warm_start, const Options& options) const;
+  /// The same from each of `starts`, as many at a time as `outer` has threads
+  /// (Evaluator::run_beside). None for a start whose turn came after `latest`, but for the first.
+  std::vector<std::optional<Result>> solve_within(Evaluator& outer,
+                                                  const std::vector<WarmStart>& starts,
+                                                  const Options& options,
+                                                  StopCondition::Clock::time_point latest) const;
 
  protected:
   /// Options that are taken too, but are too many to be listed by options().

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -143,17 +144,22 @@ class HybridSolver final : public SolverFrame {
       coarse["max_evaluations"] = std::min(evaluations, share);
       // Half of the time, likewise; the best goes first.
       const StopCondition::Clock::time_point end = part_way(evaluator.latest(), 0.5);
+      std::vector<Basin*> open;
+      std::vector<WarmStart> starts;
       for (Basin& basin : basins) {
         if (basin.settled) continue;
-        if (&basin != &basins.front() && StopCondition::Clock::now() >= end) break;
-        WarmStart from;
-        from.x = evaluator.expand(basin.x);
-        const Result r = polish.solve_within(evaluator, from, coarse);
-        if (r.quality == Quality::kNone) continue;
-        basin.x = evaluator.reduce(r.x);
-        basin.cost = r.cost;
-        basin.violation = r.violation;
-        basin.settled = r.stop == StopReason::kConverged;
+        open.push_back(&basin);
+        starts.emplace_back().x = evaluator.expand(basin.x);
+      }
+      const auto results = polish.solve_within(evaluator, starts, coarse, end);
+      for (std::size_t b = 0; b < open.size(); ++b) {
+        const std::optional<Result>& r = results[b];
+        if (!r || r->quality == Quality::kNone) continue;
+        Basin& basin = *open[b];
+        basin.x = evaluator.reduce(r->x);
+        basin.cost = r->cost;
+        basin.violation = r->violation;
+        basin.settled = r->stop == StopReason::kConverged;
       }
       rank(evaluator, basins);
       keep_apart(evaluator, kMerged, static_cast<int>(basins.size() + 1) / 2, basins);
@@ -202,7 +208,10 @@ class HybridSolver final : public SolverFrame {
     const auto total = static_cast<int>(X.cols());
     const bool hurried = own == 0 && evaluator.latest() != StopCondition::Clock::time_point::max();
     const StopCondition::Clock::time_point end = part_way(evaluator.latest(), kScoringShare);
-    const int portion = hurried ? kScoredAtATime * options.integer("threads") : total;
+    const int threads = options.integer("threads");
+    const int portion = !hurried       ? total
+                        : threads == 1 ? kScoredAtATime
+                                       : Evaluator::kChunk * threads;
     for (int from = 0; from < total && !evaluator.stopped(); from += portion) {
       if (from > 0 && StopCondition::Clock::now() >= end) break;
       Eigen::ArrayXd cost, violation;

@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <memory>
 #include <random>
 #include <stdexcept>
 #include <vector>
@@ -403,6 +406,105 @@ TEST(Evaluator, SharesWhatAnInnerOneEvaluates) {
     EXPECT_TRUE(inner.stopped());
   }
   EXPECT_EQ(outer.finish(StopReason::kConverged, true, "", {}).stop, StopReason::kIterationLimit);
+}
+
+// Walks of several lengths from several starts, some of them into where a term throws: beside each
+// other they come to what they come to one after another.
+TEST(Evaluator, RunsBesideEachOtherWhatCouldRunInTurn) {
+  const Case c = zoo::hs43();
+  ProblemDefinition d = c.problem().definition();
+  const Problem calm(d);
+  d.terms.front().term = std::make_shared<ThrowingAbove>(d.terms.front().term);
+  const Problem throwing(d);
+  std::mt19937_64 generator(13);
+  std::uniform_real_distribution<double> uniform(-1.0, 0.9);
+  constexpr int kWalks = 9;
+  const Matrix starts = Matrix::NullaryExpr(
+      4, kWalks, [&](Eigen::Index, Eigen::Index) { return uniform(generator); });
+  const auto walk = [&](int k, Evaluator& e) {
+    for (int i = 0; i < 5 + 7 * k % 11; ++i) {
+      Vector x = 0.98 * starts.col(k) + 0.02 * i * vec({0, 1, 2, -1});
+      // Only the walks 4 and 6 come to where the term throws.
+      x[0] = (k == 4 || k == 6) && i == 3 ? 0.99 : std::min(x[0], 0.9);
+      if (e.evaluate(x, Evaluate::kGradient) == Outcome::kStopped) return;
+    }
+  };
+  for (const bool throws : {false, true}) {
+    const Problem& problem = throws ? throwing : calm;
+    const StopCondition never;
+    CommonOptions options;
+    options.trace = true;
+    const CommonOptions inner_options = {.max_evaluations = 12};
+    Evaluator in_turn(problem, options, never);
+    in_turn.evaluate(Vector::Constant(4, -0.9), Evaluate::kValue);
+    for (int k = 0; k < kWalks && !in_turn.stopped(); ++k) {
+      Evaluator inner(in_turn, inner_options);
+      walk(k, inner);
+    }
+    EXPECT_EQ(in_turn.stopped(), throws);
+    const Counters counters = in_turn.counters();
+    EXPECT_EQ(counters.gradient_evaluations + 1, counters.cost_evaluations);
+    const Result expected = in_turn.finish(StopReason::kConverged, true, "", {});
+    EXPECT_GT(expected.trace.size(), 3u);
+    for (const int threads : {1, 2, 3, 7}) {
+      options.threads = threads;
+      Evaluator e(problem, options, never);
+      e.evaluate(Vector::Constant(4, -0.9), Evaluate::kValue);
+      for (int once : {0, 1}) {  // in two goes: what is lent out comes back
+        e.run_beside(once == 0 ? 3 : kWalks - 3, inner_options,
+                     [&](int k, Evaluator& inner) { walk(once == 0 ? k : k + 3, inner); });
+        if (e.stopped()) break;
+      }
+      const Result r = e.finish(StopReason::kConverged, true, "", {});
+      EXPECT_EQ(r.stop, expected.stop);
+      EXPECT_EQ(r.detail, expected.detail);
+      EXPECT_EQ(r.x, expected.x);
+      EXPECT_EQ(r.cost, expected.cost);
+      EXPECT_EQ(r.violation, expected.violation);
+      EXPECT_EQ(r.counters.cost_evaluations, expected.counters.cost_evaluations);
+      EXPECT_EQ(r.counters.gradient_evaluations, expected.counters.gradient_evaluations);
+      ASSERT_EQ(r.trace.size(), expected.trace.size());
+      for (std::size_t i = 0; i < r.trace.size(); ++i) {
+        EXPECT_EQ(r.trace[i].cost, expected.trace[i].cost);
+        EXPECT_EQ(r.trace[i].evaluations, expected.trace[i].evaluations);
+        EXPECT_GE(r.trace[i].seconds, i == 0 ? 0.0 : r.trace[i - 1].seconds);
+      }
+    }
+  }
+}
+
+TEST(Evaluator, AStopReachesAllThatRunBesideEachOther) {
+  const Case c = zoo::hs43();
+  const Problem problem = c.problem();
+  for (const int threads : {1, 3}) {
+    CommonOptions options;
+    options.threads = threads;
+    std::atomic<int> asking = 0, asked = 0;
+    bool together = false;
+    // It changes its mind afterwards, which changes nothing.
+    const StopCondition stop([&] {
+      together = together || ++asking > 1;
+      const int n = ++asked;
+      --asking;
+      return n == 40 ? StopRequest::kCancelled : StopRequest::kNone;
+    });
+    Evaluator e(problem, options, stop);
+    std::atomic<int> ended = 0;
+    e.run_beside(5, {}, [&](int k, Evaluator& inner) {
+      for (int i = 0; i < 1000; ++i) {
+        const Vector x = Vector::Constant(4, 1e-3 * i - 0.1 * k);
+        if (inner.evaluate(x, Evaluate::kValue) == Outcome::kStopped) {
+          ++ended;
+          return;
+        }
+      }
+    });
+    EXPECT_EQ(ended, 5);
+    EXPECT_FALSE(together);
+    EXPECT_EQ(e.counters().cost_evaluations, 39);
+    EXPECT_TRUE(e.stopped());
+    EXPECT_EQ(e.finish(StopReason::kConverged, true, "", {}).stop, StopReason::kCancelled);
+  }
 }
 
 TEST(Evaluator, StopsWithAnInnerOneOnlyIfTheProblemThrew) {
