@@ -36,7 +36,8 @@ FeatureOutlook::FeatureOutlook(const FeatureOutlookOptions& options, const Robot
   check_not_negative(kOwner, "attenuation", options.attenuation);
 }
 
-void FeatureOutlook::update(const Belief& belief, double density, const LocalTexture* texture) {
+void FeatureOutlook::update(const Belief& belief, double density, const LocalTexture* texture,
+                            WorkerThreads* workers) {
   ++updates_;
   const GroundMap& ground = *belief.ground;
   const GridFrame& fine = ground.frame();
@@ -104,12 +105,9 @@ void FeatureOutlook::update(const Belief& belief, double density, const LocalTex
   const VisibilityPrediction prediction(landmarks, camera_, mount_, nullptr, visibility_);
 
   const double trim = 1.5 * belief.voxels->resolution();
-  std::vector<Eigen::Vector3d> points;
-  std::vector<std::size_t> which;
-  std::vector<VoxelGrid::Ray> rays;
-  Eigen::MatrixXd visible(static_cast<Eigen::Index>(landmarks.size()), kHeadings);
-  for (const Turn& turn : turns) {
-    Block& block = blocks_.data[static_cast<std::size_t>(turn.block)];
+  const auto count = [&](int n) {
+    Eigen::MatrixXd visible(static_cast<Eigen::Index>(landmarks.size()), kHeadings);
+    Block& block = blocks_.data[static_cast<std::size_t>(turns[static_cast<std::size_t>(n)].block)];
     block.counted = updates_;
     block.counts.fill(0.0F);
     Pose pose = belief.pose;
@@ -118,29 +116,30 @@ void FeatureOutlook::update(const Belief& belief, double density, const LocalTex
       pose.yaw = 2.0 * std::numbers::pi * k / kHeadings;
       visible.col(k) = prediction.probabilities(pose);
     }
-    points.clear();
-    which.clear();
+    std::vector<Eigen::Vector3d> points;
+    std::vector<std::size_t> which;
     for (std::size_t i = 0; i < landmarks.size(); ++i) {
       const double best = visible.row(static_cast<Eigen::Index>(i)).maxCoeff();
       if (!(landmarks[i].multiplicity * best > kWorthARay)) continue;
       points.push_back(landmarks[i].position);
       which.push_back(i);
     }
-    rays.resize(points.size());
+    std::vector<VoxelGrid::Ray> rays(points.size());
     Eigen::Vector3d eye = prediction.sensor_position(pose);
     eye.head<2>() = pose.position.head<2>();  // of no heading in particular
     belief.voxels->cast_many(eye, points.data(), static_cast<int>(points.size()), trim,
                              rays.data());
-    for (std::size_t n = 0; n < points.size(); ++n) {
-      if (rays[n].blocked) continue;
-      const double in_view = landmarks[which[n]].multiplicity *
-                             std::exp(-options_.attenuation * rays[n].unknown_length);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (rays[i].blocked) continue;
+      const double in_view = landmarks[which[i]].multiplicity *
+                             std::exp(-options_.attenuation * rays[i].unknown_length);
       for (int k = 0; k < kHeadings; ++k) {
         block.counts[static_cast<std::size_t>(k)] +=
-            static_cast<float>(in_view * visible(static_cast<Eigen::Index>(which[n]), k));
+            static_cast<float>(in_view * visible(static_cast<Eigen::Index>(which[i]), k));
       }
     }
-  }
+  };
+  share(workers, static_cast<int>(turns.size()), count);
 }
 
 double FeatureOutlook::count(Cell c, double yaw) const {

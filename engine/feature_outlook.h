@@ -8,6 +8,7 @@
 #include "engine/local_texture.h"
 #include "engine/robot_description.h"
 #include "engine/terms/visibility_prediction.h"
+#include "engine/worker_threads.h"
 
 namespace prospect {
 
@@ -43,8 +44,10 @@ class FeatureOutlook {
                  const VisibilityParameters& visibility);
 
   /// belief: successive ones of one map. density: rho of unknown ground [1/m^2], 0: none. texture:
-  /// of that map, which scales rho; null: not scaled.
-  void update(const Belief& belief, double density, const LocalTexture* texture = nullptr);
+  /// of that map, which scales rho; null: not scaled. workers: share the blocks, the same bits for
+  /// any number of them; null: the caller counts all.
+  void update(const Belief& belief, double density, const LocalTexture* texture = nullptr,
+              WorkerThreads* workers = nullptr);
 
   /// N at a cell for a heading [rad]; +infinity where nothing was counted yet.
   double count(Cell c, double yaw) const;

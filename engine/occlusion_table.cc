@@ -185,17 +185,18 @@ SensorLattice SensorLattice::around(const Eigen::Vector3d& center, double reach,
 }
 
 OcclusionTable::OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
-                               const VoxelGrid& voxels, const Options& options)
+                               const VoxelGrid& voxels, const Options& options,
+                               WorkerThreads* workers)
     : lattice_(lattice), points_(std::move(points)), options_(options) {
-  build(voxels, nullptr);
+  build(voxels, nullptr, workers);
 }
 
 OcclusionTable::OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
                                std::shared_ptr<const VoxelGrid> voxels, const Options& options,
-                               const OcclusionTable* previous)
+                               const OcclusionTable* previous, WorkerThreads* workers)
     : lattice_(lattice), points_(std::move(points)), options_(options), voxels_(std::move(voxels)) {
   if (!voxels_) throw std::invalid_argument("occlusion table: voxels is null; expected a snapshot");
-  build(*voxels_, previous);
+  build(*voxels_, previous, workers);
 }
 
 Eigen::Vector3d OcclusionTable::node_position(int a, int b, int c) const {
@@ -211,7 +212,8 @@ Eigen::Vector3d OcclusionTable::node_position(int a, int b, int c) const {
   return {coordinate(0, a), coordinate(1, b), coordinate(2, c)};
 }
 
-void OcclusionTable::build(const VoxelGrid& voxels, const OcclusionTable* previous) {
+void OcclusionTable::build(const VoxelGrid& voxels, const OcclusionTable* previous,
+                           WorkerThreads* workers) {
   const SensorLattice& l = lattice_;
   if (!(l.spacing > 0.0) || !std::isfinite(l.spacing) || !l.origin.allFinite()) {
     throw std::invalid_argument("occlusion table: lattice spacing " + std::to_string(l.spacing) +
@@ -288,63 +290,64 @@ void OcclusionTable::build(const VoxelGrid& voxels, const OcclusionTable* previo
   if (changed) {
     for (std::size_t i = 0; i < points_.size(); ++i) point_tile[i] = changed->tile_at(points_[i]);
   }
-  std::vector<int> wanted;
-  std::vector<Eigen::Vector3d> ends;
-  std::vector<VoxelGrid::Ray> rays(points_.size());
-  wanted.reserve(points_.size());
-  ends.reserve(points_.size());
 
   const double max_squared = options_.max_range * options_.max_range;
-  std::size_t node = 0;
-  for (int c = 0; c < l.nz; ++c) {
-    for (int b = 0; b < l.ny; ++b) {
-      for (int a = 0; a < l.nx; ++a, ++node) {
-        const Eigen::Vector3d from = node_position(a, b, c);
-        const Eigen::Vector3i v = voxels.voxel(from);
-        if (voxels.state(v.x(), v.y(), v.z()) == CellState::kOccupied) {
-          in_wall_[node] = 1;
-          continue;
-        }
-        const float* old_row = nullptr;
-        if (!old_column.empty() && previous->stride_ > 0) {
-          const SensorLattice& o = previous->lattice_;
-          const int oa = a + shift.x(), ob = b + shift.y(), oc = c + shift.z();
-          if (oa >= 0 && oa < o.nx && ob >= 0 && ob < o.ny && oc >= 0 && oc < o.nz) {
-            const std::size_t start = previous->row(oa, ob, oc);
-            if (!previous->in_wall_[start / static_cast<std::size_t>(previous->stride_)]) {
-              old_row = previous->table_.data() + start;
-            }
+  std::vector<std::int64_t> cast(static_cast<std::size_t>(l.ny) * static_cast<std::size_t>(l.nz));
+  const auto fill_line = [&](int line) {
+    const int b = line % l.ny, c = line / l.ny;
+    std::vector<int> wanted;
+    std::vector<Eigen::Vector3d> ends;
+    std::vector<VoxelGrid::Ray> rays(points_.size());
+    wanted.reserve(points_.size());
+    ends.reserve(points_.size());
+    for (int a = 0; a < l.nx; ++a) {
+      const Eigen::Vector3d from = node_position(a, b, c);
+      const Eigen::Vector3i v = voxels.voxel(from);
+      if (voxels.state(v.x(), v.y(), v.z()) == CellState::kOccupied) {
+        in_wall_[static_cast<std::size_t>(line * l.nx + a)] = 1;
+        continue;
+      }
+      const float* old_row = nullptr;
+      if (!old_column.empty() && previous->stride_ > 0) {
+        const SensorLattice& o = previous->lattice_;
+        const int oa = a + shift.x(), ob = b + shift.y(), oc = c + shift.z();
+        if (oa >= 0 && oa < o.nx && ob >= 0 && ob < o.ny && oc >= 0 && oc < o.nz) {
+          const std::size_t start = previous->row(oa, ob, oc);
+          if (!previous->in_wall_[start / static_cast<std::size_t>(previous->stride_)]) {
+            old_row = previous->table_.data() + start;
           }
-        }
-        float* out = table_.data() + row(a, b, c);
-        const Cell here = changed ? changed->tile_at(from) : Cell();
-        wanted.clear();
-        ends.clear();
-        for (const int n : order) {
-          const auto i = static_cast<std::size_t>(n);
-          if ((points_[i] - from).squaredNorm() > max_squared) continue;
-          if (old_row && old_column[i] >= 0 &&
-              !(changed && changed->any(from, here, points_[i], point_tile[i]))) {
-            out[i] = old_row[old_column[i]];
-            continue;
-          }
-          wanted.push_back(n);
-          ends.push_back(points_[i]);
-        }
-        const int count = static_cast<int>(wanted.size());
-        rays_cast_ += count;
-        voxels.cast_many(from, ends.data(), count, options_.trim, rays.data());
-        for (int n = 0; n < count; ++n) {
-          const VoxelGrid::Ray& ray = rays[static_cast<std::size_t>(n)];
-          if (ray.blocked) continue;
-          out[wanted[static_cast<std::size_t>(n)]] =
-              ray.unknown_length > 0.0
-                  ? static_cast<float>(std::exp(-options_.attenuation * ray.unknown_length))
-                  : 1.0f;
         }
       }
+      float* out = table_.data() + row(a, b, c);
+      const Cell here = changed ? changed->tile_at(from) : Cell();
+      wanted.clear();
+      ends.clear();
+      for (const int n : order) {
+        const auto i = static_cast<std::size_t>(n);
+        if ((points_[i] - from).squaredNorm() > max_squared) continue;
+        if (old_row && old_column[i] >= 0 &&
+            !(changed && changed->any(from, here, points_[i], point_tile[i]))) {
+          out[i] = old_row[old_column[i]];
+          continue;
+        }
+        wanted.push_back(n);
+        ends.push_back(points_[i]);
+      }
+      const int count = static_cast<int>(wanted.size());
+      cast[static_cast<std::size_t>(line)] += count;
+      voxels.cast_many(from, ends.data(), count, options_.trim, rays.data());
+      for (int n = 0; n < count; ++n) {
+        const VoxelGrid::Ray& ray = rays[static_cast<std::size_t>(n)];
+        if (ray.blocked) continue;
+        out[wanted[static_cast<std::size_t>(n)]] =
+            ray.unknown_length > 0.0
+                ? static_cast<float>(std::exp(-options_.attenuation * ray.unknown_length))
+                : 1.0f;
+      }
     }
-  }
+  };
+  share(workers, l.ny * l.nz, fill_line);
+  rays_cast_ = std::accumulate(cast.begin(), cast.end(), std::int64_t{0});
   fill_nodes_in_walls();
 }
 

@@ -7,6 +7,7 @@
 
 #include "engine/occlusion_kernel.h"
 #include "engine/voxel_grid.h"
+#include "engine/worker_threads.h"
 
 namespace prospect {
 
@@ -54,10 +55,11 @@ class OcclusionTable {
     friend bool operator==(const Options&, const Options&) = default;
   };
 
+  /// `workers` share the rays, the same bits for any number of them; null: the caller casts all.
   /// Throws std::invalid_argument for a lattice of fewer than 3 nodes along x or y (along z: 1, or
   /// at least 3), a spacing that is not positive, or non-finite points.
   OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
-                 const VoxelGrid& voxels, const Options& options);
+                 const VoxelGrid& voxels, const Options& options, WorkerThreads* workers = nullptr);
 
   /// The same, and the table keeps `voxels` so that it can serve as `previous` of the next one: the
   /// value of a (node, point) pair that `previous` holds (same spacing, options and exact position)
@@ -67,7 +69,7 @@ class OcclusionTable {
   /// need not outlive the call.
   OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
                  std::shared_ptr<const VoxelGrid> voxels, const Options& options,
-                 const OcclusionTable* previous);
+                 const OcclusionTable* previous, WorkerThreads* workers = nullptr);
 
   int num_points() const { return static_cast<int>(points_.size()); }
   const std::vector<Eigen::Vector3d>& points() const { return points_; }
@@ -88,7 +90,7 @@ class OcclusionTable {
   /// Calls add(plane, is_first) for each plane of the spline at a finite position.
   template <class Add>
   void for_planes(const Eigen::Vector3d& sensor, const Add& add) const;
-  void build(const VoxelGrid& voxels, const OcclusionTable* previous);
+  void build(const VoxelGrid& voxels, const OcclusionTable* previous, WorkerThreads* workers);
   void fill_nodes_in_walls();
   /// From the node's address in the world where the lattice is aligned, so that a node has the same
   /// position to the last bit in every table.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -21,6 +23,7 @@
 #include "engine/surface_drift.h"
 #include "engine/tracked_calibration.h"
 #include "engine/unseen_features.h"
+#include "engine/worker_threads.h"
 #include "models/body_transform.h"
 
 namespace prospect {
@@ -92,6 +95,7 @@ void check(const PlannerParameters& p) {
   if (!(p.committed <= p.N * p.dt)) refuse("committed", p.committed, "at most the horizon");
   at_least("polished", p.polished, 0);
   at_least("polish_evaluations", p.polish_evaluations, 1);
+  at_least("threads", p.threads, 1);
   at_least("max_landmarks", p.max_landmarks, 0);
   at_least("max_targets", p.max_targets, 0);
 }
@@ -135,6 +139,8 @@ struct Planner::Impl {
   std::optional<FeatureOutlook> outlook;  // if the cost-to-go is weighted by it
   VerticalExtent slice{0.0, 0.0};         // of the body, in W
   double reach = 0.0;                     // how far the base can get within the horizon [m]
+  std::unique_ptr<WorkerThreads> workers;
+  bool shares_threads = false;  // the one solve of a step takes the option `threads`
 
   // From one step to the next.
   std::shared_ptr<const Guidance> guidance;
@@ -172,6 +178,11 @@ struct Planner::Impl {
         guide(parameters.guide) {
     if (!solver) throw std::invalid_argument("planner: no solver; expected one");
     check(parameters);
+    workers = std::make_unique<WorkerThreads>(parameters.threads);
+    const std::vector<OptionInfo> known = solver->options();
+    shares_threads = solver->compares_starts() &&
+                     std::any_of(known.begin(), known.end(),
+                                 [](const OptionInfo& o) { return o.name == "threads"; });
     const VerticalExtent extent = vertical_extent(robot.shape);
     const double z = robot.model->pose_layout().fixed_z;
     slice = {extent.z_min + z, extent.z_max + z};
@@ -233,6 +244,8 @@ struct Planner::Impl {
   void calibrate(const Belief& belief, const Eigen::Vector3d& camera, ProblemRecipe& r) const;
   std::vector<Candidate> measure(std::vector<Candidate> candidates, Evaluate what) const;
   void polish(std::vector<Candidate>& candidates, const StopCondition& stop, Plan& plan) const;
+  /// The solver's result from one start; of quality kNone if there is none.
+  Result solve(const WarmStart& warm, int evaluations, const StopCondition& stop) const;
   void execute_best(const Belief& belief, const std::vector<Candidate>& candidates,
                     Plan& plan) const;
   void fill(const TrajectoryBatch& t, int committed, Plan& plan) const;
@@ -455,20 +468,26 @@ std::vector<Candidate> Planner::Impl::measure(std::vector<Candidate> candidates,
   return scored;
 }
 
+Result Planner::Impl::solve(const WarmStart& warm, int evaluations,
+                            const StopCondition& stop) const {
+  Options options = parameters.solver_options;
+  options.try_emplace("max_evaluations", evaluations);
+  if (shares_threads) options.try_emplace("threads", parameters.threads);
+  Result result;
+  try {
+    result = solver->solve(*problem, warm, options, stop);
+  } catch (const std::exception& e) {
+    result.detail = std::string("the solver threw: ") + e.what();
+  } catch (...) {
+    result.detail = "the solver threw";
+  }
+  return result;
+}
+
 void Planner::Impl::polish(std::vector<Candidate>& candidates, const StopCondition& stop,
                            Plan& plan) const {
   std::vector<Candidate> polished;
-  const auto solve = [&](const Candidate& seed, const WarmStart& warm, int evaluations) {
-    Options options = parameters.solver_options;
-    options.try_emplace("max_evaluations", evaluations);
-    Result result;
-    try {
-      result = solver->solve(*problem, warm, options, stop);
-    } catch (const std::exception& e) {
-      result.detail = std::string("the solver threw: ") + e.what();
-    } catch (...) {
-      result.detail = "the solver threw";
-    }
+  const auto take = [&](const Candidate& seed, Result result) {
     plan.counters.cost_evaluations += result.counters.cost_evaluations;
     plan.counters.gradient_evaluations += result.counters.gradient_evaluations;
     plan.counters.iterations += result.counters.iterations;
@@ -483,23 +502,25 @@ void Planner::Impl::polish(std::vector<Candidate>& candidates, const StopConditi
     polished.push_back(std::move(c));
   };
 
-  WarmStart warm;
   if (solver->compares_starts() && !candidates.empty() && parameters.polished > 0) {
     const auto others = static_cast<Eigen::Index>(candidates.size()) - 1;
+    WarmStart warm;
     warm.x = candidates.front().z;
     warm.seeds.resize(warm.x.size(), others);
     for (Eigen::Index i = 0; i < others; ++i) {
       warm.seeds.col(i) = candidates[static_cast<std::size_t>(i) + 1].z;
     }
     // It scores the seeds itself: those evaluations are no polish.
-    solve(candidates.front(), warm,
-          parameters.polished * parameters.polish_evaluations + static_cast<int>(others) + 1);
+    take(candidates.front(),
+         solve(warm,
+               parameters.polished * parameters.polish_evaluations + static_cast<int>(others) + 1,
+               stop));
   } else {
     // Basins apart: seeds that end near each other usually polish to the same plan.
+    std::vector<const Candidate*> chosen;
     std::vector<Pose> ends;
     for (const Candidate& seed : candidates) {
-      if (static_cast<int>(ends.size()) >= parameters.polished) break;
-      if (stop() != StopRequest::kNone) break;
+      if (static_cast<int>(chosen.size()) >= parameters.polished) break;
       const TrajectoryBatch t = problem->rollout(seed.z);
       const Pose end = t.pose(parameters.N, 0);
       const bool known_basin = std::any_of(ends.begin(), ends.end(), [&](const Pose& other) {
@@ -507,9 +528,20 @@ void Planner::Impl::polish(std::vector<Candidate>& candidates, const StopConditi
                std::abs(std::remainder(other.yaw - end.yaw, 2.0 * M_PI)) < 0.5;
       });
       if (known_basin) continue;
+      chosen.push_back(&seed);
       ends.push_back(end);
-      warm.x = seed.z;
-      solve(seed, warm, parameters.polish_evaluations);
+    }
+    const StopCondition asked = one_at_a_time(stop);
+    std::vector<std::optional<Result>> results(chosen.size());
+    workers->run(static_cast<int>(chosen.size()), [&](int k) {
+      const auto at = static_cast<std::size_t>(k);
+      if (asked() != StopRequest::kNone) return;
+      WarmStart warm;
+      warm.x = chosen[at]->z;
+      results[at] = solve(warm, parameters.polish_evaluations, asked);
+    });
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+      if (results[k]) take(*chosen[k], std::move(*results[k]));
     }
   }
   // Measured again: what is compared is what would be driven, whatever the solver says of it.
@@ -666,7 +698,7 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   // Without a landmark all ways are alike.
   const bool looks_out = outlook && !belief.landmarks->landmarks.empty();
   const LocalTexture texture(*belief.ground, *belief.landmarks);
-  if (looks_out) outlook->update(belief, unseen_density(belief), &texture);
+  if (looks_out) outlook->update(belief, unseen_density(belief), &texture, workers.get());
   guidance = guide.update(*belief.ground, belief.pose, belief.stamp,
                           {.looked = !lost_now,
                            .pursued = !recovering && !turning,
@@ -682,7 +714,7 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   plan.times.views = watch.lap();
   update_clearance(*recipe, parts);
   plan.times.clearance = watch.lap();
-  update_views(*recipe, parts);
+  update_views(*recipe, parts, workers.get());
   visibility =
       parts.prediction->probabilities(belief.pose).head(static_cast<Eigen::Index>(num_mapped));
   plan.times.views += watch.lap();

@@ -59,7 +59,12 @@ struct PlannerParameters {
   /// Cost evaluations each; a solver that compares starts gets all seeds and the sum of these.
   int polish_evaluations = 24;
   Options solver_options;  ///< passed to the solver besides
-  double deadline = 0.0;   ///< wall-clock limit of a step [s]; 0: none, results are reproducible
+  /// That share the lines of sight, the outlook on features, and the polishing: a seed each, or
+  /// what a solver that compares starts shares if it has the option `threads`. The same bits for
+  /// any number. The solver is then called from several threads at once, the stop condition from
+  /// one at a time.
+  int threads = 1;
+  double deadline = 0.0;  ///< wall-clock limit of a step [s]; 0: none, results are reproducible
 
   int max_landmarks = 300;          ///< a quarter of them at most for what has not been seen
   double visibility_lattice = 0.3;  ///< spacing of the occlusion tables [m]

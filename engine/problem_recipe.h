@@ -89,9 +89,10 @@ struct ProblemParts {
 
 /// The three steps to a Problem, in this order, each on the parts of the one before (and, where
 /// there are any, of the problem before). All throw std::invalid_argument naming the entry, its
-/// value and what was expected.
+/// value and what was expected. `workers` share the lines of sight (occlusion_table.h).
 void update_clearance(const ProblemRecipe& recipe, ProblemParts& parts);
-void update_views(const ProblemRecipe& recipe, ProblemParts& parts);
+void update_views(const ProblemRecipe& recipe, ProblemParts& parts,
+                  WorkerThreads* workers = nullptr);
 std::shared_ptr<const Problem> assemble_problem(const ProblemRecipe& recipe, ProblemParts& parts);
 
 /// All three, from nothing.

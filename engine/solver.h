@@ -62,7 +62,8 @@ struct CommonOptions {
   double feasibility_tolerance = 1e-6;
   std::uint64_t seed = 1;
   bool trace = false;  ///< keep Result::trace
-  /// That share the evaluation of candidates, where the back end has the option `threads`.
+  /// That share the evaluation of candidates and the polishing of basins, where the back end has
+  /// the option `threads`.
   int threads = 1;
 };
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <chrono>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <utility>
 
 namespace prospect {
@@ -68,6 +70,22 @@ inline StopCondition cancelled_by(std::function<bool()> flag) {
   if (!flag) return {};
   return StopCondition(
       [flag = std::move(flag)] { return flag() ? StopRequest::kCancelled : StopRequest::kNone; });
+}
+
+/// Asks `stop`, which must outlive it, from one thread at a time, and never again once it has asked
+/// to stop: for what runs on several threads with a function that knows of none.
+inline StopCondition one_at_a_time(const StopCondition& stop) {
+  struct State {
+    std::mutex mutex;
+    StopRequest answer = StopRequest::kNone;
+  };
+  return StopCondition(
+      [&stop, state = std::make_shared<State>()] {
+        const std::lock_guard lock(state->mutex);
+        if (state->answer == StopRequest::kNone) state->answer = stop();
+        return state->answer;
+      },
+      stop.latest());
 }
 
 }  // namespace prospect

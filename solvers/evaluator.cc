@@ -1,6 +1,7 @@
 #include "solvers/evaluator.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <exception>
 #include <functional>
@@ -69,18 +70,13 @@ void Evaluator::run_beside(int count, const CommonOptions& options,
   own.trace = true;  // adopt() reads it
   std::vector<std::unique_ptr<Evaluator>> inner(static_cast<std::size_t>(count));
   std::vector<Ahead>& idle = ahead();
-  std::mutex mutex;                        // of `idle` and of these:
-  int threw = count;                       // the first that did
-  StopRequest asked = StopRequest::kNone;  // what the stop condition has said
+  std::mutex mutex;                // of `idle`
+  std::atomic<int> threw = count;  // the first that did
+  const StopCondition asked = one_at_a_time(stop_);
   const auto run = [&](int k) {
     const StopCondition stop(
-        [&, k] {
-          const std::lock_guard lock(mutex);
-          if (threw < k) return StopRequest::kCancelled;  // it is thrown away
-          if (asked == StopRequest::kNone) asked = stop_();
-          return asked;
-        },
-        stop_.latest());
+        // What comes after one that threw is thrown away.
+        [&, k] { return threw < k ? StopRequest::kCancelled : asked(); }, stop_.latest());
     std::vector<Ahead> taken;
     std::unique_lock lock(mutex);
     taken.push_back(std::move(idle.back()));
@@ -92,7 +88,7 @@ void Evaluator::run_beside(int count, const CommonOptions& options,
     evaluator->begin_ = begin_;
     solve(k, *evaluator);
     lock.lock();
-    if (evaluator->threw_) threw = std::min(threw, k);
+    if (evaluator->threw_) threw = std::min(threw.load(), k);
     idle.push_back(std::move(evaluator->ahead_.front()));
   };
   workers().run(count, std::cref(run));

@@ -34,9 +34,8 @@ std::vector<OptionInfo> common_options() {
 }
 
 OptionInfo threads_option() {
-  return {
-      "threads", CommonOptions().threads,
-      "that share the evaluation of candidates, with the same results for any number, 1 to 256"};
+  return {"threads", CommonOptions().threads,
+          "that share the evaluations, with the same results for any number, 1 to 256"};
 }
 
 std::string describe(const OptionValue& value) {

@@ -142,6 +142,8 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
          "wall-clock limit of a planning step; 0: none, runs are reproducible");
   integer("polished", p.polished, 0, 100, "seeds handed to the solver");
   integer("polish_evaluations", p.polish_evaluations, 1, 1000000, "evaluations of each");
+  integer("threads", p.threads, 1, 256,
+          "that share a planning step; the same plans for any number");
 
   YamlMap w = map.map("weights");
   p.w_u = w.number("w_u", p.w_u, 0.0, 1e6, "1", "deviation from the desired input");

@@ -25,12 +25,13 @@ namespace prospect {
 ///     stop condition says when it strikes (an evaluation with its gradient is taken for three
 ///     times the time of a score).
 ///  4. In rounds, every open basin is polished by the back end `polish` to a loose tolerance, best
-///     first, and the better half of what they came to stays open; those that came to the same
-///     point count once. The first round gives each `polish_evaluations`, every other twice as many
-///     as the one before, but no round more than half of what is left. Shares are counted in
-///     evaluations, so that results do not depend on the clock; where the stop condition says when
-///     it strikes (StopCondition::latest()), a round that has used up half of that time polishes no
-///     further basin but the best, so a solve under a deadline may differ though it did not strike.
+///     first and as many at a time as there are `threads` (Evaluator::run_beside), and the better
+///     half of what they came to stays open; those that came to the same point count once. The
+///     first round gives each `polish_evaluations`, every other twice as many as the one before,
+///     but no round more than half of what is left. Shares are counted in evaluations, so that
+///     results do not depend on the clock; where the stop condition says when it strikes
+///     (StopCondition::latest()), a round that has used up half of that time polishes no further
+///     basin but the best, so a solve under a deadline may differ though it did not strike.
 ///  5. The incumbent is polished until `polish` calls it converged or the budget is used up.
 ///
 /// The incumbent is the best of everything evaluated, whoever evaluated it. Nothing is drawn at

@@ -92,11 +92,14 @@ TEST(FeatureOutlook, TakesTurnsAndTheNearComeFirst) {
   EXPECT_LT(seen.count({2, 2}, 0.0), kInfinity);
   EXPECT_EQ(seen.count({22, 12}, 0.0), kInfinity);
   for (int n = 0; n < 20; ++n) seen.update(belief, 0.0);
-  FeatureOutlook whole = outlook({.blocks_per_update = 100000});
+  FeatureOutlook whole = outlook({.blocks_per_update = 100000}), shared = whole;
   whole.update(belief, 0.0);
+  WorkerThreads workers(3);
+  shared.update(belief, 0.0, nullptr, &workers);
   for (int i = -9; i < 29; ++i) {
     for (int j = -19; j < 19; ++j) {
       ASSERT_EQ(seen.count({i, j}, 1.0), whole.count({i, j}, 1.0)) << i << ' ' << j;
+      ASSERT_EQ(shared.count({i, j}, 1.0), whole.count({i, j}, 1.0)) << i << ' ' << j;
     }
   }
   EXPECT_EQ(seen.count({200, 200}, 0.0), kInfinity) << "beyond the map";

@@ -175,18 +175,20 @@ TEST(OcclusionTable, GradientIsThatOfTheValue) {
   }
 }
 
-TEST(OcclusionTable, TakingOverFromThePreviousTableChangesNothing) {
+TEST(OcclusionTable, TakingOverFromThePreviousTableOrSharingTheRaysChangesNothing) {
   std::mt19937_64 random(7);
   auto grid = std::make_shared<const VoxelGrid>(test::hall(random, true));
   std::vector<Eigen::Vector3d> points = surface_points(*grid, 120, random);
   std::unique_ptr<OcclusionTable> previous;
   Eigen::Vector3d center(0, 0, 0.45);
   std::int64_t scratch_rays = 0, reused_rays = 0;
+  WorkerThreads workers(3);
   for (int step = 0; step < 12; ++step) {
     const SensorLattice lattice = SensorLattice::around(center, 1.5, 0.2);
-    auto table = std::make_unique<OcclusionTable>(lattice, points, grid, OcclusionTable::Options(),
-                                                  previous.get());
-    const OcclusionTable scratch(lattice, points, *grid, {});
+    auto table =
+        std::make_unique<OcclusionTable>(lattice, points, grid, OcclusionTable::Options(),
+                                         previous.get(), step % 2 == 0 ? &workers : nullptr);
+    const OcclusionTable scratch(lattice, points, *grid, {}, &workers);
     if (step > 0) {
       scratch_rays += scratch.rays_cast();
       reused_rays += table->rays_cast();

@@ -3,11 +3,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "engine/certificate.h"
 #include "engine/guard.h"
@@ -541,6 +548,94 @@ TEST_F(PlannerTest, TheSameBeliefsGiveTheSameBits) {
   for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a[i], b[i]) << i;
 }
 
+TEST_F(PlannerTest, AnyNumberOfThreadsGivesTheSameBits) {
+  parameters_.polished = 4;
+  std::vector<Plan> one;
+  for (const int threads : {1, 2, 3}) {
+    parameters_.threads = threads;
+    Planner planner = make();
+    Belief belief = Room{.landmarks_per_wall = 20}.belief();
+    for (std::size_t step = 0; step < 6; ++step) {
+      const Plan plan = planner.plan(belief);
+      ASSERT_TRUE(plan.certified) << plan.detail;
+      belief = after(belief, plan);
+      if (threads == 1) {
+        one.push_back(plan);
+        continue;
+      }
+      const Plan& same = one[step];
+      ASSERT_EQ(plan.states.size(), same.states.size());
+      for (std::size_t k = 0; k < plan.states.size(); ++k) {
+        ASSERT_EQ(plan.states[k], same.states[k]) << threads << " threads, step " << step;
+      }
+      EXPECT_EQ(plan.explanation.cost, same.explanation.cost);
+      EXPECT_EQ(plan.visible, same.visible);
+      EXPECT_EQ(plan.counters.cost_evaluations, same.counters.cost_evaluations);
+      EXPECT_EQ(plan.stop, same.stop);
+    }
+  }
+}
+
+// Two solves that wait for each other both find company only if they run at the same time.
+TEST_F(PlannerTest, SeedsArePolishedAtTheSameTime) {
+  parameters_.threads = 2;
+  std::atomic<int> here = 0;
+  const auto meet = std::make_shared<Scripted>([&](const Problem&, const WarmStart& start) {
+    ++here;
+    for (int i = 0; here < 2 && i < 5000; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    Result result;
+    result.stop = here == 2 ? StopReason::kConverged : StopReason::kError;
+    result.detail = "nobody came";
+    result.quality = Quality::kFeasible;
+    result.x = start.x;
+    return result;
+  });
+  Planner planner = make(meet);
+  const Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  const Plan plan = planner.plan(belief);
+  expect_executable(plan, belief);
+  EXPECT_EQ(here, 2);
+  EXPECT_EQ(plan.stop, StopReason::kConverged) << plan.detail;
+}
+
+// A solver that compares starts gets the threads, others are not bothered with an option.
+TEST_F(PlannerTest, ThreadsGoToASolverThatSharesThem) {
+  class Sharing final : public Solver {
+   public:
+    Sharing(bool compares, std::vector<Options>& given) : compares_(compares), given_(given) {}
+    std::string name() const override { return "sharing"; }
+    std::vector<OptionInfo> options() const override { return {{"threads", 1, "that share"}}; }
+    std::string explain_unsupported(const Problem&) const override { return ""; }
+    bool compares_starts() const override { return compares_; }
+    Result solve(const Problem&, const WarmStart&, const Options& options,
+                 const StopCondition&) const override {
+      const std::lock_guard lock(mutex_);
+      given_.push_back(options);
+      return {};
+    }
+
+   private:
+    bool compares_;
+    std::vector<Options>& given_;
+    mutable std::mutex mutex_;
+  };
+  parameters_.threads = 3;
+  const Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  std::vector<Options> given;
+  make(std::make_shared<Sharing>(true, given)).plan(belief);
+  ASSERT_EQ(given.size(), 1u);
+  EXPECT_EQ(std::get<int>(given[0].at("threads")), 3);
+  parameters_.solver_options["threads"] = 2;  // what is asked for by name goes before
+  make(std::make_shared<Sharing>(true, given)).plan(belief);
+  EXPECT_EQ(std::get<int>(given[1].at("threads")), 2);
+  parameters_.solver_options.clear();
+  make(std::make_shared<Sharing>(false, given)).plan(belief);
+  ASSERT_EQ(given.size(), 4u);
+  EXPECT_FALSE(given[3].contains("threads"));
+}
+
 TEST_F(PlannerTest, LostLocalizationMeansRecoveryWithoutExploration) {
   Planner planner = make();
   Belief belief = Room{.landmarks_per_wall = 30}.belief();
@@ -898,6 +993,7 @@ TEST_F(PlannerTest, BadParametersAreNamed) {
     return std::string("accepted");
   };
   EXPECT_NE(message([](auto& p) { p.N = 0; }).find("planner.N"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.threads = 0; }).find("planner.threads"), std::string::npos);
   EXPECT_NE(message([](auto& p) { p.M = 13; }).find("planner.M"), std::string::npos);
   EXPECT_NE(message([](auto& p) { p.dt = kNan; }).find("planner.dt"), std::string::npos);
   EXPECT_NE(message([](auto& p) { p.w_l = kNan; }).find("planner.w_l"), std::string::npos);

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <limits>
 #include <thread>
+#include <vector>
 
 namespace prospect::stop_condition_test {
 namespace {
@@ -76,6 +77,36 @@ TEST(StopCondition, EitherOfTwoStops) {
   EXPECT_EQ((StopCondition() || cancel)(), StopRequest::kCancelled);
   EXPECT_EQ((cancel || StopCondition())(), StopRequest::kCancelled);
   EXPECT_EQ((StopCondition() || StopCondition())(), StopRequest::kNone);
+}
+
+TEST(StopCondition, OneAtATimeOnManyThreads) {
+  std::atomic<int> asking = 0;
+  int asked = 0;  // not atomic: that is what it is for
+  bool together = false;
+  const auto latest = StopCondition::Clock::now();
+  // It changes its mind after the thousandth time.
+  const StopCondition stop(
+      [&] {
+        if (++asking > 1) together = true;
+        ++asked;
+        --asking;
+        return asked == 1000 ? StopRequest::kCancelled : StopRequest::kNone;
+      },
+      latest);
+  const StopCondition one = one_at_a_time(stop);
+  EXPECT_EQ(one.latest(), latest);
+  std::vector<std::thread> threads;
+  for (int t = 0; t < 3; ++t) {
+    threads.emplace_back([&] {
+      while (one() == StopRequest::kNone) {
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_FALSE(together);
+  EXPECT_EQ(asked, 1000);
+  EXPECT_EQ(one(), StopRequest::kCancelled);
+  EXPECT_EQ(asked, 1000);
 }
 
 }  // namespace
