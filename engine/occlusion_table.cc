@@ -8,6 +8,7 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <unordered_map>
 #include <utility>
 
@@ -185,18 +186,19 @@ SensorLattice SensorLattice::around(const Eigen::Vector3d& center, double reach,
 }
 
 OcclusionTable::OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
-                               const VoxelGrid& voxels, const Options& options,
-                               WorkerThreads* workers)
+                               const VoxelGrid& voxels, const Options& options)
     : lattice_(lattice), points_(std::move(points)), options_(options) {
-  build(voxels, nullptr, workers);
+  prepare(voxels, nullptr);
+  cast_all();
+  cast_in_ = nullptr;
 }
 
 OcclusionTable::OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
                                std::shared_ptr<const VoxelGrid> voxels, const Options& options,
-                               const OcclusionTable* previous, WorkerThreads* workers)
+                               const OcclusionTable* previous)
     : lattice_(lattice), points_(std::move(points)), options_(options), voxels_(std::move(voxels)) {
   if (!voxels_) throw std::invalid_argument("occlusion table: voxels is null; expected a snapshot");
-  build(*voxels_, previous, workers);
+  prepare(*voxels_, previous);
 }
 
 Eigen::Vector3d OcclusionTable::node_position(int a, int b, int c) const {
@@ -212,8 +214,7 @@ Eigen::Vector3d OcclusionTable::node_position(int a, int b, int c) const {
   return {coordinate(0, a), coordinate(1, b), coordinate(2, c)};
 }
 
-void OcclusionTable::build(const VoxelGrid& voxels, const OcclusionTable* previous,
-                           WorkerThreads* workers) {
+void OcclusionTable::prepare(const VoxelGrid& voxels, const OcclusionTable* previous) {
   const SensorLattice& l = lattice_;
   if (!(l.spacing > 0.0) || !std::isfinite(l.spacing) || !l.origin.allFinite()) {
     throw std::invalid_argument("occlusion table: lattice spacing " + std::to_string(l.spacing) +
@@ -229,49 +230,19 @@ void OcclusionTable::build(const VoxelGrid& voxels, const OcclusionTable* previo
       throw std::invalid_argument("occlusion table: a point is not finite; expected [m] in W");
     }
   }
+  cast_in_ = &voxels;
   stride_ = (num_points() + kPadding - 1) / kPadding * kPadding;
   const std::size_t nodes = static_cast<std::size_t>(l.nx) * static_cast<std::size_t>(l.ny) *
                             static_cast<std::size_t>(l.nz);
   table_.assign(nodes * static_cast<std::size_t>(stride_), 0.0f);
   in_wall_.assign(nodes, 0);
-
-  // What of the previous table may be taken over: a shift of node addresses and the old column of
-  // each point (-1: none).
-  std::vector<int> old_column;
-  Eigen::Vector3i shift = Eigen::Vector3i::Zero();
-  std::unique_ptr<ChangedTiles> changed;
-  if (previous && previous->voxels_ && previous->options_ == options_ &&
-      previous->lattice_.spacing == l.spacing &&
-      previous->voxels_->resolution() == voxels.resolution()) {
-    const Eigen::Vector3d offset = (l.origin - previous->lattice_.origin) / l.spacing;
-    shift = offset.array().round().cast<int>();
-    const bool aligned =
-        node_position(0, 0, 0) == previous->node_position(shift.x(), shift.y(), shift.z());
-    if (aligned) {
-      std::unordered_map<std::array<double, 3>, int, PositionHash> columns;
-      columns.reserve(previous->points_.size());
-      for (int i = 0; i < previous->num_points(); ++i) {
-        columns.emplace(key(previous->points_[static_cast<std::size_t>(i)]), i);
-      }
-      old_column.assign(points_.size(), -1);
-      for (std::size_t i = 0; i < points_.size(); ++i) {
-        if (const auto it = columns.find(key(points_[i])); it != columns.end()) {
-          old_column[i] = it->second;
-        }
-      }
-      if (previous->voxels_.get() != &voxels) {
-        Eigen::Vector3d low = node_position(0, 0, 0);
-        Eigen::Vector3d high = node_position(l.nx - 1, l.ny - 1, l.nz - 1);
-        const Eigen::Vector3d farthest_low = low.array() - options_.max_range;
-        const Eigen::Vector3d farthest_high = high.array() + options_.max_range;
-        for (const Eigen::Vector3d& p : points_) {
-          low = low.cwiseMin(p.cwiseMax(farthest_low));
-          high = high.cwiseMax(p.cwiseMin(farthest_high));
-        }
-        const Eigen::Vector3i lo = voxels.voxel(low), hi = voxels.voxel(high);
-        changed = std::make_unique<ChangedTiles>(voxels, *previous->voxels_, Cell{lo.x(), lo.y()},
-                                                 Cell{hi.x(), hi.y()});
-        if (!changed->any()) changed.reset();
+  rows_ = std::make_unique<std::atomic<Row>[]>(nodes);
+  for (int c = 0; c < l.nz; ++c) {
+    for (int b = 0; b < l.ny; ++b) {
+      for (int a = 0; a < l.nx; ++a) {
+        rows_[node(a, b, c)].store(Row::kEmpty, std::memory_order_relaxed);
+        const Eigen::Vector3i v = voxels.voxel(node_position(a, b, c));
+        in_wall_[node(a, b, c)] = voxels.state(v.x(), v.y(), v.z()) == CellState::kOccupied;
       }
     }
   }
@@ -280,104 +251,168 @@ void OcclusionTable::build(const VoxelGrid& voxels, const OcclusionTable* previo
   // that rays abreast have similar lengths.
   const Eigen::Vector3d middle =
       0.5 * (node_position(0, 0, 0) + node_position(l.nx - 1, l.ny - 1, l.nz - 1));
-  std::vector<int> order(points_.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
+  order_.resize(points_.size());
+  std::iota(order_.begin(), order_.end(), 0);
+  std::stable_sort(order_.begin(), order_.end(), [&](int i, int j) {
     return (points_[static_cast<std::size_t>(i)] - middle).squaredNorm() <
            (points_[static_cast<std::size_t>(j)] - middle).squaredNorm();
   });
+  if (previous && previous->voxels_ && previous->options_ == options_ &&
+      previous->lattice_.spacing == l.spacing &&
+      previous->voxels_->resolution() == voxels.resolution()) {
+    take_over(voxels, *previous);
+  }
+}
+
+void OcclusionTable::take_over(const VoxelGrid& voxels, const OcclusionTable& previous) {
+  const SensorLattice& l = lattice_;
+  const SensorLattice& o = previous.lattice_;
+  const Eigen::Vector3i shift = ((l.origin - o.origin) / l.spacing).array().round().cast<int>();
+  if (node_position(0, 0, 0) != previous.node_position(shift.x(), shift.y(), shift.z())) return;
+
+  // The old column of each point; -1: none.
+  std::unordered_map<std::array<double, 3>, int, PositionHash> columns;
+  columns.reserve(previous.points_.size());
+  for (int i = 0; i < previous.num_points(); ++i) {
+    columns.emplace(key(previous.points_[static_cast<std::size_t>(i)]), i);
+  }
+  std::vector<int> old_column(points_.size(), -1);
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    if (const auto it = columns.find(key(points_[i])); it != columns.end()) {
+      old_column[i] = it->second;
+    }
+  }
+
+  std::unique_ptr<ChangedTiles> changed;
+  if (previous.voxels_.get() != &voxels) {
+    Eigen::Vector3d low = node_position(0, 0, 0);
+    Eigen::Vector3d high = node_position(l.nx - 1, l.ny - 1, l.nz - 1);
+    const Eigen::Vector3d farthest_low = low.array() - options_.max_range;
+    const Eigen::Vector3d farthest_high = high.array() + options_.max_range;
+    for (const Eigen::Vector3d& p : points_) {
+      low = low.cwiseMin(p.cwiseMax(farthest_low));
+      high = high.cwiseMax(p.cwiseMin(farthest_high));
+    }
+    const Eigen::Vector3i lo = voxels.voxel(low), hi = voxels.voxel(high);
+    changed = std::make_unique<ChangedTiles>(voxels, *previous.voxels_, Cell{lo.x(), lo.y()},
+                                             Cell{hi.x(), hi.y()});
+    if (!changed->any()) changed.reset();
+  }
   std::vector<Cell> point_tile(points_.size());
   if (changed) {
     for (std::size_t i = 0; i < points_.size(); ++i) point_tile[i] = changed->tile_at(points_[i]);
   }
 
-  const double max_squared = options_.max_range * options_.max_range;
-  std::vector<std::int64_t> cast(static_cast<std::size_t>(l.ny) * static_cast<std::size_t>(l.nz));
-  const auto fill_line = [&](int line) {
-    const int b = line % l.ny, c = line / l.ny;
-    std::vector<int> wanted;
-    std::vector<Eigen::Vector3d> ends;
-    std::vector<VoxelGrid::Ray> rays(points_.size());
-    wanted.reserve(points_.size());
-    ends.reserve(points_.size());
-    for (int a = 0; a < l.nx; ++a) {
-      const Eigen::Vector3d from = node_position(a, b, c);
-      const Eigen::Vector3i v = voxels.voxel(from);
-      if (voxels.state(v.x(), v.y(), v.z()) == CellState::kOccupied) {
-        in_wall_[static_cast<std::size_t>(line * l.nx + a)] = 1;
-        continue;
-      }
-      const float* old_row = nullptr;
-      if (!old_column.empty() && previous->stride_ > 0) {
-        const SensorLattice& o = previous->lattice_;
-        const int oa = a + shift.x(), ob = b + shift.y(), oc = c + shift.z();
-        if (oa >= 0 && oa < o.nx && ob >= 0 && ob < o.ny && oc >= 0 && oc < o.nz) {
-          const std::size_t start = previous->row(oa, ob, oc);
-          if (!previous->in_wall_[start / static_cast<std::size_t>(previous->stride_)]) {
-            old_row = previous->table_.data() + start;
-          }
-        }
-      }
-      float* out = table_.data() + row(a, b, c);
-      const Cell here = changed ? changed->tile_at(from) : Cell();
-      wanted.clear();
-      ends.clear();
-      for (const int n : order) {
-        const auto i = static_cast<std::size_t>(n);
-        if ((points_[i] - from).squaredNorm() > max_squared) continue;
-        if (old_row && old_column[i] >= 0 &&
-            !(changed && changed->any(from, here, points_[i], point_tile[i]))) {
-          out[i] = old_row[old_column[i]];
-          continue;
-        }
-        wanted.push_back(n);
-        ends.push_back(points_[i]);
-      }
-      const int count = static_cast<int>(wanted.size());
-      cast[static_cast<std::size_t>(line)] += count;
-      voxels.cast_many(from, ends.data(), count, options_.trim, rays.data());
-      for (int n = 0; n < count; ++n) {
-        const VoxelGrid::Ray& ray = rays[static_cast<std::size_t>(n)];
-        if (ray.blocked) continue;
-        out[wanted[static_cast<std::size_t>(n)]] =
-            ray.unknown_length > 0.0
-                ? static_cast<float>(std::exp(-options_.attenuation * ray.unknown_length))
-                : 1.0f;
-      }
-    }
-  };
-  share(workers, l.ny * l.nz, fill_line);
-  rays_cast_ = std::accumulate(cast.begin(), cast.end(), std::int64_t{0});
-  fill_nodes_in_walls();
-}
-
-void OcclusionTable::fill_nodes_in_walls() {
-  const SensorLattice& l = lattice_;
-  const auto node = [&](int a, int b, int c) {
-    return static_cast<std::size_t>((c * l.ny + b) * l.nx + a);
-  };
   for (int c = 0; c < l.nz; ++c) {
     for (int b = 0; b < l.ny; ++b) {
       for (int a = 0; a < l.nx; ++a) {
-        if (!in_wall_[node(a, b, c)]) continue;
+        const int oa = a + shift.x(), ob = b + shift.y(), oc = c + shift.z();
+        if (oa < 0 || oa >= o.nx || ob < 0 || ob >= o.ny || oc < 0 || oc >= o.nz) continue;
+        const std::size_t old = previous.node(oa, ob, oc);
+        if (in_wall_[node(a, b, c)] || previous.in_wall_[old] ||
+            previous.rows_[old].load(std::memory_order_acquire) != Row::kReady) {
+          continue;
+        }
+        const float* old_row = previous.table_.data() + previous.row(oa, ob, oc);
         float* out = table_.data() + row(a, b, c);
-        int count = 0;
-        for (int z = std::max(c - 1, 0); z <= std::min(c + 1, l.nz - 1); ++z) {
-          for (int y = std::max(b - 1, 0); y <= std::min(b + 1, l.ny - 1); ++y) {
-            for (int x = std::max(a - 1, 0); x <= std::min(a + 1, l.nx - 1); ++x) {
-              if (in_wall_[node(x, y, z)]) continue;
-              ++count;
-              const float* from = table_.data() + row(x, y, z);
-              for (int i = 0; i < stride_; ++i) out[i] += from[i];
-            }
-          }
+        const Eigen::Vector3d from = node_position(a, b, c);
+        const Cell here = changed ? changed->tile_at(from) : Cell();
+        bool all = true;
+        for (std::size_t i = 0; i < points_.size(); ++i) {
+          const bool known = old_column[i] >= 0 &&
+                             !(changed && changed->any(from, here, points_[i], point_tile[i]));
+          out[i] = known ? old_row[old_column[i]] : std::numeric_limits<float>::quiet_NaN();
+          all = all && known;
         }
-        if (count > 1) {
-          // Division may round a mean of ones above 1; the bound is part of the contract.
-          for (int i = 0; i < stride_; ++i)
-            out[i] = std::min(out[i] / static_cast<float>(count), 1.0f);
-        }
+        rows_[node(a, b, c)].store(all ? Row::kReady : Row::kPartial, std::memory_order_release);
       }
+    }
+  }
+}
+
+void OcclusionTable::cast_all() const {
+  for (int c = 0; c < lattice_.nz; ++c) {
+    for (int b = 0; b < lattice_.ny; ++b) {
+      for (int a = 0; a < lattice_.nx; ++a) complete_row(a, b, c);
+    }
+  }
+}
+
+void OcclusionTable::complete(int a, int b, int c) const {
+  std::atomic<Row>& state = rows_[node(a, b, c)];
+  for (Row seen = state.load(std::memory_order_acquire); seen != Row::kReady;) {
+    if (seen == Row::kBusy) {
+      std::this_thread::yield();
+      seen = state.load(std::memory_order_acquire);
+      continue;
+    }
+    // A failed exchange says what is there now.
+    if (!state.compare_exchange_weak(seen, Row::kBusy, std::memory_order_acquire)) continue;
+    if (in_wall_[node(a, b, c)]) {
+      mean_of_neighbours(a, b, c);
+    } else {
+      cast_rays(a, b, c, seen == Row::kPartial);
+    }
+    state.store(Row::kReady, std::memory_order_release);
+    return;
+  }
+}
+
+void OcclusionTable::cast_rays(int a, int b, int c, bool partial) const {
+  constexpr std::size_t kAtOnce = 64;
+  std::array<int, kAtOnce> wanted;
+  std::array<Eigen::Vector3d, kAtOnce> ends;
+  std::array<VoxelGrid::Ray, kAtOnce> rays;
+  std::size_t count = 0;
+  const Eigen::Vector3d from = node_position(a, b, c);
+  float* out = table_.data() + row(a, b, c);
+  const auto cast = [&] {
+    cast_in_->cast_many(from, ends.data(), static_cast<int>(count), options_.trim, rays.data());
+    for (std::size_t n = 0; n < count; ++n) {
+      const VoxelGrid::Ray& ray = rays[n];
+      out[wanted[n]] =
+          ray.blocked ? 0.0f
+          : ray.unknown_length > 0.0
+              ? static_cast<float>(std::exp(-options_.attenuation * ray.unknown_length))
+              : 1.0f;
+    }
+    rays_cast_.fetch_add(static_cast<std::int64_t>(count), std::memory_order_relaxed);
+    count = 0;
+  };
+  const double max_squared = options_.max_range * options_.max_range;
+  for (const int n : order_) {
+    const auto i = static_cast<std::size_t>(n);
+    if (partial && !std::isnan(out[i])) continue;
+    if ((points_[i] - from).squaredNorm() > max_squared) {
+      out[i] = 0.0f;
+      continue;
+    }
+    wanted[count] = n;
+    ends[count] = points_[i];
+    if (++count == kAtOnce) cast();
+  }
+  cast();
+}
+
+// Its neighbours in walls are left out, so that no row waits for a row that waits for it.
+void OcclusionTable::mean_of_neighbours(int a, int b, int c) const {
+  const SensorLattice& l = lattice_;
+  float* out = table_.data() + row(a, b, c);
+  int count = 0;
+  for (int z = std::max(c - 1, 0); z <= std::min(c + 1, l.nz - 1); ++z) {
+    for (int y = std::max(b - 1, 0); y <= std::min(b + 1, l.ny - 1); ++y) {
+      for (int x = std::max(a - 1, 0); x <= std::min(a + 1, l.nx - 1); ++x) {
+        if (in_wall_[node(x, y, z)]) continue;
+        ++count;
+        const float* from = complete_row(x, y, z);
+        for (int i = 0; i < stride_; ++i) out[i] += from[i];
+      }
+    }
+  }
+  if (count > 1) {
+    // Division may round a mean of ones above 1; the bound is part of the contract.
+    for (int i = 0; i < stride_; ++i) {
+      out[i] = std::min(out[i] / static_cast<float>(count), 1.0f);
     }
   }
 }
@@ -398,7 +433,7 @@ void OcclusionTable::for_planes(const Eigen::Vector3d& sensor, const Add& add) c
     plane.dz = z.d[static_cast<std::size_t>(c)];
     for (int b = 0; b < 3; ++b) {
       for (int a = 0; a < 3; ++a) {
-        plane.rows[b * 3 + a] = table_.data() + row(x.first + a, y.first + b, z.first + c);
+        plane.rows[b * 3 + a] = complete_row(x.first + a, y.first + b, z.first + c);
       }
     }
     add(plane, c == 0);

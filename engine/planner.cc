@@ -1,6 +1,7 @@
 #include "engine/planner.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <exception>
 #include <memory>
@@ -448,16 +449,41 @@ std::vector<Candidate> Planner::Impl::measure(std::vector<Candidate> candidates,
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     X.col(static_cast<Eigen::Index>(i)) = candidates[i].z;
   }
-  Workspace workspace = problem->make_workspace();
-  Evaluation evaluation;
-  if (!problem->evaluate(X, what, workspace, evaluation) && what == Evaluate::kScore) {
+  // Whole registers of floats, several to each thread, as the first ones have rays to cast.
+  const Eigen::Index portion = parameters.threads > 1 ? 8 : X.cols();
+  const auto portions = static_cast<int>((X.cols() + portion - 1) / portion);
+  std::vector<Evaluation> evaluations(static_cast<std::size_t>(portions));
+  const auto evaluate_all = [&] {
+    std::atomic<bool> all_valid = true;
+    std::vector<std::exception_ptr> errors(evaluations.size());
+    workers->run(portions, [&](int k) {
+      const auto at = static_cast<std::size_t>(k);
+      const Eigen::Index first = k * portion;
+      try {
+        Workspace workspace = problem->make_workspace();
+        if (!problem->evaluate(X.middleCols(first, std::min(portion, X.cols() - first)), what,
+                               workspace, evaluations[at])) {
+          all_valid = false;
+        }
+      } catch (...) {
+        errors[at] = std::current_exception();
+      }
+    });
+    for (const std::exception_ptr& error : errors) {
+      if (error) std::rethrow_exception(error);
+    }
+    return all_valid.load();
+  };
+  if (!evaluate_all() && what == Evaluate::kScore) {
     // Single precision may overflow where the exact value does not.
     what = Evaluate::kValue;
-    problem->evaluate(X, what, workspace, evaluation);
+    evaluate_all();
   }
   std::vector<Candidate> scored;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    const auto b = static_cast<Eigen::Index>(i);
+    const auto at = static_cast<Eigen::Index>(i);
+    const Evaluation& evaluation = evaluations[static_cast<std::size_t>(at / portion)];
+    const Eigen::Index b = at % portion;
     if (!evaluation.valid[b]) continue;
     candidates[i].cost = evaluation.cost[b];
     candidates[i].violation = violation(evaluation.constraints.col(b));
@@ -714,7 +740,7 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   plan.times.views = watch.lap();
   update_clearance(*recipe, parts);
   plan.times.clearance = watch.lap();
-  update_views(*recipe, parts, workers.get());
+  update_views(*recipe, parts);
   visibility =
       parts.prediction->probabilities(belief.pose).head(static_cast<Eigen::Index>(num_mapped));
   plan.times.views += watch.lap();

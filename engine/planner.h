@@ -59,7 +59,7 @@ struct PlannerParameters {
   /// Cost evaluations each; a solver that compares starts gets all seeds and the sum of these.
   int polish_evaluations = 24;
   Options solver_options;  ///< passed to the solver besides
-  /// That share the lines of sight, the outlook on features, and the polishing: a seed each, or
+  /// That share the outlook on features, the score of the seeds and the polishing: a seed each, or
   /// what a solver that compares starts shares if it has the option `threads`. The same bits for
   /// any number. The solver is then called from several threads at once, the stop condition from
   /// one at a time.

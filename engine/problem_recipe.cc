@@ -93,18 +93,18 @@ void update_clearance(const ProblemRecipe& recipe, ProblemParts& parts) {
                                                        *recipe.ground, options, parts.known.get());
 }
 
-void update_views(const ProblemRecipe& recipe, ProblemParts& parts, WorkerThreads* workers) {
+void update_views(const ProblemRecipe& recipe, ProblemParts& parts) {
   require(recipe.robot.model != nullptr, "motion model");
   require(recipe.voxels != nullptr, "voxels");
   parts.landmark_table = std::make_shared<const OcclusionTable>(
       recipe.landmark_lattice, positions(recipe.landmarks), recipe.voxels,
-      recipe.landmark_occlusion, parts.landmark_table.get(), workers);
+      recipe.landmark_occlusion, parts.landmark_table.get());
   parts.prediction = std::make_shared<const VisibilityPrediction>(
       recipe.landmarks, recipe.robot.stereo, recipe.robot.stereo_mount, parts.landmark_table,
       recipe.visibility);
   parts.target_table = std::make_shared<const OcclusionTable>(
       recipe.target_lattice, recipe.targets.positions(), recipe.voxels, recipe.target_occlusion,
-      parts.target_table.get(), workers);
+      parts.target_table.get());
   parts.gain = std::make_shared<const ExplorationGain>(
       recipe.targets, recipe.robot.depth, recipe.robot.depth_mount, parts.target_table, recipe.gain,
       recipe.robot.model->pose(recipe.x0));
@@ -159,6 +159,8 @@ std::shared_ptr<const Problem> make_problem(const ProblemRecipe& recipe) {
   ProblemParts parts;
   update_clearance(recipe, parts);
   update_views(recipe, parts);
+  parts.landmark_table->cast_all();
+  parts.target_table->cast_all();
   return assemble_problem(recipe, parts);
 }
 

@@ -89,13 +89,13 @@ struct ProblemParts {
 
 /// The three steps to a Problem, in this order, each on the parts of the one before (and, where
 /// there are any, of the problem before). All throw std::invalid_argument naming the entry, its
-/// value and what was expected. `workers` share the lines of sight (occlusion_table.h).
+/// value and what was expected.
 void update_clearance(const ProblemRecipe& recipe, ProblemParts& parts);
-void update_views(const ProblemRecipe& recipe, ProblemParts& parts,
-                  WorkerThreads* workers = nullptr);
+void update_views(const ProblemRecipe& recipe, ProblemParts& parts);
 std::shared_ptr<const Problem> assemble_problem(const ProblemRecipe& recipe, ProblemParts& parts);
 
-/// All three, from nothing.
+/// All three, from nothing, and all lines of sight: evaluations then take as long the first time as
+/// any other (occlusion_table.h).
 std::shared_ptr<const Problem> make_problem(const ProblemRecipe& recipe);
 
 /// The same problem, bit for bit, with its maps cut down to what it looks at: the windows of the

@@ -7,6 +7,8 @@
 #include <cstdio>
 #include <limits>
 #include <memory>
+#include <random>
+#include <thread>
 #include <vector>
 
 #include "tests/engine/view_worlds.h"
@@ -175,24 +177,19 @@ TEST(OcclusionTable, GradientIsThatOfTheValue) {
   }
 }
 
-TEST(OcclusionTable, TakingOverFromThePreviousTableOrSharingTheRaysChangesNothing) {
+TEST(OcclusionTable, TakingOverFromThePreviousTableChangesNothing) {
   std::mt19937_64 random(7);
   auto grid = std::make_shared<const VoxelGrid>(test::hall(random, true));
   std::vector<Eigen::Vector3d> points = surface_points(*grid, 120, random);
   std::unique_ptr<OcclusionTable> previous;
   Eigen::Vector3d center(0, 0, 0.45);
   std::int64_t scratch_rays = 0, reused_rays = 0;
-  WorkerThreads workers(3);
   for (int step = 0; step < 12; ++step) {
     const SensorLattice lattice = SensorLattice::around(center, 1.5, 0.2);
-    auto table =
-        std::make_unique<OcclusionTable>(lattice, points, grid, OcclusionTable::Options(),
-                                         previous.get(), step % 2 == 0 ? &workers : nullptr);
-    const OcclusionTable scratch(lattice, points, *grid, {}, &workers);
-    if (step > 0) {
-      scratch_rays += scratch.rays_cast();
-      reused_rays += table->rays_cast();
-    }
+    auto table = std::make_unique<OcclusionTable>(lattice, points, grid, OcclusionTable::Options(),
+                                                  previous.get());
+    const OcclusionTable scratch(lattice, points, *grid, {});
+    EXPECT_EQ(table->rays_cast(), 0);
     std::vector<double> p(points.size()), q(points.size());
     for (int n = 0; n < 200; ++n) {
       const Eigen::Vector3d sensor =
@@ -200,6 +197,10 @@ TEST(OcclusionTable, TakingOverFromThePreviousTableOrSharingTheRaysChangesNothin
       table->evaluate(sensor, p.data());
       scratch.evaluate(sensor, q.data());
       ASSERT_EQ(p, q) << "step " << step;
+    }
+    if (step > 0) {
+      scratch_rays += scratch.rays_cast();
+      reused_rays += table->rays_cast();
     }
     previous = std::move(table);
     // The robot moves, points come and go, and the map changes here and there (and grows once).
@@ -223,6 +224,52 @@ TEST(OcclusionTable, TakingOverFromThePreviousTableOrSharingTheRaysChangesNothin
   std::printf("occlusion table: %.1f %% of rays cast anew\n",
               100.0 * static_cast<double>(reused_rays) / static_cast<double>(scratch_rays));
   EXPECT_LT(reused_rays, scratch_rays / 2);
+}
+
+TEST(OcclusionTable, CastsOnlyTheRaysThatAreAskedForAndEachOnce) {
+  std::mt19937_64 random(8);
+  const auto grid = std::make_shared<const VoxelGrid>(test::hall(random, true));
+  const std::vector<Eigen::Vector3d> points = surface_points(*grid, 150, random);
+  const SensorLattice lattice = SensorLattice::around({0, 0, 0.45}, 2.0, 0.2);
+  const OcclusionTable all(lattice, points, *grid, {});
+  const OcclusionTable table(lattice, points, grid, {}, nullptr);
+  std::vector<double> p(points.size()), q(points.size());
+  std::vector<float> s(points.size()), t(points.size());
+  table.score({0.31, -0.52, 0.45}, s.data());
+  all.score({0.31, -0.52, 0.45}, t.data());
+  EXPECT_EQ(s, t);
+  const std::int64_t once = table.rays_cast();
+  EXPECT_GT(once, 0);
+  EXPECT_LE(once, 9 * 150);
+  table.evaluate({0.31, -0.52, 0.45}, p.data());
+  EXPECT_EQ(table.rays_cast(), once);
+  // Where it is asked everywhere, by several threads that come to the same rows at once.
+  std::vector<std::thread> threads;
+  std::vector<std::vector<double>> seen(3);
+  for (std::size_t k = 0; k < seen.size(); ++k) {
+    threads.emplace_back([&, k] {
+      std::vector<double> out(points.size());
+      for (double x = -2.3; x < 2.4; x += 0.1) {
+        for (double y = -2.3; y < 2.4; y += 0.1) {
+          table.evaluate({x, y, 0.45}, out.data());
+          seen[k].insert(seen[k].end(), out.begin(), out.end());
+        }
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(table.rays_cast(), all.rays_cast());
+  EXPECT_EQ(seen[0], seen[1]);
+  EXPECT_EQ(seen[0], seen[2]);
+  table.cast_all();
+  EXPECT_EQ(table.rays_cast(), all.rays_cast());
+  std::size_t at = 0;
+  for (double x = -2.3; x < 2.4; x += 0.1) {
+    for (double y = -2.3; y < 2.4; y += 0.1) {
+      all.evaluate({x, y, 0.45}, q.data());
+      for (const double value : q) ASSERT_EQ(value, seen[0][at++]) << x << ' ' << y;
+    }
+  }
 }
 
 TEST(OcclusionTable, StaysWithinBoundsOnDegenerateInput) {
