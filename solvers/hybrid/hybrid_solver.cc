@@ -127,8 +127,11 @@ class HybridSolver final : public SolverFrame {
       const double polish = kGradientPerScore / static_cast<double>(basins.size()) *
                             std::chrono::duration<double>(now - began).count();  // [s]
       const double left = std::chrono::duration<double>(evaluator.latest() - now).count();
-      affordable = static_cast<int>(
-          std::clamp(left / (2.0 * evaluations * polish), 0.0, static_cast<double>(affordable)));
+      double in_time = left / (2.0 * evaluations * polish);
+      // Scores were taken on one thread, basins are polished on several. Where there is time for
+      // one only, a polish that begins anew after a round costs more than a second basin brings.
+      if (in_time >= 2.0) in_time *= options.integer("threads");
+      affordable = static_cast<int>(std::clamp(in_time, 0.0, static_cast<double>(affordable)));
     }
     keep_apart(evaluator, options.number("separation"),
                std::min(options.integer("basins"), std::max(1, affordable)), basins);
@@ -208,10 +211,7 @@ class HybridSolver final : public SolverFrame {
     const auto total = static_cast<int>(X.cols());
     const bool hurried = own == 0 && evaluator.latest() != StopCondition::Clock::time_point::max();
     const StopCondition::Clock::time_point end = part_way(evaluator.latest(), kScoringShare);
-    const int threads = options.integer("threads");
-    const int portion = !hurried       ? total
-                        : threads == 1 ? kScoredAtATime
-                                       : Evaluator::kChunk * threads;
+    const int portion = hurried ? kScoredAtATime : total;
     for (int from = 0; from < total && !evaluator.stopped(); from += portion) {
       if (from > 0 && StopCondition::Clock::now() >= end) break;
       Eigen::ArrayXd cost, violation;

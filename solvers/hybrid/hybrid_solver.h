@@ -23,7 +23,7 @@ namespace prospect {
 ///     z normalised by the ranges of the variables, until `basins` are open, or as many as can have
 ///     their first round with half of what is left: of the evaluations, and of the time, if the
 ///     stop condition says when it strikes (an evaluation with its gradient is taken for three
-///     times the time of a score).
+///     times the time of a score; `threads` share the basins, if one had time for two).
 ///  4. In rounds, every open basin is polished by the back end `polish` to a loose tolerance, best
 ///     first and as many at a time as there are `threads` (Evaluator::run_beside), and the better
 ///     half of what they came to stays open; those that came to the same point count once. The
