@@ -455,23 +455,14 @@ std::vector<Candidate> Planner::Impl::measure(std::vector<Candidate> candidates,
   std::vector<Evaluation> evaluations(static_cast<std::size_t>(portions));
   const auto evaluate_all = [&] {
     std::atomic<bool> all_valid = true;
-    std::vector<std::exception_ptr> errors(evaluations.size());
     workers->run(portions, [&](int k) {
-      const auto at = static_cast<std::size_t>(k);
+      Workspace workspace = problem->make_workspace();
       const Eigen::Index first = k * portion;
-      try {
-        Workspace workspace = problem->make_workspace();
-        if (!problem->evaluate(X.middleCols(first, std::min(portion, X.cols() - first)), what,
-                               workspace, evaluations[at])) {
-          all_valid = false;
-        }
-      } catch (...) {
-        errors[at] = std::current_exception();
+      if (!problem->evaluate(X.middleCols(first, std::min(portion, X.cols() - first)), what,
+                             workspace, evaluations[static_cast<std::size_t>(k)])) {
+        all_valid = false;
       }
     });
-    for (const std::exception_ptr& error : errors) {
-      if (error) std::rethrow_exception(error);
-    }
     return all_valid.load();
   };
   if (!evaluate_all() && what == Evaluate::kScore) {

@@ -3,11 +3,13 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
+#include <exception>
 #include <mutex>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace prospect {
@@ -23,10 +25,22 @@ struct WorkerThreads::Impl {
   bool open = false;  // the round may still be joined; who wakes up later is not waited for
   int busy = 0;       // workers in the round
   bool leaving = false;
+  int threw = 0;  // the smallest that did, with `error`
+  std::exception_ptr error;
   std::vector<std::thread> threads;
 
   void take() {
-    for (int k = next.fetch_add(1); k < count; k = next.fetch_add(1)) (*work)(k);
+    for (int k = next.fetch_add(1); k < count; k = next.fetch_add(1)) {
+      try {
+        (*work)(k);
+      } catch (...) {
+        const std::lock_guard lock(mutex);
+        if (!error || k < threw) {
+          error = std::current_exception();
+          threw = k;
+        }
+      }
+    }
   }
 
   void serve() {
@@ -88,6 +102,7 @@ void WorkerThreads::run(int count, const std::function<void(int)>& work) {
   std::unique_lock lock(impl.mutex);
   impl.open = false;
   impl.end.wait(lock, [&] { return impl.busy == 0; });
+  if (impl.error) std::rethrow_exception(std::exchange(impl.error, nullptr));
 }
 
 }  // namespace prospect

@@ -20,8 +20,9 @@ class WorkerThreads {
   WorkerThreads(const WorkerThreads&) = delete;
   WorkerThreads& operator=(const WorkerThreads&) = delete;
 
-  /// Calls work(k) once for each k of 0..count-1 and returns when all are done. `work` must not
-  /// throw.
+  /// Calls work(k) once for each k of 0..count-1 and returns when all are done. What `work` throws
+  /// is thrown then: of several exceptions that of the smallest k, the same for any number of
+  /// threads (calls of a larger k may have been made or not).
   void run(int count, const std::function<void(int)>& work);
 
  private:

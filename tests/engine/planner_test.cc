@@ -981,6 +981,19 @@ TEST_F(PlannerTest, ADeadlineAndACancellationLeaveAnExecutablePlan) {
   EXPECT_EQ(plan.kind, PlanKind::kSeed);
 }
 
+TEST_F(PlannerTest, AStopConditionThatThrowsStopsTheRobot) {
+  const Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  for (const int threads : {1, 2}) {
+    parameters_.threads = threads;
+    Planner planner = make();
+    const Plan plan = planner.plan(
+        belief, StopCondition([]() -> StopRequest { throw std::runtime_error("no"); }));
+    expect_executable(plan, belief);
+    EXPECT_EQ(plan.kind, PlanKind::kStoppingTail);
+    EXPECT_NE(plan.detail.find("no"), std::string::npos) << plan.detail;
+  }
+}
+
 TEST_F(PlannerTest, BadParametersAreNamed) {
   const auto message = [&](const std::function<void(PlannerParameters&)>& change) {
     PlannerParameters p = small_parameters();

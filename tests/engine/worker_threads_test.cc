@@ -5,6 +5,7 @@
 #include <atomic>
 #include <set>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -43,6 +44,25 @@ TEST(WorkerThreads, OneThreadIsTheCallers) {
   workers.run(3, [&](int) { ids.push_back(std::this_thread::get_id()); });
   EXPECT_EQ(ids, std::vector<std::thread::id>(3, std::this_thread::get_id()));
   EXPECT_THROW(WorkerThreads(0), std::invalid_argument);
+}
+
+TEST(WorkerThreads, WhatTheFirstCallsThrowIsThrown) {
+  for (const int threads : {1, 2, 3}) {
+    WorkerThreads workers(threads);
+    for (int round = 0; round < 100; ++round) {
+      try {
+        workers.run(8, [](int k) {
+          if (k % 3 == 2) throw std::runtime_error(std::to_string(k));
+        });
+        ADD_FAILURE() << "nothing was thrown";
+      } catch (const std::runtime_error& e) {
+        EXPECT_STREQ(e.what(), "2");
+      }
+      int calls = 0;
+      workers.run(1, [&](int) { ++calls; });
+      EXPECT_EQ(calls, 1) << "what was thrown is forgotten";
+    }
+  }
 }
 
 TEST(WorkerThreads, SharingNeedsNone) {
