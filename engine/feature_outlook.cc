@@ -139,7 +139,8 @@ void FeatureOutlook::update(const Belief& belief, double density, const LocalTex
       }
     }
   };
-  share(workers, static_cast<int>(turns.size()), count);
+  WorkerThreads alone(1);
+  (workers ? *workers : alone).run(static_cast<int>(turns.size()), count);
 }
 
 double FeatureOutlook::count(Cell c, double yaw) const {

@@ -30,14 +30,4 @@ class WorkerThreads {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Calls work(k) once for each k of 0..count-1: shared out among `workers`, or, if there are none,
-/// in the caller's thread.
-inline void share(WorkerThreads* workers, int count, const std::function<void(int)>& work) {
-  if (workers) {
-    workers->run(count, work);
-  } else {
-    for (int k = 0; k < count; ++k) work(k);
-  }
-}
-
 }  // namespace prospect

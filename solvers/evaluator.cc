@@ -84,7 +84,6 @@ void Evaluator::run_beside(int count, const CommonOptions& options,
     lock.unlock();
     auto& evaluator = inner[static_cast<std::size_t>(k)];
     evaluator.reset(new Evaluator(problem_, own, stop, nullptr, std::move(taken)));
-    evaluator->beside_ = true;
     evaluator->begin_ = begin_;
     solve(k, *evaluator);
     lock.lock();
@@ -455,7 +454,7 @@ Result Evaluator::finish(StopReason reason, bool optimum, std::string detail, Wa
                      : converged           ? Quality::kFeasibleOptimum
                                            : Quality::kFeasible;
     try {
-      if (!outer_ && !beside_) result.explanation = problem_.explain(result.x);
+      if (!outer_ && !beside()) result.explanation = problem_.explain(result.x);
     } catch (...) {
       if (result.stop != StopReason::kError) {
         stopped_ = false;
@@ -473,7 +472,7 @@ Result Evaluator::finish(StopReason reason, bool optimum, std::string detail, Wa
       result.detail = "the problem is not evaluable at any point tried";
     }
   }
-  if (!beside_) result.trace = std::move(trace_);  // adopt() needs it
+  if (!beside()) result.trace = std::move(trace_);  // adopt() needs it
   result.wall_seconds = seconds_since(begin_);
   return result;
 }

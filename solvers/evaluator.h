@@ -180,6 +180,8 @@ class Evaluator {
   bool should_stop(bool budget);
   void count_evaluations(int count, bool gradient);
   void store_exception();
+  /// One of run_beside()'s.
+  bool beside() const { return !outer_ && !workspace_; }
   Workspace& workspace() {
     if (outer_) return outer_->workspace();
     return workspace_ ? *workspace_ : ahead_.front().workspace;
@@ -218,7 +220,6 @@ class Evaluator {
   std::optional<Workspace> workspace_;
   std::vector<Ahead> ahead_;  // by thread
   std::unique_ptr<WorkerThreads> workers_;
-  bool beside_ = false;  // one of run_beside()'s
   Evaluation evaluation_, exact_evaluation_;
   int exact_chunks_ = 0;  // to come of evaluate_batch() that are not scored
   Eigen::MatrixXd z_;

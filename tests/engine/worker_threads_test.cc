@@ -65,14 +65,5 @@ TEST(WorkerThreads, WhatTheFirstCallsThrowIsThrown) {
   }
 }
 
-TEST(WorkerThreads, SharingNeedsNone) {
-  WorkerThreads workers(2);
-  for (WorkerThreads* some : {static_cast<WorkerThreads*>(nullptr), &workers}) {
-    std::vector<int> calls(5);
-    share(some, 5, [&](int k) { ++calls[static_cast<std::size_t>(k)]; });
-    EXPECT_EQ(calls, std::vector<int>(5, 1));
-  }
-}
-
 }  // namespace
 }  // namespace prospect::worker_threads_test
