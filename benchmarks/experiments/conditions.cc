@@ -44,6 +44,10 @@ const std::vector<Condition>& conditions() {
       {"holonomic_with", "robot: {model: holonomic}", ""},
       {"holonomic_without", "{robot: {model: holonomic}, planner: {weights: {w_l: 0}}}",
        "holonomic_with"},
+      {"poor_wheels_holonomic_with", "{" + poor + ", robot: {model: holonomic}}", ""},
+      {"poor_wheels_holonomic_without",
+       "{" + poor + ", robot: {model: holonomic}, planner: {weights: {w_l: 0}}}",
+       "poor_wheels_holonomic_with"},
   };
   return table;
 }
