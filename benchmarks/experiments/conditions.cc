@@ -10,10 +10,12 @@ const std::vector<Condition>& conditions() {
       "simulator: {odometry: {reckoning_distance: 0.3, reckoning_angle: 0.2, "
       "reckoning_heading: 0.1}}";
   const std::string count = "{weights: {w_l: 0.5}, visibility: {criterion: count}}";
+  const std::string without = "planner: {weights: {w_l: 0}}";
+  const std::string holonomic = "robot: {model: holonomic}";
   const std::string slow = "robot: {motion: {v_max: 0.3}}";
   static const std::vector<Condition> table = {
       {"with", "", ""},
-      {"without", "planner: {weights: {w_l: 0}}", "with"},
+      {"without", without, "with"},
       {"count", "planner: " + count, "with"},
       {"chance", "planner: {weights: {w_c: 0.5}}", "with"},
       // What parts of the prediction, the price of ways and the horizon are worth.
@@ -35,18 +37,16 @@ const std::vector<Condition>& conditions() {
       {"cost_utility", "", "with", "cost-utility"},
       {"nearest_mpc", "", "with", "nearest-mpc"},
       {"poor_wheels_with", poor, ""},
-      {"poor_wheels_without", "{" + poor + ", planner: {weights: {w_l: 0}}}", "poor_wheels_with"},
+      {"poor_wheels_without", "{" + poor + ", " + without + "}", "poor_wheels_with"},
       {"poor_wheels_count", "{" + poor + ", planner: " + count + "}", "poor_wheels_with"},
       {"poor_wheels_slow", "{" + poor + ", " + slow + "}", "poor_wheels_with"},
       {"poor_wheels_nearest", poor, "poor_wheels_with", "nearest"},
       {"poor_wheels_cost_utility", poor, "poor_wheels_with", "cost-utility"},
       {"poor_wheels_nearest_mpc", poor, "poor_wheels_with", "nearest-mpc"},
-      {"holonomic_with", "robot: {model: holonomic}", ""},
-      {"holonomic_without", "{robot: {model: holonomic}, planner: {weights: {w_l: 0}}}",
-       "holonomic_with"},
-      {"poor_wheels_holonomic_with", "{" + poor + ", robot: {model: holonomic}}", ""},
-      {"poor_wheels_holonomic_without",
-       "{" + poor + ", robot: {model: holonomic}, planner: {weights: {w_l: 0}}}",
+      {"holonomic_with", holonomic, ""},
+      {"holonomic_without", "{" + holonomic + ", " + without + "}", "holonomic_with"},
+      {"poor_wheels_holonomic_with", "{" + poor + ", " + holonomic + "}", ""},
+      {"poor_wheels_holonomic_without", "{" + poor + ", " + holonomic + ", " + without + "}",
        "poor_wheels_holonomic_with"},
   };
   return table;
