@@ -56,8 +56,8 @@ int evaluations_to(const Result& result, double cost, double tolerance) {
   return result.counters.cost_evaluations;
 }
 
-// The inputs of a plan from `stages` stages later on, the last one held; as the planner's seed
-// "previous".
+// The inputs of a plan from `stages` stages later on, the last one held; the planner's seed
+// "previous" before rates and speeds are kept.
 Eigen::VectorXd shifted(const Problem& problem, const Eigen::VectorXd& x, int stages) {
   const Horizon& h = problem.horizon();
   Eigen::MatrixXd inputs(h.N, h.nu());
@@ -165,7 +165,9 @@ int main(int argc, char** argv) {
   int steps = 80;
   std::vector<std::string> worlds = {"office", "corridor", "loop"}, names;
   app.add_option("--steps", steps, "planning steps of each mission")->check(CLI::PositiveNumber);
-  app.add_option("--solver", names, "back ends (default: all with gradients)")->delimiter(',');
+  app.add_option("--solver", names, "back ends (default: all with gradients)")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   app.add_option("worlds", worlds, "worlds, as `prospect explore` takes them");
   CLI11_PARSE(app, argc, argv);
   try {
