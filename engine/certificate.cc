@@ -145,20 +145,21 @@ class Scene {
     });
   }
 
-  /// The same for unknown space: columns of the slice (planar) or single voxels. Those for which
-  /// skip(run) holds are not tested.
-  template <typename Skip, typename Visit>
-  bool unknown(const std::vector<Part>& parts, const Pose& pose, const Skip& skip,
-               const Visit& visit) const {
+  /// The same for unknown space and for all of cells where forgotten(cell) holds: columns of the
+  /// slice (planar) or single voxels. Those for which skip(run) holds are not tested.
+  template <typename Forgotten, typename Skip, typename Visit>
+  bool unknown(const std::vector<Part>& parts, const Pose& pose, const Forgotten& forgotten,
+               const Skip& skip, const Visit& visit) const {
     return each_column(parts, pose, [&](const Part& part, const Box& box, int i, int j) {
+      const bool whole = forgotten(Cell{i, j});
       if (planar_) {
         const Run run{i, j, slice_low_, slice_high_};
-        if (ground_.explored({i, j}) || skip(run)) return true;
+        if ((ground_.explored({i, j}) && !whole) || skip(run)) return true;
         return !touches(part, box, run) || visit(run);
       }
       for (int k = box.k_low; k <= box.k_high; ++k) {
         const Run run{i, j, k, k};
-        if (voxels_.state(i, j, k) != CellState::kUnknown || skip(run)) continue;
+        if ((voxels_.state(i, j, k) != CellState::kUnknown && !whole) || skip(run)) continue;
         if (touches(part, box, run) && !visit(run)) return false;
       }
       return true;
@@ -231,8 +232,13 @@ class Scene {
 class Walk {
  public:
   Walk(const Scene& scene, const std::vector<Part>& exact, UnknownPolicy policy,
-       const SurfaceDrift* drift)
-      : scene_(scene), exact_(exact), body_(&exact), policy_(policy), drift_(drift) {}
+       const SurfaceDrift* drift, double drift_limit)
+      : scene_(scene),
+        exact_(exact),
+        body_(&exact),
+        policy_(policy),
+        drift_(drift),
+        drift_limit_(drift_limit) {}
 
   /// Whether the body is free of the columns that may have drifted by `least` at least.
   bool free(const Pose& pose, const std::vector<Part>& body, double least) const {
@@ -261,7 +267,7 @@ class Walk {
   void excuse_unknown(const Pose& pose) {
     if (policy_ == UnknownPolicy::kFree) return;
     scene_.unknown(
-        exact_, pose, [](const Run&) { return false; },
+        exact_, pose, [this](Cell c) { return forgotten(c); }, [](const Run&) { return false; },
         [&](const Run& run) {
           excused_.push_back(run);
           return true;
@@ -286,7 +292,7 @@ class Walk {
     std::erase_if(contacts_, [](const Contact& contact) { return !contact.touched; });
     if (policy_ == UnknownPolicy::kFree) return Certificate::Status::kOk;
     const bool known = scene_.unknown(
-        exact_, pose,
+        exact_, pose, [this](Cell c) { return forgotten(c); },
         [&](const Run& run) {
           return std::find(excused_.begin(), excused_.end(), run) != excused_.end();
         },
@@ -304,6 +310,10 @@ class Walk {
     const std::vector<Part>* body;
     double least;
   };
+  /// Whether a cell has drifted so far since it was in view that what is there is unknown.
+  bool forgotten(Cell c) const {
+    return drift_ != nullptr && drift_limit_ > 0.0 && drift_->sigma(c) > drift_limit_;
+  }
   std::vector<Contact>::iterator find(const Run& run) {
     return std::find_if(contacts_.begin(), contacts_.end(),
                         [&](const Contact& contact) { return contact.run == run; });
@@ -314,6 +324,7 @@ class Walk {
   const std::vector<Part>* body_;
   UnknownPolicy policy_;
   const SurfaceDrift* drift_;
+  double drift_limit_;
   std::vector<Widened> widened_;
   std::vector<Contact> contacts_;
   std::vector<Run> excused_;
@@ -364,6 +375,10 @@ Certifier::Certifier(const RobotShape& shape, Options options) : options_(option
     throw std::invalid_argument("certifier: drift_margin is " +
                                 std::to_string(options.drift_margin) + " m; expected >= 0");
   }
+  if (!(options.drift_limit >= 0.0) || !std::isfinite(options.drift_limit)) {
+    throw std::invalid_argument("certifier: drift_limit is " + std::to_string(options.drift_limit) +
+                                " m; expected >= 0");
+  }
   auto body = std::make_unique<Body>();
   body->shape = shape;
   body->exact = Body::parts(shape, 0.0);
@@ -411,7 +426,7 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
     }
     const bool planar = model.pose_layout().pz < 0;
     const Scene scene(belief, options_.slice, planar, body_->middle);
-    Walk walk(scene, body_->exact, options_.unknown, drift);
+    Walk walk(scene, body_->exact, options_.unknown, drift, options_.drift_limit);
     const auto moved = [&](const Pose& a, const Pose& b) {
       const double turn = std::min(std::abs(b.yaw - a.yaw), M_PI);
       return (b.position - a.position).norm() + 2.0 * body_->circumscribed * std::sin(0.5 * turn);

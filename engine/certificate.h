@@ -62,7 +62,9 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 /// Surfaces that may not be where the map has them (`drift`, surface_drift.h) are kept farther
 /// away: with the shares a = 1/4, 1/2, 1, the body grown by margin + a drift_margin may not touch
 /// columns of voxels with sigma >= a drift_margin; for a robot that starts nearer than that the
-/// same as above, share by share.
+/// same as above, share by share. Space with sigma > drift_limit counts as unknown: what a robot
+/// remembers as free must not be driven into sideways or backwards once the estimate has moved
+/// against it; driving where it looks, it has just seen it.
 ///
 /// The octree's finest occupied cells are mirrored in belief.voxels; walking that mirror finds the
 /// few boxes near the body faster than descending the octree.
@@ -81,6 +83,7 @@ class Certifier {
     /// before, from a slightly different pose (guard.h).
     double held = 0.0;
     double drift_margin = 0.12;  ///< the most that is added to the margin for drift [m], >= 0
+    double drift_limit = 0.12;   ///< drift beyond which space counts as unknown [m]; 0: none does
   };
 
   /// Throws std::invalid_argument for an invalid shape or options out of range.

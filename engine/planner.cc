@@ -87,6 +87,7 @@ void check(const PlannerParameters& p) {
                                     {"recovery_pause", p.recovery_pause},
                                     {"recovery_patience", p.recovery_patience},
                                     {"drift_margin", p.drift_margin},
+                                    {"drift_limit", p.drift_limit},
                                     {"lost_margin", p.lost_margin},
                                     {"d_safe", p.d_safe}}) {
     at_least(name, value, 0.0);
@@ -133,7 +134,7 @@ struct Planner::Impl {
   std::shared_ptr<const Solver> solver;
   std::optional<Certifier> certifier;
   std::optional<Certifier> close_certifier;    // when nothing else is reachable
-  std::optional<Certifier> lost_certifier;     // while lost, if asked for
+  std::optional<Certifier> lost_certifier;     // while lost
   std::optional<Certifier> impasse_certifier;  // in an impasse
   std::optional<Certifier> guard_certifier;    // as the guard will ask
   ExplorationGuide guide;
@@ -191,13 +192,14 @@ struct Planner::Impl {
     options.margin = parameters.certificate_margin;
     options.held = 1.0;
     options.drift_margin = parameters.drift_margin;
+    options.drift_limit = parameters.drift_limit;
     options.unknown = parameters.unknown;
     options.slice = slice;
     certifier.emplace(robot.shape, options);
-    if (parameters.lost_margin > 0.0) {
-      options.margin = std::max(parameters.certificate_margin, parameters.lost_margin);
-      lost_certifier.emplace(robot.shape, options);
-    }
+    options.margin = std::max(parameters.certificate_margin, parameters.lost_margin);
+    options.drift_margin = 0.0;
+    lost_certifier.emplace(robot.shape, options);
+    options.drift_margin = parameters.drift_margin;
     options.margin = 0.5 * parameters.certificate_margin;
     close_certifier.emplace(robot.shape, options);
     options.held = 0.0;
@@ -221,9 +223,9 @@ struct Planner::Impl {
   bool squeezing(const Belief& belief) const {
     return guidance->relaxed && belief.localization != Localization::kLost;
   }
-  /// Whose surfaces are kept off; null: none. A robot that is lost drifts fast against all that it
-  /// does not see: kept off that as well, it would not get out of where it got lost. Nor would one
-  /// get out of an impasse.
+  /// Whose surfaces the soft cost keeps off; null: none. A robot that is lost drifts fast against
+  /// all that it does not see: kept off that as well, it would not get out of where it got lost.
+  /// Nor would one get out of an impasse.
   const SurfaceDrift* minded_drift(const Belief& belief) const {
     return belief.localization == Localization::kLost || in_impasse() ? nullptr : &drift;
   }
@@ -231,10 +233,12 @@ struct Planner::Impl {
   /// on. In fr_079 one touched a wall that way, with a map half a metre off.
   bool in_impasse() const { return impasse.inside() && !guidance->relaxed; }
   /// What a motion has to pass. In an impasse no more is asked than that nothing is touched, on
-  /// the map as it is.
+  /// the map as it is; of a robot that is lost, that it drives where it looks.
   const Certifier& motion_certifier(const Belief& belief) const {
-    if (lost_certifier && belief.localization == Localization::kLost) return *lost_certifier;
+    const bool lost = belief.localization == Localization::kLost;
+    if (lost && parameters.lost_margin > 0.0) return *lost_certifier;
     if (in_impasse()) return *impasse_certifier;
+    if (lost) return *lost_certifier;
     return squeezing(belief) ? *close_certifier : *certifier;
   }
   double unseen_density(const Belief& belief) const {
@@ -626,7 +630,7 @@ void Planner::Impl::execute_best(const Belief& belief, const std::vector<Candida
     const TrajectoryBatch t = problem->rollout(c.z);
     const Eigen::MatrixXd inputs = stage_inputs(t).leftCols(committed);
     Certificate certificate = motion_certifier(belief).certify(
-        belief, *robot.model, d.x0, d.u_previous, inputs, d.dt, minded_drift(belief));
+        belief, *robot.model, d.x0, d.u_previous, inputs, d.dt, in_impasse() ? nullptr : &drift);
     // A start within the larger margin is checked with less of it, and may come closer to an
     // obstacle than the guard allows later on: without the guard's margin the two would disagree
     // for ever.

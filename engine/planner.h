@@ -51,6 +51,9 @@ struct PlannerParameters {
   /// in view (surface_drift.h), at most [m]; 0: none. The soft cost's clearances grow by the drift
   /// of what is near, too. Not while localization is lost, nor in an impasse (impasse.h).
   double drift_margin = 0.12;
+  /// Space that may have drifted by more since it was last in view counts as unknown for the
+  /// certificate [m]; 0: none does. Also while localization is lost; not in an impasse.
+  double drift_limit = 0.12;
   /// The certificate's margin while localization is lost [m], impasse or not; 0: as else.
   double lost_margin = 0.0;
 

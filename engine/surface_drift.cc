@@ -24,8 +24,10 @@ void SurfaceDrift::update(const Belief& belief, const RobotDescription& robot) {
   ground_ = belief.ground;
   const GroundMap& ground = *ground_;
   const GridFrame& frame = ground.frame();
-  variance_ = std::max(0.0, 0.5 * belief.covariance.topLeftCorner<2, 2>().trace());
-  if (!std::isfinite(variance_)) variance_ = 0.0;
+  position_ = belief.pose.position.head<2>();
+  const Eigen::Vector3i planar(0, 1, 3);
+  covariance_ = belief.covariance(planar, planar);
+  if (!covariance_.allFinite()) covariance_.setZero();
   if (!(variance_seen_.frame == frame)) {
     if (variance_seen_.data.empty() || !covers(frame, variance_seen_.frame)) {
       variance_seen_ = Grid<double>(frame, kNeverSeen);
@@ -53,20 +55,31 @@ void SurfaceDrift::update(const Belief& belief, const RobotDescription& robot) {
     visit_line(frame, eye, end, [&](Cell c) {
       const CellState state = ground.state(c);
       if (state == CellState::kUnknown) return false;
-      if (state == CellState::kFree) return true;
+      if (state == CellState::kFree) {
+        variance_seen_[c] = variance(c);
+        return true;
+      }
       const bool low = ground.see_through(c);
       const double distance = (frame.center(c) - eye).norm();
       if (distance >= (low ? std::max(near_low, robot.depth.min_range) : robot.depth.min_range)) {
-        variance_seen_[c] = variance_;
+        variance_seen_[c] = variance(c);
       }
       return low;
     });
   }
 }
 
+double SurfaceDrift::variance(Cell c) const {
+  const Eigen::Vector2d lever = variance_seen_.frame.center(c) - position_;
+  const Eigen::Vector2d turned(-lever.y(), lever.x());
+  return std::max(0.0, 0.5 * covariance_.topLeftCorner<2, 2>().trace() +
+                           turned.dot(covariance_.topRightCorner<2, 1>()) +
+                           0.5 * lever.squaredNorm() * covariance_(2, 2));
+}
+
 double SurfaceDrift::sigma(Cell c) const {
   const double seen = variance_seen_.get(c, kNeverSeen);
-  return seen == kNeverSeen ? 0.0 : std::sqrt(std::abs(variance_ - seen));
+  return seen == kNeverSeen ? 0.0 : std::sqrt(std::abs(variance(c) - seen));
 }
 
 double SurfaceDrift::sigma_near(const Eigen::Vector2d& position, double radius) const {

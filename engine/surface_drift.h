@@ -9,22 +9,28 @@
 
 namespace prospect {
 
-/// How far surfaces near the robot may be from where the map has them.
+/// How far what the map has near the robot, surfaces and free space, may be from where it has it.
 ///
-/// The map keeps a surface where it was last measured; the estimate of the pose drifts on. With
-/// s^2(t) the variance of the estimated position along one horizontal axis, half the trace of
-/// belief.covariance in (x, y), a surface last in view at t_o is, relative to the robot,
+/// The map keeps a thing where it was last measured; the estimate of the pose drifts on. What is
+/// drawn at c from an estimate at p with the errors e_p and e_yaw is off by e(c) = e_p + J (c - p)
+/// e_yaw, J a quarter turn. With P = belief.covariance in (x, y) and yaw, its variance along an
+/// axis, the mean of the two, is
 ///
-///     sigma = sqrt(|s^2(t) - s^2(t_o)|)        [m]
+///     V_c(t) = (tr P_pp + 2 J(c - p) . P_p,yaw + |c - p|^2 P_yaw,yaw) / 2        [m^2]
 ///
-/// off along any axis: the drift since, for a random walk. (The variance falls where a lost robot
-/// finds its pose again in its map; what was mapped while it was lost is off by what it had
-/// drifted, hence the absolute value.)
+/// and what was last in view at t_o is, relative to the robot,
 ///
-/// In view: the occupied cells that rays over the ground from the depth sensor meet, up to and with
-/// the first that is not seen through, within the sensor's range and field of view (rays half a
-/// cell apart at max_range); a low obstacle only from where the sensor's lower edge meets the floor
-/// on. A cell that was never in view counts as seen now.
+///     sigma = sqrt(|V_c(t) - V_c(t_o)|)        [m]
+///
+/// off: the drift since, as what odometry adds to its errors does not depend on those it has. A yaw
+/// that has been wrong all the while turns the map with the robot and does not count. (The variance
+/// falls where a lost robot finds its pose again in its map; what was mapped while it was lost is
+/// off by what it had drifted, hence the absolute value.)
+///
+/// In view: the cells that rays over the ground from the depth sensor meet, up to and with the
+/// first that is not seen through, within the sensor's range and field of view (rays half a cell
+/// apart at max_range); an occupied cell only from min_range on, a low obstacle only from where the
+/// sensor's lower edge meets the floor on. A cell that was never in view counts as seen now.
 ///
 /// A value, one a robot; update() once a step. Thread-safety: concurrent reads are safe.
 /// Source: our choice; docs/obstacles.md and results.md say what it is worth.
@@ -33,7 +39,7 @@ class SurfaceDrift {
   /// The belief's maps are non-null, its pose finite.
   void update(const Belief& belief, const RobotDescription& robot);
 
-  /// sigma [m] of what is in a cell, at the last update.
+  /// sigma [m] of what is in a cell, or of there being nothing, at the last update.
   double sigma(Cell c) const;
 
   /// The largest sigma [m] of the occupied cells whose centre is within `radius` [m] of `position`
@@ -41,9 +47,12 @@ class SurfaceDrift {
   double sigma_near(const Eigen::Vector2d& position, double radius) const;
 
  private:
+  double variance(Cell c) const;  // V_c now [m^2]
+
   std::shared_ptr<const GroundMap> ground_;
-  Grid<double> variance_seen_;  // s^2 [m^2] when last in view, negative before
-  double variance_ = 0.0;       // s^2 now
+  Grid<double> variance_seen_;                            // V_c when last in view, negative before
+  Eigen::Vector2d position_ = Eigen::Vector2d::Zero();    // p
+  Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  // P of (x, y, yaw)
 };
 
 }  // namespace prospect

@@ -163,6 +163,8 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
          "by which the certified body is grown");
   number("drift_margin", p.drift_margin, 0.0, 1.0, "m",
          "kept besides, at most, from surfaces that may have drifted since they were in view");
+  number("drift_limit", p.drift_limit, 0.0, 1.0, "m",
+         "drift since it was in view beyond which space counts as unknown; 0: none does");
   number("lost_margin", p.lost_margin, 0.0, 1.0, "m",
          "kept from obstacles while localization is lost; 0: no more than else");
   const std::string unknown = map.choice("unknown", "braking", {"free", "blocked", "braking"},

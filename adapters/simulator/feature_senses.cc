@@ -77,7 +77,7 @@ std::shared_ptr<const Belief> FeatureSenses::belief(double stamp, const Pose& tr
   auto belief = std::make_shared<Belief>();
   belief->stamp = stamp;
   belief->pose = odometry_.estimate(true_pose);
-  belief->covariance = odometry_.covariance();
+  belief->covariance = odometry_.covariance(true_pose);
   belief->twist = commanded;
   belief->localization = odometry_.localization();
   belief->tracked_features = tracked_;

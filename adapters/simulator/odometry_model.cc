@@ -18,6 +18,15 @@ constexpr double kHeadingBound = 0.05;   // [rad]
 
 Eigen::Matrix2d rotation(double yaw) { return Eigen::Rotation2Dd(yaw).toRotationMatrix(); }
 
+/// Of the pose after a motion by `moved` (in W) in that before it: a turn of the yaw turns the
+/// motion by a quarter.
+Eigen::Matrix4d motion_jacobian(const Eigen::Vector3d& moved) {
+  Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
+  F(0, 3) = -moved.y();
+  F(1, 3) = moved.x();
+  return F;
+}
+
 // Radical inverse: the low-discrepancy sequence of van der Corput in a base.
 double radical_inverse(int n, int base) {
   double value = 0.0, digit = 1.0 / base;
@@ -136,6 +145,7 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
     ++losses_;
     if (!adrift_) {
       covariance_at_loss_ = covariance_;
+      place_at_loss_ = keyframe_.position;
       drift_covariance_ = Eigen::Vector4d(1e-4, 1e-4, 0.0, 2.5e-5).asDiagonal();
     }
     adrift_ = true;
@@ -171,10 +181,8 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
   keyframe_ = estimate(true_pose);
   keyframe_.position.head<2>() += rotation(keyframe_.yaw) * error.head<2>();
 
-  // p' = p + R(yaw) dp + R(yaw + dyaw) e: dp'/dyaw turns the motion by a quarter.
-  Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
-  F(0, 3) = -(keyframe_.position.y() - old.position.y());
-  F(1, 3) = keyframe_.position.x() - old.position.x();
+  // p' = p + R(yaw) dp + R(yaw + dyaw) e
+  const Eigen::Matrix4d F = motion_jacobian(keyframe_.position - old.position);
   Eigen::Matrix<double, 4, 3> G = Eigen::Matrix<double, 4, 3>::Zero();
   G.topLeftCorner<2, 2>() = rotation(keyframe_.yaw);
   G(3, 2) = 1.0;
@@ -191,8 +199,16 @@ void OdometryModel::relocalize(const Pose& true_pose, const Pose& found) {
   true_keyframe_ = true_pose;
   keyframe_ = found;
   // Without a loss there is nothing to forget.
-  if (adrift_) covariance_ = covariance_at_loss_;
+  if (adrift_) {
+    const Eigen::Matrix4d F = motion_jacobian(found.position - place_at_loss_);
+    covariance_ = F * covariance_at_loss_ * F.transpose();
+  }
   adrift_ = false;
+}
+
+Eigen::Matrix4d OdometryModel::covariance(const Pose& true_pose) const {
+  const Eigen::Matrix4d F = motion_jacobian(estimate(true_pose).position - keyframe_.position);
+  return F * covariance_ * F.transpose();
 }
 
 Pose OdometryModel::estimate(const Pose& true_pose) const {

@@ -61,8 +61,9 @@ class OdometryModel {
   bool image(const Pose& true_pose, const std::vector<Eigen::Vector3d>& points_C);
 
   /// The pose was found again in the map of landmarks: the estimate at `true_pose` becomes `found`,
-  /// and the covariance what it was when localization was lost: at the first of several losses,
-  /// if the count of features wavered about the limit before the pose was found.
+  /// and the covariance that of a pose here which owes its errors to that at which localization was
+  /// lost: the first of several losses, if the count of features wavered about the limit before the
+  /// pose was found.
   void relocalize(const Pose& true_pose, const Pose& found);
 
   /// The search was given up: what the loss added to the error stays.
@@ -70,7 +71,8 @@ class OdometryModel {
 
   /// Estimate at a true pose reached since the last keyframe.
   Pose estimate(const Pose& true_pose) const;
-  Eigen::Matrix4d covariance() const { return covariance_; }
+  /// Covariance of its error in (x, y, z, yaw), [m] and [rad].
+  Eigen::Matrix4d covariance(const Pose& true_pose) const;
   /// Of what has been added to the error since localization was lost, (x, y, z, yaw) in W, on top
   /// of 1 cm and 5 mrad; of no meaning unless a search for the pose is under way.
   const Eigen::Matrix4d& drift_covariance() const { return drift_covariance_; }
@@ -95,7 +97,8 @@ class OdometryModel {
   Eigen::Matrix3d lost_covariance_ = Eigen::Matrix3d::Zero();  // of lost_below reference points
   Pose true_keyframe_;
   Pose keyframe_;
-  Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();
+  Eigen::Matrix4d covariance_ = Eigen::Matrix4d::Zero();  // at keyframe_
+  Eigen::Vector3d place_at_loss_ = Eigen::Vector3d::Zero();
   Eigen::Matrix4d covariance_at_loss_ = Eigen::Matrix4d::Zero();
   Eigen::Matrix4d drift_covariance_ = Eigen::Matrix4d::Zero();
   bool adrift_ = false;  // lost, and neither found again nor given up since

@@ -110,11 +110,18 @@ TEST(OdometryModel, NoDriftAtRestAndBetweenKeyframes) {
   EXPECT_FALSE(model.image(pose, points));
   EXPECT_EQ(model.estimate(pose).position, pose.position);
   EXPECT_EQ(model.estimate(pose).yaw, pose.yaw);
-  EXPECT_EQ(model.covariance().norm(), 0.0);
+  EXPECT_EQ(model.covariance(pose).norm(), 0.0);
   pose.yaw = 0.16;  // a turn alone is a keyframe as well
   EXPECT_TRUE(model.image(pose, points));
   EXPECT_NE(model.estimate(pose).yaw, pose.yaw);
-  EXPECT_GT(model.covariance().norm(), 0.0);
+  EXPECT_GT(model.covariance(pose).norm(), 0.0);
+  // From there on the yaw's error moves the robot sideways, on the way to the next keyframe as
+  // well.
+  const Eigen::Matrix4d before = model.covariance(pose);
+  pose.position.x() += 0.1;
+  EXPECT_FALSE(model.image(pose, points));
+  EXPECT_NEAR(model.covariance(pose)(1, 1),
+              before(1, 1) + 2 * 0.1 * before(1, 3) + 0.01 * before(3, 3), 1e-3 * before(1, 1));
 }
 
 TEST(OdometryModel, StateFollowsTheCount) {
@@ -156,7 +163,7 @@ TEST(OdometryModel, CovarianceIsThatOfTheErrors) {
     const Eigen::Vector3d e(estimate.position.x() - pose.position.x(),
                             estimate.position.y() - pose.position.y(), estimate.yaw - pose.yaw);
     sampled += e * e.transpose() / kSeeds;
-    const Eigen::Matrix4d P = model.covariance();
+    const Eigen::Matrix4d P = model.covariance(pose);
     EXPECT_EQ(P.row(2).norm(), 0.0);
     Eigen::Matrix3d planar;
     planar << P(0, 0), P(0, 1), P(0, 3), P(1, 0), P(1, 1), P(1, 3), P(3, 0), P(3, 1), P(3, 3);
@@ -208,28 +215,37 @@ TEST(OdometryModel, FindingThePoseForgetsAllLossesSinceItWasKnown) {
       }
     };
     drive(many, 10);
-    const Eigen::Matrix4d known = model.covariance();
+    const Eigen::Matrix4d known = model.covariance(pose);
+    const Eigen::Vector3d place_known = model.estimate(pose).position;
     drive(few, 10);
     drive(many, 1);  // sees enough for once, but nothing it knows
-    const Eigen::Matrix4d between = model.covariance();
+    const Eigen::Matrix4d between = model.covariance(pose);
+    const Eigen::Vector3d place_between = model.estimate(pose).position;
     EXPECT_GT(between(0, 0), 1.5 * known(0, 0));
     if (given_up) model.accept_drift();
     drive(few, 10);
     drive(many, 1);
     EXPECT_EQ(model.losses(), 2);
-    EXPECT_GT(model.covariance()(0, 0), between(0, 0));
+    EXPECT_GT(model.covariance(pose)(0, 0), between(0, 0));
     Pose found = pose;
     found.position.y() = 0.01;
     found.yaw = -0.02;
     model.relocalize(pose, found);
-    EXPECT_EQ(model.covariance(), given_up ? between : known);
+    // What a pose here owes to the one that was known, by the way between them as estimated.
+    const Eigen::Matrix4d& at = given_up ? between : known;
+    Eigen::Matrix4d F = Eigen::Matrix4d::Identity();
+    const Eigen::Vector3d way = found.position - (given_up ? place_between : place_known);
+    F(0, 3) = -way.y();
+    F(1, 3) = way.x();
+    EXPECT_NEAR((model.covariance(pose) - F * at * F.transpose()).norm(), 0.0, 1e-15);
+    EXPECT_EQ(model.covariance(pose)(3, 3), at(3, 3));
     EXPECT_EQ(model.estimate(pose).position, found.position);
     EXPECT_EQ(model.estimate(pose).yaw, found.yaw);
     // Without a loss since, a second time changes the pose alone.
     drive(many, 10);
-    const Eigen::Matrix4d later = model.covariance();
+    const Eigen::Matrix4d later = model.covariance(pose);
     model.relocalize(pose, found);
-    EXPECT_EQ(model.covariance(), later);
+    EXPECT_EQ(model.covariance(pose), later);
   }
 }
 
@@ -246,7 +262,7 @@ TEST(OdometryModel, PerfectModeIsTheTruth) {
     EXPECT_EQ(model.estimate(pose).yaw, pose.yaw);
   }
   EXPECT_EQ(model.localization(), Localization::kOk);
-  EXPECT_EQ(model.covariance().norm(), 0.0);
+  EXPECT_EQ(model.covariance(pose).norm(), 0.0);
   EXPECT_EQ(model.losses(), 0);
 }
 

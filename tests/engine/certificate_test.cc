@@ -481,6 +481,62 @@ TEST(Certificate, SurfacesThatMayHaveDriftedAreKeptFartherAway) {
   EXPECT_THROW(Certifier(shape, options), std::invalid_argument);
 }
 
+// Holonomic bases that had lost their localization touched walls beside and behind them, which were
+// half a metre from where they had been drawn: the space driven into was free on the map.
+TEST(Certificate, SpaceThatMayHaveDriftedIsUnknown) {
+  const ObstacleWorld world(0.1, 3.0);
+  const RobotDescription robot;
+  const CylinderShape shape{{0.0, 0.0, 0.3}, 0.18, 0.4};
+  const Holonomic planar_model;
+  const Multirotor flying_model;
+  const auto update = [&](SurfaceDrift& drift, double yaw, double variance) {
+    Belief belief = world.belief();
+    belief.pose.yaw = yaw;
+    belief.covariance(0, 0) = belief.covariance(1, 1) = variance;
+    drift.update(belief, robot);
+  };
+  SurfaceDrift drift;
+  for (const double yaw : {0.0, 1.0, 2.0, 3.0, 4.0, 5.0}) update(drift, yaw, 0.0);
+  update(drift, 0.0, 0.0225);
+  ASSERT_NEAR(drift.sigma({-5, 0}), 0.15, 1e-6);
+  ASSERT_EQ(drift.sigma({5, 0}), 0.0);
+  const auto move = [&](const MotionModel& model, double vx, double vy, double drift_limit,
+                        UnknownPolicy policy, const SurfaceDrift* minded) {
+    Certifier::Options options;
+    options.unknown = policy;
+    options.drift_limit = drift_limit;
+    const bool flies = model.pose_layout().pz >= 0;
+    Twist twist;
+    twist.linear = {vx, vy, 0.0};
+    Pose start;
+    if (flies) start.position.z() = 0.1;
+    return Certifier(shape, options)
+        .certify_inputs(
+            world.belief(), model, model.state(start, twist),
+            flies ? constant(model, 2, {0.0, 0.0, 0.0, 0.0}) : constant(model, 2, {vx, vy, 0.0}),
+            kDt, minded)
+        .status;
+  };
+  using enum UnknownPolicy;
+  for (const MotionModel* model : {static_cast<const MotionModel*>(&planar_model),
+                                   static_cast<const MotionModel*>(&flying_model)}) {
+    for (const UnknownPolicy policy : {kBraking, kBlocked}) {
+      EXPECT_EQ(move(*model, 0.5, 0.0, 0.12, policy, &drift), Status::kOk) << "where it looks";
+      EXPECT_EQ(move(*model, -0.5, 0.0, 0.12, policy, &drift), Status::kUnknownSpace);
+      EXPECT_EQ(move(*model, 0.0, 0.5, 0.12, policy, &drift), Status::kUnknownSpace);
+      EXPECT_EQ(move(*model, 0.0, 0.0, 0.12, policy, &drift), Status::kOk) << "may stand there";
+      // What may have moved less is still where it was.
+      EXPECT_EQ(move(*model, -0.5, 0.0, 0.16, policy, &drift), Status::kOk);
+      EXPECT_EQ(move(*model, -0.5, 0.0, 0.0, policy, &drift), Status::kOk) << "switched off";
+      EXPECT_EQ(move(*model, -0.5, 0.0, 0.12, policy, nullptr), Status::kOk);
+    }
+    EXPECT_EQ(move(*model, -0.5, 0.0, 0.12, kFree, &drift), Status::kOk);
+  }
+  Certifier::Options bad;
+  bad.drift_limit = -0.1;
+  EXPECT_THROW(Certifier(shape, bad), std::invalid_argument);
+}
+
 TEST(Certificate, MovesInSpaceMindFloorAndCeiling) {
   ObstacleWorld world(0.1, 2.0, 2.0);
   for (int i = -20; i < 20; ++i) {

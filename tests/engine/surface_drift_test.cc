@@ -64,6 +64,59 @@ TEST(SurfaceDrift, WhatWasMappedWhileLostIsOffOnceThePoseIsFoundAgain) {
   EXPECT_NEAR(drift.sigma(kEast), std::sqrt(0.08), 1e-6);
 }
 
+TEST(SurfaceDrift, FreeSpaceIsRememberedAsSurfacesAre) {
+  ObstacleWorld world = room();
+  for (int j = -5; j <= 5; ++j) world.occupy_column(10, j);  // a screen
+  const RobotDescription robot;
+  constexpr Cell kAhead{8, 0}, kBefore{1, 0}, kShadow{15, 0}, kBehind{-8, 0};
+  SurfaceDrift drift;
+  for (const double yaw : {0.0, M_PI}) {
+    drift.update(belief_at(world, 1.5, 0.0, yaw, 0.0), robot);
+    drift.update(belief_at(world, 0.0, 0.0, yaw, 0.0), robot);
+  }
+  drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.04), robot);
+  EXPECT_EQ(drift.sigma(kAhead), 0.0);
+  EXPECT_LT(0.1, robot.depth.min_range);
+  EXPECT_EQ(drift.sigma(kBefore), 0.0) << "what is seen behind it shows that nothing is there";
+  EXPECT_NEAR(drift.sigma(kShadow), 0.2, 1e-6);
+  EXPECT_NEAR(drift.sigma(kBehind), 0.2, 1e-6);
+}
+
+// The covariance that odometry reports is against the start of the mission. With a yaw that is off
+// by what it was off at first, the position's grows with every metre, while the map near the robot,
+// turned as it is, stays where it is.
+TEST(SurfaceDrift, AnErrorThatTheMapSharesIsNoDrift) {
+  const ObstacleWorld world = room();
+  const RobotDescription robot;
+  const double yaw_variance = 0.04;
+  const auto at = [&](double x, double y, double yaw, const Eigen::Matrix3d& added) {
+    Belief belief = world.belief();
+    belief.pose = {{x, y, 0.0}, yaw};
+    Eigen::Matrix3d F = Eigen::Matrix3d::Identity();  // from the origin
+    F(0, 2) = -y;
+    F(1, 2) = x;
+    const Eigen::Matrix3d P =
+        F * Eigen::Vector3d(0.0, 0.0, yaw_variance).asDiagonal() * F.transpose() + added;
+    const Eigen::Vector3i planar(0, 1, 3);
+    belief.covariance(planar, planar) = P;
+    return belief;
+  };
+  SurfaceDrift drift;
+  drift.update(at(-1.0, 0.3, M_PI, Eigen::Matrix3d::Zero()), robot);
+  drift.update(at(-1.5, 0.3, 0.0, Eigen::Matrix3d::Zero()), robot);
+  drift.update(at(1.5, -0.5, 0.0, Eigen::Matrix3d::Zero()), robot);
+  for (const Cell c : {kEast, kWest, kNorth, Cell{0, 0}}) EXPECT_NEAR(drift.sigma(c), 0.0, 1e-6);
+  // A turn on the spot that adds to the error of the yaw: what is far off is displaced.
+  const double turned = 0.0025;
+  drift.update(at(1.5, -0.5, 0.5, Eigen::Vector3d(0.0, 0.0, turned).asDiagonal()), robot);
+  const auto distance = [&](Cell c) {
+    return (world.ground.frame().center(c) - Eigen::Vector2d(1.5, -0.5)).norm();
+  };
+  for (const Cell c : {kWest, Cell{13, -8}}) {
+    EXPECT_NEAR(drift.sigma(c), std::sqrt(0.5 * turned) * distance(c), 1e-6);
+  }
+}
+
 TEST(SurfaceDrift, NearCountsOccupiedCellsWithinTheRadius) {
   const ObstacleWorld world = room();
   const RobotDescription robot;
