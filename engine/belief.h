@@ -41,8 +41,9 @@ struct Belief {
   double stamp = 0.0;  ///< [s], from the clock passed to perception
   Pose pose;
   Eigen::Matrix4d covariance =
-      Eigen::Matrix4d::Zero();  ///< of (x, y, z, yaw), from the start of the mission; zero: exact.
-                                ///< Its growth keeps the robot off surfaces not seen for long
+      Eigen::Matrix4d::Zero();  ///< of pose's error in (x, y, z, yaw) with its correlations, from
+                                ///< the start of the mission; zero: exact. Its growth tells how far
+                                ///< what was not seen for long may be off (surface_drift.h)
   Twist twist;                  ///< estimated body velocity
   /// The command in force, if whoever publishes knows it: rates are limited from there. Without it
   /// the estimated velocity stands for it, whose noise a limit on rates does not forgive, and it
