@@ -16,6 +16,7 @@
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/reachable_area.h"
 #include "benchmarks/guarded_main.h"
+#include "engine/behaviour/behaviour.h"
 #include "engine/exploration_guide.h"
 #include "tests/engine/ground_worlds.h"
 #include "tests/engine/simplest_driver.h"
@@ -81,7 +82,8 @@ Run drive(const Place& place, double heading, const ExplorationGuideOptions& opt
         if (share >= kShares[k] && !run.time[k]) run.time[k] = time;
       }
     }
-    if (g->advice == Advice::kDone) break;
+    if (decide({}, {.stamp = g->stamp, .frontiers = g->facts}, {}).mode.kind == ModeKind::kDone)
+      break;
     if (!g->target) continue;
     run.path += test::follow(*g, pose);
   }

@@ -22,8 +22,10 @@ struct FrontierPlanner::Impl {
   PlannerParameters parameters;
   SingleFrontierGuide guide;
   DynamicWindowOptions window;
-  // As Planner has them: the second when only narrow gaps are left, the last as the guard will ask.
+  // As Planner has them: the second when only narrow passages are left, the last as the guard will
+  // ask.
   std::optional<Certifier> certifier, close_certifier, guard_certifier;
+  Behaviour behaviour;
   VerticalExtent slice{0.0, 0.0};
   int committed = 1;
 
@@ -72,7 +74,7 @@ struct FrontierPlanner::Impl {
   // it is if that is near the viewpoint. Farther off it must be so close to a corner that every
   // motion along the path is refused (the base may be unable to reverse): it gets away first, until
   // it has room again or for 4 s.
-  void note_impasse(const Belief& belief, const DriveTask& task, const Plan& plan) {
+  void note_stuck(const Belief& belief, const DriveTask& task, const Plan& plan) {
     if (!task.target || task.arrived || task.escape) return;
     if (belief.twist.linear.norm() > 0.02 || std::abs(belief.twist.yaw_rate) > 0.05) return;
     if (plan.certified) {
@@ -81,7 +83,7 @@ struct FrontierPlanner::Impl {
       if ((to.position - from.position).norm() > 0.02 || std::abs(to.yaw - from.yaw) > 0.05) return;
     }
     const double distance = (task.target->viewpoint - belief.pose.position.head<2>()).norm();
-    if (distance < 0.6 && guidance->advice != Advice::kGoAndFace) {
+    if (distance < 0.6 && !approaches()) {
       facing = task.target;
       facing_within = distance + 0.1;
     } else {
@@ -95,6 +97,9 @@ struct FrontierPlanner::Impl {
     return escape_since.has_value();
   }
 
+  bool approaches() const { return behaviour.mode.kind == ModeKind::kApproach; }
+  bool narrow() const { return guidance->facts.search == Search::kNarrowPassages; }
+
   // Latched, so that the robot does not set off again for a viewpoint beside the one it stands at.
   bool arrived(const Pose& pose) {
     const std::optional<FrontierTarget>& target = guidance->target;
@@ -105,7 +110,7 @@ struct FrontierPlanner::Impl {
     const double distance = (target->viewpoint - pose.position.head<2>()).norm();
     const bool same = facing && (facing->looks_at - target->looks_at).norm() < 1.0;
     // A robot that looks from beside the viewpoint without success must go right there.
-    const double near = guidance->advice == Advice::kGoAndFace ? 0.08 : same ? facing_within : 0.15;
+    const double near = approaches() ? 0.08 : same ? facing_within : 0.15;
     if (distance < near) {
       if (!same) {
         facing = target;
@@ -156,6 +161,9 @@ struct FrontierPlanner::Impl {
     PlanTimes times;
     guidance = guide.update(*belief.ground, belief.pose, belief.stamp,
                             {.looked = belief.localization != Localization::kLost});
+    // It does not look after its localization: to the table it is always localized.
+    const Facts facts{.stamp = belief.stamp, .frontiers = guidance->facts};
+    behaviour = decide(behaviour, facts, parameters.behaviour);
     times.guide = watch.lap();
 
     ClearanceField::Options field;
@@ -177,7 +185,7 @@ struct FrontierPlanner::Impl {
     task.target = guidance->target;
     task.arrived = arrived(belief.pose);
     task.escape = !task.arrived && escaping(belief.pose, body, belief.stamp);
-    window.d_safe = guidance->relaxed ? 0.0 : parameters.d_safe;
+    window.d_safe = narrow() ? 0.0 : parameters.d_safe;
     const std::vector<DriveCandidate> candidates = dynamic_window(*robot.model, body, task, window);
     times.seeds = watch.lap();
 
@@ -191,7 +199,7 @@ struct FrontierPlanner::Impl {
       ++attempts;
       const Eigen::MatrixXd leading = c.inputs.leftCols(committed);
       Certificate certificate =
-          (guidance->relaxed ? close_certifier : certifier)
+          (narrow() ? close_certifier : certifier)
               ->certify(belief, *robot.model, task.x0, task.u_previous, leading, parameters.dt);
       if (certificate.ok()) {
         certificate = guard_certifier->certify(belief, *robot.model, task.x0, task.u_previous,
@@ -201,7 +209,7 @@ struct FrontierPlanner::Impl {
         if (refused.empty()) refused = certificate.detail;
         continue;
       }
-      plan.kind = task.arrived ? PlanKind::kScripted : PlanKind::kSeed;
+      plan.kind = PlanKind::kSeed;
       plan.stamp = belief.stamp;
       plan.dt = parameters.dt;
       fill(task.x0, c.inputs, plan);
@@ -212,10 +220,12 @@ struct FrontierPlanner::Impl {
       plan.quality = Quality::kFeasible;
       break;
     }
-    note_impasse(belief, task, plan);
+    note_stuck(belief, task, plan);
     if (!plan.certified) {
       plan = stopping_plan(belief, "no candidate could be certified: " + refused);
     }
+    plan.mode = behaviour.mode;
+    plan.why = describe(behaviour.mode, facts);
     plan.solver = "dynamic window";
     plan.has_active_frontier = guidance->target.has_value();
     plan.seeds_scored = static_cast<int>(candidates.size());

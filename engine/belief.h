@@ -3,10 +3,10 @@
 #include <Eigen/Core>
 #include <memory>
 #include <optional>
-#include <string_view>
 
 #include "engine/ground_map.h"
 #include "engine/landmark_map.h"
+#include "engine/localization.h"
 #include "engine/voxel_grid.h"
 #include "models/types.h"
 
@@ -15,21 +15,6 @@ class OcTree;
 }
 
 namespace prospect {
-
-enum class Localization { kOk, kDegraded, kLost };
-
-/// "ok", "degraded", "lost".
-constexpr std::string_view to_string(Localization localization) {
-  switch (localization) {
-    case Localization::kOk:
-      return "ok";
-    case Localization::kDegraded:
-      return "degraded";
-    case Localization::kLost:
-      return "lost";
-  }
-  return "?";
-}
 
 /// What the planner knows at one instant: an immutable snapshot, published by perception as
 /// shared_ptr<const Belief>. The maps are shared, never null, and never change after publication,
@@ -47,7 +32,7 @@ struct Belief {
   Twist twist;                  ///< estimated body velocity
   /// The command in force, if whoever publishes knows it: rates are limited from there. Without it
   /// the estimated velocity stands for it, whose noise a limit on rates does not forgive, and it
-  /// goes unnoticed that the robot does not follow (blocked_motion.h). Zero while something else,
+  /// goes unnoticed that the robot does not follow (following_monitor.h). Zero while something else,
   /// such as an emergency stop, keeps the robot from following it.
   std::optional<Twist> command;
   Localization localization = Localization::kOk;

@@ -12,8 +12,9 @@
 namespace prospect {
 namespace {
 
-constexpr double kGapAhead = 2.0;   // [m] how far ahead the gap that held the robot up may lie
-constexpr double kGapRadius = 0.3;  // [m] of the disc that is closed around its narrowest cell
+constexpr double kPassageAhead =
+    2.0;  // [m] how far ahead the passage that held the robot up may lie
+constexpr double kPassageRadius = 0.3;  // [m] of the disc that is closed around its narrowest cell
 // [m] how far ahead of a robot that does not get on such a disc is closed: beyond its own cell.
 constexpr double kBlockedAhead = 0.4;
 constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
@@ -27,7 +28,7 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
       memory_(options.memory),
       area_(options.area_depth),
       field_(options.cost_to_go),
-      leftovers_(options.leftovers) {
+      low_yield_(options.low_yield) {
   const auto require = [](const char* name, double value, double below, const char* expected) {
     if (value >= 0.0 && value < below) return;
     throw std::invalid_argument("exploration guide: " + std::string(name) + " = " +
@@ -37,8 +38,7 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
   require("kappa_area", options.kappa_area, 100.0, "0 to 100 m");
   require("ample_room", options.ample_room, 10.0, "0 to 10 m");
   require("look_length", options.look_length, 100.0, "0 to 100 m");
-  require("look_around", options.look_around, 1000.0, "0 to 1000 s");
-  relaxed_area_ = options_.memory.retry_area;
+  new_ground_ = options_.memory.retry_area;
   auto empty = std::make_shared<Guidance>();
   empty->cost_to_go = std::make_shared<const CostToGo>();
   last_ = std::move(empty);
@@ -99,7 +99,7 @@ void ExplorationGuide::mark_reachable(std::vector<Frontier>& frontiers) {
 }
 
 // Places that are impassable by now say nothing: a wall drawn twice covers some of any room.
-bool ExplorationGuide::is_enclosed() {
+bool ExplorationGuide::is_cut_off() {
   flood(field_.anchor());
   const GridFrame& frame = traversability_.frame();
   int joined = 0, cut_off = 0;
@@ -124,67 +124,53 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     return last_;
   }
   const double explored = traversability_.explored_area();
-  const bool no_leftovers = leftovers_.update(stamp, explored);
-  const double newly = explored - relaxed_explored_;
-  if (rules_ > Rules::kStrict && (no_leftovers || newly >= relaxed_area_)) {
-    restart(Rules::kStrict);
-    relaxed_area_ *= 2.0;  // as FrontierMemory::retry_area(), for the same reason
+  const bool not_low = low_yield_.update(stamp, explored);
+  const SearchFacts grown{.new_ground = not_low || explored - ordinary_explored_ >= new_ground_};
+  if (const SearchRow* row = next_search(search_, grown)) {
+    restart(row->to);
+    new_ground_ *= 2.0;  // as FrontierMemory::retry_area(), for the same reason
     reopenings_ = 0;
   }
   if (attention.looked && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
     been_.push_back(p);
   }
   std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, outlook, rule);
-  while (guidance->advice == Advice::kDone) {
-    if (rules_ == Rules::kStrict) {
-      leftovers_.begin(stamp, guidance->explored_area);
-      restart(Rules::kKeyholes);
-      relaxed_explored_ = guidance->explored_area;
-    } else if (rules_ == Rules::kKeyholes) {
-      restart(Rules::kGaps);
-      memory_.forgive();
-    } else if (gap_closed_ && reopenings_ < options_.reopenings) {
-      ++reopenings_;
-      restart(Rules::kGaps);
-      memory_.forgive();
-    } else {
-      break;
+  while (guidance->facts.exhausted) {
+    const SearchRow* row = next_search(search_, {.nothing_reachable = true,
+                                                 .passage_closed = passage_closed_,
+                                                 .may_reopen = reopenings_ < options_.reopenings});
+    if (row == nullptr) break;
+    if (row->from == Search::kOrdinary) {
+      low_yield_.begin(stamp, guidance->explored_area);
+      ordinary_explored_ = guidance->explored_area;
     }
+    if (row->from == row->to) ++reopenings_;
+    restart(row->to);
+    if (row->try_all_again) memory_.forgive();
     // What was in view is counted already.
     guidance =
         step(ground, pose, stamp, {.looked = false, .pursued = attention.pursued}, outlook, rule);
   }
-  if (guidance->advice == Advice::kDone) {
-    if (!nothing_since_ || stamp < *nothing_since_) nothing_since_ = stamp;
-    if (!attention.pursued) *nothing_since_ += std::max(0.0, stamp - updated_at_);
-    if (stamp - *nothing_since_ < options_.look_around - 1e-9) {
-      guidance->advice = Advice::kLookAround;
-    }
-  } else {
-    nothing_since_.reset();
-  }
-  if (leftovers_.up(stamp) && guidance->advice != Advice::kDone) {
-    guidance->advice = Advice::kDone;
-    guidance->abandoned = true;
-  }
-  guidance->enclosed = guidance->advice == Advice::kDone && is_enclosed();
-  updated_at_ = stamp;
-  guidance->relaxed = rules_ == Rules::kGaps;
+  FrontierFacts& facts = guidance->facts;
+  facts.search = search_;
+  facts.exhausted_for = exhaustion_.update(stamp, facts.exhausted, attention.pursued);
+  facts.yield_too_low = low_yield_.up(stamp);
+  facts.cut_off = (facts.exhausted || facts.yield_too_low) && is_cut_off();
   guidance->milliseconds = watch.lap();
   last_ = guidance;
   return guidance;
 }
 
-void ExplorationGuide::restart(Rules rules) {
-  rules_ = rules;
+void ExplorationGuide::restart(Search search) {
+  search_ = search;
   restarted_ = true;
   TraversabilityOptions traversability = options_.traversability;
   FrontierOptions frontiers = options_.frontiers;
-  if (rules == Rules::kGaps) traversability.lattice_slack += options_.relaxed_slack;
-  if (rules > Rules::kStrict) {
+  if (search == Search::kNarrowPassages) traversability.lattice_slack += options_.relaxed_slack;
+  if (search != Search::kOrdinary) {
     frontiers.min_length = std::min(frontiers.min_length, options_.relaxed_length);
   }
-  gap_closed_ = false;
+  passage_closed_ = false;
   traversability_ = Traversability(traversability);
   detector_ = FrontierDetector(frontiers);
   field_ = CostToGoField(options_.cost_to_go);
@@ -213,17 +199,17 @@ void ExplorationGuide::count_along_travel(const FeatureOutlook& outlook) {
   }
 }
 
-// The first place on the way down that is too narrow for the strict radius.
-void ExplorationGuide::close_gap() {
+// The first place on the way down that is too narrow for the ordinary radius.
+void ExplorationGuide::close_passage() {
   const GridFrame& frame = traversability_.frame();
   const Cell goal = field_.source_of_anchor();
-  const int steps = static_cast<int>(kGapAhead / frame.resolution);
+  const int steps = static_cast<int>(kPassageAhead / frame.resolution);
   Cell c = field_.anchor();
   for (int step = 0; step < steps; ++step) {
     if (traversability_.clearance(c) + options_.traversability.lattice_slack <
         options_.traversability.hard_radius) {
-      traversability_.close(c, kGapRadius);
-      gap_closed_ = true;
+      traversability_.close(c, kPassageRadius);
+      passage_closed_ = true;
       detector_.update(traversability_);
       return;
     }
@@ -240,6 +226,28 @@ void ExplorationGuide::close_gap() {
   }
 }
 
+// [m] from the robot's cell down the field to where it ends; 0 where it is not reached.
+double ExplorationGuide::way_left() const {
+  if (!field_.anchor_reached()) return 0.0;
+  const double r = traversability_.frame().resolution;
+  const Cell goal = field_.source_of_anchor();
+  Cell c = field_.anchor();
+  double length = 0.0;
+  while (!(c == goal)) {
+    Cell best = c;
+    for (int dj = -1; dj <= 1; ++dj) {
+      for (int di = -1; di <= 1; ++di) {
+        const Cell n{c.i + di, c.j + dj};
+        if (field_.value(n) < field_.value(best)) best = n;
+      }
+    }
+    if (best == c) break;
+    length += r * std::hypot(best.i - c.i, best.j - c.j);
+    c = best;
+  }
+  return length;
+}
+
 // kappa log(1 + l) + kappa_area log(1 + A)
 std::vector<double> ExplorationGuide::size_bonuses(Cell robot) {
   const std::vector<Frontier>& frontiers = detector_.frontiers();
@@ -249,7 +257,7 @@ std::vector<double> ExplorationGuide::size_bonuses(Cell robot) {
     const auto counted = static_cast<double>(f.cells.size()) - f.suppressed_cells;
     bonus.push_back(options_.kappa * std::log1p(counted * detector_.frame().resolution));
   }
-  if (options_.kappa_area == 0.0 || rules_ != Rules::kStrict) return bonus;
+  if (options_.kappa_area == 0.0 || search_ != Search::kOrdinary) return bonus;
   const std::vector<double> area = area_.measure(traversability_, frontiers, suppressed_);
   const TraversabilityOptions& t = options_.traversability;
   const double room =
@@ -288,7 +296,7 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
   if (attention.blocked && attention.blocked->allFinite()) {
     const Eigen::Vector2d ahead = p + kBlockedAhead * *attention.blocked;
     const Cell at = traversability_.frame().cell(ahead.x(), ahead.y());
-    if (traversability_.frame().contains(at)) traversability_.close(at, kGapRadius);
+    if (traversability_.frame().contains(at)) traversability_.close(at, kPassageRadius);
   }
   detector_.update(traversability_);
   if (!restarted_) {
@@ -336,6 +344,7 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
     }
 
     guidance->target.reset();
+    guidance->facts = {};
     std::optional<std::pair<int, Cell>> target;
     double value = 0.0;
     if (field_.anchor_reached()) {
@@ -348,17 +357,25 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
         const Eigen::Vector2d to = frame.center(source.sees);
         guidance->target = FrontierTarget{source.frontier, from, to,
                                           std::atan2(to.y() - from.y(), to.x() - from.x())};
+        const auto at = static_cast<std::size_t>(source.frontier);
+        const auto counted =
+            static_cast<double>(frontiers[at].cells.size()) - frontiers[at].suppressed_cells;
+        guidance->facts.target = true;
+        guidance->facts.target_length = counted * frame.resolution;
+        guidance->facts.target_worth =
+            bonus[at] - (source.frontier == current ? options_.memory.hysteresis : 0.0);
       }
     }
     const double explored = traversability_.explored_area();
     if (explored == 0.0) {
-      guidance->advice = Advice::kPlan;  // nothing seen yet is not everything seen
-      again = false;
+      again = false;  // nothing seen yet is not everything seen
     } else {
       const int given_up = memory_.given_up();
-      guidance->advice =
-          memory_.decide(frontiers, frame, target, p, value, explored, stamp, &again);
-      if (rules_ == Rules::kGaps && memory_.given_up() > given_up) close_gap();
+      const FrontierMemory::Verdict verdict =
+          memory_.judge(frontiers, frame, target, p, value, explored, stamp);
+      again = verdict == FrontierMemory::Verdict::kAskAgain;
+      guidance->facts.exhausted = verdict == FrontierMemory::Verdict::kNothingLeft;
+      if (search_ == Search::kNarrowPassages && memory_.given_up() > given_up) close_passage();
     }
   }
 
@@ -368,7 +385,9 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
   mark_reachable(guidance->frontiers);
   guidance->cost_to_go = field_.window();
   guidance->explored_area = traversability_.explored_area();
-  guidance->stalled_for = memory_.stalled_for();
+  guidance->facts.stalled_for = memory_.progress().stalled_for();
+  guidance->facts.stalled = memory_.progress().stalled();
+  guidance->facts.way_left = way_left();
   guidance->retries_used = memory_.retries_used();
   guidance->suppressed_cells = memory_.suppressed_count();
   return guidance;

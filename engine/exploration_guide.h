@@ -7,6 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include "engine/behaviour/facts.h"
+#include "engine/behaviour/monitors/exhaustion_monitor.h"
+#include "engine/behaviour/monitors/low_yield_monitor.h"
 #include "engine/cost_to_go.h"
 #include "engine/cost_to_go_field.h"
 #include "engine/feature_outlook.h"
@@ -14,7 +17,6 @@
 #include "engine/frontier_memory.h"
 #include "engine/frontiers.h"
 #include "engine/ground_map.h"
-#include "engine/leftovers_clock.h"
 #include "engine/traversability.h"
 #include "models/types.h"
 
@@ -25,15 +27,13 @@ struct ExplorationGuideOptions {
   FrontierOptions frontiers;
   FrontierMemoryOptions memory;
   CostToGoOptions cost_to_go;
-  /// Added to lattice_slack when nothing is reachable any more [m]; see ExplorationGuide.
+  /// Added to lattice_slack where narrow passages are searched [m]; see ExplorationGuide.
   double relaxed_slack = 0.1;
-  /// Smallest frontier then [m], if less than frontiers.min_length: a keyhole may show a room.
+  /// Smallest frontier where short ones are searched [m], if less than frontiers.min_length.
   double relaxed_length = 0.2;
-  /// How often the gaps at which targets were given up are opened again before "done".
+  /// How often the narrow passages at which targets were given up are opened again.
   int reopenings = 1;
-  /// [s] that nothing must have been reachable before "done": time to look all around once.
-  double look_around = 8.0;
-  LeftoversClock::Options leftovers;
+  LowYieldMonitor::Options low_yield;
   double look_length = 2.0;  ///< [m] of travel that a look at a frontier counts as; see below
   double kappa = 0.5;        ///< [m] bonus of a frontier per unit of log(1 + length in m)
   double kappa_area = 0.0;   ///< [m] likewise of log(1 + area in m^2), where there is ample room
@@ -47,7 +47,7 @@ struct GuideAttention {
   bool pursued = true;    ///< it tried to reach the target; false: it had something else to do
   bool got_lost = false;  ///< localization was lost on the way: the target is put off
   /// Direction in W in which the robot does not get on, though the map says so: a disc there is
-  /// impassable from now on, until the rules for gaps change.
+  /// impassable from now on, until another search begins.
   std::optional<Eigen::Vector2d> blocked{};
 };
 
@@ -80,16 +80,10 @@ struct Guidance {
   std::vector<Frontier> frontiers;             ///< all clusters, active or not
   std::shared_ptr<const CostToGo> cost_to_go;  ///< never null
   std::optional<FrontierTarget> target;        ///< none: nothing is reachable
-  Advice advice = Advice::kPlan;
-  double explored_area = 0.0;  ///< [m^2]
-  double stalled_for = 0.0;    ///< [s] without progress
+  FrontierFacts facts;                         ///< what the behaviour is decided by
+  double explored_area = 0.0;                  ///< [m^2]
   int retries_used = 0;
   int suppressed_cells = 0;
-  bool relaxed = false;    ///< narrow gaps count as passable: nothing else is reachable
-  bool abandoned = false;  ///< done although something is left: the time for it is up
-  /// Done, but less is explored than seems: most places where the robot has been are passable, and
-  /// not joined any more to where it is.
-  bool enclosed = false;
   double milliseconds = 0.0;  ///< wall time of the update: a report, not an input to anything
 };
 
@@ -97,7 +91,7 @@ struct Guidance {
 ///
 ///   ExplorationGuide guide(options);
 ///   std::shared_ptr<const Guidance> g = guide.update(*belief.ground, belief.pose, belief.stamp);
-///   problem term: CostToGoTerm(g->cost_to_go);   g->advice == Advice::kDone ends the mission
+///   problem term: CostToGoTerm(g->cost_to_go);   g->facts: what is decided by (behaviour.h)
 ///
 /// V(p) = min_c [D(p, c) - kappa log(1 + l_c) - kappa_area log(1 + A_c)] / v_max [s], l_c the
 /// length of frontier c [m] and A_c the area that it promises [m^2] (frontier_area.h); with the
@@ -105,33 +99,26 @@ struct Guidance {
 /// have ample_room more than the hard constraint asks for (at most comfortable_radius in all), from
 /// the nearest such cell to the robot. Else the robot would turn into the gaps of a narrow building
 /// with half of its corridor unseen, and a robot that errs by centimetres touches something there.
-/// Nor do areas count under the weaker rules below: what is left then is slivers, and what a
-/// drifting estimate drew. Another rule for the bonus may be given. With an outlook, a metre
-/// travelled costs 1 + lambda max(0, 1 - N / N_req) times as much, N the features in view in the
-/// direction of travel (down the field of the step before), and a viewpoint lambda look_length
-/// max(0, 1 - N / N_req) more, N in the direction of what is looked at.
+/// Nor do areas count where short frontiers or narrow passages are searched: what is left then is
+/// slivers, and what a drifting estimate drew. Another rule for the bonus may be given. With an
+/// outlook, a metre travelled costs 1 + lambda max(0, 1 - N / N_req) times as much, N the features
+/// in view in the direction of travel (down the field of the step before), and a viewpoint lambda
+/// look_length max(0, 1 - N / N_req) more, N in the direction of what is looked at.
 ///
-/// Before it says done, the guide asks twice more, under weaker rules:
-///   1. keyholes: frontiers count from relaxed_length on. What a keyhole shows is a short frontier,
-///      whatever lies behind it.
-///   2. gaps: those count as passable that are up to twice relaxed_slack narrower than the hard
-///      constraint asks for, and what was given up is tried again: walls drawn twice by a drifting
-///      estimate close real doors, and a look from near opens them. What may be driven is decided
-///      by the certificate, not here: a gap at which a target is given up is closed, else every
-///      frontier behind it would be tried in turn; before "done" all gaps are opened again, and
-///      everything is tried again, `reopenings` times.
-/// It goes back to the first rules once retry_area was newly explored, twice that the next time.
+/// When nothing is reachable, it asks on in the same update as the table of searches says
+/// (search.h):
+///   short frontiers: those count from relaxed_length on.
+///   narrow passages: those count as passable that are up to twice relaxed_slack narrower than the
+///      hard constraint asks for, and what was given up is tried again: a look from near opens
+///      doors that a drifting estimate has closed. What may be driven is decided by the
+///      certificate, not here: a passage at which a target is given up is closed, else every
+///      frontier behind it would be tried in turn; before nothing is left all are opened again,
+///      and everything is tried again, `reopenings` times.
+/// It goes back to ordinary ones once retry_area was newly explored, twice that the next time.
 ///
-/// For all this there is a LeftoversClock, which begins when the strict rules lead nowhere; when it
-/// is up, the guide says done (Guidance::abandoned).
-///
-/// It says done only when nothing has been reachable for look_around, and advises kLookAround till
-/// then: a cell that noise fills in a narrow passage must not end a mission, and a turn on the spot
-/// clears it.
-///
-/// An estimate that drifts can also draw the robot in: then nothing is reachable, but it is not
-/// everything explored. So the guide keeps the places where the robot has been, and says enclosed
-/// when it is done and cut off from most of them.
+/// An estimate that drifts can draw the robot in: then nothing is reachable, but it is not
+/// everything explored. So the guide keeps the places where the robot has been, and facts.cut_off
+/// says whether most of those that are passable are not joined any more to where it is.
 ///
 /// A robot that is lost does not extend its map, and one that recovers does not drive to its
 /// target: the attention says so, else frontiers are given up that nobody has tried.
@@ -163,14 +150,14 @@ class ExplorationGuide {
                                  const BonusRule& rule);
   std::vector<double> size_bonuses(Cell robot);
   std::vector<double> bonuses(const BonusQuestion& question, const BonusRule& rule);
-  enum class Rules { kStrict, kKeyholes, kGaps };  // each weaker than the one before
-  void restart(Rules rules);
+  void restart(Search search);
   void count_along_travel(const FeatureOutlook& outlook);
-  void close_gap();
+  void close_passage();
   void flood(Cell start, double room = 0.0);
   Cell nearest_with(double room, Cell start);
   void mark_reachable(std::vector<Frontier>& frontiers);
-  bool is_enclosed();
+  bool is_cut_off();
+  double way_left() const;
 
   ExplorationGuideOptions options_;
   Traversability traversability_;
@@ -178,20 +165,19 @@ class ExplorationGuide {
   FrontierMemory memory_;
   FrontierArea area_;
   CostToGoField field_;
-  LeftoversClock leftovers_;
+  LowYieldMonitor low_yield_;
+  ExhaustionMonitor exhaustion_;
   Grid<std::uint8_t> suppressed_;
   Grid<float> along_travel_;             // features seen in the direction of travel, by cell
   std::vector<std::uint8_t> component_;  // 1: of the last flood; by cell
   std::vector<int> stack_;
   std::vector<Eigen::Vector2d> been_;  // where the robot was while it was not lost, in W [m]
-  Rules rules_ = Rules::kStrict;
-  bool restarted_ = false;  // every known cell will seem new
-  double relaxed_explored_ = 0.0;
-  std::optional<double> nothing_since_;  // [s] no target, and no retry either
-  double updated_at_ = 0.0;              // [s]
-  bool gap_closed_ = false;              // since the last restart
-  int reopenings_ = 0;                   // since the strict rules were left
-  double relaxed_area_ = 0.0;            // [m^2] newly explored that restores the strict rules
+  Search search_ = Search::kOrdinary;
+  bool restarted_ = false;          // every known cell will seem new
+  double ordinary_explored_ = 0.0;  // [m^2] when ordinary frontiers were left
+  bool passage_closed_ = false;     // since the last restart
+  int reopenings_ = 0;              // since ordinary frontiers were left
+  double new_ground_ = 0.0;         // [m^2] newly explored that leads back to them
   std::shared_ptr<const Guidance> last_;
 };
 

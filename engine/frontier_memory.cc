@@ -25,7 +25,7 @@ double distance(Cell a, Cell b, double resolution) {
 }  // namespace
 
 FrontierMemory::FrontierMemory(const FrontierMemoryOptions& options)
-    : options_(options), retry_area_(options.retry_area) {
+    : options_(options), progress_(options.progress), retry_area_(options.retry_area) {
   const auto& o = options_;
   const auto positive = [](const char* name, double value) {
     check_parameter(value > 0.0 && value < 1e6, "frontier memory", name, value,
@@ -49,12 +49,6 @@ FrontierMemory::FrontierMemory(const FrontierMemoryOptions& options)
                   "reactivations", o.reactivations, "0 to 1000000");
   check_parameter(o.reactivation_cells >= 0 && o.reactivation_cells <= 50, "frontier memory",
                   "reactivation_cells", o.reactivation_cells, "0 to 50");
-  positive("script_after", o.script_after);
-  check_parameter(o.deactivate_after > o.script_after && o.deactivate_after < 1e6,
-                  "frontier memory", "deactivate_after", o.deactivate_after,
-                  "more than script_after");
-  positive("progress_distance", o.progress_distance);
-  positive("progress_area", o.progress_area);
   check_parameter(o.retries >= 0 && o.retries <= 1000, "frontier memory", "retries", o.retries,
                   "0 to 1000");
   positive("retry_area", o.retry_area);
@@ -129,12 +123,6 @@ void FrontierMemory::forgive() {
   suppressed_count_ = 0;
 }
 
-void FrontierMemory::hold_clock(double stamp) {
-  if (!progress_stamp_ || !(stamp > decided_at_)) return;
-  *progress_stamp_ += stamp - decided_at_;
-  decided_at_ = stamp;
-}
-
 void FrontierMemory::suppress_about(Cell target, const std::vector<Cell>& cells,
                                     double resolution) {
   for (const Cell c : cells) {
@@ -151,7 +139,7 @@ void FrontierMemory::put_off_target(const std::vector<Frontier>& frontiers, cons
   if (current < 0) return;
   suppress_about(*target_, frontiers[static_cast<std::size_t>(current)].cells, frame.resolution);
   target_.reset();
-  scripting_ = false;
+  progress_.target_dropped();
   const auto here = std::count_if(losses_.begin(), losses_.end(), [&](const Eigen::Vector2d& p) {
     return (p - position).norm() <= options_.loss_radius;
   });
@@ -192,22 +180,14 @@ int FrontierMemory::current_target(const std::vector<Frontier>& frontiers,
   return best;
 }
 
-Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const GridFrame& frame,
-                              std::optional<std::pair<int, Cell>> target,
-                              const Eigen::Vector2d& position, double value, double explored,
-                              double stamp, bool* sources_changed) {
-  *sources_changed = false;
-  const bool first = !progress_stamp_.has_value();
-  // A clock that jumps back must not freeze the watchdog.
-  if (first || stamp < *progress_stamp_) progress_stamp_ = stamp;
-  decided_at_ = stamp;
-  if (first) {
-    progress_explored_ = explored;
-    retry_explored_ = explored;
-    best_value_ = value;
-    progress_position_ = position;
-  }
-  if (explored - retry_explored_ >= retry_area_) {
+FrontierMemory::Verdict FrontierMemory::judge(const std::vector<Frontier>& frontiers,
+                                              const GridFrame& frame,
+                                              std::optional<std::pair<int, Cell>> target,
+                                              const Eigen::Vector2d& position, double value,
+                                              double explored, double stamp) {
+  progress_.begin(stamp, position, explored, value);
+  if (!retry_explored_) retry_explored_ = explored;
+  if (explored - *retry_explored_ >= retry_area_) {
     retry_explored_ = explored;
     if (retries_used_ > 0) retry_area_ *= 2.0;
     retries_used_ = 0;
@@ -216,56 +196,28 @@ Advice FrontierMemory::decide(const std::vector<Frontier>& frontiers, const Grid
 
   if (!target) {
     target_.reset();
-    scripting_ = false;
-    progress_stamp_ = stamp;
-    stalled_for_ = 0.0;
+    progress_.no_target();
     // Cells not seen to fail have nothing to be forgiven: without suppressed ones a retry would be
     // the same question again.
-    if (suppressed_count_ == 0 || retries_used_ >= options_.retries) return Advice::kDone;
+    if (suppressed_count_ == 0 || retries_used_ >= options_.retries) return Verdict::kNothingLeft;
     forgive();
     ++retries_used_;
-    *sources_changed = true;
-    return Advice::kPlan;
+    return Verdict::kAskAgain;
   }
 
   const Cell cell = target->second;
   const bool same = target_ && distance(cell, *target_, frame.resolution) <= options_.target_radius;
-  if (!same) {
-    scripting_ = false;
-    best_value_ = value;
-  }
   target_ = cell;
-  // A way that has become longer (a door turned out closed) is measured anew, on the same clock.
-  if (value > best_value_ + 2.0 * options_.progress_distance) best_value_ = value;
-  if (value <= best_value_ - options_.progress_distance &&
-      (position - progress_position_).norm() >= options_.progress_distance) {
-    best_value_ = value;
-    progress_stamp_ = stamp;
-    progress_position_ = position;
-  }
-  if (explored - progress_explored_ >= options_.progress_area) {
-    progress_explored_ = explored;
-    progress_stamp_ = stamp;
-    scripting_ = false;
-  }
-  stalled_for_ = stamp - *progress_stamp_;
+  progress_.update(same, position, value, explored);
+  if (!progress_.hopeless()) return Verdict::kPursue;
 
-  if (stalled_for_ >= options_.deactivate_after - 1e-9) {
-    const auto k = static_cast<std::size_t>(target->first);
-    if (k < frontiers.size()) {
-      suppress_about(cell, frontiers[k].cells, frame.resolution);
-      *sources_changed = true;
-    }
-    ++given_up_;
-    target_.reset();
-    scripting_ = false;
-    progress_stamp_ = stamp;
-    progress_explored_ = explored;
-    stalled_for_ = 0.0;
-    return Advice::kPlan;
-  }
-  if (stalled_for_ >= options_.script_after - 1e-9) scripting_ = true;
-  return scripting_ ? Advice::kGoAndFace : Advice::kPlan;
+  progress_.given_up(explored);
+  ++given_up_;
+  target_.reset();
+  const auto k = static_cast<std::size_t>(target->first);
+  if (k >= frontiers.size()) return Verdict::kPursue;
+  suppress_about(cell, frontiers[k].cells, frame.resolution);
+  return Verdict::kAskAgain;
 }
 
 }  // namespace prospect

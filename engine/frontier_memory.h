@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/behaviour/monitors/progress_monitor.h"
 #include "engine/frontiers.h"
 #include "engine/grid.h"
 #include "models/types.h"
@@ -26,11 +27,8 @@ struct FrontierMemoryOptions {
   /// How often a change of known cells (free to occupied or back) may forgive a cell: noise flips
   /// cells for ever. What newly became known always does.
   int reactivations = 2;
-  double script_after = 3.0;       ///< [s] without progress: go and face the target by script
-  double deactivate_after = 8.0;   ///< [s] without progress: the target is suppressed
-  double progress_distance = 0.2;  ///< [m] fall of the cost-to-go that counts as progress
-  double progress_area = 0.1;      ///< [m^2] newly explored that counts as progress
-  int retries = 2;                 ///< times that everything is reactivated before "done"
+  ProgressMonitor::Options progress;  ///< a hopeless target is suppressed
+  int retries = 2;                    ///< times that everything is reactivated before "done"
   /// [m^2] newly explored that restores the retries; twice as much each time they are restored.
   double retry_area = 1.0;
   /// Losses of localization that give a retry back, so that they do not use them up: a target put
@@ -40,15 +38,6 @@ struct FrontierMemoryOptions {
   /// from there loses its localization again, for ever.
   int loss_retries_here = 3;
   double loss_radius = 0.5;
-};
-
-/// What the mission is told to do about its frontiers.
-enum class Advice {
-  kPlan,        ///< go on planning
-  kGoAndFace,   ///< no progress for script_after: drive to the target's viewpoint and face it by
-                ///< script
-  kLookAround,  ///< nothing is reachable just now: turn on the spot, the map may say otherwise then
-  kDone         ///< no active reachable frontier is left, after all retries
 };
 
 /// What was learned about frontiers from one planning step to the next. Pure logic on cells; the
@@ -61,18 +50,15 @@ enum class Advice {
 ///   and field of view of the pose, joined to it by a line of sight.
 /// * Hysteresis: the frontier that holds the cell nearest the last target, within target_radius,
 ///   has `hysteresis` metres of head start.
-/// * Stall watchdog: progress is progress_area newly explored, or a fall of the cost-to-go at the
-///   robot by progress_distance under its least value for this target while the robot has moved as
-///   far: a cell that noise opens and closes moves the cost-to-go of a robot that stands. Without
-///   any for script_after: kGoAndFace; for deactivate_after: all cells of the target are
-///   suppressed.
-/// * Before "done" everything is reactivated (forgive()), `retries` times; retry_area explored
+/// * A target towards which the robot makes no progress (ProgressMonitor) and that is hopeless: all
+///   its cells are suppressed.
+/// * Before nothing is left everything is reactivated (forgive()), `retries` times; retry_area
+/// explored
 ///   restores the retries, twice that the next time and so on: a map that noise widens for ever
 ///   would give retries for ever.
 ///
 /// Deterministic. Thread-safety: none (one mission, one thread). Never throws after construction.
-/// Source: formulation, section 6; the prototype's constants; what counts as progress is our
-/// choice.
+/// Source: formulation, section 6; the prototype's constants.
 class FrontierMemory {
  public:
   /// Throws std::invalid_argument naming the option, its value and what was expected.
@@ -92,7 +78,7 @@ class FrontierMemory {
 
   /// The time since the last decide(), up to `stamp` [s], does not count as standing still: the
   /// robot had something else to do than to reach its target.
-  void hold_clock(double stamp);
+  void hold_clock(double stamp) { progress_.hold(stamp); }
 
   /// Suppresses the cells about the target (target_radius): the way to it, or the look at it, cost
   /// the robot, which is at `position` in W [m], its localization. Others come first then; it is
@@ -109,20 +95,24 @@ class FrontierMemory {
   /// Index of the frontier that is the current target, -1 for none: it gets the head start.
   int current_target(const std::vector<Frontier>& frontiers, const GridFrame& frame) const;
 
+  enum class Verdict {
+    kPursue,      ///< the target stands
+    kAskAgain,    ///< cells were suppressed or reactivated: the cost-to-go must be computed again,
+                  ///< then judge() called with the result
+    kNothingLeft  ///< no active frontier is reachable, after all retries
+  };
   /// After the cost-to-go is known. target: frontier index and cell it leads the robot to, if any
   /// frontier is reachable; position of the robot in W [m]; value [m]: cost-to-go there without the
-  /// head start; explored [m^2]. Returns what to do; if it has suppressed or reactivated cells,
-  /// `sources_changed` is set and the cost-to-go must be computed again (then call again with the
-  /// result).
-  Advice decide(const std::vector<Frontier>& frontiers, const GridFrame& frame,
+  /// head start; explored [m^2].
+  Verdict judge(const std::vector<Frontier>& frontiers, const GridFrame& frame,
                 std::optional<std::pair<int, Cell>> target, const Eigen::Vector2d& position,
-                double value, double explored, double stamp, bool* sources_changed);
+                double value, double explored, double stamp);
 
   int retries_used() const { return retries_used_; }
   /// [m^2] newly explored that restores the retries next.
   double retry_area() const { return retry_area_; }
-  /// [s] since the last progress, at the last decide().
-  double stalled_for() const { return stalled_for_; }
+  /// At the last judge().
+  const ProgressMonitor& progress() const { return progress_; }
   /// Targets given up because no progress was made towards them, so far.
   int given_up() const { return given_up_; }
   std::optional<Cell> target_cell() const { return target_; }
@@ -141,18 +131,12 @@ class FrontierMemory {
   int suppressed_count_ = 0;
   std::optional<double> last_look_;
   std::optional<Cell> target_;
-  std::optional<double> progress_stamp_;
-  double decided_at_ = 0.0;  // stamp of the last decide()
-  Eigen::Vector2d progress_position_ = Eigen::Vector2d::Zero();
-  double best_value_ = 0.0;
-  double progress_explored_ = 0.0;
-  double retry_explored_ = 0.0;
+  ProgressMonitor progress_;
+  std::optional<double> retry_explored_;
   double retry_area_ = 0.0;
   int retries_used_ = 0;
   std::vector<Eigen::Vector2d> losses_;  // where the losses were that gave a retry back
-  double stalled_for_ = 0.0;
   int given_up_ = 0;
-  bool scripting_ = false;  // kGoAndFace was advised for the present target
 };
 
 }  // namespace prospect

@@ -24,10 +24,10 @@ std::string_view to_string(MissionEnd end) {
   switch (end) {
     case MissionEnd::kExplored:
       return "explored";
-    case MissionEnd::kAbandoned:
-      return "leftovers given up";
-    case MissionEnd::kEnclosed:
-      return "enclosed";
+    case MissionEnd::kYieldTooLow:
+      return "yield too low";
+    case MissionEnd::kUnreachable:
+      return "unreachable";
     case MissionEnd::kTimeLimit:
       return "time limit";
     case MissionEnd::kLost:
@@ -83,14 +83,11 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
     guard_stops = 0;
     guard_reason = GuardReason::kPassed;
     if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
-    if (guidance && guidance->advice == Advice::kDone) {
-      result.end = guidance->enclosed    ? MissionEnd::kEnclosed
-                   : guidance->abandoned ? MissionEnd::kAbandoned
-                                         : MissionEnd::kExplored;
-      result.detail = guidance->enclosed
-                          ? "walls as drawn cut the robot off from most places it came through"
-                      : guidance->abandoned ? "the time for what is left to see is up"
-                                            : "no active reachable frontier is left";
+    if (plan.mode.kind == ModeKind::kDone) {
+      result.end = plan.mode.cause == Cause::kUnreachable   ? MissionEnd::kUnreachable
+                   : plan.mode.cause == Cause::kYieldTooLow ? MissionEnd::kYieldTooLow
+                                                            : MissionEnd::kExplored;
+      result.detail = plan.why;
       return result;
     }
 

@@ -11,9 +11,9 @@
 namespace prospect {
 
 enum class MissionEnd {
-  kExplored,   ///< no active reachable frontier is left
-  kAbandoned,  ///< something is left, but the time for leftovers is up (ExplorationGuide)
-  kEnclosed,   ///< the guide is done, but the robot is cut off from most places it came through
+  kExplored,     ///< no active reachable frontier is left
+  kYieldTooLow,  ///< something is left that has shown too little for too long (LowYieldMonitor)
+  kUnreachable,  ///< nothing is left, but the robot is cut off from most places it came through
   kTimeLimit,
   kLost,  ///< localization was lost and did not come back
   kCancelled
@@ -47,7 +47,7 @@ struct MissionResult {
   int guard_stops = 0;  ///< commands that the guard replaced
 };
 
-/// Explores until nothing is left or time is up:
+/// Explores until the plan's mode is done or time is up:
 ///   sense -> plan -> for each committed stage: sense, guard, apply.
 /// Every command passes the guard with the newest belief. `observe` (may be empty) is called after
 /// each planning step; `cancelled` (may be empty) is asked before each. The last command is a stop.

@@ -10,10 +10,6 @@ std::string_view to_string(PlanKind kind) {
       return "seed";
     case PlanKind::kStoppingTail:
       return "stopping tail";
-    case PlanKind::kRecovery:
-      return "recovery";
-    case PlanKind::kScripted:
-      return "scripted";
   }
   return "?";
 }

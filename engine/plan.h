@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/behaviour/caution.h"
+#include "engine/behaviour/mode.h"
 #include "engine/solver.h"
 #include "models/types.h"
 
@@ -12,12 +14,9 @@ namespace prospect {
 
 /// What a plan is made of.
 enum class PlanKind {
-  kOptimised,     ///< polished by the solver, certified
-  kSeed,          ///< a seed scored best or the polished ones failed the certificate; certified
-  kStoppingTail,  ///< nothing new could be certified: braking to rest
-  kRecovery,  ///< localization is lost or degraded: turning or retreating to where features are;
-              ///< or the robot does not follow its commands: turning away
-  kScripted   ///< the stall watchdog's go-and-face
+  kOptimised,    ///< polished by the solver, certified
+  kSeed,         ///< a seed scored best or the polished ones failed the certificate; certified
+  kStoppingTail  ///< nothing new could be certified: braking to rest
 };
 
 std::string_view to_string(PlanKind kind);
@@ -31,6 +30,16 @@ struct PlanTimes {
   double polish = 0.0;     ///< the solver
   double certify = 0.0;
   double total = 0.0;
+};
+
+/// One of the best candidates of a planning step, and what became of it.
+struct PlanCandidate {
+  std::string name;       ///< of the seed
+  bool polished = false;  ///< by the solver
+  double cost = 0.0;      ///< its lower bound, if only scored
+  double violation = 0.0;
+  Eigen::VectorXd z;    ///< the problem's variables
+  std::string verdict;  ///< "executed", "not tried", or why the certificate refused it
 };
 
 /// One planning step's result. Always executable: `commands` are finite, within the model's limits
@@ -56,8 +65,14 @@ struct Plan {
   int seeds_scored = 0;
   PlanTimes times;
 
+  Mode mode;                           ///< what the robot does, and why
+  Caution caution = Caution::kNormal;  ///< which distances it keeps
+  std::string why;                     ///< the same in a sentence, with numbers
+  /// The best five, and the one executed, in the order in which they were to be tried.
+  std::vector<PlanCandidate> candidates;
+
   bool has_active_frontier = false;  ///< some active frontier is reachable
-  std::string detail;                ///< why, in one sentence
+  std::string detail;                ///< why it is a stop, in one sentence
 };
 
 }  // namespace prospect

@@ -10,11 +10,13 @@
 #include <string>
 
 #include "engine/admissible_inputs.h"
-#include "engine/blocked_motion.h"
+#include "engine/behaviour/mode_policy.h"
+#include "engine/behaviour/monitors/following_monitor.h"
+#include "engine/behaviour/monitors/localization_monitor.h"
+#include "engine/behaviour/monitors/stuck_monitor.h"
 #include "engine/certificate.h"
 #include "engine/exploration_targets.h"
 #include "engine/feature_outlook.h"
-#include "engine/impasse.h"
 #include "engine/landmark_selection.h"
 #include "engine/limited_twist.h"
 #include "engine/local_texture.h"
@@ -82,10 +84,11 @@ void check(const PlannerParameters& p) {
                                     {"desired_speed", p.desired_speed},
                                     {"deadline", p.deadline},
                                     {"unknown_attenuation", p.unknown_attenuation},
-                                    {"recovery_time", p.recovery_time},
-                                    {"recovery_turn", p.recovery_turn},
-                                    {"recovery_pause", p.recovery_pause},
-                                    {"recovery_patience", p.recovery_patience},
+                                    {"behaviour.retreat_time", p.behaviour.retreat_time},
+                                    {"behaviour.turn_time", p.behaviour.turn_time},
+                                    {"behaviour.retreat_pause", p.behaviour.retreat_pause},
+                                    {"behaviour.lost_patience", p.behaviour.lost_patience},
+                                    {"behaviour.look_around", p.behaviour.look_around},
                                     {"drift_margin", p.drift_margin},
                                     {"drift_limit", p.drift_limit},
                                     {"lost_margin", p.lost_margin},
@@ -132,11 +135,8 @@ struct Planner::Impl {
   RobotDescription robot;
   PlannerParameters parameters;
   std::shared_ptr<const Solver> solver;
-  std::optional<Certifier> certifier;
-  std::optional<Certifier> close_certifier;    // when nothing else is reachable
-  std::optional<Certifier> lost_certifier;     // while lost
-  std::optional<Certifier> impasse_certifier;  // in an impasse
-  std::optional<Certifier> guard_certifier;    // as the guard will ask
+  std::vector<Certifier> certifiers;         // by Caution
+  std::optional<Certifier> guard_certifier;  // as the guard will ask
   ExplorationGuide guide;
   std::optional<FeatureOutlook> outlook;  // if the cost-to-go is weighted by it
   VerticalExtent slice{0.0, 0.0};         // of the body, in W
@@ -156,26 +156,24 @@ struct Planner::Impl {
   Eigen::MatrixXd last_inputs;  // nu x N of the last plan
   double last_stamp = 0.0;
   RetreatTrail trail;
-  BlockedMotion motion;
+  LocalizationMonitor localization;
+  FollowingMonitor following;
+  StuckMonitor stuck;
   SurfaceDrift drift;
-  Impasse impasse;
-  bool was_lost = false;
-  bool recovering = false;
-  double recovery_started = 0.0;
-  double turning_until = 0.0;        // a robot that is still lost turns on the spot
-  double turning_away_until = 0.0;   // so does one that is blocked
-  bool good_since_recovery = false;  // localization was, at or after the end of the last one
-  double last_not_lost = -1e300;
-  double paused_until = -1e300;
+  Behaviour behaviour;
+  ModeKind acting = ModeKind::kExplore;  // whose policy the plan of this step follows
+  Facts facts;                           // of this step
+  Caution caution = Caution::kNormal;    // in this step
 
-  static PlannerParameters with_guide_options(const RobotDescription& r, PlannerParameters p) {
+  static PlannerParameters completed(const RobotDescription& r, PlannerParameters p) {
     p.guide = guide_options_for(r, p);
+    p.behaviour.turn_away_time = M_PI / r.model->max_yaw_rate();
     return p;
   }
 
   Impl(RobotDescription r, PlannerParameters p, std::shared_ptr<const Solver> s)
       : robot(std::move(r)),
-        parameters(with_guide_options(robot, std::move(p))),
+        parameters(completed(robot, std::move(p))),
         solver(std::move(s)),
         guide(parameters.guide) {
     if (!solver) throw std::invalid_argument("planner: no solver; expected one");
@@ -189,22 +187,19 @@ struct Planner::Impl {
     const double z = robot.model->pose_layout().fixed_z;
     slice = {extent.z_min + z, extent.z_max + z};
     Certifier::Options options;
-    options.margin = parameters.certificate_margin;
-    options.held = 1.0;
-    options.drift_margin = parameters.drift_margin;
     options.drift_limit = parameters.drift_limit;
     options.unknown = parameters.unknown;
     options.slice = slice;
-    certifier.emplace(robot.shape, options);
-    options.margin = std::max(parameters.certificate_margin, parameters.lost_margin);
-    options.drift_margin = 0.0;
-    lost_certifier.emplace(robot.shape, options);
-    options.drift_margin = parameters.drift_margin;
-    options.margin = 0.5 * parameters.certificate_margin;
-    close_certifier.emplace(robot.shape, options);
-    options.held = 0.0;
-    impasse_certifier.emplace(robot.shape, options);
+    for (const Caution kind : kCautions) {
+      const CautionPolicy& rules = policy(kind);
+      options.margin = rules.margin * parameters.certificate_margin;
+      if (kind == Caution::kLost) options.margin = std::max(options.margin, parameters.lost_margin);
+      options.held = rules.held;
+      options.drift_margin = rules.drift_margin ? parameters.drift_margin : 0.0;
+      certifiers.emplace_back(robot.shape, options);
+    }
     options.margin = parameters.guard_margin();
+    options.held = 0.0;
     options.unknown = UnknownPolicy::kFree;
     guard_certifier.emplace(robot.shape, options);
     reach = robot.model->max_speed() * parameters.N * parameters.dt;
@@ -216,30 +211,10 @@ struct Planner::Impl {
   }
 
   Plan plan(const Belief& belief, const StopCondition& stop);
-  void update_recovery(const Belief& belief);
-  std::optional<Eigen::Vector2d> update_motion(const Belief& belief);
-  /// Whether gaps are tried that are narrower than d_safe asks for. Not by a robot that is lost:
-  /// its map does not follow where the drift takes it.
-  bool squeezing(const Belief& belief) const {
-    return guidance->relaxed && belief.localization != Localization::kLost;
-  }
-  /// Whose surfaces the soft cost keeps off; null: none. A robot that is lost drifts fast against
-  /// all that it does not see: kept off that as well, it would not get out of where it got lost.
-  /// Nor would one get out of an impasse.
-  const SurfaceDrift* minded_drift(const Belief& belief) const {
-    return belief.localization == Localization::kLost || in_impasse() ? nullptr : &drift;
-  }
-  /// Not while narrow gaps are tried: a robot that is stuck in one had better give it up than creep
-  /// on. In fr_079 one touched a wall that way, with a map half a metre off.
-  bool in_impasse() const { return impasse.inside() && !guidance->relaxed; }
-  /// What a motion has to pass. In an impasse no more is asked than that nothing is touched, on
-  /// the map as it is; of a robot that is lost, that it drives where it looks.
-  const Certifier& motion_certifier(const Belief& belief) const {
-    const bool lost = belief.localization == Localization::kLost;
-    if (lost && parameters.lost_margin > 0.0) return *lost_certifier;
-    if (in_impasse()) return *impasse_certifier;
-    if (lost) return *lost_certifier;
-    return squeezing(belief) ? *close_certifier : *certifier;
+  /// The facts that do not depend on the frontiers.
+  void update_facts(const Belief& belief);
+  const SurfaceDrift* minded_drift() const {
+    return policy(caution).drift_in_cost ? &drift : nullptr;
   }
   double unseen_density(const Belief& belief) const {
     return parameters.feature_prior ? belief.landmarks->feature_density : 0.0;
@@ -275,45 +250,22 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
   return options;
 }
 
-void Planner::Impl::update_recovery(const Belief& belief) {
-  const double enough = kEnoughToGoOn * parameters.features.N_min;
-  const bool good = belief.localization == Localization::kOk && belief.tracked_features >= enough;
-  const bool lost = belief.localization == Localization::kLost;
-  if (!lost) last_not_lost = belief.stamp;
-  if (good) trail.note(belief.pose.position.head<2>());
-  if (recovering) {
-    const bool expired = belief.stamp - recovery_started > parameters.recovery_time;
-    if (good || expired) {
-      recovering = false;
-      good_since_recovery = good;
-      paused_until = belief.stamp + parameters.recovery_pause;
-      turning_until = belief.stamp + (good ? 0.0 : parameters.recovery_turn);
-    }
-    return;
+void Planner::Impl::update_facts(const Belief& belief) {
+  localization.update(belief.stamp, belief.localization);
+  const Eigen::Vector2d position = belief.pose.position.head<2>();
+  facts = {};
+  facts.stamp = belief.stamp;
+  facts.localization = belief.localization;
+  facts.tracked = belief.tracked_features;
+  facts.enough_features = belief.localization == Localization::kOk &&
+                          belief.tracked_features >= kEnoughToGoOn * parameters.features.N_min;
+  facts.lost_for = localization.lost_for();
+  facts.not_following_at = following.noticed_at();
+  if (facts.enough_features) trail.note(position, belief.tracked_features);
+  if (!trail.places().empty()) {
+    facts.tracked_at_retreat = trail.tracked_at_newest();
+    facts.retreat_distance = (trail.places().back() - position).norm();
   }
-  good_since_recovery = good_since_recovery || good;
-  // Turning back at once from each loss, a robot never gets across a blank stretch that has no way
-  // round; exploring on while lost, it drifts. So in the pause it explores on, but not for long
-  // unless turning back was of no use.
-  const bool paused = belief.stamp < paused_until;
-  const bool patient =
-      !good_since_recovery || belief.stamp - last_not_lost <= parameters.recovery_patience;
-  const bool needed = belief.localization != Localization::kOk && (!paused || (lost && !patient));
-  if (needed) {
-    recovering = true;
-    recovery_started = belief.stamp;
-  }
-}
-
-/// The direction in which the robot does not get on, if there is one: it turns away from there.
-std::optional<Eigen::Vector2d> Planner::Impl::update_motion(const Belief& belief) {
-  if (!belief.command || belief.localization == Localization::kLost) {
-    motion.reset();
-    return std::nullopt;
-  }
-  const auto direction = motion.update(belief.stamp, belief.pose, *belief.command);
-  if (direction) turning_away_until = belief.stamp + M_PI / robot.model->max_yaw_rate();
-  return direction;
 }
 
 /// What is in view now counts as it is tracked.
@@ -359,7 +311,7 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   r->clearance_field.slice = slice;
   r->clearance_field.reach = reach + 1.0;
   r->clearance_field.cutoff = std::max(0.8, radius + p.d_des + 0.2 + p.drift_margin);
-  const SurfaceDrift* minded = minded_drift(belief);
+  const SurfaceDrift* minded = minded_drift();
   const double drifted =
       minded == nullptr
           ? 0.0
@@ -367,7 +319,7 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
                                                         radius + p.d_des + p.drift_margin));
   r->d_safe = p.d_safe + drifted;
   r->d_des = p.d_des + drifted;
-  r->clearance.d_safe = squeezing(belief) ? 0.0 : p.d_safe;
+  r->clearance.d_safe = policy(caution).hard_clearance ? p.d_safe : 0.0;
   r->clearance.floor = std::min(r->clearance.floor, r->clearance.d_safe);
   r->unknown = p.unknown;
   r->unknown_d_safe = p.d_safe;
@@ -422,19 +374,17 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   r->target_lattice = SensorLattice::around(T_WB * robot.depth_mount.T_BC.translation(),
                                             reach + depth_offset, p.visibility_lattice, vertical);
 
+  const ModePolicy& rules = policy(acting);
+  const double w_e = rules.exploration_weight * p.w_e;
+  const double w_l = rules.features_weight * p.w_l;
   r->cost_to_go = guidance->cost_to_go;
-  double w_e = p.w_e, w_l = p.w_l;
-  if (recovering) {
-    w_e = 0.0;
-    w_l *= 2.0;
+  if (rules.cost_to_go == ModePolicy::CostToGo::kRetreat) {
     const auto retreat =
         trail.cost_to_go(guide.traversability(), belief.pose.position.head<2>(), model.max_speed());
     if (retreat) r->cost_to_go = retreat;
   }
   r->features = p.features;
-  if (recovering) {
-    // What ends a recovery is a number of points, and few that are well placed tell all the
-    // information asked for: a robot would stand before them until its time is up.
+  if (rules.count_features) {
     r->features.criterion = VisibilityCriterion::kCount;
     r->features.N_req = std::max(p.features.N_req, 2.0 * kEnoughToGoOn * p.features.N_min);
   }
@@ -618,19 +568,32 @@ void Planner::Impl::fill(const TrajectoryBatch& t, int committed, Plan& plan) co
 void Planner::Impl::execute_best(const Belief& belief, const std::vector<Candidate>& candidates,
                                  Plan& plan) const {
   constexpr int kAttempts = 10;
+  constexpr std::size_t kReported = 5;
   const int committed =
       std::min(parameters.N,
                std::max(1, static_cast<int>(std::lround(parameters.committed / parameters.dt))));
   const ProblemDefinition& d = problem->definition();
+  const auto report = [&](const Candidate& c, const std::string& verdict, bool always) {
+    if (plan.candidates.size() >= kReported && !always) return;
+    plan.candidates.push_back({c.name, c.result.has_value(), c.cost, c.violation, c.z, verdict});
+  };
   int attempts = 0;
   for (const Candidate& c : candidates) {
+    if (plan.certified) {
+      report(c, "not tried", false);
+      continue;
+    }
     // "stop" is worth a try whatever its rank.
-    if (attempts >= kAttempts && c.name != "stop") continue;
+    if (attempts >= kAttempts && c.name != "stop") {
+      report(c, "not tried", false);
+      continue;
+    }
     ++attempts;
     const TrajectoryBatch t = problem->rollout(c.z);
     const Eigen::MatrixXd inputs = stage_inputs(t).leftCols(committed);
-    Certificate certificate = motion_certifier(belief).certify(
-        belief, *robot.model, d.x0, d.u_previous, inputs, d.dt, in_impasse() ? nullptr : &drift);
+    Certificate certificate = certifiers[static_cast<std::size_t>(caution)].certify(
+        belief, *robot.model, d.x0, d.u_previous, inputs, d.dt,
+        policy(caution).drift ? &drift : nullptr);
     // A start within the larger margin is checked with less of it, and may come closer to an
     // obstacle than the guard allows later on: without the guard's margin the two would disagree
     // for ever.
@@ -641,8 +604,10 @@ void Planner::Impl::execute_best(const Belief& belief, const std::vector<Candida
     }
     if (!certificate.ok()) {
       if (plan.certificate.empty()) plan.certificate = certificate.detail;
+      report(c, certificate.detail, false);
       continue;
     }
+    report(c, "executed", true);
     fill(t, committed, plan);
     plan.kind = c.result ? PlanKind::kOptimised : PlanKind::kSeed;
     plan.certified = true;
@@ -653,8 +618,8 @@ void Planner::Impl::execute_best(const Belief& belief, const std::vector<Candida
                        : (c.violation <= kFeasible ? Quality::kFeasible : Quality::kInfeasible);
     plan.explanation = problem->explain(c.z);
     plan.visible = parts.visible_features->visible(t, 0);
-    return;
   }
+  if (plan.certified) return;
   const std::string why = "no candidate could be certified: " + plan.certificate;
   const Plan halt = stopping_plan(belief, why);
   plan.kind = halt.kind;
@@ -707,25 +672,37 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   }
   plan.solver = solver->name();
 
-  update_recovery(belief);
-  const bool lost_now = belief.localization == Localization::kLost;
-  const bool got_lost = lost_now && !was_lost;
-  const std::optional<Eigen::Vector2d> blocked = update_motion(belief);
-  const bool turning = !recovering && ((lost_now && belief.stamp < turning_until) ||
-                                       belief.stamp < turning_away_until);
-  was_lost = lost_now;
-  impasse.update(belief.stamp, belief.pose.position.head<2>(),
-                 !lost_now && !recovering && !turning);
+  // The direction in which the robot does not get on: it turns away from there.
+  std::optional<Eigen::Vector2d> blocked;
+  if (belief.command && belief.localization != Localization::kLost) {
+    blocked = following.update(belief.stamp, belief.pose, *belief.command);
+  } else {
+    following.reset();
+  }
+  update_facts(belief);
+  const bool lost = belief.localization == Localization::kLost;
+  // What comes before the frontiers in the table tells whether it pursues its target.
+  const ModeKind before_frontiers = decide(behaviour, facts, parameters.behaviour).mode.kind;
+  const bool pursues = policy(before_frontiers).pursues;
+  facts.stuck = stuck.update(belief.stamp, belief.pose.position.head<2>(), !lost && pursues);
   // Without a landmark all ways are alike.
   const bool looks_out = outlook && !belief.landmarks->landmarks.empty();
   const LocalTexture texture(*belief.ground, *belief.landmarks);
   if (looks_out) outlook->update(belief, unseen_density(belief), &texture, workers.get());
   guidance = guide.update(*belief.ground, belief.pose, belief.stamp,
-                          {.looked = !lost_now,
-                           .pursued = !recovering && !turning,
-                           .got_lost = got_lost,
+                          {.looked = !lost,
+                           .pursued = pursues,
+                           .got_lost = localization.got_lost(),
                            .blocked = blocked},
                           looks_out ? &*outlook : nullptr);
+  facts.frontiers = guidance->facts;
+  behaviour = decide(behaviour, facts, parameters.behaviour);
+  // A robot that is done has no target any more, but a retreat or a turn goes on.
+  acting = behaviour.mode.kind == ModeKind::kDone ? before_frontiers : behaviour.mode.kind;
+  caution = caution_for(facts, parameters.lost_margin > 0.0);
+  plan.mode = behaviour.mode;
+  plan.caution = caution;
+  plan.why = describe(behaviour.mode, facts);
   plan.has_active_frontier = guidance->target.has_value();
   plan.times.guide = watch.lap();
   drift.update(belief, robot);
@@ -752,12 +729,11 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
       context.previous = last_inputs.rightCols(last_inputs.cols() - passed);
     }
   }
-  if (turning) context.target.reset();
-  const bool scripted =
-      turning || (!recovering && ((guidance->advice == Advice::kGoAndFace && !lost_now) ||
-                                  guidance->advice == Advice::kLookAround));
+  const ModePolicy::Seeds wanted = policy(acting).seeds;
+  if (wanted == ModePolicy::Seeds::kTurn) context.target.reset();
+  const bool in_order = wanted != ModePolicy::Seeds::kAll;
   const std::vector<Seed> made =
-      scripted ? make_scripted_seeds(*problem, context) : make_seeds(*problem, context);
+      in_order ? make_approach_seeds(*problem, context) : make_seeds(*problem, context);
   std::vector<Candidate> candidates;
   for (const Seed& seed : made) candidates.push_back({seed.name, seed.z, 0.0, 0.0, std::nullopt});
   candidates = measure(std::move(candidates), Evaluate::kScore);
@@ -765,8 +741,8 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   for (const Candidate& c : candidates) seeds.push_back({c.name, c.z});
   plan.counters.cost_evaluations = plan.seeds_scored;
   plan.times.seeds = watch.lap();
-  if (scripted) {
-    // The script is what the optimisation did not find: its first certified entry is taken.
+  if (in_order) {
+    // They are what the optimisation did not find: the first certified one is taken.
     const auto rank = [&](const Candidate& c) {
       const auto at =
           std::find_if(made.begin(), made.end(), [&](const Seed& s) { return s.name == c.name; });
@@ -780,8 +756,6 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   plan.times.polish = watch.lap();
   execute_best(belief, candidates, plan);
   plan.times.certify = watch.lap();
-  if (plan.certified && scripted) plan.kind = PlanKind::kScripted;
-  if (plan.certified && (recovering || turning)) plan.kind = PlanKind::kRecovery;
 
   last_stamp = belief.stamp;
   last_inputs.resize(robot.model->nu(), static_cast<Eigen::Index>(plan.inputs.size()));

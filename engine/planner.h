@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "engine/behaviour/behaviour.h"
 #include "engine/belief.h"
 #include "engine/exploration_guide.h"
 #include "engine/plan.h"
@@ -49,12 +50,12 @@ struct PlannerParameters {
   double guard_margin() const { return 0.25 * certificate_margin; }
   /// How much farther than that surfaces are kept away that may have drifted since they were last
   /// in view (surface_drift.h), at most [m]; 0: none. The soft cost's clearances grow by the drift
-  /// of what is near, too. Not while localization is lost, nor in an impasse (impasse.h).
+  /// of what is near, too. Not while localization is lost, nor while stuck (caution.h).
   double drift_margin = 0.12;
   /// Space that may have drifted by more since it was last in view counts as unknown for the
-  /// certificate [m]; 0: none does. Also while localization is lost; not in an impasse.
+  /// certificate [m]; 0: none does. Also while localization is lost; not while stuck.
   double drift_limit = 0.12;
-  /// The certificate's margin while localization is lost [m], impasse or not; 0: as else.
+  /// The certificate's margin while localization is lost [m], stuck or not; 0: as else.
   double lost_margin = 0.0;
 
   double committed = 0.5;  ///< [s] of a plan that are certified and executed before the next
@@ -88,13 +89,7 @@ struct PlannerParameters {
 
   ExplorationGuideOptions guide;
 
-  /// Recovery: how long one attempt may take, how long a robot that is lost after it turns on the
-  /// spot (a full turn shows all that is to be seen from there), how long after the attempt the
-  /// next one waits, and how long in that pause a robot that got lost anew explores on [s].
-  double recovery_time = 6.0;
-  double recovery_turn = 7.0;
-  double recovery_pause = 20.0;
-  double recovery_patience = 3.0;
+  BehaviourOptions behaviour;  ///< turn_away_time is half a turn of the robot, whatever is set
 };
 
 /// parameters.guide, with what the guide must know about the robot (size, sensor, speed) filled in.
@@ -104,15 +99,17 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
 
 /// One replanning step: Belief in, Plan out.
 ///
-///   seeds -> batch score -> polish the best few -> exact certificate -> else the stopping tail.
+///   facts -> mode -> problem -> seeds -> batch score -> polish the best few
+///         -> exact certificate -> else the stopping tail.
 ///
 /// plan() never throws and always returns an executable plan: its commands are finite, within
 /// limits, and certified with the stop that follows, or they are a stop; the plan says why. All
 /// state from one step to the next (frontier memory, clearance field, occlusion tables, previous
 /// plan) lives here; none of it changes what is safe.
 ///
-/// When localization is degraded or lost, the exploration weight goes to zero and the planner turns
-/// to where most known landmarks should be visible and retreats along where enough were tracked.
+/// What the robot is doing is decided by one table (behaviour/behaviour.h): monitors and maps say
+/// what is, the table says the mode, and a policy what that means for weights, seeds and the
+/// certificate.
 ///
 /// Determinism: with deadline = 0, the same sequence of beliefs gives the same bits.
 /// Thread-safety: one thread a planner. Source: formulation, sections 4 to 8.

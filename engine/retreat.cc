@@ -8,10 +8,11 @@
 
 namespace prospect {
 
-void RetreatTrail::note(const Eigen::Vector2d& position, double spacing) {
+void RetreatTrail::note(const Eigen::Vector2d& position, int tracked, double spacing) {
   if (!position.allFinite()) return;
   if (!places_.empty() && (places_.back() - position).norm() < spacing) return;
   places_.push_back(position);
+  tracked_ = tracked;
 }
 
 std::shared_ptr<const CostToGo> RetreatTrail::cost_to_go(const Traversability& traversability,

@@ -16,9 +16,11 @@ namespace prospect {
 /// formulation asks to "turn and retreat to where features are").
 class RetreatTrail {
  public:
-  /// Notes a place, at most one each `spacing` [m].
-  void note(const Eigen::Vector2d& position, double spacing = 0.3);
+  /// Notes a place and how many features were tracked there, at most one each `spacing` [m].
+  void note(const Eigen::Vector2d& position, int tracked, double spacing = 0.3);
   const std::vector<Eigen::Vector2d>& places() const { return places_; }
+  /// Features tracked at the newest place; 0 without one.
+  int tracked_at_newest() const { return tracked_; }
 
   /// Cost-to-go [s] to the nearest noted place at least `away` metres from the robot (the nearest
   /// one of all if there is none), over the cells within `reach` of the robot: Dijkstra over 8
@@ -30,6 +32,7 @@ class RetreatTrail {
 
  private:
   std::vector<Eigen::Vector2d> places_;
+  int tracked_ = 0;  // at the newest
 };
 
 }  // namespace prospect

@@ -162,7 +162,7 @@ std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context)
   return seeds;
 }
 
-std::vector<Seed> make_scripted_seeds(const Problem& problem, const SeedContext& context) {
+std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext& context) {
   const Laws laws(problem, context);
   std::vector<Seed> seeds;
   const auto add = [&](const std::string& name, const Law& law) {

@@ -44,6 +44,6 @@ std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context)
 /// drive, the last turns towards the next 0.1 m of the way, moved to the middle of gaps
 /// (DescentPath::centre), before each piece of it: a gap that begins beside the robot takes that.
 /// Without a target: turning in place.
-std::vector<Seed> make_scripted_seeds(const Problem& problem, const SeedContext& context);
+std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext& context);
 
 }  // namespace prospect

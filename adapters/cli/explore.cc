@@ -113,9 +113,9 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
     std::printf("  report        %s/report.html\n", folder->path().c_str());
   }
   const bool lost = summary.reason == to_string(MissionEnd::kLost);
-  const bool enclosed = summary.reason == to_string(MissionEnd::kEnclosed);
+  const bool unreachable = summary.reason == to_string(MissionEnd::kUnreachable);
   const bool cancelled = summary.reason == to_string(MissionEnd::kCancelled);
-  return lost || enclosed || cancelled || summary.collisions > 0 || !folder->error().empty()
+  return lost || unreachable || cancelled || summary.collisions > 0 || !folder->error().empty()
              ? kFailed
              : kDone;
 }

@@ -8,6 +8,7 @@
 #include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
 #include "adapters/worlds/builtin_worlds.h"
+#include "engine/behaviour/behaviour.h"
 #include "models/nearest_name.h"
 #include "solvers/options.h"
 
@@ -39,12 +40,13 @@ constexpr TermInfo kTerms[] = {
 }  // namespace
 
 int list(const std::string& what, bool json, const SolverRegistry& registry) {
-  const std::vector<std::string> known = {"solvers", "worlds", "terms", "sets"};
-  if (what.empty())
-    throw InputError("list: nothing named; expected one of: solvers, worlds, terms, sets");
+  const std::vector<std::string> known = {"solvers", "worlds", "terms", "sets", "modes"};
+  if (what.empty()) {
+    throw InputError("list: nothing named; expected one of: solvers, worlds, terms, sets, modes");
+  }
   if (std::find(known.begin(), known.end(), what) == known.end()) {
     throw InputError("list: unknown '" + what + "'" + did_you_mean(what, known) +
-                     "; expected one of: solvers, worlds, terms, sets");
+                     "; expected one of: solvers, worlds, terms, sets, modes");
   }
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   if (what == "solvers") {
@@ -68,6 +70,14 @@ int list(const std::string& what, bool json, const SolverRegistry& registry) {
       out.push_back({{"name", name}, {"description", builtin_world_summary(name)}});
       if (!json) std::printf("%-12s %s\n", name.c_str(), builtin_world_summary(name).c_str());
     }
+  } else if (what == "modes") {
+    for (const ModeRow& row : mode_table()) {
+      out.push_back({{"from", row.from ? to_string(*row.from) : "any"},
+                     {"condition", row.condition},
+                     {"to", to_string(row.to)},
+                     {"cause", row.cause ? to_string(*row.cause) : "as before"}});
+    }
+    if (!json) std::cout << behaviour_tables();
   } else if (what == "sets") {
     for (const std::string& name : builtin_set_names()) {
       out.push_back({{"name", name}, {"description", builtin_set_summary(name)}});

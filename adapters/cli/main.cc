@@ -226,8 +226,8 @@ int run(int argc, char** argv) {
   std::string what;
   bool list_json = false;
   CLI::App* list_command =
-      app.add_subcommand("list", "What there is: solvers, worlds, terms or sets");
-  list_command->add_option("what", what, "solvers, worlds, terms or sets");
+      app.add_subcommand("list", "What there is: solvers, worlds, terms, sets or modes");
+  list_command->add_option("what", what, "solvers, worlds, terms, sets or modes");
   list_command->add_flag("--json", list_json, "Print JSON");
 
   std::string configuration;

@@ -201,13 +201,15 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
                                    "landmarks and motion are uncertain; false: for ablations");
 
   YamlMap r = map.map("recovery");
-  p.recovery_time = r.number("time", p.recovery_time, 0.0, 600.0, "s", "longest single attempt");
-  p.recovery_turn =
-      r.number("turn", p.recovery_turn, 0.0, 600.0, "s", "on the spot, if still lost after it");
-  p.recovery_pause =
-      r.number("pause", p.recovery_pause, 0.0, 3600.0, "s", "before the next attempt");
-  p.recovery_patience = r.number("patience", p.recovery_patience, 0.0, 3600.0, "s",
-                                 "in the pause, that a robot which got lost anew explores on");
+  p.behaviour.retreat_time =
+      r.number("time", p.behaviour.retreat_time, 0.0, 600.0, "s", "longest single attempt");
+  p.behaviour.turn_time = r.number("turn", p.behaviour.turn_time, 0.0, 600.0, "s",
+                                   "on the spot, if still lost after it");
+  p.behaviour.retreat_pause =
+      r.number("pause", p.behaviour.retreat_pause, 0.0, 3600.0, "s", "before the next attempt");
+  p.behaviour.lost_patience =
+      r.number("patience", p.behaviour.lost_patience, 0.0, 3600.0, "s",
+               "in the pause, that a robot which got lost anew explores on");
 
   YamlMap f = map.map("frontiers");
   ExplorationGuideOptions& g = p.guide;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "adapters/run/summary.h"
 #include "adapters/simulator/simulator.h"
@@ -11,6 +12,24 @@
 
 namespace prospect {
 namespace {
+
+/// "optimised", "seed", "stopping tail"; what follows no optimum, "recovery" and "scripted".
+std::string plan_kind_text(const Plan& plan) {
+  if (plan.certified) {
+    switch (plan.mode.kind) {
+      case ModeKind::kRetreat:
+      case ModeKind::kTurnOnTheSpot:
+        return "recovery";
+      case ModeKind::kApproach:
+      case ModeKind::kLookAround:
+        return "scripted";
+      case ModeKind::kExplore:
+      case ModeKind::kDone:
+        break;
+    }
+  }
+  return std::string(to_string(plan.kind));
+}
 
 /// The simulator as a robot: commands in, beliefs out.
 class SimulatedRobot final : public Robot {
@@ -84,6 +103,70 @@ class SparsePictures {
   std::vector<LandmarkPicture> pictures_;
 };
 
+/// At most kMost pictures of the cost-to-go, evenly spread, of a run whose length is not known
+/// before: at steps that are multiples of a power of two.
+class SparseCostsToGo {
+ public:
+  void add(std::vector<StepRecord>& steps, StepRecord& now, const CostToGo& cost_to_go) {
+    if (now.step % every_ != 0) return;
+    if (count_ == kMost) {
+      every_ *= 2;
+      for (StepRecord& step : steps) {
+        if (step.cost_to_go && step.step % every_ != 0) {
+          step.cost_to_go.reset();
+          --count_;
+        }
+      }
+      if (now.step % every_ != 0) return;
+    }
+    ++count_;
+    now.cost_to_go = picture(cost_to_go);
+  }
+
+ private:
+  static constexpr int kMost = 150;
+  static constexpr int kCoarser = 2;
+
+  /// Every other cell; those that were not reached say nothing.
+  static CostToGoPicture picture(const CostToGo& cost_to_go) {
+    const GridFrame& fine = cost_to_go.frame();
+    CostToGoPicture coarse;
+    coarse.frame = frame_of_blocks(fine, kCoarser);
+    for (int k = 0; k < coarse.frame.size(); ++k) {
+      const Eigen::Vector2d center = coarse.frame.center(coarse.frame.at(k));
+      const Cell c = fine.cell(center.x(), center.y());
+      coarse.seconds.push_back(cost_to_go.reached(c) ? static_cast<float>(cost_to_go.cells()[c])
+                                                     : std::numeric_limits<float>::quiet_NaN());
+    }
+    return coarse;
+  }
+
+  int every_ = 1;
+  int count_ = 0;
+};
+
+std::vector<CandidateRecord> candidate_records(const Plan& plan, const Problem* problem,
+                                               const MotionModel& model) {
+  std::vector<CandidateRecord> records;
+  for (const PlanCandidate& c : plan.candidates) {
+    CandidateRecord record{c.name, c.polished, c.verdict, {}, {}};
+    record.explanation.cost = c.cost;
+    record.explanation.violation = c.violation;
+    if (problem != nullptr) {
+      record.explanation = c.verdict == "executed" ? plan.explanation : problem->explain(c.z);
+      const TrajectoryBatch t = problem->rollout(c.z);
+      const int nx = t.horizon.nx();
+      for (int k = 0; k <= t.horizon.N; ++k) {
+        const Pose pose =
+            model.pose(Eigen::Map<const Eigen::VectorXd>(t.states.data() + k * nx, nx));
+        record.path.push_back(pose.position.head<2>().cast<float>());
+      }
+    }
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
 std::unique_ptr<Replanner> planner_for(const Configuration& configuration,
                                        const ExplorationRunOptions& options) {
   if (options.make_planner) return options.make_planner(configuration);
@@ -143,6 +226,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
 
   MapChanges map_changes;
   SparsePictures pictures;
+  SparseCostsToGo costs_to_go;
   std::vector<StepRecord> steps;
   const auto observe = [&](const MissionStep& step) {
     const Plan& plan = *step.plan;
@@ -153,7 +237,13 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     r.true_pose = simulator.true_pose();
     r.estimated_pose = belief.pose;
     if (!plan.commands.empty()) r.command = plan.commands.front();
-    r.plan_kind = to_string(plan.kind);
+    r.plan_kind = plan_kind_text(plan);
+    r.mode = to_string(plan.mode.kind);
+    r.cause = to_string(plan.mode.cause);
+    r.mode_since = step.time - (belief.stamp - plan.mode.since);
+    r.caution = to_string(plan.caution);
+    r.why = plan.why;
+    r.seeds_scored = plan.seeds_scored;
     r.seed = plan.seed;
     r.explanation = plan.explanation;
     const auto committed = static_cast<std::size_t>(std::max(0, plan.committed));
@@ -190,6 +280,19 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     for (const Eigen::VectorXd& x : plan.states) {
       r.horizon.push_back(configuration.robot.model->pose(x));
     }
+    if (step.guidance) {
+      const Guidance& guidance = *step.guidance;
+      r.search = to_string(guidance.facts.search);
+      if (guidance.target) {
+        r.target = TargetRecord{guidance.target->viewpoint, guidance.target->looks_at,
+                                guidance.facts.target_length, guidance.facts.target_worth,
+                                guidance.facts.way_left};
+      }
+      if (options.keep_steps) costs_to_go.add(steps, r, *guidance.cost_to_go);
+    }
+    r.candidates = candidate_records(
+        plan, own_planner && options.keep_steps ? own_planner->problem().get() : nullptr,
+        *configuration.robot.model);
     if (own_planner) {
       const std::vector<Landmark>& landmarks = own_planner->landmarks();
       const Eigen::VectorXd& visibility = own_planner->landmark_visibility();
@@ -208,6 +311,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
       r.frontier_cells.clear();
       r.landmarks.clear();
       r.map_changes.clear();
+      r.candidates.clear();
     }
     steps.push_back(std::move(r));
   };

@@ -38,7 +38,38 @@ std::string header(const std::vector<std::string>& terms) {
   return row +
          ",predicted_features,tracked_features,localization,localization_error,coverage,area,"
          "path_length,collisions,clearance,cost_evaluations,gradient_evaluations,stop_reason,"
-         "quality,certified,certificate,active_frontiers,guard_stops,guard_reason\n";
+         "quality,certified,certificate,active_frontiers,guard_stops,guard_reason,mode,cause,"
+         "mode_since,caution,search,target_x,target_y,looks_x,looks_y,target_length,target_worth,"
+         "way_left,seeds_scored,rejected,why\n";
+}
+
+/// The best candidates that were not executed: name, cost, and whether the certificate refused it.
+std::string rejected(const StepRecord& s) {
+  std::string list;
+  for (const CandidateRecord& c : s.candidates) {
+    if (c.verdict == "executed") continue;
+    if (!list.empty()) list += "; ";
+    char cost[32];
+    std::snprintf(cost, sizeof cost, " %.4g", c.explanation.cost);
+    list += c.name + cost + (c.verdict == "not tried" ? " not tried" : " refused");
+  }
+  return list;
+}
+
+/// The columns from `mode` on.
+std::string reasons(const StepRecord& s) {
+  std::string row = ',' + field(s.mode) + ',' + field(s.cause) + ',' + text(s.mode_since) + ',' +
+                    field(s.caution) + ',' + field(s.search);
+  if (s.target) {
+    const TargetRecord& t = *s.target;
+    for (const double value : {t.viewpoint.x(), t.viewpoint.y(), t.looks_at.x(), t.looks_at.y(),
+                               t.length, t.worth, t.way_left}) {
+      row += ',' + text(value);
+    }
+  } else {
+    row += ",,,,,,,";
+  }
+  return row + ',' + std::to_string(s.seeds_scored) + ',' + field(rejected(s)) + ',' + field(s.why);
 }
 
 std::string step_row(const StepRecord& s, const std::vector<std::string>& terms) {
@@ -66,7 +97,7 @@ std::string step_row(const StepRecord& s, const std::vector<std::string>& terms)
          std::to_string(s.gradient_evaluations) + ',' + field(s.stop_reason) + ',' +
          field(s.quality) + ',' + (s.certified ? "1" : "0") + ',' + field(s.certificate) + ',' +
          std::to_string(s.active_frontiers) + ',' + std::to_string(s.guard_stops) + ',' +
-         s.guard_reason + '\n';
+         s.guard_reason + reasons(s) + '\n';
 }
 
 constexpr const char* kProblems = "problems";

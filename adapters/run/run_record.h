@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +17,30 @@ namespace prospect {
 struct LandmarkView {
   float x = 0.0F, y = 0.0F;  ///< [m], estimated frame
   float visibility = 0.0F;   ///< probability that it is visible now
+};
+
+/// Where the frontiers want the robot.
+struct TargetRecord {
+  Eigen::Vector2d viewpoint = Eigen::Vector2d::Zero();  ///< estimated frame [m]
+  Eigen::Vector2d looks_at = Eigen::Vector2d::Zero();   ///< a frontier cell seen from there [m]
+  double length = 0.0;                                  ///< of the frontier [m]
+  double worth = 0.0;                                   ///< [m] of way that it is worth
+  double way_left = 0.0;                                ///< [m] to the viewpoint
+};
+
+/// One of the best candidates of a step.
+struct CandidateRecord {
+  std::string name;         ///< of the seed
+  bool polished = false;    ///< by the solver
+  std::string verdict;      ///< "executed", "not tried", or why the certificate refused it
+  Explanation explanation;  ///< cost and every term
+  std::vector<Eigen::Vector2f> path;  ///< positions over the horizon, estimated frame [m]
+};
+
+/// The cost-to-go around the robot.
+struct CostToGoPicture {
+  GridFrame frame;
+  std::vector<float> seconds;  ///< by cell, as in Grid; NaN: unknown or impassable there
 };
 
 /// Everything recorded at one planning step. All numbers but those in `wall` are reproducible.
@@ -44,6 +70,19 @@ struct StepRecord {
   int active_frontiers = 0;
   int guard_stops = 0;
   std::string guard_reason;  ///< of the last of them; empty: none
+
+  std::string mode;         ///< what the robot does: to_string(ModeKind)
+  std::string cause;        ///< why it began to
+  double mode_since = 0.0;  ///< [s] of the robot's clock since the start
+  /// Which distances it keeps: "normal", "reduced margin", "stuck", "lost".
+  std::string caution;
+  /// Which frontiers count: "ordinary", "short frontiers", "narrow passages".
+  std::string search;
+  std::string why;  ///< one sentence: what it does and why, with the numbers of this step
+  std::optional<TargetRecord> target;
+  int seeds_scored = 0;
+  std::vector<CandidateRecord> candidates;    ///< at most six, best first
+  std::optional<CostToGoPicture> cost_to_go;  ///< at some of the steps
 
   std::vector<Pose> horizon;  ///< predicted poses x_0 ... x_N, estimated frame
   std::vector<Eigen::Vector2f>

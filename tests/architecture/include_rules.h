@@ -36,6 +36,14 @@ inline std::map<std::string, RoomRules> architecture() {
   };
 }
 
+/// Parts of a room that may use less of it than the room: prefixes of what they include.
+inline std::map<std::string, std::set<std::string>> part_rules() {
+  return {
+      // Facts only: no maps, no problem, no solver.
+      {"engine/behaviour", {"engine/behaviour/", "engine/localization.h", "models/"}},
+  };
+}
+
 /// The library a header belongs to; empty for the standard library.
 inline std::string library_of(const std::string& header) {
   static const std::set<std::string> named = {"Eigen", "octomap",  "fcl",  "opencv2",
@@ -74,6 +82,13 @@ inline std::vector<std::string> forbidden_includes(const std::filesystem::path& 
         if (match[1] == "\"") {
           const std::string target = header.substr(0, header.find('/'));
           if (!rules.rooms.count(target)) report(room + " may not use " + target);
+          const std::string file_path = fs::relative(entry.path(), root).generic_string();
+          for (const auto& [part, allowed] : part_rules()) {
+            if (file_path.rfind(part + '/', 0) != 0) continue;
+            bool may = false;
+            for (const std::string& prefix : allowed) may = may || header.rfind(prefix, 0) == 0;
+            if (!may) report(part + " may not use " + header);
+          }
           continue;
         }
         const std::string library = library_of(header);

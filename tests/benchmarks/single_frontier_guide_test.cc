@@ -25,7 +25,6 @@ GroundMap corridor(int west_cells) {
 
 ExplorationGuideOptions guide_options() {
   ExplorationGuideOptions options;
-  options.look_around = 0.0;
   // Only frontiers at arm's length have viewpoints, so that distances are those of the path.
   options.frontiers.sensor_range = 1.3;
   options.memory.sensor_range = 1.3;
@@ -109,7 +108,7 @@ TEST(SingleFrontierGuide, NothingLeftIsDone) {
   for (int j = -11; j <= 10; ++j) map.set({39, j}, CellState::kOccupied);
   SingleFrontierGuide guide(FrontierRule::kNearest, guide_options());
   const auto guidance = guide.update(map, Pose{{0.05, 0.05, 0.0}, 0.0}, 0.0);
-  EXPECT_EQ(guidance->advice, Advice::kDone);
+  EXPECT_TRUE(guidance->facts.exhausted);
   EXPECT_FALSE(guidance->target.has_value());
 }
 
@@ -126,13 +125,13 @@ TEST(SingleFrontierGuide, ANarrowGapIsTriedBeforeDone) {
   for (const FrontierRule rule : {FrontierRule::kNearest, FrontierRule::kCostUtility}) {
     SingleFrontierGuide guide(rule, guide_options());
     const auto guidance = guide.update(map, pose, 0.0);
-    EXPECT_EQ(guidance->advice, Advice::kPlan);
-    EXPECT_TRUE(guidance->relaxed);
+    EXPECT_FALSE(guidance->facts.exhausted);
+    EXPECT_EQ(guidance->facts.search, Search::kNarrowPassages);
     ASSERT_TRUE(guidance->target.has_value());
     EXPECT_GT(guidance->target->viewpoint.x(), 2.1) << "beyond the doorway";
     ExplorationGuideOptions strict = guide_options();
     strict.relaxed_slack = 0.0;
-    EXPECT_EQ(SingleFrontierGuide(rule, strict).update(map, pose, 0.0)->advice, Advice::kDone);
+    EXPECT_TRUE(SingleFrontierGuide(rule, strict).update(map, pose, 0.0)->facts.exhausted);
   }
 }
 

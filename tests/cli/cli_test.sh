@@ -151,7 +151,7 @@ refused "unknown option" --bogus expected "${explore[@]}" office --bogus
 refused "unknown command" "'exlore'" "did you mean 'explore'?" exlore office
 refused "no command" required "see \`prospect --help\`"
 refused "unknown list" "'solver'" "did you mean 'solvers'?); expected" list solver
-refused "list of nothing" list: "expected one of: solvers, worlds, terms, sets" list
+refused "list of nothing" list: "expected one of: solvers, worlds, terms, sets, modes" list
 refused "problem without a step" "'office'" "expected WORLD@STEP" solve office
 refused "problem with a bad step" "'office@-3'" "expected WORLD@STEP" solve office@-3
 refused "problem in an unknown world" "'offce'" "did you mean 'office'?" solve offce@3
@@ -214,6 +214,13 @@ succeeds "list solvers" list solvers
 named "list solvers" nlopt nlopt:LD_SLSQP ipopt sampling
 succeeds "list worlds" list worlds
 named "list worlds" office corridor loop
+succeeds "list modes" list modes
+for row in '| any | nothing could be reached for look_around | done | explored |' '| retreat | 0 | 2 |' \
+  '| reduced margin |' '| ordinary | nothing is reachable | short frontiers |'; do
+  grep -qF "$row" out.txt || fail "list modes: no row '$row'"
+done
+succeeds "list modes as JSON" list modes --json
+grep -q '"cause": "localization lost"' out.txt || fail "list modes --json: no cause"
 succeeds "list terms" list terms
 named "list terms" control_effort obstacles visible_features exploration_gain cost_to_go clearance
 # The terms listed are those that problems have: of a base with speed in its inputs, and in its state.

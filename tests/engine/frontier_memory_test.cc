@@ -26,8 +26,8 @@ Pose at(double x, double y, double yaw) { return {{x, y, 0.0}, yaw}; }
 class Memory : public ::testing::Test {
  protected:
   Grid<std::uint8_t> map_ = Grid<std::uint8_t>(kFrame, 1);  // nonzero: seen through
+  using enum FrontierMemory::Verdict;
   FrontierMemory memory_{FrontierMemoryOptions{}};
-  bool changed_ = false;
 
   void look(const std::vector<Frontier>& f, const Pose& pose, int times) {
     for (const Frontier& one : f) {
@@ -120,7 +120,7 @@ TEST_F(Memory, FlickeringCellsForgiveTwiceOnly) {
 TEST_F(Memory, HysteresisFollowsATargetThatRecedes) {
   std::vector<Frontier> f{frontier(10, 10, 5), frontier(50, 50, 5)};
   EXPECT_EQ(memory_.current_target(f, kFrame), -1);
-  memory_.decide(f, kFrame, {{1, {52, 50}}}, walked(), 3.0, 10.0, 0.0, &changed_);
+  memory_.judge(f, kFrame, {{1, {52, 50}}}, walked(), 3.0, 10.0, 0.0);
   EXPECT_EQ(memory_.current_target(f, kFrame), 1);
   f = {frontier(52, 58, 5), frontier(10, 10, 5)};  // receded by 0.8 m, and renumbered
   EXPECT_EQ(memory_.current_target(f, kFrame), 0);
@@ -128,36 +128,32 @@ TEST_F(Memory, HysteresisFollowsATargetThatRecedes) {
   EXPECT_EQ(memory_.current_target(f, kFrame), -1);
 }
 
-TEST_F(Memory, WatchdogAsksForTheScriptAfterThreeSecondsAndDeactivatesAfterEight) {
+TEST_F(Memory, AHopelessTargetIsSuppressed) {
   const std::vector<Frontier> f{frontier(50, 50, 30)};
-  std::optional<double> script, dropped;
+  std::optional<double> dropped;
   for (double t = 0.0; t < 10.0 && !dropped; t += 0.5) {
-    const Advice a = memory_.decide(f, kFrame, {{0, {52, 50}}}, walked(), 3.0, 10.0, t, &changed_);
-    if (a == Advice::kGoAndFace && !script) script = t;
-    if (changed_) dropped = t;
+    if (memory_.judge(f, kFrame, {{0, {52, 50}}}, walked(), 3.0, 10.0, t) == kAskAgain) dropped = t;
+    EXPECT_EQ(memory_.progress().stalled(), t >= 3.0 && !dropped) << t;
   }
-  EXPECT_EQ(script, 3.0);
   EXPECT_EQ(dropped, 8.0);
   // Within target_radius of the target, not the whole of a long frontier.
   EXPECT_TRUE(memory_.suppressed({50, 50}));
   EXPECT_TRUE(memory_.suppressed({62, 50}));
   EXPECT_FALSE(memory_.suppressed({63, 50}));
   EXPECT_EQ(memory_.suppressed_count(), 13);
-  EXPECT_EQ(memory_.decide(f, kFrame, {{0, {70, 50}}}, walked(), 4.0, 10.0, 8.5, &changed_),
-            Advice::kPlan);
+  EXPECT_EQ(memory_.given_up(), 1);
+  EXPECT_EQ(memory_.judge(f, kFrame, {{0, {70, 50}}}, walked(), 4.0, 10.0, 8.5), kPursue);
+  EXPECT_EQ(memory_.progress().stalled_for(), 0.5);
 }
 
 TEST_F(Memory, ComingNearerOrSeeingMoreIsProgress) {
   const std::vector<Frontier> f{frontier(50, 50, 10)};
-  for (int k = 0; k < 60; ++k) {
-    EXPECT_EQ(memory_.decide(f, kFrame, {{0, {52, 50}}}, walked(), 20.0 - 0.1 * k, 10.0, 0.5 * k,
-                             &changed_),
-              Advice::kPlan);
-  }
-  for (int k = 60; k < 120; ++k) {
-    EXPECT_EQ(memory_.decide(f, kFrame, {{0, {52, 50}}}, walked(), 14.0, 10.0 + 0.05 * (k - 60),
-                             0.5 * k, &changed_),
-              Advice::kPlan);
+  for (int k = 0; k < 120; ++k) {
+    const double value = k < 60 ? 20.0 - 0.1 * k : 14.0;
+    const double explored = k < 60 ? 10.0 : 10.0 + 0.05 * (k - 60);
+    EXPECT_EQ(memory_.judge(f, kFrame, {{0, {52, 50}}}, walked(), value, explored, 0.5 * k),
+              kPursue);
+    EXPECT_FALSE(memory_.progress().stalled()) << k;
   }
   EXPECT_EQ(memory_.suppressed_count(), 0);
 }
@@ -165,49 +161,24 @@ TEST_F(Memory, ComingNearerOrSeeingMoreIsProgress) {
 // A farther target after the near one was resolved is no stall as long as the robot drives to it.
 TEST_F(Memory, AFartherTargetIsMeasuredAnew) {
   const std::vector<Frontier> f{frontier(50, 50, 10), frontier(90, 90, 10)};
-  memory_.decide(f, kFrame, {{0, {52, 50}}}, walked(), 0.5, 10.0, 0.0, &changed_);
+  memory_.judge(f, kFrame, {{0, {52, 50}}}, walked(), 0.5, 10.0, 0.0);
   for (int k = 1; k < 60; ++k) {
-    EXPECT_EQ(memory_.decide(f, kFrame, {{1, {92, 90}}}, walked(), 30.0 - 0.25 * k, 10.0, 0.5 * k,
-                             &changed_),
-              Advice::kPlan);
+    memory_.judge(f, kFrame, {{1, {92, 90}}}, walked(), 30.0 - 0.25 * k, 10.0, 0.5 * k);
+    EXPECT_FALSE(memory_.progress().stalled()) << k;
   }
 }
 
 TEST_F(Memory, FlickeringBetweenTwoTargetsIsAStall) {
   const std::vector<Frontier> f{frontier(50, 50, 10), frontier(90, 90, 10)};
-  bool scripted = false, dropped = false;
+  bool stalled = false, dropped = false;
   for (int k = 0; k < 20; ++k) {
     const Cell cell = k % 2 == 0 ? Cell{52, 50} : Cell{92, 90};
-    const Advice a = memory_.decide(f, kFrame, {{k % 2, cell}}, walked(), 3.0 + 0.1 * (k % 2), 10.0,
-                                    0.5 * k, &changed_);
-    scripted = scripted || a == Advice::kGoAndFace;
-    dropped = dropped || changed_;
+    dropped = dropped || memory_.judge(f, kFrame, {{k % 2, cell}}, walked(), 3.0 + 0.1 * (k % 2),
+                                       10.0, 0.5 * k) == kAskAgain;
+    stalled = stalled || memory_.progress().stalled();
   }
-  EXPECT_TRUE(scripted);
+  EXPECT_TRUE(stalled);
   EXPECT_TRUE(dropped);
-}
-
-// A door that noise opens and closes moves the cost-to-go up and down for ever.
-TEST_F(Memory, AFlickeringWayIsNoProgressOfARobotThatStands) {
-  const std::vector<Frontier> f{frontier(50, 50, 10)};
-  bool dropped = false;
-  for (int k = 0; k < 40 && !dropped; ++k) {
-    memory_.decide(f, kFrame, {{0, {52, 50}}}, {1.0, 1.0}, k % 2 == 0 ? 3.0 : 6.0, 10.0, 0.5 * k,
-                   &changed_);
-    dropped = changed_;
-  }
-  EXPECT_TRUE(dropped);
-}
-
-TEST_F(Memory, TheScriptGoesOnUntilItHasShownSomething) {
-  const std::vector<Frontier> f{frontier(50, 50, 10)};
-  const auto decide = [&](double value, double explored, double t) {
-    return memory_.decide(f, kFrame, {{0, {52, 50}}}, walked(), value, explored, t, &changed_);
-  };
-  decide(3.0, 10.0, 0.0);
-  EXPECT_EQ(decide(3.0, 10.0, 3.0), Advice::kGoAndFace);
-  EXPECT_EQ(decide(2.5, 10.0, 3.5), Advice::kGoAndFace);  // nearer, but nothing seen yet
-  EXPECT_EQ(decide(2.5, 10.5, 4.0), Advice::kPlan);
 }
 
 // Before "done" everything suppressed is tried again, twice; 5: permanent blacklists cut off rooms.
@@ -217,21 +188,16 @@ TEST_F(Memory, DoneOnlyAfterTwoRetries) {
   for (int k = 0; k < 5; ++k) {
     look(f, at(3.0, 5.05, 0.0), 4);
     ASSERT_EQ(memory_.suppressed_count(), 1);
-    const Advice a =
-        memory_.decide(f, kFrame, std::nullopt, walked(), 0.0, 10.0, clock_, &changed_);
-    if (a == Advice::kDone) {
-      EXPECT_FALSE(changed_);
-      break;
-    }
-    EXPECT_TRUE(changed_);
+    const auto verdict = memory_.judge(f, kFrame, std::nullopt, walked(), 0.0, 10.0, clock_);
+    if (verdict == kNothingLeft) break;
+    EXPECT_EQ(verdict, kAskAgain);
     EXPECT_EQ(memory_.suppressed_count(), 0);
     ++retries;
   }
   EXPECT_EQ(retries, 2);
   EXPECT_EQ(memory_.retries_used(), 2);
   // Much newly explored: the retries are restored.
-  EXPECT_EQ(memory_.decide(f, kFrame, std::nullopt, walked(), 0.0, 12.0, clock_, &changed_),
-            Advice::kPlan);
+  EXPECT_EQ(memory_.judge(f, kFrame, std::nullopt, walked(), 0.0, 12.0, clock_), kAskAgain);
   EXPECT_EQ(memory_.retries_used(), 1);
 }
 
@@ -242,8 +208,7 @@ TEST_F(Memory, EveryRestorationOfTheRetriesTakesTwiceTheArea) {
   const auto rounds_until_done = [&] {
     for (int rounds = 0;; ++rounds) {
       look(f, at(3.0, 5.05, 0.0), 4);
-      if (memory_.decide(f, kFrame, std::nullopt, walked(), 0.0, explored, clock_, &changed_) ==
-          Advice::kDone) {
+      if (memory_.judge(f, kFrame, std::nullopt, walked(), 0.0, explored, clock_) == kNothingLeft) {
         return rounds;
       }
     }
@@ -262,7 +227,7 @@ TEST_F(Memory, ATargetPutOffIsSuppressedAboutIt) {
   const std::vector<Frontier> f{frontier(20, 50, 30)};
   memory_.put_off_target(f, kFrame, walked());
   EXPECT_EQ(memory_.suppressed_count(), 0) << "no target yet";
-  memory_.decide(f, kFrame, {{0, Cell{25, 50}}}, walked(), 5.0, 1.0, 0.0, &changed_);
+  memory_.judge(f, kFrame, {{0, Cell{25, 50}}}, walked(), 5.0, 1.0, 0.0);
   memory_.put_off_target(f, kFrame, walked());
   EXPECT_TRUE(memory_.suppressed({20, 50}));
   EXPECT_TRUE(memory_.suppressed({35, 50}));
@@ -280,13 +245,11 @@ TEST_F(Memory, LossesDoNotUseUpTheRetriesButForFifty) {
   const auto lost_until_done = [&] {
     for (int losses = 0;; ++losses) {
       stamp += 1.0;
-      memory_.decide(f, kFrame, {{0, Cell{25, 50}}}, walked(), 5.0, 10.0, stamp, &changed_);
+      memory_.judge(f, kFrame, {{0, Cell{25, 50}}}, walked(), 5.0, 10.0, stamp);
       memory_.put_off_target(f, kFrame, walked());
-      if (memory_.decide(f, kFrame, std::nullopt, walked(), 0.0, 10.0, stamp, &changed_) ==
-          Advice::kDone) {
+      if (memory_.judge(f, kFrame, std::nullopt, walked(), 0.0, 10.0, stamp) == kNothingLeft) {
         return losses;
       }
-      EXPECT_TRUE(changed_);
     }
   };
   // The first one finds all retries there; the last two have none to give back.
@@ -301,10 +264,9 @@ TEST_F(Memory, LossesAtOnePlaceUseUpTheRetriesButForThree) {
   const auto lost_until_done = [&](const Eigen::Vector2d& at) {
     for (int losses = 0;; ++losses) {
       stamp += 1.0;
-      memory_.decide(f, kFrame, {{0, Cell{25, 50}}}, at, 5.0, 10.0, stamp, &changed_);
+      memory_.judge(f, kFrame, {{0, Cell{25, 50}}}, at, 5.0, 10.0, stamp);
       memory_.put_off_target(f, kFrame, at);
-      if (memory_.decide(f, kFrame, std::nullopt, at, 0.0, 10.0, stamp, &changed_) ==
-          Advice::kDone) {
+      if (memory_.judge(f, kFrame, std::nullopt, at, 0.0, 10.0, stamp) == kNothingLeft) {
         return losses;
       }
     }
@@ -315,9 +277,7 @@ TEST_F(Memory, LossesAtOnePlaceUseUpTheRetriesButForThree) {
 }
 
 TEST_F(Memory, NothingReachableAndNothingSuppressedIsDoneAtOnce) {
-  EXPECT_EQ(memory_.decide({}, kFrame, std::nullopt, walked(), 0.0, 10.0, 0.0, &changed_),
-            Advice::kDone);
-  EXPECT_FALSE(changed_);
+  EXPECT_EQ(memory_.judge({}, kFrame, std::nullopt, walked(), 0.0, 10.0, 0.0), kNothingLeft);
 }
 
 TEST_F(Memory, BadInputDoesNotCount) {
@@ -325,7 +285,9 @@ TEST_F(Memory, BadInputDoesNotCount) {
   look(f, at(std::nan(""), 5.05, 0.0), 6);
   look(f, at(3.0, 5.05, std::nan("")), 6);
   EXPECT_EQ(memory_.suppressed_count(), 0);
-  EXPECT_THROW(FrontierMemory(FrontierMemoryOptions{.script_after = 9.0}), std::invalid_argument);
+  FrontierMemoryOptions bad;
+  bad.progress.stalled_after = 9.0;
+  EXPECT_THROW(FrontierMemory{bad}, std::invalid_argument);
 }
 
 }  // namespace

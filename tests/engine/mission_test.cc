@@ -7,6 +7,7 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "models/unicycle.h"
@@ -72,9 +73,8 @@ class FakeReplanner final : public Replanner {
     }
     if (kind == PlanKind::kStoppingTail) plan.certified = false;
     guidance_ = std::make_shared<Guidance>();
-    guidance_->advice = plans > steps ? Advice::kDone : Advice::kPlan;
-    guidance_->enclosed = enclosed;
-    guidance_->abandoned = abandoned;
+    if (plans > steps) plan.mode = {ModeKind::kDone, cause, belief.stamp};
+    plan.why = "why";
     return plan;
   }
   std::shared_ptr<const Guidance> guidance() const override { return guidance_; }
@@ -82,8 +82,7 @@ class FakeReplanner final : public Replanner {
   double speed = 0.2;
   int committed = 2;
   int steps = 1000000;
-  bool enclosed = false;
-  bool abandoned = false;
+  Cause cause = Cause::kExplored;
   int plans = 0;
   PlanKind kind = PlanKind::kOptimised;
   std::function<void()> on_plan;
@@ -137,25 +136,21 @@ TEST_F(Mission, EndsWhenNothingIsLeftToExplore) {
   expect_stopped();
 }
 
-TEST_F(Mission, SaysThatLeftoversWereGivenUp) {
+TEST_F(Mission, SaysWhyItIsDone) {
   planner_.steps = 3;
-  planner_.abandoned = true;
-  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
-  EXPECT_EQ(result.end, MissionEnd::kAbandoned);
-  EXPECT_EQ(to_string(result.end), "leftovers given up");
-  EXPECT_EQ(result.detail, "the time for what is left to see is up");
-}
-
-TEST_F(Mission, SaysEnclosedRatherThanExplored) {
-  planner_.steps = 3;
-  planner_.enclosed = true;
-  planner_.abandoned = true;
-  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
-  EXPECT_EQ(result.end, MissionEnd::kEnclosed);
-  EXPECT_EQ(to_string(result.end), "enclosed");
-  EXPECT_FALSE(result.detail.empty());
-  EXPECT_EQ(result.steps, 4);
-  expect_stopped();
+  for (const auto& [cause, end, text] :
+       {std::tuple{Cause::kExplored, MissionEnd::kExplored, "explored"},
+        {Cause::kYieldTooLow, MissionEnd::kYieldTooLow, "yield too low"},
+        {Cause::kUnreachable, MissionEnd::kUnreachable, "unreachable"}}) {
+    planner_.plans = 0;
+    planner_.cause = cause;
+    const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+    EXPECT_EQ(result.end, end);
+    EXPECT_EQ(to_string(result.end), text);
+    EXPECT_EQ(result.detail, "why");
+    EXPECT_EQ(result.steps, 4);
+    expect_stopped();
+  }
 }
 
 // The estimate of the velocity is noisy where it comes from cameras. Plans whose rates were limited

@@ -16,9 +16,9 @@
 #include <thread>
 #include <vector>
 
+#include "engine/behaviour/monitors/stuck_monitor.h"
 #include "engine/certificate.h"
 #include "engine/guard.h"
-#include "engine/impasse.h"
 #include "engine/surface_drift.h"
 #include "models/make_model.h"
 #include "tests/engine/room_belief.h"
@@ -251,29 +251,6 @@ TEST_F(PlannerTest, ASolverThatComparesStartsIsAskedOnceWithAllSeeds) {
   const auto seeds = static_cast<int>(once.seeds().size());
   EXPECT_EQ(calls[0].seeds, seeds - 1);
   EXPECT_EQ(calls[0].evaluations, parameters_.polished * parameters_.polish_evaluations + seeds);
-}
-
-// Its map does not follow where the drift takes it: it neither runs scripts, which take the first
-// certified way to a target, nor squeezes through gaps.
-TEST_F(PlannerTest, ALostRobotFollowsNoScript) {
-  const auto kinds = [&](Localization localization) {
-    Planner planner = make();
-    Belief belief = Room{.landmarks_per_wall = 20}.belief();
-    belief.localization = localization;
-    std::map<PlanKind, int> count;
-    // Held where it is: the watchdog for stalls asks for a script before long.
-    for (; belief.stamp < 20.0; belief.stamp += 0.5) {
-      const Plan plan = planner.plan(belief);
-      ++count[plan.kind];
-      expect_executable(plan, belief);
-    }
-    return count;
-  };
-  EXPECT_GT(kinds(Localization::kOk)[PlanKind::kScripted], 0);
-  auto lost = kinds(Localization::kLost);
-  EXPECT_EQ(lost[PlanKind::kScripted], 0);
-  EXPECT_GT(lost[PlanKind::kRecovery], 0);
-  EXPECT_GT(lost[PlanKind::kOptimised], 0);
 }
 
 TEST_F(PlannerTest, EveryModelGetsExecutablePlans) {
@@ -637,7 +614,7 @@ TEST_F(PlannerTest, ThreadsGoToASolverThatSharesThem) {
   EXPECT_FALSE(given[3].contains("threads"));
 }
 
-TEST_F(PlannerTest, LostLocalizationMeansRecoveryWithoutExploration) {
+TEST_F(PlannerTest, ARetreatHasNoExplorationAndCountsFeatures) {
   Planner planner = make();
   Belief belief = Room{.landmarks_per_wall = 30}.belief();
   const auto weight = [&](const std::string& term) {
@@ -648,7 +625,7 @@ TEST_F(PlannerTest, LostLocalizationMeansRecoveryWithoutExploration) {
     return kNan;
   };
   Plan plan = planner.plan(belief);
-  EXPECT_NE(plan.kind, PlanKind::kRecovery);
+  EXPECT_EQ(plan.mode.kind, ModeKind::kExplore);
   EXPECT_EQ(weight("exploration_gain"), -parameters_.w_e);
   const double w_l = weight("visible_features");
   for (const Localization bad : {Localization::kDegraded, Localization::kLost}) {
@@ -657,7 +634,8 @@ TEST_F(PlannerTest, LostLocalizationMeansRecoveryWithoutExploration) {
     belief.stamp += 100.0;
     plan = planner.plan(belief);
     expect_executable(plan, belief);
-    EXPECT_EQ(plan.kind, PlanKind::kRecovery);
+    EXPECT_EQ(plan.mode.kind, ModeKind::kRetreat);
+    EXPECT_NE(plan.why.find("3 features"), std::string::npos) << plan.why;
     EXPECT_EQ(weight("exploration_gain"), 0.0);
     EXPECT_GT(weight("visible_features"), w_l);
     // What ends it is a number of points: few well placed ones are not enough.
@@ -668,7 +646,8 @@ TEST_F(PlannerTest, LostLocalizationMeansRecoveryWithoutExploration) {
     belief.tracked_features = 100;
     belief.stamp += 0.5;
     plan = planner.plan(belief);
-    EXPECT_NE(plan.kind, PlanKind::kRecovery);
+    EXPECT_EQ(plan.mode.kind, ModeKind::kExplore);
+    EXPECT_EQ(plan.mode.cause, Cause::kLocalizationRegained);
     EXPECT_EQ(weight("exploration_gain"), -parameters_.w_e);
     EXPECT_EQ(planner.recipe()->features.criterion, parameters_.features.criterion);
   }
@@ -800,7 +779,7 @@ TEST_F(PlannerTest, ALostRobotDrivesWhereItLooks) {
 
 // Between walls that may have drifted, each in the way of keeping off the other, robots stood for
 // minutes.
-TEST_F(PlannerTest, InAnImpasseOnlyTouchingIsForbidden) {
+TEST_F(PlannerTest, StuckOnlyTouchingIsForbidden) {
   Planner planner = make();
   Belief belief = Room{.landmarks_per_wall = 20}.belief();
   expect_executable(planner.plan(belief), belief);
@@ -813,42 +792,15 @@ TEST_F(PlannerTest, InAnImpasseOnlyTouchingIsForbidden) {
   belief.pose = {{0.9, -0.3, 0.0}, M_PI};
   belief.covariance(0, 0) = belief.covariance(1, 1) = 0.25;
   const double began = belief.stamp;
-  while (keeps_off()) ASSERT_LT(belief.stamp, began + 2.0 * Impasse::kPatience);
-  EXPECT_GT(belief.stamp, began + Impasse::kPatience);
-  belief.pose.position.x() -= 0.9 * Impasse::kAway;
+  while (keeps_off()) ASSERT_LT(belief.stamp, began + 2.0 * StuckMonitor::kPatience);
+  EXPECT_GT(belief.stamp, began + StuckMonitor::kPatience);
+  belief.pose.position.x() -= 0.9 * StuckMonitor::kAway;
   EXPECT_FALSE(keeps_off());
   // Out of it, and back.
   belief.pose.position.y() = 1.0;
   keeps_off();
   belief.pose = {{0.9, -0.3, 0.0}, M_PI};
   EXPECT_TRUE(keeps_off());
-}
-
-// Turning back at once, each time, kept robots for six minutes before a blank stretch without a way
-// round; exploring on for the whole pause, they were metres off behind it.
-TEST_F(PlannerTest, ALossSoonAfterARecoveryIsAnsweredOnceItLasts) {
-  Planner planner = make();
-  Belief belief = Room{.landmarks_per_wall = 30}.belief();
-  double stamp = 0.0;
-  const auto kind = [&](Localization localization, int tracked) {
-    belief.localization = localization;
-    belief.tracked_features = tracked;
-    belief.stamp = stamp += 0.5;
-    return planner.plan(belief).kind;
-  };
-  EXPECT_EQ(kind(Localization::kLost, 0), PlanKind::kRecovery);
-  for (int loss = 0; loss < 3; ++loss) {
-    EXPECT_NE(kind(Localization::kOk, 100), PlanKind::kRecovery) << loss;
-    double lost_for = 0.0;
-    while (kind(Localization::kLost, 0) != PlanKind::kRecovery) {
-      lost_for += 0.5;
-      ASSERT_LE(lost_for, parameters_.recovery_patience) << loss;
-    }
-    EXPECT_EQ(lost_for, parameters_.recovery_patience) << loss;
-  }
-  // The pause over, a loss is answered at once.
-  while (stamp < 3.0 * parameters_.recovery_pause) kind(Localization::kOk, 100);
-  EXPECT_EQ(kind(Localization::kLost, 0), PlanKind::kRecovery);
 }
 
 // Once it is lost, the frontier that it was led to is put off.
@@ -925,46 +877,60 @@ TEST_F(PlannerTest, TheCostToGoCanBeWeightedByWhatIsSeenOnTheWay) {
   EXPECT_EQ(along(3.0), weighted) << "the same bits";
 }
 
-TEST_F(PlannerTest, ARecoveryThatDoesNotHelpEndsWithATurnAndPauses) {
+TEST_F(PlannerTest, ARetreatThatDoesNotHelpEndsWithAFullTurn) {
+  parameters_.behaviour.retreat_time = 0.5;
   Planner planner = make();
   Belief belief = Room{.landmarks_per_wall = 10}.belief();
   belief.localization = Localization::kLost;
   belief.tracked_features = 0;
-  int recovering = 0;
   double turned = 0.0;
-  for (double t = 0.0; t < 24.0; t += 0.5) {
+  for (double t = 0.0; t <= 8.5; t += 0.5) {
     belief.stamp = t;
     const Plan plan = planner.plan(belief);
-    const bool recovery = plan.kind == PlanKind::kRecovery;
-    recovering += recovery;
-    if (recovery && t > 6.5) turned += plan.dt * (plan.inputs[0][1] + plan.inputs[1][1]);
+    if (plan.mode.kind == ModeKind::kTurnOnTheSpot) {
+      EXPECT_EQ(plan.mode.cause, Cause::kStillLost);
+      turned += plan.dt * (plan.inputs[0][1] + plan.inputs[1][1]);
+    }
     belief.twist = plan.commands[1];
   }
-  // 6 s of recovery, 7 s of turning on the spot, 13 s of exploring all the same.
-  EXPECT_GE(recovering, 26);
-  EXPECT_LE(recovering, 29);
   EXPECT_GT(turned, 2.0 * M_PI) << "all that is to be seen from there";
 }
 
-// Turning back was of no use, but since then the robot knew where it was: a new loss is a new case.
-TEST_F(PlannerTest, PatienceWithALossBeginsWhenLocalizationCameBackByItself) {
+// A robot that stands and makes no progress takes the first certified way to its target.
+TEST_F(PlannerTest, AnApproachTakesTheFirstCertifiedWay) {
   Planner planner = make();
-  Belief belief = Room{.landmarks_per_wall = 30}.belief();
-  const auto kind = [&](Localization localization, int tracked, double stamp) {
-    belief.localization = localization;
-    belief.tracked_features = tracked;
-    belief.stamp = stamp;
-    return planner.plan(belief).kind;
-  };
-  for (double t = 0.0; t <= 6.5; t += 0.5) kind(Localization::kDegraded, 15, t);
-  for (double t = 7.0; t <= 12.0; t += 0.5) {
-    EXPECT_NE(kind(Localization::kDegraded, 15, t), PlanKind::kRecovery) << "it pauses";
+  Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  int approaches = 0;
+  for (; belief.stamp < 6.0; belief.stamp += 0.5) {
+    const Plan plan = planner.plan(belief);
+    expect_executable(plan, belief);
+    if (plan.mode.kind != ModeKind::kApproach) continue;
+    ++approaches;
+    EXPECT_EQ(plan.mode.cause, Cause::kNoProgress);
+    EXPECT_EQ(plan.kind, PlanKind::kSeed);
+    EXPECT_EQ(plan.counters.gradient_evaluations, 0) << "nothing is polished";
+    EXPECT_EQ(plan.seed.rfind("script:", 0), 0u) << plan.seed;
   }
-  EXPECT_NE(kind(Localization::kOk, 100, 12.5), PlanKind::kRecovery);
-  EXPECT_NE(kind(Localization::kDegraded, 15, 13.0), PlanKind::kRecovery) << "it still pauses";
-  EXPECT_NE(kind(Localization::kLost, 0, 13.5), PlanKind::kRecovery) << "it is patient";
-  EXPECT_NE(kind(Localization::kLost, 0, 16.0), PlanKind::kRecovery) << "it still is";
-  EXPECT_EQ(kind(Localization::kLost, 0, 16.5), PlanKind::kRecovery);
+  EXPECT_GT(approaches, 0);
+}
+
+// What is recorded of a step: the best candidates in their order, the executed one among them.
+TEST_F(PlannerTest, SaysWhichCandidatesThereWere) {
+  Planner planner = make();
+  const Plan plan = planner.plan(Room{.landmarks_per_wall = 20}.belief());
+  ASSERT_TRUE(plan.certified);
+  ASSERT_GE(plan.candidates.size(), 5u);
+  ASSERT_LE(plan.candidates.size(), 6u);
+  int executed = 0;
+  for (const PlanCandidate& c : plan.candidates) {
+    if (c.verdict != "executed") continue;
+    ++executed;
+    EXPECT_EQ(c.name, plan.seed);
+    EXPECT_NEAR(c.cost, plan.explanation.cost, 1e-9);
+    EXPECT_EQ(planner.problem()->explain(c.z).cost, plan.explanation.cost);
+  }
+  EXPECT_EQ(executed, 1);
+  EXPECT_FALSE(plan.why.empty());
 }
 
 // It touched something that the map has elsewhere and commanded the same arc for minutes.
@@ -978,7 +944,7 @@ TEST_F(PlannerTest, ARobotThatDoesNotFollowItsCommandsTurnsAwayAndLeavesThatWay)
   belief.command = belief.twist;
   for (double t = 0.0; t < 0.9; t += 0.5) {
     belief.stamp = t;
-    EXPECT_NE(planner.plan(belief).kind, PlanKind::kRecovery) << t;
+    EXPECT_EQ(planner.plan(belief).mode.kind, ModeKind::kExplore) << t;
   }
   ASSERT_TRUE(std::isfinite(planner.guidance()->cost_to_go->value(ahead)));
   const double before = planner.guidance()->cost_to_go->value(ahead);
@@ -987,7 +953,8 @@ TEST_F(PlannerTest, ARobotThatDoesNotFollowItsCommandsTurnsAwayAndLeavesThatWay)
     belief.stamp = t;
     const Plan plan = planner.plan(belief);
     expect_executable(plan, belief);
-    EXPECT_EQ(plan.kind, PlanKind::kRecovery) << t;
+    EXPECT_EQ(plan.mode.kind, ModeKind::kTurnOnTheSpot) << t;
+    EXPECT_EQ(plan.mode.cause, Cause::kNotFollowing) << t;
     turned += plan.dt * (plan.inputs[0][1] + plan.inputs[1][1]);
     belief.twist = plan.commands[1];
     belief.command = belief.twist;
@@ -996,7 +963,7 @@ TEST_F(PlannerTest, ARobotThatDoesNotFollowItsCommandsTurnsAwayAndLeavesThatWay)
   EXPECT_GT(turned, 2.0) << "away from there";
   EXPECT_FALSE(planner.guidance()->cost_to_go->value(ahead) < before + 0.1) << "no way leads there";
   belief.stamp += 1.0;
-  EXPECT_NE(planner.plan(belief).kind, PlanKind::kRecovery);
+  EXPECT_EQ(planner.plan(belief).mode.kind, ModeKind::kExplore);
 }
 
 // The estimate of the velocity is noisy; the guard compares with what was commanded.
@@ -1076,7 +1043,9 @@ TEST_F(PlannerTest, BadParametersAreNamed) {
             std::string::npos);
   EXPECT_NE(message([](auto& p) { p.deadline = kNan; }).find("planner.deadline"),
             std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.recovery_time = -1.0; }).find("planner.recovery_time"),
+  EXPECT_NE(message([](auto& p) {
+              p.behaviour.retreat_time = -1.0;
+            }).find("planner.behaviour.retreat_time"),
             std::string::npos);
   EXPECT_EQ(message([](auto&) {}), "accepted");
   EXPECT_THROW(Planner({}, small_parameters(), std::make_shared<Descent>()), std::invalid_argument);

@@ -28,23 +28,25 @@ GroundMap open_ground() {
 
 TEST(RetreatTrail, NotesOnePlaceASpacing) {
   RetreatTrail trail;
-  for (int n = 0; n <= 1000; ++n) trail.note({0.001 * n, 0.0}, 0.3);
+  for (int n = 0; n <= 1000; ++n) trail.note({0.001 * n, 0.0}, n, 0.3);
   ASSERT_EQ(trail.places().size(), 4u);
   for (std::size_t i = 1; i < 4; ++i) {
     EXPECT_NEAR((trail.places()[i] - trail.places()[i - 1]).norm(), 0.3, 1e-3);
   }
-  trail.note({kNan, 0.0});
-  trail.note({0.0, std::numeric_limits<double>::infinity()});
+  trail.note({kNan, 0.0}, 50);
+  trail.note({0.0, std::numeric_limits<double>::infinity()}, 50);
   EXPECT_EQ(trail.places().size(), 4u);
+  EXPECT_EQ(trail.tracked_at_newest(), 900) << "noted with the newest place";
+  EXPECT_EQ(RetreatTrail().tracked_at_newest(), 0);
 }
 
 TEST(RetreatTrail, HasNothingToOfferWithoutPlaces) {
   const Traversability t = of(open_ground());
   EXPECT_EQ(RetreatTrail().cost_to_go(t, {0, 0}, 0.6), nullptr);
   RetreatTrail trail;
-  trail.note({50.0, 50.0});  // beyond reach
+  trail.note({50.0, 50.0}, 50);  // beyond reach
   EXPECT_EQ(trail.cost_to_go(t, {0, 0}, 0.6), nullptr);
-  trail.note({1.0, 0.0});
+  trail.note({1.0, 0.0}, 50);
   EXPECT_EQ(trail.cost_to_go(t, {kNan, 0}, 0.6), nullptr);
   EXPECT_NE(trail.cost_to_go(t, {0, 0}, 0.6), nullptr);
 }
@@ -52,8 +54,8 @@ TEST(RetreatTrail, HasNothingToOfferWithoutPlaces) {
 TEST(RetreatTrail, LeadsToAPlaceThatIsNotHere) {
   const Traversability t = of(open_ground());
   RetreatTrail trail;
-  trail.note({2.0, 0.0});
-  trail.note({0.1, 0.1});  // where the robot stands: going there would change nothing
+  trail.note({2.0, 0.0}, 50);
+  trail.note({0.1, 0.1}, 50);  // where the robot stands: going there would change nothing
   const auto V = trail.cost_to_go(t, {0, 0}, 0.5);
   ASSERT_NE(V, nullptr);
   Eigen::Vector2d gradient;
@@ -63,7 +65,7 @@ TEST(RetreatTrail, LeadsToAPlaceThatIsNotHere) {
   EXPECT_NEAR(gradient.y(), 0.0, 0.5);
   // If all places are near, the nearest will do.
   RetreatTrail near;
-  near.note({0.2, 0.0});
+  near.note({0.2, 0.0}, 50);
   ASSERT_NE(near.cost_to_go(t, {0, 0}, 0.5), nullptr);
   EXPECT_LT(near.cost_to_go(t, {0, 0}, 0.5)->value(0.25, 0.05), 0.2);
 }
@@ -72,7 +74,7 @@ TEST(RetreatTrail, LeadsToAPlaceThatIsNotHere) {
 TEST(RetreatTrail, IsTheShortestPathOnOpenGround) {
   const Traversability t = of(open_ground());
   RetreatTrail trail;
-  trail.note({1.05, -0.45});
+  trail.note({1.05, -0.45}, 50);
   const auto V = trail.cost_to_go(t, {0, 0}, 1.0, 0.5, 4.0);
   const GridFrame& f = V->frame();
   const Cell goal = f.cell(1.05, -0.45);
@@ -89,7 +91,7 @@ TEST(RetreatTrail, GoesAroundWalls) {
   for (int j = -20; j < 64; ++j) map.set({10, j}, CellState::kOccupied);  // a wall, open below
   const Traversability t = of(map);
   RetreatTrail trail;
-  trail.note({2.0, 0.0});
+  trail.note({2.0, 0.0}, 50);
   const auto V = trail.cost_to_go(t, {0, 0}, 1.0);
   // Straight through would be 2 m; two cells of wall and their margins at threefold cost, about 1
   // m, are cheaper than 4.5 m around, but nowhere is it cheaper than the straight line.
@@ -105,7 +107,7 @@ TEST(RetreatTrail, IsFiniteEverywhereOnAnyMap) {
     const Traversability t = of(map);
     RetreatTrail trail;
     const auto place = [&] { return std::uniform_real_distribution<double>(-5, 5)(random); };
-    for (int n = 0; n < 10; ++n) trail.note({place(), place()});
+    for (int n = 0; n < 10; ++n) trail.note({place(), place()}, 50);
     const auto V = trail.cost_to_go(t, {place(), place()}, 0.6);
     if (!V) continue;
     for (const double value : V->cells().data) {

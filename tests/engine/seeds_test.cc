@@ -106,7 +106,7 @@ TEST_P(Seeds, KeepBoundsRatesAndSpeedsForEveryModelAndBlocking) {
     EXPECT_TRUE(stops);
     EXPECT_EQ(previous, context.previous.cols() > 0);
     stops = false;
-    for (const Seed& seed : make_scripted_seeds(p, context)) {
+    for (const Seed& seed : make_approach_seeds(p, context)) {
       expect_admissible(p, seed);
       stops = stops || seed.name == "stop";
     }
@@ -265,7 +265,7 @@ TEST(ScriptedSeeds, LeadIntoAGapThatBeginsBesideTheRobot) {
   // The least distance on the way and how far south it leads, by name.
   const auto drive = [&] {
     std::map<std::string, std::pair<double, double>> driven;
-    for (const Seed& seed : make_scripted_seeds(p, context)) {
+    for (const Seed& seed : make_approach_seeds(p, context)) {
       const TrajectoryBatch t = p.rollout(seed.z);
       double least = 1e9;
       for (int k = 0; k <= d.N; ++k) least = std::min(least, clear(t.pose(k, 0).position));

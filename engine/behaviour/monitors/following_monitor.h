@@ -20,7 +20,7 @@ namespace prospect {
 /// circle d stays small, as the displacement does.
 ///
 /// A value: one a robot. Thread-safety: none. Never throws. Source: our choice.
-class BlockedMotion {
+class FollowingMonitor {
  public:
   static constexpr double kAsked = 0.3;    ///< [m]
   static constexpr double kMoved = 0.1;    ///< [m]
@@ -34,6 +34,9 @@ class BlockedMotion {
   /// Forgets the past: where it is unknown how the robot moved.
   void reset() { last_.reset(); }
 
+  /// [s] when it was last noticed; none: never.
+  std::optional<double> noticed_at() const { return noticed_at_; }
+
  private:
   struct Step {
     double stamp;
@@ -42,6 +45,7 @@ class BlockedMotion {
   std::optional<Step> last_;
   Eigen::Vector2d anchor_ = Eigen::Vector2d::Zero();
   Eigen::Vector2d asked_ = Eigen::Vector2d::Zero();  // d
+  std::optional<double> noticed_at_;
 };
 
 }  // namespace prospect

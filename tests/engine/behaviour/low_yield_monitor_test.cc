@@ -1,19 +1,19 @@
-#include "engine/leftovers_clock.h"
+#include "engine/behaviour/monitors/low_yield_monitor.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <stdexcept>
 
-namespace prospect::leftovers_clock_test {
+namespace prospect::low_yield_monitor_test {
 namespace {
 
-constexpr LeftoversClock::Options kOptions{.share = 0.7, .least = 60.0, .growth = 0.1};
+constexpr LowYieldMonitor::Options kOptions{.share = 0.7, .least = 60.0, .growth = 0.1};
 
 /// When it is up, in steps of 0.5 s, if it begins at `begin`; explored(t) [m^2].
 template <typename Explored>
 double end_of(double begin, Explored explored) {
-  LeftoversClock clock(kOptions);
+  LowYieldMonitor clock(kOptions);
   for (double t = 0.0; t < 1000.0; t += 0.5) {
     clock.update(t, explored(t));
     if (t >= begin) clock.begin(t, explored(t));
@@ -22,21 +22,21 @@ double end_of(double begin, Explored explored) {
   return std::numeric_limits<double>::infinity();
 }
 
-TEST(LeftoversClock, IsUpAfterAShareOfTheTimeBeforeOrTheLeastTime) {
+TEST(LowYieldMonitor, IsUpAfterAShareOfTheTimeBeforeOrTheLeastTime) {
   const auto explored = [](double) { return 100.0; };
   EXPECT_EQ(end_of(10.0, explored), 70.5);
   EXPECT_EQ(end_of(200.0, explored), 340.5);
 }
 
-TEST(LeftoversClock, IsNeverUpBeforeItBegins) {
-  LeftoversClock clock(kOptions);
+TEST(LowYieldMonitor, IsNeverUpBeforeItBegins) {
+  LowYieldMonitor clock(kOptions);
   EXPECT_FALSE(clock.up(1e9));
   EXPECT_FALSE(clock.update(0.0, 1.0));
   EXPECT_FALSE(clock.up(1e9));
   EXPECT_FALSE(clock.update(1.0, 100.0)) << "growth counts from the beginning on";
 }
 
-TEST(LeftoversClock, BeginsAnewWithATenthMore) {
+TEST(LowYieldMonitor, BeginsAnewWithATenthMore) {
   const auto grows_to = [](double area) {
     return [area](double t) { return t < 50.0 ? 100.0 : area; };
   };
@@ -51,13 +51,13 @@ TEST(LeftoversClock, BeginsAnewWithATenthMore) {
   EXPECT_EQ(end_of(200.0, [](double t) { return t < 210.0 ? 100.0 : 111.0; }), 340.5);
 }
 
-TEST(LeftoversClock, OptionsOutOfRangeAreNamed) {
-  for (const LeftoversClock::Options& bad :
-       {LeftoversClock::Options{.share = -0.1}, LeftoversClock::Options{.least = 2e6},
-        LeftoversClock::Options{.growth = std::numeric_limits<double>::quiet_NaN()}}) {
-    EXPECT_THROW(LeftoversClock{bad}, std::invalid_argument);
+TEST(LowYieldMonitor, OptionsOutOfRangeAreNamed) {
+  for (const LowYieldMonitor::Options& bad :
+       {LowYieldMonitor::Options{.share = -0.1}, LowYieldMonitor::Options{.least = 2e6},
+        LowYieldMonitor::Options{.growth = std::numeric_limits<double>::quiet_NaN()}}) {
+    EXPECT_THROW(LowYieldMonitor{bad}, std::invalid_argument);
   }
 }
 
 }  // namespace
-}  // namespace prospect::leftovers_clock_test
+}  // namespace prospect::low_yield_monitor_test

@@ -1,12 +1,12 @@
-#include "engine/blocked_motion.h"
+#include "engine/behaviour/monitors/following_monitor.h"
 
 #include <Eigen/Geometry>
 #include <cmath>
 
 namespace prospect {
 
-std::optional<Eigen::Vector2d> BlockedMotion::update(double stamp, const Pose& pose,
-                                                     const Twist& command) {
+std::optional<Eigen::Vector2d> FollowingMonitor::update(double stamp, const Pose& pose,
+                                                        const Twist& command) {
   const Eigen::Vector2d position = pose.position.head<2>();
   const Eigen::Vector2d velocity = Eigen::Rotation2Dd(pose.yaw) * command.linear.head<2>();
   if (!std::isfinite(stamp) || !position.allFinite() || !velocity.allFinite()) {
@@ -22,6 +22,7 @@ std::optional<Eigen::Vector2d> BlockedMotion::update(double stamp, const Pose& p
   anchor_ = position;
   asked_.setZero();
   if (!stands) return std::nullopt;
+  noticed_at_ = stamp;
   return direction;
 }
 

@@ -1,19 +1,19 @@
-#include "engine/blocked_motion.h"
+#include "engine/behaviour/monitors/following_monitor.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-namespace prospect::blocked_motion_test {
+namespace prospect::following_monitor_test {
 namespace {
 
 constexpr double kDt = 0.5;
 
 Twist ahead(double v, double omega = 0.0) { return {Eigen::Vector3d(v, 0.0, 0.0), omega}; }
 
-TEST(BlockedMotion, ARobotThatDoesNotMoveIsBlockedInTheDirectionOfItsCommands) {
-  BlockedMotion motion;
+TEST(FollowingMonitor, ARobotThatDoesNotMoveIsBlockedInTheDirectionOfItsCommands) {
+  FollowingMonitor motion;
   const Pose pose{{2.0, -1.0, 0.0}, M_PI / 2.0};
   int noticed = 0;
   for (int n = 0; n < 12; ++n) {
@@ -26,7 +26,7 @@ TEST(BlockedMotion, ARobotThatDoesNotMoveIsBlockedInTheDirectionOfItsCommands) {
   EXPECT_EQ(noticed, 3);
 }
 
-TEST(BlockedMotion, WhoFollowsItsCommandsIsNot) {
+TEST(FollowingMonitor, WhoFollowsItsCommandsIsNot) {
   // Straight on, on circles of 20 and 2 cm, to and fro, and slipping by half.
   struct Case {
     double v, omega, slip;
@@ -35,7 +35,7 @@ TEST(BlockedMotion, WhoFollowsItsCommandsIsNot) {
   for (const Case& c :
        {Case{0.5, 0.0, 1.0, false}, Case{0.2, 1.0, 1.0, false}, Case{0.02, 1.0, 1.0, false},
         Case{0.1, 0.0, 1.0, true}, Case{0.5, 0.0, 0.5, false}, Case{0.0, 1.0, 1.0, false}}) {
-    BlockedMotion motion;
+    FollowingMonitor motion;
     Pose pose;
     double t = 0.0;
     for (int n = 0; n < 400; ++n) {
@@ -50,21 +50,21 @@ TEST(BlockedMotion, WhoFollowsItsCommandsIsNot) {
   }
 }
 
-TEST(BlockedMotion, HeightHasNoPartInIt) {
-  BlockedMotion motion;
+TEST(FollowingMonitor, HeightHasNoPartInIt) {
+  FollowingMonitor motion;
   for (int n = 0; n < 12; ++n) {
     EXPECT_FALSE(motion.update(kDt * n, {}, {Eigen::Vector3d(0.0, 0.0, 0.5), 0.0})) << n;
   }
 }
 
-TEST(BlockedMotion, BeginsAnewAfterAGapAndWhatIsNotFinite) {
+TEST(FollowingMonitor, BeginsAnewAfterAGapAndWhatIsNotFinite) {
   const Pose pose;
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  BlockedMotion motion;
+  FollowingMonitor motion;
   // Two steps of half a second are never 0.3 m at 0.2 m/s.
   double t = 0.0;
   for (int n = 0; n < 12; ++n) {
-    t += n % 3 == 0 ? BlockedMotion::kLongest + 0.1 : kDt;
+    t += n % 3 == 0 ? FollowingMonitor::kLongest + 0.1 : kDt;
     EXPECT_FALSE(motion.update(t, pose, ahead(0.2))) << n;
   }
   motion.reset();
@@ -82,4 +82,4 @@ TEST(BlockedMotion, BeginsAnewAfterAGapAndWhatIsNotFinite) {
 }
 
 }  // namespace
-}  // namespace prospect::blocked_motion_test
+}  // namespace prospect::following_monitor_test

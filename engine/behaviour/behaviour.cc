@@ -1,0 +1,283 @@
+#include "engine/behaviour/behaviour.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "engine/behaviour/caution.h"
+#include "engine/behaviour/mode_policy.h"
+
+namespace prospect {
+namespace {
+
+using Kind = ModeKind;
+using Case = ModeRow::Case;
+
+// Stamps are sums of steps: a time is over although rounding says that a hair is missing.
+constexpr double kHair = 1e-9;  // [s]
+
+bool lost(const Case& c) { return c.facts.localization == Localization::kLost; }
+bool retreating(const Case& c) { return c.before.mode.kind == Kind::kRetreat; }
+bool paused(const Case& c) {
+  return c.facts.stamp < c.before.retreat_ended + c.options.retreat_pause;
+}
+bool exhausted(const Case& c) {
+  return c.facts.frontiers && c.facts.frontiers->exhausted &&
+         c.facts.frontiers->exhausted_for >= c.options.look_around - kHair;
+}
+bool yield_too_low(const Case& c) { return c.facts.frontiers && c.facts.frontiers->yield_too_low; }
+
+// Turning back at once from each loss, a robot never gets across a blank stretch that has no way
+// round; exploring on while lost, it drifts. So in the pause it explores on, but not for long
+// unless turning back was of no use.
+bool impatient(const Case& c) {
+  return c.before.enough_since_retreat && c.facts.lost_for > c.options.lost_patience;
+}
+
+constexpr std::array kModeTable = {
+    ModeRow{std::nullopt, "nothing is left or it had its time; most places are cut off",
+            [](const Case& c) {
+              return (exhausted(c) || yield_too_low(c)) && c.facts.frontiers->cut_off;
+            },
+            Kind::kDone, Cause::kUnreachable},
+    ModeRow{std::nullopt, "nothing could be reached for look_around",
+            [](const Case& c) { return exhausted(c); }, Kind::kDone, Cause::kExplored},
+    ModeRow{std::nullopt, "what is left has had its time",
+            [](const Case& c) { return yield_too_low(c); }, Kind::kDone, Cause::kYieldTooLow},
+    ModeRow{Kind::kRetreat, "too few features yet, not for longer than retreat_time",
+            [](const Case& c) {
+              return !c.facts.enough_features &&
+                     !(c.facts.stamp - c.before.mode.since > c.options.retreat_time);
+            },
+            Kind::kRetreat, std::nullopt},
+    ModeRow{std::nullopt,
+            "localization lost; the last retreat is retreat_pause ago, or helped and "
+            "lost_patience is over",
+            [](const Case& c) { return !retreating(c) && lost(c) && (!paused(c) || impatient(c)); },
+            Kind::kRetreat, Cause::kLocalizationLost},
+    ModeRow{std::nullopt, "localization degraded; the last retreat is retreat_pause ago",
+            [](const Case& c) {
+              return !retreating(c) && c.facts.localization == Localization::kDegraded &&
+                     !paused(c);
+            },
+            Kind::kRetreat, Cause::kFeaturesScarce},
+    ModeRow{std::nullopt, "lost, for turn_time after a retreat that failed",
+            [](const Case& c) {
+              const double ended = retreating(c) ? c.facts.stamp : c.before.retreat_ended;
+              return lost(c) && (retreating(c) || c.before.retreat_failed) &&
+                     c.facts.stamp < ended + c.options.turn_time;
+            },
+            Kind::kTurnOnTheSpot, Cause::kStillLost},
+    ModeRow{std::nullopt, "commands were not followed within turn_away_time",
+            [](const Case& c) {
+              return c.facts.not_following_at &&
+                     c.facts.stamp < *c.facts.not_following_at + c.options.turn_away_time;
+            },
+            Kind::kTurnOnTheSpot, Cause::kNotFollowing},
+    ModeRow{std::nullopt, "nothing is reachable",
+            [](const Case& c) { return c.facts.frontiers && c.facts.frontiers->exhausted; },
+            Kind::kLookAround, Cause::kNothingReachable},
+    ModeRow{
+        std::nullopt, "no progress for long, not lost",
+        [](const Case& c) { return c.facts.frontiers && c.facts.frontiers->stalled && !lost(c); },
+        Kind::kApproach, Cause::kNoProgress},
+    ModeRow{Kind::kRetreat, "enough features",
+            [](const Case& c) { return c.facts.enough_features; }, Kind::kExplore,
+            Cause::kLocalizationRegained},
+    ModeRow{Kind::kRetreat, "else", [](const Case&) { return true; }, Kind::kExplore,
+            Cause::kRetreatTimedOut},
+    ModeRow{Kind::kTurnOnTheSpot, "else", [](const Case&) { return true; }, Kind::kExplore,
+            Cause::kTurned},
+    ModeRow{Kind::kApproach, "else", [](const Case&) { return true; }, Kind::kExplore,
+            Cause::kProgress},
+    ModeRow{Kind::kLookAround, "else", [](const Case&) { return true; }, Kind::kExplore,
+            Cause::kReachableAgain},
+    ModeRow{Kind::kDone, "else", [](const Case&) { return true; }, Kind::kExplore,
+            Cause::kReachableAgain},
+    ModeRow{Kind::kExplore, "else", [](const Case&) { return true; }, Kind::kExplore, std::nullopt},
+};
+
+// A viewpoint so near is where the robot stands: what is left is to turn.
+constexpr double kThere = 0.15;  // [m]
+
+template <typename... Args>
+std::string print(const char* pattern, Args... args) {
+  char buffer[256];
+  std::snprintf(buffer, sizeof buffer, pattern, args...);
+  return buffer;
+}
+
+std::string localization_text(const Facts& f) {
+  switch (f.localization) {
+    case Localization::kOk:
+      return "localization is back, too few features yet";
+    case Localization::kDegraded:
+      return "localization is degraded";
+    case Localization::kLost:
+      return std::isfinite(f.lost_for) && f.lost_for < 1e6
+                 ? print("localization is lost for %.1f s", f.lost_for)
+                 : "localization is lost";
+  }
+  return "";
+}
+
+std::string target_text(const FrontierFacts& f) {
+  return print("a frontier of %.1f m, %.1f m away", f.target_length, f.way_left);
+}
+
+/// Since when, and what was before.
+std::string explore_cause_text(const Mode& mode, double stamp) {
+  const double ago = stamp - mode.since;
+  switch (mode.cause) {
+    case Cause::kLocalizationRegained:
+      return print("; localization was regained %.0f s ago", ago);
+    case Cause::kRetreatTimedOut:
+      return print("; a retreat without success ended %.0f s ago", ago);
+    case Cause::kTurned:
+      return print("; it turned until %.0f s ago", ago);
+    case Cause::kReachableAgain:
+      return print("; frontiers are reachable again since %.0f s", ago);
+    default:
+      return "";
+  }
+}
+
+std::string doing(const Mode& mode, const Facts& facts) {
+  const FrontierFacts frontiers = facts.frontiers.value_or(FrontierFacts{});
+  switch (mode.kind) {
+    case Kind::kExplore:
+      if (!frontiers.target) {
+        return "Explores: no frontier can be reached from here just now" +
+               explore_cause_text(mode, facts.stamp);
+      }
+      return (frontiers.way_left < kThere
+                  ? print("Explores: looks at a frontier of %.1f m from here",
+                          frontiers.target_length)
+                  : "Explores: drives to " + target_text(frontiers)) +
+             explore_cause_text(mode, facts.stamp);
+    case Kind::kApproach:
+      return print("Approaches step by step %s: no progress for %.1f s",
+                   target_text(frontiers).c_str(), frontiers.stalled_for);
+    case Kind::kLookAround:
+      return print("Looks around: nothing is reachable for %.1f s", frontiers.exhausted_for);
+    case Kind::kRetreat: {
+      std::string text =
+          print("Turns back: %d features in view, ", facts.tracked) + localization_text(facts);
+      if (facts.tracked_at_retreat > 0) {
+        text += print("; %d were tracked %.1f m from here", facts.tracked_at_retreat,
+                      facts.retreat_distance);
+      }
+      return text;
+    }
+    case Kind::kTurnOnTheSpot:
+      if (mode.cause == Cause::kNotFollowing) {
+        return "Turns away: it did not move as it was told to, so something is where the map has "
+               "nothing";
+      }
+      return "Turns on the spot to find its localization again: turning back did not help, " +
+             localization_text(facts);
+    case Kind::kDone:
+      if (mode.cause == Cause::kUnreachable) {
+        return "Done: walls as drawn cut it off from most places it came through";
+      }
+      return mode.cause == Cause::kExplored
+                 ? "Done: no frontier is left that can be reached"
+                 : "Done: what is left has shown too little for too long";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::span<const ModeRow> mode_table() { return kModeTable; }
+
+const ModeRow& deciding_row(const Behaviour& before, const Facts& facts,
+                            const BehaviourOptions& options) {
+  const Case c{before, facts, options};
+  for (const ModeRow& row : kModeTable) {
+    if (row.from && *row.from != before.mode.kind) continue;
+    if (row.holds(c)) return row;
+  }
+  return kModeTable.back();
+}
+
+Behaviour decide(const Behaviour& before, const Facts& facts, const BehaviourOptions& options) {
+  const ModeRow& row = deciding_row(before, facts, options);
+  Behaviour now = before;
+  now.mode.kind = row.to;
+  now.mode.cause = row.cause.value_or(before.mode.cause);
+  if (now.mode.kind != before.mode.kind || now.mode.cause != before.mode.cause) {
+    now.mode.since = facts.stamp;
+  }
+  const bool retreated = before.mode.kind == Kind::kRetreat;
+  if (retreated && now.mode.kind != Kind::kRetreat) {
+    now.retreat_ended = facts.stamp;
+    now.retreat_failed = !facts.enough_features;
+    now.enough_since_retreat = facts.enough_features;
+  } else if (!retreated) {
+    now.enough_since_retreat = before.enough_since_retreat || facts.enough_features;
+  }
+  return now;
+}
+
+std::string describe(const Mode& mode, const Facts& facts) {
+  std::string text = doing(mode, facts) + '.';
+  if (mode.kind == Kind::kDone) return text;
+  const Search search = facts.frontiers ? facts.frontiers->search : Search::kOrdinary;
+  if (search == Search::kShortFrontiers) text += " Only short frontiers are left.";
+  if (search == Search::kNarrowPassages) text += " Only what lies behind narrow passages is left.";
+  if (facts.stuck && search != Search::kNarrowPassages) {
+    text += " It is stuck: no way out keeps the distances, so it keeps from touching, no more.";
+  }
+  if (facts.localization == Localization::kLost && mode.kind == Kind::kExplore) {
+    text += " It explores on without localization for a while.";
+  }
+  return text;
+}
+
+std::string behaviour_tables() {
+  std::string text =
+      "What the robot does next. The first row that holds is taken.\n\n"
+      "| from | condition | to | cause |\n|---|---|---|---|\n";
+  for (const ModeRow& row : kModeTable) {
+    text += "| " + std::string(row.from ? to_string(*row.from) : "any") + " | " +
+            std::string(row.condition) + " | " + std::string(to_string(row.to)) + " | " +
+            std::string(row.cause ? to_string(*row.cause) : "as before") + " |\n";
+  }
+  text +=
+      "\nWhat a mode means for the planning problem.\n\n"
+      "| mode | weight of exploration | weight of features | features | cost-to-go | seeds | time "
+      "without progress counts |\n|---|---|---|---|---|---|---|\n";
+  for (const ModeKind kind : kModeKinds) {
+    if (kind == Kind::kDone) continue;
+    const ModePolicy& p = policy(kind);
+    text +=
+        print("| %s | %g | %g | %s | %s | %s | %s |\n", to_string(kind).data(),
+              p.exploration_weight, p.features_weight, p.count_features ? "counted" : "as set",
+              to_string(p.cost_to_go).data(), to_string(p.seeds).data(), p.pursues ? "yes" : "no");
+  }
+  text +=
+      "\nThe plan of the step that finds the robot done is that of the mode which the rows without "
+      "frontiers give: a retreat or a turn goes on.\n"
+      "\nWhich distances it keeps.\n\n"
+      "| caution | condition | share of the margin | kept of the distance within it | drift "
+      "counts | ... as a margin | ... in the cost | hard clearance |\n"
+      "|---|---|---|---|---|---|---|---|\n";
+  const auto yes = [](bool value) { return value ? "yes" : "no"; };
+  for (const Caution caution : kCautions) {
+    const CautionPolicy& p = policy(caution);
+    text += print("| %s | %s | %g | %g | %s | %s | %s | %s |\n", to_string(caution).data(),
+                  p.condition.data(), p.margin, p.held, yes(p.drift), yes(p.drift_margin),
+                  yes(p.drift_in_cost), yes(p.hard_clearance));
+  }
+  text +=
+      "\nWhich frontiers count. The first row that holds is taken.\n\n"
+      "| from | condition | to | given-up targets are tried again |\n|---|---|---|---|\n";
+  for (const SearchRow& row : search_table()) {
+    text += print("| %s | %s | %s | %s |\n", to_string(row.from).data(), row.condition.data(),
+                  to_string(row.to).data(), yes(row.try_all_again));
+  }
+  return text;
+}
+
+}  // namespace prospect

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <optional>
+
+#include "engine/behaviour/search.h"
+#include "engine/localization.h"
+
+namespace prospect {
+
+/// What the frontiers say, once they are up to date.
+struct FrontierFacts {
+  Search search = Search::kOrdinary;  ///< which frontiers count
+  bool target = false;                ///< one of them can be reached
+  double target_length = 0.0;         ///< of that frontier [m]
+  double target_worth = 0.0;          ///< [m] of way that it is worth
+  double way_left = 0.0;              ///< [m] to its viewpoint, down the cost-to-go
+  double stalled_for = 0.0;           ///< [s] without progress towards it (ProgressMonitor)
+  bool stalled = false;               ///< ... for long, and nothing new was seen of it since
+  bool exhausted = false;             ///< none can be reached, whatever counts
+  double exhausted_for = 0.0;         ///< [s] that this has been so while the robot looked for one
+  bool yield_too_low = false;         ///< what is left has had its time (LowYieldMonitor)
+  bool cut_off = false;  ///< if exhausted or yield_too_low: from most places the robot came through
+};
+
+/// What is known at one instant of what the robot's behaviour depends on. No judgement: monitors
+/// and maps report, decide() (behaviour.h) judges. Stamps in the belief's clock [s].
+struct Facts {
+  double stamp = 0.0;
+  Localization localization = Localization::kOk;
+  int tracked = 0;                ///< features in the newest image
+  bool enough_features = true;    ///< localization is ok, and enough are tracked to go on
+  double lost_for = 0.0;          ///< [s] since localization was not lost; 0 if it is not
+  int tracked_at_retreat = 0;     ///< features at the newest place where enough were tracked
+  double retreat_distance = 0.0;  ///< [m] from there, as the crow flies; 0 without such a place
+  std::optional<double> not_following_at{};  ///< when last noticed (FollowingMonitor)
+  bool stuck = false;                      ///< it tries to get on and does not (StuckMonitor)
+  /// None until they are up to date: what comes before them in the table is decided without.
+  std::optional<FrontierFacts> frontiers{};
+};
+
+}  // namespace prospect

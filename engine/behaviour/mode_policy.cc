@@ -1,0 +1,38 @@
+#include "engine/behaviour/mode_policy.h"
+
+namespace prospect {
+namespace {
+
+using Way = ModePolicy::CostToGo;
+using From = ModePolicy::Seeds;
+
+constexpr std::array<ModePolicy, 6> kPolicyTable = {{
+    {ModeKind::kExplore, 1.0, 1.0, false, Way::kFrontiers, From::kAll, true},
+    {ModeKind::kApproach, 1.0, 1.0, false, Way::kFrontiers, From::kApproach, true},
+    {ModeKind::kLookAround, 1.0, 1.0, false, Way::kFrontiers, From::kTurn, true},
+    {ModeKind::kRetreat, 0.0, 2.0, true, Way::kRetreat, From::kAll, false},
+    {ModeKind::kTurnOnTheSpot, 1.0, 1.0, false, Way::kFrontiers, From::kTurn, false},
+    {ModeKind::kDone, 1.0, 1.0, false, Way::kFrontiers, From::kAll, true},
+}};
+
+}  // namespace
+
+const ModePolicy& policy(ModeKind mode) { return kPolicyTable[static_cast<std::size_t>(mode)]; }
+
+std::string_view to_string(ModePolicy::CostToGo cost_to_go) {
+  return cost_to_go == Way::kRetreat ? "retreat" : "frontiers";
+}
+
+std::string_view to_string(ModePolicy::Seeds seeds) {
+  switch (seeds) {
+    case From::kAll:
+      return "all, polished";
+    case From::kApproach:
+      return "approach";
+    case From::kTurn:
+      return "turn";
+  }
+  return "?";
+}
+
+}  // namespace prospect

@@ -1,0 +1,73 @@
+#include "engine/behaviour/monitors/progress_monitor.h"
+
+#include "models/parameter_check.h"
+
+namespace prospect {
+
+ProgressMonitor::ProgressMonitor(const Options& options) : options_(options) {
+  const auto positive = [](const char* name, double value) {
+    check_parameter(value > 0.0 && value < 1e6, "progress", name, value, "more than 0, below 1e6");
+  };
+  positive("stalled_after", options.stalled_after);
+  check_parameter(options.hopeless_after > options.stalled_after && options.hopeless_after < 1e6,
+                  "progress", "hopeless_after", options.hopeless_after, "more than stalled_after");
+  positive("distance", options.distance);
+  positive("area", options.area);
+}
+
+void ProgressMonitor::begin(double stamp, const Eigen::Vector2d& position, double explored,
+                            double cost_to_go) {
+  const bool first = !progress_at_.has_value();
+  // A clock that jumps back must not freeze it.
+  if (first || stamp < *progress_at_) progress_at_ = stamp;
+  stamp_ = stamp;
+  if (!first) return;
+  explored_ = explored;
+  least_ = cost_to_go;
+  position_ = position;
+}
+
+void ProgressMonitor::hold(double stamp) {
+  if (!progress_at_ || !(stamp > stamp_)) return;
+  *progress_at_ += stamp - stamp_;
+  stamp_ = stamp;
+}
+
+void ProgressMonitor::no_target() {
+  stalled_ = false;
+  progress_at_ = stamp_;
+  stalled_for_ = 0.0;
+}
+
+void ProgressMonitor::update(bool same, const Eigen::Vector2d& position, double cost_to_go,
+                             double explored) {
+  if (!same) {
+    stalled_ = false;
+    least_ = cost_to_go;
+  }
+  if (cost_to_go > least_ + 2.0 * options_.distance) least_ = cost_to_go;
+  if (cost_to_go <= least_ - options_.distance &&
+      (position - position_).norm() >= options_.distance) {
+    least_ = cost_to_go;
+    progress_at_ = stamp_;
+    position_ = position;
+  }
+  if (explored - explored_ >= options_.area) {
+    explored_ = explored;
+    progress_at_ = stamp_;
+    stalled_ = false;
+  }
+  stalled_for_ = stamp_ - *progress_at_;
+  if (stalled_for_ >= options_.stalled_after - 1e-9) stalled_ = true;
+}
+
+bool ProgressMonitor::hopeless() const { return stalled_for_ >= options_.hopeless_after - 1e-9; }
+
+void ProgressMonitor::given_up(double explored) {
+  stalled_ = false;
+  progress_at_ = stamp_;
+  explored_ = explored;
+  stalled_for_ = 0.0;
+}
+
+}  // namespace prospect

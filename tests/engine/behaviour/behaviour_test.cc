@@ -1,0 +1,285 @@
+#include "engine/behaviour/behaviour.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "engine/behaviour/mode_policy.h"
+
+namespace prospect::behaviour_test {
+namespace {
+
+using enum ModeKind;
+using enum Localization;
+
+const BehaviourOptions kOptions;
+
+Facts facts(double stamp, Localization localization = kOk, bool enough = true,
+            double lost_for = 0.0) {
+  Facts f;
+  f.stamp = stamp;
+  f.localization = localization;
+  f.enough_features = localization == kOk && enough;
+  f.tracked = f.enough_features ? 100 : 5;
+  f.lost_for = lost_for;
+  f.frontiers = FrontierFacts{.target = true, .target_length = 1.4, .way_left = 3.2};
+  return f;
+}
+
+Facts with(Facts f, const FrontierFacts& frontiers) {
+  f.frontiers = frontiers;
+  return f;
+}
+
+Facts not_following(Facts f, double at) {
+  f.not_following_at = at;
+  return f;
+}
+
+Behaviour in(ModeKind kind, double since = 0.0) {
+  Behaviour b;
+  b.mode = {kind, Cause::kStart, since};
+  return b;
+}
+
+Behaviour after_retreat(double ended, bool failed, bool enough_since = true) {
+  Behaviour b;
+  b.retreat_ended = ended;
+  b.retreat_failed = failed;
+  b.enough_since_retreat = enough_since;
+  return b;
+}
+
+/// The rows in their order, each with a case that it decides.
+struct RowCase {
+  Behaviour before;
+  Facts facts;
+  ModeKind to;
+  Cause cause;
+};
+
+std::vector<RowCase> row_cases() {
+  const FrontierFacts gone{.exhausted = true, .exhausted_for = 8.0};
+  FrontierFacts cut = gone, low, looking = gone, stalled{.target = true, .stalled = true};
+  cut.cut_off = true;
+  low.target = low.yield_too_low = true;
+  looking.exhausted_for = 7.5;
+  return {
+      {in(kExplore), with(facts(9), cut), kDone, Cause::kUnreachable},
+      {in(kExplore), with(facts(9), gone), kDone, Cause::kExplored},
+      {in(kExplore), with(facts(9), low), kDone, Cause::kYieldTooLow},
+      {in(kRetreat), facts(6.0, kLost), kRetreat, Cause::kStart},
+      {in(kExplore), facts(9, kLost), kRetreat, Cause::kLocalizationLost},
+      {in(kExplore), facts(9, kDegraded), kRetreat, Cause::kFeaturesScarce},
+      {after_retreat(9, true, false), facts(15.5, kLost), kTurnOnTheSpot, Cause::kStillLost},
+      {in(kExplore), not_following(facts(9), 6.5), kTurnOnTheSpot, Cause::kNotFollowing},
+      {in(kExplore), with(facts(9), looking), kLookAround, Cause::kNothingReachable},
+      {in(kExplore), with(facts(9), stalled), kApproach, Cause::kNoProgress},
+      {in(kRetreat), facts(1.0), kExplore, Cause::kLocalizationRegained},
+      {in(kRetreat), facts(6.5, kDegraded), kExplore, Cause::kRetreatTimedOut},
+      {in(kTurnOnTheSpot), facts(9), kExplore, Cause::kTurned},
+      {in(kApproach), facts(9), kExplore, Cause::kProgress},
+      {in(kLookAround), facts(9), kExplore, Cause::kReachableAgain},
+      {in(kDone), facts(9), kExplore, Cause::kReachableAgain},
+      {in(kExplore), facts(9), kExplore, Cause::kStart},
+  };
+}
+
+TEST(Behaviour, EveryRowOfTheTableDecides) {
+  const std::vector<RowCase> cases = row_cases();
+  ASSERT_EQ(cases.size(), mode_table().size()) << "a case for each row, in order";
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    const RowCase& c = cases[i];
+    SCOPED_TRACE(std::to_string(i) + ": " + std::string(mode_table()[i].condition));
+    EXPECT_EQ(&deciding_row(c.before, c.facts, kOptions), &mode_table()[i]);
+    const Behaviour now = decide(c.before, c.facts, kOptions);
+    EXPECT_EQ(now.mode.kind, c.to);
+    EXPECT_EQ(now.mode.cause, c.cause);
+    const bool changed = c.to != c.before.mode.kind || c.cause != c.before.mode.cause;
+    EXPECT_EQ(now.mode.since, changed ? c.facts.stamp : c.before.mode.since);
+  }
+}
+
+TEST(Behaviour, EveryModeHasARowThatLeavesIt) {
+  for (const ModeKind kind : kModeKinds) {
+    const Behaviour now = decide(in(kind), facts(9), kOptions);
+    EXPECT_EQ(now.mode.kind, kExplore) << to_string(kind);
+    EXPECT_EQ(policy(kind).mode, kind);
+  }
+}
+
+// Which rows come first where several hold.
+TEST(Behaviour, Precedence) {
+  const FrontierFacts gone{.exhausted = true, .exhausted_for = 8.0};
+  FrontierFacts looking = gone, stalled{.target = true, .stalled = true};
+  looking.exhausted_for = 0.0;
+  EXPECT_EQ(decide(in(kRetreat), with(facts(1, kLost), gone), kOptions).mode.kind, kDone);
+  EXPECT_EQ(decide(in(kExplore), with(facts(1, kLost), looking), kOptions).mode.kind, kRetreat);
+  EXPECT_EQ(decide(after_retreat(0.5, false), with(facts(1, kLost, false, 1.0), looking), kOptions)
+                .mode.kind,
+            kLookAround);
+  EXPECT_EQ(decide(in(kExplore), with(not_following(facts(1), 1), stalled), kOptions).mode.kind,
+            kTurnOnTheSpot);
+  EXPECT_EQ(decide(in(kExplore), not_following(facts(1, kLost), 1), kOptions).mode.kind, kRetreat);
+}
+
+// Its map does not follow where the drift takes it, so it takes no way step by step.
+TEST(Behaviour, ALostRobotDoesNotApproach) {
+  const FrontierFacts stalled{.target = true, .stalled = true};
+  const Behaviour paused = after_retreat(0.5, false);
+  EXPECT_EQ(decide(paused, with(facts(1, kLost, false, 0.5), stalled), kOptions).mode.kind,
+            kExplore);
+  EXPECT_EQ(decide(paused, with(facts(1, kDegraded), stalled), kOptions).mode.kind, kApproach);
+}
+
+TEST(Behaviour, WithoutTheFrontiersItIsTheSameWhatTheyAreNotAskedAbout) {
+  for (const RowCase& c : row_cases()) {
+    const ModeKind all = decide(c.before, c.facts, kOptions).mode.kind;
+    if (all == kDone) continue;
+    Facts without = c.facts;
+    without.frontiers.reset();
+    const ModeKind some = decide(c.before, without, kOptions).mode.kind;
+    EXPECT_EQ(policy(all).pursues, policy(some).pursues) << to_string(all);
+  }
+}
+
+/// A robot that is asked every half second.
+class Told {
+ public:
+  Mode operator()(Localization localization, bool enough = true) {
+    stamp_ += 0.5;
+    lost_for_ = localization == kLost ? lost_for_ + 0.5 : 0.0;
+    behaviour_ = decide(behaviour_, facts(stamp_, localization, enough, lost_for_), kOptions);
+    return behaviour_.mode;
+  }
+  double stamp() const { return stamp_; }
+
+ private:
+  double stamp_ = 0.0, lost_for_ = 0.0;
+  Behaviour behaviour_;
+};
+
+// Turning back at once, each time, kept robots for six minutes before a blank stretch without a way
+// round; exploring on for the whole pause, they were metres off behind it.
+TEST(Behaviour, ALossSoonAfterARetreatIsAnsweredOnceItLasts) {
+  Told told;
+  EXPECT_EQ(told(kLost).kind, kRetreat);
+  for (int loss = 0; loss < 3; ++loss) {
+    EXPECT_EQ(told(kOk).kind, kExplore) << loss;
+    double lost_for = 0.0;
+    while (told(kLost).kind != kRetreat) {
+      lost_for += 0.5;
+      ASSERT_LE(lost_for, kOptions.lost_patience) << loss;
+    }
+    EXPECT_EQ(lost_for, kOptions.lost_patience) << loss;
+  }
+  // The pause over, a loss is answered at once.
+  while (told.stamp() < 3.0 * kOptions.retreat_pause) told(kOk);
+  EXPECT_EQ(told(kLost).kind, kRetreat);
+}
+
+TEST(Behaviour, ARetreatThatDoesNotHelpEndsWithATurnAndPauses) {
+  Told told;
+  double retreated = 0.0, turned = 0.0, explored = 0.0;
+  while (told.stamp() < 26.0) {
+    const Mode mode = told(kLost);
+    retreated += mode.kind == kRetreat ? 0.5 : 0.0;
+    turned += mode.kind == kTurnOnTheSpot ? 0.5 : 0.0;
+    explored += mode.kind == kExplore ? 0.5 : 0.0;
+    EXPECT_EQ(mode.kind == kTurnOnTheSpot, mode.cause == Cause::kStillLost);
+  }
+  EXPECT_EQ(retreated, kOptions.retreat_time + 0.5);
+  EXPECT_EQ(turned, kOptions.turn_time);
+  EXPECT_EQ(explored, 26.0 - retreated - turned) << "it explores all the same";
+  while (told(kLost).kind != kRetreat) ASSERT_LT(told.stamp(), 28.0);
+}
+
+// Turning back was of no use, but since then the robot knew where it was: a new loss is a new case.
+TEST(Behaviour, PatienceWithALossBeginsWhenLocalizationCameBackByItself) {
+  Told told;
+  while (told.stamp() < 6.5) EXPECT_EQ(told(kDegraded).kind, kRetreat);
+  while (told.stamp() < 12.0) EXPECT_EQ(told(kDegraded).kind, kExplore) << "it pauses";
+  EXPECT_EQ(told(kOk).kind, kExplore);
+  while (told.stamp() < 14.0) EXPECT_EQ(told(kDegraded).kind, kExplore) << "it still pauses";
+  for (int n = 0; n < 6; ++n) EXPECT_EQ(told(kLost).kind, kExplore) << "it is patient";
+  EXPECT_EQ(told(kLost).kind, kRetreat);
+}
+
+// Localization is back, but on so few features that it would be lost at the next corner.
+TEST(Behaviour, ARetreatGoesOnUntilEnoughFeaturesAreTracked) {
+  Told told;
+  EXPECT_EQ(told(kLost).kind, kRetreat);
+  EXPECT_EQ(told(kOk, false).kind, kRetreat);
+  EXPECT_EQ(told(kOk, false).kind, kRetreat);
+  const Mode mode = told(kOk, true);
+  EXPECT_EQ(mode.kind, kExplore);
+  EXPECT_EQ(mode.cause, Cause::kLocalizationRegained);
+  EXPECT_EQ(mode.since, 2.0);
+}
+
+TEST(Behaviour, NoPauseMeansOneStepBetweenTwoRetreats) {
+  BehaviourOptions options;
+  options.retreat_pause = 0.0;
+  options.turn_time = 0.0;
+  Behaviour b = in(kRetreat, 0.0);
+  b = decide(b, facts(6.5, kLost), options);
+  EXPECT_EQ(b.mode.kind, kExplore);
+  b = decide(b, facts(7.0, kLost), options);
+  EXPECT_EQ(b.mode.kind, kRetreat);
+}
+
+TEST(Behaviour, TheSentenceHasTheNumbersOfTheFacts) {
+  Facts f = facts(10, kDegraded);
+  f.tracked = 8;
+  f.tracked_at_retreat = 41;
+  f.retreat_distance = 1.24;
+  EXPECT_EQ(describe({kRetreat, Cause::kFeaturesScarce, 7.0}, f),
+            "Turns back: 8 features in view, localization is degraded; 41 were tracked 1.2 m from "
+            "here.");
+  EXPECT_EQ(describe({kExplore, Cause::kStart, 0.0}, facts(3)),
+            "Explores: drives to a frontier of 1.4 m, 3.2 m away.");
+  f = facts(12.0);
+  f.stuck = true;
+  f.frontiers->search = Search::kShortFrontiers;
+  const std::string text = describe({kExplore, Cause::kLocalizationRegained, 8.0}, f);
+  EXPECT_NE(text.find("regained 4 s ago"), std::string::npos) << text;
+  EXPECT_NE(text.find("short frontiers"), std::string::npos) << text;
+  EXPECT_NE(text.find("stuck"), std::string::npos) << text;
+  // One for each mode and cause, all different, none with a number that is not one.
+  std::set<std::string> seen;
+  for (const RowCase& c : row_cases()) {
+    const Mode mode{c.to, c.cause, 0.0};
+    const std::string sentence = describe(mode, c.facts);
+    EXPECT_EQ(sentence.find("nan"), std::string::npos) << sentence;
+    EXPECT_EQ(sentence.find("inf"), std::string::npos) << sentence;
+    EXPECT_GT(sentence.size(), 10u);
+    if (c.to == kExplore || c.to == kRetreat) continue;
+    EXPECT_TRUE(seen.insert(sentence).second) << sentence;
+  }
+}
+
+TEST(Behaviour, TheTablesArePrintedRowByRow) {
+  const std::string text = behaviour_tables();
+  for (const ModeRow& row : mode_table()) {
+    EXPECT_NE(text.find(row.condition), std::string::npos) << row.condition;
+  }
+  for (const SearchRow& row : search_table()) {
+    EXPECT_NE(text.find(row.condition), std::string::npos) << row.condition;
+  }
+}
+
+TEST(Behaviour, TheReferencePageIsThatText) {
+  std::ifstream file(std::string(PROSPECT_SOURCE_DIR) + "/docs/behaviour.md");
+  std::stringstream page;
+  page << file.rdbuf();
+  EXPECT_NE(page.str().find("<!-- prospect list modes -->\n" + behaviour_tables() + "<!-- end -->"),
+            std::string::npos)
+      << "docs/behaviour.md: put the output of `prospect list modes` between the marks";
+}
+
+}  // namespace
+}  // namespace prospect::behaviour_test
