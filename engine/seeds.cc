@@ -176,10 +176,10 @@ std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext&
       constexpr double kRoomy = 0.5;       // [m] clearance of a point that is left where it is
       constexpr double kOffMiddle = 0.15;  // [m] that one is moved
       const DescentPath path(*context.cost_to_go, pose.position.head<2>(), kLength);
-      add("script: go", laws.pursue(path, 0.5, 0.5));
+      add("approach: go", laws.pursue(path, 0.5, 0.5));
       // Looking less far ahead cuts corners less: what gets through narrow gaps.
-      add("script: go closely", laws.pursue(path, 0.3, 0.2));
-      add("script: go slowly", laws.follow(0.25));
+      add("approach: go closely", laws.pursue(path, 0.3, 0.2));
+      add("approach: go slowly", laws.follow(0.25));
       // Where the robot stands beside the middle of a gap, no arc ahead leads into it.
       DescentPath middle = path;
       if (context.clearance != nullptr) {
@@ -188,11 +188,11 @@ std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext&
       const auto along = [&](const Pose& p) {
         return middle.heading(p.position.head<2>(), 0.1, p.yaw);
       };
-      add("script: turn, then go", laws.turn_then_go(along, 0.2, 0.1));
+      add("approach: turn, then go", laws.turn_then_go(along, 0.2, 0.1));
     }
-    add("script: face", laws.turn_then_go(towards(context.target->looks_at), 0.0));
+    add("approach: face", laws.turn_then_go(towards(context.target->looks_at), 0.0));
   } else {
-    add("script: turn", laws.constant(0.0, 1.0));
+    add("turn around", laws.constant(0.0, 1.0));
   }
   add("stop", laws.constant(0.0, 0.0));
   return seeds;

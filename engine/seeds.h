@@ -24,7 +24,7 @@ struct SeedContext {
   std::optional<FrontierTarget> target;
   /// Inputs of the previous plan from now on (nu x n, n >= 0, one column a stage).
   Eigen::MatrixXd previous;
-  /// Distance to known obstacles; null: the scripts keep to the cost-to-go's cells.
+  /// Distance to known obstacles; null: approaches keep to the cost-to-go's cells.
   const ClearanceField* clearance = nullptr;
 };
 
@@ -40,7 +40,7 @@ struct SeedContext {
 std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context);
 
 /// Only those that follow the cost-to-go to the target's viewpoint and face what is to be seen from
-/// there: the stall watchdog's script, in the order in which they are tried. Three steer while they
+/// there, in the order in which they are tried. Three steer while they
 /// drive, the last turns towards the next 0.1 m of the way, moved to the middle of gaps
 /// (DescentPath::centre), before each piece of it: a gap that begins beside the robot takes that.
 /// Without a target: turning in place.

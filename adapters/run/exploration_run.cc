@@ -13,24 +13,6 @@
 namespace prospect {
 namespace {
 
-/// "optimised", "seed", "stopping tail"; what follows no optimum, "recovery" and "scripted".
-std::string plan_kind_text(const Plan& plan) {
-  if (plan.certified) {
-    switch (plan.mode.kind) {
-      case ModeKind::kRetreat:
-      case ModeKind::kTurnOnTheSpot:
-        return "recovery";
-      case ModeKind::kApproach:
-      case ModeKind::kLookAround:
-        return "scripted";
-      case ModeKind::kExplore:
-      case ModeKind::kDone:
-        break;
-    }
-  }
-  return std::string(to_string(plan.kind));
-}
-
 /// The simulator as a robot: commands in, beliefs out.
 class SimulatedRobot final : public Robot {
  public:
@@ -237,7 +219,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     r.true_pose = simulator.true_pose();
     r.estimated_pose = belief.pose;
     if (!plan.commands.empty()) r.command = plan.commands.front();
-    r.plan_kind = plan_kind_text(plan);
+    r.plan_kind = to_string(plan.kind);
     r.mode = to_string(plan.mode.kind);
     r.cause = to_string(plan.mode.cause);
     r.mode_since = step.time - (belief.stamp - plan.mode.since);

@@ -909,7 +909,7 @@ TEST_F(PlannerTest, AnApproachTakesTheFirstCertifiedWay) {
     EXPECT_EQ(plan.mode.cause, Cause::kNoProgress);
     EXPECT_EQ(plan.kind, PlanKind::kSeed);
     EXPECT_EQ(plan.counters.gradient_evaluations, 0) << "nothing is polished";
-    EXPECT_EQ(plan.seed.rfind("script:", 0), 0u) << plan.seed;
+    EXPECT_EQ(plan.seed.rfind("approach:", 0), 0u) << plan.seed;
   }
   EXPECT_GT(approaches, 0);
 }

@@ -275,14 +275,14 @@ TEST(ScriptedSeeds, LeadIntoAGapThatBeginsBesideTheRobot) {
   };
   constexpr double kBody = 0.18;
   auto driven = drive();
-  EXPECT_GT(driven.at("script: turn, then go").first, kBody + 0.01);
-  EXPECT_LT(driven.at("script: turn, then go").second, 0.6) << "through the gap";
-  for (const char* name : {"script: go", "script: go closely", "script: go slowly"}) {
+  EXPECT_GT(driven.at("approach: turn, then go").first, kBody + 0.01);
+  EXPECT_LT(driven.at("approach: turn, then go").second, 0.6) << "through the gap";
+  for (const char* name : {"approach: go", "approach: go closely", "approach: go slowly"}) {
     EXPECT_LT(driven.at(name).first, kBody) << name << ": the gap is no test";
   }
   context.clearance = nullptr;
   driven = drive();
-  EXPECT_LT(driven.at("script: turn, then go").first, kBody) << "along the cells themselves";
+  EXPECT_LT(driven.at("approach: turn, then go").first, kBody) << "along the cells themselves";
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Seeds, ::testing::ValuesIn(model_names()),
