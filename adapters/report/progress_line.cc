@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kPeriod = 0.1;  // [s]
 constexpr int kBarCells = 20;
+constexpr std::size_t kModeColumns = 11;  // of "look around"
 
 /// A share in [0, 1] as a bar of kBarCells cells, in eighths of a cell.
 std::string bar(double share) {
@@ -79,6 +80,17 @@ void ProgressLine::show(const StepRecord& step, const std::string& solver, doubl
   parts.push_back(plain(format("   error %.2f m", step.localization_error), well ? "" : kWarn));
   if (!well) parts.push_back(plain(" (" + step.localization + ')', kWarn));
   parts.push_back(plain(format("  %4.0f features", step.tracked_features), well ? "" : kWarn));
+  if (!step.mode.empty()) {
+    // Padded, so that what follows stays in its place when the mode changes.
+    std::string mode = step.mode;
+    mode.resize(std::max(mode.size(), kModeColumns), ' ');
+    parts.push_back(plain("   " + mode, step.mode == "retreat" ? kWarn : ""));
+    if (step.target && std::isfinite(step.target->way_left)) {
+      Part target = plain(format("  → target %.1f m", step.target->way_left));
+      target.columns -= 2;  // the arrow: three bytes, one column
+      parts.push_back(std::move(target));
+    }
+  }
   parts.push_back(plain("   " + solver));
   parts.push_back(plain(format(" %4.0f ms", step.wall.plan)));
   if (tail) parts.push_back(plain("  stopping", kWarn));

@@ -9,11 +9,13 @@ namespace prospect {
 
 /// One line on a terminal that follows a mission, rewritten in place at most ten times a second:
 ///
-///      42.5 s   63.2 %  ████████████▋         31.4 m   error 0.08 m   87 features   ipopt  41 ms
+///   42.5 s   63.2 %  ████████████▋         31.4 m   error 0.08 m   87 features   explore  → target
+///   3.2 m   ipopt  41 ms
 ///
-/// time, coverage, path, localization error, features tracked now, back end, planning time. Not on
-/// a terminal it writes nothing at all, so logs and pipes stay clean. Colour (a warning tint where
-/// localization is not ok or the plan is a stopping tail) only where asked for. Takes its clock as
+/// time, coverage, path, localization error, features tracked now, mode, way left to the target,
+/// back end, planning time: as many of them, from the left, as fit. Not on a terminal it writes
+/// nothing at all, so logs and pipes stay clean. Colour (a warning tint where localization is not
+/// ok, the robot retreats or the plan is a stopping tail) only where asked for. Takes its clock as
 /// an argument. Not thread-safe.
 class ProgressLine {
  public:

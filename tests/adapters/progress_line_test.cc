@@ -51,6 +51,37 @@ TEST(ProgressLine, SaysWhatIsGoingOn) {
   EXPECT_EQ(out.str().back(), '\n');
 }
 
+TEST(ProgressLine, SaysWhatTheRobotDoesAndWhereItGoes) {
+  StepRecord s = step();
+  s.mode = "explore";
+  s.target.emplace().way_left = 3.21;
+  std::ostringstream out;
+  ProgressLine(out, true, false, 200).show(s, "ipopt", 0.0);
+  EXPECT_THAT(out.str(), HasSubstr("  87 features   explore      → target 3.2 m   ipopt   41 ms"));
+  // The mode stays where only it fits; half a target would mislead.
+  std::ostringstream narrow;
+  ProgressLine(narrow, true, false, 110).show(s, "ipopt", 0.0);
+  EXPECT_THAT(narrow.str(), HasSubstr("explore"));
+  EXPECT_THAT(narrow.str(), Not(HasSubstr("target")));
+  // Without a way to it there is no distance to show.
+  s.target->way_left = std::nan("");
+  std::ostringstream unknown;
+  ProgressLine(unknown, true, false, 200).show(s, "ipopt", 0.0);
+  EXPECT_THAT(unknown.str(), Not(HasSubstr("target")));
+  EXPECT_THAT(unknown.str(), HasSubstr("ipopt"));
+}
+
+TEST(ProgressLine, WarnsOfARetreat) {
+  StepRecord s = step();
+  s.target.emplace().way_left = 3.21;
+  for (const char* mode : {"explore", "retreat"}) {
+    s.mode = mode;
+    std::ostringstream out;
+    ProgressLine(out, true, true, 200).show(s, "ipopt", 0.0);
+    EXPECT_EQ(out.str().find("\033[33m   retreat") != std::string::npos, s.mode == "retreat");
+  }
+}
+
 TEST(ProgressLine, IsQuietWhereThereIsNoTerminal) {
   std::ostringstream out;
   ProgressLine line(out, false, true);
@@ -106,7 +137,9 @@ TEST(ProgressLine, NeverWraps) {
   s.localization = "lost";
   s.plan_kind = "stopping tail";
   s.coverage = 1.0;
-  for (int width = 1; width < 150; ++width) {
+  s.mode = "turn on the spot";
+  s.target.emplace().way_left = 12.3;
+  for (int width = 1; width < 180; ++width) {
     std::ostringstream out;
     ProgressLine(out, true, true, width).show(s, "nlopt:LD_SLSQP", 0.0);
     EXPECT_LT(columns(out.str()), width);
@@ -117,8 +150,11 @@ TEST(ProgressLine, TakesNumbersThatAreNone) {
   std::ostringstream out;
   ProgressLine line(out, true, false, 200);
   StepRecord s = step();
+  s.mode = "explore";
+  s.target.emplace();
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e308, -1.0, 7.0}) {
     s.coverage = s.localization_error = s.wall.plan = s.path_length = bad;
+    s.target->way_left = bad;
     line.show(s, "ipopt", 0.0);
     line.finish();
   }
