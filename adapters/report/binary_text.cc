@@ -12,6 +12,10 @@ void BinaryText::add_varint(std::uint64_t value) {
   bytes_.push_back(static_cast<std::uint8_t>(value));
 }
 
+void BinaryText::add_signed_varint(std::int64_t value) {
+  add_varint(static_cast<std::uint64_t>(value) << 1 ^ static_cast<std::uint64_t>(value >> 63));
+}
+
 void BinaryText::add_bytes(const std::vector<std::uint8_t>& bytes) {
   bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
 }

@@ -11,7 +11,9 @@
 #include <vector>
 
 #include "adapters/report/binary_text.h"
+#include "adapters/report/field_picture.h"
 #include "adapters/report/html_page.h"
+#include "adapters/report/palette.h"
 #include "adapters/report/report_assets.h"
 #include "adapters/run/summary.h"
 
@@ -155,30 +157,113 @@ Json horizon_json(const std::vector<StepRecord>& steps) {
   return {{"counts", counts.base64()}, {"poses", poses.base64()}};
 }
 
+/// Appends the names of the cost terms that are not there yet.
+void add_cost_terms(const Explanation& explanation, std::vector<std::string>& names) {
+  for (const TermValue& term : explanation.terms) {
+    if (term.constraint) continue;
+    if (std::find(names.begin(), names.end(), term.name) == names.end()) {
+      names.push_back(term.name);
+    }
+  }
+}
+
+/// Weighted; NaN if there is no such term.
+double cost_term(const Explanation& explanation, const std::string& name) {
+  for (const TermValue& term : explanation.terms) {
+    if (!term.constraint && term.name == name) return term.weighted;
+  }
+  return std::nan("");
+}
+
 /// Every cost term that any step has, weighted; NaN at the steps that lack it.
 Json term_json(const std::vector<StepRecord>& steps) {
   std::vector<std::string> names;
-  for (const StepRecord& step : steps) {
-    for (const TermValue& term : step.explanation.terms) {
-      if (term.constraint) continue;
-      if (std::find(names.begin(), names.end(), term.name) == names.end()) {
-        names.push_back(term.name);
-      }
-    }
-  }
+  for (const StepRecord& step : steps) add_cost_terms(step.explanation, names);
   Json terms = Json::array();
   for (const std::string& name : names) {
     BinaryText values;
-    for (const StepRecord& step : steps) {
-      double value = std::nan("");
-      for (const TermValue& term : step.explanation.terms) {
-        if (!term.constraint && term.name == name) value = term.weighted;
-      }
-      values.add_float(value);
-    }
+    for (const StepRecord& step : steps) values.add_float(cost_term(step.explanation, name));
     terms.push_back({{"name", name}, {"values", values.base64()}});
   }
   return terms;
+}
+
+/// Words by number, in the order of their coming.
+class WordList {
+ public:
+  std::uint64_t number(const std::string& word) {
+    const auto [entry, added] = known_.emplace(word, words_.size());
+    if (added) words_.push_back(word);
+    return entry->second;
+  }
+  const std::vector<std::string>& words() const { return words_; }
+
+ private:
+  std::vector<std::string> words_;
+  std::map<std::string, std::uint64_t> known_;
+};
+
+/// The candidates of each step. `steps`: how many seeds were scored and how many candidates follow;
+/// for each: name, verdict, 1 if polished, how many points its path has, and these in cm, the first
+/// from the origin, each further one from the one before it (signed). `values`: for each its cost,
+/// then each term of `terms`, NaN where it lacks that.
+Json candidate_json(const std::vector<StepRecord>& steps) {
+  std::vector<std::string> terms;
+  for (const StepRecord& step : steps) {
+    for (const CandidateRecord& c : step.candidates) add_cost_terms(c.explanation, terms);
+  }
+  WordList names, verdicts;
+  BinaryText text, values;
+  for (const StepRecord& step : steps) {
+    text.add_varint(static_cast<std::uint64_t>(std::max(0, step.seeds_scored)));
+    text.add_varint(step.candidates.size());
+    for (const CandidateRecord& c : step.candidates) {
+      text.add_varint(names.number(c.name));
+      text.add_varint(verdicts.number(c.verdict));
+      text.add_varint(c.polished ? 1 : 0);
+      // The part before the first point that is none.
+      std::vector<std::pair<std::int64_t, std::int64_t>> path;
+      for (const Eigen::Vector2f& p : c.path) {
+        if (!(std::abs(p.x()) < 1e6F && std::abs(p.y()) < 1e6F)) break;
+        path.emplace_back(std::llround(100.0 * p.x()), std::llround(100.0 * p.y()));
+      }
+      text.add_varint(path.size());
+      std::pair<std::int64_t, std::int64_t> last{0, 0};
+      for (const auto& point : path) {
+        text.add_signed_varint(point.first - last.first);
+        text.add_signed_varint(point.second - last.second);
+        last = point;
+      }
+      values.add_float(c.explanation.cost);
+      for (const std::string& term : terms) values.add_float(cost_term(c.explanation, term));
+    }
+  }
+  return {{"names", names.words()},
+          {"verdicts", verdicts.words()},
+          {"terms", terms},
+          {"steps", text.base64()},
+          {"values", values.base64()}};
+}
+
+Json cost_to_go_json(const std::vector<StepRecord>& steps) {
+  Json pictures = Json::array();
+  for (std::size_t k = 0; k < steps.size(); ++k) {
+    if (!steps[k].cost_to_go) continue;
+    const FieldPicture field = field_picture(*steps[k].cost_to_go);
+    if (field.png.empty()) continue;
+    BinaryText png;
+    png.add_bytes(field.png);
+    const double size = field.frame.resolution;
+    pictures.push_back({{"step", k},
+                        {"x", size * field.frame.i0},
+                        {"y", size * field.frame.j0},
+                        {"width", field.frame.width},
+                        {"height", field.frame.height},
+                        {"size", size},
+                        {"most", field.most},
+                        {"png", png.base64()}});
+  }
+  return pictures;
 }
 
 template <typename Get>
@@ -191,16 +276,28 @@ std::string column(const std::vector<StepRecord>& steps, Get get) {
 /// A column of words: the distinct ones, and for each step which.
 template <typename Get>
 Json word_column(const std::vector<StepRecord>& steps, Get get) {
-  std::vector<std::string> words;
-  std::map<std::string, std::uint64_t> known;
+  WordList words;
   BinaryText text;
-  for (const StepRecord& step : steps) {
-    const std::string word = get(step);
-    const auto [entry, added] = known.emplace(word, words.size());
-    if (added) words.push_back(word);
-    text.add_varint(entry->second);
-  }
-  return {{"words", words}, {"steps", text.base64()}};
+  for (const StepRecord& step : steps) text.add_varint(words.number(get(step)));
+  return {{"words", words.words()}, {"steps", text.base64()}};
+}
+
+/// Colours: of each mode by name, and the scale of quantities.
+Json palette_json(const std::vector<StepRecord>& steps) {
+  WordList modes;
+  for (const StepRecord& step : steps) modes.number(step.mode);
+  const std::vector<Color> colors = mode_colors(modes.words());
+  Json by_mode = Json::object(), scale = Json::array();
+  for (std::size_t i = 0; i < colors.size(); ++i) by_mode[modes.words()[i]] = hex(colors[i]);
+  for (const Color& color : scale_colors()) scale.push_back(hex(color));
+  return {{"modes", std::move(by_mode)}, {"scale", std::move(scale)}};
+}
+
+/// A number of the target; NaN at the steps that have none.
+template <typename Get>
+std::string target_column(const std::vector<StepRecord>& steps, Get get) {
+  return column(steps,
+                [&](const StepRecord& s) { return s.target ? get(*s.target) : std::nan(""); });
 }
 
 Json run_json(const RunRecord& record) {
@@ -211,6 +308,7 @@ Json run_json(const RunRecord& record) {
     for (const Cell& cell : frontier_cells(step, record.resolution)) extent.add(cell);
   }
   using S = const StepRecord&;
+  using T = const TargetRecord&;
   Json columns = {
       {"time", column(steps, [](S s) { return s.time; })},
       {"true_x", column(steps, [](S s) { return s.true_pose.position.x(); })},
@@ -239,6 +337,15 @@ Json run_json(const RunRecord& record) {
       {"seeds_ms", column(steps, [](S s) { return s.wall.seeds; })},
       {"polish_ms", column(steps, [](S s) { return s.wall.polish; })},
       {"certify_ms", column(steps, [](S s) { return s.wall.certify; })},
+      {"mode_since", column(steps, [](S s) { return s.mode_since; })},
+      {"target_x", target_column(steps, [](T t) { return t.viewpoint.x(); })},
+      {"target_y", target_column(steps, [](T t) { return t.viewpoint.y(); })},
+      {"looks_x", target_column(steps, [](T t) { return t.looks_at.x(); })},
+      {"looks_y", target_column(steps, [](T t) { return t.looks_at.y(); })},
+      {"target_length", target_column(steps, [](T t) { return t.length; })},
+      {"target_worth", target_column(steps, [](T t) { return t.worth; })},
+      {"way_left", target_column(steps, [](T t) { return t.way_left; })},
+      {"guard_stops", column(steps, [](S s) { return s.guard_stops; })},
   };
   Json words = {
       {"plan", word_column(steps, [](S s) { return s.plan_kind; })},
@@ -249,6 +356,12 @@ Json run_json(const RunRecord& record) {
       {"certified",
        word_column(steps, [](S s) { return std::string(s.certified ? "yes" : "no"); })},
       {"certificate", word_column(steps, [](S s) { return s.certificate; })},
+      {"guard", word_column(steps, [](S s) { return s.guard_reason; })},
+      {"mode", word_column(steps, [](S s) { return s.mode; })},
+      {"cause", word_column(steps, [](S s) { return s.cause; })},
+      {"caution", word_column(steps, [](S s) { return s.caution; })},
+      {"search", word_column(steps, [](S s) { return s.search; })},
+      {"why", word_column(steps, [](S s) { return s.why; })},
   };
   return {
       {"summary", Json::parse(summary_json(record.summary))},
@@ -269,6 +382,9 @@ Json run_json(const RunRecord& record) {
       {"frontiers", frontier_text(steps, record.resolution, extent)},
       {"landmarks", landmark_json(steps)},
       {"horizon", horizon_json(steps)},
+      {"candidates", candidate_json(steps)},
+      {"cost_to_go", cost_to_go_json(steps)},
+      {"palette", palette_json(steps)},
       {"pictures", pictures_json(record.pictures)},
       {"configuration", record.configuration},
   };

@@ -63,6 +63,24 @@ const landmarks = (() => {
     return { index, visibility };
   });
 })();
+// At each step: how many seeds were scored, and the best candidates.
+const candidates = (() => {
+  const { names, verdicts, terms, steps, values } = run.candidates;
+  const next = varints(steps), numbers = floats(values);
+  const signed = () => { const z = next(); return z % 2 ? -(z + 1) / 2 : z / 2; };
+  let at = 0;
+  return Array.from({ length: n }, () => {
+    const scored = next();
+    const list = Array.from({ length: next() }, () => {
+      const c = { name: names[next()], verdict: verdicts[next()], polished: next() === 1, path: [] };
+      for (let count = next(), x = 0, y = 0; count > 0; --count) c.path.push([0.01 * (x += signed()), 0.01 * (y += signed())]);
+      c.cost = numbers[at++];
+      c.terms = terms.map(() => numbers[at++]);
+      return c;
+    });
+    return { scored, list };
+  });
+})();
 const horizonPoses = floats(run.horizon.poses);
 const horizonStart = (() => {
   const next = varints(run.horizon.counts);
@@ -163,6 +181,18 @@ let step = -1;                   // shown now
 const ground = new Uint8Array(width * height);
 const frontier = new Set();
 let colors = {};
+let dark = false;
+const hasModes = word.mode.some((mode) => mode !== "");  // a run of an older program has none
+const modeColor = (mode) => run.palette.modes[mode] || "#64748b";
+// The scale of quantities at a share in [0, 1]: without the end that is too near the page's own colour.
+function scaleColor(share) {
+  const scale = run.palette.scale, [low, high] = dark ? [0.25, 1] : [0, 0.8];
+  const at = (low + (high - low) * Math.min(1, Math.max(0, share || 0))) * (scale.length - 1), i = Math.min(scale.length - 2, Math.floor(at));
+  const a = rgb(scale[i]), b = rgb(scale[i + 1]);
+  return a.map((c, m) => Math.round(c + (b[m] - c) * (at - i)));
+}
+const scaleGradient = () => `linear-gradient(90deg, ${Array.from({ length: 11 }, (_, i) => `rgb(${scaleColor(i / 10).join(",")})`).join(",")})`;
+let pointed = null;              // number of the candidate that is pointed at in the table
 const drawn = {};                // what the last drawing really used, for the self-test
 
 // ---- Map --------------------------------------------------------------------------------------
@@ -181,8 +211,9 @@ function rgb(text) {
 }
 function readColors() {
   const style = getComputedStyle(document.documentElement);
-  for (const name of ["ink", "ink-2", "ink-3", "line", "accent", "map-unknown", "map-free", "map-occupied", "estimated", "true",
-    "horizon", "frontier", "seen-low", "seen-high", "view", "halo", "grid", "shade-warn", "shade-bad"]) {
+  dark = matchMedia("(prefers-color-scheme: dark)").matches;
+  for (const name of ["target", "ink", "ink-2", "ink-3", "line", "accent", "map-unknown", "map-free", "map-occupied", "estimated", "true",
+    "horizon", "frontier", "seen-low", "seen-high", "view", "halo", "grid", "shade-warn", "shade-bad", "warn", "bad"]) {
     colors[name] = style.getPropertyValue(`--${name}`).trim();
   }
   palette = new Uint32Array(["map-unknown", "map-free", "map-occupied"].map((name) => {
@@ -196,18 +227,78 @@ function readColors() {
   picturePen.putImageData(pixels, 0, 0);
 }
 
-const layers = { view: true, frontiers: true, landmarks: true, true: true, estimated: true, horizon: true };
-for (const [name, label, mark, style] of [
-  ["estimated", "estimated path", "", "background:var(--estimated)"],
-  ["true", "true path", "", "background:var(--true)"],
-  ["horizon", "horizon", "", "background:var(--horizon)"],
-  ["view", "field of view", "cell", "background:rgba(var(--view),.3)"],
-  ["frontiers", "frontiers", "cell", "background:var(--frontier)"],
-  ["landmarks", "landmarks, by visibility", "ramp", ""]]) {
+const layers = {};
+for (const [name, label, mark, style, on, there] of [
+  ["estimated", "estimated path", "", "background:var(--estimated)", true, true],
+  ["true", "true path", "", "background:var(--true)", true, true],
+  ["horizon", "plan", "", "background:var(--horizon)", true, true],
+  ["target", "target", "ring", "border-color:var(--target)", true, column.way_left.some(isNumber)],
+  ["view", "field of view", "cell", "background:rgba(var(--view),.3)", true, true],
+  ["frontiers", "frontiers", "cell", "background:var(--frontier)", true, true],
+  ["landmarks", "landmarks, by visibility", "ramp", "", true, true],
+  ["candidates", "other candidates", "", "background:var(--ink-3)", false, candidates.some(({ list }) => list.length > 0)],
+  ["cost-to-go", "time to the target", "scale", "", false, run.cost_to_go.length > 0]]) {
+  layers[name] = on && there;
+  if (!there) continue;
   const box = make("input", { type: "checkbox", id: `layer-${name}` });
-  box.checked = true;
+  box.checked = on;
   box.addEventListener("change", () => { layers[name] = box.checked; draw(); });
   $("layers").append(make("label", {}, box, make("i", { class: mark, style }), label));
+}
+
+// What the path can be coloured by: a quantity at each step, or the mode.
+const pathColors = {
+  plain: null,
+  features: { label: "features in view", values: column.tracked, text: (v) => fixed(v, 0) },
+  error: { label: "localization error", values: column.error, text: (v) => `${fixed(v, 2)} m` },
+  speed: { label: "speed", values: column.speed, text: (v) => `${fixed(v, 2)} m/s` },
+  mode: { label: "mode" },
+};
+for (const by of Object.values(pathColors)) {
+  if (!by?.values) continue;
+  const sorted = by.values.filter(isNumber).sort();
+  by.end = sorted.length ? sorted[Math.ceil(0.98 * sorted.length) - 1] : 1;  // one peak does not flatten the rest
+  if (!(by.end > 0)) by.end = 1;
+  by.open = sorted.length > 0 && sorted[sorted.length - 1] > by.end;
+}
+const pathColor = $("path-color");
+for (const name of Object.keys(pathColors)) {
+  if (name !== "mode" || hasModes) pathColor.append(make("option", { value: name }, name === "plain" ? "path: plain" : `path by ${name}`));
+}
+pathColor.addEventListener("change", () => draw());
+
+// The cost-to-go at some of the steps. An image is decoded when it is first wanted.
+const fields = run.cost_to_go;
+let tinted = { field: null, dark: null, canvas: make("canvas") };
+function fieldAt(k) {
+  let best = null;
+  for (const f of fields) if (f.step <= k) best = f;
+  return best;
+}
+function tintedField(f) {
+  if (!f.image) {
+    f.image = new Image();
+    f.ready = new Promise((resolve, reject) => {
+      f.image.onload = () => { resolve(); draw(); };
+      f.image.onerror = () => reject(new Error(`the cost-to-go of step ${f.step} does not load`));
+    });
+    f.image.src = `data:image/png;base64,${f.png}`;
+  }
+  if (!(f.image.complete && f.image.naturalWidth > 0)) return null;
+  if (tinted.field === f && tinted.dark === dark) return tinted.canvas;
+  tinted = { field: f, dark, canvas: make("canvas", { width: f.width, height: f.height }) };
+  const context = tinted.canvas.getContext("2d", { willReadFrequently: true });
+  context.drawImage(f.image, 0, 0);
+  const image = context.getImageData(0, 0, f.width, f.height);
+  // Near is light on dark and dark on light: what stands out is where the robot is drawn to.
+  const lookUp = Array.from({ length: 256 }, (_, v) => scaleColor((v - 1) / 254));
+  for (let i = 0; i < image.data.length; i += 4) {
+    const value = image.data[i];
+    if (value > 0) image.data.set(lookUp[value], i);
+    image.data[i + 3] = value > 0 ? 190 : 0;
+  }
+  context.putImageData(image, 0, 0);
+  return tinted.canvas;
 }
 
 const view = { x: 0, y: 0, scale: 40, follow: false, touched: false };
@@ -273,6 +364,81 @@ function path(xs, ys, last, color, lineWidth) {
   }
   pen.strokeStyle = color; pen.lineWidth = lineWidth; pen.stroke();
 }
+// The path so far in the colours of what is chosen; each piece has the colour of the step where it ends.
+function coloredPath(xs, ys, last, by) {
+  path(xs, ys, last, colors.halo, 5);
+  pen.lineWidth = 3;
+  for (let k = 1; k <= last; ++k) {
+    if (![xs[k - 1], ys[k - 1], xs[k], ys[k]].every(isNumber)) continue;
+    pen.beginPath();
+    pen.moveTo(...toScreen(xs[k - 1], ys[k - 1]));
+    pen.lineTo(...toScreen(xs[k], ys[k]));
+    pen.strokeStyle = by.values ? `rgb(${scaleColor(by.values[k] / by.end).join(",")})` : modeColor(word.mode[k]);
+    pen.stroke();
+  }
+}
+// What the colours on the map mean, where they are quantities or modes.
+let legendShown = "";
+function legend(by, field) {
+  const shown = [pathColor.value, layers.estimated, dark, field ? field.step : ""].join();
+  if (shown === legendShown) return;
+  legendShown = shown;
+  const rows = [];
+  const scale = (label, low, high) => rows.push(make("div", {}, make("b", {}, label), make("span", { class: "scale" }, low, make("i", { style: `background:${scaleGradient()}` }), high)));
+  if (layers.estimated && by?.values) scale(by.label, by.text(0), (by.open ? "≥ " : "") + by.text(by.end));
+  if (layers.estimated && by && !by.values) {
+    rows.push(make("div", {}, ...[...new Set(word.mode)].filter(Boolean).map((mode) => make("span", { class: "key" }, make("i", { style: `background:${modeColor(mode)}` }), mode))));
+  }
+  if (field) scale(`time to the target, as of ${fixed(column.time[field.step], 1)} s`, "0 s", `${fixed(field.most, 0)} s`);
+  $("map-legend").replaceChildren(...rows);
+  $("map-legend").hidden = rows.length === 0;
+}
+function label(text, sx, sy, color) {
+  pen.font = getComputedStyle(document.body).font.replace(/\d+px/, "12px");
+  pen.textAlign = sx > boxWidth - 90 ? "right" : "left"; pen.textBaseline = "middle";
+  const x = sx + (pen.textAlign === "left" ? 12 : -12);
+  pen.strokeStyle = colors.halo; pen.lineWidth = 3.5; pen.strokeText(text, x, sy);
+  pen.fillStyle = color; pen.fillText(text, x, sy);
+}
+// Where the robot goes: a line to the viewpoint, and from there to what it will see.
+function drawTarget() {
+  const x = column.target_x[step], y = column.target_y[step];
+  if (!(isNumber(x) && isNumber(y))) return false;
+  const from = toScreen(column.x[step], column.y[step]), at = toScreen(x, y);
+  const line = (points, dash, width) => {
+    for (const [color, extra] of [[colors.halo, 2.5], [colors.target, 0]]) {
+      pen.setLineDash(dash);
+      pen.beginPath(); pen.moveTo(...points[0]); pen.lineTo(...points[1]);
+      pen.strokeStyle = color; pen.lineWidth = width + extra; pen.stroke();
+    }
+    pen.setLineDash([]);
+  };
+  line([from, at], [2, 6], 1.75);
+  if (isNumber(column.looks_x[step]) && isNumber(column.looks_y[step])) {
+    const seen = toScreen(column.looks_x[step], column.looks_y[step]);
+    const dx = seen[0] - at[0], dy = seen[1] - at[1], length = Math.hypot(dx, dy);
+    if (length > 14) {  // an arrow, as a look has a direction
+      line([at, seen], [], 1.5);
+      pen.beginPath();
+      for (const [forward, side] of [[0, 0], [-9, 4], [-9, -4]]) {
+        pen.lineTo(seen[0] + (forward * dx - side * dy) / length, seen[1] + (forward * dy + side * dx) / length);
+      }
+      pen.closePath(); pen.fillStyle = colors.target; pen.fill();
+    }
+  }
+  for (const [color, width] of [[colors.halo, 6], [colors.target, 3]]) {
+    pen.beginPath(); pen.arc(...at, 7, 0, 2 * Math.PI);
+    pen.strokeStyle = color; pen.lineWidth = width; pen.stroke();
+  }
+  pen.beginPath(); pen.arc(...at, 2, 0, 2 * Math.PI); pen.fillStyle = colors.target; pen.fill();
+  label("target", ...at, colors.target);
+  return true;
+}
+function drawCandidate(c, color, width) {
+  trace(c.path);
+  pen.strokeStyle = colors.halo; pen.lineWidth = width + 2.5; pen.stroke();
+  pen.strokeStyle = color; pen.lineWidth = width; pen.stroke();
+}
 function scaleBar() {
   const wanted = 110 / view.scale;
   const unit = 10 ** Math.floor(Math.log10(wanted));
@@ -303,6 +469,12 @@ function draw() {
     pen.imageSmoothingEnabled = view.scale * r < 1;
     pen.drawImage(picture, left, top, width * r * view.scale, height * r * view.scale);
   }
+  const field = layers["cost-to-go"] ? fieldAt(step) : null, tint = field && tintedField(field);
+  if (tint) {
+    const [left, top] = toScreen(field.x, field.y + field.height * field.size);
+    pen.imageSmoothingEnabled = false;
+    pen.drawImage(tint, left, top, field.width * field.size * view.scale, field.height * field.size * view.scale);
+  }
   if (layers.view) {
     trace([[x, y], ...viewPolygon(x, y, yaw)]);
     pen.closePath();
@@ -328,7 +500,12 @@ function draw() {
     }
   }
   if (layers.true) path(column.true_x, column.true_y, step, colors.true, 1.25);
-  if (layers.estimated) path(column.x, column.y, step, colors.estimated, 2);
+  const by = pathColors[pathColor.value];
+  if (layers.estimated && by) coloredPath(column.x, column.y, step, by);
+  else if (layers.estimated) path(column.x, column.y, step, colors.estimated, 2);
+  legend(by, tint ? field : null);
+  const target = layers.target && drawTarget();
+  if (layers.candidates) for (const c of candidates[step].list) if (c.verdict !== "executed") drawCandidate(c, colors["ink-3"], 1.25);
   if (layers.horizon) {
     const points = [];
     for (let i = horizonStart[step]; i < horizonStart[step + 1]; ++i) {
@@ -351,6 +528,11 @@ function draw() {
       pen.closePath(); pen.fill();
     }
   }
+  if (pointed !== null && candidates[step].list[pointed]) {
+    const c = candidates[step].list[pointed];
+    drawCandidate(c, colors.ink, 2.5);
+    if (c.path.length) label(readable(c.name), ...toScreen(...c.path[c.path.length - 1]), colors.ink);
+  }
   // The robot: a ring where it is, a disc with its heading where it believes to be.
   const radius = Math.max(6, run.robot_radius * view.scale);
   if (layers.true) {
@@ -367,7 +549,7 @@ function draw() {
   }
   pen.closePath(); pen.fillStyle = colors.halo; pen.fill();
   scaleBar();
-  Object.assign(drawn, { x, y, yaw, sx, sy, radius, frontiers: frontier.size, landmarks: landmarks[step].index.length, horizon: horizonStart[step + 1] - horizonStart[step] });
+  Object.assign(drawn, { target, field: tint ? field.step : null, x, y, yaw, sx, sy, radius, frontiers: frontier.size, landmarks: landmarks[step].index.length, horizon: horizonStart[step + 1] - horizonStart[step] });
 }
 
 function resize() {
@@ -421,11 +603,10 @@ $("follow").addEventListener("click", () => { setFollow(!view.follow); view.touc
 const plots = [];
 let sharedWindow = null, aligning = false;
 
-function addPlot(title, unit, series, { format = rounded, low = null, high = null, shade = null, fill = false } = {}) {
-  const many = series.length > 2;
+function addPlot(title, unit, series, { format = rounded, low = null, high = null, shade = null, fill = false, small = false, last = true } = {}) {
   const labels = make("div", { class: "series" });
   const area = make("div"), cursor = make("div", { class: "cursor" });
-  const box = make("div", { class: many ? "plot many" : "plot" },
+  const box = make("div", { class: small ? `plot small${last ? " last" : ""}` : "plot" },
     make("h3", {}, make("span", {}, title, make("em", {}, unit)), labels), make("div", { class: "area" }, area, cursor));
   $("plots").append(box);
   const values = series.map(({ name, color }) => {
@@ -441,12 +622,12 @@ function addPlot(title, unit, series, { format = rounded, low = null, high = nul
     labels: ["time", ...series.map(({ name }) => name)],
     colors: resolved(), strokeWidth: 1.5, fillGraph: fill, fillAlpha: 0.1,
     legend: "never", labelsDiv: make("div"), highlightCircleSize: 3, gridLineColor: colors.grid, axisLineColor: colors.line, axisLineWidth: 1,
-    rightGap: 10, xRangePad: 2, yRangePad: 6, xAxisHeight: 20, digitsAfterDecimal: 4,
+    rightGap: 10, xRangePad: 2, yRangePad: small ? 3 : 6, xAxisHeight: last ? 20 : 2, digitsAfterDecimal: 4,
     valueRange: [low, high],
     dateWindow: n === 1 ? [column.time[0] - 1, column.time[0] + 1] : null,  // one point alone spans nothing
     axes: {
-      x: { drawGrid: false, pixelsPerLabel: 64, axisLabelFormatter: (v) => `${+v.toFixed(3)} s`, axisLabelWidth: 60 },
-      y: { pixelsPerLabel: many ? 28 : 22, axisLabelWidth: 44, axisLabelFormatter: (v) => (Math.abs(v) >= 1e5 ? v.toExponential(0) : String(+v.toPrecision(6))).replace("-", "−") },
+      x: { drawGrid: false, drawAxis: last, pixelsPerLabel: 64, axisLabelFormatter: (v) => `${+v.toFixed(3)} s`, axisLabelWidth: 60 },
+      y: { pixelsPerLabel: small ? 16 : 22, axisLabelWidth: 44, axisLabelFormatter: (v) => (Math.abs(v) >= 1e5 ? v.toExponential(0) : String(+v.toPrecision(6))).replace("-", "−") },
     },
     underlayCallback: shade && ((context, chart, g) => {
       for (let k = 0; k < n; ++k) {
@@ -462,6 +643,7 @@ function addPlot(title, unit, series, { format = rounded, low = null, high = nul
     highlightCallback: (e, time, points, row) => show(row),
     unhighlightCallback: () => show(step),
     drawCallback: (g, first) => {
+      if (graph === plots[0]?.graph) drawStrip();
       if (first || aligning) { place(); return; }
       aligning = true;
       sharedWindow = g.xAxisRange();
@@ -479,14 +661,99 @@ function addPlot(title, unit, series, { format = rounded, low = null, high = nul
     cursor.style.top = `${plotArea.y}px`; cursor.style.height = `${plotArea.h}px`; cursor.style.bottom = "auto";
   }
   function show(k) { series.forEach(({ values: column }, i) => { values[i].value.textContent = format(column[k]); }); }
-  if (many) {
-    values.forEach(({ label }, i) => label.addEventListener("click", () => {
-      const on = label.classList.toggle("off");
-      graph.setVisibility(i, !on);
-    }));
-  }
   plots.push({ graph, place, show, cursor, recolor: () => graph.updateOptions({ colors: resolved(), gridLineColor: colors.grid, axisLineColor: colors.line }) });
 }
+// The range of a term without its peaks, and what to say of them.
+function withoutPeaks(values) {
+  const sorted = values.filter(isNumber).sort();
+  if (!sorted.length) return { low: null, high: null, peak: "" };
+  const rank = (share) => sorted[Math.max(0, Math.ceil(share * sorted.length) - 1)];
+  const low = rank(0.02), high = rank(0.98), room = (high - low) || Math.abs(high) || 1;
+  const bottom = sorted[0], top = sorted[sorted.length - 1];
+  const cutTop = top > high + 2 * room, cutBottom = bottom < low - 2 * room;
+  const when = (value) => `${compact(value)} at ${fixed(column.time[values.indexOf(value)], 1)} s`;
+  const peaks = [...(cutTop ? [`peak ${when(top)}`] : []), ...(cutBottom ? [`dip ${when(bottom)}`] : [])];
+  if (top === bottom) return { low: top - 0.5 * room, high: top + 0.5 * room, peak: "" };
+  return { low: cutBottom ? low - 0.5 * room : bottom, high: cutTop ? high + 0.5 * room : top, peak: peaks.join(", ") };
+}
+
+// ---- Modes over time --------------------------------------------------------------------------
+// Stretches of steps in one mode with one cause.
+const stretches = [];
+for (let k = 0; k < n && hasModes; ++k) {
+  const current = stretches[stretches.length - 1];
+  if (current && current.mode === word.mode[k] && current.cause === word.cause[k] && current.caution === word.caution[k]) current.end = k;
+  else stretches.push({ mode: word.mode[k], cause: word.cause[k], caution: word.caution[k], start: k, end: k });
+}
+const careful = (caution) => caution !== "" && caution !== "normal";
+const stretchEnd = (stretch) => column.time[Math.min(n - 1, stretch.end + 1)];
+const strip = (() => {
+  if (!hasModes) return null;
+  const share = new Map();
+  for (let k = 0; k < n; ++k) share.set(word.mode[k], (share.get(word.mode[k]) || 0) + 1);
+  const keys = [...share].sort((a, b) => b[1] - a[1]).map(([mode, count]) =>
+    make("span", {}, make("i", { style: `background:${modeColor(mode)}` }), `${mode || "none"} ${n ? Math.max(1, Math.round(100 * count / n)) : 0} %`));
+  const sheet = make("canvas", { role: "img", "aria-label": "Modes over time" });
+  const cursor = make("div", { class: "cursor" }), note = make("div", { class: "note" });
+  note.hidden = true;
+  const box = make("div", { class: "area" }, sheet, cursor, note);
+  $("plots").append(make("div", { class: "plot modes" }, make("h3", {}, make("span", {}, "What the robot does", make("em", {}, "mode, share of the time")), make("div", { class: "series" }, ...keys)), box));
+  // The stretch at the pointer, and its time there.
+  const at = (e) => {
+    const time = plots[0].graph.toDataXCoord(e.clientX - box.getBoundingClientRect().left);
+    const k = nearest(time);
+    return { k, stretch: stretches.find((t) => t.start <= k && k <= t.end) };
+  };
+  box.addEventListener("click", (e) => seek(at(e).k));
+  box.addEventListener("pointermove", (e) => {
+    const { stretch } = at(e);
+    note.replaceChildren(make("b", {}, stretch.mode || "no mode"), ...(stretch.cause ? [`: ${stretch.cause}`] : []), ...(careful(stretch.caution) ? [`, ${stretch.caution}`] : []),
+      make("br"), `${fixed(column.time[stretch.start], 1)} to ${fixed(stretchEnd(stretch), 1)} s`);
+    note.hidden = false;
+    const room = box.clientWidth - note.offsetWidth;
+    note.style.left = `${Math.max(0, Math.min(room, e.clientX - box.getBoundingClientRect().left - note.offsetWidth / 2))}px`;
+  });
+  box.addEventListener("pointerleave", () => { note.hidden = true; });
+  return { box, sheet, cursor };
+})();
+function drawStrip() {
+  if (!strip || !plots.length) return;
+  const { graph } = plots[0], density = devicePixelRatio || 1;
+  const w = strip.box.clientWidth, h = strip.box.clientHeight, area = graph.getArea();
+  strip.sheet.width = Math.round(w * density); strip.sheet.height = Math.round(h * density);
+  const context = strip.sheet.getContext("2d");
+  context.scale(density, density);
+  context.beginPath(); context.rect(area.x, 0, area.w, h); context.clip();
+  context.font = getComputedStyle(document.body).font.replace(/\d+px/, "11px");
+  context.textBaseline = "middle";
+  const top = 0, band = h - 6;
+  for (const stretch of stretches) {
+    const left = graph.toDomXCoord(column.time[stretch.start]), right = Math.max(left + 1, graph.toDomXCoord(stretchEnd(stretch)));
+    context.fillStyle = modeColor(stretch.mode);
+    context.fillRect(left, top, right - left, band);
+    if (careful(stretch.caution)) {
+      context.fillStyle = stretch.caution === "lost" ? colors.bad : colors.warn;
+      context.fillRect(left, band + 2, right - left, 4);
+    }
+  }
+  // Names where they fit; stretches of one mode that follow each other are one to the eye.
+  for (let i = 0; i < stretches.length;) {
+    let j = i;
+    while (j + 1 < stretches.length && stretches[j + 1].mode === stretches[i].mode) ++j;
+    const left = Math.max(area.x, graph.toDomXCoord(column.time[stretches[i].start])), right = Math.min(area.x + area.w, graph.toDomXCoord(stretchEnd(stretches[j])));
+    const { mode } = stretches[i];
+    if (right - left > context.measureText(mode).width + 10) { context.fillStyle = "#ffffff"; context.fillText(mode, left + 5, top + band / 2 + 0.5); }
+    i = j + 1;
+  }
+  placeStrip();
+}
+function placeStrip() {
+  if (!strip || !plots.length || step < 0) return;
+  const { graph } = plots[0], area = graph.getArea(), x = graph.toDomXCoord(column.time[step]);
+  strip.cursor.style.display = x >= area.x - 1 && x <= area.x + area.w + 1 ? "" : "none";
+  strip.cursor.style.transform = `translateX(${x.toFixed(1)}px)`;
+}
+
 function nearest(time) {
   let best = 0;
   for (let k = 1; k < n; ++k) if (Math.abs(column.time[k] - time) < Math.abs(column.time[best] - time)) best = k;
@@ -501,6 +768,19 @@ const nowFields = (() => {
     $("now").append(make("div", options.full ? { class: "full" } : options.wide ? { class: "wide" } : {}, make("dt", {}, label), dd));
     fields.push((k) => { dd.textContent = dd.title = text(k); dd.className = options.tone ? options.tone(k) : ""; });
   };
+  if (hasModes) {
+    add("Mode", (k) => {
+      const since = column.mode_since[k], cause = word.cause[k];
+      return `${word.mode[k] || "–"}${isNumber(since) ? ` since ${fixed(since, 1)} s` : ""}${cause ? `: ${cause}` : ""}`;
+    }, { wide: true, tone: (k) => (word.mode[k] === "retreat" ? "warn" : "") });
+    add("Target", (k) => {
+      if (!isNumber(column.target_x[k])) return "none";
+      const way = isNumber(column.way_left[k]) ? `${fixed(column.way_left[k], 1)} m away` : "no way known";
+      return `${way}, frontier of ${fixed(column.target_length[k], 1)} m`;
+    }, { wide: true });
+    add("Caution", (k) => word.caution[k] || "–", { tone: (k) => (careful(word.caution[k]) ? "warn" : "") });
+    add("Frontiers that count", (k) => word.search[k] || "–");
+  }
   add("Coverage", (k) => `${percent(column.coverage[k])} %, ${fixed(column.area[k], 1)} m²`);
   add("Path", (k) => `${fixed(column.path[k], 1)} m`);
   add("Command", (k) => `${fixed(column.speed[k], 2)} m/s, ${fixed(column.yaw_rate[k], 2)} rad/s`);
@@ -512,11 +792,59 @@ const nowFields = (() => {
   add("Collisions", (k) => fixed(column.collisions[k], 0), { tone: (k) => (column.collisions[k] > 0 ? "bad" : "") });
   add("Plan", (k) => word.plan[k] + (word.seed[k] ? `, from ${readable(word.seed[k])}` : ""),
     { wide: true, tone: (k) => (word.plan[k] === "stopping tail" ? "warn" : "") });
-  add("Solver", (k) => [word.stop[k], word.quality[k], `${fixed(column.evaluations[k], 0)} evaluations`].filter(Boolean).join(", "), { wide: true });
+  // A budget that is used up is how most solves end, and no failure.
+  const stops = { "iteration limit": "budget used", deadline: "time budget used" };
+  add("Solver", (k) => [stops[word.stop[k]] || word.stop[k], word.quality[k], `${fixed(column.evaluations[k], 0)} evaluations`].filter(Boolean).join(", "),
+    { wide: true, tone: (k) => (["numerical trouble", "error"].includes(word.stop[k]) || word.quality[k] === "infeasible" ? "warn" : "") });
+  if (column.guard_stops.some((count) => count > 0)) {
+    add("Guard", (k) => (column.guard_stops[k] > 0 ? `${plural(column.guard_stops[k], "stop")}${word.guard[k] ? `: ${word.guard[k]}` : ""}` : "no stop"),
+      { tone: (k) => (column.guard_stops[k] > 0 ? "warn" : "") });
+  }
   add("Certificate", (k) => [word.certified[k] === "yes" ? "held" : "not held", word.certificate[k]].filter(Boolean).join(": "),
     { full: true, tone: (k) => (word.certified[k] === "yes" ? "" : "warn") });
   return fields;
 })();
+
+// What the robot does and why, in one sentence.
+$("why-box").hidden = !hasModes;
+function showWhy() {
+  if (!hasModes) return;
+  const mode = word.mode[step];
+  $("mode").textContent = mode || "no plan";
+  $("mode").style.background = modeColor(mode);
+  $("why").textContent = word.why[step] || word.cause[step] || "–";
+}
+// The best candidates of the step, with what makes up their cost.
+const mostCandidates = candidates.reduce((most, { list }) => Math.max(most, list.length), 0);
+$("candidates-box").hidden = mostCandidates === 0;
+function point(i) { if (pointed !== i) { pointed = i; draw(); } }
+function showCandidates() {
+  if ($("candidates-box").hidden) return;
+  const { scored, list } = candidates[step], { terms } = run.candidates;
+  $("candidates-title").textContent = list.length ? `the best ${list.length}${scored > 0 ? ` of ${plural(scored, "seed")}` : ""} at ${fixed(column.time[step], 1)} s` : `none at ${fixed(column.time[step], 1)} s`;
+  const most = terms.map((_, t) => Math.max(...list.map((c) => Math.abs(c.terms[t]) || 0)));
+  const rows = list.map((c) => {
+    const verdict = make("td", { class: c.verdict === "executed" ? "verdict chosen" : "verdict", title: c.verdict }, c.verdict || "–");
+    const row = make("tr", { tabindex: "0" }, make("th", { scope: "row", title: readable(c.name) }, readable(c.name), ...(c.polished ? [make("small", {}, "optimised")] : [])), verdict,
+      make("td", { class: "sum" }, compact(c.cost)),
+      ...c.terms.map((value, t) => make("td", { class: value < 0 ? "reward" : "" }, make("span", {}, compact(value)),
+        make("i", { style: `width:${most[t] > 0 && isNumber(value) ? (100 * Math.abs(value) / most[t]).toFixed(0) : 0}%` }))));
+    return row;
+  });
+  // The table keeps its height, so that the page does not jump while the mission plays.
+  while (rows.length < mostCandidates) rows.push(make("tr", { class: "blank" }, make("th", {}, "\u00a0"), ...Array.from({ length: terms.length + 2 }, () => make("td"))));
+  $("candidates").replaceChildren(...rows);
+}
+for (const [type, leaves] of [["pointerover", false], ["focusin", false], ["pointerleave", true], ["focusout", true]]) {
+  $("candidates").addEventListener(type, (e) => {
+    const row = e.target.closest("tr");
+    point(leaves || !row ? null : [...$("candidates").children].indexOf(row));
+  });
+}
+if (!$("candidates-box").hidden) {
+  $("candidates-head").replaceChildren(make("th", { scope: "col" }, "seed"), make("th", { scope: "col", class: "verdict" }, "verdict"), make("th", { scope: "col", class: "sum" }, "cost"),
+    ...run.candidates.terms.map((name) => make("th", { scope: "col" }, readable(name))));
+}
 
 function apply(change, states) {
   for (let i = 0; i < change.cells.length; ++i) {
@@ -552,6 +880,9 @@ function seek(target) {
   $("slider").setAttribute("aria-valuetext", `${fixed(column.time[step], 1)} seconds`);
   for (const field of nowFields) field(step);
   for (const plot of plots) { plot.place(); plot.show(step); }
+  placeStrip();
+  showWhy();
+  showCandidates();
   draw();
   drawSight();
 }
@@ -607,13 +938,18 @@ if (n === 0) {
     { format: (v) => fixed(v, 0), low: 0, shade: ill });
   addPlot("Planning time", "ms", [{ name: "time", color: "var(--frontier)", values: column.plan_ms }],
     { format: (v) => `${fixed(v, 1)} ms`, low: 0, shade: (k) => (word.plan[k] === "stopping tail" ? "shade-warn" : null) });
-  const wheel = ["#3b82f6", "#f59e0b", "#10b981", "#ef4444", "#8b5cf6", "#ec4899", "#06b6d4", "#84cc16", "#a16207", "#64748b", "#1d4ed8", "#f97316"];
   if (terms.length) {
-    addPlot("Cost terms", "weighted", terms.map(({ name, values }, i) => ({ name: readable(name), color: wheel[i % wheel.length], values })));
+    $("plots").append(make("h3", { class: "group" }, "Cost terms", make("em", {}, "weighted, each on a scale of its own")));
+    terms.forEach(({ name, values }, i) => {
+      const { low, high, peak } = withoutPeaks(values);
+      addPlot(readable(name), peak, [{ name: readable(name), color: "var(--accent)", values }],
+        { low, high, small: true, last: i === terms.length - 1 });
+    });
   }
+  drawStrip();
   new ResizeObserver(resize).observe($("map-box"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
-    readColors(); for (const plot of plots) plot.recolor(); draw(); drawSight();
+    readColors(); for (const plot of plots) plot.recolor(); drawStrip(); draw(); drawSight();
   });
   resize();
   // #step=N opens at that planning step; otherwise the whole mission shows.
@@ -623,7 +959,7 @@ if (n === 0) {
 
 // ---- Self-test: report.html#selftest ----------------------------------------------------------
 // Moves the slider as a hand would and looks at what was drawn. Writes one line a fact into the page.
-if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.ready)).then((loaded) => {
+if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.ready)).then(async (loaded) => {
   const lines = [];
   const failures = [];
   const expect = (what, ok) => { if (!ok) failures.push(what); };
@@ -645,7 +981,8 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
   };
   try {
     loaded.forEach((l, i) => expect(`image ${i} loads`, l.status === "fulfilled"));
-    for (const name of ["estimated", "true", "horizon"]) $(`layer-${name}`).click();
+    const click = (name) => $(`layer-${name}`)?.click();
+    ["estimated", "true", "horizon"].forEach(click);
     const seen = [];
     for (const k of n ? [0, Math.floor(n / 3), Math.floor(2 * n / 3), n - 1, Math.floor(n / 2), 0] : []) {
       move(k);
@@ -653,6 +990,11 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
       seen.push(at);
       lines.push(`step ${k} robot ${at.x.toFixed(3)} ${at.y.toFixed(3)} known ${known()} frontiers ${at.frontiers} landmarks ${at.landmarks} horizon ${at.horizon} clock ${$("clock").textContent.split(" ")[0]}${sight ? ` image ${sight.frame} tracked ${sight.counts[0]}` : ""}`);
       if (sight) expect(`the image of step ${k} is drawn`, sight.picture && greyLevels($("picture")) > 20);
+      if (hasModes) lines.push(`why ${k} ${$("mode").textContent}: ${$("why").textContent}`);
+      const rows = $("candidates").querySelectorAll("tr:not(.blank)");
+      lines.push(`seen at ${k}: target ${isNumber(column.way_left[k]) ? fixed(column.way_left[k], 2) : "none"} candidates ${rows.length} executed ${[...rows].filter((row) => row.querySelector(".chosen")).length}`);
+      expect(`the target of step ${k} is drawn where there is one`, at.target === isNumber(column.target_x[k]));
+      expect(`step ${k} shows numbers only`, !/\bNaN\b|undefined|null|Infinity/.test(document.body.innerText));
       expect(`the robot is painted where it belongs at step ${k}`, painted(at) > 0.35);
       for (const before of seen.slice(0, -1)) {
         const away = Math.hypot(at.sx - before.sx, at.sy - before.sy) > 3 * at.radius;
@@ -664,6 +1006,56 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
       });
     }
     lines.push(`plots ${plots.length}`);
+    if (n > 1) {
+      // What a layer or a colour adds to the picture: how many of its pixels change.
+      const image = () => pen.getImageData(0, 0, canvas.width, canvas.height).data;
+      const changed = (action) => {
+        const before = image();
+        action();
+        const after = image();
+        let count = 0;
+        for (let i = 0; i < after.length; i += 4) count += before[i] !== after[i] || before[i + 1] !== after[i + 1] || before[i + 2] !== after[i + 2];
+        return count;
+      };
+      const middle = Math.floor(n / 2);
+      move(middle);
+      ["estimated", "horizon"].forEach(click);
+      const choose = (name) => { pathColor.value = name; pathColor.dispatchEvent(new Event("change")); };
+      for (const { value } of [...pathColor.options].slice(1)) {
+        expect(`the path is coloured by ${value}`, changed(() => choose(value)) > 50);
+        expect(`the colours of ${value} are explained`, !$("map-legend").hidden && $("map-legend").innerText.trim() !== "");
+      }
+      choose("plain");
+      expect("a plain path needs no explanation", $("map-legend").hidden);
+      if (layers.target) expect("the target is a layer", changed(() => click("target")) > (drawn.target ? 50 : -1));
+      if ($("layer-cost-to-go")) {
+        click("cost-to-go");
+        const f = fieldAt(step);
+        await f?.ready;
+        draw();
+        expect("the cost-to-go is drawn", drawn.field === f.step && changed(() => click("cost-to-go")) > 500);
+      }
+      const rows = $("candidates").children;
+      if (candidates[step].list.length > 1) {
+        const other = candidates[step].list.length - 1;
+        expect("a candidate that is pointed at is drawn", changed(() => rows[other].dispatchEvent(new PointerEvent("pointerover", { bubbles: true }))) > 20);
+        $("candidates").dispatchEvent(new PointerEvent("pointerleave"));
+        expect("and no longer when it is left", pointed === null);
+      }
+      if (strip) {
+        // Each mode has its colour where its time is, and a click leads there.
+        const box = strip.box.getBoundingClientRect(), context = strip.sheet.getContext("2d");
+        for (const k of [Math.floor(n / 10), Math.floor(n / 3), Math.floor(0.9 * n)]) {
+          const x = plots[0].graph.toDomXCoord(column.time[k]) + 0.5;
+          const [red, green, blue] = context.getImageData(Math.round(x * (devicePixelRatio || 1)), 1, 1, 1).data, wanted = rgb(modeColor(word.mode[k]));
+          expect(`the strip has the mode's colour at step ${k}`, Math.abs(red - wanted[0]) + Math.abs(green - wanted[1]) + Math.abs(blue - wanted[2]) < 12);
+          strip.box.dispatchEvent(new MouseEvent("click", { clientX: box.left + x, bubbles: true }));
+          expect(`a click on the strip leads to step ${k}`, Math.abs(step - k) <= Math.ceil(n / 200));
+        }
+        strip.box.dispatchEvent(new PointerEvent("pointermove", { clientX: box.left + plots[0].graph.toDomXCoord(column.time[0]) + 1, bubbles: true }));
+        lines.push(`strip ${strip.box.querySelector(".note").innerText.split("\n")[0]}`);
+      }
+    }
     dispatchEvent(new KeyboardEvent("keydown", { key: "End", bubbles: true }));
     expect("the End key leads to the last step", step === n - 1);
   } catch (e) { errors.push(String(e.stack || e)); }

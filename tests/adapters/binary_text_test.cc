@@ -24,6 +24,11 @@ TEST(BinaryText, VarintsFloatsAndBytesByHand) {
   text.add_varint(300);  // 0xAC 0x02
   text.add_varint(127);  // 0x7F
   EXPECT_EQ(text.base64(), "rAJ/");
+  BinaryText signs;
+  for (const int value : {0, -1, 1, -2, 64, -65}) signs.add_signed_varint(value);
+  BinaryText as_unsigned;
+  for (const unsigned value : {0U, 1U, 2U, 3U, 128U, 129U}) as_unsigned.add_varint(value);
+  EXPECT_EQ(signs.base64(), as_unsigned.base64());
   BinaryText number;
   number.add_float(1.0);  // 00 00 80 3F
   EXPECT_EQ(number.base64(), "AACAPw==");

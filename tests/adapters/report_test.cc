@@ -56,6 +56,12 @@ class Reader {
     for (int i = 0; i < 4; ++i) bits |= static_cast<std::uint32_t>(bytes_.at(at_++)) << 8 * i;
     return std::bit_cast<float>(bits);
   }
+  std::int64_t signed_varint() {
+    const std::uint64_t value = varint();
+    return value % 2 == 0 ? static_cast<std::int64_t>(value / 2)
+                          : -static_cast<std::int64_t>(value / 2) - 1;
+  }
+  std::uint8_t byte() { return bytes_.at(at_++); }
   bool done() const { return at_ == bytes_.size(); }
 
  private:
@@ -77,7 +83,7 @@ TEST(Report, NeedsNothingBesideIt) {
 TEST(Report, AMissionOfSixHundredStepsIsSmall) {
   const RunRecord run = synthetic_run(600);
   const std::string html = render_report(run);
-  EXPECT_LT(html.size(), 1500000U);
+  EXPECT_LT(html.size(), 2600000U) << "6 MB for 1400 steps";
   EXPECT_EQ(html, render_report(run));
 }
 
@@ -89,9 +95,11 @@ TEST(Report, TextCannotBreakOutOfItsPlace) {
   run.configuration = hostile;
   run.steps[1].certificate = hostile;
   run.steps[1].explanation.terms[0].name = hostile;
+  run.steps[1].why = hostile;
+  run.steps[1].candidates[0].verdict = hostile;
   const std::string html = render_report(run);
   EXPECT_EQ(count(html, "</script"), 3);
-  EXPECT_EQ(count(html, "alert(1)"), 6) << "title, heading and four strings of the data";
+  EXPECT_EQ(count(html, "alert(1)"), 8) << "title, heading and six strings of the data";
   EXPECT_EQ(count(html, "<script>alert"), 0);
   EXPECT_EQ(count(html, "<title>&lt;/script&gt;&lt;script&gt;alert(1)"), 1);
   const std::string kept =
@@ -215,6 +223,79 @@ TEST(Report, HoldsTheRun) {
     EXPECT_EQ(tracked.number(), static_cast<float>(s.tracked_features));
     EXPECT_EQ(json["words"]["plan"]["words"][kind.varint()], s.plan_kind);
   }
+}
+
+TEST(Report, HoldsWhatTheRobotDidAndWhy) {
+  RunRecord run = synthetic_run(120);
+  run.steps[50].target.reset();
+  run.steps[60].candidates[1].path[3].x() = NAN;  // what follows is not drawn
+  run.steps[60].candidates[2].explanation.terms.erase(
+      run.steps[60].candidates[2].explanation.terms.begin() + 1);
+  run.steps[61].candidates.clear();
+  const nlohmann::json json = data(render_report(run));
+
+  const auto& c = json["candidates"];
+  ASSERT_EQ(c["terms"].size(), 6U) << "costs only";
+  Reader steps(c["steps"]), values(c["values"]), way_left(json["columns"]["way_left"]);
+  std::map<std::string, Reader> words;
+  for (const char* name : {"mode", "cause", "caution", "search", "why"}) {
+    words.emplace(name, Reader(json["words"][name]["steps"]));
+  }
+  for (const StepRecord& s : run.steps) {
+    const std::map<std::string, std::string> said = {{"mode", s.mode},
+                                                     {"cause", s.cause},
+                                                     {"caution", s.caution},
+                                                     {"search", s.search},
+                                                     {"why", s.why}};
+    for (auto& [name, reader] : words) {
+      EXPECT_EQ(json["words"][name]["words"][reader.varint()], said.at(name));
+    }
+    const float way = way_left.number();
+    if (s.target) {
+      EXPECT_EQ(way, static_cast<float>(s.target->way_left));
+    } else {
+      EXPECT_TRUE(std::isnan(way));
+    }
+    EXPECT_EQ(steps.varint(), static_cast<std::uint64_t>(s.seeds_scored));
+    ASSERT_EQ(steps.varint(), s.candidates.size());
+    for (const CandidateRecord& candidate : s.candidates) {
+      EXPECT_EQ(c["names"][steps.varint()], candidate.name);
+      EXPECT_EQ(c["verdicts"][steps.varint()], candidate.verdict);
+      EXPECT_EQ(steps.varint(), candidate.polished ? 1U : 0U);
+      const bool cut = s.step == 60 && &candidate == &s.candidates[1];
+      ASSERT_EQ(steps.varint(), cut ? 3U : candidate.path.size());
+      std::int64_t x = 0, y = 0;
+      for (std::size_t i = 0; i < (cut ? 3U : candidate.path.size()); ++i) {
+        x += steps.signed_varint();
+        y += steps.signed_varint();
+        EXPECT_NEAR(0.01 * static_cast<double>(x), candidate.path[i].x(), 0.0051);
+        EXPECT_NEAR(0.01 * static_cast<double>(y), candidate.path[i].y(), 0.0051);
+      }
+      EXPECT_EQ(values.number(), static_cast<float>(candidate.explanation.cost));
+      for (const auto& name : c["terms"]) {
+        const float value = values.number();
+        float expected = NAN;
+        for (const TermValue& t : candidate.explanation.terms) {
+          if (t.name == name) expected = static_cast<float>(t.weighted);
+        }
+        EXPECT_TRUE(value == expected || (std::isnan(value) && std::isnan(expected))) << name;
+      }
+    }
+  }
+  EXPECT_TRUE(steps.done() && values.done() && way_left.done());
+
+  // Every mode that there is has its colour.
+  for (const auto& mode : json["words"]["mode"]["words"]) {
+    EXPECT_TRUE(json["palette"]["modes"].contains(mode.get<std::string>())) << mode;
+  }
+  // The cost-to-go, at the steps that have one (its pixels: field_picture_test.cc).
+  ASSERT_EQ(json["cost_to_go"].size(), 12U);
+  const auto& field = json["cost_to_go"][3];
+  EXPECT_EQ(field["step"], 30);
+  EXPECT_EQ(field["width"], 240);
+  EXPECT_EQ(field["size"], 0.1);
+  Reader png(field["png"]);
+  for (const int magic : {0x89, 0x50, 0x4E, 0x47}) EXPECT_EQ(png.byte(), magic);
 }
 
 }  // namespace

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <set>
@@ -16,10 +19,12 @@
 namespace prospect {
 
 inline constexpr int kPictureEvery = 3;
+inline constexpr int kCostToGoEvery = 10;
 
 /// The record of a drive along fixed waypoints through eight rooms and a corridor (24 m x 16 m),
 /// for tests of what is made of records: a map seen by rays, landmarks on the walls, an estimate
-/// that drifts, a planner that is now and then late. No planner is involved. Deterministic.
+/// that drifts, a planner that is now and then late; modes, targets, candidates and a cost-to-go
+/// that go with the drive. No planner is involved. Deterministic.
 inline RunRecord synthetic_run(int steps) {
   constexpr double kResolution = 0.1, kStep = 0.5, kSpeed = 0.5, kRange = 4.0, kFov = 1.2;
   constexpr int kWidth = 240, kHeight = 160;
@@ -77,6 +82,8 @@ inline RunRecord synthetic_run(int steps) {
   double yaw = 0.0, driven = 0.0;
   Eigen::Vector2d drift = Eigen::Vector2d::Zero();
   std::size_t next = 1;
+  std::string mode, cause;
+  double mode_since = 0.0;
   const int reachable = 31000;
   int seen = 0;
   for (int k = 0; k < steps; ++k) {
@@ -211,6 +218,88 @@ inline RunRecord synthetic_run(int steps) {
     advance(p, yaw, next, kSpeed * kStep);
     driven += (p - before).norm();
     drift += 0.004 * Eigen::Vector2d(normal(generator) + 0.15, normal(generator));
+    // What it does and why: it looks around at first, turns back where features are scarce, and
+    // goes to the next waypoint.
+    {
+      const bool scarce = s.localization != "ok";
+      const std::string now = k < 6         ? "look around"
+                              : scarce      ? "retreat"
+                              : k % 97 > 90 ? "turn on the spot"
+                                            : "explore";
+      if (now != mode && (k < 12 || s.time - mode_since >= 4.0)) {
+        mode = now;
+        mode_since = s.time;
+        cause = k == 0                       ? "start"
+                : mode == "retreat"          ? "features scarce"
+                : mode == "turn on the spot" ? "no progress"
+                : cause == "features scarce" ? "localization regained"
+                                             : "looked around";
+      }
+      s.mode = mode;
+      s.cause = cause;
+      s.mode_since = mode_since;
+      s.caution = mode == "retreat" ? "lost" : k % 150 > 130 ? "reduced margin" : "normal";
+      s.search = k % 200 > 170 ? "short frontiers" : "ordinary";
+      TargetRecord target;
+      const Eigen::Vector2d goal = way[std::min(next + 1, way.size() - 1)];
+      const Eigen::Vector2d after = way[std::min(next + 2, way.size() - 1)];
+      target.viewpoint = goal + drift;
+      target.looks_at =
+          target.viewpoint + 1.8 * (after - goal + Eigen::Vector2d(1e-9, 0.0)).normalized();
+      target.length = 1.4 + 0.3 * std::sin(0.3 * k);
+      target.worth = 6.0;
+      target.way_left = (target.viewpoint - estimate).norm();
+      if (mode != "look around") s.target = target;
+      char text[200];
+      if (mode == "retreat") {
+        std::snprintf(text, sizeof text,
+                      "turns back: %d features in view for %.1f s, 41 were seen at the corner",
+                      s.tracked_features, s.time - mode_since);
+      } else if (mode == "look around") {
+        std::snprintf(text, sizeof text, "looks around before it sets out: %d frontiers so far",
+                      s.active_frontiers);
+      } else {
+        std::snprintf(text, sizeof text,
+                      "goes to a frontier of %.1f m, %.1f m away: worth %.1f m of way, the most of "
+                      "%d frontiers",
+                      target.length, target.way_left, target.worth, s.active_frontiers);
+      }
+      s.why = text;
+      s.seeds_scored = 12;
+      const char* names[] = {"cost_to_go_descent", "previous_plan", "turn_left", "turn_right",
+                             "straight"};
+      for (int c = 0; c < 5; ++c) {
+        CandidateRecord candidate;
+        candidate.name = names[(c + k) % 5];
+        candidate.polished = c == 0;
+        candidate.explanation = s.explanation;
+        for (TermValue& t : candidate.explanation.terms) {
+          if (!t.constraint) t.weighted *= 1.0 + 0.15 * c * std::sin(1.0 + c + t.weighted);
+        }
+        candidate.explanation.cost = s.explanation.cost + 0.4 * c;
+        const bool refused = s.plan_kind == "stopping tail";
+        candidate.verdict = refused  ? "a pose at 0.9 s would touch an occupied cell"
+                            : c == 0 ? "executed"
+                                     : "not tried";
+        for (const Pose& x : s.horizon) {
+          const Eigen::Vector2d along = x.position.head<2>() - estimate;
+          candidate.path.push_back(
+              (estimate + Eigen::Rotation2Dd(0.3 * (c % 2 == 0 ? c : -c)) * along).cast<float>());
+        }
+        s.candidates.push_back(std::move(candidate));
+      }
+      if (k % kCostToGoEvery == 0) {
+        CostToGoPicture& picture = s.cost_to_go.emplace();
+        picture.frame = {kResolution, 0, 0, kWidth, kHeight};
+        for (int n = 0; n < picture.frame.size(); ++n) {
+          const double distance =
+              (picture.frame.center(picture.frame.at(n)) - target.viewpoint).norm();
+          picture.seconds.push_back(known[static_cast<std::size_t>(n)] == CellState::kFree
+                                        ? static_cast<float>(distance / kSpeed)
+                                        : std::numeric_limits<float>::quiet_NaN());
+        }
+      }
+    }
     // A camera that shows stripes, and as many landmarks as steps have gone by, tracked every
     // other.
     if (k % kPictureEvery == 0) {

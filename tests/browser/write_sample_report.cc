@@ -1,5 +1,6 @@
 // Writes a report of a synthetic run, and beside it where the robot is at some steps, for
 // report_test.sh to compare with what a browser draws.
+#include <algorithm>
 #include <cstdio>
 #include <fstream>
 #include <string>
@@ -8,13 +9,24 @@
 #include "tests/adapters/synthetic_run.h"
 
 int main(int argc, char** argv) {
-  if (argc < 2 || argc > 3) {
-    std::fprintf(stderr, "usage: write_sample_report FOLDER [STEPS]\n");
+  if (argc < 2 || argc > 4) {
+    std::fprintf(stderr,
+                 "usage: write_sample_report FOLDER [STEPS [bare]]\n"
+                 "bare: as a program records that knows no modes, targets and candidates\n");
     return 2;
   }
   const std::string folder = argv[1];
-  const int n = argc == 3 ? std::stoi(argv[2]) : 240;
-  const prospect::RunRecord run = prospect::synthetic_run(n);
+  const int n = argc >= 3 ? std::stoi(argv[2]) : 240;
+  prospect::RunRecord run = prospect::synthetic_run(n);
+  if (argc == 4) {
+    for (prospect::StepRecord& s : run.steps) {
+      s.mode = s.cause = s.caution = s.search = s.why = "";
+      s.target.reset();
+      s.candidates.clear();
+      s.cost_to_go.reset();
+      s.seeds_scored = 0;
+    }
+  }
   std::ofstream(folder + "/report.html") << prospect::render_report(run);
 
   // The steps that the page's self-test visits, in its order.
@@ -39,8 +51,17 @@ int main(int argc, char** argv) {
                   s.frontier_cells.size(), s.landmarks.size(), s.horizon.size(), s.time, picture,
                   picture / 20 + 1);
     expected << line << '\n';
+    expected << "why " << k << ' ' << s.mode << ": " << s.why << '\n';
+    char target[32] = "none";
+    if (s.target) std::snprintf(target, sizeof target, "%.2f", s.target->way_left);
+    const auto executed =
+        std::count_if(s.candidates.begin(), s.candidates.end(),
+                      [](const prospect::CandidateRecord& c) { return c.verdict == "executed"; });
+    expected << "seen at " << k << ": target " << target << " candidates " << s.candidates.size()
+             << " executed " << executed << '\n';
   }
-  expected << "plots 5\n";
+  expected << "plots 10\n";
+  expected << "strip look around: start\n";
   expected.close();
   return expected ? 0 : 1;
 }
