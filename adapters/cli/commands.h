@@ -32,6 +32,15 @@ struct ExploreArguments {
 };
 int explore(const ExploreArguments& arguments, const SolverRegistry& registry);
 
+struct ReportArguments {
+  std::string run;                   ///< folder
+  std::vector<std::string> figures;  ///< "path", "map"
+  std::vector<std::string> formats = {"png", "svg"};
+  std::string color;  ///< of the path; empty: plain
+  std::string out;    ///< folder; empty: that of the run
+};
+int report(const ReportArguments& arguments, const SolverRegistry& registry);
+
 struct SolveArguments {
   std::vector<std::string> problems;  ///< problem files, WORLD@STEP
   std::string configuration;          ///< of the missions of WORLD@STEP

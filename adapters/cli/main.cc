@@ -20,7 +20,7 @@
 namespace {
 
 /// One `prospect: ` line a problem, on stderr.
-int report(const std::vector<std::string>& lines, int code) {
+int refuse(const std::vector<std::string>& lines, int code) {
   for (std::string line : lines) {
     for (char& c : line) {
       if (c == '\n' || c == '\r') c = ' ';  // a file's name may hold one
@@ -100,6 +100,22 @@ int run(int argc, char** argv) {
       ->check(whole_number_within(1, 1000000));
   explore_command->add_flag("--json", explore_arguments.json, "Print the summary as JSON");
   explore_command->add_flag("--quiet", explore_arguments.quiet, "No progress line");
+
+  ReportArguments report_arguments;
+  CLI::App* report_command =
+      app.add_subcommand("report", "Figures of a run for print, as PNG and SVG");
+  report_command->add_option("run", report_arguments.run, "Folder that explore wrote")->required();
+  report_command
+      ->add_option("--figure", report_arguments.figures,
+                   "path: the path over the map; map: the map at the end; separated by commas")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  report_command->add_option("--format", report_arguments.formats, "png, svg or both [png,svg]")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  report_command->add_option("--colour", report_arguments.color,
+                             "Of the path: plain, features, error, speed or mode [plain]");
+  report_command->add_option("--out", report_arguments.out, "Folder to write to [that of the run]");
 
   SolveArguments solve_arguments;
   CLI::App* solve_command =
@@ -260,11 +276,12 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& success) {
     return app.exit(success);
   } catch (const CLI::ParseError& error) {
-    return report({std::string(error.what()) + "; see `prospect --help`"}, kBadInput);
+    return refuse({std::string(error.what()) + "; see `prospect --help`"}, kBadInput);
   }
   SolverRegistry registry;
   for (const std::string& path : plugins) load_plugin(path, registry);
   if (*explore_command) return explore(explore_arguments, registry);
+  if (*report_command) return report(report_arguments, registry);
   if (*solve_command) return solve(solve_arguments, registry);
   if (*bench_command) return bench(bench_arguments, registry);
   if (*odometry_command) return odometry(odometry_arguments);
@@ -279,12 +296,12 @@ int main(int argc, char** argv) {
   try {
     return run(argc, argv);
   } catch (const prospect::InputError& error) {
-    return report(error.lines(), prospect::kBadInput);
+    return refuse(error.lines(), prospect::kBadInput);
   } catch (const std::invalid_argument& error) {
-    return report({error.what()}, prospect::kBadInput);
+    return refuse({error.what()}, prospect::kBadInput);
   } catch (const prospect::NotBuiltIn& error) {
-    return report({error.what()}, prospect::kNotBuiltIn);
+    return refuse({error.what()}, prospect::kNotBuiltIn);
   } catch (const std::exception& error) {
-    return report({error.what()}, prospect::kFailed);
+    return refuse({error.what()}, prospect::kFailed);
   }
 }

@@ -79,6 +79,10 @@ succeeds "a run folder used again" explore office --time-limit 1 --quiet --out a
 succeeds "a start to the left of the origin" explore office --time-limit 1 --quiet --out again \
   --start 2 1.5 -90
 
+succeeds "a summary in words" explore office --time-limit 1 --quiet --out words
+! grep -qiw nan out.txt || fail "the summary in words has a number that is none: '$out'"
+! grep -qw nan words/summary.json || fail "summary.json has a number that is none"
+
 # --- Worlds that cannot be read.
 : >empty.bt
 head -c $(($(wc -c <first/map.bt) / 2)) first/map.bt >truncated.bt
@@ -241,6 +245,7 @@ diff have.txt listed.txt > out.txt || fail "list terms is not what problems have
 for what in solvers worlds terms sets; do
   succeeds "list $what --json" list "$what" --json
   [[ "$out" == \[*\"name\":*\] ]] || fail "list $what --json: '$out'"
+  ! grep -qiw nan out.txt || fail "list $what --json has a number that is none"
 done
 
 succeeds "solve" solve office@3 --solver nlopt,ipopt,sampling --json
@@ -418,6 +423,57 @@ refused "bench into a folder of others" foreign "holds other files; expected" be
 refused "bench into a file" file "expected a new or empty folder" bench zoo --out file
 [[ "$(ls foreign)" == notes.txt && "$(<file)" == precious ]] || fail "bench touched a file of others"
 
+# --- Figures of a run.
+succeeds "report of a run" report first --figure path,map --out figures
+for file in path.png path.svg map.png map.svg; do
+  [[ -s figures/$file ]] || fail "report wrote no $file"
+done
+[[ "$out" == figures/path.png$'\n'figures/path.svg$'\n'figures/map.png$'\n'figures/map.svg ]] || fail "report says '$out'"
+cmp -s <(head -c 8 figures/path.png) <(printf '\x89PNG\r\n\x1a\n') || fail "path.png is no PNG"
+[[ "$(tail -n 1 figures/path.svg)" == "</svg>" ]] || fail "path.svg is cut"
+grep -q '>start</text>' figures/path.svg || fail "the path's start is not marked"
+grep -q '>occupied</text>' figures/map.svg || fail "the map has no key"
+succeeds "report into the run's folder" report second --figure map --format svg
+[[ -s second/map.svg && ! -e second/map.png && ! -e second/path.svg ]] || fail "report wrote other files than asked for: $(ls second)"
+cmp -s second/map.svg figures/map.svg || fail "the map of an equal run differs"
+for by in plain features error speed; do
+  succeeds "a path by $by" report first --figure path --colour $by --format svg --out figures_$by
+done
+grep -q '>features in view</text>' figures_features/path.svg || fail "the colours of the path are not explained"
+! cmp -s figures_features/path.svg figures_plain/path.svg || fail "--colour changes nothing"
+# A run that was killed has rows only.
+mkdir killed
+cp first/steps.csv first/trajectory_estimated.tum killed
+succeeds "the path of a killed run" report killed --figure path
+[[ -s killed/path.png && "$out" == *"without the map"* ]] || fail "the path of a killed run: '$out'"
+refused "the map of a killed run" killed/map.bt "expected the map of a run that came to its end" report killed --figure path,map --out run
+cp first/map.bt killed
+refused "a map without its configuration" killed/config.yaml "expected" report killed --figure map --out run
+head -c $(($(wc -c <first/map.bt) / 2)) first/map.bt >killed/map.bt
+cp first/config.yaml killed
+refused "a truncated map" killed/map.bt "expected" report killed --figure path,map --out run
+rm killed/map.bt
+head -c $(($(wc -c <first/steps.csv) - 5)) first/steps.csv >killed/steps.csv
+refused "rows that are cut" killed/steps.csv: "expected the end of a line" report killed --figure path --out run
+sed '3s/,[^,]*$//' first/steps.csv >killed/steps.csv
+refused "a row too short" killed/steps.csv:3: "fields; expected" report killed --figure path --out run
+sed '1s/estimated_x/estimate_x/' first/steps.csv >killed/steps.csv
+refused "a column that is absent" "no column 'estimated_x'" "expected" report killed --figure path --out run
+sed '1s/,mode,/,node,/' first/steps.csv >killed/steps.csv
+refused "modes that were not recorded" "no column 'mode'" "expected" report killed --figure path --colour mode --out run
+: >killed/steps.csv
+refused "steps that are empty" killed/steps.csv "empty file; expected" report killed --figure path --out run
+refused "report of nothing" nowhere "expected that of a run" report nowhere --figure path --out run
+refused "report of a file" file "is no folder; expected" report file --figure path --out run
+refused "report of a folder of others" foreign/steps.csv "no such file; expected" report foreign --figure map --out run
+refused "report without a figure" first/report.html "expected --figure path, map" report first
+refused "report of an unknown figure" "'pth' (did you mean 'path'?)" "expected one of: path, map" report first --figure map,pth --out run
+refused "report in an unknown format" "'pdf'" "expected one of: png, svg" report first --figure map --format pdf --out run
+refused "report by an unknown colour" "'sped' (did you mean 'speed'?)" "expected one of: plain" report first --figure path --colour sped --out run
+refused "report with a colour of no path" --colour "expected --figure path" report first --figure map --colour speed --out run
+refused "report into a file" file "expected a folder to write to" report first --figure map --out file/below
+[[ "$(ls foreign)" == notes.txt && "$(<file)" == precious ]] || fail "report touched a file of others"
+
 # --- Odometry: what is no recording is refused (recordings themselves: adapters_stereo_dataset_test).
 refused "odometry of nothing" nowhere "expected a recording in KITTI or EuRoC layout" \
   odometry nowhere --out run
@@ -501,13 +557,13 @@ refused "map into a file" file "expected one to write to" map depth/posed --out 
 echo "1 0 0" >depth/posed/frame-000003.pose.txt
 refused "map with half a pose" frame-000003.pose.txt:1 "expected a pose" map depth/posed --out run
 
-for arguments in --help "explore --help" "solve --help" "bench --help" "odometry --help" "map --help" "list --help" "config --help" --version; do
+for arguments in --help "explore --help" "report --help" "solve --help" "bench --help" "odometry --help" "map --help" "list --help" "config --help" --version; do
   # shellcheck disable=SC2086
   succeeds "$arguments" $arguments
   [[ -s out.txt && ! -s err.txt ]] || fail "$arguments: expected text on standard output alone"
 done
 succeeds "--help" --help
-for command in explore solve bench odometry map list config; do
+for command in explore report solve bench odometry map list config; do
   grep -q "^  $command " out.txt || fail "--help does not name '$command'"
 done
 
