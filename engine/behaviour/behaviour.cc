@@ -122,7 +122,9 @@ std::string localization_text(const Facts& f) {
 }
 
 std::string target_text(const FrontierFacts& f) {
-  return print("a frontier of %.1f m, %.1f m away", f.target_length, f.way_left);
+  return f.way_left < kThere ? print("looks from here at a frontier %.1f m long", f.target_length)
+                             : print("drives %.1f m to look at a frontier %.1f m long", f.way_left,
+                                     f.target_length);
 }
 
 /// Since when, and what was before.
@@ -150,13 +152,9 @@ std::string doing(const Mode& mode, const Facts& facts) {
         return "Explores: no frontier can be reached from here just now" +
                explore_cause_text(mode, facts.stamp);
       }
-      return (frontiers.way_left < kThere
-                  ? print("Explores: looks at a frontier of %.1f m from here",
-                          frontiers.target_length)
-                  : "Explores: drives to " + target_text(frontiers)) +
-             explore_cause_text(mode, facts.stamp);
+      return "Explores: " + target_text(frontiers) + explore_cause_text(mode, facts.stamp);
     case Kind::kApproach:
-      return print("Approaches step by step %s: no progress for %.1f s",
+      return print("Approaches step by step, %s, after no progress for %.1f s",
                    target_text(frontiers).c_str(), frontiers.stalled_for);
     case Kind::kLookAround:
       return print("Looks around: nothing is reachable for %.1f s", frontiers.exhausted_for);

@@ -241,7 +241,7 @@ TEST(Behaviour, TheSentenceHasTheNumbersOfTheFacts) {
             "Turns back: 8 features in view, localization is degraded; 41 were tracked 1.2 m from "
             "here.");
   EXPECT_EQ(describe({kExplore, Cause::kStart, 0.0}, facts(3)),
-            "Explores: drives to a frontier of 1.4 m, 3.2 m away.");
+            "Explores: drives 3.2 m to look at a frontier 1.4 m long.");
   f = facts(12.0);
   f.stuck = true;
   f.frontiers->search = Search::kShortFrontiers;
