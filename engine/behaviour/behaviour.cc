@@ -154,8 +154,8 @@ std::string doing(const Mode& mode, const Facts& facts) {
       }
       return "Explores: " + target_text(frontiers) + explore_cause_text(mode, facts.stamp);
     case Kind::kApproach:
-      return print("Approaches step by step, %s, after no progress for %.1f s",
-                   target_text(frontiers).c_str(), frontiers.stalled_for);
+      return print("Approaches step by step for %.1f s now, for want of progress: %s",
+                   facts.stamp - mode.since, target_text(frontiers).c_str());
     case Kind::kLookAround:
       return print("Looks around: nothing is reachable for %.1f s", frontiers.exhausted_for);
     case Kind::kRetreat: {
