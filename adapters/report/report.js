@@ -91,11 +91,12 @@ const horizonStart = (() => {
 
 // ---- Numbers as text --------------------------------------------------------------------------
 const percent = (x, digits = 1) => fixed(isNumber(x) ? 100 * x : x, digits);
-// About three significant digits, for quantities of any size.
+// To a thousandth at most, and no more than about three significant digits.
 function rounded(x) {
   if (!isNumber(x)) return "–";
   const size = Math.abs(x);
-  if (size !== 0 && (size < 1e-3 || size >= 1e5)) return x.toExponential(1).replace(/-/g, "−");
+  if (size < 5e-4) return "0";
+  if (size >= 1e5) return x.toExponential(1).replace(/-/g, "−");
   return fixed(x, size < 1 ? 3 : size < 100 ? 2 : size < 1000 ? 1 : 0);
 }
 const readable = (name) => name.replace(/_/g, " ");
@@ -822,13 +823,14 @@ function showCandidates() {
   if ($("candidates-box").hidden) return;
   const { scored, list } = candidates[step], { terms } = run.candidates;
   $("candidates-title").textContent = list.length ? `the best ${list.length}${scored > 0 ? ` of ${plural(scored, "seed")}` : ""} at ${fixed(column.time[step], 1)} s` : `none at ${fixed(column.time[step], 1)} s`;
-  const most = terms.map((_, t) => Math.max(...list.map((c) => Math.abs(c.terms[t]) || 0)));
+  // One scale for all bars: a long one is much of the cost.
+  const most = Math.max(...list.flatMap((c) => c.terms.map((value) => Math.abs(value) || 0)));
   const rows = list.map((c) => {
     const verdict = make("td", { class: c.verdict === "executed" ? "verdict chosen" : "verdict", title: c.verdict }, c.verdict || "–");
     const row = make("tr", { tabindex: "0" }, make("th", { scope: "row", title: readable(c.name) }, readable(c.name), ...(c.polished ? [make("small", {}, "optimised")] : [])), verdict,
-      make("td", { class: "sum" }, compact(c.cost)),
-      ...c.terms.map((value, t) => make("td", { class: value < 0 ? "reward" : "" }, make("span", {}, compact(value)),
-        make("i", { style: `width:${most[t] > 0 && isNumber(value) ? (100 * Math.abs(value) / most[t]).toFixed(0) : 0}%` }))));
+      make("td", { class: "sum" }, rounded(c.cost)),
+      ...c.terms.map((value) => make("td", { class: value < 0 ? "reward" : "" }, make("span", {}, rounded(value)),
+        make("i", { style: `width:${most > 0 && isNumber(value) ? (100 * Math.abs(value) / most).toFixed(0) : 0}%` }))));
     return row;
   });
   // The table keeps its height, so that the page does not jump while the mission plays.
@@ -1045,9 +1047,12 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
       if (strip) {
         // Each mode has its colour where its time is, and a click leads there.
         const box = strip.box.getBoundingClientRect(), context = strip.sheet.getContext("2d");
-        for (const k of [Math.floor(n / 10), Math.floor(n / 3), Math.floor(0.9 * n)]) {
+        // In the middle of the longest stretches, as short ones share a pixel.
+        const longest = stretches.slice().sort((a, b) => (b.end - b.start) - (a.end - a.start)).slice(0, 3);
+        for (const k of longest.map(({ start, end }) => Math.floor((start + end) / 2))) {
           const x = plots[0].graph.toDomXCoord(column.time[k]) + 0.5;
-          const [red, green, blue] = context.getImageData(Math.round(x * (devicePixelRatio || 1)), 1, 1, 1).data, wanted = rgb(modeColor(word.mode[k]));
+          const [red, green, blue] = context.getImageData(Math.round(x * (devicePixelRatio || 1)), 1, 1, 1).data;
+          const wanted = rgb(modeColor(word.mode[k]));
           expect(`the strip has the mode's colour at step ${k}`, Math.abs(red - wanted[0]) + Math.abs(green - wanted[1]) + Math.abs(blue - wanted[2]) < 12);
           strip.box.dispatchEvent(new MouseEvent("click", { clientX: box.left + x, bubbles: true }));
           expect(`a click on the strip leads to step ${k}`, Math.abs(step - k) <= Math.ceil(n / 200));
