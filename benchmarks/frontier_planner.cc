@@ -55,13 +55,10 @@ struct FrontierPlanner::Impl {
     window.d_des = q.d_des;
     committed = std::max(1, static_cast<int>(std::lround(q.committed / q.dt)));
     window.stages = std::max(committed, static_cast<int>(std::lround(1.75 / q.dt)));
-    const VerticalExtent extent = vertical_extent(robot.shape);
-    const double z = robot.model->pose_layout().fixed_z;
-    slice = {extent.z_min + z, extent.z_max + z};
-    Certifier::Options options;
+    slice = robot.slice();
+    Certifier::Options options = Certifier::options_for(robot);
     options.margin = q.certificate_margin;
     options.unknown = q.unknown;
-    options.slice = slice;
     certifier.emplace(robot.shape, options);
     options.margin = 0.5 * q.certificate_margin;
     close_certifier.emplace(robot.shape, options);
@@ -142,7 +139,7 @@ struct FrontierPlanner::Impl {
     plan.detail = why;
     // Braking does not depend on where the robot is, so a lost pose does not keep it from braking.
     const bool located = belief.pose.position.allFinite() && std::isfinite(belief.pose.yaw);
-    const Twist twist = limited_twist(*robot.model, belief.twist);
+    const Twist twist = limited_twist(*robot.model, belief.command.value_or(belief.twist));
     const Eigen::VectorXd x = robot.model->state(located ? belief.pose : Pose(), twist);
     const Eigen::MatrixXd tail =
         stopping_tail(*robot.model, x, robot.model->input(twist), parameters.dt);

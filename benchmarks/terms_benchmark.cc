@@ -130,7 +130,7 @@ void clearance_field_distance(benchmark::State& state) {
 
 void certificate(benchmark::State& state) {
   const Planner& planner = *scene().planner;
-  const Certifier certifier(planner.robot().shape, Certifier::Options());
+  const Certifier certifier(planner.robot().shape, Certifier::options_for(planner.robot()));
   const ProblemDefinition& d = scene().problem->definition();
   Eigen::MatrixXd inputs(d.model->nu(), 2);
   for (int k = 0; k < 2; ++k) inputs.col(k) = 0.5 * d.model->limits().upper;

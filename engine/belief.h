@@ -16,6 +16,17 @@ class OcTree;
 
 namespace prospect {
 
+/// When the sources of a belief last had their say [s], in the clock of Belief::stamp. Whoever
+/// publishes a belief sets each of them: the guard refuses what is older than its limits, so that
+/// nothing that has stopped hides behind what goes on (guard.h). 0 is what a source has that was
+/// forgotten.
+struct SourceStamps {
+  double pose = 0.0;       ///< newest measurement that the pose takes in, of cameras or wheels
+  double map = 0.0;        ///< newest scan that the maps have taken in
+  double landmarks = 0.0;  ///< newest image in which landmarks were looked for
+  double ranges = 0.0;     ///< newest scan that the depth sensor delivered
+};
+
 /// What the planner knows at one instant: an immutable snapshot, published by perception as
 /// shared_ptr<const Belief>. The maps are shared, never null, and never change after publication,
 /// so a solve cannot see a half-updated map. The octree is authoritative; voxels and ground are
@@ -24,11 +35,14 @@ namespace prospect {
 /// Frames: everything in W, which is the odometry's frame (it drifts against the true world).
 struct Belief {
   double stamp = 0.0;  ///< [s], from the clock passed to perception
+  SourceStamps stamps;
   Pose pose;
   Eigen::Matrix4d covariance =
       Eigen::Matrix4d::Zero();  ///< of pose's error in (x, y, z, yaw) with its correlations, from
                                 ///< the start of the mission; zero: exact. Its growth tells how far
-                                ///< what was not seen for long may be off (surface_drift.h)
+                                ///< what was not seen for long may be off (surface_drift.h). One
+                                ///< that is not finite or not positive semi-definite is no
+                                ///< covariance and bounds nothing (pose_error.h)
   Twist twist;                  ///< estimated body velocity
   /// The command in force, if whoever publishes knows it: rates are limited from there. Without it
   /// the estimated velocity stands for it, whose noise a limit on rates does not forgive, and it
@@ -42,6 +56,12 @@ struct Belief {
   std::shared_ptr<const VoxelGrid> voxels;
   std::shared_ptr<const GroundMap> ground;
   std::shared_ptr<const LandmarkMap> landmarks;
+
+  /// Everything is of time t [s].
+  void set_stamps(double t) {
+    stamp = t;
+    stamps = {t, t, t, t};
+  }
 };
 
 }  // namespace prospect

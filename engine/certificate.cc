@@ -9,10 +9,16 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <limits>
 #include <list>
+#include <optional>
 #include <stdexcept>
+#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
+#include "engine/pose_error.h"
+#include "engine/present_view.h"
 #include "engine/shape_geometry.h"
 #include "models/body_transform.h"
 
@@ -21,6 +27,28 @@ namespace {
 
 constexpr double kRestSpeed = 1e-3;      // [m/s] and [rad/s]
 constexpr double kHeldTolerance = 1e-4;  // [m]
+constexpr double kUnmoved = 1e-6;        // [m]: a robot that turns on the spot
+
+// Elementary checks that things cost, about as they do in time; looking at a voxel is two.
+constexpr long long kPoseCost = 200;     // a step of the motion
+constexpr long long kNearCost = 12;      // a voxel that is kept in mind, or held against a bound
+constexpr long long kContactCost = 800;  // FCL; each vertex of a hull is two more
+
+/// Thrown by Budget, caught in this file.
+struct Exhausted {};
+
+/// What a check may cost. A count, not a time: the same verdict on a busy machine.
+class Budget {
+ public:
+  explicit Budget(long long checks) : left_(checks) {}
+  void spend(long long checks) {
+    left_ -= checks;
+    if (left_ < 0) throw Exhausted{};
+  }
+
+ private:
+  long long left_;
+};
 
 bool at_rest(const Twist& twist) {
   return twist.linear.norm() <= kRestSpeed && std::abs(twist.yaw_rate) <= kRestSpeed;
@@ -32,6 +60,15 @@ struct Run {
   friend bool operator==(const Run&, const Run&) = default;
 };
 
+struct RunHash {
+  std::size_t operator()(const Run& run) const {
+    const auto u = [](int v) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(v)); };
+    std::uint64_t h = (u(run.i) << 32 | u(run.j)) * 0x9e3779b97f4a7c15u;
+    h = (h ^ (h >> 29) ^ u(run.low)) * 0xbf58476d1ce4e5b9u;
+    return static_cast<std::size_t>(h ^ (h >> 32));
+  }
+};
+
 /// Signed distance from a point to a box given by its lowest and highest corner.
 double box_distance(const Eigen::Vector3d& p, const Eigen::Vector3d& low,
                     const Eigen::Vector3d& high) {
@@ -39,11 +76,14 @@ double box_distance(const Eigen::Vector3d& p, const Eigen::Vector3d& low,
   return out.maxCoeff() <= 0.0 ? out.maxCoeff() : out.cwiseMax(0.0).norm();
 }
 
-/// One convex part of the body and the ball about its local bounding box.
+/// One convex part of the body and its bounds.
 struct Part {
   PlacedGeometry placed;
-  Eigen::Vector3d ball_center;  // in B
-  double ball_radius;
+  Eigen::Vector3d center;  // of the local bounding box, in B
+  Eigen::Vector3d half;    // of the local bounding box
+  double ball;             // radius about the centre
+  double disc;             // horizontal radius about the centre
+  long long cost;          // of asking FCL about it
 };
 
 std::string at_time(double time, const Pose& pose) {
@@ -51,6 +91,11 @@ std::string at_time(double time, const Pose& pose) {
   std::snprintf(text, sizeof text, "after %.2f s, at (%.2f, %.2f, %.2f) m, yaw %.2f rad", time,
                 pose.position.x(), pose.position.y(), pose.position.z(), pose.yaw);
   return text;
+}
+
+std::string over_budget(long long max_checks) {
+  return "the check is given up after " + std::to_string(max_checks) +
+         " elementary checks: the body is too large for what is about it, or the motion too long";
 }
 
 }  // namespace
@@ -69,23 +114,86 @@ struct Certifier::Body {
   double middle = 0.0;  // height of the body's middle in B
 
   static std::vector<Part> parts(const RobotShape& shape, double inflation) {
+    const auto* hull = std::get_if<ConvexShape>(&shape);
+    const auto vertices = hull == nullptr ? 0LL : static_cast<long long>(hull->vertices.size());
+    const long long cost = kContactCost + 16 * vertices;  // of each vertex there are eight
     std::vector<Part> result;
     for (PlacedGeometry& g : shape_geometry(shape, inflation)) {
       const Eigen::Vector3d center = g.T_BG * g.geometry->aabb_center;
-      const double radius = g.geometry->aabb_radius;
-      result.push_back({std::move(g), center, radius});
+      const Eigen::Vector3d half =
+          0.5 * (g.geometry->aabb_local.max_ - g.geometry->aabb_local.min_);
+      // FCL's own radius is that of the box about the geometry.
+      const bool ball = std::holds_alternative<SphereSetShape>(shape);
+      const bool round = ball || std::holds_alternative<CylinderShape>(shape);
+      const double disc = round ? half.x() : half.head<2>().norm();
+      const double radius = ball ? half.x() : std::hypot(disc, half.z());
+      result.push_back({std::move(g), center, half, radius, disc, cost});
     }
     return result;
+  }
+  /// What it costs to make and to place the parts once.
+  static long long making_cost(const std::vector<Part>& parts) {
+    long long cost = 0;
+    for (const Part& part : parts) cost += part.cost;
+    return cost;
+  }
+  /// The grown body keeps within this horizontal distance of B's z axis ...
+  double reach() const {
+    double farthest = 0.0;
+    for (const std::vector<Part>* parts : {&exact, &shells.back().parts}) {
+      for (const Part& p : *parts) {
+        farthest = std::max(farthest, p.center.head<2>().norm() + p.disc);
+      }
+    }
+    return farthest;
+  }
+  /// ... and between these heights in B.
+  VerticalExtent height() const {
+    VerticalExtent extent{0.0, 0.0};
+    for (const std::vector<Part>* parts : {&exact, &shells.back().parts}) {
+      for (const Part& p : *parts) {
+        extent.z_min = std::min(extent.z_min, p.center.z() - p.half.z());
+        extent.z_max = std::max(extent.z_max, p.center.z() + p.half.z());
+      }
+    }
+    return extent;
   }
 };
 
 namespace {
 
-/// Walks the voxels near a body at a pose and asks FCL about them.
+/// What closes space to a motion besides obstacles.
+struct Closing {
+  UnknownPolicy unknown = UnknownPolicy::kFree;
+  const SurfaceDrift* drift = nullptr;
+  double drift_limit = 0.0;           // [m]; 0: none
+  bool only_in_view = false;          // nothing bounds the error of the pose
+  const PresentView* view = nullptr;  // null: nothing is in view
+};
+
+/// A column or voxel that a motion may not enter, and why. passed_by: out of view, but the
+/// PresentView passes by it.
+struct Closed {
+  Run run;
+  Certificate::Status why;
+  bool passed_by;
+};
+
+/// The voxels near a body, gathered about the place where it stands and gathered anew when it has
+/// moved on; asks FCL about those that it may touch.
 class Scene {
  public:
-  Scene(const Belief& belief, const VerticalExtent& slice, bool planar, double middle)
-      : voxels_(*belief.voxels), ground_(*belief.ground), planar_(planar), middle_(middle) {
+  /// reach, height: Body::reach() and Body::height().
+  Scene(const Belief& belief, const VerticalExtent& slice, bool planar, double middle, double reach,
+        const VerticalExtent& height, const Closing& closing, Budget& budget)
+      : voxels_(*belief.voxels),
+        ground_(*belief.ground),
+        planar_(planar),
+        middle_(middle),
+        reach_(reach),
+        height_(height),
+        closing_(closing),
+        budget_(budget) {
     const double r = voxels_.resolution();
     low_ = voxels_.k0();
     high_ = voxels_.k0() + voxels_.depth() - 1;
@@ -116,101 +224,106 @@ class Scene {
     return box_distance(pose.position + Eigen::Vector3d(0.0, 0.0, middle_), low, high);
   }
 
-  /// Calls visit(run) for every run of occupied voxels that a part touches, until it returns false.
-  /// Returns whether all were visited.
+  /// Calls visit(run) for every run of occupied voxels that a part touches, in the columns that may
+  /// have drifted by `least` at least, until it returns false. Returns whether all were visited.
   template <typename Visit>
-  bool occupied(const std::vector<Part>& parts, const Pose& pose, const Visit& visit) const {
-    return occupied(
-        parts, pose, [](Cell) { return true; }, visit);
-  }
-  /// The same for the columns for which counts(cell) holds.
-  template <typename Counts, typename Visit>
-  bool occupied(const std::vector<Part>& parts, const Pose& pose, const Counts& counts,
-                const Visit& visit) const {
-    return each_column(parts, pose, [&](const Part& part, const Box& box, int i, int j) {
-      if (!voxels_.frame().contains({i, j}) || !counts({i, j})) return true;
-      for (int k = std::max(low_, box.k_low); k <= std::min(high_, box.k_high); ++k) {
-        if (voxels_.state(i, j, k) != CellState::kOccupied) continue;
-        Run run{i, j, k, k};
-        while (run.low > low_ && voxels_.state(i, j, run.low - 1) == CellState::kOccupied) {
-          --run.low;
-        }
-        while (run.high < high_ && voxels_.state(i, j, run.high + 1) == CellState::kOccupied) {
-          ++run.high;
-        }
-        k = run.high;
-        if (touches(part, box, run) && !visit(run)) return false;
-      }
-      return true;
-    });
+  bool occupied(const std::vector<Part>& parts, const Pose& pose, double least,
+                const Visit& visit) {
+    gather(pose);
+    return each_touched(
+        parts, pose, obstacles_,
+        [least](const Obstacle& o) { return !(least > 0.0) || o.drift >= least; },
+        [&](const Obstacle& o) { return visit(o.run); });
   }
 
-  /// The same for unknown space and for all of cells where forgotten(cell) holds: columns of the
-  /// slice (planar) or single voxels. Those for which skip(run) holds are not tested.
-  template <typename Forgotten, typename Skip, typename Visit>
-  bool unknown(const std::vector<Part>& parts, const Pose& pose, const Forgotten& forgotten,
-               const Skip& skip, const Visit& visit) const {
-    return each_column(parts, pose, [&](const Part& part, const Box& box, int i, int j) {
-      const bool whole = forgotten(Cell{i, j});
-      if (planar_) {
-        const Run run{i, j, slice_low_, slice_high_};
-        if ((ground_.explored({i, j}) && !whole) || skip(run)) return true;
-        return !touches(part, box, run) || visit(run);
-      }
-      for (int k = box.k_low; k <= box.k_high; ++k) {
-        const Run run{i, j, k, k};
-        if ((voxels_.state(i, j, k) != CellState::kUnknown && !whole) || skip(run)) continue;
-        if (touches(part, box, run) && !visit(run)) return false;
-      }
+  /// The same for closed space, visit(closed): columns of the slice (planar) or single voxels.
+  template <typename Visit>
+  bool closed(const std::vector<Part>& parts, const Pose& pose, const Visit& visit) {
+    gather(pose);
+    return each_touched(
+        parts, pose, closed_, [](const Closed&) { return true; },
+        [&](const Closed& c) { return visit(c); });
+  }
+  /// What a part touches of closed space is open from now on.
+  void open(const std::vector<Part>& parts, const Pose& pose) {
+    closed(parts, pose, [this](const Closed& c) {
+      budget_.spend(4 * kNearCost);
+      opened_.insert(c.run);
       return true;
     });
+    std::erase_if(closed_, [this](const Closed& c) { return opened_.count(c.run) > 0; });
   }
 
  private:
+  struct Obstacle {
+    Run run;
+    double drift;
+  };
   /// Where a part stands at the pose looked at, and the voxels that its bounding box meets.
   struct Box {
     Eigen::Isometry3d T_WG;
-    Eigen::Vector3d ball_center;
+    Eigen::Vector3d center;
     int i_low, i_high, j_low, j_high, k_low, k_high;
+    bool meets(const Run& run) const {
+      return run.i >= i_low && run.i <= i_high && run.j >= j_low && run.j <= j_high &&
+             run.high >= k_low && run.low <= k_high;
+    }
   };
+  // Farther than that from where it was gathered, a scene is gathered anew [m].
+  static constexpr double kSlack = 0.5, kVerticalSlack = 0.25;
 
-  template <typename Look>
-  bool each_column(const std::vector<Part>& parts, const Pose& pose, const Look& look) const {
+  template <typename Item, typename Counts, typename Visit>
+  bool each_touched(const std::vector<Part>& parts, const Pose& pose,
+                    const std::vector<Item>& items, const Counts& counts, const Visit& visit) {
     const Eigen::Isometry3d T_WB = body_transform(pose);
-    const double r = voxels_.resolution();
     for (const Part& part : parts) {
-      Box box;
-      box.T_WG = T_WB * part.placed.T_BG;
-      box.ball_center = T_WB * part.ball_center;
-      // Bounding box of the local bounding box, turned about z.
-      const fcl::AABBd& local = part.placed.geometry->aabb_local;
-      const Eigen::Vector3d half = 0.5 * (local.max_ - local.min_);
-      const double c = std::abs(T_WB.linear()(0, 0));
-      const double s = std::abs(T_WB.linear()(1, 0));
-      const Eigen::Vector3d reach(std::min(c * half.x() + s * half.y(), part.ball_radius),
-                                  std::min(s * half.x() + c * half.y(), part.ball_radius),
-                                  half.z());
-      const Eigen::Vector3d from = (box.ball_center - reach) / r;
-      const Eigen::Vector3d to = (box.ball_center + reach) / r;
-      box.i_low = static_cast<int>(std::floor(from.x()));
-      box.i_high = static_cast<int>(std::floor(to.x()));
-      box.j_low = static_cast<int>(std::floor(from.y()));
-      box.j_high = static_cast<int>(std::floor(to.y()));
-      box.k_low = static_cast<int>(std::floor(from.z()));
-      box.k_high = static_cast<int>(std::floor(to.z()));
-      for (int j = box.j_low; j <= box.j_high; ++j) {
-        for (int i = box.i_low; i <= box.i_high; ++i) {
-          if (!look(part, box, i, j)) return false;
-        }
+      budget_.spend(4 + static_cast<long long>(items.size()));
+      const Box box = place(part, T_WB);
+      for (const Item& item : items) {
+        if (!box.meets(item.run) || !counts(item)) continue;
+        if (touches(part, box, item.run) && !visit(item)) return false;
       }
     }
     return true;
   }
 
-  bool touches(const Part& part, const Box& box, const Run& run) const {
+  Box place(const Part& part, const Eigen::Isometry3d& T_WB) const {
+    const double r = voxels_.resolution();
+    Box box;
+    box.T_WG = T_WB * part.placed.T_BG;
+    box.center = T_WB * part.center;
+    // Bounding box of the local bounding box, turned about z.
+    const Eigen::Vector3d& half = part.half;
+    const double c = std::abs(T_WB.linear()(0, 0));
+    const double s = std::abs(T_WB.linear()(1, 0));
+    const Eigen::Vector3d reach(std::min(c * half.x() + s * half.y(), part.disc),
+                                std::min(s * half.x() + c * half.y(), part.disc), half.z());
+    const Eigen::Vector3d from = (box.center - reach) / r;
+    const Eigen::Vector3d to = (box.center + reach) / r;
+    box.i_low = address(from.x());
+    box.i_high = address(to.x());
+    box.j_low = address(from.y());
+    box.j_high = address(to.y());
+    box.k_low = address(from.z());
+    box.k_high = address(to.z());
+    return box;
+  }
+  static int address(double v) { return static_cast<int>(std::clamp(std::floor(v), -2e9, 2e9)); }
+
+  bool touches(const Part& part, const Box& box, const Run& run) {
     const Eigen::Vector3d low = low_corner(run);
     const Eigen::Vector3d high = high_corner(run);
-    if (box_distance(box.ball_center, low, high) > part.ball_radius) return false;
+    budget_.spend(kNearCost);
+    // Apart by more than FCL's own tolerance: of the ball or the upright cylinder about the part,
+    // or along an axis of its bounding box.
+    constexpr double kApart = 1e-4;  // [m]
+    const Eigen::Vector3d out = (low - box.center).cwiseMax(box.center - high).cwiseMax(0.0);
+    if (out.norm() > part.ball + kApart || out.head<2>().norm() > part.disc + kApart) return false;
+    const Eigen::Matrix3d& R = box.T_WG.linear();
+    const Eigen::Vector3d gap = (R.transpose() * (0.5 * (low + high) - box.center)).cwiseAbs() -
+                                part.half - R.cwiseAbs().transpose() * (0.5 * (high - low));
+    if (gap.maxCoeff() > kApart) return false;
+    budget_.spend(part.cost);
     const fcl::Boxd obstacle(Eigen::Vector3d(high - low));
     fcl::Transform3d T = fcl::Transform3d::Identity();
     T.translation() = 0.5 * (low + high);
@@ -220,32 +333,135 @@ class Scene {
     return result.isCollision();
   }
 
+  /// Whether a cell has drifted so far since it was in view that what is there is unknown.
+  bool forgotten(Cell c) const {
+    return closing_.drift != nullptr && closing_.drift_limit > 0.0 &&
+           closing_.drift->sigma(c) > closing_.drift_limit;
+  }
+
+  void gather(const Pose& pose) {
+    const Eigen::Vector3d moved = pose.position - gathered_;
+    if (has_gathered_ && moved.head<2>().norm() <= kSlack &&
+        (planar_ || std::abs(moved.z()) <= kVerticalSlack)) {
+      return;
+    }
+    has_gathered_ = true;
+    gathered_ = pose.position;
+    obstacles_.clear();
+    closed_.clear();
+    const double r = voxels_.resolution();
+    const double within = reach_ + kSlack + kFaceTolerance;
+    if (!(within / r < 1e6)) throw Exhausted{};
+    const double x = gathered_.x() / r, y = gathered_.y() / r, z = gathered_.z();
+    const double within_cells = within / r;
+    int i_low = address(x - within_cells), i_high = address(x + within_cells);
+    int j_low = address(y - within_cells), j_high = address(y + within_cells);
+    const double above = kVerticalSlack + kFaceTolerance;
+    const int k_low = planar_ ? low_ : address((z + height_.z_min - above) / r);
+    const int k_high = planar_ ? high_ : address((z + height_.z_max + above) / r);
+    const bool closing = closing_.unknown != UnknownPolicy::kFree || closing_.only_in_view;
+    const GridFrame& frame = voxels_.frame();
+    if (!closing) {  // nothing is beyond the map
+      i_low = std::max(i_low, frame.i0);
+      i_high = std::min(i_high, frame.i0 + frame.width - 1);
+      j_low = std::max(j_low, frame.j0);
+      j_high = std::min(j_high, frame.j0 + frame.height - 1);
+    }
+    if (i_low > i_high || j_low > j_high) return;
+    budget_.spend((1LL + i_high - i_low) * (1LL + j_high - j_low) *
+                  (6 + 2 * std::max(0LL, 1LL + k_high - k_low)));
+    for (int j = j_low; j <= j_high; ++j) {
+      const double dy = std::max({j - y, y - (j + 1.0), 0.0});
+      for (int i = i_low; i <= i_high; ++i) {
+        const double dx = std::max({i - x, x - (i + 1.0), 0.0});
+        if (dx * dx + dy * dy > within_cells * within_cells) continue;
+        gather_obstacles(i, j, std::max(low_, k_low), std::min(high_, k_high));
+        if (closing) gather_closed(i, j, k_low, k_high);
+      }
+    }
+  }
+
+  void gather_obstacles(int i, int j, int from, int to) {
+    if (!voxels_.frame().contains({i, j}) || from > to) return;
+    const CellState* column = voxels_.data().data() + voxels_.index(i, j, voxels_.k0());
+    const auto is_occupied = [&](int k) {
+      return column[k - voxels_.k0()] == CellState::kOccupied;
+    };
+    double drift = -1.0;
+    for (int k = from; k <= to; ++k) {
+      if (!is_occupied(k)) continue;
+      Run run{i, j, k, k};
+      while (run.low > low_ && is_occupied(run.low - 1)) --run.low;
+      while (run.high < high_ && is_occupied(run.high + 1)) ++run.high;
+      budget_.spend(kNearCost + run.high - run.low);
+      k = run.high;
+      if (drift < 0.0) drift = closing_.drift == nullptr ? 0.0 : closing_.drift->sigma({i, j});
+      obstacles_.push_back({run, drift});
+    }
+  }
+
+  void gather_closed(int i, int j, int k_low, int k_high) {
+    using Status = Certificate::Status;
+    const bool knows = closing_.unknown != UnknownPolicy::kFree;
+    const bool whole = knows && forgotten({i, j});
+    const auto add = [&](const Run& run, Status why, bool passed_by) {
+      if (!opened_.empty() && opened_.count(run) > 0) return;
+      budget_.spend(kNearCost);
+      closed_.push_back({run, why, passed_by});
+    };
+    const PresentView* view = closing_.view;
+    const auto add_unless_shown = [&](const Run& run, const auto& address) {
+      const long long before = view == nullptr ? 0 : view->visits();
+      if (view == nullptr || !view->shows(address)) {
+        add(run, Status::kOutOfView, view != nullptr && view->passes_by(address));
+      }
+      if (view != nullptr) budget_.spend(view->visits() - before);
+    };
+    if (planar_) {
+      const Run run{i, j, slice_low_, slice_high_};
+      if (knows && (whole || !ground_.explored({i, j}))) {
+        add(run, Status::kUnknownSpace, false);
+      } else if (closing_.only_in_view) {
+        add_unless_shown(run, Cell{i, j});
+      }
+      return;
+    }
+    for (int k = k_low; k <= k_high; ++k) {
+      const Run run{i, j, k, k};
+      if (knows && (whole || voxels_.state(i, j, k) == CellState::kUnknown)) {
+        add(run, Status::kUnknownSpace, false);
+      } else if (closing_.only_in_view) {
+        add_unless_shown(run, Eigen::Vector3i(i, j, k));
+      }
+    }
+  }
+
   const VoxelGrid& voxels_;
   const GroundMap& ground_;
   bool planar_;
   double middle_;
+  double reach_;
+  VerticalExtent height_;
+  Closing closing_;
+  Budget& budget_;
   int low_ = 0, high_ = 0;              // layers in which occupied voxels count
   int slice_low_ = 0, slice_high_ = 0;  // planar: layers of the slice
+  bool has_gathered_ = false;
+  Eigen::Vector3d gathered_ = Eigen::Vector3d::Zero();  // about here
+  std::vector<Obstacle> obstacles_;
+  std::vector<Closed> closed_;
+  std::unordered_set<Run, RunHash> opened_;
 };
 
 /// What a motion has been found to touch so far, and what of that is excused.
 class Walk {
  public:
-  Walk(const Scene& scene, const std::vector<Part>& exact, UnknownPolicy policy,
-       const SurfaceDrift* drift, double drift_limit)
-      : scene_(scene),
-        exact_(exact),
-        body_(&exact),
-        policy_(policy),
-        drift_(drift),
-        drift_limit_(drift_limit) {}
+  Walk(Scene& scene, const std::vector<Part>& exact, const Pose& start, const PresentView* view)
+      : scene_(scene), exact_(exact), body_(&exact), start_(start.position), view_(view) {}
 
   /// Whether the body is free of the columns that may have drifted by `least` at least.
   bool free(const Pose& pose, const std::vector<Part>& body, double least) const {
-    return scene_.occupied(
-        body, pose,
-        [&](Cell c) { return !(least > 0.0) || (drift_ != nullptr && drift_->sigma(c) >= least); },
-        [](const Run&) { return false; });
+    return scene_.occupied(body, pose, least, [](const Run&) { return false; });
   }
   /// From now on `body` has to be; it outlives the walk.
   void keep_free(const std::vector<Part>& body, double least) {
@@ -257,52 +473,45 @@ class Walk {
   }
   /// What the exact body touches at `pose` is excused.
   void excuse_contacts(const Pose& pose) {
-    scene_.occupied(exact_, pose, [&](const Run& run) {
-      if (find(run) == contacts_.end()) {
-        contacts_.push_back({run, scene_.centre_distance(pose, run), false});
-      }
+    scene_.occupied(exact_, pose, 0.0, [&](const Run& run) {
+      contacts_.try_emplace(run, Contact{scene_.centre_distance(pose, run), false});
       return true;
     });
   }
-  void excuse_unknown(const Pose& pose) {
-    if (policy_ == UnknownPolicy::kFree) return;
-    scene_.unknown(
-        exact_, pose, [this](Cell c) { return forgotten(c); }, [](const Run&) { return false; },
-        [&](const Run& run) {
-          excused_.push_back(run);
-          return true;
-        });
-  }
+  void excuse_closed(const Pose& pose) { scene_.open(exact_, pose); }
 
   Certificate::Status step(const Pose& pose) {
+    using Status = Certificate::Status;
     for (const Widened& widened : widened_) {
-      if (!free(pose, *widened.body, widened.least)) return Certificate::Status::kCollision;
+      if (!free(pose, *widened.body, widened.least)) return Status::kCollision;
     }
-    for (Contact& contact : contacts_) contact.touched = false;
-    const bool clear = scene_.occupied(*body_, pose, [&](const Run& run) {
-      const auto contact = find(run);
-      if (contact == contacts_.end()) return false;
-      contact->touched = true;
+    for (auto& [run, contact] : contacts_) contact.touched = false;
+    const bool clear = scene_.occupied(*body_, pose, 0.0, [&](const Run& run) {
+      const auto at = contacts_.find(run);
+      if (at == contacts_.end()) return false;
+      Contact& contact = at->second;
+      contact.touched = true;
       const double distance = scene_.centre_distance(pose, run);
-      if (distance < contact->distance - 1e-9) return false;
-      contact->distance = distance;
+      if (distance < contact.distance - 1e-9) return false;
+      contact.distance = distance;
       return true;
     });
-    if (!clear) return Certificate::Status::kCollision;
-    std::erase_if(contacts_, [](const Contact& contact) { return !contact.touched; });
-    if (policy_ == UnknownPolicy::kFree) return Certificate::Status::kOk;
-    const bool known = scene_.unknown(
-        exact_, pose, [this](Cell c) { return forgotten(c); },
-        [&](const Run& run) {
-          return std::find(excused_.begin(), excused_.end(), run) != excused_.end();
-        },
-        [](const Run&) { return false; });
-    return known ? Certificate::Status::kOk : Certificate::Status::kUnknownSpace;
+    if (!clear) return Status::kCollision;
+    std::erase_if(contacts_, [](const auto& entry) { return !entry.second.touched; });
+    // A robot that turns on the spot looks about.
+    const bool unmoved = (pose.position - start_).norm() <= kUnmoved;
+    const bool ahead = view_ != nullptr && view_->keeps_to(pose);
+    Status status = Status::kOk;
+    scene_.closed(exact_, pose, [&](const Closed& c) {
+      if (c.why == Status::kOutOfView && (unmoved || (c.passed_by && ahead))) return true;
+      status = c.why;
+      return false;
+    });
+    return status;
   }
 
  private:
   struct Contact {
-    Run run;
     double distance;
     bool touched;
   };
@@ -310,24 +519,14 @@ class Walk {
     const std::vector<Part>* body;
     double least;
   };
-  /// Whether a cell has drifted so far since it was in view that what is there is unknown.
-  bool forgotten(Cell c) const {
-    return drift_ != nullptr && drift_limit_ > 0.0 && drift_->sigma(c) > drift_limit_;
-  }
-  std::vector<Contact>::iterator find(const Run& run) {
-    return std::find_if(contacts_.begin(), contacts_.end(),
-                        [&](const Contact& contact) { return contact.run == run; });
-  }
 
-  const Scene& scene_;
+  Scene& scene_;
   const std::vector<Part>& exact_;
   const std::vector<Part>* body_;
-  UnknownPolicy policy_;
-  const SurfaceDrift* drift_;
-  double drift_limit_;
+  Eigen::Vector3d start_;
+  const PresentView* view_;  // null: nothing is in view, or it does not matter
   std::vector<Widened> widened_;
-  std::vector<Contact> contacts_;
-  std::vector<Run> excused_;
+  std::unordered_map<Run, Contact, RunHash> contacts_;
 };
 
 }  // namespace
@@ -350,6 +549,13 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
   for (std::size_t n = 0; n < inputs.size(); ++n)
     tail.col(static_cast<Eigen::Index>(n)) = inputs[n];
   return tail;
+}
+
+Certifier::Options Certifier::options_for(const RobotDescription& robot) {
+  Options options;
+  options.slice = robot.slice();
+  options.sensor = DepthSensor{robot.depth, robot.depth_mount};
+  return options;
 }
 
 Certifier::Certifier(const RobotShape& shape, Options options) : options_(options) {
@@ -378,6 +584,27 @@ Certifier::Certifier(const RobotShape& shape, Options options) : options_(option
   if (!(options.drift_limit >= 0.0) || !std::isfinite(options.drift_limit)) {
     throw std::invalid_argument("certifier: drift_limit is " + std::to_string(options.drift_limit) +
                                 " m; expected >= 0");
+  }
+  if (!(options.max_lost_error >= 0.0)) {
+    throw std::invalid_argument("certifier: max_lost_error is " +
+                                std::to_string(options.max_lost_error) + " m; expected >= 0");
+  }
+  if (options.max_checks < 1) {
+    throw std::invalid_argument("certifier: max_checks is " + std::to_string(options.max_checks) +
+                                "; expected >= 1");
+  }
+  if (options.sensor) {
+    const RgbdFootprint& f = options.sensor->footprint;
+    const bool sound = f.horizontal_fov > 0.0 && f.horizontal_fov <= 2.0 * M_PI &&
+                       f.vertical_fov > 0.0 && f.vertical_fov <= M_PI && f.max_range > 0.0 &&
+                       std::isfinite(f.max_range);
+    if (!sound) {
+      throw std::invalid_argument(
+          "certifier: the depth sensor's fields of view are " + std::to_string(f.horizontal_fov) +
+          " and " + std::to_string(f.vertical_fov) + " rad, its range " +
+          std::to_string(f.max_range) + " m; expected 0 to 2 pi, 0 to pi, and a finite range > 0");
+    }
+    validate(options.sensor->mount);
   }
   auto body = std::make_unique<Body>();
   body->shape = shape;
@@ -425,8 +652,32 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
       return reject(Status::kNonFinite, "the state, an input or the time step is not finite");
     }
     const bool planar = model.pose_layout().pz < 0;
-    const Scene scene(belief, options_.slice, planar, body_->middle);
-    Walk walk(scene, body_->exact, options_.unknown, drift, options_.drift_limit);
+    Budget budget(options_.max_checks);
+    budget.spend(kPoseCost * static_cast<long long>(inputs.cols()));
+    Closing closing{options_.unknown, drift, options_.drift_limit, false, nullptr};
+    const double reach = body_->reach();
+    const std::string unbounded = unbounded_pose_error(belief, options_.max_lost_error);
+    std::optional<PresentView> view;
+    if (!unbounded.empty()) {
+      closing.only_in_view = true;
+      if (options_.sensor) {
+        // Farther than it moves nothing is asked for.
+        DepthSensor sensor = *options_.sensor;
+        sensor.footprint.max_range =
+            std::min(sensor.footprint.max_range,
+                     sensor.mount.T_BC.translation().norm() + 2.0 * reach + 1.0 +
+                         model.max_speed() * dt * static_cast<double>(inputs.cols()));
+        const double across = sensor.footprint.max_range / belief.voxels->resolution();
+        if (!(across < 1e6)) throw Exhausted{};
+        budget.spend(
+            static_cast<long long>(2.0 * sensor.footprint.horizontal_fov * across * across));
+        view.emplace(belief, sensor, body_->shape, planar);
+        closing.view = &*view;
+      }
+    }
+    Scene scene(belief, options_.slice, planar, body_->middle, reach, body_->height(), closing,
+                budget);
+    Walk walk(scene, body_->exact, model.pose(x0), closing.view);
     const auto moved = [&](const Pose& a, const Pose& b) {
       const double turn = std::min(std::abs(b.yaw - a.yaw), M_PI);
       return (b.position - a.position).norm() + 2.0 * body_->circumscribed * std::sin(0.5 * turn);
@@ -446,6 +697,7 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
         double low = 0.0, high = shell.margin;
         while (high - low > kHeldTolerance) {
           const double middle = 0.5 * (low + high);
+          budget.spend(Body::making_cost(shell.parts));
           (walk.free(checked, Body::parts(body_->shape, middle), shell.drift) ? low : high) =
               middle;
         }
@@ -459,12 +711,13 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
       }
       if (!(shell.drift > 0.0)) margin = kept;
     }
-    walk.excuse_unknown(checked);
+    walk.excuse_closed(checked);
     // Without a margin nothing covers the poses in between: they are spaced as for a quarter of it.
     const double spacing =
         std::min(2.0 * std::max(margin, 0.25 * options_.margin), 0.5 * belief.voxels->resolution());
     const auto check = [&](const Pose& pose, double time) {
       ++result.poses;
+      budget.spend(kPoseCost);
       result.time = time;
       result.pose = pose;
       result.status = walk.step(pose);
@@ -472,6 +725,9 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
         result.detail = "the body would touch an occupied voxel " + at_time(time, pose);
       } else if (result.status == Status::kUnknownSpace) {
         result.detail = "the body would enter unknown space " + at_time(time, pose);
+      } else if (result.status == Status::kOutOfView) {
+        result.detail =
+            unbounded + ", and the body would leave what is in view " + at_time(time, pose);
       }
       return result.ok();
     };
@@ -529,6 +785,8 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
     std::snprintf(detail, sizeof detail, "clear for %.6g s", result.time);
     result.detail = detail;
     return result;
+  } catch (const Exhausted&) {
+    return reject(Certificate::Status::kOverBudget, over_budget(options_.max_checks));
   } catch (const std::exception& error) {
     return reject(Certificate::Status::kNonFinite,
                   std::string("the check failed: ") + error.what());
@@ -552,6 +810,13 @@ Certificate Certifier::certify(const Belief& belief, const MotionModel& model,
       result.detail = "the state, an input or the time step is not finite";
       return result;
     }
+    // More stages than can be afforded are not even simulated.
+    const int affordable = max_stages();
+    if (committed.cols() > affordable) {
+      result.status = Certificate::Status::kOverBudget;
+      result.detail = over_budget(options_.max_checks);
+      return result;
+    }
     Eigen::VectorXd x = x0;
     Eigen::VectorXd next(model.nx());
     Eigen::VectorXd u = u_previous;
@@ -564,7 +829,8 @@ Certificate Certifier::certify(const Belief& belief, const MotionModel& model,
       result.detail = "the motion leaves the finite numbers";
       return result;
     }
-    const int most = static_cast<int>(std::min(1e4, std::ceil(options_.max_tail_time / dt)));
+    const double wanted = std::ceil(options_.max_tail_time / dt);
+    const int most = static_cast<int>(std::min<double>(affordable, wanted));
     const Eigen::MatrixXd tail = stopping_tail(model, x, u, dt, most);
     Eigen::MatrixXd inputs(model.nu(), committed.cols() + tail.cols());
     inputs << committed, tail;
@@ -575,9 +841,11 @@ Certificate Certifier::certify(const Belief& belief, const MotionModel& model,
       x.swap(next);
     }
     if (!at_rest(model.twist(x, tail.col(tail.cols() - 1)))) {
-      result.status = Certificate::Status::kNotStopping;
-      result.detail = "the stopping tail has not come to rest after " +
-                      std::to_string(options_.max_tail_time) + " s";
+      const bool cut = affordable < wanted;
+      result.status = cut ? Certificate::Status::kOverBudget : Certificate::Status::kNotStopping;
+      result.detail = cut ? over_budget(options_.max_checks)
+                          : "the stopping tail has not come to rest after " +
+                                std::to_string(options_.max_tail_time) + " s";
     }
     return result;
   } catch (const std::exception& error) {
@@ -587,10 +855,21 @@ Certificate Certifier::certify(const Belief& belief, const MotionModel& model,
   }
 }
 
+int Certifier::max_stages() const {
+  constexpr long long kMost = 1'000'000;
+  return static_cast<int>(std::clamp(options_.max_checks / (4 * kPoseCost), 1LL, kMost));
+}
+
 bool Certifier::in_collision(const Belief& belief, const Pose& pose, bool planar) const {
   if (!(pose.position.cwiseAbs().maxCoeff() < kFarthest) || !std::isfinite(pose.yaw)) return true;
-  const Scene scene(belief, options_.slice, planar, body_->middle);
-  return !scene.occupied(body_->exact, pose, [](const Run&) { return false; });
+  try {
+    Budget budget(options_.max_checks);
+    Scene scene(belief, options_.slice, planar, body_->middle, body_->reach(), body_->height(), {},
+                budget);
+    return !scene.occupied(body_->exact, pose, 0.0, [](const Run&) { return false; });
+  } catch (const Exhausted&) {
+    return true;
+  }
 }
 
 }  // namespace prospect

@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "engine/belief.h"
+#include "engine/robot_description.h"
 #include "engine/surface_drift.h"
 #include "engine/unknown_policy.h"
 #include "models/motion_model.h"
@@ -18,8 +20,10 @@ struct Certificate {
     kOk,
     kCollision,     ///< the grown body touches an occupied voxel
     kUnknownSpace,  ///< the body enters unknown space, which the policy forbids
+    kOutOfView,     ///< nothing bounds the pose's error, and the body leaves what is in view
     kNotStopping,   ///< the stopping tail does not come to rest in time
-    kNonFinite      ///< a state or input is not finite, or of the wrong size
+    kNonFinite,     ///< a state or input is not finite, or of the wrong size
+    kOverBudget     ///< given up after max_checks: nothing is known of the rest
   };
   Status status = Status::kNonFinite;
   double time = 0.0;   ///< [s] from the motion's start to the first offence; its duration if ok
@@ -66,8 +70,20 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 /// remembers as free must not be driven into sideways or backwards once the estimate has moved
 /// against it; driving where it looks, it has just seen it.
 ///
+/// A pose whose error nothing bounds (pose_error.h: the covariance is none, or localization is lost
+/// with more than max_lost_error): the map does not tell what is beside or behind the robot. The
+/// motion may enter only ground that the depth sensor has in view now (present_view.h), besides
+/// what the body overlaps at the start; without a sensor, none. It may turn on the spot, whatever
+/// its shape, obstacles permitting: that is how it looks about. No margin is applied, as for the
+/// unknown.
+///
 /// The octree's finest occupied cells are mirrored in belief.voxels; walking that mirror finds the
 /// few boxes near the body faster than descending the octree.
+///
+/// Bounded time: what a check does is counted (voxels looked at, poses, calls of FCL, weighted as
+/// they cost), and after max_checks it is given up as not certified. The count depends on the
+/// arguments alone, so a verdict does not depend on the machine's load. A body that fits the free
+/// space about it touches few boxes and stays far below; one that overlaps hundreds does not.
 ///
 /// Thread-safety: const; may be called concurrently. Errors: certify() never throws; it reports.
 /// Source: formulation, section 5; the covering argument and the escape rule are our choice.
@@ -76,7 +92,7 @@ class Certifier {
   struct Options {
     double margin = 0.01;  ///< by which the body is grown [m], > 0
     UnknownPolicy unknown = UnknownPolicy::kBraking;
-    VerticalExtent slice = {0.1, 0.5};  ///< [m] in W; planar bases only
+    VerticalExtent slice = {0.1, 0.5};  ///< RobotDescription::slice(); planar bases only
     double max_tail_time = 10.0;        ///< [s]; a tail that has not come to rest by then fails
     /// What a robot within its margin keeps of the distance it has, 0 to 1. With 1 it cannot creep
     /// up to things, with 0 it may do all but touch: for who checks once more what was certified
@@ -84,7 +100,15 @@ class Certifier {
     double held = 0.0;
     double drift_margin = 0.12;  ///< the most that is added to the margin for drift [m], >= 0
     double drift_limit = 0.12;   ///< drift beyond which space counts as unknown [m]; 0: none does
+    std::optional<DepthSensor> sensor;  ///< of the robot; without one nothing is in view
+    /// One-sigma error of the position [m] up to which a lost robot drives by its map; >= 0.
+    double max_lost_error = 1.0;
+    /// Elementary checks of one motion, > 0; docs/performance.md says how long they take.
+    long long max_checks = 1'500'000;
   };
+
+  /// The options that are facts of a robot, slice and sensor; the others as above.
+  static Options options_for(const RobotDescription& robot);
 
   /// Throws std::invalid_argument for an invalid shape or options out of range.
   Certifier(const RobotShape& shape, Options options);
@@ -108,10 +132,12 @@ class Certifier {
                       const SurfaceDrift* drift = nullptr) const;
 
   /// Whether the true body (no margin) touches an occupied voxel at this pose; true for a pose that
-  /// is not finite.
+  /// is not finite, or if max_checks did not suffice.
   bool in_collision(const Belief& belief, const Pose& pose, bool planar) const;
 
   const Options& options() const { return options_; }
+  /// Stages of a committed part that max_checks can pay for.
+  int max_stages() const;
 
  private:
   struct Body;

@@ -3,9 +3,11 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <exception>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "engine/limited_twist.h"
 
@@ -22,6 +24,25 @@ double largest_acceleration(const MotionModel& model, int j) {
 }
 
 bool is_finite(const Pose& pose) { return pose.position.allFinite() && std::isfinite(pose.yaw); }
+
+constexpr double kFuture = 1e-6;  // [s] that a stamp may be ahead of the clock: rounding
+
+void require(bool ok, const char* name, double value, const char* expected) {
+  if (ok) return;
+  throw std::invalid_argument("guard: " + std::string(name) + " is " + std::to_string(value) +
+                              "; expected " + expected);
+}
+
+GuardReason reason_of(Certificate::Status status) {
+  switch (status) {
+    case Certificate::Status::kOutOfView:
+      return GuardReason::kLost;
+    case Certificate::Status::kOverBudget:
+      return GuardReason::kOverBudget;
+    default:
+      return GuardReason::kMap;
+  }
+}
 
 }  // namespace
 
@@ -41,6 +62,10 @@ std::string_view to_string(GuardReason reason) {
       return "uncommitted";
     case GuardReason::kMap:
       return "map";
+    case GuardReason::kLost:
+      return "lost";
+    case GuardReason::kOverBudget:
+      return "over budget";
   }
   return "?";
 }
@@ -49,6 +74,20 @@ Guard::Guard(std::shared_ptr<const MotionModel> model, const RobotShape& shape,
              const Certifier::Options& certificate, Options options)
     : model_(std::move(model)), certifier_(shape, certificate), options_(options) {
   if (!model_) throw std::invalid_argument("guard: no motion model; expected one");
+  for (const auto& [name, age] : {std::pair{"max_belief_age", options_.max_belief_age},
+                                  {"max_pose_age", options_.max_pose_age},
+                                  {"max_map_age", options_.max_map_age},
+                                  {"max_landmarks_age", options_.max_landmarks_age},
+                                  {"max_ranges_age", options_.max_ranges_age},
+                                  {"plan_slack", options_.plan_slack}}) {
+    require(age >= 0.0, name, age, "seconds >= 0");
+  }
+  require(options_.max_step >= Options::kMinStep && std::isfinite(options_.max_step), "max_step",
+          options_.max_step, "a finite time of at least 0.001 s");
+  require(options_.tolerance >= 0.0 && options_.tolerance <= 0.1, "tolerance", options_.tolerance,
+          "0 to 0.1");
+  require(options_.mismatch >= 0.0 && options_.mismatch < 1.0, "mismatch", options_.mismatch,
+          "0 to below 1");
   const int yaw = model_->nu() - 1;
   for (int j = 0; j < yaw; ++j) {
     linear_acceleration_ = std::hypot(linear_acceleration_, largest_acceleration(*model_, j));
@@ -56,20 +95,66 @@ Guard::Guard(std::shared_ptr<const MotionModel> model, const RobotShape& shape,
   angular_acceleration_ = largest_acceleration(*model_, yaw);
 }
 
-GuardVerdict Guard::stop(GuardReason reason, const std::string& detail, const Twist& previous,
-                         const Belief& newest, double dt) const {
-  GuardVerdict verdict;
-  verdict.reason = reason;
-  verdict.detail = detail;
-  if (!is_finite(previous) || !(dt > 0.0) || !std::isfinite(dt)) return verdict;  // zero
+Twist Guard::hardest_braking(const Twist& previous, const Belief& newest, double dt) const {
   // Braking does not depend on where the robot is: a lost pose does not stop it from braking.
   const Pose pose = is_finite(newest.pose) ? newest.pose : Pose();
   const Eigen::VectorXd x = model_->state(pose, previous);
   const Eigen::VectorXd u = model_->braking_input(x, model_->input(previous), dt);
   Eigen::VectorXd next(model_->nx());
   model_->step(x, u, dt, next);
-  verdict.command = limited_twist(*model_, model_->twist(next, u));
+  return limited_twist(*model_, model_->twist(next, u));
+}
+
+GuardVerdict Guard::stop(GuardReason reason, const std::string& detail, const Twist& previous,
+                         const Belief& newest, double dt) const {
+  GuardVerdict verdict;
+  verdict.reason = reason;
+  verdict.detail = detail;
+  if (dt >= Options::kMinStep && dt <= options_.max_step) verdict.duration = dt;
+  if (is_finite(previous)) {
+    verdict.command = hardest_braking(previous, newest, verdict.duration);
+  }
   return verdict;
+}
+
+bool Guard::brakes(const Twist& command, const Twist& previous, const Belief& newest,
+                   double dt) const {
+  const Twist from = limited_twist(*model_, previous);
+  const Twist hardest = hardest_braking(from, newest, dt);
+  const double m = model_->num_state_constraints() > 0 ? options_.mismatch : 0.0;
+  const double slack = options_.tolerance * model_->max_speed();
+  const double speed = from.linear.norm(), least = hardest.linear.norm();
+  return command.linear.norm() <= least + m * std::max(0.0, speed - least) + slack &&
+         (command.linear - hardest.linear).norm() <= m * speed + slack &&
+         std::abs(command.yaw_rate - hardest.yaw_rate) <=
+             options_.tolerance * model_->max_yaw_rate();
+}
+
+/// Which source is too old or from the future, and how old; empty if none is.
+std::string Guard::stale_source(const Belief& newest, double now) const {
+  const SourceStamps& stamps = newest.stamps;
+  struct Source {
+    const char* name;
+    double stamp, limit;
+  };
+  for (const Source& source :
+       {Source{"the newest belief is", newest.stamp, options_.max_belief_age},
+        {"the pose is", stamps.pose, options_.max_pose_age},
+        {"the map is", stamps.map, options_.max_map_age},
+        {"the landmarks are", stamps.landmarks, options_.max_landmarks_age},
+        {"the ranges are", stamps.ranges, options_.max_ranges_age}}) {
+    const double age = now - source.stamp;
+    if (age <= source.limit && age >= -kFuture && std::isfinite(age)) continue;
+    char text[120];
+    if (age < -kFuture) {
+      std::snprintf(text, sizeof text, "%s from the future, by %.3g s", source.name, -age);
+    } else {
+      std::snprintf(text, sizeof text, "%s %.1f s old; expected at most %.3g s", source.name, age,
+                    source.limit);
+    }
+    return text;
+  }
+  return "";
 }
 
 bool Guard::within_rates(const Twist& command, const Twist& previous, double dt) const {
@@ -101,6 +186,11 @@ GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, co
       return refuse(GuardReason::kNonFinite,
                     "the command, the pose, a velocity or the time step is not finite");
     }
+    if (!(plan.dt >= Options::kMinStep && plan.dt <= options_.max_step)) {
+      return refuse(GuardReason::kLimit, "the plan's time step is " + std::to_string(plan.dt) +
+                                             " s; expected 0.001 to " +
+                                             std::to_string(options_.max_step) + " s");
+    }
     const double slack = 1.0 + options_.tolerance;
     if (command.linear.norm() > slack * model_->max_speed() ||
         std::abs(command.yaw_rate) > slack * model_->max_yaw_rate()) {
@@ -109,26 +199,26 @@ GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, co
     if (!within_rates(command, previous, plan.dt)) {
       return refuse(GuardReason::kRate, "the command changes faster than the model allows");
     }
-    const double age = now - newest.stamp;
-    if (!(age <= options_.max_belief_age) || !(age >= -1e-6)) {
-      return refuse(GuardReason::kStale, "the newest belief is " + std::to_string(age) + " s old");
+    if (const std::string stale = stale_source(newest, now); !stale.empty()) {
+      return refuse(GuardReason::kStale, stale);
     }
     const double plan_age = now - plan.stamp;
-    if (!(plan_age <= plan.committed * plan.dt + options_.plan_slack) || !(plan_age >= -1e-6)) {
+    if (!(plan_age <= plan.committed * plan.dt + options_.plan_slack) || !(plan_age >= -kFuture)) {
       return refuse(GuardReason::kStale, "the plan is " + std::to_string(plan_age) + " s old");
     }
-    // A stopping tail is what would be done instead: it needs no certificate, but it has to slow
-    // down.
     if (plan.kind == PlanKind::kStoppingTail) {
-      if (command.linear.norm() > previous.linear.norm() + options_.tolerance ||
-          std::abs(command.yaw_rate) > std::abs(previous.yaw_rate) + options_.tolerance) {
-        return refuse(GuardReason::kUncommitted, "the stopping tail does not slow down");
+      if (!brakes(command, previous, newest, plan.dt)) {
+        return refuse(GuardReason::kUncommitted,
+                      "the stopping tail does not brake as hard as the model can");
       }
-      return {command, GuardReason::kPassed, ""};
+      return {command, plan.dt, GuardReason::kPassed, ""};
     }
     if (!plan.certified || stage >= plan.committed ||
         plan.committed > static_cast<int>(plan.inputs.size())) {
       return refuse(GuardReason::kUncommitted, "the plan is not certified up to this stage");
+    }
+    if (plan.committed > certifier_.max_stages()) {
+      return refuse(GuardReason::kOverBudget, "the committed part has too many stages");
     }
     Eigen::MatrixXd remaining(model_->nu(), plan.committed - stage);
     for (int k = stage; k < plan.committed; ++k) {
@@ -150,8 +240,8 @@ GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, co
     }
     const Certificate certificate =
         certifier_.certify(newest, *model_, x, model_->input(previous), remaining, plan.dt);
-    if (!certificate.ok()) return refuse(GuardReason::kMap, certificate.detail);
-    return {command, GuardReason::kPassed, ""};
+    if (!certificate.ok()) return refuse(reason_of(certificate.status), certificate.detail);
+    return {command, plan.dt, GuardReason::kPassed, ""};
   } catch (const std::exception& e) {
     return refuse(GuardReason::kMap, std::string("checking failed: ") + e.what());
   }

@@ -34,6 +34,11 @@ LeafBox leaf_box(const Iterator& leaf, unsigned tree_depth) {
 
 }  // namespace
 
+HeightSlice height_slice(const RobotDescription& robot) {
+  const VerticalExtent slice = robot.slice();
+  return {slice.z_min, slice.z_max, robot.base_height() + robot.depth_mount.T_BC.translation().z()};
+}
+
 SliceLayers slice_layers(const HeightSlice& slice, double resolution) {
   if (!std::isfinite(slice.z_min) || !std::isfinite(slice.z_max) || !(slice.z_min < slice.z_max)) {
     throw std::invalid_argument("height slice [" + std::to_string(slice.z_min) + ", " +

@@ -5,6 +5,7 @@
 
 #include "engine/grid.h"
 #include "engine/ground_map.h"
+#include "engine/robot_description.h"
 #include "engine/voxel_grid.h"
 
 namespace octomap {
@@ -20,6 +21,10 @@ struct HeightSlice {
   /// Height of the depth sensor's line of sight [m, in W]; none: what is free is seen through.
   std::optional<double> sight = std::nullopt;
 };
+
+/// Of a robot: its body's slice, and the height of its depth sensor as the line of sight. Throws as
+/// RobotDescription::slice().
+HeightSlice height_slice(const RobotDescription& robot);
 
 /// The layers of voxels k_low <= k <= k_high that a slice overlaps by more than a micrometre.
 struct SliceLayers {

@@ -1,22 +1,25 @@
 #include "engine/mission.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace prospect {
 namespace {
 
-/// Brings the robot to rest when the mission ends, however it ends.
-class StopAtEnd {
- public:
-  explicit StopAtEnd(Robot& robot) : robot_(robot) {}
-  ~StopAtEnd() { robot_.apply(Twist{}, 0.0); }
-  StopAtEnd(const StopAtEnd&) = delete;
-  StopAtEnd& operator=(const StopAtEnd&) = delete;
-
- private:
-  Robot& robot_;
-};
+/// Asks the guard for a standstill until it grants it. Until then it answers with the hardest
+/// admissible braking, so rates are kept, and a source that has died does not keep it from braking.
+void bring_to_rest(Robot& robot, const Guard& guard, Twist previous) {
+  constexpr int kMost = 100;  // of a base that does not come to rest in that many no more is known
+  Plan stop;
+  stop.commands = {Twist{}};
+  for (int n = 0; n < kMost; ++n) {
+    stop.stamp = robot.time();
+    const GuardVerdict verdict = guard.check(stop, 0, previous, *robot.sense(), robot.time());
+    previous = verdict.command;
+    const bool at_rest = previous.linear.isZero(0.0) && previous.yaw_rate == 0.0;
+    robot.apply(previous, at_rest ? 0.0 : verdict.duration);
+    if (at_rest) return;
+  }
+}
 
 }  // namespace
 
@@ -38,14 +41,15 @@ std::string_view to_string(MissionEnd end) {
   return "?";
 }
 
-MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
-                          const MissionOptions& options,
-                          const std::function<void(const MissionStep&)>& observe,
-                          const std::function<bool()>& cancelled) {
-  const StopAtEnd stop_at_end(robot);
+namespace {
+
+/// The mission up to its last stop; `previous` is the command in force, also when `observe` throws.
+MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
+                      const MissionOptions& options,
+                      const std::function<void(const MissionStep&)>& observe,
+                      const std::function<bool()>& cancelled, Twist& previous) {
   MissionResult result;
   const double start = robot.time();
-  Twist previous = robot.sense()->twist;
   double last_localized = start;
   int guard_stops = 0;
   GuardReason guard_reason = GuardReason::kPassed;
@@ -93,12 +97,9 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
 
     const int stages =
         std::max(1, std::min<int>(plan.committed, static_cast<int>(plan.commands.size())));
-    // A plan without a duration must not hold the clock still.
-    const bool lasts = std::isfinite(plan.dt) && plan.dt > 0.0;
-    const double dt = lasts ? plan.dt : Plan().dt;
     for (int stage = 0; stage < stages; ++stage) {
       const GuardVerdict verdict = guard.check(plan, stage, previous, *robot.sense(), robot.time());
-      robot.apply(verdict.command, dt);
+      robot.apply(verdict.command, verdict.duration);
       previous = verdict.command;
       if (verdict.passed()) continue;
       ++guard_stops;
@@ -107,6 +108,24 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
       break;
     }
   }
+}
+
+}  // namespace
+
+MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
+                          const MissionOptions& options,
+                          const std::function<void(const MissionStep&)>& observe,
+                          const std::function<bool()>& cancelled) {
+  Twist previous = robot.sense()->twist;
+  MissionResult result;
+  try {
+    result = explore(robot, planner, guard, options, observe, cancelled, previous);
+  } catch (...) {
+    bring_to_rest(robot, guard, previous);
+    throw;
+  }
+  bring_to_rest(robot, guard, previous);
+  return result;
 }
 
 }  // namespace prospect

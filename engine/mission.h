@@ -49,11 +49,13 @@ struct MissionResult {
 
 /// Explores until the plan's mode is done or time is up:
 ///   sense -> plan -> for each committed stage: sense, guard, apply.
-/// Every command passes the guard with the newest belief. `observe` (may be empty) is called after
-/// each planning step; `cancelled` (may be empty) is asked before each. The last command is a stop.
+/// Every command passes the guard with the newest belief, the last ones too: the mission ends by
+/// braking as hard as is admissible until the robot stands, which result.duration does not count
+/// (at most 100 commands; then a base that cannot stop is left as it is). `observe` (may be empty)
+/// is called after each planning step; `cancelled` (may be empty) is asked before each.
 ///
-/// Does not throw, unless `observe` does: then the robot is stopped first and the exception passed
-/// on.
+/// Does not throw, unless `observe` or `cancelled` does: then the robot is brought to rest first,
+/// in the same way, and the exception passed on.
 MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
                           const MissionOptions& options,
                           const std::function<void(const MissionStep&)>& observe = {},

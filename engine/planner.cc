@@ -183,13 +183,10 @@ struct Planner::Impl {
     shares_threads = solver->compares_starts() &&
                      std::any_of(known.begin(), known.end(),
                                  [](const OptionInfo& o) { return o.name == "threads"; });
-    const VerticalExtent extent = vertical_extent(robot.shape);
-    const double z = robot.model->pose_layout().fixed_z;
-    slice = {extent.z_min + z, extent.z_max + z};
-    Certifier::Options options;
+    slice = robot.slice();
+    Certifier::Options options = Certifier::options_for(robot);
     options.drift_limit = parameters.drift_limit;
     options.unknown = parameters.unknown;
-    options.slice = slice;
     for (const Caution kind : kCautions) {
       const CautionPolicy& rules = policy(kind);
       options.margin = rules.margin * parameters.certificate_margin;
@@ -248,6 +245,16 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
   options.cost_to_go.v_max = robot.model->max_speed();
   options.cost_to_go.features_required = parameters.features.N_req;
   return options;
+}
+
+Guard guard_for(const RobotDescription& robot, const PlannerParameters& parameters,
+                Guard::Options options) {
+  if (!robot.model) throw std::invalid_argument("guard: no motion model; expected one");
+  Certifier::Options certificate = Certifier::options_for(robot);
+  certificate.margin = parameters.guard_margin();
+  certificate.unknown = UnknownPolicy::kFree;
+  options.max_step = std::max(options.max_step, parameters.dt);
+  return Guard(robot.model, robot.shape, certificate, options);
 }
 
 void Planner::Impl::update_facts(const Belief& belief) {
@@ -789,5 +796,8 @@ const std::vector<Landmark>& Planner::landmarks() const { return impl_->landmark
 const Eigen::VectorXd& Planner::landmark_visibility() const { return impl_->visibility; }
 const PlannerParameters& Planner::parameters() const { return impl_->parameters; }
 const RobotDescription& Planner::robot() const { return impl_->robot; }
+Guard Planner::make_guard(const Guard::Options& options) const {
+  return guard_for(impl_->robot, impl_->parameters, options);
+}
 
 }  // namespace prospect

@@ -7,6 +7,7 @@
 #include "engine/behaviour/behaviour.h"
 #include "engine/belief.h"
 #include "engine/exploration_guide.h"
+#include "engine/guard.h"
 #include "engine/plan.h"
 #include "engine/problem.h"
 #include "engine/problem_recipe.h"
@@ -97,6 +98,13 @@ struct PlannerParameters {
 ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
                                           const PlannerParameters& parameters);
 
+/// The guard that belongs to plans made with these parameters: robot.slice() and depth sensor,
+/// guard_margin(), and unknown space as free, for entering it was ruled out by the certificate of
+/// the plan, and the map seldom forgets. A time step of the parameters that is longer than
+/// options.max_step raises that. Throws as Guard does.
+Guard guard_for(const RobotDescription& robot, const PlannerParameters& parameters,
+                Guard::Options options = {});
+
 /// One replanning step: Belief in, Plan out.
 ///
 ///   facts -> mode -> problem -> seeds -> batch score -> polish the best few
@@ -110,6 +118,11 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
 /// What the robot is doing is decided by one table (behaviour/behaviour.h): monitors and maps say
 /// what is, the table says the mode, and a policy what that means for weights, seeds and the
 /// certificate.
+///
+/// A belief whose pose error nothing bounds (pose_error.h: lost and far off, or a covariance that
+/// is none) is planned on all the same, but nothing counts as where the map has it that is not in
+/// view now (surface_drift.h, certificate.h): what can be certified is turning on the spot, driving
+/// where the robot looks, or a stop. The guard asks the same.
 ///
 /// Determinism: with deadline = 0, the same sequence of beliefs gives the same bits.
 /// Thread-safety: one thread a planner. Source: formulation, sections 4 to 8.
@@ -138,6 +151,9 @@ class Planner final : public Replanner {
   /// Mapped landmarks considered in the last step, and the probability that each is visible now.
   const std::vector<Landmark>& landmarks() const;
   const Eigen::VectorXd& landmark_visibility() const;
+
+  /// guard_for() this robot and these parameters.
+  Guard make_guard(const Guard::Options& options = {}) const;
 
   const PlannerParameters& parameters() const;
   const RobotDescription& robot() const;

@@ -8,7 +8,17 @@
 
 namespace prospect {
 
+/// A depth sensor: what it can see, and where it sits on the robot.
+struct DepthSensor {
+  RgbdFootprint footprint;
+  CameraMount mount;
+};
+
 /// The robot as the planner knows it.
+///
+/// Heights. W's z axis points up and z = 0 is the floor. B's origin of a planar base stands at z =
+/// fixed_z of its model (PoseLayout), everywhere; shape and mounts are given in B. So one rule says
+/// which heights the body sweeps, and planner, guard, simulator and maps all ask slice() for it.
 struct RobotDescription {
   std::shared_ptr<const MotionModel> model;
   RobotShape shape = CylinderShape{};
@@ -16,6 +26,13 @@ struct RobotDescription {
   CameraMount stereo_mount;
   RgbdFootprint depth;
   CameraMount depth_mount;
+
+  /// Height of B's origin above the floor [m]: fixed_z; 0 for a base that moves in 3-D.
+  double base_height() const { return model->pose_layout().fixed_z; }
+  /// The heights in W that the body of a planar base sweeps [m]: its vertical extent in B, raised
+  /// by base_height(). Of a base that moves in 3-D, those of its body when B's origin is at z = 0.
+  /// Throws std::invalid_argument for an invalid shape. The model is non-null, here and above.
+  VerticalExtent slice() const { return body_slice(shape, base_height()); }
 };
 
 }  // namespace prospect

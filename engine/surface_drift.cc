@@ -4,13 +4,14 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/free_line.h"
-#include "models/body_transform.h"
+#include "engine/pose_error.h"
+#include "engine/present_view.h"
 
 namespace prospect {
 namespace {
 
 constexpr double kNeverSeen = -1.0;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();  // seen, V_c not known
 
 bool covers(const GridFrame& wide, const GridFrame& frame) {
   return wide.resolution == frame.resolution && wide.i0 <= frame.i0 && wide.j0 <= frame.j0 &&
@@ -26,47 +27,24 @@ void SurfaceDrift::update(const Belief& belief, const RobotDescription& robot) {
   const GridFrame& frame = ground.frame();
   position_ = belief.pose.position.head<2>();
   const Eigen::Vector3i planar(0, 1, 3);
-  covariance_ = belief.covariance(planar, planar);
-  if (!covariance_.allFinite()) covariance_.setZero();
+  bounded_ = is_pose_covariance(belief.covariance);
+  covariance_.setZero();
+  if (bounded_) covariance_ = belief.covariance(planar, planar);
   if (!(variance_seen_.frame == frame)) {
     if (variance_seen_.data.empty() || !covers(frame, variance_seen_.frame)) {
       variance_seen_ = Grid<double>(frame, kNeverSeen);
+      in_view_ = Grid<std::uint32_t>(frame, 0);
     } else {
       variance_seen_.widen(frame, kNeverSeen);
+      in_view_.widen(frame, 0);
     }
   }
 
-  const Eigen::Isometry3d T_WC = body_transform(belief.pose) * robot.depth_mount.T_BC;
-  const Eigen::Vector3d axis = T_WC.linear().col(2);
-  const Eigen::Vector2d eye = T_WC.translation().head<2>();
-  const double yaw = std::atan2(axis.y(), axis.x());
-  const double pitch = std::asin(std::clamp(-axis.z(), -1.0, 1.0));  // downward
-  // Nearer than this the sensor looks over what is low.
-  const double lowest = 0.5 * robot.depth.vertical_fov + pitch;
-  const double near_low = lowest > 0.0 && lowest < 0.5 * M_PI
-                              ? T_WC.translation().z() / std::tan(lowest)
-                              : std::numeric_limits<double>::infinity();
-  const double range = robot.depth.max_range;
-  const int rays = std::max(2, static_cast<int>(std::ceil(robot.depth.horizontal_fov * range /
-                                                          (0.5 * frame.resolution))));
-  for (int n = 0; n <= rays; ++n) {
-    const double azimuth = yaw + robot.depth.horizontal_fov * (static_cast<double>(n) / rays - 0.5);
-    const Eigen::Vector2d end = eye + range * Eigen::Vector2d(std::cos(azimuth), std::sin(azimuth));
-    visit_line(frame, eye, end, [&](Cell c) {
-      const CellState state = ground.state(c);
-      if (state == CellState::kUnknown) return false;
-      if (state == CellState::kFree) {
-        variance_seen_[c] = variance(c);
-        return true;
-      }
-      const bool low = ground.see_through(c);
-      const double distance = (frame.center(c) - eye).norm();
-      if (distance >= (low ? std::max(near_low, robot.depth.min_range) : robot.depth.min_range)) {
-        variance_seen_[c] = variance(c);
-      }
-      return low;
-    });
-  }
+  ++updates_;
+  visit_ground_in_view(ground, belief.pose, {robot.depth, robot.depth_mount}, [this](Cell c) {
+    variance_seen_[c] = bounded_ ? variance(c) : kInfinity;
+    in_view_[c] = updates_;
+  });
 }
 
 double SurfaceDrift::variance(Cell c) const {
@@ -78,6 +56,8 @@ double SurfaceDrift::variance(Cell c) const {
 }
 
 double SurfaceDrift::sigma(Cell c) const {
+  if (updates_ == 0 || in_view_.get(c, 0) == updates_) return 0.0;
+  if (!bounded_) return kInfinity;
   const double seen = variance_seen_.get(c, kNeverSeen);
   return seen == kNeverSeen ? 0.0 : std::sqrt(std::abs(variance(c) - seen));
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <memory>
 
 #include "engine/belief.h"
@@ -27,10 +28,12 @@ namespace prospect {
 /// falls where a lost robot finds its pose again in its map; what was mapped while it was lost is
 /// off by what it had drifted, hence the absolute value.)
 ///
-/// In view: the cells that rays over the ground from the depth sensor meet, up to and with the
-/// first that is not seen through, within the sensor's range and field of view (rays half a cell
-/// apart at max_range); an occupied cell only from min_range on, a low obstacle only from where the
-/// sensor's lower edge meets the floor on. A cell that was never in view counts as seen now.
+/// In view: the cells of visit_ground_in_view(). A cell that was never in view counts as seen now.
+///
+/// A covariance that is none (is_pose_covariance()) bounds nothing: what is not in view at that
+/// update has sigma = infinity, also what was never in view; so the margins go as far as they can
+/// and the space is unknown. Of a cell seen during such an update V_c(t_o) is not known: its sigma
+/// is infinite, once it is out of view, until it is seen again with a covariance that is one.
 ///
 /// A value, one a robot; update() once a step. Thread-safety: concurrent reads are safe.
 /// Source: our choice; docs/obstacles.md and results.md say what it is worth.
@@ -39,7 +42,8 @@ class SurfaceDrift {
   /// The belief's maps are non-null, its pose finite.
   void update(const Belief& belief, const RobotDescription& robot);
 
-  /// sigma [m] of what is in a cell, or of there being nothing, at the last update.
+  /// sigma [m] of what is in a cell, or of there being nothing, at the last update; may be
+  /// infinite.
   double sigma(Cell c) const;
 
   /// The largest sigma [m] of the occupied cells whose centre is within `radius` [m] of `position`
@@ -50,7 +54,10 @@ class SurfaceDrift {
   double variance(Cell c) const;  // V_c now [m^2]
 
   std::shared_ptr<const GroundMap> ground_;
-  Grid<double> variance_seen_;                            // V_c when last in view, negative before
+  Grid<double> variance_seen_;   // V_c when last in view; see surface_drift.cc
+  Grid<std::uint32_t> in_view_;  // the update at which a cell was last in view
+  std::uint32_t updates_ = 0;
+  bool bounded_ = true;                                   // the covariance is one
   Eigen::Vector2d position_ = Eigen::Vector2d::Zero();    // p
   Eigen::Matrix3d covariance_ = Eigen::Matrix3d::Zero();  // P of (x, y, yaw)
 };

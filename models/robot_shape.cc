@@ -403,6 +403,11 @@ VerticalExtent vertical_extent(const RobotShape& shape) {
   return extent;
 }
 
+VerticalExtent body_slice(const RobotShape& shape, double base_height) {
+  const VerticalExtent extent = vertical_extent(shape);
+  return {extent.z_min + base_height, extent.z_max + base_height};
+}
+
 std::vector<Disc> bounding_discs(const RobotShape& shape, double overhang) {
   validate(shape);
   check_overhang(overhang);

@@ -51,6 +51,8 @@ struct VerticalExtent {
 /// m). The functions below throw the same.
 void validate(const RobotShape& shape);
 VerticalExtent vertical_extent(const RobotShape& shape);
+/// The heights in W of an upright body whose B has its origin at z = base_height [m].
+VerticalExtent body_slice(const RobotShape& shape, double base_height);
 /// Discs whose union contains the body's ground projection, in B.
 ///   sphere set: one disc a sphere, without those inside others; cylinder: one disc, exact;
 ///   box, hull: the fewest of at most eight discs that overhang the ground outline by at most

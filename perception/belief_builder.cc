@@ -58,6 +58,7 @@ std::shared_ptr<const Belief> BeliefBuilder::build(const OdometryFrame& frame, B
   }
   auto belief = std::make_shared<Belief>();
   belief->stamp = frame.stamp;
+  belief->stamps.pose = belief->stamps.landmarks = frame.stamp;
   belief->pose = pose;
   belief->covariance = body_covariance(frame.T_WC, T_BC_, frame.covariance);
   belief->twist = twist_;
@@ -87,6 +88,7 @@ std::shared_ptr<const Belief> BeliefBuilder::build(const OdometryFrame& frame,
   }
   auto belief = std::make_shared<Belief>(*build(frame, std::move(maps), std::move(moved)));
   belief->stamp = fused.stamp;
+  belief->stamps.pose = fused.newest;
   belief->pose = fused.pose;
   const Eigen::Vector3i planar(0, 1, 3);
   belief->covariance.setZero();

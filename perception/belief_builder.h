@@ -28,6 +28,9 @@ Eigen::Matrix4d body_covariance(const Eigen::Isometry3d& T_WC, const Eigen::Isom
 /// T_WC = T_BC, or at T_WB T_BC. Of the pose, B's tilt is left out. The twist is that between the
 /// two newest frames whose pose was measured, until it is older than max_age; zero then.
 ///
+/// Stamps: those of pose and landmarks are set; when the maps took in their newest scan, and when
+/// the newest one came, is for the caller to set (SourceStamps).
+///
 /// Thread-safety: one thread at a time; beliefs are immutable. Errors: the constructor throws
 /// std::invalid_argument if T_BC is no rotation and translation; build() never throws.
 class BeliefBuilder {

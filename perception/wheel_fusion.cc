@@ -379,6 +379,8 @@ FusedOdometry WheelFusion::at(double stamp) const {
     now.waiting_.pop_front();
   }
   now.advance(out.stamp);
+  out.newest = now.has_visual_ ? now.newest_visual_ : 0.0;
+  if (!now.wheels_.empty()) out.newest = std::max(out.newest, now.wheels_.back().stamp);
   const Vector3d pose = now.pose();
   out.pose = {{pose.x(), pose.y(), 0.0}, pose[2]};
   const Matrix36d J = composed_jacobian(now.x_.segment<3>(kReference), now.x_.segment<3>(kMotion));

@@ -43,7 +43,8 @@ struct WheelFusionOptions {
 
 struct FusedOdometry {
   double stamp = 0.0;
-  Pose pose;  ///< of B in W, from WheelFusionOptions::start on; z = 0
+  double newest = 0.0;  ///< [s], of the newest measurement taken in, by wheels or vision
+  Pose pose;            ///< of B in W, from WheelFusionOptions::start on; z = 0
   /// Of (x, y, yaw), against the start.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   Twist twist;  ///< of the newest wheel sample, scaled

@@ -313,6 +313,7 @@ Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
 
   // What the simulated robot shares with the planned one.
   c.simulator.shape = c.robot.shape;
+  c.simulator.base_height = c.robot.base_height();
   c.simulator.depth.footprint = c.robot.depth;
   c.simulator.depth_mount = c.robot.depth_mount;
   c.simulator.features.stereo = c.robot.stereo;

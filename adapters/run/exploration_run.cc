@@ -164,15 +164,15 @@ ReachableArea reachable_area(const World& world, const Configuration& c) {
   ReachableAreaOptions options;
   options.slice = world_options_for(c).slice;
   options.range = c.robot.depth.max_range;
-  options.sensor_height = c.robot.depth_mount.T_BC.translation().z();
+  options.sensor_height = c.robot.base_height() + c.robot.depth_mount.T_BC.translation().z();
   options.map_resolution = c.simulator.mapping.resolution;
   return reachable_area(world, options);
 }
 
 WorldOptions world_options_for(const Configuration& c) {
-  const VerticalExtent extent = vertical_extent(c.robot.shape);
+  const VerticalExtent slice = c.robot.slice();
   WorldOptions options;
-  options.slice = {extent.z_min, extent.z_max,
+  options.slice = {slice.z_min, slice.z_max,
                    circumscribed_radius(c.robot.shape) + c.simulator.mapping.resolution};
   return options;
 }
@@ -191,12 +191,14 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   simulator.set_reachable(reachable.cells);
   SimulatedRobot robot(simulator);
 
-  Certifier::Options certificate;
-  certificate.margin = configuration.planner.guard_margin();
-  certificate.unknown = UnknownPolicy::kFree;
-  const VerticalExtent extent = vertical_extent(configuration.robot.shape);
-  certificate.slice = extent;
-  const Guard guard(configuration.robot.model, configuration.robot.shape, certificate);
+  // A sensor that delivers seldom is not dead: two of its periods may pass.
+  Guard::Options limits;
+  const auto at_least = [](double& limit, double rate) { limit = std::max(limit, 2.0 / rate); };
+  at_least(limits.max_map_age, simulator_options.depth_rate);
+  at_least(limits.max_ranges_age, simulator_options.depth_rate);
+  at_least(limits.max_pose_age, simulator_options.image_rate);
+  at_least(limits.max_landmarks_age, simulator_options.image_rate);
+  const Guard guard = guard_for(configuration.robot, configuration.planner, limits);
 
   ExplorationRunResult result;
   RunRecord& record = result.record;

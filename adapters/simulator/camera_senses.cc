@@ -73,22 +73,25 @@ WheelFusionOptions fusion_of(const SimulatorOptions& options, const Pose& start)
 }  // namespace
 
 CameraSenses::CameraSenses(const World& world, const SimulatorOptions& options,
-                           const OccupancyMapperOptions& mapping, double cleared_radius)
+                           const OccupancyMapperOptions& mapping, const Pose& start,
+                           double cleared_radius)
     : options_(options),
       rig_(scene_of(world, options), rig_of(options)),
       looking_(world, options.depth, options.depth_mount,
                stream_seed(options.seed, NoiseStream::kDepth)),
       odometry_(believed(options), options.camera.odometry,
-                camera_pose(world.start, options.stereo_mount)),
+                camera_pose(start, options.stereo_mount)),
       reader_(options.stereo_mount.T_BC),
-      fusion_(fusion_of(options, world.start)),
+      fusion_(fusion_of(options, start)),
       mapper_(rig_.depth_camera(), mapper_of(options, mapping)),
       builder_(options.stereo_mount.T_BC),
-      pose_at_fix_(world.start),
+      pose_at_fix_(start),
+      height_(start.position.z()),
       wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
-      wheel_pose_(world.start) {
-  frame_.T_WC = camera_pose(world.start, options.stereo_mount);
-  mapper_.map().clear_cylinder(world.start.position, cleared_radius, mapping.slice.z_max);
+      wheel_pose_(start) {
+  frame_.T_WC = camera_pose(start, options.stereo_mount);
+  mapper_.map().clear_cylinder(start.position, cleared_radius,
+                               mapping.slice.z_max - start.position.z());
   std::normal_distribution<double> normal;
   wheel_scale_ += options.camera.wheel_fusion.sigma_scale * normal(wheel_noise_);
   turn_scale_ += options.camera.wheel_fusion.sigma_scale * normal(wheel_noise_);
@@ -198,12 +201,14 @@ void CameraSenses::count_landmarks() {
 
 Pose CameraSenses::visual_pose() const {
   Pose pose = body_pose(frame_.T_WC * options_.stereo_mount.T_BC.inverse());
-  pose.position.z() = 0.0;
+  pose.position.z() = height_;
   return pose;
 }
 
 Pose CameraSenses::estimate(double stamp, const Pose&) const {
-  return options_.camera.wheels ? fusion_.at(stamp).pose : visual_pose();
+  Pose pose = options_.camera.wheels ? fusion_.at(stamp).pose : visual_pose();
+  pose.position.z() = height_;
+  return pose;
 }
 
 void CameraSenses::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
@@ -211,7 +216,9 @@ void CameraSenses::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   depth_ = rig_.depth(true_pose, scans_++);
   depth_stamp_ = stamp;
   compare();
-  mapper_.process(stamp, depth_, camera_pose(estimate(stamp, true_pose), options_.depth_mount));
+  const MappedFrame mapped =
+      mapper_.process(stamp, depth_, camera_pose(estimate(stamp, true_pose), options_.depth_mount));
+  if (mapped.state != Mapping::kRejected) map_stamp_ = stamp;
 }
 
 std::shared_ptr<const Belief> CameraSenses::belief(double stamp, const Pose&, const Twist&) {
@@ -224,6 +231,9 @@ std::shared_ptr<const Belief> CameraSenses::belief(double stamp, const Pose&, co
             : builder_.build(frame_, mapper_.map().snapshot(), landmarks)));
   if (frame_.state != Localization::kLost) memory_.add(*belief->landmarks);
   belief->landmarks = memory_.with_remembered(*belief->landmarks);
+  belief->pose.position.z() = height_;
+  belief->stamps.map = map_stamp_;
+  belief->stamps.ranges = depth_stamp_;
   return belief;
 }
 

@@ -43,7 +43,7 @@ class CameraSenses final : public Senses {
   /// As FeatureSenses. Throws std::invalid_argument on options out of range, NotBuiltIn without a
   /// renderer.
   CameraSenses(const World& world, const SimulatorOptions& options,
-               const OccupancyMapperOptions& mapping, double cleared_radius);
+               const OccupancyMapperOptions& mapping, const Pose& start, double cleared_radius);
 
   void image(double stamp, const Pose& true_pose, const Twist& twist) override;
   void scan(double stamp, const Pose& true_pose, SeenArea& seen) override;
@@ -82,6 +82,8 @@ class CameraSenses final : public Senses {
   OdometryFrame frame_;
   Pose pose_at_fix_;  ///< fused, when the odometry last took a pose
   int losses_ = 0;
+  double height_ = 0.0;     // of B's origin [m]
+  double map_stamp_ = 0.0;  // [s], of the newest scan that the map took in
   DepthImage depth_;
   double depth_stamp_ = -1.0;  // [s]
   ScaleAgreement agreement_;   // of the newest pair of images that says something

@@ -8,7 +8,8 @@
 namespace prospect {
 
 FeatureSenses::FeatureSenses(const World& world, const SimulatorOptions& options,
-                             const OccupancyMapperOptions& mapping, double cleared_radius)
+                             const OccupancyMapperOptions& mapping, const Pose& start,
+                             double cleared_radius)
     : stereo_(options.features.stereo),
       stereo_mount_(options.stereo_mount),
       depth_(world, options.depth, options.depth_mount,
@@ -16,18 +17,20 @@ FeatureSenses::FeatureSenses(const World& world, const SimulatorOptions& options
       field_(simulated_features(world, options.seed)),
       camera_(world, field_, options.features, options.stereo_mount,
               stream_seed(options.seed, NoiseStream::kFeatures)),
-      odometry_(options.odometry, options.features.stereo, options.stereo_mount, world.start,
+      odometry_(options.odometry, options.features.stereo, options.stereo_mount, start,
                 stream_seed(options.seed, NoiseStream::kOdometry)),
       landmarks_(options.landmarks, options.features, options.stereo_mount),
       mapper_(mapping) {
-  mapper_.clear_cylinder(world.start.position, cleared_radius, mapping.slice.z_max);
+  mapper_.clear_cylinder(start.position, cleared_radius, mapping.slice.z_max - start.position.z());
 }
 
-void FeatureSenses::scan(double, const Pose& true_pose, SeenArea& seen) {
+void FeatureSenses::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
+  scan_stamp_ = stamp;
   mapper_.insert(transform(seen.look(depth_, true_pose), odometry_.estimate(true_pose)));
 }
 
-void FeatureSenses::image(double, const Pose& pose, const Twist&) {
+void FeatureSenses::image(double stamp, const Pose& pose, const Twist&) {
+  image_stamp_ = stamp;
   // A robot that stands still sees what it saw.
   if (any_image_ && pose.yaw == image_pose_.yaw && pose.position == image_pose_.position) return;
   const bool first = !any_image_;
@@ -76,6 +79,8 @@ std::shared_ptr<const Belief> FeatureSenses::belief(double stamp, const Pose& tr
                                                     const Twist& commanded) {
   auto belief = std::make_shared<Belief>();
   belief->stamp = stamp;
+  // The estimate follows the wheels to this very instant.
+  belief->stamps = {stamp, scan_stamp_, image_stamp_, scan_stamp_};
   belief->pose = odometry_.estimate(true_pose);
   belief->covariance = odometry_.covariance(true_pose);
   belief->twist = commanded;

@@ -23,7 +23,7 @@ class FeatureSenses final : public Senses {
   /// cleared_radius [m]: of the space about the start that is known to be free, up to
   /// mapping.slice.z_max. Throws std::invalid_argument on options out of range.
   FeatureSenses(const World& world, const SimulatorOptions& options,
-                const OccupancyMapperOptions& mapping, double cleared_radius);
+                const OccupancyMapperOptions& mapping, const Pose& start, double cleared_radius);
 
   void image(double stamp, const Pose& true_pose, const Twist& twist) override;
   void scan(double stamp, const Pose& true_pose, SeenArea& seen) override;
@@ -45,6 +45,7 @@ class FeatureSenses final : public Senses {
   LandmarkBuilder landmarks_;
   OccupancyMapper mapper_;
 
+  double scan_stamp_ = 0.0, image_stamp_ = 0.0;  // [s], of the newest
   bool any_image_ = false;
   Pose image_pose_;  // true pose of the newest image
   int tracked_ = 0;

@@ -21,14 +21,27 @@ std::shared_ptr<const World> not_null(std::shared_ptr<const World> world) {
   return world;
 }
 
-OccupancyMapperOptions mapping_options(const World& world, const SimulatorOptions& options) {
+OccupancyMapperOptions mapping_options(const SimulatorOptions& options) {
+  check_finite("simulator", "base_height", options.base_height);
   OccupancyMapperOptions mapping = options.mapping;
-  const VerticalExtent extent = vertical_extent(options.shape);
-  mapping.slice.z_min = world.start.position.z() + extent.z_min;
-  mapping.slice.z_max = world.start.position.z() + extent.z_max;
-  mapping.slice.sight = world.start.position.z() + options.depth_mount.T_BC.translation().z();
+  const VerticalExtent slice = body_slice(options.shape, options.base_height);
+  // What is not mapped at the heights of the body could be driven into.
+  check_parameter(slice.z_min >= mapping.z_min && slice.z_max <= mapping.z_max, "simulator",
+                  "the top of the body", slice.z_max,
+                  "a body between " + std::to_string(mapping.z_min) + " and " +
+                      std::to_string(mapping.z_max) + " m, the heights that are mapped");
+  mapping.slice.z_min = slice.z_min;
+  mapping.slice.z_max = slice.z_max;
+  mapping.slice.sight = options.base_height + options.depth_mount.T_BC.translation().z();
   mapping.max_range = options.depth.footprint.max_range;
   return mapping;
+}
+
+/// Where B's origin starts: a world's start is a place on the floor.
+Pose start_of(const World& world, const SimulatorOptions& options) {
+  Pose start = world.start;
+  start.position.z() = options.base_height;
+  return start;
 }
 
 }  // namespace
@@ -50,8 +63,8 @@ struct Simulator::Impl {
   Impl(std::shared_ptr<const World> w, const SimulatorOptions& o)
       : world(not_null(std::move(w))),
         options(o),
-        mapping(mapping_options(*world, o)),
-        robot(*world, o.shape, o.actuation, world->start,
+        mapping(mapping_options(o)),
+        robot(*world, o.shape, o.actuation, start_of(*world, o),
               stream_seed(o.seed, NoiseStream::kActuation)),
         seen(*world, mapping.slice) {
     check_parameter(o.depth_rate > 0.0 && o.depth_rate <= 1000.0, "simulator", "depth_rate",
@@ -61,9 +74,9 @@ struct Simulator::Impl {
     // The robot stands there: every voxel that its outline touches is free.
     const double cleared = robot.contact_test().radius() + 0.75 * o.mapping.resolution;
     if (o.sensors == Sensors::kCamera) {
-      senses = std::make_unique<CameraSenses>(*world, o, mapping, cleared);
+      senses = std::make_unique<CameraSenses>(*world, o, mapping, robot.pose(), cleared);
     } else {
-      senses = std::make_unique<FeatureSenses>(*world, o, mapping, cleared);
+      senses = std::make_unique<FeatureSenses>(*world, o, mapping, robot.pose(), cleared);
     }
     scan();
     image();

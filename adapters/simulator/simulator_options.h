@@ -56,6 +56,7 @@ struct SimulatorOptions {
   Sensors sensors = Sensors::kModel;
 
   RobotShape shape = CylinderShape{};
+  double base_height = 0.0;  ///< of B's origin above the floor [m]: RobotDescription::base_height()
   ActuationNoise actuation;  ///< none by default: commands are executed exactly
 
   CameraMount depth_mount;
@@ -68,7 +69,7 @@ struct SimulatorOptions {
 
   OdometryOptions odometry;
   LandmarkBuilderOptions landmarks;
-  /// slice is set from the shape's vertical extent, max_range from the depth camera.
+  /// slice is set to body_slice() of shape and base_height, max_range from the depth camera.
   OccupancyMapperOptions mapping;
 
   CameraSensesOptions camera;

@@ -77,6 +77,12 @@ TEST(Configuration, EveryMotionModelWithItsParameters) {
               HasSubstr("f.yaml:1: unknown key 'robot.motion.vz_max'"));
 }
 
+TEST(Configuration, TheSimulatedBodyStandsWhereThePlannedOneDoes) {
+  const Configuration c = read("robot: {model: holonomic, motion: {fixed_z: 0.8}}");
+  EXPECT_EQ(c.robot.base_height(), 0.8);
+  EXPECT_EQ(c.simulator.base_height, 0.8);
+}
+
 TEST(Configuration, PartsOfThePredictionCanBeLeftOut) {
   EXPECT_TRUE(read("").planner.feature_occlusion);
   EXPECT_TRUE(read("").planner.feature_covariance);

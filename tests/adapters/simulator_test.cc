@@ -75,6 +75,45 @@ TEST(Simulator, BeliefAtTheStartIsUsable) {
   }
 }
 
+TEST(Simulator, EachSourceHasTheStampOfItsNewestMeasurement) {
+  Simulator simulator(office_like(), {});
+  EXPECT_EQ(simulator.sense()->stamps.map, 0.0);
+  simulator.apply(twist(0.3, 0.2), 0.37);
+  const auto belief = simulator.sense();  // images at 10 Hz, scans at 5 Hz
+  EXPECT_NEAR(belief->stamp, 0.37, 1e-9);
+  EXPECT_NEAR(belief->stamps.pose, 0.37, 1e-9);
+  EXPECT_NEAR(belief->stamps.landmarks, 0.3, 1e-9);
+  EXPECT_NEAR(belief->stamps.ranges, 0.2, 1e-9);
+  EXPECT_NEAR(belief->stamps.map, 0.2, 1e-9);
+  simulator.apply(twist(0.0, 0.0), 1.0);  // standing still, it looks on
+  EXPECT_NEAR(simulator.sense()->stamps.landmarks, 1.3, 1e-9);
+  EXPECT_NEAR(simulator.sense()->stamps.map, 1.2, 1e-9);
+}
+
+// The simulated body was at 0.1 to 0.5 m whatever `fixed_z` the planner certified it at.
+TEST(Simulator, TheBodyStandsAtItsBaseHeight) {
+  SimulatorOptions options = perfect();
+  options.base_height = 0.8;  // the body: 0.9 to 1.3 m
+  options.depth_mount.T_BC = CameraMount::forward_facing({0.0, 0.0, 0.3});
+  for (const bool high : {true, false}) {
+    auto world = std::make_shared<World>(test::box_room(6.0, 4.0));
+    world->start.position = {1.5, 2.0, 0.0};
+    const double z = high ? 1.0 : 0.0;
+    test::fill(*world, {3.0, 1.5, z}, {3.2, 2.5, z + 0.3});
+    Simulator simulator(world, options);
+    EXPECT_EQ(simulator.sense()->pose.position.z(), 0.8);
+    EXPECT_EQ(simulator.true_pose().position.z(), 0.8);
+    simulator.apply(twist(0.5, 0.0), 4.0);
+    EXPECT_EQ(simulator.collisions(), high ? 1 : 0);
+    EXPECT_EQ(simulator.sense()->ground->state({30, 20}),
+              high ? CellState::kOccupied : CellState::kFree);
+  }
+  options.base_height = 2.2;  // up to 2.7 m; mapped are 2.5
+  EXPECT_THROW(Simulator(office_like(), options), std::invalid_argument);
+  options.base_height = std::nan("");
+  EXPECT_THROW(Simulator(office_like(), options), std::invalid_argument);
+}
+
 TEST(Simulator, MapWithPerfectOdometryIsTheTruth) {
   const auto world = office_like();
   Simulator simulator(world, perfect());

@@ -5,12 +5,18 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 
+#include <algorithm>
+#include <cmath>
+#include <ctime>
 #include <limits>
 #include <random>
+#include <string>
+#include <vector>
 
 #include "engine/clearance_field.h"
 #include "engine/shape_geometry.h"
 #include "models/holonomic.h"
+#include "models/make_model.h"
 #include "models/multirotor.h"
 #include "models/unicycle.h"
 #include "models/unicycle_accel.h"
@@ -620,6 +626,269 @@ TEST(Certificate, BadNumbersAreReportedNotThrown) {
   options = free_policy();
   options.slice = {0.5, 0.1};
   EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument);
+  for (const double bad : {-0.1, nan}) {
+    options = free_policy();
+    options.max_lost_error = bad;
+    EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument);
+  }
+  options = free_policy();
+  options.max_checks = 0;
+  EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument);
+  options = free_policy();
+  options.sensor = DepthSensor{};
+  options.sensor->footprint.max_range = nan;
+  EXPECT_THROW(Certifier(CylinderShape{}, options), std::invalid_argument);
+}
+
+Certifier::Options lost_options() {
+  Certifier::Options options = free_policy();
+  options.sensor = DepthSensor{};
+  return options;
+}
+
+Belief lost_belief(const ObstacleWorld& world, double variance = 25.0) {
+  Belief belief = world.belief();
+  belief.localization = Localization::kLost;
+  belief.covariance = variance * Eigen::Matrix4d::Identity();
+  return belief;
+}
+
+// Lost with 25 m^2, all of 200 commands passed; a covariance that is none counted as exact.
+TEST(Certificate, WithoutABoundOnThePoseOnlyWhatIsInViewIsEntered) {
+  const ObstacleWorld world;
+  const Holonomic model;
+  const Certifier certifier(CylinderShape{}, lost_options());
+  Certifier::Options blind_options = lost_options();
+  blind_options.sensor.reset();
+  const Certifier blind(CylinderShape{}, blind_options);
+  const auto status = [&](const Certifier& c, const Belief& belief,
+                          std::initializer_list<double> u) {
+    const Eigen::VectorXd x0 = model.state(belief.pose, Twist());
+    return c.certify(belief, model, x0, Eigen::Vector3d::Zero(), constant(model, 2, u), kDt).status;
+  };
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  std::vector<Belief> unbounded(4, lost_belief(world));
+  unbounded[1].covariance.setZero();
+  unbounded[2].localization = Localization::kOk;
+  unbounded[2].covariance(0, 0) = nan;
+  unbounded[3].localization = Localization::kDegraded;
+  unbounded[3].covariance *= -1.0;
+  for (Belief& belief : unbounded) {
+    for (const double yaw : {0.0, 0.7, 3.0, -1.9}) {
+      belief.pose.yaw = yaw;
+      EXPECT_EQ(status(certifier, belief, {0.5, 0.0, 0.0}), Status::kOk) << "where it looks";
+      EXPECT_EQ(status(certifier, belief, {0.0, 0.0, 1.0}), Status::kOk) << "turning";
+      EXPECT_EQ(status(certifier, belief, {0.0, 0.0, 0.0}), Status::kOk);
+      EXPECT_EQ(status(certifier, belief, {-0.4, 0.0, 0.0}), Status::kOutOfView);
+      EXPECT_EQ(status(certifier, belief, {0.0, 0.4, 0.0}), Status::kOutOfView);
+      EXPECT_EQ(status(certifier, belief, {0.0, -0.4, 0.0}), Status::kOutOfView);
+      EXPECT_EQ(status(blind, belief, {0.5, 0.0, 0.0}), Status::kOutOfView);
+      EXPECT_EQ(status(blind, belief, {0.0, 0.0, 1.0}), Status::kOk);
+    }
+  }
+  // A bound that is small enough, or a pose that is known, changes nothing.
+  Belief bounded = lost_belief(world, 0.25);
+  EXPECT_EQ(status(certifier, bounded, {-0.4, 0.0, 0.0}), Status::kOk);
+  Certifier::Options strict = lost_options();
+  strict.max_lost_error = 0.4;
+  EXPECT_EQ(status(Certifier(CylinderShape{}, strict), bounded, {-0.4, 0.0, 0.0}),
+            Status::kOutOfView);
+  bounded = lost_belief(world);
+  bounded.localization = Localization::kOk;
+  EXPECT_EQ(status(certifier, bounded, {-0.4, 0.0, 0.0}), Status::kOk);
+  // Obstacles count as ever.
+  ObstacleWorld walled;
+  for (int j = -10; j < 10; ++j) walled.occupy_column(3, j);
+  EXPECT_EQ(status(certifier, lost_belief(walled), {0.5, 0.0, 0.0}), Status::kCollision);
+}
+
+TEST(Certificate, ALostRobotOfAnyShapeMayTurnAndLook) {
+  const ObstacleWorld world;
+  const Unicycle model;
+  for (const RobotShape& shape : shapes()) {
+    const Certifier certifier(shape, lost_options());
+    Belief belief = lost_belief(world);
+    belief.pose.position = {0.03, -0.04, 0.0};
+    for (double yaw = 0.0; yaw < 6.3; yaw += 0.37) {
+      belief.pose.yaw = yaw;
+      const Eigen::VectorXd x0 = model.state(belief.pose, Twist());
+      for (const auto& u : {constant(model, 2, {0.0, 1.0}), constant(model, 2, {0.5, 0.0})}) {
+        const Certificate verdict =
+            certifier.certify(belief, model, x0, Eigen::Vector2d::Zero(), u, kDt);
+        EXPECT_TRUE(verdict.ok()) << verdict.detail;
+      }
+    }
+  }
+}
+
+// Each motion starts from where the last one ended, so what is excused at a start must not add up.
+TEST(Certificate, ALostRobotDoesNotCreepOutOfView) {
+  const Holonomic model;
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> velocity(-0.08, 0.08);
+  for (const double yaw : {0.0, 0.4, 0.785, 2.0}) {
+    const Eigen::Rotation2Dd R(yaw);
+    ObstacleWorld world;  // 0.5 m ahead begins a fog
+    for (int n = 0; n < world.ground.frame().size(); ++n) {
+      const Cell c = world.ground.frame().at(n);
+      const Eigen::Vector2d p = R.inverse() * world.ground.frame().center(c);
+      if (p.x() > 0.5) world.forget_column(c.i, c.j);
+    }
+    for (const RobotShape& shape : shapes()) {
+      const Certifier certifier(shape, lost_options());
+      for (const int way : {0, 1, 2, 3}) {  // sideways, diagonally, backwards, anyhow
+        Belief belief = lost_belief(world);
+        belief.pose.yaw = yaw;
+        double side = 0.0, back = 0.0, front = 0.0;
+        for (int n = 0; n < 300; ++n) {
+          const double v = 0.08 * std::abs(velocity(random)) / 0.08;
+          Eigen::Vector3d u(velocity(random), velocity(random), 0.0);
+          if (way == 0) u = {0.0, v, 0.0};
+          if (way == 1) u = {n % 4 ? 0.0 : v, v, 0.0};
+          if (way == 2) u = {-v, 0.0, 0.0};
+          const Eigen::VectorXd x0 = model.state(belief.pose, Twist());
+          const Certificate verdict =
+              certifier.certify(belief, model, x0, Eigen::Vector3d::Zero(), u, kDt);
+          if (!verdict.ok()) continue;
+          belief.pose = verdict.pose;
+          const Eigen::Vector2d p = R.inverse() * belief.pose.position.head<2>();
+          side = std::max(side, std::abs(p.y()));
+          front = std::max(front, p.x());
+          back = std::min(back, p.x());
+        }
+        // By less than a cell's diagonal: what the cells hold that the body overlapped at first.
+        // One that also drives ahead gets to what is in view there: 0.7 m aside in a metre.
+        const double opened = way == 3 ? 0.7 * front : 0.0;
+        EXPECT_LT(side, 0.15 + opened) << yaw << " " << way << " " << shape.index();
+        EXPECT_GT(back, -0.15) << yaw << " " << way << " " << shape.index();
+        EXPECT_LT(front, 0.6) << yaw << " " << way << " " << shape.index();
+      }
+    }
+  }
+}
+
+TEST(Certificate, InTheAirALostRobotDoesNotRiseIntoWhatItDoesNotSee) {
+  const ObstacleWorld world(0.1, 4.0, 3.0);
+  const Multirotor model;
+  const Certifier certifier(CylinderShape{}, lost_options());
+  Belief belief = lost_belief(world);
+  belief.pose.position.z() = 1.0;
+  const auto fly = [&](const Eigen::Vector3d& v) {
+    Twist twist;
+    twist.linear = v;
+    const Eigen::VectorXd x0 = model.state(belief.pose, twist);
+    return certifier
+        .certify(belief, model, x0, Eigen::Vector4d::Zero(), Eigen::MatrixXd::Zero(4, 1), kDt)
+        .status;
+  };
+  EXPECT_EQ(fly({0.0, 0.0, 0.0}), Status::kOk);
+  EXPECT_EQ(fly({0.5, 0.0, 0.0}), Status::kOk);
+  EXPECT_EQ(fly({0.0, 0.0, 0.5}), Status::kOutOfView);
+  EXPECT_EQ(fly({0.0, 0.0, -0.5}), Status::kOutOfView);
+  EXPECT_EQ(fly({-0.5, 0.0, 0.0}), Status::kOutOfView);
+  EXPECT_EQ(fly({0.0, 0.5, 0.0}), Status::kOutOfView);
+}
+
+// A body that overlapped many voxels took 2 to 20 s a check.
+TEST(Certificate, IsGivenUpWhereABodyOverlapsMuch) {
+  ObstacleWorld rubble(0.1, 6.0, 1.5);
+  std::mt19937_64 random(3);
+  for (int i = -60; i < 60; ++i) {
+    for (int j = -60; j < 60; ++j) {
+      if (random() % 3 == 0) rubble.occupy(i, j, static_cast<int>(random() % 12));
+      if (random() % 3 == 0) rubble.forget_column(i, j);
+    }
+  }
+  const Belief belief = rubble.belief();
+  SurfaceDrift drift;
+  drift.update(belief, {});
+  for (const std::string name : {"unicycle", "holonomic", "multirotor"}) {
+    const auto model = make_model(name);
+    for (const double radius : {0.4, 1.0, 3.0, 10.0, 1e4, 1e8, 1e300}) {
+      for (const UnknownPolicy policy : {UnknownPolicy::kFree, UnknownPolicy::kBraking}) {
+        Certifier::Options options;
+        options.unknown = policy;
+        options.held = 1.0;
+        const Certifier certifier(CylinderShape{{0.0, 0.0, 0.3}, radius, 0.4}, options);
+        Twist twist;
+        twist.linear.x() = 0.4;
+        twist.yaw_rate = 0.5;
+        const Eigen::VectorXd x0 = model->state(belief.pose, twist);
+        const std::clock_t begin = std::clock();
+        const Certificate verdict = certifier.certify(
+            belief, *model, x0, model->input(twist), model->input(twist).replicate(1, 2), kDt,
+            policy == UnknownPolicy::kFree ? nullptr : &drift);
+        const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+        EXPECT_FALSE(verdict.ok()) << name << " " << radius;
+        EXPECT_FALSE(verdict.detail.empty());
+        EXPECT_LT(seconds, 0.1) << name << " " << radius << " " << verdict.detail;
+        EXPECT_LT(verdict.poses, 3000);
+        const Certificate again = certifier.certify(
+            belief, *model, x0, model->input(twist), model->input(twist).replicate(1, 2), kDt,
+            policy == UnknownPolicy::kFree ? nullptr : &drift);
+        EXPECT_EQ(again.status, verdict.status) << "a count, no clock";
+        EXPECT_EQ(again.poses, verdict.poses);
+        if (radius >= 10.0) {
+          EXPECT_TRUE(certifier.in_collision(belief, belief.pose, true));
+        }
+      }
+    }
+  }
+}
+
+TEST(Certificate, ALargeBodyThatFitsIsCertified) {
+  for (const double radius : {1.0, 3.0, 8.0}) {
+    const double half = radius + 1.5;
+    ObstacleWorld hall(0.1, half + 0.5);
+    const int wall = static_cast<int>(10.0 * half);
+    for (int a = -wall; a <= wall; ++a) {
+      for (const int b : {-wall, wall}) {
+        hall.occupy_column(a, b);
+        hall.occupy_column(b, a);
+      }
+    }
+    const Belief belief = hall.belief();
+    const Unicycle model;
+    for (const RobotShape& shape :
+         {RobotShape(CylinderShape{{0.0, 0.0, 0.3}, radius, 0.4}),
+          RobotShape(BoxShape{{0.0, 0.0, 0.3}, {1.4 * radius, 1.4 * radius, 0.4}})}) {
+      Certifier::Options options;
+      options.margin = 0.005;
+      const Certifier certifier(shape, options);
+      for (const auto& u : {constant(model, 2, {0.5, 0.0}), constant(model, 2, {0.3, 0.4})}) {
+        const Certificate verdict = certifier.certify(belief, model, Eigen::Vector3d::Zero(),
+                                                      Eigen::Vector2d::Zero(), u, kDt);
+        EXPECT_TRUE(verdict.ok()) << radius << ": " << verdict.detail;
+      }
+      EXPECT_FALSE(certifier
+                       .certify(belief, model, Eigen::Vector3d::Zero(), Eigen::Vector2d::Zero(),
+                                constant(model, 16, {0.6, 0.0}), kDt)
+                       .ok())
+          << "through the wall";
+    }
+  }
+}
+
+TEST(Certificate, TooManyStagesAreNotWalked) {
+  const Belief belief = ObstacleWorld().belief();
+  const Unicycle model;
+  const Certifier certifier(CylinderShape{}, free_policy());
+  const Eigen::VectorXd x0 = Eigen::Vector3d::Zero(), still = Eigen::Vector2d::Zero();
+  const Certificate verdict =
+      certifier.certify(belief, model, x0, still, Eigen::MatrixXd::Zero(2, 1'000'000), kDt);
+  EXPECT_EQ(verdict.status, Status::kOverBudget);
+  EXPECT_EQ(verdict.poses, 0);
+  // Nor is a tail of steps so short that it takes for ever.
+  EXPECT_EQ(
+      certifier.certify(belief, model, x0, Eigen::Vector2d(0.5, 0.0), Eigen::MatrixXd(2, 0), 1e-7)
+          .status,
+      Status::kOverBudget);
+  Certifier::Options options = free_policy();
+  options.max_checks = 100;
+  EXPECT_EQ(Certifier(CylinderShape{}, options)
+                .certify(belief, model, x0, still, constant(model, 2, {0.1, 0.0}), kDt)
+                .status,
+            Status::kOverBudget);
 }
 
 }  // namespace

@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <string>
+#include <vector>
 
+#include "engine/limited_twist.h"
 #include "models/make_model.h"
 #include "tests/engine/obstacle_worlds.h"
 
@@ -61,7 +65,7 @@ class GuardTest : public ::testing::Test {
   void SetUp() override {
     before_.linear.x() = 0.4;
     before_.yaw_rate = 0.1;
-    belief_.stamp = now_;
+    belief_.set_stamps(now_);
     belief_.twist = before_;
     plan_ = plan_of(*model_, belief_, (Eigen::MatrixXd(2, 2) << 0.5, 0.5, 0.3, 0.2).finished());
   }
@@ -141,8 +145,6 @@ TEST_F(GuardTest, ChangesBeyondTheRates) {
   before_.yaw_rate = 0.3 - 0.626;
   EXPECT_EQ(check().reason, GuardReason::kRate);
   SetUp();
-  plan_.dt = -0.25;
-  EXPECT_EQ(check().reason, GuardReason::kRate);
 }
 
 TEST_F(GuardTest, StaleAndFutureBeliefsAndPlans) {
@@ -155,11 +157,11 @@ TEST_F(GuardTest, StaleAndFutureBeliefsAndPlans) {
   EXPECT_EQ(check().reason, GuardReason::kStale);
 
   now_ = 10.79;  // the plan may be 2 * 0.25 + 0.3 s old
-  belief_.stamp = now_;
+  belief_.set_stamps(now_);
   EXPECT_TRUE(check().passed());
-  now_ = belief_.stamp = 10.81;
+  belief_.set_stamps(now_ = 10.81);
   EXPECT_EQ(check().reason, GuardReason::kStale);
-  now_ = belief_.stamp = 9.9;
+  belief_.set_stamps(now_ = 9.9);
   EXPECT_EQ(check().reason, GuardReason::kStale);  // a plan from the future
   SetUp();
   now_ = 10.0;
@@ -199,7 +201,7 @@ TEST_F(GuardTest, TheNewestMapForbidsWhatAnOlderOneAllowed) {
   ObstacleWorld world;
   for (int j = -10; j < 10; ++j) world.occupy_column(4, j);  // a wall at x = 0.4, body to 0.18
   Belief newest = world.belief();
-  newest.stamp = now_;
+  newest.set_stamps(now_);
   newest.twist = before_;
   GuardVerdict verdict = guard_.check(plan_, 0, before_, newest, now_);
   EXPECT_EQ(verdict.reason, GuardReason::kMap);
@@ -208,7 +210,7 @@ TEST_F(GuardTest, TheNewestMapForbidsWhatAnOlderOneAllowed) {
   ObstacleWorld behind;
   for (int j = -10; j < 10; ++j) behind.occupy_column(-8, j);
   newest = behind.belief();
-  newest.stamp = now_;
+  newest.set_stamps(now_);
   EXPECT_TRUE(guard_.check(plan_, 0, before_, newest, now_).passed());
   // Nor may it enter what has become unknown.
   ObstacleWorld fog;
@@ -216,17 +218,129 @@ TEST_F(GuardTest, TheNewestMapForbidsWhatAnOlderOneAllowed) {
     for (int j = -10; j < 10; ++j) fog.forget_column(i, j);
   }
   newest = fog.belief();
-  newest.stamp = now_;
+  newest.set_stamps(now_);
   EXPECT_EQ(guard_.check(plan_, 0, before_, newest, now_).reason, GuardReason::kMap);
   newest.voxels = nullptr;
   EXPECT_EQ(guard_.check(plan_, 0, before_, newest, now_).reason, GuardReason::kMap);
+}
+
+// Tails passed that were to be held for twelve days; a step that is not positive never ends.
+TEST_F(GuardTest, ATimeStepIsBounded) {
+  for (const PlanKind kind : {PlanKind::kOptimised, PlanKind::kStoppingTail}) {
+    for (const double dt : {-0.25, -1e-300, 0.0, 1e-300, 1e-9, 2.1, 1e6, 1e300}) {
+      SetUp();
+      plan_.kind = kind;
+      plan_.commands[0] = before_;
+      plan_.dt = dt;
+      const GuardVerdict verdict = check();
+      EXPECT_EQ(verdict.reason, GuardReason::kLimit) << dt;
+      // What is sent instead brakes as over a usual step, and is held as long.
+      expect_braking(verdict);
+      EXPECT_EQ(verdict.duration, 0.25);
+    }
+  }
+  SetUp();
+  EXPECT_EQ(check().duration, plan_.dt);
+}
+
+// One stamp stood for all: a map frozen for 50 s passed under the fresh stamp of the pose.
+TEST_F(GuardTest, EachSourceHasItsOwnAge) {
+  struct Source {
+    const char* name;
+    double SourceStamps::*stamp;
+    double Guard::Options::*limit;
+  };
+  const Source sources[] = {
+      {"pose", &SourceStamps::pose, &Guard::Options::max_pose_age},
+      {"map", &SourceStamps::map, &Guard::Options::max_map_age},
+      {"landmarks", &SourceStamps::landmarks, &Guard::Options::max_landmarks_age},
+      {"ranges", &SourceStamps::ranges, &Guard::Options::max_ranges_age}};
+  for (const Source& source : sources) {
+    SetUp();
+    const double limit = Guard::Options().*source.limit;
+    ASSERT_TRUE(std::isfinite(limit)) << source.name;
+    belief_.stamps.*source.stamp = now_ - limit + 0.01;
+    EXPECT_TRUE(check().passed()) << source.name;
+    belief_.stamps.*source.stamp = now_ - 7.5;
+    const GuardVerdict verdict = check();
+    EXPECT_EQ(verdict.reason, GuardReason::kStale);
+    EXPECT_NE(verdict.detail.find(source.name), std::string::npos) << verdict.detail;
+    EXPECT_NE(verdict.detail.find("7.5 s"), std::string::npos) << verdict.detail;
+    expect_braking(verdict);
+    for (const double bad : {now_ + 0.1, kNan, kInfinity, -kInfinity}) {
+      belief_.stamps.*source.stamp = bad;
+      EXPECT_EQ(check().reason, GuardReason::kStale) << source.name << bad;
+    }
+    belief_.stamps = SourceStamps();  // forgotten
+    EXPECT_EQ(check().reason, GuardReason::kStale);
+    // A source that does not change may be of any age, but not from the future.
+    Guard::Options options;
+    options.*source.limit = kInfinity;
+    const Guard patient(model_, CylinderShape{}, certificate_options(), options);
+    SetUp();
+    belief_.stamps.*source.stamp = 0.0;
+    EXPECT_TRUE(patient.check(plan_, 0, before_, belief_, now_).passed()) << source.name;
+    belief_.stamps.*source.stamp = now_ + 0.1;
+    EXPECT_EQ(patient.check(plan_, 0, before_, belief_, now_).reason, GuardReason::kStale);
+    belief_.stamps.*source.stamp = kNan;
+    EXPECT_EQ(patient.check(plan_, 0, before_, belief_, now_).reason, GuardReason::kStale);
+    for (const double bad : {-0.1, kNan, -kInfinity}) {
+      options.*source.limit = bad;
+      EXPECT_THROW(Guard(model_, CylinderShape{}, certificate_options(), options),
+                   std::invalid_argument);
+    }
+  }
+}
+
+TEST_F(GuardTest, RefusesOptionsOutOfRange) {
+  const auto refuses = [&](auto change) {
+    Guard::Options options;
+    change(options);
+    EXPECT_THROW(Guard(model_, CylinderShape{}, certificate_options(), options),
+                 std::invalid_argument);
+  };
+  refuses([](auto& o) { o.max_belief_age = -1.0; });
+  refuses([](auto& o) { o.plan_slack = kNan; });
+  refuses([](auto& o) { o.max_step = 0.0; });
+  refuses([](auto& o) { o.max_step = kInfinity; });
+  refuses([](auto& o) { o.tolerance = -1e-6; });
+  refuses([](auto& o) { o.mismatch = 1.0; });
+  refuses([](auto& o) { o.mismatch = kNan; });
+}
+
+// The stop is certified as the hardest that the model can: one that brakes less ends in the wall.
+TEST_F(GuardTest, AStoppingTailBrakesAsHardAsItCan) {
+  const auto passes = [&](double v, double vy, double w) {
+    plan_.commands[0].linear = {v, vy, 0.0};
+    plan_.commands[0].yaw_rate = w;
+    return check().passed();
+  };
+  plan_.kind = PlanKind::kStoppingTail;
+  plan_.certified = false;
+  // From 0.4 m/s and 0.1 rad/s, in 0.25 s: 0.2 m/s, 0 rad/s.
+  EXPECT_TRUE(passes(0.2, 0.0, 0.0));
+  EXPECT_FALSE(passes(0.4, 0.0, 0.1)) << "as before";
+  EXPECT_FALSE(passes(0.4, 0.0, 0.0)) << "only the turning stops";
+  EXPECT_FALSE(passes(0.4 - 1e-9, 0.0, 0.0));
+  EXPECT_FALSE(passes(0.39, 0.0, 0.09));
+  EXPECT_FALSE(passes(0.21, 0.0, 0.0));
+  EXPECT_FALSE(passes(0.2, 0.0, 0.1)) << "turns on";
+  EXPECT_FALSE(passes(0.2, 0.0, -0.1)) << "turns back";
+  EXPECT_FALSE(passes(0.2, 0.05, 0.0)) << "slips away sideways";
+  EXPECT_FALSE(passes(-0.2, 0.0, 0.0));
+  expect_braking(check());
+  // At rest what stays as it is passes.
+  before_ = Twist();
+  EXPECT_TRUE(passes(0.0, 0.0, 0.0));
+  EXPECT_FALSE(passes(0.01, 0.0, 0.0));
+  EXPECT_FALSE(passes(0.0, 0.0, 0.01));
 }
 
 TEST_F(GuardTest, StoppingTailsPassWithoutCertificate) {
   ObstacleWorld world;
   for (int j = -10; j < 10; ++j) world.occupy_column(2, j);  // touching, straight ahead
   Belief newest = world.belief();
-  newest.stamp = now_;
+  newest.set_stamps(now_);
   newest.twist = before_;
   plan_ = plan_of(*model_, newest, (Eigen::MatrixXd(2, 2) << 0.2, 0.0, 0.0, 0.0).finished());
   EXPECT_EQ(guard_.check(plan_, 0, before_, newest, now_).reason, GuardReason::kMap);
@@ -291,6 +405,123 @@ TEST_P(GuardOfEveryModel, PassesEveryAdmissibleMotionInTheOpen) {
   EXPECT_GT(checked, 100);
 }
 
+/// Every tail that brakes as hard as the model can is let through to its end, at whatever yaw and
+/// with an estimate of it that is a bit off; none that the same base drives on with is.
+TEST_P(GuardOfEveryModel, PassesTheHardestBrakingAndNothingSofter) {
+  const auto model = make_model(GetParam());
+  const Guard guard = make_guard(model);
+  std::mt19937_64 random(8);
+  const auto uniform = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  const InputLimits& limits = model->limits();
+  const Belief world = ObstacleWorld().belief();
+  int stages = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    Belief belief = world;
+    belief.pose.yaw = uniform(-10, 10);
+    Twist twist;
+    twist.linear = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+    twist.yaw_rate = uniform(-1, 1);
+    twist = limited_twist(*model, twist);
+    twist = model->twist(model->state(belief.pose, twist),
+                         model->input(twist).cwiseMax(limits.lower).cwiseMin(limits.upper));
+    twist = limited_twist(*model, twist);
+    Plan plan;
+    plan.kind = PlanKind::kStoppingTail;
+    plan.dt = uniform(0.05, 0.5);
+    Eigen::VectorXd x = model->state(belief.pose, twist), next(model->nx());
+    const Eigen::MatrixXd tail = stopping_tail(*model, x, model->input(twist), plan.dt);
+    plan.committed = static_cast<int>(tail.cols());
+    std::vector<Pose> poses{belief.pose};
+    for (Eigen::Index k = 0; k < tail.cols(); ++k) {
+      model->step(x, tail.col(k), plan.dt, next);
+      x = next;
+      poses.push_back(model->pose(x));
+      plan.inputs.emplace_back(tail.col(k));
+      plan.commands.push_back(limited_twist(*model, model->twist(x, tail.col(k))));
+    }
+    Twist before = twist;
+    for (int k = 0; k < plan.committed; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      const double now = k * plan.dt;
+      belief.set_stamps(now);
+      belief.pose = poses[at];
+      belief.pose.yaw += uniform(-0.01, 0.01);
+      const GuardVerdict verdict = guard.check(plan, k, before, belief, now);
+      ASSERT_TRUE(verdict.passed()) << to_string(verdict.reason) << ": " << verdict.detail;
+      EXPECT_EQ(verdict.duration, plan.dt);
+      ++stages;
+      // Moving on, all of it or a part of the axes, is no braking.
+      Plan lazy = plan;
+      lazy.commands[at] = before;
+      const bool moves = before.linear.norm() > 1e-3 || std::abs(before.yaw_rate) > 1e-3;
+      EXPECT_EQ(guard.check(lazy, k, before, belief, now).passed(), !moves);
+      if (moves) {
+        lazy.commands[at].linear = (1.0 - 1e-9) * before.linear;
+        EXPECT_FALSE(guard.check(lazy, k, before, belief, now).passed());
+        lazy.commands[at].linear = 0.5 * (before.linear + plan.commands[at].linear);
+        lazy.commands[at].yaw_rate = 0.5 * (before.yaw_rate + plan.commands[at].yaw_rate);
+        EXPECT_FALSE(guard.check(lazy, k, before, belief, now).passed());
+        lazy.commands[at].linear = -before.linear;
+        lazy.commands[at].yaw_rate = -before.yaw_rate;
+        EXPECT_FALSE(guard.check(lazy, k, before, belief, now).passed());
+      }
+      before = plan.commands[at];
+    }
+    EXPECT_LE(before.linear.norm(), 1e-3);
+  }
+  EXPECT_GT(stages, 300);
+}
+
+/// Whatever may call itself a stopping tail: what passes, held as long as it says, takes the robot
+/// no farther than the stop that was certified.
+TEST_P(GuardOfEveryModel, NoStoppingTailGoesFarther) {
+  const auto model = make_model(GetParam());
+  const Guard guard = make_guard(model);
+  std::mt19937_64 random(9);
+  const auto uniform = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  Belief belief = ObstacleWorld().belief();
+  int passed = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    Twist command;
+    command.linear.x() = uniform(0.1, 0.6);
+    command.yaw_rate = uniform(-1, 1);
+    const double speed = command.linear.norm();
+    double way = 0.0;
+    for (int n = 0; n < 200; ++n) {
+      Plan plan;
+      plan.kind = PlanKind::kStoppingTail;
+      plan.stamp = belief.stamp;
+      plan.dt = trial % 5 == 0 ? std::pow(10.0, uniform(-6, 7)) : 0.25;
+      Twist asked = command;
+      switch (trial % 4) {
+        case 0:
+          break;
+        case 1:
+          asked.linear *= 1.0 - 1e-9;
+          break;
+        case 2:
+          asked.linear = Eigen::AngleAxisd(uniform(-0.3, 0.3), Eigen::Vector3d::UnitZ()) *
+                         (uniform(0.9, 1.0) * asked.linear);
+          break;
+        default:
+          asked.linear *= uniform(0.0, 1.0);
+          asked.yaw_rate *= uniform(0.0, 1.0);
+      }
+      plan.commands = {asked};
+      const GuardVerdict verdict = guard.check(plan, 0, command, belief, belief.stamp);
+      passed += verdict.passed();
+      command = verdict.command;
+      way += command.linear.norm() * verdict.duration;
+    }
+    EXPECT_LT(way, speed * speed / (2.0 * 0.9 * model->max_deceleration()) + 1e-3) << trial;
+  }
+  EXPECT_GT(passed, 0);
+}
+
 /// Whatever it is given, the verdict is finite and within limits.
 TEST_P(GuardOfEveryModel, TheVerdictIsAlwaysFiniteAndWithinLimits) {
   const auto model = make_model(GetParam());
@@ -315,6 +546,9 @@ TEST_P(GuardOfEveryModel, TheVerdictIsAlwaysFiniteAndWithinLimits) {
   for (int trial = 0; trial < 20000; ++trial) {
     Belief belief = worlds[random() % 3];
     if (random() % 4 == 0) belief.stamp = number();
+    if (random() % 16 == 0) belief.stamps.map = number();
+    if (random() % 8 == 0) belief.covariance(0, 0) = number();
+    if (random() % 8 == 0) belief.localization = Localization::kLost;
     belief.pose.position = {0.1 * number(), 0.1 * number(), random() % 2 ? 0.0 : number()};
     belief.pose.yaw = number();
     belief.twist.linear.x() = number();
@@ -339,9 +573,14 @@ TEST_P(GuardOfEveryModel, TheVerdictIsAlwaysFiniteAndWithinLimits) {
     Twist before;
     before.linear = {number(), random() % 2 ? 0.0 : number(), random() % 2 ? 0.0 : number()};
     before.yaw_rate = number();
+    if (random() % 8 == 0) {  // at rest
+      before = Twist();
+      plan.commands.assign(plan.commands.size(), Twist());
+    }
     const GuardVerdict verdict =
         guard.check(plan, static_cast<int>(random() % 4) - 1, before, belief, 0.0);
     passed += verdict.passed();
+    ASSERT_TRUE(verdict.duration >= Guard::Options::kMinStep && verdict.duration <= 2.0);
     ASSERT_TRUE(verdict.command.linear.allFinite());
     ASSERT_TRUE(std::isfinite(verdict.command.yaw_rate));
     ASSERT_LE(verdict.command.linear.norm(), model->max_speed() * (1.0 + 1e-6));

@@ -25,7 +25,7 @@ class FakeRobot final : public Robot {
   std::shared_ptr<const Belief> sense() override {
     ++senses;
     if (on_sense) on_sense(*this);
-    belief.stamp = clock - lag;
+    belief.set_stamps(clock - lag);
     return std::make_shared<const Belief>(belief);
   }
   void apply(const Twist& command, double duration) override {
@@ -289,6 +289,56 @@ TEST_F(Mission, AThrowingObserverStopsTheRobotFirst) {
   EXPECT_EQ(robot_.commands.size(), 5u);
   EXPECT_GT(robot_.commands[3].linear.x(), 0.0);
   expect_stopped();
+}
+
+// The last command was a zero past the guard: no base stops from 0.5 m/s at once.
+TEST_F(Mission, ComesToRestWithinTheRates) {
+  planner_.speed = 0.5;
+  const auto expect_braked = [&](const FakeRobot& robot, std::size_t driven) {
+    ASSERT_EQ(robot.commands.size(), driven + 3);
+    const double speeds[] = {0.5, 0.3, 0.1, 0.0};
+    for (std::size_t n = 0; n < 4; ++n) {
+      EXPECT_NEAR(robot.commands[driven - 1 + n].linear.x(), speeds[n], 1e-12);
+    }
+    EXPECT_EQ(robot.commands.back().linear.norm(), 0.0);
+    EXPECT_EQ(robot.durations[driven], 0.25);
+    EXPECT_EQ(robot.durations.back(), 0.0);
+  };
+  options_.time_limit = 2.0;
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kTimeLimit);
+  EXPECT_NEAR(result.duration, 2.0, 1e-9) << "the last stop does not count";
+  EXPECT_EQ(result.guard_stops, 0);
+  expect_braked(robot_, 8);
+
+  for (const bool standard : {true, false}) {
+    FakeRobot robot(model_);
+    FakeReplanner planner;
+    planner.speed = 0.5;
+    const auto fail = [&](const MissionStep& step) {
+      if (step.index < 3) return;
+      if (standard) throw std::runtime_error("disk full");
+      throw 7;
+    };
+    EXPECT_ANY_THROW(run_mission(robot, planner, guard_, options_, fail));
+    expect_braked(robot, 6);
+  }
+
+  // With sources that have died, too, and from a wall ahead.
+  FakeRobot robot(model_);
+  planner_.plans = 0;
+  planner_.steps = 4;
+  robot.on_sense = [&](FakeRobot& r) { r.lag = planner_.plans > 4 ? 50.0 : 0.0; };
+  EXPECT_EQ(run_mission(robot, planner_, guard_, options_).end, MissionEnd::kTimeLimit);
+  expect_braked(robot, 8);
+}
+
+TEST_F(Mission, ABaseThatCannotStopDoesNotHoldTheMission) {
+  const auto model = std::make_shared<Unicycle>(Unicycle::Parameters{.a_max = 1e-4});
+  const Guard guard(model, CylinderShape{}, certificate());
+  robot_.belief.twist.linear.x() = 0.4;
+  run_mission(robot_, planner_, guard, options_, {}, [] { return true; });
+  EXPECT_EQ(robot_.commands.size(), 100u);
 }
 
 TEST_F(Mission, BrokenPlansAreStops) {

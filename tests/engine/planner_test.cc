@@ -19,6 +19,7 @@
 #include "engine/behaviour/monitors/stuck_monitor.h"
 #include "engine/certificate.h"
 #include "engine/guard.h"
+#include "engine/present_view.h"
 #include "engine/surface_drift.h"
 #include "models/make_model.h"
 #include "tests/engine/room_belief.h"
@@ -143,9 +144,8 @@ class PlannerTest : public ::testing::Test {
       ASSERT_TRUE(((u - before).array().abs() <= limits.rate.array() * plan.dt + 1e-9).all());
       before = u;
     }
-    Certifier::Options options;
+    Certifier::Options options = Certifier::options_for(robot_);
     options.margin = 0.5 * parameters_.certificate_margin;
-    options.slice = {0.1, 0.5};
     // The guard lets the whole committed part pass, one command after the other.
     const Guard guard(robot_.model, robot_.shape, options);
     Belief now = belief;
@@ -153,7 +153,7 @@ class PlannerTest : public ::testing::Test {
     for (int stage = 0; stage < plan.committed; ++stage) {
       const auto s = static_cast<std::size_t>(stage);
       const Twist previous = stage == 0 ? belief.twist : plan.commands[s - 1];
-      now.stamp = belief.stamp + stage * plan.dt;
+      now.set_stamps(belief.stamp + stage * plan.dt);
       now.pose = model.pose(plan.states[s]);
       now.twist = previous;
       const GuardVerdict verdict = guard.check(plan, stage, previous, now, now.stamp);
@@ -614,6 +614,60 @@ TEST_F(PlannerTest, ThreadsGoToASolverThatSharesThem) {
   EXPECT_FALSE(given[3].contains("threads"));
 }
 
+// Lost with 25 m^2, or with a covariance that is none, the robot drove by its map as if it were
+// exact: 200 of 200 commands passed.
+TEST_F(PlannerTest, WithoutABoundOnThePoseItDrivesOnlyWhereItLooksAndTheGuardAgrees) {
+  for (const double variance : {25.0, 0.0, -0.04, kNan}) {
+    Planner planner = make();
+    const Guard guard = planner.make_guard();
+    Belief belief = Room{.landmarks_per_wall = 20}.belief();
+    belief.tracked_features = 0;
+    belief.localization =
+        variance == 25.0 || variance == 0.0 ? Localization::kLost : Localization::kDegraded;
+    belief.covariance = variance * Eigen::Matrix4d::Identity();
+    belief.command = Twist();
+    const DepthSensor sensor{robot_.depth, robot_.depth_mount};
+    const auto overlapped = [&](const Pose& pose) {
+      std::vector<Cell> cells;
+      const GridFrame& frame = belief.ground->frame();
+      const Eigen::Vector2d p = pose.position.head<2>();
+      const Cell low = frame.cell(p.x() - 0.18, p.y() - 0.18);
+      const Cell high = frame.cell(p.x() + 0.18, p.y() + 0.18);
+      for (int j = low.j; j <= high.j; ++j) {
+        for (int i = low.i; i <= high.i; ++i) {
+          const Eigen::Vector2d gap =
+              ((frame.center({i, j}) - p).cwiseAbs().array() - 0.5 * frame.resolution).cwiseMax(0);
+          if (gap.norm() < 0.18) cells.push_back({i, j});
+        }
+      }
+      return cells;
+    };
+    double turned = 0.0;
+    for (int step = 0; step < 40; ++step) {
+      belief.set_stamps(0.25 * step);
+      const Plan plan = planner.plan(belief);
+      const GuardVerdict verdict = guard.check(plan, 0, *belief.command, belief, belief.stamp);
+      ASSERT_TRUE(verdict.passed())
+          << variance << " " << to_string(verdict.reason) << ": " << verdict.detail;
+      const PresentView view(belief, sensor, robot_.shape, true);
+      const std::vector<Cell> held = overlapped(belief.pose);
+      Eigen::VectorXd next(robot_.model->nx());
+      robot_.model->step(robot_.model->state(belief.pose, verdict.command),
+                         robot_.model->input(verdict.command), plan.dt, next);
+      belief.pose = robot_.model->pose(next);
+      belief.twist = verdict.command;
+      belief.command = verdict.command;
+      turned += std::abs(verdict.command.yaw_rate) * plan.dt;
+      for (const Cell c : overlapped(belief.pose)) {
+        EXPECT_TRUE(view.shows(c) || view.passes_by(c) ||
+                    std::find(held.begin(), held.end(), c) != held.end())
+            << variance << ", step " << step;
+      }
+    }
+    EXPECT_GT(turned, 0.5) << "it looks about";
+  }
+}
+
 TEST_F(PlannerTest, ARetreatHasNoExplorationAndCountsFeatures) {
   Planner planner = make();
   Belief belief = Room{.landmarks_per_wall = 30}.belief();
@@ -692,7 +746,7 @@ TEST_F(PlannerTest, KeepsOffWhatMayHaveDriftedSinceItWasInView) {
 TEST_F(PlannerTest, ALostRobotComesNoNearerToWhatItIsNear) {
   const Belief room = Room{.landmarks_per_wall = 20}.belief();
   constexpr double kWide = 0.6;
-  Certifier::Options options;
+  Certifier::Options options = Certifier::options_for(robot_);
   options.margin = kWide - 1e-3;
   options.held = 1.0;
   const Certifier certifier(robot_.shape, options);
@@ -704,6 +758,7 @@ TEST_F(PlannerTest, ALostRobotComesNoNearerToWhatItIsNear) {
       for (double yaw = -1.0; yaw < 1.1; yaw += 0.25) {
         Belief belief = room;
         belief.localization = Localization::kLost;
+        belief.covariance(0, 0) = belief.covariance(1, 1) = 0.01;
         belief.pose = {{1.2 - 0.18 - gap, -0.3, 0.0}, yaw};
         Planner planner = make();
         const Plan plan = planner.plan(belief);
@@ -729,7 +784,7 @@ TEST_F(PlannerTest, ALostRobotComesNoNearerToWhatItIsNear) {
 TEST_F(PlannerTest, ALostRobotDrivesWhereItLooks) {
   robot_ = robot_with("holonomic");
   const Belief room = Room{.landmarks_per_wall = 20}.belief();
-  Certifier::Options options;
+  Certifier::Options options = Certifier::options_for(robot_);
   options.margin = 1e-3;
   options.drift_margin = 0.0;
   options.drift_limit = 0.12;

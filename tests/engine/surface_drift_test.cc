@@ -182,15 +182,29 @@ TEST(SurfaceDrift, FollowsTheGrowingMap) {
   EXPECT_EQ(drift.sigma_near({0.0, 0.0}, 2.0), 0.0);
 }
 
-TEST(SurfaceDrift, NumbersThatAreNoneDoNoHarm) {
+// A covariance that was no number counted as zero growth: walls that nobody looked at were exact.
+TEST(SurfaceDrift, WithoutACovarianceNothingOutOfViewIsWhereItWas) {
   const ObstacleWorld world = room();
   const RobotDescription robot;
-  SurfaceDrift drift;
-  drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.01), robot);
-  for (const double bad :
-       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(), -1.0}) {
+  const double infinity = std::numeric_limits<double>::infinity();
+  for (const double bad : {std::numeric_limits<double>::quiet_NaN(), infinity, -infinity, -1.0}) {
+    SurfaceDrift drift;
+    drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.01), robot);
     drift.update(belief_at(world, 0.0, 0.0, M_PI, bad), robot);
-    EXPECT_TRUE(std::isfinite(drift.sigma_near({0.0, 0.0}, 3.0)));
+    EXPECT_EQ(drift.sigma(kEast), infinity);
+    EXPECT_EQ(drift.sigma(kNorth), infinity) << "never in view";
+    EXPECT_EQ(drift.sigma(kWest), 0.0) << "in view now";
+    EXPECT_EQ(drift.sigma_near({0.0, 0.0}, 3.0), infinity);
+    // With a covariance again, what was seen before is off by what came since.
+    drift.update(belief_at(world, 0.0, 0.0, M_PI, 0.05), robot);
+    EXPECT_NEAR(drift.sigma(kEast), 0.2, 1e-6);
+    EXPECT_EQ(drift.sigma(kWest), 0.0);
+    // Not so what was seen without one.
+    drift.update(belief_at(world, 0.0, 0.0, 0.0, bad), robot);
+    drift.update(belief_at(world, 0.0, 0.0, M_PI, 0.05), robot);
+    EXPECT_EQ(drift.sigma(kEast), infinity);
+    drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.05), robot);
+    EXPECT_EQ(drift.sigma(kEast), 0.0);
   }
 }
 

@@ -30,17 +30,18 @@ int main() {
   robot.model = std::make_shared<prospect::Unicycle>();
   robot.shape = prospect::CylinderShape{.center = {0, 0, 0.3}, .radius = 0.18, .height = 0.4};
   prospect::Planner planner(robot, prospect::PlannerParameters(), prospect::make_solver("nlopt"));
-  const prospect::Guard guard(robot.model, robot.shape,
-                              {.margin = planner.parameters().guard_margin(), .slice = {0.1, 0.5}});
+  const prospect::Guard guard = planner.make_guard();
 
-  // What it knows: the maps that planning needs are derived from the octree, between the floor and
-  // the top of the body. A robot with visual odometry also passes its landmarks.
+  // What it knows: the maps that planning needs are derived from the octree, at the heights that
+  // the body sweeps. A robot with visual odometry also passes its landmarks.
   prospect::Belief belief;
-  const prospect::BeliefMaps maps = prospect::belief_maps(map_so_far(), {0.1, 0.5}, 0.0, 1.0);
+  const prospect::BeliefMaps maps =
+      prospect::belief_maps(map_so_far(), height_slice(robot), 0.0, 1.0);
   belief.octree = maps.octree, belief.voxels = maps.voxels, belief.ground = maps.ground;
   belief.landmarks = std::make_shared<prospect::LandmarkMap>();
 
   belief.command = prospect::Twist();  // in force: nothing yet
+  belief.set_stamps(0.0);              // what each source is of; the guard refuses what is old
 
   // The control loop; here the robot does exactly as it is told.
   for (int step = 0; step < 5; ++step) {
@@ -59,6 +60,6 @@ int main() {
     belief.pose = robot.model->pose(next);
     belief.twist = v;
     belief.command = v;
-    belief.stamp += plan.dt;
+    belief.set_stamps(belief.stamp + plan.dt);
   }
 }
