@@ -167,7 +167,8 @@ RunFolder::RunFolder(const std::string& path) : path_(path) {
   open(timing_, "timing.csv");
   open(estimated_, "trajectory_estimated.tum");
   open(true_, "trajectory_true.tum");
-  for (const char* name : {"summary.json", "config.yaml", "map.bt", "report.html"}) {
+  for (const char* name : {"summary.json", "config.yaml", "map.bt", "report.html", "path.png",
+                           "path.svg", "map.png", "map.svg"}) {
     fs::remove(fs::path(path) / name, error);
   }
   remove_problems(fs::path(path) / kProblems);

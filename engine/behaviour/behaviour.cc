@@ -128,8 +128,11 @@ std::string target_text(const FrontierFacts& f) {
 }
 
 /// Since when, and what was before.
-std::string explore_cause_text(const Mode& mode, double stamp) {
-  const double ago = stamp - mode.since;
+std::string explore_cause_text(const Mode& mode, const Facts& facts) {
+  if (facts.localization == Localization::kLost) {
+    return "; " + localization_text(facts) + ", and it goes on for a while before it turns back";
+  }
+  const double ago = facts.stamp - mode.since;
   switch (mode.cause) {
     case Cause::kLocalizationRegained:
       return print("; localization was regained %.0f s ago", ago);
@@ -150,9 +153,9 @@ std::string doing(const Mode& mode, const Facts& facts) {
     case Kind::kExplore:
       if (!frontiers.target) {
         return "Explores: no frontier can be reached from here just now" +
-               explore_cause_text(mode, facts.stamp);
+               explore_cause_text(mode, facts);
       }
-      return "Explores: " + target_text(frontiers) + explore_cause_text(mode, facts.stamp);
+      return "Explores: " + target_text(frontiers) + explore_cause_text(mode, facts);
     case Kind::kApproach:
       return print("Approaches step by step for %.1f s now, for want of progress: %s",
                    facts.stamp - mode.since, target_text(frontiers).c_str());
@@ -226,9 +229,6 @@ std::string describe(const Mode& mode, const Facts& facts) {
   if (search == Search::kNarrowPassages) text += " Only what lies behind narrow passages is left.";
   if (facts.stuck && search != Search::kNarrowPassages) {
     text += " It is stuck: no way out keeps the distances, so it keeps from touching, no more.";
-  }
-  if (facts.localization == Localization::kLost && mode.kind == Kind::kExplore) {
-    text += " It explores on without localization for a while.";
   }
   return text;
 }

@@ -249,6 +249,9 @@ TEST(Behaviour, TheSentenceHasTheNumbersOfTheFacts) {
   EXPECT_NE(text.find("regained 4 s ago"), std::string::npos) << text;
   EXPECT_NE(text.find("short frontiers"), std::string::npos) << text;
   EXPECT_NE(text.find("stuck"), std::string::npos) << text;
+  EXPECT_EQ(describe({kExplore, Cause::kLocalizationRegained, 8.0}, facts(12.0, kLost, false, 1.5)),
+            "Explores: drives 3.2 m to look at a frontier 1.4 m long; localization is lost for 1.5 "
+            "s, and it goes on for a while before it turns back.");
   // One for each mode and cause, all different, none with a number that is not one.
   std::set<std::string> seen;
   for (const RowCase& c : row_cases()) {
