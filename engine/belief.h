@@ -27,10 +27,16 @@ struct SourceStamps {
   double ranges = 0.0;     ///< newest scan that the depth sensor delivered
 };
 
+/// What the estimate of the pose rests on.
+enum class LocalizationSource {
+  kVisualOdometry,  ///< points tracked by the robot's cameras: the planner keeps enough in view
+  kExternal         ///< something else, such as a lidar in a known map: features are of no use
+};
+
 /// What the planner knows at one instant: an immutable snapshot, published by perception as
-/// shared_ptr<const Belief>. The maps are shared, never null, and never change after publication,
-/// so a solve cannot see a half-updated map. The octree is authoritative; voxels and ground are
-/// derived from it and carry its resolution.
+/// shared_ptr<const Belief>. The maps are shared, never null (landmarks may be, with kExternal),
+/// and never change after publication, so a solve cannot see a half-updated map. The octree is
+/// authoritative; voxels and ground are derived from it and carry its resolution.
 ///
 /// Frames: everything in W, which is the odometry's frame (it drifts against the true world).
 struct Belief {
@@ -50,6 +56,9 @@ struct Belief {
   /// such as an emergency stop, keeps the robot from following it.
   std::optional<Twist> command;
   Localization localization = Localization::kOk;
+  /// With kExternal, landmarks and tracked_features are not used: features cost nothing and take no
+  /// time. `localization` counts as ever.
+  LocalizationSource localization_source = LocalizationSource::kVisualOdometry;
   int tracked_features = 0;  ///< points tracked in the newest image
 
   std::shared_ptr<const octomap::OcTree> octree;

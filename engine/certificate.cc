@@ -594,16 +594,7 @@ Certifier::Certifier(const RobotShape& shape, Options options) : options_(option
                                 "; expected >= 1");
   }
   if (options.sensor) {
-    const RgbdFootprint& f = options.sensor->footprint;
-    const bool sound = f.horizontal_fov > 0.0 && f.horizontal_fov <= 2.0 * M_PI &&
-                       f.vertical_fov > 0.0 && f.vertical_fov <= M_PI && f.max_range > 0.0 &&
-                       std::isfinite(f.max_range);
-    if (!sound) {
-      throw std::invalid_argument(
-          "certifier: the depth sensor's fields of view are " + std::to_string(f.horizontal_fov) +
-          " and " + std::to_string(f.vertical_fov) + " rad, its range " +
-          std::to_string(f.max_range) + " m; expected 0 to 2 pi, 0 to pi, and a finite range > 0");
-    }
+    validate(options.sensor->footprint);
     validate(options.sensor->mount);
   }
   auto body = std::make_unique<Body>();

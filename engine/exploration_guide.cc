@@ -123,6 +123,8 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       !std::isfinite(stamp)) {
     return last_;
   }
+  // What was learned of one place says nothing of another.
+  if (!traversability_.continues(ground)) *this = ExplorationGuide(options_);
   const double explored = traversability_.explored_area();
   const bool not_low = low_yield_.update(stamp, explored);
   const SearchFacts grown{.new_ground = not_low || explored - ordinary_explored_ >= new_ground_};

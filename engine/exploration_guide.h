@@ -131,7 +131,8 @@ class ExplorationGuide {
   /// Throws std::invalid_argument naming the option, its value and what was expected.
   explicit ExplorationGuide(const ExplorationGuideOptions& options);
 
-  /// ground: successive states of one map. stamp [s], non-decreasing. attention: of the time since
+  /// ground: any map; after one of another place or resolution (Traversability::continues()) the
+  /// guide begins anew. stamp [s], non-decreasing. attention: of the time since
   /// the last update. outlook: what is seen from where, null: no localization weighting. rule:
   /// null: the bonuses above.
   std::shared_ptr<const Guidance> update(const GroundMap& ground, const Pose& pose, double stamp,

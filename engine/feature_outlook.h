@@ -43,9 +43,10 @@ class FeatureOutlook {
   FeatureOutlook(const FeatureOutlookOptions& options, const RobotDescription& robot,
                  const VisibilityParameters& visibility);
 
-  /// belief: successive ones of one map. density: rho of unknown ground [1/m^2], 0: none. texture:
-  /// of that map, which scales rho; null: not scaled. workers: share the blocks, the same bits for
-  /// any number of them; null: the caller counts all.
+  /// belief: after a change of its map, blocks keep their counts till it is their turn. density:
+  /// rho of unknown ground [1/m^2], 0: none. texture: of that map, which scales rho; null: not
+  /// scaled. workers: share the blocks, the same bits for any number of them; null: the caller
+  /// counts all.
   void update(const Belief& belief, double density, const LocalTexture* texture = nullptr,
               WorkerThreads* workers = nullptr);
 

@@ -63,8 +63,8 @@ PROSPECT_FORCE_INLINE LookOf<T> look(const FootprintKernelConstantsOf<T>& c, T X
   l.inverse_r = inverse * l.rho;
   const T h = c.inverse_angle_scale * l.inverse_rho;
   const T v = c.inverse_angle_scale * l.inverse_r;
-  const T h0 = c.inset - c.sin_h * Z * h, h1 = c.cos_h * X * h;
-  const T v0 = c.inset - c.sin_v * l.rho * v, v1 = c.cos_v * Y * v;
+  const T h0 = (c.inset + c.bias_h) - c.sin_h * Z * h, h1 = c.cos_h * X * h;
+  const T v0 = (c.inset + c.bias_v) - c.sin_v * l.rho * v, v1 = c.cos_v * Y * v;
   l.e0 = odds(h0 + h1);
   l.e1 = odds(h0 - h1);
   l.e2 = odds(v0 + v1);

@@ -8,7 +8,8 @@ namespace prospect {
 /// units. Members are numbers of one type, and nothing else.
 template <typename T>
 struct FootprintKernelConstantsOf {
-  T sin_h, cos_h, sin_v, cos_v;  ///< of half the fields of view
+  /// Of half the fields of view, or what stands for them (FootprintVisibility).
+  T sin_h, cos_h, sin_v, cos_v;
   T inset;
   T inverse_angle_scale, inverse_range_scale;
   T min_range, max_range;
@@ -16,6 +17,7 @@ struct FootprintKernelConstantsOf {
   /// Conservative bounds beyond which g is certainly below `negligible`: sine of the angle outside
   /// a horizontal side, squared (above 1: never); squared distance.
   T outside_squared, far_squared;
+  T bias_h = T(0), bias_v = T(0);  ///< added to the inset of the horizontal, the vertical sides
 };
 using FootprintKernelConstants = FootprintKernelConstantsOf<double>;
 

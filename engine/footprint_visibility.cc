@@ -13,12 +13,33 @@ namespace {
 
 // P_fov P_range is cut off at e to the minus this.
 constexpr double kNegligibleExponent = 12.0;
+// Of sides; what single precision takes without that scores are off by more than they may be.
+constexpr double kSteepest = 6.0;
 
 void check(bool ok, const char* what, double value, const char* expected) {
   if (!ok) {
     throw std::invalid_argument("footprint visibility: " + std::string(what) + " is " +
                                 std::to_string(value) + "; expected " + expected);
   }
+}
+
+/// What a pair of opposite sides asks of a point at the angle a from the axis: the exponents of its
+/// two sigmoids are (sine cos a +- cosine sin a) / angle_scale - inset - bias.
+struct Sides {
+  double sine, cosine, bias;
+};
+
+/// Of half a field of view, which is `closed` where the sides meet.
+Sides sides_of(double half, double closed, double angle_scale) {
+  constexpr double kNoSide = -1e3;  // an exponent that is 1 whatever the rest
+  if (half >= closed - angle_scale) return {0.0, 0.0, kNoSide};
+  if (half > 0.5 * std::numbers::pi) {
+    const double slope = std::min(1.0 / std::sin(half), kSteepest);
+    return {slope, 0.0, slope * std::cos(half) / angle_scale};
+  }
+  half = std::max(half, angle_scale);
+  const double slope = std::max(1.0, kSteepest * angle_scale / std::sin(half));
+  return {slope * std::sin(half), slope * std::cos(half), 0.0};
 }
 
 }  // namespace
@@ -49,15 +70,8 @@ FootprintVisibility::FootprintVisibility(const RgbdFootprint& footprint, const C
 }
 
 void FootprintVisibility::prepare() {
-  constexpr double pi = std::numbers::pi;
   const RgbdFootprint& f = footprint_;
-  check(f.horizontal_fov > 0.0 && f.horizontal_fov < pi, "horizontal_fov", f.horizontal_fov,
-        "an angle in (0, pi) rad");
-  check(f.vertical_fov > 0.0 && f.vertical_fov < pi, "vertical_fov", f.vertical_fov,
-        "an angle in (0, pi) rad");
-  check(f.min_range >= 0.0 && std::isfinite(f.min_range), "min_range", f.min_range, ">= 0 m");
-  check(f.max_range > f.min_range && std::isfinite(f.max_range), "max_range", f.max_range,
-        "more than min_range");
+  validate(f);
   check(options_.angle_scale > 0.0, "angle_scale", options_.angle_scale, "> 0 rad");
   check(options_.range_scale > 0.0, "range_scale", options_.range_scale, "> 0 m");
   check(options_.inset >= 0.0, "inset", options_.inset, ">= 0");
@@ -76,10 +90,15 @@ void FootprintVisibility::prepare() {
   score_py_ = (py_ - score_origin_.y()).cast<float>();
   score_pz_ = (pz_ - score_origin_.z()).cast<float>();
   FootprintKernelConstants& k = constants_;
-  k.sin_h = std::sin(0.5 * f.horizontal_fov);
-  k.cos_h = std::cos(0.5 * f.horizontal_fov);
-  k.sin_v = std::sin(0.5 * f.vertical_fov);
-  k.cos_v = std::cos(0.5 * f.vertical_fov);
+  const Sides horizontal = sides_of(0.5 * f.horizontal_fov, std::numbers::pi, options_.angle_scale);
+  const Sides vertical =
+      sides_of(0.5 * f.vertical_fov, 0.5 * std::numbers::pi, options_.angle_scale);
+  k.sin_h = horizontal.sine;
+  k.cos_h = horizontal.cosine;
+  k.bias_h = horizontal.bias;
+  k.sin_v = vertical.sine;
+  k.cos_v = vertical.cosine;
+  k.bias_v = vertical.bias;
   k.inset = options_.inset;
   k.inverse_angle_scale = 1.0 / options_.angle_scale;
   k.inverse_range_scale = 1.0 / options_.range_scale;
@@ -88,7 +107,8 @@ void FootprintVisibility::prepare() {
   k.negligible = std::exp(-kNegligibleExponent);
   // One sigmoid alone is below e^-12 from this many scales outside its edge.
   const double scales = std::max(0.0, kNegligibleExponent - options_.inset);
-  k.outside_squared = std::pow(scales * options_.angle_scale, 2);
+  const double beside = std::max(0.0, kNegligibleExponent - options_.inset - k.bias_h);
+  k.outside_squared = std::pow(beside * options_.angle_scale, 2);
   k.far_squared = std::pow(f.max_range + scales * options_.range_scale, 2);
 }
 

@@ -25,6 +25,14 @@ namespace prospect {
 /// The sigmoids are moved `inset` scales inward: a sigmoid worth 1/2 at the true edge rewards
 /// standing still before cells that the sensor never resolves.
 ///
+/// Fields of view of any width. Of half an angle H (h/2 or v/2), the sine is
+///   H <= pi/2   sin(H -+ angle), times 6 angle_scale / sin H where that is above 1: the axis of a
+///               narrow field is in view all the same. A field narrower than 2 angle_scale, such as
+///               a single layer of rays, counts as that wide: a target stands for a block of cells.
+///   H >  pi/2   (cos azimuth - cos H) min(6, 1 / sin H), for both sides: of slope 1 at the edges,
+///               even and smooth across the seam behind the sensor; at H = pi/2 the same as above.
+///   within angle_scale of all round (H = pi; for v, pi/2): 1, there is no side.
+///
 /// So that most points need no work, g = P_fov P_range is cut off smoothly at e = e^-12 = 6e-6: it
 /// counts as (g - e)^2 / g above and as 0 below, which is C1 and changes no q by more than 2 e.
 ///
@@ -65,8 +73,8 @@ class FootprintVisibility {
     bool score = false;
   };
 
-  /// Throws std::invalid_argument unless 0 < fields of view < pi, 0 <= min_range < max_range and
-  /// the scales are positive. `occlusion` must not be null.
+  /// Throws std::invalid_argument if the footprint is not valid (validate()) or a scale is not
+  /// positive. `occlusion` must not be null.
   FootprintVisibility(const RgbdFootprint& footprint, const CameraMount& mount,
                       std::shared_ptr<const OcclusionTable> occlusion, const Options& options);
   FootprintVisibility(const RgbdFootprint& footprint, const CameraMount& mount,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -54,6 +55,22 @@ inline GridFrame frame_of_blocks(const GridFrame& fine, int side) {
   const int i0 = floor_divide(fine.i0, side), j0 = floor_divide(fine.j0, side);
   return {fine.resolution * side, i0, j0, floor_divide(fine.i0 + fine.width - 1, side) - i0 + 1,
           floor_divide(fine.j0 + fine.height - 1, side) - j0 + 1};
+}
+
+/// The least frame that holds two frames: where what is kept from a map at `before` goes on at
+/// `now`. None if they differ in resolution, or if that frame had more than 10^5 cells and more
+/// than four times those of `now`: then the maps are of different places, and nothing is kept.
+inline std::optional<GridFrame> frame_of_both(const GridFrame& now, const GridFrame& before) {
+  constexpr std::int64_t kAlways = 100'000, kTimes = 4;
+  if (now.resolution != before.resolution) return std::nullopt;
+  GridFrame both = now;
+  both.i0 = std::min(now.i0, before.i0);
+  both.j0 = std::min(now.j0, before.j0);
+  both.width = std::max(now.i0 + now.width, before.i0 + before.width) - both.i0;
+  both.height = std::max(now.j0 + now.height, before.j0 + before.height) - both.j0;
+  const auto cells = [](const GridFrame& f) { return std::int64_t{f.width} * f.height; };
+  if (cells(both) > std::max(kAlways, kTimes * cells(now))) return std::nullopt;
+  return both;
 }
 
 /// Values on a rectangle of ground cells.

@@ -15,9 +15,10 @@ namespace prospect {
 /// Beside its state a cell knows whether the sensor looks through it: a camera sees over a low
 /// obstacle that stops the body, and a frontier behind one can be looked at from before it.
 ///
-/// Changes are tracked per tile (16 x 16 cells): a consumer remembers the last revision() it has
-/// seen and redoes what depends on tiles with a newer one. A change of frame() (the map grew) keeps
-/// all cell addresses and the revisions of the tiles that existed.
+/// Changes are counted per tile (16 x 16 cells). The revisions tell states of one map apart, the
+/// one that set() is called on: another map, also one projected anew from the same octree, counts
+/// for itself. What is handed maps from elsewhere compares cells (Traversability does). A change of
+/// frame() (the map grew) keeps all cell addresses and the revisions of the tiles that existed.
 ///
 /// Value type; a snapshot handed out as shared_ptr<const GroundMap> never changes.
 /// Thread-safety: concurrent reads are safe.
@@ -56,6 +57,8 @@ class GroundMap {
   int occupied_cells() const { return occupied_; }
 
   const Grid<CellState>& cells() const { return cells_; }
+  /// Nonzero where see_through().
+  const Grid<std::uint8_t>& sights() const { return see_through_; }
 
  private:
   void grow_to(Cell c);

@@ -6,6 +6,9 @@
 
 namespace prospect {
 
+/// Landmarks that one can stand for.
+inline constexpr double kMostMultiplicity = 1e6;
+
 /// A point of the odometry's map, in W.
 struct Landmark {
   std::uint64_t id = 0;

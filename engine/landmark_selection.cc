@@ -120,7 +120,7 @@ std::vector<Landmark> select_landmarks(const LandmarkMap& map, const Pose& pose,
     if (chosen.size() > most) chosen.resize(most);
     for (const Cluster& c : chosen) {
       result.push_back(*c.first);
-      result.back().multiplicity = c.multiplicity;
+      result.back().multiplicity = std::min(kMostMultiplicity, c.multiplicity);
       result.back().survival = std::min(1.0, c.survival / c.multiplicity);
       result.back().crowding = c.crowding / c.multiplicity;
     }

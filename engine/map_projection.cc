@@ -80,10 +80,11 @@ bool see_through(const VoxelGrid& voxels, Cell c, const SliceLayers& layers) {
   return see_through(column, layers.k_sight ? voxels.state(c.i, c.j, *layers.k_sight) : column);
 }
 
-GroundMap project(const VoxelGrid& voxels, const HeightSlice& slice) {
+GroundMap project(const VoxelGrid& voxels, const HeightSlice& slice, int rim) {
   const SliceLayers layers = slice_layers(slice, voxels.resolution());
   const GridFrame& frame = voxels.frame();
-  GroundMap ground(frame);
+  GroundMap ground({frame.resolution, frame.i0 - rim, frame.j0 - rim, frame.width + 2 * rim,
+                    frame.height + 2 * rim});
   for (int j = frame.j0; j < frame.j0 + frame.height; ++j) {
     for (int i = frame.i0; i < frame.i0 + frame.width; ++i) {
       ground.set({i, j}, project_column(voxels, {i, j}, layers),
@@ -143,7 +144,7 @@ BeliefMaps belief_maps(std::shared_ptr<const octomap::OcTree> octree, const Heig
   if (!octree) throw std::invalid_argument("belief maps: expected an octree, got none");
   BeliefMaps maps;
   auto voxels = std::make_shared<VoxelGrid>(voxels_from_octree(*octree, z_min, z_max));
-  maps.ground = std::make_shared<GroundMap>(project(*voxels, slice));
+  maps.ground = std::make_shared<GroundMap>(project(*voxels, slice, GroundMap::kTile));
   maps.voxels = std::move(voxels);
   maps.octree = std::move(octree);
   return maps;

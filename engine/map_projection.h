@@ -65,8 +65,9 @@ inline bool see_through(CellState column, CellState sight) {
 /// The same of cell c in `voxels`; without a line of sight, whether the cell is free.
 bool see_through(const VoxelGrid& voxels, Cell c, const SliceLayers& layers);
 
-/// Projects every column: the ground map of a whole grid. O(cells x layers).
-GroundMap project(const VoxelGrid& voxels, const HeightSlice& slice);
+/// Projects every column: the ground map of a whole grid, and `rim` unknown cells more on every
+/// side. O(cells x layers).
+GroundMap project(const VoxelGrid& voxels, const HeightSlice& slice, int rim = 0);
 
 /// The three maps of a Belief, of one octree.
 struct BeliefMaps {
@@ -83,7 +84,8 @@ struct BeliefMaps {
 VoxelGrid voxels_from_octree(const octomap::OcTree& octree, double z_min, double z_max,
                              int max_cells = 40'000'000);
 
-/// Belief maps from an existing octree, for robots that keep their own OctoMap.
+/// Belief maps from an existing octree, for robots that keep their own OctoMap. The ground map has
+/// a rim of a tile: frontier cells just beyond what is known lie in it, as in a map that grows.
 /// Throws std::invalid_argument as voxels_from_octree, or if `octree` is null.
 BeliefMaps belief_maps(std::shared_ptr<const octomap::OcTree> octree, const HeightSlice& slice,
                        double z_min, double z_max);

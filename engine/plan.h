@@ -73,6 +73,10 @@ struct Plan {
 
   bool has_active_frontier = false;  ///< some active frontier is reachable
   std::string detail;                ///< why it is a stop, in one sentence
+  /// Landmarks of the belief that could not be used and were left out, and the first fault of the
+  /// landmark map, empty if there is none (usable_landmarks.h).
+  int landmarks_dropped = 0;
+  std::string landmark_fault;
 };
 
 }  // namespace prospect

@@ -26,6 +26,7 @@
 #include "engine/surface_drift.h"
 #include "engine/tracked_calibration.h"
 #include "engine/unseen_features.h"
+#include "engine/usable_landmarks.h"
 #include "engine/worker_threads.h"
 #include "models/body_transform.h"
 
@@ -84,6 +85,7 @@ void check(const PlannerParameters& p) {
                                     {"desired_speed", p.desired_speed},
                                     {"deadline", p.deadline},
                                     {"unknown_attenuation", p.unknown_attenuation},
+                                    {"feature_attenuation", p.feature_attenuation},
                                     {"behaviour.retreat_time", p.behaviour.retreat_time},
                                     {"behaviour.turn_time", p.behaviour.turn_time},
                                     {"behaviour.retreat_pause", p.behaviour.retreat_pause},
@@ -105,6 +107,18 @@ void check(const PlannerParameters& p) {
   at_least("max_targets", p.max_targets, 0);
 }
 
+/// Makes what each step makes of the sensors and of parameters that are only passed on, so that
+/// what is wrong with those is said now.
+void check_parts(const RobotDescription& robot, const PlannerParameters& p) {
+  validate(robot.stereo);
+  validate(robot.stereo_mount);
+  validate(robot.depth_mount);
+  VisibleFeatures(
+      std::make_shared<const VisibilityPrediction>(std::vector<Landmark>(), robot.stereo,
+                                                   robot.stereo_mount, nullptr, p.visibility),
+      p.features, nullptr);
+}
+
 Eigen::MatrixXd stage_inputs(const TrajectoryBatch& t) {
   const int nu = t.horizon.nu();
   Eigen::MatrixXd inputs(nu, t.horizon.N);
@@ -116,7 +130,8 @@ Eigen::MatrixXd stage_inputs(const TrajectoryBatch& t) {
 
 /// Why nothing can be planned from this belief; empty if something can.
 std::string unusable(const Belief& belief) {
-  if (!belief.octree || !belief.voxels || !belief.ground || !belief.landmarks) {
+  if (!belief.octree || !belief.voxels || !belief.ground ||
+      (!belief.landmarks && belief.localization_source == LocalizationSource::kVisualOdometry)) {
     return "the belief lacks a map";
   }
   if (!belief.pose.position.allFinite() || !std::isfinite(belief.pose.yaw)) {
@@ -144,6 +159,10 @@ struct Planner::Impl {
   std::unique_ptr<WorkerThreads> workers;
   bool shares_threads = false;  // the one solve of a step takes the option `threads`
 
+  /// Of a robot whose localization does not rest on any: none known, none expected.
+  const std::shared_ptr<const LandmarkMap> no_landmarks =
+      std::make_shared<const LandmarkMap>(LandmarkMap{.landmarks = {}, .feature_density = 0.0});
+
   // From one step to the next.
   std::shared_ptr<const Guidance> guidance;
   ProblemParts parts;
@@ -166,6 +185,8 @@ struct Planner::Impl {
   Caution caution = Caution::kNormal;    // in this step
 
   static PlannerParameters completed(const RobotDescription& r, PlannerParameters p) {
+    check(p);
+    check_parts(r, p);
     p.guide = guide_options_for(r, p);
     p.behaviour.turn_away_time = M_PI / r.model->max_yaw_rate();
     return p;
@@ -177,7 +198,6 @@ struct Planner::Impl {
         solver(std::move(s)),
         guide(parameters.guide) {
     if (!solver) throw std::invalid_argument("planner: no solver; expected one");
-    check(parameters);
     workers = std::make_unique<WorkerThreads>(parameters.threads);
     const std::vector<OptionInfo> known = solver->options();
     shares_threads = solver->compares_starts() &&
@@ -207,17 +227,21 @@ struct Planner::Impl {
     }
   }
 
-  Plan plan(const Belief& belief, const StopCondition& stop);
+  Plan plan(const Belief& given, const StopCondition& stop);
   /// The facts that do not depend on the frontiers.
   void update_facts(const Belief& belief);
   const SurfaceDrift* minded_drift() const {
     return policy(caution).drift_in_cost ? &drift : nullptr;
   }
+  static bool rests_on_features(const Belief& belief) {
+    return belief.localization_source == LocalizationSource::kVisualOdometry;
+  }
   double unseen_density(const Belief& belief) const {
     return parameters.feature_prior ? belief.landmarks->feature_density : 0.0;
   }
+  /// texture: null where the localization does not rest on features.
   std::shared_ptr<const ProblemRecipe> make_recipe(const Belief& belief,
-                                                   const LocalTexture& texture);
+                                                   const LocalTexture* texture);
   void calibrate(const Belief& belief, const Eigen::Vector3d& camera, ProblemRecipe& r) const;
   std::vector<Candidate> measure(std::vector<Candidate> candidates, Evaluate what) const;
   void polish(std::vector<Candidate>& candidates, const StopCondition& stop, Plan& plan) const;
@@ -233,15 +257,22 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
                                           const PlannerParameters& parameters) {
   if (!robot.model) throw std::invalid_argument("planner: no motion model; expected one");
   validate(robot.shape);
+  validate(robot.depth);
   ExplorationGuideOptions options = parameters.guide;
   const double radius = circumscribed_radius(robot.shape);
   options.traversability.hard_radius =
       radius + std::max(parameters.d_safe, parameters.certificate_margin);
   options.traversability.comfortable_radius =
       std::max(options.traversability.hard_radius, radius + parameters.d_des * 0.7);
-  options.frontiers.sensor_range = robot.depth.max_range;
-  options.memory.sensor_range = robot.depth.max_range;
-  options.memory.sensor_fov = robot.depth.horizontal_fov;
+  // From farther away nothing needs to be looked at.
+  constexpr double kFarLook = 50.0;
+  options.frontiers.sensor_range = std::min(robot.depth.max_range, kFarLook);
+  options.memory.sensor_range = options.frontiers.sensor_range;
+  options.memory.sensor_fov = std::min(robot.depth.horizontal_fov, 2.0 * M_PI);
+  // All round there is no side to keep away from; a narrow field is not all margin.
+  const bool all_round = options.memory.sensor_fov > 2.0 * M_PI - options.memory.fov_margin;
+  options.memory.fov_margin =
+      all_round ? 0.0 : std::min(options.memory.fov_margin, options.memory.sensor_fov / 8.0);
   options.cost_to_go.v_max = robot.model->max_speed();
   options.cost_to_go.features_required = parameters.features.N_req;
   return options;
@@ -263,9 +294,11 @@ void Planner::Impl::update_facts(const Belief& belief) {
   facts = {};
   facts.stamp = belief.stamp;
   facts.localization = belief.localization;
+  facts.rests_on_features = rests_on_features(belief);
   facts.tracked = belief.tracked_features;
   facts.enough_features = belief.localization == Localization::kOk &&
-                          belief.tracked_features >= kEnoughToGoOn * parameters.features.N_min;
+                          (!rests_on_features(belief) ||
+                           belief.tracked_features >= kEnoughToGoOn * parameters.features.N_min);
   facts.lost_for = localization.lost_for();
   facts.not_following_at = following.noticed_at();
   if (facts.enough_features) trail.note(position, belief.tracked_features);
@@ -292,7 +325,7 @@ void Planner::Impl::calibrate(const Belief& belief, const Eigen::Vector3d& camer
 }
 
 std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& belief,
-                                                                const LocalTexture& texture) {
+                                                                const LocalTexture* texture) {
   const PlannerParameters& p = parameters;
   const MotionModel& model = *robot.model;
   const InputLimits& limits = model.limits();
@@ -351,7 +384,7 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   unseen.max_blocks = p.max_landmarks / 4;
   unseen.image_cell = belief.landmarks->image_cell;
   const std::vector<Landmark> expected =
-      unseen_features(*belief.ground, belief.pose, unseen, &texture);
+      unseen_features(*belief.ground, belief.pose, unseen, texture);
   r->landmarks =
       select_landmarks(*belief.landmarks, belief.pose, reach + stereo_offset,
                        p.max_landmarks - static_cast<int>(expected.size()), p.visibility);
@@ -383,7 +416,7 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
 
   const ModePolicy& rules = policy(acting);
   const double w_e = rules.exploration_weight * p.w_e;
-  const double w_l = rules.features_weight * p.w_l;
+  const double w_l = rests_on_features(belief) ? rules.features_weight * p.w_l : 0.0;
   r->cost_to_go = guidance->cost_to_go;
   if (rules.cost_to_go == ModePolicy::CostToGo::kRetreat) {
     const auto retreat =
@@ -665,17 +698,26 @@ Plan Planner::Impl::stopping_plan(const Belief& belief, const std::string& why) 
   return plan;
 }
 
-Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
+Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   Stopwatch total, watch;
   const StopCondition stop =
       parameters.deadline > 0.0 ? (deadline(parameters.deadline) || outer) : outer;
   Plan plan;
-  plan.stamp = belief.stamp;
+  plan.stamp = given.stamp;
   problem = nullptr;
   recipe = nullptr;
   seeds.clear();
-  if (const std::string why = unusable(belief); !why.empty()) {
-    return stopping_plan(belief, "planning is impossible: " + why);
+  if (const std::string why = unusable(given); !why.empty()) {
+    return stopping_plan(given, "planning is impossible: " + why);
+  }
+  Belief belief = given;
+  if (rests_on_features(given)) {
+    UsableLandmarks usable = usable_landmarks(given.landmarks);
+    plan.landmarks_dropped = usable.dropped;
+    plan.landmark_fault = std::move(usable.fault);
+    belief.landmarks = std::move(usable.map);
+  } else {
+    belief.landmarks = no_landmarks;
   }
   plan.solver = solver->name();
 
@@ -694,8 +736,10 @@ Plan Planner::Impl::plan(const Belief& belief, const StopCondition& outer) {
   facts.stuck = stuck.update(belief.stamp, belief.pose.position.head<2>(), !lost && pursues);
   // Without a landmark all ways are alike.
   const bool looks_out = outlook && !belief.landmarks->landmarks.empty();
-  const LocalTexture texture(*belief.ground, *belief.landmarks);
-  if (looks_out) outlook->update(belief, unseen_density(belief), &texture, workers.get());
+  std::optional<LocalTexture> seen_texture;
+  if (rests_on_features(belief)) seen_texture.emplace(*belief.ground, *belief.landmarks);
+  const LocalTexture* texture = seen_texture ? &*seen_texture : nullptr;
+  if (looks_out) outlook->update(belief, unseen_density(belief), texture, workers.get());
   guidance = guide.update(*belief.ground, belief.pose, belief.stamp,
                           {.looked = !lost,
                            .pursued = pursues,

@@ -94,7 +94,7 @@ struct PlannerParameters {
 };
 
 /// parameters.guide, with what the guide must know about the robot (size, sensor, speed) filled in.
-/// Throws std::invalid_argument if the robot has no model or its shape is unusable.
+/// Throws std::invalid_argument if the robot has no model or its shape or depth sensor is unusable.
 ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
                                           const PlannerParameters& parameters);
 
@@ -113,7 +113,12 @@ Guard guard_for(const RobotDescription& robot, const PlannerParameters& paramete
 /// plan() never throws and always returns an executable plan: its commands are finite, within
 /// limits, and certified with the stop that follows, or they are a stop; the plan says why. All
 /// state from one step to the next (frontier memory, clearance field, occlusion tables, previous
-/// plan) lives here; none of it changes what is safe.
+/// plan) lives here; none of it changes what is safe. Nor does it rest on how a map came about: a
+/// belief may bring any map after any other, one projected anew each time (belief_maps()) too.
+///
+/// Landmarks that cannot be used are left out and counted (Plan::landmarks_dropped). Of a robot
+/// whose localization is its own (LocalizationSource::kExternal) none is used or needed: features
+/// cost nothing, and few of them are no reason for a recovery.
 ///
 /// What the robot is doing is decided by one table (behaviour/behaviour.h): monitors and maps say
 /// what is, the table says the mode, and a policy what that means for weights, seeds and the
@@ -128,7 +133,8 @@ Guard guard_for(const RobotDescription& robot, const PlannerParameters& paramete
 /// Thread-safety: one thread a planner. Source: formulation, sections 4 to 8.
 class Planner final : public Replanner {
  public:
-  /// Throws std::invalid_argument naming the parameter, its value and what was expected.
+  /// Throws std::invalid_argument naming the parameter, its value and what was expected: of the
+  /// parameters and of all of the robot. (What a solver does not take is in Plan::detail.)
   Planner(RobotDescription robot, PlannerParameters parameters,
           std::shared_ptr<const Solver> solver);
   ~Planner() override;

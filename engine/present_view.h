@@ -32,9 +32,9 @@ void visit_ground_in_view(const GroundMap& ground, const Pose& pose, const Depth
   const double pitch = std::asin(std::clamp(-axis.z(), -1.0, 1.0));  // downward
   // Nearer than this the sensor looks over what is low.
   const double lowest = 0.5 * depth.vertical_fov + pitch;
-  const double near_low = lowest > 0.0 && lowest < 0.5 * M_PI
-                              ? T_WC.translation().z() / std::tan(lowest)
-                              : std::numeric_limits<double>::infinity();
+  const double near_low = lowest <= 0.0         ? std::numeric_limits<double>::infinity()
+                          : lowest < 0.5 * M_PI ? T_WC.translation().z() / std::tan(lowest)
+                                                : 0.0;
   const double range = depth.max_range;
   const double wanted = std::ceil(depth.horizontal_fov * range / (0.5 * frame.resolution));
   const int rays = static_cast<int>(std::clamp(wanted, 2.0, 1e5));

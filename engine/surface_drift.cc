@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "engine/pose_error.h"
 #include "engine/present_view.h"
@@ -12,12 +13,6 @@ namespace {
 
 constexpr double kNeverSeen = -1.0;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();  // seen, V_c not known
-
-bool covers(const GridFrame& wide, const GridFrame& frame) {
-  return wide.resolution == frame.resolution && wide.i0 <= frame.i0 && wide.j0 <= frame.j0 &&
-         wide.i0 + wide.width >= frame.i0 + frame.width &&
-         wide.j0 + wide.height >= frame.j0 + frame.height;
-}
 
 }  // namespace
 
@@ -30,14 +25,14 @@ void SurfaceDrift::update(const Belief& belief, const RobotDescription& robot) {
   bounded_ = is_pose_covariance(belief.covariance);
   covariance_.setZero();
   if (bounded_) covariance_ = belief.covariance(planar, planar);
-  if (!(variance_seen_.frame == frame)) {
-    if (variance_seen_.data.empty() || !covers(frame, variance_seen_.frame)) {
-      variance_seen_ = Grid<double>(frame, kNeverSeen);
-      in_view_ = Grid<std::uint32_t>(frame, 0);
-    } else {
-      variance_seen_.widen(frame, kNeverSeen);
-      in_view_.widen(frame, 0);
-    }
+  const std::optional<GridFrame> both =
+      variance_seen_.data.empty() ? std::nullopt : frame_of_both(frame, variance_seen_.frame);
+  if (!both) {
+    variance_seen_ = Grid<double>(frame, kNeverSeen);
+    in_view_ = Grid<std::uint32_t>(frame, 0);
+  } else if (!(*both == variance_seen_.frame)) {
+    variance_seen_.widen(*both, kNeverSeen);
+    in_view_.widen(*both, 0);
   }
 
   ++updates_;

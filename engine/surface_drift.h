@@ -29,6 +29,7 @@ namespace prospect {
 /// off by what it had drifted, hence the absolute value.)
 ///
 /// In view: the cells of visit_ground_in_view(). A cell that was never in view counts as seen now.
+/// Of a map that has shrunk or moved, cells keep when they were seen (frame_of_both()).
 ///
 /// A covariance that is none (is_pose_covariance()) bounds nothing: what is not in view at that
 /// update has sigma = infinity, also what was never in view; so the margins go as far as they can

@@ -17,7 +17,8 @@ void calibrate_to_tracked(std::vector<Landmark>& landmarks, const Eigen::VectorX
   const double c = std::clamp(1.0 + (tracked - predicted) / slope, kLeast, kMost);
   for (std::size_t i = 0; i < landmarks.size(); ++i) {
     const double pi = visible[static_cast<Eigen::Index>(i)];
-    landmarks[i].multiplicity *= 1.0 + (c - 1.0) * pi / std::max(landmarks[i].survival, 1e-3);
+    const double factor = 1.0 + (c - 1.0) * pi / std::max(landmarks[i].survival, 1e-3);
+    landmarks[i].multiplicity = std::min(kMostMultiplicity, landmarks[i].multiplicity * factor);
   }
 }
 

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
+#include <optional>
 #include <string>
 
 #include "models/parameter_check.h"
@@ -72,7 +74,6 @@ void Traversability::restart(const GridFrame& frame) {
   occupied_sq_ = Grid<std::int32_t>(frame, limit_sq_);
   unknown_sq_ = Grid<std::int32_t>(frame, 0);
   factor_ = Grid<float>(frame, 0.0F);
-  revision_ = 0;
   explored_cells_ = 0;
   fresh_ = false;
   restarted_ = true;
@@ -180,38 +181,61 @@ void Traversability::close(Cell c, double radius) {
   refresh_factors(cells);
 }
 
+GridFrame Traversability::with_rim(const GroundMap& ground) {
+  GridFrame frame = ground.frame();
+  frame.i0 -= GroundMap::kTile;
+  frame.j0 -= GroundMap::kTile;
+  frame.width += 2 * GroundMap::kTile;
+  frame.height += 2 * GroundMap::kTile;
+  return frame;
+}
+
+bool Traversability::continues(const GroundMap& ground) const {
+  return fresh_ || frame_of_both(with_rim(ground), state_.frame).has_value();
+}
+
+// Whether the tile at that cell holds what it did. Of all frames, tiles are whole.
+bool Traversability::as_before(const GroundMap& ground, Cell tile) const {
+  static_assert(sizeof(CellState) == 1 && static_cast<int>(CellState::kUnknown) == 0);
+  static constexpr std::uint8_t kNothing[GroundMap::kTile] = {};
+  const bool mapped = ground.frame().contains(tile);
+  for (int j = tile.j; j < tile.j + GroundMap::kTile; ++j) {
+    const Cell row{tile.i, j};
+    const void* states = mapped ? static_cast<const void*>(&ground.cells()[row]) : kNothing;
+    const void* sights = mapped ? static_cast<const void*>(&ground.sights()[row]) : kNothing;
+    if (std::memcmp(&state_[row], states, GroundMap::kTile) != 0 ||
+        std::memcmp(&see_through_[row], sights, GroundMap::kTile) != 0) {
+      return false;
+    }
+  }
+  return true;
+}
+
 void Traversability::update(const GroundMap& ground) {
   changed_states_.clear();
   newly_known_.clear();
   changed_sights_.clear();
   changed_factors_.clear();
   restarted_ = false;
-  GridFrame frame = ground.frame();
-  frame.i0 -= GroundMap::kTile;
-  frame.j0 -= GroundMap::kTile;
-  frame.width += 2 * GroundMap::kTile;
-  frame.height += 2 * GroundMap::kTile;
-  const GridFrame& old = state_.frame;
-  const bool covers = !fresh_ && frame.resolution == old.resolution && frame.i0 <= old.i0 &&
-                      frame.j0 <= old.j0 && frame.i0 + frame.width >= old.i0 + old.width &&
-                      frame.j0 + frame.height >= old.j0 + old.height;
-  if (!covers || ground.revision() < revision_) {
-    restart(frame);
-  } else if (!(frame == old)) {
-    widen(frame);
+  const GridFrame needed = with_rim(ground);
+  const std::optional<GridFrame> both = fresh_ ? std::nullopt : frame_of_both(needed, state_.frame);
+  if (!both) {
+    restart(needed);
+  } else if (!(*both == state_.frame)) {
+    widen(*both);
   }
 
   // What changed, as one rectangle a tile: of cells that became or ceased to be occupied, likewise
   // unknown.
   std::vector<Rectangle> occupied, unknown;
-  for (int ty = 0; ty < ground.tiles_y(); ++ty) {
-    for (int tx = 0; tx < ground.tiles_x(); ++tx) {
-      if (ground.tile_revision(tx, ty) <= revision_) continue;
-      const GridFrame tile = ground.tile_frame(tx, ty);
+  const GridFrame& f = state_.frame;
+  for (int j0 = f.j0; j0 < f.j0 + f.height; j0 += GroundMap::kTile) {
+    for (int i0 = f.i0; i0 < f.i0 + f.width; i0 += GroundMap::kTile) {
+      if (as_before(ground, {i0, j0})) continue;
       Rectangle o{0, 0, -1, -1}, u{0, 0, -1, -1};
-      for (int j = tile.j0; j < tile.j0 + tile.height; ++j) {
-        for (int i = tile.i0; i < tile.i0 + tile.width; ++i) {
-          const CellState now = ground.cells()[{i, j}];
+      for (int j = j0; j < j0 + GroundMap::kTile; ++j) {
+        for (int i = i0; i < i0 + GroundMap::kTile; ++i) {
+          const CellState now = ground.state({i, j});
           CellState& before = state_[{i, j}];
           const std::uint8_t sight = ground.see_through({i, j});
           if (see_through_[{i, j}] != sight) {
@@ -231,7 +255,6 @@ void Traversability::update(const GroundMap& ground) {
       if (!u.empty()) unknown.push_back(within(u, reach_));
     }
   }
-  revision_ = ground.revision();
 
   // Neighbouring rectangles overlap once widened by the influence radius; joining them where that
   // costs no area avoids computing the overlap twice.

@@ -36,18 +36,21 @@ struct TraversabilityOptions {
 /// integers (in half cells), truncated at the comfortable radius, so the transform is exact and
 /// an update equals a computation from scratch bit for bit.
 ///
-/// update() redoes only cells within comfortable_radius of cells that changed, found in tiles with
-/// a new revision. Value type. Thread-safety: concurrent reads are safe, update() is not. Source:
-/// formulation, section 6 ("V is passable exactly where the hard constraint holds"); factors and
-/// slack from the prototype.
+/// update() redoes only cells within comfortable_radius of cells that changed. It finds them by
+/// comparing the map with what it was, tile by tile (30 us at 400 m^2): any map may follow any
+/// other, and the result depends on the last one alone. Value type. Thread-safety: concurrent reads
+/// are safe, update() is not. Source: formulation, section 6 ("V is passable exactly where the hard
+/// constraint holds"); factors and slack from the prototype.
 class Traversability {
  public:
   /// Throws std::invalid_argument naming the option, its value and what was expected.
   explicit Traversability(const TraversabilityOptions& options);
 
-  /// Brings the clearances up to `ground`: successive calls take successive states of one map. A
-  /// map with another resolution, or one that does not cover the last, starts afresh.
+  /// Brings the clearances up to `ground`. Where it continues() the last map, only what differs is
+  /// computed; else all.
   void update(const GroundMap& ground);
+  /// Whether `ground` can be a later state of the last map (frame_of_both()), or is the first.
+  bool continues(const GroundMap& ground) const;
 
   /// Makes the cells within `radius` [m] of the centre of `c` impassable from now on, whatever the
   /// map says: a gap that could not be passed. Adds them to changed_factors().
@@ -64,8 +67,9 @@ class Traversability {
   /// Whether the last update covered the whole map, for want of a usable past.
   bool restarted() const { return restarted_; }
 
-  /// The frame of the map at the last update and one tile more on every side, all unknown: frontier
-  /// cells just beyond the map have an address in it, and its outermost cells are impassable.
+  /// Holds the map at the last update and one tile more on every side, all unknown: frontier cells
+  /// just beyond the map have an address in it, and its outermost cells are impassable. Larger if
+  /// the map was.
   const GridFrame& frame() const { return state_.frame; }
   CellState state(Cell c) const { return state_.get(c, CellState::kUnknown); }
   const Grid<CellState>& states() const { return state_; }
@@ -93,6 +97,8 @@ class Traversability {
     void add(int i, int j);
     std::int64_t area() const;
   };
+  static GridFrame with_rim(const GroundMap& ground);
+  bool as_before(const GroundMap& ground, Cell tile) const;
   void restart(const GridFrame& frame);
   void widen(const GridFrame& frame);
   void transform(Rectangle cells, bool unknown);
@@ -109,7 +115,6 @@ class Traversability {
   Grid<std::int32_t> occupied_sq_;  // squared distance [(cell / 2)^2], truncated
   Grid<std::int32_t> unknown_sq_;
   Grid<float> factor_;
-  std::uint64_t revision_ = 0;
   std::int64_t explored_cells_ = 0;
   bool fresh_ = true;
   bool restarted_ = true;

@@ -97,12 +97,14 @@ void validate(const StereoCamera& camera) {
 
 void validate(const RgbdFootprint& footprint) {
   constexpr std::string_view kOwner = "depth sensor";
-  const auto below_pi = [&](std::string_view name, double value) {
-    check_parameter(value > 0.0 && value < std::numbers::pi, kOwner, name, value,
-                    "an angle in (0, pi) rad");
-  };
-  below_pi("horizontal_fov", footprint.horizontal_fov);
-  below_pi("vertical_fov", footprint.vertical_fov);
+  constexpr double kRounding = 1e-3;  // [rad]: 6.2832 is meant to be all round
+  check_parameter(footprint.horizontal_fov > 0.0 &&
+                      footprint.horizontal_fov <= 2.0 * std::numbers::pi + kRounding,
+                  kOwner, "horizontal_fov", footprint.horizontal_fov,
+                  "an angle above 0, up to 2 pi rad");
+  check_parameter(
+      footprint.vertical_fov >= 0.0 && footprint.vertical_fov <= std::numbers::pi + kRounding,
+      kOwner, "vertical_fov", footprint.vertical_fov, "an angle from 0 to pi rad");
   check_not_negative(kOwner, "min_range", footprint.min_range);
   check_parameter(std::isfinite(footprint.max_range) && footprint.max_range > footprint.min_range,
                   kOwner, "max_range", footprint.max_range,

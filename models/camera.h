@@ -41,10 +41,10 @@ struct StereoCamera {
 };
 
 /// What a depth sensor resolves: |azimuth| <= horizontal_fov/2, |elevation| <= vertical_fov/2,
-/// min_range <= range <= max_range, unoccluded.
+/// min_range <= range <= max_range, unoccluded. A depth camera, or a lidar: up to all round.
 struct RgbdFootprint {
-  double horizontal_fov = 1.22;  ///< [rad]
-  double vertical_fov = 0.95;    ///< [rad]
+  double horizontal_fov = 1.22;  ///< [rad], up to 2 pi
+  double vertical_fov = 0.95;    ///< [rad], up to pi; 0: a single layer of rays
   double min_range = 0.3;        ///< [m]
   double max_range = 4.0;        ///< [m]
 };
@@ -60,7 +60,8 @@ struct CameraMount {
                                           double pitch = 0.0);
 };
 
-/// Throw std::invalid_argument naming the entry, its value and what was expected.
+/// Throw std::invalid_argument naming the entry, its value and what was expected. Of angles, a
+/// milliradian too much is taken for rounding.
 void validate(const PinholeCamera& camera);
 void validate(const StereoCamera& camera);
 void validate(const RgbdFootprint& footprint);

@@ -110,9 +110,10 @@ void read_robot(YamlMap map, Configuration& c) {
   YamlMap depth = map.map("depth");
   RgbdFootprint& f = c.robot.depth;
   f.horizontal_fov = kDegree * depth.number("horizontal_fov", f.horizontal_fov / kDegree, 1.0,
-                                            170.0, "deg", "horizontal field of view");
-  f.vertical_fov = kDegree * depth.number("vertical_fov", f.vertical_fov / kDegree, 1.0, 170.0,
-                                          "deg", "vertical field of view");
+                                            360.0, "deg", "horizontal field of view");
+  f.vertical_fov =
+      kDegree * depth.number("vertical_fov", f.vertical_fov / kDegree, 0.0, 180.0, "deg",
+                             "vertical field of view; 0: a single layer of rays");
   f.min_range = depth.number("min_range", f.min_range, 0.0, 100.0, "m", "nearest measured range");
   f.max_range = depth.number("max_range", f.max_range, 0.5, 100.0, "m", "farthest measured range");
   if (!(f.max_range > f.min_range))
@@ -315,6 +316,7 @@ Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
   c.simulator.shape = c.robot.shape;
   c.simulator.base_height = c.robot.base_height();
   c.simulator.depth.footprint = c.robot.depth;
+  set_resolution(c.simulator.depth);
   c.simulator.depth_mount = c.robot.depth_mount;
   c.simulator.features.stereo = c.robot.stereo;
   c.simulator.features.min_depth = c.planner.visibility.r_min;

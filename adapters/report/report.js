@@ -336,7 +336,7 @@ function zoom(factor, sx = boxWidth / 2, sy = boxHeight / 2) {
 
 // How far the sensor sees along each ray, given the cells known to be occupied.
 function viewPolygon(x, y, yaw) {
-  const rays = 90, points = [];
+  const rays = Math.max(90, Math.ceil(run.sensor_fov / 0.014)), points = [];
   for (let i = 0; i <= rays; ++i) {
     const angle = yaw + run.sensor_fov * (i / rays - 0.5);
     const dx = Math.cos(angle), dy = Math.sin(angle);
@@ -477,7 +477,8 @@ function draw() {
     pen.drawImage(tint, left, top, field.width * field.size * view.scale, field.height * field.size * view.scale);
   }
   if (layers.view) {
-    trace([[x, y], ...viewPolygon(x, y, yaw)]);
+    const allRound = run.sensor_fov > 2 * Math.PI - 0.06;  // no edges to draw from where it stands
+    trace([...(allRound ? [] : [[x, y]]), ...viewPolygon(x, y, yaw)]);
     pen.closePath();
     pen.fillStyle = `rgba(${colors.view}, 0.13)`; pen.fill();
     pen.strokeStyle = `rgba(${colors.view}, 0.35)`; pen.lineWidth = 1; pen.stroke();

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <stdexcept>
+#include <string>
 
 #include "adapters/run/summary.h"
 #include "adapters/simulator/simulator.h"
@@ -181,6 +183,12 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                                      const Configuration& configuration,
                                      const ExplorationRunOptions& options) {
   const auto wall_start = std::chrono::steady_clock::now();
+  if (configuration.robot.model && configuration.robot.model->pose_layout().pz >= 0) {
+    throw std::invalid_argument("robot.model is '" +
+                                std::string(configuration.robot.model->name()) +
+                                "', which flies; expected a model that drives, as frontiers and "
+                                "the simulator are planar");
+  }
   const std::unique_ptr<Replanner> planner = planner_for(configuration, options);
   const Planner* own_planner = dynamic_cast<const Planner*>(planner.get());
   const ReachableArea reachable = reachable_area(*world, configuration);

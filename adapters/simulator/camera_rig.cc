@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -109,6 +110,14 @@ CameraRig::CameraRig(std::shared_ptr<const SceneRenderer> scene, const CameraRig
                           std::string_view expected) {
     check_parameter(value >= low && value <= high, kOwner, name, value, expected);
   };
+  // A depth image is in perspective here, as that of a depth camera.
+  constexpr double kDegree = M_PI / 180.0;
+  for (const auto& [name, angle] : {std::pair{"horizontal_fov", options.footprint.horizontal_fov},
+                                    {"vertical_fov", options.footprint.vertical_fov}}) {
+    within(std::string("depth.") + name, angle / kDegree, 1.0 - 1e-9, 170.0 + 1e-9,
+           "1..170 degrees, as rendered depth is an image in perspective; sensors: model takes all "
+           "sensors");
+  }
   within("depth_width", options.depth_width, 1, 16384, "1..16384 px");
   within("depth_height", options.depth_height, 1, 16384, "1..16384 px");
   within("exposure", options.exposure, 0.0, 100.0, "a gain in [0, 100]");

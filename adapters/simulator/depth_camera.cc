@@ -1,5 +1,6 @@
 #include "adapters/simulator/depth_camera.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
@@ -26,16 +27,22 @@ DepthScan transform(const DepthScan& scan_B, const Pose& pose) {
   return scan;
 }
 
+void set_resolution(DepthCameraOptions& options) {
+  const DepthCameraOptions fallback;
+  const auto rays = [](int standard, double angle, double standard_angle) {
+    return std::max(1, static_cast<int>(std::lround(standard * angle / standard_angle)));
+  };
+  options.columns =
+      rays(fallback.columns, options.footprint.horizontal_fov, fallback.footprint.horizontal_fov);
+  options.rows =
+      rays(fallback.rows, options.footprint.vertical_fov, fallback.footprint.vertical_fov);
+}
+
 DepthCamera::DepthCamera(const World& world, const DepthCameraOptions& options,
                          const CameraMount& mount, std::uint64_t seed)
     : world_(&world), options_(options), mount_(mount), noise_(seed) {
   const RgbdFootprint& f = options.footprint;
-  check_parameter(f.horizontal_fov > 0.0 && f.horizontal_fov < 3.0, "depth camera",
-                  "horizontal_fov", f.horizontal_fov, "0..3 rad");
-  check_parameter(f.vertical_fov > 0.0 && f.vertical_fov < 3.0, "depth camera", "vertical_fov",
-                  f.vertical_fov, "0..3 rad");
-  check_parameter(f.min_range >= 0.0 && f.min_range < f.max_range, "depth camera", "min_range",
-                  f.min_range, "at least 0 and below max_range");
+  validate(f);
   check_parameter(std::isfinite(f.max_range) && f.max_range < 1000.0, "depth camera", "max_range",
                   f.max_range, "below 1000 m");
   check_parameter(options.columns >= 1 && options.columns <= 4096, "depth camera", "columns",
@@ -70,6 +77,7 @@ DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen
   const Eigen::Vector3d from = T_WC.translation();
   const Eigen::Vector3i start = voxels.voxel(from);
   const double max_range = options_.footprint.max_range;
+  const bool perspective = options_.footprint.horizontal_fov < M_PI;
 
   DepthScan scan;
   scan.origin = mount_.T_BC.translation();
@@ -121,7 +129,7 @@ DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen
     const double error = normal(noise_);
     if (drop < options_.dropout) continue;
     if (hit && range < options_.footprint.min_range) continue;
-    const double z = range * direction_C.z();
+    const double z = perspective ? range * direction_C.z() : range;
     const double measured =
         range + error * (options_.noise_constant + options_.noise_quadratic * z * z);
     const bool reported = hit && measured > 0.0 && measured <= max_range;

@@ -18,13 +18,18 @@ struct DepthCameraOptions {
   int columns = 80;
   int rows = 60;
   /// Range noise, one standard deviation: noise_constant + noise_quadratic z^2 [m; 1/m], z the
-  /// depth along the optical axis. The defaults are those of a structured-light camera.
+  /// depth along the optical axis; from a field of view of 180 degrees on, which no image in
+  /// perspective has, the range. The defaults are those of a structured-light camera.
   double noise_constant = 0.0015;
   double noise_quadratic = 0.0016;
   double dropout = 0.02;  ///< probability that a ray gives no valid measurement
 };
 
-/// Depth camera, ray-cast against a world's true voxels with an exact traversal.
+/// Columns and rows at the spacing that the defaults have in the default footprint (0.9 degrees),
+/// at least one of each.
+void set_resolution(DepthCameraOptions& options);
+
+/// Depth camera or lidar, ray-cast against a world's true voxels with an exact traversal.
 ///
 /// A ray at azimuth a and elevation e looks along (sin a cos e, -sin e, cos a cos e) in C. It gives
 ///   a hit   at range s + noise, if the first solid voxel is entered at s, min_range <= s, and the

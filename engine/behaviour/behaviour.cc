@@ -110,7 +110,7 @@ std::string print(const char* pattern, Args... args) {
 std::string localization_text(const Facts& f) {
   switch (f.localization) {
     case Localization::kOk:
-      return "localization is back, too few features yet";
+      return "localization is back, but on too little yet";
     case Localization::kDegraded:
       return "localization is degraded";
     case Localization::kLost:
@@ -162,6 +162,7 @@ std::string doing(const Mode& mode, const Facts& facts) {
     case Kind::kLookAround:
       return print("Looks around: nothing is reachable for %.1f s", frontiers.exhausted_for);
     case Kind::kRetreat: {
+      if (!facts.rests_on_features) return "Turns back: " + localization_text(facts);
       std::string text =
           print("Turns back: %d features in view, ", facts.tracked) + localization_text(facts);
       if (facts.tracked_at_retreat > 0) {

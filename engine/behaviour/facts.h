@@ -27,13 +27,14 @@ struct FrontierFacts {
 struct Facts {
   double stamp = 0.0;
   Localization localization = Localization::kOk;
+  bool rests_on_features = true;  ///< localization is visual odometry, not the robot's own
   int tracked = 0;                ///< features in the newest image
   bool enough_features = true;    ///< localization is ok, and enough are tracked to go on
   double lost_for = 0.0;          ///< [s] since localization was not lost; 0 if it is not
   int tracked_at_retreat = 0;     ///< features at the newest place where enough were tracked
   double retreat_distance = 0.0;  ///< [m] from there, as the crow flies; 0 without such a place
   std::optional<double> not_following_at{};  ///< when last noticed (FollowingMonitor)
-  bool stuck = false;                      ///< it tries to get on and does not (StuckMonitor)
+  bool stuck = false;                        ///< it tries to get on and does not (StuckMonitor)
   /// None until they are up to date: what comes before them in the table is decided without.
   std::optional<FrontierFacts> frontiers{};
 };

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "engine/occlusion_table.h"
+#include "engine/usable_landmarks.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -25,7 +26,7 @@ using Matrix6d = Eigen::Matrix<double, 6, 6>;
 constexpr const char* kOwner = "visibility prediction";
 constexpr double kSmallestNearDepth = 0.1;  // [m]; gate, see the header
 constexpr double kSmoothing = 1e-3;         // e of the smooth length [m] and angle [rad]
-constexpr double kLargest = 1e8;            // poses beyond are not evaluable [m], [rad]
+constexpr double kLargest = 1e8;  // poses beyond are not evaluable [m], [rad]; nor landmarks
 
 // sqrt(x^2 + e^2) - e and its derivative over x.
 double smooth_length(double squared, double& derivative_over_x) {
@@ -72,35 +73,7 @@ void check(const VisibilityParameters& p, const StereoCamera& camera) {
 }
 
 void check(const Landmark& l) {
-  const double far = l.position.cwiseAbs().maxCoeff();
-  if (!l.position.allFinite() || far > kLargest) {
-    refuse(l, "position is not usable; expected finite coordinates within 1e8 m");
-  }
-  if (!l.covariance.allFinite() || l.covariance.cwiseAbs().maxCoeff() > 1e12) {
-    refuse(l, "covariance is not usable; expected finite entries up to 1e12 m^2");
-  }
-  const Matrix3d symmetric = 0.5 * (l.covariance + l.covariance.transpose());
-  Eigen::SelfAdjointEigenSolver<Matrix3d> eigen;
-  eigen.computeDirect(symmetric, Eigen::EigenvaluesOnly);
-  const double largest = symmetric.cwiseAbs().maxCoeff();
-  if (!(eigen.eigenvalues().minCoeff() >= -1e-6 * largest)) {
-    refuse(l, "covariance has a negative eigenvalue; expected a positive semi-definite matrix");
-  }
-  if (!l.creation_direction.allFinite() || !(l.creation_direction.norm() > 1e-6)) {
-    refuse(l, "creation_direction has no direction; expected a unit vector");
-  }
-  if (!(l.creation_range > 0.0) || !std::isfinite(l.creation_range)) {
-    refuse(l, "creation_range is " + std::to_string(l.creation_range) + "; expected > 0 m");
-  }
-  if (!(l.survival >= 0.0 && l.survival <= 1.0)) {
-    refuse(l, "survival is " + std::to_string(l.survival) + "; expected 0 to 1");
-  }
-  if (!(l.multiplicity > 0.0 && l.multiplicity <= 1e6)) {
-    refuse(l, "multiplicity is " + std::to_string(l.multiplicity) + "; expected above 0, to 1e6");
-  }
-  if (!(l.crowding >= 0.0 && l.crowding <= 1e6)) {
-    refuse(l, "crowding is " + std::to_string(l.crowding) + "; expected 0 to 1e6 / m^2");
-  }
+  if (const std::string fault = fault_of(l, kLargest); !fault.empty()) refuse(l, fault);
 }
 
 /// l in lane j, its position from `origin`.

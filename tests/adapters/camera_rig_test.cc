@@ -360,6 +360,10 @@ TEST(CameraRig, RefusesWhatMakesNoSense) {
   refused([](CameraRigOptions& o) { o.depth_dropout = 1.1; });
   refused([](CameraRigOptions& o) { o.threads = 0; });
   refused([](CameraRigOptions& o) { o.footprint.max_range = 0.1; });
+  // No image in perspective shows it.
+  refused([](CameraRigOptions& o) { o.footprint.horizontal_fov = 2.0 * M_PI; });
+  refused([](CameraRigOptions& o) { o.footprint.horizontal_fov = 3.1; });
+  refused([](CameraRigOptions& o) { o.footprint.vertical_fov = 0.0; });
   refused([](CameraRigOptions& o) { o.stereo.baseline = 0.0; });
 }
 

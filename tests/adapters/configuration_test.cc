@@ -113,6 +113,23 @@ TEST(Configuration, AnglesAreInDegrees) {
   EXPECT_EQ(c.robot.depth_mount.T_BC.translation(), Eigen::Vector3d(0.1, 0.0, 0.5));
 }
 
+TEST(Configuration, SensorsSeeUpToAllRound) {
+  const Configuration c =
+      read("robot: {depth: {horizontal_fov: 360, vertical_fov: 0, max_range: 12}}");
+  EXPECT_NEAR(c.robot.depth.horizontal_fov, 2.0 * M_PI, 1e-12);
+  EXPECT_EQ(c.robot.depth.vertical_fov, 0.0);
+  // The simulated one has its rays as near to each other as by default, in one layer.
+  EXPECT_EQ(c.simulator.depth.columns, 412);
+  EXPECT_EQ(c.simulator.depth.rows, 1);
+  EXPECT_EQ(read("").simulator.depth.columns, 80);
+  EXPECT_EQ(read("").simulator.depth.rows, 60);
+  EXPECT_EQ(read("robot: {depth: {horizontal_fov: 1}}").simulator.depth.columns, 1);
+  EXPECT_THAT(problems("robot: {depth: {horizontal_fov: 361}}"),
+              HasSubstr("f.yaml:1: robot.depth.horizontal_fov"));
+  EXPECT_THAT(problems("robot: {depth: {vertical_fov: 181}}"),
+              HasSubstr("f.yaml:1: robot.depth.vertical_fov"));
+}
+
 // Whatever is asked for is in effect, and what is in effect reads back as itself.
 TEST(Configuration, WhatIsInEffectReadsBackAsItself) {
   for (const char* text :

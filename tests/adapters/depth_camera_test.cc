@@ -169,6 +169,49 @@ TEST(DepthCamera, SameSeedSameBitsAndOtherSeedOthers) {
   EXPECT_TRUE(differs);
 }
 
+TEST(DepthCamera, ALidarSeesAllRoundAndNothingTwice) {
+  const World world = test::box_room(5.0, 4.0);
+  for (const double degrees : {200.0, 270.0, 360.0}) {
+    for (const double vertical : {0.0, 0.5}) {
+      DepthCameraOptions options = noiseless();
+      options.footprint = {degrees * M_PI / 180.0, vertical, 0.1, 12.0};
+      set_resolution(options);
+      EXPECT_EQ(options.rows, vertical == 0.0 ? 1 : 32);
+      EXPECT_NEAR(options.columns, 80 * options.footprint.horizontal_fov / 1.22, 0.5);
+      DepthCamera camera(world, options, {}, 1);
+      const Pose pose{{2.53, 1.97, 0.0}, 0.4};
+      const DepthScan scan = camera.sense(pose);
+      EXPECT_EQ(scan.hits.size(), camera.directions().size());
+      double left = 0.0, right = 0.0;
+      for (std::size_t n = 0; n < scan.hits.size(); ++n) {
+        const Eigen::Vector3d to = scan.hits[n] - scan.origin;
+        const double azimuth = std::atan2(to.y(), to.x());
+        left = std::max(left, azimuth);
+        right = std::min(right, azimuth);
+        const Eigen::Isometry3d T_WC = camera_pose(pose, camera.mount());
+        EXPECT_NEAR(
+            to.norm(),
+            brute_force_range(world, T_WC.translation(), T_WC.linear() * camera.directions()[n]),
+            1e-9);
+        if (vertical == 0.0) {
+          EXPECT_NEAR(to.z(), 0.0, 1e-12);
+        }
+      }
+      // The outermost rays are half a spacing within the sides; all round, a spacing apart.
+      const double spacing = options.footprint.horizontal_fov / options.columns;
+      EXPECT_NEAR(left - right, options.footprint.horizontal_fov - spacing, 1e-9);
+    }
+  }
+}
+
+TEST(DepthCamera, TheDefaultFootprintHasTheDefaultResolution) {
+  DepthCameraOptions options;
+  options.columns = options.rows = 1;
+  set_resolution(options);
+  EXPECT_EQ(options.columns, 80);
+  EXPECT_EQ(options.rows, 60);
+}
+
 TEST(DepthCamera, RejectsOptionsOutOfRangeAndSurvivesPosesOutside) {
   const World world = test::box_room(2.0, 2.0);
   DepthCameraOptions options;
@@ -176,6 +219,9 @@ TEST(DepthCamera, RejectsOptionsOutOfRangeAndSurvivesPosesOutside) {
   EXPECT_THROW(DepthCamera(world, options, {}, 1), std::invalid_argument);
   options = {};
   options.footprint.max_range = 0.1;
+  EXPECT_THROW(DepthCamera(world, options, {}, 1), std::invalid_argument);
+  options = {};
+  options.footprint.horizontal_fov = 6.3;
   EXPECT_THROW(DepthCamera(world, options, {}, 1), std::invalid_argument);
   options = {};
   options.dropout = 1.5;

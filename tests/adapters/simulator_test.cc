@@ -7,7 +7,10 @@
 #include <cstdio>
 #include <ctime>
 #include <stdexcept>
+#include <string>
 
+#include "adapters/config/configuration.h"
+#include "adapters/run/exploration_run.h"
 #include "engine/map_projection.h"
 #include "tests/adapters/box_room.h"
 
@@ -52,6 +55,34 @@ void tour(Simulator& simulator) {
   go_to(simulator, 5.9, 5.2);
   go_to(simulator, 7.0, 3.0);
   simulator.apply(twist(0.0, -1.0), 6.3);
+}
+
+// From prediction to report: whatever the sensor's field of view, a mission explores the two rooms.
+TEST(Simulator, SensorsOfAnyFieldOfViewExplore) {
+  for (const char* depth :
+       {"{horizontal_fov: 360, max_range: 12}", "{horizontal_fov: 270, max_range: 12}",
+        "{horizontal_fov: 360, vertical_fov: 0, min_range: 0.1, max_range: 12}",
+        "{horizontal_fov: 180, vertical_fov: 2}", "{horizontal_fov: 360, vertical_fov: 180}",
+        "{horizontal_fov: 15, vertical_fov: 15, max_range: 6}"}) {
+    SCOPED_TRACE(depth);
+    const Configuration configuration = configuration_from_text(
+        std::string("robot: {depth: ") + depth +
+            "}\nsimulator: {odometry: {perfect: true}}\nmission: {time_limit: 60}\n",
+        "test");
+    const ExplorationRunResult result = run_exploration(office_like(), configuration, {});
+    const Summary& s = result.record.summary;
+    std::printf("%s: coverage %.3f in %.0f s, %.1f m, %d of %d steps fell back\n", depth,
+                s.coverage, s.duration_s, s.path_length_m, s.fallbacks, s.steps);
+    EXPECT_GT(s.coverage, 0.97);
+    EXPECT_EQ(s.collisions, 0);
+    EXPECT_LT(s.fallbacks, 0.1 * s.steps);
+  }
+}
+
+TEST(Simulator, AMissionOfARobotThatFliesIsRefused) {
+  const Configuration configuration =
+      configuration_from_text("robot: {model: multirotor}\n", "test");
+  EXPECT_THROW(run_exploration(office_like(), configuration, {}), std::invalid_argument);
 }
 
 TEST(Simulator, BeliefAtTheStartIsUsable) {

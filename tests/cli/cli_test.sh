@@ -127,6 +127,17 @@ refused "value out of range" range.yaml:2: "planner.N: is '100000'; expected a w
   "${explore[@]}" office --config range.yaml
 refused "unknown solver in a file" solver.yaml:3: "unknown solver 'nlop' (did you mean 'nlopt'?)" \
   "${explore[@]}" office --config solver.yaml
+printf 'robot: {model: multirotor}\n' >flies.yaml
+refused "a robot that flies" robot.model "'multirotor', which flies; expected a model that drives" \
+  "${explore[@]}" office --config flies.yaml
+printf 'robot: {depth: {horizontal_fov: 360, vertical_fov: 0, max_range: 12}}\n' >lidar.yaml
+succeeds "a mission with a lidar" explore office --time-limit 1 --quiet --out lidar \
+  --config lidar.yaml
+run "${explore[@]}" office --config lidar.yaml --sensors camera
+if ((code != 3)); then  # 3: cameras are not built in
+  refused "a lidar as a camera that is rendered" depth.horizontal_fov \
+    "is 360; expected 1..170 degrees" "${explore[@]}" office --config lidar.yaml --sensors camera
+fi
 refused "missing configuration" no.yaml "no such file; expected" \
   "${explore[@]}" office --config no.yaml
 refused "directory as configuration" folder "is a directory; expected" config folder

@@ -116,6 +116,73 @@ TEST(ExplorationGuide, TheSameHistoryGivesTheSameBits) {
   }
 }
 
+// What a robot hands over that projects its own map at each step: the part that is known, in a map
+// made anew. Another time it comes with other revisions, another frame, or twice.
+TEST(ExplorationGuide, AMapProjectedAnewLeadsWhereOneThatIsKeptDoes) {
+  std::mt19937_64 random(13);
+  const auto world = test::GroundWorld::rooms(12.0, 0.1, 20, random);
+  const Cell start = world.open_cell(4, random);
+  GroundMap map(GridFrame{0.1, start.i, start.j, 1, 1});
+  ExplorationGuide kept{ExplorationGuideOptions{}}, anew{ExplorationGuideOptions{}};
+  const Eigen::Vector2d p0 = world.truth.frame.center(start);
+  Pose pose{{p0.x(), p0.y(), 0.0}, 0.0};
+  double explored = 0.0;
+  for (int step = 0; step < 150; ++step) {
+    world.sense(pose, 4.0, 1.05, map);
+    int low[2] = {1 << 20, 1 << 20}, high[2] = {-(1 << 20), -(1 << 20)};
+    for (int k = 0; k < map.frame().size(); ++k) {
+      const Cell c = map.frame().at(k);
+      if (!map.explored(c)) continue;
+      low[0] = std::min(low[0], c.i), high[0] = std::max(high[0], c.i);
+      low[1] = std::min(low[1], c.j), high[1] = std::max(high[1], c.j);
+    }
+    // Some maps are wider for no reason, the next is not.
+    const int spare = step % 7 == 3 ? 40 : 0;
+    GroundMap projected(GridFrame{0.1, low[0] - spare, low[1], high[0] - low[0] + 1 + 2 * spare,
+                                  high[1] - low[1] + 1});
+    for (int k = projected.frame().size() - 1; k >= 0; --k) {
+      const Cell c = projected.frame().at(k);
+      projected.set(c, map.state(c), map.see_through(c));
+    }
+    const auto a = kept.update(map, pose, 0.5 * step);
+    const auto b = anew.update(projected, pose, 0.5 * step);
+    ASSERT_EQ(a->explored_area, b->explored_area) << step;
+    ASSERT_EQ(a->facts.exhausted, b->facts.exhausted) << step;
+    ASSERT_EQ(a->facts.stalled_for, b->facts.stalled_for) << step;
+    ASSERT_EQ(a->cost_to_go->cells().data, b->cost_to_go->cells().data) << step;
+    ASSERT_EQ(a->frontiers.size(), b->frontiers.size());
+    ASSERT_EQ(a->target.has_value(), b->target.has_value());
+    if (a->target) {
+      ASSERT_EQ(a->target->viewpoint, b->target->viewpoint);
+      test::follow(*a, pose);
+    }
+    explored = b->explored_area;
+  }
+  EXPECT_GT(explored, 60.0);
+}
+
+TEST(ExplorationGuide, BeginsAnewOnAMapOfAnotherPlaceOrResolution) {
+  std::mt19937_64 random(14);
+  ExplorationGuide guide{ExplorationGuideOptions{}};
+  double stamp = 0.0;
+  for (const double r : {0.1, 0.05, 0.1}) {
+    const auto world = test::GroundWorld::rooms(8.0, r, 5, random);
+    const Cell start = world.open_cell(6, random);
+    const Eigen::Vector2d p = world.truth.frame.center(start);
+    Pose pose{{p.x(), p.y(), 0.0}, 0.0};
+    GroundMap map(world.truth.frame);
+    ExplorationGuide fresh{ExplorationGuideOptions{}};
+    for (int step = 0; step < 10; ++step, stamp += 0.5) {
+      world.sense(pose, 4.0, 1.05, map);
+      const auto g = guide.update(map, pose, stamp), f = fresh.update(map, pose, stamp);
+      ASSERT_EQ(g->explored_area, f->explored_area);
+      ASSERT_EQ(g->facts.exhausted, f->facts.exhausted);
+      ASSERT_EQ(g->cost_to_go->cells().data, f->cost_to_go->cells().data);
+      if (g->target) test::follow(*g, pose);
+    }
+  }
+}
+
 // A snapshot handed out does not change under its holder.
 TEST(ExplorationGuide, GuidanceIsImmutable) {
   GroundMap map(GridFrame{0.1, 0, 0, 64, 64});

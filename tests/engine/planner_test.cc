@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "engine/behaviour/monitors/stuck_monitor.h"
@@ -22,6 +23,7 @@
 #include "engine/present_view.h"
 #include "engine/surface_drift.h"
 #include "models/make_model.h"
+#include "tests/engine/landmark_faults.h"
 #include "tests/engine/room_belief.h"
 
 namespace prospect::planner_test {
@@ -269,6 +271,245 @@ TEST_F(PlannerTest, EveryModelGetsExecutablePlans) {
     }
     EXPECT_GT(certified, 2);
   }
+}
+
+// A robot may project its map anew at each step: what the planner does is what it does with a map
+// that is kept, to the bit.
+TEST_F(PlannerTest, PlansTheSameOnAMapKeptAndOnOneProjectedAnew) {
+  Planner with_kept = make(), with_anew = make();
+  Belief belief = Room{.seen = 2.4, .landmarks_per_wall = 20}.belief();
+  GroundMap ground(GridFrame{0.1, -64, -64, 192, 128});  // always far wider than what is known
+  double explored = 0.0;
+  for (int step = 0; step < 12; ++step) {
+    // At times what is known ends where a tile does, and with it a map projected anew.
+    const Belief seen = Room{.seen = 2.4 + 0.4 * step, .landmarks_per_wall = 20}.belief();
+    for (int k = 0; k < seen.ground->frame().size(); ++k) {
+      const Cell c = seen.ground->frame().at(k);
+      ground.set(c, seen.ground->state(c), seen.ground->see_through(c));
+    }
+    belief.octree = seen.octree;
+    belief.voxels = seen.voxels;
+    belief.landmarks = seen.landmarks;
+    Belief kept = belief, anew = belief;
+    kept.ground = std::make_shared<const GroundMap>(ground);
+    anew.ground = seen.ground;
+    const Plan plan = with_kept.plan(kept), other = with_anew.plan(anew);
+    ASSERT_EQ(plan.commands.size(), other.commands.size());
+    for (std::size_t k = 0; k < plan.commands.size(); ++k) {
+      ASSERT_EQ(plan.commands[k].linear, other.commands[k].linear) << step;
+      ASSERT_EQ(plan.commands[k].yaw_rate, other.commands[k].yaw_rate) << step;
+    }
+    ASSERT_EQ(plan.explanation.cost, other.explanation.cost);
+    ASSERT_EQ(with_anew.guidance()->explored_area, with_kept.guidance()->explored_area);
+    EXPECT_NEAR(with_anew.guidance()->explored_area,
+                0.01 * (seen.ground->free_cells() + seen.ground->occupied_cells()), 1e-9);
+    EXPECT_GT(with_anew.guidance()->explored_area, explored);
+    explored = with_anew.guidance()->explored_area;
+    belief = after(belief, plan);
+  }
+}
+
+// Whatever map comes next, smaller, of another resolution or of another place.
+TEST_F(PlannerTest, SeesWhatTheMapSaysWhateverCameBefore) {
+  Planner planner = make();
+  const auto coarse = [] {
+    auto tree = std::make_shared<octomap::OcTree>(0.2);
+    for (float x = -0.9F; x < 3.0F; x += 0.2F) {
+      for (float y = -1.9F; y < 2.0F; y += 0.2F) {
+        for (float z = 0.1F; z < 1.2F; z += 0.2F) {
+          tree->updateNode(x, y, z, x < -0.8F || std::abs(y) > 1.8F);
+        }
+      }
+    }
+    Belief b = Room{}.belief();
+    const BeliefMaps maps = belief_maps(tree, {0.1, 0.5}, 0.0, 1.2);
+    b.octree = maps.octree, b.voxels = maps.voxels, b.ground = maps.ground;
+    return b;
+  };
+  double stamp = 0.0;
+  for (Belief belief : {Room{.seen = 4.0}.belief(), Room{.seen = 2.5}.belief(), coarse(),
+                        Room{}.belief(), empty_belief(), Room{.seen = 5.0, .box = false}.belief(),
+                        coarse(), Room{.seen = 3.0, .box = false}.belief()}) {
+    for (int again = 0; again < 2; ++again) {
+      belief.stamp = stamp;
+      stamp += 0.5;
+      const Plan plan = planner.plan(belief);
+      expect_executable(plan, belief);
+      const double r = belief.ground->frame().resolution;
+      const int known = belief.ground->free_cells() + belief.ground->occupied_cells();
+      EXPECT_NEAR(planner.guidance()->explored_area, known * r * r, 1e-9);
+      if (known == 0) continue;
+      EXPECT_TRUE(plan.certified) << plan.detail;
+      EXPECT_TRUE(plan.has_active_frontier);
+      for (const Frontier& f : planner.guidance()->frontiers) {
+        for (const Cell c : f.cells) ASSERT_FALSE(belief.ground->explored(c));
+      }
+    }
+  }
+}
+
+TEST_F(PlannerTest, SensorsOfAnyFieldOfViewDrive) {
+  constexpr double kDegree = M_PI / 180.0;
+  for (const auto& [horizontal, vertical] : {std::pair{360.0, 54.0},
+                                             {360.0, 0.0},
+                                             {270.0, 30.0},
+                                             {180.0, 54.0},
+                                             {190.0, 1.0},
+                                             {360.0, 180.0},
+                                             {3.0, 3.0},
+                                             {1.0, 0.0}}) {
+    SCOPED_TRACE(horizontal);
+    robot_.depth.horizontal_fov = horizontal * kDegree;
+    robot_.depth.vertical_fov = vertical * kDegree;
+    Planner planner = make();
+    Belief belief = Room{.landmarks_per_wall = 20}.belief();
+    for (int step = 0; step < 6; ++step) {
+      const Plan plan = planner.plan(belief);
+      expect_executable(plan, belief);
+      ASSERT_TRUE(plan.certified) << plan.detail;
+      belief = after(belief, plan);
+    }
+    EXPECT_GT(belief.pose.position.x(), 0.5);
+  }
+  robot_.depth.max_range = 100.0;
+  EXPECT_TRUE(make().plan(Room{.landmarks_per_wall = 20}.belief()).certified);
+}
+
+TEST_F(PlannerTest, WhatNoPlanCouldBeMadeOfIsRefusedAtOnce) {
+  const auto refusal =
+      [&](const std::function<void(RobotDescription&, PlannerParameters&)>& spoil) {
+        RobotDescription robot = robot_;
+        PlannerParameters parameters = parameters_;
+        spoil(robot, parameters);
+        try {
+          Planner planner(robot, parameters, std::make_shared<Descent>());
+        } catch (const std::invalid_argument& e) {
+          return std::string(e.what());
+        }
+        return std::string("nothing");
+      };
+  using R = RobotDescription&;
+  using P = PlannerParameters&;
+  const std::vector<std::pair<std::string, std::function<void(R, P)>>> table = {
+      {"horizontal_fov is 7", [](R r, P) { r.depth.horizontal_fov = 7.0; }},
+      {"horizontal_fov is 0", [](R r, P) { r.depth.horizontal_fov = 0.0; }},
+      {"vertical_fov is 4", [](R r, P) { r.depth.vertical_fov = 4.0; }},
+      {"max_range is", [](R r, P) { r.depth.max_range = 0.1; }},
+      {"min_range is", [](R r, P) { r.depth.min_range = -1.0; }},
+      {"orthonormal", [](R r, P) { r.depth_mount.T_BC.linear() *= 2.0; }},
+      {"position is nan", [](R r, P) { r.stereo_mount.T_BC.translation().x() = kNan; }},
+      {"fx is 0", [](R r, P) { r.stereo.left.fx = 0.0; }},
+      {"baseline is -1", [](R r, P) { r.stereo.baseline = -1.0; }},
+      {"r_max is", [](R, P p) { p.visibility.r_max = 0.1; }},
+      {"view_angle is", [](R, P p) { p.visibility.view_angle = 4.0; }},
+      {"N_req is 0", [](R, P p) { p.features.N_req = 0.0; }},
+      {"prior_rotation is", [](R, P p) { p.features.prior_rotation = -1.0; }},
+      {"feature_attenuation = ", [](R, P p) { p.feature_attenuation = kNan; }},
+      {"unknown_attenuation = ", [](R, P p) { p.unknown_attenuation = -1.0; }},
+  };
+  for (const auto& [expected, spoil] : table) {
+    const std::string said = refusal(spoil);
+    EXPECT_NE(said.find(expected), std::string::npos)
+        << "expected " << expected << ", got " << said;
+    EXPECT_NE(said.find("expected"), std::string::npos) << said;
+  }
+}
+
+// One bad landmark of many is left out; the rest count, and the robot drives as without it.
+TEST_F(PlannerTest, ABadLandmarkIsLeftOutAndCounted) {
+  const Belief sound = Room{.landmarks_per_wall = 20}.belief();
+  for (const auto& [what, spoil] : test::landmark_faults()) {
+    SCOPED_TRACE(what);
+    Belief bad = sound, without = sound;
+    auto spoiled = std::make_shared<LandmarkMap>(*sound.landmarks);
+    auto rest = std::make_shared<LandmarkMap>(*sound.landmarks);
+    spoil(spoiled->landmarks[17]);
+    rest->landmarks.erase(rest->landmarks.begin() + 17);
+    bad.landmarks = spoiled;
+    without.landmarks = rest;
+    const Plan plan = make().plan(bad), expected = make().plan(without);
+    EXPECT_TRUE(plan.certified) << plan.detail;
+    EXPECT_EQ(plan.landmarks_dropped, 1);
+    EXPECT_NE(plan.landmark_fault.find(what), std::string::npos) << plan.landmark_fault;
+    EXPECT_EQ(expected.landmarks_dropped, 0);
+    EXPECT_EQ(expected.landmark_fault, "");
+    ASSERT_EQ(plan.commands.size(), expected.commands.size());
+    EXPECT_EQ(plan.commands[0].linear, expected.commands[0].linear);
+    EXPECT_EQ(plan.explanation.cost, expected.explanation.cost);
+  }
+}
+
+TEST_F(PlannerTest, ManyLandmarksAtTheirLimitsStopNothing) {
+  parameters_.max_landmarks = 12;  // several stand for one
+  Belief belief = Room{.landmarks_per_wall = 30}.belief();
+  auto map = std::make_shared<LandmarkMap>(*belief.landmarks);
+  for (Landmark& l : map->landmarks) {
+    l.multiplicity = 1e6;
+    l.crowding = 1e6;
+    l.covariance = Eigen::Matrix3d::Identity() * 1e12;
+    l.survival = l.id % 2 == 0 ? 0.0 : 1.0;
+  }
+  map->feature_density = 1e9;
+  belief.landmarks = map;
+  belief.tracked_features = 1'000'000'000;
+  const Plan plan = make().plan(belief);
+  EXPECT_EQ(plan.landmarks_dropped, 0);
+  EXPECT_FALSE(plan.landmark_fault.empty()) << "the density";
+  EXPECT_TRUE(plan.certified) << plan.detail;
+}
+
+// Localization of the robot's own: features are worth nothing, whatever the weights say.
+TEST_F(PlannerTest, WithLocalizationOfItsOwnFeaturesCostNothing) {
+  parameters_.w_c = 1.0;
+  parameters_.guide.cost_to_go.lambda = 3.0;
+  PlannerParameters without = parameters_;
+  without.w_l = without.w_c = 0.0;
+  const Belief room = Room{.landmarks_per_wall = 20}.belief();
+  const auto none = std::make_shared<const LandmarkMap>();
+  for (const auto& landmarks : {room.landmarks, std::shared_ptr<const LandmarkMap>(none),
+                                std::shared_ptr<const LandmarkMap>()}) {
+    for (const int tracked : {0, 3, 200}) {
+      Planner own = make();
+      Planner reference(robot_, without, std::make_shared<Descent>());
+      Belief belief = room;
+      for (int step = 0; step < 6; ++step) {
+        Belief external = belief;
+        external.localization_source = LocalizationSource::kExternal;
+        external.landmarks = landmarks;
+        external.tracked_features = tracked;
+        const Plan plan = own.plan(external), expected = reference.plan(belief);
+        ASSERT_TRUE(plan.certified) << plan.detail;
+        ASSERT_EQ(plan.mode.kind, ModeKind::kExplore);
+        ASSERT_EQ(plan.commands.size(), expected.commands.size());
+        for (std::size_t k = 0; k < plan.commands.size(); ++k) {
+          ASSERT_EQ(plan.commands[k].linear, expected.commands[k].linear) << step;
+          ASSERT_EQ(plan.commands[k].yaw_rate, expected.commands[k].yaw_rate) << step;
+        }
+        ASSERT_EQ(plan.explanation.cost, expected.explanation.cost);
+        EXPECT_TRUE(own.recipe()->landmarks.empty());
+        belief = after(belief, expected);
+      }
+    }
+  }
+}
+
+TEST_F(PlannerTest, WithLocalizationOfItsOwnItsStatusStillCounts) {
+  Planner planner = make();
+  Belief belief = Room{}.belief();
+  belief.localization_source = LocalizationSource::kExternal;
+  belief.landmarks = nullptr;
+  const auto mode = [&](Localization localization) {
+    belief.localization = localization;
+    const Plan plan = planner.plan(belief);
+    belief = after(belief, plan);
+    EXPECT_EQ(plan.why.find("features"), std::string::npos) << plan.why;
+    return plan.mode.kind;
+  };
+  EXPECT_EQ(mode(Localization::kOk), ModeKind::kExplore);
+  EXPECT_EQ(mode(Localization::kOk), ModeKind::kExplore);
+  EXPECT_EQ(mode(Localization::kLost), ModeKind::kRetreat);
+  // Found again: no points are asked for before it goes on.
+  EXPECT_EQ(mode(Localization::kOk), ModeKind::kExplore);
 }
 
 TEST_F(PlannerTest, TheBestCandidateIsNoWorseThanTheBestSeed) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "tests/engine/obstacle_worlds.h"
 
@@ -53,6 +54,43 @@ TEST(SurfaceDrift, IsTheGrowthOfTheVarianceSinceASurfaceWasInView) {
   drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.05), robot);
   EXPECT_EQ(drift.sigma(kEast), 0.0);
   EXPECT_NEAR(drift.sigma(kWest), std::sqrt(0.05 - 0.0344), 1e-6);
+}
+
+// A map that follows the robot, or is projected anew, must not make all that it holds seem seen.
+TEST(SurfaceDrift, AMapThatShrinksOrMovesKeepsWhatWasSeenWhen) {
+  const ObstacleWorld world = room();
+  const RobotDescription robot;
+  const auto cut = [](Belief belief, GridFrame frame) {
+    auto ground = std::make_shared<GroundMap>(frame);
+    for (int k = 0; k < frame.size(); ++k) {
+      const Cell c = frame.at(k);
+      ground->set(c, belief.ground->state(c), belief.ground->see_through(c));
+    }
+    belief.ground = std::move(ground);
+    return belief;
+  };
+  SurfaceDrift drift;
+  drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.01), robot);
+  for (const int shift : {0, 16, -32, 5}) {
+    drift.update(cut(belief_at(world, 0.0, 0.0, M_PI, 0.05), {0.1, shift - 40, -48, 96, 96}),
+                 robot);
+    EXPECT_NEAR(drift.sigma(kEast), 0.2, 1e-6) << shift;
+  }
+}
+
+TEST(SurfaceDrift, AllRoundEverythingIsInView) {
+  const ObstacleWorld world = room();
+  for (const auto& [fov, behind] : {std::pair{2.0 * M_PI, true}, {1.5 * M_PI, false}}) {
+    RobotDescription robot;
+    robot.depth.horizontal_fov = fov;
+    SurfaceDrift drift;
+    drift.update(belief_at(world, 0.0, 0.0, M_PI, 0.0), robot);
+    drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.0), robot);
+    drift.update(belief_at(world, 0.0, 0.0, 0.0, 0.04), robot);
+    EXPECT_EQ(drift.sigma(kEast), 0.0);
+    EXPECT_EQ(drift.sigma(kNorth), 0.0);
+    EXPECT_NEAR(drift.sigma(kWest), behind ? 0.0 : 0.2, 1e-6);
+  }
 }
 
 TEST(SurfaceDrift, WhatWasMappedWhileLostIsOffOnceThePoseIsFoundAgain) {

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "ground_worlds.h"
 
@@ -115,9 +117,75 @@ TEST(Traversability, AnotherMapStartsAfresh) {
   EXPECT_EQ(t.state({3, 3}), CellState::kOccupied);
   EXPECT_EQ(t.state({1, 1}), CellState::kUnknown);
   GroundMap earlier(GridFrame{0.05, 0, 0, 32, 32});
+  EXPECT_TRUE(t.continues(earlier));
   t.update(earlier);
-  EXPECT_TRUE(t.restarted());
+  EXPECT_FALSE(t.restarted());
+  EXPECT_EQ(t.state({3, 3}), CellState::kUnknown);
   EXPECT_EQ(t.explored_area(), 0.0);
+  GroundMap far(GridFrame{0.05, 1 << 20, 0, 32, 32});
+  far.set({(1 << 20) + 3, 3}, CellState::kFree);
+  EXPECT_FALSE(t.continues(far));
+  t.update(far);
+  EXPECT_TRUE(t.restarted());
+  EXPECT_EQ(t.explored_area(), 0.05 * 0.05);
+}
+
+/// The cells of `map` in `frame`, in raster order: as a map projected anew counts them.
+GroundMap projected(const GroundMap& map, const GridFrame& frame) {
+  GroundMap anew(frame);
+  for (int k = 0; k < frame.size(); ++k) {
+    const Cell c = frame.at(k);
+    anew.set(c, map.state(c), map.see_through(c));
+  }
+  return anew;
+}
+
+// Revisions tell nothing: maps come projected anew, grown, cut, shifted, or from elsewhere.
+TEST(Traversability, AnyMapMayFollowAnyOther) {
+  std::mt19937_64 random(7);
+  Traversability kept(TraversabilityOptions{});
+  GroundMap map(GridFrame{0.1, 0, 0, 96, 96});
+  Grid<CellState> before;
+  int continued = 0;
+  for (int step = 0; step < 60; ++step) {
+    const auto draw = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
+    const int kind = step % 6;
+    if (kind == 0) map = GroundMap(GridFrame{draw(3) == 0 ? 0.05 : 0.1, 0, 0, 96, 96});
+    if (kind <= 1) test::scribble(map, 20, 90, 0, random);
+    GridFrame frame = map.frame();
+    if (kind == 2) frame = {frame.resolution, draw(40), draw(40), 20 + draw(60), 20 + draw(60)};
+    if (kind == 3) frame.i0 -= draw(300), frame.width += 100;
+    GroundMap given = projected(map, frame);
+    if (kind == 4) {  // forgets a part of what it knew
+      for (int k = draw(5); k < frame.size(); k += 5) given.set(frame.at(k), CellState::kUnknown);
+      given = projected(given, frame);
+    }
+    const bool continues = kept.continues(given);
+    kept.update(given);
+    EXPECT_EQ(kept.restarted(), step == 0 || !continues);
+    continued += continues;
+    Traversability fresh(TraversabilityOptions{});
+    fresh.update(given);
+    ASSERT_EQ(kept.explored_area(), fresh.explored_area());
+    std::set<std::pair<int, int>> listed, known;
+    for (const Cell c : kept.changed_states()) listed.insert({c.j, c.i});
+    for (const Cell c : kept.newly_known()) known.insert({c.j, c.i});
+    const GridFrame& f = kept.frame();
+    for (int k = 0; k < f.size(); ++k) {
+      const Cell c = f.at(k);
+      ASSERT_EQ(kept.state(c), given.state(c)) << step;
+      ASSERT_EQ(kept.see_through().get(c, 0) != 0, given.see_through(c));
+      ASSERT_EQ(kept.clearance(c), fresh.clearance(c)) << step;
+      ASSERT_EQ(kept.unknown_clearance(c), fresh.unknown_clearance(c));
+      ASSERT_EQ(kept.factor(c), fresh.factor(c));
+      if (kept.restarted()) continue;
+      const CellState was = before.get(c, CellState::kUnknown);
+      ASSERT_EQ(was != kept.state(c), listed.contains({c.j, c.i}));
+      ASSERT_EQ(was == CellState::kUnknown && kept.state(c) != was, known.contains({c.j, c.i}));
+    }
+    before = kept.states();
+  }
+  EXPECT_GT(continued, 40);
 }
 
 TEST(Traversability, BadOptionsAreNamed) {
