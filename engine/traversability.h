@@ -37,7 +37,7 @@ struct TraversabilityOptions {
 /// an update equals a computation from scratch bit for bit.
 ///
 /// update() redoes only cells within comfortable_radius of cells that changed. It finds them by
-/// comparing the map with what it was, tile by tile (30 us at 400 m^2): any map may follow any
+/// comparing the map with what it was, tile by tile (0.1 ms at 400 m^2): any map may follow any
 /// other, and the result depends on the last one alone. Value type. Thread-safety: concurrent reads
 /// are safe, update() is not. Source: formulation, section 6 ("V is passable exactly where the hard
 /// constraint holds"); factors and slack from the prototype.
