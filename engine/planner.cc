@@ -670,6 +670,7 @@ void Planner::Impl::execute_best(const Belief& belief, const std::vector<Candida
   plan.committed = halt.committed;
   plan.certified = halt.certified;
   plan.detail = why;
+  plan.why += " It brakes: " + why + '.';
 }
 
 Plan Planner::Impl::stopping_plan(const Belief& belief, const std::string& why) const {
@@ -678,6 +679,9 @@ Plan Planner::Impl::stopping_plan(const Belief& belief, const std::string& why) 
   plan.stamp = belief.stamp;
   plan.dt = parameters.dt;
   plan.detail = why;
+  plan.mode = behaviour.mode;
+  plan.caution = caution;
+  plan.why = "Brakes: " + why + '.';
   const MotionModel& model = *robot.model;
   // Braking does not depend on where the robot is, so a lost pose does not keep it from braking.
   const bool located = belief.pose.position.allFinite() && std::isfinite(belief.pose.yaw);

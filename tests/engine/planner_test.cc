@@ -1282,6 +1282,8 @@ TEST_F(PlannerTest, RatesAreLimitedFromTheCommandInForce) {
   const Plan stop = planner.plan(belief);
   EXPECT_EQ(stop.kind, PlanKind::kStoppingTail);
   EXPECT_NE(stop.detail.find("command in force"), std::string::npos) << stop.detail;
+  EXPECT_NE(stop.why.find("Brakes: "), std::string::npos) << stop.why;
+  EXPECT_EQ(stop.mode.kind, plan.mode.kind) << "it does what it did";
 }
 
 TEST_F(PlannerTest, ADeadlineAndACancellationLeaveAnExecutablePlan) {
