@@ -59,11 +59,9 @@ void tour(Simulator& simulator) {
 
 // From prediction to report: whatever the sensor's field of view, a mission explores the two rooms.
 TEST(Simulator, SensorsOfAnyFieldOfViewExplore) {
-  for (const char* depth :
-       {"{horizontal_fov: 360, max_range: 12}", "{horizontal_fov: 270, max_range: 12}",
-        "{horizontal_fov: 360, vertical_fov: 0, min_range: 0.1, max_range: 12}",
-        "{horizontal_fov: 180, vertical_fov: 2}", "{horizontal_fov: 360, vertical_fov: 180}",
-        "{horizontal_fov: 15, vertical_fov: 15, max_range: 6}"}) {
+  for (const char* depth : {"{horizontal_fov: 270, max_range: 12}",
+                            "{horizontal_fov: 360, vertical_fov: 0, min_range: 0.1, max_range: 12}",
+                            "{horizontal_fov: 15, vertical_fov: 15, max_range: 6}"}) {
     SCOPED_TRACE(depth);
     const Configuration configuration = configuration_from_text(
         std::string("robot: {depth: ") + depth +
