@@ -281,8 +281,8 @@ std::string comparison_report(const std::vector<ComparisonRow>& rows,
 
   bool first = true;
   for (const ComparisonRow& row : rows) {
-    const bool ended_well = row.reason == "explored" || row.reason == "yield too low" ||
-                            row.reason == "enough seen";
+    const bool ended_well =
+        row.reason == "explored" || row.reason == "yield too low" || row.reason == "enough seen";
     if (!row.failed() && ended_well && row.collisions == 0.0 && std::isfinite(row.time_to_95_s)) {
       continue;
     }

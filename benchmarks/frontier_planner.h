@@ -43,7 +43,7 @@ class FrontierPlanner final : public Replanner {
 /// Parameters that leave Planner only the choice of the nearest frontier: the cost-to-go has no
 /// bonus for size and a head start that no other frontier can make up, so it leads to the nearest
 /// until that is resolved; gain counts at that frontier alone; features have no weight. The rest
-/// (horizon, weights, solver, certificate, recovery) stays: what is left of the difference to
+/// (horizon, weights, solver, certificate, retreats) stays: what is left of the difference to
 /// FrontierPlanner with kNearest is the driver, and to Planner the objective.
 PlannerParameters nearest_frontier_parameters(PlannerParameters parameters);
 

@@ -10,8 +10,8 @@ namespace prospect {
 
 /// Guidance to one frontier at a time: ExplorationGuide with a bonus rule that admits the chosen
 /// frontier alone, so that the cost-to-go leads to its viewpoints only. All else (frontiers,
-/// viewpoints, memory of failed looks, stall watchdog, retries, narrow gaps before "done") is the
-/// guide's.
+/// viewpoints, memory of failed looks, progress, retries, narrow passages before nothing is left)
+/// is the guide's.
 ///
 /// A choice holds as long as that frontier is active and reachable; what is within target_radius of
 /// the last target counts as the same frontier (FrontierMemory). kCostUtility also chooses anew

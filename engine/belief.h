@@ -52,8 +52,8 @@ struct Belief {
   Twist twist;                  ///< estimated body velocity
   /// The command in force, if whoever publishes knows it: rates are limited from there. Without it
   /// the estimated velocity stands for it, whose noise a limit on rates does not forgive, and it
-  /// goes unnoticed that the robot does not follow (following_monitor.h). Zero while something else,
-  /// such as an emergency stop, keeps the robot from following it.
+  /// goes unnoticed that the robot does not follow (following_monitor.h). Zero while something
+  /// else, such as an emergency stop, keeps the robot from following it.
   std::optional<Twist> command;
   Localization localization = Localization::kOk;
   /// With kExternal, landmarks and tracked_features are not used: features cost nothing and take no

@@ -120,7 +120,7 @@ struct Guidance {
 /// everything explored. So the guide keeps the places where the robot has been, and facts.cut_off
 /// says whether most of those that are passable are not joined any more to where it is.
 ///
-/// A robot that is lost does not extend its map, and one that recovers does not drive to its
+/// A robot that is lost does not extend its map, and one that retreats does not drive to its
 /// target: the attention says so, else frontiers are given up that nobody has tried.
 ///
 /// A value. Thread-safety: none (one mission, one thread); what update() returns is immutable and

@@ -36,7 +36,7 @@ namespace {
 /// Violation [m and the like] up to which a candidate counts as feasible when candidates are
 /// compared: the certificate, not this number, decides what may be executed.
 constexpr double kFeasible = 1e-3;
-// Points tracked, in N_min, with which a robot goes on exploring after a recovery.
+// Points tracked, in N_min, with which a robot goes on exploring after a retreat.
 constexpr double kEnoughToGoOn = 1.5;
 
 struct Candidate {

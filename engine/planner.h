@@ -118,7 +118,7 @@ Guard guard_for(const RobotDescription& robot, const PlannerParameters& paramete
 ///
 /// Landmarks that cannot be used are left out and counted (Plan::landmarks_dropped). Of a robot
 /// whose localization is its own (LocalizationSource::kExternal) none is used or needed: features
-/// cost nothing, and few of them are no reason for a recovery.
+/// cost nothing, and few of them are no reason for a retreat.
 ///
 /// What the robot is doing is decided by one table (behaviour/behaviour.h): monitors and maps say
 /// what is, the table says the mode, and a policy what that means for weights, seeds and the

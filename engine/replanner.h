@@ -16,7 +16,7 @@ class Replanner {
  public:
   virtual ~Replanner() = default;
   virtual Plan plan(const Belief& belief) = 0;
-  /// Frontiers and advice of the last plan(); null before the first.
+  /// The frontiers at the last plan(); null before the first.
   virtual std::shared_ptr<const Guidance> guidance() const = 0;
 };
 

@@ -10,7 +10,7 @@ namespace prospect {
 ///
 /// The robot is stuck once it has tried for kPatience to get farther than kLeash from one
 /// place, and remains so until it is kAway from there. Time in which it did not try (lost,
-/// recovering, turning) does not count.
+/// retreating, turning) does not count.
 ///
 /// A value: one a robot. Thread-safety: none. Never throws. Source: our choice.
 class StuckMonitor {
