@@ -201,6 +201,18 @@ void ExplorationGuide::count_along_travel(const FeatureOutlook& outlook) {
   }
 }
 
+// The neighbour at which the field is lowest; c itself if it is nowhere lower.
+Cell ExplorationGuide::downhill(Cell c) const {
+  Cell best = c;
+  for (int dj = -1; dj <= 1; ++dj) {
+    for (int di = -1; di <= 1; ++di) {
+      const Cell n{c.i + di, c.j + dj};
+      if (field_.value(n) < field_.value(best)) best = n;
+    }
+  }
+  return best;
+}
+
 // The first place on the way down that is too narrow for the ordinary radius.
 void ExplorationGuide::close_passage() {
   const GridFrame& frame = traversability_.frame();
@@ -216,15 +228,9 @@ void ExplorationGuide::close_passage() {
       return;
     }
     if (c == goal) return;
-    Cell best = c;
-    for (int dj = -1; dj <= 1; ++dj) {
-      for (int di = -1; di <= 1; ++di) {
-        const Cell n{c.i + di, c.j + dj};
-        if (field_.value(n) < field_.value(best)) best = n;
-      }
-    }
-    if (best == c) return;
-    c = best;
+    const Cell next = downhill(c);
+    if (next == c) return;
+    c = next;
   }
 }
 
@@ -236,16 +242,10 @@ double ExplorationGuide::way_left() const {
   Cell c = field_.anchor();
   double length = 0.0;
   while (!(c == goal)) {
-    Cell best = c;
-    for (int dj = -1; dj <= 1; ++dj) {
-      for (int di = -1; di <= 1; ++di) {
-        const Cell n{c.i + di, c.j + dj};
-        if (field_.value(n) < field_.value(best)) best = n;
-      }
-    }
-    if (best == c) break;
-    length += r * std::hypot(best.i - c.i, best.j - c.j);
-    c = best;
+    const Cell next = downhill(c);
+    if (next == c) break;
+    length += r * std::hypot(next.i - c.i, next.j - c.j);
+    c = next;
   }
   return length;
 }

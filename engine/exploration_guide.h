@@ -158,6 +158,7 @@ class ExplorationGuide {
   Cell nearest_with(double room, Cell start);
   void mark_reachable(std::vector<Frontier>& frontiers);
   bool is_cut_off();
+  Cell downhill(Cell c) const;
   double way_left() const;
 
   ExplorationGuideOptions options_;

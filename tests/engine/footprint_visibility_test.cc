@@ -89,29 +89,34 @@ TEST(FootprintVisibility, CountsOnlyWhatTheSensorResolves) {
   EXPECT_EQ(view.in_footprint(pose, {std::nan(""), 0.0, 0.45}), 0.0);
 }
 
+/// Gradients at random poses against central differences of `step` [m], [rad].
+void expect_gradients(const FootprintVisibility& view, int poses, double step, double tolerance,
+                      std::mt19937_64& random) {
+  FootprintVisibility::Scratch scratch(view.size());
+  std::vector<double> weight(150), q(150);
+  for (int n = 0; n < poses; ++n) {
+    const Pose pose = random_pose(random);
+    for (double& w : weight) w = uniform(random, -1, 1);
+    const Eigen::Vector4d g = view.gradient(pose, weight.data(), scratch);
+    for (int a = 0; a < 4; ++a) {
+      double difference = 0.0;
+      for (const double sign : {-1.0, 1.0}) {
+        Pose moved = pose;
+        (a < 3 ? moved.position[a] : moved.yaw) += sign * step;
+        view.evaluate(moved, scratch, q.data());
+        for (std::size_t c = 0; c < q.size(); ++c) difference += sign * weight[c] * q[c];
+      }
+      EXPECT_NEAR(g[a], difference / (2 * step), tolerance * std::max(1.0, std::abs(g[a]))) << a;
+    }
+  }
+}
+
 TEST(FootprintVisibility, GradientIsThatOfTheWeightedSum) {
   std::mt19937_64 random(2);
   for (const bool vertical : {false, true}) {
     const Scene s = scene(random, vertical);
     const FootprintVisibility view(s.footprint, s.mount, s.table);
-    FootprintVisibility::Scratch scratch(view.size());
-    std::vector<double> weight(150), q(150);
-    for (int n = 0; n < 50; ++n) {
-      const Pose pose = random_pose(random);
-      for (double& w : weight) w = uniform(random, -1, 1);
-      const Eigen::Vector4d g = view.gradient(pose, weight.data(), scratch);
-      for (int a = 0; a < 4; ++a) {
-        const double step = 1e-5;
-        double difference = 0.0;
-        for (const double sign : {-1.0, 1.0}) {
-          Pose moved = pose;
-          (a < 3 ? moved.position[a] : moved.yaw) += sign * step;
-          view.evaluate(moved, scratch, q.data());
-          for (std::size_t c = 0; c < q.size(); ++c) difference += sign * weight[c] * q[c];
-        }
-        EXPECT_NEAR(g[a], difference / (2 * step), 1e-5 * std::max(1.0, std::abs(g[a]))) << a;
-      }
-    }
+    expect_gradients(view, 50, 1e-5, 1e-5, random);
   }
 }
 
@@ -190,24 +195,7 @@ TEST(FootprintVisibility, GradientsOfAnyFieldAreThoseOfTheWeightedSum) {
     Scene s = scene(random, true);
     s.footprint = field(horizontal, vertical);
     const FootprintVisibility view(s.footprint, s.mount, s.table);
-    FootprintVisibility::Scratch scratch(view.size());
-    std::vector<double> weight(150), q(150);
-    for (int n = 0; n < 20; ++n) {
-      const Pose pose = random_pose(random);
-      for (double& w : weight) w = uniform(random, -1, 1);
-      const Eigen::Vector4d g = view.gradient(pose, weight.data(), scratch);
-      for (int a = 0; a < 4; ++a) {
-        const double step = 1e-6;
-        double difference = 0.0;
-        for (const double sign : {-1.0, 1.0}) {
-          Pose moved = pose;
-          (a < 3 ? moved.position[a] : moved.yaw) += sign * step;
-          view.evaluate(moved, scratch, q.data());
-          for (std::size_t c = 0; c < q.size(); ++c) difference += sign * weight[c] * q[c];
-        }
-        EXPECT_NEAR(g[a], difference / (2 * step), 1e-4 * std::max(1.0, std::abs(g[a]))) << a;
-      }
-    }
+    expect_gradients(view, 20, 1e-6, 1e-4, random);
   }
 }
 
