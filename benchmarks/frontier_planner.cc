@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "benchmarks/single_frontier_guide.h"
 #include "engine/body_clearance.h"
 #include "engine/certificate.h"
 #include "engine/clearance_field.h"
@@ -20,9 +19,9 @@ namespace prospect {
 struct FrontierPlanner::Impl {
   RobotDescription robot;
   PlannerParameters parameters;
-  SingleFrontierGuide guide;
+  ExplorationGuide guide;
   DynamicWindowOptions window;
-  // As Planner has them: the second when only narrow passages are left, the last as the guard will
+  // As Planner has them: the second where the way ahead is narrow, the last as the guard will
   // ask.
   std::optional<Certifier> certifier, close_certifier, guard_certifier;
   Behaviour behaviour;
@@ -38,7 +37,7 @@ struct FrontierPlanner::Impl {
   Impl(FrontierRule rule, RobotDescription r, PlannerParameters p)
       : robot(std::move(r)),
         parameters(std::move(p)),
-        guide(rule, guide_options_for(robot, parameters)) {
+        guide(guided_by(rule, guide_options_for(robot, parameters))) {
     const PlannerParameters& q = parameters;
     if (!(q.dt > 0.0) || !(q.committed >= q.dt) || !(q.committed < 60.0)) {
       throw std::invalid_argument("frontier planner: dt = " + std::to_string(q.dt) +
@@ -95,7 +94,7 @@ struct FrontierPlanner::Impl {
   }
 
   bool approaches() const { return behaviour.mode.kind == ModeKind::kApproach; }
-  bool narrow() const { return guidance->facts.search == Search::kNarrowPassages; }
+  bool narrow() const { return guidance->facts.narrow; }
 
   // Latched, so that the robot does not set off again for a viewpoint beside the one it stands at.
   bool arrived(const Pose& pose) {
@@ -249,11 +248,9 @@ Plan FrontierPlanner::plan(const Belief& belief) {
 }
 
 std::shared_ptr<const Guidance> FrontierPlanner::guidance() const { return impl_->guidance; }
-int FrontierPlanner::choices() const { return impl_->guide.choices(); }
 
 PlannerParameters nearest_frontier_parameters(PlannerParameters p) {
-  p.guide.kappa = p.guide.kappa_area = 0.0;
-  p.guide.memory.hysteresis = 500.0;
+  p.guide = guided_by(FrontierRule::kNearest, p.guide);
   p.w_l = 0.0;
   p.w_c = 0.0;
   p.target_frontier_only = true;

@@ -32,8 +32,6 @@ class FrontierPlanner final : public Replanner {
 
   Plan plan(const Belief& belief) override;
   std::shared_ptr<const Guidance> guidance() const override;
-  /// How often a frontier has been chosen.
-  int choices() const;
 
  private:
   struct Impl;

@@ -8,17 +8,28 @@ std::string_view to_string(FrontierRule rule) {
   return rule == FrontierRule::kNearest ? "nearest" : "cost-utility";
 }
 
-int choose_frontier(FrontierRule rule, const std::vector<FrontierOption>& options) {
+int choose_frontier(FrontierRule rule, const std::vector<FrontierCandidate>& candidates) {
   int best = -1;
   double least = std::numeric_limits<double>::infinity();
-  for (const FrontierOption& option : options) {
-    const double cost =
-        rule == FrontierRule::kNearest ? option.distance : 3.0 * option.distance - option.length;
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    const FrontierCandidate& c = candidates[k];
+    const double cost = rule == FrontierRule::kNearest ? c.way : 3.0 * c.way - c.length;
     if (!(cost < least)) continue;
     least = cost;
-    best = option.frontier;
+    best = static_cast<int>(k);
   }
   return best;
+}
+
+ExplorationGuideOptions guided_by(FrontierRule rule, ExplorationGuideOptions options) {
+  constexpr double kEvery = 3.0;  // [s]
+  options.rule = [rule](const std::vector<FrontierCandidate>& candidates, int) {
+    return choose_frontier(rule, candidates);
+  };
+  options.reconsider =
+      rule == FrontierRule::kNearest ? std::numeric_limits<double>::infinity() : kEvery;
+  options.resolved = 0.0;
+  return options;
 }
 
 }  // namespace prospect

@@ -3,6 +3,8 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/exploration_guide.h"
+
 namespace prospect {
 
 /// How a frontier planner chooses the one frontier it drives to next.
@@ -13,19 +15,17 @@ enum class FrontierRule {
 
 std::string_view to_string(FrontierRule rule);
 
-/// What a rule knows about a frontier.
-struct FrontierOption {
-  int frontier = -1;      ///< index of the frontier
-  double distance = 0.0;  ///< [m of path equivalent] to its best viewpoint, looking included
-  double length = 0.0;    ///< [m]: number of its cells that count x resolution
-};
-
-/// The frontier that the rule prefers, -1 without options; of equal ones the first.
+/// The candidate that the rule prefers, an index; -1 without candidates. Of equal ones the first.
+/// A candidate's distance is its `way`.
 ///
 /// kCostUtility is the cost of explore_lite, potential_scale distance - gain_scale size, with the
 /// scales 3 and 1 of its published configurations. explore_lite measures the distance along a
 /// straight line; here it is that of the path, as for kNearest, so that neither rule is drawn
 /// through walls (our choice, in favour of the frontier planners).
-int choose_frontier(FrontierRule rule, const std::vector<FrontierOption>& options);
+int choose_frontier(FrontierRule rule, const std::vector<FrontierCandidate>& candidates);
+
+/// `options` with the target chosen by that rule alone: turning costs nothing, and a target is kept
+/// until it promises nothing any more.
+ExplorationGuideOptions guided_by(FrontierRule rule, ExplorationGuideOptions options);
 
 }  // namespace prospect

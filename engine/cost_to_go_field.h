@@ -55,7 +55,7 @@ class CostToGoField {
   /// Throws std::invalid_argument naming the option, its value and what was expected.
   explicit CostToGoField(const CostToGoOptions& options);
 
-  /// Repairs the field after traversability.update() and frontiers.set_bonuses() of the same step.
+  /// Repairs the field after traversability.update() and frontiers.lead_to() of the same step.
   /// features: expected count N of visible features by cell (any frame; nothing known beyond it:
   /// 0), null: no localization weighting. robot: its cell.
   void update(const Traversability& traversability, const FrontierDetector& frontiers, Cell robot,

@@ -3,21 +3,26 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
 #include "engine/stopwatch.h"
+#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {
 
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPassageAhead =
     2.0;  // [m] how far ahead the passage that held the robot up may lie
 constexpr double kPassageRadius = 0.3;  // [m] of the disc that is closed around its narrowest cell
 // [m] how far ahead of a robot that does not get on such a disc is closed: beyond its own cell.
 constexpr double kBlockedAhead = 0.4;
 constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
+constexpr double kFarthestBetween =
+    3.0;  // horizons [-] beyond which the way between two candidates is not searched
+// [m] of a way that is too short to tell in which direction it sets out.
+constexpr double kThere = 0.5;
 
 }  // namespace
 
@@ -25,157 +30,38 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
     : options_(options),
       traversability_(options.traversability),
       detector_(options.frontiers),
-      memory_(options.memory),
-      area_(options.area_depth),
+      worth_(options.worth),
       field_(options.cost_to_go),
-      low_yield_(options.low_yield) {
-  const auto require = [](const char* name, double value, double below, const char* expected) {
-    if (value >= 0.0 && value < below) return;
-    throw std::invalid_argument("exploration guide: " + std::string(name) + " = " +
-                                std::to_string(value) + "; expected " + expected);
-  };
-  require("kappa", options.kappa, 100.0, "0 to 100 m");
-  require("kappa_area", options.kappa_area, 100.0, "0 to 100 m");
-  require("ample_room", options.ample_room, 10.0, "0 to 10 m");
-  require("look_length", options.look_length, 100.0, "0 to 100 m");
-  new_ground_ = options_.memory.retry_area;
+      progress_(options.progress) {
+  constexpr const char* kOwner = "exploration guide";
+  const auto& o = options;
+  for (const auto& [name, value] : {std::pair{"least_area", o.least_area},
+                                    {"least_rate", o.least_rate},
+                                    {"look_time", o.look_time},
+                                    {"turn_price", o.turn_price},
+                                    {"look_length", o.look_length},
+                                    {"commitment", o.commitment},
+                                    {"closing_time", o.closing_time},
+                                    {"order.every_look", o.order.every_look}}) {
+    check_not_negative(kOwner, name, value);
+  }
+  check_parameter(o.reconsider > 0.0, kOwner, "reconsider", o.reconsider, "more than 0 s");
+  check_parameter(o.resolved >= 0.0 && o.resolved < 1.0, kOwner, "resolved", o.resolved,
+                  "0 to less than 1");
+  check_positive(kOwner, "target_radius", o.target_radius);
+  check_positive(kOwner, "order.horizon", o.order.horizon);
+  check_parameter(o.order.candidates >= 1 && o.order.candidates <= 10, kOwner, "order.candidates",
+                  o.order.candidates, "1 to 10");
+  check_parameter(o.order.length >= 1 && o.order.length <= 6, kOwner, "order.length",
+                  o.order.length, "1 to 6");
   auto empty = std::make_shared<Guidance>();
   empty->cost_to_go = std::make_shared<const CostToGo>();
   last_ = std::move(empty);
 }
 
-// The passable cells with at least `room` clearance [m] that are joined to `start` by such cells
-// (4-connected, as the cost-to-go).
-void ExplorationGuide::flood(Cell start, double room) {
-  const Grid<float>& factors = traversability_.factors();
-  const GridFrame& frame = factors.frame;
-  component_.assign(factors.data.size(), 0);
-  stack_.clear();
-  const auto visit = [&](int index) {
-    const auto at = static_cast<std::size_t>(index);
-    if (factors.data[at] == 0.0F || component_[at] != 0) return;
-    if (room > 0.0 && traversability_.clearance(frame.at(index)) < room) return;
-    component_[at] = 1;
-    stack_.push_back(index);
-  };
-  if (frame.contains(start)) visit(frame.index(start));
-  while (!stack_.empty()) {
-    const int index = stack_.back();
-    stack_.pop_back();
-    // The outermost cells are impassable: all four neighbours exist.
-    for (const int n : {index - 1, index + 1, index - frame.width, index + frame.width}) visit(n);
-  }
-}
-
-// The passable cell with at least `room` clearance [m] that is the fewest steps from `start`,
-// through free cells; `start` if there is none.
-Cell ExplorationGuide::nearest_with(double room, Cell start) {
-  const GridFrame& frame = traversability_.frame();
-  component_.assign(static_cast<std::size_t>(frame.size()), 0);
-  stack_.clear();
-  const auto visit = [&](Cell c) {
-    if (!frame.contains(c) || traversability_.state(c) != CellState::kFree) return;
-    std::uint8_t& visited = component_[static_cast<std::size_t>(frame.index(c))];
-    if (visited == 0) stack_.push_back(frame.index(c));
-    visited = 1;
-  };
-  visit(start);
-  for (std::size_t next = 0; next < stack_.size(); ++next) {
-    const Cell c = frame.at(stack_[next]);
-    if (traversability_.passable(c) && traversability_.clearance(c) >= room) return c;
-    for (const Cell n :
-         {Cell{c.i - 1, c.j}, Cell{c.i + 1, c.j}, Cell{c.i, c.j - 1}, Cell{c.i, c.j + 1}}) {
-      visit(n);
-    }
-  }
-  return start;
-}
-
-// Frontiers with a viewpoint in the robot's component.
-void ExplorationGuide::mark_reachable(std::vector<Frontier>& frontiers) {
-  if (!field_.anchor_reached()) return;
-  flood(field_.anchor());
-  detector_.mark_seen_from(component_, frontiers);
-}
-
-// Places that are impassable by now say nothing: a wall drawn twice covers some of any room.
-bool ExplorationGuide::is_cut_off() {
-  flood(field_.anchor());
-  const GridFrame& frame = traversability_.frame();
-  int joined = 0, cut_off = 0;
-  for (const Eigen::Vector2d& place : been_) {
-    const Cell c = frame.cell(place.x(), place.y());
-    if (!traversability_.passable(c)) continue;
-    ++(component_[static_cast<std::size_t>(frame.index(c))] != 0 ? joined : cut_off);
-  }
-  return cut_off > joined;
-}
-
-std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground, const Pose& pose,
-                                                         double stamp,
-                                                         const GuideAttention& attention,
-                                                         const FeatureOutlook* outlook,
-                                                         const BonusRule& rule) {
-  Stopwatch watch;
-  // Beyond this the cell address would not fit an int.
-  const Eigen::Vector2d p = pose.position.head<2>();
-  if (!(p.cwiseAbs().maxCoeff() < kFarthest) || !p.allFinite() || !std::isfinite(pose.yaw) ||
-      !std::isfinite(stamp)) {
-    return last_;
-  }
-  // What was learned of one place says nothing of another.
-  if (!traversability_.continues(ground)) *this = ExplorationGuide(options_);
-  const double explored = traversability_.explored_area();
-  const bool not_low = low_yield_.update(stamp, explored);
-  const SearchFacts grown{.new_ground = not_low || explored - ordinary_explored_ >= new_ground_};
-  if (const SearchRow* row = next_search(search_, grown)) {
-    restart(row->to);
-    new_ground_ *= 2.0;  // as FrontierMemory::retry_area(), for the same reason
-    reopenings_ = 0;
-  }
-  if (attention.looked && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
-    been_.push_back(p);
-  }
-  std::shared_ptr<Guidance> guidance = step(ground, pose, stamp, attention, outlook, rule);
-  while (guidance->facts.exhausted) {
-    const SearchRow* row = next_search(search_, {.nothing_reachable = true,
-                                                 .passage_closed = passage_closed_,
-                                                 .may_reopen = reopenings_ < options_.reopenings});
-    if (row == nullptr) break;
-    if (row->from == Search::kOrdinary) {
-      low_yield_.begin(stamp, guidance->explored_area);
-      ordinary_explored_ = guidance->explored_area;
-    }
-    if (row->from == row->to) ++reopenings_;
-    restart(row->to);
-    if (row->try_all_again) memory_.forgive();
-    // What was in view is counted already.
-    guidance =
-        step(ground, pose, stamp, {.looked = false, .pursued = attention.pursued}, outlook, rule);
-  }
-  FrontierFacts& facts = guidance->facts;
-  facts.search = search_;
-  facts.exhausted_for = exhaustion_.update(stamp, facts.exhausted, attention.pursued);
-  facts.yield_too_low = low_yield_.up(stamp);
-  facts.cut_off = (facts.exhausted || facts.yield_too_low) && is_cut_off();
-  guidance->milliseconds = watch.lap();
-  last_ = guidance;
-  return guidance;
-}
-
-void ExplorationGuide::restart(Search search) {
-  search_ = search;
-  restarted_ = true;
-  TraversabilityOptions traversability = options_.traversability;
-  FrontierOptions frontiers = options_.frontiers;
-  if (search == Search::kNarrowPassages) traversability.lattice_slack += options_.relaxed_slack;
-  if (search != Search::kOrdinary) {
-    frontiers.min_length = std::min(frontiers.min_length, options_.relaxed_length);
-  }
-  passage_closed_ = false;
-  traversability_ = Traversability(traversability);
-  detector_ = FrontierDetector(frontiers);
-  field_ = CostToGoField(options_.cost_to_go);
+void ExplorationGuide::close(Cell at, double stamp) {
+  traversability_.close(at, kPassageRadius);
+  closings_.push_back({at, stamp + options_.closing_time});
 }
 
 // The robot travels down the field of the step before. Where that says nothing, nor do the counts.
@@ -187,7 +73,7 @@ void ExplorationGuide::count_along_travel(const FeatureOutlook& outlook) {
   for (int index = 0; index < frame.size(); ++index) {
     const Cell c = frame.at(index);
     const double here = field_.value(c);
-    if (!(here < std::numeric_limits<double>::infinity())) continue;
+    if (!(here < kInfinity)) continue;
     // Upwind, as the field was solved: towards the lower neighbour.
     const auto descent = [&](int di, int dj) {
       const double ahead = field_.value({c.i + di, c.j + dj});
@@ -213,25 +99,19 @@ Cell ExplorationGuide::downhill(Cell c) const {
   return best;
 }
 
-// The first place on the way down that is too narrow for the ordinary radius.
-void ExplorationGuide::close_passage() {
-  const GridFrame& frame = traversability_.frame();
+// The first narrow place on the way down.
+std::optional<Cell> ExplorationGuide::narrow_ahead() const {
+  if (!field_.anchor_reached()) return std::nullopt;
   const Cell goal = field_.source_of_anchor();
-  const int steps = static_cast<int>(kPassageAhead / frame.resolution);
+  const int steps = static_cast<int>(kPassageAhead / traversability_.frame().resolution);
   Cell c = field_.anchor();
   for (int step = 0; step < steps; ++step) {
-    if (traversability_.clearance(c) + options_.traversability.lattice_slack <
-        options_.traversability.hard_radius) {
-      traversability_.close(c, kPassageRadius);
-      passage_closed_ = true;
-      detector_.update(traversability_);
-      return;
-    }
-    if (c == goal) return;
+    if (traversability_.narrow(c)) return c;
     const Cell next = downhill(c);
-    if (next == c) return;
+    if (c == goal || next == c) break;
     c = next;
   }
+  return std::nullopt;
 }
 
 // [m] from the robot's cell down the field to where it ends; 0 where it is not reached.
@@ -250,72 +130,232 @@ double ExplorationGuide::way_left() const {
   return length;
 }
 
-// kappa log(1 + l) + kappa_area log(1 + A)
-std::vector<double> ExplorationGuide::size_bonuses(Cell robot) {
-  const std::vector<Frontier>& frontiers = detector_.frontiers();
-  std::vector<double> bonus;
-  bonus.reserve(frontiers.size());
-  for (const Frontier& f : frontiers) {
-    const auto counted = static_cast<double>(f.cells.size()) - f.suppressed_cells;
-    bonus.push_back(options_.kappa * std::log1p(counted * detector_.frame().resolution));
+// Places that are impassable by now say nothing: a wall drawn twice covers some of any room.
+bool ExplorationGuide::is_cut_off() const {
+  const GridFrame& frame = traversability_.frame();
+  int joined = 0, cut_off = 0;
+  for (const Eigen::Vector2d& place : been_) {
+    const Cell c = frame.cell(place.x(), place.y());
+    if (!traversability_.passable(c)) continue;
+    ++(ways_.length(c) < kInfinity ? joined : cut_off);
   }
-  if (options_.kappa_area == 0.0 || search_ != Search::kOrdinary) return bonus;
-  const std::vector<double> area = area_.measure(traversability_, frontiers, suppressed_);
-  const TraversabilityOptions& t = options_.traversability;
-  const double room =
-      std::min(t.hard_radius + options_.ample_room, t.comfortable_radius) - t.lattice_slack;
-  flood(nearest_with(room, robot), room);
-  std::vector<Frontier> seen = frontiers;
-  detector_.mark_seen_from(component_, seen);
-  for (std::size_t i = 0; i < seen.size(); ++i) {
-    if (seen[i].reachable) bonus[i] += options_.kappa_area * std::log1p(area[i]);
-  }
-  return bonus;
+  return cut_off > joined;
 }
 
-std::vector<double> ExplorationGuide::bonuses(const BonusQuestion& question,
-                                              const BonusRule& rule) {
-  const std::vector<Frontier>& frontiers = detector_.frontiers();
-  std::vector<double> bonus;
-  if (rule) {
-    bonus = rule(question);
-    bonus.resize(frontiers.size(), 0.0);
-  } else {
-    bonus = size_bonuses(question.robot);
+// The frontier that holds the cell nearest the last target, within target_radius.
+int ExplorationGuide::current_target(const std::vector<Frontier>& frontiers) const {
+  if (!target_) return -1;
+  const double r = traversability_.frame().resolution;
+  int best = -1;
+  double least = options_.target_radius + 1e-9;
+  for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    for (const Cell c : frontiers[k].cells) {
+      const double d = r * std::hypot(c.i - target_->i, c.j - target_->j);
+      if (d >= least) continue;
+      least = d;
+      best = static_cast<int>(k);
+    }
   }
-  if (question.current >= 0) {
-    bonus[static_cast<std::size_t>(question.current)] += options_.memory.hysteresis;
-  }
-  return bonus;
+  return best;
 }
 
-std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const Pose& pose,
-                                                 double stamp, const GuideAttention& attention,
-                                                 const FeatureOutlook* outlook,
-                                                 const BonusRule& rule) {
+void ExplorationGuide::fail_visit(const std::vector<Frontier>& frontiers, TargetChange why) {
+  const int current = current_target(frontiers);
+  if (current >= 0) {
+    worth_.visit_failed(*target_, frontiers[static_cast<std::size_t>(current)].cells,
+                        traversability_.frame().resolution);
+  }
+  target_.reset();
+  dropped_ = why;
+}
+
+TargetChange ExplorationGuide::reason_to_choose(const std::vector<Frontier>& frontiers, int current,
+                                                double stamp) {
+  if (!target_) return dropped_;
+  if (current < 0) return TargetChange::kSeen;
+  const Frontier& f = frontiers[static_cast<std::size_t>(current)];
+  if (f.area < std::max(options_.least_area, options_.resolved * target_area_)) {
+    return TargetChange::kSeen;
+  }
+  return stamp - chosen_at_ >= options_.reconsider - 1e-9 ? TargetChange::kBetter
+                                                          : TargetChange::kNone;
+}
+
+// The way to each frontier, turning included, and whether there is any.
+void ExplorationGuide::measure_ways(const Pose& pose, const std::vector<Frontier>& frontiers,
+                                    const LookPrice& price, const WayPrice& way_price) {
+  const GridFrame& frame = traversability_.frame();
+  ways_.update(traversability_);
+  ways_.flood(frame.cell(pose.position.x(), pose.position.y()), kInfinity, way_price);
+  way_.assign(frontiers.size(), kInfinity);
+  time_.assign(frontiers.size(), kInfinity);
+  viewpoint_.assign(frontiers.size(), Cell{});
+  detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
+    const auto at = static_cast<std::size_t>(k);
+    double way = ways_.length(c) + cost;
+    if (way >= way_[at]) return;
+    if (price) way += price(c, sees);
+    if (way >= way_[at]) return;
+    way_[at] = way;
+    time_[at] = ways_.unpriced(c) + cost;
+    viewpoint_[at] = c;
+  });
+  for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    if (!(way_[k] < kInfinity)) continue;
+    double heading = ways_.departure(viewpoint_[k]);
+    if (ways_.length(viewpoint_[k]) < kThere) {
+      const Eigen::Vector2d to = frontiers[k].centroid - pose.position.head<2>();
+      heading = std::atan2(to.y(), to.x());
+    }
+    const double turn =
+        options_.turn_price * std::abs(std::remainder(heading - pose.yaw, 2.0 * M_PI));
+    if (!options_.rule) way_[k] += turn;
+    time_[k] = (time_[k] + turn) / options_.cost_to_go.v_max + options_.look_time;
+  }
+}
+
+// The frontier to go to next, -1 for none. must: the present one will not do.
+int ExplorationGuide::choose(const std::vector<Frontier>& frontiers, int current, bool must,
+                             const LookPrice& price, FrontierFacts& facts) {
+  std::vector<FrontierCandidate> candidates;
+  for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    const Frontier& f = frontiers[k];
+    if (f.area < options_.least_area || !(way_[k] < kInfinity)) continue;
+    const auto counted = static_cast<double>(f.cells.size()) - f.ignored_cells;
+    candidates.push_back({static_cast<int>(k), f.area, way_[k], time_[k], f.trust,
+                          counted * traversability_.frame().resolution});
+  }
+  if (candidates.empty()) return -1;
+  FrontiersLeft all{static_cast<int>(candidates.size()), 0.0};
+  for (const FrontierCandidate& c : candidates) all.area += c.area;
+  const auto index_of = [&](int frontier) {
+    const auto it = std::find_if(candidates.begin(), candidates.end(),
+                                 [&](const auto& c) { return c.frontier == frontier; });
+    return it == candidates.end() ? -1 : static_cast<int>(it - candidates.begin());
+  };
+  if (options_.rule) {
+    const int chosen = options_.rule(candidates, must ? -1 : index_of(current));
+    if (chosen < 0 || chosen >= static_cast<int>(candidates.size())) return -1;
+    const FrontierCandidate& c = candidates[static_cast<std::size_t>(chosen)];
+    if (c.area >= options_.least_rate * c.time) return c.frontier;
+    facts.low_yield = all;
+    return -1;
+  }
+
+  const int mine = must ? -1 : index_of(current);
+  std::optional<FrontierCandidate> present;
+  if (mine >= 0) present = candidates[static_cast<std::size_t>(mine)];
+  candidates = leading_candidates(std::move(candidates), options_.order);
+  // What it would change from is compared, too, though it may not be among the leading ones.
+  if (present && index_of(present->frontier) < 0) candidates.back() = *present;
+
+  std::vector<int> place(frontiers.size(), -1);
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    place[static_cast<std::size_t>(candidates[k].frontier)] = static_cast<int>(k);
+  }
+  struct Viewpoint {
+    int candidate;
+    Cell cell;
+    double cost;
+  };
+  std::vector<Viewpoint> viewpoints;
+  detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
+    const int candidate = place[static_cast<std::size_t>(k)];
+    if (candidate < 0) return;
+    viewpoints.push_back({candidate, c, cost + (price ? price(c, sees) : 0.0)});
+  });
+  const auto n = static_cast<Eigen::Index>(candidates.size());
+  Eigen::MatrixXd between = Eigen::MatrixXd::Constant(n, n, kInfinity);
+  if (n > 1) {
+    WayLengths from = ways_;
+    for (Eigen::Index a = 0; a < n; ++a) {
+      from.flood(
+          viewpoint_[static_cast<std::size_t>(candidates[static_cast<std::size_t>(a)].frontier)],
+          kFarthestBetween * options_.order.horizon);
+      for (const Viewpoint& v : viewpoints) {
+        double& way = between(a, v.candidate);
+        way = std::min(way, from.length(v.cell) + v.cost);
+      }
+    }
+  }
+  const FrontierSequence best = best_sequence(candidates, between, options_.order);
+  if (best.order.empty()) return -1;
+  if (rate(best, candidates, between, options_.cost_to_go.v_max, options_.look_time) <
+      options_.least_rate) {
+    facts.low_yield = all;
+    return -1;
+  }
+  if (present) {
+    const FrontierSequence kept =
+        best_sequence(candidates, between, options_.order, index_of(present->frontier));
+    if (best.value <= (1.0 + options_.commitment) * kept.value) return present->frontier;
+  }
+  return candidates[static_cast<std::size_t>(best.order.front())].frontier;
+}
+
+void ExplorationGuide::tell_what_is_left(const std::vector<Frontier>& frontiers,
+                                         FrontierFacts& facts) const {
+  for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    const Frontier& f = frontiers[k];
+    if (!f.active || f.promise < options_.least_area) continue;
+    const bool reachable = way_[k] < kInfinity;
+    if (reachable && f.area >= options_.least_area) continue;  // its yield is too low: counted
+    FrontiersLeft& left = reachable ? facts.failed : facts.unreachable;
+    ++left.count;
+    left.area += f.promise;
+  }
+}
+
+std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground, const Pose& pose,
+                                                         double stamp,
+                                                         const GuideAttention& attention,
+                                                         const FeatureOutlook* outlook) {
+  Stopwatch watch;
+  // Beyond this the cell address would not fit an int.
   const Eigen::Vector2d p = pose.position.head<2>();
+  if (!(p.cwiseAbs().maxCoeff() < kFarthest) || !p.allFinite() || !std::isfinite(pose.yaw) ||
+      !std::isfinite(stamp)) {
+    return last_;
+  }
+  // What was learned of one place says nothing of another.
+  if (!traversability_.continues(ground)) *this = ExplorationGuide(options_);
+  if (attention.looked && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
+    been_.push_back(p);
+  }
   traversability_.update(ground);
+  // A place that could not be passed is no wall: before nothing is left it is tried again.
+  const bool open_all = last_->facts.exhausted;
+  std::erase_if(closings_, [&](const Closing& c) {
+    if (stamp < c.until && !open_all) return false;
+    traversability_.reopen(c.at, kPassageRadius);
+    return true;
+  });
+  const GridFrame& frame = traversability_.frame();
   if (attention.blocked && attention.blocked->allFinite()) {
     const Eigen::Vector2d ahead = p + kBlockedAhead * *attention.blocked;
-    const Cell at = traversability_.frame().cell(ahead.x(), ahead.y());
-    if (traversability_.frame().contains(at)) traversability_.close(at, kPassageRadius);
+    const Cell at = frame.cell(ahead.x(), ahead.y());
+    if (frame.contains(at)) close(at, stamp);
   }
   detector_.update(traversability_);
-  if (!restarted_) {
-    memory_.map_changed(traversability_.newly_known(), traversability_.changed_states());
-  }
-  restarted_ = false;
+  worth_.map_changed(frame, traversability_.newly_known(), traversability_.changed_states());
   if (attention.looked) {
-    memory_.look(traversability_.see_through(), detector_.frontiers(), pose, stamp);
+    worth_.look(traversability_.see_through(), detector_.frontiers(), pose, stamp);
   }
-  if (!attention.pursued) memory_.hold_clock(stamp);
+  if (!attention.pursued) progress_.hold(stamp);
+  if (attention.got_lost && target_) fail_visit(detector_.frontiers(), TargetChange::kLost);
+  worth_.ignored(detector_.frontiers(), ignored_);
+  detector_.find_viewpoints(traversability_, ignored_);
 
-  const GridFrame& frame = traversability_.frame();
-  if (attention.got_lost) memory_.put_off_target(detector_.frontiers(), frame, p);
-  const Cell robot = frame.cell(p.x(), p.y());
   auto guidance = std::make_shared<Guidance>();
+  FrontierFacts& facts = guidance->facts;
+  std::vector<Frontier>& frontiers = guidance->frontiers;
+  frontiers = detector_.frontiers();
+  worth_.measure(traversability_, frontiers);
+  const Cell robot = frame.cell(p.x(), p.y());
+  const double explored = traversability_.explored_area();
   const Grid<float>* along = nullptr;
   LookPrice price;
+  WayPrice way_price;
   if (outlook != nullptr && options_.cost_to_go.lambda > 0.0) {
     count_along_travel(*outlook);
     along = &along_travel_;
@@ -324,74 +364,100 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
       return options_.look_length *
              options_.cost_to_go.localization_price(outlook->count(viewpoint, yaw));
     };
+    way_price = [&](Cell c, double yaw) {
+      return options_.cost_to_go.localization_price(outlook->count(c, yaw));
+    };
   }
-  // Suppressing or reactivating changes the sources, so the cost-to-go is repaired and the question
-  // put again; the memory does so at most once a retry and once for a stall.
-  for (bool again = true; again;) {
-    memory_.suppression(frame, suppressed_);
-    detector_.find_viewpoints(traversability_, suppressed_);
-    const std::vector<Frontier>& frontiers = detector_.frontiers();
-    const int current = memory_.current_target(frontiers, frame);
-    BonusQuestion question{traversability_, detector_, current, robot};
-    const std::vector<double> bonus = bonuses(question, rule);
-    detector_.set_bonuses(bonus, price);
+  const auto lead_to = [&](int frontier) {
+    detector_.lead_to(frontier, price);
     field_.update(traversability_, detector_, robot, along);
-    if (rule && !field_.anchor_reached()) {
-      question.unreached = true;
-      const std::vector<double> second = bonuses(question, rule);
-      if (second != bonus) {
-        detector_.set_bonuses(second, price);
-        field_.update(traversability_, detector_, robot, along);
-      }
-    }
+    return frontier >= 0 && field_.anchor_reached();
+  };
 
-    guidance->target.reset();
-    guidance->facts = {};
-    std::optional<std::pair<int, Cell>> target;
-    double value = 0.0;
-    if (field_.anchor_reached()) {
-      const ViewpointSource source = detector_.source_at(field_.source_of_anchor());
-      if (source.frontier >= 0) {
-        target = {source.frontier, source.sees};
-        value = field_.value(field_.anchor());
-        if (source.frontier == current) value += options_.memory.hysteresis;
-        const Eigen::Vector2d from = frame.center(source.cell);
-        const Eigen::Vector2d to = frame.center(source.sees);
-        guidance->target = FrontierTarget{source.frontier, from, to,
-                                          std::atan2(to.y() - from.y(), to.x() - from.x())};
-        const auto at = static_cast<std::size_t>(source.frontier);
-        const auto counted =
-            static_cast<double>(frontiers[at].cells.size()) - frontiers[at].suppressed_cells;
-        guidance->facts.target = true;
-        guidance->facts.target_length = counted * frame.resolution;
-        guidance->facts.target_worth =
-            bonus[at] - (source.frontier == current ? options_.memory.hysteresis : 0.0);
+  const int current = current_target(frontiers);
+  TargetChange reason = reason_to_choose(frontiers, current, stamp);
+  if (reason == TargetChange::kNone && !lead_to(current)) reason = TargetChange::kUnreachable;
+  if (reason != TargetChange::kNone) {
+    const bool must = reason != TargetChange::kBetter;
+    measure_ways(pose, frontiers, price, way_price);
+    int chosen = choose(frontiers, current, must, price, facts);
+    // The lattice of ways is coarse: what it reaches may still be out of reach.
+    while (!lead_to(chosen) && chosen >= 0) {
+      way_[static_cast<std::size_t>(chosen)] = kInfinity;
+      chosen = choose(frontiers, current, true, price, facts);
+    }
+    chosen_at_ = stamp;
+    const bool same = chosen >= 0 && chosen == current && target_;
+    // A target that was left for a better one has not shown what it could.
+    if (must && target_area_ > 0.0) {
+      worth_.learn(target_promise_, target_area_ / target_yield_, explored - explored_then_);
+      target_area_ = 0.0;
+    }
+    if (!same) {
+      facts.changed = chosen >= 0 ? reason : TargetChange::kNone;
+      progress_.target_dropped();
+      target_.reset();
+      dropped_ = TargetChange::kFirst;
+    }
+    if (chosen >= 0 && (!same || must)) {
+      const Frontier& f = frontiers[static_cast<std::size_t>(chosen)];
+      target_area_ = f.area;
+      target_promise_ = f.promise;
+      target_yield_ = worth_.yield(f.promise);
+      explored_then_ = explored;
+    }
+    facts.exhausted = chosen < 0 && explored > 0.0;
+    if (!facts.exhausted) facts.low_yield = {};
+  }
+  detector_.visit_viewpoints([&](int k, Cell c, Cell, double) {
+    Frontier& f = frontiers[static_cast<std::size_t>(k)];
+    f.reachable = f.reachable || ways_.length(c) < kInfinity;
+  });
+
+  if (field_.anchor_reached()) {
+    const ViewpointSource source = detector_.source_at(field_.source_of_anchor());
+    if (source.frontier >= 0) {
+      const Eigen::Vector2d from = frame.center(source.cell);
+      const Eigen::Vector2d to = frame.center(source.sees);
+      guidance->target = FrontierTarget{source.frontier, from, to,
+                                        std::atan2(to.y() - from.y(), to.x() - from.x())};
+      const Frontier& f = frontiers[static_cast<std::size_t>(source.frontier)];
+      facts.target = true;
+      facts.target_length =
+          (static_cast<double>(f.cells.size()) - f.ignored_cells) * frame.resolution;
+      facts.target_area = f.area;
+      facts.way_left = way_left();
+      const std::optional<Cell> narrow = narrow_ahead();
+      facts.narrow = narrow.has_value();
+      const double value = field_.value(field_.anchor());
+      progress_.begin(stamp, p, explored, value);
+      progress_.update(facts.changed == TargetChange::kNone, p, value, explored);
+      target_ = source.sees;
+      if (progress_.hopeless()) {
+        progress_.given_up(explored);
+        // Else all that lies behind it would be tried in turn.
+        if (narrow) close(*narrow, stamp);
+        fail_visit(frontiers, TargetChange::kNoProgress);
       }
     }
-    const double explored = traversability_.explored_area();
-    if (explored == 0.0) {
-      again = false;  // nothing seen yet is not everything seen
-    } else {
-      const int given_up = memory_.given_up();
-      const FrontierMemory::Verdict verdict =
-          memory_.judge(frontiers, frame, target, p, value, explored, stamp);
-      again = verdict == FrontierMemory::Verdict::kAskAgain;
-      guidance->facts.exhausted = verdict == FrontierMemory::Verdict::kNothingLeft;
-      if (search_ == Search::kNarrowPassages && memory_.given_up() > given_up) close_passage();
-    }
+  } else {
+    progress_.begin(stamp, p, explored, 0.0);
+    progress_.no_target();
   }
+  facts.stalled_for = progress_.stalled_for();
+  facts.stalled = progress_.stalled();
+  if (facts.exhausted) {
+    tell_what_is_left(frontiers, facts);
+    facts.cut_off = is_cut_off();
+  }
+  facts.exhausted_for = exhaustion_.update(stamp, facts.exhausted, attention.pursued);
 
   guidance->map_revision = ground.revision();
   guidance->stamp = stamp;
-  guidance->frontiers = detector_.frontiers();
-  mark_reachable(guidance->frontiers);
   guidance->cost_to_go = field_.window();
-  guidance->explored_area = traversability_.explored_area();
-  guidance->facts.stalled_for = memory_.progress().stalled_for();
-  guidance->facts.stalled = memory_.progress().stalled();
-  guidance->facts.way_left = way_left();
-  guidance->retries_used = memory_.retries_used();
-  guidance->suppressed_cells = memory_.suppressed_count();
+  guidance->explored_area = explored;
+  guidance->milliseconds = watch.lap();
+  last_ = guidance;
   return guidance;
 }
 

@@ -92,7 +92,8 @@ void FrontierDetector::relayout(const Traversability& traversability) {
     source_ = Grid<float>(frame, kNoSource);
     frontiers_.clear();
     pieces_.clear();
-    dropped_.clear();
+    led_.clear();
+    led_to_ = -1;
   } else if (frame == label_.frame) {
     return;
   } else {
@@ -100,7 +101,6 @@ void FrontierDetector::relayout(const Traversability& traversability) {
     passable_.widen(frame, std::uint8_t{0});
     source_.widen(frame, kNoSource);
   }
-  mark_ = Grid<std::uint8_t>(frame, 0);
   best_ = Grid<float>(frame, kNoSource);
   best_index_ = Grid<int>(frame, -1);
   piece_at_ = Grid<int>(frame, -1);
@@ -196,7 +196,7 @@ void FrontierDetector::cluster() {
 }
 
 void FrontierDetector::find_viewpoints(const Traversability& traversability,
-                                       const Grid<std::uint8_t>& suppressed) {
+                                       const Grid<std::uint8_t>& ignored) {
   const double r = label_.frame.resolution;
   std::vector<Piece> old;
   old.swap(pieces_);
@@ -206,17 +206,17 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
 
   for (std::size_t k = 0; k < frontiers_.size(); ++k) {
     Frontier& frontier = frontiers_[k];
-    frontier.suppressed_cells = 0;
+    frontier.ignored_cells = 0;
     frontier.viewpoints = 0;
     frontier.active = false;
     frontier.reachable = false;
-    for (const Cell c : frontier.cells) frontier.suppressed_cells += suppressed.get(c, 0) != 0;
+    for (const Cell c : frontier.cells) frontier.ignored_cells += ignored.get(c, 0) != 0;
     // Half a cell of tolerance: lengths are sums of decimals.
     if (frontier.length < options_.min_length - 0.5 * r) continue;
     // Group by tile; the cells of one tile stay in scan order.
     std::vector<Cell> cells;
     for (const Cell c : frontier.cells) {
-      if (suppressed.get(c, 0) == 0) cells.push_back(c);
+      if (ignored.get(c, 0) == 0) cells.push_back(c);
     }
     std::stable_sort(cells.begin(), cells.end(),
                      [&](Cell a, Cell b) { return tile_of(a) < tile_of(b); });
@@ -250,9 +250,6 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
       Piece& past = old[static_cast<std::size_t>(k)];
       piece.entries = std::move(past.entries);
       piece.touched = past.touched;
-      piece.bonus = past.bonus;
-      piece.merged = past.merged;
-      past.merged = false;  // it has not left: it goes on as `piece`
     } else {
       cast(traversability, piece);
       cells_cast_ += static_cast<int>(piece.cells.size());
@@ -261,10 +258,7 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
     frontier.viewpoints += static_cast<int>(piece.entries.size());
     frontier.active = frontier.viewpoints > 0;
   }
-  for (Piece& piece : old) {
-    piece_at_[piece.cells.front()] = -1;
-    if (piece.merged) dropped_.push_back(std::move(piece));
-  }
+  for (const Piece& piece : old) piece_at_[piece.cells.front()] = -1;
   std::fill(moved_.begin(), moved_.end(), Rectangle{});
 }
 
@@ -304,66 +298,33 @@ void FrontierDetector::cast(const Traversability& traversability, Piece& piece) 
   }
 }
 
-void FrontierDetector::set_bonuses(const std::vector<double>& bonus, const LookPrice& price) {
+void FrontierDetector::lead_to(int frontier, const LookPrice& price) {
   changed_sources_.clear();
   marked_.clear();
-  Rectangle region;
-  const auto mark = [&](const Piece& piece) {
-    for (const Entry& e : piece.entries) {
-      std::uint8_t& m = mark_[e.cell];
-      if (m != 0) continue;
-      m = 1;
-      marked_.push_back(e.cell);
-      region.add(e.cell);
-    }
-  };
-  for (const Piece& piece : dropped_) mark(piece);
-  dropped_.clear();
-  const bool all = price != nullptr || priced_;
-  priced_ = price != nullptr;
+  led_to_ = frontier;
   for (Piece& piece : pieces_) {
-    const auto k = static_cast<std::size_t>(piece.frontier);
-    const auto value = static_cast<float>(k < bonus.size() ? bonus[k] : 0.0);
-    if (piece.merged && piece.bonus == value && !all) continue;
+    if (piece.frontier != frontier) continue;
     for (Entry& e : piece.entries) {
       const Cell sees = piece.cells[static_cast<std::size_t>(e.sees)];
       e.price = price ? static_cast<float>(price(e.cell, sees)) : 0.0F;
+      float& best = best_[e.cell];
+      if (best == kNoSource) marked_.push_back(e.cell);
+      best = std::min(best, e.cost + e.price);
     }
-    mark(piece);
-    piece.bonus = value;
-    piece.merged = true;
   }
-  if (marked_.empty()) return;
-  for (const Piece& piece : pieces_) {
-    if (!piece.touched.meets(region)) continue;
-    for (const Entry& e : piece.entries) {
-      const auto at = static_cast<std::size_t>(mark_.frame.index(e.cell));
-      if (mark_.data[at] == 0) continue;
-      best_.data[at] = std::min(best_.data[at], e.cost + e.price - piece.bonus);
-    }
+  for (const Cell c : led_) {
+    if (best_[c] != kNoSource) continue;
+    source_[c] = kNoSource;
+    changed_sources_.push_back(c);
   }
   for (const Cell c : marked_) {
-    const auto at = static_cast<std::size_t>(mark_.frame.index(c));
-    mark_.data[at] = 0;
-    if (best_.data[at] != source_.data[at]) {
-      source_.data[at] = best_.data[at];
+    if (best_[c] != source_[c]) {
+      source_[c] = best_[c];
       changed_sources_.push_back(c);
     }
-    best_.data[at] = kNoSource;
+    best_[c] = kNoSource;
   }
-}
-
-void FrontierDetector::mark_seen_from(const std::vector<std::uint8_t>& marked,
-                                      std::vector<Frontier>& frontiers) const {
-  for (const Piece& piece : pieces_) {
-    Frontier& frontier = frontiers[static_cast<std::size_t>(piece.frontier)];
-    if (frontier.reachable || !frontier.active) continue;
-    for (const Entry& e : piece.entries) {
-      if (marked[static_cast<std::size_t>(label_.frame.index(e.cell))] == 0) continue;
-      frontier.reachable = true;
-      break;
-    }
-  }
+  led_.swap(marked_);
 }
 
 float FrontierDetector::source(Cell c) const { return source_.get(c, kNoSource); }
@@ -371,9 +332,9 @@ float FrontierDetector::source(Cell c) const { return source_.get(c, kNoSource);
 ViewpointSource FrontierDetector::source_at(Cell c) const {
   ViewpointSource best{c, kNoSource, {}, -1};
   for (const Piece& piece : pieces_) {
-    if (!piece.touched.contains(c)) continue;
+    if (piece.frontier != led_to_ || !piece.touched.contains(c)) continue;
     for (const Entry& e : piece.entries) {
-      const float cost = e.cost + e.price - piece.bonus;
+      const float cost = e.cost + e.price;
       if (!(e.cell == c) || cost >= best.cost) continue;
       best = {c, cost, piece.cells[static_cast<std::size_t>(e.sees)], piece.frontier};
     }

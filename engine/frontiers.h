@@ -12,7 +12,7 @@
 namespace prospect {
 
 struct FrontierOptions {
-  double min_length = 0.5;     ///< [m] smallest cluster: number of cells x resolution
+  double min_length = 0.2;     ///< [m] smallest cluster: number of cells x resolution
   double sensor_range = 4.0;   ///< r_max [m]
   double range_margin = 0.1;   ///< a viewpoint stands within sensor_range - range_margin [m]
   int rays = 90;               ///< directions tried from each frontier cell
@@ -30,10 +30,13 @@ struct Frontier {
   std::vector<Cell> cells;                             ///< in scan order
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();  ///< of cell centres, in W [m]
   double length = 0.0;                                 ///< number of cells x resolution [m]
-  int suppressed_cells = 0;  ///< cells that do not count for now (see FrontierMemory)
-  int viewpoints = 0;        ///< entries of its cells' viewpoint lists; 0: no pose can see it
-  /// Long enough, and some cell that is not suppressed has a viewpoint.
+  int ignored_cells = 0;  ///< cells that do not count for now (FrontierWorth::ignored())
+  int viewpoints = 0;     ///< entries of its cells' viewpoint lists; 0: no pose can see it
+  /// Long enough, and some cell that counts has a viewpoint.
   bool active = false;
+  double promise = 0.0;  ///< A: unknown ground that a look at it may show [m^2] (FrontierWorth)
+  double trust = 1.0;    ///< mean of tau over its cells [-]
+  double area = 0.0;     ///< E: what it is expected to show, after what looks have shown [m^2]
   /// Active, and passable cells join one of its viewpoints to the robot (set by ExplorationGuide).
   bool reachable = false;
 };
@@ -41,7 +44,7 @@ struct Frontier {
 /// Initial value of the cost-to-go at one traversable cell.
 struct ViewpointSource {
   Cell cell;
-  /// [m]: min over what it sees of viewpoint_cost + price of the look - bonus of the frontier.
+  /// [m]: min over what it sees of viewpoint_cost + price of the look.
   float cost = 0.0F;
   Cell sees;          ///< the frontier cell that gives the minimum
   int frontier = -1;  ///< its index in frontiers()
@@ -65,7 +68,7 @@ using LookPrice = std::function<double(Cell viewpoint, Cell sees)>;
 /// so it cannot slip between two occupied cells that touch at a corner.
 ///
 /// Value type. Thread-safety: concurrent reads are safe, updates are not. Deterministic: the result
-/// depends only on the present map, suppression and bonuses, not on the history.
+/// depends only on the present map, what is ignored and what is led to, not on the history.
 /// Source: formulation, section 6; constants from the prototype.
 class FrontierDetector {
  public:
@@ -75,14 +78,27 @@ class FrontierDetector {
   /// Finds the frontier cells and clusters of the map that `traversability` was just updated to.
   void update(const Traversability& traversability);
 
-  /// Casts viewpoints and sets Frontier::active. suppressed: one entry a cell of frame(), nonzero
-  /// where a frontier cell does not count; an empty grid means none.
-  void find_viewpoints(const Traversability& traversability, const Grid<std::uint8_t>& suppressed);
+  /// Casts viewpoints and sets Frontier::active. ignored: nonzero where a frontier cell does not
+  /// count; an empty grid means none.
+  void find_viewpoints(const Traversability& traversability, const Grid<std::uint8_t>& ignored);
 
-  /// Recomputes the sources with bonus[k] [m] subtracted for frontier k (one entry a frontier).
-  /// price: asked of every viewpoint of every frontier at each call, null: looks cost nothing more.
+  /// From now on the viewpoints of this frontier alone are sources; -1: there are none.
+  /// price: asked of each of them, null: looks cost nothing more.
   /// Of what can be seen of one cluster in one tile, the cell nearest the viewpoint stands for all.
-  void set_bonuses(const std::vector<double>& bonus, const LookPrice& price = nullptr);
+  void lead_to(int frontier, const LookPrice& price = nullptr);
+
+  /// Calls visit(frontier, cell, sees, viewpoint_cost [m]) for every viewpoint of every active
+  /// frontier and the frontier cell that it sees best; a cell that sees several pieces of one comes
+  /// as often.
+  template <typename Visit>
+  void visit_viewpoints(const Visit& visit) const {
+    for (const Piece& piece : pieces_) {
+      for (const Entry& e : piece.entries) {
+        visit(piece.frontier, e.cell, piece.cells[static_cast<std::size_t>(e.sees)],
+              static_cast<double>(e.cost));
+      }
+    }
+  }
 
   const std::vector<Frontier>& frontiers() const { return frontiers_; }
   /// Index of the frontier a cell belongs to, -1 for none.
@@ -91,12 +107,8 @@ class FrontierDetector {
   /// Source value of a cell [m], +infinity where it is no viewpoint; and what it sees.
   float source(Cell c) const;
   ViewpointSource source_at(Cell c) const;
-  /// Cells whose source value differs from that after the previous set_bonuses().
+  /// Cells whose source value differs from that after the previous lead_to().
   const std::vector<Cell>& changed_sources() const { return changed_sources_; }
-  /// Sets `reachable` of those among `frontiers` (a copy of frontiers()) that are active and have a
-  /// viewpoint in a cell marked nonzero; one mark a cell of frame().
-  void mark_seen_from(const std::vector<std::uint8_t>& marked,
-                      std::vector<Frontier>& frontiers) const;
   /// All sources, in scan order (for tests and reports: linear in the map).
   std::vector<ViewpointSource> sources() const;
   const GridFrame& frame() const { return label_.frame; }
@@ -107,9 +119,9 @@ class FrontierDetector {
  private:
   struct Entry {
     Cell cell;
-    float cost = 0.0F;   // [m], without the bonus
+    float cost = 0.0F;   // [m]
     int sees = 0;        // index in Piece::cells
-    float price = 0.0F;  // [m] of the look
+    float price = 0.0F;  // [m] of the look; of the frontier that is led to
   };
   struct Rectangle {
     int i0 = 0, j0 = 0, i1 = -1, j1 = -1;  // inclusive
@@ -124,8 +136,6 @@ class FrontierDetector {
     std::vector<Entry> entries;
     Rectangle touched;  // cells that its rays looked at
     int frontier = -1;
-    float bonus = 0.0F;
-    bool merged = false;  // its entries are in source_, with `bonus`
   };
   struct Ray {
     std::vector<Cell> offsets;
@@ -146,20 +156,19 @@ class FrontierDetector {
   Grid<int> label_;  // frontier index; -1: no frontier cell; -2: not labelled yet
   Grid<std::uint8_t> passable_;
   std::vector<Frontier> frontiers_;
-  std::vector<Piece> pieces_;   // ordered by frontier, then tile
-  std::vector<Piece> dropped_;  // merged pieces that must leave source_
+  std::vector<Piece> pieces_;  // ordered by frontier, then tile
   std::vector<Rectangle>
       moved_;  // by tile: cells whose freedom or passability changed since the last cast
   Grid<float> source_;
   std::vector<Cell> changed_sources_;
-  Grid<std::uint8_t> mark_;
+  int led_to_ = -1;        // frontier whose viewpoints are the sources
+  std::vector<Cell> led_;  // cells with a source
   Grid<float> best_;
   Grid<int> best_index_;
   std::vector<Cell> marked_;
   std::vector<Cell> stack_;
   Grid<int> piece_at_;  // old piece by its first cell, while matching; else -1
   int cells_cast_ = 0;
-  bool priced_ = false;  // the looks were, when the sources were last computed
 };
 
 }  // namespace prospect

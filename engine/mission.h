@@ -11,8 +11,8 @@
 namespace prospect {
 
 enum class MissionEnd {
-  kExplored,     ///< no active reachable frontier is left
-  kYieldTooLow,  ///< something is left that has shown too little for too long (LowYieldMonitor)
+  kExplored,     ///< no frontier is left that can be reached and promises anything
+  kYieldTooLow,  ///< what is left and can be reached shows too little for the way
   kUnreachable,  ///< nothing is left, but the robot is cut off from most places it came through
   kTimeLimit,
   kLost,  ///< localization was lost and did not come back

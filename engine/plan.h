@@ -63,6 +63,7 @@ struct Plan {
   Explanation explanation;  ///< every term, raw and weighted
   Counters counters;
   int seeds_scored = 0;
+  double features_weight = 0.0;  ///< w_l in this step (feature_weight.h)
   PlanTimes times;
 
   Mode mode;                           ///< what the robot does, and why

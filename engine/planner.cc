@@ -17,6 +17,7 @@
 #include "engine/certificate.h"
 #include "engine/exploration_targets.h"
 #include "engine/feature_outlook.h"
+#include "engine/feature_weight.h"
 #include "engine/landmark_selection.h"
 #include "engine/limited_twist.h"
 #include "engine/local_texture.h"
@@ -46,6 +47,7 @@ struct Candidate {
   double violation = 0.0;
   std::optional<Result> result;  // of the solver, for polished ones
   double error = 0.0;            // that the cost may have: of a score
+  double features = 0.0;         // of that term, not weighted
 
   bool operator<(const Candidate& other) const {
     const bool feasible = violation <= kFeasible;
@@ -242,6 +244,9 @@ struct Planner::Impl {
   /// texture: null where the localization does not rest on features.
   std::shared_ptr<const ProblemRecipe> make_recipe(const Belief& belief,
                                                    const LocalTexture* texture);
+  /// Lowers the weight of the features, in the problem and in the costs of its measured seeds, to
+  /// where going on is better than waiting (feature_weight.h).
+  void bound_features(std::vector<Candidate>& candidates);
   void calibrate(const Belief& belief, const Eigen::Vector3d& camera, ProblemRecipe& r) const;
   std::vector<Candidate> measure(std::vector<Candidate> candidates, Evaluate what) const;
   void polish(std::vector<Candidate>& candidates, const StopCondition& stop, Plan& plan) const;
@@ -267,13 +272,14 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
   // From farther away nothing needs to be looked at.
   constexpr double kFarLook = 50.0;
   options.frontiers.sensor_range = std::min(robot.depth.max_range, kFarLook);
-  options.memory.sensor_range = options.frontiers.sensor_range;
-  options.memory.sensor_fov = std::min(robot.depth.horizontal_fov, 2.0 * M_PI);
+  options.worth.sensor_range = options.frontiers.sensor_range;
+  options.worth.sensor_fov = std::min(robot.depth.horizontal_fov, 2.0 * M_PI);
   // All round there is no side to keep away from; a narrow field is not all margin.
-  const bool all_round = options.memory.sensor_fov > 2.0 * M_PI - options.memory.fov_margin;
-  options.memory.fov_margin =
-      all_round ? 0.0 : std::min(options.memory.fov_margin, options.memory.sensor_fov / 8.0);
+  const bool all_round = options.worth.sensor_fov > 2.0 * M_PI - options.worth.fov_margin;
+  options.worth.fov_margin =
+      all_round ? 0.0 : std::min(options.worth.fov_margin, options.worth.sensor_fov / 8.0);
   options.cost_to_go.v_max = robot.model->max_speed();
+  options.turn_price = robot.model->max_speed() / robot.model->max_yaw_rate();
   options.cost_to_go.features_required = parameters.features.N_req;
   return options;
 }
@@ -350,7 +356,14 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   r->clearance_field.vertical = vertical;
   r->clearance_field.slice = slice;
   r->clearance_field.reach = reach + 1.0;
-  r->clearance_field.cutoff = std::max(0.8, radius + p.d_des + 0.2 + p.drift_margin);
+  // Clearances must be told as far as the way to stop, too: no speed is feasible that needs more.
+  const double to_stop = model.max_speed() * model.max_speed() / (2.0 * model.max_deceleration());
+  r->clearance_field.cutoff =
+      std::max(0.8, radius + 0.2 + std::max(p.d_des + p.drift_margin, to_stop + p.d_safe));
+  const double most = 48.0 * belief.voxels->resolution();  // of ClearanceField
+  if (radius + p.d_des + p.drift_margin + 0.2 < most) {
+    r->clearance_field.cutoff = std::min(r->clearance_field.cutoff, most);
+  }
   const SurfaceDrift* minded = minded_drift();
   const double drifted =
       minded == nullptr
@@ -434,6 +447,26 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   return r;
 }
 
+void Planner::Impl::bound_features(std::vector<Candidate>& candidates) {
+  const double most = recipe->weights.visible_features;
+  const auto standing = std::find_if(candidates.begin(), candidates.end(), [](const Candidate& c) {
+    return c.name == "stop" && c.violation <= kFeasible;
+  });
+  if (most <= 0.0 || standing == candidates.end()) return;
+  std::vector<WeighedCandidate> feasible;
+  for (const Candidate& c : candidates) {
+    if (c.violation <= kFeasible) feasible.push_back({c.cost - most * c.features, c.features});
+  }
+  const double weight = feature_weight(feasible, standing->cost - most * standing->features, most);
+  if (weight >= most) return;
+  auto bounded = std::make_shared<ProblemRecipe>(*recipe);
+  bounded->weights.visible_features = weight;
+  recipe = bounded;
+  problem = assemble_problem(*recipe, parts);
+  for (Candidate& c : candidates) c.cost -= (most - weight) * c.features;
+  std::stable_sort(candidates.begin(), candidates.end());
+}
+
 /// Those that can be evaluated, best first. Scores choose among seeds, the exact value tells what a
 /// plan costs.
 std::vector<Candidate> Planner::Impl::measure(std::vector<Candidate> candidates,
@@ -464,6 +497,9 @@ std::vector<Candidate> Planner::Impl::measure(std::vector<Candidate> candidates,
     what = Evaluate::kValue;
     evaluate_all();
   }
+  const auto& terms = problem->definition().terms;
+  const auto features = std::find_if(
+      terms.begin(), terms.end(), [&](const auto& t) { return t.term == parts.visible_features; });
   std::vector<Candidate> scored;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
@@ -473,6 +509,7 @@ std::vector<Candidate> Planner::Impl::measure(std::vector<Candidate> candidates,
     candidates[i].cost = evaluation.cost[b];
     candidates[i].violation = violation(evaluation.constraints.col(b));
     candidates[i].error = evaluation.cost_error[b];
+    candidates[i].features = evaluation.terms(features - terms.begin(), b);
     scored.push_back(std::move(candidates[i]));
   }
   std::stable_sort(scored.begin(), scored.end());
@@ -777,6 +814,12 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   context.cost_to_go = guidance->cost_to_go.get();
   context.target = guidance->target;
   context.clearance = parts.occupied.get();
+  std::optional<BodyClearance> known;
+  if (parameters.unknown == UnknownPolicy::kBraking) {
+    known.emplace(parts.known, robot.shape);
+    context.known = &*known;
+    context.known_margin = parameters.d_safe;
+  }
   if (last_inputs.cols() > 0) {
     const auto passed =
         static_cast<Eigen::Index>(std::lround((belief.stamp - last_stamp) / parameters.dt));
@@ -793,6 +836,8 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   for (const Seed& seed : made) candidates.push_back({seed.name, seed.z, 0.0, 0.0, std::nullopt});
   candidates = measure(std::move(candidates), Evaluate::kScore);
   plan.seeds_scored = static_cast<int>(made.size());
+  if (acting == ModeKind::kExplore && !lost) bound_features(candidates);
+  plan.features_weight = recipe->weights.visible_features;
   for (const Candidate& c : candidates) seeds.push_back({c.name, c.z});
   plan.counters.cost_evaluations = plan.seeds_scored;
   plan.times.seeds = watch.lap();

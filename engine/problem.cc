@@ -356,6 +356,7 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
 
   out.cost.setZero(B);
   out.cost_error.setZero(B);
+  out.terms.setZero(static_cast<Eigen::Index>(definition_.terms.size()), B);
   out.constraints.resize(num_constraints_, B);
   out.valid.setConstant(B, true);
   if (gradient) {
@@ -379,6 +380,7 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
     o.value.resize(rows, B);
     if (residuals && !constraint) {
       evaluate_residuals(i, t, o, workspace, out);
+      out.terms.row(static_cast<Eigen::Index>(i)) = o.value.row(0);
       out.cost += weight * o.value.row(0).transpose();
       continue;
     }
@@ -397,6 +399,7 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
       }
       first_row += rows;
     } else {
+      out.terms.row(static_cast<Eigen::Index>(i)) = o.value.row(0);
       out.cost += weight * o.value.row(0).transpose();
       if (score && scores) {
         out.cost_error +=

@@ -53,6 +53,8 @@ struct Evaluation {
   /// B; with kScore: bound of the difference between this cost and that of kValue,
   /// kScoreError sum_t |w_t| max(1, |T_t|) over the terms that have scores; else 0.
   Eigen::ArrayXd cost_error;
+  /// Value of each term, by ProblemDefinition::terms, not weighted: T x B; 0 of constraints.
+  Eigen::ArrayXXd terms;
   Eigen::MatrixXd constraints;                  ///< m x B; >= 0 is feasible
   Eigen::Array<bool, Eigen::Dynamic, 1> valid;  ///< B; false: some term was not evaluable there
   Eigen::VectorXd gradient;                     ///< n; with kGradient (B = 1)

@@ -47,12 +47,27 @@ Twist forward(double v, double w) { return {Eigen::Vector3d(v, 0.0, 0.0), w}; }
 class Laws {
  public:
   Laws(const Problem& problem, const SeedContext& context)
-      : model_(*problem.definition().model), context_(context) {}
+      : model_(*problem.definition().model), context_(context), dt_(problem.definition().dt) {
+    if (context.known == nullptr) return;
+    // Where the robot is nearer than the margin, it need not keep it (BrakingConstraint).
+    margin_ = std::min(context.known_margin,
+                       context.known->clearance(model_.pose(problem.definition().x0)));
+  }
 
   Law constant(double speed, double turn) const {
-    return [=, this](double, const Pose&) {
-      return forward(speed * model_.max_speed(), turn * model_.max_yaw_rate());
+    return [=, this](double, const Pose& pose) {
+      return forward(std::min(speed * model_.max_speed(), fastest(pose)),
+                     turn * model_.max_yaw_rate());
     };
+  }
+
+  /// With which the robot can stop within what is known to be free [m/s].
+  double fastest(const Pose& pose) const {
+    if (context_.known == nullptr) return model_.max_speed();
+    constexpr double kCreep = 0.1;  // share of the largest speed that it may always try
+    const double a = model_.max_deceleration();
+    const double d = std::max(0.0, context_.known->clearance(pose) - margin_);
+    return std::max(kCreep * model_.max_speed(), a * (std::sqrt(dt_ * dt_ + 2.0 * d / a) - dt_));
   }
 
   /// Turns towards a heading, with the speed falling off as the error grows.
@@ -60,7 +75,8 @@ class Laws {
     const double error = wrapped(heading - pose.yaw);
     const double turn = std::clamp(2.0 * error, -model_.max_yaw_rate(), model_.max_yaw_rate());
     const double ahead = std::max(0.0, std::cos(error));
-    return forward(speed * model_.max_speed() * ahead * ahead * ahead, turn);
+    return forward(std::min(speed * model_.max_speed() * ahead * ahead * ahead, fastest(pose)),
+                   turn);
   }
 
   /// Down the cost-to-go.
@@ -101,7 +117,8 @@ class Laws {
       Eigen::Vector2d gradient;
       context_.cost_to_go->value(Eigen::Vector2d(pose.position.head<2>()), gradient);
       if (!gradient.allFinite() || gradient.norm() < 1e-3) return {};
-      const Eigen::Vector2d v = -gradient.normalized() * model_.max_speed() * 0.7;
+      const Eigen::Vector2d v =
+          -gradient.normalized() * std::min(model_.max_speed() * 0.7, fastest(pose));
       const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
       const double error = wrapped(heading(pose) - pose.yaw);
       return {Eigen::Vector3d(c * v.x() + s * v.y(), -s * v.x() + c * v.y(), 0.0),
@@ -112,6 +129,8 @@ class Laws {
  private:
   const MotionModel& model_;
   const SeedContext& context_;
+  double dt_;
+  double margin_ = 0.0;  // [m]
 };
 
 std::function<double(const Pose&)> towards(const Eigen::Vector2d& point) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/body_clearance.h"
 #include "engine/clearance_field.h"
 #include "engine/cost_to_go.h"
 #include "engine/exploration_guide.h"
@@ -26,6 +27,10 @@ struct SeedContext {
   Eigen::MatrixXd previous;
   /// Distance to known obstacles; null: approaches keep to the cost-to-go's cells.
   const ClearanceField* clearance = nullptr;
+  /// Clearance to whatever is not known to be free, within which the robot must be able to stop
+  /// (BrakingConstraint); null: seeds drive as fast as they may anywhere.
+  const BodyClearance* known = nullptr;
+  double known_margin = 0.0;  ///< of that constraint [m]
 };
 
 /// Starts that between them reach the basins worth polishing: the shifted previous plan, the way
@@ -35,8 +40,12 @@ struct SeedContext {
 ///
 /// Each is a simple steering law rolled out through the problem's own model, one decision a knot,
 /// the input clamped by tracking_input and admissible_inputs, so that bounds, rate limits between
-/// knots and limits on speeds hold. In a fixed order; "stop" is always among them. Deterministic.
-/// Thread-safety: no state. Source: formulation, section 8; the steering laws are our choice.
+/// knots and limits on speeds hold. None drives faster than leaves room to stop within what is
+/// known to be free, a step later: v <= a (sqrt(dt^2 + 2 d / a) - dt), d the clearance beyond the
+/// margin, a the largest deceleration. A faster one would be infeasible near every wall, and
+/// nothing would be left to begin with but standing. In a fixed order; "stop" is always among them.
+/// Deterministic. Thread-safety: no state. Source: formulation, section 8; the steering laws are
+/// our choice.
 std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context);
 
 /// Only those that follow the cost-to-go to the target's viewpoint and face what is to be seen from

@@ -54,6 +54,10 @@ Traversability::Traversability(const TraversabilityOptions& options) : options_(
                   "lattice_slack", o.lattice_slack, "0 to 1 m");
   check_parameter(o.tight_factor >= 1.0 && o.tight_factor <= 1e3, "traversability", "tight_factor",
                   o.tight_factor, "1 to 1000");
+  check_parameter(o.narrow_slack >= 0.0 && o.narrow_slack < 1.0, "traversability", "narrow_slack",
+                  o.narrow_slack, "0 to 1 m");
+  check_parameter(o.narrow_factor >= o.tight_factor && o.narrow_factor <= 1e4, "traversability",
+                  "narrow_factor", o.narrow_factor, "tight_factor to 10000");
   check_parameter(o.unknown_factor >= 1.0 && o.unknown_factor <= 1e3, "traversability",
                   "unknown_factor", o.unknown_factor, "1 to 1000");
 }
@@ -64,6 +68,8 @@ void Traversability::restart(const GridFrame& frame) {
   comfortable_sq_ = least_square(options_.comfortable_radius - options_.lattice_slack, r);
   // An occupied cell itself has distance 0 and must stay impassable whatever the radius.
   hard_sq_ = std::max(hard_sq_, 1);
+  narrow_sq_ = std::max(
+      least_square(options_.hard_radius - options_.lattice_slack - options_.narrow_slack, r), 1);
   comfortable_sq_ = std::max(comfortable_sq_, hard_sq_);
   limit_sq_ = std::max(comfortable_sq_, least_square(options_.comfortable_radius, r));
   reach_ = 1;
@@ -150,15 +156,18 @@ void Traversability::transform(Rectangle cells, bool unknown) {
 }
 
 void Traversability::refresh_factors(const Rectangle& cells) {
+  const auto narrow = static_cast<float>(options_.narrow_factor);
   const auto tight = static_cast<float>(options_.tight_factor);
   const auto near = static_cast<float>(options_.unknown_factor);
   for (int j = cells.j0; j <= cells.j1; ++j) {
     for (int i = cells.i0; i <= cells.i1; ++i) {
       const auto at = static_cast<std::size_t>(state_.frame.index({i, j}));
       float factor = 0.0F;
-      if (state_.data[at] == CellState::kFree && occupied_sq_.data[at] >= hard_sq_ &&
-          closed_.data[at] == 0) {
-        factor = (occupied_sq_.data[at] < comfortable_sq_ ? tight : 1.0F) *
+      const std::int32_t room = occupied_sq_.data[at];
+      if (state_.data[at] == CellState::kFree && room >= narrow_sq_ && closed_.data[at] == 0) {
+        factor = (room < hard_sq_          ? narrow
+                  : room < comfortable_sq_ ? tight
+                                           : 1.0F) *
                  (unknown_sq_.data[at] < comfortable_sq_ ? near : 1.0F);
       }
       if (factor != factor_.data[at]) {
@@ -169,13 +178,15 @@ void Traversability::refresh_factors(const Rectangle& cells) {
   }
 }
 
-void Traversability::close(Cell c, double radius) {
+void Traversability::shut(Cell c, double radius, int times) {
   const int reach = static_cast<int>(std::ceil(radius / state_.frame.resolution));
   const Rectangle cells = within({c.i, c.j, c.i, c.j}, reach);
   for (int j = cells.j0; j <= cells.j1; ++j) {
     for (int i = cells.i0; i <= cells.i1; ++i) {
       const double distance = state_.frame.resolution * std::hypot(i - c.i, j - c.j);
-      if (distance <= radius) closed_[{i, j}] = 1;
+      if (distance > radius) continue;
+      std::uint8_t& closed = closed_[{i, j}];
+      closed = static_cast<std::uint8_t>(std::clamp(closed + times, 0, 255));
     }
   }
   refresh_factors(cells);

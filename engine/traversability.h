@@ -20,16 +20,22 @@ struct TraversabilityOptions {
   /// lattice without slack is stricter than the constraint it stands for. Choose the radii against
   /// the lattice: two radii less than a cell apart are often the same set of cells.
   double lattice_slack = 0.02;
-  double tight_factor = 4.0;    ///< cost of a metre between hard and comfortable radius, >= 1
+  double tight_factor = 4.0;  ///< cost of a metre between hard and comfortable radius, >= 1
+  /// A cell is a narrow passage if its clearance is less than hard_radius asks for by up to this
+  /// [m]: walls that a drifting estimate drew twice close real doors, and a look from near opens
+  /// them. It is passable, but so dear that it comes last; the certificate decides what is driven.
+  double narrow_slack = 0.1;
+  double narrow_factor = 30.0;  ///< cost of a metre there, >= tight_factor
   double unknown_factor = 1.5;  ///< times this within comfortable_radius of an unknown cell, >= 1
 };
 
 /// Clearance and cost of travel of every ground cell.
 ///
 ///   clearance(c) = min_o dist(centre of c, square of o), o occupied   (box distance, exact)
-///   passable(c)  = c is known free and clearance(c) + slack >= hard_radius
-///   factor(c)    = (clearance < comfortable ? tight_factor : 1) (unknown nearer than comfortable ?
-///                  unknown_factor : 1)   [metres of path equivalent per metre], 0 where impassable
+///   passable(c)  = c is known free and clearance(c) + slack + narrow_slack >= hard_radius
+///   factor(c)    = (clearance < hard_radius ? narrow_factor : clearance < comfortable ?
+///                  tight_factor : 1) (unknown nearer than comfortable ? unknown_factor : 1)
+///                  [metres of path equivalent per metre], slack included, 0 where impassable
 ///
 /// The distance is to the square of a cell, not to its centre, hence the same number as the
 /// certificate's distance between a disc and the occupied boxes. Squared distances are kept as
@@ -52,9 +58,12 @@ class Traversability {
   /// Whether `ground` can be a later state of the last map (frame_of_both()), or is the first.
   bool continues(const GroundMap& ground) const;
 
-  /// Makes the cells within `radius` [m] of the centre of `c` impassable from now on, whatever the
-  /// map says: a gap that could not be passed. Adds them to changed_factors().
-  void close(Cell c, double radius);
+  /// Makes the cells within `radius` [m] of the centre of `c` impassable, whatever the map says: a
+  /// gap that could not be passed. Adds them to changed_factors(). A cell that is closed twice must
+  /// be opened twice.
+  void close(Cell c, double radius) { shut(c, radius, 1); }
+  /// Takes a close() back, given the same arguments.
+  void reopen(Cell c, double radius) { shut(c, radius, -1); }
 
   /// Cells whose CellState differs from that at the previous update, in scan order of the tiles.
   const std::vector<Cell>& changed_states() const { return changed_states_; }
@@ -84,6 +93,8 @@ class Traversability {
   /// the state of the cell; true outside the map.
   bool clear(Cell c) const { return occupied_sq_.get(c, limit_sq_) >= hard_sq_; }
   bool passable(Cell c) const { return factor(c) > 0.0F; }
+  /// Passable, but narrower than hard_radius asks for.
+  bool narrow(Cell c) const { return passable(c) && !clear(c); }
   float factor(Cell c) const { return factor_.get(c, 0.0F); }
   const Grid<float>& factors() const { return factor_; }
   /// Explored cells (free or occupied), times the area of a cell [m^2].
@@ -103,15 +114,17 @@ class Traversability {
   void widen(const GridFrame& frame);
   void transform(Rectangle cells, bool unknown);
   void refresh_factors(const Rectangle& cells);
+  void shut(Cell c, double radius, int times);
   Rectangle within(Rectangle cells, int margin) const;
 
   TraversabilityOptions options_;
   int reach_ = 0;              // cells: influence radius, rounded up
   std::int32_t limit_sq_ = 0;  // half cells squared: where distances are truncated
-  std::int32_t hard_sq_ = 0, comfortable_sq_ = 0;  // least squared distances, slack included
+  // Least squared distances, slack included.
+  std::int32_t narrow_sq_ = 0, hard_sq_ = 0, comfortable_sq_ = 0;
   Grid<CellState> state_;
   Grid<std::uint8_t> see_through_;
-  Grid<std::uint8_t> closed_;
+  Grid<std::uint8_t> closed_;       // how often
   Grid<std::int32_t> occupied_sq_;  // squared distance [(cell / 2)^2], truncated
   Grid<std::int32_t> unknown_sq_;
   Grid<float> factor_;

@@ -218,25 +218,23 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
                                     "smallest cluster of frontier cells");
   g.frontiers.range_margin = f.number("range_margin", g.frontiers.range_margin, 0.0, 10.0, "m",
                                       "a viewpoint stands this much within the sensor's range");
-  g.kappa = f.number("kappa", g.kappa, 0.0, 100.0, "m",
-                     "bonus of a frontier per unit of log(1 + its length in m)");
-  g.kappa_area =
-      f.number("kappa_area", g.kappa_area, 0.0, 100.0, "m",
-               "the same of log(1 + area in m^2) that it promises, where there is ample room");
-  g.area_depth =
-      f.number("area_depth", g.area_depth, 0.0, 10.0, "m", "how far behind a frontier area counts");
-  g.ample_room =
-      f.number("ample_room", g.ample_room, 0.0, 10.0, "m",
-               "besides d_safe, that the way to a frontier must have for its area to count");
+  g.worth.depth =
+      f.number("depth", g.worth.depth, 0.0, 10.0, "m", "how far behind a frontier its area counts");
+  g.worth.opening = f.number("opening", g.worth.opening, 0.0, 1.0, "m",
+                             "clearance of unknown ground that counts");
+  g.order.horizon =
+      f.number("horizon", g.order.horizon, 0.1, 1e4, "m",
+               "of way in which what is still to be seen loses a factor of e in worth");
+  g.order.every_look = f.number("every_look", g.order.every_look, 0.0, 100.0, "m2",
+                                "that a frontier counts besides its area");
+  g.commitment = f.number("commitment", g.commitment, 0.0, 100.0, "1",
+                          "share by which another sequence must be better to change the target");
   g.cost_to_go.lambda =
       f.number("lambda", g.cost_to_go.lambda, 0.0, 1000.0, "1",
                "price of ways on which no feature is seen; 0: none, as with w_l = 0");
-  g.memory.hysteresis = f.number("hysteresis", g.memory.hysteresis, 0.0, 100.0, "m",
-                                 "head start of the current target");
-  g.memory.failed_looks = static_cast<int>(f.integer("failed_looks", g.memory.failed_looks, 1, 1000,
-                                                     "1", "looks that deactivate a frontier cell"));
-  g.memory.retries = static_cast<int>(f.integer("retries", g.memory.retries, 0, 100, "1",
-                                                "reactivations of everything before the end"));
+  g.traversability.narrow_factor =
+      f.number("narrow_factor", g.traversability.narrow_factor, 4.0, 1e4, "1",
+               "cost of a metre through what is narrower than the robot keeps clear");
 }
 
 // What `sensors: camera` needs besides.
@@ -310,6 +308,12 @@ Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
       mission.number("time_limit", c.mission.time_limit, 1.0, 1e6, "s", "of the robot's clock");
   c.mission.lost_limit = mission.number("lost_limit", c.mission.lost_limit, 0.0, 1e6, "s",
                                         "without localization that ends the mission");
+  YamlMap end = mission.map("end");
+  ExplorationGuideOptions& guide = c.planner.guide;
+  guide.least_area = end.number("least_area", guide.least_area, 0.0, 1e4, "m2",
+                                "a frontier that promises less is not gone to");
+  guide.least_rate = end.number("least_rate", guide.least_rate, 0.0, 1e3, "m2/s",
+                                "nor one that shows less for the time that it takes");
   yaml.finish();
 
   // What the simulated robot shares with the planned one.

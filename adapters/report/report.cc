@@ -343,7 +343,7 @@ Json run_json(const RunRecord& record) {
       {"looks_x", target_column(steps, [](T t) { return t.looks_at.x(); })},
       {"looks_y", target_column(steps, [](T t) { return t.looks_at.y(); })},
       {"target_length", target_column(steps, [](T t) { return t.length; })},
-      {"target_worth", target_column(steps, [](T t) { return t.worth; })},
+      {"target_area", target_column(steps, [](T t) { return t.area; })},
       {"way_left", target_column(steps, [](T t) { return t.way_left; })},
       {"guard_stops", column(steps, [](S s) { return s.guard_stops; })},
   };
@@ -360,7 +360,7 @@ Json run_json(const RunRecord& record) {
       {"mode", word_column(steps, [](S s) { return s.mode; })},
       {"cause", word_column(steps, [](S s) { return s.cause; })},
       {"caution", word_column(steps, [](S s) { return s.caution; })},
-      {"search", word_column(steps, [](S s) { return s.search; })},
+      {"target_change", word_column(steps, [](S s) { return s.target_change; })},
       {"why", word_column(steps, [](S s) { return s.why; })},
   };
   return {

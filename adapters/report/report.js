@@ -778,10 +778,10 @@ const nowFields = (() => {
     add("Target", (k) => {
       if (!isNumber(column.target_x[k])) return "none";
       const way = isNumber(column.way_left[k]) ? `${fixed(column.way_left[k], 1)} m away` : "no way known";
-      return `${way}, frontier of ${fixed(column.target_length[k], 1)} m`;
+      const change = word.target_change[k] ? `; new: ${word.target_change[k]}` : "";
+      return `${way}, frontier of ${fixed(column.target_length[k], 1)} m, promises ${fixed(column.target_area[k], 1)} m²${change}`;
     }, { wide: true });
     add("Caution", (k) => word.caution[k] || "–", { tone: (k) => (careful(word.caution[k]) ? "warn" : "") });
-    add("Frontiers that count", (k) => word.search[k] || "–");
   }
   add("Coverage", (k) => `${percent(column.coverage[k])} %, ${fixed(column.area[k], 1)} m²`);
   add("Path", (k) => `${fixed(column.path[k], 1)} m`);

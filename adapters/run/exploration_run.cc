@@ -236,6 +236,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     r.caution = to_string(plan.caution);
     r.why = plan.why;
     r.seeds_scored = plan.seeds_scored;
+    r.features_weight = plan.features_weight;
     r.seed = plan.seed;
     r.explanation = plan.explanation;
     const auto committed = static_cast<std::size_t>(std::max(0, plan.committed));
@@ -274,10 +275,10 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     }
     if (step.guidance) {
       const Guidance& guidance = *step.guidance;
-      r.search = to_string(guidance.facts.search);
+      r.target_change = to_string(guidance.facts.changed);
       if (guidance.target) {
         r.target = TargetRecord{guidance.target->viewpoint, guidance.target->looks_at,
-                                guidance.facts.target_length, guidance.facts.target_worth,
+                                guidance.facts.target_length, guidance.facts.target_area,
                                 guidance.facts.way_left};
       }
       if (options.keep_steps) costs_to_go.add(steps, r, *guidance.cost_to_go);

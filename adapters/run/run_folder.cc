@@ -39,8 +39,9 @@ std::string header(const std::vector<std::string>& terms) {
          ",predicted_features,tracked_features,localization,localization_error,coverage,area,"
          "path_length,collisions,clearance,cost_evaluations,gradient_evaluations,stop_reason,"
          "quality,certified,certificate,active_frontiers,guard_stops,guard_reason,mode,cause,"
-         "mode_since,caution,search,target_x,target_y,looks_x,looks_y,target_length,target_worth,"
-         "way_left,seeds_scored,rejected,why\n";
+         "mode_since,caution,target_change,target_x,target_y,looks_x,looks_y,target_length,target_"
+         "area,"
+         "way_left,seeds_scored,features_weight,rejected,why\n";
 }
 
 /// The best candidates that were not executed: name, cost, and whether the certificate refused it.
@@ -59,17 +60,18 @@ std::string rejected(const StepRecord& s) {
 /// The columns from `mode` on.
 std::string reasons(const StepRecord& s) {
   std::string row = ',' + field(s.mode) + ',' + field(s.cause) + ',' + text(s.mode_since) + ',' +
-                    field(s.caution) + ',' + field(s.search);
+                    field(s.caution) + ',' + field(s.target_change);
   if (s.target) {
     const TargetRecord& t = *s.target;
     for (const double value : {t.viewpoint.x(), t.viewpoint.y(), t.looks_at.x(), t.looks_at.y(),
-                               t.length, t.worth, t.way_left}) {
+                               t.length, t.area, t.way_left}) {
       row += ',' + text(value);
     }
   } else {
     row += ",,,,,,,";
   }
-  return row + ',' + std::to_string(s.seeds_scored) + ',' + field(rejected(s)) + ',' + field(s.why);
+  return row + ',' + std::to_string(s.seeds_scored) + ',' + text(s.features_weight) + ',' +
+         field(rejected(s)) + ',' + field(s.why);
 }
 
 std::string step_row(const StepRecord& s, const std::vector<std::string>& terms) {

@@ -24,8 +24,8 @@ struct TargetRecord {
   Eigen::Vector2d viewpoint = Eigen::Vector2d::Zero();  ///< estimated frame [m]
   Eigen::Vector2d looks_at = Eigen::Vector2d::Zero();   ///< a frontier cell seen from there [m]
   double length = 0.0;                                  ///< of the frontier [m]
-  double worth = 0.0;                                   ///< [m] of way that it is worth
-  double way_left = 0.0;                                ///< [m] to the viewpoint
+  double area = 0.0;      ///< [m^2] that a look at it is expected to show
+  double way_left = 0.0;  ///< [m] to the viewpoint
 };
 
 /// One of the best candidates of a step.
@@ -76,11 +76,12 @@ struct StepRecord {
   double mode_since = 0.0;  ///< [s] of the robot's clock since the start
   /// Which distances it keeps: "normal", "reduced margin", "stuck", "lost".
   std::string caution;
-  /// Which frontiers count: "ordinary", "short frontiers", "narrow passages".
-  std::string search;
-  std::string why;  ///< one sentence: what it does and why, with the numbers of this step
+  std::string
+      target_change;  ///< why the target is another: to_string(TargetChange); empty: it is not
+  std::string why;    ///< one sentence: what it does and why, with the numbers of this step
   std::optional<TargetRecord> target;
   int seeds_scored = 0;
+  double features_weight = 0.0;               ///< w_l in this step
   std::vector<CandidateRecord> candidates;    ///< at most six, best first
   std::optional<CostToGoPicture> cost_to_go;  ///< at some of the steps
 

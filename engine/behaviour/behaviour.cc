@@ -25,7 +25,6 @@ bool exhausted(const Case& c) {
   return c.facts.frontiers && c.facts.frontiers->exhausted &&
          c.facts.frontiers->exhausted_for >= c.options.look_around - kHair;
 }
-bool yield_too_low(const Case& c) { return c.facts.frontiers && c.facts.frontiers->yield_too_low; }
 
 // Turning back at once from each loss, a robot never gets across a blank stretch that has no way
 // round; exploring on while lost, it drifts. So in the pause it explores on, but not for long
@@ -35,15 +34,14 @@ bool impatient(const Case& c) {
 }
 
 constexpr std::array kModeTable = {
-    ModeRow{std::nullopt, "nothing is left or it had its time; most places are cut off",
-            [](const Case& c) {
-              return (exhausted(c) || yield_too_low(c)) && c.facts.frontiers->cut_off;
-            },
-            Kind::kDone, Cause::kUnreachable},
-    ModeRow{std::nullopt, "nothing could be reached for look_around",
-            [](const Case& c) { return exhausted(c); }, Kind::kDone, Cause::kExplored},
-    ModeRow{std::nullopt, "what is left has had its time",
-            [](const Case& c) { return yield_too_low(c); }, Kind::kDone, Cause::kYieldTooLow},
+    ModeRow{std::nullopt, "exhausted for look_around; most places are cut off",
+            [](const Case& c) { return exhausted(c) && c.facts.frontiers->cut_off; }, Kind::kDone,
+            Cause::kUnreachable},
+    ModeRow{std::nullopt, "exhausted for look_around; what can be reached shows too little",
+            [](const Case& c) { return exhausted(c) && c.facts.frontiers->low_yield.count > 0; },
+            Kind::kDone, Cause::kYieldTooLow},
+    ModeRow{std::nullopt, "exhausted for look_around", [](const Case& c) { return exhausted(c); },
+            Kind::kDone, Cause::kExplored},
     ModeRow{Kind::kRetreat, "too few features yet, not for longer than retreat_time",
             [](const Case& c) {
               return !c.facts.enough_features &&
@@ -74,7 +72,7 @@ constexpr std::array kModeTable = {
                      c.facts.stamp < *c.facts.not_following_at + c.options.turn_away_time;
             },
             Kind::kTurnOnTheSpot, Cause::kNotFollowing},
-    ModeRow{std::nullopt, "nothing is reachable",
+    ModeRow{std::nullopt, "exhausted: no frontier that can be reached is worth its way",
             [](const Case& c) { return c.facts.frontiers && c.facts.frontiers->exhausted; },
             Kind::kLookAround, Cause::kNothingReachable},
     ModeRow{
@@ -122,9 +120,22 @@ std::string localization_text(const Facts& f) {
 }
 
 std::string target_text(const FrontierFacts& f) {
-  return f.way_left < kThere ? print("looks from here at a frontier %.1f m long", f.target_length)
-                             : print("drives %.1f m to look at a frontier %.1f m long", f.way_left,
-                                     f.target_length);
+  return (f.way_left < kThere ? std::string("looks from here")
+                              : print("drives %.1f m to look", f.way_left)) +
+         print(" at a frontier %.1f m long, which promises %.1f m2", f.target_length,
+               f.target_area);
+}
+
+std::string left_text(const FrontierFacts& f) {
+  std::string text;
+  const auto add = [&](const FrontiersLeft& left, const char* what) {
+    if (left.count == 0) return;
+    text += print("%s %d (%.1f m2) ", text.empty() ? "; left:" : ",", left.count, left.area) + what;
+  };
+  add(f.low_yield, "too little for the way");
+  add(f.failed, "where looks showed nothing");
+  add(f.unreachable, "out of reach");
+  return text;
 }
 
 /// Since when, and what was before.
@@ -160,7 +171,8 @@ std::string doing(const Mode& mode, const Facts& facts) {
       return print("Approaches step by step for %.1f s now, for want of progress: %s",
                    facts.stamp - mode.since, target_text(frontiers).c_str());
     case Kind::kLookAround:
-      return print("Looks around: nothing is reachable for %.1f s", frontiers.exhausted_for);
+      return print("Looks around: for %.1f s no frontier that can be reached was worth its way",
+                   frontiers.exhausted_for);
     case Kind::kRetreat: {
       if (!facts.rests_on_features) return "Turns back: " + localization_text(facts);
       std::string text =
@@ -179,17 +191,37 @@ std::string doing(const Mode& mode, const Facts& facts) {
       return "Turns on the spot to find its localization again: turning back did not help, " +
              localization_text(facts);
     case Kind::kDone:
-      if (mode.cause == Cause::kUnreachable) {
-        return "Done: walls as drawn cut it off from most places it came through";
-      }
-      return mode.cause == Cause::kExplored
-                 ? "Done: no frontier is left that can be reached"
-                 : "Done: what is left has shown too little for too long";
+      return (mode.cause == Cause::kUnreachable
+                  ? "Done: walls as drawn cut it off from most places it came through"
+              : mode.cause == Cause::kExplored
+                  ? "Done: no frontier is left that can be reached and promises anything"
+                  : "Done: what is left shows too little for the way") +
+             left_text(frontiers);
   }
   return "";
 }
 
 }  // namespace
+
+std::string_view to_string(TargetChange change) {
+  switch (change) {
+    case TargetChange::kNone:
+      return "";
+    case TargetChange::kFirst:
+      return "first";
+    case TargetChange::kSeen:
+      return "seen";
+    case TargetChange::kUnreachable:
+      return "unreachable";
+    case TargetChange::kNoProgress:
+      return "no progress";
+    case TargetChange::kLost:
+      return "lost";
+    case TargetChange::kBetter:
+      return "better";
+  }
+  return "?";
+}
 
 std::span<const ModeRow> mode_table() { return kModeTable; }
 
@@ -225,10 +257,9 @@ Behaviour decide(const Behaviour& before, const Facts& facts, const BehaviourOpt
 std::string describe(const Mode& mode, const Facts& facts) {
   std::string text = doing(mode, facts) + '.';
   if (mode.kind == Kind::kDone) return text;
-  const Search search = facts.frontiers ? facts.frontiers->search : Search::kOrdinary;
-  if (search == Search::kShortFrontiers) text += " Only short frontiers are left.";
-  if (search == Search::kNarrowPassages) text += " Only what lies behind narrow passages is left.";
-  if (facts.stuck && search != Search::kNarrowPassages) {
+  const bool narrow = facts.frontiers && facts.frontiers->narrow;
+  if (narrow) text += " The way ahead is narrow.";
+  if (facts.stuck && !narrow) {
     text += " It is stuck: no way out keeps the distances, so it keeps from touching, no more.";
   }
   return text;
@@ -268,13 +299,6 @@ std::string behaviour_tables() {
     text += print("| %s | %s | %g | %g | %s | %s | %s | %s |\n", to_string(caution).data(),
                   p.condition.data(), p.margin, p.held, yes(p.drift), yes(p.drift_margin),
                   yes(p.drift_in_cost), yes(p.hard_clearance));
-  }
-  text +=
-      "\nWhich frontiers count. The first row that holds is taken.\n\n"
-      "| from | condition | to | given-up targets are tried again |\n|---|---|---|---|\n";
-  for (const SearchRow& row : search_table()) {
-    text += print("| %s | %s | %s | %s |\n", to_string(row.from).data(), row.condition.data(),
-                  to_string(row.to).data(), yes(row.try_all_again));
   }
   return text;
 }

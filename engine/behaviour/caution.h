@@ -10,7 +10,7 @@ namespace prospect {
 /// Which distances the robot keeps, and from what.
 enum class Caution {
   kNormal,
-  kReduced,  ///< narrow passages are all that is left
+  kReduced,  ///< the way ahead is narrow
   kStuck,    ///< no way out keeps the distances: nothing is touched, no more
   kLost      ///< localization is lost: what drifted while out of view is not entered
 };
@@ -26,11 +26,11 @@ std::string_view to_string(Caution caution);
 ///
 /// In order of precedence:
 ///   lost, with such a distance            kLost
-///   stuck, no narrow passages             kStuck: a robot that is stuck in a narrow passage had
+///   stuck, the way ahead is not narrow    kStuck: a robot that is stuck in a narrow passage had
 ///                                         better give it up than creep on
 ///   lost                                  kLost: its map does not follow where the drift takes it,
 ///                                         so it tries no narrow passage
-///   narrow passages                       kReduced
+///   the way ahead is narrow               kReduced
 ///   else                                  kNormal
 Caution caution_for(const Facts& facts, bool fixed_lost_margin);
 

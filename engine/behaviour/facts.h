@@ -1,25 +1,48 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
-#include "engine/behaviour/search.h"
 #include "engine/localization.h"
 
 namespace prospect {
 
+/// Why the target is another than at the step before.
+enum class TargetChange {
+  kNone,         ///< it is the same
+  kFirst,        ///< there was none
+  kSeen,         ///< it has shown what there was
+  kUnreachable,  ///< no way leads there any more
+  kNoProgress,   ///< the robot did not get on towards it
+  kLost,         ///< the way there cost the robot its localization
+  kBetter        ///< another is worth more by far
+};
+
+/// "", "first", "seen", "unreachable", "no progress", "lost", "better".
+std::string_view to_string(TargetChange change);
+
+/// Frontiers that are not gone to.
+struct FrontiersLeft {
+  int count = 0;
+  double area = 0.0;  ///< that they promise [m^2]
+};
+
 /// What the frontiers say, once they are up to date.
 struct FrontierFacts {
-  Search search = Search::kOrdinary;  ///< which frontiers count
-  bool target = false;                ///< one of them can be reached
-  double target_length = 0.0;         ///< of that frontier [m]
-  double target_worth = 0.0;          ///< [m] of way that it is worth
-  double way_left = 0.0;              ///< [m] to its viewpoint, down the cost-to-go
-  double stalled_for = 0.0;           ///< [s] without progress towards it (ProgressMonitor)
-  bool stalled = false;               ///< ... for long, and nothing new was seen of it since
-  bool exhausted = false;             ///< none can be reached, whatever counts
-  double exhausted_for = 0.0;         ///< [s] that this has been so while the robot looked for one
-  bool yield_too_low = false;         ///< what is left has had its time (LowYieldMonitor)
-  bool cut_off = false;  ///< if exhausted or yield_too_low: from most places the robot came through
+  bool target = false;         ///< one of them is gone to
+  double target_length = 0.0;  ///< of that frontier [m]
+  double target_area = 0.0;    ///< that a look at it is expected to show [m^2]
+  double way_left = 0.0;       ///< [m] to its viewpoint, down the cost-to-go
+  TargetChange changed = TargetChange::kNone;
+  bool narrow = false;         ///< the next metres of the way are narrow (Traversability::narrow)
+  double stalled_for = 0.0;    ///< [s] without progress towards it (ProgressMonitor)
+  bool stalled = false;        ///< ... for long, and nothing new was seen of it since
+  bool exhausted = false;      ///< no frontier that can be reached is worth its way
+  double exhausted_for = 0.0;  ///< [s] that this has been so while the robot looked for one
+  bool cut_off = false;        ///< if exhausted: from most places the robot came through
+  /// If exhausted: reachable, but too little for the way; no way leads there; promising, but looks
+  /// and visits have failed.
+  FrontiersLeft low_yield{}, unreachable{}, failed{};
 };
 
 /// What is known at one instant of what the robot's behaviour depends on. No judgement: monitors

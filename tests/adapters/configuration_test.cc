@@ -90,15 +90,21 @@ TEST(Configuration, PartsOfThePredictionCanBeLeftOut) {
   EXPECT_FALSE(read("planner: {visibility: {covariance: false}}").planner.feature_covariance);
 }
 
-TEST(Configuration, FrontiersAreSizedByLengthAndArea) {
-  const Configuration c =
-      read("planner: {frontiers: {kappa: 1, kappa_area: 3, area_depth: 1.5, ample_room: 0.2}}");
-  EXPECT_EQ(c.planner.guide.kappa, 1.0);
-  EXPECT_EQ(c.planner.guide.kappa_area, 3.0);
-  EXPECT_EQ(c.planner.guide.area_depth, 1.5);
-  EXPECT_EQ(c.planner.guide.ample_room, 0.2);
-  EXPECT_THAT(problems("planner: {frontiers: {kappa_area: -1}}"),
-              HasSubstr("f.yaml:1: planner.frontiers.kappa_area"));
+TEST(Configuration, WorthAndOrderOfFrontiersAndTheEndOfAMission) {
+  const Configuration c = read(
+      "planner: {frontiers: {depth: 1.5, opening: 0.3, horizon: 10, every_look: 1, commitment: "
+      "0.5, narrow_factor: 50}}\nmission: {end: {least_area: 0.5, least_rate: 0.1}}");
+  const ExplorationGuideOptions& g = c.planner.guide;
+  EXPECT_EQ(g.worth.depth, 1.5);
+  EXPECT_EQ(g.worth.opening, 0.3);
+  EXPECT_EQ(g.order.horizon, 10.0);
+  EXPECT_EQ(g.order.every_look, 1.0);
+  EXPECT_EQ(g.commitment, 0.5);
+  EXPECT_EQ(g.traversability.narrow_factor, 50.0);
+  EXPECT_EQ(g.least_area, 0.5);
+  EXPECT_EQ(g.least_rate, 0.1);
+  EXPECT_THAT(problems("mission: {end: {least_rate: -1}}"),
+              HasSubstr("f.yaml:1: mission.end.least_rate"));
 }
 
 TEST(Configuration, AnglesAreInDegrees) {

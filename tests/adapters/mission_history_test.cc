@@ -63,7 +63,7 @@ std::string history(const Told& told) {
       std::make_shared<const World>(load_world(told.world, world_options_for(configuration)));
   std::string rows =
       "step,estimated_x,estimated_y,estimated_yaw,v,omega,cost,seed,localization,tracked,"
-      "mode,cause,since,caution,search,target_x,target_y,certificate\n";
+      "mode,cause,since,caution,target_change,target_x,target_y,certificate\n";
   ExplorationRunOptions options;
   options.seed = told.seed;
   options.keep_steps = false;
@@ -73,7 +73,7 @@ std::string history(const Told& told) {
             text(s.command.linear.x()) + ',' + text(s.command.yaw_rate) + ',' +
             text(s.explanation.cost) + ',' + csv::field(s.seed) + ',' + s.localization + ',' +
             std::to_string(s.tracked_features) + ',' + s.mode + ',' + s.cause + ',' +
-            text(s.mode_since) + ',' + s.caution + ',' + s.search + ',';
+            text(s.mode_since) + ',' + s.caution + ',' + s.target_change + ',';
     if (s.target) {
       rows += text(s.target->viewpoint.x()) + ',' + text(s.target->viewpoint.y());
     } else {

@@ -238,14 +238,14 @@ TEST(Report, HoldsWhatTheRobotDidAndWhy) {
   ASSERT_EQ(c["terms"].size(), 6U) << "costs only";
   Reader steps(c["steps"]), values(c["values"]), way_left(json["columns"]["way_left"]);
   std::map<std::string, Reader> words;
-  for (const char* name : {"mode", "cause", "caution", "search", "why"}) {
+  for (const char* name : {"mode", "cause", "caution", "target_change", "why"}) {
     words.emplace(name, Reader(json["words"][name]["steps"]));
   }
   for (const StepRecord& s : run.steps) {
     const std::map<std::string, std::string> said = {{"mode", s.mode},
                                                      {"cause", s.cause},
                                                      {"caution", s.caution},
-                                                     {"search", s.search},
+                                                     {"target_change", s.target_change},
                                                      {"why", s.why}};
     for (auto& [name, reader] : words) {
       EXPECT_EQ(json["words"][name]["words"][reader.varint()], said.at(name));

@@ -127,10 +127,11 @@ StepRecord plain_step() {
   s.cause = "no progress";
   s.mode_since = 1.25;
   s.caution = "normal";
-  s.search = "short frontiers";
+  s.target_change = "seen";
   s.why = "Approaches, since nothing else helped.";
   s.target = TargetRecord{{2.0, -1.5}, {3.5, -1.0}, 0.75, 0.25, 1.125};
   s.seeds_scored = 26;
+  s.features_weight = 1.5;
   s.candidates = {{"arc", false, "would touch", {1.25, 0.0, {}}, {}},
                   {"tail", true, "executed", {7.5, 0.0, {}}, {}},
                   {"turn", false, "not tried", {8.0, 0.0, {}}, {}}};
@@ -143,20 +144,22 @@ TEST_F(RunFolderTest, WritesAStepByHand) {
     folder.add(plain_step());
     EXPECT_EQ(folder.error(), "");
   }
-  EXPECT_EQ(content(path("run/steps.csv")),
-            "step,time,true_x,true_y,true_yaw,estimated_x,estimated_y,estimated_yaw,command_v,"
-            "command_vy,command_omega,plan_kind,seed,cost,violation,term_control_effort,"
-            "term_clearance,predicted_features,tracked_features,localization,localization_error,"
-            "coverage,area,path_length,collisions,clearance,cost_evaluations,"
-            "gradient_evaluations,stop_reason,quality,certified,certificate,active_frontiers,"
-            "guard_stops,guard_reason,mode,cause,mode_since,caution,search,target_x,target_y,"
-            "looks_x,looks_y,target_length,target_worth,way_left,seeds_scored,rejected,why\n"
-            "3,1.5,1.25,-2,0.1,1.5,-2.5,3.141592653589793,0.4,0,-0.3,optimised,tail,7.5,0,2,0.1,"
-            "41.5,39,ok,0.0625,0.25,12.5,8,0,0.3,90,30,converged,feasible optimum,1,"
-            "\"clear, 0.21 m \"\"or more\"\" all along\",2,1,map,approach,no "
-            "progress,1.25,normal,short frontiers,2,-1.5,3.5,-1,"
-            "0.75,0.25,1.125,26,arc 1.25 refused; turn 8 not tried,"
-            "\"Approaches, since nothing else helped.\"\n");
+  EXPECT_EQ(
+      content(path("run/steps.csv")),
+      "step,time,true_x,true_y,true_yaw,estimated_x,estimated_y,estimated_yaw,command_v,"
+      "command_vy,command_omega,plan_kind,seed,cost,violation,term_control_effort,"
+      "term_clearance,predicted_features,tracked_features,localization,localization_error,"
+      "coverage,area,path_length,collisions,clearance,cost_evaluations,"
+      "gradient_evaluations,stop_reason,quality,certified,certificate,active_frontiers,"
+      "guard_stops,guard_reason,mode,cause,mode_since,caution,target_change,target_x,target_y,"
+      "looks_x,looks_y,target_length,target_area,way_left,seeds_scored,features_weight,rejected,"
+      "why\n"
+      "3,1.5,1.25,-2,0.1,1.5,-2.5,3.141592653589793,0.4,0,-0.3,optimised,tail,7.5,0,2,0.1,"
+      "41.5,39,ok,0.0625,0.25,12.5,8,0,0.3,90,30,converged,feasible optimum,1,"
+      "\"clear, 0.21 m \"\"or more\"\" all along\",2,1,map,approach,no "
+      "progress,1.25,normal,seen,2,-1.5,3.5,-1,"
+      "0.75,0.25,1.125,26,1.5,arc 1.25 refused; turn 8 not tried,"
+      "\"Approaches, since nothing else helped.\"\n");
   EXPECT_EQ(content(path("run/trajectory_true.tum")),
             "1.5 1.25 -2 0 0 0 0.04997916927067833 0.9987502603949663\n")
       << "sin and cos of half of 0.1 rad";

@@ -239,7 +239,7 @@ inline RunRecord synthetic_run(int steps) {
       s.cause = cause;
       s.mode_since = mode_since;
       s.caution = mode == "retreat" ? "lost" : k % 150 > 130 ? "reduced margin" : "normal";
-      s.search = k % 200 > 170 ? "short frontiers" : "ordinary";
+      s.target_change = k % 40 == 7 ? "seen" : "";
       TargetRecord target;
       const Eigen::Vector2d goal = way[std::min(next + 1, way.size() - 1)];
       const Eigen::Vector2d after = way[std::min(next + 2, way.size() - 1)];

@@ -129,8 +129,9 @@ TEST(FrontierPlanner, ParametersOutOfRangeAreRefused) {
 TEST(NearestFrontierParameters, LeaveTheChoiceOfTheNearestOnly) {
   const PlannerParameters before = configuration().planner;
   const PlannerParameters p = nearest_frontier_parameters(before);
-  EXPECT_EQ(p.guide.kappa, 0.0);
-  EXPECT_GE(p.guide.memory.hysteresis, 100.0);
+  ASSERT_TRUE(p.guide.rule);
+  EXPECT_EQ(p.guide.rule({{4, 9.0, 3.0}, {7, 0.2, 2.0}, {9, 5.0, 2.5}}, 0), 1);
+  EXPECT_GT(p.guide.reconsider, 1e6) << "kept until it is seen";
   EXPECT_EQ(p.w_l, 0.0);
   EXPECT_TRUE(p.target_frontier_only);
   EXPECT_EQ(p.w_e, before.w_e);

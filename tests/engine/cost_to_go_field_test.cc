@@ -22,13 +22,21 @@ struct Chain {
   FrontierDetector detector;
   explicit Chain(const TraversabilityOptions& t = {}, const FrontierOptions& f = {})
       : traversability(t), detector(f) {}
-  void update(const GroundMap& map, double kappa = 0.5) {
+  /// Leads to the active frontier with the most cells, or to the first one.
+  void update(const GroundMap& map, bool first = false) {
     traversability.update(map);
     detector.update(traversability);
     detector.find_viewpoints(traversability, {});
-    std::vector<double> bonus;
-    for (const Frontier& f : detector.frontiers()) bonus.push_back(kappa * std::log1p(f.length));
-    detector.set_bonuses(bonus);
+    const std::vector<Frontier>& all = detector.frontiers();
+    int best = -1;
+    for (int k = 0; k < static_cast<int>(all.size()); ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      if (!all[at].active || (first && best >= 0)) continue;
+      if (best < 0 || all[at].cells.size() > all[static_cast<std::size_t>(best)].cells.size()) {
+        best = k;
+      }
+    }
+    detector.lead_to(best);
   }
 };
 
@@ -203,7 +211,7 @@ TEST(CostToGoField, AgreesWithDijkstraWithinTheMetricErrorsOfBoth) {
     // One factor everywhere: where factors jump, both discretise the jump within a cell,
     // differently.
     TraversabilityOptions t;
-    t.tight_factor = t.unknown_factor = 1.0;
+    t.tight_factor = t.unknown_factor = t.narrow_factor = 1.0;
     Chain chain(t);
     chain.update(map);
     CostToGoField field(without_stop());
@@ -253,8 +261,8 @@ TEST(CostToGoField, RepairEqualsFromScratchBitForBit) {
         world.sense({{p.x(), p.y(), 0.0}, 0.1 * static_cast<double>(random() % 63)}, 4.0, 1.05,
                     map);
       }
-      // Bonuses that change without the map changing, as suppression and hysteresis do.
-      chain.update(map, step % 4 == 3 ? 0.9 : 0.5);
+      // The target may change without the map changing.
+      chain.update(map, step % 4 == 3);
       Grid<float> features(map.frame(), 0.0F);
       for (float& f : features.data) f = static_cast<float>(random() % 100);
       const Grid<float>* given = step % 3 == 1 ? &features : nullptr;
@@ -354,7 +362,7 @@ TEST(CostToGoField, DegenerateMaps) {
       }
     }
     if (kind == 3) map.set(robot, CellState::kFree);  // a single free cell
-    Chain chain;
+    Chain chain({}, {.min_length = 0.5});
     chain.update(map);
     CostToGoField field(CostToGoOptions{});
     for (const Cell at : {robot, Cell{-5000, 90000}}) {
@@ -375,12 +383,11 @@ TEST(CostToGoField, RobotInAWallIsAnchoredOnItsSide) {
       map.set({i, j}, i == 30 ? CellState::kOccupied : CellState::kFree);
     }
   }
-  Chain chain;
+  Chain chain({.narrow_slack = 0.0});
   chain.update(map);
   CostToGoField field(CostToGoOptions{});
   field.update(chain.traversability, chain.detector, {29, 32});
   EXPECT_EQ(field.anchor(), (Cell{27, 32}));
-  EXPECT_TRUE(field.anchor_reached());
   field.update(chain.traversability, chain.detector, {31, 32});
   EXPECT_EQ(field.anchor(), (Cell{33, 32}));
 }

@@ -51,7 +51,6 @@ struct Mission {
   double coverage = 0.0;
   int steps = 0;
   double p50 = 0.0, p95 = 0.0;
-  int retries = 0;
 };
 
 // With the simplest driver.
@@ -67,12 +66,11 @@ Mission explore(const test::GroundWorld& world, Cell start, const ExplorationGui
     world.sense(pose, 4.0, 1.05, map);
     const auto g = guide.update(map, pose, 0.5 * mission.steps);
     times.push_back(g->milliseconds);
-    mission.retries = std::max(mission.retries, g->retries_used);
     if (g->facts.exhausted) {
       mission.done = true;
       break;
     }
-    if (!g->target) continue;  // reactivated: sources appear with the next update
+    if (!g->target) continue;
     test::follow(*g, pose);
   }
   mission.coverage = static_cast<double>(map.free_cells()) / visible_cells(world, start);
@@ -89,7 +87,17 @@ TEST(ExplorationGuide, LeadsTheSimplestDriverThroughWholeBuildings) {
     const Cell start = world.open_cell(4, random);
     const Mission m = explore(world, start, ExplorationGuideOptions{}, 6000);
     EXPECT_TRUE(m.done) << boxes;
-    EXPECT_GT(m.coverage, 0.99) << boxes;
+    EXPECT_GT(m.coverage, 0.93) << boxes;
+    if (boxes == 0) {
+      // All that looks show, however slowly.
+      ExplorationGuideOptions all;
+      all.least_rate = 0.0;
+      all.least_area = 0.05;
+      const Mission every = explore(world, start, all, 6000);
+      EXPECT_TRUE(every.done);
+      EXPECT_GT(every.coverage, 0.98);
+      EXPECT_GT(every.steps, m.steps);
+    }
     RecordProperty("p50_ms", std::to_string(m.p50));
     RecordProperty("p95_ms", std::to_string(m.p95));
   }
@@ -199,8 +207,6 @@ TEST(ExplorationGuide, GuidanceIsImmutable) {
   EXPECT_EQ(first->frontiers.size(), frontiers);
 }
 
-bool narrow(const Guidance& g) { return g.facts.search == Search::kNarrowPassages; }
-
 TEST(ExplorationGuide, FrontiersBehindAWallAreActiveButNotReachable) {
   GroundMap map(GridFrame{0.1, 0, 0, 96, 64});
   for (int j = 5; j < 50; ++j) {
@@ -231,62 +237,6 @@ GroundMap two_rooms(int door) {
     }
   }
   return map;
-}
-
-TEST(ExplorationGuide, ADoorwayTooNarrowForTheHardRadiusIsTriedBeforeDone) {
-  const Pose pose{{2.0, 2.0, 0.0}, 0.0};
-  // Cells, and the clearance in the middle: 0.05, 0.05, 0.15, 0.15, 0.25 m. It takes 0.21 m, or
-  // 0.11 m when relaxed.
-  for (int door = 1; door <= 5; ++door) {
-    SCOPED_TRACE(door);
-    const GroundMap map = two_rooms(door);
-    ExplorationGuide guide(ExplorationGuideOptions{});
-    const auto g = guide.update(map, pose, 0.0);
-    const bool open = door >= 3;
-    EXPECT_EQ(g->facts.exhausted, !open);
-    ASSERT_EQ(g->target.has_value(), open);
-    EXPECT_EQ(narrow(*g), door < 5) << "also a passage that stays shut has been asked about twice";
-    if (open) {
-      EXPECT_GT(g->target->viewpoint.x(), 4.2) << "beyond the door";
-      EXPECT_GT(g->target->looks_at.x(), 10.5);
-      EXPECT_TRUE(std::isfinite(g->cost_to_go->value(2.0, 2.0)));
-    }
-  }
-  ExplorationGuideOptions strict = ExplorationGuideOptions{};
-  strict.relaxed_slack = 0.0;
-  ExplorationGuide guide(strict);
-  EXPECT_TRUE(guide.update(two_rooms(3), pose, 0.0)->facts.exhausted);
-}
-
-// geb079, seed 6: by area a robot turned into a gap of 0.4 m, 0.04 m wider than itself, with half
-// of a wide corridor unseen, touched what was beside it and was enclosed.
-TEST(ExplorationGuide, AreasBeyondNarrowPlacesCountForNothing) {
-  // Three rooms, open at both ends. To the west a door of 0.5 m, which leaves 0.04 m more than it
-  // takes, to the east, and farther, one of 0.8 m.
-  GroundMap map(GridFrame{0.1, 0, 0, 192, 64});
-  for (int j = 5; j < 50; ++j) {
-    for (int i = 5; i < 150; ++i) {
-      const bool west = i > 38 && i < 42 && (j < 25 || j >= 30);
-      const bool east = i > 98 && i < 102 && (j < 25 || j >= 33);
-      map.set({i, j}, j < 7 || j > 47 || west || east ? CellState::kOccupied : CellState::kFree);
-    }
-  }
-  const auto leads = [&](double kappa_area, double ample_room, double x) {
-    ExplorationGuideOptions options = ExplorationGuideOptions{};
-    options.kappa_area = kappa_area;
-    options.ample_room = ample_room;
-    const auto g = ExplorationGuide(options).update(map, {{x, 2.75, 0.0}, 0.0}, 0.0);
-    return g->target ? g->target->looks_at.x() : -1.0;
-  };
-  EXPECT_LT(leads(0.0, 0.1, 5.0), 1.0) << "the nearest";
-  EXPECT_LT(leads(4.0, 0.0, 5.0), 1.0) << "both promise alike";
-  EXPECT_GT(leads(4.0, 0.1, 5.0), 14.0) << "what a wide way leads to";
-  // On its way through the narrow door the robot belongs to the side that is nearer.
-  EXPECT_LT(leads(4.0, 0.1, 3.8), 1.0);
-
-  // Narrow places are led to when they are what is left.
-  for (int j = 5; j < 50; ++j) map.set({149, j}, CellState::kOccupied);
-  EXPECT_LT(leads(4.0, 0.1, 5.0), 1.0);
 }
 
 // fr_079, seed 6: walls that a drifting estimate drew shut a robot up in a nook, and the mission
@@ -334,45 +284,6 @@ TEST(ExplorationGuide, SaysWhetherTheRobotIsCutOffFromWhereItWas) {
   EXPECT_FALSE(done->facts.cut_off);
 }
 
-// Else every part of every frontier behind the gap would be given up in turn, 8 s each.
-TEST(ExplorationGuide, AGapThatCannotBePassedIsClosedAndTriedOnceMore) {
-  const GroundMap map = two_rooms(3);
-  ExplorationGuide guide(ExplorationGuideOptions{});
-  const Pose pose{{3.0, 2.65, 0.0}, 0.0};  // held up before the doorway
-  double done = 0.0;
-  for (double t = 0.0; t < 30.0 && done == 0.0; t += 0.5) {
-    const auto g = guide.update(map, pose, t);
-    EXPECT_EQ(g->target.has_value(), t < 16.0) << t;
-    if (g->facts.exhausted) done = t;
-  }
-  EXPECT_EQ(done, 16.0);
-  EXPECT_FALSE(guide.traversability().passable({40, 26}));
-}
-
-TEST(ExplorationGuide, AShortFrontierIsLookedAtBeforeNothingIsLeft) {
-  // A room with a window of 1 to 3 cells in its east wall, and nothing else left to see.
-  for (int window = 1; window <= 3; ++window) {
-    SCOPED_TRACE(window);
-    GroundMap map(GridFrame{0.1, 0, 0, 60, 60});
-    for (int j = 5; j < 55; ++j) {
-      for (int i = 5; i < 50; ++i) {
-        const bool edge = i == 5 || j == 5 || i == 49 || j == 54;
-        const bool open = i == 49 && j >= 30 && j < 30 + window;
-        map.set({i, j}, edge && !open ? CellState::kOccupied : CellState::kFree);
-      }
-    }
-    const Pose pose{{2.0, 2.0, 0.0}, 3.0};  // looks away
-    ExplorationGuide guide(ExplorationGuideOptions{});
-    const auto g = guide.update(map, pose, 0.0);
-    EXPECT_EQ(g->target.has_value(), window >= 2) << "0.2 m on";
-    EXPECT_EQ(narrow(*g), window < 2) << "short frontiers come before narrow passages";
-    ExplorationGuideOptions strict = ExplorationGuideOptions{};
-    strict.relaxed_length = strict.frontiers.min_length;
-    ExplorationGuide never(strict);
-    EXPECT_TRUE(never.update(map, pose, 0.0)->facts.exhausted);
-  }
-}
-
 // A cell that noise fills in a narrow passage, for a moment, is not the end.
 TEST(ExplorationGuide, SaysForHowLongNothingWasReachable) {
   GroundMap map = two_rooms(7);
@@ -401,76 +312,6 @@ TEST(ExplorationGuide, SaysForHowLongNothingWasReachable) {
     const auto g = guide.update(map, pose, t += 0.5, {.pursued = n < 4 || n >= 10});
     EXPECT_EQ(g->facts.exhausted_for, 0.5 * (n < 4 ? n : std::max(3, n - 6))) << n;
   }
-}
-
-// An estimate that drifts draws new frontiers for ever. A tenth more of the building has more than
-// a low yield.
-TEST(ExplorationGuide, SaysWhenLowYieldFrontiersTakeTooLong) {
-  for (const int grown_rows : {0, 2, 12}) {
-    SCOPED_TRACE(grown_rows);
-    GroundMap map = two_rooms(7);
-    const Pose pose{{2.0, 2.0, 0.0}, 0.0};
-    ExplorationGuideOptions options = ExplorationGuideOptions{};
-    options.low_yield.share = 0.7;
-    options.low_yield.least = 60.0;
-    ExplorationGuide guide(options);
-    double t = 0.0;
-    for (; t < 100.0; t += 0.5) {
-      // An ordinary frontier for 100 s, which noise keeps alive; then only a short one.
-      map.set({110, 20 + static_cast<int>(t) % 20}, CellState::kFree);
-      const auto g = guide.update(map, pose, t, {.looked = false, .pursued = false});
-      ASSERT_FALSE(g->facts.exhausted) << t;
-    }
-    for (int j = 7; j < 48; ++j) {
-      for (int i = 42; i < 125; ++i) {
-        if (map.frame().contains({i, j}) && map.state({i, j}) == CellState::kUnknown) {
-          map.set({i, j}, CellState::kOccupied);
-        }
-      }
-    }
-    for (int j = 26; j < 29; ++j) map.set({110, j}, CellState::kUnknown);
-    const double begin = t, growth = t + 30.0;
-    double done = 0.0;
-    for (; t < 400.0 && done == 0.0; t += 0.5) {
-      if (t == growth) {
-        for (int j = 50; j < 50 + grown_rows; ++j) {
-          for (int i = 5; i < 110; ++i) map.set({i, j}, CellState::kFree);
-        }
-      }
-      const auto g = guide.update(map, pose, t, {.looked = false, .pursued = false});
-      if (g->facts.yield_too_low) {
-        EXPECT_TRUE(g->target.has_value());
-        done = t;
-      }
-    }
-    // 0.7 of 100 s; after 30 s of them at least 60 s more.
-    EXPECT_NEAR(done, grown_rows == 12 ? growth + 60.0 : 1.7 * begin, 1.0);
-  }
-}
-
-// A robot that is lost adds nothing to its map, so nothing that it faces can be resolved; one that
-// recovers turns and retreats, so it comes no nearer to its target.
-TEST(ExplorationGuide, ALostRobotGivesNothingUp) {
-  const GroundMap map = two_rooms(7);
-  const Pose pose{{3.0, 2.65, 0.0}, 0.0};
-  ExplorationGuide lost{ExplorationGuideOptions{}}, well{ExplorationGuideOptions{}};
-  int given_up = 0;
-  for (double t = 0.0; t < 60.0; t += 0.5) {
-    const auto g = lost.update(map, pose, t, {.looked = false, .pursued = false});
-    EXPECT_FALSE(g->facts.exhausted);
-    EXPECT_EQ(g->suppressed_cells, 0);
-    EXPECT_EQ(g->facts.stalled_for, 0.0);
-    given_up = std::max(given_up, well.update(map, pose, t)->suppressed_cells);
-  }
-  EXPECT_GT(given_up, 0);
-  // Once it pursues again, the clock runs on from where it was held.
-  for (double t = 60.0; t < 67.5; t += 0.5) {
-    const auto g = lost.update(map, pose, t, {.looked = false});
-    EXPECT_EQ(g->suppressed_cells, 0);
-    EXPECT_FALSE(g->facts.exhausted);
-    EXPECT_EQ(g->facts.stalled, g->facts.stalled_for >= 3.0);
-  }
-  EXPECT_GT(lost.update(map, pose, 67.5, {.looked = false})->suppressed_cells, 0);
 }
 
 /// A free strip along x, 11 m by 2 m, with unknown space at both ends; landmarks on its walls west
@@ -504,11 +345,12 @@ struct HalfWhiteStrip {
 TEST(ExplorationGuide, AWayOnWhichNothingIsSeenIsDearer) {
   const HalfWhiteStrip strip;
   ExplorationGuideOptions options = ExplorationGuideOptions{};
-  options.frontiers.sensor_range = options.memory.sensor_range = 1.5;
+  options.frontiers.sensor_range = options.worth.sensor_range = 1.5;
   RobotDescription robot;
   robot.model = make_model("unicycle");
   FeatureOutlook outlook({.blocks_per_update = 10000}, robot, with_landmarks_made_anew());
   outlook.update(strip.belief, 0.0);
+  options.least_rate = 0.0;
   // Nearer to the white end.
   const Pose pose{{7.3, 2.0, 0.0}, 0.0};
   const auto leads_east = [&](double lambda, const FeatureOutlook* seen) {
@@ -525,150 +367,6 @@ TEST(ExplorationGuide, AWayOnWhichNothingIsSeenIsDearer) {
   EXPECT_TRUE(leads_east(3.0, nullptr));
   EXPECT_FALSE(leads_east(3.0, &outlook));
   EXPECT_TRUE(leads_east(0.05, &outlook)) << "dearer, not closed";
-}
-
-TEST(ExplorationGuide, ATargetThatCostTheLocalizationIsPutOff) {
-  const HalfWhiteStrip strip;
-  ExplorationGuideOptions options = ExplorationGuideOptions{};
-  options.frontiers.sensor_range = options.memory.sensor_range = 1.5;
-  ExplorationGuide guide(options);
-  const Pose pose{{7.3, 2.0, 0.0}, 0.0};
-  const auto east = [](const Guidance& g) { return g.target && g.target->viewpoint.x() > 6.5; };
-  ASSERT_TRUE(east(*guide.update(strip.map, pose, 0.0)));
-  const GuideAttention lost{.looked = false, .pursued = false, .got_lost = true};
-  const auto put_off = guide.update(strip.map, pose, 0.1, lost);
-  EXPECT_TRUE(put_off->target.has_value());
-  EXPECT_FALSE(east(*put_off));
-  EXPECT_GT(put_off->suppressed_cells, 0);
-  // It stays so, until the other way is gone, too.
-  EXPECT_FALSE(east(*guide.update(strip.map, pose, 0.2)));
-  guide.update(strip.map, pose, 0.3, lost);
-  EXPECT_TRUE(east(*guide.update(strip.map, pose, 0.4)));
-}
-
-TEST(ExplorationGuide, GoesBackToTheStrictRadiiWhenSomethingNewWasExplored) {
-  const ExplorationGuideOptions options;
-  GroundMap map = two_rooms(3);
-  ExplorationGuide guide(options);
-  Pose pose{{2.0, 2.0, 0.0}, 0.0};
-  double stamp = 0.0;
-  ASSERT_TRUE(narrow(*guide.update(map, pose, stamp)));
-  // Beyond the door the strict radii would do, but nothing was explored yet.
-  pose.position.x() = 6.0;
-  for (int n = 0; n < 3; ++n) {
-    const auto g = guide.update(map, pose, stamp += 0.5);
-    EXPECT_TRUE(narrow(*g));
-    EXPECT_TRUE(g->target.has_value());
-  }
-  // Two columns of 41 cells: 0.82 m^2 of the 1 m^2.
-  ASSERT_EQ(options.memory.retry_area, 1.0);
-  const auto explore_column = [&](int i) {
-    for (int j = 7; j < 48; ++j) map.set({i, j}, CellState::kFree);
-  };
-  explore_column(110);
-  explore_column(111);
-  for (int n = 0; n < 3; ++n) EXPECT_TRUE(narrow(*guide.update(map, pose, stamp += 0.5)));
-  explore_column(112);
-  guide.update(map, pose, stamp += 0.5);
-  const auto g = guide.update(map, pose, stamp += 0.5);
-  EXPECT_FALSE(narrow(*g));
-  ASSERT_TRUE(g->target.has_value());
-  EXPECT_FALSE(g->facts.exhausted);
-  EXPECT_FALSE(guide.traversability().passable({40, 26})) << "the doorway is shut again";
-  // The result is that of a guide that has always been strict.
-  ExplorationGuide fresh(options);
-  const auto f = fresh.update(map, pose, 0.0);
-  EXPECT_FALSE(narrow(*f));
-  EXPECT_EQ(f->frontiers.size(), g->frontiers.size());
-  EXPECT_EQ(f->explored_area, g->explored_area);
-  // Back in the first room it is needed again.
-  pose.position.x() = 2.0;
-  const auto back = guide.update(map, pose, stamp += 0.5);
-  EXPECT_TRUE(narrow(*back));
-  EXPECT_TRUE(back->target.has_value());
-}
-
-TEST(ExplorationGuide, ABonusRuleDecidesWhichFrontiersAreLedTo) {
-  // A free strip with unknown space at both ends; the robot is nearer to the west.
-  GroundMap map(GridFrame{0.1, 0, 0, 120, 40});
-  for (int j = 10; j < 31; ++j) {
-    for (int i = 10; i < 100; ++i) {
-      map.set({i, j}, j == 10 || j == 30 ? CellState::kOccupied : CellState::kFree);
-    }
-  }
-  const Pose pose{{4.0, 2.0, 0.0}, 0.0};
-  ExplorationGuideOptions options = ExplorationGuideOptions{};
-  options.frontiers.sensor_range = options.memory.sensor_range = 1.5;
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  int asked = 0;
-  const auto only = [&](bool east, bool after_refusal) {
-    return [&asked, east, after_refusal](const BonusQuestion& question) {
-      ++asked;
-      std::vector<double> bonus;
-      for (const Frontier& f : question.detector.frontiers()) {
-        const bool there = question.detector.frame().center(f.cells.front()).x() > 5.5;
-        const bool refused = after_refusal && !question.unreached;
-        bonus.push_back(there == east && !refused ? 0.0 : -kInfinity);
-      }
-      return bonus;
-    };
-  };
-  for (const bool east : {false, true}) {
-    for (const bool after_refusal : {false, true}) {
-      asked = 0;
-      ExplorationGuide guide(options);
-      const auto g = guide.update(map, pose, 0.0, {}, nullptr, only(east, after_refusal));
-      ASSERT_TRUE(g->target.has_value());
-      EXPECT_EQ(g->target->viewpoint.x() > 5.5, east);
-      EXPECT_EQ(asked, after_refusal ? 2 : 1);
-      for (const Frontier& f : g->frontiers) EXPECT_EQ(f.active, f.reachable);
-    }
-  }
-  ExplorationGuide guide(options);
-  const auto none = [](const BonusQuestion& question) {
-    return std::vector<double>(question.detector.frontiers().size(), -kInfinity);
-  };
-  EXPECT_TRUE(guide.update(map, pose, 0.0, {}, nullptr, none)->facts.exhausted);
-}
-
-TEST(ExplorationGuide, ByAreaARoomFartherOffComesBeforeASliverNearBy) {
-  // A closed room of 6 m by 4 m, the robot in its middle; 2 m west of it the floor along the wall
-  // is unknown over 2 m, two cells wide, and 2.5 m east a door of 1 m has unknown ground behind it.
-  GroundMap map = test::known_room(96, [](int j) { return j >= 22 && j < 32; });
-  for (int j = 16; j < 36; ++j) {
-    for (const int i : {8, 9}) map.set({i, j}, CellState::kUnknown);
-  }
-  const Pose pose{{3.3, 2.7, 0.0}, 0.5 * M_PI};
-  for (const double kappa_area : {0.0, 2.5}) {
-    ExplorationGuideOptions options = ExplorationGuideOptions{};
-    options.kappa_area = kappa_area;
-    options.frontiers.sensor_range = options.memory.sensor_range = 1.5;
-    ExplorationGuide guide(options);
-    const auto g = guide.update(map, pose, 0.0);
-    ASSERT_TRUE(g->target.has_value());
-    EXPECT_EQ(g->target->looks_at.x() > 6.0, kappa_area > 0.0);
-  }
-}
-
-// What is left when the strict rules lead nowhere is slivers, and what a drifting estimate drew.
-TEST(ExplorationGuide, AreasCountUnderTheStrictRulesOnly) {
-  // A closed room with two spots too short for the strict rules, one by the wall near the robot,
-  // which promises nothing, and one of 0.04 m^2 on the open floor, 3 m away.
-  GroundMap map = test::known_room(96, [](int) { return false; });
-  for (const int j : {20, 21}) map.set({8, j}, CellState::kUnknown);
-  for (const int j : {26, 27}) {
-    for (const int i : {50, 51}) map.set({i, j}, CellState::kUnknown);
-  }
-  const Pose pose{{2.0, 2.1, 0.0}, 0.5 * M_PI};
-  ExplorationGuideOptions options = ExplorationGuideOptions{};
-  options.kappa_area = 90.0;  // 3.5 m for the second
-  const auto weaker = ExplorationGuide(options).update(map, pose, 0.0);
-  ASSERT_TRUE(weaker->target.has_value());
-  EXPECT_LT(weaker->target->looks_at.x(), 2.0);
-  options.frontiers.min_length = options.relaxed_length;
-  const auto strict = ExplorationGuide(options).update(map, pose, 0.0);
-  ASSERT_TRUE(strict->target.has_value());
-  EXPECT_GT(strict->target->looks_at.x(), 4.0);
 }
 
 TEST(ExplorationGuide, DegenerateMapsAndPoses) {
@@ -694,32 +392,288 @@ TEST(ExplorationGuide, DegenerateMapsAndPoses) {
   }
 }
 
-// Lesson 5, end to end: a frontier that no look resolves is left after four looks, and comes back
-// with a change.
-TEST(ExplorationGuide, AFrontierThatNoLookResolvesIsGivenUpAndTriedAgain) {
-  GroundMap map(GridFrame{0.1, 0, 0, 64, 64});
+TEST(ExplorationGuide, NarrowDoorwaysArePassableButComeLast) {
+  const Pose pose{{1.2, 1.2, 0.0}, 0.0};
+  // Cells, and the clearance in the middle: 0.05, 0.05, 0.15, 0.15, 0.25 m. It takes 0.21 m, or
+  // 0.11 m in a narrow passage.
+  for (int door = 1; door <= 5; ++door) {
+    SCOPED_TRACE(door);
+    ExplorationGuide guide(ExplorationGuideOptions{});
+    const auto g = guide.update(two_rooms(door), pose, 0.0);
+    const bool open = door >= 3;
+    EXPECT_EQ(g->facts.exhausted, !open);
+    EXPECT_EQ(g->facts.unreachable.count > 0, !open);
+    ASSERT_EQ(g->target.has_value(), open);
+    if (!open) continue;
+    EXPECT_GT(g->target->viewpoint.x(), 4.2) << "beyond the door";
+    EXPECT_GT(g->target->looks_at.x(), 10.5);
+    EXPECT_TRUE(std::isfinite(g->cost_to_go->value(1.2, 1.2)));
+    EXPECT_FALSE(g->facts.narrow) << "not within the next metres";
+    ExplorationGuide before(ExplorationGuideOptions{});
+    EXPECT_EQ(before.update(two_rooms(door), {{3.2, 2.65, 0.0}, 0.0}, 0.0)->facts.narrow, door < 5);
+  }
+  ExplorationGuideOptions strict = ExplorationGuideOptions{};
+  strict.traversability.narrow_slack = 0.0;
+  EXPECT_TRUE(ExplorationGuide(strict).update(two_rooms(3), pose, 0.0)->facts.exhausted);
+}
+
+// Else every part of every frontier behind the gap would be tried in turn, 8 s each.
+TEST(ExplorationGuide, AGapThatCannotBePassedIsClosedForAWhileAndTriedLessAndLess) {
+  // Beside the gap, a door to somewhere else that is as far away.
+  for (const bool other : {false, true}) {
+    SCOPED_TRACE(other);
+    GroundMap map = two_rooms(3);
+    if (other) {
+      for (int i = 12; i < 26; ++i) {
+        for (const int j : {5, 6}) map.set({i, j}, CellState::kUnknown);
+      }
+    }
+    ExplorationGuideOptions options = ExplorationGuideOptions{};
+    options.closing_time = 30.0;
+    ExplorationGuide guide(options);
+    const Pose pose{{3.0, 2.65, 0.0}, 0.0};  // held up before the doorway
+    double shut = 0.0, exhausted = 0.0;
+    int closed = 0;
+    bool before = true;
+    for (double t = 0.0; t < 200.0; t += 0.5) {
+      const auto g = guide.update(map, pose, t, {.looked = false});
+      const bool passable = guide.traversability().passable({40, 26});
+      if (before && !passable) ++closed;
+      before = passable;
+      if (!passable) shut += 0.5;
+      exhausted = g->facts.exhausted_for;
+    }
+    // Its worth falls with every visit that failed.
+    EXPECT_GE(closed, 1);
+    EXPECT_LE(closed, 5);
+    EXPECT_GT(exhausted, 60.0) << "nothing is tried for ever";
+    EXPECT_TRUE(guide.traversability().passable({40, 26})) << "what is closed is no wall";
+    if (other) {
+      EXPECT_GT(shut, 2.0) << "while there is something else to see";
+    }
+  }
+}
+
+TEST(ExplorationGuide, ASlitWithARoomBehindItIsLookedAtAHoleInAWallIsNot) {
+  for (int window = 1; window <= 8; ++window) {
+    SCOPED_TRACE(window);
+    GroundMap map(GridFrame{0.1, 0, 0, 60, 60});
+    for (int j = 5; j < 55; ++j) {
+      for (int i = 5; i < 50; ++i) {
+        const bool edge = i == 5 || j == 5 || i == 49 || j == 54;
+        const bool open = i == 49 && j >= 30 && j < 30 + window;
+        if (open) continue;
+        map.set({i, j}, edge ? CellState::kOccupied : CellState::kFree);
+      }
+    }
+    ExplorationGuide guide(ExplorationGuideOptions{});
+    const auto g = guide.update(map, {{2.0, 2.0, 0.0}, 3.0}, 0.0);  // looks away
+    if (window <= 3) {
+      EXPECT_FALSE(g->target.has_value());
+    }
+    if (window >= 6) {
+      EXPECT_TRUE(g->target.has_value());
+    }
+    EXPECT_EQ(g->facts.exhausted, !g->target.has_value());
+  }
+}
+
+// What is too little for the way is left, and that is said.
+TEST(ExplorationGuide, SaysThatWhatIsLeftShowsTooLittleForTheWay) {
+  const Pose pose{{2.0, 2.0, 0.0}, 0.0};
+  ExplorationGuideOptions options = ExplorationGuideOptions{};
+  const auto near = ExplorationGuide(options).update(two_rooms(10), pose, 0.0);
+  ASSERT_TRUE(near->target.has_value());
+  EXPECT_EQ(near->facts.low_yield.count, 0);
+  options.least_rate = 10.0;
+  const auto far = ExplorationGuide(options).update(two_rooms(10), pose, 0.0);
+  EXPECT_FALSE(far->target.has_value());
+  EXPECT_TRUE(far->facts.exhausted);
+  EXPECT_EQ(far->facts.low_yield.count, 1);
+  EXPECT_GT(far->facts.low_yield.area, 1.0);
+  EXPECT_EQ(far->facts.unreachable.count + far->facts.failed.count, 0);
+}
+
+// A robot that is lost adds nothing to its map, so nothing that it faces can be resolved; one that
+// recovers turns and retreats, so it comes no nearer to its target.
+TEST(ExplorationGuide, ALostRobotGivesNothingUp) {
+  const GroundMap map = two_rooms(7);
+  const Pose pose{{3.0, 2.65, 0.0}, 0.0};
+  ExplorationGuide lost{ExplorationGuideOptions{}}, well{ExplorationGuideOptions{}};
+  double worth = 0.0, least = 1e9;
+  for (double t = 0.0; t < 30.0; t += 0.5) {
+    const auto g = lost.update(map, pose, t, {.looked = false, .pursued = false});
+    EXPECT_FALSE(g->facts.exhausted);
+    if (t == 0.0) worth = g->facts.target_area;
+    EXPECT_EQ(g->facts.target_area, worth);
+    EXPECT_EQ(g->facts.stalled_for, 0.0);
+    const auto w = well.update(map, pose, t);
+    least = std::min(least, w->facts.target ? w->facts.target_area : 0.0);
+  }
+  EXPECT_LT(least, 0.5 * worth);
+  // Once it pursues again, the clock runs on from where it was held.
+  for (double t = 30.0; t < 37.5; t += 0.5) {
+    const auto g = lost.update(map, pose, t, {.looked = false});
+    EXPECT_EQ(g->facts.target_area, worth);
+    EXPECT_EQ(g->facts.stalled, g->facts.stalled_for >= 3.0);
+  }
+  lost.update(map, pose, 37.5, {.looked = false});
+  const auto g = lost.update(map, pose, 38.0, {.looked = false});
+  EXPECT_LT(g->facts.target ? g->facts.target_area : 0.0, worth);
+}
+
+TEST(ExplorationGuide, ATargetThatCostTheLocalizationIsWorthLess) {
+  const HalfWhiteStrip strip;
+  ExplorationGuideOptions options = ExplorationGuideOptions{};
+  options.frontiers.sensor_range = options.worth.sensor_range = 1.5;
+  options.least_area = 0.01;
+  options.least_rate = 0.0;
+  ExplorationGuide guide(options);
+  const Pose pose{{7.3, 2.0, 0.0}, 0.0};
+  const auto east = [](const Guidance& g) { return g.target && g.target->viewpoint.x() > 6.5; };
+  const auto first = guide.update(strip.map, pose, 0.0, {.looked = false});
+  ASSERT_TRUE(east(*first));
+  EXPECT_EQ(first->facts.changed, TargetChange::kFirst);
+  const GuideAttention lost{.looked = false, .pursued = false, .got_lost = true};
+  const auto other = guide.update(strip.map, pose, 0.5, lost);
+  EXPECT_TRUE(other->target.has_value());
+  EXPECT_FALSE(east(*other));
+  EXPECT_EQ(other->facts.changed, TargetChange::kLost);
+  // It stays so, until the other way has cost it more.
+  for (double t = 1.0; t < 6.0; t += 0.5) {
+    const auto g = guide.update(strip.map, pose, t, {.looked = false, .pursued = false});
+    EXPECT_FALSE(east(*g));
+    EXPECT_EQ(g->facts.changed, TargetChange::kNone);
+  }
+  guide.update(strip.map, pose, 6.0, lost);
+  EXPECT_TRUE(east(*guide.update(strip.map, pose, 6.5, {.looked = false, .pursued = false})));
+  // No frontier costs it its localization for ever.
+  int losses = 0;
+  for (double t = 7.0; t < 200.0; t += 0.5) {
+    const auto g = guide.update(strip.map, pose, t, lost);
+    if (!g->target) break;
+    ++losses;
+  }
+  EXPECT_LT(losses, 15);
+}
+
+TEST(ExplorationGuide, ARuleMayChooseTheTarget) {
+  // A free strip with unknown space at both ends; the robot is nearer to the west.
+  GroundMap map(GridFrame{0.1, 0, 0, 120, 40});
+  for (int j = 10; j < 31; ++j) {
+    for (int i = 10; i < 100; ++i) {
+      map.set({i, j}, j == 10 || j == 30 ? CellState::kOccupied : CellState::kFree);
+    }
+  }
+  const Pose pose{{4.0, 2.0, 0.0}, 0.0};
+  ExplorationGuideOptions options = ExplorationGuideOptions{};
+  options.frontiers.sensor_range = options.worth.sensor_range = 1.5;
+  options.reconsider = 3.0;
+  for (const bool east : {false, true}) {
+    int asked = 0;
+    options.rule = [&](const std::vector<FrontierCandidate>& candidates, int current) {
+      ++asked;
+      EXPECT_EQ(candidates.size(), 2U);
+      EXPECT_EQ(current >= 0, asked > 1);
+      return (candidates[0].way < candidates[1].way) == east ? 1 : 0;
+    };
+    ExplorationGuide guide(options);
+    for (double t = 0.0; t < 4.0; t += 0.5) {
+      const auto g = guide.update(map, pose, t, {.looked = false});
+      ASSERT_TRUE(g->target.has_value());
+      EXPECT_EQ(g->target->viewpoint.x() > 5.5, east);
+      for (const Frontier& f : g->frontiers) EXPECT_EQ(f.active, f.reachable);
+    }
+    EXPECT_EQ(asked, 2) << "at first, and after 3 s";
+  }
+  options.rule = [](const auto&, int) { return -1; };
+  EXPECT_TRUE(ExplorationGuide(options).update(map, pose, 0.0)->facts.exhausted);
+}
+
+TEST(ExplorationGuide, ARoomFartherOffComesBeforeASliverNearBy) {
+  // A closed room of 6 m by 4 m, the robot in its middle; 2 m west of it the floor along the wall
+  // is unknown over 2 m, two cells wide, and 2.5 m east a door of 1 m has unknown ground behind it.
+  GroundMap map = test::known_room(96, [](int j) { return j >= 22 && j < 32; });
+  for (int j = 16; j < 36; ++j) {
+    for (const int i : {8, 9}) map.set({i, j}, CellState::kUnknown);
+  }
+  ExplorationGuideOptions options = ExplorationGuideOptions{};
+  options.frontiers.sensor_range = options.worth.sensor_range = 1.5;
+  const auto g = ExplorationGuide(options).update(map, {{3.3, 2.7, 0.0}, 0.5 * M_PI}, 0.0);
+  ASSERT_TRUE(g->target.has_value());
+  EXPECT_GT(g->target->looks_at.x(), 6.0);
+}
+
+// Two ways that are worth alike: it goes on, and says why it changes its mind when it does.
+TEST(ExplorationGuide, StaysWithItsTargetUntilThereIsAReason) {
+  GroundMap map(GridFrame{0.1, 0, 0, 130, 40});
+  for (int j = 10; j < 31; ++j) {
+    for (int i = 10; i < 120; ++i) {
+      map.set({i, j}, j == 10 || j == 30 ? CellState::kOccupied : CellState::kFree);
+    }
+  }
+  ExplorationGuideOptions options = ExplorationGuideOptions{};
+  options.frontiers.sensor_range = options.worth.sensor_range = 1.5;
+  ExplorationGuide guide(options);
+  double t = 0.0;
+  const auto at = [&](double x) {
+    return guide.update(map, {{x, 2.0, 0.0}, 0.5 * M_PI}, t += 0.5,
+                        {.looked = false, .pursued = false});
+  };
+  const bool east = at(6.4)->target->looks_at.x() > 6.5;
+  // Pushed to and fro over the middle.
+  for (int n = 0; n < 60; ++n) {
+    const auto g = at(n % 8 < 4 ? 6.1 : 6.9);
+    ASSERT_TRUE(g->target.has_value());
+    EXPECT_EQ(g->target->looks_at.x() > 6.5, east);
+    EXPECT_EQ(g->facts.changed, TargetChange::kNone);
+  }
+  // Carried to the other end it changes, within the time between two questions.
+  TargetChange why = TargetChange::kNone;
+  for (int n = 0; n < 6; ++n) {
+    const auto g = at(east ? 2.5 : 10.5);
+    if (g->facts.changed != TargetChange::kNone) why = g->facts.changed;
+    if (n == 5) {
+      EXPECT_NE(g->target->looks_at.x() > 6.5, east);
+    }
+  }
+  EXPECT_EQ(why, TargetChange::kBetter);
+  // What was seen is left.
+  for (int j = 11; j < 30; ++j) {
+    for (const int i : {9, 120}) {
+      if ((i == 120) != east) map.set({i, j}, CellState::kOccupied);
+    }
+  }
+  EXPECT_EQ(at(6.5)->facts.changed, TargetChange::kSeen);
+}
+
+// A frontier that no look resolves is left after some looks, and comes back with new ground.
+TEST(ExplorationGuide, AFrontierThatNoLookResolvesIsLeftUntilNewGroundIsSeenThere) {
+  GroundMap map(GridFrame{0.1, 0, 0, 96, 64});
   for (int j = 0; j < 64; ++j) {
     for (int i = 0; i < 64; ++i) {
       const bool rim = i < 2 || j < 2 || i > 61 || j > 61;
       map.set({i, j}, rim ? CellState::kOccupied : CellState::kFree);
     }
   }
-  for (int k = 0; k < 8; ++k) map.set({61, 28 + k}, CellState::kUnknown);
+  for (int k = 0; k < 10; ++k) {
+    for (const int i : {62, 63}) map.set({i, 28 + k}, CellState::kUnknown);
+    map.set({61, 28 + k}, CellState::kUnknown);
+  }
   ExplorationGuide guide(ExplorationGuideOptions{});
   const Pose pose{{4.0, 3.2, 0.0}, 0.0};
-  int step = 0, retries = 0;
-  std::vector<int> active;
+  int step = 0;
+  std::shared_ptr<const Guidance> g;
   for (; step < 40; ++step) {
-    const auto g = guide.update(map, pose, 0.5 * step);
-    active.push_back(g->target.has_value());
-    retries = g->retries_used;
+    g = guide.update(map, pose, 0.5 * step);
     if (g->facts.exhausted) break;
   }
-  EXPECT_EQ(retries, 2);
-  EXPECT_LT(step, 20);
-  EXPECT_EQ(active[0] + active[1] + active[2], 3);
-  map.set({60, 30}, CellState::kOccupied);
-  const auto g = guide.update(map, pose, 0.5 * ++step);
+  EXPECT_GE(step, 1);
+  EXPECT_LT(step, 12);
+  EXPECT_EQ(g->facts.failed.count, 1);
+  EXPECT_GT(g->facts.failed.area, 0.5);
+  for (int k = 0; k < 3; ++k) map.set({61, 31 + k}, CellState::kFree);
+  g = guide.update(map, pose, 0.5 * ++step, {.looked = false});
   EXPECT_TRUE(g->target.has_value());
   EXPECT_FALSE(g->facts.exhausted);
 }

@@ -1099,18 +1099,46 @@ TEST_F(PlannerTest, StuckOnlyTouchingIsForbidden) {
   EXPECT_TRUE(keeps_off());
 }
 
-// Once it is lost, the frontier that it was led to is put off.
-TEST_F(PlannerTest, WhatCostTheLocalizationIsPutOff) {
+// Once it is lost, the frontier that it was led to is worth less.
+TEST_F(PlannerTest, WhatCostTheLocalizationIsWorthLess) {
   Planner planner = make();
   Belief belief = Room{.landmarks_per_wall = 30}.belief();
   planner.plan(belief);
   ASSERT_TRUE(planner.guidance()->target.has_value());
-  EXPECT_EQ(planner.guidance()->suppressed_cells, 0);
+  const auto worth = [&] {
+    double area = 0.0;
+    for (const Frontier& f : planner.guidance()->frontiers) area += f.area;
+    return area;
+  };
+  const double before = worth();
+  EXPECT_GT(before, 0.0);
   belief.localization = Localization::kLost;
   belief.tracked_features = 0;
   belief.stamp = 0.5;
   planner.plan(belief);
-  EXPECT_GT(planner.guidance()->suppressed_cells, 0);
+  EXPECT_LT(worth(), before);
+}
+
+// Standing before a blank view must not be what costs least while there is a way on.
+TEST_F(PlannerTest, FewFeaturesDoNotMakeItStand) {
+  parameters_.w_l = 50.0;  // far above what driving gains
+  Belief belief = Room{.landmarks_per_wall = 3}.belief();
+  Planner planner = make();
+  double driven = 0.0, least = 1e9;
+  for (int n = 0; n < 6; ++n) {
+    const Plan plan = planner.plan(belief);
+    expect_executable(plan, belief);
+    least = std::min(least, plan.features_weight);
+    EXPECT_EQ(plan.features_weight, planner.recipe()->weights.visible_features);
+    const Pose end = robot_.model->pose(plan.states[static_cast<std::size_t>(plan.committed)]);
+    driven += (end.position - belief.pose.position).norm() +
+              0.3 * std::abs(std::remainder(end.yaw - belief.pose.yaw, 2.0 * M_PI));
+    belief.pose = end;
+    belief.twist = plan.commands[static_cast<std::size_t>(plan.committed) - 1];
+    belief.stamp += 0.5;
+  }
+  EXPECT_LT(least, 50.0);
+  EXPECT_GT(driven, 0.4 * 6 * 0.5 * robot_.model->max_speed());
 }
 
 TEST_F(PlannerTest, OcclusionAndCovarianceCanBeLeftOutOfThePrediction) {

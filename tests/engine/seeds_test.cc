@@ -232,7 +232,9 @@ TEST(ScriptedSeeds, LeadIntoAGapThatBeginsBesideTheRobot) {
   const auto model = make_model("unicycle");
   ExplorationGuideOptions options;
   options.traversability.hard_radius = 0.2;
-  options.frontiers.sensor_range = 0.6;
+  options.traversability.narrow_slack = 0.0;
+  options.frontiers.sensor_range = options.worth.sensor_range = 0.6;
+  options.least_area = 0.0;
   ExplorationGuide guide(options);
   const auto guidance = guide.update(ground, pose, 0.0);
   ASSERT_TRUE(guidance->target);

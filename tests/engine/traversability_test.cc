@@ -39,12 +39,19 @@ TEST(Traversability, EqualsTheDistanceToEveryCellOneByOne) {
         const double slack = t.options().lattice_slack + 1e-9;
         const bool clear = occupied + slack >= t.options().hard_radius;
         ASSERT_EQ(t.clear(c), clear);
-        const bool expected = map.state(c) == CellState::kFree && clear;
+        const bool expected =
+            map.state(c) == CellState::kFree && occupied > 0.0 &&
+            occupied + slack + t.options().narrow_slack >= t.options().hard_radius;
+        ASSERT_EQ(t.narrow(c), expected && !clear);
         ASSERT_EQ(t.passable(c), expected);
         if (!expected) continue;
         ++passable;
         double factor = 1.0;
-        if (occupied + slack < t.options().comfortable_radius) factor *= 4.0, ++tight;
+        if (!clear) {
+          factor *= 30.0;
+        } else if (occupied + slack < t.options().comfortable_radius) {
+          factor *= 4.0, ++tight;
+        }
         if (unknown + slack < t.options().comfortable_radius) factor *= 1.5, ++dear;
         ASSERT_EQ(t.factor(c), static_cast<float>(factor));
       }
@@ -100,7 +107,9 @@ TEST(Traversability, IsNotStricterThanTheHardConstraintInAGap) {
     Traversability t(TraversabilityOptions{.hard_radius = 0.25, .comfortable_radius = 0.3});
     t.update(map);
     bool open = false;
-    for (int j = 20; j < 20 + width; ++j) open = open || t.passable({24, j});
+    for (int j = 20; j < 20 + width; ++j) {
+      open = open || (t.passable({24, j}) && !t.narrow({24, j}));
+    }
     EXPECT_EQ(open, 0.1 * width >= 0.5 - 1e-9) << width;
   }
 }

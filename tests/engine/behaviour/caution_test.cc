@@ -26,8 +26,7 @@ TEST(Caution, Table) {
     Facts facts;
     facts.stuck = c.stuck;
     facts.localization = c.lost ? Localization::kLost : Localization::kOk;
-    facts.frontiers =
-        FrontierFacts{.search = c.narrow ? Search::kNarrowPassages : Search::kOrdinary};
+    facts.frontiers = FrontierFacts{.narrow = c.narrow};
     EXPECT_EQ(caution_for(facts, c.fixed_lost_margin), c.expected)
         << c.stuck << c.lost << c.narrow << c.fixed_lost_margin;
   }

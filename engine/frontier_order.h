@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace prospect {
+
+struct FrontierOrderOptions {
+  double horizon = 20.0;    ///< [m] of way in which what is still to be seen loses a factor of e
+  double every_look = 0.3;  ///< [m^2] that a frontier which is trusted counts besides its area
+  int candidates = 7;       ///< frontiers that are put in order
+  int length = 5;           ///< of them that a sequence holds at most
+};
+
+/// A frontier that could be next.
+struct FrontierCandidate {
+  int frontier = -1;    ///< index of the frontier
+  double area = 0.0;    ///< E: area that a look at it is expected to show [m^2]
+  double way = 0.0;     ///< [m of path equivalent] from the robot until it has looked
+  double time = 0.0;    ///< [s] that it takes until then
+  double trust = 1.0;   ///< share of what it promises that it is still believed to show
+  double length = 0.0;  ///< of the frontier [m]
+};
+
+/// A sequence of candidates and its value,
+///
+///     J(s) = sum_n (every_look tau_{s_n} + E_{s_n}) exp(-(w_{s_1} + sum_{m=2..n} d_{s_{m-1} s_m}) / horizon)
+///
+/// tau its trust, w the way to a candidate, d the way between two: what is near, or lies on the way, comes first,
+/// but a room comes before the slivers around it.
+struct FrontierSequence {
+  std::vector<int> order;  ///< indices of candidates
+  double value = 0.0;      ///< J [m^2]
+};
+
+/// The greatest rate of a beginning of the sequence [m^2/s],
+///
+///     max_n sum_{m <= n} E_{s_m} / (time of s_1 + sum_{m=2..n} (d_{s_{m-1} s_m} / v_max +
+///                                   look_time))
+///
+/// 0 for an empty one.
+double rate(const FrontierSequence& sequence, const std::vector<FrontierCandidate>& candidates,
+            const Eigen::MatrixXd& between, double v_max, double look_time);
+
+/// The candidates worth putting in order: those with the greatest (every_look tau + E)
+/// exp(-w / horizon), `options.candidates` at most, greatest first; of equal ones the first.
+std::vector<FrontierCandidate> leading_candidates(std::vector<FrontierCandidate> candidates,
+                                                  const FrontierOrderOptions& options);
+
+/// The sequence of at most options.length candidates with the greatest J, by trying all; `first`:
+/// index of the candidate that it must begin with, -1 for any. between(a, b): d_ab [m of path
+/// equivalent], n x n, infinite where there is no way. Empty without candidates. Deterministic: of
+/// equal ones the first in the order of the candidates. Source: measured against tours and greedy
+/// rules (docs/frontiers.md).
+FrontierSequence best_sequence(const std::vector<FrontierCandidate>& candidates,
+                               const Eigen::MatrixXd& between, const FrontierOrderOptions& options,
+                               int first = -1);
+
+}  // namespace prospect
