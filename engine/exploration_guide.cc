@@ -105,7 +105,7 @@ bool ExplorationGuide::is_cut_off() {
   int joined = 0, cut_off = 0;
   for (const Eigen::Vector2d& place : been_) {
     const Cell c = frame.cell(place.x(), place.y());
-    if (!traversability_.passable(c)) continue;
+    if (!traversability_.fits(c)) continue;
     ++(component_[static_cast<std::size_t>(frame.index(c))] != 0 ? joined : cut_off);
   }
   return cut_off > joined;
@@ -294,7 +294,7 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
                                                  const FeatureOutlook* outlook,
                                                  const BonusRule& rule) {
   const Eigen::Vector2d p = pose.position.head<2>();
-  traversability_.update(ground);
+  traversability_.update(ground, &pose);
   if (attention.blocked && attention.blocked->allFinite()) {
     const Eigen::Vector2d ahead = p + kBlockedAhead * *attention.blocked;
     const Cell at = traversability_.frame().cell(ahead.x(), ahead.y());

@@ -29,6 +29,7 @@
 #include "engine/usable_landmarks.h"
 #include "engine/worker_threads.h"
 #include "models/body_transform.h"
+#include "models/can_move.h"
 
 namespace prospect {
 namespace {
@@ -264,6 +265,10 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
       radius + std::max(parameters.d_safe, parameters.certificate_margin);
   options.traversability.comfortable_radius =
       std::max(options.traversability.hard_radius, radius + parameters.d_des * 0.7);
+  options.traversability.body.reset();
+  if (!is_round(robot.shape)) options.traversability.body = robot.shape;
+  options.traversability.free_moves = can_move(*robot.model, -Eigen::Vector2d::UnitX()) ||
+                                      can_move(*robot.model, Eigen::Vector2d::UnitY());
   // From farther away nothing needs to be looked at.
   constexpr double kFarLook = 50.0;
   options.frontiers.sensor_range = std::min(robot.depth.max_range, kFarLook);
@@ -777,6 +782,8 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   context.cost_to_go = guidance->cost_to_go.get();
   context.target = guidance->target;
   context.clearance = parts.occupied.get();
+  context.backwards = parameters.guide.traversability.body.has_value() &&
+                      can_move(*robot.model, -Eigen::Vector2d::UnitX());
   if (last_inputs.cols() > 0) {
     const auto passed =
         static_cast<Eigen::Index>(std::lround((belief.stamp - last_stamp) / parameters.dt));

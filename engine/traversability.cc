@@ -56,6 +56,10 @@ Traversability::Traversability(const TraversabilityOptions& options) : options_(
                   o.tight_factor, "1 to 1000");
   check_parameter(o.unknown_factor >= 1.0 && o.unknown_factor <= 1e3, "traversability",
                   "unknown_factor", o.unknown_factor, "1 to 1000");
+  if (o.body) {
+    check_parameter(o.hard_radius >= circumscribed_radius(*o.body) - kRounding, "traversability",
+                    "hard_radius", o.hard_radius, "at least the body's circumscribed radius");
+  }
 }
 
 void Traversability::restart(const GridFrame& frame) {
@@ -74,6 +78,14 @@ void Traversability::restart(const GridFrame& frame) {
   occupied_sq_ = Grid<std::int32_t>(frame, limit_sq_);
   unknown_sq_ = Grid<std::int32_t>(frame, 0);
   factor_ = Grid<float>(frame, 0.0F);
+  if (options_.body) {
+    const double room =
+        options_.hard_radius - options_.lattice_slack - circumscribed_radius(*options_.body);
+    fit_ = std::make_shared<const HeadingFit>(*options_.body, room, r);
+    inscribed_sq_ = std::max(1, least_square(inscribed_radius(*options_.body) + room, r));
+    headings_ = Grid<HeadingMask>(frame, kNoHeading);
+    confined_ = false;
+  }
   explored_cells_ = 0;
   fresh_ = false;
   restarted_ = true;
@@ -87,6 +99,7 @@ void Traversability::widen(const GridFrame& frame) {
   occupied_sq_.widen(frame, limit_sq_);
   unknown_sq_.widen(frame, 0);
   factor_.widen(frame, 0.0F);
+  if (fit_ != nullptr) headings_.widen(frame, kNoHeading);
   // The cells beyond the old rim are unknown, hence at distance 0 of unknown and impassable, but
   // they may lie near occupied cells within it.
   const int i1 = old.i0 + old.width - 1, j1 = old.j0 + old.height - 1;
@@ -149,6 +162,49 @@ void Traversability::transform(Rectangle cells, bool unknown) {
   }
 }
 
+bool Traversability::has_way(std::size_t at) const {
+  if (fit_ == nullptr) {
+    return state_.data[at] == CellState::kFree && occupied_sq_.data[at] >= hard_sq_ &&
+           closed_.data[at] == 0;
+  }
+  return headings_.data[at] != kNoHeading &&
+         (!confined_ || reach_of_body_.reached().data[at] != kNoHeading);
+}
+
+// The headings at which the body has room there, whatever the state of the cell.
+HeadingMask Traversability::fitting(Cell c) const {
+  if (fit_ == nullptr || !state_.frame.contains(c)) return kNoHeading;
+  const std::int32_t clearance_sq = occupied_sq_[c];
+  if (clearance_sq >= hard_sq_) return kAllHeadings;
+  if (clearance_sq < inscribed_sq_) return kNoHeading;
+  HeadingMask barred = kNoHeading;
+  for (const HeadingFit::Entry& e : fit_->entries()) {
+    if (state_.get({c.i + e.di, c.j + e.dj}, CellState::kUnknown) != CellState::kOccupied) continue;
+    barred |= e.bars;
+    if (barred == kAllHeadings) break;
+  }
+  return ~barred;
+}
+
+void Traversability::refresh_headings(const Rectangle& cells) {
+  if (fit_ == nullptr) return;
+  for (int j = cells.j0; j <= cells.j1; ++j) {
+    for (int i = cells.i0; i <= cells.i1; ++i) {
+      const bool may_stand = state_[{i, j}] == CellState::kFree && closed_[{i, j}] == 0;
+      headings_[{i, j}] = may_stand ? fitting({i, j}) : kNoHeading;
+    }
+  }
+}
+
+// Without a state to start from the body is where the map says that it does not fit: then all
+// places where it fits count. Whether it may leave is for the certificate to say.
+void Traversability::refresh_reach(const Pose& pose) {
+  reach_of_body_.update(
+      headings_, pose.position.head<2>(), pose.yaw, options_.free_moves,
+      [&](Cell c) { return state_.get(c, CellState::kUnknown) == CellState::kOccupied; });
+  confined_ = reach_of_body_.started();
+}
+
 void Traversability::refresh_factors(const Rectangle& cells) {
   const auto tight = static_cast<float>(options_.tight_factor);
   const auto near = static_cast<float>(options_.unknown_factor);
@@ -156,8 +212,7 @@ void Traversability::refresh_factors(const Rectangle& cells) {
     for (int i = cells.i0; i <= cells.i1; ++i) {
       const auto at = static_cast<std::size_t>(state_.frame.index({i, j}));
       float factor = 0.0F;
-      if (state_.data[at] == CellState::kFree && occupied_sq_.data[at] >= hard_sq_ &&
-          closed_.data[at] == 0) {
+      if (has_way(at)) {
         factor = (occupied_sq_.data[at] < comfortable_sq_ ? tight : 1.0F) *
                  (unknown_sq_.data[at] < comfortable_sq_ ? near : 1.0F);
       }
@@ -178,6 +233,7 @@ void Traversability::close(Cell c, double radius) {
       if (distance <= radius) closed_[{i, j}] = 1;
     }
   }
+  refresh_headings(cells);
   refresh_factors(cells);
 }
 
@@ -211,7 +267,7 @@ bool Traversability::as_before(const GroundMap& ground, Cell tile) const {
   return true;
 }
 
-void Traversability::update(const GroundMap& ground) {
+void Traversability::update(const GroundMap& ground, const Pose* pose) {
   changed_states_.clear();
   newly_known_.clear();
   changed_sights_.clear();
@@ -280,8 +336,21 @@ void Traversability::update(const GroundMap& ground) {
   for (const Rectangle& cells : occupied) transform(cells, false);
   for (const Rectangle& cells : unknown) transform(cells, true);
   // Free to occupied and unknown to free are covered by one of the two lists; so is every change.
+  if (fit_ != nullptr) {
+    for (const Rectangle& cells : occupied) refresh_headings(cells);
+    for (const Rectangle& cells : unknown) refresh_headings(cells);
+    confined_ = false;
+    if (pose != nullptr) refresh_reach(*pose);
+  }
   for (const Rectangle& cells : occupied) refresh_factors(cells);
   for (const Rectangle& cells : unknown) refresh_factors(cells);
+  // The reach may change anywhere.
+  for (int index = 0; fit_ != nullptr && index < f.size(); ++index) {
+    const auto at = static_cast<std::size_t>(index);
+    if (has_way(at) == (factor_.data[at] > 0.0F)) continue;
+    const Cell c = f.at(index);
+    refresh_factors({c.i, c.j, c.i, c.j});
+  }
 }
 
 double Traversability::clearance(Cell c) const {
