@@ -154,17 +154,33 @@ void HeadingReach::update(const Grid<HeadingMask>& fits, const Eigen::Vector2d& 
   flood(fits, steps, reached_);
   if (free_moves) return;
 
-  // The same backwards, from where the body can turn.
+  // The same backwards, from where the body can turn: all those cells have been entered already.
+  const Steps back{steps[2], steps[3], steps[0], steps[1]};
   turning_.frame = frame;
   turning_.data.assign(size, kNoHeading);
   for (std::size_t c = 0; c < size; ++c) {
-    if (reached_.data[c] != kAllHeadings) continue;
-    turning_.data[c] = kAllHeadings;
-    begin(static_cast<int>(c), true);
+    if (reached_.data[c] == kAllHeadings) turning_.data[c] = kAllHeadings;
   }
-  flood(fits, {steps[2], steps[3], steps[0], steps[1]}, turning_);
+  const auto turns_at = [&](int i, int j) {
+    return i >= 0 && i < frame.width && j >= 0 && j < frame.height &&
+           turning_.data[static_cast<std::size_t>(j * frame.width + i)] == kAllHeadings;
+  };
+  for (int j = 0; j < frame.height; ++j) {
+    for (int i = 0; i < frame.width; ++i) {
+      const auto c = static_cast<std::size_t>(j * frame.width + i);
+      if (reached_.data[c] == kNoHeading || reached_.data[c] == kAllHeadings) continue;
+      HeadingMask with = kNoHeading;
+      if (turns_at(i - 1, j)) with |= back[0];
+      if (turns_at(i, j - 1)) with |= back[1];
+      if (turns_at(i + 1, j)) with |= back[2];
+      if (turns_at(i, j + 1)) with |= back[3];
+      enter(reached_, c, with, turning_);
+    }
+  }
+  // What leads there from a state that was reached was reached, too.
+  flood(reached_, back, turning_);
   if ((turning_.data[static_cast<std::size_t>(first)] & heading) == kNoHeading) return;
-  for (std::size_t c = 0; c < size; ++c) reached_.data[c] &= turning_.data[c];
+  std::swap(reached_, turning_);
 }
 
 }  // namespace prospect

@@ -274,6 +274,7 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
   options.frontiers.sensor_range = std::min(robot.depth.max_range, kFarLook);
   options.memory.sensor_range = options.frontiers.sensor_range;
   options.memory.sensor_fov = std::min(robot.depth.horizontal_fov, 2.0 * M_PI);
+  options.traversability.facing = 0.5 * options.memory.sensor_fov;
   // All round there is no side to keep away from; a narrow field is not all margin.
   const bool all_round = options.memory.sensor_fov > 2.0 * M_PI - options.memory.fov_margin;
   options.memory.fov_margin =

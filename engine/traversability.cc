@@ -1,6 +1,7 @@
 #include "engine/traversability.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -59,6 +60,7 @@ Traversability::Traversability(const TraversabilityOptions& options) : options_(
   if (o.body) {
     check_parameter(o.hard_radius >= circumscribed_radius(*o.body) - kRounding, "traversability",
                     "hard_radius", o.hard_radius, "at least the body's circumscribed radius");
+    check_parameter(o.facing > 0.0, "traversability", "facing", o.facing, "more than 0 rad");
   }
 }
 
@@ -83,7 +85,12 @@ void Traversability::restart(const GridFrame& frame) {
         options_.hard_radius - options_.lattice_slack - circumscribed_radius(*options_.body);
     fit_ = std::make_shared<const HeadingFit>(*options_.body, room, r);
     inscribed_sq_ = std::max(1, least_square(inscribed_radius(*options_.body) + room, r));
-    headings_ = Grid<HeadingMask>(frame, kNoHeading);
+    facing_east_ = kNoHeading;
+    for (int k = 0; k < kHeadings; ++k) {
+      const double off = std::abs(std::remainder(heading_at(k), 2.0 * M_PI));
+      if (off <= options_.facing) facing_east_ |= HeadingMask{1} << k;
+    }
+    headings_ = usable_ = Grid<HeadingMask>(frame, kNoHeading);
     confined_ = false;
   }
   explored_cells_ = 0;
@@ -99,7 +106,10 @@ void Traversability::widen(const GridFrame& frame) {
   occupied_sq_.widen(frame, limit_sq_);
   unknown_sq_.widen(frame, 0);
   factor_.widen(frame, 0.0F);
-  if (fit_ != nullptr) headings_.widen(frame, kNoHeading);
+  if (fit_ != nullptr) {
+    headings_.widen(frame, kNoHeading);
+    usable_.widen(frame, kNoHeading);
+  }
   // The cells beyond the old rim are unknown, hence at distance 0 of unknown and impassable, but
   // they may lie near occupied cells within it.
   const int i1 = old.i0 + old.width - 1, j1 = old.j0 + old.height - 1;
@@ -167,8 +177,21 @@ bool Traversability::has_way(std::size_t at) const {
     return state_.data[at] == CellState::kFree && occupied_sq_.data[at] >= hard_sq_ &&
            closed_.data[at] == 0;
   }
-  return headings_.data[at] != kNoHeading &&
-         (!confined_ || reach_of_body_.reached().data[at] != kNoHeading);
+  return usable_.data[at] != kNoHeading;
+}
+
+HeadingMask Traversability::facing(double direction) const {
+  return fit_ == nullptr ? kAllHeadings : std::rotl(facing_east_, nearest_heading(direction));
+}
+
+// The reach may change anywhere.
+void Traversability::refresh_usable() {
+  const std::vector<HeadingMask>& now = confined_ ? reach_of_body_.reached().data : headings_.data;
+  for (std::size_t n = 0; n < now.size(); ++n) {
+    if (now[n] == usable_.data[n]) continue;
+    usable_.data[n] = now[n];
+    changed_headings_.push_back(state_.frame.at(static_cast<int>(n)));
+  }
 }
 
 // The headings at which the body has room there, whatever the state of the cell.
@@ -234,6 +257,13 @@ void Traversability::close(Cell c, double radius) {
     }
   }
   refresh_headings(cells);
+  for (int j = cells.j0; fit_ != nullptr && j <= cells.j1; ++j) {
+    for (int i = cells.i0; i <= cells.i1; ++i) {
+      const HeadingMask left = usable_[{i, j}] & headings_[{i, j}];
+      if (left != usable_[{i, j}]) changed_headings_.push_back({i, j});
+      usable_[{i, j}] = left;
+    }
+  }
   refresh_factors(cells);
 }
 
@@ -272,6 +302,7 @@ void Traversability::update(const GroundMap& ground, const Pose* pose) {
   newly_known_.clear();
   changed_sights_.clear();
   changed_factors_.clear();
+  changed_headings_.clear();
   restarted_ = false;
   const GridFrame needed = with_rim(ground);
   const std::optional<GridFrame> both = fresh_ ? std::nullopt : frame_of_both(needed, state_.frame);
@@ -341,16 +372,11 @@ void Traversability::update(const GroundMap& ground, const Pose* pose) {
     for (const Rectangle& cells : unknown) refresh_headings(cells);
     confined_ = false;
     if (pose != nullptr) refresh_reach(*pose);
+    refresh_usable();
   }
   for (const Rectangle& cells : occupied) refresh_factors(cells);
   for (const Rectangle& cells : unknown) refresh_factors(cells);
-  // The reach may change anywhere.
-  for (int index = 0; fit_ != nullptr && index < f.size(); ++index) {
-    const auto at = static_cast<std::size_t>(index);
-    if (has_way(at) == (factor_.data[at] > 0.0F)) continue;
-    const Cell c = f.at(index);
-    refresh_factors({c.i, c.j, c.i, c.j});
-  }
+  for (const Cell c : changed_headings_) refresh_factors({c.i, c.j, c.i, c.j});
 }
 
 double Traversability::clearance(Cell c) const {

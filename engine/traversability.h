@@ -32,6 +32,8 @@ struct TraversabilityOptions {
   /// d_safe then. Without one, radii alone decide.
   std::optional<RobotShape> body{};
   bool free_moves = true;  ///< of that body: it can reverse or move sideways (heading_reach.h)
+  /// Of that body: it faces what is within this of its heading [rad], > 0.
+  double facing = 0.5;
 };
 
 /// Clearance and cost of travel of every ground cell.
@@ -85,6 +87,9 @@ class Traversability {
   const std::vector<Cell>& changed_sights() const { return changed_sights_; }
   /// Cells whose factor differs from that at the previous update.
   const std::vector<Cell>& changed_factors() const { return changed_factors_; }
+  /// Cells at which a body whose heading matters gets to other headings than at the previous
+  /// update.
+  const std::vector<Cell>& changed_headings() const { return changed_headings_; }
   /// Whether the last update covered the whole map, for want of a usable past.
   bool restarted() const { return restarted_; }
 
@@ -111,6 +116,14 @@ class Traversability {
     return fit_ == nullptr ? passable(c) : headings_.get(c, kNoHeading) != kNoHeading;
   }
   bool passable(Cell c) const { return factor(c) > 0.0F; }
+  /// Headings at which the body faces a direction [rad], by options().facing and rounded to the
+  /// nearest of kHeadings; all if its heading does not matter.
+  HeadingMask facing(double direction) const;
+  /// Whether the robot gets to the cell of that index in frame() at one of these headings. True for
+  /// all of a body whose heading does not matter.
+  bool turns_to(std::size_t index, HeadingMask headings) const {
+    return fit_ == nullptr || (usable_.data[index] & headings) != kNoHeading;
+  }
   float factor(Cell c) const { return factor_.get(c, 0.0F); }
   const Grid<float>& factors() const { return factor_; }
   /// Explored cells (free or occupied), times the area of a cell [m^2].
@@ -131,6 +144,7 @@ class Traversability {
   void transform(Rectangle cells, bool unknown);
   void refresh_factors(const Rectangle& cells);
   bool has_way(std::size_t at) const;
+  void refresh_usable();
   HeadingMask fitting(Cell c) const;
   void refresh_headings(const Rectangle& cells);
   void refresh_reach(const Pose& pose);
@@ -148,9 +162,12 @@ class Traversability {
   Grid<float> factor_;
   // Of a body whose heading matters; else null and empty.
   std::shared_ptr<const HeadingFit> fit_;
+  HeadingMask facing_east_ = kNoHeading;
   std::int32_t inscribed_sq_ = 0;  // nothing fits nearer than this [half cells squared]
   Grid<HeadingMask> headings_;     // that fit at free cells that are not closed
   HeadingReach reach_of_body_;
+  Grid<HeadingMask> usable_;  // those of headings_ that the body gets to
+  std::vector<Cell> changed_headings_;
   bool confined_ = false;  // cells out of its reach are impassable
   std::int64_t explored_cells_ = 0;
   bool fresh_ = true;

@@ -243,6 +243,7 @@ TEST(Traversability, OfALongBodyUpdatesEqualAFreshComputationBitForBit) {
     options.free_moves = run % 2 == 0;
     Traversability kept(options);
     Grid<float> before;
+    Grid<HeadingMask> turnable;
     for (int step = 0; step < 10; ++step) {
       test::scribble(map, 5, 90 + 20 * step, -5 * step, random);
       const Pose pose{{0.1 * static_cast<double>(random() % 60), 2.3, 0.0}, 0.4 * step};
@@ -253,14 +254,33 @@ TEST(Traversability, OfALongBodyUpdatesEqualAFreshComputationBitForBit) {
       ASSERT_EQ(kept.factors().data, fresh.factors().data);
       Grid<char> listed(kept.frame(), 0);
       for (const Cell c : kept.changed_factors()) listed[c] = 1;
+      Grid<char> relisted(kept.frame(), 0);
+      for (const Cell c : kept.changed_headings()) relisted[c] = 1;
       for (int k = 0; k < kept.frame().size(); ++k) {
         const Cell c = kept.frame().at(k);
         ASSERT_EQ(before.get(c, 0.0F) != kept.factor(c), listed[c] != 0);
         ASSERT_EQ(kept.fits(c), everywhere.passable(c));
         ASSERT_TRUE(kept.fits(c) || !kept.passable(c));
         closed_off += kept.fits(c) && !kept.passable(c);
+        bool turned = false;
+        for (int h = 0; h < kHeadings; ++h) {
+          const bool now = kept.turns_to(static_cast<std::size_t>(k), HeadingMask{1} << h);
+          ASSERT_EQ(now, fresh.turns_to(static_cast<std::size_t>(k), HeadingMask{1} << h));
+          const HeadingMask was = turnable.get(c, kNoHeading);
+          turned = turned || now != (((was >> h) & 1U) != 0);
+        }
+        ASSERT_EQ(turned, relisted[c] != 0);
       }
       before = kept.factors();
+      turnable = Grid<HeadingMask>(kept.frame(), kNoHeading);
+      for (int k = 0; k < kept.frame().size(); ++k) {
+        for (int h = 0; h < kHeadings; ++h) {
+          const HeadingMask bit = HeadingMask{1} << h;
+          if (kept.turns_to(static_cast<std::size_t>(k), bit)) {
+            turnable.data[static_cast<std::size_t>(k)] |= bit;
+          }
+        }
+      }
     }
   }
   EXPECT_GT(closed_off, 1000);
@@ -288,6 +308,12 @@ TEST(Traversability, ALongBodyGoesThroughDoorsAndCorridorsLengthways) {
     t.update(map, &pose);
     EXPECT_TRUE(t.passable({45, 24}));
     EXPECT_TRUE(t.passable({64 + length, 24})) << "the room behind";
+    const auto in_passage = static_cast<std::size_t>(t.frame().index({44 + length / 2, 24}));
+    EXPECT_TRUE(t.turns_to(in_passage, t.facing(0.0)));
+    EXPECT_TRUE(t.turns_to(in_passage, t.facing(M_PI)));
+    EXPECT_FALSE(t.turns_to(in_passage, t.facing(M_PI / 2.0)));
+    const auto in_room = static_cast<std::size_t>(t.frame().index({24, 24}));
+    EXPECT_TRUE(t.turns_to(in_room, t.facing(M_PI / 2.0)));
     // By its circumscribed radius alone it does not.
     TraversabilityOptions round = long_body();
     round.body.reset();
