@@ -265,6 +265,35 @@ Mask reached_by_body(const World& world, const ReachableAreaOptions& options) {
   return reached;
 }
 
+/// 1 where some cell at most `reach` away along either axis is not 0.
+Mask widened(const Mask& mask, int reach) {
+  const GridFrame& f = mask.frame;
+  const auto along = [reach](int count, auto&& in, auto&& out) {
+    int last = -reach - 1;  // the newest at which `in` is true, the next one ahead included
+    int ahead = 0;
+    for (int i = 0; i < count; ++i) {
+      for (; ahead < count && ahead <= i + reach; ++ahead) {
+        if (in(ahead)) last = ahead;
+      }
+      if (last >= i - reach && last >= 0) out(i);
+    }
+  };
+  Mask rows(f, 0), wide(f, 0);
+  for (int j = 0; j < f.height; ++j) {
+    const auto at = [&](int i) { return static_cast<std::size_t>(j * f.width + i); };
+    along(
+        f.width, [&](int i) { return mask.data[at(i)] != 0; },
+        [&](int i) { rows.data[at(i)] = 1; });
+  }
+  for (int i = 0; i < f.width; ++i) {
+    const auto at = [&](int j) { return static_cast<std::size_t>(j * f.width + i); };
+    along(
+        f.height, [&](int j) { return rows.data[at(j)] != 0; },
+        [&](int j) { wide.data[at(j)] = 1; });
+  }
+  return wide;
+}
+
 /// The ground cells that are seen from A, and their area, by the definition in the header.
 void add_what_is_seen(const World& world, const ReachableAreaOptions& options,
                       ReachableArea& result) {
@@ -316,6 +345,7 @@ void add_what_is_seen(const World& world, const ReachableAreaOptions& options,
   };
   std::stable_sort(disc.begin(), disc.end(), nearer);
 
+  const Mask near = widened(standing, reach);
   const auto sees = [&](Cell from, Cell to) {
     return transparent[from] != 0 && free_line(transparent, from, to);
   };
@@ -324,7 +354,7 @@ void add_what_is_seen(const World& world, const ReachableAreaOptions& options,
   std::vector<Cell> lit;
   const auto seen = [&](Cell h) {
     if (standing[h] != 0) return true;
-    if (connected[h] == 0) return false;
+    if (connected[h] == 0 || near[h] == 0) return false;
     // Most columns are seen from one of the nearest places to stand; the rest is decided by first
     // finding what can be lit at all.
     int tries = 24;
