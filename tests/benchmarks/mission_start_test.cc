@@ -20,7 +20,7 @@ TEST(MissionStart, SeedOneKeepsTheWorldsOwnAndOthersDrawWhereTheRobotStands) {
   const Pose own = mission_start(world.start, places, 1);
   EXPECT_EQ(own.position, world.start.position);
   EXPECT_EQ(own.yaw, world.start.yaw);
-  std::set<std::pair<double, double>> places;
+  std::set<std::pair<double, double>> drawn;
   for (std::uint64_t seed = 2; seed <= 11; ++seed) {
     const Pose start = mission_start(world.start, places, seed);
     EXPECT_EQ(places[places.frame.cell(start.position.x(), start.position.y())], 1);
@@ -29,9 +29,9 @@ TEST(MissionStart, SeedOneKeepsTheWorldsOwnAndOthersDrawWhereTheRobotStands) {
     moved.start = start;
     EXPECT_EQ(roomy_columns(moved, configuration).data, places.data);  // the robot can stand there
     EXPECT_EQ(mission_start(world.start, places, seed).position, start.position);
-    places.emplace(start.position.x(), start.position.y());
+    drawn.emplace(start.position.x(), start.position.y());
   }
-  EXPECT_EQ(places.size(), 10U);
+  EXPECT_EQ(drawn.size(), 10U);
 }
 
 }  // namespace
