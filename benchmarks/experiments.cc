@@ -78,7 +78,7 @@ ExperimentRow run(const Mission& mission, const Arguments& arguments) {
     const Condition& how = condition(mission.condition);
     const Configuration configuration = configuration_of(how, arguments);
     World loaded = load_world(mission.world, world_options_for(configuration));
-    loaded.start = mission_start(loaded.start, reachable_area(loaded, configuration), mission.seed);
+    loaded.start = mission_start(loaded.start, roomy_columns(loaded, configuration), mission.seed);
     const auto world = std::make_shared<const World>(std::move(loaded));
     std::vector<StepRecord> steps;
     ExplorationRunOptions options;

@@ -159,7 +159,7 @@ int run(int argc, char** argv) {
   for (int seed = first_seed; seed < first_seed + seeds; ++seed) {
     for (const std::string& name : worlds) {
       World loaded = load_world(name, world_options_for(configuration));
-      loaded.start = mission_start(loaded.start, reachable_area(loaded, configuration),
+      loaded.start = mission_start(loaded.start, roomy_columns(loaded, configuration),
                                    static_cast<std::uint64_t>(seed));
       ExplorationRunOptions options;
       options.seed = static_cast<std::uint64_t>(seed);

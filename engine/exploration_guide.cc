@@ -136,7 +136,7 @@ bool ExplorationGuide::is_cut_off() const {
   int joined = 0, cut_off = 0;
   for (const Eigen::Vector2d& place : been_) {
     const Cell c = frame.cell(place.x(), place.y());
-    if (!traversability_.passable(c)) continue;
+    if (!traversability_.fits(c)) continue;
     ++(ways_.length(c) < kInfinity ? joined : cut_off);
   }
   return cut_off > joined;
@@ -322,7 +322,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   if (attention.looked && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
     been_.push_back(p);
   }
-  traversability_.update(ground);
+  traversability_.update(ground, &pose);
   // A place that could not be passed is no wall: before nothing is left it is tried again.
   const bool open_all = last_->facts.exhausted;
   std::erase_if(closings_, [&](const Closing& c) {

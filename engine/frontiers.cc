@@ -70,6 +70,7 @@ void FrontierDetector::make_rays(double resolution) {
   for (int k = 0; k < options_.rays; ++k) {
     Ray& ray = rays_[static_cast<std::size_t>(k)];
     const double angle = 2.0 * std::numbers::pi * k / options_.rays;
+    ray.angle = angle;
     const Eigen::Vector2d to = from + reach * Eigen::Vector2d(std::cos(angle), std::sin(angle));
     visit_line(unit, from, to, [&](Cell c) {
       if (c == Cell{0, 0}) return true;
@@ -132,6 +133,7 @@ void FrontierDetector::find_cells(const Traversability& traversability) {
     passable_[c] = passable;
     moved_[tile_of(c)].add(c);
   }
+  for (const Cell c : traversability.changed_headings()) moved_[tile_of(c)].add(c);
   // A tile's frontier cells depend on its own cells and on the 4-neighbours of those.
   std::vector<std::uint8_t> again(tile_cells_.size(), 0);
   for (const Cell c : traversability.changed_states()) {
@@ -272,6 +274,7 @@ void FrontierDetector::cast(const Traversability& traversability, Piece& piece) 
     const Cell cell = piece.cells[n];
     piece.touched.add(cell);
     for (const Ray& ray : rays_) {
+      const HeadingMask facing = traversability.facing(ray.angle + std::numbers::pi);
       Cell last = cell;
       for (std::size_t step = 0; step < ray.offsets.size(); ++step) {
         const Cell c{cell.i + ray.offsets[step].i, cell.j + ray.offsets[step].j};
@@ -279,7 +282,7 @@ void FrontierDetector::cast(const Traversability& traversability, Piece& piece) 
         last = c;
         const auto at = static_cast<std::size_t>(frame.index(c));
         if (see_through[at] == 0) break;
-        if (passable_.data[at] == 0) continue;
+        if (passable_.data[at] == 0 || !traversability.turns_to(at, facing)) continue;
         float& best = best_.data[at];
         if (best == kNoSource) marked_.push_back(c);
         if (ray.costs[step] < best) {

@@ -59,7 +59,8 @@ using LookPrice = std::function<double(Cell viewpoint, Cell sees)>;
 /// A frontier is active only if a line of sight, through cells that are seen through
 /// (GroundMap::see_through: over a low obstacle too), joins one of its unknown cells to a
 /// traversable cell within sensor_range - range_margin. Frontiers in pockets that no pose can see
-/// otherwise hold a planner for ever.
+/// otherwise hold a planner for ever. A body whose heading matters must get there at a heading at
+/// which it faces the cell (Traversability::turns_to).
 ///
 /// Frontier cells are kept per tile and found again only in tiles that changed. The viewpoints of
 /// the frontier cells of one tile and one cluster ("piece") are cached and cast again only if the
@@ -138,6 +139,7 @@ class FrontierDetector {
     int frontier = -1;
   };
   struct Ray {
+    double angle = 0.0;  // [rad], from the frontier cell
     std::vector<Cell> offsets;
     std::vector<float> costs;
   };

@@ -30,6 +30,7 @@
 #include "engine/usable_landmarks.h"
 #include "engine/worker_threads.h"
 #include "models/body_transform.h"
+#include "models/can_move.h"
 
 namespace prospect {
 namespace {
@@ -269,11 +270,16 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
       radius + std::max(parameters.d_safe, parameters.certificate_margin);
   options.traversability.comfortable_radius =
       std::max(options.traversability.hard_radius, radius + parameters.d_des * 0.7);
+  options.traversability.body.reset();
+  if (!is_round(robot.shape)) options.traversability.body = robot.shape;
+  options.traversability.free_moves = can_move(*robot.model, -Eigen::Vector2d::UnitX()) ||
+                                      can_move(*robot.model, Eigen::Vector2d::UnitY());
   // From farther away nothing needs to be looked at.
   constexpr double kFarLook = 50.0;
   options.frontiers.sensor_range = std::min(robot.depth.max_range, kFarLook);
   options.worth.sensor_range = options.frontiers.sensor_range;
   options.worth.sensor_fov = std::min(robot.depth.horizontal_fov, 2.0 * M_PI);
+  options.traversability.facing = 0.5 * options.worth.sensor_fov;
   // All round there is no side to keep away from; a narrow field is not all margin.
   const bool all_round = options.worth.sensor_fov > 2.0 * M_PI - options.worth.fov_margin;
   options.worth.fov_margin =
@@ -820,6 +826,8 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
     context.known = &*known;
     context.known_margin = parameters.d_safe;
   }
+  context.backwards = parameters.guide.traversability.body.has_value() &&
+                      can_move(*robot.model, -Eigen::Vector2d::UnitX());
   if (last_inputs.cols() > 0) {
     const auto passed =
         static_cast<Eigen::Index>(std::lround((belief.stamp - last_stamp) / parameters.dt));

@@ -89,6 +89,19 @@ class Laws {
   Law follow(double speed) const {
     return [=, this](double, const Pose& pose) { return descend(speed, pose); };
   }
+  /// Down the cost-to-go with the tail ahead, slower the more the tail is off.
+  Law back_off(double speed) const {
+    return [=, this](double, const Pose& pose) -> Twist {
+      Eigen::Vector2d gradient;
+      context_.cost_to_go->value(Eigen::Vector2d(pose.position.head<2>()), gradient);
+      if (!gradient.allFinite() || gradient.norm() < 1e-3) return {};
+      Pose reversed = pose;
+      reversed.yaw += M_PI;
+      Twist twist = steer(std::atan2(-gradient.y(), -gradient.x()), speed, reversed);
+      twist.linear = -twist.linear;
+      return twist;
+    };
+  }
   /// Down the cost-to-go towards a point that far ahead. The path must outlive the law.
   Law pursue(const DescentPath& path, double speed, double lookahead) const {
     return [=, this, &path](double, const Pose& pose) {
@@ -177,6 +190,11 @@ std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context)
     add("turn and go", laws.turn_then_go(go, 1.0));
     if (d.model->nu() > 2) add("strafe", laws.strafe(look));
   }
+  if (context.backwards) {
+    add("back", laws.constant(-0.5, 0.0));
+    add("follow backwards", laws.back_off(1.0));
+    add("follow backwards slowly", laws.back_off(0.4));
+  }
   add("stop", laws.constant(0.0, 0.0));
   return seeds;
 }
@@ -208,6 +226,7 @@ std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext&
         return middle.heading(p.position.head<2>(), 0.1, p.yaw);
       };
       add("approach: turn, then go", laws.turn_then_go(along, 0.2, 0.1));
+      if (context.backwards) add("approach: go backwards", laws.back_off(0.4));
     }
     add("approach: face", laws.turn_then_go(towards(context.target->looks_at), 0.0));
   } else {

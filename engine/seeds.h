@@ -31,12 +31,14 @@ struct SeedContext {
   /// (BrakingConstraint); null: seeds drive as fast as they may anywhere.
   const BodyClearance* known = nullptr;
   double known_margin = 0.0;  ///< of that constraint [m]
+  /// Drive backwards, too: for bases that can, whose body is too long to turn everywhere.
+  bool backwards = false;
 };
 
 /// Starts that between them reach the basins worth polishing: the shifted previous plan, the way
 /// down the cost-to-go at two speeds, the same looking left and right at the end, arcs, turning in
 /// place, facing the target frontier, turning then going, driving one way and looking another
-/// (bases that can), and stopping.
+/// (bases that can), backing straight and down the cost-to-go (where asked for), and stopping.
 ///
 /// Each is a simple steering law rolled out through the problem's own model, one decision a knot,
 /// the input clamped by tracking_input and admissible_inputs, so that bounds, rate limits between
@@ -52,7 +54,8 @@ std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context)
 /// there, in the order in which they are tried. Three steer while they
 /// drive, the last turns towards the next 0.1 m of the way, moved to the middle of gaps
 /// (DescentPath::centre), before each piece of it: a gap that begins beside the robot takes that.
-/// Without a target: turning in place.
+/// Without a target: turning in place. Where asked for, a way backwards down the cost-to-go comes
+/// before the last turn: a body that cannot turn in a passage backs out of it.
 std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext& context);
 
 }  // namespace prospect

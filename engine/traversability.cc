@@ -1,6 +1,7 @@
 #include "engine/traversability.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -60,6 +61,11 @@ Traversability::Traversability(const TraversabilityOptions& options) : options_(
                   "narrow_factor", o.narrow_factor, "tight_factor to 10000");
   check_parameter(o.unknown_factor >= 1.0 && o.unknown_factor <= 1e3, "traversability",
                   "unknown_factor", o.unknown_factor, "1 to 1000");
+  if (o.body) {
+    check_parameter(o.hard_radius >= circumscribed_radius(*o.body) - kRounding, "traversability",
+                    "hard_radius", o.hard_radius, "at least the body's circumscribed radius");
+    check_parameter(o.facing > 0.0, "traversability", "facing", o.facing, "more than 0 rad");
+  }
 }
 
 void Traversability::restart(const GridFrame& frame) {
@@ -80,6 +86,19 @@ void Traversability::restart(const GridFrame& frame) {
   occupied_sq_ = Grid<std::int32_t>(frame, limit_sq_);
   unknown_sq_ = Grid<std::int32_t>(frame, 0);
   factor_ = Grid<float>(frame, 0.0F);
+  if (options_.body) {
+    const double room =
+        options_.hard_radius - options_.lattice_slack - circumscribed_radius(*options_.body);
+    fit_ = std::make_shared<const HeadingFit>(*options_.body, room, r);
+    inscribed_sq_ = std::max(1, least_square(inscribed_radius(*options_.body) + room, r));
+    facing_east_ = kNoHeading;
+    for (int k = 0; k < kHeadings; ++k) {
+      const double off = std::abs(std::remainder(heading_at(k), 2.0 * M_PI));
+      if (off <= options_.facing) facing_east_ |= HeadingMask{1} << k;
+    }
+    headings_ = usable_ = Grid<HeadingMask>(frame, kNoHeading);
+    confined_ = false;
+  }
   explored_cells_ = 0;
   fresh_ = false;
   restarted_ = true;
@@ -93,6 +112,10 @@ void Traversability::widen(const GridFrame& frame) {
   occupied_sq_.widen(frame, limit_sq_);
   unknown_sq_.widen(frame, 0);
   factor_.widen(frame, 0.0F);
+  if (fit_ != nullptr) {
+    headings_.widen(frame, kNoHeading);
+    usable_.widen(frame, kNoHeading);
+  }
   // The cells beyond the old rim are unknown, hence at distance 0 of unknown and impassable, but
   // they may lie near occupied cells within it.
   const int i1 = old.i0 + old.width - 1, j1 = old.j0 + old.height - 1;
@@ -155,6 +178,62 @@ void Traversability::transform(Rectangle cells, bool unknown) {
   }
 }
 
+bool Traversability::has_way(std::size_t at) const {
+  if (fit_ == nullptr) {
+    return state_.data[at] == CellState::kFree && occupied_sq_.data[at] >= narrow_sq_ &&
+           closed_.data[at] == 0;
+  }
+  return usable_.data[at] != kNoHeading;
+}
+
+HeadingMask Traversability::facing(double direction) const {
+  return fit_ == nullptr ? kAllHeadings : std::rotl(facing_east_, nearest_heading(direction));
+}
+
+// The reach may change anywhere.
+void Traversability::refresh_usable() {
+  const std::vector<HeadingMask>& now = confined_ ? reach_of_body_.reached().data : headings_.data;
+  for (std::size_t n = 0; n < now.size(); ++n) {
+    if (now[n] == usable_.data[n]) continue;
+    usable_.data[n] = now[n];
+    changed_headings_.push_back(state_.frame.at(static_cast<int>(n)));
+  }
+}
+
+// The headings at which the body has room there, whatever the state of the cell.
+HeadingMask Traversability::fitting(Cell c) const {
+  if (fit_ == nullptr || !state_.frame.contains(c)) return kNoHeading;
+  const std::int32_t clearance_sq = occupied_sq_[c];
+  if (clearance_sq >= hard_sq_) return kAllHeadings;
+  if (clearance_sq < inscribed_sq_) return kNoHeading;
+  HeadingMask barred = kNoHeading;
+  for (const HeadingFit::Entry& e : fit_->entries()) {
+    if (state_.get({c.i + e.di, c.j + e.dj}, CellState::kUnknown) != CellState::kOccupied) continue;
+    barred |= e.bars;
+    if (barred == kAllHeadings) break;
+  }
+  return ~barred;
+}
+
+void Traversability::refresh_headings(const Rectangle& cells) {
+  if (fit_ == nullptr) return;
+  for (int j = cells.j0; j <= cells.j1; ++j) {
+    for (int i = cells.i0; i <= cells.i1; ++i) {
+      const bool may_stand = state_[{i, j}] == CellState::kFree && closed_[{i, j}] == 0;
+      headings_[{i, j}] = may_stand ? fitting({i, j}) : kNoHeading;
+    }
+  }
+}
+
+// Without a state to start from the body is where the map says that it does not fit: then all
+// places where it fits count. Whether it may leave is for the certificate to say.
+void Traversability::refresh_reach(const Pose& pose) {
+  reach_of_body_.update(
+      headings_, pose.position.head<2>(), pose.yaw, options_.free_moves,
+      [&](Cell c) { return state_.get(c, CellState::kUnknown) == CellState::kOccupied; });
+  confined_ = reach_of_body_.started();
+}
+
 void Traversability::refresh_factors(const Rectangle& cells) {
   const auto narrow = static_cast<float>(options_.narrow_factor);
   const auto tight = static_cast<float>(options_.tight_factor);
@@ -164,10 +243,11 @@ void Traversability::refresh_factors(const Rectangle& cells) {
       const auto at = static_cast<std::size_t>(state_.frame.index({i, j}));
       float factor = 0.0F;
       const std::int32_t room = occupied_sq_.data[at];
-      if (state_.data[at] == CellState::kFree && room >= narrow_sq_ && closed_.data[at] == 0) {
-        factor = (room < hard_sq_          ? narrow
-                  : room < comfortable_sq_ ? tight
-                                           : 1.0F) *
+      if (has_way(at)) {
+        // A body whose heading matters fits exactly or not at all: it has no narrow passages.
+        factor = (room < hard_sq_ && fit_ == nullptr ? narrow
+                  : room < comfortable_sq_           ? tight
+                                                     : 1.0F) *
                  (unknown_sq_.data[at] < comfortable_sq_ ? near : 1.0F);
       }
       if (factor != factor_.data[at]) {
@@ -187,6 +267,14 @@ void Traversability::shut(Cell c, double radius, int times) {
       if (distance > radius) continue;
       std::uint8_t& closed = closed_[{i, j}];
       closed = static_cast<std::uint8_t>(std::clamp(closed + times, 0, 255));
+    }
+  }
+  refresh_headings(cells);
+  for (int j = cells.j0; fit_ != nullptr && j <= cells.j1; ++j) {
+    for (int i = cells.i0; i <= cells.i1; ++i) {
+      const HeadingMask left = usable_[{i, j}] & headings_[{i, j}];
+      if (left != usable_[{i, j}]) changed_headings_.push_back({i, j});
+      usable_[{i, j}] = left;
     }
   }
   refresh_factors(cells);
@@ -222,11 +310,12 @@ bool Traversability::as_before(const GroundMap& ground, Cell tile) const {
   return true;
 }
 
-void Traversability::update(const GroundMap& ground) {
+void Traversability::update(const GroundMap& ground, const Pose* pose) {
   changed_states_.clear();
   newly_known_.clear();
   changed_sights_.clear();
   changed_factors_.clear();
+  changed_headings_.clear();
   restarted_ = false;
   const GridFrame needed = with_rim(ground);
   const std::optional<GridFrame> both = fresh_ ? std::nullopt : frame_of_both(needed, state_.frame);
@@ -291,8 +380,16 @@ void Traversability::update(const GroundMap& ground) {
   for (const Rectangle& cells : occupied) transform(cells, false);
   for (const Rectangle& cells : unknown) transform(cells, true);
   // Free to occupied and unknown to free are covered by one of the two lists; so is every change.
+  if (fit_ != nullptr) {
+    for (const Rectangle& cells : occupied) refresh_headings(cells);
+    for (const Rectangle& cells : unknown) refresh_headings(cells);
+    confined_ = false;
+    if (pose != nullptr) refresh_reach(*pose);
+    refresh_usable();
+  }
   for (const Rectangle& cells : occupied) refresh_factors(cells);
   for (const Rectangle& cells : unknown) refresh_factors(cells);
+  for (const Cell c : changed_headings_) refresh_factors({c.i, c.j, c.i, c.j});
 }
 
 double Traversability::clearance(Cell c) const {

@@ -1,10 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "engine/grid.h"
 #include "engine/ground_map.h"
+#include "engine/heading_fit.h"
+#include "engine/heading_reach.h"
+#include "models/robot_shape.h"
+#include "models/types.h"
 
 namespace prospect {
 
@@ -27,6 +33,12 @@ struct TraversabilityOptions {
   double narrow_slack = 0.1;
   double narrow_factor = 30.0;  ///< cost of a metre there, >= tight_factor
   double unknown_factor = 1.5;  ///< times this within comfortable_radius of an unknown cell, >= 1
+  /// The body, if its heading matters to where it fits; hard_radius is its circumscribed radius +
+  /// d_safe then. Without one, radii alone decide.
+  std::optional<RobotShape> body{};
+  bool free_moves = true;  ///< of that body: it can reverse or move sideways (heading_reach.h)
+  /// Of that body: it faces what is within this of its heading [rad], > 0.
+  double facing = 0.5;
 };
 
 /// Clearance and cost of travel of every ground cell.
@@ -37,6 +49,16 @@ struct TraversabilityOptions {
 ///                  tight_factor : 1) (unknown nearer than comfortable ? unknown_factor : 1)
 ///                  [metres of path equivalent per metre], slack included, 0 where impassable
 ///
+/// Of a body whose heading matters, with its circumscribed radius R (heading_fit.h):
+///   fits(c)     = the headings at which it keeps hard_radius - R - slack from every occupied
+///                 square: all where clearance(c) + slack >= hard_radius, none nearer than the
+///                 inscribed radius allows, between the two by the exact check
+///   passable(c) = c is known free, fits(c) is not empty, and the body gets there from where it
+///                 is, at some heading (heading_reach.h; left out where update() is given no pose)
+/// So a long body passes where it fits lengthways. What is lost by looking at places without their
+/// headings: where two narrow passages cross and it cannot turn, and it gets into both by other
+/// ways, a way from one into the other seems to lead through the crossing.
+///
 /// The distance is to the square of a cell, not to its centre, hence the same number as the
 /// certificate's distance between a disc and the occupied boxes. Squared distances are kept as
 /// integers (in half cells), truncated at the comfortable radius, so the transform is exact and
@@ -44,17 +66,18 @@ struct TraversabilityOptions {
 ///
 /// update() redoes only cells within comfortable_radius of cells that changed. It finds them by
 /// comparing the map with what it was, tile by tile (0.1 ms at 400 m^2): any map may follow any
-/// other, and the result depends on the last one alone. Value type. Thread-safety: concurrent reads
-/// are safe, update() is not. Source: formulation, section 6 ("V is passable exactly where the hard
-/// constraint holds"); factors and slack from the prototype.
+/// other, and the result depends on the last one alone. The reach of a body whose heading matters
+/// is computed anew each time, in time linear in the cells that it can be on. Value type.
+/// Thread-safety: concurrent reads are safe, update() is not. Source: formulation, section 6 ("V is
+/// passable exactly where the hard constraint holds"); factors and slack from the prototype.
 class Traversability {
  public:
   /// Throws std::invalid_argument naming the option, its value and what was expected.
   explicit Traversability(const TraversabilityOptions& options);
 
   /// Brings the clearances up to `ground`. Where it continues() the last map, only what differs is
-  /// computed; else all.
-  void update(const GroundMap& ground);
+  /// computed; else all. pose: of the body now, finite; of use only if its heading matters.
+  void update(const GroundMap& ground, const Pose* pose = nullptr);
   /// Whether `ground` can be a later state of the last map (frame_of_both()), or is the first.
   bool continues(const GroundMap& ground) const;
 
@@ -73,6 +96,9 @@ class Traversability {
   const std::vector<Cell>& changed_sights() const { return changed_sights_; }
   /// Cells whose factor differs from that at the previous update.
   const std::vector<Cell>& changed_factors() const { return changed_factors_; }
+  /// Cells at which a body whose heading matters gets to other headings than at the previous
+  /// update.
+  const std::vector<Cell>& changed_headings() const { return changed_headings_; }
   /// Whether the last update covered the whole map, for want of a usable past.
   bool restarted() const { return restarted_; }
 
@@ -89,12 +115,26 @@ class Traversability {
   /// Distance [m] to the square of the nearest unknown cell, likewise truncated; 0 outside the map.
   double unknown_clearance(Cell c) const;
   double clearance_limit() const;
-  /// clearance(c) + slack >= hard_radius: room for the robot, as far as walls are known. Whatever
-  /// the state of the cell; true outside the map.
-  bool clear(Cell c) const { return occupied_sq_.get(c, limit_sq_) >= hard_sq_; }
+  /// clearance(c) + slack >= hard_radius, or room at some heading: room for the robot, as far as
+  /// walls are known. Whatever the state of the cell; true outside the map.
+  bool clear(Cell c) const {
+    return occupied_sq_.get(c, limit_sq_) >= hard_sq_ || fitting(c) != kNoHeading;
+  }
+  /// Known free, not closed, and clear: passable, whether the robot gets there or not.
+  bool fits(Cell c) const {
+    return fit_ == nullptr ? passable(c) : headings_.get(c, kNoHeading) != kNoHeading;
+  }
   bool passable(Cell c) const { return factor(c) > 0.0F; }
   /// Passable, but narrower than hard_radius asks for.
   bool narrow(Cell c) const { return passable(c) && !clear(c); }
+  /// Headings at which the body faces a direction [rad], by options().facing and rounded to the
+  /// nearest of kHeadings; all if its heading does not matter.
+  HeadingMask facing(double direction) const;
+  /// Whether the robot gets to the cell of that index in frame() at one of these headings. True for
+  /// all of a body whose heading does not matter.
+  bool turns_to(std::size_t index, HeadingMask headings) const {
+    return fit_ == nullptr || (usable_.data[index] & headings) != kNoHeading;
+  }
   float factor(Cell c) const { return factor_.get(c, 0.0F); }
   const Grid<float>& factors() const { return factor_; }
   /// Explored cells (free or occupied), times the area of a cell [m^2].
@@ -115,6 +155,11 @@ class Traversability {
   void transform(Rectangle cells, bool unknown);
   void refresh_factors(const Rectangle& cells);
   void shut(Cell c, double radius, int times);
+  bool has_way(std::size_t at) const;
+  void refresh_usable();
+  HeadingMask fitting(Cell c) const;
+  void refresh_headings(const Rectangle& cells);
+  void refresh_reach(const Pose& pose);
   Rectangle within(Rectangle cells, int margin) const;
 
   TraversabilityOptions options_;
@@ -128,6 +173,15 @@ class Traversability {
   Grid<std::int32_t> occupied_sq_;  // squared distance [(cell / 2)^2], truncated
   Grid<std::int32_t> unknown_sq_;
   Grid<float> factor_;
+  // Of a body whose heading matters; else null and empty.
+  std::shared_ptr<const HeadingFit> fit_;
+  HeadingMask facing_east_ = kNoHeading;
+  std::int32_t inscribed_sq_ = 0;  // nothing fits nearer than this [half cells squared]
+  Grid<HeadingMask> headings_;     // that fit at free cells that are not closed
+  HeadingReach reach_of_body_;
+  Grid<HeadingMask> usable_;  // those of headings_ that the body gets to
+  std::vector<Cell> changed_headings_;
+  bool confined_ = false;  // cells out of its reach are impassable
   std::int64_t explored_cells_ = 0;
   bool fresh_ = true;
   bool restarted_ = true;

@@ -491,4 +491,45 @@ double circumscribed_radius(const RobotShape& shape) {
   return radius;
 }
 
+std::vector<OutlinePart> ground_outline(const RobotShape& shape) {
+  validate(shape);
+  std::vector<OutlinePart> parts;
+  std::visit(Overload{[&](const SphereSetShape& s) {
+                        for (const Sphere& sphere : s.spheres) {
+                          parts.push_back({{sphere.center.head<2>()}, sphere.radius});
+                        }
+                      },
+                      [&](const BoxShape& s) {
+                        parts.push_back({projection(corners(s)), 0.0});
+                      },
+                      [&](const CylinderShape& s) {
+                        parts.push_back({{s.center.head<2>()}, s.radius});
+                      },
+                      [&](const ConvexShape& s) {
+                        parts.push_back({projection(s.vertices), 0.0});
+                      }},
+             shape);
+  return parts;
+}
+
+double inscribed_radius(const RobotShape& shape) {
+  double radius = 0.0;
+  for (const OutlinePart& part : ground_outline(shape)) {
+    const Polygon& polygon = part.corners;
+    double within = kInfinity;  // from the axis to the nearest edge, negative outside
+    if (polygon.size() == 1) within = part.radius - polygon.front().norm();
+    for (std::size_t i = 0; polygon.size() > 1 && i < polygon.size(); ++i) {
+      const Eigen::Vector2d edge = polygon[(i + 1) % polygon.size()] - polygon[i];
+      within = std::min(within, cross(edge, -polygon[i]) / edge.norm());
+    }
+    radius = std::max(radius, within);
+  }
+  return radius;
+}
+
+bool is_round(const RobotShape& shape) {
+  constexpr double kSame = 0.005;  // [m]
+  return circumscribed_radius(shape) - inscribed_radius(shape) < kSame;
+}
+
 }  // namespace prospect

@@ -68,4 +68,20 @@ std::vector<Sphere> bounding_spheres(const RobotShape& shape, double overhang = 
 /// Radius of the smallest vertical cylinder about B's z axis that contains the body [m].
 double circumscribed_radius(const RobotShape& shape);
 
+/// A convex part of a ground outline, in B: the points within `radius` [m] of the convex polygon
+/// `corners` (counter-clockwise; one corner: a disc). Radius 0 for polygons.
+struct OutlinePart {
+  std::vector<Eigen::Vector2d> corners;
+  double radius = 0.0;
+};
+/// The body's ground projection as the union of parts: a disc a sphere or cylinder, else one
+/// polygon.
+std::vector<OutlinePart> ground_outline(const RobotShape& shape);
+/// Radius [m] of the largest disc about B's z axis within one part of the ground outline; 0 if none
+/// holds the axis. With one part it is exact, with several a lower bound.
+double inscribed_radius(const RobotShape& shape);
+/// Whether heading makes less than 5 mm of difference to where the body fits: circumscribed and
+/// inscribed radius are nearer than that.
+bool is_round(const RobotShape& shape);
+
 }  // namespace prospect

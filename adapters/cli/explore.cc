@@ -30,31 +30,37 @@ std::string file_name(std::string text) {
   return text;
 }
 
-/// With one decimal; "-" where there is no number.
-std::string tenths(double value) {
+/// With that many decimals; "-" where there is no number.
+std::string decimals(double value, int places) {
   if (!std::isfinite(value)) return "-";
   char text[64];
-  std::snprintf(text, sizeof text, "%.1f", value);
+  std::snprintf(text, sizeof text, "%.*f", places, value);
   return text;
 }
+std::string tenths(double value) { return decimals(value, 1); }
 
 void print_summary(const Summary& s) {
   std::printf("%s, seed %llu, %s: %s\n", s.world.c_str(), static_cast<unsigned long long>(s.seed),
               s.solver.c_str(), s.reason.c_str());
-  std::printf("  coverage      %6.1f %% of %.1f m2 reachable\n", 100.0 * s.coverage,
+  std::printf("  coverage      %6s %% of %.1f m2 reachable\n", tenths(100.0 * s.coverage).c_str(),
               s.reachable_area_m2);
+  if (s.too_long_for_m2 > 0.0) {
+    std::printf("  left out      %6.1f m2 that its length keeps the robot from\n",
+                s.too_long_for_m2);
+  }
   std::printf("  time          %6.1f s; to 90 / 95 / 99 %%: %s / %s / %s s\n", s.duration_s,
               tenths(s.time_to_90_s).c_str(), tenths(s.time_to_95_s).c_str(),
               tenths(s.time_to_99_s).c_str());
   std::printf("  path          %6.1f m\n", s.path_length_m);
   std::printf("  collisions    %6d    losses of localization %d\n", s.collisions, s.losses);
-  std::printf("  localization  %6.3f m final, %.3f m RMS, %.2f %% of the path\n",
-              s.localization_final_m, s.localization_rmse_m, s.drift_percent);
+  std::printf("  localization  %6s m final, %s m RMS, %s %% of the path\n",
+              decimals(s.localization_final_m, 3).c_str(),
+              decimals(s.localization_rmse_m, 3).c_str(), decimals(s.drift_percent, 2).c_str());
   std::printf("  planning      %6s ms p50, %s p95, %s max; %d steps, %d fallbacks\n",
               tenths(s.plan_ms_p50).c_str(), tenths(s.plan_ms_p95).c_str(),
               tenths(s.plan_ms_max).c_str(), s.steps, s.fallbacks);
-  std::printf("  wall clock    %6.1f s, %.1f times faster than real time\n", s.wall_s,
-              s.wall_s > 0.0 ? s.duration_s / s.wall_s : 0.0);
+  std::printf("  wall clock    %6.1f s, %s times faster than real time\n", s.wall_s,
+              tenths(s.duration_s / s.wall_s).c_str());
 }
 
 }  // namespace

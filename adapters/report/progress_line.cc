@@ -30,10 +30,18 @@ std::string bar(double share) {
   return text + std::string(static_cast<std::size_t>(kBarCells - used), ' ');
 }
 
+/// The value by a pattern with one number in it; a dash in the number's place where there is none.
 std::string format(const char* pattern, double value) {
   char buffer[64];
-  std::snprintf(buffer, sizeof buffer, pattern, value);
-  return buffer;
+  std::snprintf(buffer, sizeof buffer, pattern, std::isfinite(value) ? value : 0.0);
+  std::string text = buffer;
+  if (std::isfinite(value)) return text;
+  const std::size_t last = text.find_last_of("0123456789");
+  const std::size_t first = text.find_first_of("0123456789");
+  std::fill(text.begin() + static_cast<std::ptrdiff_t>(first),
+            text.begin() + static_cast<std::ptrdiff_t>(last), ' ');
+  text[last] = '-';
+  return text;
 }
 
 /// A part of the line: what it says, how many columns that takes, and its colour.

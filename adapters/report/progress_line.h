@@ -13,10 +13,10 @@ namespace prospect {
 ///   3.2 m   ipopt  41 ms
 ///
 /// time, coverage, path, localization error, features tracked now, mode, way left to the target,
-/// back end, planning time: as many of them, from the left, as fit. Not on a terminal it writes
-/// nothing at all, so logs and pipes stay clean. Colour (a warning tint where localization is not
-/// ok, the robot retreats or the plan is a stopping tail) only where asked for. Takes its clock as
-/// an argument. Not thread-safe.
+/// back end, planning time: as many of them, from the left, as fit; a dash where there is no
+/// number. Not on a terminal it writes nothing at all, so logs and pipes stay clean. Colour (a
+/// warning tint where localization is not ok, the robot retreats or the plan is a stopping tail)
+/// only where asked for. Takes its clock as an argument. Not thread-safe.
 class ProgressLine {
  public:
   /// The stream outlives this object. `tty`: whether it is a terminal. `columns`: its width; the

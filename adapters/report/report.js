@@ -128,8 +128,9 @@ const s = run.summary;
   };
   table("Exploration", [
     ["Coverage of the reachable area", percent(s.coverage, 2), "%"],
-    ["Area seen", fixed(s.area_m2, 1), "m²"],
+    ["Of it seen", fixed(s.area_m2, 1), "m²"],
     ["Reachable area", fixed(s.reachable_area_m2, 1), "m²"],
+    ...(s.too_long_for_m2 > 0 ? [["Left out, as the body is too long", fixed(s.too_long_for_m2, 1), "m²"]] : []),
     ["Duration", fixed(s.duration_s, 1), "s"],
     ["Path", fixed(s.path_length_m, 2), "m"],
     ["Collisions", fixed(s.collisions, 0), "", s.collisions > 0]]);

@@ -165,17 +165,30 @@ std::unique_ptr<Replanner> planner_for(const Configuration& configuration,
 ReachableArea reachable_area(const World& world, const Configuration& c) {
   ReachableAreaOptions options;
   options.slice = world_options_for(c).slice;
+  const TraversabilityOptions passable = guide_options_for(c.robot, c.planner).traversability;
+  options.room =
+      passable.hard_radius - circumscribed_radius(c.robot.shape) - passable.lattice_slack;
+  options.free_moves = passable.free_moves;
   options.range = c.robot.depth.max_range;
   options.sensor_height = c.robot.base_height() + c.robot.depth_mount.T_BC.translation().z();
   options.map_resolution = c.simulator.mapping.resolution;
   return reachable_area(world, options);
 }
 
+Grid<std::uint8_t> roomy_columns(const World& world, const Configuration& c) {
+  const Grid<std::uint8_t> standing = standing_columns(world.voxels, world_options_for(c).slice);
+  const Eigen::Vector3d& start = world.start.position;
+  return connected_component(standing, standing.frame.cell(start.x(), start.y()));
+}
+
 WorldOptions world_options_for(const Configuration& c) {
   const VerticalExtent slice = c.robot.slice();
   WorldOptions options;
-  options.slice = {slice.z_min, slice.z_max,
-                   circumscribed_radius(c.robot.shape) + c.simulator.mapping.resolution};
+  options.slice.z_min = slice.z_min;
+  options.slice.z_max = slice.z_max;
+  options.slice.standing_clearance =
+      circumscribed_radius(c.robot.shape) + c.simulator.mapping.resolution;
+  options.slice.shape = c.robot.shape;
   return options;
 }
 
@@ -322,6 +335,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   s.coverage = simulator.coverage();
   s.area_m2 = simulator.seen_area();
   s.reachable_area_m2 = reachable.area;
+  s.too_long_for_m2 = reachable.too_long_for;
   s.collisions = simulator.collisions();
   s.losses = simulator.losses();
   s.duration_s = mission.duration;

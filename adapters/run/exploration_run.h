@@ -45,8 +45,14 @@ struct ExplorationRunResult {
   std::string complaint;  ///< of the simulated sensors at the end: why they cannot be trusted
 };
 
-/// Where the robot of this configuration can stand and what it can see from there, in this world.
+/// Where the robot of this configuration can stand and what it can see from there, in this world,
+/// by the planner's rule for what is passable. Throws as reachable_area(world, options) and
+/// guide_options_for().
 ReachableArea reachable_area(const World& world, const Configuration& configuration);
+
+/// Where it has ample room to stand (BodySlice::standing_clearance), joined to the world's start by
+/// such columns.
+Grid<std::uint8_t> roomy_columns(const World& world, const Configuration& configuration);
 
 /// How load_world() must look for a start that this configuration's robot can take.
 WorldOptions world_options_for(const Configuration& configuration);

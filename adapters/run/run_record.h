@@ -55,8 +55,8 @@ struct StepRecord {
   double predicted_features = 0.0;  ///< N_k predicted for the end of the committed part
   int tracked_features = 0;         ///< in the newest image
   std::string localization;         ///< ok, degraded, lost
-  double coverage = 0.0;            ///< share of the reachable area
-  double area = 0.0;                ///< [m^2] really seen
+  double coverage = 0.0;            ///< share of the reachable area; NaN: there is none
+  double area = 0.0;                ///< [m^2] of the reachable area really seen
   double localization_error = 0.0;  ///< [m]
   double path_length = 0.0;         ///< [m] really driven
   int collisions = 0;               ///< so far
@@ -99,14 +99,16 @@ struct StepRecord {
   } wall;
 };
 
-/// Results of a whole mission; the names are those of summary.json. NaN: never reached.
+/// Results of a whole mission; the names are those of summary.json. NaN: never reached, or a share
+/// of nothing.
 struct Summary {
   std::string world, solver;
   std::uint64_t seed = 0;
   std::string reason;  ///< why it ended
   double coverage = 0.0;
-  double area_m2 = 0.0;
+  double area_m2 = 0.0;  ///< of the reachable area seen
   double reachable_area_m2 = 0.0;
+  double too_long_for_m2 = 0.0;  ///< ReachableArea::too_long_for
   int collisions = 0;
   int losses = 0;
   double duration_s = 0.0;

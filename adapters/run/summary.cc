@@ -16,11 +16,12 @@ constexpr double kNever = std::numeric_limits<double>::quiet_NaN();
 /// Time and path at which coverage first reaches `share`.
 std::pair<double, double> reach(const std::vector<StepRecord>& steps, double share) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
-    if (steps[i].coverage < share) continue;
+    if (!(steps[i].coverage >= share)) continue;  // nor where there is none
     if (i == 0) return {steps[0].time, steps[0].path_length};
     const StepRecord& a = steps[i - 1];
     const StepRecord& b = steps[i];
-    const double s = (share - a.coverage) / (b.coverage - a.coverage);
+    const double rise = b.coverage - a.coverage;
+    const double s = rise > 0.0 ? (share - a.coverage) / rise : 1.0;
     return {a.time + s * (b.time - a.time), a.path_length + s * (b.path_length - a.path_length)};
   }
   return {kNever, kNever};
@@ -33,6 +34,7 @@ Summary summarize(const std::vector<StepRecord>& steps) {
   s.time_to_90_s = s.time_to_95_s = s.time_to_99_s = kNever;
   s.path_to_90_m = s.path_to_95_m = s.path_to_99_m = kNever;
   s.plan_ms_p50 = s.plan_ms_p95 = s.plan_ms_p99 = s.plan_ms_max = kNever;
+  s.localization_rmse_m = s.localization_final_m = s.drift_percent = kNever;
   if (steps.empty()) return s;
   std::tie(s.time_to_90_s, s.path_to_90_m) = reach(steps, 0.90);
   std::tie(s.time_to_95_s, s.path_to_95_m) = reach(steps, 0.95);
@@ -58,7 +60,7 @@ Summary summarize(const std::vector<StepRecord>& steps) {
   s.localization_rmse_m = std::sqrt(squares / static_cast<double>(steps.size()));
   s.localization_final_m = last.localization_error;
   s.drift_percent =
-      last.path_length > 0.0 ? 100.0 * last.localization_error / last.path_length : 0.0;
+      last.path_length > 0.0 ? 100.0 * last.localization_error / last.path_length : kNever;
   s.steps = static_cast<int>(steps.size());
   return s;
 }
@@ -72,6 +74,7 @@ std::string summary_json(const Summary& s) {
                                        {"coverage", s.coverage},
                                        {"area_m2", s.area_m2},
                                        {"reachable_area_m2", s.reachable_area_m2},
+                                       {"too_long_for_m2", s.too_long_for_m2},
                                        {"collisions", s.collisions},
                                        {"losses", s.losses},
                                        {"duration_s", s.duration_s},

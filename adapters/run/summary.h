@@ -9,9 +9,9 @@ namespace prospect {
 
 /// Fills what follows from the steps: coverage, area, collisions, duration, path length, time and
 /// path to 90 / 95 / 99 % coverage (linear between the steps around it; NaN if never reached),
-/// localization error (root mean square over steps, final, and final as percent of the path),
-/// planning time percentiles (nearest rank, quantile.h), fallbacks, guard stops, steps. All else
-/// keeps its default.
+/// localization error (root mean square over steps, final, and final as percent of the path; NaN
+/// without steps, without a path), planning time percentiles (nearest rank, quantile.h), fallbacks,
+/// guard stops, steps. All else keeps its default.
 Summary summarize(const std::vector<StepRecord>& steps);
 
 /// summary.json: the names of Summary as they are, the planning time percentiles under plan_ms;

@@ -74,7 +74,7 @@ WheelFusionOptions fusion_of(const SimulatorOptions& options, const Pose& start)
 
 CameraSenses::CameraSenses(const World& world, const SimulatorOptions& options,
                            const OccupancyMapperOptions& mapping, const Pose& start,
-                           double cleared_radius)
+                           const std::vector<Disc>& known_free)
     : options_(options),
       rig_(scene_of(world, options), rig_of(options)),
       looking_(world, options.depth, options.depth_mount,
@@ -90,8 +90,11 @@ CameraSenses::CameraSenses(const World& world, const SimulatorOptions& options,
       wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
       wheel_pose_(start) {
   frame_.T_WC = camera_pose(start, options.stereo_mount);
-  mapper_.map().clear_cylinder(start.position, cleared_radius,
-                               mapping.slice.z_max - start.position.z());
+  const double z = start.position.z();
+  for (const Disc& d : known_free) {
+    mapper_.map().clear_cylinder({d.center.x(), d.center.y(), z}, d.radius,
+                                 mapping.slice.z_max - z);
+  }
   std::normal_distribution<double> normal;
   wheel_scale_ += options.camera.wheel_fusion.sigma_scale * normal(wheel_noise_);
   turn_scale_ += options.camera.wheel_fusion.sigma_scale * normal(wheel_noise_);

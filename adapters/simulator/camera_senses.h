@@ -4,12 +4,14 @@
 #include <memory>
 #include <random>
 #include <unordered_set>
+#include <vector>
 
 #include "adapters/simulator/camera_rig.h"
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/senses.h"
 #include "adapters/simulator/simulator_options.h"
 #include "adapters/worlds/world.h"
+#include "models/robot_shape.h"
 #include "perception/belief_builder.h"
 #include "perception/depth_agreement.h"
 #include "perception/depth_mapper.h"
@@ -43,7 +45,8 @@ class CameraSenses final : public Senses {
   /// As FeatureSenses. Throws std::invalid_argument on options out of range, NotBuiltIn without a
   /// renderer.
   CameraSenses(const World& world, const SimulatorOptions& options,
-               const OccupancyMapperOptions& mapping, const Pose& start, double cleared_radius);
+               const OccupancyMapperOptions& mapping, const Pose& start,
+               const std::vector<Disc>& known_free);
 
   void image(double stamp, const Pose& true_pose, const Twist& twist) override;
   void scan(double stamp, const Pose& true_pose, SeenArea& seen) override;

@@ -9,7 +9,7 @@ namespace prospect {
 
 FeatureSenses::FeatureSenses(const World& world, const SimulatorOptions& options,
                              const OccupancyMapperOptions& mapping, const Pose& start,
-                             double cleared_radius)
+                             const std::vector<Disc>& known_free)
     : stereo_(options.features.stereo),
       stereo_mount_(options.stereo_mount),
       depth_(world, options.depth, options.depth_mount,
@@ -21,7 +21,10 @@ FeatureSenses::FeatureSenses(const World& world, const SimulatorOptions& options
                 stream_seed(options.seed, NoiseStream::kOdometry)),
       landmarks_(options.landmarks, options.features, options.stereo_mount),
       mapper_(mapping) {
-  mapper_.clear_cylinder(start.position, cleared_radius, mapping.slice.z_max - start.position.z());
+  const double z = start.position.z();
+  for (const Disc& d : known_free) {
+    mapper_.clear_cylinder({d.center.x(), d.center.y(), z}, d.radius, mapping.slice.z_max - z);
+  }
 }
 
 void FeatureSenses::scan(double stamp, const Pose& true_pose, SeenArea& seen) {

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/feature_camera.h"
@@ -11,6 +12,7 @@
 #include "adapters/simulator/senses.h"
 #include "adapters/simulator/simulator_options.h"
 #include "adapters/worlds/world.h"
+#include "models/robot_shape.h"
 #include "perception/occupancy_mapper.h"
 
 namespace prospect {
@@ -20,10 +22,12 @@ namespace prospect {
 /// rays are cast through the true voxels.
 class FeatureSenses final : public Senses {
  public:
-  /// cleared_radius [m]: of the space about the start that is known to be free, up to
-  /// mapping.slice.z_max. Throws std::invalid_argument on options out of range.
+  /// known_free: discs in W [m] over which columns of the map are known to be free up to
+  /// mapping.slice.z_max, by their centres (known_free.h). Throws std::invalid_argument on options
+  /// out of range.
   FeatureSenses(const World& world, const SimulatorOptions& options,
-                const OccupancyMapperOptions& mapping, const Pose& start, double cleared_radius);
+                const OccupancyMapperOptions& mapping, const Pose& start,
+                const std::vector<Disc>& known_free);
 
   void image(double stamp, const Pose& true_pose, const Twist& twist) override;
   void scan(double stamp, const Pose& true_pose, SeenArea& seen) override;

@@ -1,6 +1,7 @@
 #include "adapters/simulator/seen_area.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace prospect {
 
@@ -27,7 +28,6 @@ DepthScan SeenArea::look(DepthCamera& camera, const Pose& true_pose) {
     if (!solid) ++free_[column];
     if (project_column(solid ? 1 : 0, free_[column]) == CellState::kUnknown) continue;
     column_[column] = 1;
-    ++columns_seen_;
     reachable_seen_ += reachable_cells_[column];
   }
   return scan;
@@ -38,6 +38,7 @@ void SeenArea::set_reachable(const Grid<std::uint8_t>& reachable) {
   std::fill(reachable_cells_.begin(), reachable_cells_.end(), 0);
   reachable_total_ = 0;
   reachable_seen_ = 0;
+  cell_area_ = reachable.frame.resolution * reachable.frame.resolution;
   for (int n = 0; n < reachable.frame.size(); ++n) {
     if (reachable.data[static_cast<std::size_t>(n)] == 0) continue;
     ++reachable_total_;
@@ -53,14 +54,11 @@ void SeenArea::set_reachable(const Grid<std::uint8_t>& reachable) {
 
 double SeenArea::coverage() const {
   return reachable_total_ == 0
-             ? 0.0
+             ? std::numeric_limits<double>::quiet_NaN()
              : static_cast<double>(reachable_seen_) / static_cast<double>(reachable_total_);
 }
 
-double SeenArea::area() const {
-  const double r = world_->voxels.resolution();
-  return static_cast<double>(columns_seen_) * r * r;
-}
+double SeenArea::area() const { return static_cast<double>(reachable_seen_) * cell_area_; }
 
 bool SeenArea::seen(Cell true_cell) const {
   const GridFrame& frame = world_->voxels.frame();

@@ -22,10 +22,11 @@ class SeenArea {
   /// One image of `camera` from a true pose, entered; points in B.
   DepthScan look(DepthCamera& camera, const Pose& true_pose);
 
-  /// Cells of the true map counted by coverage(): nonzero = counts. Without one coverage is zero.
+  /// Cells of the true map counted by coverage(): nonzero = counts.
   void set_reachable(const Grid<std::uint8_t>& reachable);
-  double coverage() const;  ///< share of the reachable cells whose column has been seen
-  double area() const;      ///< [m^2] of all columns seen
+  /// Share of the reachable cells whose column has been seen; NaN where none is reachable.
+  double coverage() const;
+  double area() const;  ///< [m^2] of those cells
   bool seen(Cell true_cell) const;
 
  private:
@@ -38,7 +39,7 @@ class SeenArea {
   std::vector<std::int32_t> reachable_cells_;  // of each column: how many it stands for
   std::int64_t reachable_total_ = 0;
   std::int64_t reachable_seen_ = 0;
-  std::int64_t columns_seen_ = 0;
+  double cell_area_ = 0.0;  // [m^2] of a reachable cell
 };
 
 }  // namespace prospect

@@ -9,6 +9,7 @@
 #include "adapters/simulator/camera_senses.h"
 #include "adapters/simulator/feature_senses.h"
 #include "adapters/simulator/kinematic_robot.h"
+#include "adapters/simulator/known_free.h"
 #include "adapters/simulator/noise_stream.h"
 #include "adapters/simulator/seen_area.h"
 #include "models/parameter_check.h"
@@ -71,8 +72,9 @@ struct Simulator::Impl {
                     o.depth_rate, "0..1000 Hz, not zero");
     check_parameter(o.image_rate > 0.0 && o.image_rate <= 1000.0, "simulator", "image_rate",
                     o.image_rate, "0..1000 Hz, not zero");
-    // The robot stands there: every voxel that its outline touches is free.
-    const double cleared = robot.contact_test().radius() + 0.75 * o.mapping.resolution;
+    const std::vector<Disc> cleared =
+        known_free(*world, robot.pose(), robot.contact_test().radius(),
+                   {mapping.slice.z_min, mapping.slice.z_max}, o.mapping.resolution);
     if (o.sensors == Sensors::kCamera) {
       senses = std::make_unique<CameraSenses>(*world, o, mapping, robot.pose(), cleared);
     } else {

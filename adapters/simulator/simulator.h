@@ -60,12 +60,12 @@ class Simulator {
   /// The newest left image, where the robot has cameras; empty otherwise.
   CameraPicture picture() const;
 
-  /// Cells of the true map counted by coverage(): nonzero = counts. Without one coverage is zero.
+  /// Cells of the true map counted by coverage() and seen_area(): nonzero = counts.
   void set_reachable(const Grid<std::uint8_t>& reachable);
   /// Share of the reachable cells whose column has really been seen by valid depth rays, by the
-  /// rule of the ground map (any voxel of the slice seen, solid or free).
+  /// rule of the ground map (any voxel of the slice seen, solid or free); NaN where none counts.
   double coverage() const;
-  /// Area [m^2] of all true cells seen so far.
+  /// Area [m^2] of those cells.
   double seen_area() const;
   bool seen(Cell true_cell) const;
 

@@ -25,6 +25,7 @@
 #include "adapters/worlds/reachable_area.h"
 #include "adapters/worlds/ros_map.h"
 #include "adapters/worlds/world_file.h"
+#include "engine/heading_fit.h"
 #include "models/nearest_name.h"
 
 namespace prospect {
@@ -58,6 +59,24 @@ std::string number(double value) {
   return out.str();
 }
 
+/// Whether the body's ground outline at a pose meets no column that is not free.
+bool fits_at(const Grid<std::uint8_t>& free, const RobotShape& shape, const Pose& pose) {
+  constexpr double kTouch = 1e-9;  // [m]
+  const GridFrame& frame = free.frame;
+  const std::vector<OutlinePart> outline = ground_outline(shape);
+  const Eigen::Vector2d at = pose.position.head<2>();
+  const Cell own = frame.cell(at.x(), at.y());
+  const int reach = static_cast<int>(std::ceil(circumscribed_radius(shape) / frame.resolution)) + 1;
+  for (int j = own.j - reach; j <= own.j + reach; ++j) {
+    for (int i = own.i - reach; i <= own.i + reach; ++i) {
+      if (free.get({i, j}, 0) != 0) continue;
+      const Eigen::Vector2d low(i * frame.resolution, j * frame.resolution);
+      if (outline_distance(outline, at, pose.yaw, low, frame.resolution) < -kTouch) return false;
+    }
+  }
+  return free.get(own, 0) != 0;
+}
+
 [[noreturn]] void cannot_stand(const World& world, const BodySlice& slice,
                                const Eigen::Vector3d& at) {
   const GridFrame& frame = world.voxels.frame();
@@ -70,9 +89,9 @@ std::string number(double value) {
     what =
         room > 0.0 ? "has " + number(room) + " m of room" : "lies inside a wall or unknown space";
   }
-  throw InputError(world.name + ": the start (" + number(at.x()) + ", " + number(at.y()) + ") " +
-                   what + "; expected at least " + number(slice.standing_clearance) +
-                   " m to everything that is not free");
+  throw InputError(
+      world.name + ": the start (" + number(at.x()) + ", " + number(at.y()) + ") " + what +
+      "; expected a place where the body touches nothing that is not free, at " + "its heading");
 }
 
 Pose default_start(const World& world, const BodySlice& slice, const Grid<std::uint8_t>& standing) {
@@ -176,10 +195,6 @@ std::optional<std::uint64_t> plan_seed(const std::string& name) {
 
 void place_start(World& world, const BodySlice& slice, const std::optional<Pose>& given,
                  bool world_states_start) {
-  const Grid<std::uint8_t> standing = standing_columns(world.voxels, slice);
-  const auto stands = [&](const Pose& pose) {
-    return standing.get(standing.frame.cell(pose.position.x(), pose.position.y()), 0) != 0;
-  };
   if (given) {
     constexpr double kFarthest = 1e6;  // [m]; beyond it a cell's address would overflow
     const bool sound = given->position.allFinite() && std::isfinite(given->yaw) &&
@@ -191,17 +206,37 @@ void place_start(World& world, const BodySlice& slice, const std::optional<Pose>
     world.start.position.z() = 0.0;
   }
   if (given || world_states_start) {
-    if (!stands(world.start)) cannot_stand(world, slice, world.start.position);
+    if (!fits_at(free_columns(world.voxels, slice), slice.shape, world.start)) {
+      cannot_stand(world, slice, world.start.position);
+    }
     return;
   }
-  if (std::find(standing.data.begin(), standing.data.end(), 1) == standing.data.end()) {
+  const auto any = [](const Grid<std::uint8_t>& mask) {
+    return std::find(mask.data.begin(), mask.data.end(), 1) != mask.data.end();
+  };
+  const Grid<std::uint8_t> standing = standing_columns(world.voxels, slice);
+  if (any(standing)) {
+    world.start = default_start(world, slice, standing);
+    return;
+  }
+  const Grid<HeadingMask> headings = fitting_headings(world.voxels, slice, 0.0);
+  Grid<std::uint8_t> fits(headings.frame, 0);
+  for (std::size_t n = 0; n < fits.data.size(); ++n) fits.data[n] = headings.data[n] != kNoHeading;
+  if (!any(fits)) {
     const double top = (world.voxels.k0() + world.voxels.depth()) * world.voxels.resolution();
     throw InputError(
-        world.name + ": no place where the robot can stand (the map reaches up to z = " +
-        number(top) + " m); expected free space with " + number(slice.standing_clearance) +
-        " m of room from z = " + number(slice.z_min) + " to " + number(slice.z_max) + " m");
+        world.name +
+        ": no place where the robot can stand (the map reaches up to z = " + number(top) +
+        " m); expected free space for the body, of " + number(circumscribed_radius(slice.shape)) +
+        " m around its origin, from z = " + number(slice.z_min) + " to " + number(slice.z_max) +
+        " m");
   }
-  world.start = default_start(world, slice, standing);
+  world.start = default_start(world, slice, fits);
+  const HeadingMask there =
+      headings[headings.frame.cell(world.start.position.x(), world.start.position.y())];
+  int off = 0;  // headings 0, 1, -1, 2, -2 ...
+  while (((there >> ((off + kHeadings) % kHeadings)) & 1U) == 0) off = off > 0 ? -off : 1 - off;
+  world.start.yaw = std::remainder(heading_at((off + kHeadings) % kHeadings), 2.0 * M_PI);
 }
 
 World load_world(const std::string& name_or_path, const WorldOptions& options) {

@@ -11,7 +11,7 @@ namespace prospect {
 struct WorldOptions {
   /// Start [x, y in m, yaw in rad] instead of the source's own or the default one. Still checked.
   std::optional<Pose> start;
-  /// Where the default start looks for room, and what a given start is checked against.
+  /// Where the default start looks for room, and the body that a given start is checked for.
   BodySlice slice;
   /// Of maps; meshes are voxelised as mesh_world.h says. Merge the voxels of a finer map to about
   /// this size [m], a whole multiple of theirs; 0 keeps the source's resolution. A merged voxel is
@@ -31,14 +31,16 @@ struct WorldOptions {
 /// image), .map (MovingAI), .obj/.dae/.gltf/.glb (mesh_file.h), .world/.sdf (gazebo_world.h), both
 /// voxelised at 0.05 m (mesh_world.h). Throws InputError: unknown name (with the nearest built-in
 /// name), missing file, directory, unreadable or corrupt content, no place to stand, or a given
-/// start from which the robot cannot stand.
+/// start at which the body does not fit.
 World load_world(const std::string& name_or_path, const WorldOptions& options = {});
 
-/// Sets the world's start to `given` if there is one; else, if the robot cannot stand at the
-/// world's own start, to the default: in the largest connected set of standing columns, of the
-/// columns within 1 m of the one nearest to the set's centroid, the one with the most clearance;
-/// yaw 0. Throws InputError if there is no place to stand or the robot cannot stand at `given` or
-/// at a start the world file states.
+/// Sets the world's start to `given` if there is one; else, if the world file states none, to the
+/// default: in the largest connected set of standing columns, of the columns within 1 m of the one
+/// nearest to the set's centroid, the one with the most clearance; yaw 0. Where there is no
+/// standing column, likewise of the columns at which the body fits at some heading; yaw of these
+/// the one nearest to 0. Throws InputError if it fits nowhere, or not at `given` or at a start the
+/// world file states: if its ground outline there meets the inside of a column that is not free.
+/// More room is not asked for: the certificate lets a robot leave that starts near things.
 void place_start(World& world, const BodySlice& slice, const std::optional<Pose>& given,
                  bool world_states_start);
 

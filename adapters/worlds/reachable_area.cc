@@ -5,15 +5,36 @@
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "adapters/config/input_error.h"
+#include "engine/free_line.h"
+#include "engine/heading_reach.h"
 
 namespace prospect {
 namespace {
 
 constexpr double kSlack = 1e-9;  // relative slack of comparisons between multiples of a resolution
 constexpr std::array<Cell, 4> kNeighbours = {{{1, 0}, {-1, 0}, {0, 1}, {0, -1}}};
+
+using Mask = Grid<std::uint8_t>;
+
+/// Columns that are not free, but have a free neighbour: the nearest point of what is not free lies
+/// on one of them. One ring outside the grid included.
+template <typename Visit>
+void visit_outline(const Mask& free, Visit&& visit) {
+  const GridFrame& frame = free.frame;
+  for (int j = frame.j0 - 1; j <= frame.j0 + frame.height; ++j) {
+    for (int i = frame.i0 - 1; i <= frame.i0 + frame.width; ++i) {
+      if (free.get({i, j}, 0) != 0) continue;
+      const bool outline = std::any_of(kNeighbours.begin(), kNeighbours.end(), [&](Cell n) {
+        return free.get({i + n.i, j + n.j}, 0) != 0;
+      });
+      if (outline) visit(Cell{i, j});
+    }
+  }
+}
 
 /// Distance [in cells] from the centre of a column to the square of the column offset by (di, dj).
 double distance_to_square(int di, int dj) {
@@ -155,21 +176,29 @@ Grid<std::uint8_t> standing_columns(const VoxelGrid& voxels, const BodySlice& sl
       if (distance_to_square(di, dj) < clearance * (1.0 - kSlack)) near.push_back({di, dj});
     }
   }
-  // The nearest point of what is not free lies on a square with a free neighbour.
-  for (int j = frame.j0 - 1; j <= frame.j0 + frame.height; ++j) {
-    for (int i = frame.i0 - 1; i <= frame.i0 + frame.width; ++i) {
-      if (free.get({i, j}, 0) != 0) continue;
-      const bool outline = std::any_of(kNeighbours.begin(), kNeighbours.end(), [&](Cell n) {
-        return free.get({i + n.i, j + n.j}, 0) != 0;
-      });
-      if (!outline) continue;
-      for (const Cell& offset : near) {
-        const Cell c{i + offset.i, j + offset.j};
-        if (frame.contains(c)) standing[c] = 0;
-      }
+  visit_outline(free, [&](Cell o) {
+    for (const Cell& offset : near) {
+      const Cell c{o.i + offset.i, o.j + offset.j};
+      if (frame.contains(c)) standing[c] = 0;
     }
-  }
+  });
   return standing;
+}
+
+Grid<HeadingMask> fitting_headings(const VoxelGrid& voxels, const BodySlice& slice, double room) {
+  const Mask free = free_columns(voxels, slice);
+  const HeadingFit fit(slice.shape, room, free.frame.resolution);
+  Grid<HeadingMask> fits(free.frame, kNoHeading);
+  for (std::size_t n = 0; n < free.data.size(); ++n) {
+    if (free.data[n] != 0) fits.data[n] = kAllHeadings;
+  }
+  visit_outline(free, [&](Cell o) {
+    for (const HeadingFit::Entry& e : fit.entries()) {
+      const Cell c{o.i - e.di, o.j - e.dj};
+      if (fits.frame.contains(c)) fits[c] &= ~e.bars;
+    }
+  });
+  return fits;
 }
 
 Grid<std::uint8_t> connected_component(const Grid<std::uint8_t>& mask, Cell seed) {
@@ -191,32 +220,89 @@ Grid<std::uint8_t> connected_component(const Grid<std::uint8_t>& mask, Cell seed
   return component;
 }
 
-ReachableArea reachable_area(const World& world, const ReachableAreaOptions& options) {
-  check(positive_length(options.range), "range; expected a finite distance above 0 m");
-  check(positive_length(options.map_resolution),
-        "map resolution; expected a finite length above 0 m");
-  check(std::isfinite(options.sensor_height), "sensor height; expected a finite height");
+namespace {
+
+/// The columns that a disc of that radius gets to, with its centre on theirs.
+Mask reached_by_disc(const World& world, const BodySlice& slice, double radius) {
+  BodySlice disc = slice;
+  disc.standing_clearance = std::max(0.0, radius);
+  const Mask standing = standing_columns(world.voxels, disc);
+  const Mask free = free_columns(world.voxels, slice);
+  const GridFrame& frame = standing.frame;
+  const Eigen::Vector2d start = world.start.position.head<2>();
+  const Cell own = frame.cell(start.x(), start.y());
+  constexpr double kNear = 1.0;  // [m]
+  const int reach = static_cast<int>(std::ceil(kNear / frame.resolution));
+  double least = kNear;
+  Cell seed = own;
+  for (int dj = -reach; dj <= reach; ++dj) {
+    for (int di = -reach; di <= reach; ++di) {
+      const Cell c{own.i + di, own.j + dj};
+      const double distance = (frame.center(c) - start).norm();
+      if (standing.get(c, 0) == 0 || distance >= least || standing.get(own, 0) != 0) continue;
+      if (!visit_line(frame, start, frame.center(c),
+                      [&](Cell on) { return free.get(on, 0) != 0; })) {
+        continue;
+      }
+      least = distance;
+      seed = c;
+    }
+  }
+  return connected_component(standing, seed);
+}
+
+/// The same for a body whose heading matters.
+Mask reached_by_body(const World& world, const ReachableAreaOptions& options) {
+  const Mask free = free_columns(world.voxels, options.slice);
+  const Grid<HeadingMask> fits = fitting_headings(world.voxels, options.slice, options.room);
+  HeadingReach reach;
+  reach.update(fits, world.start.position.head<2>(), world.start.yaw, options.free_moves,
+               [&](Cell c) { return free.get(c, 0) == 0; });
+  Mask reached(free.frame, 0);
+  for (std::size_t n = 0; n < reached.data.size(); ++n) {
+    reached.data[n] = reach.reached().data[n] != kNoHeading ? 1 : 0;
+  }
+  return reached;
+}
+
+/// 1 where some cell at most `reach` away along either axis is not 0.
+Mask widened(const Mask& mask, int reach) {
+  const GridFrame& f = mask.frame;
+  const auto along = [reach](int count, auto&& in, auto&& out) {
+    int last = -reach - 1;  // the newest at which `in` is true, the next one ahead included
+    int ahead = 0;
+    for (int i = 0; i < count; ++i) {
+      for (; ahead < count && ahead <= i + reach; ++ahead) {
+        if (in(ahead)) last = ahead;
+      }
+      if (last >= i - reach && last >= 0) out(i);
+    }
+  };
+  Mask rows(f, 0), wide(f, 0);
+  for (int j = 0; j < f.height; ++j) {
+    const auto at = [&](int i) { return static_cast<std::size_t>(j * f.width + i); };
+    along(
+        f.width, [&](int i) { return mask.data[at(i)] != 0; },
+        [&](int i) { rows.data[at(i)] = 1; });
+  }
+  for (int i = 0; i < f.width; ++i) {
+    const auto at = [&](int j) { return static_cast<std::size_t>(j * f.width + i); };
+    along(
+        f.height, [&](int j) { return rows.data[at(j)] != 0; },
+        [&](int j) { wide.data[at(j)] = 1; });
+  }
+  return wide;
+}
+
+/// The ground cells that are seen from A, and their area, by the definition in the header.
+void add_what_is_seen(const World& world, const ReachableAreaOptions& options,
+                      ReachableArea& result) {
   const VoxelGrid& voxels = world.voxels;
   const GridFrame& frame = voxels.frame();
   const double r = frame.resolution;
   const int layer = static_cast<int>(std::floor(options.sensor_height / r + kSlack));
-  check(layer >= voxels.k0() && layer < voxels.k0() + voxels.depth(),
-        "sensor height; expected a height within the world's layers");
-
   const Grid<std::uint8_t> free = free_columns(voxels, options.slice);
-  ReachableArea result;
-  result.standing =
-      connected_component(standing_columns(voxels, options.slice),
-                          frame.cell(world.start.position.x(), world.start.position.y()));
   const Grid<std::uint8_t>& standing = result.standing;
-  const auto stands = std::count(standing.data.begin(), standing.data.end(), std::uint8_t{1});
-  if (stands == 0) {
-    std::ostringstream out;
-    out << world.name << ": the robot cannot stand at the start (" << world.start.position.x()
-        << ", " << world.start.position.y() << "); expected " << options.slice.standing_clearance
-        << " m to everything that is not free";
-    throw InputError(out.str());
-  }
 
   // Sight passes from face to face through transparent columns, so it stays within their component.
   Grid<std::uint8_t> transparent(frame, 0);
@@ -259,6 +345,7 @@ ReachableArea reachable_area(const World& world, const ReachableAreaOptions& opt
   };
   std::stable_sort(disc.begin(), disc.end(), nearer);
 
+  const Mask near = widened(standing, reach);
   const auto sees = [&](Cell from, Cell to) {
     return transparent[from] != 0 && free_line(transparent, from, to);
   };
@@ -267,7 +354,7 @@ ReachableArea reachable_area(const World& world, const ReachableAreaOptions& opt
   std::vector<Cell> lit;
   const auto seen = [&](Cell h) {
     if (standing[h] != 0) return true;
-    if (connected[h] == 0) return false;
+    if (connected[h] == 0 || near[h] == 0) return false;
     // Most columns are seen from one of the nearest places to stand; the rest is decided by first
     // finding what can be lit at all.
     int tries = 24;
@@ -321,6 +408,50 @@ ReachableArea reachable_area(const World& world, const ReachableAreaOptions& opt
     }
   }
   result.area = count * m * m;
+}
+
+}  // namespace
+
+ReachableArea reachable_area(const World& world, const ReachableAreaOptions& options) {
+  check(positive_length(options.range), "range; expected a finite distance above 0 m");
+  check(positive_length(options.map_resolution),
+        "map resolution; expected a finite length above 0 m");
+  check(std::isfinite(options.sensor_height), "sensor height; expected a finite height");
+  check(std::isfinite(options.room), "room; expected a finite distance");
+  const VoxelGrid& voxels = world.voxels;
+  const int layer =
+      static_cast<int>(std::floor(options.sensor_height / voxels.resolution() + kSlack));
+  check(layer >= voxels.k0() && layer < voxels.k0() + voxels.depth(),
+        "sensor height; expected a height within the world's layers");
+  const Cell start = voxels.frame().cell(world.start.position.x(), world.start.position.y());
+  if (free_columns(voxels, options.slice).get(start, 0) == 0) {
+    std::ostringstream out;
+    out << world.name << ": the robot cannot stand at the start (" << world.start.position.x()
+        << ", " << world.start.position.y()
+        << "), which is not free; expected free space from z = " << options.slice.z_min << " to "
+        << options.slice.z_max << " m";
+    throw InputError(out.str());
+  }
+
+  const RobotShape& shape = options.slice.shape;
+  const auto seen_from = [&](Mask standing) {
+    ReachableArea area;
+    area.standing = std::move(standing);
+    area.standing[start] = 1;
+    add_what_is_seen(world, options, area);
+    return area;
+  };
+  if (is_round(shape)) {
+    return seen_from(
+        reached_by_disc(world, options.slice, circumscribed_radius(shape) + options.room));
+  }
+  ReachableArea result = seen_from(reached_by_body(world, options));
+  const ReachableArea wider =
+      seen_from(reached_by_disc(world, options.slice, inscribed_radius(shape) + options.room));
+  for (std::size_t n = 0; n < result.cells.data.size(); ++n) {
+    if (wider.cells.data[n] == 0 || result.cells.data[n] != 0) continue;
+    result.too_long_for += options.map_resolution * options.map_resolution;
+  }
   return result;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/voxel_grid.h"
+#include "models/robot_shape.h"
 #include "models/types.h"
 
 namespace prospect {
@@ -42,18 +43,19 @@ struct World {
 /// poor (2, share 30 %) or blank (0, share 20 %).
 double texture_density(const World& world, int i, int j, int k, std::uint64_t seed);
 
-/// The part of a column that the robot's body sweeps [m], and the distance that the centre of the
-/// robot keeps from everything not free when it stands [m].
+/// The part of a column that the robot's body sweeps [m], the distance that the centre of the robot
+/// keeps from everything not free where there is ample room to stand [m], and the body itself.
 struct BodySlice {
   double z_min = 0.1;
   double z_max = 0.5;
   double standing_clearance = 0.28;
+  RobotShape shape = CylinderShape{};
 };
 
 /// A quick look at a world, for `prospect list worlds` and messages.
 struct WorldFacts {
   double free_area = 0.0;      ///< [m^2] columns free over the whole body slice
-  double standing_area = 0.0;  ///< [m^2] where the robot can stand, connected to the start
+  double standing_area = 0.0;  ///< [m^2] with ample room to stand, connected to the start
   double width = 0.0, length = 0.0, resolution = 0.0;  ///< [m]
 };
 WorldFacts describe(const World& world, const BodySlice& slice);

@@ -2,15 +2,14 @@
 
 #include <cstdint>
 
-#include "adapters/worlds/reachable_area.h"
+#include "engine/grid.h"
 #include "models/types.h"
 
 namespace prospect {
 
 /// Where the mission of a seed starts: seed 1 at `own`, any other at the centre of a column drawn
-/// from those on which the robot can stand, with a heading drawn from all. A function of its
-/// arguments alone, so that conditions are paired by their start. `area` holds at least one
-/// standing column.
-Pose mission_start(const Pose& own, const ReachableArea& area, std::uint64_t seed);
+/// from `places` (nonzero), with a heading drawn from all. A function of its arguments alone, so
+/// that conditions are paired by their start. Throws std::invalid_argument without a place.
+Pose mission_start(const Pose& own, const Grid<std::uint8_t>& places, std::uint64_t seed);
 
 }  // namespace prospect

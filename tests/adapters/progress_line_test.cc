@@ -71,6 +71,17 @@ TEST(ProgressLine, SaysWhatTheRobotDoesAndWhereItGoes) {
   EXPECT_THAT(unknown.str(), HasSubstr("ipopt"));
 }
 
+TEST(ProgressLine, ShowsADashWhereThereIsNoNumber) {
+  StepRecord s = step();
+  s.coverage = std::nan("");
+  s.localization_error = INFINITY;
+  std::ostringstream out;
+  ProgressLine(out, true, false).show(s, "ipopt", 0.0);
+  EXPECT_EQ(out.str(),
+            "\r   42.5 s      - %                          31.4 m   error    - m    87 features   "
+            "ipopt   41 ms\033[K");
+}
+
 TEST(ProgressLine, WarnsOfARetreat) {
   StepRecord s = step();
   s.target.emplace().way_left = 3.21;

@@ -8,9 +8,13 @@
 #include <cmath>
 #include <filesystem>
 #include <random>
+#include <string>
 
 #include "adapters/config/input_error.h"
+#include "adapters/simulator/kinematic_robot.h"
 #include "adapters/worlds/load_world.h"
+#include "adapters/worlds/world_file.h"
+#include "engine/heading_fit.h"
 
 namespace prospect::reachable_area_test {
 namespace {
@@ -153,7 +157,9 @@ TEST(ReachableArea, AgreesWithItsDefinition) {
   for (std::uint64_t seed = 1; seed <= 16; ++seed) {
     World world = random_world(seed, seed % 2 ? 0.1 : 0.08, 40, 33, seed % 4 ? 0.06 : 0.2);
     ReachableAreaOptions options;
-    options.slice.standing_clearance = 0.1;
+    options.slice.standing_clearance = 0.1;  // for what it is compared with
+    options.slice.shape = CylinderShape{{0, 0, 0.3}, 0.08, 0.4};
+    options.room = 0.02;
     options.range = 1.7;
     options.sensor_height = seed % 3 ? 0.4 : 0.55;
     options.slice.z_max = seed % 3 ? 0.5 : 0.6;
@@ -164,6 +170,11 @@ TEST(ReachableArea, AgreesWithItsDefinition) {
       break;
     }
     const ReachableArea result = reachable_area(world, options);
+    EXPECT_EQ(
+        result.standing.data,
+        connected_component(all, all.frame.cell(world.start.position.x(), world.start.position.y()))
+            .data);
+    EXPECT_EQ(result.too_long_for, 0.0) << "a round body";
     const Grid<std::uint8_t> expected =
         by_definition(world, options, result.standing, result.cells.frame);
     int count = 0, differ = 0, free = 0;
@@ -199,23 +210,134 @@ World slit_world(bool slit) {
   return world;
 }
 
+// With no room asked for, a body stands where the simulator finds it free of contact.
+TEST(FittingHeadings, AgreeWithTheContactTest) {
+  const RobotShape shapes[] = {BoxShape{{0.05, 0.0, 0.3}, {0.5, 0.25, 0.4}},
+                               ConvexShape{{{0.3, 0.0, 0.1},
+                                            {-0.1, 0.2, 0.1},
+                                            {-0.1, -0.15, 0.1},
+                                            {0.3, 0.0, 0.5},
+                                            {-0.1, 0.2, 0.5},
+                                            {-0.1, -0.15, 0.5}}},
+                               CylinderShape{{0.1, 0.0, 0.3}, 0.17, 0.4}};
+  int fitting = 0, not_fitting = 0;
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const World world = random_world(seed, seed % 2 ? 0.1 : 0.08, 30, 25, 0.04);
+    for (const RobotShape& shape : shapes) {
+      BodySlice slice;
+      slice.shape = shape;
+      const Grid<HeadingMask> headings = fitting_headings(world.voxels, slice, 0.0);
+      const ContactTest contact(world, shape, 0.0);
+      for (int n = static_cast<int>(seed); n < headings.frame.size(); n += 7) {
+        const Cell c = headings.frame.at(n);
+        const Eigen::Vector2d center = headings.frame.center(c);
+        if (!column_free(world, c, slice)) {
+          ASSERT_EQ(headings[c], kNoHeading);
+          continue;
+        }
+        for (int k = 0; k < kHeadings; k += 3) {
+          const Pose pose{{center.x(), center.y(), 0.0}, heading_at(k)};
+          const bool fits = ((headings[c] >> k) & 1U) != 0;
+          ASSERT_EQ(fits, !contact.in_contact(pose)) << seed << ' ' << n << ' ' << k;
+          ++(fits ? fitting : not_fitting);
+        }
+      }
+    }
+  }
+  EXPECT_GT(fitting, 1000);
+  EXPECT_GT(not_fitting, 1000);
+}
+
+ReachableAreaOptions of_long_body() {
+  ReachableAreaOptions options;
+  options.slice.shape = BoxShape{{0, 0, 0.3}, {0.9, 0.5, 0.4}};
+  options.range = 2.0;
+  return options;
+}
+
+World two_rooms(const std::string& between) {
+  return world_from_yaml(
+      "resolution: 0.05\ntextures: {a: 1}\nstart: [1.5, 2, 0]\nrooms:\n"
+      "  - {box: [0, 0, 4, 4], walls: a, floor: a}\n"
+      "  - {box: [8, 0, 12, 4], walls: a, floor: a}\n" +
+          between,
+      "w");
+}
+
+TEST(ReachableArea, ALongBodyGetsThroughACorridorThatIsWideEnough) {
+  const World world = two_rooms("  - {box: [4, 1.55, 8, 2.45], walls: a, floor: a}\n");
+  const ReachableArea area = reachable_area(world, of_long_body());
+  EXPECT_EQ(area.cells.get({110, 20}, 0), 1) << "the room behind";
+  EXPECT_NEAR(area.area, 32.0 + 4.0 * 0.8, 0.7);
+  EXPECT_LT(area.too_long_for, 0.1);
+  // It does not turn there, and no further than its own length from either end.
+  EXPECT_EQ(area.standing.get(world.voxels.frame().cell(6.0, 2.0), 0), 1);
+  EXPECT_EQ(area.standing.get(world.voxels.frame().cell(6.0, 2.3), 0), 0);
+}
+
+TEST(ReachableArea, ALongBodyIsKeptFromWhatLiesBehindATightBend) {
+  // 0.7 m wide, with a bend of 90 degrees: for a disc of its width there is room.
+  const World world = two_rooms(
+      "  - {box: [4, 1, 6, 1.7], walls: a, floor: a}\n"
+      "  - {box: [5.3, 1, 6, 3.5], walls: a, floor: a}\n"
+      "  - {box: [5.3, 2.8, 8, 3.5], walls: a, floor: a}\n");
+  ReachableAreaOptions options = of_long_body();
+  const ReachableArea area = reachable_area(world, options);
+  EXPECT_EQ(area.cells.get({110, 20}, 0), 0) << "the room behind";
+  EXPECT_GT(area.too_long_for, 15.0);
+  options.slice.shape = CylinderShape{{0, 0, 0.3}, 0.25, 0.4};
+  const ReachableArea disc = reachable_area(world, options);
+  EXPECT_EQ(disc.cells.get({110, 20}, 0), 1);
+  EXPECT_NEAR(area.area + area.too_long_for, disc.area, 1e-6);
+}
+
+TEST(ReachableArea, OutOfADeadEndABodyMustBackOut) {
+  // Too narrow to turn in; its end is out of sight from its mouth.
+  const World world = two_rooms("  - {box: [4, 1.6, 7.5, 2.3], walls: a, floor: a}\n");
+  ReachableAreaOptions options = of_long_body();
+  EXPECT_EQ(reachable_area(world, options).cells.get({73, 19}, 0), 1);
+  options.free_moves = false;
+  const ReachableArea forward_only = reachable_area(world, options);
+  EXPECT_EQ(forward_only.cells.get({73, 19}, 0), 0);
+  EXPECT_EQ(forward_only.cells.get({50, 19}, 0), 1) << "seen from the room";
+  EXPECT_GT(forward_only.too_long_for, 0.5);
+}
+
+TEST(ReachableArea, AStartWithLittleRoomLeadsToTheSamePlaces) {
+  World world = two_rooms("  - {box: [4, 1.55, 8, 2.45], walls: a, floor: a}\n");
+  ReachableAreaOptions options;
+  options.room = 0.05;
+  const double area = reachable_area(world, options).area;
+  world.start = {{0.19, 2.0, 0.0}, 0.0};  // less than room, by the column's centre
+  EXPECT_EQ(reachable_area(world, options).area, area);
+  // A body that cannot leave its place sees what is to be seen from there.
+  World shut = world_from_yaml(
+      "resolution: 0.05\ntextures: {a: 1}\nstart: [0.25, 0.25, 0]\nrooms:\n"
+      "  - {box: [0, 0, 0.5, 0.5], walls: a, floor: a}\n",
+      "w");
+  options.room = 0.2;
+  const ReachableArea here = reachable_area(shut, options);
+  EXPECT_NEAR(here.area, 0.25, 0.1);
+  EXPECT_EQ(std::count(here.standing.data.begin(), here.standing.data.end(), 1), 1);
+}
+
 TEST(ReachableArea, RoomsBeyondAreSeenThroughAnOpeningOnly) {
   const ReachableArea closed = reachable_area(slit_world(false));
   EXPECT_NEAR(closed.area, 39 * 38 * 0.01, 1e-9);
   const ReachableArea open = reachable_area(slit_world(true));
   EXPECT_GT(open.area, closed.area + 1.0);
-  // A slit as deep as it is wide shows directions within 45 degrees; the robot keeps 0.35 m away.
-  EXPECT_LT(open.area, closed.area + M_PI / 4.0 * 3.65 * 3.65);
+  // A slit as deep as it is wide shows directions within 45 degrees; the robot keeps 0.18 m away.
+  EXPECT_LT(open.area, closed.area + M_PI / 4.0 * 3.8 * 3.8);
   EXPECT_EQ(open.standing[(Cell{60, 20})], 0) << "the robot does not fit through";
   EXPECT_EQ(open.cells[(Cell{55, 20})], 1);
   EXPECT_EQ(open.cells[(Cell{43, 30})], 0);
   EXPECT_EQ(open.cells[(Cell{90, 20})], 0) << "out of range";
 }
 
-TEST(ReachableArea, StartMustBeAPlaceToStand) {
+TEST(ReachableArea, StartMustBeFree) {
   World world = slit_world(true);
   for (const Eigen::Vector2d& at :
-       {Eigen::Vector2d(4.05, 3.0), Eigen::Vector2d(0.15, 0.15), Eigen::Vector2d(-50.0, 2.0)}) {
+       {Eigen::Vector2d(4.05, 3.0), Eigen::Vector2d(0.05, 0.15), Eigen::Vector2d(-50.0, 2.0)}) {
     world.start.position.head<2>() = at;
     try {
       reachable_area(world);

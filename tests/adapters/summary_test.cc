@@ -70,7 +70,17 @@ TEST(Summary, OfNothing) {
   EXPECT_TRUE(std::isnan(s.time_to_90_s));
   EXPECT_TRUE(std::isnan(s.plan_ms_p95));
   const Summary still = summarize({step(1.0, 0.5, 0.0, 0.2, 1.0)});
-  EXPECT_EQ(still.drift_percent, 0.0) << "no path, no share of it";
+  EXPECT_TRUE(std::isnan(still.drift_percent)) << "no path, no share of it";
+  EXPECT_TRUE(std::isnan(s.localization_rmse_m));
+  EXPECT_TRUE(std::isnan(s.localization_final_m));
+}
+
+TEST(Summary, WithoutAReachableAreaNoShareOfItIsReached) {
+  const Summary s = summarize({step(0.0, NAN, 0.0, 0.0, 1.0), step(1.0, NAN, 0.3, 0.0, 1.0)});
+  EXPECT_TRUE(std::isnan(s.coverage));
+  EXPECT_TRUE(std::isnan(s.time_to_90_s));
+  EXPECT_TRUE(std::isnan(s.path_to_99_m));
+  EXPECT_TRUE(nlohmann::json::parse(summary_json(s))["coverage"].is_null());
 }
 
 TEST(SummaryJson, HasTheStableNamesAndNullForNotFinite) {
@@ -87,6 +97,8 @@ TEST(SummaryJson, HasTheStableNamesAndNullForNotFinite) {
                            "reason",
                            "coverage",
                            "area_m2",
+                           "reachable_area_m2",
+                           "too_long_for_m2",
                            "collisions",
                            "losses",
                            "duration_s",

@@ -200,6 +200,7 @@ TEST_F(Worlds, StartInsideAWallIsRefused) {
   EXPECT_THAT(refusal("office", options), HasSubstr("lies inside a wall"));
   options.start = Pose{{10.0, 4.95, 0.0}, 0.0};
   EXPECT_THAT(refusal("office", options), HasSubstr("m of room"));
+  EXPECT_THAT(refusal("office", options), HasSubstr("expected a place where the body"));
   options.start = Pose{{1e5, 0.0, 0.0}, 0.0};
   EXPECT_THAT(refusal("office", options), HasSubstr("outside the map"));
   options.start = Pose{{std::nan(""), 0.0, 0.0}, 0.0};
@@ -208,6 +209,33 @@ TEST_F(Worlds, StartInsideAWallIsRefused) {
   const World world = load_world("office", options);
   EXPECT_EQ(world.start.position.z(), 0.0);
   EXPECT_EQ(world.start.yaw, 1.5);
+}
+
+// A given start needs room for the body at its heading and no more.
+TEST_F(Worlds, StartWithLittleRoomIsTaken) {
+  const char* text =
+      "resolution: 0.05\ntextures: {a: 1}\nrooms:\n  - {box: [0, 0, 4, 4], walls: a, floor: a}\n";
+  const auto taken = [&](const RobotShape& shape, double x, double yaw) {
+    World world = world_from_yaml(text, "w");
+    BodySlice slice;
+    slice.shape = shape;
+    slice.standing_clearance = circumscribed_radius(shape) + 0.1;
+    try {
+      place_start(world, slice, Pose{{x, 2.0, 0.0}, yaw}, false);
+    } catch (const InputError& e) {
+      EXPECT_EQ(e.lines().size(), 1u);
+      return false;
+    }
+    return true;
+  };
+  EXPECT_TRUE(taken(CylinderShape{}, 0.26, 0.0));
+  EXPECT_TRUE(taken(CylinderShape{}, 0.18, 0.0));
+  EXPECT_FALSE(taken(CylinderShape{}, 0.17, 0.0));
+  const BoxShape box{{0, 0, 0.3}, {0.9, 0.5, 0.4}};
+  EXPECT_TRUE(taken(box, 0.26, M_PI / 2.0));
+  EXPECT_FALSE(taken(box, 0.26, 0.0));
+  EXPECT_TRUE(taken(box, 0.46, M_PI));
+  EXPECT_FALSE(taken(box, 0.24, M_PI / 2.0));
 }
 
 TEST_F(Worlds, DefaultStartStandsInTheLargestSpace) {
@@ -221,7 +249,13 @@ TEST_F(Worlds, DefaultStartStandsInTheLargestSpace) {
   EXPECT_NEAR(placed.start.position.y(), 2.0, 0.2);
   BodySlice wide;
   wide.standing_clearance = 3.0;
+  wide.shape = CylinderShape{{0, 0, 0.3}, 2.5, 0.4};
   EXPECT_THROW(place_start(placed, wide, std::nullopt, false), InputError);
+  // Without ample room, wherever the body fits, at a heading at which it does: across here.
+  wide.shape = BoxShape{{0, 0, 0.3}, {3.8, 5.8, 0.4}};
+  place_start(placed, wide, std::nullopt, false);
+  EXPECT_NEAR(placed.start.position.x(), 13.0, 0.2);
+  EXPECT_NEAR(placed.start.yaw, M_PI / 2.0, 0.1);
 }
 
 TEST_F(Worlds, UnknownNamesAndPathsAreRefused) {

@@ -92,6 +92,7 @@ TEST_P(Seeds, KeepBoundsRatesAndSpeedsForEveryModelAndBlocking) {
     SeedContext context;
     context.cost_to_go = &cost_to_go;
     if (trial % 2 == 0) context.target = FrontierTarget{0, {2.0, 1.0}, {3.0, 1.0}, 0.0};
+    context.backwards = trial % 4 < 2;
     if (trial % 3 != 0) {
       // Whatever a previous plan was: it may have been stopped on the way.
       context.previous.resize(model_->nu(), 1 + static_cast<int>(random_() % 30));
@@ -162,6 +163,46 @@ TEST_P(Seeds, LeadDownTheCostToGoAndFaceTheTarget) {
                            "arc", "turn", "face", "face and go", "turn and go", "stop"}) {
     EXPECT_TRUE(names.count(name)) << name;
   }
+}
+
+TEST(BackwardSeeds, BackOutOfWhereTheBodyCannotTurn) {
+  const auto model = make_model("unicycle", {{"v_min", -0.3}});
+  const Eigen::Vector2d goal(-2.0, 0.1);  // behind the robot
+  const CostToGo cost_to_go = towards(goal, model->max_speed());
+  ProblemDefinition d;
+  d.model = model;
+  d.x0 = model->state(Pose(), Twist());
+  d.u_previous = model->input(Twist());
+  d.N = 20;
+  d.M = 10;
+  d.terms = {{std::make_shared<ControlEffort>(Eigen::VectorXd::Zero(2), model->limits()), 1.0}};
+  const Problem p(d);
+  SeedContext context;
+  context.cost_to_go = &cost_to_go;
+  context.target = FrontierTarget{0, goal, {-3.0, 0.0}, M_PI};
+  const auto names = [](const std::vector<Seed>& seeds) {
+    std::set<std::string> all;
+    for (const Seed& seed : seeds) all.insert(seed.name);
+    return all;
+  };
+  EXPECT_FALSE(names(make_seeds(p, context)).contains("follow backwards"));
+  EXPECT_FALSE(names(make_approach_seeds(p, context)).contains("approach: go backwards"));
+  context.backwards = true;
+  int backing = 0;
+  std::vector<Seed> seeds = make_seeds(p, context);
+  for (Seed& seed : make_approach_seeds(p, context)) seeds.push_back(std::move(seed));
+  for (const Seed& seed : seeds) {
+    if (seed.name != "back" && seed.name != "follow backwards" &&
+        seed.name != "follow backwards slowly" && seed.name != "approach: go backwards") {
+      continue;
+    }
+    ++backing;
+    const TrajectoryBatch t = p.rollout(seed.z);
+    const Pose end = t.pose(20, 0);
+    EXPECT_LT(end.position.x(), -0.7) << seed.name;
+    for (int k = 0; k <= 20; ++k) EXPECT_LT(std::abs(t.pose(k, 0).yaw), 0.3) << seed.name;
+  }
+  EXPECT_EQ(backing, 4);
 }
 
 TEST_P(Seeds, AreTheSameBitsTwice) {

@@ -197,6 +197,163 @@ TEST(Traversability, AnyMapMayFollowAnyOther) {
   EXPECT_GT(continued, 40);
 }
 
+const BoxShape kLongBox{{0.05, 0.0, 0.3}, {0.9, 0.5, 0.4}};
+
+TraversabilityOptions long_body() {
+  const double radius = circumscribed_radius(kLongBox);
+  return {.hard_radius = radius + 0.02, .comfortable_radius = radius + 0.17, .body = kLongBox};
+}
+
+TEST(Traversability, ALongBodyFitsWhereSomeHeadingDoes) {
+  std::mt19937_64 random(5);
+  const std::vector<OutlinePart> outline = ground_outline(kLongBox);
+  for (const double r : {0.1, 0.08}) {
+    GroundMap map(GridFrame{r, -16, -16, 64, 64});
+    Traversability t(long_body());
+    int roomy = 0, between = 0, none = 0;
+    for (int step = 0; step < 3; ++step) {
+      test::scribble(map, 12, 60, -18 - 8 * step, random);
+      t.update(map);
+      for (int k = 0; k < t.frame().size(); k += 5) {
+        const Cell c = t.frame().at(k);
+        int headings = 0;
+        const int reach = static_cast<int>(0.7 / r);
+        for (int heading = 0; heading < kHeadings; ++heading) {
+          double least = 1.0;
+          for (int j = c.j - reach; j <= c.j + reach; ++j) {
+            for (int i = c.i - reach; i <= c.i + reach; ++i) {
+              if (map.state({i, j}) != CellState::kOccupied) continue;
+              least = std::min(least, outline_distance(outline, t.frame().center(c),
+                                                       heading_at(heading), {i * r, j * r}, r));
+            }
+          }
+          headings += least + t.options().lattice_slack + 1e-9 >= 0.02;
+        }
+        ASSERT_EQ(t.clear(c), headings > 0);
+        const bool expected = map.state(c) == CellState::kFree && headings > 0;
+        ASSERT_EQ(t.passable(c), expected);
+        ASSERT_EQ(t.fits(c), expected);
+        if (map.state(c) != CellState::kFree) continue;
+        ++(headings == kHeadings ? roomy : headings > 0 ? between : none);
+      }
+    }
+    EXPECT_GT(roomy, 10);
+    EXPECT_GT(between, 10);
+    EXPECT_GT(none, 10);
+  }
+}
+
+TEST(Traversability, OfALongBodyUpdatesEqualAFreshComputationBitForBit) {
+  std::mt19937_64 random(12);
+  int closed_off = 0;
+  for (int run = 0; run < 6; ++run) {
+    GroundMap map(GridFrame{0.1, 0, 0, 64, 48});
+    TraversabilityOptions options = long_body();
+    options.free_moves = run % 2 == 0;
+    Traversability kept(options);
+    Grid<float> before;
+    Grid<HeadingMask> turnable;
+    for (int step = 0; step < 10; ++step) {
+      test::scribble(map, 5, 90 + 20 * step, -5 * step, random);
+      const Pose pose{{0.1 * static_cast<double>(random() % 60), 2.3, 0.0}, 0.4 * step};
+      kept.update(map, &pose);
+      Traversability fresh(options), everywhere(options);
+      fresh.update(map, &pose);
+      everywhere.update(map);
+      ASSERT_EQ(kept.factors().data, fresh.factors().data);
+      Grid<char> listed(kept.frame(), 0);
+      for (const Cell c : kept.changed_factors()) listed[c] = 1;
+      Grid<char> relisted(kept.frame(), 0);
+      for (const Cell c : kept.changed_headings()) relisted[c] = 1;
+      for (int k = 0; k < kept.frame().size(); ++k) {
+        const Cell c = kept.frame().at(k);
+        ASSERT_EQ(before.get(c, 0.0F) != kept.factor(c), listed[c] != 0);
+        ASSERT_EQ(kept.fits(c), everywhere.passable(c));
+        ASSERT_TRUE(kept.fits(c) || !kept.passable(c));
+        closed_off += kept.fits(c) && !kept.passable(c);
+        bool turned = false;
+        for (int h = 0; h < kHeadings; ++h) {
+          const bool now = kept.turns_to(static_cast<std::size_t>(k), HeadingMask{1} << h);
+          ASSERT_EQ(now, fresh.turns_to(static_cast<std::size_t>(k), HeadingMask{1} << h));
+          const HeadingMask was = turnable.get(c, kNoHeading);
+          turned = turned || now != (((was >> h) & 1U) != 0);
+        }
+        ASSERT_EQ(turned, relisted[c] != 0);
+      }
+      before = kept.factors();
+      turnable = Grid<HeadingMask>(kept.frame(), kNoHeading);
+      for (int k = 0; k < kept.frame().size(); ++k) {
+        for (int h = 0; h < kHeadings; ++h) {
+          const HeadingMask bit = HeadingMask{1} << h;
+          if (kept.turns_to(static_cast<std::size_t>(k), bit)) {
+            turnable.data[static_cast<std::size_t>(k)] |= bit;
+          }
+        }
+      }
+    }
+  }
+  EXPECT_GT(closed_off, 1000);
+}
+
+/// Two rooms of 4 x 4 m, joined by a passage 9 cells wide and `length` cells long.
+GroundMap two_rooms(int length, int width = 9) {
+  GroundMap map(GridFrame{0.1, 0, 0, 96 + length, 48});
+  for (int j = 0; j < 48; ++j) {
+    for (int i = 0; i < 88 + length; ++i) {
+      const bool in_a_room = (i >= 4 && i < 44) || (i >= 44 + length && i < 84 + length);
+      const bool room = in_a_room && j >= 4 && j < 44;
+      const bool passage = i >= 44 && i < 44 + length && j >= 20 && j < 20 + width;
+      map.set({i, j}, room || passage ? CellState::kFree : CellState::kOccupied);
+    }
+  }
+  return map;
+}
+
+TEST(Traversability, ALongBodyGoesThroughDoorsAndCorridorsLengthways) {
+  const Pose pose{{2.4, 2.4, 0.0}, 1.0};
+  for (const int length : {2, 40}) {
+    const GroundMap map = two_rooms(length);
+    Traversability t(long_body());
+    t.update(map, &pose);
+    EXPECT_TRUE(t.passable({45, 24}));
+    EXPECT_TRUE(t.passable({64 + length, 24})) << "the room behind";
+    const auto in_passage = static_cast<std::size_t>(t.frame().index({44 + length / 2, 24}));
+    EXPECT_TRUE(t.turns_to(in_passage, t.facing(0.0)));
+    EXPECT_TRUE(t.turns_to(in_passage, t.facing(M_PI)));
+    EXPECT_FALSE(t.turns_to(in_passage, t.facing(M_PI / 2.0)));
+    const auto in_room = static_cast<std::size_t>(t.frame().index({24, 24}));
+    EXPECT_TRUE(t.turns_to(in_room, t.facing(M_PI / 2.0)));
+    // By its circumscribed radius alone it does not.
+    TraversabilityOptions round = long_body();
+    round.body.reset();
+    Traversability disc(round);
+    disc.update(map, &pose);
+    EXPECT_FALSE(disc.passable({45, 24}));
+    // Too narrow for its width: the room behind fits, but is out of reach.
+    const GroundMap narrow = two_rooms(length, 4);
+    Traversability shut(long_body());
+    shut.update(narrow, &pose);
+    EXPECT_FALSE(shut.passable({45, 22}));
+    EXPECT_FALSE(shut.passable({64 + length, 24}));
+    EXPECT_TRUE(shut.fits({64 + length, 24}));
+    EXPECT_TRUE(shut.passable({20, 24}));
+  }
+}
+
+TEST(Traversability, WhatIsClosedShutsALongBodyOut) {
+  const GroundMap map = two_rooms(10);
+  const Pose pose{{2.4, 2.4, 0.0}, 1.0};
+  Traversability t(long_body());
+  t.update(map, &pose);
+  ASSERT_TRUE(t.passable({74, 24}));
+  t.close({48, 24}, 0.3);
+  EXPECT_FALSE(t.passable({48, 24}));
+  EXPECT_FALSE(t.fits({48, 24}));
+  t.update(map, &pose);
+  EXPECT_FALSE(t.passable({74, 24}));
+  EXPECT_TRUE(t.fits({74, 24}));
+}
+
 TEST(Traversability, BadOptionsAreNamed) {
   try {
     Traversability t(TraversabilityOptions{.hard_radius = 0.4, .comfortable_radius = 0.3});
@@ -207,6 +364,9 @@ TEST(Traversability, BadOptionsAreNamed) {
   }
   EXPECT_THROW(Traversability(TraversabilityOptions{.hard_radius = std::nan("")}),
                std::invalid_argument);
+  TraversabilityOptions thin = long_body();
+  thin.hard_radius = 0.3;
+  EXPECT_THROW(Traversability{thin}, std::invalid_argument);
 }
 
 }  // namespace

@@ -273,6 +273,52 @@ TEST_F(RobotShapes, AnOctagonalHullIsNearlyADisc) {
   EXPECT_LE(discs[0].center.norm(), 1e-12);
 }
 
+// Points of the body lie within the outline, and the disc of the inscribed radius, too.
+TEST_F(RobotShapes, OutlinesHoldTheBodyAndTheInscribedDisc) {
+  const auto in_outline = [](const std::vector<OutlinePart>& outline, const Eigen::Vector2d& p) {
+    return std::any_of(outline.begin(), outline.end(), [&](const OutlinePart& part) {
+      if (part.corners.size() == 1) return (p - part.corners[0]).norm() <= part.radius + 1e-9;
+      for (std::size_t i = 0; i < part.corners.size(); ++i) {
+        const Eigen::Vector2d edge = part.corners[(i + 1) % part.corners.size()] - part.corners[i];
+        const Eigen::Vector2d to = p - part.corners[i];
+        if (edge.x() * to.y() - edge.y() * to.x() < -1e-9) return false;
+      }
+      return true;
+    });
+  };
+  for (const RobotShape& shape : shapes()) {
+    const std::vector<OutlinePart> outline = ground_outline(shape);
+    const double inscribed = inscribed_radius(shape);
+    EXPECT_LE(inscribed, circumscribed_radius(shape) + 1e-12);
+    for (int k = 0; k < 64; ++k) {
+      const double a = k * M_PI / 32.0;
+      EXPECT_TRUE(inscribed == 0.0 ||
+                  in_outline(outline, inscribed * Eigen::Vector2d(std::cos(a), std::sin(a))));
+    }
+    for (const OutlinePart& part : outline) {
+      for (const Eigen::Vector2d& c : part.corners) {
+        EXPECT_LE(c.norm() + part.radius, circumscribed_radius(shape) + 1e-9);
+      }
+    }
+  }
+  const BoxShape box{{0.1, 0.05, 0.3}, {0.9, 0.5, 0.4}};
+  EXPECT_NEAR(inscribed_radius(box), 0.2, 1e-12);
+  EXPECT_TRUE(in_outline(ground_outline(box), {0.549, 0.299}));
+  EXPECT_FALSE(in_outline(ground_outline(box), {0.551, 0.0}));
+  EXPECT_FALSE(in_outline(ground_outline(box), {0.0, -0.201}));
+  EXPECT_EQ(inscribed_radius(CylinderShape{{0.3, 0.0, 0.2}, 0.2, 0.4}), 0.0);
+  EXPECT_NEAR(inscribed_radius(SphereSetShape{{{{0.3, 0, 0}, 0.2}, {{0.0, 0.1, 0}, 0.4}}}), 0.3,
+              1e-12);
+}
+
+TEST_F(RobotShapes, RoundIsWhoseHeadingMakesNoDifference) {
+  EXPECT_TRUE(is_round(CylinderShape{}));
+  EXPECT_TRUE(is_round(SphereSetShape{{{{0, 0, 0.2}, 0.2}, {{0.05, 0, 0.5}, 0.1}}}));
+  EXPECT_FALSE(is_round(CylinderShape{{0.05, 0.0, 0.2}, 0.2, 0.4}));
+  EXPECT_FALSE(is_round(BoxShape{{0, 0, 0.3}, {0.4, 0.4, 0.4}}));
+  EXPECT_FALSE(is_round(SphereSetShape{{{{0.2, 0, 0}, 0.2}, {{-0.2, 0, 0}, 0.2}}}));
+}
+
 TEST_F(RobotShapes, TheSameShapeGivesTheSameBits) {
   for (const RobotShape& shape : shapes()) {
     const auto a = bounding_discs(shape), b = bounding_discs(shape);
@@ -319,6 +365,9 @@ TEST_F(RobotShapes, DegenerateShapesAreRefusedByEveryFunction) {
     EXPECT_THROW(bounding_discs(shape), std::invalid_argument);
     EXPECT_THROW(bounding_spheres(shape), std::invalid_argument);
     EXPECT_THROW(circumscribed_radius(shape), std::invalid_argument);
+    EXPECT_THROW(ground_outline(shape), std::invalid_argument);
+    EXPECT_THROW(inscribed_radius(shape), std::invalid_argument);
+    EXPECT_THROW(is_round(shape), std::invalid_argument);
   }
   for (const RobotShape& shape : shapes()) EXPECT_EQ(error_of(shape), "no error");
   EXPECT_THROW(bounding_discs(BoxShape{}, 0.0), std::invalid_argument);
