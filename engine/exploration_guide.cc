@@ -38,6 +38,10 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
   require("kappa_area", options.kappa_area, 100.0, "0 to 100 m");
   require("ample_room", options.ample_room, 10.0, "0 to 10 m");
   require("look_length", options.look_length, 100.0, "0 to 100 m");
+  if (options.area) {
+    const std::string fault = polygon_fault(*options.area);
+    if (!fault.empty()) throw std::invalid_argument("exploration guide: area: " + fault);
+  }
   new_ground_ = options_.memory.retry_area;
   auto empty = std::make_shared<Guidance>();
   empty->cost_to_go = std::make_shared<const CostToGo>();
@@ -250,6 +254,21 @@ double ExplorationGuide::way_left() const {
   return length;
 }
 
+bool ExplorationGuide::counts(const Eigen::Vector2d& p) const {
+  const ZoneMap* zones = options_.traversability.zones.get();
+  return (!options_.area || contains(*options_.area, p)) &&
+         (zones == nullptr || zones->distance(p) > 0.0);
+}
+
+void ExplorationGuide::leave_out_what_does_not_count() {
+  if (!options_.area && options_.traversability.zones == nullptr) return;
+  for (const Frontier& frontier : detector_.frontiers()) {
+    for (const Cell c : frontier.cells) {
+      if (!counts(suppressed_.frame.center(c))) suppressed_[c] = 1;
+    }
+  }
+}
+
 // kappa log(1 + l) + kappa_area log(1 + A)
 std::vector<double> ExplorationGuide::size_bonuses(Cell robot) {
   const std::vector<Frontier>& frontiers = detector_.frontiers();
@@ -329,6 +348,7 @@ std::shared_ptr<Guidance> ExplorationGuide::step(const GroundMap& ground, const 
   // put again; the memory does so at most once a retry and once for a stall.
   for (bool again = true; again;) {
     memory_.suppression(frame, suppressed_);
+    leave_out_what_does_not_count();
     detector_.find_viewpoints(traversability_, suppressed_);
     const std::vector<Frontier>& frontiers = detector_.frontiers();
     const int current = memory_.current_target(frontiers, frame);

@@ -17,6 +17,7 @@
 #include "engine/frontier_memory.h"
 #include "engine/frontiers.h"
 #include "engine/ground_map.h"
+#include "engine/polygon.h"
 #include "engine/traversability.h"
 #include "models/types.h"
 
@@ -34,11 +35,12 @@ struct ExplorationGuideOptions {
   /// How often the narrow passages at which targets were given up are opened again.
   int reopenings = 1;
   LowYieldMonitor::Options low_yield;
-  double look_length = 2.0;  ///< [m] of travel that a look at a frontier counts as; see below
-  double kappa = 0.5;        ///< [m] bonus of a frontier per unit of log(1 + length in m)
-  double kappa_area = 0.0;   ///< [m] likewise of log(1 + area in m^2), where there is ample room
-  double area_depth = 1.0;   ///< [m] how far behind a frontier its area counts
-  double ample_room = 0.1;   ///< [m] by how much more than hard_radius a way must be clear
+  std::optional<Polygon> area{};  ///< only frontiers in here are led to; none: all
+  double look_length = 2.0;       ///< [m] of travel that a look at a frontier counts as; see below
+  double kappa = 0.5;             ///< [m] bonus of a frontier per unit of log(1 + length in m)
+  double kappa_area = 0.0;  ///< [m] likewise of log(1 + area in m^2), where there is ample room
+  double area_depth = 1.0;  ///< [m] how far behind a frontier its area counts
+  double ample_room = 0.1;  ///< [m] by how much more than hard_radius a way must be clear
 };
 
 /// What the robot did since the last update.
@@ -140,6 +142,10 @@ class ExplorationGuide {
                                          const FeatureOutlook* outlook = nullptr,
                                          const BonusRule& rule = nullptr);
 
+  /// Whether what lies at p, in W, is to be seen: within the area, if there is one, and in no
+  /// forbidden part of traversability.zones.
+  bool counts(const Eigen::Vector2d& p) const;
+
   const Traversability& traversability() const { return traversability_; }
   const FrontierDetector& detector() const { return detector_; }
   const FrontierMemory& memory() const { return memory_; }
@@ -154,6 +160,7 @@ class ExplorationGuide {
   void restart(Search search);
   void count_along_travel(const FeatureOutlook& outlook);
   void close_passage();
+  void leave_out_what_does_not_count();
   void flood(Cell start, double room = 0.0);
   Cell nearest_with(double room, Cell start);
   void mark_reachable(std::vector<Frontier>& frontiers);

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "engine/grid.h"
 #include "engine/ground_map.h"
+#include "engine/zone_map.h"
 
 namespace prospect {
 
@@ -22,6 +24,10 @@ struct TraversabilityOptions {
   double lattice_slack = 0.02;
   double tight_factor = 4.0;    ///< cost of a metre between hard and comfortable radius, >= 1
   double unknown_factor = 1.5;  ///< times this within comfortable_radius of an unknown cell, >= 1
+  /// Factor of cells that are not known but clear, 1 to 1000; 0: those are impassable.
+  double unknown_travel = 0.0;
+  std::shared_ptr<const ZoneMap> zones{};  ///< null: none
+  double top_speed = 1.0;                  ///< [m/s] where no slow zone is, > 0
 };
 
 /// Clearance and cost of travel of every ground cell.
@@ -30,6 +36,9 @@ struct TraversabilityOptions {
 ///   passable(c)  = c is known free and clearance(c) + slack >= hard_radius
 ///   factor(c)    = (clearance < comfortable ? tight_factor : 1) (unknown nearer than comfortable ?
 ///                  unknown_factor : 1)   [metres of path equivalent per metre], 0 where impassable
+///
+/// With zones, clearance(c) is at most the centre's distance to their forbidden parts, and a cell
+/// in a slow zone costs top_speed / limit times as much, if that is more.
 ///
 /// The distance is to the square of a cell, not to its centre, hence the same number as the
 /// certificate's distance between a disc and the occupied boxes. Squared distances are kept as
@@ -103,6 +112,7 @@ class Traversability {
   void widen(const GridFrame& frame);
   void transform(Rectangle cells, bool unknown);
   void refresh_factors(const Rectangle& cells);
+  void lay_zones();
   Rectangle within(Rectangle cells, int margin) const;
 
   TraversabilityOptions options_;
@@ -114,6 +124,8 @@ class Traversability {
   Grid<std::uint8_t> closed_;
   Grid<std::int32_t> occupied_sq_;  // squared distance [(cell / 2)^2], truncated
   Grid<std::int32_t> unknown_sq_;
+  Grid<std::int32_t> forbidden_sq_;  // likewise to forbidden parts; empty without zones
+  Grid<float> slowness_;             // of slow zones, 1 elsewhere; empty without zones
   Grid<float> factor_;
   std::int64_t explored_cells_ = 0;
   bool fresh_ = true;
