@@ -90,6 +90,7 @@ CameraSenses::CameraSenses(const World& world, const SimulatorOptions& options,
       wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
       wheel_pose_(start) {
   frame_.T_WC = camera_pose(start, options.stereo_mount);
+  if (options.map) mapper_.map().load(*options.map);
   mapper_.map().clear_cylinder(start.position, cleared_radius,
                                mapping.slice.z_max - start.position.z());
   std::normal_distribution<double> normal;

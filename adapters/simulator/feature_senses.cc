@@ -21,6 +21,7 @@ FeatureSenses::FeatureSenses(const World& world, const SimulatorOptions& options
                 stream_seed(options.seed, NoiseStream::kOdometry)),
       landmarks_(options.landmarks, options.features, options.stereo_mount),
       mapper_(mapping) {
+  if (options.map) mapper_.load(*options.map);
   mapper_.clear_cylinder(start.position, cleared_radius, mapping.slice.z_max - start.position.z());
 }
 
