@@ -230,6 +230,9 @@ std::shared_ptr<const Guidance> GoalGuide::update(const GroundMap& ground, const
       target.yaw = std::atan2(to.y(), to.x());
     }
     guidance->target = target;
+    guidance->facts.target = true;
+    guidance->facts.way_left = facts_.way_left;
+    if (target.frontier == 0) guidance->facts.target_length = guidance->frontiers[0].length;
   }
   guidance->milliseconds = watch.lap();
   return guidance;

@@ -103,6 +103,7 @@ MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
       result.detail = detail;
     } else if (end == MissionEnd::kReturned) {
       result.back = true;
+      result.detail += " It is back where it began.";
     } else {
       result.detail += " It did not get back: " + detail;
     }

@@ -48,6 +48,9 @@ struct ExplorationRunResult {
 /// Where the robot of this configuration can stand and what it can see from there, in this world.
 ReachableArea reachable_area(const World& world, const Configuration& configuration);
 
+/// What of that area counts: within the area of the task, if it has one, and in no forbidden part.
+ReachableArea told_area(ReachableArea reachable, const Configuration& configuration);
+
 /// How load_world() must look for a start that this configuration's robot can take.
 WorldOptions world_options_for(const Configuration& configuration);
 

@@ -186,6 +186,7 @@ TEST_F(Mission, ReturnsOnceItsTaskIsOver) {
   options_.enough = [](const MissionStep& step) { return step.index >= 2; };
   const MissionResult result = run_mission(robot_, planner_, guard_, options_);
   EXPECT_EQ(result.end, MissionEnd::kEnough) << "how the task ended";
+  EXPECT_EQ(result.detail, "enough was seen. It is back where it began.");
   EXPECT_EQ(result.back, true);
   EXPECT_TRUE(result.done());
   EXPECT_EQ(result.steps, 5);
