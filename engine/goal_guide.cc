@@ -13,7 +13,7 @@ namespace {
 constexpr double kClosed = 0.3;        // [m] radius of a place that is closed
 constexpr double kClosedAhead = 2.0;   // [m] how far ahead the narrowest place may lie
 constexpr double kBlockedAhead = 0.4;  // [m] how far ahead of a robot that does not get on
-constexpr double kLooksFrom = 0.6;     // [m] before the first unknown cell
+constexpr double kLooksFrom = 0.6;     // [m] before the first unknown cell; beyond the goal
 constexpr double kLeaves = 2.0;        // times the tolerances, beyond which it is there no more
 
 TraversabilityOptions with_unknown(TraversabilityOptions options, double price) {
@@ -198,8 +198,8 @@ std::shared_ptr<const Guidance> GoalGuide::update(const GroundMap& ground, const
     FrontierTarget target;
     target.viewpoint = goal_.position;
     const double heading = goal_.yaw.value_or(pose.yaw);
-    // Far off, so that the heading is the same from everywhere near.
-    target.looks_at = p + 10.0 * Eigen::Vector2d(std::cos(heading), std::sin(heading));
+    target.looks_at =
+        goal_.position + kLooksFrom * Eigen::Vector2d(std::cos(heading), std::sin(heading));
     target.yaw = heading;
     if (found.first_unknown >= 0) {
       const auto first = static_cast<std::size_t>(found.first_unknown);

@@ -497,7 +497,8 @@ function drawTarget() {
     pen.strokeStyle = color; pen.lineWidth = width; pen.stroke();
   }
   pen.beginPath(); pen.arc(...at, 2, 0, 2 * Math.PI); pen.fillStyle = colors.target; pen.fill();
-  label("target", ...at, colors.target);
+  const atGoal = layers.zones && Math.hypot(x - column.goal_x[step], y - column.goal_y[step]) < 0.3;
+  if (!atGoal) label("target", ...at, colors.target);
   return true;
 }
 function drawCandidate(c, color, width) {
