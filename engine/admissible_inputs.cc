@@ -4,6 +4,15 @@
 #include <cmath>
 
 namespace prospect {
+namespace {
+
+// Of slow zones: the deceleration that a plan counts on, as a share of what its knots leave and at
+// most [m/s^2], and how far before a zone it is slow enough [m].
+constexpr double kShare = 0.5;
+constexpr double kMostDeceleration = 100.0;
+constexpr double kEarly = 0.05;
+
+}  // namespace
 
 Eigen::VectorXd admissible_inputs(const Problem& problem,
                                   const Eigen::Ref<const Eigen::VectorXd>& z) {
@@ -15,6 +24,14 @@ Eigen::VectorXd admissible_inputs(const Problem& problem,
   Eigen::VectorXd x = d.x0, at = d.x0, next(model.nx());
   Eigen::VectorXd before = d.u_previous;
   Eigen::VectorXd c(model.num_state_constraints());
+  const ZoneMap* zones = d.zones != nullptr && d.zones->slows() ? d.zones.get() : nullptr;
+  const double deceleration =
+      std::min(kMostDeceleration, kShare * model.max_deceleration() * d.M / d.N);
+  const auto slow_enough = [&](const Eigen::VectorXd& state, const Eigen::VectorXd& input) {
+    const double most =
+        zones->approach_speed(model.pose(state).position.head<2>(), deceleration, kEarly);
+    return model.twist(state, input).linear.norm() <= most;
+  };
 
   const auto clamp = [&](Eigen::VectorXd& u) {
     for (int j = 0; j < nu; ++j) {
@@ -32,14 +49,23 @@ Eigen::VectorXd admissible_inputs(const Problem& problem,
     const auto keeps_speeds = [&](const Eigen::VectorXd& input) {
       at = x;
       for (int s = 0; s < stages; ++s) {
+        if (zones != nullptr) {
+          // The velocity at the start of a stage can be chosen only where it is the input.
+          if (c.size() == 0 && !slow_enough(at, input)) return false;
+          for (const double share : {0.5, 1.0}) {
+            model.step(at, input, share * d.dt, next);
+            if (!slow_enough(next, input)) return false;
+          }
+        }
         model.step(at, input, d.dt, next);
         at.swap(next);
+        if (c.size() == 0) continue;
         model.state_constraints(at, c, nullptr);
         if ((c.array() < 0.0).any()) return false;
       }
       return true;
     };
-    if (c.size() > 0 && !keeps_speeds(u)) {
+    if ((c.size() > 0 || zones != nullptr) && !keeps_speeds(u)) {
       const Eigen::VectorXd brake = model.braking_input(x, before, stages * d.dt);
       const auto blend = [&](double s) {
         Eigen::VectorXd v = brake + s * (u - brake);

@@ -17,6 +17,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "engine/body_outline.h"
 #include "engine/pose_error.h"
 #include "engine/present_view.h"
 #include "engine/shape_geometry.h"
@@ -25,13 +26,15 @@
 namespace prospect {
 namespace {
 
-constexpr double kRestSpeed = 1e-3;      // [m/s] and [rad/s]
-constexpr double kHeldTolerance = 1e-4;  // [m]
-constexpr double kUnmoved = 1e-6;        // [m]: a robot that turns on the spot
+constexpr double kRestSpeed = 1e-3;       // [m/s] and [rad/s]
+constexpr double kHeldTolerance = 1e-4;   // [m]
+constexpr double kUnmoved = 1e-6;         // [m]: a robot that turns on the spot
+constexpr double kSpeedTolerance = 1e-4;  // [m/s] above a slow zone's limit
 
 // Elementary checks that things cost, about as they do in time; looking at a voxel is two.
 constexpr long long kPoseCost = 200;     // a step of the motion
 constexpr long long kNearCost = 12;      // a voxel that is kept in mind, or held against a bound
+constexpr long long kSideCost = 8;       // a side of a zone, for each disc or side of the body
 constexpr long long kContactCost = 800;  // FCL; each vertex of a hull is two more
 
 /// Thrown by Budget, caught in this file.
@@ -110,6 +113,7 @@ struct Certifier::Body {
   RobotShape shape;
   std::vector<Part> exact;
   std::vector<Shell> shells;  // by drift; the first is for all columns
+  BodyOutline outline;        // on the ground
   double circumscribed = 0.0;
   double middle = 0.0;  // height of the body's middle in B
 
@@ -606,6 +610,7 @@ Certifier::Certifier(const RobotShape& shape, Options options) : options_(option
     const double margin = options.margin + drift;
     body->shells.push_back({margin, drift, Body::parts(shape, margin)});
   }
+  body->outline = body_outline(shape);
   body->circumscribed = circumscribed_radius(shape);
   const VerticalExtent extent = vertical_extent(shape);
   body->middle = 0.5 * (extent.z_min + extent.z_max);
@@ -703,6 +708,20 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
       if (!(shell.drift > 0.0)) margin = kept;
     }
     walk.excuse_closed(checked);
+    std::optional<ZoneWalk> zone_walk;
+    long long zone_cost = 0;  // of a step
+    if (options_.zones != nullptr) {
+      const ZoneMap& zones = *options_.zones;
+      for (int part = 0; part < zones.num_forbidden(); ++part) zone_cost += zones.corners(part);
+      zone_cost *= kSideCost * static_cast<long long>(body_->outline.discs.size() +
+                                                      body_->outline.corners.size() + 1);
+      for (const SpeedZone& zone : zones.zones().slow) {
+        zone_cost += kSideCost * static_cast<long long>(zone.area.size());
+      }
+      budget.spend(zone_cost);
+      zone_walk.emplace(zones, body_->outline, checked, options_.margin, options_.held);
+      margin = std::min(margin, zone_walk->margin());
+    }
     // Without a margin nothing covers the poses in between: they are spaced as for a quarter of it.
     const double spacing =
         std::min(2.0 * std::max(margin, 0.25 * options_.margin), 0.5 * belief.voxels->resolution());
@@ -720,9 +739,30 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
         result.detail =
             unbounded + ", and the body would leave what is in view " + at_time(time, pose);
       }
+      if (!result.ok() || !zone_walk) return result.ok();
+      budget.spend(zone_cost);
+      if (const int part = zone_walk->step(pose); part >= 0) {
+        const bool bound = options_.zones->zones().bound && part == 0;
+        result.status = Status::kForbidden;
+        result.detail = (bound ? "the body would leave " : "the body would enter ") +
+                        options_.zones->name(part) + ' ' + at_time(time, pose);
+      }
       return result.ok();
     };
     if (!check(checked, 0.0)) return result;
+    const auto too_fast = [&](const Pose& pose, const Twist& twist, double time) {
+      if (!zone_walk || !options_.zones->slows()) return false;
+      const double limit = options_.zones->speed_limit(pose.position.head<2>(), 0.5 * spacing);
+      if (twist.linear.norm() <= limit + kSpeedTolerance) return false;
+      result.status = Status::kTooFast;
+      result.time = time;
+      result.pose = pose;
+      char speeds[80];
+      std::snprintf(speeds, sizeof speeds, "it would drive %.2f m/s where %.2f are allowed ",
+                    twist.linear.norm(), limit);
+      result.detail = speeds + at_time(time, pose);
+      return true;
+    };
 
     // Enough poses for 100 m at the finest spacing; a longer stage is no motion of a robot.
     constexpr int kMaxPieces = 1 << 14;
@@ -746,6 +786,7 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
         result.time = start;
         return reject(Status::kNonFinite, "the motion is too fast to be checked");
       }
+      if (too_fast(checked, model.twist(x_start, u), start)) return result;
       const double piece = dt / std::max(1.0, std::ceil(wanted));
       double done = 0.0;
       double length = piece;
@@ -767,6 +808,7 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
           continue;
         }
         if (!check(pose, start + until)) return result;
+        if (too_fast(pose, model.twist(sub, u), start + until)) return result;
         checked = pose;
         done = until;
         length = piece;

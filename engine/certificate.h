@@ -4,11 +4,13 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "engine/belief.h"
 #include "engine/robot_description.h"
 #include "engine/surface_drift.h"
 #include "engine/unknown_policy.h"
+#include "engine/zone_map.h"
 #include "models/motion_model.h"
 #include "models/robot_shape.h"
 
@@ -21,6 +23,8 @@ struct Certificate {
     kCollision,     ///< the grown body touches an occupied voxel
     kUnknownSpace,  ///< the body enters unknown space, which the policy forbids
     kOutOfView,     ///< nothing bounds the pose's error, and the body leaves what is in view
+    kForbidden,     ///< the grown body enters a keep-out or leaves the bound
+    kTooFast,       ///< it would drive faster than a slow zone allows
     kNotStopping,   ///< the stopping tail does not come to rest in time
     kNonFinite,     ///< a state or input is not finite, or of the wrong size
     kOverBudget     ///< given up after max_checks: nothing is known of the rest
@@ -77,6 +81,11 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 /// its shape, obstacles permitting: that is how it looks about. No margin is applied, as for the
 /// unknown.
 ///
+/// Zones (zone_map.h): the grown body may enter no forbidden part, by the rule for obstacles; where
+/// B's origin is in a slow zone, or within half the spacing of the poses of one, the linear speed
+/// may not exceed its limit (by more than 0.1 mm/s), stopping tail included. A robot that is too
+/// fast in one gets no certificate until it has braked.
+///
 /// The octree's finest occupied cells are mirrored in belief.voxels; walking that mirror finds the
 /// few boxes near the body faster than descending the octree.
 ///
@@ -103,6 +112,7 @@ class Certifier {
     std::optional<DepthSensor> sensor;  ///< of the robot; without one nothing is in view
     /// One-sigma error of the position [m] up to which a lost robot drives by its map; >= 0.
     double max_lost_error = 1.0;
+    std::shared_ptr<const ZoneMap> zones{};  ///< null: none
     /// Elementary checks of one motion, > 0; docs/performance.md says how long they take.
     long long max_checks = 1'500'000;
   };
@@ -136,6 +146,8 @@ class Certifier {
   bool in_collision(const Belief& belief, const Pose& pose, bool planar) const;
 
   const Options& options() const { return options_; }
+  /// Other zones from now on; null: none. Not while another thread certifies.
+  void set_zones(std::shared_ptr<const ZoneMap> zones) { options_.zones = std::move(zones); }
   /// Stages of a committed part that max_checks can pay for.
   int max_stages() const;
 

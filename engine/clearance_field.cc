@@ -91,6 +91,7 @@ ClearanceField::ClearanceField(const Eigen::Vector3d& center, const VoxelGrid& v
     measure_offsets();
   }
   transform();
+  if (options.zones != nullptr && options.zones->num_forbidden() > 0) keep_out();
   correct();
 }
 
@@ -243,6 +244,15 @@ void ClearanceField::transform() {
         value[n] = q < offset_distance_.size() ? sign * offset_distance_[q] : far;
       }
     }
+  }
+}
+
+void ClearanceField::keep_out() {
+  double* value = values_.data();
+  for (int n = 0; n < nodes_.size(); ++n) {
+    const double distance = std::clamp(options_.zones->distance(nodes_.center(nodes_.at(n))),
+                                       -options_.cutoff, options_.cutoff);
+    for (int k = 0; k < depth_; ++k, ++value) *value = std::min(*value, distance);
   }
 }
 

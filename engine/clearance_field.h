@@ -2,11 +2,13 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "engine/grid.h"
 #include "engine/ground_map.h"
 #include "engine/voxel_grid.h"
+#include "engine/zone_map.h"
 #include "models/robot_shape.h"
 
 namespace prospect {
@@ -29,7 +31,7 @@ namespace prospect {
 /// Each of these distances was measured by FCL, probe against voxel box. Nodes and voxels lie on
 /// one lattice, so a distance depends only on the integer offset between them: FCL measures every
 /// offset within the cutoff once, and an exact integer distance transform says which offset is a
-/// node's.
+/// node's. With zones, f_n is at most the signed distance of the node to their forbidden parts.
 ///
 /// Between nodes:  d(p) = sum_n w_n(p) c_n,   w the tensor-product quadratic B-spline (C1, >= 0,
 /// sums to one), with coefficients
@@ -66,6 +68,7 @@ class ClearanceField {
     bool vertical = false;              ///< true: 3-D lattice
     VerticalExtent slice = {0.1, 0.5};  ///< [m] in W; planar only. The body's extent + fixed_z.
     double vertical_reach = 1.5;        ///< half height of the window [m]; 3-D only
+    std::shared_ptr<const ZoneMap> zones{};  ///< forbidden parts count, too; null: none
   };
 
   /// Window around `center` (W, [m]). `ground` has the resolution of `voxels`. `previous` may be
@@ -98,6 +101,7 @@ class ClearanceField {
   void gather(const VoxelGrid& voxels, const GroundMap& ground);
   void measure_offsets();
   void transform();
+  void keep_out();
   void correct();
 
   Options options_;

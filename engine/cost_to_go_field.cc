@@ -74,8 +74,9 @@ void CostToGoField::relayout(const Traversability& traversability) {
   frame_ = frame;
 }
 
+template <typename Sources>
 void CostToGoField::refresh(int index, Cell c, const Traversability& traversability,
-                            const FrontierDetector& frontiers, const Grid<float>* features) {
+                            const Sources& sources, const Grid<float>* features) {
   const auto at = static_cast<std::size_t>(index);
   const double r = frame_.resolution;
   double slowness = r * static_cast<double>(traversability.factor(c));
@@ -86,7 +87,7 @@ void CostToGoField::refresh(int index, Cell c, const Traversability& traversabil
     slowness *= 1.0 + options_.localization_price(count);
   }
   const auto s = static_cast<float>(slowness);
-  const float source = frontiers.source(c);
+  const float source = sources.source(c);
   if (s == slowness_[at] && source == source_[at]) return;
   slowness_[at] = s;
   source_[at] = source;
@@ -266,8 +267,9 @@ void CostToGoField::find_anchor(const Traversability& traversability, bool reach
   anchor_ = best;
 }
 
-void CostToGoField::update(const Traversability& traversability, const FrontierDetector& frontiers,
-                           Cell robot, const Grid<float>* features) {
+template <typename Sources>
+void CostToGoField::update_from(const Traversability& traversability, const Sources& sources,
+                                Cell robot, const Grid<float>* features) {
   evaluations_ = 0;
   const bool weighted = features != nullptr && options_.lambda > 0.0;
   const bool all = fresh_ || traversability.restarted() || weighted || weighted_;
@@ -280,21 +282,37 @@ void CostToGoField::update(const Traversability& traversability, const FrontierD
     for (int j = 1; j + 1 < frame_.height; ++j) {
       for (int i = 1; i + 1 < frame_.width; ++i) {
         const Cell c{frame_.i0 + i, frame_.j0 + j};
-        refresh(j * frame_.width + i, c, traversability, frontiers, features);
+        refresh(j * frame_.width + i, c, traversability, sources, features);
       }
     }
   } else {
     for (const Cell c : traversability.changed_factors()) {
-      refresh(frame_.index(c), c, traversability, frontiers, features);
+      refresh(frame_.index(c), c, traversability, sources, features);
     }
-    for (const Cell c : frontiers.changed_sources()) {
-      refresh(frame_.index(c), c, traversability, frontiers, features);
+    for (const Cell c : sources.changed_sources()) {
+      refresh(frame_.index(c), c, traversability, sources, features);
     }
   }
   find_anchor(traversability, false);
   repair_support();
   march();
   if (!anchor_reached()) find_anchor(traversability, true);
+}
+
+void CostToGoField::update(const Traversability& traversability, const FrontierDetector& frontiers,
+                           Cell robot, const Grid<float>* features) {
+  update_from(traversability, frontiers, robot, features);
+}
+
+void CostToGoField::update(const Traversability& traversability, const GoalSources& goal,
+                           Cell robot) {
+  update_from(traversability, goal, robot, nullptr);
+}
+
+void CostToGoField::solve_from_scratch(const Traversability& traversability,
+                                       const GoalSources& goal, Cell robot) {
+  fresh_ = true;
+  update(traversability, goal, robot);
 }
 
 void CostToGoField::solve_from_scratch(const Traversability& traversability,

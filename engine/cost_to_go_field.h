@@ -7,6 +7,7 @@
 
 #include "engine/cost_to_go.h"
 #include "engine/frontiers.h"
+#include "engine/goal_sources.h"
 #include "engine/grid.h"
 #include "engine/traversability.h"
 
@@ -60,9 +61,14 @@ class CostToGoField {
   /// 0), null: no localization weighting. robot: its cell.
   void update(const Traversability& traversability, const FrontierDetector& frontiers, Cell robot,
               const Grid<float>* features = nullptr);
-  /// The same from nothing.
+  /// The same from nothing, and from other sources than viewpoints. After sources of the one kind
+  /// have been used, those of the other need the field anew.
   void solve_from_scratch(const Traversability& traversability, const FrontierDetector& frontiers,
                           Cell robot, const Grid<float>* features = nullptr);
+
+  void update(const Traversability& traversability, const GoalSources& goal, Cell robot);
+  void solve_from_scratch(const Traversability& traversability, const GoalSources& goal,
+                          Cell robot);
 
   /// D [m of path equivalent]; +infinity where not reached or beyond the stopping value.
   double value(Cell c) const;
@@ -86,8 +92,12 @@ class CostToGoField {
 
  private:
   void relayout(const Traversability& traversability);
-  void refresh(int index, Cell c, const Traversability& traversability,
-               const FrontierDetector& frontiers, const Grid<float>* features);
+  template <typename Sources>
+  void refresh(int index, Cell c, const Traversability& traversability, const Sources& sources,
+               const Grid<float>* features);
+  template <typename Sources>
+  void update_from(const Traversability& traversability, const Sources& sources, Cell robot,
+                   const Grid<float>* features);
   double solve_cell(int index) const;
   void to_front(int index);
   void push(int index, double key);

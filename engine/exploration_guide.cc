@@ -54,6 +54,10 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
                   o.order.candidates, "1 to 10");
   check_parameter(o.order.length >= 1 && o.order.length <= 6, kOwner, "order.length",
                   o.order.length, "1 to 6");
+  if (options.area) {
+    const std::string fault = polygon_fault(*options.area);
+    if (!fault.empty()) throw std::invalid_argument("exploration guide: area: " + fault);
+  }
   auto empty = std::make_shared<Guidance>();
   empty->cost_to_go = std::make_shared<const CostToGo>();
   last_ = std::move(empty);
@@ -130,6 +134,21 @@ double ExplorationGuide::way_left() const {
   return length;
 }
 
+bool ExplorationGuide::counts(const Eigen::Vector2d& p) const {
+  const ZoneMap* zones = options_.traversability.zones.get();
+  return (!options_.area || contains(*options_.area, p)) &&
+         (zones == nullptr || zones->distance(p) > 0.0);
+}
+
+void ExplorationGuide::leave_out_what_does_not_count() {
+  if (!options_.area && options_.traversability.zones == nullptr) return;
+  for (const Frontier& frontier : detector_.frontiers()) {
+    for (const Cell c : frontier.cells) {
+      if (!counts(ignored_.frame.center(c))) ignored_[c] = 1;
+    }
+  }
+}
+
 // Places that are impassable by now say nothing: a wall drawn twice covers some of any room.
 bool ExplorationGuide::is_cut_off() const {
   const GridFrame& frame = traversability_.frame();
@@ -186,7 +205,8 @@ void ExplorationGuide::measure_ways(const Pose& pose, const std::vector<Frontier
                                     const LookPrice& price, const WayPrice& way_price) {
   const GridFrame& frame = traversability_.frame();
   ways_.update(traversability_);
-  ways_.flood(frame.cell(pose.position.x(), pose.position.y()), kInfinity, way_price);
+  ways_.flood_from_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()),
+                         way_price);
   way_.assign(frontiers.size(), kInfinity);
   time_.assign(frontiers.size(), kInfinity);
   viewpoint_.assign(frontiers.size(), Cell{});
@@ -344,6 +364,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   if (!attention.pursued) progress_.hold(stamp);
   if (attention.got_lost && target_) fail_visit(detector_.frontiers(), TargetChange::kLost);
   worth_.ignored(detector_.frontiers(), ignored_);
+  leave_out_what_does_not_count();
   detector_.find_viewpoints(traversability_, ignored_);
 
   auto guidance = std::make_shared<Guidance>();

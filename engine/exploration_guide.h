@@ -18,6 +18,7 @@
 #include "engine/frontier_worth.h"
 #include "engine/frontiers.h"
 #include "engine/ground_map.h"
+#include "engine/polygon.h"
 #include "engine/traversability.h"
 #include "engine/way_lengths.h"
 #include "models/types.h"
@@ -34,18 +35,19 @@ struct ExplorationGuideOptions {
   FrontierWorthOptions worth;
   FrontierOrderOptions order;
   CostToGoOptions cost_to_go;
+  std::optional<Polygon> area{};  ///< only frontiers in here are led to; none: all
   ProgressMonitor::Options progress;
 
   double least_area = 0.2;   ///< [m^2] a frontier that promises less is not gone to
-  double least_rate = 0.02;  ///< [m^2/s] nor are those that do for the time that they take
+  double least_rate = 0.01;  ///< [m^2/s] nor are those that do for the time that they take
   double look_time = 2.0;    ///< [s] of a look, beside the way to it
   double turn_price = 0.6;   ///< [m/rad] of way that turning counts as: v_max / omega_max
   double look_length = 2.0;  ///< [m] of travel that a look counts as where features are few
 
-  double reconsider = 2.0;      ///< [s] between two questions whether another target is better
-  double commitment = 0.25;     ///< share by which another sequence must be better
-  double resolved = 0.5;        ///< share of a target's area at whose loss the next one is chosen
-  double target_radius = 1.0;   ///< [m] how far a target may move in a step and stay the same
+  double reconsider = 2.0;     ///< [s] between two questions whether another target is better
+  double commitment = 0.25;    ///< share by which another sequence must be better
+  double resolved = 0.5;       ///< share of a target's area at whose loss the next one is chosen
+  double target_radius = 1.0;  ///< [m] how far a target may move in a step and stay the same
   /// [s] for which a place that could not be passed is impassable, if something else is left.
   double closing_time = 100.0;
 
@@ -131,6 +133,10 @@ class ExplorationGuide {
                                          const GuideAttention& attention = {},
                                          const FeatureOutlook* outlook = nullptr);
 
+  /// Whether what lies at p, in W, is to be seen: within the area, if there is one, and in no
+  /// forbidden part of traversability.zones.
+  bool counts(const Eigen::Vector2d& p) const;
+
   const Traversability& traversability() const { return traversability_; }
   const FrontierDetector& detector() const { return detector_; }
   const FrontierWorth& worth() const { return worth_; }
@@ -143,6 +149,7 @@ class ExplorationGuide {
   };
   void close(Cell at, double stamp);
   void count_along_travel(const FeatureOutlook& outlook);
+  void leave_out_what_does_not_count();
   int current_target(const std::vector<Frontier>& frontiers) const;
   TargetChange reason_to_choose(const std::vector<Frontier>& frontiers, int current, double stamp);
   void measure_ways(const Pose& pose, const std::vector<Frontier>& frontiers,

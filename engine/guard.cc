@@ -37,6 +37,10 @@ GuardReason reason_of(Certificate::Status status) {
   switch (status) {
     case Certificate::Status::kOutOfView:
       return GuardReason::kLost;
+    case Certificate::Status::kForbidden:
+      return GuardReason::kForbidden;
+    case Certificate::Status::kTooFast:
+      return GuardReason::kSlowZone;
     case Certificate::Status::kOverBudget:
       return GuardReason::kOverBudget;
     default:
@@ -64,6 +68,10 @@ std::string_view to_string(GuardReason reason) {
       return "map";
     case GuardReason::kLost:
       return "lost";
+    case GuardReason::kForbidden:
+      return "forbidden";
+    case GuardReason::kSlowZone:
+      return "slow zone";
     case GuardReason::kOverBudget:
       return "over budget";
   }

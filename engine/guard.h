@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "engine/belief.h"
 #include "engine/certificate.h"
@@ -21,6 +22,8 @@ enum class GuardReason {
                  ///< commands, or is a stop that does not brake
   kMap,          ///< the newest map forbids what was certified against an older one
   kLost,         ///< nothing bounds the pose's error, and the motion leaves what is in view
+  kForbidden,    ///< the motion enters a keep-out or leaves the bound
+  kSlowZone,     ///< it is faster than a slow zone allows
   kOverBudget    ///< the check was given up: Certificate::Status::kOverBudget
 };
 
@@ -86,6 +89,9 @@ class Guard {
   Guard(std::shared_ptr<const MotionModel> model, const RobotShape& shape,
         const Certifier::Options& certificate)
       : Guard(std::move(model), shape, certificate, Options()) {}
+
+  /// Other zones from now on; null: none. Not while another thread checks.
+  void set_zones(std::shared_ptr<const ZoneMap> zones) { certifier_.set_zones(std::move(zones)); }
 
   /// May plan.commands[stage] be sent at time `now` [s], given the newest belief and the command in
   /// force before it?

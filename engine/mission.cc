@@ -31,6 +31,14 @@ std::string_view to_string(MissionEnd end) {
       return "yield too low";
     case MissionEnd::kUnreachable:
       return "unreachable";
+    case MissionEnd::kEnough:
+      return "enough seen";
+    case MissionEnd::kGoalReached:
+      return "goal reached";
+    case MissionEnd::kReturned:
+      return "returned";
+    case MissionEnd::kGoalUnreachable:
+      return "goal unreachable";
     case MissionEnd::kTimeLimit:
       return "time limit";
     case MissionEnd::kLost:
@@ -41,7 +49,42 @@ std::string_view to_string(MissionEnd end) {
   return "?";
 }
 
+bool task_done(MissionEnd end) {
+  switch (end) {
+    case MissionEnd::kExplored:
+    case MissionEnd::kYieldTooLow:
+    case MissionEnd::kEnough:
+    case MissionEnd::kGoalReached:
+    case MissionEnd::kReturned:
+      return true;
+    case MissionEnd::kUnreachable:
+    case MissionEnd::kGoalUnreachable:
+    case MissionEnd::kTimeLimit:
+    case MissionEnd::kLost:
+    case MissionEnd::kCancelled:
+      break;
+  }
+  return false;
+}
+
 namespace {
+
+MissionEnd end_for(Cause cause) {
+  switch (cause) {
+    case Cause::kUnreachable:
+      return MissionEnd::kUnreachable;
+    case Cause::kYieldTooLow:
+      return MissionEnd::kYieldTooLow;
+    case Cause::kGoalReached:
+      return MissionEnd::kGoalReached;
+    case Cause::kReturned:
+      return MissionEnd::kReturned;
+    case Cause::kGoalUnreachable:
+      return MissionEnd::kGoalUnreachable;
+    default:
+      return MissionEnd::kExplored;
+  }
+}
 
 /// The mission up to its last stop; `previous` is the command in force, also when `observe` throws.
 MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
@@ -53,46 +96,56 @@ MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
   double last_localized = start;
   int guard_stops = 0;
   GuardReason guard_reason = GuardReason::kPassed;
+  // The mission is over. On the way back `end` stays that of the task.
+  const auto over = [&result](MissionEnd end, const std::string& detail) {
+    if (!result.back) {
+      result.end = end;
+      result.detail = detail;
+    } else if (end == MissionEnd::kReturned) {
+      result.back = true;
+      result.detail += " It is back where it began.";
+    } else {
+      result.detail += " It did not get back: " + detail;
+    }
+    return result;
+  };
   while (true) {
     const std::shared_ptr<const Belief> belief = robot.sense();
     result.duration = robot.time() - start;
     if (cancelled && cancelled()) {
-      result.end = MissionEnd::kCancelled;
-      result.detail = "cancelled after " + std::to_string(result.duration) + " s";
-      return result;
+      return over(MissionEnd::kCancelled,
+                  "cancelled after " + std::to_string(result.duration) + " s");
     }
     if (result.duration >= options.time_limit) {
-      result.end = MissionEnd::kTimeLimit;
-      result.detail = "the time limit of " + std::to_string(options.time_limit) + " s is reached";
-      return result;
+      return over(MissionEnd::kTimeLimit,
+                  "the time limit of " + std::to_string(options.time_limit) + " s is reached");
     }
     if (belief->localization != Localization::kLost) {
       last_localized = robot.time();
     } else if (robot.time() - last_localized > options.lost_limit) {
-      result.end = MissionEnd::kLost;
-      result.detail = "localization was lost and did not come back within " +
-                      std::to_string(options.lost_limit) + " s";
-      return result;
+      return over(MissionEnd::kLost, "localization was lost and did not come back within " +
+                                         std::to_string(options.lost_limit) + " s");
     }
 
     Belief commanded = *belief;
     commanded.command = previous;
     const Plan plan = planner.plan(commanded);
     const std::shared_ptr<const Guidance> guidance = planner.guidance();
-    if (observe) {
-      observe({result.steps, result.duration, belief.get(), &plan, guidance.get(), guard_stops,
-               guard_reason});
-    }
+    const MissionStep step{result.steps,   result.duration, belief.get(), &plan,
+                           guidance.get(), guard_stops,     guard_reason};
+    if (observe) observe(step);
     ++result.steps;
     guard_stops = 0;
     guard_reason = GuardReason::kPassed;
     if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
-    if (plan.mode.kind == ModeKind::kDone) {
-      result.end = plan.mode.cause == Cause::kUnreachable   ? MissionEnd::kUnreachable
-                   : plan.mode.cause == Cause::kYieldTooLow ? MissionEnd::kYieldTooLow
-                                                            : MissionEnd::kExplored;
-      result.detail = plan.why;
-      return result;
+    const bool done = plan.mode.kind == ModeKind::kDone;
+    if (done || (!result.back && options.enough && options.enough(step))) {
+      const MissionEnd end = done ? end_for(plan.mode.cause) : MissionEnd::kEnough;
+      over(end, done ? plan.why : "enough was seen.");
+      if (result.back || !options.return_when_done || end == MissionEnd::kReturned) return result;
+      result.back = false;
+      const std::string refused = planner.set_task(Task::return_to_start());
+      if (!refused.empty()) return over(MissionEnd::kGoalUnreachable, refused);
     }
 
     const int stages =

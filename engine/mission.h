@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -11,9 +12,13 @@
 namespace prospect {
 
 enum class MissionEnd {
-  kExplored,     ///< no frontier is left that can be reached and promises anything
-  kYieldTooLow,  ///< what is left and can be reached shows too little for the way
-  kUnreachable,  ///< nothing is left, but the robot is cut off from most places it came through
+  kExplored,         ///< no frontier is left that can be reached and promises anything
+  kYieldTooLow,      ///< what is left and can be reached shows too little for the way
+  kUnreachable,      ///< nothing is left, but the robot is cut off from most places it came through
+  kEnough,           ///< MissionOptions::enough said so
+  kGoalReached,      ///< the robot is at the pose that it was told to go to
+  kReturned,         ///< it is back where it began
+  kGoalUnreachable,  ///< no way leads to the goal, or back
   kTimeLimit,
   kLost,  ///< localization was lost and did not come back
   kCancelled
@@ -21,9 +26,18 @@ enum class MissionEnd {
 
 std::string_view to_string(MissionEnd end);
 
+/// Whether a mission that ended so did what it was told.
+bool task_done(MissionEnd end);
+
+struct MissionStep;
+
 struct MissionOptions {
   double time_limit = 1200.0;  ///< [s] of the robot's clock
   double lost_limit = 120.0;   ///< [s] without localization that end the mission
+  /// Asked after each planning step, after `observe`: true ends the task; empty: never.
+  std::function<bool(const MissionStep&)> enough{};
+  /// Once the task is over (not: time is up, lost, cancelled), back to where the mission began.
+  bool return_when_done = false;
 };
 
 /// What an observer is shown after each planning step, before it is executed.
@@ -45,9 +59,14 @@ struct MissionResult {
   int steps = 0;
   int fallbacks = 0;    ///< steps that ended in a stopping tail
   int guard_stops = 0;  ///< commands that the guard replaced
+  /// Of return_when_done, once the task was over: whether the robot is back. Then `end` says how
+  /// the task ended, and `detail` also why it did not get back.
+  std::optional<bool> back;
+  /// The task was done, and the robot is back if it was told to return.
+  bool done() const { return task_done(end) && back.value_or(true); }
 };
 
-/// Explores until the plan's mode is done or time is up:
+/// Does the planner's task until the plan's mode is done or time is up:
 ///   sense -> plan -> for each committed stage: sense, guard, apply.
 /// Every command passes the guard with the newest belief, the last ones too: the mission ends by
 /// braking as hard as is admissible until the robot stands, which result.duration does not count

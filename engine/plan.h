@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "engine/behaviour/caution.h"
 #include "engine/behaviour/mode.h"
 #include "engine/solver.h"
+#include "engine/task.h"
 #include "models/types.h"
 
 namespace prospect {
@@ -66,6 +68,8 @@ struct Plan {
   double features_weight = 0.0;  ///< w_l in this step (feature_weight.h)
   PlanTimes times;
 
+  TaskKind task = TaskKind::kExplore;  ///< what it was told to do
+  std::optional<Goal> goal;            ///< of that, if it leads to a place
   Mode mode;                           ///< what the robot does, and why
   Caution caution = Caution::kNormal;  ///< which distances it keeps
   std::string why;                     ///< the same in a sentence, with numbers

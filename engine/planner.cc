@@ -4,10 +4,13 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "engine/admissible_inputs.h"
 #include "engine/behaviour/mode_policy.h"
@@ -18,6 +21,7 @@
 #include "engine/exploration_targets.h"
 #include "engine/feature_outlook.h"
 #include "engine/feature_weight.h"
+#include "engine/goal_guide.h"
 #include "engine/landmark_selection.h"
 #include "engine/limited_twist.h"
 #include "engine/local_texture.h"
@@ -29,6 +33,7 @@
 #include "engine/unseen_features.h"
 #include "engine/usable_landmarks.h"
 #include "engine/worker_threads.h"
+#include "engine/zone_map.h"
 #include "models/body_transform.h"
 #include "models/can_move.h"
 
@@ -40,6 +45,8 @@ namespace {
 constexpr double kFeasible = 1e-3;
 // Points tracked, in N_min, with which a robot goes on exploring after a retreat.
 constexpr double kEnoughToGoOn = 1.5;
+// Share of a goal's tolerance within which the robot turns to its heading.
+constexpr double kTurnsWithin = 0.6;
 
 struct Candidate {
   std::string name;
@@ -100,6 +107,10 @@ void check(const PlannerParameters& p) {
                                     {"d_safe", p.d_safe}}) {
     at_least(name, value, 0.0);
   }
+  for (const auto& [name, price] : {std::pair{"goal_unknown_price", p.goal_unknown_price},
+                                    {"return_unknown_price", p.return_unknown_price}}) {
+    if (!(price >= 1.0 && price <= 1e3)) refuse(name, price, "1 to 1000");
+  }
   if (!(p.d_des > p.d_safe)) refuse("d_des", p.d_des, "more than d_safe");
   if (!(p.committed >= p.dt)) refuse("committed", p.committed, "at least dt");
   if (!(p.committed <= p.N * p.dt)) refuse("committed", p.committed, "at most the horizon");
@@ -108,6 +119,10 @@ void check(const PlannerParameters& p) {
   at_least("threads", p.threads, 1);
   at_least("max_landmarks", p.max_landmarks, 0);
   at_least("max_targets", p.max_targets, 0);
+}
+
+std::shared_ptr<const ZoneMap> zone_map(const Zones& zones) {
+  return zones.empty() ? nullptr : std::make_shared<const ZoneMap>(zones);
 }
 
 /// Makes what each step makes of the sensors and of parameters that are only passed on, so that
@@ -177,6 +192,13 @@ struct Planner::Impl {
   Eigen::VectorXd visibility;
   Eigen::MatrixXd last_inputs;  // nu x N of the last plan
   double last_stamp = 0.0;
+  std::shared_ptr<const ZoneMap> zones;  // null: none
+  std::optional<GoalGuide> goal_guide;   // of a task that leads to a place, from its first step on
+  std::optional<Pose> start;             // of the first step
+  double task_given_at = -std::numeric_limits<double>::infinity();  // first stamp with it [s]
+  bool task_is_new = false;
+  std::optional<double> last_step;  // [s]
+  double away = 0.0;                // [s] in which the robot had other tasks than to explore
   RetreatTrail trail;
   LocalizationMonitor localization;
   FollowingMonitor following;
@@ -191,6 +213,9 @@ struct Planner::Impl {
     check(p);
     check_parts(r, p);
     p.guide = guide_options_for(r, p);
+    const std::vector<std::string> wrong =
+        faults(p.task, p.guide.traversability.zones.get(), p.guide.traversability.hard_radius);
+    if (!wrong.empty()) throw std::invalid_argument("planner.task: " + wrong.front());
     p.behaviour.turn_away_time = M_PI / r.model->max_yaw_rate();
     return p;
   }
@@ -207,7 +232,9 @@ struct Planner::Impl {
                      std::any_of(known.begin(), known.end(),
                                  [](const OptionInfo& o) { return o.name == "threads"; });
     slice = robot.slice();
+    zones = parameters.guide.traversability.zones;
     Certifier::Options options = Certifier::options_for(robot);
+    options.zones = zones;
     options.drift_limit = parameters.drift_limit;
     options.unknown = parameters.unknown;
     for (const Caution kind : kCautions) {
@@ -231,6 +258,16 @@ struct Planner::Impl {
   }
 
   Plan plan(const Belief& given, const StopCondition& stop);
+  void use_zones(const Zones& given);
+  void use_task(const Task& task);
+  /// Guidance and facts of the task: frontiers, the way to a goal, or nothing to do.
+  void guide_to_goal(const Belief& belief, bool pursues,
+                     const std::optional<Eigen::Vector2d>& blocked);
+  void stay(const Belief& belief);
+  const Traversability& traversability() const {
+    return goal_guide ? goal_guide->traversability() : guide.traversability();
+  }
+  std::vector<Seed> make_seeds_of(ModePolicy::Seeds wanted, const SeedContext& context) const;
   /// The facts that do not depend on the frontiers.
   void update_facts(const Belief& belief);
   const SurfaceDrift* minded_drift() const {
@@ -284,6 +321,9 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
   const bool all_round = options.worth.sensor_fov > 2.0 * M_PI - options.worth.fov_margin;
   options.worth.fov_margin =
       all_round ? 0.0 : std::min(options.worth.fov_margin, options.worth.sensor_fov / 8.0);
+  options.traversability.zones = zone_map(parameters.zones);
+  options.traversability.top_speed = robot.model->max_speed();
+  options.area = parameters.task.area;
   options.cost_to_go.v_max = robot.model->max_speed();
   options.turn_price = robot.model->max_speed() / robot.model->max_yaw_rate();
   options.cost_to_go.features_required = parameters.features.N_req;
@@ -296,8 +336,73 @@ Guard guard_for(const RobotDescription& robot, const PlannerParameters& paramete
   Certifier::Options certificate = Certifier::options_for(robot);
   certificate.margin = parameters.guard_margin();
   certificate.unknown = UnknownPolicy::kFree;
+  certificate.zones = zone_map(parameters.zones);
   options.max_step = std::max(options.max_step, parameters.dt);
   return Guard(robot.model, robot.shape, certificate, options);
+}
+
+void Planner::Impl::use_zones(const Zones& given) {
+  parameters.zones = given;
+  zones = zone_map(given);
+  for (Certifier& certifier : certifiers) certifier.set_zones(zones);
+  guard_certifier->set_zones(zones);
+  parameters.guide.traversability.zones = zones;
+  guide = ExplorationGuide(parameters.guide);
+  goal_guide.reset();
+}
+
+void Planner::Impl::use_task(const Task& task) {
+  const bool other_area = task.kind == TaskKind::kExplore && task.area != parameters.guide.area;
+  parameters.task = task;
+  task_is_new = true;
+  goal_guide.reset();
+  if (!other_area) return;
+  parameters.guide.area = task.area;
+  guide = ExplorationGuide(parameters.guide);
+}
+
+void Planner::Impl::guide_to_goal(const Belief& belief, bool pursues,
+                                  const std::optional<Eigen::Vector2d>& blocked) {
+  if (!goal_guide) {
+    const bool back = parameters.task.kind == TaskKind::kReturn;
+    Goal goal = parameters.task.goal;
+    if (back) {
+      goal.position = start->position.head<2>();
+      goal.yaw = start->yaw;
+    }
+    goal_guide.emplace(
+        GoalGuideOptions{parameters.guide.traversability, parameters.guide.cost_to_go}, goal,
+        back ? parameters.return_unknown_price : parameters.goal_unknown_price);
+  }
+  guidance = goal_guide->update(*belief.ground, belief.pose, belief.stamp, pursues, blocked);
+  facts.goal = goal_guide->facts();
+}
+
+void Planner::Impl::stay(const Belief& belief) {
+  auto nothing = std::make_shared<Guidance>();
+  const double r = belief.ground->frame().resolution;
+  nothing->map_revision = belief.ground->revision();
+  nothing->stamp = belief.stamp;
+  nothing->cost_to_go = std::make_shared<const CostToGo>();
+  nothing->explored_area = r * r * (belief.ground->free_cells() + belief.ground->occupied_cells());
+  guidance = std::move(nothing);
+}
+
+std::vector<Seed> Planner::Impl::make_seeds_of(ModePolicy::Seeds wanted,
+                                               const SeedContext& context) const {
+  switch (wanted) {
+    case ModePolicy::Seeds::kAll:
+      return make_seeds(*problem, context);
+    case ModePolicy::Seeds::kApproach:
+    case ModePolicy::Seeds::kTurn:
+      return make_approach_seeds(*problem, context);
+    case ModePolicy::Seeds::kArrive:
+      return make_arrival_seeds(*problem, context,
+                                kTurnsWithin * parameters.task.goal.position_tolerance);
+    case ModePolicy::Seeds::kStop:
+      break;
+  }
+  return make_stop_seeds(*problem);
 }
 
 void Planner::Impl::update_facts(const Belief& belief) {
@@ -313,6 +418,8 @@ void Planner::Impl::update_facts(const Belief& belief) {
                            belief.tracked_features >= kEnoughToGoOn * parameters.features.N_min);
   facts.lost_for = localization.lost_for();
   facts.not_following_at = following.noticed_at();
+  facts.task = parameters.task.kind;
+  facts.task_given_at = task_given_at;
   if (facts.enough_features) trail.note(position, belief.tracked_features);
   if (!trail.places().empty()) {
     facts.tracked_at_retreat = trail.tracked_at_newest();
@@ -382,6 +489,7 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   r->clearance.floor = std::min(r->clearance.floor, r->clearance.d_safe);
   r->unknown = p.unknown;
   r->unknown_d_safe = p.d_safe;
+  r->zones = zones;
 
   const Eigen::Isometry3d T_WB = body_transform(belief.pose);
   const double stereo_offset = robot.stereo_mount.T_BC.translation().head<2>().norm();
@@ -429,6 +537,11 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   target_options.max_targets = p.max_targets;
   r->targets =
       exploration_targets(belief, frontier_cells, robot.depth, robot.depth_mount, target_options);
+  if (zones != nullptr || p.guide.area) {
+    std::erase_if(r->targets.targets, [&](const ExplorationTarget& target) {
+      return !guide.counts(target.position.head<2>());
+    });
+  }
   const double depth_offset = robot.depth_mount.T_BC.translation().head<2>().norm();
   r->target_lattice = SensorLattice::around(T_WB * robot.depth_mount.T_BC.translation(),
                                             reach + depth_offset, p.visibility_lattice, vertical);
@@ -439,7 +552,7 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   r->cost_to_go = guidance->cost_to_go;
   if (rules.cost_to_go == ModePolicy::CostToGo::kRetreat) {
     const auto retreat =
-        trail.cost_to_go(guide.traversability(), belief.pose.position.head<2>(), model.max_speed());
+        trail.cost_to_go(traversability(), belief.pose.position.head<2>(), model.max_speed());
     if (retreat) r->cost_to_go = retreat;
   }
   r->features = p.features;
@@ -722,6 +835,7 @@ Plan Planner::Impl::stopping_plan(const Belief& belief, const std::string& why) 
   plan.stamp = belief.stamp;
   plan.dt = parameters.dt;
   plan.detail = why;
+  plan.task = parameters.task.kind;
   plan.mode = behaviour.mode;
   plan.caution = caution;
   plan.why = "Brakes: " + why + '.';
@@ -775,6 +889,12 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   } else {
     following.reset();
   }
+  if (!start) start = belief.pose;
+  if (task_is_new) task_given_at = belief.stamp;
+  task_is_new = false;
+  const TaskKind told = parameters.task.kind;
+  if (told != TaskKind::kExplore && last_step) away += std::max(0.0, belief.stamp - *last_step);
+  last_step = belief.stamp;
   update_facts(belief);
   const bool lost = belief.localization == Localization::kLost;
   // What comes before the frontiers in the table tells whether it pursues its target.
@@ -782,21 +902,33 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   const bool pursues = policy(before_frontiers).pursues;
   facts.stuck = stuck.update(belief.stamp, belief.pose.position.head<2>(), !lost && pursues);
   // Without a landmark all ways are alike.
-  const bool looks_out = outlook && !belief.landmarks->landmarks.empty();
+  const bool looks_out =
+      outlook && !belief.landmarks->landmarks.empty() && told == TaskKind::kExplore;
   std::optional<LocalTexture> seen_texture;
   if (rests_on_features(belief)) seen_texture.emplace(*belief.ground, *belief.landmarks);
   const LocalTexture* texture = seen_texture ? &*seen_texture : nullptr;
   if (looks_out) outlook->update(belief, unseen_density(belief), texture, workers.get());
-  guidance = guide.update(*belief.ground, belief.pose, belief.stamp,
-                          {.looked = !lost,
-                           .pursued = pursues,
-                           .got_lost = localization.got_lost(),
-                           .blocked = blocked},
-                          looks_out ? &*outlook : nullptr);
-  facts.frontiers = guidance->facts;
+  if (told == TaskKind::kExplore) {
+    guidance = guide.update(*belief.ground, belief.pose, belief.stamp - away,
+                            {.looked = !lost,
+                             .pursued = pursues,
+                             .got_lost = localization.got_lost(),
+                             .blocked = blocked},
+                            looks_out ? &*outlook : nullptr);
+    facts.frontiers = guidance->facts;
+  } else if (has_goal(told)) {
+    guide_to_goal(belief, pursues, blocked);
+    plan.goal = goal_guide->goal();
+  } else {
+    stay(belief);
+  }
   behaviour = decide(behaviour, facts, parameters.behaviour);
+  acting = behaviour.mode.kind;
   // A robot that is done has no target any more, but a retreat or a turn goes on.
-  acting = behaviour.mode.kind == ModeKind::kDone ? before_frontiers : behaviour.mode.kind;
+  if (acting == ModeKind::kDone) {
+    acting = told == TaskKind::kExplore ? before_frontiers : ModeKind::kHold;
+  }
+  plan.task = told;
   caution = caution_for(facts, parameters.lost_margin > 0.0);
   plan.mode = behaviour.mode;
   plan.caution = caution;
@@ -838,8 +970,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   const ModePolicy::Seeds wanted = policy(acting).seeds;
   if (wanted == ModePolicy::Seeds::kTurn) context.target.reset();
   const bool in_order = wanted != ModePolicy::Seeds::kAll;
-  const std::vector<Seed> made =
-      in_order ? make_approach_seeds(*problem, context) : make_seeds(*problem, context);
+  const std::vector<Seed> made = make_seeds_of(wanted, context);
   std::vector<Candidate> candidates;
   for (const Seed& seed : made) candidates.push_back({seed.name, seed.z, 0.0, 0.0, std::nullopt});
   candidates = measure(std::move(candidates), Evaluate::kScore);
@@ -889,6 +1020,20 @@ Plan Planner::plan(const Belief& belief, const StopCondition& stop) {
   }
 }
 
+std::string Planner::set_task(const Task& task) {
+  const std::vector<std::string> wrong =
+      faults(task, impl_->zones.get(), impl_->parameters.guide.traversability.hard_radius);
+  if (!wrong.empty()) return wrong.front();
+  impl_->use_task(task);
+  return "";
+}
+const Task& Planner::task() const { return impl_->parameters.task; }
+std::string Planner::set_zones(const Zones& zones) {
+  const std::vector<std::string> wrong = faults(zones);
+  if (!wrong.empty()) return wrong.front();
+  impl_->use_zones(zones);
+  return "";
+}
 std::shared_ptr<const Guidance> Planner::guidance() const { return impl_->guidance; }
 std::shared_ptr<const Problem> Planner::problem() const { return impl_->problem; }
 std::shared_ptr<const ProblemRecipe> Planner::recipe() const { return impl_->recipe; }

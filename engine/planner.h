@@ -15,9 +15,11 @@
 #include "engine/robot_description.h"
 #include "engine/seeds.h"
 #include "engine/solver.h"
+#include "engine/task.h"
 #include "engine/terms/visibility_prediction.h"
 #include "engine/terms/visible_features.h"
 #include "engine/unknown_policy.h"
+#include "engine/zones.h"
 
 namespace prospect {
 
@@ -90,6 +92,13 @@ struct PlannerParameters {
 
   ExplorationGuideOptions guide;
 
+  Task task;    ///< what the robot does until Planner::set_task() says otherwise
+  Zones zones;  ///< where it may not be, or not fast
+  /// What a metre through unknown space counts as on the way to a goal, and back to the start
+  /// (along what is known, if that leads there), 1 to 1000.
+  double goal_unknown_price = 2.0;
+  double return_unknown_price = 20.0;
+
   BehaviourOptions behaviour;  ///< turn_away_time is half a turn of the robot, whatever is set
 };
 
@@ -99,9 +108,9 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
                                           const PlannerParameters& parameters);
 
 /// The guard that belongs to plans made with these parameters: robot.slice() and depth sensor,
-/// guard_margin(), and unknown space as free, for entering it was ruled out by the certificate of
-/// the plan, and the map seldom forgets. A time step of the parameters that is longer than
-/// options.max_step raises that. Throws as Guard does.
+/// guard_margin(), zones, and unknown space as free, for entering it was ruled out by the
+/// certificate of the plan, and the map seldom forgets. A time step of the parameters that is
+/// longer than options.max_step raises that. Throws as Guard does.
 Guard guard_for(const RobotDescription& robot, const PlannerParameters& parameters,
                 Guard::Options options = {});
 
@@ -129,6 +138,15 @@ Guard guard_for(const RobotDescription& robot, const PlannerParameters& paramete
 /// view now (surface_drift.h, certificate.h): what can be certified is turning on the spot, driving
 /// where the robot looks, or a stop. The guard asks the same.
 ///
+/// Tasks. set_task() between two plans: explore, go to a pose, return to the pose of the first
+/// plan, hold. A task that is over is over until another is given: the robot stays where it is.
+/// Going on exploring after another task, what was learned of frontiers is kept, and the time in
+/// between does not count; with another area than before it begins anew.
+///
+/// Zones: certificate, and so planner and guard, keep the body out of what is forbidden and the
+/// speed within what is allowed; the cost-to-go leads round; the clearance terms count forbidden
+/// parts as obstacles; frontiers in them are no targets.
+///
 /// Determinism: with deadline = 0, the same sequence of beliefs gives the same bits.
 /// Thread-safety: one thread a planner. Source: formulation, sections 4 to 8.
 class Planner final : public Replanner {
@@ -144,6 +162,13 @@ class Planner final : public Replanner {
   Plan plan(const Belief& belief) override { return plan(belief, {}); }
   /// The same; polishing also ends when `stop` says so.
   Plan plan(const Belief& belief, const StopCondition& stop);
+
+  /// "" if the task is taken, else its first fault (task.h).
+  std::string set_task(const Task& task) override;
+  const Task& task() const;
+  /// Other zones from the next plan() on, for the planner; a guard has its own. "" if they are
+  /// taken, else their first fault (zones.h). What was learned of frontiers is forgotten.
+  std::string set_zones(const Zones& zones);
 
   /// The frontiers and the cost-to-go of the last step; null before the first.
   std::shared_ptr<const Guidance> guidance() const override;

@@ -7,6 +7,7 @@
 
 #include "engine/term.h"
 #include "engine/trajectory.h"
+#include "engine/zone_map.h"
 
 namespace prospect {
 
@@ -38,6 +39,8 @@ struct ProblemDefinition {
   double dt = 0.25;            ///< [s]
   int M = 10;                  ///< knots, 1 <= M <= N (move blocking)
   std::vector<WeightedTerm> terms;
+  /// Its slow zones are kept by admissible_inputs(), not by a term; null: none.
+  std::shared_ptr<const ZoneMap> zones{};
 };
 
 /// What is to be evaluated; each includes what the ones before it give. A score is a value for

@@ -81,6 +81,7 @@ void update_clearance(const ProblemRecipe& recipe, ProblemParts& parts) {
   require(recipe.voxels != nullptr, "voxels");
   require(recipe.ground != nullptr, "ground map");
   ClearanceField::Options options = recipe.clearance_field;
+  options.zones = recipe.zones;
   options.obstacles = ClearanceField::Obstacles::kOccupied;
   parts.occupied = std::make_shared<const ClearanceField>(
       recipe.clearance_center, *recipe.voxels, *recipe.ground, options, parts.occupied.get());
@@ -127,6 +128,7 @@ std::shared_ptr<const Problem> assemble_problem(const ProblemRecipe& recipe, Pro
   d.N = recipe.N;
   d.dt = recipe.dt;
   d.M = recipe.M;
+  d.zones = recipe.zones;
 
   d.terms.push_back(
       {std::make_shared<ControlEffort>(recipe.desired_input, limits), w.control_effort});

@@ -18,6 +18,7 @@
 #include "engine/terms/visible_features.h"
 #include "engine/unknown_policy.h"
 #include "engine/voxel_grid.h"
+#include "engine/zone_map.h"
 
 namespace prospect {
 
@@ -53,12 +54,15 @@ struct ProblemRecipe {
 
   // Obstacles.
   Eigen::Vector3d clearance_center = Eigen::Vector3d::Zero();  ///< of the window of both fields
-  ClearanceField::Options clearance_field;  ///< `obstacles` is not used: both kinds are made
-  double d_safe = 0.01;                     ///< of the soft cost [m]
-  double d_des = 0.25;                      ///< of the soft cost [m]
-  ClearanceConstraint::Options clearance;   ///< of the hard constraint
+  /// `obstacles` and `zones` are not used: both kinds of obstacles, and the zones below.
+  ClearanceField::Options clearance_field;
+  double d_safe = 0.01;                    ///< of the soft cost [m]
+  double d_des = 0.25;                     ///< of the soft cost [m]
+  ClearanceConstraint::Options clearance;  ///< of the hard constraint
   UnknownPolicy unknown = UnknownPolicy::kBraking;
   double unknown_d_safe = 0.01;  ///< of the constraint that `unknown` asks for [m]
+  /// Forbidden parts are obstacles to both fields; null: none.
+  std::shared_ptr<const ZoneMap> zones{};
 
   // Visible features.
   std::vector<Landmark> landmarks;

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "engine/belief.h"
 #include "engine/exploration_guide.h"
 #include "engine/plan.h"
+#include "engine/task.h"
 
 namespace prospect {
 
@@ -18,6 +20,13 @@ class Replanner {
   virtual Plan plan(const Belief& belief) = 0;
   /// The frontiers at the last plan(); null before the first.
   virtual std::shared_ptr<const Guidance> guidance() const = 0;
+  /// What to do from the next plan() on. Returns "" if it is taken, else why not, and the task
+  /// stays as it was.
+  virtual std::string set_task(const Task& task) {
+    return task.kind == TaskKind::kExplore && !task.area
+               ? ""
+               : "this planner can only explore, anywhere";
+  }
 };
 
 }  // namespace prospect

@@ -124,6 +124,20 @@ class Laws {
       return forward(0.0, std::clamp(2.0 * error, -model_.max_yaw_rate(), model_.max_yaw_rate()));
     };
   }
+  /// Straight to a place and, from `there` [m] on, to a heading; to the place with at most the
+  /// share `speed`, the slower the nearer.
+  Law arrive(const Eigen::Vector2d& place, double yaw, double there, double speed) const {
+    return [=, this](double, const Pose& pose) {
+      const Eigen::Vector2d to = place - pose.position.head<2>();
+      const double left = to.norm();
+      const bool turn = left < there;
+      const double error = wrapped((turn ? yaw : std::atan2(to.y(), to.x())) - pose.yaw);
+      const double rate = std::clamp(2.0 * error, -model_.max_yaw_rate(), model_.max_yaw_rate());
+      if (turn || std::abs(error) > 0.4) return forward(0.0, rate);
+      constexpr double kTime = 1.5;  // [s] in which the way that is left would be gone
+      return forward(std::min(speed * model_.max_speed(), left / kTime), rate);
+    };
+  }
   /// Drives down the cost-to-go without turning there, while facing a heading: for bases that can.
   Law strafe(std::function<double(const Pose&)> heading) const {
     return [=, this](double, const Pose& pose) -> Twist {
@@ -234,6 +248,31 @@ std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext&
   }
   add("stop", laws.constant(0.0, 0.0));
   return seeds;
+}
+
+std::vector<Seed> make_arrival_seeds(const Problem& problem, const SeedContext& context,
+                                     double there) {
+  const Laws laws(problem, context);
+  std::vector<Seed> seeds;
+  const auto add = [&](const std::string& name, const Law& law) {
+    seeds.push_back({name, roll(problem, law)});
+  };
+  if (context.target) {
+    const Eigen::Vector2d goal = context.target->viewpoint;
+    const double yaw = context.target->yaw;
+    add("arrive", laws.arrive(goal, yaw, there, 0.5));
+    add("arrive: slowly", laws.arrive(goal, yaw, there, 0.2));
+    const Pose pose = problem.definition().model->pose(problem.definition().x0);
+    const DescentPath path(*context.cost_to_go, pose.position.head<2>(), 1.0);
+    add("arrive: along the way", laws.pursue(path, 0.3, 0.2));
+    add("arrive: turn", laws.turn_then_go([yaw](const Pose&) { return yaw; }, 0.0));
+  }
+  add("stop", laws.constant(0.0, 0.0));
+  return seeds;
+}
+
+std::vector<Seed> make_stop_seeds(const Problem& problem) {
+  return {{"stop", roll(problem, [](double, const Pose&) { return Twist{}; })}};
 }
 
 }  // namespace prospect

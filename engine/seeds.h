@@ -50,6 +50,15 @@ struct SeedContext {
 /// our choice.
 std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context);
 
+/// Only those that end at the target's viewpoint, a place in known space nearby, with the target's
+/// yaw, in the order in which they are tried: straight to it, the slower the nearer, then turning;
+/// the same slowly; along the cost-to-go; turning only. `there` [m]: from how near on they turn.
+std::vector<Seed> make_arrival_seeds(const Problem& problem, const SeedContext& context,
+                                     double there);
+
+/// Braking.
+std::vector<Seed> make_stop_seeds(const Problem& problem);
+
 /// Only those that follow the cost-to-go to the target's viewpoint and face what is to be seen from
 /// there, in the order in which they are tried. Three steer while they
 /// drive, the last turns towards the next 0.1 m of the way, moved to the middle of gaps

@@ -66,6 +66,10 @@ Traversability::Traversability(const TraversabilityOptions& options) : options_(
                     "hard_radius", o.hard_radius, "at least the body's circumscribed radius");
     check_parameter(o.facing > 0.0, "traversability", "facing", o.facing, "more than 0 rad");
   }
+  check_parameter(o.unknown_travel == 0.0 || (o.unknown_travel >= 1.0 && o.unknown_travel <= 1e3),
+                  "traversability", "unknown_travel", o.unknown_travel, "0, or 1 to 1000");
+  check_parameter(o.top_speed > 0.0 && o.top_speed < 1e3, "traversability", "top_speed",
+                  o.top_speed, "more than 0, below 1000 m/s");
 }
 
 void Traversability::restart(const GridFrame& frame) {
@@ -99,6 +103,9 @@ void Traversability::restart(const GridFrame& frame) {
     headings_ = usable_ = Grid<HeadingMask>(frame, kNoHeading);
     confined_ = false;
   }
+  forbidden_sq_ = {};
+  slowness_ = {};
+  lay_zones();
   explored_cells_ = 0;
   fresh_ = false;
   restarted_ = true;
@@ -116,6 +123,7 @@ void Traversability::widen(const GridFrame& frame) {
     headings_.widen(frame, kNoHeading);
     usable_.widen(frame, kNoHeading);
   }
+  lay_zones();
   // The cells beyond the old rim are unknown, hence at distance 0 of unknown and impassable, but
   // they may lie near occupied cells within it.
   const int i1 = old.i0 + old.width - 1, j1 = old.j0 + old.height - 1;
@@ -167,9 +175,14 @@ void Traversability::transform(Rectangle cells, bool unknown) {
     }
   }
   Grid<std::int32_t>& out = unknown ? unknown_sq_ : occupied_sq_;
+  const bool zones = !unknown && !forbidden_sq_.data.empty();
   for (int j = cells.j0; j <= cells.j1; ++j) {
     std::int32_t* to = &out[{cells.i0, j}];
-    std::fill(to, to + width, far);
+    if (zones) {
+      std::copy_n(&forbidden_sq_[{cells.i0, j}], width, to);
+    } else {
+      std::fill(to, to + width, far);
+    }
     for (int d = -reach_; d <= reach_; ++d) {
       const std::int32_t* row = scratch_.data() + static_cast<std::ptrdiff_t>(j + d - row0) * width;
       const std::int32_t add = axis_square(d);
@@ -180,8 +193,10 @@ void Traversability::transform(Rectangle cells, bool unknown) {
 
 bool Traversability::has_way(std::size_t at) const {
   if (fit_ == nullptr) {
+    // A wall may be drawn twice; a forbidden part is where it is said to be.
+    const bool kept_out = !forbidden_sq_.data.empty() && forbidden_sq_.data[at] < hard_sq_;
     return state_.data[at] == CellState::kFree && occupied_sq_.data[at] >= narrow_sq_ &&
-           closed_.data[at] == 0;
+           !kept_out && closed_.data[at] == 0;
   }
   return usable_.data[at] != kNoHeading;
 }
@@ -238,6 +253,11 @@ void Traversability::refresh_factors(const Rectangle& cells) {
   const auto narrow = static_cast<float>(options_.narrow_factor);
   const auto tight = static_cast<float>(options_.tight_factor);
   const auto near = static_cast<float>(options_.unknown_factor);
+  const auto travel = static_cast<float>(options_.unknown_travel);
+  const GridFrame& f = state_.frame;
+  const auto within_rim = [&](Cell c) {
+    return c.i > f.i0 && c.j > f.j0 && c.i + 1 < f.i0 + f.width && c.j + 1 < f.j0 + f.height;
+  };
   for (int j = cells.j0; j <= cells.j1; ++j) {
     for (int i = cells.i0; i <= cells.i1; ++i) {
       const auto at = static_cast<std::size_t>(state_.frame.index({i, j}));
@@ -249,11 +269,46 @@ void Traversability::refresh_factors(const Rectangle& cells) {
                   : room < comfortable_sq_           ? tight
                                                      : 1.0F) *
                  (unknown_sq_.data[at] < comfortable_sq_ ? near : 1.0F);
+      } else if (travel > 0.0F && state_.data[at] == CellState::kUnknown &&
+                 occupied_sq_.data[at] >= hard_sq_ && closed_.data[at] == 0 && within_rim({i, j})) {
+        factor = travel * (occupied_sq_.data[at] < comfortable_sq_ ? tight : 1.0F);
       }
+      if (!slowness_.data.empty()) factor *= slowness_.data[at];
       if (factor != factor_.data[at]) {
         factor_.data[at] = factor;
         changed_factors_.push_back({i, j});
       }
+    }
+  }
+}
+
+// Where the frame is new: the distances to forbidden parts and the prices of slow zones.
+void Traversability::lay_zones() {
+  if (options_.zones == nullptr) return;
+  const ZoneMap& zones = *options_.zones;
+  const GridFrame& f = state_.frame;
+  const GridFrame old = slowness_.frame;
+  if (old.width == 0) {
+    forbidden_sq_ = Grid<std::int32_t>(f, limit_sq_);
+    slowness_ = Grid<float>(f, 1.0F);
+  } else {
+    forbidden_sq_.widen(f, limit_sq_);
+    slowness_.widen(f, 1.0F);
+  }
+  for (int n = 0; n < f.size(); ++n) {
+    const Cell c = f.at(n);
+    if (old.width > 0 && old.contains(c)) continue;
+    const auto at = static_cast<std::size_t>(n);
+    const Eigen::Vector2d center = f.center(c);
+    const double halves = 2.0 * (zones.distance(center) + kRounding) / f.resolution;
+    if (!(halves * halves >= limit_sq_) || halves < 0.0) {
+      forbidden_sq_.data[at] =
+          halves <= 0.0 ? 0 : static_cast<std::int32_t>(std::floor(halves * halves));
+    }
+    occupied_sq_.data[at] = std::min(occupied_sq_.data[at], forbidden_sq_.data[at]);
+    const double limit = zones.speed_limit(center);
+    if (limit < options_.top_speed) {
+      slowness_.data[at] = static_cast<float>(options_.top_speed / limit);
     }
   }
 }
@@ -319,9 +374,10 @@ void Traversability::update(const GroundMap& ground, const Pose* pose) {
   restarted_ = false;
   const GridFrame needed = with_rim(ground);
   const std::optional<GridFrame> both = fresh_ ? std::nullopt : frame_of_both(needed, state_.frame);
+  const bool reframed = !both || !(*both == state_.frame);
   if (!both) {
     restart(needed);
-  } else if (!(*both == state_.frame)) {
+  } else if (reframed) {
     widen(*both);
   }
 
@@ -390,6 +446,9 @@ void Traversability::update(const GroundMap& ground, const Pose* pose) {
   for (const Rectangle& cells : occupied) refresh_factors(cells);
   for (const Rectangle& cells : unknown) refresh_factors(cells);
   for (const Cell c : changed_headings_) refresh_factors({c.i, c.j, c.i, c.j});
+  if (options_.unknown_travel > 0.0 && reframed) {
+    refresh_factors({f.i0, f.j0, f.i0 + f.width - 1, f.j0 + f.height - 1});
+  }
 }
 
 double Traversability::clearance(Cell c) const {

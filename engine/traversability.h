@@ -11,6 +11,7 @@
 #include "engine/heading_reach.h"
 #include "models/robot_shape.h"
 #include "models/types.h"
+#include "engine/zone_map.h"
 
 namespace prospect {
 
@@ -39,6 +40,10 @@ struct TraversabilityOptions {
   bool free_moves = true;  ///< of that body: it can reverse or move sideways (heading_reach.h)
   /// Of that body: it faces what is within this of its heading [rad], > 0.
   double facing = 0.5;
+  /// Factor of cells that are not known but clear, 1 to 1000; 0: those are impassable.
+  double unknown_travel = 0.0;
+  std::shared_ptr<const ZoneMap> zones{};  ///< null: none
+  double top_speed = 1.0;                  ///< [m/s] where no slow zone is, > 0
 };
 
 /// Clearance and cost of travel of every ground cell.
@@ -58,6 +63,9 @@ struct TraversabilityOptions {
 /// So a long body passes where it fits lengthways. What is lost by looking at places without their
 /// headings: where two narrow passages cross and it cannot turn, and it gets into both by other
 /// ways, a way from one into the other seems to lead through the crossing.
+///
+/// With zones, clearance(c) is at most the centre's distance to their forbidden parts, and a cell
+/// in a slow zone costs top_speed / limit times as much, if that is more.
 ///
 /// The distance is to the square of a cell, not to its centre, hence the same number as the
 /// certificate's distance between a disc and the occupied boxes. Squared distances are kept as
@@ -160,6 +168,7 @@ class Traversability {
   HeadingMask fitting(Cell c) const;
   void refresh_headings(const Rectangle& cells);
   void refresh_reach(const Pose& pose);
+  void lay_zones();
   Rectangle within(Rectangle cells, int margin) const;
 
   TraversabilityOptions options_;
@@ -172,6 +181,8 @@ class Traversability {
   Grid<std::uint8_t> closed_;       // how often
   Grid<std::int32_t> occupied_sq_;  // squared distance [(cell / 2)^2], truncated
   Grid<std::int32_t> unknown_sq_;
+  Grid<std::int32_t> forbidden_sq_;  // likewise to forbidden parts; empty without zones
+  Grid<float> slowness_;             // of slow zones, 1 elsewhere; empty without zones
   Grid<float> factor_;
   // Of a body whose heading matters; else null and empty.
   std::shared_ptr<const HeadingFit> fit_;

@@ -1,17 +1,17 @@
 #include "engine/way_lengths.h"
 
 #include <cmath>
-#include <functional>
 #include <numbers>
-#include <queue>
-#include <utility>
+
+#include "engine/free_line.h"
 
 namespace prospect {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kSettingOut = 1.0;  // [m] that tell the direction of a way
-constexpr double kNear = 1.0;        // [m] around a start that is not passable
+constexpr double kNear = 1.0;        // [m] around a robot in which its way may begin
+constexpr double kOffTheWay = 10.0;  // [m of path equivalent per m] to where it begins
 
 }  // namespace
 
@@ -44,32 +44,54 @@ void WayLengths::update(const Traversability& traversability) {
   length_.clear();
 }
 
-void WayLengths::flood(Cell from, double limit, const WayPrice& price) {
-  const GridFrame& f = factor_.frame;
+void WayLengths::begin(Cell start) {
   length_.assign(factor_.data.size(), kInfinity);
   unpriced_.assign(factor_.data.size(), kInfinity);
   setting_out_.assign(factor_.data.size(), -1);
-  start_ = block_of(from);
-  if (f.size() == 0) return;
-  const int reach = static_cast<int>(std::ceil(kNear / f.resolution));
-  int least = reach * reach + 1;
-  Cell best = start_;
-  for (int dj = -reach; dj <= reach; ++dj) {
-    for (int di = -reach; di <= reach; ++di) {
-      const Cell c{start_.i + di, start_.j + dj};
-      const int distance = di * di + dj * dj;
-      if (distance >= least || factor_.get(c, 0.0F) == 0.0F) continue;
-      least = distance;
-      best = c;
+  start_ = block_of(start);
+  queue_ = {};
+}
+
+void WayLengths::reach(int block, double length, double unpriced, int setting_out) {
+  const auto at = static_cast<std::size_t>(block);
+  if (length >= length_[at]) return;
+  length_[at] = length;
+  unpriced_[at] = unpriced;
+  setting_out_[at] = setting_out;
+  queue_.emplace(length, block);
+}
+
+void WayLengths::flood(Cell from, double limit, const WayPrice& price) {
+  begin(from);
+  if (factor_.get(start_, 0.0F) == 0.0F) return;
+  const int first = factor_.frame.index(start_);
+  reach(first, 0.0, 0.0, first);
+  spread(limit, price);
+}
+
+void WayLengths::flood_from_robot(const Traversability& traversability, Cell robot,
+                                  const WayPrice& price) {
+  begin(robot);
+  const GridFrame& cells = traversability.frame();
+  const int near = static_cast<int>(std::ceil(kNear / cells.resolution));
+  for (int dj = -near; dj <= near; ++dj) {
+    for (int di = -near; di <= near; ++di) {
+      const Cell c{robot.i + di, robot.j + dj};
+      const double distance = cells.resolution * std::hypot(di, dj);
+      if (distance > kNear || !traversability.passable(c)) continue;
+      const bool open = visit_line(cells, cells.center(robot), cells.center(c), [&](Cell on) {
+        return on == robot || traversability.state(on) != CellState::kOccupied;
+      });
+      if (!open) continue;
+      const int block = factor_.frame.index(block_of(c));
+      reach(block, kOffTheWay * distance, distance, block);
     }
   }
-  if (factor_.get(best, 0.0F) == 0.0F) return;
-  start_ = best;
-  using Entry = std::pair<double, int>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-  const int first = f.index(start_);
-  length_[static_cast<std::size_t>(first)] = unpriced_[static_cast<std::size_t>(first)] = 0.0;
-  queue.emplace(0.0, first);
+  spread(kInfinity, price);
+}
+
+void WayLengths::spread(double limit, const WayPrice& price) {
+  const GridFrame& f = factor_.frame;
   const int up = f.width;
   const auto joined = [&](int a, int bit) {
     return (joined_.data[static_cast<std::size_t>(a)] & bit) != 0;
@@ -80,15 +102,16 @@ void WayLengths::flood(Cell from, double limit, const WayPrice& price) {
     if (di < 0) return joined(a - 1, 1);
     return dj > 0 ? joined(a, 2) : joined(a - up, 2);
   };
-  while (!queue.empty()) {
-    const auto [length, index] = queue.top();
-    queue.pop();
-    if (length > length_[static_cast<std::size_t>(index)]) continue;
+  while (!queue_.empty()) {
+    const auto [length, index] = queue_.top();
+    queue_.pop();
+    const auto here = static_cast<std::size_t>(index);
+    if (length > length_[here]) continue;
     if (length > limit) break;
-    const double factor = static_cast<double>(factor_.data[static_cast<std::size_t>(index)]);
+    const double factor = static_cast<double>(factor_.data[here]);
     const Cell at = f.at(index);
     const Cell middle{at.i * kSide + kSide / 2, at.j * kSide + kSide / 2};
-    const bool out = (f.center(f.at(index)) - f.center(start_)).norm() >= kSettingOut;
+    const bool out = (f.center(at) - f.center(start_)).norm() >= kSettingOut;
     for (int dj = -1; dj <= 1; ++dj) {
       for (int di = -1; di <= 1; ++di) {
         if (di == 0 && dj == 0) continue;
@@ -106,12 +129,7 @@ void WayLengths::flood(Cell from, double limit, const WayPrice& price) {
                             (factor + static_cast<double>(factor_.data[next]));
         if (length + step >= length_[next]) continue;
         const double priced = price ? step * (1.0 + price(middle, std::atan2(dj, di))) : step;
-        const double reached = length + priced;
-        if (reached >= length_[next]) continue;
-        length_[next] = reached;
-        unpriced_[next] = unpriced_[static_cast<std::size_t>(index)] + step;
-        setting_out_[next] = out ? setting_out_[static_cast<std::size_t>(index)] : n;
-        queue.emplace(reached, n);
+        reach(n, length + priced, unpriced_[here] + step, out ? setting_out_[here] : n);
       }
     }
   }

@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <queue>
+#include <utility>
 #include <vector>
 
 #include "engine/grid.h"
@@ -32,11 +34,14 @@ class WayLengths {
   /// Takes over what is passable.
   void update(const Traversability& traversability);
 
-  /// The lengths from the block of `from`, as far as `limit` [m of path equivalent]. Where that
-  /// block is not passable, from the nearest that is, within 1 m.
-  /// price: a metre costs 1 + price times as much; null: no more.
+  /// The lengths from the block of `from`, as far as `limit` [m of path equivalent]; nowhere, if
+  /// that block is not passable. price: a metre costs 1 + price times as much; null: no more.
   void flood(Cell from, double limit = std::numeric_limits<double>::infinity(),
              const WayPrice& price = nullptr);
+  /// The same from a robot at that cell: from all passable cells within 1 m that a line without
+  /// occupied cells joins to it, as CostToGoField does, at ten times the distance to them.
+  void flood_from_robot(const Traversability& traversability, Cell robot,
+                        const WayPrice& price = nullptr);
 
   /// Of the way from the last flood's start to the block of c [m of path equivalent]; +infinity
   /// beyond the limit, where it is not reached, and before the first flood.
@@ -50,13 +55,18 @@ class WayLengths {
  private:
   Cell block_of(Cell c) const { return {floor_divide(c.i, kSide), floor_divide(c.j, kSide)}; }
   double at(const std::vector<double>& values, Cell c) const;
+  void begin(Cell start);
+  void reach(int block, double length, double unpriced, int setting_out);
+  void spread(double limit, const WayPrice& price);
 
   Grid<float> factor_;          // 0: impassable
   Grid<std::uint8_t> joined_;   // bit 1: to the right neighbour, bit 2: to the upper one
   std::vector<double> length_;  // by block
   std::vector<double> unpriced_;
-  std::vector<int> setting_out_;  // block about 1 m from the start, on the way
-  Cell start_;                    // block
+  std::vector<int> setting_out_;         // block about 1 m from the start, on the way
+  Cell start_;                           // block
+  using Entry = std::pair<double, int>;  // length, block
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };
 
 }  // namespace prospect

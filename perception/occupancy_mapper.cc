@@ -579,6 +579,43 @@ void OccupancyMapper::clear_cylinder(const Eigen::Vector3d& base, double radius,
   m.flush_ground();
 }
 
+void OccupancyMapper::load(const octomap::OcTree& map) {
+  Impl& m = *impl_;
+  check_parameter(map.getResolution() == m.options.resolution, "occupancy mapper",
+                  "resolution of the map to load", map.getResolution(),
+                  std::to_string(m.options.resolution) + " m, that of the map to be built");
+  constexpr int kMost = kMaxAddress - 2000;
+  const std::uint64_t surface = m.surface;
+  for (auto leaf = map.begin_leafs(), end = map.end_leafs(); leaf != end; ++leaf) {
+    // A pruned leaf stands for 2^n voxels along each axis.
+    const int size = 1 << (kTreeLevels - leaf.getDepth());
+    const octomap::OcTreeKey first = leaf.getIndexKey();
+    const int low[3] = {first[0] - kKeyOrigin, first[1] - kKeyOrigin, first[2] - kKeyOrigin};
+    for (const int address : low) {
+      check_parameter(std::abs(address) <= kMost && std::abs(address + size) <= kMost,
+                      "occupancy mapper", "address in the map to load", address,
+                      "within " + std::to_string(kMost) + " voxels of the origin");
+    }
+    const float value = map.isNodeOccupied(*leaf) ? m.hit : m.miss;
+    for (int i = low[0]; i < low[0] + size; ++i) {
+      for (int j = low[1]; j < low[1] + size; ++j) {
+        for (int k = std::max(low[2], m.k_low); k < std::min(low[2] + size, m.k_end); ++k) {
+          const int bx = i >> 3, by = j >> 3, bz = k >> 3;
+          Brick& b = m.brick(bx, by, bz);
+          const int v = morton(i & 7, j & 7, k & 7);
+          const std::uint64_t bit = std::uint64_t{1} << (v & 63);
+          const bool seen = (b.surface[v >> 6] & bit) != 0;
+          m.set_value(b, m.brick_at.find(pack(bx, by, bz))->second, v, m.column_block(bx, by),
+                      value);
+          if (!seen) b.surface[v >> 6] &= ~bit;
+        }
+      }
+    }
+  }
+  m.surface = surface;
+  m.flush_ground();
+}
+
 std::shared_ptr<const octomap::OcTree> OccupancyMapper::octree() {
   impl_->sync();
   return impl_->mirror[impl_->current].octree;

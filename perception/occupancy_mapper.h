@@ -79,6 +79,11 @@ class OccupancyMapper {
   /// certainty, except occupied ones: the space that the robot's own body fills.
   void clear_cylinder(const Eigen::Vector3d& base, double radius, double height);
 
+  /// Enters a map that was made before, as if each voxel that it knows had been seen once: what is
+  /// seen from now on corrects it. Its surfaces do not count as seen. Throws std::invalid_argument
+  /// if it is of another resolution or reaches beyond 30000 voxels from the origin.
+  void load(const octomap::OcTree& map);
+
   std::shared_ptr<const octomap::OcTree> octree();
   std::shared_ptr<const VoxelGrid> voxels();
   std::shared_ptr<const GroundMap> ground();

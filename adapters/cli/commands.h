@@ -26,6 +26,10 @@ struct ExploreArguments {
   std::string out;            ///< run folder; empty: runs/WORLD_SOLVER_SEED
   double time_limit = 0.0;    ///< [s]; 0: as configured
   std::vector<double> start;  ///< x [m], y [m], yaw [deg]; empty: the world's
+  std::vector<double> go;     ///< x [m], y [m], and yaw [deg] if it matters; empty: as configured
+  std::string until;          ///< "0.95", "120m2"; empty: as configured
+  bool back = false;          ///< return to the start once the task is over
+  std::string map;            ///< OctoMap to begin with; empty: none
   int save_problems = 0;      ///< write the problem of every so manyeth planning step; 0: none
   bool json = false;
   bool quiet = false;

@@ -10,12 +10,14 @@
 #include "adapters/cli/interrupt.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
+#include "adapters/config/parse_number.h"
 #include "adapters/report/progress_line.h"
 #include "adapters/run/csv.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/run/planned_problem.h"
 #include "adapters/run/run_folder.h"
 #include "adapters/worlds/load_world.h"
+#include "engine/task.h"
 
 namespace prospect {
 namespace {
@@ -42,6 +44,8 @@ std::string tenths(double value) { return decimals(value, 1); }
 void print_summary(const Summary& s) {
   std::printf("%s, seed %llu, %s: %s\n", s.world.c_str(), static_cast<unsigned long long>(s.seed),
               s.solver.c_str(), s.reason.c_str());
+  std::printf("  task          %s, %s: %s\n", s.task.c_str(), s.done ? "done" : "not done",
+              s.detail.c_str());
   std::printf("  coverage      %6s %% of %.1f m2 reachable\n", tenths(100.0 * s.coverage).c_str(),
               s.reachable_area_m2);
   if (s.too_long_for_m2 > 0.0) {
@@ -63,6 +67,48 @@ void print_summary(const Summary& s) {
               tenths(s.duration_s / s.wall_s).c_str());
 }
 
+/// "0.95": a share; "120m2": an area.
+void set_until(const std::string& until, Configuration& configuration) {
+  const bool area = until.size() > 2 && until.compare(until.size() - 2, 2, "m2") == 0;
+  double value = 0.0;
+  const std::string number = area ? until.substr(0, until.size() - 2) : until;
+  if (!parse_number(number, value) || !(value > 0.0) || !(value <= (area ? 1e9 : 1.0))) {
+    throw InputError("--until: '" + until +
+                     "'; expected a share of the reachable area, more than 0, up to 1, or an area "
+                     "such as 120m2");
+  }
+  configuration.until_coverage = area ? 0.0 : value;
+  configuration.until_area = area ? value : 0.0;
+  override_entry(configuration, "mission.until.coverage", csv::text(configuration.until_coverage));
+  override_entry(configuration, "mission.until.area", csv::text(configuration.until_area));
+}
+
+/// What the command line says of the task.
+void set_task(const ExploreArguments& arguments, Configuration& configuration) {
+  if (!arguments.until.empty()) set_until(arguments.until, configuration);
+  if (arguments.back) {
+    configuration.mission.return_when_done = true;
+    override_entry(configuration, "mission.return", "true");
+  }
+  if (arguments.go.empty()) return;
+  Task& task = configuration.planner.task;
+  task.kind = TaskKind::kGoTo;
+  task.area.reset();
+  task.goal.position = {arguments.go[0], arguments.go[1]};
+  task.goal.yaw.reset();
+  std::string goal = csv::text(arguments.go[0]) + ", " + csv::text(arguments.go[1]);
+  if (arguments.go.size() == 3) {
+    task.goal.yaw = arguments.go[2] * M_PI / 180.0;
+    goal += ", " + csv::text(arguments.go[2]);
+  }
+  override_entry(configuration, "task.kind", "go");
+  override_entry(configuration, "task.area", "[]");
+  override_entry(configuration, "task.goal", "[" + goal + "]");
+  if (const std::string wrong = task_problem(configuration); !wrong.empty()) {
+    throw InputError("--go: " + wrong);
+  }
+}
+
 }  // namespace
 
 int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
@@ -80,6 +126,11 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
   if (!arguments.sensors.empty()) {
     configuration.simulator.sensors = sensors_named(arguments.sensors);
     override_entry(configuration, "simulator.sensors", arguments.sensors);
+  }
+  set_task(arguments, configuration);
+  if (!arguments.map.empty()) {
+    configuration.map = arguments.map;
+    override_entry(configuration, "simulator.map", arguments.map);
   }
   if (tell_if_absent(configuration.solver, registry)) return kNotBuiltIn;
   WorldOptions world_options = world_options_for(configuration);
@@ -129,12 +180,7 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
     print_summary(summary);
     std::printf("  report        %s/report.html\n", folder->path().c_str());
   }
-  const bool lost = summary.reason == to_string(MissionEnd::kLost);
-  const bool unreachable = summary.reason == to_string(MissionEnd::kUnreachable);
-  const bool cancelled = summary.reason == to_string(MissionEnd::kCancelled);
-  return lost || unreachable || cancelled || summary.collisions > 0 || !folder->error().empty()
-             ? kFailed
-             : kDone;
+  return summary.done && summary.collisions == 0 && folder->error().empty() ? kDone : kFailed;
 }
 
 }  // namespace prospect

@@ -95,6 +95,22 @@ int run(int argc, char** argv) {
       ->expected(3)
       ->check(number_within(-1e6, 1e6));
   explore_command
+      ->add_option("--go", explore_arguments.go,
+                   "Go to x [m],y [m], or x,y,yaw [deg], instead of exploring")
+      ->delimiter(',')
+      ->expected(2, 3)
+      ->allow_extra_args(false)
+      ->check(number_within(-1e5, 1e5));
+  explore_command->add_option("--until", explore_arguments.until,
+                              "What is enough: a share of the reachable area (0.95) or an area "
+                              "(120m2)");
+  explore_command->add_flag("--return", explore_arguments.back,
+                            "Back to the start once the task is over");
+  explore_command->add_option(
+      "--map", explore_arguments.map,
+      "OctoMap (.bt .ot) of the same world to begin with, such as the map.bt "
+      "of a run");
+  explore_command
       ->add_option("--save-problems", explore_arguments.save_problems,
                    "Write the planning problem of every Nth step into the run folder")
       ->check(whole_number_within(1, 1000000));

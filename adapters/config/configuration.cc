@@ -5,6 +5,8 @@
 #include <stdexcept>
 
 #include "adapters/config/input_error.h"
+#include "engine/task.h"
+#include "engine/zones.h"
 #include "models/make_model.h"
 #include "models/nearest_name.h"
 #include "solvers/registry.h"
@@ -267,6 +269,9 @@ void read_simulator(YamlMap map, Configuration& c) {
   s.sensors = sensors_named(sensors);
   s.mapping.resolution = map.number("map_resolution", s.mapping.resolution, 0.02, 1.0, "m",
                                     "of the map that is built");
+  const std::string known =
+      map.text("map", "none", "OctoMap (.bt .ot) of the same world to begin with; none: nothing");
+  if (known != "none") c.map = known;
   s.depth_rate = map.number("depth_rate", s.depth_rate, 0.1, 100.0, "1/s", "depth images");
   s.image_rate = map.number("image_rate", s.image_rate, 0.1, 100.0, "1/s", "stereo images");
   YamlMap a = map.map("actuation");
@@ -297,6 +302,76 @@ void read_simulator(YamlMap map, Configuration& c) {
   read_camera(map.map("camera"), s.camera);
 }
 
+/// x, y of each corner in turn.
+Polygon polygon_of(const std::vector<double>& numbers) {
+  Polygon polygon;
+  for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
+    polygon.emplace_back(numbers[i], numbers[i + 1]);
+  }
+  return polygon;
+}
+
+constexpr double kFarthestPlace = 1e5;  // [m]
+
+/// Records what is wrong with the polygon under the key.
+Polygon read_polygon(YamlMap map, const char* key, bool required, const char* what) {
+  const std::size_t problems = map.problem_count();
+  const std::vector<double> numbers =
+      required ? map.required_numbers(key, -1, -kFarthestPlace, kFarthestPlace, "m", what)
+               : map.numbers(key, {}, -1, -kFarthestPlace, kFarthestPlace, "m", what);
+  if (map.problem_count() != problems || (numbers.empty() && !required)) return {};
+  if (numbers.size() % 2 != 0) {
+    map.problem(key, std::to_string(numbers.size()) + " numbers; expected x and y of each corner");
+    return {};
+  }
+  Polygon polygon = polygon_of(numbers);
+  if (const std::string fault = polygon_fault(polygon); !fault.empty()) map.problem(key, fault);
+  return polygon;
+}
+
+void read_zones(YamlMap map, Zones& zones) {
+  const char* corners = "x, y of each corner in turn";
+  Polygon bound =
+      read_polygon(map, "bound", false, "the robot stays within: x, y of each corner in turn");
+  if (!bound.empty()) zones.bound = std::move(bound);
+  for (YamlMap zone : map.maps("keep_out")) {
+    zones.keep_out.push_back(read_polygon(zone, "area", true, corners));
+  }
+  for (YamlMap zone : map.maps("slow")) {
+    SpeedZone slow;
+    slow.area = read_polygon(zone, "area", true, corners);
+    slow.max_speed = zone.required_number("max_speed", 0.01, 100.0, "m/s", "allowed there");
+    zones.slow.push_back(std::move(slow));
+  }
+}
+
+void read_task(YamlMap map, Configuration& c) {
+  Task& task = c.planner.task;
+  const std::string kind =
+      map.choice("kind", "explore", {"explore", "go", "return", "hold"}, "what the robot is to do");
+  Polygon area = read_polygon(map, "area", false,
+                              "of explore: only what lies in there; x, y of each corner in turn");
+  const std::vector<double> goal = map.numbers("goal", {}, -1, -kFarthestPlace, kFarthestPlace,
+                                               "m, m, deg", "of go: x, y and, if it matters, yaw");
+  task.goal.position_tolerance = map.number("position_tolerance", task.goal.position_tolerance,
+                                            0.05, 10.0, "m", "of go and return: how near is there");
+  task.goal.yaw_tolerance =
+      kDegree * map.number("yaw_tolerance", std::round(task.goal.yaw_tolerance / kDegree), 2.0,
+                           180.0, "deg", "of go and return");
+  if (goal.size() >= 2) task.goal.position = {goal[0], goal[1]};
+  if (goal.size() >= 3) task.goal.yaw = kDegree * goal[2];
+  if (!area.empty() && kind == "explore") task.area = std::move(area);
+  task.kind = kind == "go"       ? TaskKind::kGoTo
+              : kind == "return" ? TaskKind::kReturn
+              : kind == "hold"   ? TaskKind::kHold
+                                 : TaskKind::kExplore;
+  if (goal.size() == 1 || goal.size() > 3 || (goal.empty() && kind == "go")) {
+    map.problem("goal", std::to_string(goal.size()) +
+                            " numbers; expected x, y, and yaw if it "
+                            "matters");
+  }
+}
+
 Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
   Configuration c;
   YamlMap root = yaml.root();
@@ -314,6 +389,18 @@ Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
                                 "a frontier that promises less is not gone to");
   guide.least_rate = end.number("least_rate", guide.least_rate, 0.0, 1e3, "m2/s",
                                 "nor one that shows less for the time that it takes");
+  c.mission.return_when_done = mission.boolean("return", c.mission.return_when_done,
+                                               "back to the start once the task is over");
+  YamlMap until = mission.map("until");
+  c.until_coverage = until.number("coverage", 0.0, 0.0, 1.0, "1",
+                                  "share of the reachable area that is enough; 0: all");
+  c.until_area = until.number("area", 0.0, 0.0, 1e9, "m2", "area that is enough; 0: all");
+  read_task(root.map("task"), c);
+  read_zones(root.map("zones"), c.planner.zones);
+  if (root.problem_count() == 0) {
+    if (const std::string fault = task_problem(c); !fault.empty())
+      root.map("task").problem("", fault);
+  }
   yaml.finish();
 
   // What the simulated robot shares with the planned one.
@@ -331,6 +418,15 @@ Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
 }
 
 }  // namespace
+
+std::string task_problem(const Configuration& configuration) {
+  const ExplorationGuideOptions guide =
+      guide_options_for(configuration.robot, configuration.planner);
+  const std::vector<std::string> wrong =
+      faults(configuration.planner.task, guide.traversability.zones.get(),
+             guide.traversability.hard_radius);
+  return wrong.empty() ? "" : wrong.front();
+}
 
 void override_entry(Configuration& configuration, const std::string& path,
                     const std::string& value) {

@@ -18,6 +18,11 @@ struct Configuration {
   PlannerParameters planner;
   SimulatorOptions simulator;
   MissionOptions mission;
+  /// What ends the task as seen: a share of the reachable area, or an area [m^2], as the simulator
+  /// really measures them; 0: neither.
+  double until_coverage = 0.0, until_area = 0.0;
+  /// OctoMap of the same world that the simulated robot begins with; empty: none.
+  std::string map;
   std::string solver = "nlopt";
   std::vector<ConfigEntry> entries;  ///< what is in effect, for config.yaml and `prospect config`
 };
@@ -30,6 +35,10 @@ Configuration read_configuration(const std::string& path, const SolverRegistry& 
 /// what it stands for is to be set by who does so.
 void override_entry(Configuration& configuration, const std::string& path,
                     const std::string& value);
+
+/// "" if the robot of a sound configuration can be given its task, with these zones, else what is
+/// wrong: "goal: is in keep-out 1; expected ...".
+std::string task_problem(const Configuration& configuration);
 
 /// "" if the registry knows a back end of that name (built in or not), else what is wrong with it:
 /// "unknown solver 'x' (did you mean 'y'?); expected one of: ...".

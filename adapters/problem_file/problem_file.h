@@ -30,7 +30,7 @@ struct SavedProblem {
 };
 
 /// The version that is written; all up to it are read. docs/problem_files.md describes them.
-constexpr int kProblemFileVersion = 2;
+constexpr int kProblemFileVersion = 3;
 
 /// Writes a problem file (HDF5): to `path`.part, then renamed, so that `path` is never half
 /// written. Maps are cut down to what the problem looks at (with_maps_cut). The same problem gives

@@ -18,6 +18,9 @@ constexpr std::size_t kMostLandmarks = 100'000;
 constexpr std::size_t kMostTargets = 100'000;
 constexpr std::size_t kMostBodyParts = 1000;
 constexpr std::size_t kMostSeeds = 100'000;
+constexpr std::size_t kMostCorners = 1000;  // of a zone
+constexpr int kMostZones = 1000;            // of a kind
+constexpr int kVersionWithoutZones = 2;
 constexpr double kMostFieldNodes = 25e6;
 constexpr double kMostTableEntries = 50e6;
 constexpr double kMostRaySteps = 5e9;
@@ -427,6 +430,47 @@ void cost_to_go(Archive& a, ProblemRecipe& r) {
   });
 }
 
+void polygon(Archive& a, const char* name, Polygon& corners) {
+  resize(a, name, corners, {2}, kMostCorners);
+  table<double>(a, name, corners, {2},
+                [](Eigen::Vector2d& p, std::size_t j) -> double& { return p[index(j)]; });
+}
+
+/// Groups "1", "2" and so on.
+template <typename List, typename Content>
+void numbered(Archive& a, const char* name, List& list, Content content) {
+  a.group(name, [&] {
+    int count = static_cast<int>(list.size());
+    a.integer("count", count, 0, kMostZones);
+    if (!a.writing()) list.resize(static_cast<std::size_t>(count));
+    for (int n = 0; n < count; ++n) {
+      a.group(std::to_string(n + 1), [&] { content(list[static_cast<std::size_t>(n)]); });
+    }
+  });
+}
+
+void zones(Archive& a, ProblemRecipe& r) {
+  bool present = r.zones != nullptr;
+  a.optional_group("zones", present, [&] {
+    Zones z = a.writing() ? r.zones->zones() : Zones();
+    bool bounded = z.bound.has_value();
+    a.optional_group("bound", bounded, [&] {
+      if (!z.bound) z.bound.emplace();
+      polygon(a, "corners", *z.bound);
+    });
+    numbered(a, "keep_out", z.keep_out, [&](Polygon& area) { polygon(a, "corners", area); });
+    numbered(a, "slow", z.slow, [&](SpeedZone& zone) {
+      polygon(a, "corners", zone.area);
+      a.number("max_speed", zone.max_speed);
+    });
+    if (a.writing()) return;
+    if (const std::vector<std::string> wrong = faults(z); !wrong.empty()) {
+      a.refuse("", wrong.front(), "zones that can be kept");
+    }
+    r.zones = std::make_shared<const ZoneMap>(std::move(z));
+  });
+}
+
 void terms(Archive& a, int version, ProblemRecipe& r) {
   a.group("terms", [&] {
     a.group("control_effort", [&] {
@@ -512,7 +556,8 @@ void transfer_problem(Archive& a, SavedProblem& problem) {
   if (format != "prospect problem") {
     a.refuse("format", "is '" + format + "'", "'prospect problem'");
   }
-  int version = kProblemFileVersion;
+  // The least that says it all: who knows no zones may read what has none.
+  int version = problem.recipe.zones ? kProblemFileVersion : kVersionWithoutZones;
   a.integer("version", version, 1, std::numeric_limits<int>::max());
   if (version > kProblemFileVersion) {
     a.refuse("version", "is " + std::to_string(version),
@@ -523,6 +568,7 @@ void transfer_problem(Archive& a, SavedProblem& problem) {
   robot(a, r.robot);
   horizon(a, r);
   map(a, r);
+  if (version > kVersionWithoutZones) zones(a, r);
   terms(a, version, r);
   seeds(a, problem);
   warm_start(a, problem);

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -300,6 +301,30 @@ std::string target_column(const std::vector<StepRecord>& steps, Get get) {
                 [&](const StepRecord& s) { return s.target ? get(*s.target) : std::nan(""); });
 }
 
+/// A list of [x, y] in cm precision; null for none.
+Json polygon_json(const Polygon& polygon) {
+  Json corners = Json::array();
+  for (const Eigen::Vector2d& p : polygon) {
+    corners.push_back({0.01 * std::round(100.0 * p.x()), 0.01 * std::round(100.0 * p.y())});
+  }
+  return corners;
+}
+
+Json zones_json(const RunRecord& record) {
+  Json keep_out = Json::array(), slow = Json::array();
+  for (const Polygon& polygon : record.zones.keep_out) keep_out.push_back(polygon_json(polygon));
+  for (const SpeedZone& zone : record.zones.slow) {
+    slow.push_back({{"area", polygon_json(zone.area)}, {"max_speed", zone.max_speed}});
+  }
+  const auto optional = [](const std::optional<Polygon>& polygon) {
+    return polygon ? polygon_json(*polygon) : Json();
+  };
+  return {{"bound", optional(record.zones.bound)},
+          {"area", optional(record.area)},
+          {"keep_out", std::move(keep_out)},
+          {"slow", std::move(slow)}};
+}
+
 Json run_json(const RunRecord& record) {
   const std::vector<StepRecord>& steps = record.steps;
   Extent extent;
@@ -346,6 +371,9 @@ Json run_json(const RunRecord& record) {
       {"target_area", target_column(steps, [](T t) { return t.area; })},
       {"way_left", target_column(steps, [](T t) { return t.way_left; })},
       {"guard_stops", column(steps, [](S s) { return s.guard_stops; })},
+      {"goal_x", column(steps, [](S s) { return s.goal ? s.goal->x() : std::nan(""); })},
+      {"goal_y", column(steps, [](S s) { return s.goal ? s.goal->y() : std::nan(""); })},
+      {"goal_yaw", column(steps, [](S s) { return s.goal_yaw.value_or(std::nan("")); })},
   };
   Json words = {
       {"plan", word_column(steps, [](S s) { return s.plan_kind; })},
@@ -357,6 +385,7 @@ Json run_json(const RunRecord& record) {
        word_column(steps, [](S s) { return std::string(s.certified ? "yes" : "no"); })},
       {"certificate", word_column(steps, [](S s) { return s.certificate; })},
       {"guard", word_column(steps, [](S s) { return s.guard_reason; })},
+      {"task", word_column(steps, [](S s) { return s.task; })},
       {"mode", word_column(steps, [](S s) { return s.mode; })},
       {"cause", word_column(steps, [](S s) { return s.cause; })},
       {"caution", word_column(steps, [](S s) { return s.caution; })},
@@ -375,6 +404,7 @@ Json run_json(const RunRecord& record) {
         {"j0", extent.empty() ? 0 : extent.j0},
         {"width", extent.width()},
         {"height", extent.height()}}},
+      {"zones", zones_json(record)},
       {"columns", std::move(columns)},
       {"words", std::move(words)},
       {"terms", term_json(steps)},

@@ -104,7 +104,7 @@ const readable = (name) => name.replace(/_/g, " ");
 // ---- Head and summary -------------------------------------------------------------------------
 const s = run.summary;
 {
-  const end = { explored: "good", "localization lost": "bad" }[s.reason] || "warn";
+  const end = s.done ? "good" : { explored: "good", "localization lost": "bad" }[s.reason] || "warn";
   $("facts").append(make("span", { class: `end ${end}` }, s.reason || "–"),
     ` · ${s.solver} · seed ${s.seed} · ${s.steps} planning steps`);
   const figure = (label, value, unit, bad) => $("figures").append(make("div", bad ? { class: "bad" } : {},
@@ -215,7 +215,7 @@ function readColors() {
   const style = getComputedStyle(document.documentElement);
   dark = matchMedia("(prefers-color-scheme: dark)").matches;
   for (const name of ["target", "ink", "ink-2", "ink-3", "line", "accent", "map-unknown", "map-free", "map-occupied", "estimated", "true",
-    "horizon", "frontier", "seen-low", "seen-high", "view", "halo", "grid", "shade-warn", "shade-bad", "warn", "bad"]) {
+    "horizon", "frontier", "keep-out", "slow", "seen-low", "seen-high", "view", "halo", "grid", "shade-warn", "shade-bad", "warn", "bad"]) {
     colors[name] = style.getPropertyValue(`--${name}`).trim();
   }
   palette = new Uint32Array(["map-unknown", "map-free", "map-occupied"].map((name) => {
@@ -229,12 +229,15 @@ function readColors() {
   picturePen.putImageData(pixels, 0, 0);
 }
 
+const zones = run.zones;
+const hasZones = Boolean(zones.bound || zones.area || zones.keep_out.length || zones.slow.length || column.goal_x.some(isNumber));
 const layers = {};
 for (const [name, label, mark, style, on, there] of [
   ["estimated", "estimated path", "", "background:var(--estimated)", true, true],
   ["true", "true path", "", "background:var(--true)", true, true],
   ["horizon", "plan", "", "background:var(--horizon)", true, true],
   ["target", "target", "ring", "border-color:var(--target)", true, column.way_left.some(isNumber)],
+  ["zones", "zones and goal", "cell", "background:rgba(var(--keep-out),.3)", true, hasZones],
   ["view", "field of view", "cell", "background:rgba(var(--view),.3)", true, true],
   ["frontiers", "frontiers", "cell", "background:var(--frontier)", true, true],
   ["landmarks", "landmarks, by visibility", "ramp", "", true, true],
@@ -402,6 +405,68 @@ function label(text, sx, sy, color) {
   pen.strokeStyle = colors.halo; pen.lineWidth = 3.5; pen.strokeText(text, x, sy);
   pen.fillStyle = color; pen.fillText(text, x, sy);
 }
+// What it was told of the ground: keep-outs hatched, slow zones tinted with their limit, the bound
+// and the area to explore as lines.
+function outline(corners) {
+  trace(corners);
+  pen.closePath();
+}
+function drawZones() {
+  const keepOut = `rgb(${colors["keep-out"]})`, slow = `rgb(${colors.slow})`;
+  const note = (text, corners, color) => {
+    const [x, y] = corners.reduce((sum, p) => [sum[0] + p[0] / corners.length, sum[1] + p[1] / corners.length], [0, 0]);
+    const [sx, sy] = toScreen(x, y);
+    pen.font = getComputedStyle(document.body).font.replace(/\d+px/, "12px");
+    pen.textAlign = "center"; pen.textBaseline = "middle";
+    pen.strokeStyle = colors.halo; pen.lineWidth = 3.5; pen.strokeText(text, sx, sy);
+    pen.fillStyle = color; pen.fillText(text, sx, sy);
+  };
+  for (const { area, max_speed: limit } of zones.slow) {
+    outline(area);
+    pen.fillStyle = `rgba(${colors.slow}, 0.16)`; pen.fill();
+    pen.strokeStyle = slow; pen.lineWidth = 1.25; pen.stroke();
+    note(`${fixed(limit, 2)} m/s`, area, slow);
+  }
+  for (const area of zones.keep_out) {
+    const points = area.map(([x, y]) => toScreen(x, y));
+    pen.save();
+    outline(area);
+    pen.clip();
+    pen.fillStyle = `rgba(${colors["keep-out"]}, 0.14)`; pen.fill();
+    const xs = points.map((p) => p[0]), ys = points.map((p) => p[1]);
+    const left = Math.max(-boxHeight, Math.min(...xs) - (Math.max(...ys) - Math.min(...ys))), right = Math.min(boxWidth, Math.max(...xs));
+    const top = Math.min(...ys), bottom = Math.max(...ys);
+    pen.beginPath();
+    for (let x = Math.floor(left / 9) * 9; x < right; x += 9) { pen.moveTo(x, bottom); pen.lineTo(x + bottom - top, top); }
+    pen.strokeStyle = `rgba(${colors["keep-out"]}, 0.55)`; pen.lineWidth = 1; pen.stroke();
+    pen.restore();
+    outline(area);
+    pen.strokeStyle = keepOut; pen.lineWidth = 1.75; pen.stroke();
+  }
+  for (const [corners, color, dash] of [[zones.area, colors.frontier, [7, 5]], [zones.bound, keepOut, []]]) {
+    if (!corners) continue;
+    pen.setLineDash(dash);
+    outline(corners);
+    pen.strokeStyle = color; pen.lineWidth = 1.75; pen.stroke();
+    pen.setLineDash([]);
+  }
+}
+// A flag at the goal, and the heading that was asked for.
+function drawGoal() {
+  const x = column.goal_x[step], y = column.goal_y[step], yaw = column.goal_yaw[step];
+  if (!(isNumber(x) && isNumber(y))) return false;
+  const [sx, sy] = toScreen(x, y);
+  for (const [color, extra] of [[colors.halo, 2.5], [colors.target, 0]]) {
+    pen.strokeStyle = color; pen.lineWidth = 2 + extra;
+    if (isNumber(yaw)) { pen.beginPath(); pen.moveTo(sx, sy); pen.lineTo(sx + 26 * Math.cos(yaw), sy - 26 * Math.sin(yaw)); pen.stroke(); }
+    pen.beginPath(); pen.moveTo(sx, sy); pen.lineTo(sx, sy - 22); pen.stroke();
+    pen.beginPath(); pen.arc(sx, sy, 3 + extra / 2, 0, 2 * Math.PI); pen.fillStyle = color; pen.fill();
+    pen.beginPath(); pen.moveTo(sx, sy - 22); pen.lineTo(sx + 14, sy - 17); pen.lineTo(sx, sy - 12); pen.closePath();
+    pen.fill(); if (extra) pen.stroke();
+  }
+  label(word.task[step] === "return" ? "start" : "goal", sx, sy, colors.target);
+  return true;
+}
 // Where the robot goes: a line to the viewpoint, and from there to what it will see.
 function drawTarget() {
   const x = column.target_x[step], y = column.target_y[step];
@@ -433,7 +498,8 @@ function drawTarget() {
     pen.strokeStyle = color; pen.lineWidth = width; pen.stroke();
   }
   pen.beginPath(); pen.arc(...at, 2, 0, 2 * Math.PI); pen.fillStyle = colors.target; pen.fill();
-  label("target", ...at, colors.target);
+  const atGoal = layers.zones && Math.hypot(x - column.goal_x[step], y - column.goal_y[step]) < 0.3;
+  if (!atGoal) label("target", ...at, colors.target);
   return true;
 }
 function drawCandidate(c, color, width) {
@@ -477,6 +543,7 @@ function draw() {
     pen.imageSmoothingEnabled = false;
     pen.drawImage(tint, left, top, field.width * field.size * view.scale, field.height * field.size * view.scale);
   }
+  if (layers.zones) drawZones();
   if (layers.view) {
     const allRound = run.sensor_fov > 2 * Math.PI - 0.06;  // no edges to draw from where it stands
     trace([...(allRound ? [] : [[x, y]]), ...viewPolygon(x, y, yaw)]);
@@ -508,6 +575,7 @@ function draw() {
   else if (layers.estimated) path(column.x, column.y, step, colors.estimated, 2);
   legend(by, tint ? field : null);
   const target = layers.target && drawTarget();
+  const goal = layers.zones && drawGoal();
   if (layers.candidates) for (const c of candidates[step].list) if (c.verdict !== "executed") drawCandidate(c, colors["ink-3"], 1.25);
   if (layers.horizon) {
     const points = [];
@@ -552,7 +620,7 @@ function draw() {
   }
   pen.closePath(); pen.fillStyle = colors.halo; pen.fill();
   scaleBar();
-  Object.assign(drawn, { target, field: tint ? field.step : null, x, y, yaw, sx, sy, radius, frontiers: frontier.size, landmarks: landmarks[step].index.length, horizon: horizonStart[step + 1] - horizonStart[step] });
+  Object.assign(drawn, { target, goal, field: tint ? field.step : null, x, y, yaw, sx, sy, radius, frontiers: frontier.size, landmarks: landmarks[step].index.length, horizon: horizonStart[step + 1] - horizonStart[step] });
 }
 
 function resize() {
@@ -776,8 +844,12 @@ const nowFields = (() => {
       const since = column.mode_since[k], cause = word.cause[k];
       return `${word.mode[k] || "–"}${isNumber(since) ? ` since ${fixed(since, 1)} s` : ""}${cause ? `: ${cause}` : ""}`;
     }, { wide: true, tone: (k) => (word.mode[k] === "retreat" ? "warn" : "") });
+    if (word.task.some((task) => task && task !== "explore")) {
+      add("Task", (k) => word.task[k] + (isNumber(column.goal_x[k]) ? ` (${fixed(column.goal_x[k], 2)}, ${fixed(column.goal_y[k], 2)})` : ""));
+    }
     add("Target", (k) => {
       if (!isNumber(column.target_x[k])) return "none";
+      if (isNumber(column.goal_x[k])) return isNumber(column.way_left[k]) ? `${fixed(column.way_left[k], 1)} m of way` : "no way known";
       const way = isNumber(column.way_left[k]) ? `${fixed(column.way_left[k], 1)} m away` : "no way known";
       const change = word.target_change[k] ? `; new: ${word.target_change[k]}` : "";
       return `${way}, frontier of ${fixed(column.target_length[k], 1)} m, promises ${fixed(column.target_area[k], 1)} m²${change}`;

@@ -1,15 +1,21 @@
 #include "adapters/run/exploration_run.h"
 
+#include <octomap/OcTree.h>
+
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <string>
 
+#include "adapters/config/input_error.h"
+#include "adapters/run/csv.h"
 #include "adapters/run/summary.h"
 #include "adapters/simulator/simulator.h"
+#include "adapters/worlds/octree_file.h"
 #include "engine/mission.h"
 #include "engine/planner.h"
+#include "engine/zone_map.h"
 #include "solvers/registry.h"
 
 namespace prospect {
@@ -151,6 +157,16 @@ std::vector<CandidateRecord> candidate_records(const Plan& plan, const Problem* 
   return records;
 }
 
+std::shared_ptr<const octomap::OcTree> map_to_begin_with(const Configuration& configuration) {
+  std::shared_ptr<const octomap::OcTree> map = read_octree(configuration.map);
+  const double resolution = configuration.simulator.mapping.resolution;
+  if (map->getResolution() != resolution) {
+    throw InputError(configuration.map + ": resolution is " + csv::text(map->getResolution()) +
+                     " m; expected " + csv::text(resolution) + " m, simulator.map_resolution");
+  }
+  return map;
+}
+
 std::unique_ptr<Replanner> planner_for(const Configuration& configuration,
                                        const ExplorationRunOptions& options) {
   if (options.make_planner) return options.make_planner(configuration);
@@ -181,6 +197,22 @@ Grid<std::uint8_t> roomy_columns(const World& world, const Configuration& c) {
   return connected_component(standing, standing.frame.cell(start.x(), start.y()));
 }
 
+ReachableArea told_area(ReachableArea reachable, const Configuration& c) {
+  const std::optional<Polygon>& area = c.planner.task.area;
+  if (!area && c.planner.zones.empty()) return reachable;
+  const ZoneMap zones(c.planner.zones);
+  const GridFrame& frame = reachable.cells.frame;
+  int kept = 0;
+  for (int n = 0; n < frame.size(); ++n) {
+    std::uint8_t& cell = reachable.cells.data[static_cast<std::size_t>(n)];
+    const Eigen::Vector2d center = frame.center(frame.at(n));
+    if ((area && !contains(*area, center)) || zones.distance(center) <= 0.0) cell = 0;
+    kept += cell != 0;
+  }
+  reachable.area = kept * frame.resolution * frame.resolution;
+  return reachable;
+}
+
 WorldOptions world_options_for(const Configuration& c) {
   const VerticalExtent slice = c.robot.slice();
   WorldOptions options;
@@ -204,10 +236,11 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   }
   const std::unique_ptr<Replanner> planner = planner_for(configuration, options);
   const Planner* own_planner = dynamic_cast<const Planner*>(planner.get());
-  const ReachableArea reachable = reachable_area(*world, configuration);
+  const ReachableArea reachable = told_area(reachable_area(*world, configuration), configuration);
 
   SimulatorOptions simulator_options = configuration.simulator;
   simulator_options.seed = options.seed;
+  if (!configuration.map.empty()) simulator_options.map = map_to_begin_with(configuration);
   Simulator simulator(world, simulator_options);
   simulator.set_reachable(reachable.cells);
   SimulatedRobot robot(simulator);
@@ -228,6 +261,8 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   record.sensor_range = configuration.robot.depth.max_range;
   record.sensor_fov = configuration.robot.depth.horizontal_fov;
   record.configuration = effective_yaml(configuration.entries);
+  record.zones = configuration.planner.zones;
+  record.area = configuration.planner.task.area;
 
   MapChanges map_changes;
   SparsePictures pictures;
@@ -243,6 +278,11 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     r.estimated_pose = belief.pose;
     if (!plan.commands.empty()) r.command = plan.commands.front();
     r.plan_kind = to_string(plan.kind);
+    r.task = to_string(plan.task);
+    if (plan.goal) {
+      r.goal = plan.goal->position;
+      r.goal_yaw = plan.goal->yaw;
+    }
     r.mode = to_string(plan.mode.kind);
     r.cause = to_string(plan.mode.cause);
     r.mode_since = step.time - (belief.stamp - plan.mode.since);
@@ -323,15 +363,26 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   };
 
   if (options.on_start) options.on_start();
+  MissionOptions mission_options = configuration.mission;
+  if (configuration.until_coverage > 0.0 || configuration.until_area > 0.0) {
+    mission_options.enough = [&](const MissionStep&) {
+      return (configuration.until_coverage > 0.0 &&
+              simulator.coverage() >= configuration.until_coverage) ||
+             (configuration.until_area > 0.0 && simulator.seen_area() >= configuration.until_area);
+    };
+  }
   const MissionResult mission =
-      run_mission(robot, *planner, guard, configuration.mission, observe, options.cancelled);
+      run_mission(robot, *planner, guard, mission_options, observe, options.cancelled);
 
   record.summary = summarize(steps);
   Summary& s = record.summary;
   s.world = world->name;
   s.solver = configuration.solver;
   s.seed = options.seed;
+  s.task = to_string(configuration.planner.task.kind);
   s.reason = to_string(mission.end);
+  s.done = mission.done();
+  s.detail = mission.detail;
   s.coverage = simulator.coverage();
   s.area_m2 = simulator.seen_area();
   s.reachable_area_m2 = reachable.area;

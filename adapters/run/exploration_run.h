@@ -53,6 +53,8 @@ ReachableArea reachable_area(const World& world, const Configuration& configurat
 /// Where it has ample room to stand (BodySlice::standing_clearance), joined to the world's start by
 /// such columns.
 Grid<std::uint8_t> roomy_columns(const World& world, const Configuration& configuration);
+/// What of that area counts: within the area of the task, if it has one, and in no forbidden part.
+ReachableArea told_area(ReachableArea reachable, const Configuration& configuration);
 
 /// How load_world() must look for a start that this configuration's robot can take.
 WorldOptions world_options_for(const Configuration& configuration);

@@ -38,10 +38,9 @@ std::string header(const std::vector<std::string>& terms) {
   return row +
          ",predicted_features,tracked_features,localization,localization_error,coverage,area,"
          "path_length,collisions,clearance,cost_evaluations,gradient_evaluations,stop_reason,"
-         "quality,certified,certificate,active_frontiers,guard_stops,guard_reason,mode,cause,"
-         "mode_since,caution,target_change,target_x,target_y,looks_x,looks_y,target_length,target_"
-         "area,"
-         "way_left,seeds_scored,features_weight,rejected,why\n";
+         "quality,certified,certificate,active_frontiers,guard_stops,guard_reason,task,goal_x,goal_y,"
+         "goal_yaw,mode,cause,mode_since,caution,target_change,target_x,target_y,looks_x,looks_y,"
+         "target_length,target_area,way_left,seeds_scored,features_weight,rejected,why\n";
 }
 
 /// The best candidates that were not executed: name, cost, and whether the certificate refused it.
@@ -57,10 +56,13 @@ std::string rejected(const StepRecord& s) {
   return list;
 }
 
-/// The columns from `mode` on.
+/// The columns from `task` on.
 std::string reasons(const StepRecord& s) {
-  std::string row = ',' + field(s.mode) + ',' + field(s.cause) + ',' + text(s.mode_since) + ',' +
-                    field(s.caution) + ',' + field(s.target_change);
+  std::string row = ',' + field(s.task);
+  row += s.goal ? ',' + text(s.goal->x()) + ',' + text(s.goal->y()) : ",,";
+  row += ',' + (s.goal_yaw ? text(*s.goal_yaw) : "");
+  row += ',' + field(s.mode) + ',' + field(s.cause) + ',' + text(s.mode_since) + ',' +
+         field(s.caution) + ',' + field(s.target_change);
   if (s.target) {
     const TargetRecord& t = *s.target;
     for (const double value : {t.viewpoint.x(), t.viewpoint.y(), t.looks_at.x(), t.looks_at.y(),

@@ -8,7 +8,9 @@
 
 #include "adapters/report/landmark_picture.h"
 #include "engine/grid.h"
+#include "engine/polygon.h"
 #include "engine/solver.h"
+#include "engine/zones.h"
 #include "models/types.h"
 
 namespace prospect {
@@ -71,9 +73,12 @@ struct StepRecord {
   int guard_stops = 0;
   std::string guard_reason;  ///< of the last of them; empty: none
 
-  std::string mode;         ///< what the robot does: to_string(ModeKind)
-  std::string cause;        ///< why it began to
-  double mode_since = 0.0;  ///< [s] of the robot's clock since the start
+  std::string task;                       ///< what it was told to do: to_string(TaskKind)
+  std::optional<Eigen::Vector2d> goal{};  ///< of a task that leads to a place, in W [m]
+  std::optional<double> goal_yaw{};       ///< [rad]; none: any
+  std::string mode;                       ///< what the robot does: to_string(ModeKind)
+  std::string cause;                      ///< why it began to
+  double mode_since = 0.0;                ///< [s] of the robot's clock since the start
   /// Which distances it keeps: "normal", "reduced margin", "stuck", "lost".
   std::string caution;
   std::string
@@ -105,6 +110,9 @@ struct Summary {
   std::string world, solver;
   std::uint64_t seed = 0;
   std::string reason;  ///< why it ended
+  std::string task;    ///< that it began with: to_string(TaskKind)
+  bool done = false;   ///< the task was done, and the robot is back if it was told to return
+  std::string detail;  ///< one or two sentences
   double coverage = 0.0;
   double area_m2 = 0.0;  ///< of the reachable area seen
   double reachable_area_m2 = 0.0;
@@ -131,6 +139,8 @@ struct RunRecord {
   double robot_radius = 0.2;
   double sensor_range = 4.0;
   double sensor_fov = 1.2;
+  Zones zones;
+  std::optional<Polygon> area;  ///< to explore; none: all
   std::vector<StepRecord> steps;
   /// Of a robot with cameras: what they showed at some of the steps, evenly spread.
   std::vector<LandmarkPicture> pictures;

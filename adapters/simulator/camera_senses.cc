@@ -90,6 +90,7 @@ CameraSenses::CameraSenses(const World& world, const SimulatorOptions& options,
       wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
       wheel_pose_(start) {
   frame_.T_WC = camera_pose(start, options.stereo_mount);
+  if (options.map) mapper_.map().load(*options.map);
   const double z = start.position.z();
   for (const Disc& d : known_free) {
     mapper_.map().clear_cylinder({d.center.x(), d.center.y(), z}, d.radius,

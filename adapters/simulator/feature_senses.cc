@@ -21,6 +21,7 @@ FeatureSenses::FeatureSenses(const World& world, const SimulatorOptions& options
                 stream_seed(options.seed, NoiseStream::kOdometry)),
       landmarks_(options.landmarks, options.features, options.stereo_mount),
       mapper_(mapping) {
+  if (options.map) mapper_.load(*options.map);
   const double z = start.position.z();
   for (const Disc& d : known_free) {
     mapper_.clear_cylinder({d.center.x(), d.center.y(), z}, d.radius, mapping.slice.z_max - z);

@@ -33,6 +33,17 @@ DepthScan SeenArea::look(DepthCamera& camera, const Pose& true_pose) {
   return scan;
 }
 
+void SeenArea::know(const GroundMap& map) {
+  const GridFrame& frame = world_->voxels.frame();
+  for (int n = 0; n < frame.size(); ++n) {
+    const Eigen::Vector2d center = frame.center(frame.at(n));
+    const auto column = static_cast<std::size_t>(n);
+    if (column_[column] != 0 || !map.explored(map.frame().cell(center.x(), center.y()))) continue;
+    column_[column] = 1;
+    reachable_seen_ += reachable_cells_[column];
+  }
+}
+
 void SeenArea::set_reachable(const Grid<std::uint8_t>& reachable) {
   const GridFrame& frame = world_->voxels.frame();
   std::fill(reachable_cells_.begin(), reachable_cells_.end(), 0);

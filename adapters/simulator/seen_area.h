@@ -6,6 +6,7 @@
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/worlds/world.h"
 #include "engine/grid.h"
+#include "engine/ground_map.h"
 #include "engine/map_projection.h"
 #include "models/types.h"
 #include "perception/occupancy_mapper.h"
@@ -21,6 +22,9 @@ class SeenArea {
 
   /// One image of `camera` from a true pose, entered; points in B.
   DepthScan look(DepthCamera& camera, const Pose& true_pose);
+
+  /// What a map knows counts as seen: the columns whose centre lies in one of its explored cells.
+  void know(const GroundMap& map);
 
   /// Cells of the true map counted by coverage(): nonzero = counts.
   void set_reachable(const Grid<std::uint8_t>& reachable);

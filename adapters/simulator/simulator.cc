@@ -80,6 +80,7 @@ struct Simulator::Impl {
     } else {
       senses = std::make_unique<FeatureSenses>(*world, o, mapping, robot.pose(), cleared);
     }
+    if (o.map) seen.know(*senses->belief(time, robot.pose(), twist)->ground);
     scan();
     image();
     const std::string complaint = senses->complaint();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string_view>
 
 #include "adapters/simulator/camera_rig.h"
@@ -14,6 +15,10 @@
 #include "perception/occupancy_mapper.h"
 #include "perception/stereo_odometry.h"
 #include "perception/wheel_fusion.h"
+
+namespace octomap {
+class OcTree;
+}
 
 namespace prospect {
 
@@ -71,6 +76,10 @@ struct SimulatorOptions {
   LandmarkBuilderOptions landmarks;
   /// slice is set to body_slice() of shape and base_height, max_range from the depth camera.
   OccupancyMapperOptions mapping;
+
+  /// A map of the same world to begin with, in W (OccupancyMapper::load); null: none. What it knows
+  /// counts as seen.
+  std::shared_ptr<const octomap::OcTree> map{};
 
   CameraSensesOptions camera;
 };

@@ -26,6 +26,9 @@ bool exhausted(const Case& c) {
          c.facts.frontiers->exhausted_for >= c.options.look_around - kHair;
 }
 
+bool goal_unreachable(const Case& c) { return c.facts.goal && c.facts.goal->unreachable; }
+bool goal_reached(const Case& c) { return c.facts.goal && c.facts.goal->reached && !lost(c); }
+
 // Turning back at once from each loss, a robot never gets across a blank stretch that has no way
 // round; exploring on while lost, it drifts. So in the pause it explores on, but not for long
 // unless turning back was of no use.
@@ -34,6 +37,21 @@ bool impatient(const Case& c) {
 }
 
 constexpr std::array kModeTable = {
+    ModeRow{std::nullopt, "task: hold",
+            [](const Case& c) { return c.facts.task == TaskKind::kHold; }, Kind::kHold,
+            Cause::kTaskGiven},
+    ModeRow{std::nullopt, "task: go to; the goal is reached, not lost",
+            [](const Case& c) { return c.facts.task == TaskKind::kGoTo && goal_reached(c); },
+            Kind::kDone, Cause::kGoalReached},
+    ModeRow{std::nullopt, "task: return; the start is reached, not lost",
+            [](const Case& c) { return c.facts.task == TaskKind::kReturn && goal_reached(c); },
+            Kind::kDone, Cause::kReturned},
+    ModeRow{std::nullopt, "no way has led to the goal of the task for look_around",
+            [](const Case& c) {
+              return goal_unreachable(c) &&
+                     c.facts.goal->unreachable_for >= c.options.look_around - kHair;
+            },
+            Kind::kDone, Cause::kGoalUnreachable},
     ModeRow{std::nullopt, "exhausted for look_around; most places are cut off",
             [](const Case& c) { return exhausted(c) && c.facts.frontiers->cut_off; }, Kind::kDone,
             Cause::kUnreachable},
@@ -79,6 +97,21 @@ constexpr std::array kModeTable = {
         std::nullopt, "no progress for long, not lost",
         [](const Case& c) { return c.facts.frontiers && c.facts.frontiers->stalled && !lost(c); },
         Kind::kApproach, Cause::kNoProgress},
+    ModeRow{std::nullopt, "no way leads to the goal of the task",
+            [](const Case& c) { return goal_unreachable(c); }, Kind::kLookAround,
+            Cause::kNothingReachable},
+    ModeRow{std::nullopt, "the goal of the task is near, not lost",
+            [](const Case& c) { return c.facts.goal && c.facts.goal->near && !lost(c); },
+            Kind::kArrive, Cause::kGoalNear},
+    ModeRow{std::nullopt, "no progress to the goal of the task for long, not lost",
+            [](const Case& c) { return c.facts.goal && c.facts.goal->stalled && !lost(c); },
+            Kind::kApproach, Cause::kNoProgress},
+    ModeRow{std::nullopt, "task: go to",
+            [](const Case& c) { return c.facts.task == TaskKind::kGoTo; }, Kind::kGoToGoal,
+            Cause::kTaskGiven},
+    ModeRow{std::nullopt, "task: return",
+            [](const Case& c) { return c.facts.task == TaskKind::kReturn; }, Kind::kReturn,
+            Cause::kTaskGiven},
     ModeRow{Kind::kRetreat, "enough features",
             [](const Case& c) { return c.facts.enough_features; }, Kind::kExplore,
             Cause::kLocalizationRegained},
@@ -90,8 +123,19 @@ constexpr std::array kModeTable = {
             Cause::kProgress},
     ModeRow{Kind::kLookAround, "else", [](const Case&) { return true; }, Kind::kExplore,
             Cause::kReachableAgain},
+    ModeRow{Kind::kDone, "the task was given since then",
+            [](const Case& c) { return c.facts.task_given_at > c.before.mode.since; },
+            Kind::kExplore, Cause::kTaskGiven},
     ModeRow{Kind::kDone, "else", [](const Case&) { return true; }, Kind::kExplore,
             Cause::kReachableAgain},
+    ModeRow{Kind::kGoToGoal, "else", [](const Case&) { return true; }, Kind::kExplore,
+            Cause::kTaskGiven},
+    ModeRow{Kind::kReturn, "else", [](const Case&) { return true; }, Kind::kExplore,
+            Cause::kTaskGiven},
+    ModeRow{Kind::kArrive, "else", [](const Case&) { return true; }, Kind::kExplore,
+            Cause::kTaskGiven},
+    ModeRow{Kind::kHold, "else", [](const Case&) { return true; }, Kind::kExplore,
+            Cause::kTaskGiven},
     ModeRow{Kind::kExplore, "else", [](const Case&) { return true; }, Kind::kExplore, std::nullopt},
 };
 
@@ -138,6 +182,18 @@ std::string left_text(const FrontierFacts& f) {
   return text;
 }
 
+/// "3.2 m to the goal, 1.1 m of them through unknown space"
+std::string way_text(const Facts& facts) {
+  const char* place = facts.task == TaskKind::kReturn ? "where it began" : "the goal";
+  if (!facts.goal) return std::string("to ") + place;
+  const GoalFacts& goal = *facts.goal;
+  std::string text = print("%.1f m to %s", goal.way_left, place);
+  if (goal.unknown_left > 0.0) {
+    text += print(", %.1f m of them through unknown space", goal.unknown_left);
+  }
+  return text;
+}
+
 /// Since when, and what was before.
 std::string explore_cause_text(const Mode& mode, const Facts& facts) {
   if (facts.localization == Localization::kLost) {
@@ -168,9 +224,19 @@ std::string doing(const Mode& mode, const Facts& facts) {
       }
       return "Explores: " + target_text(frontiers) + explore_cause_text(mode, facts);
     case Kind::kApproach:
+      if (facts.goal) {
+        return print("Approaches step by step for %.1f s now, for want of progress: ",
+                     facts.stamp - mode.since) +
+               way_text(facts);
+      }
       return print("Approaches step by step for %.1f s now, for want of progress: %s",
                    facts.stamp - mode.since, target_text(frontiers).c_str());
     case Kind::kLookAround:
+      if (facts.goal) {
+        return print("Looks around: for %.1f s no way has led to ", facts.goal->unreachable_for) +
+               (facts.task == TaskKind::kReturn ? "where it began: " : "the goal: ") +
+               facts.goal->why;
+      }
       return print("Looks around: for %.1f s no frontier that can be reached was worth its way",
                    frontiers.exhausted_for);
     case Kind::kRetreat: {
@@ -190,7 +256,25 @@ std::string doing(const Mode& mode, const Facts& facts) {
       }
       return "Turns on the spot to find its localization again: turning back did not help, " +
              localization_text(facts);
+    case Kind::kGoToGoal:
+    case Kind::kReturn:
+      return (mode.kind == Kind::kReturn ? "Returns: " : "Goes where it is told: ") +
+             way_text(facts);
+    case Kind::kArrive:
+      return print("Arrives: %.2f m to ", facts.goal.value_or(GoalFacts{}).distance) +
+             (facts.task == TaskKind::kReturn ? "where it began" : "the goal");
+    case Kind::kHold:
+      return "Holds: it was told to";
     case Kind::kDone:
+      if (mode.cause == Cause::kGoalReached || mode.cause == Cause::kReturned) {
+        return print("Done: %.2f m from ", facts.goal.value_or(GoalFacts{}).distance) +
+               (mode.cause == Cause::kReturned ? "where it began" : "the goal");
+      }
+      if (mode.cause == Cause::kGoalUnreachable) {
+        return (facts.task == TaskKind::kReturn ? "Done: it cannot get back to where it began: "
+                                                : "Done: the goal cannot be reached: ") +
+               facts.goal.value_or(GoalFacts{}).why;
+      }
       return (mode.cause == Cause::kUnreachable
                   ? "Done: walls as drawn cut it off from most places it came through"
               : mode.cause == Cause::kExplored
@@ -288,7 +372,9 @@ std::string behaviour_tables() {
   }
   text +=
       "\nThe plan of the step that finds the robot done is that of the mode which the rows without "
-      "frontiers give: a retreat or a turn goes on.\n"
+      "frontiers give: a retreat or a turn goes on. At the end of another task than to explore it "
+      "is "
+      "that of hold.\n"
       "\nWhich distances it keeps.\n\n"
       "| caution | condition | share of the margin | kept of the distance within it | drift "
       "counts | ... as a margin | ... in the cost | hard clearance |\n"

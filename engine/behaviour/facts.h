@@ -1,8 +1,11 @@
 #pragma once
 
+#include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 
+#include "engine/behaviour/task_kind.h"
 #include "engine/localization.h"
 
 namespace prospect {
@@ -45,6 +48,20 @@ struct FrontierFacts {
   FrontiersLeft low_yield{}, unreachable{}, failed{};
 };
 
+/// What is known of the way to a goal, once it is up to date (GoalGuide).
+struct GoalFacts {
+  bool reached = false;          ///< the pose is within the goal's tolerances
+  bool near = false;             ///< a known way of no more than GoalGuide::kNear is left
+  double distance = 0.0;         ///< [m] to it, as the crow flies
+  double way_left = 0.0;         ///< [m] to it, down the cost-to-go
+  double unknown_left = 0.0;     ///< [m] of that through unknown space
+  double stalled_for = 0.0;      ///< [s] without progress towards it (GoalMonitor)
+  bool stalled = false;          ///< ... for long
+  bool unreachable = false;      ///< no way leads there
+  double unreachable_for = 0.0;  ///< [s] that this has been so
+  std::string why{};             ///< if unreachable, as the end of a sentence
+};
+
 /// What is known at one instant of what the robot's behaviour depends on. No judgement: monitors
 /// and maps report, decide() (behaviour.h) judges. Stamps in the belief's clock [s].
 struct Facts {
@@ -58,7 +75,11 @@ struct Facts {
   double retreat_distance = 0.0;  ///< [m] from there, as the crow flies; 0 without such a place
   std::optional<double> not_following_at{};  ///< when last noticed (FollowingMonitor)
   bool stuck = false;                        ///< it tries to get on and does not (StuckMonitor)
-  /// None until they are up to date: what comes before them in the table is decided without.
+  TaskKind task = TaskKind::kExplore;        ///< what it is told to do
+  double task_given_at = -std::numeric_limits<double>::infinity();  ///< first stamp with it [s]
+  std::optional<GoalFacts> goal{};  ///< of tasks that lead to a place; none until up to date
+  /// Of the task to explore. None until they are up to date: what comes before them in the table is
+  /// decided without.
   std::optional<FrontierFacts> frontiers{};
 };
 

@@ -14,6 +14,14 @@ std::string_view to_string(ModeKind kind) {
       return "retreat";
     case ModeKind::kTurnOnTheSpot:
       return "turn on the spot";
+    case ModeKind::kGoToGoal:
+      return "go to goal";
+    case ModeKind::kReturn:
+      return "return";
+    case ModeKind::kArrive:
+      return "arrive";
+    case ModeKind::kHold:
+      return "hold";
     case ModeKind::kDone:
       return "done";
   }
@@ -52,6 +60,16 @@ std::string_view to_string(Cause cause) {
       return "yield too low";
     case Cause::kUnreachable:
       return "unreachable";
+    case Cause::kTaskGiven:
+      return "task given";
+    case Cause::kGoalNear:
+      return "goal near";
+    case Cause::kGoalReached:
+      return "goal reached";
+    case Cause::kReturned:
+      return "returned";
+    case Cause::kGoalUnreachable:
+      return "goal unreachable";
   }
   return "?";
 }

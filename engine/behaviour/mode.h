@@ -12,6 +12,10 @@ enum class ModeKind {
   kLookAround,     ///< turns on the spot: the map may show a way then
   kRetreat,        ///< goes back to where enough features were tracked
   kTurnOnTheSpot,  ///< turns until it is localized again, or away from what holds it up
+  kGoToGoal,       ///< drives to the pose that it was told to go to
+  kReturn,         ///< drives back to where it began
+  kArrive,         ///< drives the last bit to a goal, and turns to its heading
+  kHold,           ///< brakes and stays
   kDone            ///< nothing more to do
 };
 
@@ -31,7 +35,12 @@ enum class Cause {
   kNothingReachable,  ///< no frontier can be reached just now
   kExplored,          ///< no frontier is left that can be reached
   kYieldTooLow,       ///< what is left has shown too little for too long
-  kUnreachable        ///< walls as drawn cut the robot off from most places it came through
+  kUnreachable,       ///< walls as drawn cut the robot off from most places it came through
+  kTaskGiven,         ///< the robot was told to
+  kGoalNear,          ///< a short, known way to the goal is left
+  kGoalReached,       ///< it is at the pose that it was told to go to
+  kReturned,          ///< it is back where it began
+  kGoalUnreachable    ///< no way leads to the goal
 };
 
 struct Mode {
@@ -40,11 +49,13 @@ struct Mode {
   double since = 0.0;  ///< [s] when it was entered, or its cause changed
 };
 
-inline constexpr std::array kModeKinds = {ModeKind::kExplore,       ModeKind::kApproach,
-                                          ModeKind::kLookAround,    ModeKind::kRetreat,
-                                          ModeKind::kTurnOnTheSpot, ModeKind::kDone};
+inline constexpr std::array kModeKinds = {
+    ModeKind::kExplore,       ModeKind::kApproach, ModeKind::kLookAround, ModeKind::kRetreat,
+    ModeKind::kTurnOnTheSpot, ModeKind::kGoToGoal, ModeKind::kReturn,     ModeKind::kArrive,
+    ModeKind::kHold,          ModeKind::kDone};
 
-/// "explore", "approach", "look around", "retreat", "turn on the spot", "done".
+/// "explore", "approach", "look around", "retreat", "turn on the spot", "go to goal", "return",
+/// "arrive", "hold", "done".
 std::string_view to_string(ModeKind kind);
 /// "start", "localization regained", ...
 std::string_view to_string(Cause cause);

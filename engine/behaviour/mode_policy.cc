@@ -6,13 +6,17 @@ namespace {
 using Way = ModePolicy::CostToGo;
 using From = ModePolicy::Seeds;
 
-constexpr std::array<ModePolicy, 6> kPolicyTable = {{
-    {ModeKind::kExplore, 1.0, 1.0, false, Way::kFrontiers, From::kAll, true},
-    {ModeKind::kApproach, 1.0, 1.0, false, Way::kFrontiers, From::kApproach, true},
-    {ModeKind::kLookAround, 1.0, 1.0, false, Way::kFrontiers, From::kTurn, true},
+constexpr std::array<ModePolicy, 10> kPolicyTable = {{
+    {ModeKind::kExplore, 1.0, 1.0, false, Way::kTarget, From::kAll, true},
+    {ModeKind::kApproach, 1.0, 1.0, false, Way::kTarget, From::kApproach, true},
+    {ModeKind::kLookAround, 1.0, 1.0, false, Way::kTarget, From::kTurn, true},
     {ModeKind::kRetreat, 0.0, 2.0, true, Way::kRetreat, From::kAll, false},
-    {ModeKind::kTurnOnTheSpot, 1.0, 1.0, false, Way::kFrontiers, From::kTurn, false},
-    {ModeKind::kDone, 1.0, 1.0, false, Way::kFrontiers, From::kAll, true},
+    {ModeKind::kTurnOnTheSpot, 1.0, 1.0, false, Way::kTarget, From::kTurn, false},
+    {ModeKind::kGoToGoal, 1.0, 1.0, false, Way::kTarget, From::kAll, true},
+    {ModeKind::kReturn, 1.0, 1.0, false, Way::kTarget, From::kAll, true},
+    {ModeKind::kArrive, 0.0, 1.0, false, Way::kTarget, From::kArrive, true},
+    {ModeKind::kHold, 0.0, 1.0, false, Way::kTarget, From::kStop, false},
+    {ModeKind::kDone, 1.0, 1.0, false, Way::kTarget, From::kAll, true},
 }};
 
 }  // namespace
@@ -20,7 +24,7 @@ constexpr std::array<ModePolicy, 6> kPolicyTable = {{
 const ModePolicy& policy(ModeKind mode) { return kPolicyTable[static_cast<std::size_t>(mode)]; }
 
 std::string_view to_string(ModePolicy::CostToGo cost_to_go) {
-  return cost_to_go == Way::kRetreat ? "retreat" : "frontiers";
+  return cost_to_go == Way::kRetreat ? "retreat" : "target";
 }
 
 std::string_view to_string(ModePolicy::Seeds seeds) {
@@ -31,6 +35,10 @@ std::string_view to_string(ModePolicy::Seeds seeds) {
       return "approach";
     case From::kTurn:
       return "turn";
+    case From::kArrive:
+      return "arrive";
+    case From::kStop:
+      return "stop";
   }
   return "?";
 }

@@ -7,13 +7,15 @@ namespace prospect {
 /// What a mode means for the planning problem of a step.
 struct ModePolicy {
   enum class CostToGo {
-    kFrontiers,  ///< to the frontiers
-    kRetreat     ///< to where enough features were tracked, if anywhere
+    kTarget,  ///< to the frontiers, or to the goal of the task
+    kRetreat  ///< to where enough features were tracked, if anywhere
   };
   enum class Seeds {
     kAll,       ///< all of them, the best polished by the solver
     kApproach,  ///< along the way to the target, then facing it; the first certified one is taken
-    kTurn       ///< turning on the spot; the first certified one is taken
+    kTurn,      ///< turning on the spot; the first certified one is taken
+    kArrive,    ///< straight to the goal and turning to its heading; likewise
+    kStop       ///< braking
   };
   ModeKind mode;
   double exploration_weight;  ///< factor on planner.w_e
@@ -28,7 +30,7 @@ struct ModePolicy {
 
 const ModePolicy& policy(ModeKind mode);
 
-/// "frontiers", "retreat"; "all, polished", "approach", "turn".
+/// "target", "retreat"; "all, polished", "approach", "turn", "arrive", "stop".
 std::string_view to_string(ModePolicy::CostToGo cost_to_go);
 std::string_view to_string(ModePolicy::Seeds seeds);
 

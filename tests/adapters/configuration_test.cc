@@ -187,5 +187,65 @@ TEST(Configuration, UnusableShapesAreRefusedOnce) {
   refused("type: egg", "expected one of: cylinder, box, spheres, convex");
 }
 
+TEST(Configuration, TasksAndZones) {
+  const Configuration c = read(
+      "task: {kind: go, goal: [2, -1.5, 90], position_tolerance: 0.1}\n"
+      "zones:\n"
+      "  bound: [-5, -5, 5, -5, 5, 5, -5, 5]\n"
+      "  keep_out: [{area: [0, 0, 1, 0, 1, 1]}, {area: [3, 3, 4, 3, 4, 4]}]\n"
+      "  slow: [{area: [-2, -2, -1, -2, -1, -1], max_speed: 0.2}]\n"
+      "mission: {return: true, until: {coverage: 0.9}}\n"
+      "simulator: {map: known.bt}\n");
+  EXPECT_EQ(c.planner.task.kind, TaskKind::kGoTo);
+  EXPECT_EQ(c.planner.task.goal.position, Eigen::Vector2d(2, -1.5));
+  EXPECT_NEAR(c.planner.task.goal.yaw.value(), M_PI / 2, 1e-12);
+  EXPECT_EQ(c.planner.task.goal.position_tolerance, 0.1);
+  ASSERT_TRUE(c.planner.zones.bound);
+  EXPECT_EQ(c.planner.zones.bound->size(), 4u);
+  ASSERT_EQ(c.planner.zones.keep_out.size(), 2u);
+  EXPECT_EQ(c.planner.zones.keep_out[1][2], Eigen::Vector2d(4, 4));
+  ASSERT_EQ(c.planner.zones.slow.size(), 1u);
+  EXPECT_EQ(c.planner.zones.slow[0].max_speed, 0.2);
+  EXPECT_TRUE(c.mission.return_when_done);
+  EXPECT_EQ(c.until_coverage, 0.9);
+  EXPECT_EQ(c.map, "known.bt");
+  // What is in effect reads back as itself.
+  const std::string text = effective_yaml(c.entries);
+  const Configuration again = read(text);
+  EXPECT_EQ(effective_yaml(again.entries), text);
+  EXPECT_EQ(again.planner.zones.keep_out, c.planner.zones.keep_out);
+  EXPECT_EQ(again.planner.task.goal.yaw, c.planner.task.goal.yaw);
+
+  const Configuration none = read("");
+  EXPECT_EQ(none.planner.task.kind, TaskKind::kExplore);
+  EXPECT_FALSE(none.planner.task.area);
+  EXPECT_TRUE(none.planner.zones.empty());
+  EXPECT_FALSE(none.mission.return_when_done);
+  EXPECT_EQ(none.map, "");
+  EXPECT_TRUE(read("task: {area: [0, 0, 1, 0, 1, 1]}").planner.task.area);
+}
+
+TEST(Configuration, WrongTasksAndZonesAreALineEach) {
+  const std::vector<std::pair<std::string, std::string>> table = {
+      {"task: {kind: fly}", "expected one of"},
+      {"task: {kind: go}", "f.yaml:1: task.goal: 0 numbers; expected x, y"},
+      {"task: {kind: go, goal: [1, 2, 3, 4]}", "4 numbers; expected x, y"},
+      {"task: {area: [0, 0, 1, 0, 1]}", "5 numbers; expected x and y of each corner"},
+      {"task: {area: [0, 0, 2, 2, 2, 0, 0, 2]}", "sides 1 and 3 meet"},
+      {"zones: {bound: [0, 0, 1, 1]}", "zones.bound: 2 corners; expected 3"},
+      {"zones: {keep_out: [{area: [0, 0, 1, 0]}]}", "zones.keep_out[0].area: 2 corners"},
+      {"zones: {slow: [{area: [0, 0, 1, 0, 1, 1], max_speed: 0}]}", "max_speed"},
+      {"zones: {slow: [{area: [0, 0, 1, 0, 1, 1]}]}", "max_speed"},
+      {"task: {kind: go, goal: [0.5, 0.5]}\nzones: {keep_out: [{area: [0, 0, 1, 0, 1, 1, 0, 1]}]}",
+       "f.yaml:1: task: goal: is in keep-out 1; expected at least"},
+      {"mission: {until: {coverage: 1.5}}", "until.coverage"},
+  };
+  for (const auto& [text, expected] : table) {
+    const std::string said = problems(text);
+    EXPECT_THAT(said, HasSubstr(expected)) << text;
+    EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+  }
+}
+
 }  // namespace
 }  // namespace prospect::configuration_test

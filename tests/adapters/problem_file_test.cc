@@ -396,8 +396,8 @@ TEST_F(ProblemFileTest, SaysWhichEntryIsNoneOfAProblemWhateverItClaims) {
             "/format: missing; expected a text of a fixed length, at most 4096 bytes");
   EXPECT_EQ(after([](hid_t f) { set_text(f, "/", "format", "prospect map"); }),
             "/format: is 'prospect map'; expected 'prospect problem'");
-  EXPECT_EQ(after([](hid_t f) { set_integer(f, "/", "version", 3); }),
-            "/version: is 3; expected 1 to 2, those that this program knows");
+  EXPECT_EQ(after([](hid_t f) { set_integer(f, "/", "version", 4); }),
+            "/version: is 4; expected 1 to 3, those that this program knows");
   EXPECT_THAT(after([](hid_t f) { set_integer(f, "/", "version", -1); }),
               StartsWith("/version: is -1; expected"));
   EXPECT_THAT(
@@ -665,6 +665,33 @@ TEST_F(ProblemFileTest, ReadsVersionOne) {
   edit(path("one.h5"), [](hid_t f) { set_integer(f, "/", "version", 2); });
   EXPECT_THAT(refused(path("one.h5")),
               StartsWith("/terms/visible_features/landmarks/crowding: missing; expected"));
+}
+
+// Zones are what version 3 has; a file without them is one of version 2, which programs read that
+// know of none.
+TEST_F(ProblemFileTest, KeepsZonesToTheBit) {
+  SavedProblem problem = small_problem();
+  write_problem(path("two.h5"), problem);
+  edit(path("two.h5"), [](hid_t f) { set_integer(f, "/", "version", 3); });
+  EXPECT_EQ(read_problem(path("two.h5")).saved.recipe.zones, nullptr);
+  Zones zones;
+  zones.keep_out = {{{0.1, 0.2}, {1.0 / 3.0, 0.2}, {0.3, 0.9}}, {{2, 2}, {3, 2}, {3, 3}, {2, 3}}};
+  zones.slow = {{{{-1, -1}, {0, -1}, {0, 0.1}}, 0.1 + 0.2}};
+  problem.recipe.zones = std::make_shared<const ZoneMap>(zones);
+  problem.seeds.clear();
+  write_problem(path("three.h5"), problem);
+  const ReadProblem read = read_problem(path("three.h5"));
+  ASSERT_NE(read.saved.recipe.zones, nullptr);
+  const Zones& back = read.saved.recipe.zones->zones();
+  EXPECT_FALSE(back.bound);
+  EXPECT_EQ(back.keep_out, zones.keep_out);
+  ASSERT_EQ(back.slow.size(), 1u);
+  EXPECT_EQ(back.slow[0].area, zones.slow[0].area);
+  EXPECT_EQ(back.slow[0].max_speed, 0.1 + 0.2);
+  expect_same_problem(*make_problem(problem.recipe), *read.problem);
+  ASSERT_NE(read.problem->definition().zones, nullptr);
+  edit(path("three.h5"), [](hid_t f) { set_number(f, "/zones/slow/1", "max_speed", -1.0); });
+  EXPECT_THAT(refused(path("three.h5")), StartsWith("/zones: slow 1: max_speed is -1"));
 }
 
 TEST_F(ProblemFileTest, LeavesTheSettingsOfHdf5AsTheyWere) {

@@ -298,5 +298,30 @@ TEST(Report, HoldsWhatTheRobotDidAndWhy) {
   for (const int magic : {0x89, 0x50, 0x4E, 0x47}) EXPECT_EQ(png.byte(), magic);
 }
 
+TEST(Report, HoldsWhatTheRobotWasTold) {
+  RunRecord run = synthetic_run(6);
+  run.zones.bound = Polygon{{0, 0}, {24, 0}, {24, 16}, {0, 16}};
+  run.zones.keep_out = {{{1.111, 2}, {3, 2}, {3, 4}}};
+  run.zones.slow = {{{{5, 5}, {6, 5}, {6, 6}}, 0.25}};
+  for (StepRecord& s : run.steps) s.task = "explore";
+  run.steps[4].task = "go to";
+  run.steps[4].goal = Eigen::Vector2d(7.5, 8.0);
+  const nlohmann::json json = data(render_report(run));
+  EXPECT_EQ(json["zones"]["bound"].size(), 4u);
+  EXPECT_TRUE(json["zones"]["area"].is_null());
+  EXPECT_EQ(json["zones"]["keep_out"][0][0][0], 1.11);
+  EXPECT_EQ(json["zones"]["slow"][0]["max_speed"], 0.25);
+  Reader x(json["columns"]["goal_x"]), yaw(json["columns"]["goal_yaw"]);
+  for (int k = 0; k < 6; ++k) {
+    const float goal = x.number();
+    EXPECT_EQ(std::isnan(goal), k != 4);
+    if (k == 4) {
+      EXPECT_EQ(goal, 7.5F);
+    }
+    EXPECT_TRUE(std::isnan(yaw.number()));
+  }
+  EXPECT_EQ(json["words"]["task"]["words"], nlohmann::json({"explore", "go to"}));
+}
+
 }  // namespace
 }  // namespace prospect::report_test

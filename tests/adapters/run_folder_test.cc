@@ -128,6 +128,8 @@ StepRecord plain_step() {
   s.mode_since = 1.25;
   s.caution = "normal";
   s.target_change = "seen";
+  s.task = "go to";
+  s.goal = Eigen::Vector2d(4.5, -0.25);
   s.why = "Approaches, since nothing else helped.";
   s.target = TargetRecord{{2.0, -1.5}, {3.5, -1.0}, 0.75, 0.25, 1.125};
   s.seeds_scored = 26;
@@ -151,12 +153,12 @@ TEST_F(RunFolderTest, WritesAStepByHand) {
       "term_clearance,predicted_features,tracked_features,localization,localization_error,"
       "coverage,area,path_length,collisions,clearance,cost_evaluations,"
       "gradient_evaluations,stop_reason,quality,certified,certificate,active_frontiers,"
-      "guard_stops,guard_reason,mode,cause,mode_since,caution,target_change,target_x,target_y,"
+      "guard_stops,guard_reason,task,goal_x,goal_y,goal_yaw,mode,cause,mode_since,caution,target_change,target_x,target_y,"
       "looks_x,looks_y,target_length,target_area,way_left,seeds_scored,features_weight,rejected,"
       "why\n"
       "3,1.5,1.25,-2,0.1,1.5,-2.5,3.141592653589793,0.4,0,-0.3,optimised,tail,7.5,0,2,0.1,"
       "41.5,39,ok,0.0625,0.25,12.5,8,0,0.3,90,30,converged,feasible optimum,1,"
-      "\"clear, 0.21 m \"\"or more\"\" all along\",2,1,map,approach,no "
+      "\"clear, 0.21 m \"\"or more\"\" all along\",2,1,map,go to,4.5,-0.25,,approach,no "
       "progress,1.25,normal,seen,2,-1.5,3.5,-1,"
       "0.75,0.25,1.125,26,1.5,arc 1.25 refused; turn 8 not tried,"
       "\"Approaches, since nothing else helped.\"\n");

@@ -206,6 +206,31 @@ TEST(Simulator, CoverageCountsWhatHasReallyBeenSeen) {
   EXPECT_LT(differ, total / 50);
 }
 
+TEST(Simulator, BeginsWithAMapAndWhatItKnowsIsSeen) {
+  const auto world = office_like();
+  Grid<std::uint8_t> all(world->voxels.frame(), 1);
+  Simulator first(world, perfect());
+  first.set_reachable(all);
+  tour(first);
+  ASSERT_GT(first.coverage(), 0.8);
+  SimulatorOptions options = perfect();
+  options.map = first.sense()->octree;
+  Simulator second(world, options);
+  second.set_reachable(all);
+  EXPECT_NEAR(second.coverage(), first.coverage(), 0.02);
+  EXPECT_NEAR(second.seen_area(), first.seen_area(), 0.02 * first.seen_area());
+  const auto before = first.sense()->ground, after = second.sense()->ground;
+  int differ = 0;
+  for (int n = 0; n < before->frame().size(); ++n) {
+    const Cell c = before->frame().at(n);
+    differ += before->state(c) != after->state(c);
+  }
+  EXPECT_LT(differ, before->frame().size() / 100) << "but for what the first look changes";
+  Simulator nothing(world, perfect());
+  nothing.set_reachable(all);
+  EXPECT_LT(nothing.coverage(), 0.5 * second.coverage());
+}
+
 TEST(Simulator, EstimateDriftsAndItsCovarianceSaysHowMuch) {
   const auto world = office_like();
   double error = 0.0, predicted = 0.0;

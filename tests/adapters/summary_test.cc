@@ -89,6 +89,9 @@ TEST(SummaryJson, HasTheStableNamesAndNullForNotFinite) {
   s.solver = "nlopt:LD_SLSQP";
   s.seed = 18446744073709551615ULL;
   s.reason = "explored";
+  s.task = "explore";
+  s.done = true;
+  s.detail = "Done: no frontier is left.";
   s.drift_percent = INFINITY;
   const auto json = nlohmann::json::parse(summary_json(s));
   for (const char* name : {"world",
@@ -121,6 +124,9 @@ TEST(SummaryJson, HasTheStableNamesAndNullForNotFinite) {
   EXPECT_TRUE(json["time_to_95_s"].is_null());
   EXPECT_TRUE(json["drift_percent"].is_null());
   EXPECT_EQ(json["plan_ms"]["p95"], 12.0);
+  EXPECT_EQ(json["task"], "explore");
+  EXPECT_EQ(json["done"], true);
+  EXPECT_EQ(json["detail"], "Done: no frontier is left.");
 }
 
 TEST(SummaryJson, TakesTextThatIsNoUtf8) {

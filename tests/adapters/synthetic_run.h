@@ -247,7 +247,7 @@ inline RunRecord synthetic_run(int steps) {
       target.looks_at =
           target.viewpoint + 1.8 * (after - goal + Eigen::Vector2d(1e-9, 0.0)).normalized();
       target.length = 1.4 + 0.3 * std::sin(0.3 * k);
-      target.worth = 6.0;
+      target.area = 6.0;
       target.way_left = (target.viewpoint - estimate).norm();
       if (mode != "look around") s.target = target;
       char text[200];
@@ -260,9 +260,9 @@ inline RunRecord synthetic_run(int steps) {
                       s.active_frontiers);
       } else {
         std::snprintf(text, sizeof text,
-                      "goes to a frontier of %.1f m, %.1f m away: worth %.1f m of way, the most of "
+                      "goes to a frontier of %.1f m, %.1f m away: promises %.1f m2, the most of "
                       "%d frontiers",
-                      target.length, target.way_left, target.worth, s.active_frontiers);
+                      target.length, target.way_left, target.area, s.active_frontiers);
       }
       s.why = text;
       s.seeds_scored = 12;

@@ -20,7 +20,7 @@ int main(int argc, char** argv) {
   prospect::RunRecord run = prospect::synthetic_run(n);
   if (argc == 4) {
     for (prospect::StepRecord& s : run.steps) {
-      s.mode = s.cause = s.caution = s.search = s.why = "";
+      s.mode = s.cause = s.caution = s.target_change = s.why = "";
       s.target.reset();
       s.candidates.clear();
       s.cost_to_go.reset();

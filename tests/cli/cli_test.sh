@@ -29,6 +29,14 @@ succeeds() {
   run "$@"
   ((code == 0)) || fail "$what: exit $code, expected 0; '$err'"
 }
+# timed_out WHAT ARGUMENT...: a mission that ran well until its time was up: its task is not done.
+timed_out() {
+  local what="$1"
+  shift
+  run "$@"
+  ((code == 1)) || fail "$what: exit $code, expected 1: its time is up; '$err'"
+  grep -q 'time limit' out.txt || fail "$what: no word of its time limit in '$out'"
+}
 # refused WHAT NAMED EXPECTED ARGUMENT...: bad input, whose message names the culprit and what was
 # expected (both as fixed text), and which leaves nothing behind.
 refused() {
@@ -48,7 +56,7 @@ explore=(explore --time-limit 1 --quiet --out run)
 
 # --- A short mission, twice: the same bytes, and the files that every run leaves.
 for n in first second; do
-  succeeds "$n mission" explore office --time-limit 5 --seed 3 --quiet --out "$n" --json
+  timed_out "$n mission" explore office --time-limit 5 --seed 3 --quiet --out "$n" --json
 done
 for file in steps.csv trajectory_estimated.tum trajectory_true.tum map.bt config.yaml; do
   [[ -s first/$file ]] || fail "the run has no $file"
@@ -58,10 +66,10 @@ for file in summary.json report.html timing.csv; do
   [[ -s first/$file ]] || fail "the run has no $file"
 done
 (($(wc -l <first/steps.csv) > 5)) || fail "steps.csv has hardly any row"
-succeeds "another seed" explore office --time-limit 5 --seed 4 --quiet --out fourth
+timed_out "another seed" explore office --time-limit 5 --seed 4 --quiet --out fourth
 ! cmp -s first/trajectory_true.tum fourth/trajectory_true.tum ||
   fail "another seed gives the same trajectory"
-succeeds "explore --json" explore office --time-limit 1 --quiet --out json --json
+timed_out "explore --json" explore office --time-limit 1 --quiet --out json --json
 cp out.txt out.json
 for key in world solver seed reason coverage area_m2 collisions losses duration_s wall_s \
   path_length_m time_to_90_s time_to_95_s time_to_99_s localization_rmse_m localization_final_m \
@@ -73,15 +81,39 @@ done
 cmp -s out.json json/summary.json || fail "explore --json prints other facts than summary.json"
 [[ ! -s err.txt ]] || fail "explore --quiet wrote to standard error: '$(<err.txt)'"
 # A map that was built is a world to explore; an earlier run's folder may be used again.
-succeeds "a map of an earlier run as the world" explore first/map.bt --time-limit 1 --quiet \
+timed_out "a map of an earlier run as the world" explore first/map.bt --time-limit 1 --quiet \
   --out again
-succeeds "a run folder used again" explore office --time-limit 1 --quiet --out again
-succeeds "a start to the left of the origin" explore office --time-limit 1 --quiet --out again \
+timed_out "a run folder used again" explore office --time-limit 1 --quiet --out again
+timed_out "a start to the left of the origin" explore office --time-limit 1 --quiet --out again \
   --start 2 1.5 -90
 
-succeeds "a summary in words" explore office --time-limit 1 --quiet --out words
+timed_out "a summary in words" explore office --time-limit 1 --quiet --out words
 ! grep -qiw nan out.txt || fail "the summary in words has a number that is none: '$out'"
 ! grep -qw nan words/summary.json || fail "summary.json has a number that is none"
+
+# --- Tasks: done or not, and why.
+succeeds "enough, and back" explore office --until 12m2 --return --quiet --out task
+grep -q 'done: enough was seen. It is back where it began.' out.txt ||
+  fail "--until --return does not say that it is done: '$out'"
+grep -q ',return,' task/steps.csv || fail "steps.csv does not name the task to return"
+succeeds "a place to go to" explore office --go 2.5,5.3,90 --quiet --out task --json
+for fact in '"task": "go to"' '"done": true' '"reason": "goal reached"'; do
+  grep -qF "$fact" out.txt || fail "--go: no $fact in '$out'"
+done
+grep -q 'goal: \[2.5, 5.3, 90\]' task/config.yaml || fail "config.yaml does not hold the goal"
+succeeds "on from a map" explore office --until 0.12 --map first/map.bt --quiet --out task
+grep -q 'map: first/map.bt' task/config.yaml || fail "config.yaml does not name the map"
+printf 'zones: {keep_out: [{area: [2, 5, 3, 5, 3, 6, 2, 6]}]}\n' >keep_out.yaml
+refused "a goal in a keep-out" --go: "is in keep-out 1; expected" "${explore[@]}" office \
+  --go 2.5,5.3 --config keep_out.yaml
+refused "a goal of one number" --go: "2" "${explore[@]}" office --go 2.5
+refused "more than all" --until: "'1.5'; expected a share" "${explore[@]}" office --until 1.5
+refused "an area of nothing" --until: "'0m2'; expected a share" "${explore[@]}" office --until 0m2
+refused "a map that there is not" nothing.bt "no such file; expected" "${explore[@]}" office \
+  --map nothing.bt
+printf 'simulator: {map_resolution: 0.05}\n' >finer.yaml
+refused "a map of another resolution" first/map.bt "resolution is 0.1 m; expected 0.05 m" \
+  "${explore[@]}" office --map first/map.bt --config finer.yaml
 
 # --- Worlds that cannot be read.
 : >empty.bt
@@ -131,7 +163,7 @@ printf 'robot: {model: multirotor}\n' >flies.yaml
 refused "a robot that flies" robot.model "'multirotor', which flies; expected a model that drives" \
   "${explore[@]}" office --config flies.yaml
 printf 'robot: {depth: {horizontal_fov: 360, vertical_fov: 0, max_range: 12}}\n' >lidar.yaml
-succeeds "a mission with a lidar" explore office --time-limit 1 --quiet --out lidar \
+timed_out "a mission with a lidar" explore office --time-limit 1 --quiet --out lidar \
   --config lidar.yaml
 run "${explore[@]}" office --config lidar.yaml --sensors camera
 if ((code != 3)); then  # 3: cameras are not built in
@@ -145,9 +177,9 @@ refused "two problems: the first" two.yaml:1: "expected at most N" config two.ya
 refused "two problems: the second" two.yaml:2: "did you mean 'time_limit'?" config two.yaml
 
 # --- Arguments.
-refused "start inside a wall" "start (0, 0)" "expected at least" \
+refused "start inside a wall" "start (0, 0)" "expected a place" \
   "${explore[@]}" office --start 0 0 0
-refused "start outside the map" "start (1000, 0)" "expected at least" \
+refused "start outside the map" "start (1000, 0)" "expected a place" \
   "${explore[@]}" office --start 1000 0 0
 refused "start that is no number" --start: "expected a number" "${explore[@]}" office --start 1 nan 0
 refused "start with two numbers" --start: "3 required" "${explore[@]}" office --start 1 1
@@ -196,10 +228,10 @@ cp out.txt effective.yaml
 grep -q 'N: 24 ' effective.yaml || fail "config does not show what the file says"
 succeeds "config of its own output" config effective.yaml
 cmp -s out.txt effective.yaml || fail "prospect config FILE does not read back as itself"
-succeeds "a run with a configuration" explore office --time-limit 1 --quiet --out with_own \
+timed_out "a run with a configuration" explore office --time-limit 1 --quiet --out with_own \
   --config own.yaml
 grep -q 'N: 24 ' with_own/config.yaml || fail "the run's config.yaml is not the one in effect"
-succeeds "a run with the default configuration in full" explore office --time-limit 5 --seed 3 \
+timed_out "a run with the default configuration in full" explore office --time-limit 5 --seed 3 \
   --quiet --out full --config defaults.yaml
 cmp -s full/steps.csv first/steps.csv || fail "the defaults written out plan differently"
 
@@ -209,12 +241,12 @@ run explore office --sensors camera --solver sampling --time-limit 1 --quiet --o
 if ((code == 3)); then
   grep -q 'not built in' err.txt || fail "cameras that are not built in: no message but '$err'"
 else
-  ((code == 0)) || fail "a mission with cameras: exit $code; '$err'"
+  ((code == 1)) || fail "a mission with cameras: exit $code, expected 1: its time is up; '$err'"
   for chosen in 'sensors: camera' 'solver: sampling' 'time_limit: 1 '; do
     grep -q "$chosen" cameras/config.yaml || fail "config.yaml does not say '$chosen'"
   done
   grep -q '"jpeg"' cameras/report.html || fail "the report of a mission with cameras has no image"
-  succeeds "a run repeated by its config.yaml" explore office --config cameras/config.yaml --quiet \
+  timed_out "a run repeated by its config.yaml" explore office --config cameras/config.yaml --quiet \
     --out repeated
   cmp -s cameras/steps.csv repeated/steps.csv || fail "config.yaml does not repeat the run"
 fi
@@ -230,8 +262,8 @@ named "list solvers" nlopt nlopt:LD_SLSQP ipopt sampling
 succeeds "list worlds" list worlds
 named "list worlds" office corridor loop
 succeeds "list modes" list modes
-for row in '| any | nothing could be reached for look_around | done | explored |' '| retreat | 0 | 2 |' \
-  '| reduced margin |' '| ordinary | nothing is reachable | short frontiers |'; do
+for row in '| any | exhausted for look_around | done | explored |' '| retreat | 0 | 2 |' \
+  '| reduced margin |' '| hold |'; do
   grep -qF "$row" out.txt || fail "list modes: no row '$row'"
 done
 succeeds "list modes as JSON" list modes --json
@@ -274,7 +306,7 @@ named "solve as a table" sampling control_effort
 
 # --- Problem files: of a mission that goes on as if none was written, and solved as if one was there.
 for n in saved saved_again; do
-  succeeds "a mission that saves problems" explore office --time-limit 5 --seed 3 --quiet \
+  timed_out "a mission that saves problems" explore office --time-limit 5 --seed 3 --quiet \
     --out "$n" --save-problems 4
   [[ "$(ls "$n/problems" | tr '\n' ' ')" == "step_000000.h5 step_000004.h5 step_000008.h5 " ]] ||
     fail "not the problems of every fourth step: '$(ls "$n/problems")'"
@@ -315,7 +347,7 @@ succeeds "solve with a plug-in" solve $problem --plugin "$plugin" --json \
   --solver nlopt,differential_evolution
 (($(grep -c '"quality": "feasible' out.txt) == 2)) || fail "solve with a plug-in: '$out'"
 for n in once twice; do
-  succeeds "explore with a plug-in" explore --plugin "$plugin" office --time-limit 2 --quiet \
+  timed_out "explore with a plug-in" explore --plugin "$plugin" office --time-limit 2 --quiet \
     --solver differential_evolution --out "plugin_$n" --json
 done
 grep -q '"solver": "differential_evolution"' out.txt || fail "explore with a plug-in: '$out'"
@@ -466,7 +498,7 @@ refused "a truncated map" killed/map.bt "expected" report killed --figure path,m
 rm killed/map.bt
 head -c $(($(wc -c <first/steps.csv) - 5)) first/steps.csv >killed/steps.csv
 refused "rows that are cut" killed/steps.csv: "expected the end of a line" report killed --figure path --out run
-sed '3s/,[^,]*$//' first/steps.csv >killed/steps.csv
+sed '3s/^[^,]*,//' first/steps.csv >killed/steps.csv
 refused "a row too short" killed/steps.csv:3: "fields; expected" report killed --figure path --out run
 sed '1s/estimated_x/estimate_x/' first/steps.csv >killed/steps.csv
 refused "a column that is absent" "no column 'estimated_x'" "expected" report killed --figure path --out run
@@ -548,7 +580,7 @@ done
 succeeds "map --json" map depth/posed --json --frames 2 --from 1
 grep -q '"frames": 2,' out.txt || fail "map --json: '$out'"
 [[ ! -s err.txt ]] || fail "map --json wrote to standard error"
-succeeds "a map read back" explore map1/map.bt --time-limit 1 --quiet --out run
+timed_out "a map read back" explore map1/map.bt --time-limit 1 --quiet --out run
 rm -rf run
 refused "map of nothing" nowhere "expected a recording in 7-Scenes" map nowhere --out run
 refused "map without intrinsics" depth/robot "expected camera-intrinsics.txt, or --camera" \

@@ -74,11 +74,25 @@ class FakeReplanner final : public Replanner {
     if (kind == PlanKind::kStoppingTail) plan.certified = false;
     guidance_ = std::make_shared<Guidance>();
     if (plans > steps) plan.mode = {ModeKind::kDone, cause, belief.stamp};
-    plan.why = "why";
+    if (told_to_return) {
+      plan.mode = {ModeKind::kReturn, Cause::kTaskGiven, belief.stamp};
+      if (--steps_back <= 0) plan.mode = {ModeKind::kDone, cause_back, belief.stamp};
+      plan.why = "back";
+    }
+    if (plan.why.empty()) plan.why = "why";
     return plan;
   }
   std::shared_ptr<const Guidance> guidance() const override { return guidance_; }
+  std::string set_task(const Task& task) override {
+    if (!takes_tasks) return Replanner::set_task(task);
+    told_to_return = task.kind == TaskKind::kReturn;
+    return "";
+  }
 
+  bool takes_tasks = true;
+  bool told_to_return = false;
+  int steps_back = 2;
+  Cause cause_back = Cause::kReturned;
   double speed = 0.2;
   int committed = 2;
   int steps = 1000000;
@@ -141,6 +155,9 @@ TEST_F(Mission, SaysWhyItIsDone) {
   for (const auto& [cause, end, text] :
        {std::tuple{Cause::kExplored, MissionEnd::kExplored, "explored"},
         {Cause::kYieldTooLow, MissionEnd::kYieldTooLow, "yield too low"},
+        {Cause::kGoalReached, MissionEnd::kGoalReached, "goal reached"},
+        {Cause::kReturned, MissionEnd::kReturned, "returned"},
+        {Cause::kGoalUnreachable, MissionEnd::kGoalUnreachable, "goal unreachable"},
         {Cause::kUnreachable, MissionEnd::kUnreachable, "unreachable"}}) {
     planner_.plans = 0;
     planner_.cause = cause;
@@ -150,6 +167,75 @@ TEST_F(Mission, SaysWhyItIsDone) {
     EXPECT_EQ(result.detail, "why");
     EXPECT_EQ(result.steps, 4);
     expect_stopped();
+  }
+}
+
+TEST_F(Mission, EndsWhenEnoughIsSeen) {
+  options_.enough = [](const MissionStep& step) { return step.index == 2; };
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kEnough);
+  EXPECT_EQ(to_string(result.end), "enough seen");
+  EXPECT_EQ(result.steps, 3);
+  EXPECT_TRUE(result.done());
+  EXPECT_FALSE(result.back.has_value());
+  expect_stopped();
+}
+
+TEST_F(Mission, ReturnsOnceItsTaskIsOver) {
+  options_.return_when_done = true;
+  options_.enough = [](const MissionStep& step) { return step.index >= 2; };
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kEnough) << "how the task ended";
+  EXPECT_EQ(result.detail, "enough was seen. It is back where it began.");
+  EXPECT_EQ(result.back, true);
+  EXPECT_TRUE(result.done());
+  EXPECT_EQ(result.steps, 5);
+  expect_stopped();
+}
+
+TEST_F(Mission, ATaskThatEndsWithoutTheRobotBackIsNotDone) {
+  options_.return_when_done = true;
+  options_.time_limit = 10.0;
+  planner_.steps = 3;
+  const auto run = [&] {
+    planner_.plans = 0;
+    planner_.told_to_return = false;
+    const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+    EXPECT_EQ(result.end, MissionEnd::kExplored);
+    EXPECT_EQ(result.back, false);
+    EXPECT_FALSE(result.done());
+    EXPECT_EQ(result.detail.find("why It did not get back: "), 0u) << result.detail;
+    expect_stopped();
+    return result.detail;
+  };
+  planner_.steps_back = 2;
+  planner_.cause_back = Cause::kGoalUnreachable;
+  EXPECT_NE(run().find("back: back"), std::string::npos);
+  planner_.steps_back = 1000;
+  EXPECT_NE(run().find("time limit"), std::string::npos);
+  planner_.takes_tasks = false;
+  EXPECT_NE(run().find("can only explore"), std::string::npos);
+  // Time that is up leaves none for the way back, and a robot that has just returned is there.
+  options_.time_limit = 1.0;
+  planner_.plans = 0;
+  planner_.told_to_return = false;
+  EXPECT_FALSE(run_mission(robot_, planner_, guard_, options_).back.has_value());
+  planner_.plans = 0;
+  planner_.steps = 0;
+  planner_.cause = Cause::kReturned;
+  const MissionResult returned = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_FALSE(returned.back.has_value());
+  EXPECT_TRUE(returned.done());
+}
+
+TEST_F(Mission, WhichEndsAreDone) {
+  for (const MissionEnd end : {MissionEnd::kExplored, MissionEnd::kYieldTooLow, MissionEnd::kEnough,
+                               MissionEnd::kGoalReached, MissionEnd::kReturned}) {
+    EXPECT_TRUE(task_done(end)) << to_string(end);
+  }
+  for (const MissionEnd end : {MissionEnd::kUnreachable, MissionEnd::kGoalUnreachable,
+                               MissionEnd::kTimeLimit, MissionEnd::kLost, MissionEnd::kCancelled}) {
+    EXPECT_FALSE(task_done(end)) << to_string(end);
   }
 }
 

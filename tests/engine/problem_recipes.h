@@ -59,6 +59,11 @@ inline std::vector<NamedRecipe> recipes_of_every_kind() {
   with("no prior", [](auto& p) { p.feature_prior = false; });
   with("unknown is free", [](auto& p) { p.unknown = UnknownPolicy::kFree; });
   with("unknown is blocked", [](auto& p) { p.unknown = UnknownPolicy::kBlocked; });
+  with("zones", [](auto& p) {
+    p.zones.bound = Polygon{{-2, -6}, {3, -6}, {3, 6}, {-2, 6}};
+    p.zones.keep_out = {{{0.8, -0.6}, {1.4, -0.3}, {0.9, 0.5}}};
+    p.zones.slow = {{{{-1, 0.3}, {1, 0.3}, {1, 2}, {-1, 2}}, 0.15}};
+  });
   with("no targets", [](auto& p) { p.max_targets = 0; });
   with(
       "no landmarks", [](auto&) {}, 0);

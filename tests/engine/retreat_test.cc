@@ -14,7 +14,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 Traversability of(const GroundMap& map) {
-  Traversability t{TraversabilityOptions{}};
+  Traversability t{TraversabilityOptions{.narrow_slack = 0.0}};
   t.update(map);
   return t;
 }

@@ -114,16 +114,24 @@ TEST(WayLengths, APriceOfADirectionMakesWaysDearerThatWay) {
   EXPECT_EQ(ways.unpriced({15, 30}), west);
 }
 
-TEST(WayLengths, ALimitEndsTheFloodAndAStartBesideTheFreeIsMoved) {
+TEST(WayLengths, ALimitEndsTheFloodAndARobotInAWallBeginsBesideIt) {
   WayLengths ways;
   EXPECT_EQ(ways.length({0, 0}), kInfinity);
-  ways.update(of(rooms(true)));
+  const Traversability t = of(rooms(true));
+  ways.update(t);
   ways.flood({30, 20}, 2.0);
   EXPECT_LT(ways.length({45, 20}), kInfinity);
   EXPECT_EQ(ways.length({55, 50}), kInfinity);
   ways.flood({10, 30});
-  EXPECT_LT(ways.length({45, 20}), kInfinity) << "in the wall, a passable place within 1 m";
-  ways.flood({-500, 0});
+  EXPECT_EQ(ways.length({45, 20}), kInfinity) << "in the wall";
+  ways.flood_from_robot(t, {10, 30});
+  EXPECT_LT(ways.length({45, 20}), kInfinity);
+  // Not through another wall.
+  ways.update(of(rooms(false)));
+  ways.flood_from_robot(of(rooms(false)), {57, 30});
+  EXPECT_LT(ways.length({45, 20}), kInfinity);
+  EXPECT_EQ(ways.length({80, 20}), kInfinity);
+  ways.flood_from_robot(t, {-500, 0});
   EXPECT_EQ(ways.length({45, 20}), kInfinity);
 }
 

@@ -77,7 +77,7 @@ foreach(list ${examples})
       set(arguments)
       if(program STREQUAL "solve_file")
         # A problem of a mission that the installed program drives.
-        run("${prefix}/bin/prospect" explore office --time-limit 1 --quiet --save-problems 1
+        run("${prefix}/bin/prospect" explore office --until 12m2 --quiet --save-problems 1
           --out "${WORK}/a mission")
         set(arguments "${WORK}/a mission/problems/step_000001.h5")
       endif()
@@ -117,7 +117,7 @@ foreach(list ${examples})
     if(NOT output MATCHES "\ndifferential_evolution +-?[0-9.]+ +0 +400 .* feasible")
       message(FATAL_ERROR "the plug-in solved nothing:\n${output}")
     endif()
-    run("${prefix}/bin/prospect" explore office --time-limit 1 --quiet --out "${WORK}/with a plug-in"
+    run("${prefix}/bin/prospect" explore office --until 1m2 --quiet --out "${WORK}/with a plug-in"
       --solver differential_evolution ${plugin})
     # Without the frame of Prospect's own names the linker would mix them with the program's.
     run(nm -D --defined-only -C "${tree}/libdifferential_evolution.so")

@@ -378,6 +378,41 @@ TEST(OccupancyMapper, ClearedBodyIsFreeButWallsStay) {
   EXPECT_EQ(ground->state({4, 4}), CellState::kUnknown);
 }
 
+TEST(OccupancyMapper, GoesOnFromAMapThatWasMade) {
+  std::mt19937_64 random(11);
+  OccupancyMapper first(exact_options());
+  for (int n = 0; n < 6; ++n) first.insert(room_scan({0, 0, 0.5}, 1.0 * n, random, 0.01));
+  auto tree = std::make_shared<octomap::OcTree>(*first.octree());
+  tree->prune();
+  OccupancyMapper second(exact_options());
+  second.load(*tree);
+  EXPECT_EQ(second.surface_voxels(), 0u) << "nothing was seen yet";
+  const auto known = first.voxels(), loaded = second.voxels();
+  int states = 0;
+  for (int n = 0; n < known->frame().size(); ++n) {
+    const Cell c = known->frame().at(n);
+    ASSERT_EQ(second.ground()->state(c), first.ground()->state(c));
+    ASSERT_EQ(second.ground()->see_through(c), first.ground()->see_through(c));
+    for (int k = known->k0(); k < known->k0() + known->depth(); ++k) {
+      ASSERT_EQ(loaded->state(c.i, c.j, k), known->state(c.i, c.j, k));
+      states += known->state(c.i, c.j, k) != CellState::kUnknown;
+    }
+  }
+  EXPECT_GT(states, 3000);
+  // A wall that is not there any more is cleared by what is seen, a few looks later.
+  const Eigen::Vector3d wall(2.95, 0.05, 0.55);
+  ASSERT_EQ(loaded->state(static_cast<int>(std::floor(wall.x() / kR)), 0, 5), CellState::kOccupied);
+  DepthScan through;
+  through.origin = {0.0, 0.05, 0.55};
+  through.misses = {Eigen::Vector3d(3.6, 0.05, 0.55)};
+  for (int n = 0; n < 3; ++n) second.insert(through);
+  EXPECT_EQ(second.voxels()->state(29, 0, 5), CellState::kFree);
+  // What is seen again counts as surface again.
+  second.insert(room_scan({0, 0, 0.5}, 1.0, random, 0.0));
+  EXPECT_GT(second.surface_voxels(), 20u);
+  EXPECT_THROW(second.load(octomap::OcTree(0.2)), std::invalid_argument);
+}
+
 TEST(OccupancyMapper, RejectsOptionsOutOfRange) {
   const auto rejects = [](auto change) {
     OccupancyMapperOptions options;

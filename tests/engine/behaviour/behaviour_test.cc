@@ -55,6 +55,18 @@ Behaviour after_retreat(double ended, bool failed, bool enough_since = true) {
   return b;
 }
 
+Facts told(TaskKind task, Facts f, const GoalFacts& goal = {}) {
+  f.task = task;
+  f.frontiers.reset();
+  if (has_goal(task)) f.goal = goal;
+  return f;
+}
+
+Facts given_at(double stamp, Facts f) {
+  f.task_given_at = stamp;
+  return f;
+}
+
 /// The rows in their order, each with a case that it decides.
 struct RowCase {
   Behaviour before;
@@ -69,7 +81,17 @@ std::vector<RowCase> row_cases() {
   cut.cut_off = true;
   low.low_yield = {3, 0.9};
   looking.exhausted_for = 7.5;
+  const GoalFacts there{.reached = true, .near = true, .distance = 0.1};
+  const GoalFacts near{.near = true, .distance = 0.4, .way_left = 0.4};
+  const GoalFacts slow{.way_left = 3.0, .stalled_for = 4.0, .stalled = true};
+  GoalFacts none{.unreachable = true, .unreachable_for = 8.0, .why = "it is in a wall"};
+  GoalFacts seeking = none;
+  seeking.unreachable_for = 7.5;
   return {
+      {in(kExplore), told(TaskKind::kHold, facts(9, kLost)), kHold, Cause::kTaskGiven},
+      {in(kArrive), told(TaskKind::kGoTo, facts(9), there), kDone, Cause::kGoalReached},
+      {in(kArrive), told(TaskKind::kReturn, facts(9), there), kDone, Cause::kReturned},
+      {in(kExplore), told(TaskKind::kGoTo, facts(9), none), kDone, Cause::kGoalUnreachable},
       {in(kExplore), with(facts(9), cut), kDone, Cause::kUnreachable},
       {in(kExplore), with(facts(9), low), kDone, Cause::kYieldTooLow},
       {in(kExplore), with(facts(9), gone), kDone, Cause::kExplored},
@@ -80,12 +102,23 @@ std::vector<RowCase> row_cases() {
       {in(kExplore), not_following(facts(9), 6.5), kTurnOnTheSpot, Cause::kNotFollowing},
       {in(kExplore), with(facts(9), looking), kLookAround, Cause::kNothingReachable},
       {in(kExplore), with(facts(9), stalled), kApproach, Cause::kNoProgress},
+      {in(kGoToGoal), told(TaskKind::kGoTo, facts(9), seeking), kLookAround,
+       Cause::kNothingReachable},
+      {in(kGoToGoal), told(TaskKind::kGoTo, facts(9), near), kArrive, Cause::kGoalNear},
+      {in(kGoToGoal), told(TaskKind::kGoTo, facts(9), slow), kApproach, Cause::kNoProgress},
+      {in(kRetreat), told(TaskKind::kGoTo, facts(9)), kGoToGoal, Cause::kTaskGiven},
+      {in(kExplore), told(TaskKind::kReturn, facts(9)), kReturn, Cause::kTaskGiven},
       {in(kRetreat), facts(1.0), kExplore, Cause::kLocalizationRegained},
       {in(kRetreat), facts(6.5, kDegraded), kExplore, Cause::kRetreatTimedOut},
       {in(kTurnOnTheSpot), facts(9), kExplore, Cause::kTurned},
       {in(kApproach), facts(9), kExplore, Cause::kProgress},
       {in(kLookAround), facts(9), kExplore, Cause::kReachableAgain},
+      {in(kDone), given_at(9, facts(9)), kExplore, Cause::kTaskGiven},
       {in(kDone), facts(9), kExplore, Cause::kReachableAgain},
+      {in(kGoToGoal), facts(9), kExplore, Cause::kTaskGiven},
+      {in(kReturn), facts(9), kExplore, Cause::kTaskGiven},
+      {in(kArrive), facts(9), kExplore, Cause::kTaskGiven},
+      {in(kHold), facts(9), kExplore, Cause::kTaskGiven},
       {in(kExplore), facts(9), kExplore, Cause::kStart},
   };
 }
@@ -128,6 +161,25 @@ TEST(Behaviour, Precedence) {
   EXPECT_EQ(decide(in(kExplore), not_following(facts(1, kLost), 1), kOptions).mode.kind, kRetreat);
 }
 
+// A robot that is lost neither knows that it is there nor goes on: it finds its way back first.
+TEST(Behaviour, LostOnTheWayToAGoal) {
+  const GoalFacts there{.reached = true, .near = true};
+  EXPECT_EQ(
+      decide(in(kGoToGoal), told(TaskKind::kGoTo, facts(9, kLost), there), kOptions).mode.kind,
+      kRetreat);
+  const Behaviour paused = after_retreat(8.5, false);
+  EXPECT_EQ(decide(paused, told(TaskKind::kReturn, facts(9, kLost, false, 0.5), there), kOptions)
+                .mode.kind,
+            kReturn);
+}
+
+// What was known of frontiers does not end another task, nor the goal of one the exploration.
+TEST(Behaviour, OnlyTheTaskCounts) {
+  Facts f = facts(9);
+  f.goal = GoalFacts{.reached = true};
+  EXPECT_EQ(decide(in(kExplore), f, kOptions).mode.kind, kExplore);
+}
+
 // Its map does not follow where the drift takes it, so it takes no way step by step.
 TEST(Behaviour, ALostRobotDoesNotApproach) {
   const FrontierFacts stalled{.target = true, .stalled = true};
@@ -143,6 +195,7 @@ TEST(Behaviour, WithoutTheFrontiersItIsTheSameWhatTheyAreNotAskedAbout) {
     if (all == kDone) continue;
     Facts without = c.facts;
     without.frontiers.reset();
+    without.goal.reset();
     const ModeKind some = decide(c.before, without, kOptions).mode.kind;
     EXPECT_EQ(policy(all).pursues, policy(some).pursues) << to_string(all);
   }
@@ -271,6 +324,7 @@ TEST(Behaviour, TheSentenceHasTheNumbersOfTheFacts) {
     EXPECT_EQ(sentence.find("inf"), std::string::npos) << sentence;
     EXPECT_GT(sentence.size(), 10u);
     if (c.to == kExplore || c.to == kRetreat) continue;
+    EXPECT_EQ(sentence.find(".."), std::string::npos) << sentence;
     EXPECT_TRUE(seen.insert(sentence).second) << sentence;
   }
 }
