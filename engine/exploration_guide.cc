@@ -362,7 +362,11 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     worth_.look(traversability_.see_through(), detector_.frontiers(), pose, stamp);
   }
   if (!attention.pursued) progress_.hold(stamp);
-  if (attention.got_lost && target_) fail_visit(detector_.frontiers(), TargetChange::kLost);
+  // A loss far from the target says nothing of it: other ways lead through there, too.
+  if (attention.got_lost && target_ &&
+      (frame.center(*target_) - p).norm() <= options_.worth.sensor_range) {
+    fail_visit(detector_.frontiers(), TargetChange::kLost);
+  }
   worth_.ignored(detector_.frontiers(), ignored_);
   leave_out_what_does_not_count();
   detector_.find_viewpoints(traversability_, ignored_);

@@ -38,7 +38,7 @@ struct ExplorationGuideOptions {
   std::optional<Polygon> area{};  ///< only frontiers in here are led to; none: all
   ProgressMonitor::Options progress;
 
-  double least_area = 0.2;   ///< [m^2] a frontier that promises less is not gone to
+  double least_area = 0.1;   ///< [m^2] a frontier that promises less is not gone to
   double least_rate = 0.01;  ///< [m^2/s] nor are those that do for the time that they take
   double look_time = 2.0;    ///< [s] of a look, beside the way to it
   double turn_price = 0.6;   ///< [m/rad] of way that turning counts as: v_max / omega_max
@@ -104,7 +104,7 @@ struct Guidance {
 ///   seen          its area fell below `resolved` times what it was, or below least_area;
 ///   unreachable   no way leads there any more;
 ///   no progress   the robot did not get on towards it (ProgressMonitor): its trust is lowered;
-///   lost          the way there cost the robot its localization: likewise;
+///   lost          localization was lost within the sensor's range of it: likewise;
 ///   better        every `reconsider` seconds: another sequence is worth `commitment` more.
 /// The reason is FrontierFacts::changed. V(p) = D(p, target) / v_max, D by the eikonal equation
 /// (cost_to_go_field.h); with an outlook, a metre travelled costs 1 + lambda max(0, 1 - N / N_req)

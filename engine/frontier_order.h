@@ -24,10 +24,11 @@ struct FrontierCandidate {
 
 /// A sequence of candidates and its value,
 ///
-///     J(s) = sum_n (every_look tau_{s_n} + E_{s_n}) exp(-(w_{s_1} + sum_{m=2..n} d_{s_{m-1} s_m}) / horizon)
+///     J(s) = sum_n (every_look tau_{s_n} + E_{s_n}) exp(-W_n / horizon),
+///     W_n  = w_{s_1} + sum_{m=2..n} d_{s_{m-1} s_m},
 ///
-/// tau its trust, w the way to a candidate, d the way between two: what is near, or lies on the way, comes first,
-/// but a room comes before the slivers around it.
+/// tau the trust in a candidate, w the way to it, d the way between two: what is near, or lies on
+/// the way, comes first, but a room comes before the slivers around it.
 struct FrontierSequence {
   std::vector<int> order;  ///< indices of candidates
   double value = 0.0;      ///< J [m^2]

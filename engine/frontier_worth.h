@@ -17,7 +17,7 @@ struct FrontierWorthOptions {
   double depth = 1.0;          ///< [m] how far behind a frontier its area counts
   double opening = 0.2;        ///< [m] clearance of unknown ground that counts
   double failed_look = 0.5;    ///< factor on the trust of a cell that a look did not resolve
-  double failed_visit = 0.5;   ///< ... that was not reached, or cost the robot its localization
+  double failed_visit = 0.5;   ///< ... near which a visit failed
   double visit_radius = 1.0;   ///< [m] around the target in which a visit counts
   double look_interval = 0.4;  ///< [s] steps closer in time than this count as one look
   double sensor_range = 4.0;   ///< r_max [m]
@@ -41,10 +41,10 @@ struct FrontierWorthOptions {
 /// a wall and a hole that noise left in it promise next to nothing, however long they are.
 ///
 /// tau_c in (0, 1] is the trust in cell c, 1 at first:
-///   * in view of a look and unknown all the same: times failed_look^w, w = min(1, 2 - 2 d / r_max):
-///     from a distance d beyond half the range a look tells less;
-///   * within visit_radius of a target that was given up, for want of progress or because the way
-///     to it cost the robot its localization: times failed_visit;
+///   * in view of a look and unknown all the same: times failed_look^w,
+///     w = min(1, 2 - 2 d / r_max): from a distance d beyond half the range a look tells less;
+///   * within visit_radius of a target that was given up, for want of progress or because
+///     localization was lost near it: times failed_visit;
 ///   * ground within renewal_cells that becomes known renews it: tau_c = 1. Known ground there that
 ///     changes (free to occupied or back) does so by half as much each time, tau_c = 1/2, 1/4, ...
 ///     at most: noise flips cells for ever.

@@ -9,9 +9,9 @@
 #include "engine/ground_map.h"
 #include "engine/heading_fit.h"
 #include "engine/heading_reach.h"
+#include "engine/zone_map.h"
 #include "models/robot_shape.h"
 #include "models/types.h"
-#include "engine/zone_map.h"
 
 namespace prospect {
 

@@ -38,7 +38,8 @@ std::string header(const std::vector<std::string>& terms) {
   return row +
          ",predicted_features,tracked_features,localization,localization_error,coverage,area,"
          "path_length,collisions,clearance,cost_evaluations,gradient_evaluations,stop_reason,"
-         "quality,certified,certificate,active_frontiers,guard_stops,guard_reason,task,goal_x,goal_y,"
+         "quality,certified,certificate,active_frontiers,guard_stops,guard_reason,task,goal_x,goal_"
+         "y,"
          "goal_yaw,mode,cause,mode_since,caution,target_change,target_x,target_y,looks_x,looks_y,"
          "target_length,target_area,way_left,seeds_scored,features_weight,rejected,why\n";
 }

@@ -222,7 +222,13 @@ void place_start(World& world, const BodySlice& slice, const std::optional<Pose>
   const Grid<HeadingMask> headings = fitting_headings(world.voxels, slice, 0.0);
   Grid<std::uint8_t> fits(headings.frame, 0);
   for (std::size_t n = 0; n < fits.data.size(); ++n) fits.data[n] = headings.data[n] != kNoHeading;
-  if (!any(fits)) {
+  if (any(fits)) world.start = default_start(world, slice, fits);
+  // A spot that it could not leave is no place to explore from, unless it is asked for.
+  constexpr double kLeastRoom = 0.1;  // [m^2]
+  const Cell at = fits.frame.cell(world.start.position.x(), world.start.position.y());
+  const Grid<std::uint8_t> around = connected_component(fits, at);
+  const double cells = static_cast<double>(std::count(around.data.begin(), around.data.end(), 1));
+  if (!any(fits) || cells * fits.frame.resolution * fits.frame.resolution < kLeastRoom) {
     const double top = (world.voxels.k0() + world.voxels.depth()) * world.voxels.resolution();
     throw InputError(
         world.name +
@@ -231,7 +237,6 @@ void place_start(World& world, const BodySlice& slice, const std::optional<Pose>
         " m around its origin, from z = " + number(slice.z_min) + " to " + number(slice.z_max) +
         " m");
   }
-  world.start = default_start(world, slice, fits);
   const HeadingMask there =
       headings[headings.frame.cell(world.start.position.x(), world.start.position.y())];
   int off = 0;  // headings 0, 1, -1, 2, -2 ...

@@ -252,7 +252,7 @@ TEST_F(Worlds, DefaultStartStandsInTheLargestSpace) {
   wide.shape = CylinderShape{{0, 0, 0.3}, 2.5, 0.4};
   EXPECT_THROW(place_start(placed, wide, std::nullopt, false), InputError);
   // Without ample room, wherever the body fits, at a heading at which it does: across here.
-  wide.shape = BoxShape{{0, 0, 0.3}, {3.8, 5.8, 0.4}};
+  wide.shape = BoxShape{{0, 0, 0.3}, {3.4, 5.4, 0.4}};
   place_start(placed, wide, std::nullopt, false);
   EXPECT_NEAR(placed.start.position.x(), 13.0, 0.2);
   EXPECT_NEAR(placed.start.yaw, M_PI / 2.0, 0.1);

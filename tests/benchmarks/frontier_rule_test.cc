@@ -7,15 +7,20 @@
 namespace prospect::frontier_rule_test {
 namespace {
 
+FrontierCandidate candidate(double way, double length) {
+  return {.frontier = 9, .area = 1.0, .way = way, .length = length};
+}
+
 TEST(FrontierRule, NearestTakesTheLeastDistanceWhateverTheLength) {
-  EXPECT_EQ(choose_frontier(FrontierRule::kNearest, {{4, 3.0, 9.0}, {1, 2.0, 0.5}, {7, 2.5, 50.0}}),
+  EXPECT_EQ(choose_frontier(FrontierRule::kNearest,
+                            {candidate(3.0, 9.0), candidate(2.0, 0.5), candidate(2.5, 50.0)}),
             1);
 }
 
 TEST(FrontierRule, CostUtilityWeighsThreeMetresOfPathAgainstNineOfLength) {
   const auto choose = [](double farther, double longer) {
     return choose_frontier(FrontierRule::kCostUtility,
-                           {{0, 2.0, 1.0}, {1, 2.0 + farther, 1.0 + longer}});
+                           {candidate(2.0, 1.0), candidate(2.0 + farther, 1.0 + longer)});
   };
   EXPECT_EQ(choose(3.0, 8.9), 0);
   EXPECT_EQ(choose(3.0, 9.1), 1);
@@ -23,9 +28,9 @@ TEST(FrontierRule, CostUtilityWeighsThreeMetresOfPathAgainstNineOfLength) {
 
 TEST(FrontierRule, TakesTheFirstOfEqualOnesAndNoneOfNone) {
   for (const FrontierRule rule : {FrontierRule::kNearest, FrontierRule::kCostUtility}) {
-    EXPECT_EQ(choose_frontier(rule, {{5, 2.0, 1.0}, {3, 2.0, 1.0}}), 5);
+    EXPECT_EQ(choose_frontier(rule, {candidate(2.0, 1.0), candidate(2.0, 1.0)}), 0);
     EXPECT_EQ(choose_frontier(rule, {}), -1);
-    EXPECT_EQ(choose_frontier(rule, {{5, std::numeric_limits<double>::infinity(), 1.0}}), -1);
+    EXPECT_EQ(choose_frontier(rule, {candidate(std::numeric_limits<double>::infinity(), 1.0)}), -1);
   }
 }
 

@@ -515,7 +515,8 @@ TEST(ExplorationGuide, ALostRobotGivesNothingUp) {
 TEST(ExplorationGuide, ATargetThatCostTheLocalizationIsWorthLess) {
   const HalfWhiteStrip strip;
   ExplorationGuideOptions options = ExplorationGuideOptions{};
-  options.frontiers.sensor_range = options.worth.sensor_range = 1.5;
+  options.frontiers.sensor_range = 1.5;
+  options.worth.sensor_range = 20.0;  // near enough to be to blame
   options.least_area = 0.01;
   options.least_rate = 0.0;
   ExplorationGuide guide(options);
@@ -551,6 +552,13 @@ TEST(ExplorationGuide, ATargetThatCostTheLocalizationIsWorthLess) {
     ++losses;
   }
   EXPECT_LT(losses, 20);
+  // Far from it a loss says nothing.
+  options.worth.sensor_range = 1.5;
+  ExplorationGuide far(options);
+  ASSERT_TRUE(east(*far.update(strip.map, pose, 0.0, {.looked = false})));
+  const auto after = far.update(strip.map, pose, 0.5, lost);
+  EXPECT_TRUE(east(*after));
+  EXPECT_EQ(after->facts.changed, TargetChange::kNone);
 }
 
 TEST(ExplorationGuide, ARuleMayChooseTheTarget) {

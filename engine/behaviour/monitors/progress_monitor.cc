@@ -13,6 +13,7 @@ ProgressMonitor::ProgressMonitor(const Options& options) : options_(options) {
                   "progress", "hopeless_after", options.hopeless_after, "more than stalled_after");
   positive("distance", options.distance);
   positive("area", options.area);
+  positive("away", options.away);
 }
 
 void ProgressMonitor::begin(double stamp, const Eigen::Vector2d& position, double explored,
@@ -58,7 +59,12 @@ void ProgressMonitor::update(bool same, const Eigen::Vector2d& position, double 
     stalled_ = false;
   }
   stalled_for_ = stamp_ - *progress_at_;
-  if (stalled_for_ >= options_.stalled_after - 1e-9) stalled_ = true;
+  if (stalled_for_ >= options_.stalled_after - 1e-9) {
+    if (!stalled_) stalled_at_ = position;
+    stalled_ = true;
+  } else if ((position - stalled_at_).norm() >= options_.away) {
+    stalled_ = false;
+  }
 }
 
 bool ProgressMonitor::hopeless() const { return stalled_for_ >= options_.hopeless_after - 1e-9; }

@@ -20,6 +20,7 @@ class ProgressMonitor {
     double hopeless_after = 8.0;  ///< [s] without progress, more than stalled_after
     double distance = 0.2;        ///< [m]
     double area = 0.1;            ///< [m^2]
+    double away = 1.0;            ///< [m] from where it stalled, a robot that gets on has got away
   };
 
   /// Throws std::invalid_argument naming the option, its value and what was expected.
@@ -40,7 +41,8 @@ class ProgressMonitor {
 
   /// [s] since the last progress.
   double stalled_for() const { return stalled_for_; }
-  /// No progress was made for stalled_after, and nothing new was seen of the same target since.
+  /// No progress was made for stalled_after; since then nothing new was seen of the same target,
+  /// and the robot did not get away.
   bool stalled() const { return stalled_; }
   bool hopeless() const;
 
@@ -53,6 +55,7 @@ class ProgressMonitor {
   double explored_ = 0.0;                               // [m^2] at the last progress by area
   double stalled_for_ = 0.0;                            // [s]
   bool stalled_ = false;
+  Eigen::Vector2d stalled_at_ = Eigen::Vector2d::Zero();  // where it began to be
 };
 
 }  // namespace prospect

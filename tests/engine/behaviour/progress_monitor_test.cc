@@ -39,6 +39,13 @@ TEST(ProgressMonitor, IsStalledUntilSomethingNewIsSeenOrTheTargetIsAnother) {
   nearer.update(true, kPlace + Eigen::Vector2d(0.3, 0.0), 2.5, 10.0);
   EXPECT_EQ(nearer.stalled_for(), 0.0);
   EXPECT_TRUE(nearer.stalled());
+  // ... until it has got away from there.
+  nearer.begin(4.0, kPlace, 10.0, 2.0);
+  nearer.update(true, kPlace + Eigen::Vector2d(0.9, 0.0), 2.0, 10.0);
+  EXPECT_TRUE(nearer.stalled());
+  nearer.begin(4.5, kPlace, 10.0, 1.5);
+  nearer.update(true, kPlace + Eigen::Vector2d(1.1, 0.0), 1.5, 10.0);
+  EXPECT_FALSE(nearer.stalled());
   ProgressMonitor seen = stalled();
   seen.update(true, kPlace, 3.0, 10.2);
   EXPECT_FALSE(seen.stalled());
