@@ -327,6 +327,17 @@ double CostToGoField::value(Cell c) const {
   return d_[static_cast<std::size_t>(frame_.index(c))];
 }
 
+Cell CostToGoField::downhill(Cell c) const {
+  Cell best = c;
+  for (int dj = -1; dj <= 1; ++dj) {
+    for (int di = -1; di <= 1; ++di) {
+      const Cell n{c.i + di, c.j + dj};
+      if (value(n) < value(best)) best = n;
+    }
+  }
+  return best;
+}
+
 bool CostToGoField::anchor_reached() const {
   return frame_.contains(anchor_) && reached(frame_.index(anchor_));
 }

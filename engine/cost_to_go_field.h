@@ -72,6 +72,8 @@ class CostToGoField {
 
   /// D [m of path equivalent]; +infinity where not reached or beyond the stopping value.
   double value(Cell c) const;
+  /// The one of the eight neighbours at which D is lowest; c itself if it is nowhere lower.
+  Cell downhill(Cell c) const;
   /// Largest value to which the field is settled [m]; +infinity if all of it is.
   double settled() const { return settled_; }
   /// The passable cell nearest to the robot, within 1 m, for which reachability is judged; the

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/held_up.h"
 #include "engine/stopwatch.h"
 #include "models/parameter_check.h"
 
@@ -13,11 +14,6 @@ namespace prospect {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPassageAhead =
-    2.0;  // [m] how far ahead the passage that held the robot up may lie
-constexpr double kPassageRadius = 0.3;  // [m] of the disc that is closed around its narrowest cell
-// [m] how far ahead of a robot that does not get on such a disc is closed: beyond its own cell.
-constexpr double kBlockedAhead = 0.4;
 constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
 constexpr double kFarthestBetween =
     3.0;  // horizons [-] beyond which the way between two candidates is not searched
@@ -64,7 +60,7 @@ ExplorationGuide::ExplorationGuide(const ExplorationGuideOptions& options)
 }
 
 void ExplorationGuide::close(Cell at, double stamp) {
-  traversability_.close(at, kPassageRadius);
+  traversability_.close(at, kHeldUpRadius);
   closings_.push_back({at, stamp + options_.closing_time});
 }
 
@@ -91,27 +87,15 @@ void ExplorationGuide::count_along_travel(const FeatureOutlook& outlook) {
   }
 }
 
-// The neighbour at which the field is lowest; c itself if it is nowhere lower.
-Cell ExplorationGuide::downhill(Cell c) const {
-  Cell best = c;
-  for (int dj = -1; dj <= 1; ++dj) {
-    for (int di = -1; di <= 1; ++di) {
-      const Cell n{c.i + di, c.j + dj};
-      if (field_.value(n) < field_.value(best)) best = n;
-    }
-  }
-  return best;
-}
-
 // The first narrow place on the way down.
 std::optional<Cell> ExplorationGuide::narrow_ahead() const {
   if (!field_.anchor_reached()) return std::nullopt;
   const Cell goal = field_.source_of_anchor();
-  const int steps = static_cast<int>(kPassageAhead / traversability_.frame().resolution);
+  const int steps = static_cast<int>(kHeldUpWithin / traversability_.frame().resolution);
   Cell c = field_.anchor();
   for (int step = 0; step < steps; ++step) {
     if (traversability_.narrow(c)) return c;
-    const Cell next = downhill(c);
+    const Cell next = field_.downhill(c);
     if (c == goal || next == c) break;
     c = next;
   }
@@ -126,7 +110,7 @@ double ExplorationGuide::way_left() const {
   Cell c = field_.anchor();
   double length = 0.0;
   while (!(c == goal)) {
-    const Cell next = downhill(c);
+    const Cell next = field_.downhill(c);
     if (next == c) break;
     length += r * std::hypot(next.i - c.i, next.j - c.j);
     c = next;
@@ -207,30 +191,27 @@ void ExplorationGuide::measure_ways(const Pose& pose, const std::vector<Frontier
   ways_.update(traversability_);
   ways_.flood_from_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()),
                          way_price);
-  way_.assign(frontiers.size(), kInfinity);
-  time_.assign(frontiers.size(), kInfinity);
-  viewpoint_.assign(frontiers.size(), Cell{});
+  way_to_.assign(frontiers.size(), Way{});
   detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
-    const auto at = static_cast<std::size_t>(k);
-    double way = ways_.length(c) + cost;
-    if (way >= way_[at]) return;
-    if (price) way += price(c, sees);
-    if (way >= way_[at]) return;
-    way_[at] = way;
-    time_[at] = ways_.unpriced(c) + cost;
-    viewpoint_[at] = c;
+    Way& best = way_to_[static_cast<std::size_t>(k)];
+    double length = ways_.length(c) + cost;
+    if (length >= best.length) return;
+    if (price) length += price(c, sees);
+    if (length >= best.length) return;
+    best = {length, (ways_.unpriced(c) + cost) / options_.cost_to_go.v_max + options_.look_time, c};
   });
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
-    if (!(way_[k] < kInfinity)) continue;
-    double heading = ways_.departure(viewpoint_[k]);
-    if (ways_.length(viewpoint_[k]) < kThere) {
+    Way& way = way_to_[k];
+    if (!(way.length < kInfinity)) continue;
+    double heading = ways_.departure(way.viewpoint);
+    if (ways_.length(way.viewpoint) < kThere) {
       const Eigen::Vector2d to = frontiers[k].centroid - pose.position.head<2>();
       heading = std::atan2(to.y(), to.x());
     }
     const double turn =
         options_.turn_price * std::abs(std::remainder(heading - pose.yaw, 2.0 * M_PI));
-    if (!options_.rule) way_[k] += turn;
-    time_[k] = (time_[k] + turn) / options_.cost_to_go.v_max + options_.look_time;
+    if (!options_.rule) way.length += turn;
+    way.time += turn / options_.cost_to_go.v_max;
   }
 }
 
@@ -240,9 +221,10 @@ int ExplorationGuide::choose(const std::vector<Frontier>& frontiers, int current
   std::vector<FrontierCandidate> candidates;
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
     const Frontier& f = frontiers[k];
-    if (f.area < options_.least_area || !(way_[k] < kInfinity)) continue;
+    const Way& way = way_to_[k];
+    if (f.area < options_.least_area || !(way.length < kInfinity)) continue;
     const auto counted = static_cast<double>(f.cells.size()) - f.ignored_cells;
-    candidates.push_back({static_cast<int>(k), f.area, way_[k], time_[k], f.trust,
+    candidates.push_back({static_cast<int>(k), f.area, way.length, way.time, f.trust,
                           counted * traversability_.frame().resolution});
   }
   if (candidates.empty()) return -1;
@@ -289,9 +271,9 @@ int ExplorationGuide::choose(const std::vector<Frontier>& frontiers, int current
   if (n > 1) {
     WayLengths from = ways_;
     for (Eigen::Index a = 0; a < n; ++a) {
-      from.flood(
-          viewpoint_[static_cast<std::size_t>(candidates[static_cast<std::size_t>(a)].frontier)],
-          kFarthestBetween * options_.order.horizon);
+      const int frontier = candidates[static_cast<std::size_t>(a)].frontier;
+      from.flood(way_to_[static_cast<std::size_t>(frontier)].viewpoint,
+                 kFarthestBetween * options_.order.horizon);
       for (const Viewpoint& v : viewpoints) {
         double& way = between(a, v.candidate);
         way = std::min(way, from.length(v.cell) + v.cost);
@@ -318,7 +300,7 @@ void ExplorationGuide::tell_what_is_left(const std::vector<Frontier>& frontiers,
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
     const Frontier& f = frontiers[k];
     if (!f.active || f.promise < options_.least_area) continue;
-    const bool reachable = way_[k] < kInfinity;
+    const bool reachable = way_to_[k].length < kInfinity;
     if (reachable && f.area >= options_.least_area) continue;  // its yield is too low: counted
     FrontiersLeft& left = reachable ? facts.failed : facts.unreachable;
     ++left.count;
@@ -347,14 +329,13 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   const bool open_all = last_->facts.exhausted;
   std::erase_if(closings_, [&](const Closing& c) {
     if (stamp < c.until && !open_all) return false;
-    traversability_.reopen(c.at, kPassageRadius);
+    traversability_.reopen(c.at, kHeldUpRadius);
     return true;
   });
   const GridFrame& frame = traversability_.frame();
-  if (attention.blocked && attention.blocked->allFinite()) {
-    const Eigen::Vector2d ahead = p + kBlockedAhead * *attention.blocked;
-    const Cell at = frame.cell(ahead.x(), ahead.y());
-    if (frame.contains(at)) close(at, stamp);
+  if (attention.blocked) {
+    const std::optional<Cell> at = held_up_at(frame, p, *attention.blocked);
+    if (at) close(*at, stamp);
   }
   detector_.update(traversability_);
   worth_.map_changed(frame, traversability_.newly_known(), traversability_.changed_states());
@@ -408,14 +389,14 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     int chosen = choose(frontiers, current, must, price, facts);
     // The lattice of ways is coarse: what it reaches may still be out of reach.
     while (!lead_to(chosen) && chosen >= 0) {
-      way_[static_cast<std::size_t>(chosen)] = kInfinity;
+      way_to_[static_cast<std::size_t>(chosen)].length = kInfinity;
       chosen = choose(frontiers, current, true, price, facts);
     }
     chosen_at_ = stamp;
     const bool same = chosen >= 0 && chosen == current && target_;
     // A target that was left for a better one has not shown what it could.
     if (must && target_area_ > 0.0) {
-      worth_.learn(target_promise_, target_area_ / target_yield_, explored - explored_then_);
+      worth_.learn(target_promise_, target_expected_, explored - explored_then_);
       target_area_ = 0.0;
     }
     if (!same) {
@@ -428,7 +409,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       const Frontier& f = frontiers[static_cast<std::size_t>(chosen)];
       target_area_ = f.area;
       target_promise_ = f.promise;
-      target_yield_ = worth_.yield(f.promise);
+      target_expected_ = f.area / worth_.yield(f.promise);
       explored_then_ = explored;
     }
     facts.exhausted = chosen < 0 && explored > 0.0;

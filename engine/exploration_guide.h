@@ -143,6 +143,12 @@ class ExplorationGuide {
   const CostToGoField& field() const { return field_; }
 
  private:
+  /// To a frontier.
+  struct Way {
+    double length = std::numeric_limits<double>::infinity();  // [m of path equivalent], w
+    double time = std::numeric_limits<double>::infinity();    // [s] of going and looking there
+    Cell viewpoint;                                           // at its end
+  };
   struct Closing {
     Cell at;
     double until;  // [s]
@@ -159,7 +165,6 @@ class ExplorationGuide {
   void tell_what_is_left(const std::vector<Frontier>& frontiers, FrontierFacts& facts) const;
   void fail_visit(const std::vector<Frontier>& frontiers, TargetChange why);
   bool is_cut_off() const;
-  Cell downhill(Cell c) const;
   double way_left() const;
   std::optional<Cell> narrow_ahead() const;
 
@@ -173,14 +178,12 @@ class ExplorationGuide {
   ExhaustionMonitor exhaustion_;
   Grid<std::uint8_t> ignored_;
   Grid<float> along_travel_;           // features seen in the direction of travel, by cell
-  std::vector<double> way_;            // [m] to each frontier, when the target was last chosen
-  std::vector<double> time_;           // [s] that going and looking there takes
-  std::vector<Cell> viewpoint_;        // at its end
+  std::vector<Way> way_to_;            // each frontier, when the target was last chosen
   std::vector<Eigen::Vector2d> been_;  // where the robot was while it was not lost, in W [m]
   std::vector<Closing> closings_;
   std::optional<Cell> target_;  // frontier cell that is led to
-  // When it was chosen: E and A [m^2], y(A), and what was explored [m^2].
-  double target_area_ = 0.0, target_promise_ = 0.0, target_yield_ = 1.0, explored_then_ = 0.0;
+  // When it was chosen: E, A, E / y(A) and what was explored [m^2].
+  double target_area_ = 0.0, target_promise_ = 0.0, target_expected_ = 0.0, explored_then_ = 0.0;
   double chosen_at_ = -std::numeric_limits<double>::infinity();  // [s]
   TargetChange dropped_ = TargetChange::kFirst;                  // why there is no target
   std::shared_ptr<const Guidance> last_;

@@ -16,8 +16,6 @@ namespace {
 constexpr float kNoSource = std::numeric_limits<float>::infinity();
 constexpr int kTile = GroundMap::kTile;
 
-bool scan_less(Cell a, Cell b) { return a.j != b.j ? a.j < b.j : a.i < b.i; }
-
 }  // namespace
 
 double viewpoint_cost(double distance, const FrontierOptions& options) {

@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
+#include "engine/behaviour/formatted.h"
+#include "engine/held_up.h"
 #include "engine/stopwatch.h"
 
 namespace prospect {
 namespace {
 
-constexpr double kClosed = 0.3;        // [m] radius of a place that is closed
-constexpr double kClosedAhead = 2.0;   // [m] how far ahead the narrowest place may lie
-constexpr double kBlockedAhead = 0.4;  // [m] how far ahead of a robot that does not get on
-constexpr double kLooksFrom = 0.6;     // [m] before the first unknown cell; beyond the goal
-constexpr double kLeaves = 2.0;        // times the tolerances, beyond which it is there no more
+constexpr double kLooksFrom = 0.6;  // [m] before the first unknown cell; beyond the goal
+constexpr double kLeaves = 2.0;     // times the tolerances, beyond which it is there no more
 
 TraversabilityOptions with_unknown(TraversabilityOptions options, double price) {
   options.unknown_travel = price;
@@ -24,13 +22,6 @@ TraversabilityOptions with_unknown(TraversabilityOptions options, double price) 
 CostToGoOptions unweighted(CostToGoOptions options) {
   options.lambda = 0.0;
   return options;
-}
-
-template <typename... Args>
-std::string print(const char* pattern, Args... args) {
-  char text[200];
-  std::snprintf(text, sizeof text, pattern, args...);
-  return text;
 }
 
 }  // namespace
@@ -62,13 +53,7 @@ GoalGuide::Way GoalGuide::way() const {
     const bool unknown = traversability_.state(c) == CellState::kUnknown;
     if (unknown && way.first_unknown < 0) way.first_unknown = static_cast<int>(way.cells.size());
     way.cells.push_back(c);
-    Cell next = c;
-    for (int dj = -1; dj <= 1; ++dj) {
-      for (int di = -1; di <= 1; ++di) {
-        const Cell n{c.i + di, c.j + dj};
-        if (field_.value(n) < field_.value(next)) next = n;
-      }
-    }
+    const Cell next = field_.downhill(c);
     if (next == c) return way;
     const double step = r * std::hypot(next.i - c.i, next.j - c.j);
     way.length += step;
@@ -88,13 +73,13 @@ void GoalGuide::close_on(const Way& way) {
     const Eigen::Vector2d from = frame.center(way.cells.front());
     for (const Cell c : way.cells) {
       const double distance = (frame.center(c) - from).norm();
-      if (distance > kClosedAhead) break;
-      if (distance < kClosed || traversability_.clearance(c) >= least) continue;
+      if (distance > kHeldUpWithin) break;
+      if (distance < kHeldUpRadius || traversability_.clearance(c) >= least) continue;
       least = traversability_.clearance(c);
       at = c;
     }
   }
-  traversability_.close(at, kClosed);
+  traversability_.close(at, kHeldUpRadius);
   ++closed_;
   monitor_.restart();
 }
@@ -110,19 +95,19 @@ std::string GoalGuide::why_unreachable(int closed) const {
       const bool bound = t.zones->zones().bound && part == 0;
       if (distance <= 0.0)
         return bound ? "it is beyond the bound" : "it is in " + t.zones->name(part);
-      return print("it is %.2f m from %s, and the robot needs %.2f m", distance,
-                   t.zones->name(part).c_str(), room);
+      return formatted("it is %.2f m from %s, and the robot needs %.2f m", distance,
+                       t.zones->name(part).c_str(), room);
     }
   }
   if (traversability_.state(c) == CellState::kOccupied)
     return "it is in a wall or another obstacle";
   if (!traversability_.clear(c)) {
-    return print("it is %.2f m from an obstacle, and the robot needs %.2f m",
-                 traversability_.clearance(c), room);
+    return formatted("it is %.2f m from an obstacle, and the robot needs %.2f m",
+                     traversability_.clearance(c), room);
   }
   if (closed > 0) {
-    return print("%d %s there could not be passed or seen, and no other is left", closed,
-                 closed == 1 ? "way" : "ways");
+    return formatted("%d %s there could not be passed or seen, and no other is left", closed,
+                     closed == 1 ? "way" : "ways");
   }
   return "what is known of walls and forbidden areas closes every way there";
 }
@@ -139,10 +124,9 @@ std::shared_ptr<const Guidance> GoalGuide::update(const GroundMap& ground, const
   const GridFrame& frame = traversability_.frame();
   const Eigen::Vector2d p = pose.position.head<2>();
   const Cell robot = frame.cell(p.x(), p.y());
-  if (blocked && blocked->allFinite()) {
-    const Eigen::Vector2d ahead = p + kBlockedAhead * *blocked;
-    const Cell at = frame.cell(ahead.x(), ahead.y());
-    if (frame.contains(at)) traversability_.close(at, kClosed);
+  if (blocked) {
+    const std::optional<Cell> at = held_up_at(frame, p, *blocked);
+    if (at) traversability_.close(*at, kHeldUpRadius);
   }
   solve(robot);
   const double explored = traversability_.explored_area();
@@ -215,8 +199,7 @@ std::shared_ptr<const Guidance> GoalGuide::update(const GroundMap& ground, const
       ahead.length = static_cast<double>(ahead.cells.size()) * frame.resolution;
       ahead.viewpoints = 1;
       ahead.active = ahead.reachable = true;
-      std::sort(ahead.cells.begin(), ahead.cells.end(),
-                [](Cell a, Cell b) { return a.j != b.j ? a.j < b.j : a.i < b.i; });
+      std::sort(ahead.cells.begin(), ahead.cells.end(), scan_less);
       guidance->frontiers.push_back(std::move(ahead));
       target.frontier = 0;
       target.looks_at = seen;

@@ -23,6 +23,9 @@ struct Cell {
   friend bool operator==(const Cell&, const Cell&) = default;
 };
 
+/// Scan order: by row, then along it.
+constexpr bool scan_less(Cell a, Cell b) { return a.j != b.j ? a.j < b.j : a.i < b.i; }
+
 /// A rectangle of the world-aligned lattice of ground cells.
 struct GridFrame {
   double resolution = 0.1;  ///< r [m]

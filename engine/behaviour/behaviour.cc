@@ -2,9 +2,9 @@
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "engine/behaviour/caution.h"
+#include "engine/behaviour/formatted.h"
 #include "engine/behaviour/mode_policy.h"
 
 namespace prospect {
@@ -142,13 +142,6 @@ constexpr std::array kModeTable = {
 // A viewpoint so near is where the robot stands: what is left is to turn.
 constexpr double kThere = 0.15;  // [m]
 
-template <typename... Args>
-std::string print(const char* pattern, Args... args) {
-  char buffer[256];
-  std::snprintf(buffer, sizeof buffer, pattern, args...);
-  return buffer;
-}
-
 std::string localization_text(const Facts& f) {
   switch (f.localization) {
     case Localization::kOk:
@@ -157,7 +150,7 @@ std::string localization_text(const Facts& f) {
       return "localization is degraded";
     case Localization::kLost:
       return std::isfinite(f.lost_for) && f.lost_for < 1e6
-                 ? print("localization is lost for %.1f s", f.lost_for)
+                 ? formatted("localization is lost for %.1f s", f.lost_for)
                  : "localization is lost";
   }
   return "";
@@ -165,16 +158,17 @@ std::string localization_text(const Facts& f) {
 
 std::string target_text(const FrontierFacts& f) {
   return (f.way_left < kThere ? std::string("looks from here")
-                              : print("drives %.1f m to look", f.way_left)) +
-         print(" at a frontier %.1f m long, which promises %.1f m2", f.target_length,
-               f.target_area);
+                              : formatted("drives %.1f m to look", f.way_left)) +
+         formatted(" at a frontier %.1f m long, which promises %.1f m2", f.target_length,
+                   f.target_area);
 }
 
 std::string left_text(const FrontierFacts& f) {
   std::string text;
   const auto add = [&](const FrontiersLeft& left, const char* what) {
     if (left.count == 0) return;
-    text += print("%s %d (%.1f m2) ", text.empty() ? "; left:" : ",", left.count, left.area) + what;
+    text +=
+        formatted("%s %d (%.1f m2) ", text.empty() ? "; left:" : ",", left.count, left.area) + what;
   };
   add(f.low_yield, "too little for the way");
   add(f.failed, "where looks showed nothing");
@@ -187,9 +181,9 @@ std::string way_text(const Facts& facts) {
   const char* place = facts.task == TaskKind::kReturn ? "where it began" : "the goal";
   if (!facts.goal) return std::string("to ") + place;
   const GoalFacts& goal = *facts.goal;
-  std::string text = print("%.1f m to %s", goal.way_left, place);
+  std::string text = formatted("%.1f m to %s", goal.way_left, place);
   if (goal.unknown_left > 0.0) {
-    text += print(", %.1f m of them through unknown space", goal.unknown_left);
+    text += formatted(", %.1f m of them through unknown space", goal.unknown_left);
   }
   return text;
 }
@@ -202,13 +196,13 @@ std::string explore_cause_text(const Mode& mode, const Facts& facts) {
   const double ago = facts.stamp - mode.since;
   switch (mode.cause) {
     case Cause::kLocalizationRegained:
-      return print("; localization was regained %.0f s ago", ago);
+      return formatted("; localization was regained %.0f s ago", ago);
     case Cause::kRetreatTimedOut:
-      return print("; a retreat without success ended %.0f s ago", ago);
+      return formatted("; a retreat without success ended %.0f s ago", ago);
     case Cause::kTurned:
-      return print("; it turned until %.0f s ago", ago);
+      return formatted("; it turned until %.0f s ago", ago);
     case Cause::kReachableAgain:
-      return print("; frontiers are reachable again since %.0f s", ago);
+      return formatted("; frontiers are reachable again since %.0f s", ago);
     default:
       return "";
   }
@@ -225,27 +219,28 @@ std::string doing(const Mode& mode, const Facts& facts) {
       return "Explores: " + target_text(frontiers) + explore_cause_text(mode, facts);
     case Kind::kApproach:
       if (facts.goal) {
-        return print("Approaches step by step for %.1f s now, for want of progress: ",
-                     facts.stamp - mode.since) +
+        return formatted("Approaches step by step for %.1f s now, for want of progress: ",
+                         facts.stamp - mode.since) +
                way_text(facts);
       }
-      return print("Approaches step by step for %.1f s now, for want of progress: %s",
-                   facts.stamp - mode.since, target_text(frontiers).c_str());
+      return formatted("Approaches step by step for %.1f s now, for want of progress: %s",
+                       facts.stamp - mode.since, target_text(frontiers).c_str());
     case Kind::kLookAround:
       if (facts.goal) {
-        return print("Looks around: for %.1f s no way has led to ", facts.goal->unreachable_for) +
+        return formatted("Looks around: for %.1f s no way has led to ",
+                         facts.goal->unreachable_for) +
                (facts.task == TaskKind::kReturn ? "where it began: " : "the goal: ") +
                facts.goal->why;
       }
-      return print("Looks around: for %.1f s no frontier that can be reached was worth its way",
-                   frontiers.exhausted_for);
+      return formatted("Looks around: for %.1f s no frontier that can be reached was worth its way",
+                       frontiers.exhausted_for);
     case Kind::kRetreat: {
       if (!facts.rests_on_features) return "Turns back: " + localization_text(facts);
       std::string text =
-          print("Turns back: %d features in view, ", facts.tracked) + localization_text(facts);
+          formatted("Turns back: %d features in view, ", facts.tracked) + localization_text(facts);
       if (facts.tracked_at_retreat > 0) {
-        text += print("; %d were tracked %.1f m from here", facts.tracked_at_retreat,
-                      facts.retreat_distance);
+        text += formatted("; %d were tracked %.1f m from here", facts.tracked_at_retreat,
+                          facts.retreat_distance);
       }
       return text;
     }
@@ -261,13 +256,13 @@ std::string doing(const Mode& mode, const Facts& facts) {
       return (mode.kind == Kind::kReturn ? "Returns: " : "Goes where it is told: ") +
              way_text(facts);
     case Kind::kArrive:
-      return print("Arrives: %.2f m to ", facts.goal.value_or(GoalFacts{}).distance) +
+      return formatted("Arrives: %.2f m to ", facts.goal.value_or(GoalFacts{}).distance) +
              (facts.task == TaskKind::kReturn ? "where it began" : "the goal");
     case Kind::kHold:
       return "Holds: it was told to";
     case Kind::kDone:
       if (mode.cause == Cause::kGoalReached || mode.cause == Cause::kReturned) {
-        return print("Done: %.2f m from ", facts.goal.value_or(GoalFacts{}).distance) +
+        return formatted("Done: %.2f m from ", facts.goal.value_or(GoalFacts{}).distance) +
                (mode.cause == Cause::kReturned ? "where it began" : "the goal");
       }
       if (mode.cause == Cause::kGoalUnreachable) {
@@ -365,10 +360,10 @@ std::string behaviour_tables() {
   for (const ModeKind kind : kModeKinds) {
     if (kind == Kind::kDone) continue;
     const ModePolicy& p = policy(kind);
-    text +=
-        print("| %s | %g | %g | %s | %s | %s | %s |\n", to_string(kind).data(),
-              p.exploration_weight, p.features_weight, p.count_features ? "counted" : "as set",
-              to_string(p.cost_to_go).data(), to_string(p.seeds).data(), p.pursues ? "yes" : "no");
+    text += formatted("| %s | %g | %g | %s | %s | %s | %s |\n", to_string(kind).data(),
+                      p.exploration_weight, p.features_weight,
+                      p.count_features ? "counted" : "as set", to_string(p.cost_to_go).data(),
+                      to_string(p.seeds).data(), p.pursues ? "yes" : "no");
   }
   text +=
       "\nThe plan of the step that finds the robot done is that of the mode which the rows without "
@@ -382,9 +377,9 @@ std::string behaviour_tables() {
   const auto yes = [](bool value) { return value ? "yes" : "no"; };
   for (const Caution caution : kCautions) {
     const CautionPolicy& p = policy(caution);
-    text += print("| %s | %s | %g | %g | %s | %s | %s | %s |\n", to_string(caution).data(),
-                  p.condition.data(), p.margin, p.held, yes(p.drift), yes(p.drift_margin),
-                  yes(p.drift_in_cost), yes(p.hard_clearance));
+    text += formatted("| %s | %s | %g | %g | %s | %s | %s | %s |\n", to_string(caution).data(),
+                      p.condition.data(), p.margin, p.held, yes(p.drift), yes(p.drift_margin),
+                      yes(p.drift_in_cost), yes(p.hard_clearance));
   }
   return text;
 }
