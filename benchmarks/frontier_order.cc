@@ -1,7 +1,7 @@
 // What the order of the frontiers costs: the exploration guide under several configurations, each
-// map from four headings, driven perfectly (exact pose, 0.3 m or 0.5 rad in half a second, a view
-// of 4 m and 60 degrees after each). Missions are chaotic and take minutes; this takes a second a
-// run, so that differences of a few per cent show.
+// map from four headings, driven perfectly (exact pose, v_max or omega_max for half a second, a
+// view of the depth sensor after each). Missions are chaotic and take minutes; this takes a second
+// a run, so that differences of a few per cent show.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
@@ -24,9 +24,8 @@
 namespace prospect {
 namespace {
 
-constexpr double kStep = 0.5;                                      // [s]
-constexpr double kLongest = 3000.0;                                // [s] of a run
-constexpr std::array<double, 3> kShares = {0.9, 0.95, 0.99};       // of the reachable area
+constexpr double kStep = 0.5;                                            // [s]
+constexpr std::array<double, 5> kShares = {0.25, 0.5, 0.9, 0.95, 0.99};  // of the reachable area
 constexpr std::array<double, 4> kHeadings = {0.0, 1.6, 3.1, 4.7};  // [rad] from the start pose's
 
 struct Place {
@@ -36,11 +35,11 @@ struct Place {
 };
 
 struct Run {
-  std::array<std::optional<double>, 3> time;  // [s] to each share, none: not reached
-  double end = kLongest;                      // [s] when it was done
-  double path = 0.0;                          // [m]
-  int changes = 0, returns = 0;               // of the target; those back within 20 s
-  double guide = 0.0;                         // [ms] an update, mean
+  std::array<std::optional<double>, kShares.size()> time;  // [s] to each share, none: not reached
+  double end = 0.0;                                        // [s] when it was done, or stopped
+  double path = 0.0;                                       // [m]
+  int changes = 0, returns = 0;                            // of the target; those back within 20 s
+  double guide = 0.0;                                      // [ms] an update, mean
 };
 
 Place load(const std::string& path, const Configuration& configuration) {
@@ -65,19 +64,23 @@ double share_seen(const std::vector<Cell>& reachable, const GroundMap& map) {
   return static_cast<double>(seen) / static_cast<double>(reachable.size());
 }
 
-Run drive(const Place& place, double heading, const ExplorationGuideOptions& options) {
-  ExplorationGuide guide(options);
+Run drive(const Place& place, double heading, const Configuration& configuration, double longest) {
+  const RobotDescription& robot = configuration.robot;
+  ExplorationGuide guide(guide_options_for(robot, configuration.planner));
+  const double driven = robot.model->max_speed() * kStep;
+  const double turned = robot.model->max_yaw_rate() * kStep;
   Pose pose = place.start;
   pose.yaw += heading;
   const GridFrame& frame = place.plan.truth.frame;
   const Cell start = frame.cell(pose.position.x(), pose.position.y());
   GroundMap map(GridFrame{frame.resolution, start.i, start.j, 1, 1});
   Run run;
+  run.end = longest;
   int updates = 0;
   std::optional<Eigen::Vector2d> last;                   // where the target was
   std::vector<std::pair<double, Eigen::Vector2d>> left;  // targets, when they were left
-  for (double time = 0.0; time < kLongest; time += kStep) {
-    place.plan.sense(pose, 4.0, 1.05, map);
+  for (double time = 0.0; time < longest; time += kStep) {
+    place.plan.sense(pose, robot.depth.max_range, robot.depth.horizontal_fov, map);
     const auto g = guide.update(map, pose, time);
     run.guide += g->milliseconds;
     if (++updates % 4 == 0) {
@@ -100,7 +103,7 @@ Run drive(const Place& place, double heading, const ExplorationGuideOptions& opt
     }
     if (last && g->facts.changed != TargetChange::kNone) left.emplace_back(time, *last);
     last = g->target->looks_at;
-    run.path += test::follow(*g, pose);
+    run.path += test::follow(*g, pose, driven, turned);
   }
   run.guide /= updates;
   return run;
@@ -124,10 +127,12 @@ void print_ratio(const std::vector<Run>& a, const std::vector<Run>& b, std::size
 
 int main_program(int argc, char** argv) {
   std::vector<std::string> maps, configurations;
+  double longest = 3000.0;  // [s] of a run
   CLI::App app{"Time to see a map by the exploration guide alone, for several configurations"};
   app.add_option("--maps", maps, "worlds, as `prospect explore` takes them")->required();
   app.add_option("--configs", configurations, "configuration files; the first is compared with")
       ->required();
+  app.add_option("--time-limit", longest, "of a run [s]")->check(CLI::PositiveNumber);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -136,12 +141,13 @@ int main_program(int argc, char** argv) {
   std::vector<Configuration> read;
   for (const std::string& file : configurations) read.push_back(read_configuration(file));
   std::vector<std::vector<Run>> runs(read.size());
-  std::printf("config,map,heading,t90_s,t95_s,t99_s,end_s,path_m,guide_ms,changes,returns\n");
+  std::printf(
+      "config,map,heading,t25_s,t50_s,t90_s,t95_s,t99_s,end_s,path_m,guide_ms,changes,returns\n");
   for (const std::string& map : maps) {
     const Place place = load(map, read.front());
     for (const double heading : kHeadings) {
       for (std::size_t c = 0; c < read.size(); ++c) {
-        const Run& run = runs[c].emplace_back(drive(place, heading, read[c].planner.guide));
+        const Run& run = runs[c].emplace_back(drive(place, heading, read[c], longest));
         std::printf("%s,%s,%.1f", configurations[c].c_str(), map.c_str(), heading);
         for (const auto& time : run.time) time ? std::printf(",%.0f", *time) : std::printf(",");
         std::printf(",%.0f,%.1f,%.2f,%d,%d\n", run.end, run.path, run.guide, run.changes,
@@ -151,7 +157,7 @@ int main_program(int argc, char** argv) {
     }
   }
   for (std::size_t c = 0; c < read.size(); ++c) {
-    std::printf("%s against %s, time to 90, 95, 99 %%:", configurations[c].c_str(),
+    std::printf("%s against %s, time to 25, 50, 90, 95, 99 %%:", configurations[c].c_str(),
                 configurations.front().c_str());
     for (std::size_t share = 0; share < kShares.size(); ++share) {
       print_ratio(runs.front(), runs[c], share);

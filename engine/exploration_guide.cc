@@ -124,15 +124,6 @@ bool ExplorationGuide::counts(const Eigen::Vector2d& p) const {
          (zones == nullptr || zones->distance(p) > 0.0);
 }
 
-void ExplorationGuide::leave_out_what_does_not_count() {
-  if (!options_.area && options_.traversability.zones == nullptr) return;
-  for (const Frontier& frontier : detector_.frontiers()) {
-    for (const Cell c : frontier.cells) {
-      if (!counts(ignored_.frame.center(c))) ignored_[c] = 1;
-    }
-  }
-}
-
 // Places that are impassable by now say nothing: a wall drawn twice covers some of any room.
 bool ExplorationGuide::is_cut_off() const {
   const GridFrame& frame = traversability_.frame();
@@ -348,9 +339,13 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       (frame.center(*target_) - p).norm() <= options_.worth.sensor_range) {
     fail_visit(detector_.frontiers(), TargetChange::kLost);
   }
-  worth_.ignored(detector_.frontiers(), ignored_);
-  leave_out_what_does_not_count();
-  detector_.find_viewpoints(traversability_, ignored_);
+  const bool anywhere = !options_.area && options_.traversability.zones == nullptr;
+  detector_.find_viewpoints(traversability_, [&](const Frontier& f, std::vector<float>& ranges) {
+    worth_.look_ranges(f, ranges);
+    for (std::size_t n = 0; n < ranges.size() && !anywhere; ++n) {
+      if (!counts(frame.center(f.cells[n]))) ranges[n] = 0.0F;
+    }
+  });
 
   auto guidance = std::make_shared<Guidance>();
   FrontierFacts& facts = guidance->facts;

@@ -155,7 +155,6 @@ class ExplorationGuide {
   };
   void close(Cell at, double stamp);
   void count_along_travel(const FeatureOutlook& outlook);
-  void leave_out_what_does_not_count();
   int current_target(const std::vector<Frontier>& frontiers) const;
   TargetChange reason_to_choose(const std::vector<Frontier>& frontiers, int current, double stamp);
   void measure_ways(const Pose& pose, const std::vector<Frontier>& frontiers,
@@ -176,7 +175,6 @@ class ExplorationGuide {
   WayLengths ways_;  // from the robot, when the target was last chosen
   ProgressMonitor progress_;
   ExhaustionMonitor exhaustion_;
-  Grid<std::uint8_t> ignored_;
   Grid<float> along_travel_;           // features seen in the direction of travel, by cell
   std::vector<Way> way_to_;            // each frontier, when the target was last chosen
   std::vector<Eigen::Vector2d> been_;  // where the robot was while it was not lost, in W [m]

@@ -29,6 +29,9 @@ FrontierWorth::FrontierWorth(const FrontierWorthOptions& options) : options_(opt
                   "sensor_fov", o.sensor_fov, "more than 0, up to 2 pi");
   check_parameter(o.fov_margin >= 0.0 && 2.0 * o.fov_margin < o.sensor_fov, kOwner, "fov_margin",
                   o.fov_margin, "0 to less than half of sensor_fov");
+  check_parameter(o.nearer > 0.0 && o.nearer < 1.0, kOwner, "nearer", o.nearer,
+                  "more than 0, less than 1");
+  check_positive(kOwner, "nearest", o.nearest);
   check_parameter(o.renewal_cells >= 0 && o.renewal_cells <= 50, kOwner, "renewal_cells",
                   o.renewal_cells, "0 to 50");
 }
@@ -37,11 +40,13 @@ void FrontierWorth::map_changed(const GridFrame& frame, const std::vector<Cell>&
                                 const std::vector<Cell>& changed) {
   if (trust_.data.empty() || !(frame.resolution == trust_.frame.resolution)) {
     trust_ = Grid<float>(frame, 1.0F);
+    range_ = Grid<float>(frame, static_cast<float>(options_.sensor_range));
     flips_ = Grid<std::uint8_t>(frame, 0);
     return;
   }
   if (!(frame == trust_.frame)) {
     trust_.widen(frame, 1.0F);
+    range_.widen(frame, static_cast<float>(options_.sensor_range));
     flips_.widen(frame, std::uint8_t{0});
   }
   const int reach = options_.renewal_cells;
@@ -57,6 +62,7 @@ void FrontierWorth::map_changed(const GridFrame& frame, const std::vector<Cell>&
   for (const Cell c : newly_known) {
     visit_near(c, [&](std::size_t at) {
       trust_.data[at] = 1.0F;
+      range_.data[at] = static_cast<float>(options_.sensor_range);
       flips_.data[at] = 0;
     });
   }
@@ -92,6 +98,8 @@ void FrontierWorth::look(const Grid<std::uint8_t>& see_through,
       if (!trust_.frame.contains(c)) continue;
       const double weight = std::clamp(2.0 - 2.0 * to.norm() / options_.sensor_range, 0.0, 1.0);
       trust_[c] *= static_cast<float>(std::pow(options_.failed_look, weight));
+      const double nearer = std::max(options_.nearest, options_.nearer * to.norm());
+      range_[c] = std::min(range_[c], static_cast<float>(nearer));
     }
   }
 }
@@ -103,16 +111,15 @@ void FrontierWorth::visit_failed(Cell target, const std::vector<Cell>& cells, do
   }
 }
 
-void FrontierWorth::ignored(const std::vector<Frontier>& frontiers, Grid<std::uint8_t>& out) const {
-  out.frame = trust_.frame;
-  out.data.assign(static_cast<std::size_t>(trust_.frame.size()), 0);
-  for (const Frontier& f : frontiers) {
-    float best = 0.0F;
-    for (const Cell c : f.cells) best = std::max(best, trust_.get(c, 1.0F));
-    const float least = static_cast<float>(options_.least_trust) * best;
-    for (const Cell c : f.cells) {
-      if (trust_.get(c, 1.0F) < least) out[c] = 1;
-    }
+void FrontierWorth::look_ranges(const Frontier& frontier, std::vector<float>& ranges) const {
+  float best = 0.0F;
+  for (const Cell c : frontier.cells) best = std::max(best, trust_.get(c, 1.0F));
+  const float least = static_cast<float>(options_.least_trust) * best;
+  ranges.resize(frontier.cells.size());
+  for (std::size_t n = 0; n < ranges.size(); ++n) {
+    const Cell c = frontier.cells[n];
+    const bool counts = trust_.get(c, 1.0F) >= least;
+    ranges[n] = counts ? range_.get(c, static_cast<float>(options_.sensor_range)) : 0.0F;
   }
 }
 

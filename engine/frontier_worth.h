@@ -26,6 +26,8 @@ struct FrontierWorthOptions {
   double fov_margin = 0.05;    ///< left out at either side [rad]
   int renewal_cells = 2;       ///< a change this near (Chebyshev) renews the trust in a cell
   double least_trust = 0.5;    ///< share of the best cell's trust below which one is not led to
+  double nearer = 0.75;        ///< share of a look's distance within which the next one must be
+  double nearest = 0.3;        ///< [m] that no look must be nearer than
 };
 
 /// What a frontier is worth: the area that a look at it is expected to show, learned from what
@@ -41,11 +43,13 @@ struct FrontierWorthOptions {
 /// a wall and a hole that noise left in it promise next to nothing, however long they are.
 ///
 /// tau_c in (0, 1] is the trust in cell c, 1 at first:
-///   * in view of a look and unknown all the same: times failed_look^w,
-///     w = min(1, 2 - 2 d / r_max): from a distance d beyond half the range a look tells less;
+///   * in view of a look from a distance d and unknown all the same: times failed_look^w,
+///     w = min(1, 2 - 2 d / r_max): beyond half the range a look tells less of the cell. It tells
+///     that the cell is not seen from there: the next one must be from max(nearest, nearer d);
 ///   * within visit_radius of a target that was given up, for want of progress or because
 ///     localization was lost near it: times failed_visit;
-///   * ground within renewal_cells that becomes known renews it: tau_c = 1. Known ground there that
+///   * ground within renewal_cells that becomes known renews it: tau_c = 1, at any distance. Known
+///   ground there that
 ///     changes (free to occupied or back) does so by half as much each time, tau_c = 1/2, 1/4, ...
 ///     at most: noise flips cells for ever.
 /// y(A) in (0, 1] is the yield of frontiers of that size: what targets have shown of what they
@@ -87,9 +91,10 @@ class FrontierWorth {
   /// tau_c.
   double trust(Cell c) const { return static_cast<double>(trust_.get(c, 1.0F)); }
 
-  /// 1 at the frontier cells that are not worth a look while others of their cluster are: those
-  /// with less than least_trust of the greatest trust in it. Reuses `out`.
-  void ignored(const std::vector<Frontier>& frontiers, Grid<std::uint8_t>& out) const;
+  /// From how near each of its cells must be looked at [m], as LookRanges; 0 for those that are not
+  /// worth a look while others of their cluster are: those with less than least_trust of the
+  /// greatest trust in it.
+  void look_ranges(const Frontier& frontier, std::vector<float>& ranges) const;
 
   /// Sets Frontier::promise to A_f, trust to the mean of tau, and area to E_f; 0, 1 and 0 for those
   /// that are not active.
@@ -101,6 +106,7 @@ class FrontierWorth {
 
   FrontierWorthOptions options_;
   Grid<float> trust_;
+  Grid<float> range_;         // within which a look may still show the cell [m]
   Grid<std::uint8_t> flips_;  // times that a change of known cells renewed it
   std::array<double, 5> yields_{0.5, 0.5, 0.5, 1.0, 1.0};  // by size_class()
   std::optional<double> last_look_;

@@ -75,6 +75,7 @@ void FrontierDetector::make_rays(double resolution) {
       const double distance = resolution * std::hypot(c.i, c.j);
       if (distance > reach) return false;
       ray.offsets.push_back(c);
+      ray.distances.push_back(static_cast<float>(distance));
       ray.costs.push_back(static_cast<float>(viewpoint_cost(distance, options_)));
       return true;
     });
@@ -196,45 +197,59 @@ void FrontierDetector::cluster() {
 }
 
 void FrontierDetector::find_viewpoints(const Traversability& traversability,
-                                       const Grid<std::uint8_t>& ignored) {
+                                       const LookRanges& look_ranges) {
   const double r = label_.frame.resolution;
+  const auto farthest = static_cast<float>(options_.sensor_range - options_.range_margin);
   std::vector<Piece> old;
   old.swap(pieces_);
   for (std::size_t k = 0; k < old.size(); ++k) {
     piece_at_[old[k].cells.front()] = static_cast<int>(k);
   }
 
+  struct Counted {
+    Cell cell;
+    float range;
+  };
+  std::vector<Counted> counted;
+  std::vector<float> ranges;
   for (std::size_t k = 0; k < frontiers_.size(); ++k) {
     Frontier& frontier = frontiers_[k];
     frontier.ignored_cells = 0;
     frontier.viewpoints = 0;
     frontier.active = false;
     frontier.reachable = false;
-    for (const Cell c : frontier.cells) frontier.ignored_cells += ignored.get(c, 0) != 0;
+    ranges.assign(frontier.cells.size(), farthest);
+    if (look_ranges) look_ranges(frontier, ranges);
+    counted.clear();
+    for (std::size_t n = 0; n < frontier.cells.size(); ++n) {
+      if (!(ranges[n] > 0.0F)) {
+        ++frontier.ignored_cells;
+      } else {
+        counted.push_back({frontier.cells[n], std::min(ranges[n], farthest)});
+      }
+    }
     // Half a cell of tolerance: lengths are sums of decimals.
     if (frontier.length < options_.min_length - 0.5 * r) continue;
     // Group by tile; the cells of one tile stay in scan order.
-    std::vector<Cell> cells;
-    for (const Cell c : frontier.cells) {
-      if (ignored.get(c, 0) == 0) cells.push_back(c);
-    }
-    std::stable_sort(cells.begin(), cells.end(),
-                     [&](Cell a, Cell b) { return tile_of(a) < tile_of(b); });
-    for (std::size_t begin = 0; begin < cells.size();) {
-      std::size_t end = begin + 1;
-      while (end < cells.size() && tile_of(cells[end]) == tile_of(cells[begin])) ++end;
+    std::stable_sort(counted.begin(), counted.end(), [&](const Counted& a, const Counted& b) {
+      return tile_of(a.cell) < tile_of(b.cell);
+    });
+    for (std::size_t begin = 0; begin < counted.size();) {
       Piece& piece = pieces_.emplace_back();
-      piece.cells.assign(cells.begin() + static_cast<std::ptrdiff_t>(begin),
-                         cells.begin() + static_cast<std::ptrdiff_t>(end));
       piece.frontier = static_cast<int>(k);
-      begin = end;
+      const std::size_t tile = tile_of(counted[begin].cell);
+      for (; begin < counted.size() && tile_of(counted[begin].cell) == tile; ++begin) {
+        piece.cells.push_back(counted[begin].cell);
+        piece.ranges.push_back(counted[begin].range);
+      }
     }
   }
 
   cells_cast_ = 0;
   for (Piece& piece : pieces_) {
     const int k = piece_at_[piece.cells.front()];
-    bool valid = k >= 0 && old[static_cast<std::size_t>(k)].cells == piece.cells;
+    bool valid = k >= 0 && old[static_cast<std::size_t>(k)].cells == piece.cells &&
+                 old[static_cast<std::size_t>(k)].ranges == piece.ranges;
     if (valid) {
       const Rectangle& t = old[static_cast<std::size_t>(k)].touched;
       const GridFrame& f = label_.frame;
@@ -276,7 +291,7 @@ void FrontierDetector::cast(const Traversability& traversability, Piece& piece) 
       Cell last = cell;
       for (std::size_t step = 0; step < ray.offsets.size(); ++step) {
         const Cell c{cell.i + ray.offsets[step].i, cell.j + ray.offsets[step].j};
-        if (!frame.contains(c)) break;
+        if (!frame.contains(c) || ray.distances[step] > piece.ranges[n]) break;
         last = c;
         const auto at = static_cast<std::size_t>(frame.index(c));
         if (see_through[at] == 0) break;

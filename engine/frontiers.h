@@ -30,7 +30,7 @@ struct Frontier {
   std::vector<Cell> cells;                             ///< in scan order
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();  ///< of cell centres, in W [m]
   double length = 0.0;                                 ///< number of cells x resolution [m]
-  int ignored_cells = 0;  ///< cells that do not count for now (FrontierWorth::ignored())
+  int ignored_cells = 0;  ///< cells that do not count for now (FrontierWorth::look_ranges())
   int viewpoints = 0;     ///< entries of its cells' viewpoint lists; 0: no pose can see it
   /// Long enough, and some cell that counts has a viewpoint.
   bool active = false;
@@ -54,13 +54,17 @@ struct ViewpointSource {
 /// equivalent], >= 0.
 using LookPrice = std::function<double(Cell viewpoint, Cell sees)>;
 
+/// From how near each cell of a frontier must be looked at [m]: one entry a cell; 0: it does not
+/// count; more than sensor_range - range_margin counts as that.
+using LookRanges = std::function<void(const Frontier& frontier, std::vector<float>& ranges)>;
+
 /// Finds frontiers and the viewpoints from which they can be seen, by changed tile.
 ///
 /// A frontier is active only if a line of sight, through cells that are seen through
 /// (GroundMap::see_through: over a low obstacle too), joins one of its unknown cells to a
-/// traversable cell within sensor_range - range_margin. Frontiers in pockets that no pose can see
-/// otherwise hold a planner for ever. A body whose heading matters must get there at a heading at
-/// which it faces the cell (Traversability::turns_to).
+/// traversable cell within sensor_range - range_margin, or nearer (LookRanges). Frontiers in
+/// pockets that no pose can see otherwise hold a planner for ever. A body whose heading matters
+/// must get there at a heading at which it faces the cell (Traversability::turns_to).
 ///
 /// Frontier cells are kept per tile and found again only in tiles that changed. The viewpoints of
 /// the frontier cells of one tile and one cluster ("piece") are cached and cast again only if the
@@ -69,7 +73,7 @@ using LookPrice = std::function<double(Cell viewpoint, Cell sees)>;
 /// so it cannot slip between two occupied cells that touch at a corner.
 ///
 /// Value type. Thread-safety: concurrent reads are safe, updates are not. Deterministic: the result
-/// depends only on the present map, what is ignored and what is led to, not on the history.
+/// depends only on the present map, the ranges and what is led to, not on the history.
 /// Source: formulation, section 6; constants from the prototype.
 class FrontierDetector {
  public:
@@ -79,9 +83,8 @@ class FrontierDetector {
   /// Finds the frontier cells and clusters of the map that `traversability` was just updated to.
   void update(const Traversability& traversability);
 
-  /// Casts viewpoints and sets Frontier::active. ignored: nonzero where a frontier cell does not
-  /// count; an empty grid means none.
-  void find_viewpoints(const Traversability& traversability, const Grid<std::uint8_t>& ignored);
+  /// Casts viewpoints and sets Frontier::active. ranges: null: all cells count, at full range.
+  void find_viewpoints(const Traversability& traversability, const LookRanges& ranges = nullptr);
 
   /// From now on the viewpoints of this frontier alone are sources; -1: there are none.
   /// price: asked of each of them, null: looks cost nothing more.
@@ -134,6 +137,7 @@ class FrontierDetector {
   // The frontier cells of one tile and one cluster that count, and what can be seen of them.
   struct Piece {
     std::vector<Cell> cells;
+    std::vector<float> ranges;  // by cell [m]
     std::vector<Entry> entries;
     Rectangle touched;  // cells that its rays looked at
     int frontier = -1;
@@ -141,6 +145,7 @@ class FrontierDetector {
   struct Ray {
     double angle = 0.0;  // [rad], from the frontier cell
     std::vector<Cell> offsets;
+    std::vector<float> distances;  // [m]
     std::vector<float> costs;
   };
   void relayout(const Traversability& traversability);

@@ -468,15 +468,10 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   r->clearance_center = belief.pose.position;
   r->clearance_field.vertical = vertical;
   r->clearance_field.slice = slice;
-  r->clearance_field.reach = reach + 1.0;
-  // Clearances must be told as far as the way to stop, too: no speed is feasible that needs more.
+  // It is asked where the robot would come to rest, too.
   const double to_stop = model.max_speed() * model.max_speed() / (2.0 * model.max_deceleration());
-  r->clearance_field.cutoff =
-      std::max(0.8, radius + 0.2 + std::max(p.d_des + p.drift_margin, to_stop + p.d_safe));
-  const double most = 48.0 * belief.voxels->resolution();  // of ClearanceField
-  if (radius + p.d_des + p.drift_margin + 0.2 < most) {
-    r->clearance_field.cutoff = std::min(r->clearance_field.cutoff, most);
-  }
+  r->clearance_field.reach = reach + to_stop + 1.0;
+  r->clearance_field.cutoff = std::max(0.8, radius + p.d_des + p.drift_margin + 0.2);
   const SurfaceDrift* minded = minded_drift();
   const double drifted =
       minded == nullptr

@@ -56,18 +56,34 @@ class Laws {
 
   Law constant(double speed, double turn) const {
     return [=, this](double, const Pose& pose) {
-      return forward(std::min(speed * model_.max_speed(), fastest(pose)),
-                     turn * model_.max_yaw_rate());
+      return stoppable(pose, forward(speed * model_.max_speed(), turn * model_.max_yaw_rate()));
     };
   }
 
-  /// With which the robot can stop within what is known to be free [m/s].
-  double fastest(const Pose& pose) const {
-    if (context_.known == nullptr) return model_.max_speed();
-    constexpr double kCreep = 0.1;  // share of the largest speed that it may always try
+  /// The same with a speed from which the robot can stop within what is known to be free.
+  Twist stoppable(const Pose& pose, Twist twist) const {
+    const double speed = twist.linear.norm();
+    if (context_.known == nullptr || speed < kCreep * model_.max_speed()) return twist;
     const double a = model_.max_deceleration();
-    const double d = std::max(0.0, context_.known->clearance(pose) - margin_);
-    return std::max(kCreep * model_.max_speed(), a * (std::sqrt(dt_ * dt_ + 2.0 * d / a) - dt_));
+    const double needed = speed * dt_ + 0.5 * speed * speed / a;
+    double free = 0.0;
+    while (free < needed) {
+      // Along the arc that it is on.
+      const double next = std::min(free + kSpacing, needed);
+      const double half = 0.5 * twist.yaw_rate / speed * next;
+      const double c = std::cos(pose.yaw + half), s = std::sin(pose.yaw + half);
+      const Eigen::Vector3d way = twist.linear * (next / speed);
+      Pose there{pose.position, pose.yaw + 2.0 * half};
+      there.position +=
+          Eigen::Vector3d(c * way.x() - s * way.y(), s * way.x() + c * way.y(), way.z());
+      if (context_.known->clearance(there) < margin_) break;
+      free = next;
+    }
+    if (free >= needed) return twist;
+    const double v =
+        std::max(kCreep * model_.max_speed(), a * (std::sqrt(dt_ * dt_ + 2.0 * free / a) - dt_));
+    twist.linear *= std::min(1.0, v / speed);
+    return twist;
   }
 
   /// Turns towards a heading, with the speed falling off as the error grows.
@@ -75,8 +91,7 @@ class Laws {
     const double error = wrapped(heading - pose.yaw);
     const double turn = std::clamp(2.0 * error, -model_.max_yaw_rate(), model_.max_yaw_rate());
     const double ahead = std::max(0.0, std::cos(error));
-    return forward(std::min(speed * model_.max_speed() * ahead * ahead * ahead, fastest(pose)),
-                   turn);
+    return stoppable(pose, forward(speed * model_.max_speed() * ahead * ahead * ahead, turn));
   }
 
   /// Down the cost-to-go.
@@ -99,7 +114,7 @@ class Laws {
       reversed.yaw += M_PI;
       Twist twist = steer(std::atan2(-gradient.y(), -gradient.x()), speed, reversed);
       twist.linear = -twist.linear;
-      return twist;
+      return stoppable(pose, twist);
     };
   }
   /// Down the cost-to-go towards a point that far ahead. The path must outlive the law.
@@ -144,16 +159,19 @@ class Laws {
       Eigen::Vector2d gradient;
       context_.cost_to_go->value(Eigen::Vector2d(pose.position.head<2>()), gradient);
       if (!gradient.allFinite() || gradient.norm() < 1e-3) return {};
-      const Eigen::Vector2d v =
-          -gradient.normalized() * std::min(model_.max_speed() * 0.7, fastest(pose));
+      const Eigen::Vector2d v = -gradient.normalized() * model_.max_speed() * 0.7;
       const double c = std::cos(pose.yaw), s = std::sin(pose.yaw);
       const double error = wrapped(heading(pose) - pose.yaw);
-      return {Eigen::Vector3d(c * v.x() + s * v.y(), -s * v.x() + c * v.y(), 0.0),
-              std::clamp(2.0 * error, -model_.max_yaw_rate(), model_.max_yaw_rate())};
+      return stoppable(pose,
+                       {Eigen::Vector3d(c * v.x() + s * v.y(), -s * v.x() + c * v.y(), 0.0),
+                        std::clamp(2.0 * error, -model_.max_yaw_rate(), model_.max_yaw_rate())});
     };
   }
 
  private:
+  static constexpr double kCreep = 0.1;     // share of the largest speed that it may always try
+  static constexpr double kSpacing = 0.15;  // [m] between the places that are asked
+
   const MotionModel& model_;
   const SeedContext& context_;
   double dt_;

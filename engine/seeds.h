@@ -42,10 +42,11 @@ struct SeedContext {
 ///
 /// Each is a simple steering law rolled out through the problem's own model, one decision a knot,
 /// the input clamped by tracking_input and admissible_inputs, so that bounds, rate limits between
-/// knots and limits on speeds hold. None drives faster than leaves room to stop within what is
-/// known to be free, a step later: v <= a (sqrt(dt^2 + 2 d / a) - dt), d the clearance beyond the
-/// margin, a the largest deceleration. A faster one would be infeasible near every wall, and
-/// nothing would be left to begin with but standing. In a fixed order; "stop" is always among them.
+/// knots and limits on speeds hold. None drives faster than leaves
+/// room to stop within what is known to be free, a step later: v <= a (sqrt(dt^2 + 2 d / a) - dt),
+/// d the way ahead, on the arc, on which the clearance is more than the margin, a the largest
+/// deceleration. A faster one would be infeasible wherever little is known, and nothing would be
+/// left to begin with but standing. In a fixed order; "stop" is always among them.
 /// Deterministic. Thread-safety: no state. Source: formulation, section 8; the steering laws are
 /// our choice.
 std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context);

@@ -11,6 +11,40 @@
 namespace prospect {
 namespace {
 
+constexpr double kAtRest = 1e-3;    // [m] of way in a stage below which its direction fades
+constexpr double kStanding = 1e-2;  // [m/s] below which a speed is rounded off
+
+/// Where the robot comes to rest, and its derivatives.
+struct Stop {
+  Pose pose;
+  // From pose's position: along, and to the left [-]; both of the way that is left, `length` [m].
+  Eigen::Vector3d along, left;
+  double length = 0.0;
+  double c = 1.0, s = 0.0;        // of the angle from the way before it to the way that is left
+  double per_way = 0.0;           // 1 / |D| [1/m]
+  double turn_per_turn = 0.0;     // d theta / d delta [-]
+  double turn_per_squared = 0.0;  // d theta / d |v|^2 [rad s^2/m^2]
+};
+
+Stop stop_from(const Pose& before, const Pose& pose, double squared_speed, double a, double dt) {
+  Stop stop;
+  const Eigen::Vector3d way = pose.position - before.position;
+  const double turned = pose.yaw - before.yaw;
+  const double rounded = std::sqrt(squared_speed + kStanding * kStanding);
+  stop.length = squared_speed / (2.0 * a);
+  stop.turn_per_turn = (rounded - kStanding) / (2.0 * a * dt);
+  stop.turn_per_squared = turned / (4.0 * a * dt * rounded);
+  const double turn = stop.turn_per_turn * turned;
+  stop.per_way = 1.0 / std::sqrt(way.squaredNorm() + kAtRest * kAtRest);
+  stop.c = std::cos(0.5 * (turned + turn));
+  stop.s = std::sin(0.5 * (turned + turn));
+  const Eigen::Vector3d h = way * stop.per_way;
+  stop.along = {stop.c * h.x() - stop.s * h.y(), stop.s * h.x() + stop.c * h.y(), h.z()};
+  stop.left = {-stop.along.y(), stop.along.x(), 0.0};
+  stop.pose = {pose.position + stop.length * stop.along, pose.yaw + turn};
+  return stop;
+}
+
 struct BrakingScratch final : TermScratch {
   explicit BrakingScratch(const Horizon& horizon)
       : x(horizon.nx()), u(horizon.nu()), d_x(horizon.nx()), d_u(horizon.nu()) {}
@@ -48,9 +82,10 @@ TermTraits BrakingConstraint::traits() const {
 
 std::vector<JacobianBlock> BrakingConstraint::jacobian_pattern(const Horizon& horizon) const {
   std::vector<JacobianBlock> blocks;
-  blocks.reserve(static_cast<std::size_t>(2 * horizon.N));
+  blocks.reserve(static_cast<std::size_t>(3 * horizon.N));
   for (int k = 1; k <= horizon.N; ++k) {
     blocks.push_back({k - 1, k, false});
+    blocks.push_back({k - 1, k - 1, false});
     blocks.push_back({k - 1, k - 1, true});
   }
   return blocks;
@@ -68,10 +103,10 @@ void BrakingConstraint::evaluate(const TrajectoryBatch& t, const TermRequest& re
   const int nu = t.horizon.nu();
   auto& s = static_cast<BrakingScratch&>(*scratch);
   const double a = options_.deceleration > 0.0 ? options_.deceleration : model.max_deceleration();
-  const double per_squared_speed = 0.5 / a;
   Eigen::Vector4d g;
   for (int b = 0; b < t.batch(); ++b) {
-    const double d_0 = known_->clearance(t.pose(0, b));
+    Pose before = t.pose(0, b);
+    const double d_0 = known_->clearance(before);
     const double required =
         std::min(options_.margin, std::max(-known_->largest_radius(), d_0 - options_.slack));
     for (int k = 1; k <= N; ++k) {
@@ -79,19 +114,33 @@ void BrakingConstraint::evaluate(const TrajectoryBatch& t, const TermRequest& re
       s.u = t.inputs.col(b).segment((k - 1) * nu, nu);
       const double v2 = model.squared_speed(s.x, s.u, request.gradient ? &s.d_x : nullptr,
                                             request.gradient ? &s.d_u : nullptr);
-      const double d = known_->clearance(t.pose(k, b), request.gradient ? &g : nullptr);
-      out.value(k - 1, b) = d - required - per_squared_speed * v2;
+      const Pose pose = t.pose(k, b);
+      const Stop stop = stop_from(before, pose, v2, a, t.horizon.dt);
+      before = pose;
+      out.value(k - 1, b) =
+          known_->clearance(stop.pose, request.gradient ? &g : nullptr) - required;
       if (!request.gradient) continue;
-      auto d_state = out.jacobian.col(2 * (k - 1));
-      d_state.setZero();
-      d_state.head(nx) = -per_squared_speed * s.d_x;
-      d_state[t.layout.px] += g[0];
-      d_state[t.layout.py] += g[1];
-      if (t.layout.pz >= 0) d_state[t.layout.pz] += g[2];
-      d_state[t.layout.yaw] += g[3];
-      auto d_input = out.jacobian.col(2 * (k - 1) + 1);
+      const Eigen::Vector3d g_p = g.head<3>();
+      // Of half the angle by which the way to the stop is turned from the way before it.
+      const double by_half = stop.length * g_p.dot(stop.left);
+      const double by_turn = g[3] + 0.5 * by_half;
+      const double by_turned = 0.5 * by_half + by_turn * stop.turn_per_turn;
+      const double by_squared = g_p.dot(stop.along) / (2.0 * a) + by_turn * stop.turn_per_squared;
+      // Of D: what is across the way turns it.
+      const Eigen::Vector3d across = g_p - stop.along * stop.along.dot(g_p);
+      const double share = stop.length * stop.per_way;
+      const Eigen::Vector3d by_way(share * (stop.c * across.x() + stop.s * across.y()),
+                                   share * (stop.c * across.y() - stop.s * across.x()),
+                                   share * across.z());
+      const Eigen::Vector3d by_position = g_p + by_way;
+      const auto block = static_cast<Eigen::Index>(3 * (k - 1));
+      out.set_pose_block(t, block, by_position.x(), by_position.y(), by_position.z(),
+                         g[3] + by_turned);
+      out.jacobian.col(block).head(nx) += by_squared * s.d_x;
+      out.set_pose_block(t, block + 1, -by_way.x(), -by_way.y(), -by_way.z(), -by_turned);
+      auto d_input = out.jacobian.col(block + 2);
       d_input.setZero();
-      d_input.head(nu) = -per_squared_speed * s.d_u;
+      d_input.head(nu) = by_squared * s.d_u;
     }
   }
 }

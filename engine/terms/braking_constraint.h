@@ -9,10 +9,16 @@
 namespace prospect {
 
 /// The robot can stop inside known free space:
-///   row k-1 (k = 1..N):  d_known(x_k) - s - |v_k|^2 / (2 a) >= 0      [m]
+///   row k-1 (k = 1..N):  d_known(q_k) - s >= 0      [m]
 /// d_known: clearance to whatever is not known to be free (a field with kOccupiedAndUnknown);
-/// |v_k|^2 the squared speed with which x_k is reached, model.squared_speed(x_k, u_{k-1}), smooth
-/// also at rest; a = deceleration.
+/// q_k: the pose at which it comes to rest when it brakes from x_k on along the arc that it drives,
+///   D = p_k - p_{k-1}, delta = yaw_k - yaw_{k-1}:  the way that led to x_k,
+///   l = |v_k|^2 / (2 a),  theta = delta |v_k| / (2 a dt):  way and turn until it stands,
+///   q_k = (p_k + l Rz((delta + theta) / 2) D / |D|,  yaw_k + theta),
+/// |v_k|^2 the squared speed with which x_k is reached, model.squared_speed(x_k, u_{k-1}),
+/// a = deceleration. |D| and |v_k| are rounded off within 1 mm and 1 cm/s of rest, so that q_k is
+/// smooth there. So a wall beside the way does not slow the robot down, what is ahead does. The
+/// poses on the way to q_k are those of other rows, or nearly: the certificate checks them all.
 ///   s = min(margin, max(floor, d_known(x_0) - slack)),
 /// so that a robot that wakes up surrounded by what it has not seen may still turn on the spot and
 /// look, though not drive on: floor is absolute, -largest bounding radius by default, which keeps
@@ -20,7 +26,7 @@ namespace prospect {
 /// Jacobian.
 ///
 /// Smoothness: C1. Thread-safety: const.
-/// Source: formulation, section 5; squared speed and relaxation are our choice.
+/// Source: formulation, section 5; the place of rest and the relaxation are our choice.
 class BrakingConstraint final : public Term {
  public:
   struct Options {

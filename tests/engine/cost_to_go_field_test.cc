@@ -26,7 +26,7 @@ struct Chain {
   void update(const GroundMap& map, bool first = false) {
     traversability.update(map);
     detector.update(traversability);
-    detector.find_viewpoints(traversability, {});
+    detector.find_viewpoints(traversability);
     const std::vector<Frontier>& all = detector.frontiers();
     int best = -1;
     for (int k = 0; k < static_cast<int>(all.size()); ++k) {

@@ -47,12 +47,11 @@ TEST_F(Worth, ALookThatResolvesNothingLowersTheTrustInWhatWasInView) {
   EXPECT_EQ(worth_.trust({50, 5}), 1.0);
   EXPECT_EQ(worth_.trust({95, 50}), 1.0);
   // What others of its cluster promise more than it is led to instead.
-  Grid<std::uint8_t> ignored;
-  worth_.ignored(f, ignored);
-  int sum = 0;
-  for (const auto m : ignored.data) sum += m;
-  EXPECT_EQ(sum, 1);
-  EXPECT_EQ(ignored[(Cell{50, 50})], 1);
+  std::vector<float> ranges;
+  worth_.look_ranges(f[0], ranges);
+  ASSERT_EQ(ranges.size(), 8U);
+  EXPECT_EQ(ranges[0], 0.0F);
+  for (std::size_t n = 1; n < ranges.size(); ++n) EXPECT_EQ(ranges[n], 4.0F);
 }
 
 TEST_F(Worth, ALookFromFarTellsLess) {
@@ -61,6 +60,24 @@ TEST_F(Worth, ALookFromFarTellsLess) {
   EXPECT_NEAR(worth_.trust({50, 50}), std::sqrt(0.5), 1e-6);
   look(f, at(1.25, 5.05, 0.0), 10);  // 3.8 m: not in view
   EXPECT_NEAR(worth_.trust({50, 50}), std::sqrt(0.5), 1e-6);
+}
+
+TEST_F(Worth, WhatALookDidNotShowMustBeLookedAtFromNearer) {
+  const std::vector<Frontier> f{frontier(50, 50, 1)};
+  std::vector<float> ranges;
+  look(f, at(1.55, 5.05, 0.0), 1);  // from 3.5 m
+  worth_.look_ranges(f[0], ranges);
+  EXPECT_NEAR(ranges[0], 0.75 * 3.5, 1e-6);
+  look(f, at(4.95, 5.05, 0.0), 1);  // from 0.1 m
+  worth_.look_ranges(f[0], ranges);
+  EXPECT_NEAR(ranges[0], 0.3, 1e-6);
+  look(f, at(1.55, 5.05, 0.0), 1);  // from far again: that says nothing new
+  worth_.look_ranges(f[0], ranges);
+  EXPECT_NEAR(ranges[0], 0.3, 1e-6);
+  // New ground beside it may open the view.
+  worth_.map_changed(kFrame, {{51, 50}}, {{51, 50}});
+  worth_.look_ranges(f[0], ranges);
+  EXPECT_EQ(ranges[0], 4.0F);
 }
 
 TEST_F(Worth, AnObstacleOrTheUnknownHidesAFrontier) {
@@ -140,9 +157,8 @@ std::vector<Frontier> measured(const GroundMap& map, FrontierWorth& worth) {
   FrontierDetector detector{FrontierOptions{}};
   detector.update(t);
   worth.map_changed(t.frame(), {}, {});
-  Grid<std::uint8_t> ignored;
-  worth.ignored(detector.frontiers(), ignored);
-  detector.find_viewpoints(t, ignored);
+  detector.find_viewpoints(
+      t, [&](const Frontier& one, std::vector<float>& ranges) { worth.look_ranges(one, ranges); });
   std::vector<Frontier> f = detector.frontiers();
   worth.measure(t, f);
   return f;

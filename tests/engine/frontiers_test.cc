@@ -59,7 +59,7 @@ std::set<std::vector<Address>> slow_clusters(const GroundMap& map) {
 
 // All sources, by casting every ray of every counting cell with a line in small steps.
 Grid<float> slow_sources(const GroundMap& map, const Traversability& t, const FrontierDetector& d,
-                         const Grid<std::uint8_t>& ignored, int led_to) {
+                         const Grid<float>& ranges, int led_to) {
   const FrontierOptions& o = d.options();
   Grid<float> source(t.frame(), std::numeric_limits<float>::infinity());
   const double r = t.frame().resolution;
@@ -69,7 +69,7 @@ Grid<float> slow_sources(const GroundMap& map, const Traversability& t, const Fr
     if (static_cast<int>(k) != led_to) continue;
     if (static_cast<double>(f.cells.size()) * r < o.min_length - 1e-9) continue;
     for (const Cell c : f.cells) {
-      if (ignored.get(c, 0) != 0) continue;
+      const auto range = static_cast<double>(ranges.get(c, 100.0F));
       for (int n = 0; n < o.rays; ++n) {
         const double angle = 2.0 * M_PI * n / o.rays;
         const GridFrame unit{r, 0, 0, 1, 1};
@@ -79,7 +79,7 @@ Grid<float> slow_sources(const GroundMap& map, const Traversability& t, const Fr
           if (step == Cell{0, 0}) return true;
           const Cell at{c.i + step.i, c.j + step.j};
           const double distance = r * std::hypot(step.i, step.j);
-          if (distance > reach || !map.see_through(at)) return false;
+          if (distance > std::min(reach, range) || !map.see_through(at)) return false;
           if (t.passable(at)) {
             source[at] = std::min(source[at], static_cast<float>(viewpoint_cost(distance, o)));
           }
@@ -148,12 +148,16 @@ TEST(Frontiers, ClustersAndSourcesEqualTheSlowOnesWhateverTheHistory) {
       }
       t.update(map);
       kept.update(t);
-      Grid<std::uint8_t> ignored(t.frame(), 0);
+      Grid<float> ranges(t.frame(), 100.0F);
       for (const Frontier& f : kept.frontiers()) {
         if (random() % 3 != 0) continue;
-        for (const Cell c : f.cells) ignored[c] = random() % 2 == 0 ? 1 : 0;
+        // Some do not count, some must be looked at from near.
+        for (const Cell c : f.cells) ranges[c] = 0.75F * static_cast<float>(random() % 4);
       }
-      kept.find_viewpoints(t, ignored);
+      const auto ranges_of = [&](const Frontier& f, std::vector<float>& of_cells) {
+        for (std::size_t n = 0; n < f.cells.size(); ++n) of_cells[n] = ranges[f.cells[n]];
+      };
+      kept.find_viewpoints(t, ranges_of);
       const int led_to =
           static_cast<int>(random() % (kept.frontiers().size() + 1)) - 1;  // -1: nowhere
       kept.lead_to(led_to);
@@ -173,12 +177,12 @@ TEST(Frontiers, ClustersAndSourcesEqualTheSlowOnesWhateverTheHistory) {
       ASSERT_EQ(clusters, slow_clusters(map));
       ASSERT_EQ(cells, slow_frontier_cells(map).size());
 
-      const Grid<float> slow = slow_sources(map, t, kept, ignored, led_to);
+      const Grid<float> slow = slow_sources(map, t, kept, ranges, led_to);
       FrontierDetector fresh{FrontierOptions{}};
       Traversability t_fresh(options);
       t_fresh.update(map);
       fresh.update(t_fresh);
-      fresh.find_viewpoints(t_fresh, ignored);
+      fresh.find_viewpoints(t_fresh, ranges_of);
       fresh.lead_to(led_to);
       ASSERT_EQ(fresh.frontiers().size(), kept.frontiers().size());
       int sources = 0;
@@ -198,7 +202,7 @@ TEST(Frontiers, ClustersAndSourcesEqualTheSlowOnesWhateverTheHistory) {
           ASSERT_EQ(s.frontier, led_to);
           ASSERT_TRUE(kept.frontiers()[static_cast<std::size_t>(s.frontier)].active);
           ASSERT_EQ(kept.frontier_of(s.sees), s.frontier);
-          ASSERT_EQ(ignored[s.sees], 0);
+          ASSERT_GT(ranges[s.sees], 0.0F);
           ASSERT_EQ(s.cost, kept.source(s.cell));
           ASSERT_LE(0.1 * std::hypot(s.cell.i - s.sees.i, s.cell.j - s.sees.j), 3.9 + 1e-9);
         }
@@ -240,7 +244,7 @@ TEST(Frontiers, APriceOfLooksComesOnTop) {
   t.update(map);
   FrontierDetector detector{FrontierOptions{}};
   detector.update(t);
-  detector.find_viewpoints(t, {});
+  detector.find_viewpoints(t);
   ASSERT_FALSE(detector.frontiers().empty());
   int longest = 0;
   for (int k = 0; k < static_cast<int>(detector.frontiers().size()); ++k) {
@@ -284,7 +288,7 @@ TEST(Frontiers, PhantomFrontierInAPocketStaysInactive) {
     FrontierDetector d{FrontierOptions{}};
     t.update(map);
     d.update(t);
-    d.find_viewpoints(t, {});
+    d.find_viewpoints(t);
     d.lead_to(0);
     ASSERT_EQ(d.frontiers().size(), 1u);
     EXPECT_NEAR(d.frontiers()[0].length, 2.8, 1e-9);
@@ -313,7 +317,7 @@ TEST(Frontiers, IsSeenOverALowObstacle) {
   FrontierDetector d{FrontierOptions{}};
   t.update(map);
   d.update(t);
-  d.find_viewpoints(t, {});
+  d.find_viewpoints(t);
   ASSERT_FALSE(d.frontiers()[0].active);
   // What is known of the height of the wall changes, not its state.
   for (int k = 0; k < 4; ++k) {
@@ -324,7 +328,7 @@ TEST(Frontiers, IsSeenOverALowObstacle) {
   EXPECT_TRUE(t.changed_states().empty());
   EXPECT_EQ(t.changed_sights().size(), 4u);
   d.update(t);
-  d.find_viewpoints(t, {});
+  d.find_viewpoints(t);
   d.lead_to(0);
   EXPECT_TRUE(d.frontiers()[0].active);
   EXPECT_FALSE(d.sources().empty());
@@ -352,7 +356,7 @@ TEST(Frontiers, LinesDoNotSlipBetweenCellsThatTouchAtACorner) {
   FrontierDetector d{FrontierOptions{}};
   t.update(map);
   d.update(t);
-  d.find_viewpoints(t, {});
+  d.find_viewpoints(t);
   ASSERT_EQ(d.frontiers().size(), 1u);
   EXPECT_GE(d.frontiers()[0].length, 0.5);
   EXPECT_FALSE(d.frontiers()[0].active);
@@ -372,7 +376,7 @@ TEST(Frontiers, ClustersUnderTheLeastLengthAreInactive) {
     FrontierDetector d{FrontierOptions{.min_length = 0.5}};
     t.update(map);
     d.update(t);
-    d.find_viewpoints(t, {});
+    d.find_viewpoints(t);
     ASSERT_EQ(d.frontiers().size(), 1u);
     EXPECT_EQ(d.frontiers()[0].active, n >= 5) << n;
   }
@@ -395,7 +399,7 @@ TEST(Frontiers, OnlyPiecesNearAChangeAreCastAgain) {
   const auto step = [&] {
     t.update(map);
     d.update(t);
-    d.find_viewpoints(t, {});
+    d.find_viewpoints(t);
     return d.cells_cast();
   };
   EXPECT_EQ(step(), 2 * 320 + 2 * 64);

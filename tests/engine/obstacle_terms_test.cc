@@ -200,10 +200,17 @@ TEST(BrakingConstraint, RowsLeaveRoomToStop) {
         const Eigen::VectorXd x = t.states.col(b).segment(k * nx, nx);
         const Eigen::VectorXd u = t.inputs.col(b).segment((k - 1) * nu, nu);
         const double speed = c.model->twist(x, u).linear.norm();
-        EXPECT_NEAR(out.value(k - 1, b),
-                    c.clearance->clearance(t.pose(k, b)) - required -
-                        speed * speed / (2.0 * c.model->max_deceleration()),
-                    1e-12);
+        const Pose before = t.pose(k - 1, b);
+        Pose stop = t.pose(k, b);
+        const Eigen::Vector3d way = stop.position - before.position;
+        const double turned = stop.yaw - before.yaw;
+        const double turn = turned / 0.25 * speed / (2.0 * c.model->max_deceleration());
+        const Eigen::AngleAxisd half(0.5 * (turned + turn), Eigen::Vector3d::UnitZ());
+        stop.position +=
+            speed * speed / (2.0 * c.model->max_deceleration()) * (half * way.normalized());
+        stop.yaw += turn;
+        // Rounded off at rest: by 1 mm of way and 1 cm/s.
+        EXPECT_NEAR(out.value(k - 1, b), c.clearance->clearance(stop) - required, 0.02);
       }
     }
   }
@@ -219,6 +226,67 @@ TEST(BrakingConstraint, JacobianMatchesFiniteDifferences) {
       test::expect_derivative_matches_differences(constraint, t, 1, 1e-6, 5e-4);
     }
   }
+}
+
+TEST(BrakingConstraint, AWallBesideTheWayDoesNotSlowARobotDownAndOneAheadDoes) {
+  ObstacleWorld world(0.1, 3.0);
+  for (int i = -30; i < 30; ++i) {
+    for (const int j : {-4, 3}) world.occupy_column(i, j);  // a corridor 0.6 m wide
+  }
+  for (int j = -4; j < 4; ++j) world.occupy_column(20, j);  // its end, at x = 2
+  CylinderShape body;
+  body.radius = 0.2;
+  const BrakingConstraint constraint(
+      clearance_in(world, body, false, Obstacles::kOccupiedAndUnknown), {});
+  Unicycle::Parameters parameters;
+  parameters.v_max = 1.5;
+  const Unicycle model(parameters);
+  const double way = 0.5 * 1.5 * 1.5 / model.max_deceleration();
+  TrajectoryBatch t;
+  t.horizon = {&model, 1, 0.1};
+  t.layout = model.pose_layout();
+  t.states.setZero(6, 2);
+  t.inputs.setZero(2, 2);
+  for (const int b : {0, 1}) {
+    t.inputs(0, b) = 1.5;
+    // 0.3 m more than it needs, and 0.3 m less.
+    t.states(3, b) = 2.0 - 0.2 - way + (b == 0 ? -0.3 : 0.3);
+    t.states(0, b) = t.states(3, b) - 0.15;
+  }
+  const TermOutput out = evaluate(constraint, t, false);
+  EXPECT_GE(out.value(0, 0), 0.0);
+  EXPECT_LT(out.value(0, 1), 0.0);
+}
+
+TEST(BrakingConstraint, TheWayToTheStopBendsWithTheWay) {
+  // A quarter of a circle of radius 1 m: it ends where the arc does, not beside it.
+  ObstacleWorld world(0.05, 3.0);
+  for (int n = 0; n < world.voxels.frame().size(); ++n) {
+    const Cell c = world.voxels.frame().at(n);
+    const Eigen::Vector2d p = world.voxels.frame().center(c) - Eigen::Vector2d(0.0, 1.0);
+    if (std::abs(p.norm() - 1.0) > 0.3) world.occupy_column(c.i, c.j);
+  }
+  CylinderShape body;
+  body.radius = 0.15;
+  const BrakingConstraint constraint(
+      clearance_in(world, body, false, Obstacles::kOccupiedAndUnknown), {});
+  Unicycle::Parameters parameters;
+  parameters.v_max = 1.0;
+  const Unicycle model(parameters);
+  TrajectoryBatch t;
+  t.horizon = {&model, 1, 0.1};
+  t.layout = model.pose_layout();
+  t.states.setZero(6, 2);
+  t.inputs.setZero(2, 2);
+  for (const int b : {0, 1}) {
+    t.inputs.col(b) = Eigen::Vector2d(1.0, b == 0 ? 1.0 : 0.0);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(3), next(3);
+    model.step(x, t.inputs.col(b).matrix(), 0.1, next);
+    t.states.col(b).tail(3) = next;
+  }
+  const TermOutput out = evaluate(constraint, t, false);
+  EXPECT_GE(out.value(0, 0), 0.0);  // along the ring
+  EXPECT_LT(out.value(0, 1), 0.0);  // straight out of it
 }
 
 TEST(BrakingConstraint, ARobotSurroundedByTheUnknownMayTurnButNotDrive) {

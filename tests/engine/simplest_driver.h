@@ -8,22 +8,23 @@
 
 namespace prospect::test {
 
-/// Half a second of the simplest driver: up to 0.5 rad towards the way down V, at its end towards
-/// what the target looks at, and 0.3 m down V once it faces about that way. Requires a target.
-/// Returns the metres driven.
-inline double follow(const Guidance& guidance, Pose& pose) {
-  const auto path = guidance.cost_to_go->descend(pose.position.head<2>(), 0.3);
+/// A step of the simplest driver: up to `turned` [rad] towards the way down V, at its end towards
+/// what the target looks at, and `driven` [m] down V once it faces about that way. Requires a
+/// target. Returns the metres driven.
+inline double follow(const Guidance& guidance, Pose& pose, double driven = 0.3,
+                     double turned = 0.5) {
+  const auto path = guidance.cost_to_go->descend(pose.position.head<2>(), driven);
   double aim = guidance.target->yaw;
   if (path.size() > 4) {
     const Eigen::Vector2d d = path.back() - path.front();
     aim = std::atan2(d.y(), d.x());
   }
   const double turn = std::remainder(aim - pose.yaw, 2.0 * M_PI);
-  pose.yaw += std::clamp(turn, -0.5, 0.5);
+  pose.yaw += std::clamp(turn, -turned, turned);
   if (std::abs(turn) >= 0.8 || path.empty()) return 0.0;
-  const double driven = (path.back() - pose.position.head<2>()).norm();
+  const double moved = (path.back() - pose.position.head<2>()).norm();
   pose.position.head<2>() = path.back();
-  return driven;
+  return moved;
 }
 
 }  // namespace prospect::test
