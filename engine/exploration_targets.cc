@@ -159,10 +159,13 @@ ExplorationTargets exploration_targets(const Belief& belief,
   if (result.targets.size() > limit) {
     std::vector<std::size_t> order(result.targets.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-      return (result.targets[a].position.head<2>() - robot).squaredNorm() <
-             (result.targets[b].position.head<2>() - robot).squaredNorm();
-    });
+    const auto distance = [&](std::size_t k) {
+      const Eigen::Vector2d p = result.targets[k].position.head<2>();
+      const double to_robot = (p - robot).squaredNorm();
+      return options.led_to ? std::min(to_robot, (p - *options.led_to).squaredNorm()) : to_robot;
+    };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return distance(a) < distance(b); });
     order.resize(limit);
     std::sort(order.begin(), order.end());
     std::vector<ExplorationTarget> kept;

@@ -14,7 +14,9 @@ namespace prospect {
 struct FrontierOptions {
   double min_length = 0.2;     ///< [m] smallest cluster: number of cells x resolution
   double sensor_range = 4.0;   ///< r_max [m]
-  double range_margin = 0.1;   ///< a viewpoint stands within sensor_range - range_margin [m]
+  /// A viewpoint stands within sensor_range - range_margin [m], where the exploration gain counts a
+  /// look as seven eighths of one (FootprintVisibility: (inset + 2) range_scale).
+  double range_margin = 0.6;
   int rays = 90;               ///< directions tried from each frontier cell
   double near_distance = 1.0;  ///< [m]
   double near_slope = 0.3;     ///< cost of a viewpoint per metre up to near_distance; 1 beyond

@@ -314,6 +314,8 @@ ExplorationGuideOptions guide_options_for(const RobotDescription& robot,
   // From farther away nothing needs to be looked at.
   constexpr double kFarLook = 50.0;
   options.frontiers.sensor_range = std::min(robot.depth.max_range, kFarLook);
+  options.frontiers.range_margin =
+      std::min(options.frontiers.range_margin, 0.25 * options.frontiers.sensor_range);
   options.worth.sensor_range = options.frontiers.sensor_range;
   options.worth.sensor_fov = std::min(robot.depth.horizontal_fov, 2.0 * M_PI);
   options.traversability.facing = 0.5 * options.worth.sensor_fov;
@@ -530,6 +532,7 @@ std::shared_ptr<const ProblemRecipe> Planner::Impl::make_recipe(const Belief& be
   }
   ExplorationTargetOptions target_options;
   target_options.max_targets = p.max_targets;
+  if (guidance->target) target_options.led_to = guidance->target->looks_at;
   r->targets =
       exploration_targets(belief, frontier_cells, robot.depth, robot.depth_mount, target_options);
   if (zones != nullptr || p.guide.area) {
