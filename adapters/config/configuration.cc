@@ -410,8 +410,6 @@ Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
   set_resolution(c.simulator.depth);
   c.simulator.depth_mount = c.robot.depth_mount;
   c.simulator.features.stereo = c.robot.stereo;
-  c.simulator.features.min_depth = c.planner.visibility.r_min;
-  c.simulator.features.max_depth = c.planner.visibility.r_max;
   c.simulator.stereo_mount = c.robot.stereo_mount;
   c.entries = yaml.entries();
   return c;

@@ -43,12 +43,19 @@ FeatureCamera::FeatureCamera(const World& world, const FeatureField& field,
                   "above min_depth, below 1000 m");
   check_parameter(options.max_view_angle > 0.0 && options.max_view_angle < 1.5708, "feature camera",
                   "max_view_angle", options.max_view_angle, "between 0 and pi/2");
-  check_parameter(options.bucket_columns >= 1 && options.bucket_columns <= 1000, "feature camera",
-                  "bucket_columns", options.bucket_columns, "1..1000");
-  check_parameter(options.bucket_rows >= 1 && options.bucket_rows <= 1000, "feature camera",
-                  "bucket_rows", options.bucket_rows, "1..1000");
-  check_parameter(options.per_bucket >= 1, "feature camera", "per_bucket", options.per_bucket,
-                  "at least 1");
+  check_parameter(positive(options.size), "feature camera", "size", options.size,
+                  "a positive length");
+  check_parameter(options.min_pixels >= 0.0 && options.min_pixels < 1e6, "feature camera",
+                  "min_pixels", options.min_pixels, "0..1e6 px");
+  check_parameter(
+      options.border >= 0.0 && 2.0 * options.border < std::min(s.left.width, s.left.height),
+      "feature camera", "border", options.border, "0 to less than half the image");
+  check_parameter(options.cells >= 1 && options.cells <= 1000000, "feature camera", "cells",
+                  options.cells, "1..1000000");
+}
+
+double FeatureCamera::pixels(double cosine, double depth) const {
+  return options_.size * options_.stereo.left.fx * cosine / depth;
 }
 
 std::vector<std::uint32_t> FeatureCamera::visible(const Pose& true_pose) const {
@@ -70,9 +77,11 @@ std::vector<std::uint32_t> FeatureCamera::visible(const Pose& true_pose) const {
     const double u = camera.cx + camera.fx * Y.x() / Y.z();
     const double v = camera.cy + camera.fy * Y.y() / Y.z();
     const double right = u - camera.fx * options_.stereo.baseline / Y.z();
-    if (!(right >= 0.0 && u <= camera.width && v >= 0.0 && v <= camera.height)) return;
+    const double b = options_.border;
+    if (!(right >= b && u <= camera.width - b && v >= b && v <= camera.height - b)) return;
     const Eigen::Vector3d to_eye = eye - feature.position;
-    if (to_eye.dot(feature.normal) < cos_limit * to_eye.norm()) return;
+    const double cosine = to_eye.dot(feature.normal) / to_eye.norm();
+    if (!(cosine >= cos_limit && pixels(cosine, Y.z()) >= options_.min_pixels)) return;
     // A millimetre before the surface, so that the feature's own voxel does not hide it.
     const VoxelGrid::Ray ray = world_->voxels.cast(eye, feature.position + 1e-3 * feature.normal);
     if (ray.blocked || ray.unknown_length > 0.0) return;
@@ -88,37 +97,56 @@ std::vector<FeatureObservation> FeatureCamera::observe(const Pose& true_pose, in
   const StereoCamera& stereo = options_.stereo;
   const PinholeCamera& camera = stereo.left;
   const Eigen::Isometry3d T_CW = camera_pose(true_pose, mount_).inverse();
-  std::vector<int> load(static_cast<std::size_t>(options_.bucket_columns * options_.bucket_rows),
-                        0);
-  const auto bucket = [&](const Eigen::Vector3d& Y) {
-    const double u = camera.cx + camera.fx * Y.x() / Y.z();
-    const double v = camera.cy + camera.fy * Y.y() / Y.z();
-    const int column = std::clamp(static_cast<int>(u / camera.width * options_.bucket_columns), 0,
-                                  options_.bucket_columns - 1);
-    const int row = std::clamp(static_cast<int>(v / camera.height * options_.bucket_rows), 0,
-                               options_.bucket_rows - 1);
-    return static_cast<std::size_t>(row * options_.bucket_columns + column);
+  const double cell = std::sqrt(camera.width * camera.height / options_.cells);
+  const int columns = static_cast<int>(camera.width / cell) + 1;
+  const int rows = static_cast<int>(camera.height / cell) + 1;
+  // Where the kept ones are, by cells, at most one in each.
+  constexpr double kNowhere = -1e9;
+  std::vector<Eigen::Vector2d> occupant(static_cast<std::size_t>(columns * rows),
+                                        {kNowhere, kNowhere});
+  struct Seen {
+    std::uint32_t feature;
+    int column, row;
+    Eigen::Vector2d pixel;
+    double size;
+  };
+  const auto at = [&](int column, int row) -> Eigen::Vector2d& {
+    return occupant[static_cast<std::size_t>(row * columns + column)];
+  };
+  const auto is_free = [&](const Seen& s, int reach, double distance) {
+    for (int j = std::max(0, s.row - reach); j <= std::min(rows - 1, s.row + reach); ++j) {
+      for (int i = std::max(0, s.column - reach); i <= std::min(columns - 1, s.column + reach);
+           ++i) {
+        const bool own = i == s.column && j == s.row;
+        if (own ? at(i, j).x() != kNowhere : (at(i, j) - s.pixel).norm() < distance) return false;
+      }
+    }
+    return true;
   };
 
   std::vector<std::uint32_t> kept;
-  std::vector<std::uint32_t> fresh;
+  std::vector<Seen> fresh;
+  const Eigen::Vector3d eye = T_CW.inverse().translation();
   for (const std::uint32_t n : seen) {
+    const Feature& feature = field_->features()[n];
+    const Eigen::Vector3d Y = T_CW * feature.position;
+    const Eigen::Vector2d p = camera.project(Y);
+    const double cosine = (eye - feature.position).normalized().dot(feature.normal);
+    const Seen s{n, std::clamp(static_cast<int>(p.x() / cell), 0, columns - 1),
+                 std::clamp(static_cast<int>(p.y() / cell), 0, rows - 1), p, pixels(cosine, Y.z())};
     if (!std::binary_search(tracked_.begin(), tracked_.end(), n)) {
-      fresh.push_back(n);
-      continue;
-    }
-    int& count = load[bucket(T_CW * field_->features()[n].position)];
-    if (count < options_.per_bucket) {
-      ++count;
+      fresh.push_back(s);
+    } else if (is_free(s, 0, 0.0)) {
+      at(s.column, s.row) = s.pixel;
       kept.push_back(n);
     }
   }
-  for (const std::uint32_t n : fresh) {
-    int& count = load[bucket(T_CW * field_->features()[n].position)];
-    if (count < options_.per_bucket) {
-      ++count;
-      kept.push_back(n);
-    }
+  std::stable_sort(fresh.begin(), fresh.end(),
+                   [](const Seen& a, const Seen& b) { return a.size > b.size; });
+  for (const Seen& s : fresh) {
+    if (!is_free(s, 1, 0.5 * cell)) continue;
+    at(s.column, s.row) = s.pixel;
+    kept.push_back(s.feature);
   }
   std::sort(kept.begin(), kept.end());
   tracked_ = kept;

@@ -12,16 +12,20 @@
 
 namespace prospect {
 
+/// What of the features is tracked. The numbers are those of StereoOdometry, or were measured with
+/// it on marks rendered at the same places (docs/simulator.md, "One tier against the other").
 struct FeatureCameraOptions {
   StereoCamera stereo;
   double min_depth = 0.4;       ///< [m], along the optical axis
-  double max_depth = 6.0;       ///< [m]
-  double max_view_angle = 1.2;  ///< [rad] between the surface normal and the ray to the camera
-  /// The tracker keeps at most per_bucket features in each of columns x rows parts of the image,
-  /// the ones already tracked first: 250 at most by default, spread over the image.
-  int bucket_columns = 10;
-  int bucket_rows = 5;
-  int per_bucket = 5;
+  double max_depth = 10.0;      ///< [m]; 3 % of what is tracked lies beyond
+  double max_view_angle = 1.5;  ///< [rad] between the surface normal and the ray to the camera
+  /// A feature is `size` wide [m], the mean of the marks of world_mesh.h, and seen as long as its
+  /// shorter side in the image, size fx cos(view angle) / depth, is at least min_pixels.
+  double size = 0.055;
+  double min_pixels = 1.0;
+  double border = 10.0;  ///< [px] along the edges of both images, CornerDetectorOptions::border
+  /// One feature is tracked in each of about so many square cells, CornerDetectorOptions::cells.
+  int cells = 300;
 };
 
 /// One tracked feature in one stereo image.
@@ -32,9 +36,15 @@ struct FeatureObservation {
   Eigen::Vector3d true_point;  ///< [m], in C, without noise
 };
 
-/// Stereo camera that sees true features: a feature is visible if it projects inside both images,
-/// its depth is within range, the surface is seen at most max_view_angle from its normal, and no
-/// solid voxel lies between. All conditions are evaluated on the truth. Thread-safety: one thread.
+/// Stereo camera that sees true features: a feature is visible if it projects inside both images
+/// less their border, its depth is within range, the surface is seen at most max_view_angle from
+/// its normal, it is large enough in the image, and no solid voxel lies between. All conditions are
+/// evaluated on the truth.
+///
+/// Of the visible ones an image keeps those tracked already, one an image cell, and adds others to
+/// cells without one, the largest in the image first, at least half a cell from all that are kept:
+/// as detect_corners() does, whose strongest corners are the least foreshortened.
+/// Thread-safety: one thread.
 /// Deterministic in (world, field, options, seed, sequence of poses).
 class FeatureCamera {
  public:
@@ -54,6 +64,9 @@ class FeatureCamera {
   const CameraMount& mount() const { return mount_; }
 
  private:
+  /// Shorter side of a feature in the image [px].
+  double pixels(double cosine, double depth) const;
+
   const World* world_;
   const FeatureField* field_;
   FeatureCameraOptions options_;

@@ -47,7 +47,16 @@ FeatureField::FeatureField(const World& world, const std::function<double(int, i
       }
     }
   }
+  put(world, found);
+}
 
+FeatureField::FeatureField(const World& world, const std::vector<Feature>& features) {
+  put(world, features);
+}
+
+void FeatureField::put(const World& world, const std::vector<Feature>& found) {
+  const GridFrame& f = world.voxels.frame();
+  const double r = world.voxels.resolution();
   const Cell low = {static_cast<int>(std::floor(f.i0 * r)), static_cast<int>(std::floor(f.j0 * r))};
   const Cell high = {static_cast<int>(std::floor((f.i0 + f.width) * r)),
                      static_cast<int>(std::floor((f.j0 + f.height) * r))};

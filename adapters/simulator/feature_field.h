@@ -16,15 +16,17 @@ struct Feature {
   Eigen::Vector3d normal;    ///< unit, out of the surface
 };
 
-/// The true features of a world: on every face between an occupied and a free voxel, a Poisson
-/// number of points of mean density x r^2, uniform over the face. A feature's index is its
-/// identity. Immutable after construction; concurrent reads are safe. Deterministic in (world,
-/// density, seed).
+/// The true features of a world. A feature's index is its identity. Immutable after construction;
+/// concurrent reads are safe. Deterministic in what it was made of.
 class FeatureField {
  public:
+  /// On every face between an occupied and a free voxel, a Poisson number of points of mean
+  /// density x r^2, uniform over the face.
   /// density(i, j, k): features per m^2 on the faces of occupied voxel (i, j, k); not negative.
   FeatureField(const World& world, const std::function<double(int, int, int)>& density,
                std::uint64_t seed);
+  /// These, somewhere in the world.
+  FeatureField(const World& world, const std::vector<Feature>& features);
 
   const std::vector<Feature>& features() const { return features_; }
 
@@ -45,6 +47,8 @@ class FeatureField {
   }
 
  private:
+  void put(const World& world, const std::vector<Feature>& found);
+
   GridFrame bins_;  // squares of 1 m, each holding a run of features
   std::vector<std::uint32_t> first_;
   std::vector<Feature> features_;

@@ -4,6 +4,7 @@
 
 #include "adapters/simulator/noise_stream.h"
 #include "adapters/simulator/relocalization.h"
+#include "adapters/simulator/view_features.h"
 
 namespace prospect {
 
@@ -14,7 +15,7 @@ FeatureSenses::FeatureSenses(const World& world, const SimulatorOptions& options
       stereo_mount_(options.stereo_mount),
       depth_(world, options.depth, options.depth_mount,
              stream_seed(options.seed, NoiseStream::kDepth)),
-      field_(simulated_features(world, options.seed)),
+      field_(tracked_field(world, options)),
       camera_(world, field_, options.features, options.stereo_mount,
               stream_seed(options.seed, NoiseStream::kFeatures)),
       odometry_(options.odometry, options.features.stereo, options.stereo_mount, start,

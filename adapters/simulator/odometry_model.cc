@@ -58,6 +58,12 @@ OdometryModel::OdometryModel(const OdometryOptions& options, const StereoCamera&
                   options.reckoning_angle, "0..1");
   check_parameter(share(options.reckoning_heading), "odometry", "reckoning_heading",
                   options.reckoning_heading, "0..1 rad/m");
+  check_parameter(share(options.after_loss_position), "odometry", "after_loss_position",
+                  options.after_loss_position, "0..1 m");
+  check_parameter(share(options.after_loss_heading), "odometry", "after_loss_heading",
+                  options.after_loss_heading, "0..1 rad");
+  check_parameter(options.after_loss_turning > 0.0 && std::isfinite(options.after_loss_turning),
+                  "odometry", "after_loss_turning", options.after_loss_turning, "a positive angle");
   true_keyframe_ = start;
   keyframe_ = start;
   const Eigen::Matrix3d reference = information(reference_points(stereo)).inverse();
@@ -143,6 +149,7 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
   const bool lost = localization_ == Localization::kLost;
   if (lost && before != Localization::kLost) {
     ++losses_;
+    turned_since_loss_ = 0.0;
     if (!adrift_) {
       covariance_at_loss_ = covariance_;
       place_at_loss_ = keyframe_.position;
@@ -160,15 +167,25 @@ bool OdometryModel::image(const Pose& true_pose, const std::vector<Eigen::Vector
   const bool changed = lost != (before == Localization::kLost) && (distance > 0.0 || turned != 0.0);
   if (!due && !changed) return false;
 
-  Eigen::Matrix3d Q;
-  if (lost || before == Localization::kLost) {
-    const double position = options_.reckoning_distance * distance;
-    const double heading =
-        options_.reckoning_angle * std::abs(turned) + options_.reckoning_heading * distance;
-    Q = Eigen::Vector3d(position * position, position * position, heading * heading).asDiagonal();
-    Q += lost_covariance_;
-  } else {
-    Q = keyframe_covariance(points_C);
+  const double position = options_.reckoning_distance * distance;
+  const double heading =
+      options_.reckoning_angle * std::abs(turned) + options_.reckoning_heading * distance;
+  Eigen::Matrix3d Q =
+      lost_covariance_ +
+      Eigen::Matrix3d(Eigen::Vector3d(position * position, position * position, heading * heading)
+                          .asDiagonal());
+  if (!lost && before != Localization::kLost) {
+    // (Q^-1 + P^-1)^-1, also where one of them is zero.
+    const Eigen::Matrix3d P = keyframe_covariance(points_C);
+    const Eigen::Matrix3d sum = Q + P;
+    Q = sum.isZero(0.0) ? sum : Eigen::Matrix3d(Q - Q * sum.ldlt().solve(Q));
+    if (losses_ > 0) {
+      turned_since_loss_ += std::abs(turned);
+      const double share =
+          std::abs(turned) * std::exp(-2.0 * turned_since_loss_ / options_.after_loss_turning);
+      const double p = options_.after_loss_position, yaw = options_.after_loss_heading;
+      Q.diagonal() += share * Eigen::Vector3d(0.5 * p * p, 0.5 * p * p, yaw * yaw);
+    }
   }
   std::normal_distribution<double> normal(0.0, 1.0);
   Eigen::Vector3d draw;

@@ -5,7 +5,7 @@
 
 namespace prospect {
 
-/// Names of the worlds that come with the program: office, corridor, loop.
+/// Names of the worlds that come with the program: office, office_bare, corridor, loop.
 std::vector<std::string> builtin_world_names();
 /// One line on what the world is for; "" for an unknown name.
 std::string builtin_world_summary(const std::string& name);

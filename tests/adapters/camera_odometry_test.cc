@@ -79,7 +79,7 @@ void print(const char* what, const Drive& d) {
 }
 
 TEST(CameraOdometry, FollowsADriveThroughTheMeetingRoom) {
-  const World office = load_world("office");
+  const World office = load_world("office_bare");
   const CameraRig rig(scene_of(office, 1.0), real());
   Pose start;
   start.position = {0.8, 6.8, 0.0};
@@ -96,7 +96,7 @@ TEST(CameraOdometry, FollowsADriveThroughTheMeetingRoom) {
 }
 
 TEST(CameraOdometry, FollowsATurnInPlace) {
-  const World office = load_world("office");
+  const World office = load_world("office_bare");
   const CameraRig rig(scene_of(office, 1.0), real());
   Pose start;
   start.position = {4.9, 7.4, 0.0};

@@ -38,7 +38,7 @@ CameraRigOptions ideal() {
 }
 
 TEST(CameraRig, IsAFunctionOfSeedFrameAndPose) {
-  const World world = load_world("office");
+  const World world = load_world("office_bare");
   const auto scene = scene_of(world);
   CameraRigOptions options;
   options.exposure_time = 0.01;
@@ -65,7 +65,7 @@ TEST(CameraRig, IsAFunctionOfSeedFrameAndPose) {
 }
 
 TEST(CameraRig, NoiseHasTheVarianceAskedForAndIsWhite) {
-  const World world = load_world("office");
+  const World world = load_world("office_bare");
   const auto scene = scene_of(world);
   CameraRigOptions options = ideal();
   options.read_noise = 3.0;
@@ -233,7 +233,7 @@ TEST(CameraRig, DepthNoiseAndWhatIsInvalid) {
 }
 
 TEST(CameraRig, DisparitiesAreThoseOfTheDepth) {
-  const World world = load_world("office");
+  const World world = load_world("office_bare");
   const auto scene = scene_of(world);
   const CameraRig rig(scene, {});  // noise and blur as they come
   const StereoCamera& stereo = rig.options().stereo;

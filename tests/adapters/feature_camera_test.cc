@@ -7,6 +7,7 @@
 #include <random>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "adapters/simulator/depth_camera.h"
 #include "tests/adapters/box_room.h"
@@ -72,13 +73,15 @@ bool obviously_visible(const World& world, const Feature& f, const FeatureCamera
   const Eigen::Vector2d right =
       o.stereo.left.project(Y - Eigen::Vector3d(o.stereo.baseline, 0.0, 0.0));
   for (const Eigen::Vector2d& p : {left, right}) {
-    if (p.x() < 0.0 || p.x() > o.stereo.left.width || p.y() < 0.0 || p.y() > o.stereo.left.height) {
+    if (p.x() < o.border || p.x() > o.stereo.left.width - o.border || p.y() < o.border ||
+        p.y() > o.stereo.left.height - o.border) {
       return false;
     }
   }
   const double angle =
       std::acos(std::clamp((eye - f.position).normalized().dot(f.normal), -1.0, 1.0));
   if (angle > o.max_view_angle) return false;
+  if (o.size * o.stereo.left.fx * std::cos(angle) / Y.z() < o.min_pixels) return false;
   const Eigen::Vector3d target = f.position + 1e-3 * f.normal;
   const int samples = 4000;
   int solid = 0;
@@ -127,21 +130,28 @@ TEST(FeatureCamera, VisibilityAgreesWithItsDefinition) {
   EXPECT_GT(occluded_away, total);
 }
 
-TEST(FeatureCamera, TracksAtMostTheBucketsAndPrefersWhatItTracksAlready) {
+TEST(FeatureCamera, TracksOneACellAndPrefersWhatItTracksAlready) {
   const World world = test::box_room(4.0, 4.0, 2.0);
   const FeatureField field(world, uniform_density(120.0), 1);
   FeatureCameraOptions options;
-  options.bucket_columns = 6;
-  options.bucket_rows = 4;
-  options.per_bucket = 3;
+  options.cells = 150;
   FeatureCamera camera(world, field, options, {}, 2);
   int visible = 0;
   Pose pose{{1.5, 2.0, 0.0}, 0.1};
   const auto first = camera.observe(pose, &visible);
   EXPECT_EQ(visible, static_cast<int>(camera.visible(pose).size()));
   EXPECT_GT(visible, 200);
-  EXPECT_LE(first.size(), 6U * 4U * 3U);
   EXPECT_GE(first.size(), 50U);
+  const PinholeCamera& c = options.stereo.left;
+  const double cell = std::sqrt(c.width * c.height / options.cells);
+  std::set<std::pair<int, int>> cells;
+  for (std::size_t n = 0; n < first.size(); ++n) {
+    const Eigen::Vector2d p = c.project(first[n].true_point);
+    EXPECT_TRUE(cells.emplace(std::floor(p.x() / cell), std::floor(p.y() / cell)).second);
+    for (std::size_t m = 0; m < n; ++m) {
+      EXPECT_GE((p - c.project(first[m].true_point)).norm(), 0.5 * cell);
+    }
+  }
   const auto again = camera.observe(pose);
   ASSERT_EQ(again.size(), first.size());
   for (std::size_t n = 0; n < first.size(); ++n) EXPECT_EQ(first[n].feature, again[n].feature);
@@ -206,7 +216,7 @@ TEST(FeatureCamera, RejectsOptionsOutOfRange) {
   options.stereo.baseline = -0.1;
   EXPECT_THROW(FeatureCamera(world, field, options, {}, 1), std::invalid_argument);
   options = {};
-  options.per_bucket = 0;
+  options.cells = 0;
   EXPECT_THROW(FeatureCamera(world, field, options, {}, 1), std::invalid_argument);
 }
 

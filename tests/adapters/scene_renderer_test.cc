@@ -55,7 +55,7 @@ Pose somewhere_free(const World& world, std::mt19937& generator) {
 }
 
 TEST(SceneRenderer, DepthIsThatOfTheVoxels) {
-  const World world = load_world("office");
+  const World world = load_world("office_bare");
   const SceneRenderer scene(mesh_of(world));
   DepthCameraOptions exact;
   exact.noise_constant = exact.noise_quadratic = exact.dropout = 0.0;
@@ -155,7 +155,7 @@ TEST(SceneRenderer, NoRaySlipsThrough) {
 }
 
 TEST(SceneRenderer, SameBitsWithAnyNumberOfThreads) {
-  const World world = load_world("office");
+  const World world = load_world("office_bare");
   const SceneRenderer scene(mesh_of(world));
   const SceneRenderer again(mesh_of(world));
   PinholeCamera camera;
@@ -176,7 +176,7 @@ TEST(SceneRenderer, SameBitsWithAnyNumberOfThreads) {
 
 TEST(SceneRenderer, PixelsAreMeansOverTheirArea) {
   // Against the mean of 8 x 8 pixels of an image eight times as large.
-  const World world = load_world("office");
+  const World world = load_world("office_bare");
   const SceneRenderer scene(mesh_of(world));
   const PinholeCamera camera{225.0, 225.0, 159.5, 119.5, 320.0, 240.0};
   constexpr int k = 8;

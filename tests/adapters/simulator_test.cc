@@ -299,8 +299,8 @@ TEST(Simulator, FindsItsPlaceAgainAfterALoss) {
     EXPECT_EQ(simulator.collisions(), 0);
     const auto belief = simulator.sense();
     EXPECT_EQ(belief->localization, Localization::kOk);
-    // The loss is forgotten: what is left is the drift before it and since. On the way back the
-    // count wavers about the limit, so that most of these missions have several losses.
+    // The loss is forgotten: what is left is the drift before it and since. The count passes the
+    // limit once each way; several losses in a row are odometry_model_test's.
     EXPECT_LT(belief->covariance.block(0, 0, 2, 2).trace(), 0.2 * uncertain) << seed;
     losses += simulator.losses();
     before += last * last;
@@ -315,7 +315,7 @@ TEST(Simulator, FindsItsPlaceAgainAfterALoss) {
   EXPECT_GT(lost, 3.0 * after);
   // A dozen points at 3 m, where the pose is found, say it within 2 to 3 cm.
   EXPECT_LT(after, before + 0.03);
-  EXPECT_GT(losses, kSeeds);
+  EXPECT_EQ(losses, kSeeds);
 }
 
 TEST(Simulator, BeliefsNeverChangeAfterTheyAreTaken) {

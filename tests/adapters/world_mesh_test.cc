@@ -73,7 +73,7 @@ TEST(WorldMesh, AnEmptyRoomIsSixRectangles) {
 }
 
 TEST(WorldMesh, CoversEveryExposedFaceOnce) {
-  const World office = load_world("office");
+  const World office = load_world("office_bare");
   EXPECT_NEAR(area(world_mesh(office, field_of(office))), exposed_area(office),
               1e-3 * exposed_area(office));
   // At random, where hardly a face has a neighbour.

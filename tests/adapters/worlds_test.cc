@@ -107,8 +107,10 @@ int count(const World& world, int k, CellState state) {
 // ---------------------------------------------------------------
 
 TEST_F(Worlds, BuiltInsAreSoundAndWhollyReachable) {
-  const std::map<std::string, std::pair<double, double>> area = {
-      {"office", {150, 200}}, {"corridor", {110, 140}}, {"loop", {90, 130}}};
+  const std::map<std::string, std::pair<double, double>> area = {{"office", {150, 200}},
+                                                                 {"office_bare", {150, 200}},
+                                                                 {"corridor", {110, 140}},
+                                                                 {"loop", {90, 130}}};
   for (const std::string& name : builtin_world_names()) {
     const World world = load_world(name);
     expect_sound(world);
@@ -260,7 +262,8 @@ TEST_F(Worlds, DefaultStartStandsInTheLargestSpace) {
 
 TEST_F(Worlds, UnknownNamesAndPathsAreRefused) {
   EXPECT_THAT(refusal("ofice"), HasSubstr("unknown world 'ofice' (did you mean 'office'?)"));
-  EXPECT_THAT(refusal("warehouse"), HasSubstr("expected one of: office, corridor, loop"));
+  EXPECT_THAT(refusal("warehouse"),
+              HasSubstr("expected one of: office, office_bare, corridor, loop"));
   EXPECT_THAT(refusal(""), HasSubstr("unknown world ''"));
   EXPECT_THAT(refusal(path("none.bt")), HasSubstr("no such file"));
   EXPECT_THAT(refusal(folder_.string()), HasSubstr("is a directory"));
