@@ -5,6 +5,12 @@
 #include <sstream>
 
 namespace prospect {
+namespace {
+
+/// Nobody reads more of them, and each is looked for among the others.
+constexpr std::size_t kMostItems = 1000;
+
+}  // namespace
 
 void LeftOut::count(const std::string& kind, std::size_t times) {
   if (times == 0) return;
@@ -13,12 +19,13 @@ void LeftOut::count(const std::string& kind, std::size_t times) {
   });
   if (known != items_.end()) {
     known->first += times;
-  } else {
+  } else if (items_.size() < kMostItems) {
     items_.emplace_back(times, kind);
   }
 }
 
 void LeftOut::name(const std::string& words) {
+  if (items_.size() >= kMostItems) return;
   const std::pair<std::size_t, std::string> item(0, words);
   if (std::find(items_.begin(), items_.end(), item) == items_.end()) items_.push_back(item);
 }

@@ -21,8 +21,8 @@ class LeftOut {
   bool empty() const { return items_.empty(); }
   /// (0: named, else counted; words), in the order of first mention.
   const std::vector<std::pair<std::size_t, std::string>>& items() const { return items_; }
-  /// "2 sphere collisions, 1 sun, texture 'a.png' (absent)"; from the 13th item on only how many.
-  /// Empty if nothing was left out.
+  /// "2 sphere collisions, 1 sun, texture 'a.png' (absent)"; from the 13th item on only how many
+  /// (of more than a thousand, which are not told apart, at least). Empty if nothing was left out.
   std::string text() const;
 
  private:

@@ -201,6 +201,13 @@ std::string bytes_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
+/// Throws for a pipe or device that a mesh names: reading it might never end.
+void refuse_odd_file(const std::string& mesh, const fs::path& file) {
+  std::error_code error;
+  if (fs::is_regular_file(file, error) || fs::is_directory(file, error)) return;
+  fail(mesh, "names " + in_quotes(file.string()) + ", which is not a regular file; expected one");
+}
+
 /// The material files that an .obj names and that are not there.
 void tell_missing_materials(const std::string& path, LeftOut& left_out) {
   std::ifstream in(path, std::ios::binary);
@@ -211,7 +218,10 @@ void tell_missing_materials(const std::string& path, LeftOut& left_out) {
     std::string name = line.substr(kKey.size());
     name.erase(0, name.find_first_not_of(" \t"));
     name.erase(name.find_last_not_of(" \t\r") + 1);
-    if (!fs::exists(fs::path(path).parent_path() / name, error)) {
+    const fs::path file = fs::path(path).parent_path() / name;
+    if (fs::exists(file, error)) {
+      refuse_odd_file(path, file);
+    } else {
       left_out.name("material file " + in_quotes(name) + " (absent)");
     }
   }
@@ -266,6 +276,16 @@ void check_gltf(const std::string& path, bool binary, LeftOut& left_out) {
     }
     if (extension == "KHR_texture_transform") left_out.name("texture transforms");
     if (extension == "KHR_lights_punctual") left_out.name("lights");
+  }
+  std::error_code error;
+  for (const char* kind : {"buffers", "images"}) {
+    for (const json& part : list(kind)) {
+      if (!part.is_object() || !part.contains("uri") || !part["uri"].is_string()) continue;
+      const auto uri = part["uri"].get<std::string>();
+      if (uri.starts_with("data:")) continue;
+      const fs::path file = fs::path(path).parent_path() / uri;
+      if (fs::exists(file, error)) refuse_odd_file(path, file);
+    }
   }
   const json accessors = list("accessors");
   constexpr int kFloat = 5126;

@@ -1,6 +1,7 @@
 #include "adapters/worlds/mesh_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -235,7 +236,17 @@ TEST(MeshFile, HostileFilesEndWithinTheirLimits) {
             std::string::npos);
   // JSON within JSON, and buffers that are none.
   EXPECT_NE(problem(folder.write("deep.gltf", std::string(1000000, '['))), "");
-  problem(folder.write("zero.gltf", Gltf(R"("uri":"/dev/zero",)").json));
+  // Pipes and devices that they name.
+  ASSERT_EQ(::mkfifo(folder.path("pipe").c_str(), 0600), 0);
+  for (const std::string name : {"pipe", "/dev/zero"}) {
+    EXPECT_NE(problem(folder.write("a.gltf", Gltf("\"uri\":\"" + name + "\",").json))
+                  .find("not a regular file"),
+              std::string::npos);
+    EXPECT_NE(
+        problem(folder.write("a.obj", "mtllib " + name + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"))
+            .find("not a regular file"),
+        std::string::npos);
+  }
 }
 
 TEST(MeshFile, WhatFuzzingFoundEndsWithinItsLimits) {

@@ -473,6 +473,23 @@ TEST_F(Worlds, RosYamlMayHoldMore) {
   }
 }
 
+TEST_F(Worlds, WhatIsLeftOutIsOneLineHoweverMuch) {
+  write("map.pgm", pgm(60, 50, room_pixels(60, 50)));
+  std::string yaml = "image: map.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n";
+  for (int n = 0; n < 50000; ++n) yaml += "their_key_" + std::to_string(n) + ": 1\n";
+  const std::string text = load_world(write("m.yaml", yaml)).left_out.text();
+  EXPECT_LT(text.size(), 1000u);
+  EXPECT_THAT(text, HasSubstr("key 'their_key_11' and "));
+  LeftOut all, more;
+  all.count("sun");
+  all.name("key 'a'");
+  more.count("sun", 2);
+  more.name("key 'a'");
+  more.name("key 'b'");
+  all.add(more);
+  EXPECT_EQ(all.text(), "3 suns, key 'a', key 'b'");
+}
+
 TEST_F(Worlds, RosMapsInEveryFormatAndMode) {
   const std::string pixels = room_pixels(60, 50);
   const auto yaml = [&](const std::string& image, const std::string& more = "") {
