@@ -52,6 +52,11 @@ void print_summary(const Summary& s) {
     std::printf("  left out      %6.1f m2 that its length keeps the robot from\n",
                 s.too_long_for_m2);
   }
+  if (std::isfinite(s.floor_share)) {
+    std::printf("  floor         %6s %% of the ground in the file is at this height\n",
+                tenths(100.0 * s.floor_share).c_str());
+  }
+  if (!s.read_without.empty()) std::printf("  read without  %s\n", s.read_without.c_str());
   std::printf("  time          %6.1f s; to 90 / 95 / 99 %%: %s / %s / %s s\n", s.duration_s,
               tenths(s.time_to_90_s).c_str(), tenths(s.time_to_95_s).c_str(),
               tenths(s.time_to_99_s).c_str());
@@ -111,6 +116,11 @@ void set_task(const ExploreArguments& arguments, Configuration& configuration) {
 
 }  // namespace
 
+void tell_left_out(const World& world) {
+  if (world.left_out.empty()) return;
+  std::cerr << "prospect: " << world.name << ": read without: " << world.left_out.text() << '\n';
+}
+
 int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
   Configuration configuration = read_configuration(arguments.configuration, registry);
   if (!arguments.solver.empty()) {
@@ -138,7 +148,12 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
     world_options.start =
         Pose{{arguments.start[0], arguments.start[1], 0.0}, arguments.start[2] * M_PI / 180.0};
   }
+  world_options.floor = arguments.floor;
+  world_options.voxel_size = arguments.resolution;
+  world_options.unknown_is_free = arguments.unknown == "free";
+  world_options.ground_margin = arguments.ground_margin;
   const auto world = std::make_shared<const World>(load_world(arguments.world, world_options));
+  tell_left_out(*world);
 
   ExplorationRunOptions options;
   options.seed = arguments.seed;
@@ -166,7 +181,9 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
       if (saved) folder->add(*saved);
     };
   }
-  const ExplorationRunResult result = run_exploration(world, configuration, options);
+  ExplorationRunResult result = run_exploration(world, configuration, options);
+  result.record.summary.read_without = world->left_out.text();
+  result.record.summary.floor_share = world->floor_share;
   progress.finish();
   folder->finish(result.record, result.map.get());
   if (!folder->error().empty()) std::cerr << "prospect: " << folder->error() << '\n';

@@ -69,10 +69,10 @@ int run(int argc, char** argv) {
   CLI::App* explore_command =
       app.add_subcommand("explore", "A simulated mission until the reachable space is explored");
   explore_command
-      ->add_option(
-          "world", explore_arguments.world,
-          "Built-in name, world file, OctoMap (.bt .ot), ROS map (.yaml .pgm .png), mesh (.obj "
-          ".dae .gltf .glb) or Gazebo world")
+      ->add_option("world", explore_arguments.world,
+                   "Built-in name, world file, OctoMap (.bt .ot), ROS map (.yaml .pgm .png .bmp), "
+                   "mesh (.obj "
+                   ".dae .gltf .glb .stl .ply) or Gazebo world")
       ->capture_default_str();
   explore_command->add_option("--config", explore_arguments.configuration,
                               "Configuration file (YAML)");
@@ -94,6 +94,25 @@ int run(int argc, char** argv) {
   explore_command->add_option("--start", explore_arguments.start, "Start x [m] y [m] yaw [deg]")
       ->expected(3)
       ->check(number_within(-1e6, 1e6));
+  explore_command
+      ->add_option("--floor", explore_arguments.floor,
+                   "Storey of an octree, mesh or Gazebo world, by the height of its ground in the "
+                   "file [m] [the lowest large one]")
+      ->check(number_within(-1e5, 1e5));
+  explore_command
+      ->add_option("--resolution", explore_arguments.resolution,
+                   "Of the world's voxels [m]; of an image without .yaml: of a pixel [0.1; of "
+                   "meshes 0.05]")
+      ->check(number_within(0.01, 10.0));
+  explore_command
+      ->add_option("--unknown", explore_arguments.unknown,
+                   "What the world's file does not know: solid or free [solid]")
+      ->check(CLI::IsMember({"solid", "free"}));
+  explore_command
+      ->add_option("--ground", explore_arguments.ground_margin,
+                   "How far the ground of a mesh or Gazebo world without end counts beyond what "
+                   "stands on it [m]")
+      ->check(number_within(0.0, 1000.0));
   explore_command
       ->add_option("--go", explore_arguments.go,
                    "Go to x [m],y [m], or x,y,yaw [deg], instead of exploring")

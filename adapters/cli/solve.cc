@@ -58,6 +58,7 @@ NamedProblem capture(const std::string& text, const Configuration& configuration
   }
   const auto world = std::make_shared<const World>(
       load_world(text.substr(0, at), world_options_for(configuration)));
+  tell_left_out(*world);
   int steps_done = 0;
   NamedProblem named{text, nullptr, {}};
   ExplorationRunOptions options;

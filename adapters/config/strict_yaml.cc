@@ -14,6 +14,7 @@
 #include <iterator>
 #include <limits>
 #include <sstream>
+#include <unordered_map>
 
 #include "models/nearest_name.h"
 
@@ -45,15 +46,31 @@ struct YamlMap::State {
   std::string source;
   std::unique_ptr<Node> root = std::make_unique<Node>();
   std::vector<Problem> problems;
+  std::size_t untold = 0;  ///< problems beyond kMostProblems
+  bool quoted_numbers = false;
   std::vector<ConfigEntry> entries;
 
   std::string at(int line) const { return line > 0 ? source + ":" + std::to_string(line) : source; }
-  void problem(int line, const std::string& text) { problems.push_back({line, text}); }
+  /// Nobody reads more of them, and each costs a search for the nearest name.
+  static constexpr std::size_t kMostProblems = 100;
+  bool told_enough() const { return problems.size() >= kMostProblems; }
+  std::size_t problem_count() const { return problems.size() + untold; }
+  void problem(int line, const std::string& text) {
+    if (told_enough()) {
+      ++untold;
+    } else {
+      problems.push_back({line, text});
+    }
+  }
   [[noreturn]] void raise() {
     std::stable_sort(problems.begin(), problems.end(),
                      [](const Problem& a, const Problem& b) { return a.line < b.line; });
     std::vector<std::string> lines;
     for (const Problem& p : problems) lines.push_back(at(p.line) + ": " + p.text);
+    if (untold > 0) {
+      lines.push_back(source + ": " + std::to_string(untold) +
+                      " more problems; expected none of them");
+    }
     throw InputError(lines);
   }
 
@@ -186,6 +203,7 @@ class YamlMap::State::Builder : public YAML::EventHandler {
     bool have_key = false;
     std::string key;
     int key_line = 0;
+    std::unordered_map<std::string, int> lines;  ///< of the keys so far
   };
 
   void scalar(const YAML::Mark& mark, const std::string& value, bool quoted, bool null) {
@@ -219,7 +237,7 @@ class YamlMap::State::Builder : public YAML::EventHandler {
     } else {
       place(std::move(node));
     }
-    stack_.push_back({raw, false, "", 0});
+    stack_.push_back({raw, false, "", 0, {}});
   }
 
   void place(std::unique_ptr<Node> node) {
@@ -232,12 +250,11 @@ class YamlMap::State::Builder : public YAML::EventHandler {
       top.node->items.push_back(std::move(node));
       return;
     }
-    const auto first = std::find_if(top.node->entries.begin(), top.node->entries.end(),
-                                    [&](const Node::Entry& e) { return e.key == top.key; });
+    const auto [first, is_new] = top.lines.emplace(top.key, top.key_line);
     top.have_key = false;
-    if (first != top.node->entries.end()) {
+    if (!is_new) {
       state_.problem(top.key_line, "duplicate key '" + shown(top.key) + "', first in line " +
-                                       std::to_string(first->line) + "; expected it once");
+                                       std::to_string(first->second) + "; expected it once");
       discarded_.push_back(std::move(node));
       return;
     }
@@ -263,6 +280,9 @@ StrictYaml StrictYaml::from_file(const std::string& path) {
   }
   if (std::filesystem::is_directory(status)) {
     throw InputError(path + ": is a directory; expected a YAML file");
+  }
+  if (!std::filesystem::is_regular_file(status)) {
+    throw InputError(path + ": is not a regular file; expected a YAML file");
   }
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (!error && size > kLargest) {
@@ -325,6 +345,8 @@ YamlMap StrictYaml::root() {
 
 const std::vector<ConfigEntry>& StrictYaml::entries() const { return state_->entries; }
 
+void StrictYaml::accept_quoted_numbers() { state_->quoted_numbers = true; }
+
 void StrictYaml::finish() {
   using Node = YamlMap::Node;
   // Only what a reader has descended into can hold keys that it missed.
@@ -338,7 +360,10 @@ void StrictYaml::finish() {
     open.pop_back();
     for (Node::Entry& entry : visit.node->entries) {
       const std::string path = visit.path.empty() ? entry.key : visit.path + "." + entry.key;
-      if (!entry.read) {
+      if (!entry.read && state_->told_enough()) {
+        state_->problem(entry.line, "");
+        entry.read = true;
+      } else if (!entry.read) {
         const std::string hint = did_you_mean(entry.key, visit.node->asked);
         std::string expected;
         for (const std::string& name : visit.node->asked) {
@@ -408,7 +433,19 @@ std::string YamlMap::child_path(const std::string& key) const {
   return path_.empty() ? key : path_ + "." + key;
 }
 
-std::size_t YamlMap::problem_count() const { return state_->problems.size(); }
+std::vector<std::string> YamlMap::leave_rest() {
+  std::vector<std::string> rest;
+  if (node_ == nullptr) return rest;
+  for (Node::Entry& entry : node_->entries) {
+    if (entry.read || state_->told_enough()) continue;
+    if (!nearest_name(entry.key, node_->asked).empty()) continue;
+    entry.read = true;
+    rest.push_back(shown(entry.key));
+  }
+  return rest;
+}
+
+std::size_t YamlMap::problem_count() const { return state_->problem_count(); }
 
 void YamlMap::problem(const std::string& key, const std::string& what) {
   int line = line_;
@@ -449,6 +486,15 @@ std::string what_it_is(const Node& node) {
   }
 }
 
+/// The number that a node holds; `loose`: also in quotes or with a plus sign.
+template <typename Node>
+std::optional<double> number_in(const Node& node, bool loose) {
+  if (node.kind != Node::Kind::kScalar || (node.quoted && !loose)) return std::nullopt;
+  const bool plus = loose && node.scalar.size() > 1 && node.scalar[0] == '+' &&
+                    node.scalar[1] != '-' && node.scalar[1] != '+';
+  return parse_number(plus ? node.scalar.substr(1) : node.scalar);
+}
+
 }  // namespace
 
 double YamlMap::number(const std::string& key, double default_value, double min, double max,
@@ -456,9 +502,7 @@ double YamlMap::number(const std::string& key, double default_value, double min,
   double value = default_value;
   if (const Node* node = find(key)) {
     const std::string expected = "; expected a number" + in_range(min, max, unit);
-    const auto parsed = node->kind == Node::Kind::kScalar && !node->quoted
-                            ? parse_number(node->scalar)
-                            : std::nullopt;
+    const auto parsed = number_in(*node, state_->quoted_numbers);
     if (!parsed || !((*parsed >= min && *parsed <= max) || *parsed == default_value)) {
       problem(key, what_it_is(*node) + expected);
     } else {
@@ -474,9 +518,7 @@ double YamlMap::required_number(const std::string& key, double min, double max,
   double value = std::clamp(0.0, min, max);
   const std::string expected = "a number" + in_range(min, max, unit);
   if (const Node* node = find(key)) {
-    const auto parsed = node->kind == Node::Kind::kScalar && !node->quoted
-                            ? parse_number(node->scalar)
-                            : std::nullopt;
+    const auto parsed = number_in(*node, state_->quoted_numbers);
     if (!parsed || !(*parsed >= min && *parsed <= max)) {
       problem(key, what_it_is(*node) + "; expected " + expected);
     } else {
@@ -518,6 +560,26 @@ bool YamlMap::boolean(const std::string& key, bool default_value, const std::str
       value = node->scalar == "true";
     } else {
       problem(key, what_it_is(*node) + "; expected true or false");
+    }
+  }
+  record(key, value ? "true" : "false", default_value ? "true" : "false", "", description);
+  return value;
+}
+
+bool YamlMap::loose_boolean(const std::string& key, bool default_value,
+                            const std::string& description) {
+  bool value = default_value;
+  if (const Node* node = find(key)) {
+    std::string word = node->kind == Node::Kind::kScalar ? node->scalar : "";
+    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const auto is_one_of = [&](std::initializer_list<const char*> words) {
+      return std::find(words.begin(), words.end(), word) != words.end();
+    };
+    const bool yes = is_one_of({"1", "true", "yes", "on", "y"});
+    if (yes || is_one_of({"0", "false", "no", "off", "n"})) {
+      value = yes;
+    } else {
+      problem(key, what_it_is(*node) + "; expected 0, 1, true or false");
     }
   }
   record(key, value ? "true" : "false", default_value ? "true" : "false", "", description);
@@ -622,8 +684,7 @@ std::optional<std::vector<double>> YamlMap::read_numbers(const std::string& key,
   std::vector<double> values;
   for (std::size_t i = 0; i < node->items.size(); ++i) {
     const Node& item = *node->items[i];
-    const auto parsed =
-        item.kind == Node::Kind::kScalar && !item.quoted ? parse_number(item.scalar) : std::nullopt;
+    const auto parsed = number_in(item, state_->quoted_numbers);
     if (!parsed || *parsed < min || *parsed > max) {
       problem(key, "entry " + std::to_string(i + 1) + " " + what_it_is(item) + expected);
       return std::nullopt;

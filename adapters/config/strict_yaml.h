@@ -29,7 +29,8 @@ class StrictYaml;
 /// A view of one mapping of a document. Every key must be asked for: what finish() of the document
 /// finds unread is unknown and an error. A reader never throws: each problem is recorded
 /// (`file:line: what; expected what`), the default is returned in its place (the lower end of the
-/// range for a required number), and StrictYaml::finish() throws all problems at once.
+/// range for a required number), and StrictYaml::finish() throws all problems at once, at most
+/// 100 of them in full.
 ///
 /// A view of an absent mapping is empty and serves defaults; asking for a required key of it is an
 /// error. Views are small and copyable and must not outlive the document.
@@ -53,6 +54,9 @@ class YamlMap {
                        std::int64_t max, const std::string& unit, const std::string& description);
   /// `true` or `false`, nothing else.
   bool boolean(const std::string& key, bool default_value, const std::string& description);
+  /// A switch as YAML of other programs spells it: 0, 1, true, false, yes, no, on, off, in any
+  /// case.
+  bool loose_boolean(const std::string& key, bool default_value, const std::string& description);
   /// Any scalar that is not empty, as text.
   std::string text(const std::string& key, const std::string& default_value,
                    const std::string& description);
@@ -80,6 +84,10 @@ class YamlMap {
   /// All keys of this mapping in the file's order, for mappings whose keys are free names.
   std::vector<std::string> keys() const;
 
+  /// The keys of this mapping that nobody asked for, in the file's order: of a file that other
+  /// programs share. They are no error of finish() then, but for those that are nearly a key that
+  /// was asked for: they are a slip.
+  std::vector<std::string> leave_rest();
   /// Number of problems in the whole document so far: unchanged by a reading that went well.
   std::size_t problem_count() const;
   /// Records a problem found by the caller at the key (or at this mapping if the key is "" or
@@ -116,7 +124,7 @@ class YamlMap {
 /// Not thread-safe; movable.
 class StrictYaml {
  public:
-  /// Throws InputError if the file is missing, a directory, unreadable, larger than 16 MB, not
+  /// Throws InputError if the file is missing, no regular file, unreadable, larger than 16 MB, not
   /// YAML, or its root is not a mapping. An empty document is an empty mapping.
   static StrictYaml from_file(const std::string& path);
   /// `source` stands for the file's name in messages.
@@ -126,6 +134,8 @@ class StrictYaml {
   ~StrictYaml();
 
   YamlMap root();
+  /// Numbers in quotes and with a plus sign count as numbers, as yaml-cpp itself takes them.
+  void accept_quoted_numbers();
   /// Adds an error for every key that was never asked for (with the nearest key that was), then
   /// throws InputError if there is any problem, in the order of the lines.
   void finish();

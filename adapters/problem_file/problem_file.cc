@@ -1,13 +1,17 @@
 #include "adapters/problem_file/problem_file.h"
 
+#include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <exception>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "adapters/problem_file/hdf5_archive.h"
 #include "adapters/problem_file/problem_format.h"
@@ -30,6 +34,37 @@ std::string one_line(std::string text) {
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
   throw std::invalid_argument(one_line(path + ": " + what));
+}
+
+/// Throws if no solver can begin: if the cost or a constraint is no finite number at the warm
+/// start, at the best seeds and at the inputs nearest to zero. Single entries can each be in order
+/// and still make, together, numbers beyond all bounds.
+void check_can_be_solved(const ReadProblem& read) {
+  const Problem& problem = *read.problem;
+  std::vector<Eigen::VectorXd> points;
+  if (read.saved.warm_start && read.saved.warm_start->x.size() == problem.num_variables()) {
+    points.push_back(read.saved.warm_start->x);
+  }
+  constexpr std::size_t kMostSeeds = 10;  // the best come first
+  for (std::size_t n = 0; n < std::min(kMostSeeds, read.saved.seeds.size()); ++n) {
+    points.push_back(read.saved.seeds[n].z);
+  }
+  points.push_back(Eigen::VectorXd::Zero(problem.num_variables())
+                       .cwiseMax(problem.lower())
+                       .cwiseMin(problem.upper()));
+  Workspace workspace = problem.make_workspace();
+  Evaluation value;
+  for (const Eigen::VectorXd& z : points) {
+    if (problem.evaluate(z, Evaluate::kValue, workspace, value)) return;
+  }
+  std::string terms;
+  for (const TermValue& term : problem.explain(points.front()).terms) {
+    if (!std::isfinite(term.raw) || !std::isfinite(term.weighted)) {
+      terms += (terms.empty() ? " (" : ", ") + term.name;
+    }
+  }
+  throw std::invalid_argument("its terms are no finite numbers at any of its seeds" + terms +
+                              (terms.empty() ? "" : ")") + "; expected a problem to solve");
 }
 
 std::string contents(const std::string& path) {
@@ -103,6 +138,7 @@ ReadProblem read_problem(const std::string& path) {
     Hdf5Reader reader(bytes);
     transfer_problem(reader, read.saved);
     read.problem = make_problem(read.saved.recipe);
+    check_can_be_solved(read);
     return read;
   } catch (const std::exception& e) {
     refuse(path, e.what());

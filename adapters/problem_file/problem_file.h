@@ -49,7 +49,8 @@ struct ReadProblem {
 /// Reads a problem file. With the same build on the same machine, the problem's costs, constraints
 /// and derivatives are those of the one that was written, bit for bit. Throws std::invalid_argument
 /// in one line, "PATH: what; expected what", for a file that is missing, damaged, truncated, of
-/// another kind or version, or holds what no problem can.
+/// another kind or version, holds what no problem can, or makes a problem whose terms are no finite
+/// numbers wherever a solver could begin.
 ///
 /// Reads the file once, from its beginning to its end; nothing else is opened, whatever it says.
 /// Thread-safety: calls from several threads are safe if the HDF5 library is (Debian's is).

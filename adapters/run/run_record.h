@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -130,6 +131,9 @@ struct Summary {
   int fallbacks = 0;
   int guard_stops = 0;
   int steps = 0;
+  /// World::floor_share: what share of the ground in the world's file the robot explores on.
+  double floor_share = std::numeric_limits<double>::quiet_NaN();
+  std::string read_without;  ///< World::left_out; empty: nothing
 };
 
 /// A whole run as the report needs it.

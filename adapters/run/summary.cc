@@ -100,7 +100,9 @@ std::string summary_json(const Summary& s) {
                                        {"deadline_misses", s.deadline_misses},
                                        {"fallbacks", s.fallbacks},
                                        {"guard_stops", s.guard_stops},
-                                       {"steps", s.steps}};
+                                       {"steps", s.steps},
+                                       {"floor_share", s.floor_share},
+                                       {"read_without", s.read_without}};
   // A world may be named after a file whose name is no UTF-8.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
 }

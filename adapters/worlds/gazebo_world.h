@@ -6,19 +6,29 @@
 
 namespace prospect {
 
-/// What a Gazebo world or model file (.world, .sdf; SDF 1.4 to 1.7) looks like: the visuals of all
+/// What a Gazebo world or model file (.world, .sdf; SDF 1.4 to 1.12) looks like: the visuals of all
 /// models, with their poses and scales, in the world's frame (z up).
 ///
-/// A visual is a mesh (read_mesh_file; an .obj is taken with z up, as Gazebo does), a box, a plane
-/// or a cylinder; of the last three the grey is that of the material's diffuse, else ambient
-/// colour. Poses are x y z roll pitch yaw against the element that holds them. `model://NAME` is
-/// the folder NAME with a model.sdf: beside the file, in the folder `models` there or one above, or
-/// in a folder of GAZEBO_MODEL_PATH; other names are relative to the file. Lights, collisions,
-/// physics and plug-ins are left out.
+/// A visual is a mesh (read_mesh_file; an .obj is taken with z up, as Gazebo does; <submesh> is
+/// kept), a box, plane, cylinder, sphere, ellipsoid, capsule, cone or polyline; of all but meshes
+/// the grey is that of the material's diffuse, else ambient colour. Poses are x y z roll pitch yaw,
+/// in degrees or with a quaternion if they say so, against the element that holds them or the frame
+/// that they name (relative_to, attached_to, placement_frame). The last <state> of a world moves
+/// its models and links, as Gazebo does; scaled models in it are refused.
+///
+/// `model://NAME` is the folder NAME, with the SDF that its model.config names, else model.sdf:
+/// beside the file, in the folder `models` there or one or two above, or in a folder of
+/// GAZEBO_MODEL_PATH, GZ_SIM_RESOURCE_PATH, IGN_GAZEBO_RESOURCE_PATH or SDF_PATH; a model of Fuel
+/// is looked for there by its name. Where they are not found, `sun` is a light and `ground_plane` a
+/// plane of 100 x 100 m. Other names are relative to the file.
+///
+/// Told in left_out: lights, plug-ins, sensors, actors, the collisions of links that show nothing,
+/// elements that are not known, and what read_mesh_file tells. Physics and the like are not told.
 ///
 /// Throws InputError with file and line: the file is missing or no SDF; a model or mesh is missing;
-/// poses that are not six numbers or are relative to a named frame; other shapes; models that
-/// include each other; nothing to see. NotBuiltIn where its libraries were absent.
+/// numbers that are none, frames that are not there or in a circle; other shapes; <population>;
+/// models that include each other, more than 20 000 models, 200 000 shapes or 20 million triangles;
+/// nothing to see. NotBuiltIn where its libraries were absent.
 TexturedMesh read_gazebo_world(const std::string& path);
 
 }  // namespace prospect

@@ -7,7 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
+#include <initializer_list>
 #include <limits>
 #include <sstream>
 #include <string_view>
@@ -32,7 +32,7 @@ namespace prospect {
 namespace {
 
 constexpr const char* kExtensions =
-    ".yaml, .bt, .ot, .pgm, .png, .map, .obj, .dae, .gltf, .glb, .world, .sdf";
+    ".yaml, .bt, .ot, .pgm, .png, .bmp, .map, .obj, .dae, .gltf, .glb, .stl, .ply, .world, .sdf";
 
 /// Distance [m] from a column's centre to the nearest column that is not free, at most `bound`.
 double clearance(const Grid<std::uint8_t>& free, Cell c, double bound) {
@@ -168,14 +168,9 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// A ROS map if any line begins with `image:`; the strict readers tell what else is wrong.
+/// A ROS map has an image; the strict readers tell what else is wrong.
 bool names_an_image(const std::string& path) {
-  std::ifstream in(path);
-  std::string line;
-  for (int n = 0; n < 1000 && std::getline(in, line); ++n) {
-    if (line.starts_with("image:")) return true;
-  }
-  return false;
+  return StrictYaml::from_file(path).root().has("image");
 }
 
 /// The number of "plan:NUMBER".
@@ -189,6 +184,21 @@ std::optional<std::uint64_t> plan_seed(const std::string& name) {
     throw InputError("world '" + name + "': no seed; expected plan:SEED, e.g. plan:7");
   }
   return seed;
+}
+
+bool is_one_of(const std::string& text, std::initializer_list<const char*> choices) {
+  return std::find(choices.begin(), choices.end(), text) != choices.end();
+}
+
+/// A world file says all of this itself.
+void refuse_for_world_file(const std::string& name, const WorldOptions& options) {
+  const char* option = options.voxel_size > 0.0      ? "--resolution"
+                       : options.unknown_is_free     ? "--unknown"
+                       : options.floor               ? "--floor"
+                       : options.ground_margin > 0.0 ? "--ground"
+                                                     : nullptr;
+  if (option == nullptr) return;
+  throw InputError(name + ": a world file says that itself; expected no " + option);
 }
 
 }  // namespace
@@ -250,6 +260,10 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
   bool states_start = false;
   std::error_code error;
   std::optional<World> world;
+  if (std::find(names.begin(), names.end(), name_or_path) != names.end() ||
+      plan_seed(name_or_path)) {
+    refuse_for_world_file(name_or_path, options);
+  }
   if (std::find(names.begin(), names.end(), name_or_path) != names.end()) {
     world = world_from_yaml(builtin_world_text(name_or_path), "built-in " + name_or_path,
                             &states_start);
@@ -270,22 +284,52 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
     if (fs::is_directory(path, error)) {
       throw InputError(name_or_path + ": is a directory; expected a world: " + kExtensions);
     }
-    if (extension == ".bt" || extension == ".ot") {
-      OctreeWorldOptions octree;
-      octree.resolution = options.resolution;
-      world = world_from_octree(*read_octree(name_or_path), name_or_path, octree);
+    if (!fs::is_regular_file(path, error)) {
+      throw InputError(name_or_path + ": is not a regular file; expected a world: " + kExtensions);
+    }
+    const bool mesh = is_one_of(extension, {".obj", ".dae", ".gltf", ".glb", ".stl", ".ply"});
+    const bool gazebo = is_one_of(extension, {".world", ".sdf"});
+    const bool octree = is_one_of(extension, {".bt", ".ot"});
+    if (options.floor && !mesh && !gazebo && !octree) {
+      throw InputError(name_or_path + ": has one storey; expected no --floor");
+    }
+    if (options.ground_margin > 0.0 && !mesh && !gazebo) {
+      throw InputError(name_or_path + ": has no ground without end; expected no --ground");
+    }
+    if (octree) {
+      OctreeWorldOptions octree_options;
+      octree_options.resolution =
+          options.voxel_size > 0.0 ? options.voxel_size : options.resolution;
+      octree_options.ground = options.floor;
+      octree_options.unknown_is_free = options.unknown_is_free;
+      LeftOut left_out;
+      const auto tree = read_octree(name_or_path, {}, &left_out);
+      if (options.voxel_size > 0.0 && options.voxel_size < 0.99 * tree->getResolution()) {
+        throw InputError(name_or_path + ": voxels of " + number(tree->getResolution()) +
+                         " m; expected a resolution of at least that");
+      }
+      world = world_from_octree(*tree, name_or_path, octree_options);
+      world->left_out.add(left_out);
     } else if (extension == ".yaml" || extension == ".yml") {
-      world = names_an_image(name_or_path) ? world_from_ros_map(name_or_path, options)
-                                           : world_from_file(name_or_path, &states_start);
-    } else if (extension == ".pgm" || extension == ".png") {
+      if (names_an_image(name_or_path)) {
+        world = world_from_ros_map(name_or_path, options);
+      } else {
+        refuse_for_world_file(name_or_path, options);
+        world = world_from_file(name_or_path, &states_start);
+      }
+    } else if (is_one_of(extension, {".pgm", ".png", ".bmp", ".ppm", ".pbm", ".pnm"})) {
       world = world_from_image(name_or_path, options);
     } else if (extension == ".map") {
       world = world_from_movingai(name_or_path, options);
-    } else if (extension == ".obj" || extension == ".dae" || extension == ".gltf" ||
-               extension == ".glb") {
-      world = world_from_mesh(read_mesh_file(name_or_path), name_or_path);
-    } else if (extension == ".world" || extension == ".sdf") {
-      world = world_from_mesh(read_gazebo_world(name_or_path), name_or_path);
+    } else if (mesh || gazebo) {
+      MeshWorldOptions mesh_options;
+      if (options.voxel_size > 0.0) mesh_options.resolution = options.voxel_size;
+      mesh_options.ground = options.floor;
+      mesh_options.ground_margin = options.ground_margin;
+      mesh_options.unknown_is_free = options.unknown_is_free;
+      if (options.start) mesh_options.also_here = options.start->position.head<2>();
+      world = world_from_mesh(mesh ? read_mesh_file(name_or_path) : read_gazebo_world(name_or_path),
+                              name_or_path, mesh_options);
     } else {
       throw InputError(name_or_path + ": unknown kind of file '" + extension +
                        "'; expected one of " + kExtensions);

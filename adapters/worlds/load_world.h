@@ -23,15 +23,28 @@ struct WorldOptions {
   double pixel_size = 0.05;
   /// Height to which the cells of a 2-D map are extruded [m].
   double wall_height = 2.0;
+  /// [m] Size of the world's voxels, in place of resolution (maps) or 0.05 m (meshes), if more than
+  /// 0; of an image without a .yaml and of a MovingAI grid it is pixel_size. Finer than the source
+  /// is refused; so is any for a world file, which states its own.
+  double voxel_size = 0.0;
+  /// What the source does not know counts as free.
+  bool unknown_is_free = false;
+  /// [m] In the source's frame: take the storey whose ground lies nearest to this height, at most
+  /// half a metre off (octrees and meshes; others are refused).
+  std::optional<double> floor;
+  /// [m] How far beyond what stands on it the ground of a mesh counts, where it is much larger than
+  /// that (mesh_world.h).
+  double ground_margin = 0.0;
 };
 
 /// A world by name or path: a built-in name (builtin_world_names()), plan:SEED
 /// (random_floor_plan()), else by extension: .yaml/.yml
-/// (a world file, or a ROS map if it has the key `image`), .bt/.ot (OctoMap), .pgm/.png (bare map
-/// image), .map (MovingAI), .obj/.dae/.gltf/.glb (mesh_file.h), .world/.sdf (gazebo_world.h), both
-/// voxelised at 0.05 m (mesh_world.h). Throws InputError: unknown name (with the nearest built-in
-/// name), missing file, directory, unreadable or corrupt content, no place to stand, or a given
-/// start at which the body does not fit.
+/// (a world file, or a ROS map if it has the key `image`), .bt/.ot (OctoMap), .pgm/.png/.bmp (bare
+/// map image), .map (MovingAI), .obj/.dae/.gltf/.glb/.stl/.ply (mesh_file.h), .world/.sdf
+/// (gazebo_world.h), both voxelised at 0.05 m (mesh_world.h). What a source holds that is not in
+/// the world is in World::left_out. Throws InputError: unknown name (with the nearest built-in
+/// name), missing file, no regular file, unreadable or corrupt content, an option that says nothing
+/// of such a source, no place to stand, or a given start at which the body does not fit.
 World load_world(const std::string& name_or_path, const WorldOptions& options = {});
 
 /// Sets the world's start to `given` if there is one; else, if the world file states none, to the

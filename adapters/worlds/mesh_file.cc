@@ -17,13 +17,18 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <map>
+#include <new>
+#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
+#include <stdexcept>
+#include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "adapters/config/input_error.h"
+#include "adapters/worlds/bounded_child.h"
 
 namespace prospect {
 namespace {
@@ -90,7 +95,8 @@ std::optional<Image> embedded_texture(const aiTexture& texture) {
 }
 
 /// The image file beside a mesh; names come with backslashes and with %20, too.
-std::optional<Image> texture_file(const fs::path& folder, std::string name) {
+/// Sets `there` if there is one.
+std::optional<Image> texture_file(const fs::path& folder, std::string name, bool& there) {
   std::replace(name.begin(), name.end(), '\\', '/');
   if (name.starts_with("file://")) name.erase(0, 7);
   std::string plain;
@@ -111,6 +117,7 @@ std::optional<Image> texture_file(const fs::path& folder, std::string name) {
       const fs::path path = place / candidate;
       std::error_code error;
       if (!fs::is_regular_file(path, error) || fs::file_size(path, error) > kLargestMesh) continue;
+      there = true;
       std::ifstream in(path, std::ios::binary);
       const std::vector<char> bytes{std::istreambuf_iterator<char>(in),
                                     std::istreambuf_iterator<char>()};
@@ -120,14 +127,18 @@ std::optional<Image> texture_file(const fs::path& folder, std::string name) {
   return std::nullopt;
 }
 
-Image albedo(const aiScene& scene, const aiMaterial& material, const fs::path& folder) {
+Image albedo(const aiScene& scene, const aiMaterial& material, const fs::path& folder,
+             LeftOut& left_out) {
   for (const aiTextureType type : {aiTextureType_BASE_COLOR, aiTextureType_DIFFUSE}) {
     aiString name;
     if (material.GetTexture(type, 0, &name) != aiReturn_SUCCESS || name.length == 0) continue;
     const aiTexture* embedded = scene.GetEmbeddedTexture(name.C_Str());
+    bool there = embedded != nullptr;
     std::optional<Image> image =
-        embedded != nullptr ? embedded_texture(*embedded) : texture_file(folder, name.C_Str());
+        there ? embedded_texture(*embedded) : texture_file(folder, name.C_Str(), there);
     if (image) return *std::move(image);
+    left_out.name("texture " + in_quotes(name.C_Str()) +
+                  (there ? " (cannot be read)" : " (absent)"));
   }
   aiColor4D colour(0.7f, 0.7f, 0.7f, 1.0f);
   if (material.Get(AI_MATKEY_BASE_COLOR, colour) != aiReturn_SUCCESS) {
@@ -136,17 +147,24 @@ Image albedo(const aiScene& scene, const aiMaterial& material, const fs::path& f
   return Image(1, 1, grey_of(colour.r, colour.g, colour.b));
 }
 
-/// The triangles of a node and those below it, not yet moved: each node is a part of its own.
+/// The triangles of a node and those below it, not yet moved: each node is a part of its own. Of a
+/// submesh, only what bears its name.
 void add_node(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& T_parent,
-              TexturedMesh& whole) {
+              const std::string& submesh, bool within, TexturedMesh& whole) {
   Eigen::Affine3d T = T_parent;
   const aiMatrix4x4& m = node.mTransformation;
   Eigen::Matrix4d local;
   local << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4, m.d1, m.d2, m.d3,
       m.d4;
   T = T * Eigen::Affine3d(local);
+  within = within || submesh.empty() || submesh == node.mName.C_Str();
   for (unsigned n = 0; n < node.mNumMeshes; ++n) {
     const aiMesh& mesh = *scene.mMeshes[node.mMeshes[n]];
+    if (!within && submesh != mesh.mName.C_Str()) continue;
+    if (mesh.HasVertexColors(0) && !mesh.HasTextureCoords(0))
+      whole.left_out.name("colours of vertices");
+    if (mesh.HasBones()) whole.left_out.count("skeleton");
+    if (mesh.mNumAnimMeshes > 0) whole.left_out.count("set of morph targets");
     TexturedMesh part;
     const bool textured = mesh.HasTextureCoords(0);
     for (unsigned v = 0; v < mesh.mNumVertices; ++v) {
@@ -164,19 +182,325 @@ void add_node(const aiScene& scene, const aiNode& node, const Eigen::Affine3d& T
     append_triangles(part, T, 0, whole);
   }
   for (unsigned n = 0; n < node.mNumChildren; ++n) {
-    add_node(scene, *node.mChildren[n], T, whole);
+    add_node(scene, *node.mChildren[n], T, submesh, within, whole);
   }
+}
+
+/// The names that a submesh can have, for a message.
+std::string names_in(const aiScene& scene) {
+  std::string names;
+  for (unsigned n = 0; n < scene.mNumMeshes && names.size() < 200; ++n) {
+    const aiString& name = scene.mMeshes[n]->mName;
+    if (name.length > 0) names += (names.empty() ? "" : ", ") + in_quotes(name.C_Str());
+  }
+  return names.empty() ? "none" : names;
+}
+
+std::string bytes_of(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+/// Throws for a pipe or device that a mesh names: reading it might never end.
+void refuse_odd_file(const std::string& mesh, const fs::path& file) {
+  std::error_code error;
+  if (fs::is_regular_file(file, error) || fs::is_directory(file, error)) return;
+  fail(mesh, "names " + in_quotes(file.string()) + ", which is not a regular file; expected one");
+}
+
+/// The material files that an .obj names and that are not there.
+void tell_missing_materials(const std::string& path, LeftOut& left_out) {
+  std::ifstream in(path, std::ios::binary);
+  std::error_code error;
+  for (std::string line; std::getline(in, line);) {
+    constexpr std::string_view kKey = "mtllib ";
+    if (!line.starts_with(kKey)) continue;
+    std::string name = line.substr(kKey.size());
+    name.erase(0, name.find_first_not_of(" \t"));
+    name.erase(name.find_last_not_of(" \t\r") + 1);
+    const fs::path file = fs::path(path).parent_path() / name;
+    if (fs::exists(file, error)) {
+      refuse_odd_file(path, file);
+    } else {
+      left_out.name("material file " + in_quotes(name) + " (absent)");
+    }
+  }
+}
+
+/// Refuses a glTF whose shape the library would get wrong without a word, by what its JSON says.
+void check_gltf(const std::string& path, bool binary, LeftOut& left_out) {
+  using nlohmann::json;
+  std::string text = bytes_of(path);
+  if (binary) {
+    constexpr std::size_t kHead = 20;  // of the file and of its first chunk
+    std::uint32_t length = 0;
+    if (text.size() < kHead || !text.starts_with("glTF")) {
+      fail(path, "no binary glTF; expected one");
+    }
+    std::memcpy(&length, text.data() + 12, sizeof length);
+    if (text.compare(16, 4, "JSON") != 0 || length > text.size() - kHead) {
+      fail(path, "truncated or corrupt glTF; expected its JSON chunk first");
+    }
+    text = text.substr(kHead, length);
+  }
+  const json root = json::parse(text, nullptr, false);
+  if (root.is_discarded() || !root.is_object()) {
+    fail(path, "no whole JSON; expected a glTF of version 2");
+  }
+  const auto list = [&](const char* key) {
+    const auto found = root.find(key);
+    return found != root.end() && found->is_array() ? *found : json::array();
+  };
+  // They say how surfaces look, or where lights are, not where the surfaces are.
+  const auto harmless = [](const std::string& name) {
+    return name.starts_with("KHR_materials_") || name == "KHR_lights_punctual" ||
+           name == "KHR_texture_transform";
+  };
+  std::string unknown;
+  for (const json& name : list("extensionsRequired")) {
+    if (!name.is_string() || harmless(name.get<std::string>())) continue;
+    unknown += (unknown.empty() ? "" : ", ") + in_quotes(name.get<std::string>());
+  }
+  if (!unknown.empty()) {
+    fail(path, "the glTF requires " + unknown +
+                   ", not supported; expected a plain glTF, without compression or quantisation");
+  }
+  const json used = list("extensionsUsed");
+  for (const json& name : used) {
+    if (!name.is_string()) continue;
+    const auto extension = name.get<std::string>();
+    if (extension == "EXT_mesh_gpu_instancing" || extension == "KHR_mesh_quantization") {
+      fail(path, "the glTF uses " + in_quotes(extension) +
+                     ", not supported; expected each copy as a node of its own, and "
+                     "positions as float");
+    }
+    if (extension == "KHR_texture_transform") left_out.name("texture transforms");
+    if (extension == "KHR_lights_punctual") left_out.name("lights");
+  }
+  std::error_code error;
+  for (const char* kind : {"buffers", "images"}) {
+    for (const json& part : list(kind)) {
+      if (!part.is_object() || !part.contains("uri") || !part["uri"].is_string()) continue;
+      const auto uri = part["uri"].get<std::string>();
+      if (uri.starts_with("data:")) continue;
+      const fs::path file = fs::path(path).parent_path() / uri;
+      if (fs::exists(file, error)) refuse_odd_file(path, file);
+    }
+  }
+  const json accessors = list("accessors");
+  constexpr int kFloat = 5126;
+  const auto type_of = [&](const json& index) {
+    if (!index.is_number_unsigned() || index.get<std::size_t>() >= accessors.size()) return kFloat;
+    const json& accessor = accessors[index.get<std::size_t>()];
+    return accessor.is_object() && accessor.contains("componentType") &&
+                   accessor["componentType"].is_number_integer()
+               ? accessor["componentType"].get<int>()
+               : kFloat;
+  };
+  for (const json& mesh : list("meshes")) {
+    if (!mesh.is_object() || !mesh.contains("primitives")) continue;
+    for (const json& primitive : mesh["primitives"]) {
+      if (!primitive.is_object() || !primitive.contains("attributes")) continue;
+      if (!primitive["attributes"].is_object()) continue;
+      for (const auto& [attribute, index] : primitive["attributes"].items()) {
+        if (attribute != "POSITION" && attribute != "TEXCOORD_0") continue;
+        const int type = type_of(index);
+        if (type == kFloat) continue;
+        fail(path, attribute + " of component type " + std::to_string(type) +
+                       (type == 5122 || type == 5123   ? " (16 bits)"
+                        : type == 5120 || type == 5121 ? " (8 bits)"
+                                                       : "") +
+                       " is not supported; expected float (5126)");
+      }
+    }
+  }
+}
+
+/// What crosses from the child: numbers as they lie in memory, lists after their length.
+class Packer {
+ public:
+  template <typename T>
+  void value(const T& v) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    bytes_.append(reinterpret_cast<const char*>(&v), sizeof v);
+  }
+  template <typename T>
+  void list(const std::vector<T>& values) {
+    value(static_cast<std::uint64_t>(values.size()));
+    if (!values.empty()) {
+      bytes_.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(T));
+    }
+  }
+  void text(const std::string& t) { list(std::vector<char>(t.begin(), t.end())); }
+  std::string take() { return std::move(bytes_); }
+
+ private:
+  std::string bytes_;
+};
+
+class Unpacker {
+ public:
+  explicit Unpacker(std::string_view bytes) : bytes_(bytes) {}
+  template <typename T>
+  T value() {
+    T v{};
+    std::memcpy(&v, take(sizeof v), sizeof v);
+    return v;
+  }
+  template <typename T>
+  std::vector<T> list() {
+    const auto count = value<std::uint64_t>();
+    if (count > bytes_.size() / sizeof(T)) throw std::runtime_error("a torn answer");
+    std::vector<T> values(static_cast<std::size_t>(count));
+    if (count > 0)
+      std::memcpy(static_cast<void*>(values.data()), take(values.size() * sizeof(T)),
+                  values.size() * sizeof(T));
+    return values;
+  }
+  std::string text() {
+    const std::vector<char> c = list<char>();
+    return {c.begin(), c.end()};
+  }
+
+ private:
+  const char* take(std::size_t size) {
+    if (size > bytes_.size()) throw std::runtime_error("a torn answer");
+    const char* at = bytes_.data();
+    bytes_.remove_prefix(size);
+    return at;
+  }
+  std::string_view bytes_;
+};
+
+std::string packed(const TexturedMesh& mesh) {
+  Packer out;
+  const auto floats = [&](const auto& points) {
+    std::vector<float> numbers;
+    numbers.reserve(points.size() * 3);
+    for (const auto& p : points) numbers.insert(numbers.end(), p.data(), p.data() + p.size());
+    out.list(numbers);
+  };
+  floats(mesh.vertices);
+  floats(mesh.uv);
+  out.list(mesh.triangles);
+  out.list(mesh.material);
+  out.value(static_cast<std::uint64_t>(mesh.textures.size()));
+  for (const Image& texture : mesh.textures) {
+    out.value(texture.width);
+    out.value(texture.height);
+    out.list(texture.pixels);
+  }
+  out.value(static_cast<std::uint64_t>(mesh.left_out.items().size()));
+  for (const auto& [times, words] : mesh.left_out.items()) {
+    out.value(static_cast<std::uint64_t>(times));
+    out.text(words);
+  }
+  return out.take();
+}
+
+TexturedMesh unpacked(std::string_view bytes) {
+  Unpacker in(bytes);
+  TexturedMesh mesh;
+  const std::vector<float> vertices = in.list<float>(), uv = in.list<float>();
+  for (std::size_t n = 0; n + 2 < vertices.size(); n += 3) {
+    mesh.vertices.emplace_back(vertices[n], vertices[n + 1], vertices[n + 2]);
+  }
+  for (std::size_t n = 0; n + 1 < uv.size(); n += 2) mesh.uv.emplace_back(uv[n], uv[n + 1]);
+  mesh.triangles = in.list<std::array<std::uint32_t, 3>>();
+  mesh.material = in.list<std::uint32_t>();
+  const auto textures = in.value<std::uint64_t>();
+  for (std::uint64_t n = 0; n < textures; ++n) {
+    const int width = in.value<int>(), height = in.value<int>();
+    std::vector<std::uint8_t> pixels = in.list<std::uint8_t>();
+    if (width < 1 || height < 1 ||
+        pixels.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+      throw std::runtime_error("a torn answer");
+    }
+    Image image(1, 1);
+    image.width = width;
+    image.height = height;
+    image.pixels = std::move(pixels);
+    mesh.textures.push_back(std::move(image));
+  }
+  const auto items = in.value<std::uint64_t>();
+  for (std::uint64_t n = 0; n < items; ++n) {
+    const auto times = in.value<std::uint64_t>();
+    const std::string words = in.text();
+    if (times > 0) {
+      mesh.left_out.count(words, static_cast<std::size_t>(times));
+    } else {
+      mesh.left_out.name(words);
+    }
+  }
+  return mesh;
+}
+
+/// The mesh as the library reads it; to be run in a child process.
+TexturedMesh import(const std::string& path, const std::string& extension, UpAxis unsaid,
+                    const Submesh& submesh) {
+  TexturedMesh mesh;
+  if (extension == ".gltf" || extension == ".glb") {
+    check_gltf(path, extension == ".glb", mesh.left_out);
+  }
+  if (extension == ".obj") tell_missing_materials(path, mesh.left_out);
+  Assimp::Importer importer;
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
+                              aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  // Read as it is first: what the next step drops is to be told.
+  const aiScene* scene =
+      importer.ReadFile(path, aiProcess_FlipUVs | aiProcess_ValidateDataStructure);
+  std::size_t points = 0, lines = 0;
+  if (scene != nullptr) {
+    for (unsigned n = 0; n < scene->mNumMeshes; ++n) {
+      const aiMesh& part = *scene->mMeshes[n];
+      if ((part.mPrimitiveTypes & (aiPrimitiveType_POINT | aiPrimitiveType_LINE)) == 0) continue;
+      for (unsigned f = 0; f < part.mNumFaces; ++f) {
+        points += part.mFaces[f].mNumIndices == 1;
+        lines += part.mFaces[f].mNumIndices == 2;
+      }
+    }
+    mesh.left_out.count("point", points);
+    mesh.left_out.count("line", lines);
+    mesh.left_out.count("camera", scene->mNumCameras);
+    mesh.left_out.count("light", scene->mNumLights);
+    mesh.left_out.count("animation", scene->mNumAnimations);
+    scene = importer.ApplyPostProcessing(aiProcess_Triangulate | aiProcess_SortByPType |
+                                         aiProcess_JoinIdenticalVertices);
+  }
+  if (scene == nullptr || scene->mRootNode == nullptr) {
+    std::string reason = importer.GetErrorString();
+    std::replace(reason.begin(), reason.end(), '\n', ' ');
+    if (points + lines > 0) reason = "only points and lines";
+    if (reason.find("bad_alloc") != std::string::npos) throw std::bad_alloc();
+    fail(path, "cannot be read (" + reason + "); expected a whole mesh file");
+  }
+  const fs::path folder = fs::path(path).parent_path();
+  for (unsigned n = 0; n < scene->mNumMaterials; ++n) {
+    mesh.textures.push_back(albedo(*scene, *scene->mMaterials[n], folder, mesh.left_out));
+  }
+  // Assimp hands .dae and .gltf over with y up, in metres.
+  const bool says = extension == ".dae" || extension == ".gltf" || extension == ".glb";
+  Eigen::Affine3d T = Eigen::Affine3d::Identity();
+  if (says || (extension == ".obj" && unsaid == UpAxis::kY)) {
+    T.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  }
+  add_node(*scene, *scene->mRootNode, T, submesh.name, false, mesh);
+  if (mesh.triangles.empty() && !submesh.name.empty()) {
+    fail(path, "no submesh " + in_quotes(submesh.name) + "; expected one of: " + names_in(*scene));
+  }
+  return mesh;
 }
 
 }  // namespace
 
-TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid) {
+TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submesh& submesh) {
   const auto refuse = [&](const std::string& what) { throw InputError(path + ": " + what); };
   std::string extension = fs::path(path).extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  constexpr const char* kKinds[] = {".obj", ".dae", ".gltf", ".glb"};
+  constexpr const char* kKinds[] = {".obj", ".dae", ".gltf", ".glb", ".stl", ".ply"};
   if (std::find(std::begin(kKinds), std::end(kKinds), extension) == std::end(kKinds)) {
-    refuse("unknown kind of mesh '" + extension + "'; expected .obj, .dae, .gltf or .glb");
+    refuse("unknown kind of mesh '" + extension +
+           "'; expected .obj, .dae, .gltf, .glb, .stl or .ply");
   }
   std::error_code error;
   if (!fs::exists(path, error)) refuse("no such file; expected a mesh");
@@ -185,41 +509,37 @@ TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid) {
   if (error || size == 0) refuse("is empty; expected a mesh");
   if (size > kLargestMesh) refuse("is larger than 512 MB");
 
+  constexpr std::uintmax_t kMegabyte = std::uintmax_t{1} << 20;
+  ChildLimits limits;
+  limits.memory =
+      static_cast<std::size_t>(std::min(4096 * kMegabyte, 1024 * kMegabyte + 40 * size));
+  limits.seconds = std::min(120.0, 20.0 + static_cast<double>(size / kMegabyte));
   TexturedMesh mesh;
+  const std::string bytes = run_in_child(
+      path, [&] { return packed(import(path, extension, unsaid, submesh)); }, limits);
   try {
-    Assimp::Importer importer;
-    importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
-                                aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-    const aiScene* scene = importer.ReadFile(
-        path, aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_JoinIdenticalVertices |
-                  aiProcess_FlipUVs | aiProcess_ValidateDataStructure);
-    if (scene == nullptr || scene->mRootNode == nullptr) {
-      std::string reason = importer.GetErrorString();
-      std::replace(reason.begin(), reason.end(), '\n', ' ');
-      refuse("cannot be read (" + reason + "); expected a whole mesh file");
-    }
-    const fs::path folder = fs::path(path).parent_path();
-    for (unsigned n = 0; n < scene->mNumMaterials; ++n) {
-      mesh.textures.push_back(albedo(*scene, *scene->mMaterials[n], folder));
-    }
-    // Assimp hands .dae and .gltf over with y up, in metres.
-    Eigen::Affine3d T = Eigen::Affine3d::Identity();
-    if (extension != ".obj" || unsaid == UpAxis::kY) {
-      T.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-    }
-    add_node(*scene, *scene->mRootNode, T, mesh);
-  } catch (const InputError&) {
-    throw;
-  } catch (const std::exception& failure) {
-    refuse(std::string("cannot be read (") + failure.what() + "); expected a whole mesh file");
+    mesh = unpacked(bytes);
+  } catch (const std::runtime_error&) {
+    refuse("cannot be read (the reader crashed); expected a whole mesh file");
   }
-  if (mesh.triangles.empty()) refuse("has no triangles");
+  if (mesh.triangles.empty()) refuse("has no triangles; expected surfaces");
+  bool sound =
+      mesh.uv.size() == mesh.vertices.size() && mesh.material.size() == mesh.triangles.size();
+  for (const auto& triangle : mesh.triangles) {
+    for (const std::uint32_t vertex : triangle) sound = sound && vertex < mesh.vertices.size();
+  }
   for (const std::uint32_t material : mesh.material) {
-    if (material >= mesh.textures.size()) refuse("names a material that is not there");
+    sound = sound && material < mesh.textures.size();
   }
+  if (!sound) refuse("names a vertex or material that is not there; expected a whole mesh file");
+  Eigen::AlignedBox3f box;
   for (std::size_t n = 0; n < mesh.vertices.size(); ++n) {
     if (!mesh.vertices[n].allFinite()) refuse("has a vertex that is not finite");
+    box.extend(mesh.vertices[n]);
     if (!mesh.uv[n].allFinite()) mesh.uv[n].setZero();
+  }
+  if (submesh.centred) {
+    for (Eigen::Vector3f& p : mesh.vertices) p -= box.center();
   }
   return mesh;
 }
@@ -230,7 +550,7 @@ TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid) {
 
 namespace prospect {
 
-TexturedMesh read_mesh_file(const std::string&, UpAxis) {
+TexturedMesh read_mesh_file(const std::string&, UpAxis, const Submesh&) {
   throw NotBuiltIn("reading of meshes", "Assimp (libassimp-dev)");
 }
 

@@ -10,19 +10,33 @@ namespace prospect {
 /// The direction that is up in a file that does not say.
 enum class UpAxis { kY, kZ };
 
-/// A mesh file through Assimp: .obj, .dae, .gltf, .glb. All nodes with their transforms, polygons
-/// as triangles, in metres with z up.
+/// The part of a mesh file that is meant; without a name, all of it.
+struct Submesh {
+  std::string name;      ///< of a mesh or a node with meshes in the file
+  bool centred = false;  ///< moved so that the middle of its bounding box is the origin
+};
+
+/// A mesh file through Assimp: .obj, .dae, .gltf, .glb, .stl, .ply. All nodes with their
+/// transforms, polygons as triangles, in metres with z up.
 ///
 /// Unit and up axis are those that the file states (.dae), or its format (.gltf, .glb: metres, y);
-/// an .obj says nothing: metres, and `unsaid` is up. y up becomes z up by (x, y, z) -> (x, -z, y).
+/// .stl and .ply say nothing: metres, z; an .obj says nothing: metres, and `unsaid` is up. y up
+/// becomes z up by (x, y, z) -> (x, -z, y).
 /// The albedo is the grey of the diffuse or base colour texture (beside the file, inside it, or in
-/// ../materials/textures), else that colour. A texture that is missing or cannot be read is taken
-/// for the plain colour: copies of meshes often lack some. Transparency, normal maps and the like
-/// are left out, as are points, lines, cameras, lights and animations.
+/// ../materials/textures), else that colour. Copies of meshes often lack textures: one that is
+/// missing or cannot be read is taken for the plain colour, and told in left_out, as is a missing
+/// material file, and what else the file holds: points, lines, cameras, lights, animations, vertex
+/// colours. Transparency, normal maps and the like are left out without a word.
+///
+/// The library runs in a child process that is limited in memory (1 GB and 40 times the file's
+/// size, at most 4 GB) and time (20 s and 1 s a MB, at most two minutes).
 ///
 /// Throws InputError: the file is missing, empty, larger than 512 MB, of another kind, cannot be
-/// read, or has no triangles or numbers that are not finite; NotBuiltIn where Assimp was absent.
-TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid = UpAxis::kY);
+/// read within the limits, has no triangles or numbers that are not finite; a glTF that requires an
+/// extension that is not read, has instances (EXT_mesh_gpu_instancing), or numbers other than float
+/// where the library reads them wrong; no such submesh. NotBuiltIn where Assimp was absent.
+TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid = UpAxis::kY,
+                            const Submesh& submesh = {});
 
 /// Adds a moved copy of `part`'s triangles, which use whole.textures from first_texture on where
 /// they use part.textures from 0 on. A mirroring T keeps what is the outside of each triangle.

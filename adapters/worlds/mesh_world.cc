@@ -5,10 +5,12 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "adapters/config/input_error.h"
+#include "adapters/worlds/left_out.h"
 
 namespace prospect {
 namespace {
@@ -42,43 +44,146 @@ Corners corners_of(const TexturedMesh& mesh, const std::array<std::uint32_t, 3>&
           mesh.vertices[triangle[2]].cast<double>()};
 }
 
-double floor_height(const TexturedMesh& mesh, const std::string& name) {
-  constexpr double kStep = 0.05;       // [m]
-  constexpr double kLevel = 0.984808;  // cos 10 degrees
+struct MeshFloor {
+  double height = 0.0;  ///< [m] of the floor
+  double share = 0.0;   ///< World::floor_share
+};
+
+/// The floor, as world_from_mesh() says.
+MeshFloor mesh_floor(const TexturedMesh& mesh, const std::string& name,
+                     const std::optional<double>& wanted) {
+  constexpr double kStep = 0.05;        // [m]
+  constexpr double kLevel = 0.984808;   // cos 10 degrees
+  constexpr double kGround = 0.707107;  // cos 45 degrees: what can be meant to be stood on
   struct Layer {
     double area = 0.0, moment = 0.0;  // moment: area times height
+    double height() const { return moment / area; }
   };
   for (const double side : {1.0, -1.0}) {
-    std::map<int, Layer> layers;
+    std::map<int, Layer> layers, all;
     for (const auto& triangle : mesh.triangles) {
       const Corners c = corners_of(mesh, triangle);
       const Vector3d normal = 0.5 * (c[1] - c[0]).cross(c[2] - c[0]);
       const double area = normal.norm();
-      if (!(area > 0.0) || side * normal.z() < kLevel * area) continue;
+      if (!(area > 0.0) || side * normal.z() < kGround * area) continue;
       const double height = (c[0].z() + c[1].z() + c[2].z()) / 3.0;
-      Layer& layer = layers[static_cast<int>(std::floor(height / kStep))];
-      layer.area += area;
-      layer.moment += area * height;
+      const int step = static_cast<int>(std::floor(height / kStep));
+      all[step].area += area;
+      all[step].moment += area * height;
+      if (side * normal.z() < kLevel * area) continue;
+      layers[step].area += area;
+      layers[step].moment += area * height;
     }
+    if (layers.empty()) continue;
     double most = 0.0;
-    for (const auto& [height, layer] : layers) most = std::max(most, layer.area);
-    for (const auto& [height, layer] : layers) {
-      if (layer.area >= 0.5 * most) return layer.moment / layer.area;
+    for (const auto& [step, layer] : layers) most = std::max(most, layer.area);
+    const Layer* floor = nullptr;
+    if (wanted) {
+      constexpr double kFarthest = 0.5;  // [m]
+      double largest = 0.05 * most;
+      for (const auto& [step, layer] : layers) {
+        const bool near = std::abs(layer.height() - *wanted) <= kFarthest;
+        if (near) largest = std::max(largest, layer.area);
+      }
+      double nearest = kFarthest;
+      for (const auto& [step, layer] : layers) {
+        const double off = std::abs(layer.height() - *wanted);
+        if (off > nearest || layer.area < std::max(0.5 * largest, 0.05 * most)) continue;
+        nearest = off;
+        floor = &layer;
+      }
+    } else {
+      for (const auto& [step, layer] : layers) {
+        if (layer.area >= 0.5 * most && floor == nullptr) floor = &layer;
+      }
     }
+    if (floor == nullptr) {
+      std::string heights;
+      for (const auto& [step, layer] : layers) {
+        if (layer.area < 0.2 * most || heights.size() > 100) continue;
+        heights += (heights.empty() ? "" : ", ") + metres(layer.height());
+      }
+      throw InputError(name + ": no ground within 0.5 m of z = " + metres(*wanted) +
+                       " m; expected one of the heights " + heights + " m");
+    }
+    constexpr double kThickness = 0.1, kAround = 1.0;  // [m]
+    double at_floor = 0.0, around = 0.0, total = 0.0;
+    for (const auto& [step, layer] : all) {
+      const double off = std::abs(layer.height() - floor->height());
+      total += layer.area;
+      if (off <= kAround) around += layer.area;
+      if (off <= kThickness) at_floor += layer.area;
+    }
+    constexpr double kLeast = 1.0 / 3.0;
+    if (!wanted && at_floor < kLeast * around) {
+      throw InputError(name + ": the ground is not flat: only " +
+                       metres(100.0 * at_floor / around) +
+                       " % of it is within 0.1 m of z = " + metres(floor->height()) +
+                       " m; expected a flat floor, or --floor with the "
+                       "height to explore at");
+    }
+    return {floor->height(), at_floor / total};
   }
   throw InputError(name + ": nothing level in the mesh; expected a floor, z up");
+}
+
+/// What of the ground counts, as world_from_mesh() says; told if that is not all. Floor at z = 0.
+Eigen::AlignedBox2d extent_of(TexturedMesh& mesh, const MeshWorldOptions& options) {
+  constexpr double kRise = 0.15;          // [m]
+  constexpr double kLargest = 1000.0;     // [m^2]
+  constexpr double kNarrow = 3.0;         // [m]
+  constexpr double kLeastMargin = 5.0;    // [m] about what is narrower
+  constexpr double kAroundOrigin = 10.0;  // [m]
+  Eigen::AlignedBox2d whole, rising;
+  for (const auto& triangle : mesh.triangles) {
+    const Corners corners = corners_of(mesh, triangle);
+    const double top = std::max({corners[0].z(), corners[1].z(), corners[2].z()});
+    for (const Vector3d& p : corners) {
+      whole.extend(Eigen::Vector2d(p.head<2>()));
+      if (top > kRise) rising.extend(Eigen::Vector2d(p.head<2>()));
+    }
+  }
+  const double area = whole.sizes().prod();
+  if (area <= kLargest || (!rising.isEmpty() && 2.0 * rising.sizes().prod() >= area)) return whole;
+  double margin = options.ground_margin;
+  if (rising.isEmpty()) {
+    const Eigen::Vector2d origin = Eigen::Vector2d::Zero();
+    rising.extend(whole.contains(origin) ? origin : Eigen::Vector2d(whole.center()));
+    margin = std::max(margin, kAroundOrigin);
+  } else if (rising.sizes().minCoeff() < kNarrow) {
+    margin = std::max(margin, kLeastMargin);
+  }
+  rising.min().array() -= margin;
+  rising.max().array() += margin;
+  if (options.also_here && whole.contains(*options.also_here)) {
+    for (const double side : {-2.0, 2.0}) {
+      rising.extend(Eigen::Vector2d(options.also_here->array() + side));
+    }
+  }
+  const Eigen::AlignedBox2d counted = rising.intersection(whole);
+  if (2.0 * counted.sizes().prod() >= area) return whole;
+  mesh.left_out.name("the ground beyond x " + metres(counted.min().x()) + " to " +
+                     metres(counted.max().x()) + ", y " + metres(counted.min().y()) + " to " +
+                     metres(counted.max().y()) + " m (of " + metres(whole.sizes().x()) + " x " +
+                     metres(whole.sizes().y()) + " m; --ground takes more)");
+  return counted;
 }
 
 }  // namespace
 
 World world_from_mesh(TexturedMesh mesh, const std::string& name, const MeshWorldOptions& options) {
   const double r = options.resolution;
-  const double floor = floor_height(mesh, name);
-  Eigen::AlignedBox3d box;
-  for (Eigen::Vector3f& p : mesh.vertices) p.z() = static_cast<float>(p.z() - floor);
-  for (const auto& triangle : mesh.triangles) {
-    for (const Vector3d& p : corners_of(mesh, triangle)) box.extend(p);
+  constexpr double kFarthest = 1e5;  // [m]; beyond, addresses of voxels could overflow
+  for (const Eigen::Vector3f& p : mesh.vertices) {
+    if (!(p.cwiseAbs().maxCoeff() <= static_cast<float>(kFarthest))) {
+      throw InputError(name + ": a vertex at (" + metres(p.x()) + ", " + metres(p.y()) + ", " +
+                       metres(p.z()) + ") m; expected all within 100 km of the origin");
+    }
   }
+  const MeshFloor ground = mesh_floor(mesh, name, options.ground);
+  const double floor = ground.height;
+  for (Eigen::Vector3f& p : mesh.vertices) p.z() = static_cast<float>(p.z() - floor);
+  const Eigen::AlignedBox2d box = extent_of(mesh, options);
   const double columns = std::ceil(box.sizes().x() / r) + 2.0,
                rows = std::ceil(box.sizes().y() / r) + 2.0;
   const int top = static_cast<int>(std::ceil(options.height / r));  // voxels above the floor
@@ -110,6 +215,8 @@ World world_from_mesh(TexturedMesh mesh, const std::string& name, const MeshWorl
   // A face between two voxels belongs to the one above, by the range of cells; rounding must not
   // take it from that one, too.
   constexpr double kRounding = 1e-6;
+  constexpr double kMostTests = 3e9;  // a minute
+  double tests = 0.0;
   for (const auto& triangle : mesh.triangles) {
     const Corners corners = corners_of(mesh, triangle);
     Eigen::AlignedBox3d bounds;
@@ -122,6 +229,12 @@ World world_from_mesh(TexturedMesh mesh, const std::string& name, const MeshWorl
     const int i1 = std::min(cell(bounds.max().x()), frame.i0 + frame.width - 1);
     const int j0 = std::max(cell(bounds.min().y()), frame.j0);
     const int j1 = std::min(cell(bounds.max().y()), frame.j0 + frame.height - 1);
+    if (i1 < i0 || j1 < j0 || k1 < k0) continue;
+    tests += static_cast<double>(i1 - i0 + 1) * (j1 - j0 + 1) * (k1 - k0 + 1);
+    if (tests > kMostTests) {
+      throw InputError(name + ": its triangles lie in more than " + metres(kMostTests) +
+                       " voxels, counted one by one; expected a mesh of a building");
+    }
     for (int j = j0; j <= j1; ++j) {
       for (int i = i0; i <= i1; ++i) {
         for (int k = k0; k <= k1; ++k) {
@@ -139,20 +252,27 @@ World world_from_mesh(TexturedMesh mesh, const std::string& name, const MeshWorl
   }
   for (int j = frame.j0; j < frame.j0 + frame.height; ++j) {
     for (int i = frame.i0; i < frame.i0 + frame.width; ++i) {
-      if (data[index(i, j, kLowest)] != CellState::kOccupied) continue;
+      CellState& below_floor = data[index(i, j, kLowest)];
+      if (options.unknown_is_free && below_floor == CellState::kUnknown) {
+        below_floor = CellState::kOccupied;
+      }
+      if (below_floor != CellState::kOccupied) continue;
       for (int k = 0; k < top; ++k) {
         CellState& state = data[index(i, j, k)];
         if (state == CellState::kUnknown) state = CellState::kFree;
       }
     }
   }
+  LeftOut left_out = mesh.left_out;
   return World{.name = name,
                .voxels = VoxelGrid(frame, kLowest, depth, std::move(data)),
                .start = {},
                .texture_density = {},
                .texture_class = {},
                .source_floor_height = floor,
-               .mesh = std::make_shared<const TexturedMesh>(std::move(mesh))};
+               .mesh = std::make_shared<const TexturedMesh>(std::move(mesh)),
+               .left_out = std::move(left_out),
+               .floor_share = ground.share};
 }
 
 void keep_connected_space(World& world) {

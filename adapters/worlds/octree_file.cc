@@ -39,7 +39,10 @@ struct Header {
   bool binary = false;  ///< .bt
   std::size_t nodes = 0;
   double resolution = 0.0;
-  std::size_t data = 0;  ///< offset of the first node's bytes
+  std::size_t data = 0;    ///< offset of the first node's bytes
+  std::size_t colour = 0;  ///< bytes of a node's colour in an .ot
+  /// Of a node of an .ot: log-odds, colour, which children there are.
+  std::size_t node_bytes() const { return 4 + colour + 1; }
 };
 
 std::string printable(std::string_view text) {
@@ -92,8 +95,11 @@ Header parse_header(std::string_view bytes, const std::string& source, const Oct
     }
   }
   header.data = at;
-  if (id != "OcTree") {
-    fail(source, "tree type '" + printable(id) + "'; expected OcTree");
+  if (id == "ColorOcTree") {
+    header.colour = 3;
+  } else if (id != "OcTree" && id != "OcTreeStamped") {
+    fail(source,
+         "tree type '" + printable(id) + "'; expected OcTree, OcTreeStamped or ColorOcTree");
   }
   if (!parse_number(size, header.nodes)) {
     fail(source, "size '" + printable(size) + "'; expected the number of nodes");
@@ -220,6 +226,7 @@ class NodeReader {
                           "; expected a finite number");
       }
       node->setLogOdds(value);
+      for (std::size_t n = 0; n < header_.colour; ++n) byte();
       const std::uint32_t children = byte();
       if (level >= kTreeDepth && children != 0) too_deep();
       return Open{node, children, 0};
@@ -248,22 +255,29 @@ class NodeReader {
 }  // namespace
 
 std::unique_ptr<octomap::OcTree> parse_octree(std::string_view bytes, const std::string& source,
-                                              const OctreeLimits& limits) {
+                                              const OctreeLimits& limits, LeftOut* left_out) {
   if (bytes.empty()) fail(source, "empty file; expected an OctoMap .bt or .ot file");
   const Header header = parse_header(bytes, source, limits);
   const std::size_t left = bytes.size() - header.data;
   // Known from the header alone, before any memory is spent: an inner node of a .bt takes two bytes
-  // and has at most eight children; a node of an .ot takes five bytes.
-  const bool fits = header.binary ? header.nodes <= 4 * left + 1 : header.nodes == left / 5;
+  // and has at most eight children; a node of an .ot takes five bytes, or eight with its colour.
+  const bool fits =
+      header.binary ? header.nodes <= 4 * left + 1 : header.nodes == left / header.node_bytes();
   if (!fits) {
-    fail(source, std::to_string(left) + " bytes of data; expected " +
-                     (header.binary ? "enough for " : std::to_string(5 * header.nodes) + " for ") +
-                     std::to_string(header.nodes) + " nodes (truncated or corrupt)");
+    fail(source,
+         std::to_string(left) + " bytes of data; expected " +
+             (header.binary ? "enough for "
+                            : std::to_string(header.node_bytes() * header.nodes) + " for ") +
+             std::to_string(header.nodes) + " nodes (truncated or corrupt)");
+  }
+  if (left_out != nullptr && header.colour > 0 && !header.binary) {
+    left_out->name("colours of voxels");
   }
   return NodeReader(bytes, header, source).read();
 }
 
-std::unique_ptr<octomap::OcTree> read_octree(const std::string& path, const OctreeLimits& limits) {
+std::unique_ptr<octomap::OcTree> read_octree(const std::string& path, const OctreeLimits& limits,
+                                             LeftOut* left_out) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) {
@@ -286,7 +300,7 @@ std::unique_ptr<octomap::OcTree> read_octree(const std::string& path, const Octr
   if (!in || static_cast<std::uintmax_t>(in.gcount()) != size) {
     fail(path, "cannot be read; expected a readable file");
   }
-  return parse_octree(bytes, path, limits);
+  return parse_octree(bytes, path, limits, left_out);
 }
 
 void write_octree(const octomap::OcTree& tree, const std::string& path) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "adapters/worlds/left_out.h"
 #include "perception/image.h"
 
 namespace prospect {
@@ -20,6 +21,7 @@ struct TexturedMesh {
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint32_t> material;  ///< of each triangle: its texture
   std::vector<Image> textures;          ///< 1 x 1 for a plain grey
+  LeftOut left_out = {};                ///< what the source holds besides
 };
 
 }  // namespace prospect

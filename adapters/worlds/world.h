@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "adapters/worlds/left_out.h"
 #include "engine/voxel_grid.h"
 #include "models/robot_shape.h"
 #include "models/types.h"
@@ -33,6 +35,11 @@ struct World {
   /// What cameras see of a world that was read from a mesh; null for all others, whose mesh is that
   /// of their voxels (adapters/simulator/world_mesh.h).
   std::shared_ptr<const TexturedMesh> mesh = nullptr;
+  /// What the source holds that is not in this world, for one line to the user.
+  LeftOut left_out = {};
+  /// Share of the source's ground (of an octree or mesh: surfaces with free space above, on all
+  /// storeys, furniture included) that lies at z = 0; NaN of sources that have one floor only.
+  double floor_share = std::numeric_limits<double>::quiet_NaN();
 
   bool solid(int i, int j, int k) const { return voxels.state(i, j, k) != CellState::kFree; }
 };

@@ -195,17 +195,18 @@ World read(StrictYaml yaml, const std::string& source, bool* states_start) {
 
   Textures textures;
   YamlMap texture_map = root.map("textures");
-  for (const std::string& texture : texture_map.keys()) {
+  const std::vector<std::string> texture_names = texture_map.keys();
+  if (texture_names.size() > kMostTextures) {
+    throw InputError(texture_map.where() + ": textures: " + std::to_string(texture_names.size()) +
+                     " of them; expected at most " + std::to_string(kMostTextures));
+  }
+  for (const std::string& texture : texture_names) {
     textures.names.push_back(texture);
     textures.densities.push_back(
         texture_map.required_number(texture, 0.0, 1e4, "1/m^2", "features per area of surface"));
   }
   if (textures.names.empty()) {
     root.problem("textures", "no texture; expected at least one, as name: features per m^2");
-  }
-  if (textures.names.size() > kMostTextures) {
-    root.problem("textures",
-                 std::string("too many; expected at most ") + std::to_string(kMostTextures));
   }
   const auto texture = [&](YamlMap& map, const char* key, const char* description) {
     return textures.index(map.required_choice(key, textures.names, description));

@@ -120,16 +120,280 @@ TEST(GazeboWorld, SaysWhereAndWhat) {
   says(sdf("<model name='m'><pose>1 2 3</pose></model>"), "expected 6 numbers");
   says(sdf("<model name='m'><pose>1 2 3 0 0 nan</pose></model>"), "expected 6 numbers");
   says(sdf("<model name='m'><pose relative_to='x'>1 2 3 0 0 0</pose></model>"), "relative to 'x'");
-  says(sdf("<model name='m'>" + visual("<sphere><radius>1</radius></sphere>") + "</model>"),
-       "the shape <sphere>");
+  says(sdf("<model name='m'>" + visual("<heightmap><uri>a.png</uri></heightmap>") + "</model>"),
+       "w.world:3: the shape 'heightmap'");
+  says(sdf("<model name='m'>" + visual("<sphere><radius>-1</radius></sphere>") + "</model>"),
+       "a negative <radius>");
+  says(sdf("<model name='m'>" +
+           visual("<polyline><point>0 0</point><height>1</height></polyline>") + "</model>"),
+       "a <polyline> of 1 points");
+  says(sdf("<world name='w'><population name='p'/></world>"), "a <population>");
+  says(sdf("<model name='m'><pose rotation_format='matrix'>1 2 3 0 0 0</pose></model>"),
+       "rotation_format 'matrix'");
+  says(sdf("<model name='m' placement_frame='x'/>"), "relative to 'x'");
+  says(sdf("<model name='m'><frame name='a'><pose relative_to='b'/></frame><frame name='b'><pose "
+           "relative_to='a'/></frame><link name='l'><pose relative_to='a'/></link></model>"),
+       "relative to each other");
   says(sdf("<model name='m'>" + visual("<mesh><uri>none.dae</uri></mesh>") + "</model>"),
        "no file");
   says(sdf("<model name='m'>" + visual("<mesh><uri>https://x/none.dae</uri></mesh>") + "</model>"),
-       "expected model://");
+       "is not on this machine");
   folder.write("ring/model.sdf",
                sdf("<model name='m'><include><uri>model://ring</uri></include></model>"));
   says(sdf("<world name='w'><include><uri>model://ring</uri></include></world>"),
        "include each other");
+}
+
+/// The bounds of what a link shows, a box of 2 x 1 x 1 m.
+Eigen::AlignedBox3f shown(const test::Folder& folder, const std::string& content) {
+  return bounds(read_gazebo_world(folder.write("shown.world", sdf(content))));
+}
+
+void expect_box(const Eigen::AlignedBox3f& box, const Eigen::Vector3f& low,
+                const Eigen::Vector3f& high) {
+  EXPECT_LT((box.min() - low).norm(), 1e-4) << box.min().transpose();
+  EXPECT_LT((box.max() - high).norm(), 1e-4) << box.max().transpose();
+}
+
+TEST(GazeboWorld, AnglesAreInTheUnitThatThePoseNames) {
+  const test::Folder folder("gazebo degrees");
+  const std::string of_box = visual(box("2 1 1"));
+  const auto with = [&](const std::string& pose) {
+    return shown(folder, "<world name='w'><model name='m'>" + pose + of_box + "</model></world>");
+  };
+  const Eigen::Vector3f low(4.5f, -1, -0.5f), high(5.5f, 1, 0.5f);
+  expect_box(with("<pose degrees='true'>5 0 0 0 0 90</pose>"), low, high);
+  expect_box(with("<pose degrees='1'>5 0 0 0 0 -90</pose>"), low, high);
+  expect_box(with("<pose degrees='false'>5 0 0 0 0 1.5707963</pose>"), low, high);
+  expect_box(with("<pose rotation_format='euler_rpy' degrees='true'>5 0 0 180 0 90</pose>"), low,
+             high);
+  expect_box(with("<pose rotation_format='quat_xyzw'>5 0 0 0 0 0.7071068 0.7071068</pose>"), low,
+             high);
+}
+
+TEST(GazeboWorld, PosesAreRelativeToTheFramesThatTheyName) {
+  const test::Folder folder("gazebo frames");
+  const auto in_world = [&](const std::string& content) {
+    return shown(folder, "<world name='w'>" + content + "</world>");
+  };
+  const Eigen::Vector3f low(9, -0.5f, -0.5f), high(11, 0.5f, 0.5f);
+  // To a frame of the world, to another model, to a link of another model.
+  expect_box(in_world("<frame name='f'><pose>4 0 0 0 0 0</pose></frame><model name='m'><pose "
+                      "relative_to='f'>6 0 0 0 0 0</pose>" +
+                      visual(box("2 1 1")) + "</model>"),
+             low, high);
+  const std::string other =
+      "<model name='o'><pose>4 0 0 0 0 0</pose><link name='k'><pose>1 0 0 0 0 0</pose></link>"
+      "</model>";
+  expect_box(in_world("<model name='m'><pose relative_to='o'>6 0 0 0 0 0</pose>" +
+                      visual(box("2 1 1")) + "</model>" + other),
+             low, high);
+  expect_box(in_world("<model name='m'><pose relative_to='o::k'>5 0 0 0 0 0</pose>" +
+                      visual(box("2 1 1")) + "</model>" + other),
+             low, high);
+  // A link to a frame that is attached to a link; a frame without a pose is its link's.
+  expect_box(in_world("<model name='m'><link name='a'><pose>9 0 0 0 0 0</pose></link><frame "
+                      "name='f' attached_to='a'/><link name='l'><pose relative_to='f'>1 0 0 0 0 0"
+                      "</pose><visual name='v'><geometry>" +
+                      box("2 1 1") + "</geometry></visual></link></model>"),
+             low, high);
+  // A visual to another link; a link to a joint, which is at its child.
+  expect_box(in_world("<model name='m'><link name='a'><pose>9 0 0 0 0 0</pose></link><link "
+                      "name='l'><pose>0 7 0 0 0 0</pose><visual name='v'><pose relative_to='a'>1 0 "
+                      "0 0 0 0</pose><geometry>" +
+                      box("2 1 1") + "</geometry></visual></link></model>"),
+             low, high);
+  expect_box(
+      in_world("<model name='m'><link name='a'><pose>9 0 0 0 0 0</pose></link><joint "
+               "name='j' type='fixed'><child>a</child><parent>l</parent></joint><link "
+               "name='l'><pose relative_to='j'>1 0 0 0 0 0</pose><visual name='v'><geometry>" +
+               box("2 1 1") + "</geometry></visual></link></model>"),
+      low, high);
+  // The pose of a model is that of its placement frame.
+  expect_box(in_world("<model name='m' placement_frame='f'><pose>12 0 0 0 0 0</pose><frame "
+                      "name='f'><pose>2 0 0 0 0 0</pose></frame>" +
+                      visual(box("2 1 1")) + "</model>"),
+             low, high);
+  folder.write("models/thing/model.sdf",
+               sdf("<model name='thing'><pose>77 0 0 0 0 0</pose><frame name='f'><pose>2 0 0 0 0 0"
+                   "</pose></frame>" +
+                   visual(box("2 1 1")) + "</model>"));
+  expect_box(in_world("<include><uri>model://thing</uri><pose>12 0 0 0 0 0</pose><placement_frame>f"
+                      "</placement_frame></include>"),
+             low, high);
+}
+
+TEST(GazeboWorld, AStateMovesModelsAndLinks) {
+  const test::Folder folder("gazebo state");
+  const std::string two = "<model name='m'><pose>1 0 0 0 0 0</pose>" + visual(box("2 1 1")) +
+                          "</model><model name='gone'>" + visual(box("50 50 50")) + "</model>";
+  const auto with = [&](const std::string& state) {
+    return shown(folder, "<world name='w'>" + two +
+                             "<state world_name='w'><deletions><name>gone"
+                             "</name></deletions>" +
+                             state + "</state></world>");
+  };
+  const Eigen::Vector3f low(9, -0.5f, -0.5f), high(11, 0.5f, 0.5f);
+  expect_box(with("<model name='m'><pose frame=''>10 0 0 0 0 0</pose><scale>1 1 1</scale></model>"),
+             low, high);
+  expect_box(with("<model name='m'><pose>8 0 0 0 0 0</pose><link name='l'><pose>10 0 0 0 0 0</pose>"
+                  "</link></model>"),
+             low, high);
+  expect_box(with("<model name='not here'/><insertions><model name='n'><pose>10 0 0 0 0 0</pose>" +
+                  visual(box("2 1 1")) +
+                  "</model></insertions><model name='m'><pose>10 0 0 0 0 0"
+                  "</pose></model>"),
+             low, high);
+  EXPECT_NE(problem(folder.write("s.world",
+                                 sdf("<world name='w'>" + two +
+                                     "<state><model name='m'><scale>2 1 1</scale></model></state>"
+                                     "</world>")))
+                .find("scaled in <state>"),
+            std::string::npos);
+}
+
+TEST(GazeboWorld, RoundShapesAndPolylines) {
+  const test::Folder folder("gazebo round");
+  const auto of = [&](const std::string& shape) {
+    return shown(folder, "<model name='m'>" + visual(shape) + "</model>");
+  };
+  expect_box(of("<sphere><radius>0.5</radius></sphere>"), {-0.5f, -0.5f, -0.5f},
+             {0.5f, 0.5f, 0.5f});
+  expect_box(of("<ellipsoid><radii>1 2 3</radii></ellipsoid>"), {-1, -2, -3}, {1, 2, 3});
+  expect_box(of("<capsule><radius>0.2</radius><length>0.5</length></capsule>"),
+             {-0.2f, -0.2f, -0.45f}, {0.2f, 0.2f, 0.45f});
+  expect_box(of("<cone><radius>1</radius><length>3</length></cone>"), {-1, -1, -1.5f},
+             {1, 1, 1.5f});
+  const std::string points =
+      "<point>0 0</point><point>2 0</point><point>2 2</point><point>1 0.5</point>";
+  for (const std::string& p : {points, points + "<point>0 0</point>"}) {
+    const TexturedMesh mesh = read_gazebo_world(folder.write(
+        "poly.sdf",
+        sdf("<model name='m'>" + visual("<polyline>" + p + "<height>3</height>" + "</polyline>") +
+            "</model>")));
+    expect_box(bounds(mesh), {0, 0, 0}, {2, 2, 3});
+    double volume = 0.0;  // of a closed surface that faces outwards
+    for (const auto& [a, b, c] : mesh.triangles) {
+      volume += mesh.vertices[a].dot(mesh.vertices[b].cross(mesh.vertices[c])) / 6.0;
+    }
+    EXPECT_NEAR(volume, 3.0 * 1.5, 1e-4);
+  }
+  // Walls about a hole.
+  const TexturedMesh hall = read_gazebo_world(folder.write(
+      "hall.sdf",
+      sdf("<model name='m'>" +
+          visual(
+              "<polyline><point>0 0</point><point>4 0</point><point>4 4</point><point>0 4</point>"
+              "<height>2</height></polyline><polyline><point>1 1</point><point>3 1</point><point>"
+              "3 3</point><point>1 3</point><height>2</height></polyline>") +
+          "</model>")));
+  EXPECT_EQ(hall.triangles.size(), 16u);
+  EXPECT_NE(hall.left_out.text().find("polyline with holes"), std::string::npos);
+}
+
+TEST(GazeboWorld, SunAndGroundPlaneNeedNotBeThere) {
+  const test::Folder folder("gazebo sun");
+  const std::string of_box = "<model name='m'>" + visual(box("2 1 1")) + "</model>";
+  for (const char* uri : {"model://sun", "model://sun/", "model://Sun",
+                          "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Sun",
+                          "https://fuel.ignitionrobotics.org/1.0/openrobotics/models/Sun/3"}) {
+    const TexturedMesh mesh = read_gazebo_world(
+        folder.write("a.world", sdf("<world name='w'><include><uri>" + std::string(uri) +
+                                    "</uri></include>" + of_box + "</world>")));
+    EXPECT_EQ(mesh.triangles.size(), 12u) << uri;
+    EXPECT_EQ(mesh.left_out.text(), "1 sun") << uri;
+  }
+  for (const char* uri :
+       {"model://ground_plane", "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground Plane",
+        "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Ground%20Plane/2"}) {
+    const TexturedMesh mesh = read_gazebo_world(folder.write(
+        "a.world", sdf("<world name='w'><include><uri>" + std::string(uri) +
+                       "</uri><pose>0 0 -1 0 0 0</pose></include>" + of_box + "</world>")));
+    EXPECT_EQ(mesh.triangles.size(), 14u) << uri;
+    expect_box(bounds(mesh), {-50, -50, -1}, {50, 50, 0.5f});
+  }
+  // A model of Fuel that lies here, and one of that name that is no stock model.
+  folder.write("models/Office_Desk/model.sdf", sdf(of_box));
+  EXPECT_EQ(read_gazebo_world(
+                folder.write("b.world", sdf("<world name='w'><include><uri>https://fuel.gazebosim."
+                                            "org/1.0/OpenRobotics/models/Office Desk</uri>"
+                                            "</include></world>")))
+                .triangles.size(),
+            12u);
+  EXPECT_NE(problem(folder.write("c.world",
+                                 sdf("<world name='w'><include><uri>https://fuel.gazebosim.org/1.0/"
+                                     "OpenRobotics/models/Chair</uri></include></world>")))
+                .find("c.world:3: the model 'https"),
+            std::string::npos);
+}
+
+TEST(GazeboWorld, TellsWhatItDoesNotRead) {
+  const test::Folder folder("gazebo left out");
+  const TexturedMesh mesh = read_gazebo_world(folder.write(
+      "a.world",
+      sdf("<world name='w'><physics type='ode'/><scene/><gravity>0 0 -9.8</gravity><light "
+          "name='a'/><light name='b'/><plugin name='p' filename='f'/><actor name='c'/><model "
+          "name='m'><static>1</static>" +
+          visual(box("2 1 1")) +
+          "<link name='k'><collision name='c'><geometry><sphere><radius>1</radius></sphere>"
+          "</geometry></collision><collision name='d'><geometry><sphere><radius>1</radius></sphere>"
+          "</geometry></collision><sensor name='s'/><inertial/></link></model><teapot/></world>")));
+  EXPECT_EQ(mesh.triangles.size(), 12u);
+  EXPECT_EQ(mesh.left_out.text(),
+            "2 lights, 1 plugin, 1 actor, 1 element 'teapot', 2 sphere collisions, 1 sensor");
+}
+
+TEST(GazeboWorld, AManifestNamesTheModelsFile) {
+  const test::Folder folder("gazebo manifest");
+  folder.write("models/crate/model.config",
+               "<model><name>crate</name><sdf version='1.4'>old.sdf</sdf><sdf version='1.6'>new.sdf"
+               "</sdf></model>");
+  folder.write("models/crate/old.sdf", "<sdf/>");
+  folder.write("models/crate/new.sdf",
+               sdf("<model name='crate'>" + visual(box("2 1 1")) + "</model>"));
+  expect_box(shown(folder, "<world name='w'><include><uri>model://crate</uri></include></world>"),
+             {-1, -0.5f, -0.5f}, {1, 0.5f, 0.5f});
+}
+
+TEST(GazeboWorld, SubmeshesAreKeptApart) {
+  const test::Folder folder("gazebo submesh");
+  folder.write("two.obj",
+               "o shelf\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 2\nf 1 2 3\nf 1 3 4\n"
+               "o wall\nv 5 0 0\nv 9 0 0\nv 9 4 2\nf 5 6 7\n");
+  const auto of = [&](const std::string& submesh) {
+    return "<model name='m'>" + visual("<mesh><uri>two.obj</uri>" + submesh + "</mesh>") +
+           "</model>";
+  };
+  expect_box(shown(folder, of("")), {0, 0, 0}, {9, 4, 2});
+  expect_box(shown(folder, of("<submesh><name>shelf</name></submesh>")), {0, 0, 0}, {1, 1, 2});
+  expect_box(shown(folder, of("<submesh><name>wall</name></submesh>")), {5, 0, 0}, {9, 4, 2});
+  expect_box(shown(folder, of("<submesh><name>wall</name><center>true</center></submesh>")),
+             {-2, -2, -1}, {2, 2, 1});
+  // Both of one file, and one that is not there.
+  expect_box(shown(folder, of("<submesh><name>shelf</name></submesh>") +
+                               of("<submesh><name>wall</name></submesh>")),
+             {0, 0, 0}, {9, 4, 2});
+  const std::string wrong =
+      problem(folder.write("w.world", sdf(of("<submesh><name>door</name></submesh>"))));
+  EXPECT_NE(wrong.find("no submesh 'door'; expected one of: 'shelf', 'wall'"), std::string::npos)
+      << wrong;
+}
+
+TEST(GazeboWorld, IncludesOfIncludesEnd) {
+  const test::Folder folder("gazebo bomb");
+  constexpr int kLevels = 10;
+  for (const bool models : {false, true}) {
+    for (int n = 0; n < kLevels; ++n) {
+      std::string includes;
+      for (int k = 0; k < 8; ++k) {
+        includes += "<include><uri>m" + std::to_string(n + 1) + ".sdf</uri></include>";
+      }
+      folder.write("m" + std::to_string(n) + ".sdf",
+                   sdf(models ? "<model name='m'>" + includes + "</model>" : includes));
+    }
+    folder.write("m10.sdf", sdf("<model name='m'>" + visual(box("1 1 1")) + "</model>"));
+    EXPECT_NE(problem(folder.path("m0.sdf")).find("20000 models"), std::string::npos);
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "adapters/worlds/mesh_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <Eigen/Geometry>
 #include <cstdint>
@@ -128,9 +129,145 @@ TEST(MeshFile, AMissingTextureIsPlain) {
     const Image& texture = mesh.textures[mesh.material[0]];
     ASSERT_EQ(texture.pixels.size(), 1u);
     EXPECT_NEAR(texture.at(0, 0), 127.5, 0.5);
+    EXPECT_EQ(mesh.left_out.text(), content.empty() ? "texture 'stripes.pgm' (absent)"
+                                                    : "texture 'stripes.pgm' (cannot be read)");
   }
   std::filesystem::remove(folder.path("room.mtl"));
-  EXPECT_EQ(read_mesh_file(path).triangles.size(), 12u);
+  const TexturedMesh bare = read_mesh_file(path);
+  EXPECT_EQ(bare.triangles.size(), 12u);
+  EXPECT_EQ(bare.left_out.text(), "material file 'room.mtl' (absent)");
+}
+
+TEST(MeshFile, ReadsStlAndPlyWithZUp) {
+  const test::Folder folder("mesh stl");
+  const std::string stl =
+      "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 2 3\n"
+      "endloop\nendfacet\nendsolid a\n";
+  std::string binary(80, ' ');
+  const std::uint32_t one = 1;
+  binary.append(reinterpret_cast<const char*>(&one), 4);
+  const float numbers[12] = {0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 2, 3};
+  binary.append(reinterpret_cast<const char*>(numbers), sizeof numbers);
+  binary += std::string(2, '\0');
+  const std::string ply =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float "
+      "z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 2 3\n"
+      "3 0 1 2\n";
+  for (const std::string& path :
+       {folder.write("a.stl", stl), folder.write("b.STL", binary), folder.write("c.ply", ply)}) {
+    for (const UpAxis unsaid : {UpAxis::kY, UpAxis::kZ}) {
+      const TexturedMesh mesh = read_mesh_file(path, unsaid);
+      ASSERT_EQ(mesh.triangles.size(), 1u) << path;
+      EXPECT_LT((bounds(mesh).max() - Eigen::Vector3f(1, 2, 3)).norm(), 1e-5) << path;
+    }
+  }
+  // A cloud of points, and a file that says it is longer than it is.
+  EXPECT_NE(problem(folder.write("d.ply",
+                                 "ply\nformat ascii 1.0\nelement vertex 1\nproperty float "
+                                 "x\nproperty float y\nproperty float z\nend_header\n0 0 "
+                                 "0\n")),
+            "");
+  EXPECT_NE(problem(folder.write("e.stl", binary.substr(0, 100))), "");
+}
+
+TEST(MeshFile, GltfThatWouldBeReadWrongIsRefusedByName) {
+  const test::Folder folder("mesh gltf extensions");
+  const std::string plain = Gltf("").json;
+  const auto with = [&](const std::string& from, const std::string& to) {
+    Gltf gltf("");
+    const std::size_t at = plain.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    gltf.json = std::string(plain).replace(at, from.size(), to);
+    return folder.write("t.glb", gltf.binary());
+  };
+  const auto requiring = [&](const std::string& names) {
+    return with(R"("scene":0,)", R"("scene":0,"extensionsUsed":[)" + names +
+                                     R"(],"extensionsRequired":[)" + names + "],");
+  };
+  for (const char* name : {"KHR_mesh_quantization", "EXT_meshopt_compression",
+                           "KHR_draco_mesh_compression", "EXT_mesh_gpu_instancing", "ACME_shape"}) {
+    EXPECT_NE(problem(requiring('"' + std::string(name) + '"')).find(name), std::string::npos);
+  }
+  const std::string both =
+      problem(requiring(R"("KHR_mesh_quantization","EXT_meshopt_compression")"));
+  EXPECT_NE(both.find("requires 'KHR_mesh_quantization', 'EXT_meshopt_compression'"),
+            std::string::npos)
+      << both;
+  EXPECT_NE(
+      problem(with(R"("scene":0,)", R"("scene":0,"extensionsUsed":["EXT_mesh_gpu_instancing"],)"))
+          .find("EXT_mesh_gpu_instancing"),
+      std::string::npos);
+  EXPECT_NE(problem(with(R"("componentType":5126)", R"("componentType":5122,"normalized":true)"))
+                .find("POSITION of component type 5122 (16 bits)"),
+            std::string::npos);
+  {
+    Gltf gltf("");
+    gltf.json = plain;
+    gltf.json.replace(gltf.json.find(R"({"POSITION":0})"), 14, R"({"POSITION":0,"TEXCOORD_0":1})");
+    gltf.json.replace(gltf.json.find(R"("max":[1,2,0]})"), 14,
+                      R"("max":[1,2,0]},{"bufferView":0,"componentType":5123,"normalized":true,)"
+                      R"("count":3,"type":"VEC2"})");
+    EXPECT_NE(
+        problem(folder.write("uv.glb", gltf.binary())).find("TEXCOORD_0 of component type 5123"),
+        std::string::npos);
+  }
+  // What only says how a surface looks is no reason to refuse it.
+  for (const char* name : {"KHR_materials_unlit", "KHR_texture_transform", "KHR_lights_punctual"}) {
+    EXPECT_EQ(problem(requiring('"' + std::string(name) + '"')), "") << name;
+  }
+}
+
+TEST(MeshFile, HostileFilesEndWithinTheirLimits) {
+  const test::Folder folder("mesh hostile");
+  // A letter amid the indices, for which the library makes vertices without end.
+  std::string dae = triangle_dae("Z_UP");
+  const std::string indices = "<p>0 1 2</p>";
+  dae.replace(dae.find("offset=\"0\"/><p>"), 11, "offsEt=\"0\"");
+  dae.replace(dae.find(indices), indices.size(), "<p>0 1`2</p>");
+  EXPECT_NE(problem(folder.write("endless.dae", dae)), "");
+  // A chain of nodes that the library follows by calling itself.
+  constexpr int kNodes = 40000;
+  std::string nodes;
+  for (int n = 0; n + 1 < kNodes; ++n) nodes += "{\"children\":[" + std::to_string(n + 1) + "]},";
+  Gltf gltf("");
+  const std::string one = R"("nodes":[{"mesh":0,"translation":[0,0,3]}])";
+  gltf.json.replace(gltf.json.find(one), one.size(), "\"nodes\":[" + nodes + R"({"mesh":0}])");
+  EXPECT_NE(problem(folder.write("chain.glb", gltf.binary())).find("reader crashed"),
+            std::string::npos);
+  // JSON within JSON, and buffers that are none.
+  EXPECT_NE(problem(folder.write("deep.gltf", std::string(1000000, '['))), "");
+  // Pipes and devices that they name.
+  ASSERT_EQ(::mkfifo(folder.path("pipe").c_str(), 0600), 0);
+  for (const std::string name : {"pipe", "/dev/zero"}) {
+    EXPECT_NE(problem(folder.write("a.gltf", Gltf("\"uri\":\"" + name + "\",").json))
+                  .find("not a regular file"),
+              std::string::npos);
+    EXPECT_NE(
+        problem(folder.write("a.obj", "mtllib " + name + "\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"))
+            .find("not a regular file"),
+        std::string::npos);
+  }
+}
+
+TEST(MeshFile, WhatFuzzingFoundEndsWithinItsLimits) {
+  const std::filesystem::path crashes = std::string(PROSPECT_SHARED_DATA) + "/crashes";
+  if (!std::filesystem::exists(crashes)) GTEST_SKIP() << crashes << " is absent";
+  const test::Folder folder("mesh fuzzed");
+  for (const std::string kind : {"dae", "glb"}) {
+    for (const auto& entry : std::filesystem::directory_iterator(crashes / kind)) {
+      const std::string path = folder.write("crash." + kind, "");
+      std::filesystem::copy_file(entry.path(), path,
+                                 std::filesystem::copy_options::overwrite_existing);
+      try {
+        EXPECT_FALSE(read_mesh_file(path).triangles.empty());
+      } catch (const InputError& error) {
+        EXPECT_EQ(error.lines().size(), 1u);
+      }
+    }
+  }
+  for (const char* name : {"dae_12GB.dae", "gltf_20000_nested_nodes.gltf"}) {
+    EXPECT_NE(problem((crashes / name).string()), "") << name;
+  }
 }
 
 TEST(MeshFile, HonoursUnitUpAxisAndNodes) {
@@ -162,7 +299,7 @@ TEST(MeshFile, ReadsGltfInBothForms) {
 TEST(MeshFile, SaysWhatIsWrong) {
   const test::Folder folder("mesh wrong");
   EXPECT_NE(problem(folder.path("none.obj")).find("no such file"), std::string::npos);
-  EXPECT_NE(problem(folder.write("a.stl", "solid")).find("unknown kind"), std::string::npos);
+  EXPECT_NE(problem(folder.write("a.fbx", "solid")).find("unknown kind"), std::string::npos);
   EXPECT_NE(problem(folder.write("empty.dae", "")).find("is empty"), std::string::npos);
   std::filesystem::create_directories(folder.path("folder.obj"));
   EXPECT_NE(problem(folder.path("folder.obj")).find("is not a file"), std::string::npos);

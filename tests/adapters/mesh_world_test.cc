@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "adapters/config/input_error.h"
@@ -125,7 +126,8 @@ TEST(MeshWorld, RefusesWhatIsNoBuilding) {
     }
     return std::string();
   };
-  const std::string wall = "<sdf version='1.6'>" + box(0, 0, 0, 100000, 90000, 1) + "</sdf>";
+  const std::string wall = "<sdf version='1.6'>" + box(0, 0, 0, 100000, 90000, 1) +
+                           box(0, 0, 1, 100000, 80000, 3) + "</sdf>";
   EXPECT_NE(problem(folder.write("huge.sdf", wall)).find("too many voxels"), std::string::npos);
   const std::string closet = "<sdf version='1.6'>" + box(0, 0, 0, 0.3, 0.3, 0.1) + "</sdf>";
   EXPECT_NE(problem(folder.write("small.sdf", closet)).find("no place"), std::string::npos);
@@ -133,6 +135,205 @@ TEST(MeshWorld, RefusesWhatIsNoBuilding) {
       "<sdf version='1.6'><model name='m'><link name='l'><visual name='v'><geometry><plane>"
       "<normal>1 0 0</normal><size>5 5</size></plane></geometry></visual></link></model></sdf>";
   EXPECT_NE(problem(folder.write("upright.sdf", plane)).find("nothing level"), std::string::npos);
+}
+
+std::string problem(const std::string& path, const WorldOptions& options = {}) {
+  try {
+    load_world(path, options);
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.lines().size(), 1u);
+    return error.what();
+  }
+  return "";
+}
+
+/// A house of 8 x 6 m with a door to the south, on what `ground` is.
+std::string house(const std::string& ground) {
+  return "<sdf version='1.6'><world name='w'>" + ground + box(-4.1, 2.9, 0, 4.1, 3.1, 2) +
+         box(3.9, -3.1, 0, 4.1, 3.1, 2) + box(-4.1, -3.1, 0, -3.9, 3.1, 2) +
+         box(-4.1, -3.1, 0, -0.5, -2.9, 2) + box(0.5, -3.1, 0, 4.1, -2.9, 2) + "</world></sdf>";
+}
+
+TEST(MeshWorld, GroundWithoutEndCountsAsFarAsWhatStandsOnIt) {
+  const test::Folder folder("mesh world outdoors");
+  const std::string grounds[] = {
+      box(-50, -50, -0.1, 50, 50, 0), "<include><uri>model://ground_plane</uri></include>",
+      "<model name='g'><link name='l'><visual name='v'><geometry><plane><size>300 300</size>"
+      "</plane></geometry></visual></link></model>"};
+  for (const std::string& ground : grounds) {
+    const std::string path = folder.write("house.world", house(ground));
+    const World world = load_world(path);
+    EXPECT_LT(world.start.position.cwiseAbs().maxCoeff(), 4.0);
+    EXPECT_NE(world.left_out.text().find("the ground beyond x -4.1 to 4.1"), std::string::npos)
+        << world.left_out.text();
+    EXPECT_NEAR(reachable_area(world).area, 45.0, 3.0);
+    // More of it, if it is asked for; a start outside is in it in any case.
+    WorldOptions options;
+    options.ground_margin = 5.0;
+    EXPECT_NEAR(reachable_area(load_world(path, options)).area, 18.2 * 16.2 - 5.0, 12.0);
+    options = {};
+    options.start = Pose{{0, -12, 0}, 0};
+    EXPECT_NO_THROW(load_world(path, options));
+  }
+  // A yard that is not much larger than what stands in it is a yard; so is a large hall.
+  const World yard = load_world(folder.write("yard.world", house(box(-8, -8, -0.1, 8, 8, 0))));
+  EXPECT_TRUE(yard.left_out.empty());
+  EXPECT_GT(reachable_area(yard).area, 150.0);
+  // Ground alone.
+  const World alone = load_world(folder.write(
+      "alone.world", "<sdf version='1.6'><world name='w'>" + grounds[1] + "</world></sdf>"));
+  EXPECT_NEAR(reachable_area(alone).area, 400.0, 20.0);
+}
+
+TEST(MeshWorld, TheStoreyThatIsAskedFor) {
+  const test::Folder folder("mesh world storeys");
+  const auto storey = [](double z, double wall) {
+    return box(-4, -3, z - 0.2, 4, 3, z) + box(-4, -3, z, -3.9, 3, z + 2.5) +
+           box(3.9, -3, z, 4, 3, z + 2.5) + box(-4, -3, z, 4, -2.9, z + 2.5) +
+           box(-4, 2.9, z, 4, 3, z + 2.5) + box(wall, -3, z, wall + 0.1, 3, z + 2.5);
+  };
+  const std::string path =
+      folder.write("two.sdf", "<sdf version='1.6'><world name='w'>" + storey(0, -1) + storey(3, 2) +
+                                  "</world></sdf>");
+  const World low = load_world(path);
+  EXPECT_NEAR(low.source_floor_height, 0.0, 1e-3);
+  EXPECT_NEAR(low.floor_share, 0.5, 0.1);
+  WorldOptions options;
+  for (const double asked : {3.0, 3.3, 2.7}) {
+    options.floor = asked;
+    const World high = load_world(path, options);
+    EXPECT_NEAR(high.source_floor_height, 3.0, 1e-3);
+    EXPECT_NE(high.voxels.data(), low.voxels.data());
+  }
+  options.floor = 1.5;
+  EXPECT_NE(problem(path, options)
+                .find("no ground within 0.5 m of z = 1.5 m; expected one of the "
+                      "heights 0, 3"),
+            std::string::npos)
+      << problem(path, options);
+}
+
+TEST(MeshWorld, GroundThatIsNotFlatIsRefused) {
+  const test::Folder folder("mesh world hill");
+  // A hill 1.5 m high over 12 m; a ramp; steps of 20 cm.
+  const auto terrain = [&](const char* name, auto height) {
+    std::string obj;
+    constexpr int kSide = 40;
+    for (int j = 0; j <= kSide; ++j) {
+      for (int i = 0; i <= kSide; ++i) {
+        const double x = 0.3 * i, y = 0.3 * j;
+        obj += "v " + std::to_string(x) + " " + std::to_string(height(x, y)) + " " +
+               std::to_string(-y) + "\n";
+      }
+    }
+    for (int j = 0; j < kSide; ++j) {
+      for (int i = 0; i < kSide; ++i) {
+        const int a = j * (kSide + 1) + i + 1, b = a + kSide + 1;
+        obj += "f " + std::to_string(a) + " " + std::to_string(a + 1) + " " +
+               std::to_string(b + 1) + " " + std::to_string(b) + "\n";
+      }
+    }
+    return folder.write(name, obj);
+  };
+  const std::string hills[] = {
+      terrain("hill.obj",
+              [](double x, double y) { return 0.75 * (std::sin(0.5 * x) + std::cos(0.5 * y)); }),
+      terrain("ramp.obj", [](double x, double) { return 0.15 * x; }),
+      terrain("steps.obj", [](double x, double) { return 0.2 * std::floor(x / 1.5); })};
+  for (const std::string& path : hills) {
+    EXPECT_NE(problem(path).find("the ground is not flat"), std::string::npos) << path;
+  }
+  // Asked for, it is explored as far as it is level.
+  WorldOptions options;
+  options.floor = 0.4;
+  const World steps = load_world(hills[2], options);
+  EXPECT_NEAR(steps.source_floor_height, 0.4, 1e-3);
+  EXPECT_LT(steps.floor_share, 0.3);
+  EXPECT_EQ(problem(terrain("even.obj", [](double, double) { return 0.0; })), "");
+}
+
+TEST(MeshWorld, VerticesFarAwayAreRefused) {
+  const test::Folder folder("mesh world far");
+  for (const std::string height : {"1e30", "-1e30", "3e38"}) {
+    const std::string floor = "v -2 " + height + " -2\nv 2 " + height + " -2\nv 2 " + height +
+                              " 2\nv -2 " + height + " 2\nf 1 4 3 2\n";
+    EXPECT_NE(problem(folder.write("far.obj", floor)).find("within 100 km"), std::string::npos);
+  }
+}
+
+TEST(MeshWorld, VoxelsHaveTheSizeThatIsAskedFor) {
+  const test::Folder folder("mesh world size");
+  WorldOptions options;
+  options.voxel_size = 0.1;
+  EXPECT_DOUBLE_EQ(load_world(folder.write("room.world", room()), options).voxels.resolution(),
+                   0.1);
+}
+
+/// Files as people have them, each with what went wrong with it once: what they give now.
+TEST(MeshWorld, FilesFromTheField) {
+  const std::filesystem::path cases = std::string(PROSPECT_SHARED_DATA) + "/fieldcases";
+  if (!std::filesystem::exists(cases)) GTEST_SKIP() << cases << " is absent";
+  struct Case {
+    const char* file;
+    std::optional<Eigen::Vector2d> start;
+    double area;       ///< [m^2] reachable; 0: it is refused
+    const char* says;  ///< when it is refused, or what is left out
+  };
+  const std::optional<Eigen::Vector2d> none, corner = Eigen::Vector2d(-3, -2);
+  const Case all[] = {
+      {"endless_outdoors/house_outdoors.world", none, 45, "the ground beyond"},
+      {"endless_outdoors/house_outdoors.world", Eigen::Vector2d(-2, 0), 45, "the ground beyond"},
+      {"gazebo_pose_degrees/degrees.world", Eigen::Vector2d(0, 1), 0, "m of room"},
+      {"gazebo_pose_degrees/rad.world", Eigen::Vector2d(0, 1), 0, "m of room"},
+      {"gazebo_shapes/sphere.world", none, 45, ""},
+      {"gazebo_shapes/polyline.world", none, 45, ""},
+      {"gazebo_shapes/capsule.sdf", none, 45, ""},
+      {"gazebo_stl/stl.world", none, 45, ""},
+      {"gazebo_submesh/submesh.world", corner, 44, ""},
+      {"gazebo_sun_and_ground/sun.world", none, 45, "1 sun"},
+      {"gazebo_sun_and_ground/fuelsun.sdf", none, 45, "1 sun"},
+      {"gltf_meshopt/meshopt.glb", none, 0, "EXT_meshopt_compression"},
+      {"gltf_quantized/float.glb", corner, 43.5, ""},
+      {"gltf_quantized/quantized.glb", corner, 0, "KHR_mesh_quantization"},
+      {"gltf_quantized/quantized_norm.glb", corner, 0, "KHR_mesh_quantization"},
+      {"map_extra_key/map.yaml", none, 32.3, "key 'map_type'"},
+      {"map_image_formats/ascii.yaml", none, 32.3, ""},
+      {"map_image_formats/bmp.yaml", none, 32.3, ""},
+      {"map_other_image_taken/office_floor2.yaml", none, 0, "office_floor2.yaml:1: image"},
+      {"map_raw_mode/raw.yaml", none, 32.3, ""},
+      {"map_yaml_spellings/json.yaml", none, 32.3, ""},
+      {"map_yaml_spellings/negate_true.yaml", none, 32.3, ""},
+      {"map_yaml_spellings/quoted.yaml", none, 32.3, ""},
+      {"obj_missing_texture/tex_gone.obj", corner, 43.5, "'textures/Brick_01.png' (absent)"},
+      {"obj_missing_texture/tex_ok.obj", corner, 43.5, ""},
+      {"octree_color/color.bt", none, 46, ""},
+      {"octree_stray_voxel/stray_far.bt", none, 46, "1 voxel up to"}};
+  for (const Case& c : all) {
+    SCOPED_TRACE(c.file);
+    const std::string path = (cases / c.file).string();
+    WorldOptions options;
+    if (c.start) options.start = Pose{{c.start->x(), c.start->y(), 0}, 0};
+    if (c.area == 0.0) {
+      EXPECT_NE(problem(path, options).find(c.says), std::string::npos) << problem(path, options);
+      continue;
+    }
+    const World world = load_world(path, options);
+    EXPECT_NEAR(reachable_area(world).area, c.area, 1.5);
+    if (*c.says == '\0') {
+      EXPECT_EQ(world.left_out.text(), "");
+    } else {
+      EXPECT_NE(world.left_out.text().find(c.says), std::string::npos) << world.left_out.text();
+    }
+  }
+}
+
+TEST(MeshWorld, HostileFilesFromTheField) {
+  const std::filesystem::path crashes = std::string(PROSPECT_SHARED_DATA) + "/crashes";
+  if (!std::filesystem::exists(crashes)) GTEST_SKIP() << crashes << " is absent";
+  for (const char* file : {"dae_12GB.dae", "gltf_20000_nested_nodes.gltf", "sdf_bomb/m0.sdf",
+                           "obj_floor_at_1e30.obj"}) {
+    EXPECT_NE(problem((crashes / file).string()), "") << file;
+  }
 }
 
 TEST(MeshWorld, SmallWarehouse) {

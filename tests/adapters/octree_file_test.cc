@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <octomap/ColorOcTree.h>
 #include <octomap/OcTree.h>
+#include <octomap/OcTreeStamped.h>
 
 #include <cmath>
 #include <cstring>
@@ -197,11 +199,55 @@ TEST(OctreeFile, BadHeadersAreRefused) {
        {"res nan", "res inf", "res 0", "res -0.1", "res 1e-9", "res 1e9", "res", "res x"}) {
     EXPECT_FALSE(accepts(with("res 0.1", res))) << res;
   }
-  EXPECT_FALSE(accepts(with("id OcTree", "id ColorOcTree")));
+  EXPECT_FALSE(accepts(with("id OcTree", "id CountingOcTree")));
   EXPECT_FALSE(accepts(with("id OcTree\n", "")));
   EXPECT_FALSE(accepts(with("id OcTree\n", "id OcTree\nid OcTree\n")));
   EXPECT_FALSE(accepts(with("id OcTree", "is OcTree")));
   EXPECT_TRUE(accepts(with("id OcTree", "# a comment\r\nid OcTree")));
+}
+
+TEST(OctreeFile, ColouredAndStampedTreesHaveTheSameLeaves) {
+  const octomap::OcTree plain = room(false);
+  octomap::ColorOcTree coloured(0.1);
+  octomap::OcTreeStamped stamped(0.1);
+  for (auto it = plain.begin_leafs(16), end = plain.end_leafs(); it != end; ++it) {
+    // Of pruned leaves, each voxel.
+    const int size = 1 << (16 - it.getDepth());
+    for (int n = 0; n < size * size * size; ++n) {
+      const octomap::OcTreeKey low = it.getIndexKey();
+      const octomap::OcTreeKey key(static_cast<octomap::key_type>(low[0] + n % size),
+                                   static_cast<octomap::key_type>(low[1] + n / size % size),
+                                   static_cast<octomap::key_type>(low[2] + n / size / size));
+      coloured.setNodeValue(key, it->getLogOdds())
+          ->setColor(static_cast<std::uint8_t>(n), static_cast<std::uint8_t>(key[0]), 7);
+      stamped.setNodeValue(key, it->getLogOdds());
+    }
+  }
+  stamped.prune();
+  const auto same = [&](const octomap::AbstractOccupancyOcTree& tree, bool binary) {
+    std::ostringstream out(std::ios::binary);
+    if (binary) {
+      tree.writeBinaryConst(out);
+    } else {
+      tree.write(out);
+    }
+    LeftOut left_out;
+    const auto read = parse_octree(out.str(), "x", {}, &left_out);
+    octomap::OcTree both = *read;
+    both.prune();
+    EXPECT_EQ(leaves(both), leaves(plain)) << tree.getTreeType() << binary;
+    const bool colours = tree.getTreeType() == "ColorOcTree" && !binary;
+    EXPECT_EQ(left_out.text(), colours ? "colours of voxels" : "");
+    // Cut anywhere, it is refused.
+    for (std::size_t n = 1; n < out.str().size(); n += 1 + out.str().size() / 50) {
+      EXPECT_FALSE(accepts(out.str().substr(0, n)));
+    }
+  };
+  for (const bool binary : {true, false}) {
+    same(coloured, binary);
+    same(stamped, binary);
+  }
+  EXPECT_FALSE(accepts("# Octomap OcTree file\nid SemanticOcTree\nsize 0\nres 0.1\ndata\n"));
 }
 
 TEST(OctreeFile, LimitsHold) {

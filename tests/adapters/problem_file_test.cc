@@ -261,6 +261,28 @@ TEST_F(ProblemFileTest, RefusesToWriteWhatItCouldNotRead) {
   EXPECT_EQ(with([](auto&) {}), "");
 }
 
+TEST_F(ProblemFileTest, RefusesWhatNoSolverCouldBeginWith) {
+  // Each number is within its bounds; what they make together is not.
+  const auto with = [&](auto change) {
+    SavedProblem problem = small_problem();
+    change(problem.recipe);
+    write_problem(path("hostile.h5"), problem);
+    return refused(path("hostile.h5"));
+  };
+  for (const double height : {1e9, -1e9, 2147483647.0}) {
+    EXPECT_THAT(
+        with([&](ProblemRecipe& r) {
+          ModelParameters parameters = parameters_of(*r.robot.model);
+          for (auto& [key, value] : parameters) {
+            if (key == "fixed_z") value = height;
+          }
+          r.robot.model = make_model("unicycle", parameters);
+        }),
+        HasSubstr("its terms are no finite numbers at any of its seeds (visible_features)"));
+  }
+  EXPECT_EQ(with([](auto&) {}), "");
+}
+
 TEST_F(ProblemFileTest, SaysWhyAFileCannotBeWrittenAndLeavesTheOldOne) {
   const SavedProblem problem = small_problem();
   const auto failure = [&](const std::string& file) -> std::string {

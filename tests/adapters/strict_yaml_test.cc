@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -129,7 +130,8 @@ TEST(StrictYaml, WrongShapesAreErrorsNotCrashes) {
 
 TEST(StrictYaml, BadFilesGiveOneLine) {
   const std::string folder = ::testing::TempDir();
-  for (const std::string& path : {folder + "/absent.yaml", folder}) {
+  for (const std::string& path :
+       {folder + "/absent.yaml", folder, std::string("/dev/zero"), std::string("/dev/null")}) {
     try {
       StrictYaml::from_file(path);
       FAIL() << path;
@@ -139,6 +141,52 @@ TEST(StrictYaml, BadFilesGiveOneLine) {
       EXPECT_THAT(e.what(), HasSubstr("expected"));
     }
   }
+}
+
+TEST(StrictYaml, AHundredThousandProblemsEndAtOnce) {
+  std::string unknown, duplicate;
+  for (int n = 0; n < 100000; ++n) {
+    unknown += "key_" + std::to_string(n) + ": 1\n";
+    duplicate += "same: 1\n";
+  }
+  for (const std::string& text : {unknown, duplicate}) {
+    const auto start = std::chrono::steady_clock::now();
+    const std::vector<std::string> lines = problems(text);
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
+    EXPECT_LT(took.count(), 10.0);
+    ASSERT_GE(lines.size(), 2u);
+    EXPECT_LE(lines.size(), 101u);
+    EXPECT_THAT(lines.back(), HasSubstr("more problems"));
+  }
+}
+
+TEST(StrictYaml, OtherProgramsKeysCanBeLeft) {
+  StrictYaml yaml = StrictYaml::from_text("a_number: 1\nmap_type: 2\nother: {x: 1}\n", "f.yaml");
+  YamlMap root = yaml.root();
+  root.number("a_number", 0.0, 0.0, 9.0, "m", "");
+  EXPECT_EQ(root.leave_rest(), (std::vector<std::string>{"map_type", "other"}));
+  EXPECT_NO_THROW(yaml.finish());
+  StrictYaml slip = StrictYaml::from_text("a_nubmer: 1\nmap_type: 2\n", "f.yaml");
+  root = slip.root();
+  root.number("a_number", 0.0, 0.0, 9.0, "m", "");
+  EXPECT_EQ(root.leave_rest(), std::vector<std::string>{"map_type"});
+  EXPECT_THROW(slip.finish(), InputError);
+}
+
+TEST(StrictYaml, LooseSpellingsWhereTheyAreTaken) {
+  const std::string text = "a: '0.5'\nb: +2\nc: \"yes\"\nd: Off\ne: +-1\n";
+  StrictYaml yaml = StrictYaml::from_text(text, "f.yaml");
+  yaml.accept_quoted_numbers();
+  YamlMap root = yaml.root();
+  EXPECT_EQ(root.number("a", 0, 0, 9, "", ""), 0.5);
+  EXPECT_EQ(root.number("b", 0, 0, 9, "", ""), 2.0);
+  EXPECT_TRUE(root.loose_boolean("c", false, ""));
+  EXPECT_FALSE(root.loose_boolean("d", true, ""));
+  EXPECT_TRUE(root.loose_boolean("absent", true, ""));
+  EXPECT_EQ(root.problem_count(), 0u);
+  root.number("e", 0, -9, 9, "", "");
+  root.loose_boolean("a", false, "");
+  EXPECT_EQ(root.problem_count(), 2u);
 }
 
 TEST(StrictYaml, CallersAddProblemsOfTheirOwn) {

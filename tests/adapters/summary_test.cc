@@ -115,7 +115,9 @@ TEST(SummaryJson, HasTheStableNamesAndNullForNotFinite) {
                            "drift_percent",
                            "plan_ms",
                            "deadline_misses",
-                           "fallbacks"}) {
+                           "fallbacks",
+                           "floor_share",
+                           "read_without"}) {
     EXPECT_TRUE(json.contains(name)) << name;
   }
   EXPECT_EQ(json["world"], "office \"A\"");
