@@ -32,7 +32,7 @@ const std::vector<std::string> kMaps = {
     "ipa_room_segmentation/freiburg_building101.png",
     "aws_bookstore/map.yaml",
     "stage/simple_rooms.png",
-    "aws_warehouse/map.yaml",
+    "aws_warehouse/map.pgm",
     "ipa_room_segmentation/Freiburg79_scan.png",
     "ipa_room_segmentation/lab_c_scan.png",
     "ipa_room_segmentation/intel_map.png",
