@@ -38,11 +38,11 @@ struct ExplorationGuideOptions {
   std::optional<Polygon> area{};  ///< only frontiers in here are led to; none: all
   ProgressMonitor::Options progress;
 
-  double least_area = 0.1;   ///< [m^2] a frontier that promises less is not gone to
-  double least_rate = 0.01;  ///< [m^2/s] nor are those that do for the time that they take
-  double look_time = 2.0;    ///< [s] of a look, beside the way to it
-  double turn_price = 0.6;   ///< [m/rad] of way that turning counts as: v_max / omega_max
-  double look_length = 2.0;  ///< [m] of travel that a look counts as where features are few
+  double least_area = 0.1;    ///< [m^2] a frontier that promises less is not gone to
+  double least_rate = 0.017;  ///< [m^2/s] nor are those that do for the time that they take
+  double look_time = 2.0;     ///< [s] of a look, beside the way to it
+  double turn_price = 0.6;    ///< [m/rad] of way that turning counts as: v_max / omega_max
+  double look_length = 2.0;   ///< [m] of travel that a look counts as where features are few
 
   double reconsider = 2.0;     ///< [s] between two questions whether another target is better
   double commitment = 0.25;    ///< share by which another sequence must be better

@@ -141,6 +141,7 @@ OccupancyMapper::Impl::Impl(const OccupancyMapperOptions& o) : options(o) {
                   o.probability_min, "0.000001..0.499");
   check_parameter(in_range(o.probability_max, 0.501, 1.0 - 1e-6), "occupancy mapper",
                   "probability_max", o.probability_max, "0.501..0.999999");
+  check_parameter(in_range(o.core, 0.01, 1.0), "occupancy mapper", "core", o.core, "0.01..1");
   check_parameter(in_range(o.offset_constant, 0.0, 1.0), "occupancy mapper", "offset_constant",
                   o.offset_constant, "0..1 m");
   check_parameter(in_range(o.offset_quadratic, 0.0, 1.0), "occupancy mapper", "offset_quadratic",
@@ -248,7 +249,8 @@ void OccupancyMapper::Impl::flush_ground() {
   changed_cells.clear();
 }
 
-// Marks the voxels that the segment passes as free, the one that holds `to` only if include_end.
+// Marks the voxels whose middle the segment passes as free, the one that holds `to` only if
+// include_end.
 void OccupancyMapper::Impl::mark_ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                                      bool include_end) {
   const double r = options.resolution;
@@ -273,12 +275,24 @@ void OccupancyMapper::Impl::mark_ray(const Eigen::Vector3d& from, const Eigen::V
   }
   std::ptrdiff_t index =
       (v[0] - box[0]) * strides[0] + (v[1] - box[1]) * strides[1] + (v[2] - box[2]);
+  const Eigen::Vector3d ray = to - from;
+  const Eigen::Vector3d along = ray / std::max(ray.norm(), 1e-300);
+  const double core_squared = (options.core * r) * (options.core * r);
+  // Whether the ray passes the middle of the voxel it is in.
+  const auto pass = [&] {
+    const Eigen::Vector3d middle(r * (v[0] + 0.5) - from.x(), r * (v[1] + 0.5) - from.y(),
+                                 r * (v[2] + 0.5) - from.z());
+    const double ahead = middle.dot(along);
+    if (middle.squaredNorm() - ahead * ahead <= core_squared) {
+      marks[static_cast<std::size_t>(index)] |= 1U;
+    }
+  };
   // All x and y of the segment lie inside the box; heights may leave it.
   const bool level =
       v[2] >= box[2] && v[2] < box[2] + size[2] && last[2] >= box[2] && last[2] < box[2] + size[2];
   if (level) {
     for (; remaining > 0; --remaining) {
-      marks[static_cast<std::size_t>(index)] |= 1U;
+      pass();
       int axis = next[0] < next[1] ? 0 : 1;
       if (next[2] < next[axis]) axis = 2;
       v[axis] += step[axis];
@@ -286,14 +300,12 @@ void OccupancyMapper::Impl::mark_ray(const Eigen::Vector3d& from, const Eigen::V
       next[axis] = v[axis] == last[axis] ? std::numeric_limits<double>::infinity()
                                          : next[axis] + delta[axis];
     }
-    if (include_end) marks[static_cast<std::size_t>(index)] |= 1U;
+    if (include_end) pass();
     return;
   }
   for (;; --remaining) {
     if (remaining == 0 && !include_end) break;
-    if (v[2] >= box[2] && v[2] < box[2] + size[2]) {
-      marks[static_cast<std::size_t>(index)] |= 1U;
-    }
+    if (v[2] >= box[2] && v[2] < box[2] + size[2]) pass();
     if (remaining == 0) break;
     int axis = next[0] < next[1] ? 0 : 1;
     if (next[2] < next[axis]) axis = 2;

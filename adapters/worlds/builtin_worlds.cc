@@ -25,8 +25,8 @@ textures:                # features per m^2 of surface
   brick: 40
   carpet: 35
   wood: 30
-  painted: 16            # a wall with its sockets, signs and pictures
-  tiles: 16
+  painted: 25            # a wall with its sockets, signs and pictures
+  tiles: 25
   white: 0
 
 rooms:                   # box: x_min, y_min, x_max, y_max [m]

@@ -171,6 +171,7 @@ TEST(CostToGoField, MetricErrorInOpenSpaceIsSmallAndBounded) {
     f.min_length = 0.0;
     f.near_slope = 1.0;  // cost = distance: what is left is the error of the march
     f.sensor_range = 1.5 * r + 0.3;
+    f.range_margin = 0.1;
     TraversabilityOptions t;
     t.hard_radius = t.comfortable_radius = 0.0;  // no factor near unknown
     t.lattice_slack = 0.0;

@@ -275,6 +275,7 @@ TEST(ScriptedSeeds, LeadIntoAGapThatBeginsBesideTheRobot) {
   options.traversability.hard_radius = 0.2;
   options.traversability.narrow_slack = 0.0;
   options.frontiers.sensor_range = options.worth.sensor_range = 0.6;
+  options.frontiers.range_margin = 0.1;
   options.least_area = options.least_rate = 0.0;
   ExplorationGuide guide(options);
   const auto guidance = guide.update(ground, pose, 0.0);

@@ -22,6 +22,7 @@ OccupancyMapperOptions exact_options() {
   OccupancyMapperOptions options;
   options.offset_constant = 0.0;
   options.offset_quadratic = 0.0;
+  options.core = 1.0;
   return options;
 }
 
@@ -362,6 +363,42 @@ TEST(OccupancyMapper, WallsOnLatticeFacesStayOneVoxelThin) {
   }
   EXPECT_EQ(wall, 20);
   EXPECT_EQ(thick, 0);
+}
+
+TEST(OccupancyMapper, LooksAlongAWallDoNotOpenIt) {
+  // A wall at x = 1; the estimate is off by 1 cm towards it.
+  const double wall = 1.0, off = 0.01;
+  for (const double core : {OccupancyMapperOptions{}.core, 1.0}) {
+    SCOPED_TRACE(core);
+    OccupancyMapperOptions options;
+    options.core = core;
+    OccupancyMapper mapper(options);
+    const auto look = [&](const Eigen::Vector3d& eye, double heading) {
+      DepthScan scan;
+      scan.origin = eye + Eigen::Vector3d(off, 0.0, 0.0);
+      for (int n = 0; n < 121; ++n) {
+        const double a = heading + 0.009 * (n - 60);
+        const double range = std::cos(a) > 1e-9 ? (wall - eye.x()) / std::cos(a) : 1e9;
+        const Eigen::Vector3d d(std::cos(a), std::sin(a), 0.0);
+        if (range <= 4.0) {
+          scan.hits.emplace_back(scan.origin + range * d);
+        } else {
+          scan.misses.emplace_back(scan.origin + 7.0 * d);
+        }
+      }
+      mapper.insert(scan);
+    };
+    for (int n = 0; n < 3; ++n) look({-0.5, 1.0, 0.45}, 0.0);         // at it
+    for (int n = 0; n < 40; ++n) look({0.95, -0.5, 0.45}, M_PI / 2);  // along it
+    const auto voxels = mapper.voxels();
+    int open = 0;
+    for (int j = 4; j < 16; ++j) open += voxels->state(10, j, 4) != CellState::kOccupied;
+    if (core < 0.9) {
+      EXPECT_EQ(open, 0);
+    } else {
+      EXPECT_GE(open, 4);  // what the middle is for
+    }
+  }
 }
 
 TEST(OccupancyMapper, ClearedBodyIsFreeButWallsStay) {
