@@ -82,7 +82,7 @@ void CostToGoField::refresh(int index, Cell c, const Traversability& traversabil
   double slowness = r * static_cast<double>(traversability.factor(c));
   if (features != nullptr && options_.lambda > 0.0) {
     // A count that is not a number says nothing: as none.
-    double count = static_cast<double>(features->get(c, 0.0F));
+    double count = static_cast<double>(features->get(c, std::numeric_limits<float>::infinity()));
     if (!(count > 0.0)) count = 0.0;
     slowness *= 1.0 + options_.localization_price(count);
   }
@@ -271,20 +271,24 @@ template <typename Sources>
 void CostToGoField::update_from(const Traversability& traversability, const Sources& sources,
                                 Cell robot, const Grid<float>* features) {
   evaluations_ = 0;
-  const bool weighted = features != nullptr && options_.lambda > 0.0;
-  const bool all = fresh_ || traversability.restarted() || weighted || weighted_;
+  const bool all = fresh_ || traversability.restarted();
   relayout(traversability);
   fresh_ = false;
-  weighted_ = weighted;
   robot_ = robot;
-  if (all) {
-    // The outermost cells are never passable, and solve_cell() needs all four neighbours.
-    for (int j = 1; j + 1 < frame_.height; ++j) {
-      for (int i = 1; i + 1 < frame_.width; ++i) {
-        const Cell c{frame_.i0 + i, frame_.j0 + j};
-        refresh(j * frame_.width + i, c, traversability, sources, features);
-      }
+  // The outermost cells are never passable, and solve_cell() needs all four neighbours.
+  const GridFrame inner{frame_.resolution, frame_.i0 + 1, frame_.j0 + 1, frame_.width - 2,
+                        frame_.height - 2};
+  const auto refresh_within = [&](const GridFrame& part) {
+    const GridFrame cells = intersection(inner, part);
+    for (int n = 0; n < cells.size(); ++n) {
+      const Cell c = cells.at(n);
+      refresh(frame_.index(c), c, traversability, sources, features);
     }
+  };
+  const GridFrame none{frame_.resolution, 0, 0, 0, 0};
+  const GridFrame priced = features != nullptr && options_.lambda > 0.0 ? features->frame : none;
+  if (all) {
+    refresh_within(frame_);
   } else {
     for (const Cell c : traversability.changed_factors()) {
       refresh(frame_.index(c), c, traversability, sources, features);
@@ -292,7 +296,10 @@ void CostToGoField::update_from(const Traversability& traversability, const Sour
     for (const Cell c : sources.changed_sources()) {
       refresh(frame_.index(c), c, traversability, sources, features);
     }
+    refresh_within(priced_);
+    refresh_within(priced);
   }
+  priced_ = priced;
   find_anchor(traversability, false);
   repair_support();
   march();

@@ -57,8 +57,9 @@ class CostToGoField {
   explicit CostToGoField(const CostToGoOptions& options);
 
   /// Repairs the field after traversability.update() and frontiers.lead_to() of the same step.
-  /// features: expected count N of visible features by cell (any frame; nothing known beyond it:
-  /// 0), null: no localization weighting. robot: its cell.
+  /// features: expected count N of visible features by cell (any frame; beyond it ways cost nothing
+  /// more), null: no localization weighting. robot: its cell. Cost: that of what changed, and of
+  /// the cells in `features`.
   void update(const Traversability& traversability, const FrontierDetector& frontiers, Cell robot,
               const Grid<float>* features = nullptr);
   /// The same from nothing, and from other sources than viewpoints. After sources of the one kind
@@ -130,7 +131,7 @@ class CostToGoField {
   int bucket_ = 0;
   Cell robot_, anchor_;
   double settled_ = 0.0;
-  bool weighted_ = false;
+  GridFrame priced_{0.0, 0, 0, 0, 0};  // of the features of the last update
   bool fresh_ = true;
   std::int64_t evaluations_ = 0;
 };

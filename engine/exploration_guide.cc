@@ -17,6 +17,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
 constexpr double kFarthestBetween =
     3.0;  // horizons [-] beyond which the way between two candidates is not searched
+// [m] along either axis, within which features count on a way: what is seen from farther away will
+// have changed by then, and the cost must not grow with the map.
+constexpr double kPricedWithin = 10.0;
 // [m] of a way that is too short to tell in which direction it sets out.
 constexpr double kThere = 0.5;
 
@@ -65,8 +68,10 @@ void ExplorationGuide::close(Cell at, double stamp) {
 }
 
 // The robot travels down the field of the step before. Where that says nothing, nor do the counts.
-void ExplorationGuide::count_along_travel(const FeatureOutlook& outlook) {
-  const GridFrame& frame = traversability_.frame();
+void ExplorationGuide::count_along_travel(const FeatureOutlook& outlook, Cell robot) {
+  const double r = traversability_.frame().resolution;
+  const int reach = static_cast<int>(std::ceil(kPricedWithin / r));
+  const GridFrame frame{r, robot.i - reach, robot.j - reach, 2 * reach + 1, 2 * reach + 1};
   along_travel_.frame = frame;
   along_travel_.data.assign(static_cast<std::size_t>(frame.size()),
                             std::numeric_limits<float>::infinity());
@@ -358,7 +363,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   LookPrice price;
   WayPrice way_price;
   if (outlook != nullptr && options_.cost_to_go.lambda > 0.0) {
-    count_along_travel(*outlook);
+    count_along_travel(*outlook, robot);
     along = &along_travel_;
     price = [&](Cell viewpoint, Cell sees) {
       const double yaw = std::atan2(sees.j - viewpoint.j, sees.i - viewpoint.i);
@@ -366,7 +371,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
              options_.cost_to_go.localization_price(outlook->count(viewpoint, yaw));
     };
     way_price = [&](Cell c, double yaw) {
-      return options_.cost_to_go.localization_price(outlook->count(c, yaw));
+      return is_priced(c) ? options_.cost_to_go.localization_price(outlook->count(c, yaw)) : 0.0;
     };
   }
   const auto lead_to = [&](int frontier) {

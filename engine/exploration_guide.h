@@ -107,8 +107,8 @@ struct Guidance {
 ///   lost          localization was lost within the sensor's range of it: likewise;
 ///   better        every `reconsider` seconds: another sequence is worth `commitment` more.
 /// The reason is FrontierFacts::changed. V(p) = D(p, target) / v_max, D by the eikonal equation
-/// (cost_to_go_field.h); with an outlook, a metre travelled costs 1 + lambda max(0, 1 - N / N_req)
-/// times as much, N the features in view in the direction of travel (down the field of the step
+/// (cost_to_go_field.h); with an outlook, a metre travelled within 10 m of the robot (along either
+/// axis) costs 1 + lambda max(0, 1 - N / N_req) times as much, N the features in view in the direction of travel (down the field of the step
 /// before), and a viewpoint lambda look_length max(0, 1 - N / N_req) more, N in the direction of
 /// what is looked at. Both count when targets are compared, too, on the way from the robot.
 ///
@@ -154,7 +154,8 @@ class ExplorationGuide {
     double until;  // [s]
   };
   void close(Cell at, double stamp);
-  void count_along_travel(const FeatureOutlook& outlook);
+  void count_along_travel(const FeatureOutlook& outlook, Cell robot);
+  bool is_priced(Cell c) const { return along_travel_.frame.contains(c); }
   int current_target(const std::vector<Frontier>& frontiers) const;
   TargetChange reason_to_choose(const std::vector<Frontier>& frontiers, int current, double stamp);
   void measure_ways(const Pose& pose, const std::vector<Frontier>& frontiers,
@@ -175,7 +176,7 @@ class ExplorationGuide {
   WayLengths ways_;  // from the robot, when the target was last chosen
   ProgressMonitor progress_;
   ExhaustionMonitor exhaustion_;
-  Grid<float> along_travel_;           // features seen in the direction of travel, by cell
+  Grid<float> along_travel_;           // features seen in the direction of travel, near the robot
   std::vector<Way> way_to_;            // each frontier, when the target was last chosen
   std::vector<Eigen::Vector2d> been_;  // where the robot was while it was not lost, in W [m]
   std::vector<Closing> closings_;

@@ -62,8 +62,13 @@ void FeatureOutlook::update(const Belief& belief, double density, const LocalTex
   };
   std::vector<Turn> turns;
   const Eigen::Vector2d here = belief.pose.position.head<2>();
-  for (int k = 0; k < frame.size(); ++k) {
-    const Cell b = frame.at(k);
+  const int reach = static_cast<int>(std::ceil(options_.prior_range / frame.resolution));
+  const Cell robot = frame.cell(here.x(), here.y());
+  const GridFrame window = intersection(
+      frame, {frame.resolution, robot.i - reach, robot.j - reach, 2 * reach + 1, 2 * reach + 1});
+  for (int n = 0; n < window.size(); ++n) {
+    const Cell b = window.at(n);
+    const int k = frame.index(b);
     std::optional<Cell> middle;
     int least = std::numeric_limits<int>::max();
     for (int j = 0; j < side; ++j) {

@@ -76,6 +76,14 @@ inline std::optional<GridFrame> frame_of_both(const GridFrame& now, const GridFr
   return both;
 }
 
+/// The cells that two frames of one resolution share; of no width or height if there are none.
+inline GridFrame intersection(const GridFrame& a, const GridFrame& b) {
+  GridFrame common{a.resolution, std::max(a.i0, b.i0), std::max(a.j0, b.j0), 0, 0};
+  common.width = std::max(0, std::min(a.i0 + a.width, b.i0 + b.width) - common.i0);
+  common.height = std::max(0, std::min(a.j0 + a.height, b.j0 + b.height) - common.j0);
+  return common;
+}
+
 /// Values on a rectangle of ground cells.
 template <typename T>
 struct Grid {

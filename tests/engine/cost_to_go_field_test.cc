@@ -52,7 +52,7 @@ Grid<double> slow_eikonal(const Chain& chain, double lambda, double required,
       if (!t.passable(c)) continue;
       double f = t.factor(c) * d.frame.resolution;
       if (features != nullptr) {
-        f *= 1.0 + lambda * std::max(0.0, 1.0 - features->get(c, 0.0F) / required);
+        f *= 1.0 + lambda * std::max(0.0, 1.0 - features->get(c, std::numeric_limits<float>::infinity()) / required);
       }
       const double a = std::min(d.get({c.i - 1, c.j}, kInfinity), d.get({c.i + 1, c.j}, kInfinity));
       const double b = std::min(d.get({c.i, c.j - 1}, kInfinity), d.get({c.i, c.j + 1}, kInfinity));
@@ -264,7 +264,9 @@ TEST(CostToGoField, RepairEqualsFromScratchBitForBit) {
       }
       // The target may change without the map changing.
       chain.update(map, step % 4 == 3);
-      Grid<float> features(map.frame(), 0.0F);
+      // Near some cell.
+      const Cell near = map.frame().at(static_cast<int>(random() % map.cells().data.size()));
+      Grid<float> features({map.frame().resolution, near.i - 20, near.j - 15, 40, 30}, 0.0F);
       for (float& f : features.data) f = static_cast<float>(random() % 100);
       const Grid<float>* given = step % 3 == 1 ? &features : nullptr;
       kept.update(chain.traversability, chain.detector, robot, given);
