@@ -15,8 +15,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
-constexpr double kFarthestBetween =
-    3.0;  // horizons [-] beyond which the way between two candidates is not searched
+// Horizons [-] beyond which the way between two candidates is not searched: it counts as that by
+// way of the robot.
+constexpr double kFarthestBetween = 1.0;
+constexpr double kFirstSearch = 0.75;  // horizons [-] to which ways are searched at first
+constexpr double kLastSearch = 3.0;    // horizons [-] from which on all are
 // [m] along either axis, within which features count on a way: what is seen from farther away will
 // have changed by then, and the cost must not grow with the map.
 constexpr double kPricedWithin = 10.0;
@@ -170,7 +173,10 @@ void ExplorationGuide::fail_visit(const std::vector<Frontier>& frontiers, Target
 
 TargetChange ExplorationGuide::reason_to_choose(const std::vector<Frontier>& frontiers, int current,
                                                 double stamp) {
-  if (!target_) return dropped_;
+  if (!target_) {
+    const bool soon = last_->facts.exhausted && stamp - chosen_at_ < 0.5 * options_.reconsider;
+    return soon ? TargetChange::kNone : dropped_;
+  }
   if (current < 0) return TargetChange::kSeen;
   const Frontier& f = frontiers[static_cast<std::size_t>(current)];
   if (f.area < std::max(options_.least_area, options_.resolved * target_area_)) {
@@ -180,40 +186,77 @@ TargetChange ExplorationGuide::reason_to_choose(const std::vector<Frontier>& fro
                                                           : TargetChange::kNone;
 }
 
-// The way to each frontier, turning included, and whether there is any.
+// The way to each frontier, turning included, and whether there is any. Searched farther each time,
+// until what lies farther can be neither the present target nor among the leading candidates.
 void ExplorationGuide::measure_ways(const Pose& pose, const std::vector<Frontier>& frontiers,
-                                    const LookPrice& price, const WayPrice& way_price) {
+                                    int current, bool all, const LookPrice& price,
+                                    const WayPrice& way_price) {
   const GridFrame& frame = traversability_.frame();
-  ways_.update(traversability_);
-  ways_.flood_from_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()),
-                         way_price);
-  way_to_.assign(frontiers.size(), Way{});
-  detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
-    Way& best = way_to_[static_cast<std::size_t>(k)];
-    double length = ways_.length(c) + cost;
-    if (length >= best.length) return;
-    if (price) length += price(c, sees);
-    if (length >= best.length) return;
-    best = {length, (ways_.unpriced(c) + cost) / options_.cost_to_go.v_max + options_.look_time, c};
-  });
-  for (std::size_t k = 0; k < frontiers.size(); ++k) {
-    Way& way = way_to_[k];
-    if (!(way.length < kInfinity)) continue;
-    double heading = ways_.departure(way.viewpoint);
-    if (ways_.length(way.viewpoint) < kThere) {
-      const Eigen::Vector2d to = frontiers[k].centroid - pose.position.head<2>();
-      heading = std::atan2(to.y(), to.x());
-    }
-    const double turn =
-        options_.turn_price * std::abs(std::remainder(heading - pose.yaw, 2.0 * M_PI));
-    if (!options_.rule) way.length += turn;
-    way.time += turn / options_.cost_to_go.v_max;
+  const double horizon = options_.order.horizon;
+  ways_.begin_at_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()));
+  double limit = all || options_.rule ? kInfinity : kFirstSearch * horizon;
+  while (true) {
+    ways_.extend(limit, way_price);
+    way_to_.assign(frontiers.size(), Way{});
+    detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
+      Way& best = way_to_[static_cast<std::size_t>(k)];
+      double length = ways_.length(c) + cost;
+      if (length >= best.length) return;
+      if (price) length += price(c, sees);
+      if (length >= best.length) return;
+      best = {length, (ways_.unpriced(c) + cost) / options_.cost_to_go.v_max + options_.look_time,
+              c};
+    });
+    for (std::size_t k = 0; k < frontiers.size(); ++k) add_turn(pose, frontiers[k], way_to_[k]);
+    if (limit == kInfinity) return;
+    const bool missed = current >= 0 && way_to_[static_cast<std::size_t>(current)].length > limit;
+    if (!missed && nothing_farther_leads(pose.position.head<2>(), frontiers, limit)) return;
+    limit = limit >= kLastSearch * horizon ? kInfinity : 4.0 * limit;
   }
 }
 
-// The frontier to go to next, -1 for none. must: the present one will not do.
+void ExplorationGuide::add_turn(const Pose& pose, const Frontier& frontier, Way& way) const {
+  if (!(way.length < kInfinity)) return;
+  double heading = ways_.departure(way.viewpoint);
+  if (ways_.length(way.viewpoint) < kThere) {
+    const Eigen::Vector2d to = frontier.centroid - pose.position.head<2>();
+    heading = std::atan2(to.y(), to.x());
+  }
+  const double turn =
+      options_.turn_price * std::abs(std::remainder(heading - pose.yaw, 2.0 * M_PI));
+  if (!options_.rule) way.length += turn;
+  way.time += turn / options_.cost_to_go.v_max;
+}
+
+// Whether no frontier to which the way is longer than `limit` can be a leading candidate. No way to
+// look at a cell is shorter than the straight line, less what looking from a metre off saves.
+bool ExplorationGuide::nothing_farther_leads(const Eigen::Vector2d& robot,
+                                             const std::vector<Frontier>& frontiers,
+                                             double limit) const {
+  std::vector<FrontierCandidate> all;
+  for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    const Frontier& f = frontiers[k];
+    if (f.area < options_.least_area) continue;
+    double way = way_to_[k].length;
+    const bool searched = way <= limit;
+    if (!searched) {
+      double straight = kInfinity;
+      for (const Cell c : f.cells) {
+        straight = std::min(straight, (traversability_.frame().center(c) - robot).squaredNorm());
+      }
+      way = std::max(limit, std::sqrt(straight) - options_.frontiers.near_distance);
+    }
+    all.push_back({searched ? static_cast<int>(k) : -1, f.area, way, 0.0, f.trust, 0.0});
+  }
+  all = leading_candidates(std::move(all), options_.order);
+  return !all.empty() &&
+         std::none_of(all.begin(), all.end(), [](const auto& c) { return c.frontier < 0; });
+}
+
+// The frontier to go to next, -1 for none. must: the present one will not do. alone: only those
+// that are worth their way whatever else lies on it.
 int ExplorationGuide::choose(const std::vector<Frontier>& frontiers, int current, bool must,
-                             const LookPrice& price, FrontierFacts& facts) {
+                             bool alone, const LookPrice& price, FrontierFacts& facts) {
   std::vector<FrontierCandidate> candidates;
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
     const Frontier& f = frontiers[k];
@@ -240,6 +283,13 @@ int ExplorationGuide::choose(const std::vector<Frontier>& frontiers, int current
     return -1;
   }
 
+  if (alone) {
+    std::erase_if(candidates, [&](const FrontierCandidate& c) {
+      return c.area < options_.least_rate * c.time;
+    });
+    facts.low_yield = all;
+    if (candidates.empty()) return -1;
+  }
   const int mine = must ? -1 : index_of(current);
   std::optional<FrontierCandidate> present;
   if (mine >= 0) present = candidates[static_cast<std::size_t>(mine)];
@@ -252,35 +302,58 @@ int ExplorationGuide::choose(const std::vector<Frontier>& frontiers, int current
     place[static_cast<std::size_t>(candidates[k].frontier)] = static_cast<int>(k);
   }
   struct Viewpoint {
+    Cell block;  // of WayLengths
     int candidate;
-    Cell cell;
     double cost;
   };
   std::vector<Viewpoint> viewpoints;
   detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
     const int candidate = place[static_cast<std::size_t>(k)];
     if (candidate < 0) return;
-    viewpoints.push_back({candidate, c, cost + (price ? price(c, sees) : 0.0)});
+    viewpoints.push_back(
+        {WayLengths::block_of(c), candidate, cost + (price ? price(c, sees) : 0.0)});
   });
+  // The cheapest of each candidate in each block.
+  std::sort(viewpoints.begin(), viewpoints.end(), [](const Viewpoint& a, const Viewpoint& b) {
+    if (!(a.block == b.block)) return scan_less(a.block, b.block);
+    return a.candidate != b.candidate ? a.candidate < b.candidate : a.cost < b.cost;
+  });
+  const auto same = [](const Viewpoint& a, const Viewpoint& b) {
+    return a.block == b.block && a.candidate == b.candidate;
+  };
+  viewpoints.erase(std::unique(viewpoints.begin(), viewpoints.end(), same), viewpoints.end());
   const auto n = static_cast<Eigen::Index>(candidates.size());
-  Eigen::MatrixXd between = Eigen::MatrixXd::Constant(n, n, kInfinity);
+  Eigen::MatrixXd between(n, n);
+  for (Eigen::Index a = 0; a < n; ++a) {
+    for (Eigen::Index b = 0; b < n; ++b) {
+      between(a, b) =
+          candidates[static_cast<std::size_t>(a)].way + candidates[static_cast<std::size_t>(b)].way;
+    }
+  }
   if (n > 1) {
     WayLengths from = ways_;
     for (Eigen::Index a = 0; a < n; ++a) {
       const int frontier = candidates[static_cast<std::size_t>(a)].frontier;
+      between(a, a) = 0.0;
+      // No way on shortens what is shorter than the way so far.
+      const auto all_found = [&](Cell block, double length) {
+        const auto first =
+            std::lower_bound(viewpoints.begin(), viewpoints.end(), block,
+                             [](const Viewpoint& v, Cell b) { return scan_less(v.block, b); });
+        for (auto v = first; v != viewpoints.end() && v->block == block; ++v) {
+          double& way = between(a, v->candidate);
+          way = std::min(way, length + v->cost);
+        }
+        return between.row(a).maxCoeff() <= length;
+      };
       from.flood(way_to_[static_cast<std::size_t>(frontier)].viewpoint,
-                 kFarthestBetween * options_.order.horizon);
-      for (const Viewpoint& v : viewpoints) {
-        double& way = between(a, v.candidate);
-        way = std::min(way, from.length(v.cell) + v.cost);
-      }
+                 kFarthestBetween * options_.order.horizon, all_found);
     }
   }
   const FrontierSequence best = best_sequence(candidates, between, options_.order);
   if (best.order.empty()) return -1;
-  if (rate(best, candidates, between, options_.cost_to_go.v_max, options_.look_time) <
-      options_.least_rate) {
-    facts.low_yield = all;
+  if (!alone && rate(best, candidates, between, options_.cost_to_go.v_max, options_.look_time) <
+                    options_.least_rate) {
     return -1;
   }
   if (present) {
@@ -334,6 +407,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     if (at) close(*at, stamp);
   }
   detector_.update(traversability_);
+  ways_.update(traversability_);
   worth_.map_changed(frame, traversability_.newly_known(), traversability_.changed_states());
   if (attention.looked) {
     worth_.look(traversability_.see_through(), detector_.frontiers(), pose, stamp);
@@ -382,15 +456,28 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
 
   const int current = current_target(frontiers);
   TargetChange reason = reason_to_choose(frontiers, current, stamp);
-  if (reason == TargetChange::kNone && !lead_to(current)) reason = TargetChange::kUnreachable;
+  if (reason == TargetChange::kNone && !lead_to(current)) {
+    if (target_) {
+      reason = TargetChange::kUnreachable;
+    } else {
+      // Nothing was left a moment ago.
+      facts = last_->facts;
+      facts.changed = TargetChange::kNone;
+    }
+  }
   if (reason != TargetChange::kNone) {
     const bool must = reason != TargetChange::kBetter;
-    measure_ways(pose, frontiers, price, way_price);
-    int chosen = choose(frontiers, current, must, price, facts);
-    // The lattice of ways is coarse: what it reaches may still be out of reach.
-    while (!lead_to(chosen) && chosen >= 0) {
-      way_to_[static_cast<std::size_t>(chosen)].length = kInfinity;
-      chosen = choose(frontiers, current, true, price, facts);
+    int chosen = -1;
+    // What is near first; where that is not worth its way, there may be what is, far away.
+    for (const bool far : {false, true}) {
+      measure_ways(pose, frontiers, must ? -1 : current, far, price, way_price);
+      chosen = choose(frontiers, current, must, far, price, facts);
+      // The lattice of ways is coarse: what it reaches may still be out of reach.
+      while (!lead_to(chosen) && chosen >= 0) {
+        way_to_[static_cast<std::size_t>(chosen)].length = kInfinity;
+        chosen = choose(frontiers, current, true, far, price, facts);
+      }
+      if (chosen >= 0) break;
     }
     chosen_at_ = stamp;
     const bool same = chosen >= 0 && chosen == current && target_;
@@ -415,11 +502,6 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
     facts.exhausted = chosen < 0 && explored > 0.0;
     if (!facts.exhausted) facts.low_yield = {};
   }
-  detector_.visit_viewpoints([&](int k, Cell c, Cell, double) {
-    Frontier& f = frontiers[static_cast<std::size_t>(k)];
-    f.reachable = f.reachable || ways_.length(c) < kInfinity;
-  });
-
   if (field_.anchor_reached()) {
     const ViewpointSource source = detector_.source_at(field_.source_of_anchor());
     if (source.frontier >= 0) {
@@ -452,7 +534,7 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
   }
   facts.stalled_for = progress_.stalled_for();
   facts.stalled = progress_.stalled();
-  if (facts.exhausted) {
+  if (facts.exhausted && chosen_at_ == stamp) {
     tell_what_is_left(frontiers, facts);
     facts.cut_off = is_cut_off();
   }

@@ -99,18 +99,20 @@ struct Guidance {
 ///
 ///     E_c / (w_c / v_max + look_time) >= least_rate,    w_c = way + turn_price |turn at its start|
 ///
-/// The target is the first of the best sequence of candidates (frontier_order.h), and remains so
-/// until
+/// The target is the first of the best sequence of candidates (frontier_order.h), if its beginning
+/// is worth its way, else of those that are each; and remains so until
 ///   seen          its area fell below `resolved` times what it was, or below least_area;
 ///   unreachable   no way leads there any more;
 ///   no progress   the robot did not get on towards it (ProgressMonitor): its trust is lowered;
 ///   lost          localization was lost within the sensor's range of it: likewise;
 ///   better        every `reconsider` seconds: another sequence is worth `commitment` more.
+/// While there is none, it is asked for every reconsider / 2 seconds.
 /// The reason is FrontierFacts::changed. V(p) = D(p, target) / v_max, D by the eikonal equation
 /// (cost_to_go_field.h); with an outlook, a metre travelled within 10 m of the robot (along either
-/// axis) costs 1 + lambda max(0, 1 - N / N_req) times as much, N the features in view in the direction of travel (down the field of the step
-/// before), and a viewpoint lambda look_length max(0, 1 - N / N_req) more, N in the direction of
-/// what is looked at. Both count when targets are compared, too, on the way from the robot.
+/// axis) costs 1 + lambda max(0, 1 - N / N_req) times as much, N the features in view in the
+/// direction of travel (down the field of the step before), and a viewpoint lambda look_length
+/// max(0, 1 - N / N_req) more, N in the direction of what is looked at. Both count when targets are
+/// compared, too, on the way from the robot.
 ///
 /// Nothing is given up for good but by what looks have shown: there are no retries. Where no
 /// candidate is left the facts say `exhausted`; and whether some were left for their low yield,
@@ -158,10 +160,13 @@ class ExplorationGuide {
   bool is_priced(Cell c) const { return along_travel_.frame.contains(c); }
   int current_target(const std::vector<Frontier>& frontiers) const;
   TargetChange reason_to_choose(const std::vector<Frontier>& frontiers, int current, double stamp);
-  void measure_ways(const Pose& pose, const std::vector<Frontier>& frontiers,
+  void measure_ways(const Pose& pose, const std::vector<Frontier>& frontiers, int current, bool all,
                     const LookPrice& price, const WayPrice& way_price);
-  int choose(const std::vector<Frontier>& frontiers, int current, bool must, const LookPrice& price,
-             FrontierFacts& facts);
+  void add_turn(const Pose& pose, const Frontier& frontier, Way& way) const;
+  bool nothing_farther_leads(const Eigen::Vector2d& robot, const std::vector<Frontier>& frontiers,
+                             double limit) const;
+  int choose(const std::vector<Frontier>& frontiers, int current, bool must, bool alone,
+             const LookPrice& price, FrontierFacts& facts);
   void tell_what_is_left(const std::vector<Frontier>& frontiers, FrontierFacts& facts) const;
   void fail_visit(const std::vector<Frontier>& frontiers, TargetChange why);
   bool is_cut_off() const;

@@ -102,7 +102,7 @@ void FeatureOutlook::update(const Belief& belief, double density, const LocalTex
   unseen.max_blocks = options_.max_landmarks / 4;
   unseen.image_cell = belief.landmarks->image_cell;
   std::vector<Landmark> landmarks = unseen_features(ground, belief.pose, unseen, texture);
-  const double everywhere = (fine.width + fine.height) * fine.resolution + here.norm();
+  const double everywhere = std::numbers::sqrt2 * options_.prior_range;  // that is counted
   const std::vector<Landmark> mapped =
       select_landmarks(*belief.landmarks, belief.pose, everywhere,
                        options_.max_landmarks - static_cast<int>(landmarks.size()), visibility_);

@@ -14,12 +14,12 @@ namespace prospect {
 
 struct FeatureOutlookOptions {
   double block = 0.5;          ///< side of a block of cells that share their counts [m]
-  int blocks_per_update = 40;  ///< at most so many are counted in one update
+  int blocks_per_update = 20;  ///< at most so many are counted in one update
   int max_landmarks = 600;     ///< that stand for those of the whole map; a quarter for unseen ones
   /// Unknown ground farther from the robot bears no features, and blocks farther along either axis
   /// keep their counts till it comes near [m].
   double prior_range = 20.0;
-  double attenuation = 0.3;    ///< lambda of rays through unknown space [1/m]
+  double attenuation = 0.3;  ///< lambda of rays through unknown space [1/m]
 };
 
 /// How many features the robot would see from any known place in any direction:

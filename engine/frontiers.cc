@@ -217,7 +217,6 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
     frontier.ignored_cells = 0;
     frontier.viewpoints = 0;
     frontier.active = false;
-    frontier.reachable = false;
     ranges.assign(frontier.cells.size(), farthest);
     if (look_ranges) look_ranges(frontier, ranges);
     counted.clear();

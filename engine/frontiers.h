@@ -39,8 +39,6 @@ struct Frontier {
   double promise = 0.0;  ///< A: unknown ground that a look at it may show [m^2] (FrontierWorth)
   double trust = 1.0;    ///< mean of tau over its cells [-]
   double area = 0.0;     ///< E: what it is expected to show, after what looks have shown [m^2]
-  /// Active, and passable cells join one of its viewpoints to the robot (set by ExplorationGuide).
-  bool reachable = false;
 };
 
 /// Initial value of the cost-to-go at one traversable cell.

@@ -198,7 +198,7 @@ std::shared_ptr<const Guidance> GoalGuide::update(const GroundMap& ground, const
       ahead.centroid /= static_cast<double>(ahead.cells.size());
       ahead.length = static_cast<double>(ahead.cells.size()) * frame.resolution;
       ahead.viewpoints = 1;
-      ahead.active = ahead.reachable = true;
+      ahead.active = true;
       std::sort(ahead.cells.begin(), ahead.cells.end(), scan_less);
       guidance->frontiers.push_back(std::move(ahead));
       target.frontier = 0;

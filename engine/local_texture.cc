@@ -13,21 +13,27 @@ constexpr double kLengths = 5.0;  // of correlation: what is farther away counts
 }  // namespace
 
 LocalTexture::LocalTexture(const GroundMap& ground, const LandmarkMap& landmarks,
-                           const LocalTextureOptions& options)
+                           const Eigen::Vector2d& around, const LocalTextureOptions& options)
     : options_(options) {
   constexpr const char* kOwner = "local texture";
   check_positive(kOwner, "block", options.block);
   check_positive(kOwner, "length", options.length);
   check_positive(kOwner, "prior", options.prior);
+  check_positive(kOwner, "reach", options.reach);
   const Grid<CellState>& cells = ground.cells();
-  const GridFrame& fine = cells.frame;
+  const double r = cells.frame.resolution;
+  const Cell middle = cells.frame.cell(around.x(), around.y());
+  const int reach = static_cast<int>(std::ceil(std::min(options.reach, kFarthest) / r));
+  const GridFrame fine = intersection(
+      cells.frame, {r, middle.i - reach, middle.j - reach, 2 * reach + 1, 2 * reach + 1});
+  if (fine.size() == 0) return;
   const int side = std::max(1, static_cast<int>(std::lround(options.block / fine.resolution)));
   blocks_ = Grid<Seen>(frame_of_blocks(fine, side), {});
 
   double wall = 0.0;
   for (int index = 0; index < fine.size(); ++index) {
-    if (cells.data[static_cast<std::size_t>(index)] != CellState::kOccupied) continue;
     const Cell c = fine.at(index);
+    if (cells[c] != CellState::kOccupied) continue;
     const auto is_free = [&](int di, int dj) {
       return ground.state({c.i + di, c.j + dj}) == CellState::kFree;
     };

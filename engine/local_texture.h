@@ -13,9 +13,12 @@ struct LocalTextureOptions {
   double length = 1.0;  ///< of correlation [m]: texture this far away counts 1/e
   double prior =
       0.5;  ///< of wall [m]: what is assumed to have been seen everywhere, of mean texture
+  /// Ground farther from `around` than this along either axis does not count [m].
+  double reach = 30.0;
 };
 
-/// How rich in landmarks the surfaces about a place are, measured by those of the whole map:
+/// How rich in landmarks the surfaces about a place are, measured by those of the map around the
+/// robot:
 ///
 ///   s(p) = min(1, (sum_b w_b n_b / m + a) / (sum_b w_b l_b + a)),   w_b = exp(-|p - p_b| / length)
 ///
@@ -30,8 +33,9 @@ struct LocalTextureOptions {
 /// empirical Bayes estimates of a rate.
 class LocalTexture {
  public:
-  /// Throws std::invalid_argument on an option that is not > 0.
-  LocalTexture(const GroundMap& ground, const LandmarkMap& landmarks,
+  /// around: the robot, in W [m], finite. Throws std::invalid_argument on an option that is not >
+  /// 0.
+  LocalTexture(const GroundMap& ground, const LandmarkMap& landmarks, const Eigen::Vector2d& around,
                const LocalTextureOptions& options = {});
 
   /// s(p), p in W [m].

@@ -903,7 +903,9 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   const bool looks_out =
       outlook && !belief.landmarks->landmarks.empty() && told == TaskKind::kExplore;
   std::optional<LocalTexture> seen_texture;
-  if (rests_on_features(belief)) seen_texture.emplace(*belief.ground, *belief.landmarks);
+  if (rests_on_features(belief)) {
+    seen_texture.emplace(*belief.ground, *belief.landmarks, belief.pose.position.head<2>());
+  }
   const LocalTexture* texture = seen_texture ? &*seen_texture : nullptr;
   if (looks_out) outlook->update(belief, unseen_density(belief), texture, workers.get());
   if (told == TaskKind::kExplore) {

@@ -109,7 +109,7 @@ TEST(ExplorationGuide, TheSameHistoryGivesTheSameBits) {
     if (ga->target) {
       ASSERT_EQ(ga->target->viewpoint, gb->target->viewpoint);
       const Frontier& f = ga->frontiers[static_cast<std::size_t>(ga->target->frontier)];
-      EXPECT_TRUE(f.active && f.reachable);
+      EXPECT_TRUE(f.active);
     }
   }
 }
@@ -207,10 +207,10 @@ TEST(ExplorationGuide, FrontiersBehindAWallAreActiveButNotReachable) {
   }
   ExplorationGuide guide(ExplorationGuideOptions{});
   const auto g = guide.update(map, {{2.0, 2.0, 0.0}, 0.0}, 0.0);
-  int active = 0, reachable = 0;
-  for (const Frontier& f : g->frontiers) active += f.active, reachable += f.reachable;
+  int active = 0;
+  for (const Frontier& f : g->frontiers) active += f.active;
   EXPECT_EQ(active, 1);
-  EXPECT_EQ(reachable, 0);
+  EXPECT_EQ(g->facts.unreachable.count, 1);
   EXPECT_FALSE(g->target.has_value());
   EXPECT_TRUE(g->facts.exhausted);
 }
@@ -586,7 +586,6 @@ TEST(ExplorationGuide, ARuleMayChooseTheTarget) {
       const auto g = guide.update(map, pose, t, {.looked = false});
       ASSERT_TRUE(g->target.has_value());
       EXPECT_EQ(g->target->viewpoint.x() > 5.5, east);
-      for (const Frontier& f : g->frontiers) EXPECT_EQ(f.active, f.reachable);
     }
     EXPECT_EQ(asked, 2) << "at first, and after 3 s";
   }
@@ -677,7 +676,8 @@ TEST(ExplorationGuide, AFrontierThatNoLookResolvesIsLeftUntilNewGroundIsSeenTher
   EXPECT_EQ(g->facts.failed.count, 1);
   EXPECT_GT(g->facts.failed.area, 0.5);
   for (int k = 0; k < 3; ++k) map.set({61, 31 + k}, CellState::kFree);
-  g = guide.update(map, pose, 0.5 * ++step, {.looked = false});
+  step += 2;  // it is asked for every second
+  g = guide.update(map, pose, 0.5 * step, {.looked = false});
   EXPECT_TRUE(g->target.has_value());
   EXPECT_FALSE(g->facts.exhausted);
 }

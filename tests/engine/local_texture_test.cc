@@ -55,7 +55,7 @@ TEST(LocalTexture, IsThatOfWhatIsNear) {
   const GroundMap ground = corridor();
   const LandmarkMap map = textured_to(5.0, 20);
   const LocalTextureOptions options;
-  const LocalTexture texture(ground, map);
+  const LocalTexture texture(ground, map, {0.0, 0.0});
   for (double x = -3.0; x < 13.0; x += 0.37) {
     const Eigen::Vector2d p(x, 0.6);
     EXPECT_NEAR(texture.relative(p), slow(ground, map, p, options), 0.06) << x;
@@ -67,7 +67,7 @@ TEST(LocalTexture, IsThatOfWhatIsNear) {
 }
 
 TEST(LocalTexture, WithoutLandmarksOnlyTheDistanceToWallsMatters) {
-  const LocalTexture texture(corridor(), LandmarkMap{});
+  const LocalTexture texture(corridor(), LandmarkMap{}, {0.0, 0.0});
   double last = 0.0;
   for (double x = 10.0; x < 20.0; x += 0.5) {
     const double s = texture.relative({x, 0.6});
@@ -81,13 +81,13 @@ TEST(LocalTexture, WithoutLandmarksOnlyTheDistanceToWallsMatters) {
 
 TEST(LocalTexture, NothingKnownIsAverage) {
   const GroundMap empty(GridFrame{0.1, 0, 0, 16, 16});
-  EXPECT_EQ(LocalTexture(empty, LandmarkMap{}).relative({0.3, 0.3}), 1.0);
+  EXPECT_EQ(LocalTexture(empty, LandmarkMap{}, {0.0, 0.0}).relative({0.3, 0.3}), 1.0);
   // Landmarks without a wall, and some that are nowhere.
   LandmarkMap map = textured_to(1.0, 4);
   map.landmarks[0].position.x() = std::numeric_limits<double>::quiet_NaN();
   map.landmarks[1].position.x() = 1e300;
-  EXPECT_EQ(LocalTexture(empty, map).relative({0.3, 0.3}), 1.0);
-  EXPECT_TRUE(std::isfinite(LocalTexture(corridor(), map).relative({0.3, 0.3})));
+  EXPECT_EQ(LocalTexture(empty, map, {0.0, 0.0}).relative({0.3, 0.3}), 1.0);
+  EXPECT_TRUE(std::isfinite(LocalTexture(corridor(), map, {0.0, 0.0}).relative({0.3, 0.3})));
 }
 
 TEST(LocalTexture, RefusesOptionsOutOfRange) {
@@ -95,7 +95,8 @@ TEST(LocalTexture, RefusesOptionsOutOfRange) {
        {&LocalTextureOptions::block, &LocalTextureOptions::length, &LocalTextureOptions::prior}) {
     LocalTextureOptions options;
     options.*option = 0.0;
-    EXPECT_THROW(LocalTexture(corridor(), LandmarkMap{}, options), std::invalid_argument);
+    EXPECT_THROW(LocalTexture(corridor(), LandmarkMap{}, {0.0, 0.0}, options),
+                 std::invalid_argument);
   }
 }
 

@@ -70,7 +70,7 @@ TEST(UnseenFeatures, WhatIsBeyondTheMapIsUnknown) {
 TEST(UnseenFeatures, AreFewerPastWhiteWalls) {
   GroundMap ground = half_known_ground();
   for (int i = -30; i < 0; ++i) ground.set({i, 10}, CellState::kOccupied);
-  const LocalTexture white(ground, LandmarkMap{});
+  const LocalTexture white(ground, LandmarkMap{}, {0.0, 0.0});
   UnseenFeatureOptions options;
   options.max_blocks = 10000;
   const auto plain = unseen_features(ground, Pose{}, options);

@@ -104,10 +104,12 @@ TEST(WayLengths, AgreeWithCellsAboutWhatIsReached) {
 
 TEST(WayLengths, APriceOfADirectionMakesWaysDearerThatWay) {
   WayLengths ways;
-  ways.update(of(rooms(true)));
+  const Traversability t = of(rooms(true));
+  ways.update(t);
   ways.flood({30, 30});
   const double east = ways.length({50, 30}), west = ways.length({15, 30});
-  ways.flood({30, 30}, kInfinity, [](Cell, double yaw) { return std::cos(yaw) > 0.5 ? 1.0 : 0.0; });
+  ways.begin_at_robot(t, {30, 30});
+  ways.extend(kInfinity, [](Cell, double yaw) { return std::cos(yaw) > 0.5 ? 1.0 : 0.0; });
   EXPECT_NEAR(ways.length({50, 30}), 2.0 * east, 0.35);
   EXPECT_EQ(ways.length({15, 30}), west);
   EXPECT_NEAR(ways.unpriced({50, 30}), east, 0.35);
@@ -124,15 +126,72 @@ TEST(WayLengths, ALimitEndsTheFloodAndARobotInAWallBeginsBesideIt) {
   EXPECT_EQ(ways.length({55, 50}), kInfinity);
   ways.flood({10, 30});
   EXPECT_EQ(ways.length({45, 20}), kInfinity) << "in the wall";
-  ways.flood_from_robot(t, {10, 30});
+  ways.begin_at_robot(t, {10, 30});
+  ways.extend(kInfinity);
   EXPECT_LT(ways.length({45, 20}), kInfinity);
   // Not through another wall.
   ways.update(of(rooms(false)));
-  ways.flood_from_robot(of(rooms(false)), {57, 30});
+  ways.begin_at_robot(of(rooms(false)), {57, 30});
+  ways.extend(kInfinity);
   EXPECT_LT(ways.length({45, 20}), kInfinity);
   EXPECT_EQ(ways.length({80, 20}), kInfinity);
-  ways.flood_from_robot(t, {-500, 0});
+  ways.begin_at_robot(t, {-500, 0});
+  ways.extend(kInfinity);
   EXPECT_EQ(ways.length({45, 20}), kInfinity);
+}
+
+TEST(WayLengths, AFloodInStagesIsTheFloodAtOnceAndOneThatHasEnoughStops) {
+  const Traversability t = of(rooms(true));
+  WayLengths once, stages;
+  once.update(t);
+  stages.update(t);
+  once.begin_at_robot(t, {30, 30});
+  once.extend(kInfinity);
+  stages.begin_at_robot(t, {30, 30});
+  for (const double limit : {0.5, 1.0, 3.0, 5.0, kInfinity}) {
+    stages.extend(limit);
+    for (int k = 0; k < t.frame().size(); ++k) {
+      const Cell c = t.frame().at(k);
+      if (once.length(c) <= limit) {
+        ASSERT_EQ(stages.length(c), once.length(c)) << limit;
+      }
+    }
+  }
+  once.flood({30, 30}, kInfinity, [](Cell, double length) { return length > 2.0; });
+  EXPECT_LT(once.length({45, 30}), kInfinity);
+  EXPECT_EQ(once.length({80, 30}), kInfinity);
+}
+
+TEST(WayLengths, AnUpdateIsAComputationFromScratch) {
+  std::mt19937_64 random(5);
+  for (int trial = 0; trial < 4; ++trial) {
+    const auto world = test::GroundWorld::rooms(12.0, 0.1, 60, random);
+    GroundMap map(GridFrame{0.1, 0, 0, 16, 16});
+    Traversability t{TraversabilityOptions{}};
+    WayLengths kept;
+    for (int step = 0; step < 12; ++step) {
+      const Eigen::Vector2d p = world.truth.frame.center(world.open_cell(4, random));
+      world.sense({{p.x(), p.y(), 0.0}, 0.1 * static_cast<double>(random() % 63)}, 4.0, 1.05, map);
+      // Walls come and go.
+      for (int n = 0; n < 20; ++n) {
+        const Cell c = map.frame().at(static_cast<int>(random() % map.cells().data.size()));
+        if (map.explored(c)) {
+          map.set(c, random() % 2 == 0 ? CellState::kOccupied : CellState::kFree);
+        }
+      }
+      t.update(map);
+      kept.update(t);
+      WayLengths fresh;
+      fresh.update(t);
+      const Cell from = t.frame().cell(p.x(), p.y());
+      kept.flood(from);
+      fresh.flood(from);
+      for (int k = 0; k < t.frame().size(); ++k) {
+        const Cell c = t.frame().at(k);
+        ASSERT_EQ(kept.length(c), fresh.length(c)) << trial << " " << step;
+      }
+    }
+  }
 }
 
 }  // namespace
