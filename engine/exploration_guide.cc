@@ -189,20 +189,19 @@ TargetChange ExplorationGuide::reason_to_choose(const std::vector<Frontier>& fro
 // The way to each frontier, turning included, and whether there is any. Searched farther each time,
 // until what lies farther can be neither the present target nor among the leading candidates.
 void ExplorationGuide::measure_ways(const Pose& pose, const std::vector<Frontier>& frontiers,
-                                    int current, bool all, const LookPrice& price,
-                                    const WayPrice& way_price) {
+                                    int current, bool all, const Prices& prices) {
   const GridFrame& frame = traversability_.frame();
   const double horizon = options_.order.horizon;
   ways_.begin_at_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()));
   double limit = all || options_.rule ? kInfinity : kFirstSearch * horizon;
   while (true) {
-    ways_.extend(limit, way_price);
+    ways_.extend(limit, prices.way);
     way_to_.assign(frontiers.size(), Way{});
     detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
       Way& best = way_to_[static_cast<std::size_t>(k)];
       double length = ways_.length(c) + cost;
       if (length >= best.length) return;
-      if (price) length += price(c, sees);
+      if (prices.look) length += prices.look(c, sees);
       if (length >= best.length) return;
       best = {length, (ways_.unpriced(c) + cost) / options_.cost_to_go.v_max + options_.look_time,
               c};
@@ -377,17 +376,10 @@ void ExplorationGuide::tell_what_is_left(const std::vector<Frontier>& frontiers,
   }
 }
 
-std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground, const Pose& pose,
-                                                         double stamp,
-                                                         const GuideAttention& attention,
-                                                         const FeatureOutlook* outlook) {
-  Stopwatch watch;
-  // Beyond this the cell address would not fit an int.
+// Map, frontiers, ways and worth as of now.
+void ExplorationGuide::keep_up(const GroundMap& ground, const Pose& pose, double stamp,
+                               const GuideAttention& attention) {
   const Eigen::Vector2d p = pose.position.head<2>();
-  if (!(p.cwiseAbs().maxCoeff() < kFarthest) || !p.allFinite() || !std::isfinite(pose.yaw) ||
-      !std::isfinite(stamp)) {
-    return last_;
-  }
   // What was learned of one place says nothing of another.
   if (!traversability_.continues(ground)) *this = ExplorationGuide(options_);
   if (attention.looked && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
@@ -425,38 +417,38 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       if (!counts(frame.center(f.cells[n]))) ranges[n] = 0.0F;
     }
   });
+}
 
-  auto guidance = std::make_shared<Guidance>();
-  FrontierFacts& facts = guidance->facts;
-  std::vector<Frontier>& frontiers = guidance->frontiers;
-  frontiers = detector_.frontiers();
-  worth_.measure(traversability_, frontiers);
-  const Cell robot = frame.cell(p.x(), p.y());
-  const double explored = traversability_.explored_area();
-  const Grid<float>* along = nullptr;
-  LookPrice price;
-  WayPrice way_price;
-  if (outlook != nullptr && options_.cost_to_go.lambda > 0.0) {
-    count_along_travel(*outlook, robot);
-    along = &along_travel_;
-    price = [&](Cell viewpoint, Cell sees) {
-      const double yaw = std::atan2(sees.j - viewpoint.j, sees.i - viewpoint.i);
-      return options_.look_length *
-             options_.cost_to_go.localization_price(outlook->count(viewpoint, yaw));
-    };
-    way_price = [&](Cell c, double yaw) {
-      return is_priced(c) ? options_.cost_to_go.localization_price(outlook->count(c, yaw)) : 0.0;
-    };
-  }
-  const auto lead_to = [&](int frontier) {
-    detector_.lead_to(frontier, price);
-    field_.update(traversability_, detector_, robot, along);
-    return frontier >= 0 && field_.anchor_reached();
-  };
+ExplorationGuide::Prices ExplorationGuide::prices(const FeatureOutlook* outlook, Cell robot) {
+  if (outlook == nullptr || !(options_.cost_to_go.lambda > 0.0)) return {};
+  count_along_travel(*outlook, robot);
+  const CostToGoOptions& cost = options_.cost_to_go;
+  return {[this, outlook, &cost](Cell viewpoint, Cell sees) {
+            const double yaw = std::atan2(sees.j - viewpoint.j, sees.i - viewpoint.i);
+            return options_.look_length * cost.localization_price(outlook->count(viewpoint, yaw));
+          },
+          [this, outlook, &cost](Cell c, double yaw) {
+            return is_priced(c) ? cost.localization_price(outlook->count(c, yaw)) : 0.0;
+          },
+          &along_travel_};
+}
 
+// Whether a way leads there; -1: nowhere.
+bool ExplorationGuide::lead_to(int frontier, Cell robot, const Prices& prices) {
+  detector_.lead_to(frontier, prices.look);
+  field_.update(traversability_, detector_, robot, prices.along);
+  return frontier >= 0 && field_.anchor_reached();
+}
+
+// Keeps the target or changes it, and leads there.
+void ExplorationGuide::keep_or_change_target(const Pose& pose, double stamp, const Prices& prices,
+                                             Guidance& guidance) {
+  const std::vector<Frontier>& frontiers = guidance.frontiers;
+  FrontierFacts& facts = guidance.facts;
+  const Cell robot = traversability_.frame().cell(pose.position.x(), pose.position.y());
   const int current = current_target(frontiers);
   TargetChange reason = reason_to_choose(frontiers, current, stamp);
-  if (reason == TargetChange::kNone && !lead_to(current)) {
+  if (reason == TargetChange::kNone && !lead_to(current, robot, prices)) {
     if (target_) {
       reason = TargetChange::kUnreachable;
     } else {
@@ -465,85 +457,113 @@ std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground
       facts.changed = TargetChange::kNone;
     }
   }
-  if (reason != TargetChange::kNone) {
-    const bool must = reason != TargetChange::kBetter;
-    int chosen = -1;
-    // What is near first; where that is not worth its way, there may be what is, far away.
-    for (const bool far : {false, true}) {
-      measure_ways(pose, frontiers, must ? -1 : current, far, price, way_price);
-      chosen = choose(frontiers, current, must, far, price, facts);
-      // The lattice of ways is coarse: what it reaches may still be out of reach.
-      while (!lead_to(chosen) && chosen >= 0) {
-        way_to_[static_cast<std::size_t>(chosen)].length = kInfinity;
-        chosen = choose(frontiers, current, true, far, price, facts);
-      }
-      if (chosen >= 0) break;
+  if (reason == TargetChange::kNone) return;
+
+  const bool must = reason != TargetChange::kBetter;
+  int chosen = -1;
+  // What is near first; where that is not worth its way, there may be what is, far away.
+  for (const bool far : {false, true}) {
+    measure_ways(pose, frontiers, must ? -1 : current, far, prices);
+    chosen = choose(frontiers, current, must, far, prices.look, facts);
+    // The lattice of ways is coarse: what it reaches may still be out of reach.
+    while (!lead_to(chosen, robot, prices) && chosen >= 0) {
+      way_to_[static_cast<std::size_t>(chosen)].length = kInfinity;
+      chosen = choose(frontiers, current, true, far, prices.look, facts);
     }
-    chosen_at_ = stamp;
-    const bool same = chosen >= 0 && chosen == current && target_;
-    // A target that was left for a better one has not shown what it could.
-    if (must && target_area_ > 0.0) {
-      worth_.learn(target_promise_, target_expected_, explored - explored_then_);
-      target_area_ = 0.0;
-    }
-    if (!same) {
-      facts.changed = chosen >= 0 ? reason : TargetChange::kNone;
-      progress_.target_dropped();
-      target_.reset();
-      dropped_ = TargetChange::kFirst;
-    }
-    if (chosen >= 0 && (!same || must)) {
-      const Frontier& f = frontiers[static_cast<std::size_t>(chosen)];
-      target_area_ = f.area;
-      target_promise_ = f.promise;
-      target_expected_ = f.area / worth_.yield(f.promise);
-      explored_then_ = explored;
-    }
-    facts.exhausted = chosen < 0 && explored > 0.0;
-    if (!facts.exhausted) facts.low_yield = {};
+    if (chosen >= 0) break;
   }
-  if (field_.anchor_reached()) {
-    const ViewpointSource source = detector_.source_at(field_.source_of_anchor());
-    if (source.frontier >= 0) {
-      const Eigen::Vector2d from = frame.center(source.cell);
-      const Eigen::Vector2d to = frame.center(source.sees);
-      guidance->target = FrontierTarget{source.frontier, from, to,
-                                        std::atan2(to.y() - from.y(), to.x() - from.x())};
-      const Frontier& f = frontiers[static_cast<std::size_t>(source.frontier)];
-      facts.target = true;
-      facts.target_length =
-          (static_cast<double>(f.cells.size()) - f.ignored_cells) * frame.resolution;
-      facts.target_area = f.area;
-      facts.way_left = way_left();
-      const std::optional<Cell> narrow = narrow_ahead();
-      facts.narrow = narrow.has_value();
-      const double value = field_.value(field_.anchor());
-      progress_.begin(stamp, p, explored, value);
-      progress_.update(facts.changed == TargetChange::kNone, p, value, explored);
-      target_ = source.sees;
-      if (progress_.hopeless()) {
-        progress_.given_up(explored);
-        // Else all that lies behind it would be tried in turn.
-        if (narrow) close(*narrow, stamp);
-        fail_visit(frontiers, TargetChange::kNoProgress);
-      }
-    }
-  } else {
+  chosen_at_ = stamp;
+  const double explored = traversability_.explored_area();
+  const bool same = chosen >= 0 && chosen == current && target_;
+  // A target that was left for a better one has not shown what it could.
+  if (must && target_area_ > 0.0) {
+    worth_.learn(target_promise_, target_expected_, explored - explored_then_);
+    target_area_ = 0.0;
+  }
+  if (!same) {
+    facts.changed = chosen >= 0 ? reason : TargetChange::kNone;
+    progress_.target_dropped();
+    target_.reset();
+    dropped_ = TargetChange::kFirst;
+  }
+  if (chosen >= 0 && (!same || must)) {
+    const Frontier& f = frontiers[static_cast<std::size_t>(chosen)];
+    target_area_ = f.area;
+    target_promise_ = f.promise;
+    target_expected_ = f.area / worth_.yield(f.promise);
+    explored_then_ = explored;
+  }
+  facts.exhausted = chosen < 0 && explored > 0.0;
+  if (!facts.exhausted) facts.low_yield = {};
+}
+
+// Where the target is, and whether the robot gets on towards it.
+void ExplorationGuide::follow_target(const Pose& pose, double stamp, Guidance& guidance) {
+  const GridFrame& frame = traversability_.frame();
+  const Eigen::Vector2d p = pose.position.head<2>();
+  const double explored = traversability_.explored_area();
+  FrontierFacts& facts = guidance.facts;
+  if (!field_.anchor_reached()) {
     progress_.begin(stamp, p, explored, 0.0);
     progress_.no_target();
+    return;
   }
+  const ViewpointSource source = detector_.source_at(field_.source_of_anchor());
+  if (source.frontier < 0) return;
+  const Eigen::Vector2d from = frame.center(source.cell);
+  const Eigen::Vector2d to = frame.center(source.sees);
+  guidance.target =
+      FrontierTarget{source.frontier, from, to, std::atan2(to.y() - from.y(), to.x() - from.x())};
+  const Frontier& f = guidance.frontiers[static_cast<std::size_t>(source.frontier)];
+  facts.target = true;
+  facts.target_length = (static_cast<double>(f.cells.size()) - f.ignored_cells) * frame.resolution;
+  facts.target_area = f.area;
+  facts.way_left = way_left();
+  const std::optional<Cell> narrow = narrow_ahead();
+  facts.narrow = narrow.has_value();
+  const double value = field_.value(field_.anchor());
+  progress_.begin(stamp, p, explored, value);
+  progress_.update(facts.changed == TargetChange::kNone, p, value, explored);
+  target_ = source.sees;
+  if (progress_.hopeless()) {
+    progress_.given_up(explored);
+    // Else all that lies behind it would be tried in turn.
+    if (narrow) close(*narrow, stamp);
+    fail_visit(guidance.frontiers, TargetChange::kNoProgress);
+  }
+}
+
+std::shared_ptr<const Guidance> ExplorationGuide::update(const GroundMap& ground, const Pose& pose,
+                                                         double stamp,
+                                                         const GuideAttention& attention,
+                                                         const FeatureOutlook* outlook) {
+  Stopwatch watch;
+  // Beyond this the cell address would not fit an int.
+  const Eigen::Vector2d p = pose.position.head<2>();
+  if (!(p.cwiseAbs().maxCoeff() < kFarthest) || !p.allFinite() || !std::isfinite(pose.yaw) ||
+      !std::isfinite(stamp)) {
+    return last_;
+  }
+  keep_up(ground, pose, stamp, attention);
+  auto guidance = std::make_shared<Guidance>();
+  guidance->frontiers = detector_.frontiers();
+  worth_.measure(traversability_, guidance->frontiers);
+  keep_or_change_target(pose, stamp, prices(outlook, traversability_.frame().cell(p.x(), p.y())),
+                        *guidance);
+  follow_target(pose, stamp, *guidance);
+
+  FrontierFacts& facts = guidance->facts;
   facts.stalled_for = progress_.stalled_for();
   facts.stalled = progress_.stalled();
   if (facts.exhausted && chosen_at_ == stamp) {
-    tell_what_is_left(frontiers, facts);
+    tell_what_is_left(guidance->frontiers, facts);
     facts.cut_off = is_cut_off();
   }
   facts.exhausted_for = exhaustion_.update(stamp, facts.exhausted, attention.pursued);
-
   guidance->map_revision = ground.revision();
   guidance->stamp = stamp;
   guidance->cost_to_go = field_.window();
-  guidance->explored_area = explored;
+  guidance->explored_area = traversability_.explored_area();
   guidance->milliseconds = watch.lap();
   last_ = guidance;
   return guidance;

@@ -155,13 +155,26 @@ class ExplorationGuide {
     Cell at;
     double until;  // [s]
   };
+  /// What ways and looks cost more where few features are in view; null where they do not.
+  struct Prices {
+    LookPrice look;
+    WayPrice way;
+    const Grid<float>* along = nullptr;  // of CostToGoField
+  };
+  void keep_up(const GroundMap& ground, const Pose& pose, double stamp,
+               const GuideAttention& attention);
+  Prices prices(const FeatureOutlook* outlook, Cell robot);
+  bool lead_to(int frontier, Cell robot, const Prices& prices);
+  void keep_or_change_target(const Pose& pose, double stamp, const Prices& prices,
+                             Guidance& guidance);
+  void follow_target(const Pose& pose, double stamp, Guidance& guidance);
   void close(Cell at, double stamp);
   void count_along_travel(const FeatureOutlook& outlook, Cell robot);
   bool is_priced(Cell c) const { return along_travel_.frame.contains(c); }
   int current_target(const std::vector<Frontier>& frontiers) const;
   TargetChange reason_to_choose(const std::vector<Frontier>& frontiers, int current, double stamp);
   void measure_ways(const Pose& pose, const std::vector<Frontier>& frontiers, int current, bool all,
-                    const LookPrice& price, const WayPrice& way_price);
+                    const Prices& prices);
   void add_turn(const Pose& pose, const Frontier& frontier, Way& way) const;
   bool nothing_farther_leads(const Eigen::Vector2d& robot, const std::vector<Frontier>& frontiers,
                              double limit) const;
