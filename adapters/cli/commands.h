@@ -21,9 +21,10 @@ enum ExitCode {
 
 struct ExploreArguments {
   std::string world = "office";
-  std::string configuration;  ///< file; empty: defaults
-  std::string solver;         ///< empty: as configured
-  std::string sensors;        ///< "model", "camera"; empty: as configured
+  std::string configuration;          ///< file; empty: defaults
+  std::vector<std::string> settings;  ///< "planner.weights.w_l=0": above the file
+  std::string solver;                 ///< empty: as configured
+  std::string sensors;                ///< "model", "camera"; empty: as configured
   std::uint64_t seed = 1;
   std::string out;              ///< run folder; empty: runs/WORLD_SOLVER_SEED
   double time_limit = 0.0;      ///< [s]; 0: as configured
@@ -56,6 +57,7 @@ int report(const ReportArguments& arguments, const SolverRegistry& registry);
 struct SolveArguments {
   std::vector<std::string> problems;  ///< problem files, WORLD@STEP
   std::string configuration;          ///< of the missions of WORLD@STEP
+  std::vector<std::string> settings;  ///< "planner.weights.w_l=0": above the file
   std::vector<std::string> solvers;   ///< empty: one of each family
   double deadline = 0.0;              ///< [s], 0: none
   int max_evaluations = 400;
@@ -107,7 +109,8 @@ struct MapArguments {
 int map(const MapArguments& arguments);
 
 int list(const std::string& what, bool json, const SolverRegistry& registry);
-/// Prints the effective configuration of a file (empty: the defaults).
-int print_configuration(const std::string& file, const SolverRegistry& registry);
+/// Prints the effective configuration of a file (empty: the defaults) and of settings above it.
+int print_configuration(const std::string& file, const std::vector<std::string>& settings,
+                        const SolverRegistry& registry);
 
 }  // namespace prospect

@@ -93,8 +93,9 @@ int list(const std::string& what, bool json, const SolverRegistry& registry) {
   return kDone;
 }
 
-int print_configuration(const std::string& file, const SolverRegistry& registry) {
-  std::cout << effective_yaml(read_configuration(file, registry).entries);
+int print_configuration(const std::string& file, const std::vector<std::string>& settings,
+                        const SolverRegistry& registry) {
+  std::cout << effective_yaml(read_configuration(file, registry, settings).entries);
   return kDone;
 }
 

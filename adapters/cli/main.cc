@@ -59,6 +59,14 @@ CLI::Validator whole_number_within(std::uint64_t min, std::uint64_t max) {
           ""};
 }
 
+void add_set(CLI::App* command, std::vector<std::string>& settings) {
+  command
+      ->add_option("--set", settings,
+                   "KEY=VALUE above the configuration file, such as planner.weights.w_l=0; may be "
+                   "given several times. Keys: `prospect config`")
+      ->allow_extra_args(false);
+}
+
 int run(int argc, char** argv) {
   using namespace prospect;
   CLI::App app{"Plans for robots that explore by sight.", "prospect"};
@@ -76,6 +84,7 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   explore_command->add_option("--config", explore_arguments.configuration,
                               "Configuration file (YAML)");
+  add_set(explore_command, explore_arguments.settings);
   explore_command->add_option("--solver", explore_arguments.solver,
                               "Back end, see `prospect list solvers`");
   explore_command
@@ -162,6 +171,7 @@ int run(int argc, char** argv) {
       ->required();
   solve_command->add_option("--config", solve_arguments.configuration,
                             "Configuration file (YAML) of the mission of WORLD@STEP");
+  add_set(solve_command, solve_arguments.settings);
   solve_command->add_option("--solver", solve_arguments.solvers, "Back ends, separated by commas")
       ->delimiter(',')
       ->allow_extra_args(false);
@@ -285,6 +295,8 @@ int run(int argc, char** argv) {
   CLI::App* config_command =
       app.add_subcommand("config", "The full effective configuration, with units and defaults");
   config_command->add_option("file", configuration, "Configuration file (YAML) [the defaults]");
+  std::vector<std::string> settings;
+  add_set(config_command, settings);
 
   std::vector<std::string> plugins;
   for (CLI::App* command : app.get_subcommands({})) {
@@ -322,7 +334,7 @@ int run(int argc, char** argv) {
   if (*odometry_command) return odometry(odometry_arguments);
   if (*map_command) return map(map_arguments);
   if (*list_command) return list(what, list_json, registry);
-  return print_configuration(configuration, registry);
+  return print_configuration(configuration, settings, registry);
 }
 
 }  // namespace

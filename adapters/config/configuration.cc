@@ -442,9 +442,12 @@ std::string solver_problem(const std::string& name, const SolverRegistry& solver
   }
 }
 
-Configuration read_configuration(const std::string& path, const SolverRegistry& solvers) {
-  return path.empty() ? configuration_from_text("", "defaults", solvers)
-                      : read(StrictYaml::from_file(path), solvers);
+Configuration read_configuration(const std::string& path, const SolverRegistry& solvers,
+                                 const std::vector<std::string>& settings) {
+  StrictYaml yaml =
+      path.empty() ? StrictYaml::from_text("", "defaults") : StrictYaml::from_file(path);
+  for (const std::string& setting : settings) yaml.set(setting);
+  return read(std::move(yaml), solvers);
 }
 
 Configuration configuration_from_text(const std::string& text, const std::string& source,

@@ -28,8 +28,10 @@ struct Configuration {
 };
 
 /// Reads a configuration file; an empty path gives the defaults. Its solver is one of `solvers`.
+/// settings: "planner.weights.w_l=0", which stand above the file (StrictYaml::set).
 /// Throws InputError with every problem at once (file:line: what; expected what).
-Configuration read_configuration(const std::string& path, const SolverRegistry& solvers = {});
+Configuration read_configuration(const std::string& path, const SolverRegistry& solvers = {},
+                                 const std::vector<std::string>& settings = {});
 
 /// Notes in the entries that a value, given as YAML, was chosen elsewhere, as on the command line;
 /// what it stands for is to be set by who does so.

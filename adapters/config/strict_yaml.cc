@@ -50,7 +50,14 @@ struct YamlMap::State {
   bool quoted_numbers = false;
   std::vector<ConfigEntry> entries;
 
-  std::string at(int line) const { return line > 0 ? source + ":" + std::to_string(line) : source; }
+  /// The n-th setting (StrictYaml::set) stands in line kSettings + n, after all that files hold.
+  static constexpr int kSettings = 1'000'000'000;
+  std::vector<std::string> settings;
+
+  std::string at(int line) const {
+    if (line >= kSettings) return "--set " + settings[static_cast<std::size_t>(line - kSettings)];
+    return line > 0 ? source + ":" + std::to_string(line) : source;
+  }
   /// Nobody reads more of them, and each costs a search for the nearest name.
   static constexpr std::size_t kMostProblems = 100;
   bool told_enough() const { return problems.size() >= kMostProblems; }
@@ -336,6 +343,73 @@ StrictYaml StrictYaml::from_text(const std::string& text, const std::string& sou
                      "; expected a mapping (key: value)");
   }
   return yaml;
+}
+
+namespace {
+
+template <typename Node>
+void move_to_line(Node& node, int line) {
+  node.line = line;
+  for (auto& item : node.items) move_to_line(*item, line);
+  for (auto& entry : node.entries) {
+    entry.line = line;
+    move_to_line(*entry.value, line);
+  }
+}
+
+}  // namespace
+
+void StrictYaml::set(const std::string& setting) {
+  using Node = YamlMap::Node;
+  YamlMap::State& state = *state_;
+  const int line = YamlMap::State::kSettings + static_cast<int>(state.settings.size());
+  state.settings.push_back(shown(setting));
+  const auto refuse = [&](const std::string& what) {
+    throw InputError(state.at(line) + ": " + what);
+  };
+  const std::size_t equals = setting.find('=');
+  if (equals == std::string::npos || setting.find_first_of("\r\n") != std::string::npos) {
+    refuse("no value; expected KEY=VALUE, such as planner.weights.w_l=0");
+  }
+  std::unique_ptr<Node> value;
+  try {
+    const StrictYaml parsed = from_text("value: " + setting.substr(equals + 1), "value");
+    if (parsed.state_->problems.empty() && parsed.state_->root->entries.size() == 1) {
+      value = std::move(parsed.state_->root->entries.front().value);
+    }
+  } catch (const InputError&) {
+    // Told below.
+  }
+  if (!value) refuse("not a value; expected YAML on one line: a scalar, [a, list] or {a: mapping}");
+  move_to_line(*value, line);
+
+  Node* node = state.root.get();
+  std::string path;
+  std::string keys = setting.substr(0, equals);
+  while (true) {
+    const std::size_t dot = keys.find('.');
+    const std::string key = keys.substr(0, dot);
+    if (key.empty()) refuse("an empty key; expected names joined by dots");
+    if (node->kind == Node::Kind::kNull) node->kind = Node::Kind::kMap;
+    if (node->kind != Node::Kind::kMap) {
+      refuse((path.empty() ? "the document" : path) + " is no mapping; expected one");
+    }
+    path += (path.empty() ? "" : ".") + key;
+    auto entry = std::find_if(node->entries.begin(), node->entries.end(),
+                              [&](const Node::Entry& e) { return e.key == key; });
+    if (entry == node->entries.end()) {
+      node->entries.push_back({key, line, std::make_unique<Node>(), false});
+      entry = std::prev(node->entries.end());
+      entry->value->line = line;
+    }
+    if (dot == std::string::npos) {
+      entry->line = line;
+      entry->value = std::move(value);
+      return;
+    }
+    node = entry->value.get();
+    keys = keys.substr(dot + 1);
+  }
 }
 
 YamlMap StrictYaml::root() {

@@ -133,6 +133,12 @@ class StrictYaml {
   StrictYaml& operator=(StrictYaml&&) noexcept;
   ~StrictYaml();
 
+  /// Puts a value, given as "planner.weights.w_l=0", in the place of what the document says at that
+  /// path, or adds it: a scalar, a list or a mapping, as YAML on one line. Before reading. Messages
+  /// about it name it as `--set planner.weights.w_l=0`. Throws InputError if it is none of that, or
+  /// if the document has something else than mappings on the way.
+  void set(const std::string& setting);
+
   YamlMap root();
   /// Numbers in quotes and with a plus sign count as numbers, as yaml-cpp itself takes them.
   void accept_quoted_numbers();

@@ -247,5 +247,38 @@ TEST(Configuration, WrongTasksAndZonesAreALineEach) {
   }
 }
 
+TEST(Configuration, SettingsStandAboveTheFileAndAreCheckedAsItIs) {
+  const auto read = [](const std::vector<std::string>& settings) {
+    return read_configuration("", {}, settings);
+  };
+  const Configuration c =
+      read({"planner.weights.w_l=0", "planner.N=12", "planner.N=14",
+            "robot.depth={max_range: 6, horizontal_fov: 90}", "task.kind=go", "task.goal=[3, 1]"});
+  EXPECT_EQ(c.planner.w_l, 0.0);
+  EXPECT_EQ(c.planner.N, 14);
+  EXPECT_EQ(c.robot.depth.max_range, 6.0);
+  EXPECT_EQ(c.planner.task.goal.position, Eigen::Vector2d(3.0, 1.0));
+  EXPECT_EQ(effective_yaml(read({}).entries), effective_yaml(read_configuration("").entries));
+
+  const auto problem = [&](const std::string& setting) -> std::string {
+    try {
+      read({setting});
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "none";
+  };
+  EXPECT_THAT(problem("planner.weights.w_l=-1"),
+              HasSubstr("--set planner.weights.w_l=-1: planner.weights.w_l"));
+  EXPECT_THAT(problem("planner.weights.w_k=1"), HasSubstr("--set planner.weights.w_k=1: unknown"));
+  EXPECT_THAT(problem("planner.weights.w_k=1"), HasSubstr("did you mean"));
+  EXPECT_THAT(problem("planner.N.x=1"), HasSubstr("--set planner.N.x=1"));
+  for (const char* wrong :
+       {"planner.N", "=3", "planner..N=3", "planner.N=[1", "planner.N=1\nx: 2", "planner.N=*a"}) {
+    EXPECT_THAT(problem(wrong), HasSubstr("--set ")) << wrong;
+    EXPECT_THAT(problem(wrong), HasSubstr("expected")) << wrong;
+  }
+}
+
 }  // namespace
 }  // namespace prospect::configuration_test

@@ -159,6 +159,8 @@ refused "value out of range" range.yaml:2: "planner.N: is '100000'; expected a w
   "${explore[@]}" office --config range.yaml
 refused "unknown solver in a file" solver.yaml:3: "unknown solver 'nlop' (did you mean 'nlopt'?)" \
   "${explore[@]}" office --config solver.yaml
+refused "unknown key on the command line" "--set planner.weights.w_ee=1" "(did you mean 'w_e'?); expected" \
+  "${explore[@]}" office --config range.yaml --set planner.N=10 --set planner.weights.w_ee=1
 printf 'robot: {model: multirotor}\n' >flies.yaml
 refused "a robot that flies" robot.model "'multirotor', which flies; expected a model that drives" \
   "${explore[@]}" office --config flies.yaml
