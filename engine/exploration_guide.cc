@@ -402,7 +402,9 @@ void ExplorationGuide::keep_up(const GroundMap& ground, const Pose& pose, double
   ways_.update(traversability_);
   worth_.map_changed(frame, traversability_.newly_known(), traversability_.changed_states());
   if (attention.looked) {
-    worth_.look(traversability_.see_through(), detector_.frontiers(), pose, stamp);
+    const ViewpointSource here = detector_.source_at(frame.cell(p.x(), p.y()));
+    worth_.look(traversability_.see_through(), detector_.frontiers(), pose, stamp,
+                here.frontier >= 0 ? std::optional(here.sees) : std::nullopt);
   }
   if (!attention.pursued) progress_.hold(stamp);
   // A loss far from the target says nothing of it: other ways lead through there, too.

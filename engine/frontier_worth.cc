@@ -78,7 +78,8 @@ void FrontierWorth::map_changed(const GridFrame& frame, const std::vector<Cell>&
 }
 
 void FrontierWorth::look(const Grid<std::uint8_t>& see_through,
-                         const std::vector<Frontier>& frontiers, const Pose& pose, double stamp) {
+                         const std::vector<Frontier>& frontiers, const Pose& pose, double stamp,
+                         std::optional<Cell> seen_from_here) {
   const Eigen::Vector2d eye = pose.position.head<2>();
   if (!eye.allFinite() || !std::isfinite(pose.yaw) || !std::isfinite(stamp)) return;
   if (last_look_ && stamp >= *last_look_ && stamp - *last_look_ < options_.look_interval - 1e-9) {
@@ -94,7 +95,9 @@ void FrontierWorth::look(const Grid<std::uint8_t>& see_through,
       if (to.squaredNorm() > range * range) continue;
       const double bearing = std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
       if (std::abs(bearing) > half) continue;
-      if (!line_of_sight(see_through, eye, see_through.frame.center(c))) continue;
+      if (seen_from_here != c && !line_of_sight(see_through, eye, see_through.frame.center(c))) {
+        continue;
+      }
       if (!trust_.frame.contains(c)) continue;
       const double weight = std::clamp(2.0 - 2.0 * to.norm() / options_.sensor_range, 0.0, 1.0);
       trust_[c] *= static_cast<float>(std::pow(options_.failed_look, weight));

@@ -74,9 +74,10 @@ class FrontierWorth {
                    const std::vector<Cell>& changed);
 
   /// Counts a look at time `stamp` [s] from `pose` at the frontier cells in view, which are unknown
-  /// by definition. see_through: nonzero where sight passes a cell.
+  /// by definition. see_through: nonzero where sight passes a cell. seen_from_here: a cell to which
+  /// a line of sight leads from this place, by whatever line viewpoints are found.
   void look(const Grid<std::uint8_t>& see_through, const std::vector<Frontier>& frontiers,
-            const Pose& pose, double stamp);
+            const Pose& pose, double stamp, std::optional<Cell> seen_from_here = std::nullopt);
 
   /// A visit failed: those of `cells` within visit_radius of `target` [m, cells of that size].
   void visit_failed(Cell target, const std::vector<Cell>& cells, double resolution);

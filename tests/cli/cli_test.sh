@@ -563,7 +563,7 @@ if ((code == 3)); then
   grep -q 'not built in' err.txt || fail "cameras that are not built in: no message but '$err'"
 else
   ((code == 2)) || fail "a mission with a wrong baseline: exit $code, expected 2"
-  grep -qF "1.5" err.txt && grep -qF "those of the depth camera" err.txt ||
+  grep -qE " 1\.(5|49)" err.txt && grep -qF "those of the depth camera" err.txt ||
     fail "a mission with a wrong baseline: '$err'"
   [[ ! -e run ]] || fail "a mission with a wrong baseline left a run folder"
 fi

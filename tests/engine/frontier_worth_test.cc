@@ -92,6 +92,15 @@ TEST_F(Worth, AnObstacleOrTheUnknownHidesAFrontier) {
   EXPECT_EQ(worth_.trust({50, 50}), 0.5);
 }
 
+TEST_F(Worth, ALookFromAViewpointCountsWhateverLineLeadsThere) {
+  const std::vector<Frontier> f{frontier(50, 50, 1)};
+  map_[{45, 50}] = 0;  // the line between the middles is blocked, another may not be
+  worth_.look(map_, f, at(4.05, 5.05, 0.0), 1.0, Cell{50, 50});
+  EXPECT_EQ(worth_.trust({50, 50}), 0.5);
+  worth_.look(map_, f, at(4.05, 5.05, M_PI), 2.0, Cell{50, 50});  // looking away
+  EXPECT_EQ(worth_.trust({50, 50}), 0.5);
+}
+
 TEST_F(Worth, FastReplanningDoesNotCountALookTwice) {
   const std::vector<Frontier> f{frontier(50, 50, 1)};
   map_[{50, 50}] = 0;
