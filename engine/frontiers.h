@@ -12,8 +12,8 @@
 namespace prospect {
 
 struct FrontierOptions {
-  double min_length = 0.2;     ///< [m] smallest cluster: number of cells x resolution
-  double sensor_range = 4.0;   ///< r_max [m]
+  double min_length = 0.2;    ///< [m] smallest cluster: number of cells x resolution
+  double sensor_range = 4.0;  ///< r_max [m]
   /// A viewpoint stands within sensor_range - range_margin [m], where the exploration gain counts a
   /// look as seven eighths of one (FootprintVisibility: (inset + 2) range_scale).
   double range_margin = 0.6;

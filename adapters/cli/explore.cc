@@ -122,7 +122,8 @@ void tell_left_out(const World& world) {
 }
 
 int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
-  Configuration configuration = read_configuration(arguments.configuration, registry, arguments.settings);
+  Configuration configuration =
+      read_configuration(arguments.configuration, registry, arguments.settings);
   if (!arguments.solver.empty()) {
     configuration.solver = arguments.solver;
     const std::string wrong = solver_problem(configuration.solver, registry);

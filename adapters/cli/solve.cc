@@ -135,7 +135,8 @@ void print_table(const NamedProblem& named,
 }  // namespace
 
 int solve(const SolveArguments& arguments, const SolverRegistry& registry) {
-  Configuration configuration = read_configuration(arguments.configuration, registry, arguments.settings);
+  Configuration configuration =
+      read_configuration(arguments.configuration, registry, arguments.settings);
   std::vector<std::string> names = arguments.solvers;
   if (names.empty()) names = {"ipopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "sampling"};
   std::vector<std::shared_ptr<const Solver>> solvers;

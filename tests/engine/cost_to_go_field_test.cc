@@ -52,7 +52,9 @@ Grid<double> slow_eikonal(const Chain& chain, double lambda, double required,
       if (!t.passable(c)) continue;
       double f = t.factor(c) * d.frame.resolution;
       if (features != nullptr) {
-        f *= 1.0 + lambda * std::max(0.0, 1.0 - features->get(c, std::numeric_limits<float>::infinity()) / required);
+        f *= 1.0 +
+             lambda * std::max(0.0, 1.0 - features->get(c, std::numeric_limits<float>::infinity()) /
+                                              required);
       }
       const double a = std::min(d.get({c.i - 1, c.j}, kInfinity), d.get({c.i + 1, c.j}, kInfinity));
       const double b = std::min(d.get({c.i, c.j - 1}, kInfinity), d.get({c.i, c.j + 1}, kInfinity));
