@@ -278,17 +278,18 @@ void CostToGoField::update_from(const Traversability& traversability, const Sour
   // The outermost cells are never passable, and solve_cell() needs all four neighbours.
   const GridFrame inner{frame_.resolution, frame_.i0 + 1, frame_.j0 + 1, frame_.width - 2,
                         frame_.height - 2};
-  const auto refresh_within = [&](const GridFrame& part) {
+  const auto refresh_within = [&](const GridFrame& part, const GridFrame& but) {
     const GridFrame cells = intersection(inner, part);
     for (int n = 0; n < cells.size(); ++n) {
       const Cell c = cells.at(n);
+      if (but.contains(c)) continue;
       refresh(frame_.index(c), c, traversability, sources, features);
     }
   };
   const GridFrame none{frame_.resolution, 0, 0, 0, 0};
   const GridFrame priced = features != nullptr && options_.lambda > 0.0 ? features->frame : none;
   if (all) {
-    refresh_within(frame_);
+    refresh_within(frame_, none);
   } else {
     for (const Cell c : traversability.changed_factors()) {
       refresh(frame_.index(c), c, traversability, sources, features);
@@ -296,8 +297,8 @@ void CostToGoField::update_from(const Traversability& traversability, const Sour
     for (const Cell c : sources.changed_sources()) {
       refresh(frame_.index(c), c, traversability, sources, features);
     }
-    refresh_within(priced_);
-    refresh_within(priced);
+    refresh_within(priced_, priced);
+    refresh_within(priced, none);
   }
   priced_ = priced;
   find_anchor(traversability, false);

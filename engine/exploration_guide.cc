@@ -72,9 +72,7 @@ void ExplorationGuide::close(Cell at, double stamp) {
 
 // The robot travels down the field of the step before. Where that says nothing, nor do the counts.
 void ExplorationGuide::count_along_travel(const FeatureOutlook& outlook, Cell robot) {
-  const double r = traversability_.frame().resolution;
-  const int reach = static_cast<int>(std::ceil(kPricedWithin / r));
-  const GridFrame frame{r, robot.i - reach, robot.j - reach, 2 * reach + 1, 2 * reach + 1};
+  const GridFrame frame = frame_around(robot, kPricedWithin, traversability_.frame().resolution);
   along_travel_.frame = frame;
   along_travel_.data.assign(static_cast<std::size_t>(frame.size()),
                             std::numeric_limits<float>::infinity());

@@ -62,10 +62,8 @@ void FeatureOutlook::update(const Belief& belief, double density, const LocalTex
   };
   std::vector<Turn> turns;
   const Eigen::Vector2d here = belief.pose.position.head<2>();
-  const int reach = static_cast<int>(std::ceil(options_.prior_range / frame.resolution));
-  const Cell robot = frame.cell(here.x(), here.y());
   const GridFrame window = intersection(
-      frame, {frame.resolution, robot.i - reach, robot.j - reach, 2 * reach + 1, 2 * reach + 1});
+      frame, frame_around(frame.cell(here.x(), here.y()), options_.prior_range, frame.resolution));
   for (int n = 0; n < window.size(); ++n) {
     const Cell b = window.at(n);
     const int k = frame.index(b);
@@ -102,9 +100,9 @@ void FeatureOutlook::update(const Belief& belief, double density, const LocalTex
   unseen.max_blocks = options_.max_landmarks / 4;
   unseen.image_cell = belief.landmarks->image_cell;
   std::vector<Landmark> landmarks = unseen_features(ground, belief.pose, unseen, texture);
-  const double everywhere = std::numbers::sqrt2 * options_.prior_range;  // that is counted
+  const double farthest = std::numbers::sqrt2 * options_.prior_range;  // of a block in the window
   const std::vector<Landmark> mapped =
-      select_landmarks(*belief.landmarks, belief.pose, everywhere,
+      select_landmarks(*belief.landmarks, belief.pose, farthest,
                        options_.max_landmarks - static_cast<int>(landmarks.size()), visibility_);
   landmarks.insert(landmarks.end(), mapped.begin(), mapped.end());
   const VisibilityPrediction prediction(landmarks, camera_, mount_, nullptr, visibility_);

@@ -15,7 +15,7 @@ namespace prospect {
 struct FeatureOutlookOptions {
   double block = 0.5;          ///< side of a block of cells that share their counts [m]
   int blocks_per_update = 20;  ///< at most so many are counted in one update
-  int max_landmarks = 600;     ///< that stand for those of the whole map; a quarter for unseen ones
+  int max_landmarks = 600;     ///< that stand for those in reach; a quarter for unseen ones
   /// Unknown ground farther from the robot bears no features, and blocks farther along either axis
   /// keep their counts till it comes near [m].
   double prior_range = 20.0;
@@ -26,11 +26,12 @@ struct FeatureOutlookOptions {
 ///
 ///   N(c, yaw) = sum_i mu_i pi_i(p_c, yaw) P_unoccluded,i(p_c)
 ///
-/// over the landmarks of the map and those expected in unknown ground (unseen_features.h); pi_i as
-/// in VisibilityPrediction with an exact pose, P_unoccluded by a voxel ray: 0 if it is blocked,
-/// else exp(-lambda length in unknown space). By blocks, at the free cell next to a block's middle,
-/// and for kHeadings headings, linear between them. What the cost-to-go asks of places beyond the
-/// horizon: the problem's own prediction is exact there, and too dear for a whole map.
+/// over the landmarks within reach of blocks near the robot and those expected in unknown ground
+/// (unseen_features.h); pi_i as in VisibilityPrediction with an exact pose, P_unoccluded by a voxel
+/// ray: 0 if it is blocked, else exp(-lambda length in unknown space). By blocks, at the free cell
+/// next to a block's middle, and for kHeadings headings, linear between them. What the cost-to-go
+/// asks of places beyond the horizon: the problem's own prediction is exact there, and too dear for
+/// a whole map.
 ///
 /// An update counts the blocks first that have no counts, then those counted longest ago, the near
 /// ones more often, so that its price does not grow with the map.

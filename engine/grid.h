@@ -84,6 +84,13 @@ inline GridFrame intersection(const GridFrame& a, const GridFrame& b) {
   return common;
 }
 
+/// The square of cells within `distance` [m] of a cell along either axis, rounded up to whole
+/// cells.
+inline GridFrame frame_around(Cell middle, double distance, double resolution) {
+  const int reach = static_cast<int>(std::ceil(distance / resolution));
+  return {resolution, middle.i - reach, middle.j - reach, 2 * reach + 1, 2 * reach + 1};
+}
+
 /// Values on a rectangle of ground cells.
 template <typename T>
 struct Grid {

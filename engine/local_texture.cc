@@ -21,11 +21,9 @@ LocalTexture::LocalTexture(const GroundMap& ground, const LandmarkMap& landmarks
   check_positive(kOwner, "prior", options.prior);
   check_positive(kOwner, "reach", options.reach);
   const Grid<CellState>& cells = ground.cells();
-  const double r = cells.frame.resolution;
-  const Cell middle = cells.frame.cell(around.x(), around.y());
-  const int reach = static_cast<int>(std::ceil(std::min(options.reach, kFarthest) / r));
   const GridFrame fine = intersection(
-      cells.frame, {r, middle.i - reach, middle.j - reach, 2 * reach + 1, 2 * reach + 1});
+      cells.frame, frame_around(cells.frame.cell(around.x(), around.y()),
+                                std::min(options.reach, kFarthest), cells.frame.resolution));
   if (fine.size() == 0) return;
   const int side = std::max(1, static_cast<int>(std::lround(options.block / fine.resolution)));
   blocks_ = Grid<Seen>(frame_of_blocks(fine, side), {});

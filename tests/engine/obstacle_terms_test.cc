@@ -228,25 +228,37 @@ TEST(BrakingConstraint, JacobianMatchesFiniteDifferences) {
   }
 }
 
+BrakingConstraint braking_of_a_disc(const ObstacleWorld& world, double radius) {
+  CylinderShape body;
+  body.radius = radius;
+  return {clearance_in(world, body, false, Obstacles::kOccupiedAndUnknown), {}};
+}
+
+Unicycle unicycle_of_speed(double v_max) {
+  Unicycle::Parameters parameters;
+  parameters.v_max = v_max;
+  return Unicycle(parameters);
+}
+
+TrajectoryBatch two_of_one_stage(const Unicycle& model) {
+  TrajectoryBatch t;
+  t.horizon = {&model, 1, 0.1};
+  t.layout = model.pose_layout();
+  t.states.setZero(6, 2);
+  t.inputs.setZero(2, 2);
+  return t;
+}
+
 TEST(BrakingConstraint, AWallBesideTheWayDoesNotSlowARobotDownAndOneAheadDoes) {
   ObstacleWorld world(0.1, 3.0);
   for (int i = -30; i < 30; ++i) {
     for (const int j : {-4, 3}) world.occupy_column(i, j);  // a corridor 0.6 m wide
   }
   for (int j = -4; j < 4; ++j) world.occupy_column(20, j);  // its end, at x = 2
-  CylinderShape body;
-  body.radius = 0.2;
-  const BrakingConstraint constraint(
-      clearance_in(world, body, false, Obstacles::kOccupiedAndUnknown), {});
-  Unicycle::Parameters parameters;
-  parameters.v_max = 1.5;
-  const Unicycle model(parameters);
+  const BrakingConstraint constraint = braking_of_a_disc(world, 0.2);
+  const Unicycle model = unicycle_of_speed(1.5);
   const double way = 0.5 * 1.5 * 1.5 / model.max_deceleration();
-  TrajectoryBatch t;
-  t.horizon = {&model, 1, 0.1};
-  t.layout = model.pose_layout();
-  t.states.setZero(6, 2);
-  t.inputs.setZero(2, 2);
+  TrajectoryBatch t = two_of_one_stage(model);
   for (const int b : {0, 1}) {
     t.inputs(0, b) = 1.5;
     // 0.3 m more than it needs, and 0.3 m less.
@@ -266,18 +278,9 @@ TEST(BrakingConstraint, TheWayToTheStopBendsWithTheWay) {
     const Eigen::Vector2d p = world.voxels.frame().center(c) - Eigen::Vector2d(0.0, 1.0);
     if (std::abs(p.norm() - 1.0) > 0.3) world.occupy_column(c.i, c.j);
   }
-  CylinderShape body;
-  body.radius = 0.15;
-  const BrakingConstraint constraint(
-      clearance_in(world, body, false, Obstacles::kOccupiedAndUnknown), {});
-  Unicycle::Parameters parameters;
-  parameters.v_max = 1.0;
-  const Unicycle model(parameters);
-  TrajectoryBatch t;
-  t.horizon = {&model, 1, 0.1};
-  t.layout = model.pose_layout();
-  t.states.setZero(6, 2);
-  t.inputs.setZero(2, 2);
+  const BrakingConstraint constraint = braking_of_a_disc(world, 0.15);
+  const Unicycle model = unicycle_of_speed(1.0);
+  TrajectoryBatch t = two_of_one_stage(model);
   for (const int b : {0, 1}) {
     t.inputs.col(b) = Eigen::Vector2d(1.0, b == 0 ? 1.0 : 0.0);
     Eigen::VectorXd x = Eigen::VectorXd::Zero(3), next(3);
