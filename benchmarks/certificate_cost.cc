@@ -6,8 +6,8 @@
 #include <random>
 #include <string>
 
-#include "engine/certificate.h"
-#include "engine/surface_drift.h"
+#include "engine/maps/surface_drift.h"
+#include "engine/safety/certificate.h"
 #include "models/make_model.h"
 #include "tests/engine/obstacle_worlds.h"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <functional>
 
-#include "engine/descent_path.h"
-#include "engine/tracking_input.h"
+#include "engine/planner/descent_path.h"
+#include "engine/planner/tracking_input.h"
 
 namespace prospect {
 namespace {

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/body_clearance.h"
-#include "engine/cost_to_go.h"
-#include "engine/exploration_guide.h"
+#include "engine/frontiers/cost_to_go.h"
+#include "engine/frontiers/frontier_planner.h"
+#include "engine/maps/body_clearance.h"
 #include "models/motion_model.h"
 
 namespace prospect {

@@ -20,7 +20,7 @@
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/mission_processes.h"
 #include "benchmarks/replanners.h"
-#include "engine/mission.h"
+#include "runtime/mission.h"
 
 namespace prospect {
 namespace {

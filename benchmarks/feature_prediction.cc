@@ -20,7 +20,7 @@
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
 #include "benchmarks/experiments/mission_start.h"
-#include "engine/planner.h"
+#include "engine/planner/planner.h"
 
 namespace prospect {
 namespace {
@@ -52,7 +52,7 @@ struct Step {
   bool comparable;  ///< with a plan, and neither lost then
   double predicted;
   double predicted_at;  ///< [s]
-  std::shared_ptr<const ProblemRecipe> recipe;
+  std::shared_ptr<const ProblemSpecification> specification;
 };
 
 class Comparison {
@@ -93,12 +93,12 @@ class Comparison {
   /// The prediction of the oldest step along what was driven since.
   void compare() {
     const Step& first = steps_.front();
-    if (!first.comparable || first.recipe->N != stages_) return;
-    const MotionModel& model = *first.recipe->robot.model;
+    if (!first.comparable || first.specification->N != stages_) return;
+    const MotionModel& model = *first.specification->robot.model;
     TrajectoryBatch t;
     t.horizon = {&model, stages_, dt_};
     t.layout = model.pose_layout();
-    t.u_previous = first.recipe->u_previous;
+    t.u_previous = first.specification->u_previous;
     t.states.setZero((stages_ + 1) * model.nx(), 1);
     t.inputs.setZero(stages_ * model.nu(), 1);
     std::size_t i = 0;
@@ -118,8 +118,8 @@ class Comparison {
       pose.yaw = a.pose.yaw + share * std::remainder(b.pose.yaw - a.pose.yaw, 2.0 * M_PI);
       t.states.col(0).segment(k * model.nx(), model.nx()) = model.state(pose, Twist{}).array();
     }
-    ProblemParts parts;
-    update_views(*first.recipe, parts);
+    CachedEvaluators parts;
+    update_views(*first.specification, parts);
     const std::vector<double> visible = parts.visible_features->visible(t, 0);
     for (const Step& s : steps_) {
       const auto k = static_cast<std::size_t>(std::lround((s.time - first.time) / dt_));
@@ -165,10 +165,10 @@ int run(int argc, char** argv) {
       options.seed = static_cast<std::uint64_t>(seed);
       options.keep_steps = false;
       options.on_plan = [&](const StepRecord& r, const Planner& p) {
-        const bool comparable =
-            p.recipe() != nullptr && r.plan_kind != "stopping tail" && r.localization != "lost";
+        const bool comparable = p.specification() != nullptr && r.plan_kind != "stopping tail" &&
+                                r.localization != "lost";
         comparison.add({r.time, r.estimated_pose, static_cast<double>(r.tracked_features),
-                        comparable, r.predicted_features, planner.committed, p.recipe()});
+                        comparable, r.predicted_features, planner.committed, p.specification()});
       };
       const auto result =
           run_exploration(std::make_shared<const World>(std::move(loaded)), configuration, options);

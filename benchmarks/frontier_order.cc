@@ -1,4 +1,4 @@
-// What the order of the frontiers costs: the exploration guide under several configurations, each
+// What the order of the frontiers costs: the frontier planner under several configurations, each
 // map from four headings, driven perfectly (exact pose, v_max or omega_max for half a second, a
 // view of the depth sensor after each). Missions are chaotic and take minutes; this takes a second
 // a run, so that differences of a few per cent show.
@@ -17,7 +17,7 @@
 #include "adapters/worlds/reachable_area.h"
 #include "benchmarks/guarded_main.h"
 #include "engine/behaviour/behaviour.h"
-#include "engine/exploration_guide.h"
+#include "engine/frontiers/frontier_planner.h"
 #include "tests/engine/ground_worlds.h"
 #include "tests/engine/simplest_driver.h"
 
@@ -39,7 +39,7 @@ struct Run {
   double end = 0.0;                                        // [s] when it was done, or stopped
   double path = 0.0;                                       // [m]
   int changes = 0, returns = 0;                            // of the target; those back within 20 s
-  double guide = 0.0;                                      // [ms] an update, mean
+  double frontier_planner = 0.0;                           // [ms] an update, mean
 };
 
 Place load(const std::string& path, const Configuration& configuration) {
@@ -66,7 +66,7 @@ double share_seen(const std::vector<Cell>& reachable, const GroundMap& map) {
 
 Run drive(const Place& place, double heading, const Configuration& configuration, double longest) {
   const RobotDescription& robot = configuration.robot;
-  ExplorationGuide guide(guide_options_for(robot, configuration.planner));
+  FrontierPlanner frontier_planner(frontier_planner_options_for(robot, configuration.planner));
   const double driven = robot.model->max_speed() * kStep;
   const double turned = robot.model->max_yaw_rate() * kStep;
   Pose pose = place.start;
@@ -81,8 +81,8 @@ Run drive(const Place& place, double heading, const Configuration& configuration
   std::vector<std::pair<double, Eigen::Vector2d>> left;  // targets, when they were left
   for (double time = 0.0; time < longest; time += kStep) {
     place.plan.sense(pose, robot.depth.max_range, robot.depth.horizontal_fov, map);
-    const auto g = guide.update(map, pose, time);
-    run.guide += g->milliseconds;
+    const auto g = frontier_planner.update(map, pose, time);
+    run.frontier_planner += g->milliseconds;
     if (++updates % 4 == 0) {
       const double share = share_seen(place.reachable, map);
       for (std::size_t k = 0; k < kShares.size(); ++k) {
@@ -105,7 +105,7 @@ Run drive(const Place& place, double heading, const Configuration& configuration
     last = g->target->looks_at;
     run.path += test::follow(*g, pose, driven, turned);
   }
-  run.guide /= updates;
+  run.frontier_planner /= updates;
   return run;
 }
 
@@ -128,7 +128,8 @@ void print_ratio(const std::vector<Run>& a, const std::vector<Run>& b, std::size
 int main_program(int argc, char** argv) {
   std::vector<std::string> maps, configurations;
   double longest = 3000.0;  // [s] of a run
-  CLI::App app{"Time to see a map by the exploration guide alone, for several configurations"};
+  CLI::App app{
+      "Time to see a map by the exploration frontier_planner alone, for several configurations"};
   app.add_option("--maps", maps, "worlds, as `prospect explore` takes them")->required();
   app.add_option("--configs", configurations, "configuration files; the first is compared with")
       ->required();
@@ -142,7 +143,8 @@ int main_program(int argc, char** argv) {
   for (const std::string& file : configurations) read.push_back(read_configuration(file));
   std::vector<std::vector<Run>> runs(read.size());
   std::printf(
-      "config,map,heading,t25_s,t50_s,t90_s,t95_s,t99_s,end_s,path_m,guide_ms,changes,returns\n");
+      "config,map,heading,t25_s,t50_s,t90_s,t95_s,t99_s,end_s,path_m,frontiers_ms,changes,"
+      "returns\n");
   for (const std::string& map : maps) {
     const Place place = load(map, read.front());
     for (const double heading : kHeadings) {
@@ -150,7 +152,7 @@ int main_program(int argc, char** argv) {
         const Run& run = runs[c].emplace_back(drive(place, heading, read[c], longest));
         std::printf("%s,%s,%.1f", configurations[c].c_str(), map.c_str(), heading);
         for (const auto& time : run.time) time ? std::printf(",%.0f", *time) : std::printf(",");
-        std::printf(",%.0f,%.1f,%.2f,%d,%d\n", run.end, run.path, run.guide, run.changes,
+        std::printf(",%.0f,%.1f,%.2f,%d,%d\n", run.end, run.path, run.frontier_planner, run.changes,
                     run.returns);
         std::fflush(stdout);
       }

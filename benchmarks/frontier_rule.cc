@@ -21,7 +21,7 @@ int choose_frontier(FrontierRule rule, const std::vector<FrontierCandidate>& can
   return best;
 }
 
-ExplorationGuideOptions guided_by(FrontierRule rule, ExplorationGuideOptions options) {
+FrontierPlannerOptions guided_by(FrontierRule rule, FrontierPlannerOptions options) {
   constexpr double kEvery = 3.0;  // [s]
   options.rule = [rule](const std::vector<FrontierCandidate>& candidates, int) {
     return choose_frontier(rule, candidates);

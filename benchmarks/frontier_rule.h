@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/exploration_guide.h"
+#include "engine/frontiers/frontier_planner.h"
 
 namespace prospect {
 
@@ -26,6 +26,6 @@ int choose_frontier(FrontierRule rule, const std::vector<FrontierCandidate>& can
 
 /// `options` with the target chosen by that rule alone: turning costs nothing, and a target is kept
 /// until it promises nothing any more.
-ExplorationGuideOptions guided_by(FrontierRule rule, ExplorationGuideOptions options);
+FrontierPlannerOptions guided_by(FrontierRule rule, FrontierPlannerOptions options);
 
 }  // namespace prospect

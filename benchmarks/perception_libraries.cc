@@ -16,7 +16,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/stopwatch.h"
+#include "engine/support/stopwatch.h"
 #include "perception/corner_detector.h"
 #include "perception/patch_tracker.h"
 #include "perception/pose_estimation.h"

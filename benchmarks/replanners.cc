@@ -3,17 +3,17 @@
 #include <stdexcept>
 #include <utility>
 
-#include "benchmarks/frontier_planner.h"
+#include "benchmarks/baseline_planner.h"
 #include "benchmarks/frontier_rule.h"
-#include "engine/planner.h"
+#include "engine/planner/planner.h"
 #include "solvers/registry.h"
 
 namespace prospect {
 namespace {
 
-MakeReplanner frontier_planner(FrontierRule rule) {
+MakeReplanner baseline_planner(FrontierRule rule) {
   return [rule](const Configuration& c) {
-    return std::make_unique<FrontierPlanner>(rule, c.robot, c.planner);
+    return std::make_unique<BaselinePlanner>(rule, c.robot, c.planner);
   };
 }
 
@@ -25,8 +25,8 @@ std::unique_ptr<Replanner> nearest_by_mpc(const Configuration& c) {
 const std::vector<std::pair<std::string, MakeReplanner>>& table() {
   static const std::vector<std::pair<std::string, MakeReplanner>> all = {
       {"mpc", {}},
-      {"nearest", frontier_planner(FrontierRule::kNearest)},
-      {"cost-utility", frontier_planner(FrontierRule::kCostUtility)},
+      {"nearest", baseline_planner(FrontierRule::kNearest)},
+      {"cost-utility", baseline_planner(FrontierRule::kCostUtility)},
       {"nearest-mpc", nearest_by_mpc},
   };
   return all;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "adapters/config/configuration.h"
-#include "engine/replanner.h"
+#include "engine/planner/replanner.h"
 
 namespace prospect {
 
@@ -15,7 +15,7 @@ namespace prospect {
 using MakeReplanner = std::function<std::unique_ptr<Replanner>(const Configuration&)>;
 
 /// Names of the planners that are compared: mpc (the engine's), nearest and cost-utility
-/// (FrontierPlanner), nearest-mpc (nearest_frontier_parameters()).
+/// (BaselinePlanner), nearest-mpc (nearest_frontier_parameters()).
 std::vector<std::string> replanner_names();
 
 /// Throws std::invalid_argument for a name that is none of these.

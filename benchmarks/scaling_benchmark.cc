@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/occlusion_table.h"
+#include "engine/features/occlusion_table.h"
 #include "engine/terms/exploration_gain.h"
 #include "engine/terms/visible_features.h"
 #include "models/unicycle.h"

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/certificate.h"
-#include "engine/clearance_field.h"
-#include "engine/exploration_guide.h"
-#include "engine/occlusion_table.h"
+#include "engine/features/occlusion_table.h"
+#include "engine/frontiers/frontier_planner.h"
+#include "engine/maps/clearance_field.h"
+#include "engine/safety/certificate.h"
 #include "tests/engine/planning_scene.h"
 
 namespace prospect {
@@ -142,14 +142,14 @@ void certificate(benchmark::State& state) {
 
 void guide_update(benchmark::State& state) {
   // Every second state of the map differs in one cell, as a map does from step to step.
-  ExplorationGuide guide(scene().planner->parameters().guide);
+  FrontierPlanner frontier_planner(scene().planner->parameters().frontier_planner);
   GroundMap ground = *scene().belief.ground;
   double stamp = 0.0;
   bool explored = true;
   for (auto _ : state) {
     explored = !explored;
     ground.set({42, 0}, explored ? CellState::kFree : CellState::kUnknown);
-    benchmark::DoNotOptimize(guide.update(ground, scene().belief.pose, stamp += 0.5));
+    benchmark::DoNotOptimize(frontier_planner.update(ground, scene().belief.pose, stamp += 0.5));
   }
 }
 
@@ -185,7 +185,8 @@ int main(int argc, char** argv) {
       ->Unit(benchmark::kMillisecond);
   benchmark::RegisterBenchmark("clearance_field/distance", clearance_field_distance);
   benchmark::RegisterBenchmark("certificate", certificate);
-  benchmark::RegisterBenchmark("guide/update", guide_update)->Unit(benchmark::kMillisecond);
+  benchmark::RegisterBenchmark("frontier_planner/update", guide_update)
+      ->Unit(benchmark::kMillisecond);
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 1;
   benchmark::RunSpecifiedBenchmarks();

@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/instruction_set.h"
-#include "engine/normal_distribution.h"
-#include "engine/terms/visibility_prediction.h"
+#include "engine/features/visibility_prediction.h"
+#include "engine/support/instruction_set.h"
+#include "engine/support/normal_distribution.h"
 #include "models/unicycle.h"
 #include "tests/engine/visibility_scene.h"
 

@@ -21,7 +21,7 @@
 #include "adapters/config/configuration.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
-#include "engine/planner.h"
+#include "engine/planner/planner.h"
 #include "solvers/registry.h"
 
 namespace prospect {

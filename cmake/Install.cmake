@@ -4,7 +4,7 @@
 # The adapters stay inside the program: they are how it meets files and screens. One is a library of
 # its own, prospect::problem_file, for those who want to read the problems of a mission.
 include(CMakePackageConfigHelpers)
-set(rooms models engine solvers perception)
+set(rooms models engine solvers perception runtime)
 foreach(room ${rooms})
   install(TARGETS prospect_${room} EXPORT prospect ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(DIRECTORY ${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/${room}

@@ -9,6 +9,10 @@ namespace prospect {
 /// vectorise.
 using BatchArray = Eigen::Array<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
+/// Largest coordinate [m] that is taken: far beyond any map, and addresses of cells and voxels stay
+/// within int.
+inline constexpr double kFarthest = 1e6;
+
 /// Pose with four degrees of freedom: position p in W [m] and yaw about W's z axis [rad].
 /// Not wrapped: yaw is continuous along a trajectory.
 struct Pose {

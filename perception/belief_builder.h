@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <memory>
 
-#include "engine/belief.h"
-#include "engine/map_projection.h"
+#include "engine/maps/belief.h"
+#include "engine/maps/map_projection.h"
 #include "perception/stereo_odometry.h"
 #include "perception/wheel_fusion.h"
 

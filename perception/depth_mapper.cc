@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/stopwatch.h"
+#include "engine/support/stopwatch.h"
 #include "models/parameter_check.h"
 #include "perception/reason.h"
 #include "perception/rotation_between.h"

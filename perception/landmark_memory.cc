@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/crowding.h"
+#include "engine/features/landmarks_per_cell.h"
 #include "perception/lattice_cell.h"
 
 namespace prospect {
@@ -46,7 +46,7 @@ std::shared_ptr<const LandmarkMap> LandmarkMemory::with_remembered(const Landmar
   }
   std::sort(remembered.begin(), remembered.end());  // by cell: no two are the same
   for (const auto& [cell, landmark] : remembered) map->landmarks.push_back(*landmark);
-  note_crowding(*map);
+  note_landmarks_per_cell(*map);
   return map;
 }
 

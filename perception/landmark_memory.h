@@ -5,7 +5,7 @@
 #include <memory>
 #include <unordered_map>
 
-#include "engine/landmark_map.h"
+#include "engine/maps/landmark_map.h"
 
 namespace prospect {
 
@@ -22,7 +22,8 @@ class LandmarkMemory {
 
   /// Enters the landmarks that the odometry holds now, placed in W.
   void add(const LandmarkMap& now);
-  /// `now`, and those remembered in other cells; with how crowded they are together (crowding.h).
+  /// `now`, and those remembered in other cells; with how crowded they are together
+  /// (landmarks_per_cell.h).
   std::shared_ptr<const LandmarkMap> with_remembered(const LandmarkMap& now) const;
 
   std::size_t size() const { return cells_.size(); }

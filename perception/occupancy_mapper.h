@@ -5,9 +5,9 @@
 #include <memory>
 #include <vector>
 
-#include "engine/ground_map.h"
-#include "engine/map_projection.h"
-#include "engine/voxel_grid.h"
+#include "engine/maps/ground_map.h"
+#include "engine/maps/map_projection.h"
+#include "engine/maps/voxel_grid.h"
 
 namespace octomap {
 class OcTree;

@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "engine/stopwatch.h"
+#include "engine/support/stopwatch.h"
 #include "perception/image_pyramid.h"
 #include "perception/image_shift.h"
 #include "perception/median.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/belief.h"
-#include "engine/landmark_map.h"
+#include "engine/maps/belief.h"
+#include "engine/maps/landmark_map.h"
 #include "models/camera.h"
 #include "perception/corner_detector.h"
 #include "perception/disparity_offset.h"

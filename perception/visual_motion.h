@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "engine/belief.h"
+#include "engine/maps/belief.h"
 #include "models/types.h"
 #include "perception/stereo_odometry.h"
 

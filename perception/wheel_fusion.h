@@ -4,7 +4,7 @@
 #include <deque>
 #include <string>
 
-#include "engine/belief.h"
+#include "engine/maps/belief.h"
 #include "models/types.h"
 #include "perception/scale_agreement.h"
 #include "perception/visual_motion.h"

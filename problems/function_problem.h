@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/problem.h"
+#include "engine/problem/problem.h"
 
 namespace prospect {
 

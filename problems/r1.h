@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/problem.h"
+#include "engine/problem/problem.h"
 
 namespace prospect {
 

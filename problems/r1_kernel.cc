@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/normal_distribution.h"
+#include "engine/support/normal_distribution.h"
 
 namespace prospect {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/instruction_set.h"
+#include "engine/support/instruction_set.h"
 
 namespace prospect {
 

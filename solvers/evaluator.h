@@ -11,10 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "engine/problem.h"
-#include "engine/solver.h"
-#include "engine/stop_condition.h"
-#include "engine/worker_threads.h"
+#include "engine/problem/problem.h"
+#include "engine/problem/solver.h"
+#include "engine/problem/stop_condition.h"
+#include "engine/support/worker_threads.h"
 
 namespace prospect {
 

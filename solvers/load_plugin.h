@@ -10,9 +10,9 @@ namespace prospect {
 /// adds the back ends it offers to `registry`. See solvers/plugin.h for what the library must
 /// offer.
 ///
-/// The solvers added keep the contract of engine/solver.h even where the plug-in does not: an
-/// exception of its solve() becomes kError, one of its explain_unsupported() a reason why not, and
-/// a result with an x of the wrong size or with a number that is not finite becomes kError.
+/// The solvers added keep the contract of engine/problem/solver.h even where the plug-in does not:
+/// an exception of its solve() becomes kError, one of its explain_unsupported() a reason why not,
+/// and a result with an x of the wrong size or with a number that is not finite becomes kError.
 ///
 /// Throws std::invalid_argument, one line `plug-in 'path': what; expected what`, and leaves the
 /// registry as it was, if there is no such file, if it is no whole shared library or cannot be

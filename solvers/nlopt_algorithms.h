@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/solver.h"
+#include "engine/problem/solver.h"
 
 namespace prospect {
 

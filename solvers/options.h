@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/solver.h"
+#include "engine/problem/solver.h"
 
 namespace prospect {
 

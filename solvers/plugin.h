@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "engine/solver.h"
+#include "engine/problem/solver.h"
 #include "models/version.h"
 
 /// What a shared library must offer to be loaded as a plug-in (solvers/load_plugin.h, `prospect

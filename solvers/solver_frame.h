@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/solver.h"
-#include "engine/stop_condition.h"
+#include "engine/problem/solver.h"
+#include "engine/problem/stop_condition.h"
 #include "solvers/evaluator.h"
 #include "solvers/options.h"
 

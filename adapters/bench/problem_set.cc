@@ -75,7 +75,7 @@ ProblemSet mission_set(const SolverRegistry& registry, bool quick) {
       quick ? quick_missions() : default_missions(), registry, [&](const SavedProblem& saved) {
         const std::string file = problem_file_name(saved.origin);
         set.problems.push_back(problem_of(file.substr(0, file.size() - 3),
-                                          make_problem(saved.recipe), saved.seeds, nullptr));
+                                          make_problem(saved.specification), saved.seeds, nullptr));
       });
   return set;
 }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "engine/problem.h"
-#include "engine/solver.h"
+#include "engine/problem/problem.h"
+#include "engine/problem/solver.h"
 #include "solvers/registry.h"
 
 namespace prospect {

@@ -17,7 +17,7 @@
 #include "adapters/run/planned_problem.h"
 #include "adapters/run/run_folder.h"
 #include "adapters/worlds/load_world.h"
-#include "engine/task.h"
+#include "engine/task/task.h"
 
 namespace prospect {
 namespace {

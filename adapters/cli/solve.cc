@@ -13,7 +13,7 @@
 #include "adapters/problem_file/problem_file.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
-#include "engine/planner.h"
+#include "engine/planner/planner.h"
 
 namespace prospect {
 namespace {

@@ -5,8 +5,8 @@
 #include <stdexcept>
 
 #include "adapters/config/input_error.h"
-#include "engine/task.h"
-#include "engine/zones.h"
+#include "engine/task/task.h"
+#include "engine/task/zones.h"
 #include "models/make_model.h"
 #include "models/nearest_name.h"
 #include "solvers/registry.h"
@@ -215,7 +215,7 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
                "in the pause, that a robot which got lost anew explores on");
 
   YamlMap f = map.map("frontiers");
-  ExplorationGuideOptions& g = p.guide;
+  FrontierPlannerOptions& g = p.frontier_planner;
   g.frontiers.min_length = f.number("min_length", g.frontiers.min_length, 0.0, 10.0, "m",
                                     "smallest cluster of frontier cells");
   g.frontiers.range_margin = f.number("range_margin", g.frontiers.range_margin, 0.0, 10.0, "m",
@@ -240,7 +240,7 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
 }
 
 // What `sensors: camera` needs besides.
-void read_camera(YamlMap map, CameraSensesOptions& c) {
+void read_camera(YamlMap map, CameraSensorsOptions& c) {
   const auto number = [&](const char* key, double& value, double max, const char* unit,
                           const char* what) {
     value = map.number(key, value, 0.0, max, unit, what);
@@ -384,11 +384,12 @@ Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
   c.mission.lost_limit = mission.number("lost_limit", c.mission.lost_limit, 0.0, 1e6, "s",
                                         "without localization that ends the mission");
   YamlMap end = mission.map("end");
-  ExplorationGuideOptions& guide = c.planner.guide;
-  guide.least_area = end.number("least_area", guide.least_area, 0.0, 1e4, "m2",
-                                "a frontier that promises less is not gone to");
-  guide.least_rate = end.number("least_rate", guide.least_rate, 0.0, 1e3, "m2/s",
-                                "nor one that shows less for the time that it takes");
+  FrontierPlannerOptions& frontier_planner = c.planner.frontier_planner;
+  frontier_planner.least_area = end.number("least_area", frontier_planner.least_area, 0.0, 1e4,
+                                           "m2", "a frontier that promises less is not gone to");
+  frontier_planner.least_rate =
+      end.number("least_rate", frontier_planner.least_rate, 0.0, 1e3, "m2/s",
+                 "nor one that shows less for the time that it takes");
   c.mission.return_when_done = mission.boolean("return", c.mission.return_when_done,
                                                "back to the start once the task is over");
   YamlMap until = mission.map("until");
@@ -418,11 +419,11 @@ Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
 }  // namespace
 
 std::string task_problem(const Configuration& configuration) {
-  const ExplorationGuideOptions guide =
-      guide_options_for(configuration.robot, configuration.planner);
+  const FrontierPlannerOptions frontier_planner =
+      frontier_planner_options_for(configuration.robot, configuration.planner);
   const std::vector<std::string> wrong =
-      faults(configuration.planner.task, guide.traversability.zones.get(),
-             guide.traversability.hard_radius);
+      faults(configuration.planner.task, frontier_planner.traversability.zones.get(),
+             frontier_planner.traversability.hard_radius);
   return wrong.empty() ? "" : wrong.front();
 }
 

@@ -6,8 +6,8 @@
 
 #include "adapters/config/strict_yaml.h"
 #include "adapters/simulator/simulator.h"
-#include "engine/mission.h"
-#include "engine/planner.h"
+#include "engine/planner/planner.h"
+#include "runtime/mission.h"
 #include "solvers/registry.h"
 
 namespace prospect {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "engine/ground_map.h"
+#include "engine/maps/ground_map.h"
 
 namespace prospect {
 

@@ -10,7 +10,7 @@
 #include "adapters/datasets/recording_range.h"
 #include "adapters/run/csv.h"
 #include "adapters/run/quantile.h"
-#include "engine/stopwatch.h"
+#include "engine/support/stopwatch.h"
 
 namespace prospect {
 namespace {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "engine/trajectory.h"
+#include "engine/problem/trajectory.h"
 #include "models/multirotor.h"
 
 namespace prospect {

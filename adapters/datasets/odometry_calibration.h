@@ -10,8 +10,8 @@
 
 #include "adapters/datasets/pose_consistency.h"
 #include "adapters/datasets/reliability.h"
-#include "engine/landmark_map.h"
-#include "engine/terms/visibility_prediction.h"
+#include "engine/features/visibility_prediction.h"
+#include "engine/maps/landmark_map.h"
 #include "models/camera.h"
 #include "perception/stereo_odometry.h"
 
@@ -23,7 +23,7 @@ namespace prospect {
 VisibilityParameters odometry_visibility(const StereoCamera& camera,
                                          const StereoOdometryOptions& options);
 
-/// What the planner predicts (engine/terms/visibility_prediction.h) of a left camera that goes
+/// What the planner predicts (engine/features/visibility_prediction.h) of a left camera that goes
 /// along a path.
 struct VisibilityForecast {
   Eigen::VectorXd probability;  ///< pi_i of each landmark at the end of the path

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/voxel_grid.h"
+#include "engine/maps/voxel_grid.h"
 
 namespace prospect {
 

@@ -100,11 +100,11 @@ void write_problem(const std::string& path, const SavedProblem& saved) {
   std::string bytes;
   try {
     SavedProblem problem = saved;
-    for (const bool there :
-         {problem.recipe.robot.model != nullptr, problem.recipe.cost_to_go != nullptr}) {
+    for (const bool there : {problem.specification.robot.model != nullptr,
+                             problem.specification.cost_to_go != nullptr}) {
       if (!there) throw std::invalid_argument("an incomplete problem; expected a whole one");
     }
-    problem.recipe = with_maps_cut(std::move(problem.recipe));
+    problem.specification = with_maps_cut(std::move(problem.specification));
     Hdf5Writer writer;
     transfer_problem(writer, problem);
     bytes = writer.finish();
@@ -137,7 +137,7 @@ ReadProblem read_problem(const std::string& path) {
     ReadProblem read;
     Hdf5Reader reader(bytes);
     transfer_problem(reader, read.saved);
-    read.problem = make_problem(read.saved.recipe);
+    read.problem = make_problem(read.saved.specification);
     check_can_be_solved(read);
     return read;
   } catch (const std::exception& e) {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "engine/problem_recipe.h"
-#include "engine/seeds.h"
-#include "engine/solver.h"
+#include "engine/planner/problem_specification.h"
+#include "engine/planner/seeds.h"
+#include "engine/problem/solver.h"
 
 namespace prospect {
 
@@ -24,7 +24,7 @@ struct ProblemOrigin {
 /// One self-contained planning problem, as a file holds it.
 struct SavedProblem {
   ProblemOrigin origin;
-  ProblemRecipe recipe;
+  ProblemSpecification specification;
   std::vector<Seed> seeds;              ///< the planner's, best first; may be empty
   std::optional<WarmStart> warm_start;  ///< of a solver, if there is one
 };

@@ -158,7 +158,7 @@ void robot(Archive& a, RobotDescription& r) {
   });
 }
 
-void horizon(Archive& a, ProblemRecipe& r) {
+void horizon(Archive& a, ProblemSpecification& r) {
   a.group("horizon", [&] {
     a.integer("N", r.N, 1, kMostStages);
     a.integer("M", r.M, 1, r.N);
@@ -200,7 +200,7 @@ Archive::Shape frame(Archive& a, const char* name, const char* origin, GridFrame
   return shape;
 }
 
-void map(Archive& a, ProblemRecipe& r) {
+void map(Archive& a, ProblemSpecification& r) {
   a.group("map", [&] {
     GridFrame columns, cells;
     int k0 = 0;
@@ -267,7 +267,7 @@ void occlusion(Archive& a, SensorLattice& lattice, OcclusionTable::Options& opti
   });
 }
 
-void clearance_field(Archive& a, ProblemRecipe& r) {
+void clearance_field(Archive& a, ProblemSpecification& r) {
   a.group("clearance_field", [&] {
     ClearanceField::Options& o = r.clearance_field;
     a.numbers("center", r.clearance_center.data(), {3});
@@ -289,7 +289,7 @@ void clearance_field(Archive& a, ProblemRecipe& r) {
   });
 }
 
-void obstacle_terms(Archive& a, ProblemRecipe& r) {
+void obstacle_terms(Archive& a, ProblemSpecification& r) {
   a.group("obstacles", [&] {
     a.number("weight", r.weights.obstacles);
     a.number("d_safe", r.d_safe);
@@ -327,12 +327,12 @@ void landmarks(Archive& a, int version, std::vector<Landmark>& list) {
                   [](Landmark& l, std::size_t) -> double& { return l.multiplicity; });
     if (version >= 2) {
       table<double>(a, "crowding", list, {},
-                    [](Landmark& l, std::size_t) -> double& { return l.crowding; });
+                    [](Landmark& l, std::size_t) -> double& { return l.per_cell; });
     }
   });
 }
 
-void visible_features(Archive& a, int version, ProblemRecipe& r) {
+void visible_features(Archive& a, int version, ProblemSpecification& r) {
   a.group("visible_features", [&] {
     a.number("weight", r.weights.visible_features);
     VisibleFeaturesParameters& f = r.features;
@@ -379,7 +379,7 @@ void visible_features(Archive& a, int version, ProblemRecipe& r) {
   });
 }
 
-void exploration_gain(Archive& a, ProblemRecipe& r) {
+void exploration_gain(Archive& a, ProblemSpecification& r) {
   a.group("exploration_gain", [&] {
     a.number("weight", r.weights.exploration_gain);
     a.number("eta", r.gain.eta);
@@ -404,7 +404,7 @@ void exploration_gain(Archive& a, ProblemRecipe& r) {
   });
 }
 
-void cost_to_go(Archive& a, ProblemRecipe& r) {
+void cost_to_go(Archive& a, ProblemSpecification& r) {
   a.group("cost_to_go", [&] {
     a.number("weight", r.weights.cost_to_go);
     Grid<double> seconds;
@@ -449,7 +449,7 @@ void numbered(Archive& a, const char* name, List& list, Content content) {
   });
 }
 
-void zones(Archive& a, ProblemRecipe& r) {
+void zones(Archive& a, ProblemSpecification& r) {
   bool present = r.zones != nullptr;
   a.optional_group("zones", present, [&] {
     Zones z = a.writing() ? r.zones->zones() : Zones();
@@ -471,7 +471,7 @@ void zones(Archive& a, ProblemRecipe& r) {
   });
 }
 
-void terms(Archive& a, int version, ProblemRecipe& r) {
+void terms(Archive& a, int version, ProblemSpecification& r) {
   a.group("terms", [&] {
     a.group("control_effort", [&] {
       a.number("weight", r.weights.control_effort);
@@ -489,8 +489,8 @@ void terms(Archive& a, int version, ProblemRecipe& r) {
 
 void seeds(Archive& a, SavedProblem& problem) {
   a.group("seeds", [&] {
-    const auto M = static_cast<std::size_t>(problem.recipe.M);
-    const auto nu = static_cast<std::size_t>(problem.recipe.robot.model->nu());
+    const auto M = static_cast<std::size_t>(problem.specification.M);
+    const auto nu = static_cast<std::size_t>(problem.specification.robot.model->nu());
     std::vector<Seed>& list = problem.seeds;
     const Archive::Shape shape = a.shape("inputs", {list.size(), M, nu}, kMostSeeds * M * nu);
     if (shape[1] != M || shape[2] != nu) {
@@ -538,7 +538,7 @@ void warm_start(Archive& a, SavedProblem& problem) {
   a.optional_group("warm_start", present, [&] {
     if (!problem.warm_start) problem.warm_start.emplace();
     WarmStart& w = *problem.warm_start;
-    const std::shared_ptr<const Problem> made = make_problem(problem.recipe);
+    const std::shared_ptr<const Problem> made = make_problem(problem.specification);
     optional_vector(a, "x", w.x, made->num_variables());
     optional_vector(a, "lambda", w.lambda, made->num_constraints());
     optional_vector(a, "z_lower", w.z_lower, made->num_variables());
@@ -557,13 +557,13 @@ void transfer_problem(Archive& a, SavedProblem& problem) {
     a.refuse("format", "is '" + format + "'", "'prospect problem'");
   }
   // The least that says it all: who knows no zones may read what has none.
-  int version = problem.recipe.zones ? kProblemFileVersion : kVersionWithoutZones;
+  int version = problem.specification.zones ? kProblemFileVersion : kVersionWithoutZones;
   a.integer("version", version, 1, std::numeric_limits<int>::max());
   if (version > kProblemFileVersion) {
     a.refuse("version", "is " + std::to_string(version),
              "1 to " + std::to_string(kProblemFileVersion) + ", those that this program knows");
   }
-  ProblemRecipe& r = problem.recipe;
+  ProblemSpecification& r = problem.specification;
   origin(a, problem.origin);
   robot(a, r.robot);
   horizon(a, r);

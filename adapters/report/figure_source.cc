@@ -14,7 +14,7 @@
 #include "adapters/config/input_error.h"
 #include "adapters/report/step_table.h"
 #include "adapters/worlds/octree_file.h"
-#include "engine/map_projection.h"
+#include "engine/maps/map_projection.h"
 #include "models/robot_shape.h"
 
 namespace prospect {

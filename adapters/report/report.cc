@@ -356,7 +356,7 @@ Json run_json(const RunRecord& record) {
       {"evaluations", column(steps, [](S s) { return s.cost_evaluations; })},
       {"gradients", column(steps, [](S s) { return s.gradient_evaluations; })},
       {"plan_ms", column(steps, [](S s) { return s.wall.plan; })},
-      {"guide_ms", column(steps, [](S s) { return s.wall.guide; })},
+      {"frontiers_ms", column(steps, [](S s) { return s.wall.frontier_planner; })},
       {"clearance_ms", column(steps, [](S s) { return s.wall.clearance; })},
       {"views_ms", column(steps, [](S s) { return s.wall.views; })},
       {"seeds_ms", column(steps, [](S s) { return s.wall.seeds; })},

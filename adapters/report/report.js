@@ -159,7 +159,7 @@ const s = run.summary;
   if (n > 0) {
     const body = make("tbody");
     const rank = (sorted, p) => sorted[Math.max(0, Math.ceil(p * sorted.length / 100) - 1)];
-    for (const [label, name] of [["Guidance", "guide_ms"], ["Clearance field", "clearance_ms"],
+    for (const [label, name] of [["GlobalPlan", "frontiers_ms"], ["Clearance field", "clearance_ms"],
       ["Visible landmarks", "views_ms"], ["Seeds", "seeds_ms"], ["Optimisation", "polish_ms"], ["Certificate", "certify_ms"]]) {
       const sorted = column[name].slice().sort();
       body.append(make("tr", {}, make("th", { scope: "row" }, label),

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "adapters/report/drawing.h"
-#include "engine/ground_map.h"
+#include "engine/maps/ground_map.h"
 
 namespace prospect {
 

@@ -13,9 +13,9 @@
 #include "adapters/run/summary.h"
 #include "adapters/simulator/simulator.h"
 #include "adapters/worlds/octree_file.h"
-#include "engine/mission.h"
-#include "engine/planner.h"
-#include "engine/zone_map.h"
+#include "engine/planner/planner.h"
+#include "engine/task/zone_map.h"
+#include "runtime/mission.h"
 #include "solvers/registry.h"
 
 namespace prospect {
@@ -181,7 +181,8 @@ std::unique_ptr<Replanner> planner_for(const Configuration& configuration,
 ReachableArea reachable_area(const World& world, const Configuration& c) {
   ReachableAreaOptions options;
   options.slice = world_options_for(c).slice;
-  const TraversabilityOptions passable = guide_options_for(c.robot, c.planner).traversability;
+  const TraversabilityOptions passable =
+      frontier_planner_options_for(c.robot, c.planner).traversability;
   options.room =
       passable.hard_radius - circumscribed_radius(c.robot.shape) - passable.lattice_slack;
   options.free_moves = passable.free_moves;
@@ -312,10 +313,10 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     r.certificate = plan.certified ? plan.certificate : plan.detail;
     r.guard_stops = step.guard_stops;
     if (step.guard_stops > 0) r.guard_reason = to_string(step.guard_reason);
-    r.wall = {plan.times.total, plan.times.guide,  plan.times.clearance, plan.times.views,
-              plan.times.seeds, plan.times.polish, plan.times.certify};
-    if (step.guidance) {
-      for (const Frontier& f : step.guidance->frontiers) {
+    r.wall = {plan.times.total, plan.times.frontier_planner, plan.times.clearance, plan.times.views,
+              plan.times.seeds, plan.times.polish,           plan.times.certify};
+    if (step.global_plan) {
+      for (const Frontier& f : step.global_plan->frontiers) {
         if (!f.active) continue;
         ++r.active_frontiers;
         for (const Cell& cell : f.cells) {
@@ -326,15 +327,15 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     for (const Eigen::VectorXd& x : plan.states) {
       r.horizon.push_back(configuration.robot.model->pose(x));
     }
-    if (step.guidance) {
-      const Guidance& guidance = *step.guidance;
-      r.target_change = to_string(guidance.facts.changed);
-      if (guidance.target) {
-        r.target = TargetRecord{guidance.target->viewpoint, guidance.target->looks_at,
-                                guidance.facts.target_length, guidance.facts.target_area,
-                                guidance.facts.way_left};
+    if (step.global_plan) {
+      const GlobalPlan& global_plan = *step.global_plan;
+      r.target_change = to_string(global_plan.facts.changed);
+      if (global_plan.target) {
+        r.target = TargetRecord{global_plan.target->viewpoint, global_plan.target->looks_at,
+                                global_plan.facts.target_length, global_plan.facts.target_area,
+                                global_plan.facts.way_left};
       }
-      if (options.keep_steps) costs_to_go.add(steps, r, *guidance.cost_to_go);
+      if (options.keep_steps) costs_to_go.add(steps, r, *global_plan.cost_to_go);
     }
     r.candidates = candidate_records(
         plan, own_planner && options.keep_steps ? own_planner->problem().get() : nullptr,

@@ -10,7 +10,7 @@
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/reachable_area.h"
 #include "adapters/worlds/world.h"
-#include "engine/replanner.h"
+#include "engine/planner/replanner.h"
 
 namespace octomap {
 class OcTree;
@@ -47,7 +47,7 @@ struct ExplorationRunResult {
 
 /// Where the robot of this configuration can stand and what it can see from there, in this world,
 /// by the planner's rule for what is passable. Throws as reachable_area(world, options) and
-/// guide_options_for().
+/// frontier_planner_options_for().
 ReachableArea reachable_area(const World& world, const Configuration& configuration);
 
 /// Where it has ample room to stand (BodySlice::standing_clearance), joined to the world's start by

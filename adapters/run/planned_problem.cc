@@ -1,15 +1,15 @@
 #include "adapters/run/planned_problem.h"
 
-#include "engine/planner.h"
+#include "engine/planner/planner.h"
 #include "models/version.h"
 
 namespace prospect {
 
 std::optional<SavedProblem> planned_problem(const Planner& planner, const StepRecord& step,
                                             const std::string& world, std::uint64_t seed) {
-  if (!planner.recipe()) return std::nullopt;
+  if (!planner.specification()) return std::nullopt;
   return SavedProblem{{std::string("prospect ") + kVersion, world, seed, step.step, step.time},
-                      *planner.recipe(),
+                      *planner.specification(),
                       planner.seeds(),
                       std::nullopt};
 }

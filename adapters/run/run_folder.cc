@@ -130,8 +130,8 @@ void remove_problems(const fs::path& folder) {
 
 std::string timing_row(const StepRecord& s) {
   std::string row = std::to_string(s.step);
-  for (const double ms : {s.wall.plan, s.wall.guide, s.wall.clearance, s.wall.views, s.wall.seeds,
-                          s.wall.polish, s.wall.certify}) {
+  for (const double ms : {s.wall.plan, s.wall.frontier_planner, s.wall.clearance, s.wall.views,
+                          s.wall.seeds, s.wall.polish, s.wall.certify}) {
     char buffer[64];
     std::snprintf(buffer, sizeof buffer, ",%.3f", ms);
     row += buffer;
@@ -178,7 +178,7 @@ RunFolder::RunFolder(const std::string& path) : path_(path) {
   }
   remove_problems(fs::path(path) / kProblems);
   append(timing_, "timing.csv",
-         "step,plan_ms,guide_ms,clearance_ms,views_ms,seeds_ms,polish_ms,certify_ms\n");
+         "step,plan_ms,frontiers_ms,clearance_ms,views_ms,seeds_ms,polish_ms,certify_ms\n");
 }
 
 void RunFolder::fail(const std::string& name, const std::string& reason) {

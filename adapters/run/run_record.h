@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "adapters/report/landmark_picture.h"
-#include "engine/grid.h"
-#include "engine/polygon.h"
-#include "engine/solver.h"
-#include "engine/zones.h"
+#include "engine/maps/grid.h"
+#include "engine/problem/solver.h"
+#include "engine/task/polygon.h"
+#include "engine/task/zones.h"
 #include "models/types.h"
 
 namespace prospect {
@@ -100,8 +100,8 @@ struct StepRecord {
 
   /// Wall-clock times, the only entries that differ between two runs of one seed [ms].
   struct Wall {
-    double plan = 0.0, guide = 0.0, clearance = 0.0, views = 0.0, seeds = 0.0, polish = 0.0,
-           certify = 0.0;
+    double plan = 0.0, frontier_planner = 0.0, clearance = 0.0, views = 0.0, seeds = 0.0,
+           polish = 0.0, certify = 0.0;
   } wall;
 };
 

@@ -9,7 +9,7 @@
 
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/worlds/mixed_bits.h"
-#include "engine/worker_threads.h"
+#include "engine/support/worker_threads.h"
 #include "models/parameter_check.h"
 
 namespace prospect {

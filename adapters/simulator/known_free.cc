@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "adapters/worlds/reachable_area.h"
-#include "engine/grid.h"
+#include "engine/maps/grid.h"
 
 namespace prospect {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "adapters/simulator/feature_camera.h"
-#include "engine/landmark_map.h"
-#include "engine/voxel_grid.h"
+#include "engine/maps/landmark_map.h"
+#include "engine/maps/voxel_grid.h"
 #include "models/camera.h"
 #include "models/types.h"
 #include "perception/feature_density.h"

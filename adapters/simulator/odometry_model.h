@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/belief.h"
+#include "engine/maps/belief.h"
 #include "models/camera.h"
 #include "models/types.h"
 

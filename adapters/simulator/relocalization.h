@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "adapters/simulator/feature_camera.h"
-#include "engine/landmark_map.h"
+#include "engine/maps/landmark_map.h"
 #include "models/camera.h"
 #include "models/types.h"
 

@@ -15,7 +15,7 @@
 #include <string>
 
 #include "adapters/simulator/texture_pyramid.h"
-#include "engine/worker_threads.h"
+#include "engine/support/worker_threads.h"
 
 namespace prospect {
 namespace {

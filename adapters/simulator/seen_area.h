@@ -5,9 +5,9 @@
 
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/worlds/world.h"
-#include "engine/grid.h"
-#include "engine/ground_map.h"
-#include "engine/map_projection.h"
+#include "engine/maps/grid.h"
+#include "engine/maps/ground_map.h"
+#include "engine/maps/map_projection.h"
 #include "models/types.h"
 #include "perception/occupancy_mapper.h"
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "adapters/simulator/camera_senses.h"
-#include "adapters/simulator/feature_senses.h"
+#include "adapters/simulator/camera_sensors.h"
+#include "adapters/simulator/feature_sensors.h"
 #include "adapters/simulator/kinematic_robot.h"
 #include "adapters/simulator/known_free.h"
 #include "adapters/simulator/noise_stream.h"
@@ -76,9 +76,9 @@ struct Simulator::Impl {
         known_free(*world, robot.pose(), robot.contact_test().radius(),
                    {mapping.slice.z_min, mapping.slice.z_max}, o.mapping.resolution);
     if (o.sensors == Sensors::kCamera) {
-      senses = std::make_unique<CameraSenses>(*world, o, mapping, robot.pose(), cleared);
+      senses = std::make_unique<CameraSensors>(*world, o, mapping, robot.pose(), cleared);
     } else {
-      senses = std::make_unique<FeatureSenses>(*world, o, mapping, robot.pose(), cleared);
+      senses = std::make_unique<FeatureSensors>(*world, o, mapping, robot.pose(), cleared);
     }
     if (o.map) seen.know(*senses->belief(time, robot.pose(), twist)->ground);
     scan();

@@ -4,11 +4,11 @@
 #include <memory>
 #include <string>
 
-#include "adapters/simulator/senses.h"
+#include "adapters/simulator/sensors.h"
 #include "adapters/simulator/simulator_options.h"
 #include "adapters/worlds/world.h"
-#include "engine/belief.h"
-#include "engine/grid.h"
+#include "engine/maps/belief.h"
+#include "engine/maps/grid.h"
 #include "models/types.h"
 
 namespace prospect {

@@ -24,8 +24,8 @@ namespace prospect {
 
 /// How the robot of a simulation perceives.
 enum class Sensors {
-  kModel,   ///< odometry and landmarks as a model of their errors (FeatureSenses): fast
-  kCamera,  ///< rendered images through this project's perception (CameraSenses)
+  kModel,   ///< odometry and landmarks as a model of their errors (FeatureSensors): fast
+  kCamera,  ///< rendered images through this project's perception (CameraSensors)
 };
 
 /// "camera" or "model".
@@ -34,7 +34,7 @@ constexpr Sensors sensors_named(std::string_view name) {
 }
 
 /// What the second of them needs besides.
-struct CameraSensesOptions {
+struct CameraSensorsOptions {
   /// Cameras and mounts are set from the simulator's, depth noise from its depth camera.
   CameraRigOptions rig;
   /// Contrast of all surfaces: 1 rich, 0 blank.
@@ -81,7 +81,7 @@ struct SimulatorOptions {
   /// counts as seen.
   std::shared_ptr<const octomap::OcTree> map{};
 
-  CameraSensesOptions camera;
+  CameraSensorsOptions camera;
 };
 
 }  // namespace prospect

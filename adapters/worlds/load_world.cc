@@ -25,7 +25,7 @@
 #include "adapters/worlds/reachable_area.h"
 #include "adapters/worlds/ros_map.h"
 #include "adapters/worlds/world_file.h"
-#include "engine/heading_fit.h"
+#include "engine/maps/heading_fit.h"
 #include "models/nearest_name.h"
 
 namespace prospect {

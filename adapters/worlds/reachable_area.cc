@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "adapters/config/input_error.h"
-#include "engine/free_line.h"
-#include "engine/heading_reach.h"
+#include "engine/maps/free_line.h"
+#include "engine/maps/heading_reach.h"
 
 namespace prospect {
 namespace {

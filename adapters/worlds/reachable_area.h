@@ -3,8 +3,8 @@
 #include <cstdint>
 
 #include "adapters/worlds/world.h"
-#include "engine/grid.h"
-#include "engine/heading_fit.h"
+#include "engine/maps/grid.h"
+#include "engine/maps/heading_fit.h"
 
 namespace prospect {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "adapters/worlds/left_out.h"
-#include "engine/voxel_grid.h"
+#include "engine/maps/voxel_grid.h"
 #include "models/robot_shape.h"
 #include "models/types.h"
 

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "engine/grid.h"
+#include "engine/maps/grid.h"
 #include "models/types.h"
 
 namespace prospect {

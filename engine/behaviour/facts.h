@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "engine/behaviour/task_kind.h"
-#include "engine/localization.h"
+#include "engine/maps/localization.h"
 
 namespace prospect {
 
@@ -48,10 +48,10 @@ struct FrontierFacts {
   FrontiersLeft low_yield{}, unreachable{}, failed{};
 };
 
-/// What is known of the way to a goal, once it is up to date (GoalGuide).
+/// What is known of the way to a goal, once it is up to date (GoalPlanner).
 struct GoalFacts {
   bool reached = false;          ///< the pose is within the goal's tolerances
-  bool near = false;             ///< a known way of no more than GoalGuide::kNear is left
+  bool near = false;             ///< a known way of no more than GoalPlanner::kNear is left
   double distance = 0.0;         ///< [m] to it, as the crow flies
   double way_left = 0.0;         ///< [m] to it, down the cost-to-go
   double unknown_left = 0.0;     ///< [m] of that through unknown space

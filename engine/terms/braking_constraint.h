@@ -2,9 +2,9 @@
 
 #include <memory>
 
-#include "engine/body_clearance.h"
-#include "engine/term.h"
-#include "engine/unknown_policy.h"
+#include "engine/maps/body_clearance.h"
+#include "engine/maps/unknown_policy.h"
+#include "engine/problem/term.h"
 
 namespace prospect {
 

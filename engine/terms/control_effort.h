@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "engine/term.h"
+#include "engine/problem/term.h"
 
 namespace prospect {
 

@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "engine/cost_to_go.h"
-#include "engine/term.h"
+#include "engine/frontiers/cost_to_go.h"
+#include "engine/problem/term.h"
 
 namespace prospect {
 

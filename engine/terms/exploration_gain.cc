@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "engine/occlusion_table.h"
-#include "engine/shared_results.h"
+#include "engine/features/occlusion_table.h"
+#include "engine/problem/shared_results.h"
 
 namespace prospect {
 namespace {

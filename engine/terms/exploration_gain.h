@@ -5,10 +5,10 @@
 #include <optional>
 #include <string_view>
 
-#include "engine/exploration_targets.h"
-#include "engine/footprint_visibility.h"
-#include "engine/new_surface.h"
-#include "engine/term.h"
+#include "engine/features/footprint_visibility.h"
+#include "engine/frontiers/exploration_targets.h"
+#include "engine/problem/term.h"
+#include "engine/terms/new_surface.h"
 #include "models/camera.h"
 
 namespace prospect {

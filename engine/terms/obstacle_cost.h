@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "engine/body_clearance.h"
-#include "engine/term.h"
+#include "engine/maps/body_clearance.h"
+#include "engine/problem/term.h"
 
 namespace prospect {
 

@@ -4,7 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/term.h"
+#include "engine/problem/term.h"
 
 namespace prospect {
 

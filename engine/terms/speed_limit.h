@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/term.h"
+#include "engine/problem/term.h"
 
 namespace prospect {
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "engine/new_surface.h"
-#include "engine/term.h"
-#include "engine/terms/visibility_prediction.h"
+#include "engine/features/visibility_prediction.h"
+#include "engine/problem/term.h"
+#include "engine/terms/new_surface.h"
 
 namespace prospect {
 

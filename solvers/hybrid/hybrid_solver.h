@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/solver.h"
+#include "engine/problem/solver.h"
 
 namespace prospect {
 

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "engine/solver.h"
+#include "engine/problem/solver.h"
 
 namespace prospect {
 

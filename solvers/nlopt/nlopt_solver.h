@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "engine/solver.h"
+#include "engine/problem/solver.h"
 #include "solvers/nlopt_algorithms.h"
 
 namespace prospect {

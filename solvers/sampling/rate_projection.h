@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "engine/problem.h"
+#include "engine/problem/problem.h"
 
 namespace prospect {
 

@@ -31,7 +31,7 @@ TEST(Configuration, OfNothingIsTheDefaults) {
   EXPECT_EQ(c.planner.N, PlannerParameters().N);
   EXPECT_EQ(c.planner.w_l, PlannerParameters().w_l);
   EXPECT_EQ(c.planner.d_safe, PlannerParameters().d_safe);
-  EXPECT_EQ(c.planner.guide.frontiers.min_length, FrontierOptions().min_length);
+  EXPECT_EQ(c.planner.frontier_planner.frontiers.min_length, FrontierOptions().min_length);
   EXPECT_EQ(c.mission.time_limit, MissionOptions().time_limit);
   EXPECT_TRUE(std::holds_alternative<CylinderShape>(c.robot.shape));
 }
@@ -94,7 +94,7 @@ TEST(Configuration, WorthAndOrderOfFrontiersAndTheEndOfAMission) {
   const Configuration c = read(
       "planner: {frontiers: {depth: 1.5, opening: 0.3, horizon: 10, every_look: 1, commitment: "
       "0.5, narrow_factor: 50}}\nmission: {end: {least_area: 0.5, least_rate: 0.1}}");
-  const ExplorationGuideOptions& g = c.planner.guide;
+  const FrontierPlannerOptions& g = c.planner.frontier_planner;
   EXPECT_EQ(g.worth.depth, 1.5);
   EXPECT_EQ(g.worth.opening, 0.3);
   EXPECT_EQ(g.order.horizon, 10.0);

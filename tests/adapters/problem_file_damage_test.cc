@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "adapters/problem_file/problem_file.h"
-#include "tests/engine/problem_recipes.h"
+#include "tests/engine/problem_specifications.h"
 
 namespace prospect::test::problem_file_damage_test {
 namespace {
@@ -37,8 +37,8 @@ class ProblemFileDamageTest : public ::testing::Test {
     p.committed = 0.5;
     p.visibility.r_max = 1.5;
     p.max_targets = 20;
-    const NamedRecipe named = recipe_of("damaged", "unicycle", p, 60);
-    write_problem(path("whole.h5"), {{}, *named.recipe, named.seeds, std::nullopt});
+    const NamedSpecification named = specification_of("damaged", "unicycle", p, 60);
+    write_problem(path("whole.h5"), {{}, *named.specification, named.seeds, std::nullopt});
     whole_ = content(path("whole.h5"));
   }
   void TearDown() override { fs::remove_all(root_); }

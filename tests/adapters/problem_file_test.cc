@@ -17,7 +17,7 @@
 #include <thread>
 
 #include "models/unicycle.h"
-#include "tests/engine/problem_recipes.h"
+#include "tests/engine/problem_specifications.h"
 #include "tests/engine/same_problem.h"
 
 namespace prospect::test::problem_file_test {
@@ -33,9 +33,9 @@ std::string content(const std::string& file) {
   return text.str();
 }
 
-SavedProblem saved(const NamedRecipe& named) {
+SavedProblem saved(const NamedSpecification& named) {
   return {{"prospect 1.2.3", named.name, 0xFEDCBA9876543210u, 17, 8.5},
-          *named.recipe,
+          *named.specification,
           named.seeds,
           std::nullopt};
 }
@@ -48,7 +48,7 @@ SavedProblem small_problem() {
   p.visibility.r_max = 2.0;
   p.max_targets = 20;
   p.w_h = 0.1;
-  return saved(recipe_of("small", "unicycle", p, 40));
+  return saved(specification_of("small", "unicycle", p, 40));
 }
 
 class ProblemFileTest : public ::testing::Test {
@@ -93,7 +93,7 @@ class ProblemFileTest : public ::testing::Test {
 };
 
 TEST_F(ProblemFileTest, AProblemReadBackIsTheOneThatWasWrittenBitForBit) {
-  for (const NamedRecipe& named : recipes_of_every_kind()) {
+  for (const NamedSpecification& named : specifications_of_every_kind()) {
     SCOPED_TRACE(named.name);
     const std::string file = path("problem.h5");
     const SavedProblem before = saved(named);
@@ -101,7 +101,8 @@ TEST_F(ProblemFileTest, AProblemReadBackIsTheOneThatWasWrittenBitForBit) {
     EXPECT_FALSE(fs::exists(file + ".part"));
     const ReadProblem after = read_problem(file);
     ASSERT_NE(after.problem, nullptr);
-    // Against the problem that the planner really had, which knows nothing of recipes or files.
+    // Against the problem that the planner really had, which knows nothing of specifications or
+    // files.
     expect_same_problem(*named.problem, *after.problem);
 
     EXPECT_EQ(after.saved.origin.program, "prospect 1.2.3");
@@ -125,7 +126,7 @@ TEST_F(ProblemFileTest, AProblemReadBackIsTheOneThatWasWrittenBitForBit) {
 
 TEST_F(ProblemFileTest, KeepsAWarmStartAndWhatElseMayBeThereOrNot) {
   SavedProblem problem = small_problem();
-  const std::shared_ptr<const Problem> made = make_problem(problem.recipe);
+  const std::shared_ptr<const Problem> made = make_problem(problem.specification);
   problem.warm_start.emplace();
   WarmStart& w = *problem.warm_start;
   w.x = problem.seeds.front().z;
@@ -157,10 +158,10 @@ TEST_F(ProblemFileTest, TheSameProblemGivesTheSameBytesAndFewOfThem) {
   EXPECT_EQ(content(path("a.h5")), content(path("b.h5")));
 
   // The whole default problem: up to 300 landmarks and 200 targets.
-  write_problem(path("full.h5"), saved(recipe_of("full", "unicycle", {}, 2000)));
+  write_problem(path("full.h5"), saved(specification_of("full", "unicycle", {}, 2000)));
   const ReadProblem full = read_problem(path("full.h5"));
-  EXPECT_GT(full.saved.recipe.landmarks.size(), 200u);
-  EXPECT_LE(full.saved.recipe.landmarks.size(), 300u);
+  EXPECT_GT(full.saved.specification.landmarks.size(), 200u);
+  EXPECT_LE(full.saved.specification.landmarks.size(), 300u);
   EXPECT_LT(fs::file_size(path("full.h5")), 200'000u);
 }
 
@@ -234,29 +235,32 @@ TEST_F(ProblemFileTest, RefusesToWriteWhatItCouldNotRead) {
     change(problem);
     return not_written(problem);
   };
-  EXPECT_THAT(with([](auto& p) { p.recipe.robot.model = std::make_shared<OwnModel>(); }),
+  EXPECT_THAT(with([](auto& p) { p.specification.robot.model = std::make_shared<OwnModel>(); }),
               HasSubstr("unknown motion model 'hovercraft'"));
-  EXPECT_THAT(with([](auto& p) { p.recipe.robot.model = nullptr; }), HasSubstr("expected"));
-  EXPECT_THAT(with([](auto& p) { p.recipe.voxels = nullptr; }), HasSubstr("no voxels; expected"));
-  EXPECT_THAT(with([](auto& p) { p.recipe.cost_to_go = nullptr; }), HasSubstr("expected"));
-  EXPECT_THAT(with([](auto& p) { p.recipe.weights.obstacles = kNan; }),
+  EXPECT_THAT(with([](auto& p) { p.specification.robot.model = nullptr; }), HasSubstr("expected"));
+  EXPECT_THAT(with([](auto& p) { p.specification.voxels = nullptr; }),
+              HasSubstr("no voxels; expected"));
+  EXPECT_THAT(with([](auto& p) { p.specification.cost_to_go = nullptr; }), HasSubstr("expected"));
+  EXPECT_THAT(with([](auto& p) { p.specification.weights.obstacles = kNan; }),
               HasSubstr("/terms/obstacles/weight: is nan; expected a number from"));
-  EXPECT_THAT(with([](auto& p) { p.recipe.gain.tau = kInfinity; }),
+  EXPECT_THAT(with([](auto& p) { p.specification.gain.tau = kInfinity; }),
               HasSubstr("/terms/exploration_gain/tau: is inf; expected"));
-  EXPECT_THAT(with([](auto& p) { p.recipe.x0[1] = kNan; }), HasSubstr("/horizon/x0: is nan"));
-  EXPECT_THAT(with([](auto& p) { p.recipe.x0.setZero(7); }),
+  EXPECT_THAT(with([](auto& p) { p.specification.x0[1] = kNan; }),
+              HasSubstr("/horizon/x0: is nan"));
+  EXPECT_THAT(with([](auto& p) { p.specification.x0.setZero(7); }),
               HasSubstr("/horizon/x0: has 7 entries; expected 3"));
-  EXPECT_THAT(with([](auto& p) { p.recipe.landmarks[3].position.z() = kNan; }),
+  EXPECT_THAT(with([](auto& p) { p.specification.landmarks[3].position.z() = kNan; }),
               HasSubstr("/terms/visible_features/landmarks/position: is nan"));
-  EXPECT_THAT(with([](auto& p) { p.recipe.M = 9; }),
+  EXPECT_THAT(with([](auto& p) { p.specification.M = 9; }),
               HasSubstr("/horizon/M: is 9; expected a whole number from 1 to 8"));
-  EXPECT_THAT(with([](auto& p) { p.recipe.N = 100000; }), HasSubstr("/horizon/N: is 100000"));
+  EXPECT_THAT(with([](auto& p) { p.specification.N = 100000; }),
+              HasSubstr("/horizon/N: is 100000"));
   EXPECT_THAT(with([](auto& p) { p.origin.step = -1; }), HasSubstr("/origin/step: is -1"));
   EXPECT_THAT(with([](auto& p) { p.seeds[1].z.setZero(3); }), HasSubstr("/seeds/inputs: of seed"));
   EXPECT_THAT(with([](auto& p) { p.seeds[1].z[0] = kNan; }), HasSubstr("/seeds/inputs: is nan"));
-  EXPECT_THAT(with([](auto& p) { p.recipe.landmark_lattice.nx = 100000; }),
+  EXPECT_THAT(with([](auto& p) { p.specification.landmark_lattice.nx = 100000; }),
               HasSubstr("/terms/visible_features/occlusion: 100000 x"));
-  EXPECT_THAT(with([](auto& p) { p.recipe.clearance_field.reach = 5000.0; }),
+  EXPECT_THAT(with([](auto& p) { p.specification.clearance_field.reach = 5000.0; }),
               HasSubstr("cells in the window; expected at most 25 million"));
   EXPECT_EQ(with([](auto&) {}), "");
 }
@@ -265,13 +269,13 @@ TEST_F(ProblemFileTest, RefusesWhatNoSolverCouldBeginWith) {
   // Each number is within its bounds; what they make together is not.
   const auto with = [&](auto change) {
     SavedProblem problem = small_problem();
-    change(problem.recipe);
+    change(problem.specification);
     write_problem(path("hostile.h5"), problem);
     return refused(path("hostile.h5"));
   };
   for (const double height : {1e9, -1e9, 2147483647.0}) {
     EXPECT_THAT(
-        with([&](ProblemRecipe& r) {
+        with([&](ProblemSpecification& r) {
           ModelParameters parameters = parameters_of(*r.robot.model);
           for (auto& [key, value] : parameters) {
             if (key == "fixed_z") value = height;
@@ -668,25 +672,25 @@ TEST_F(ProblemFileTest, ReadsWhatAnotherProgramHasStoredInItsOwnWay) {
   H5Fclose(to);
   H5Fclose(from);
   ASSERT_NE(content(path("a.h5")), content(path("b.h5")));
-  expect_same_problem(*make_problem(problem.recipe), *read_problem(path("b.h5")).problem);
+  expect_same_problem(*make_problem(problem.specification), *read_problem(path("b.h5")).problem);
 }
 
 // Version 1 knew of no crowded image cells.
 TEST_F(ProblemFileTest, ReadsVersionOne) {
   SavedProblem problem = small_problem();
-  for (Landmark& l : problem.recipe.landmarks) l.crowding = 0.3;
+  for (Landmark& l : problem.specification.landmarks) l.per_cell = 0.3;
   write_problem(path("two.h5"), problem);
-  expect_same_problem(*make_problem(problem.recipe), *read_problem(path("two.h5")).problem);
-  for (Landmark& l : problem.recipe.landmarks) l.crowding = 0.0;
+  expect_same_problem(*make_problem(problem.specification), *read_problem(path("two.h5")).problem);
+  for (Landmark& l : problem.specification.landmarks) l.per_cell = 0.0;
   write_problem(path("one.h5"), problem);
   edit(path("one.h5"), [](hid_t f) {
     set_integer(f, "/", "version", 1);
-    H5Ldelete(f, "/terms/visible_features/landmarks/crowding", H5P_DEFAULT);
+    H5Ldelete(f, "/terms/visible_features/landmarks/per_cell", H5P_DEFAULT);
   });
-  expect_same_problem(*make_problem(problem.recipe), *read_problem(path("one.h5")).problem);
+  expect_same_problem(*make_problem(problem.specification), *read_problem(path("one.h5")).problem);
   edit(path("one.h5"), [](hid_t f) { set_integer(f, "/", "version", 2); });
   EXPECT_THAT(refused(path("one.h5")),
-              StartsWith("/terms/visible_features/landmarks/crowding: missing; expected"));
+              StartsWith("/terms/visible_features/landmarks/per_cell: missing; expected"));
 }
 
 // Zones are what version 3 has; a file without them is one of version 2, which programs read that
@@ -695,22 +699,22 @@ TEST_F(ProblemFileTest, KeepsZonesToTheBit) {
   SavedProblem problem = small_problem();
   write_problem(path("two.h5"), problem);
   edit(path("two.h5"), [](hid_t f) { set_integer(f, "/", "version", 3); });
-  EXPECT_EQ(read_problem(path("two.h5")).saved.recipe.zones, nullptr);
+  EXPECT_EQ(read_problem(path("two.h5")).saved.specification.zones, nullptr);
   Zones zones;
   zones.keep_out = {{{0.1, 0.2}, {1.0 / 3.0, 0.2}, {0.3, 0.9}}, {{2, 2}, {3, 2}, {3, 3}, {2, 3}}};
   zones.slow = {{{{-1, -1}, {0, -1}, {0, 0.1}}, 0.1 + 0.2}};
-  problem.recipe.zones = std::make_shared<const ZoneMap>(zones);
+  problem.specification.zones = std::make_shared<const ZoneMap>(zones);
   problem.seeds.clear();
   write_problem(path("three.h5"), problem);
   const ReadProblem read = read_problem(path("three.h5"));
-  ASSERT_NE(read.saved.recipe.zones, nullptr);
-  const Zones& back = read.saved.recipe.zones->zones();
+  ASSERT_NE(read.saved.specification.zones, nullptr);
+  const Zones& back = read.saved.specification.zones->zones();
   EXPECT_FALSE(back.bound);
   EXPECT_EQ(back.keep_out, zones.keep_out);
   ASSERT_EQ(back.slow.size(), 1u);
   EXPECT_EQ(back.slow[0].area, zones.slow[0].area);
   EXPECT_EQ(back.slow[0].max_speed, 0.1 + 0.2);
-  expect_same_problem(*make_problem(problem.recipe), *read.problem);
+  expect_same_problem(*make_problem(problem.specification), *read.problem);
   ASSERT_NE(read.problem->definition().zones, nullptr);
   edit(path("three.h5"), [](hid_t f) { set_number(f, "/zones/slow/1", "max_speed", -1.0); });
   EXPECT_THAT(refused(path("three.h5")), StartsWith("/zones: slow 1: max_speed is -1"));
@@ -811,7 +815,7 @@ std::set<std::string> documented() {
 
 TEST_F(ProblemFileTest, TheDocumentationDescribesEveryEntryAndNoOther) {
   std::set<std::string> written;
-  for (NamedRecipe& named : recipes_of_every_kind()) {
+  for (NamedSpecification& named : specifications_of_every_kind()) {
     SavedProblem problem = saved(named);
     problem.warm_start.emplace();
     write_problem(path("a.h5"), problem);

@@ -14,7 +14,7 @@
 #include "adapters/simulator/kinematic_robot.h"
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/world_file.h"
-#include "engine/heading_fit.h"
+#include "engine/maps/heading_fit.h"
 
 namespace prospect::reachable_area_test {
 namespace {

@@ -11,7 +11,7 @@
 
 #include "adapters/config/configuration.h"
 #include "adapters/run/exploration_run.h"
-#include "engine/map_projection.h"
+#include "engine/maps/map_projection.h"
 #include "tests/adapters/box_room.h"
 
 namespace prospect::simulator_test {

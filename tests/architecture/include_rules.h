@@ -1,11 +1,13 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <regex>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace prospect::test {
@@ -13,35 +15,73 @@ namespace prospect::test {
 /// What a room's files may include. Libraries are named by the prefix of their headers; the C++
 /// standard library and the C library are free to all.
 struct RoomRules {
-  std::set<std::string> rooms;             ///< the room itself included
+  std::set<std::string> may_use;           ///< other rooms, or single files of them
   std::set<std::string> libraries;         ///< in any file
   std::set<std::string> header_libraries;  ///< in headers, which others include
 };
 
-/// The allowed dependencies (docs/architecture.md).
-inline std::map<std::string, RoomRules> architecture() {
+/// The allowed dependencies (docs/architecture.md), by room: a folder of the top level or of
+/// engine/. A room may include itself and the rooms named, or a single file of another one. The
+/// order is that of the graph: a room uses only what stands above it, so there is no loop.
+inline std::vector<std::pair<std::string, RoomRules>> architecture() {
+  const std::set<std::string> eigen = {"Eigen"};
+  const std::set<std::string> geometry = {"Eigen", "octomap", "fcl"};
   return {
-      {"models", {{"models"}, {"Eigen"}, {"Eigen"}}},
-      {"engine", {{"models", "engine"}, {"Eigen", "octomap", "fcl"}, {"Eigen"}}},
+      {"models", {{}, eigen, eigen}},
+      {"engine/support", {{"models"}, eigen, eigen}},
+      // Facts only: no maps, no problem, no solver.
+      {"engine/behaviour", {{"models", "engine/maps/localization.h"}, eigen, eigen}},
+      {"engine/task", {{"models", "engine/behaviour/task_kind.h"}, eigen, eigen}},
+      {"engine/maps", {{"models", "engine/task"}, geometry, eigen}},
+      {"engine/problem", {{"models", "engine/task"}, eigen, eigen}},
+      {"engine/features",
+       {{"models", "engine/support", "engine/maps", "engine/problem"}, geometry, eigen}},
+      {"engine/frontiers",
+       {{"models", "engine/support", "engine/task", "engine/maps", "engine/features",
+         "engine/behaviour"},
+        geometry,
+        eigen}},
+      // Of the frontiers, terms see what they weigh: targets and the cost-to-go.
+      {"engine/terms",
+       {{"models", "engine/maps", "engine/problem", "engine/features",
+         "engine/frontiers/cost_to_go.h", "engine/frontiers/exploration_targets.h"},
+        eigen,
+        eigen}},
+      {"engine/safety",
+       {{"models", "engine/behaviour", "engine/task", "engine/maps", "engine/problem"},
+        geometry,
+        eigen}},
+      {"engine/planner", {{"models", "engine"}, geometry, eigen}},
       {"solvers",
-       {{"models", "engine", "solvers"}, {"Eigen", "nlopt", "Ipopt", "ceres"}, {"Eigen"}}},
+       {{"models", "engine/support", "engine/problem"},
+        {"Eigen", "nlopt", "Ipopt", "ceres"},
+        eigen}},
+      {"problems", {{"models", "engine/support", "engine/problem"}, eigen, eigen}},
       {"perception",
-       {{"models", "engine", "perception"}, {"Eigen", "octomap", "opencv2", "ceres"}, {"Eigen"}}},
-      {"problems", {{"models", "engine", "problems"}, {"Eigen"}, {"Eigen"}}},
+       {{"models", "engine/support", "engine/maps", "engine/features"},
+        {"Eigen", "octomap", "opencv2", "ceres"},
+        eigen}},
+      {"runtime", {{"models", "engine"}, eigen, eigen}},
       {"adapters",
-       {{"models", "engine", "solvers", "problems", "perception", "adapters"},
+       {{"models", "engine", "solvers", "problems", "perception", "runtime"},
         {"Eigen", "octomap", "opencv2", "fcl", "yaml-cpp", "nlohmann", "CLI", "hdf5", "mcap",
          "embree3", "assimp"},
         {"Eigen", "nlohmann"}}},
   };
 }
 
-/// Parts of a room that may use less of it than the room: prefixes of what they include.
-inline std::map<std::string, std::set<std::string>> part_rules() {
-  return {
-      // Facts only: no maps, no problem, no solver.
-      {"engine/behaviour", {"engine/behaviour/", "engine/localization.h", "models/"}},
-  };
+/// The room that a path lies in, "" if it is none: the deepest.
+inline std::string room_of(const std::string& path) {
+  std::string found;
+  for (const auto& [room, rules] : architecture()) {
+    if (path.rfind(room + '/', 0) == 0 && room.size() > found.size()) found = room;
+  }
+  return found;
+}
+
+/// Whether `path` is the file `allowed` or lies below that folder.
+inline bool is_part_of(const std::string& path, const std::string& allowed) {
+  return path == allowed || path.rfind(allowed + '/', 0) == 0;
 }
 
 /// The library a header belongs to; empty for the standard library.
@@ -69,6 +109,7 @@ inline std::vector<std::string> forbidden_includes(const std::filesystem::path& 
     for (const auto& entry : fs::recursive_directory_iterator(root / room)) {
       const std::string extension = entry.path().extension().string();
       if (extension != ".h" && extension != ".cc") continue;
+      const std::string file_path = fs::relative(entry.path(), root).generic_string();
       std::ifstream file(entry.path());
       std::string line;
       for (int number = 1; std::getline(file, line); ++number) {
@@ -76,19 +117,13 @@ inline std::vector<std::string> forbidden_includes(const std::filesystem::path& 
         if (!std::regex_match(line, match, include)) continue;
         const std::string header = match[2];
         const auto report = [&](const std::string& why) {
-          found.push_back(fs::relative(entry.path(), root).string() + ":" + std::to_string(number) +
-                          ": includes " + header + ": " + why);
+          found.push_back(file_path + ":" + std::to_string(number) + ": includes " + header + ": " +
+                          why);
         };
         if (match[1] == "\"") {
-          const std::string target = header.substr(0, header.find('/'));
-          if (!rules.rooms.count(target)) report(room + " may not use " + target);
-          const std::string file_path = fs::relative(entry.path(), root).generic_string();
-          for (const auto& [part, allowed] : part_rules()) {
-            if (file_path.rfind(part + '/', 0) != 0) continue;
-            bool may = false;
-            for (const std::string& prefix : allowed) may = may || header.rfind(prefix, 0) == 0;
-            if (!may) report(part + " may not use " + header);
-          }
+          bool may = is_part_of(header, room);
+          for (const std::string& other : rules.may_use) may = may || is_part_of(header, other);
+          if (!may) report(room + " may not use " + header);
           continue;
         }
         const std::string library = library_of(header);
@@ -102,6 +137,80 @@ inline std::vector<std::string> forbidden_includes(const std::filesystem::path& 
     }
   }
   return found;
+}
+
+/// Sources and headers of models/, engine/ and below that lie in no room.
+inline std::vector<std::string> outside_rooms(const std::filesystem::path& root) {
+  namespace fs = std::filesystem;
+  std::vector<std::string> found;
+  for (const char* top :
+       {"models", "engine", "solvers", "problems", "perception", "runtime", "adapters"}) {
+    if (!fs::exists(root / top)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(root / top)) {
+      const std::string extension = entry.path().extension().string();
+      if (extension != ".h" && extension != ".cc") continue;
+      const std::string path = fs::relative(entry.path(), root).generic_string();
+      if (room_of(path).empty()) found.push_back(path);
+    }
+  }
+  return found;
+}
+
+/// A loop among the headers below `root` ("a.h b.h a.h"), "" if there is none.
+inline std::string include_loop(const std::filesystem::path& root) {
+  namespace fs = std::filesystem;
+  static const std::regex include(R"re(^\s*#\s*include\s*"([^"]+)".*)re");
+  std::map<std::string, std::vector<std::string>> uses;
+  for (const auto& [room, rules] : architecture()) {
+    if (!fs::exists(root / room)) continue;
+    for (const auto& entry : fs::recursive_directory_iterator(root / room)) {
+      if (entry.path().extension() != ".h") continue;
+      std::ifstream file(entry.path());
+      std::string line;
+      std::vector<std::string>& own = uses[fs::relative(entry.path(), root).generic_string()];
+      own.clear();
+      for (std::smatch match; std::getline(file, line);) {
+        if (std::regex_match(line, match, include)) own.push_back(match[1]);
+      }
+    }
+  }
+  std::set<std::string> done;
+  std::vector<std::string> way;
+  std::string loop;
+  const auto visit = [&](const auto& self, const std::string& header) -> void {
+    if (!loop.empty() || done.count(header)) return;
+    const bool met = std::find(way.begin(), way.end(), header) != way.end();
+    way.push_back(header);
+    if (met) {
+      for (auto it = std::find(way.begin(), way.end(), header); it != way.end(); ++it) {
+        loop += (loop.empty() ? "" : " ") + *it;
+      }
+      return;
+    }
+    for (const std::string& other : uses[header]) self(self, other);
+    way.pop_back();
+    done.insert(header);
+  };
+  std::vector<std::string> headers;
+  for (const auto& [header, others] : uses) headers.push_back(header);
+  for (const std::string& header : headers) visit(visit, header);
+  return loop;
+}
+
+/// The first room whose rules name a room below it in the table, "" if there is none; single files
+/// aside.
+inline std::string upward_rule() {
+  std::set<std::string> above;
+  for (const auto& [room, rules] : architecture()) {
+    for (const std::string& other : rules.may_use) {
+      const bool single = other.size() > 2 && other.substr(other.size() - 2) == ".h";
+      bool known = single;
+      for (const std::string& earlier : above) known = known || is_part_of(earlier, other);
+      if (!known) return room + " may use " + other;
+    }
+    above.insert(room);
+  }
+  return "";
 }
 
 }  // namespace prospect::test

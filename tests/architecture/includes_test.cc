@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <string>
@@ -20,6 +21,8 @@ class Tree {
     return *this;
   }
   std::vector<std::string> forbidden() const { return forbidden_includes(root_); }
+  std::vector<std::string> outside() const { return outside_rooms(root_); }
+  std::string loop() const { return include_loop(root_); }
 
  private:
   fs::path root_;
@@ -31,42 +34,70 @@ TEST(Includes, EveryRoomUsesOnlyWhatItMay) {
   for (const std::string& line : forbidden_includes(root)) ADD_FAILURE() << line;
 }
 
+TEST(Includes, NoSourceLiesOutsideTheRooms) {
+  for (const std::string& path : outside_rooms(PROSPECT_SOURCE_DIR)) ADD_FAILURE() << path;
+  EXPECT_THAT(Tree().add("engine/street.h", "").add("engine/maps/a.h", "").outside(),
+              testing::ElementsAre("engine/street.h"));
+}
+
+TEST(Includes, TheGraphHasNoLoop) {
+  EXPECT_EQ(upward_rule(), "");
+  EXPECT_EQ(include_loop(PROSPECT_SOURCE_DIR), "");
+  Tree tree;
+  tree.add("models/a.h", "#include \"models/b.h\"\n").add("models/b.h", "");
+  EXPECT_EQ(tree.loop(), "");
+  tree.add("models/b.h", "#include \"models/c.h\"\n")
+      .add("models/c.h", "#include \"models/b.h\"\n");
+  EXPECT_EQ(tree.loop(), "models/b.h models/c.h models/b.h");
+}
+
 TEST(Includes, EachForbiddenDirectionIsCaught) {
   struct Case {
     const char *path, *include, *why;
   };
   for (const Case& c : {
-           Case{"models/a.cc", "\"engine/grid.h\"", "models may not use engine"},
+           Case{"models/a.cc", "\"engine/maps/grid.h\"", "models may not use engine/maps/grid.h"},
            Case{"models/a.h", "<octomap/OcTree.h>", "models may not use octomap"},
-           Case{"engine/a.cc", "\"solvers/registry.h\"", "engine may not use solvers"},
-           Case{"engine/behaviour/a.cc", "\"engine/belief.h\"",
-                "engine/behaviour may not use engine/belief.h"},
-           Case{"engine/behaviour/monitors/a.h", "\"engine/solver.h\"",
-                "engine/behaviour may not use engine/solver.h"},
+           Case{"engine/maps/a.cc", "\"solvers/registry.h\"",
+                "engine/maps may not use solvers/registry.h"},
+           Case{"engine/behaviour/a.cc", "\"engine/maps/belief.h\"",
+                "engine/behaviour may not use engine/maps/belief.h"},
+           Case{"engine/behaviour/monitors/a.h", "\"engine/problem/solver.h\"",
+                "engine/behaviour may not use engine/problem/solver.h"},
+           Case{"engine/problem/a.h", "\"engine/maps/grid.h\"",
+                "engine/problem may not use engine/maps/grid.h"},
+           Case{"engine/maps/a.h", "\"engine/planner/planner.h\"",
+                "engine/maps may not use engine/planner/planner.h"},
+           Case{"engine/terms/a.h", "\"engine/frontiers/frontiers.h\"",
+                "engine/terms may not use engine/frontiers/frontiers.h"},
+           Case{"solvers/a.h", "\"engine/maps/grid.h\"", "solvers may not use engine/maps/grid.h"},
+           Case{"engine/planner/a.cc", "\"runtime/mission.h\"",
+                "engine/planner may not use runtime/mission.h"},
            Case{"engine/terms/a.cc", "\"perception/occupancy_mapper.h\"",
-                "engine may not use perception"},
-           Case{"engine/a.cc", "\"adapters/cli/commands.h\"", "engine may not use adapters"},
-           Case{"engine/a.cc", "<nlopt.h>", "engine may not use nlopt"},
-           Case{"engine/a.cc", "<nlopt.hpp>", "engine may not use nlopt"},
-           Case{"engine/a.cc", "<IpTNLP.hpp>", "engine may not use Ipopt"},
-           Case{"engine/a.cc", "<coin/IpTNLP.hpp>", "engine may not use Ipopt"},
-           Case{"engine/a.cc", "<ceres/ceres.h>", "engine may not use ceres"},
-           Case{"engine/a.cc", "<opencv2/core.hpp>", "engine may not use opencv2"},
-           Case{"engine/a.h", "<fcl/geometry/shape/box.h>", "forward-declare"},
-           Case{"engine/a.h", "<octomap/OcTree.h>", "forward-declare"},
+                "engine/terms may not use perception/"},
+           Case{"engine/maps/a.cc", "\"adapters/cli/commands.h\"",
+                "engine/maps may not use adapters/"},
+           Case{"engine/maps/a.cc", "<nlopt.h>", "engine/maps may not use nlopt"},
+           Case{"engine/maps/a.cc", "<nlopt.hpp>", "engine/maps may not use nlopt"},
+           Case{"engine/maps/a.cc", "<IpTNLP.hpp>", "engine/maps may not use Ipopt"},
+           Case{"engine/maps/a.cc", "<coin/IpTNLP.hpp>", "engine/maps may not use Ipopt"},
+           Case{"engine/maps/a.cc", "<ceres/ceres.h>", "engine/maps may not use ceres"},
+           Case{"engine/maps/a.cc", "<opencv2/core.hpp>", "engine/maps may not use opencv2"},
+           Case{"engine/maps/a.h", "<fcl/geometry/shape/box.h>", "forward-declare"},
+           Case{"engine/maps/a.h", "<octomap/OcTree.h>", "forward-declare"},
            Case{"solvers/a.cc", "\"perception/occupancy_mapper.h\"",
-                "solvers may not use perception"},
+                "solvers may not use perception/"},
            Case{"solvers/a.h", "<IpTNLP.hpp>", "forward-declare"},
            Case{"solvers/nlopt/a.h", "<nlopt.h>", "forward-declare"},
            Case{"solvers/a.cc", "<fcl/narrowphase/distance.h>", "solvers may not use fcl"},
-           Case{"perception/a.cc", "\"solvers/registry.h\"", "perception may not use solvers"},
+           Case{"perception/a.cc", "\"solvers/registry.h\"", "perception may not use solvers/"},
            Case{"perception/a.h", "<opencv2/core.hpp>", "forward-declare"},
            Case{"perception/a.cc", "\"adapters/run/run_record.h\"",
-                "perception may not use adapters"},
-           Case{"adapters/a.cc", "\"tests/engine/view_worlds.h\"", "adapters may not use tests"},
-           Case{"engine/a.cc", "\"problems/r1.h\"", "engine may not use problems"},
-           Case{"problems/a.cc", "\"solvers/registry.h\"", "problems may not use solvers"},
-           Case{"engine/a.cc", "<boost/optional.hpp>", "engine may not use boost"},
+                "perception may not use adapters/"},
+           Case{"adapters/a.cc", "\"tests/engine/view_worlds.h\"", "adapters may not use tests/"},
+           Case{"engine/maps/a.cc", "\"problems/r1.h\"", "engine/maps may not use problems/"},
+           Case{"problems/a.cc", "\"solvers/registry.h\"", "problems may not use solvers/"},
+           Case{"engine/maps/a.cc", "<boost/optional.hpp>", "engine/maps may not use boost"},
        }) {
     const auto found =
         Tree()
@@ -81,10 +112,10 @@ TEST(Includes, EachForbiddenDirectionIsCaught) {
 TEST(Includes, WhatIsAllowedPasses) {
   Tree tree;
   tree.add("models/a.h", "#include <Eigen/Core>\n#include \"models/types.h\"\n#include <vector>\n")
-      .add("engine/a.cc", "#include <octomap/OcTree.h>\n#include <fcl/math/bv/AABB.h>\n")
-      .add("solvers/a.cc", "#include <nlopt.h>\n#include \"engine/solver.h\"\n")
+      .add("engine/maps/a.cc", "#include <octomap/OcTree.h>\n#include <fcl/math/bv/AABB.h>\n")
+      .add("solvers/a.cc", "#include <nlopt.h>\n#include \"engine/problem/solver.h\"\n")
       .add("adapters/a.cc", "#include <sys/ioctl.h>\n#include \"perception/occupancy_mapper.h\"\n")
-      .add("engine/notes.md", "#include \"solvers/registry.h\"\n")
+      .add("engine/maps/notes.md", "#include \"solvers/registry.h\"\n")
       .add("benchmarks/a.cc", "#include \"adapters/run/run_record.h\"\n");
   EXPECT_EQ(tree.forbidden(), std::vector<std::string>());
 }

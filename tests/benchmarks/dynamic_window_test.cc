@@ -6,8 +6,8 @@
 #include <cmath>
 #include <memory>
 
-#include "engine/ground_map.h"
-#include "engine/voxel_grid.h"
+#include "engine/maps/ground_map.h"
+#include "engine/maps/voxel_grid.h"
 #include "models/unicycle.h"
 
 namespace prospect::dynamic_window_test {

@@ -4,8 +4,8 @@
 
 #include <stdexcept>
 
-#include "benchmarks/frontier_planner.h"
-#include "engine/planner.h"
+#include "benchmarks/baseline_planner.h"
+#include "engine/planner/planner.h"
 
 namespace prospect::replanners_test {
 namespace {
@@ -19,7 +19,7 @@ TEST(Replanners, EachNameMakesItsPlanner) {
       continue;
     }
     const std::unique_ptr<Replanner> planner = make(configuration);
-    const bool frontier = dynamic_cast<const FrontierPlanner*>(planner.get()) != nullptr;
+    const bool frontier = dynamic_cast<const BaselinePlanner*>(planner.get()) != nullptr;
     const bool engine = dynamic_cast<const Planner*>(planner.get()) != nullptr;
     EXPECT_EQ(engine, name == "nearest-mpc") << name;
     EXPECT_EQ(frontier, !engine) << name;

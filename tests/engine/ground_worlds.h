@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "engine/ground_map.h"
+#include "engine/maps/ground_map.h"
 #include "models/types.h"
 
 namespace prospect::test {

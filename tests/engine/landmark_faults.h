@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine/landmark_map.h"
+#include "engine/maps/landmark_map.h"
 
 namespace prospect::test {
 
@@ -43,7 +43,7 @@ inline std::vector<std::pair<std::string, std::function<void(Landmark&)>>> landm
     faults.emplace_back("multiplicity", [=](Landmark& l) { l.multiplicity = bad; });
   }
   for (const double bad : {-0.5, 1e7, kNan, kInfinity}) {
-    faults.emplace_back("crowding", [=](Landmark& l) { l.crowding = bad; });
+    faults.emplace_back("per_cell", [=](Landmark& l) { l.per_cell = bad; });
   }
   return faults;
 }

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "engine/belief.h"
-#include "engine/clearance_field.h"
+#include "engine/maps/belief.h"
+#include "engine/maps/clearance_field.h"
 
 namespace prospect::test {
 

@@ -9,10 +9,10 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/belief.h"
-#include "engine/map_projection.h"
-#include "engine/planner.h"
-#include "engine/solver.h"
+#include "engine/maps/belief.h"
+#include "engine/maps/map_projection.h"
+#include "engine/planner/planner.h"
+#include "engine/problem/solver.h"
 #include "models/make_model.h"
 #include "tests/engine/view_worlds.h"
 #include "tests/engine/visibility_scene.h"

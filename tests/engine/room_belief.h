@@ -5,8 +5,8 @@
 #include <cmath>
 #include <memory>
 
-#include "engine/belief.h"
-#include "engine/map_projection.h"
+#include "engine/maps/belief.h"
+#include "engine/maps/map_projection.h"
 
 namespace prospect::test {
 

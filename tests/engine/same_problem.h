@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "engine/problem.h"
+#include "engine/problem/problem.h"
 #include "tests/engine/view_worlds.h"
 
 namespace prospect::test {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/exploration_guide.h"
+#include "engine/frontiers/frontier_planner.h"
 #include "models/types.h"
 
 namespace prospect::test {
@@ -11,10 +11,10 @@ namespace prospect::test {
 /// A step of the simplest driver: up to `turned` [rad] towards the way down V, at its end towards
 /// what the target looks at, and `driven` [m] down V once it faces about that way. Requires a
 /// target. Returns the metres driven.
-inline double follow(const Guidance& guidance, Pose& pose, double driven = 0.3,
+inline double follow(const GlobalPlan& global_plan, Pose& pose, double driven = 0.3,
                      double turned = 0.5) {
-  const auto path = guidance.cost_to_go->descend(pose.position.head<2>(), driven);
-  double aim = guidance.target->yaw;
+  const auto path = global_plan.cost_to_go->descend(pose.position.head<2>(), driven);
+  double aim = global_plan.target->yaw;
   if (path.size() > 4) {
     const Eigen::Vector2d d = path.back() - path.front();
     aim = std::atan2(d.y(), d.x());

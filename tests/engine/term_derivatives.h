@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "engine/term.h"
+#include "engine/problem/term.h"
 
 namespace prospect::test {
 

@@ -7,8 +7,8 @@
 #include <random>
 #include <vector>
 
-#include "engine/trajectory.h"
-#include "engine/voxel_grid.h"
+#include "engine/maps/voxel_grid.h"
+#include "engine/problem/trajectory.h"
 #include "models/motion_model.h"
 
 namespace prospect::test {

@@ -5,9 +5,9 @@
 #include <random>
 #include <vector>
 
-#include "engine/landmark_map.h"
-#include "engine/terms/visibility_prediction.h"
-#include "engine/trajectory.h"
+#include "engine/features/visibility_prediction.h"
+#include "engine/maps/landmark_map.h"
+#include "engine/problem/trajectory.h"
 #include "models/camera.h"
 #include "models/motion_model.h"
 
@@ -47,7 +47,7 @@ inline std::vector<Landmark> landmarks(std::mt19937_64& rng, int count, double d
     // Every second one stands for others as well.
     if (i % 2 == 1) l.multiplicity = uniform(rng, 0.5, 4.0);
     // Every third one is crowded, some alone in their cell and some one of several.
-    if (i % 3 == 2) l.crowding = uniform(rng, 0.0, 1.5);
+    if (i % 3 == 2) l.per_cell = uniform(rng, 0.0, 1.5);
     result.push_back(l);
   }
   return result;

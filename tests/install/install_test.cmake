@@ -34,8 +34,8 @@ endif()
 
 # The installed headers are complete: a program that includes all of them links every room.
 file(GLOB_RECURSE headers RELATIVE "${prefix}/include/prospect" "${prefix}/include/prospect/*.h")
-if(NOT "engine/planner.h" IN_LIST headers)
-  message(FATAL_ERROR "engine/planner.h was not installed")
+if(NOT "engine/planner/planner.h" IN_LIST headers)
+  message(FATAL_ERROR "engine/planner/planner.h was not installed")
 endif()
 set(source "int main() {}\n")
 foreach(header ${headers})
@@ -47,7 +47,7 @@ cmake_minimum_required(VERSION 3.25)
 project(all_headers CXX)
 find_package(prospect CONFIG REQUIRED)
 add_executable(all_headers main.cc)
-target_link_libraries(all_headers PRIVATE prospect::models prospect::engine prospect::solvers prospect::perception
+target_link_libraries(all_headers PRIVATE prospect::models prospect::engine prospect::solvers prospect::perception prospect::runtime
   prospect::problem_file)
 ]])
 set(consumer -G ${GENERATOR} "-DCMAKE_PREFIX_PATH=${prefix}" "-DCMAKE_CXX_COMPILER=${COMPILER}"

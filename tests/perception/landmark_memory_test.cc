@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "engine/crowding.h"
+#include "engine/features/landmarks_per_cell.h"
 
 namespace prospect::landmark_memory_test {
 namespace {
@@ -56,10 +56,10 @@ TEST(LandmarkMemory, NotesHowCrowdedTheyAre) {
   ASSERT_EQ(all->landmarks.size(), 20u);
   EXPECT_EQ(all->image_cell, 0.07);
   LandmarkMap alone = now;
-  note_crowding(alone);
+  note_landmarks_per_cell(alone);
   for (std::size_t i = 0; i < now.landmarks.size(); ++i) {
-    EXPECT_GE(all->landmarks[i].crowding,
-              alone.landmarks[i].crowding + 0.07 * 0.07 * 0.9 / (M_PI * 0.25) - 1e-12)
+    EXPECT_GE(all->landmarks[i].per_cell,
+              alone.landmarks[i].per_cell + 0.07 * 0.07 * 0.9 / (M_PI * 0.25) - 1e-12)
         << "its twin 0.4 m away";
   }
 }

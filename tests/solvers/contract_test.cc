@@ -1,5 +1,5 @@
-// The contract of engine/solver.h, on every back end of the registry, and on that of a plug-in, by
-// the same tests.
+// The contract of engine/problem/solver.h, on every back end of the registry, and on that of a
+// plug-in, by the same tests.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 #include <atomic>
 #include <thread>
 
-#include "engine/stopwatch.h"
+#include "engine/support/stopwatch.h"
 #include "problems/r1.h"
 #include "solvers/load_plugin.h"
 #include "solvers/registry.h"

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstdio>
 
-#include "engine/guard.h"
-#include "engine/map_projection.h"
-#include "engine/planner.h"
+#include "engine/maps/map_projection.h"
+#include "engine/planner/planner.h"
+#include "engine/safety/guard.h"
 #include "models/unicycle.h"
 #include "solvers/registry.h"
 
@@ -66,7 +66,7 @@ int main() {
     std::printf(
         "%5.2f s: knows %.1f m2; %.3f m/s, %+.3f rad/s, because: %s plan from '%s', %s; "
         "guard %s\n",
-        belief.stamp, planner.guidance()->explored_area, v.linear.x(), v.yaw_rate,
+        belief.stamp, planner.global_plan()->explored_area, v.linear.x(), v.yaw_rate,
         to_string(plan.kind).data(), plan.seed.c_str(), plan.certificate.c_str(),
         to_string(verdict.reason).data());
     if (plan.kind == prospect::PlanKind::kStoppingTail) {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/term.h"
+#include "engine/problem/term.h"
 
 /// Keeps the robot away from a point q, a person for example, without forbidding anything:
 ///   T = 1/N sum_{k=1..N} exp(-|p_k - q|^2 / (2 r^2)),   p_k, q in W [m].

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include "engine/localization.h"
+#include "engine/maps/localization.h"
 
 namespace prospect {
 

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "adapters/simulator/seen_area.h"
+#include "engine/maps/belief.h"
+#include "models/types.h"
+#include "perception/image.h"
+#include "perception/stereo_odometry.h"
+
+namespace prospect {
+
+/// An image and the landmarks that were to be seen in it.
+struct CameraPicture {
+  Image image;
+  std::vector<LandmarkSighting> sightings;
+};
+
+/// How a simulated robot perceives: images and depth scans, taken at true poses, become an estimate
+/// and maps. FeatureSensors models that, CameraSensors does it.
+///
+/// The simulator calls image() and scan() in order of time, image() first where both are due, but
+/// for the very first ones, at time 0: scan(), then image(). Thread-safety: one thread; beliefs may
+/// be read anywhere. Nothing here throws. Deterministic in what it was made of and the sequence of
+/// calls.
+class Senses {
+ public:
+  virtual ~Senses() = default;
+
+  /// A stereo image at `stamp` [s], taken at a true pose while the robot moves with `twist`.
+  virtual void image(double stamp, const Pose& true_pose, const Twist& twist) = 0;
+  /// A depth image; what its rays have passed and met is entered in `seen`.
+  virtual void scan(double stamp, const Pose& true_pose, SeenArea& seen) = 0;
+
+  /// What the robot knows now, at a true pose reached since the newest image. `commanded` is the
+  /// twist that it executes.
+  virtual std::shared_ptr<const Belief> belief(double stamp, const Pose& true_pose,
+                                               const Twist& commanded) = 0;
+  /// The pose of that belief.
+  virtual Pose estimate(double stamp, const Pose& true_pose) const = 0;
+  virtual Localization localization() const = 0;
+  virtual int losses() const = 0;  ///< how often localization was lost
+  /// Why the sensors cannot be trusted, e.g. a calibration that is wrong; empty: nothing is known
+  /// against them.
+  virtual std::string complaint() const { return {}; }
+  /// The newest left image; empty where there is none.
+  virtual CameraPicture picture() const { return {}; }
+};
+
+}  // namespace prospect

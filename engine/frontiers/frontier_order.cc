@@ -1,0 +1,88 @@
+#include "engine/frontiers/frontier_order.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace prospect {
+namespace {
+
+/// Depth first over all sequences.
+class Search {
+ public:
+  Search(const std::vector<FrontierCandidate>& candidates, const Eigen::MatrixXd& between,
+         const FrontierOrderOptions& options)
+      : candidates_(candidates),
+        between_(between),
+        options_(options),
+        used_(candidates.size(), false) {}
+
+  FrontierSequence run(int first) {
+    for (int k = 0; k < static_cast<int>(candidates_.size()); ++k) {
+      if (first < 0 || k == first) extend(k, candidates_[static_cast<std::size_t>(k)].way, 0.0);
+    }
+    return best_;
+  }
+
+ private:
+  void extend(int next, double way, double value) {
+    if (!std::isfinite(way)) return;
+    const auto at = static_cast<std::size_t>(next);
+    value += (options_.every_look * candidates_[at].trust + candidates_[at].area) *
+             std::exp(-way / options_.horizon);
+    order_.push_back(next);
+    used_[at] = true;
+    if (value > best_.value) best_ = {order_, value};
+    if (static_cast<int>(order_.size()) < options_.length) {
+      for (std::size_t k = 0; k < candidates_.size(); ++k) {
+        if (used_[k]) continue;
+        extend(static_cast<int>(k), way + between_(next, static_cast<Eigen::Index>(k)), value);
+      }
+    }
+    used_[at] = false;
+    order_.pop_back();
+  }
+
+  const std::vector<FrontierCandidate>& candidates_;
+  const Eigen::MatrixXd& between_;
+  const FrontierOrderOptions& options_;
+  std::vector<bool> used_;
+  std::vector<int> order_;
+  FrontierSequence best_;
+};
+
+}  // namespace
+
+std::vector<FrontierCandidate> leading_candidates(std::vector<FrontierCandidate> candidates,
+                                                  const FrontierOrderOptions& options) {
+  const auto value = [&](const FrontierCandidate& c) {
+    return (options.every_look * c.trust + c.area) * std::exp(-c.way / options.horizon);
+  };
+  std::stable_sort(
+      candidates.begin(), candidates.end(),
+      [&](const FrontierCandidate& a, const FrontierCandidate& b) { return value(a) > value(b); });
+  if (static_cast<int>(candidates.size()) > options.candidates) {
+    candidates.resize(static_cast<std::size_t>(options.candidates));
+  }
+  return candidates;
+}
+
+double rate(const FrontierSequence& sequence, const std::vector<FrontierCandidate>& candidates,
+            const Eigen::MatrixXd& between, double v_max, double look_time) {
+  double best = 0.0, area = 0.0, time = 0.0;
+  for (std::size_t n = 0; n < sequence.order.size(); ++n) {
+    const int k = sequence.order[n];
+    const FrontierCandidate& c = candidates[static_cast<std::size_t>(k)];
+    area += c.area;
+    time += n == 0 ? c.time : between(sequence.order[n - 1], k) / v_max + look_time;
+    best = std::max(best, area / time);
+  }
+  return best;
+}
+
+FrontierSequence best_sequence(const std::vector<FrontierCandidate>& candidates,
+                               const Eigen::MatrixXd& between, const FrontierOrderOptions& options,
+                               int first) {
+  return Search(candidates, between, options).run(first);
+}
+
+}  // namespace prospect

@@ -1,0 +1,574 @@
+#include "engine/frontiers/frontier_planner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "engine/maps/held_up.h"
+#include "engine/support/stopwatch.h"
+#include "models/parameter_check.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
+// Horizons [-] beyond which the way between two candidates is not searched: it counts as that by
+// way of the robot.
+constexpr double kFarthestBetween = 1.0;
+constexpr double kFirstSearch = 0.75;  // horizons [-] to which ways are searched at first
+constexpr double kLastSearch = 3.0;    // horizons [-] from which on all are
+// [m] along either axis, within which features count on a way: what is seen from farther away will
+// have changed by then, and the cost must not grow with the map.
+constexpr double kPricedWithin = 10.0;
+// [m] of a way that is too short to tell in which direction it sets out.
+constexpr double kThere = 0.5;
+
+}  // namespace
+
+FrontierPlanner::FrontierPlanner(const FrontierPlannerOptions& options)
+    : options_(options),
+      traversability_(options.traversability),
+      detector_(options.frontiers),
+      worth_(options.worth),
+      field_(options.cost_to_go),
+      progress_(options.progress) {
+  constexpr const char* kOwner = "exploration frontier_planner";
+  const auto& o = options;
+  for (const auto& [name, value] : {std::pair{"least_area", o.least_area},
+                                    {"least_rate", o.least_rate},
+                                    {"look_time", o.look_time},
+                                    {"turn_price", o.turn_price},
+                                    {"look_length", o.look_length},
+                                    {"commitment", o.commitment},
+                                    {"closing_time", o.closing_time},
+                                    {"order.every_look", o.order.every_look}}) {
+    check_not_negative(kOwner, name, value);
+  }
+  check_parameter(o.reconsider > 0.0, kOwner, "reconsider", o.reconsider, "more than 0 s");
+  check_parameter(o.resolved >= 0.0 && o.resolved < 1.0, kOwner, "resolved", o.resolved,
+                  "0 to less than 1");
+  check_positive(kOwner, "target_radius", o.target_radius);
+  check_positive(kOwner, "order.horizon", o.order.horizon);
+  check_parameter(o.order.candidates >= 1 && o.order.candidates <= 10, kOwner, "order.candidates",
+                  o.order.candidates, "1 to 10");
+  check_parameter(o.order.length >= 1 && o.order.length <= 6, kOwner, "order.length",
+                  o.order.length, "1 to 6");
+  if (options.area) {
+    const std::string fault = polygon_fault(*options.area);
+    if (!fault.empty()) throw std::invalid_argument("exploration frontier_planner: area: " + fault);
+  }
+  auto empty = std::make_shared<GlobalPlan>();
+  empty->cost_to_go = std::make_shared<const CostToGo>();
+  last_ = std::move(empty);
+}
+
+void FrontierPlanner::close(Cell at, double stamp) {
+  traversability_.close(at, kHeldUpRadius);
+  closings_.push_back({at, stamp + options_.closing_time});
+}
+
+// The robot travels down the field of the step before. Where that says nothing, nor do the counts.
+void FrontierPlanner::count_along_travel(const FeatureVisibilityMap& visibility_map, Cell robot) {
+  const GridFrame frame = frame_around(robot, kPricedWithin, traversability_.frame().resolution);
+  along_travel_.frame = frame;
+  along_travel_.data.assign(static_cast<std::size_t>(frame.size()),
+                            std::numeric_limits<float>::infinity());
+  for (int index = 0; index < frame.size(); ++index) {
+    const Cell c = frame.at(index);
+    const double here = field_.value(c);
+    if (!(here < kInfinity)) continue;
+    // Upwind, as the field was solved: towards the lower neighbour.
+    const auto descent = [&](int di, int dj) {
+      const double ahead = field_.value({c.i + di, c.j + dj});
+      const double behind = field_.value({c.i - di, c.j - dj});
+      if (!(std::min(ahead, behind) < here)) return 0.0;
+      return ahead < behind ? here - ahead : behind - here;
+    };
+    const double x = descent(1, 0), y = descent(0, 1);
+    if (x == 0.0 && y == 0.0) continue;
+    along_travel_[c] = static_cast<float>(visibility_map.count(c, std::atan2(y, x)));
+  }
+}
+
+// The first narrow place on the way down.
+std::optional<Cell> FrontierPlanner::narrow_ahead() const {
+  if (!field_.anchor_reached()) return std::nullopt;
+  const Cell goal = field_.source_of_anchor();
+  const int steps = static_cast<int>(kHeldUpWithin / traversability_.frame().resolution);
+  Cell c = field_.anchor();
+  for (int step = 0; step < steps; ++step) {
+    if (traversability_.narrow(c)) return c;
+    const Cell next = field_.downhill(c);
+    if (c == goal || next == c) break;
+    c = next;
+  }
+  return std::nullopt;
+}
+
+// [m] from the robot's cell down the field to where it ends; 0 where it is not reached.
+double FrontierPlanner::way_left() const {
+  if (!field_.anchor_reached()) return 0.0;
+  const double r = traversability_.frame().resolution;
+  const Cell goal = field_.source_of_anchor();
+  Cell c = field_.anchor();
+  double length = 0.0;
+  while (!(c == goal)) {
+    const Cell next = field_.downhill(c);
+    if (next == c) break;
+    length += r * std::hypot(next.i - c.i, next.j - c.j);
+    c = next;
+  }
+  return length;
+}
+
+bool FrontierPlanner::counts(const Eigen::Vector2d& p) const {
+  const ZoneMap* zones = options_.traversability.zones.get();
+  return (!options_.area || contains(*options_.area, p)) &&
+         (zones == nullptr || zones->distance(p) > 0.0);
+}
+
+// Places that are impassable by now say nothing: a wall drawn twice covers some of any room.
+bool FrontierPlanner::is_cut_off() const {
+  const GridFrame& frame = traversability_.frame();
+  int joined = 0, cut_off = 0;
+  for (const Eigen::Vector2d& place : been_) {
+    const Cell c = frame.cell(place.x(), place.y());
+    if (!traversability_.fits(c)) continue;
+    ++(ways_.length(c) < kInfinity ? joined : cut_off);
+  }
+  return cut_off > joined;
+}
+
+// The frontier that holds the cell nearest the last target, within target_radius.
+int FrontierPlanner::current_target(const std::vector<Frontier>& frontiers) const {
+  if (!target_) return -1;
+  const double r = traversability_.frame().resolution;
+  int best = -1;
+  double least = options_.target_radius + 1e-9;
+  for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    for (const Cell c : frontiers[k].cells) {
+      const double d = r * std::hypot(c.i - target_->i, c.j - target_->j);
+      if (d >= least) continue;
+      least = d;
+      best = static_cast<int>(k);
+    }
+  }
+  return best;
+}
+
+void FrontierPlanner::fail_visit(const std::vector<Frontier>& frontiers, TargetChange why) {
+  const int current = current_target(frontiers);
+  if (current >= 0) {
+    worth_.visit_failed(*target_, frontiers[static_cast<std::size_t>(current)].cells,
+                        traversability_.frame().resolution);
+  }
+  target_.reset();
+  dropped_ = why;
+}
+
+TargetChange FrontierPlanner::reason_to_choose(const std::vector<Frontier>& frontiers, int current,
+                                               double stamp) {
+  if (!target_) {
+    const bool soon = last_->facts.exhausted && stamp - chosen_at_ < 0.5 * options_.reconsider;
+    return soon ? TargetChange::kNone : dropped_;
+  }
+  if (current < 0) return TargetChange::kSeen;
+  const Frontier& f = frontiers[static_cast<std::size_t>(current)];
+  if (f.area < std::max(options_.least_area, options_.resolved * target_area_)) {
+    return TargetChange::kSeen;
+  }
+  return stamp - chosen_at_ >= options_.reconsider - 1e-9 ? TargetChange::kBetter
+                                                          : TargetChange::kNone;
+}
+
+// The way to each frontier, turning included, and whether there is any. Searched farther each time,
+// until what lies farther can be neither the present target nor among the leading candidates.
+void FrontierPlanner::measure_ways(const Pose& pose, const std::vector<Frontier>& frontiers,
+                                   int current, bool all, const Prices& prices) {
+  const GridFrame& frame = traversability_.frame();
+  const double horizon = options_.order.horizon;
+  ways_.begin_at_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()));
+  double limit = all || options_.rule ? kInfinity : kFirstSearch * horizon;
+  while (true) {
+    ways_.extend(limit, prices.way);
+    way_to_.assign(frontiers.size(), Way{});
+    detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
+      Way& best = way_to_[static_cast<std::size_t>(k)];
+      double length = ways_.length(c) + cost;
+      if (length >= best.length) return;
+      if (prices.look) length += prices.look(c, sees);
+      if (length >= best.length) return;
+      best = {length, (ways_.unpriced(c) + cost) / options_.cost_to_go.v_max + options_.look_time,
+              c};
+    });
+    for (std::size_t k = 0; k < frontiers.size(); ++k) add_turn(pose, frontiers[k], way_to_[k]);
+    if (limit == kInfinity) return;
+    const bool missed = current >= 0 && way_to_[static_cast<std::size_t>(current)].length > limit;
+    if (!missed && nothing_farther_leads(pose.position.head<2>(), frontiers, limit)) return;
+    limit = limit >= kLastSearch * horizon ? kInfinity : 4.0 * limit;
+  }
+}
+
+void FrontierPlanner::add_turn(const Pose& pose, const Frontier& frontier, Way& way) const {
+  if (!(way.length < kInfinity)) return;
+  double heading = ways_.departure(way.viewpoint);
+  if (ways_.length(way.viewpoint) < kThere) {
+    const Eigen::Vector2d to = frontier.centroid - pose.position.head<2>();
+    heading = std::atan2(to.y(), to.x());
+  }
+  const double turn =
+      options_.turn_price * std::abs(std::remainder(heading - pose.yaw, 2.0 * M_PI));
+  if (!options_.rule) way.length += turn;
+  way.time += turn / options_.cost_to_go.v_max;
+}
+
+// Whether no frontier to which the way is longer than `limit` can be a leading candidate. No way to
+// look at a cell is shorter than the straight line, less what looking from a metre off saves.
+bool FrontierPlanner::nothing_farther_leads(const Eigen::Vector2d& robot,
+                                            const std::vector<Frontier>& frontiers,
+                                            double limit) const {
+  std::vector<FrontierCandidate> all;
+  for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    const Frontier& f = frontiers[k];
+    if (f.area < options_.least_area) continue;
+    double way = way_to_[k].length;
+    const bool searched = way <= limit;
+    if (!searched) {
+      double straight = kInfinity;
+      for (const Cell c : f.cells) {
+        straight = std::min(straight, (traversability_.frame().center(c) - robot).squaredNorm());
+      }
+      way = std::max(limit, std::sqrt(straight) - options_.frontiers.near_distance);
+    }
+    all.push_back({searched ? static_cast<int>(k) : -1, f.area, way, 0.0, f.trust, 0.0});
+  }
+  all = leading_candidates(std::move(all), options_.order);
+  return !all.empty() &&
+         std::none_of(all.begin(), all.end(), [](const auto& c) { return c.frontier < 0; });
+}
+
+// The frontier to go to next, -1 for none. must: the present one will not do. alone: only those
+// that are worth their way whatever else lies on it.
+int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, int current, bool must,
+                            bool alone, const LookPrice& price, FrontierFacts& facts) {
+  std::vector<FrontierCandidate> candidates;
+  for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    const Frontier& f = frontiers[k];
+    const Way& way = way_to_[k];
+    if (f.area < options_.least_area || !(way.length < kInfinity)) continue;
+    const auto counted = static_cast<double>(f.cells.size()) - f.ignored_cells;
+    candidates.push_back({static_cast<int>(k), f.area, way.length, way.time, f.trust,
+                          counted * traversability_.frame().resolution});
+  }
+  if (candidates.empty()) return -1;
+  FrontiersLeft all{static_cast<int>(candidates.size()), 0.0};
+  for (const FrontierCandidate& c : candidates) all.area += c.area;
+  const auto index_of = [&](int frontier) {
+    const auto it = std::find_if(candidates.begin(), candidates.end(),
+                                 [&](const auto& c) { return c.frontier == frontier; });
+    return it == candidates.end() ? -1 : static_cast<int>(it - candidates.begin());
+  };
+  if (options_.rule) {
+    const int chosen = options_.rule(candidates, must ? -1 : index_of(current));
+    if (chosen < 0 || chosen >= static_cast<int>(candidates.size())) return -1;
+    const FrontierCandidate& c = candidates[static_cast<std::size_t>(chosen)];
+    if (c.area >= options_.least_rate * c.time) return c.frontier;
+    facts.low_yield = all;
+    return -1;
+  }
+
+  if (alone) {
+    std::erase_if(candidates, [&](const FrontierCandidate& c) {
+      return c.area < options_.least_rate * c.time;
+    });
+    facts.low_yield = all;
+    if (candidates.empty()) return -1;
+  }
+  const int mine = must ? -1 : index_of(current);
+  std::optional<FrontierCandidate> present;
+  if (mine >= 0) present = candidates[static_cast<std::size_t>(mine)];
+  candidates = leading_candidates(std::move(candidates), options_.order);
+  // What it would change from is compared, too, though it may not be among the leading ones.
+  if (present && index_of(present->frontier) < 0) candidates.back() = *present;
+
+  std::vector<int> place(frontiers.size(), -1);
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    place[static_cast<std::size_t>(candidates[k].frontier)] = static_cast<int>(k);
+  }
+  struct Viewpoint {
+    Cell block;  // of WayLengths
+    int candidate;
+    double cost;
+  };
+  std::vector<Viewpoint> viewpoints;
+  detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
+    const int candidate = place[static_cast<std::size_t>(k)];
+    if (candidate < 0) return;
+    viewpoints.push_back(
+        {WayLengths::block_of(c), candidate, cost + (price ? price(c, sees) : 0.0)});
+  });
+  // The cheapest of each candidate in each block.
+  std::sort(viewpoints.begin(), viewpoints.end(), [](const Viewpoint& a, const Viewpoint& b) {
+    if (!(a.block == b.block)) return scan_less(a.block, b.block);
+    return a.candidate != b.candidate ? a.candidate < b.candidate : a.cost < b.cost;
+  });
+  const auto same = [](const Viewpoint& a, const Viewpoint& b) {
+    return a.block == b.block && a.candidate == b.candidate;
+  };
+  viewpoints.erase(std::unique(viewpoints.begin(), viewpoints.end(), same), viewpoints.end());
+  const auto n = static_cast<Eigen::Index>(candidates.size());
+  Eigen::MatrixXd between(n, n);
+  for (Eigen::Index a = 0; a < n; ++a) {
+    for (Eigen::Index b = 0; b < n; ++b) {
+      between(a, b) =
+          candidates[static_cast<std::size_t>(a)].way + candidates[static_cast<std::size_t>(b)].way;
+    }
+  }
+  if (n > 1) {
+    WayLengths from = ways_;
+    for (Eigen::Index a = 0; a < n; ++a) {
+      const int frontier = candidates[static_cast<std::size_t>(a)].frontier;
+      between(a, a) = 0.0;
+      // No way on shortens what is shorter than the way so far.
+      const auto all_found = [&](Cell block, double length) {
+        const auto first =
+            std::lower_bound(viewpoints.begin(), viewpoints.end(), block,
+                             [](const Viewpoint& v, Cell b) { return scan_less(v.block, b); });
+        for (auto v = first; v != viewpoints.end() && v->block == block; ++v) {
+          double& way = between(a, v->candidate);
+          way = std::min(way, length + v->cost);
+        }
+        return between.row(a).maxCoeff() <= length;
+      };
+      from.flood(way_to_[static_cast<std::size_t>(frontier)].viewpoint,
+                 kFarthestBetween * options_.order.horizon, all_found);
+    }
+  }
+  const FrontierSequence best = best_sequence(candidates, between, options_.order);
+  if (best.order.empty()) return -1;
+  if (!alone && rate(best, candidates, between, options_.cost_to_go.v_max, options_.look_time) <
+                    options_.least_rate) {
+    return -1;
+  }
+  if (present) {
+    const FrontierSequence kept =
+        best_sequence(candidates, between, options_.order, index_of(present->frontier));
+    if (best.value <= (1.0 + options_.commitment) * kept.value) return present->frontier;
+  }
+  return candidates[static_cast<std::size_t>(best.order.front())].frontier;
+}
+
+void FrontierPlanner::tell_what_is_left(const std::vector<Frontier>& frontiers,
+                                        FrontierFacts& facts) const {
+  for (std::size_t k = 0; k < frontiers.size(); ++k) {
+    const Frontier& f = frontiers[k];
+    if (!f.active || f.promise < options_.least_area) continue;
+    const bool reachable = way_to_[k].length < kInfinity;
+    if (reachable && f.area >= options_.least_area) continue;  // its yield is too low: counted
+    FrontiersLeft& left = reachable ? facts.failed : facts.unreachable;
+    ++left.count;
+    left.area += f.promise;
+  }
+}
+
+// Map, frontiers, ways and worth as of now.
+void FrontierPlanner::keep_up(const GroundMap& ground, const Pose& pose, double stamp,
+                              const FrontierAttention& attention) {
+  const Eigen::Vector2d p = pose.position.head<2>();
+  // What was learned of one place says nothing of another.
+  if (!traversability_.continues(ground)) *this = FrontierPlanner(options_);
+  if (attention.looked && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
+    been_.push_back(p);
+  }
+  traversability_.update(ground, &pose);
+  // A place that could not be passed is no wall: before nothing is left it is tried again.
+  const bool open_all = last_->facts.exhausted;
+  std::erase_if(closings_, [&](const Closing& c) {
+    if (stamp < c.until && !open_all) return false;
+    traversability_.reopen(c.at, kHeldUpRadius);
+    return true;
+  });
+  const GridFrame& frame = traversability_.frame();
+  if (attention.blocked) {
+    const std::optional<Cell> at = held_up_at(frame, p, *attention.blocked);
+    if (at) close(*at, stamp);
+  }
+  detector_.update(traversability_);
+  ways_.update(traversability_);
+  worth_.map_changed(frame, traversability_.newly_known(), traversability_.changed_states());
+  if (attention.looked) {
+    const ViewpointSource here = detector_.source_at(frame.cell(p.x(), p.y()));
+    worth_.look(traversability_.see_through(), detector_.frontiers(), pose, stamp,
+                here.frontier >= 0 ? std::optional(here.sees) : std::nullopt);
+  }
+  if (!attention.pursued) progress_.hold(stamp);
+  // A loss far from the target says nothing of it: other ways lead through there, too.
+  if (attention.got_lost && target_ &&
+      (frame.center(*target_) - p).norm() <= options_.worth.sensor_range) {
+    fail_visit(detector_.frontiers(), TargetChange::kLost);
+  }
+  const bool anywhere = !options_.area && options_.traversability.zones == nullptr;
+  detector_.find_viewpoints(traversability_, [&](const Frontier& f, std::vector<float>& ranges) {
+    worth_.look_ranges(f, ranges);
+    for (std::size_t n = 0; n < ranges.size() && !anywhere; ++n) {
+      if (!counts(frame.center(f.cells[n]))) ranges[n] = 0.0F;
+    }
+  });
+}
+
+FrontierPlanner::Prices FrontierPlanner::prices(const FeatureVisibilityMap* visibility_map,
+                                                Cell robot) {
+  if (visibility_map == nullptr || !(options_.cost_to_go.lambda > 0.0)) return {};
+  count_along_travel(*visibility_map, robot);
+  const CostToGoOptions& cost = options_.cost_to_go;
+  return {[this, visibility_map, &cost](Cell viewpoint, Cell sees) {
+            const double yaw = std::atan2(sees.j - viewpoint.j, sees.i - viewpoint.i);
+            return options_.look_length *
+                   cost.localization_price(visibility_map->count(viewpoint, yaw));
+          },
+          [this, visibility_map, &cost](Cell c, double yaw) {
+            return is_priced(c) ? cost.localization_price(visibility_map->count(c, yaw)) : 0.0;
+          },
+          &along_travel_};
+}
+
+// Whether a way leads there; -1: nowhere.
+bool FrontierPlanner::lead_to(int frontier, Cell robot, const Prices& prices) {
+  detector_.lead_to(frontier, prices.look);
+  field_.update(traversability_, detector_, robot, prices.along);
+  return frontier >= 0 && field_.anchor_reached();
+}
+
+// Keeps the target or changes it, and leads there.
+void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, const Prices& prices,
+                                            GlobalPlan& global_plan) {
+  const std::vector<Frontier>& frontiers = global_plan.frontiers;
+  FrontierFacts& facts = global_plan.facts;
+  const Cell robot = traversability_.frame().cell(pose.position.x(), pose.position.y());
+  const int current = current_target(frontiers);
+  TargetChange reason = reason_to_choose(frontiers, current, stamp);
+  if (reason == TargetChange::kNone && !lead_to(current, robot, prices)) {
+    if (target_) {
+      reason = TargetChange::kUnreachable;
+    } else {
+      // Nothing was left a moment ago.
+      facts = last_->facts;
+      facts.changed = TargetChange::kNone;
+    }
+  }
+  if (reason == TargetChange::kNone) return;
+
+  const bool must = reason != TargetChange::kBetter;
+  int chosen = -1;
+  // What is near first; where that is not worth its way, there may be what is, far away.
+  for (const bool far : {false, true}) {
+    measure_ways(pose, frontiers, must ? -1 : current, far, prices);
+    chosen = choose(frontiers, current, must, far, prices.look, facts);
+    // The lattice of ways is coarse: what it reaches may still be out of reach.
+    while (!lead_to(chosen, robot, prices) && chosen >= 0) {
+      way_to_[static_cast<std::size_t>(chosen)].length = kInfinity;
+      chosen = choose(frontiers, current, true, far, prices.look, facts);
+    }
+    if (chosen >= 0) break;
+  }
+  chosen_at_ = stamp;
+  const double explored = traversability_.explored_area();
+  const bool same = chosen >= 0 && chosen == current && target_;
+  // A target that was left for a better one has not shown what it could.
+  if (must && target_area_ > 0.0) {
+    worth_.learn(target_promise_, target_expected_, explored - explored_then_);
+    target_area_ = 0.0;
+  }
+  if (!same) {
+    facts.changed = chosen >= 0 ? reason : TargetChange::kNone;
+    progress_.target_dropped();
+    target_.reset();
+    dropped_ = TargetChange::kFirst;
+  }
+  if (chosen >= 0 && (!same || must)) {
+    const Frontier& f = frontiers[static_cast<std::size_t>(chosen)];
+    target_area_ = f.area;
+    target_promise_ = f.promise;
+    target_expected_ = f.area / worth_.yield(f.promise);
+    explored_then_ = explored;
+  }
+  facts.exhausted = chosen < 0 && explored > 0.0;
+  if (!facts.exhausted) facts.low_yield = {};
+}
+
+// Where the target is, and whether the robot gets on towards it.
+void FrontierPlanner::follow_target(const Pose& pose, double stamp, GlobalPlan& global_plan) {
+  const GridFrame& frame = traversability_.frame();
+  const Eigen::Vector2d p = pose.position.head<2>();
+  const double explored = traversability_.explored_area();
+  FrontierFacts& facts = global_plan.facts;
+  if (!field_.anchor_reached()) {
+    progress_.begin(stamp, p, explored, 0.0);
+    progress_.no_target();
+    return;
+  }
+  const ViewpointSource source = detector_.source_at(field_.source_of_anchor());
+  if (source.frontier < 0) return;
+  const Eigen::Vector2d from = frame.center(source.cell);
+  const Eigen::Vector2d to = frame.center(source.sees);
+  global_plan.target =
+      FrontierTarget{source.frontier, from, to, std::atan2(to.y() - from.y(), to.x() - from.x())};
+  const Frontier& f = global_plan.frontiers[static_cast<std::size_t>(source.frontier)];
+  facts.target = true;
+  facts.target_length = (static_cast<double>(f.cells.size()) - f.ignored_cells) * frame.resolution;
+  facts.target_area = f.area;
+  facts.way_left = way_left();
+  const std::optional<Cell> narrow = narrow_ahead();
+  facts.narrow = narrow.has_value();
+  const double value = field_.value(field_.anchor());
+  progress_.begin(stamp, p, explored, value);
+  progress_.update(facts.changed == TargetChange::kNone, p, value, explored);
+  target_ = source.sees;
+  if (progress_.hopeless()) {
+    progress_.given_up(explored);
+    // Else all that lies behind it would be tried in turn.
+    if (narrow) close(*narrow, stamp);
+    fail_visit(global_plan.frontiers, TargetChange::kNoProgress);
+  }
+}
+
+std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
+    const GroundMap& ground, const Pose& pose, double stamp, const FrontierAttention& attention,
+    const FeatureVisibilityMap* visibility_map) {
+  Stopwatch watch;
+  // Beyond this the cell address would not fit an int.
+  const Eigen::Vector2d p = pose.position.head<2>();
+  if (!(p.cwiseAbs().maxCoeff() < kFarthest) || !p.allFinite() || !std::isfinite(pose.yaw) ||
+      !std::isfinite(stamp)) {
+    return last_;
+  }
+  keep_up(ground, pose, stamp, attention);
+  auto global_plan = std::make_shared<GlobalPlan>();
+  global_plan->frontiers = detector_.frontiers();
+  worth_.measure(traversability_, global_plan->frontiers);
+  keep_or_change_target(pose, stamp,
+                        prices(visibility_map, traversability_.frame().cell(p.x(), p.y())),
+                        *global_plan);
+  follow_target(pose, stamp, *global_plan);
+
+  FrontierFacts& facts = global_plan->facts;
+  facts.stalled_for = progress_.stalled_for();
+  facts.stalled = progress_.stalled();
+  if (facts.exhausted && chosen_at_ == stamp) {
+    tell_what_is_left(global_plan->frontiers, facts);
+    facts.cut_off = is_cut_off();
+  }
+  facts.exhausted_for = exhaustion_.update(stamp, facts.exhausted, attention.pursued);
+  global_plan->map_revision = ground.revision();
+  global_plan->stamp = stamp;
+  global_plan->cost_to_go = field_.window();
+  global_plan->explored_area = traversability_.explored_area();
+  global_plan->milliseconds = watch.lap();
+  last_ = global_plan;
+  return global_plan;
+}
+
+}  // namespace prospect

@@ -1,0 +1,198 @@
+#include "engine/frontiers/frontier_worth.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "engine/maps/free_line.h"
+#include "models/parameter_check.h"
+
+namespace prospect {
+
+FrontierWorth::FrontierWorth(const FrontierWorthOptions& options) : options_(options) {
+  constexpr const char* kOwner = "frontier worth";
+  const auto& o = options_;
+  check_parameter(o.depth >= 0.0 && o.depth <= 10.0, kOwner, "depth", o.depth, "0 to 10 m");
+  check_parameter(o.opening >= 0.0 && o.opening <= 1.0, kOwner, "opening", o.opening, "0 to 1 m");
+  for (const auto& [name, value] : {std::pair{"failed_look", o.failed_look},
+                                    {"failed_visit", o.failed_visit},
+                                    {"least_trust", o.least_trust}}) {
+    check_parameter(value > 0.0 && value < 1.0, kOwner, name, value, "more than 0, less than 1");
+  }
+  check_positive(kOwner, "visit_radius", o.visit_radius);
+  check_not_negative(kOwner, "look_interval", o.look_interval);
+  check_positive(kOwner, "sensor_range", o.sensor_range);
+  check_parameter(o.range_margin >= 0.0 && o.range_margin < o.sensor_range, kOwner, "range_margin",
+                  o.range_margin, "0 to less than sensor_range");
+  check_parameter(o.sensor_fov > 0.0 && o.sensor_fov <= 2.0 * std::numbers::pi + 1e-9, kOwner,
+                  "sensor_fov", o.sensor_fov, "more than 0, up to 2 pi");
+  check_parameter(o.fov_margin >= 0.0 && 2.0 * o.fov_margin < o.sensor_fov, kOwner, "fov_margin",
+                  o.fov_margin, "0 to less than half of sensor_fov");
+  check_parameter(o.nearer > 0.0 && o.nearer < 1.0, kOwner, "nearer", o.nearer,
+                  "more than 0, less than 1");
+  check_positive(kOwner, "nearest", o.nearest);
+  check_parameter(o.renewal_cells >= 0 && o.renewal_cells <= 50, kOwner, "renewal_cells",
+                  o.renewal_cells, "0 to 50");
+}
+
+void FrontierWorth::map_changed(const GridFrame& frame, const std::vector<Cell>& newly_known,
+                                const std::vector<Cell>& changed) {
+  if (trust_.data.empty() || !(frame.resolution == trust_.frame.resolution)) {
+    trust_ = Grid<float>(frame, 1.0F);
+    range_ = Grid<float>(frame, static_cast<float>(options_.sensor_range));
+    flips_ = Grid<std::uint8_t>(frame, 0);
+    return;
+  }
+  if (!(frame == trust_.frame)) {
+    trust_.widen(frame, 1.0F);
+    range_.widen(frame, static_cast<float>(options_.sensor_range));
+    flips_.widen(frame, std::uint8_t{0});
+  }
+  const int reach = options_.renewal_cells;
+  const auto visit_near = [&](Cell c, const auto& visit) {
+    for (int j = std::max(c.j - reach, frame.j0);
+         j <= std::min(c.j + reach, frame.j0 + frame.height - 1); ++j) {
+      for (int i = std::max(c.i - reach, frame.i0);
+           i <= std::min(c.i + reach, frame.i0 + frame.width - 1); ++i) {
+        visit(static_cast<std::size_t>(frame.index({i, j})));
+      }
+    }
+  };
+  for (const Cell c : newly_known) {
+    visit_near(c, [&](std::size_t at) {
+      trust_.data[at] = 1.0F;
+      range_.data[at] = static_cast<float>(options_.sensor_range);
+      flips_.data[at] = 0;
+    });
+  }
+  for (const Cell c : changed) {
+    visit_near(c, [&](std::size_t at) {
+      constexpr std::uint8_t kMost = 20;
+      const float renewed = std::ldexp(1.0F, -static_cast<int>(flips_.data[at]) - 1);
+      if (trust_.data[at] >= renewed || flips_.data[at] >= kMost) return;
+      trust_.data[at] = renewed;
+      ++flips_.data[at];
+    });
+  }
+}
+
+void FrontierWorth::look(const Grid<std::uint8_t>& see_through,
+                         const std::vector<Frontier>& frontiers, const Pose& pose, double stamp,
+                         std::optional<Cell> seen_from_here) {
+  const Eigen::Vector2d eye = pose.position.head<2>();
+  if (!eye.allFinite() || !std::isfinite(pose.yaw) || !std::isfinite(stamp)) return;
+  if (last_look_ && stamp >= *last_look_ && stamp - *last_look_ < options_.look_interval - 1e-9) {
+    return;
+  }
+  last_look_ = stamp;
+  const double range = options_.sensor_range - options_.range_margin;
+  const double half = 0.5 * options_.sensor_fov - options_.fov_margin;
+  const Eigen::Vector2d ahead(std::cos(pose.yaw), std::sin(pose.yaw));
+  for (const Frontier& frontier : frontiers) {
+    for (const Cell c : frontier.cells) {
+      const Eigen::Vector2d to = see_through.frame.center(c) - eye;
+      if (to.squaredNorm() > range * range) continue;
+      const double bearing = std::atan2(ahead.x() * to.y() - ahead.y() * to.x(), ahead.dot(to));
+      if (std::abs(bearing) > half) continue;
+      if (seen_from_here != c && !line_of_sight(see_through, eye, see_through.frame.center(c))) {
+        continue;
+      }
+      if (!trust_.frame.contains(c)) continue;
+      const double weight = std::clamp(2.0 - 2.0 * to.norm() / options_.sensor_range, 0.0, 1.0);
+      trust_[c] *= static_cast<float>(std::pow(options_.failed_look, weight));
+      const double nearer = std::max(options_.nearest, options_.nearer * to.norm());
+      range_[c] = std::min(range_[c], static_cast<float>(nearer));
+    }
+  }
+}
+
+void FrontierWorth::visit_failed(Cell target, const std::vector<Cell>& cells, double resolution) {
+  for (const Cell c : cells) {
+    if (resolution * std::hypot(c.i - target.i, c.j - target.j) > options_.visit_radius) continue;
+    if (trust_.frame.contains(c)) trust_[c] *= static_cast<float>(options_.failed_visit);
+  }
+}
+
+void FrontierWorth::look_ranges(const Frontier& frontier, std::vector<float>& ranges) const {
+  float best = 0.0F;
+  for (const Cell c : frontier.cells) best = std::max(best, trust_.get(c, 1.0F));
+  const float least = static_cast<float>(options_.least_trust) * best;
+  ranges.resize(frontier.cells.size());
+  for (std::size_t n = 0; n < ranges.size(); ++n) {
+    const Cell c = frontier.cells[n];
+    const bool counts = trust_.get(c, 1.0F) >= least;
+    ranges[n] = counts ? range_.get(c, static_cast<float>(options_.sensor_range)) : 0.0F;
+  }
+}
+
+void FrontierWorth::measure(const Traversability& traversability,
+                            std::vector<Frontier>& frontiers) {
+  const double r = traversability.frame().resolution;
+  constexpr double kSwept = 1.0;  // [rad] that a robot turns while it looks, at least
+  const double view =
+      0.5 * options_.sensor_range * options_.sensor_range * std::max(options_.sensor_fov, kSwept);
+  for (Frontier& f : frontiers) {
+    f.promise = f.area = 0.0;
+    f.trust = 1.0;
+    if (!f.active) continue;
+    double trust = 0.0;
+    for (const Cell c : f.cells) trust += static_cast<double>(trust_.get(c, 1.0F));
+    trust /= static_cast<double>(f.cells.size());
+    f.trust = trust;
+    f.promise = std::min(view, r * r * count(traversability, f));
+    f.area = yield(f.promise) * trust * f.promise;
+  }
+}
+
+std::size_t FrontierWorth::size_class(double promise) {
+  std::size_t k = 0;
+  for (double limit = 0.5; k < 4 && promise >= limit; limit *= 2.0) ++k;
+  return k;
+}
+
+void FrontierWorth::learn(double promise, double expected, double shown) {
+  constexpr double kNewest = 0.2;
+  if (!(expected > 0.0) || !std::isfinite(shown)) return;
+  double& y = yields_[size_class(promise)];
+  y += kNewest * (std::clamp(shown / expected, 0.05, 1.0) - y);
+}
+
+int FrontierWorth::count(const Traversability& traversability, const Frontier& frontier) {
+  const double r = traversability.frame().resolution;
+  const double opening = std::min(options_.opening, traversability.clearance_limit());
+  const int steps = static_cast<int>(std::floor(options_.depth / r + 1e-9));
+  int i0 = frontier.cells.front().i, i1 = i0;
+  for (const Cell c : frontier.cells) {
+    i0 = std::min(i0, c.i);
+    i1 = std::max(i1, c.i);
+  }
+  const int j0 = frontier.cells.front().j, j1 = frontier.cells.back().j;  // in scan order
+  visited_.frame = {r, i0 - steps, j0 - steps, i1 - i0 + 1 + 2 * steps, j1 - j0 + 1 + 2 * steps};
+  visited_.data.assign(static_cast<std::size_t>(visited_.frame.size()), 0);
+  queue_.clear();
+
+  const auto visit = [&](Cell c) {
+    std::uint8_t& visited = visited_[c];
+    if (visited != 0) return;
+    visited = 1;
+    // Beyond the map everything is unknown and clear.
+    if (traversability.state(c) == CellState::kUnknown && traversability.clearance(c) >= opening) {
+      queue_.push_back(c);
+    }
+  };
+  for (const Cell c : frontier.cells) visit(c);
+  std::size_t next = 0;
+  for (int step = 0; step < steps && next < queue_.size(); ++step) {
+    for (const std::size_t end = queue_.size(); next < end; ++next) {
+      const Cell c = queue_[next];
+      visit({c.i + 1, c.j});
+      visit({c.i - 1, c.j});
+      visit({c.i, c.j + 1});
+      visit({c.i, c.j - 1});
+    }
+  }
+  return static_cast<int>(queue_.size());
+}
+
+}  // namespace prospect

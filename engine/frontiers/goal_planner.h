@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "engine/behaviour/facts.h"
+#include "engine/behaviour/monitors/goal_monitor.h"
+#include "engine/frontiers/cost_to_go_field.h"
+#include "engine/frontiers/frontier_planner.h"
+#include "engine/frontiers/goal_sources.h"
+#include "engine/maps/ground_map.h"
+#include "engine/maps/traversability.h"
+#include "engine/task/task.h"
+#include "models/types.h"
+
+namespace prospect {
+
+struct GoalPlannerOptions {
+  /// unknown_travel is replaced by the goal's price of the unknown.
+  TraversabilityOptions traversability;
+  CostToGoOptions cost_to_go;  ///< lambda does not count
+};
+
+/// The way to a place, from one planning step to the next: what the FrontierPlanner is for
+/// frontiers.
+///
+/// V(p) is the least cost of a way to the goal over cells that are known free, at their factor
+/// (traversability.h), and unknown cells, at `unknown_price` a metre: a goal in unknown space is
+/// reached by exploring towards it. What the robot may enter is decided by the certificate, as
+/// ever: at the first unknown cell of the way it stops and looks, and the way is found anew over
+/// what it sees. GlobalPlan::frontiers holds the unknown cells of the next kLookAhead metres of the
+/// way as one frontier (none: the way is known), the target leads to where the robot looks at the
+/// first of them from, or to the goal.
+///
+/// A robot that makes no progress for GoalMonitor::kHopelessAfter closes the place that holds it up
+/// (the first unknown cell of the way, else its narrowest place within 2 m) and looks for another
+/// way. Once no way is left, facts().unreachable says so, and `why` in one sentence: the goal is in
+/// or too near a wall, too near a forbidden area, or no way is left.
+///
+/// A value. Thread-safety: none; what update() returns is immutable and may be shared. Never throws
+/// after construction on finite input. Source: our choice; the cost-to-go is formulation, section
+/// 6.
+class GoalPlanner {
+ public:
+  static constexpr double kLookAhead = 2.0;  ///< [m]
+  static constexpr double kNear = 0.6;       ///< [m] of way from which the goal is driven to itself
+
+  /// unknown_price: 1 to 1000 metres of path equivalent a metre. Throws std::invalid_argument
+  /// naming the option, its value and what was expected.
+  GoalPlanner(const GoalPlannerOptions& options, const Goal& goal, double unknown_price);
+
+  /// ground: any map; pose finite, within 1000 km; stamp [s], non-decreasing. pursued: since the
+  /// last update the robot tried to get there. blocked: direction in W in which it does not get on,
+  /// though the map says so: a disc there is impassable from now on.
+  std::shared_ptr<const GlobalPlan> update(const GroundMap& ground, const Pose& pose, double stamp,
+                                           bool pursued,
+                                           const std::optional<Eigen::Vector2d>& blocked);
+
+  const Goal& goal() const { return goal_; }
+  const GoalFacts& facts() const { return facts_; }
+  const Traversability& traversability() const { return traversability_; }
+
+ private:
+  struct Way {
+    std::vector<Cell> cells;  // from the robot's to the goal's, each beside the one before
+    int first_unknown = -1;   // index, -1: none
+    double length = 0.0;      // [m]
+    double unknown = 0.0;     // [m] of it
+  };
+  void solve(Cell robot);
+  Way way() const;
+  void close_on(const Way& way);
+  std::string why_unreachable(int closed) const;
+
+  GoalPlannerOptions options_;
+  Goal goal_;
+  Traversability traversability_;
+  CostToGoField field_;
+  GridFrame solved_;  // frame that the field was solved for
+  GoalMonitor monitor_;
+  GoalFacts facts_;
+  std::optional<double> unreachable_since_;  // [s]
+  int closed_ = 0;                           // places that held it up
+};
+
+}  // namespace prospect

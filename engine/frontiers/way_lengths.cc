@@ -1,0 +1,123 @@
+#include "engine/frontiers/way_lengths.h"
+
+#include <cmath>
+
+#include "engine/maps/free_line.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kNear = 1.0;        // [m] around a robot in which its way may begin
+constexpr double kOffTheWay = 10.0;  // [m of path equivalent per m] to where it begins
+
+}  // namespace
+
+// Anew from all its cells: factors may rise, too.
+void WayLengths::refresh(Cell block, const Grid<float>& fine) {
+  if (!factor_.frame.contains(block)) return;
+  float cheapest = 0.0F;
+  std::uint8_t joined = 0;
+  for (int dj = 0; dj < kSide; ++dj) {
+    for (int di = 0; di < kSide; ++di) {
+      const Cell c{block.i * kSide + di, block.j * kSide + dj};
+      const float here = fine.get(c, 0.0F);
+      if (here == 0.0F) continue;
+      if (cheapest == 0.0F || here < cheapest) cheapest = here;
+      if (di == kSide - 1 && fine.get({c.i + 1, c.j}, 0.0F) != 0.0F) joined |= 1;
+      if (dj == kSide - 1 && fine.get({c.i, c.j + 1}, 0.0F) != 0.0F) joined |= 2;
+    }
+  }
+  factor_[block] = cheapest;
+  joined_[block] = joined;
+}
+
+void WayLengths::update(const Traversability& traversability) {
+  const Grid<float>& fine = traversability.factors();
+  // One block more on every side: all neighbours exist.
+  GridFrame blocks = frame_of_blocks(fine.frame, kSide);
+  blocks.i0 -= 1;
+  blocks.j0 -= 1;
+  blocks.width += 2;
+  blocks.height += 2;
+  if (traversability.restarted() || factor_.data.empty()) {
+    factor_ = Grid<float>(blocks, 0.0F);
+    joined_ = Grid<std::uint8_t>(blocks, 0);
+    for (int n = 0; n < blocks.size(); ++n) refresh(blocks.at(n), fine);
+  } else {
+    if (!(blocks == factor_.frame)) {
+      factor_.widen(blocks, 0.0F);
+      joined_.widen(blocks, std::uint8_t{0});
+    }
+    for (const Cell c : traversability.changed_factors()) {
+      const Cell block = block_of(c);
+      refresh(block, fine);
+      // Whether a neighbour below is joined to it depends on its lowest cells.
+      if (block_of({c.i - 1, c.j}).i != block.i) refresh({block.i - 1, block.j}, fine);
+      if (block_of({c.i, c.j - 1}).j != block.j) refresh({block.i, block.j - 1}, fine);
+    }
+  }
+  length_.clear();
+}
+
+void WayLengths::begin(Cell start) {
+  length_.assign(factor_.data.size(), kInfinity);
+  unpriced_.assign(factor_.data.size(), kInfinity);
+  setting_out_.assign(factor_.data.size(), -1);
+  start_ = block_of(start);
+  queue_ = {};
+}
+
+void WayLengths::reach(int block, double length, double unpriced, int setting_out) {
+  const auto at = static_cast<std::size_t>(block);
+  if (length >= length_[at]) return;
+  length_[at] = length;
+  unpriced_[at] = unpriced;
+  setting_out_[at] = setting_out;
+  queue_.emplace(length, block);
+}
+
+void WayLengths::begin_at_robot(const Traversability& traversability, Cell robot) {
+  begin(robot);
+  const GridFrame& cells = traversability.frame();
+  const int near = static_cast<int>(std::ceil(kNear / cells.resolution));
+  for (int dj = -near; dj <= near; ++dj) {
+    for (int di = -near; di <= near; ++di) {
+      const Cell c{robot.i + di, robot.j + dj};
+      const double distance = cells.resolution * std::hypot(di, dj);
+      if (distance > kNear || !traversability.passable(c)) continue;
+      const bool open = visit_line(cells, cells.center(robot), cells.center(c), [&](Cell on) {
+        return on == robot || traversability.state(on) != CellState::kOccupied;
+      });
+      if (!open) continue;
+      const int block = factor_.frame.index(block_of(c));
+      reach(block, kOffTheWay * distance, distance, block);
+    }
+  }
+}
+
+void WayLengths::extend(double limit, const WayPrice& price) {
+  spread(limit, price, [](Cell, double) { return false; });
+}
+
+double WayLengths::at(const std::vector<double>& values, Cell c) const {
+  const Cell block = block_of(c);
+  if (length_.empty() || !factor_.frame.contains(block)) return kInfinity;
+  return values[static_cast<std::size_t>(factor_.frame.index(block))];
+}
+
+double WayLengths::length(Cell c) const { return at(length_, c); }
+
+double WayLengths::unpriced(Cell c) const { return at(unpriced_, c); }
+
+double WayLengths::departure(Cell c) const {
+  const Cell block = block_of(c);
+  if (length_.empty() || !factor_.frame.contains(block)) return 0.0;
+  const int out = setting_out_[static_cast<std::size_t>(factor_.frame.index(block))];
+  if (out < 0) return 0.0;
+  const Eigen::Vector2d d =
+      factor_.frame.center(factor_.frame.at(out)) - factor_.frame.center(start_);
+  return std::atan2(d.y(), d.x());
+}
+
+}  // namespace prospect

@@ -1,0 +1,363 @@
+#include "engine/maps/clearance_field.h"
+
+#include <fcl/geometry/shape/box.h>
+#include <fcl/geometry/shape/sphere.h>
+#include <fcl/narrowphase/distance.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+namespace prospect {
+namespace {
+
+// Squared offsets are counted in half voxels and kept in 16 bits, eight to a vector register:
+// kFar + (2 kMaxHalo - 1)^2 must not overflow.
+constexpr std::int16_t kFar = 20000;
+constexpr int kMaxHalo = 50;
+// Rings of nodes beyond the reach: two for the spline's support and the correction's stencil.
+constexpr int kRing = 2;
+
+/// Squared gap, in half voxels, between a voxel's centre and the voxel `a` further along one axis.
+std::int16_t squared_gap(int a) {
+  const int gap = std::max(0, 2 * std::abs(a) - 1);
+  return static_cast<std::int16_t>(gap * gap);
+}
+
+void require(bool condition, const std::string& message) {
+  if (!condition) throw std::invalid_argument("clearance field: " + message);
+}
+
+}  // namespace
+
+ClearanceField::ClearanceField(const Eigen::Vector3d& center, const VoxelGrid& voxels,
+                               const GroundMap& ground, const Options& options,
+                               const ClearanceField* previous)
+    : options_(options) {
+  const double r = voxels.resolution();
+  require(center.allFinite() && center.cwiseAbs().maxCoeff() < 1e6,
+          "the centre is not finite or beyond 1000 km; expected one within");
+  require(options.reach > 0.0 && options.reach / r < 2000.0,
+          "reach is " + std::to_string(options.reach) + " m; expected within (0, 2000 voxels)");
+  require(options.cutoff >= r && options.cutoff <= (kMaxHalo - 1) * r,
+          "cutoff is " + std::to_string(options.cutoff) + " m; expected between 1 and 49 voxels");
+  require(std::isfinite(options.margin), "margin is not finite; expected a finite number");
+  require(ground.frame().resolution == r,
+          "ground map and voxels differ in resolution; expected the same");
+  if (options.vertical) {
+    require(options.vertical_reach > 0.0 && options.vertical_reach / r < 500.0,
+            "vertical_reach is " + std::to_string(options.vertical_reach) +
+                " m; expected within (0, 500 voxels)");
+  } else {
+    require(std::isfinite(options.slice.z_min) && std::isfinite(options.slice.z_max) &&
+                options.slice.z_max > options.slice.z_min,
+            "slice is [" + std::to_string(options.slice.z_min) + ", " +
+                std::to_string(options.slice.z_max) + "] m; expected z_min < z_max");
+  }
+
+  halo_ = static_cast<int>(std::floor(options.cutoff / r + 0.5));
+  const auto lowest = [&](double c, double reach) {
+    return static_cast<int>(std::floor((c - reach) / r)) - kRing;
+  };
+  const auto count = [&](double c, double reach) {
+    return static_cast<int>(std::floor((c + reach) / r)) + kRing + 1 - lowest(c, reach);
+  };
+  nodes_.resolution = r;
+  nodes_.i0 = lowest(center.x(), options.reach);
+  nodes_.j0 = lowest(center.y(), options.reach);
+  nodes_.width = count(center.x(), options.reach);
+  nodes_.height = count(center.y(), options.reach);
+  cells_ = nodes_;
+  cells_.i0 -= halo_;
+  cells_.j0 -= halo_;
+  cells_.width += 2 * halo_;
+  cells_.height += 2 * halo_;
+  if (options.vertical) {
+    k0_ = lowest(center.z(), options.vertical_reach);
+    depth_ = count(center.z(), options.vertical_reach);
+    cells_k0_ = k0_ - halo_;
+    cells_depth_ = depth_ + 2 * halo_;
+  }
+
+  gather(voxels, ground);
+  if (previous != nullptr && previous->resolution() == r &&
+      previous->options_.cutoff == options.cutoff &&
+      previous->options_.vertical == options.vertical) {
+    offset_distance_ = previous->offset_distance_;
+  } else {
+    measure_offsets();
+  }
+  transform();
+  if (options.zones != nullptr && options.zones->num_forbidden() > 0) keep_out();
+  correct();
+}
+
+void ClearanceField::gather(const VoxelGrid& voxels, const GroundMap& ground) {
+  solid_.assign(static_cast<std::size_t>(cells_.size()) * static_cast<std::size_t>(cells_depth_),
+                0);
+  const bool unknown_counts = options_.obstacles == Obstacles::kOccupiedAndUnknown;
+  const double r = cells_.resolution;
+  const int grid_low = voxels.k0();
+  const int grid_high = voxels.k0() + voxels.depth();  // exclusive
+  std::uint8_t* column = solid_.data();
+  if (options_.vertical) {
+    const int low = std::clamp(cells_k0_, grid_low, grid_high);
+    const int high = std::clamp(cells_k0_ + cells_depth_, low, grid_high);
+    for (int n = 0; n < cells_.size(); ++n, column += cells_depth_) {
+      const Cell c = cells_.at(n);
+      if (unknown_counts) std::fill_n(column, cells_depth_, std::uint8_t{1});
+      if (!voxels.frame().contains(c) || high == low) continue;
+      const CellState* state = voxels.data().data() + voxels.index(c.i, c.j, low);
+      for (int k = low; k < high; ++k, ++state) {
+        column[k - cells_k0_] =
+            *state == CellState::kOccupied || (unknown_counts && *state == CellState::kUnknown);
+      }
+    }
+    return;
+  }
+  const double low_voxel = std::floor(options_.slice.z_min / r + kFaceTolerance);
+  const double high_voxel = std::ceil(options_.slice.z_max / r - kFaceTolerance);
+  const int low = static_cast<int>(std::clamp<double>(low_voxel, grid_low, grid_high));
+  const int high = static_cast<int>(std::clamp<double>(high_voxel, low, grid_high));
+  for (int n = 0; n < cells_.size(); ++n, ++column) {
+    const Cell c = cells_.at(n);
+    bool solid = unknown_counts && !ground.explored(c);
+    if (!solid && high > low && voxels.frame().contains(c)) {
+      const CellState* state = voxels.data().data() + voxels.index(c.i, c.j, low);
+      solid = std::find(state, state + (high - low), CellState::kOccupied) != state + (high - low);
+    }
+    *column = solid;
+  }
+}
+
+void ClearanceField::measure_offsets() {
+  const double r = nodes_.resolution;
+  const double steps = 2.0 * options_.cutoff / r;
+  offset_distance_.assign(static_cast<std::size_t>(std::floor(steps * steps)) + 1,
+                          std::numeric_limits<double>::quiet_NaN());
+  // A voxel that overlaps the slice overlaps the planar probe's height, so the segment's distance
+  // to it is that of the point at the voxel's height: one probe, a sphere of radius zero, does for
+  // both.
+  const fcl::Sphered probe(0.0);
+  const fcl::Boxd voxel(r, r, r);
+  const fcl::Transform3d at_origin = fcl::Transform3d::Identity();
+  fcl::Transform3d at_offset = fcl::Transform3d::Identity();
+  const fcl::DistanceRequestd request;
+  const int highest = options_.vertical ? halo_ : 0;
+  for (int a = 1; a <= halo_; ++a) {
+    for (int b = 0; b <= a; ++b) {
+      for (int c = 0; c <= std::min(b, highest); ++c) {
+        const std::size_t q =
+            static_cast<std::size_t>(squared_gap(a) + squared_gap(b) + squared_gap(c));
+        if (q >= offset_distance_.size() || !std::isnan(offset_distance_[q])) continue;
+        at_offset.translation() = r * Eigen::Vector3d(a, b, c);
+        fcl::DistanceResultd result;
+        fcl::distance(&probe, at_origin, &voxel, at_offset, request, result);
+        offset_distance_[q] = std::min(result.min_distance, options_.cutoff);
+      }
+    }
+  }
+}
+
+void ClearanceField::transform() {
+  const int M = halo_;
+  const int D = depth_;
+  const std::size_t node_row = static_cast<std::size_t>(nodes_.width) * static_cast<std::size_t>(D);
+  const std::size_t wide_row = static_cast<std::size_t>(cells_.width) * static_cast<std::size_t>(D);
+  const std::size_t shift = static_cast<std::size_t>(D);  // one voxel along x
+  values_.resize(static_cast<std::size_t>(nodes_.size()) * static_cast<std::size_t>(D));
+  std::vector<std::int16_t> along_z(wide_row), below(static_cast<std::size_t>(cells_depth_));
+  std::vector<std::int16_t> along_x(node_row * static_cast<std::size_t>(cells_.height));
+  std::vector<std::int16_t> nearest(node_row);
+  std::vector<std::int16_t> gap2(static_cast<std::size_t>(M) + 1);
+  for (int a = 0; a <= M; ++a) gap2[static_cast<std::size_t>(a)] = squared_gap(a);
+
+  // Separable exact transform: the squared gap to the nearest voxel of the wanted kind is a minimum
+  // over x of (a minimum over y of (a minimum over z)). First to solid voxels, for nodes outside;
+  // then to free ones, for nodes inside.
+  for (const std::uint8_t wanted : {std::uint8_t{1}, std::uint8_t{0}}) {
+    for (int j = 0; j < cells_.height; ++j) {
+      const std::uint8_t* solid =
+          solid_.data() + static_cast<std::ptrdiff_t>(j) * cells_.width * cells_depth_;
+      if (cells_depth_ == 1) {
+        for (std::size_t n = 0; n < wide_row; ++n) {
+          along_z[n] = solid[n] == wanted ? std::int16_t{0} : kFar;
+        }
+      } else {
+        for (int i = 0; i < cells_.width; ++i, solid += cells_depth_) {
+          std::int16_t* out = along_z.data() + static_cast<std::ptrdiff_t>(i) * D;
+          // Most columns are of one kind throughout.
+          const auto depth = static_cast<std::size_t>(cells_depth_);
+          if (std::memchr(solid, wanted, depth) == nullptr) {
+            std::fill_n(out, D, kFar);
+            continue;
+          }
+          if (std::memchr(solid, 1 - wanted, depth) == nullptr) {
+            std::fill_n(out, D, std::int16_t{0});
+            continue;
+          }
+          int last = -2 * M;
+          for (int k = 0; k < cells_depth_; ++k) {
+            if (solid[k] == wanted) last = k;
+            below[static_cast<std::size_t>(k)] =
+                static_cast<std::int16_t>(std::min(k - last, M + 1));
+          }
+          int next = cells_depth_ + 2 * M;
+          for (int k = cells_depth_ - 1; k >= M; --k) {
+            if (solid[k] == wanted) next = k;
+            if (k >= M + D) continue;
+            const int steps = std::min<int>(below[static_cast<std::size_t>(k)], next - k);
+            out[k - M] = steps > M ? kFar : gap2[static_cast<std::size_t>(steps)];
+          }
+        }
+      }
+      std::int16_t* out = along_x.data() + static_cast<std::size_t>(j) * node_row;
+      std::fill_n(out, node_row, kFar);
+      for (int a = -M; a <= M; ++a) {
+        const std::int16_t add = gap2[static_cast<std::size_t>(std::abs(a))];
+        const std::int16_t* in = along_z.data() + static_cast<std::size_t>(M + a) * shift;
+        for (std::size_t n = 0; n < node_row; ++n) {
+          const auto sum = static_cast<std::int16_t>(in[n] + add);
+          out[n] = std::min(out[n], sum);
+        }
+      }
+    }
+    const double sign = wanted == 1 ? 1.0 : -1.0;
+    const double far = sign * options_.cutoff;
+    for (int j = 0; j < nodes_.height; ++j) {
+      std::fill(nearest.begin(), nearest.end(), kFar);
+      for (int b = -M; b <= M; ++b) {
+        const std::int16_t add = gap2[static_cast<std::size_t>(std::abs(b))];
+        const std::int16_t* in = along_x.data() + static_cast<std::size_t>(j + M + b) * node_row;
+        for (std::size_t n = 0; n < node_row; ++n) {
+          const auto sum = static_cast<std::int16_t>(in[n] + add);
+          nearest[n] = std::min(nearest[n], sum);
+        }
+      }
+      double* value = values_.data() + static_cast<std::size_t>(j) * node_row;
+      for (std::size_t n = 0; n < node_row; ++n) {
+        const auto q = static_cast<std::size_t>(nearest[n]);
+        if (q == 0) continue;  // the node itself is of the wanted kind: the other sweep's business
+        value[n] = q < offset_distance_.size() ? sign * offset_distance_[q] : far;
+      }
+    }
+  }
+}
+
+void ClearanceField::keep_out() {
+  double* value = values_.data();
+  for (int n = 0; n < nodes_.size(); ++n) {
+    const double distance = std::clamp(options_.zones->distance(nodes_.center(nodes_.at(n))),
+                                       -options_.cutoff, options_.cutoff);
+    for (int k = 0; k < depth_; ++k, ++value) *value = std::min(*value, distance);
+  }
+}
+
+void ClearanceField::correct() {
+  coefficients_.resize(values_.size());
+  const std::ptrdiff_t D = depth_;
+  const std::ptrdiff_t step_i = D;
+  const std::ptrdiff_t step_j = D * nodes_.width;
+  const double* f = values_.data();
+  double* c = coefficients_.data();
+  const auto convexity = [](double low, double at, double high) {
+    return std::max(0.0, low - 2.0 * at + high);
+  };
+  for (int j = 0; j < nodes_.height; ++j) {
+    for (int i = 0; i < nodes_.width; ++i, f += D, c += D) {
+      // Beyond the border f continues as a constant: a missing neighbour is the node itself.
+      const double* left = i > 0 ? f - step_i : f;
+      const double* right = i + 1 < nodes_.width ? f + step_i : f;
+      const double* front = j > 0 ? f - step_j : f;
+      const double* back = j + 1 < nodes_.height ? f + step_j : f;
+      for (std::ptrdiff_t k = 0; k < D; ++k) {
+        c[k] = f[k] - options_.margin -
+               0.125 * (convexity(left[k], f[k], right[k]) + convexity(front[k], f[k], back[k]));
+      }
+      if (D == 1) continue;
+      c[0] -= 0.125 * convexity(f[0], f[0], f[1]);
+      for (std::ptrdiff_t k = 1; k + 1 < D; ++k) {
+        c[k] -= 0.125 * convexity(f[k - 1], f[k], f[k + 1]);
+      }
+      c[D - 1] -= 0.125 * convexity(f[D - 2], f[D - 1], f[D - 1]);
+    }
+  }
+}
+
+double ClearanceField::distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradient) const {
+  const int dimensions = depth_ == 1 ? 2 : 3;
+  if (!p.head(dimensions).allFinite()) {
+    if (gradient != nullptr) gradient->setZero();
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  const double r = nodes_.resolution;
+  const int low[3] = {nodes_.i0, nodes_.j0, k0_};
+  const int size[3] = {nodes_.width, nodes_.height, depth_};
+  const std::ptrdiff_t stride[3] = {depth_, static_cast<std::ptrdiff_t>(depth_) * nodes_.width, 1};
+  std::ptrdiff_t offset[3][3];
+  double weight[3][3], slope[3][3];
+  Eigen::Vector3d beyond = Eigen::Vector3d::Zero();
+  bool outside = false;
+  for (int a = 0; a < dimensions; ++a) {
+    // In units of voxels from the lattice's lowest face; nodes at 1/2, 3/2, ... The end nodes are
+    // repeated outward, so the spline is constant from the faces on, with zero slope there.
+    const double u = p[a] / r - low[a];
+    const double inside = std::clamp(u, 0.0, static_cast<double>(size[a]));
+    if (u != inside) {
+      beyond[a] = p[a] - (low[a] + inside) * r;
+      outside = true;
+    }
+    const int base = std::min(static_cast<int>(inside), size[a] - 1);
+    const double t = inside - base - 0.5;
+    weight[a][0] = 0.5 * (0.5 - t) * (0.5 - t);
+    weight[a][1] = 0.75 - t * t;
+    weight[a][2] = 0.5 * (0.5 + t) * (0.5 + t);
+    slope[a][0] = t - 0.5;
+    slope[a][1] = -2.0 * t;
+    slope[a][2] = t + 0.5;
+    for (int n = 0; n < 3; ++n) {
+      offset[a][n] = std::clamp(base + n - 1, 0, size[a] - 1) * stride[a];
+    }
+  }
+
+  double value = 0.0;
+  double d[3] = {0.0, 0.0, 0.0};
+  const double* c = coefficients_.data();
+  if (dimensions == 2) {
+    for (int n = 0; n < 3; ++n) {
+      const double* row = c + offset[1][n];
+      const double c0 = row[offset[0][0]], c1 = row[offset[0][1]], c2 = row[offset[0][2]];
+      const double sum = weight[0][0] * c0 + weight[0][1] * c1 + weight[0][2] * c2;
+      value += weight[1][n] * sum;
+      d[0] += weight[1][n] * (slope[0][0] * c0 + slope[0][1] * c1 + slope[0][2] * c2);
+      d[1] += slope[1][n] * sum;
+    }
+  } else {
+    for (int n = 0; n < 3; ++n) {
+      for (int m = 0; m < 3; ++m) {
+        const double* line = c + offset[1][n] + offset[0][m];
+        const double c0 = line[offset[2][0]], c1 = line[offset[2][1]], c2 = line[offset[2][2]];
+        const double sum = weight[2][0] * c0 + weight[2][1] * c1 + weight[2][2] * c2;
+        const double w = weight[1][n] * weight[0][m];
+        value += w * sum;
+        d[0] += weight[1][n] * slope[0][m] * sum;
+        d[1] += slope[1][n] * weight[0][m] * sum;
+        d[2] += w * (slope[2][0] * c0 + slope[2][1] * c1 + slope[2][2] * c2);
+      }
+    }
+  }
+  Eigen::Vector3d g(d[0] / r, d[1] / r, d[2] / r);
+  if (outside) {
+    // hypot, so that far-away points cannot overflow.
+    const double length = std::hypot(std::hypot(beyond.x(), beyond.y(), beyond.z()), r);
+    value -= length - r;
+    g -= beyond / length;
+  }
+  if (gradient != nullptr) *gradient = g;
+  return value;
+}
+
+}  // namespace prospect

@@ -1,0 +1,29 @@
+#include "engine/planner/feature_weight.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace prospect {
+
+double feature_weight(const std::vector<WeighedCandidate>& candidates, double standing,
+                      double most) {
+  constexpr double kGoesOn = 0.5;  // share of the gain
+  constexpr double kAhead = 0.1;   // share of the gain by which going on must be better
+  double least = std::numeric_limits<double>::infinity();
+  for (const WeighedCandidate& c : candidates) least = std::min(least, c.others);
+  const double gain = standing - least;
+  if (!(gain > 0.0) || candidates.empty()) return most;
+  double weight = 0.0;
+  for (const WeighedCandidate& i : candidates) {
+    if (standing - i.others < kGoesOn * gain) continue;
+    double bound = most;
+    for (const WeighedCandidate& j : candidates) {
+      if (standing - j.others >= kGoesOn * gain || j.features >= i.features) continue;
+      bound = std::min(bound, (j.others - i.others - kAhead * gain) / (i.features - j.features));
+    }
+    weight = std::max(weight, bound);
+  }
+  return std::clamp(weight, 0.0, most);
+}
+
+}  // namespace prospect

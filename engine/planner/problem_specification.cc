@@ -1,0 +1,221 @@
+#include "engine/planner/problem_specification.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "engine/maps/body_clearance.h"
+#include "engine/terms/braking_constraint.h"
+#include "engine/terms/control_effort.h"
+#include "engine/terms/cost_to_go_term.h"
+#include "engine/terms/heading_alignment.h"
+#include "engine/terms/input_rate.h"
+#include "engine/terms/obstacle_cost.h"
+#include "engine/terms/rate_limit.h"
+#include "engine/terms/speed_limit.h"
+
+namespace prospect {
+namespace {
+
+void require(bool present, const char* what) {
+  if (!present) throw std::invalid_argument(std::string("problem: no ") + what + "; expected one");
+}
+
+/// An axis-aligned box in W [m].
+struct Box {
+  Eigen::Vector3d low, high;
+
+  void include(const Box& other) {
+    low = low.cwiseMin(other.low);
+    high = high.cwiseMax(other.high);
+  }
+};
+
+/// Where rays of a table can run: between its nodes and those of its points that are within reach.
+Box rays(const SensorLattice& lattice, const OcclusionTable::Options& options,
+         const std::vector<Eigen::Vector3d>& points) {
+  const Eigen::Vector3d last(lattice.nx - 1, lattice.ny - 1, lattice.nz - 1);
+  const Box nodes{lattice.origin, lattice.origin + lattice.spacing * last};
+  const Eigen::Vector3d farthest_low = nodes.low.array() - options.max_range;
+  const Eigen::Vector3d farthest_high = nodes.high.array() + options.max_range;
+  Box box = nodes;
+  for (const Eigen::Vector3d& p : points) {
+    box.low = box.low.cwiseMin(p.cwiseMax(farthest_low));
+    box.high = box.high.cwiseMax(p.cwiseMin(farthest_high));
+  }
+  return box;
+}
+
+/// The part of the range [first, first + count) that [low, high] [m] touches, with a margin for
+/// rounding; a single entry where they do not meet.
+std::pair<int, int> cut(int first, int count, double low, double high, double resolution) {
+  constexpr double kMargin = 2.0;  // [voxels]
+  const double from = std::floor(low / resolution) - kMargin;
+  const double to = std::floor(high / resolution) + kMargin + 1.0;
+  const double end = static_cast<double>(first) + count;
+  const auto begin = static_cast<int>(std::clamp<double>(from, first, end - 1.0));
+  return {begin, static_cast<int>(std::clamp<double>(to, begin + 1.0, end)) - begin};
+}
+
+GridFrame cut(const GridFrame& frame, const Box& box) {
+  GridFrame part = frame;
+  std::tie(part.i0, part.width) =
+      cut(frame.i0, frame.width, box.low.x(), box.high.x(), frame.resolution);
+  std::tie(part.j0, part.height) =
+      cut(frame.j0, frame.height, box.low.y(), box.high.y(), frame.resolution);
+  return part;
+}
+
+std::vector<Eigen::Vector3d> positions(const std::vector<Landmark>& landmarks) {
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(landmarks.size());
+  for (const Landmark& l : landmarks) points.push_back(l.position);
+  return points;
+}
+
+}  // namespace
+
+void update_clearance(const ProblemSpecification& specification, CachedEvaluators& parts) {
+  require(specification.voxels != nullptr, "voxels");
+  require(specification.ground != nullptr, "ground map");
+  ClearanceField::Options options = specification.clearance_field;
+  options.zones = specification.zones;
+  options.obstacles = ClearanceField::Obstacles::kOccupied;
+  parts.occupied =
+      std::make_shared<const ClearanceField>(specification.clearance_center, *specification.voxels,
+                                             *specification.ground, options, parts.occupied.get());
+  if (specification.unknown == UnknownPolicy::kFree) {
+    parts.known = nullptr;
+    return;
+  }
+  options.obstacles = ClearanceField::Obstacles::kOccupiedAndUnknown;
+  parts.known =
+      std::make_shared<const ClearanceField>(specification.clearance_center, *specification.voxels,
+                                             *specification.ground, options, parts.known.get());
+}
+
+void update_views(const ProblemSpecification& specification, CachedEvaluators& parts) {
+  require(specification.robot.model != nullptr, "motion model");
+  require(specification.voxels != nullptr, "voxels");
+  parts.landmark_table = std::make_shared<const OcclusionTable>(
+      specification.landmark_lattice, positions(specification.landmarks), specification.voxels,
+      specification.landmark_occlusion, parts.landmark_table.get());
+  parts.prediction = std::make_shared<const VisibilityPrediction>(
+      specification.landmarks, specification.robot.stereo, specification.robot.stereo_mount,
+      parts.landmark_table, specification.visibility);
+  parts.target_table = std::make_shared<const OcclusionTable>(
+      specification.target_lattice, specification.targets.positions(), specification.voxels,
+      specification.target_occlusion, parts.target_table.get());
+  parts.gain = std::make_shared<const ExplorationGain>(
+      specification.targets, specification.robot.depth, specification.robot.depth_mount,
+      parts.target_table, specification.gain, specification.robot.model->pose(specification.x0));
+  parts.visible_features = std::make_shared<const VisibleFeatures>(
+      parts.prediction, specification.features,
+      specification.features.rho > 0.0 ? parts.gain : nullptr);
+}
+
+std::shared_ptr<const Problem> assemble_problem(const ProblemSpecification& specification,
+                                                CachedEvaluators& parts) {
+  require(specification.robot.model != nullptr, "motion model");
+  require(specification.cost_to_go != nullptr, "cost-to-go");
+  require(parts.occupied && parts.gain && parts.visible_features, "parts to assemble");
+  const MotionModel& model = *specification.robot.model;
+  const InputLimits& limits = model.limits();
+  const ProblemSpecification::Weights& w = specification.weights;
+
+  ProblemDefinition d;
+  d.model = specification.robot.model;
+  d.x0 = specification.x0;
+  d.u_previous = specification.u_previous;
+  d.N = specification.N;
+  d.dt = specification.dt;
+  d.M = specification.M;
+  d.zones = specification.zones;
+
+  d.terms.push_back(
+      {std::make_shared<ControlEffort>(specification.desired_input, limits), w.control_effort});
+  d.terms.push_back({std::make_shared<InputRate>(limits), w.input_rate});
+  const auto body =
+      std::make_shared<const BodyClearance>(parts.occupied, specification.robot.shape);
+  d.terms.push_back(
+      {std::make_shared<ObstacleCost>(body, specification.d_safe, specification.d_des),
+       w.obstacles});
+  d.terms.push_back({parts.visible_features, w.visible_features});
+  d.terms.push_back({parts.gain, -w.exploration_gain});
+  d.terms.push_back({std::make_shared<CostToGoTerm>(specification.cost_to_go), w.cost_to_go});
+  if (w.heading_alignment > 0.0) {
+    d.terms.push_back(
+        {std::make_shared<HeadingAlignment>(specification.cost_to_go), w.heading_alignment});
+  }
+  d.terms.push_back({std::make_shared<ClearanceConstraint>(body, specification.clearance), 1.0});
+  if (specification.unknown != UnknownPolicy::kFree) {
+    const auto known =
+        std::make_shared<const BodyClearance>(parts.known, specification.robot.shape);
+    d.terms.push_back(
+        {unknown_space_constraint(specification.unknown, known, specification.unknown_d_safe),
+         1.0});
+  }
+  if (limits.rate.array().isFinite().any()) {
+    d.terms.push_back({std::make_shared<RateLimit>(limits, specification.M), 1.0});
+  }
+  if (model.num_state_constraints() > 0) {
+    d.terms.push_back({std::make_shared<SpeedLimit>(model), 1.0});
+  }
+  return std::make_shared<const Problem>(std::move(d));
+}
+
+std::shared_ptr<const Problem> make_problem(const ProblemSpecification& specification) {
+  CachedEvaluators parts;
+  update_clearance(specification, parts);
+  update_views(specification, parts);
+  parts.landmark_table->cast_all();
+  parts.target_table->cast_all();
+  return assemble_problem(specification, parts);
+}
+
+ProblemSpecification with_maps_cut(ProblemSpecification specification) {
+  require(specification.voxels != nullptr, "voxels");
+  require(specification.ground != nullptr, "ground map");
+  const VoxelGrid& voxels = *specification.voxels;
+  const double r = voxels.resolution();
+
+  const ClearanceField::Options& field = specification.clearance_field;
+  // The nodes within reach, two rings of them more, and the obstacles within the cutoff.
+  const double around = field.cutoff + 4.0 * r;
+  const Eigen::Vector3d half(field.reach + around, field.reach + around,
+                             field.vertical_reach + around);
+  Box window{specification.clearance_center - half, specification.clearance_center + half};
+  if (!field.vertical) {
+    window.low.z() = field.slice.z_min;
+    window.high.z() = field.slice.z_max;
+  }
+  Box box = window;
+  box.include(rays(specification.landmark_lattice, specification.landmark_occlusion,
+                   positions(specification.landmarks)));
+  box.include(rays(specification.target_lattice, specification.target_occlusion,
+                   specification.targets.positions()));
+
+  const GridFrame columns = cut(voxels.frame(), box);
+  const auto [k0, depth] = cut(voxels.k0(), voxels.depth(), box.low.z(), box.high.z(), r);
+  std::vector<CellState> data;
+  data.reserve(static_cast<std::size_t>(columns.size()) * static_cast<std::size_t>(depth));
+  for (int n = 0; n < columns.size(); ++n) {
+    const Cell c = columns.at(n);
+    const auto column =
+        voxels.data().begin() + static_cast<std::ptrdiff_t>(voxels.index(c.i, c.j, k0));
+    data.insert(data.end(), column, column + depth);
+  }
+  specification.voxels = std::make_shared<const VoxelGrid>(columns, k0, depth, std::move(data));
+
+  const GridFrame cells = cut(specification.ground->frame(), window);
+  auto ground = std::make_shared<GroundMap>(cells);
+  for (int n = 0; n < cells.size(); ++n) {
+    ground->set(cells.at(n), specification.ground->state(cells.at(n)));
+  }
+  specification.ground = std::move(ground);
+  return specification;
+}
+
+}  // namespace prospect

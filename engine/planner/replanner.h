@@ -1,0 +1,32 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "engine/frontiers/frontier_planner.h"
+#include "engine/maps/belief.h"
+#include "engine/safety/plan.h"
+#include "engine/task/task.h"
+
+namespace prospect {
+
+/// What a mission asks at each step: a plan from a belief. Planner is the one of this project; the
+/// frontier planners it is measured against are others.
+///
+/// plan() never throws and always returns an executable plan. Thread-safety: one thread.
+class Replanner {
+ public:
+  virtual ~Replanner() = default;
+  virtual Plan plan(const Belief& belief) = 0;
+  /// The frontiers at the last plan(); null before the first.
+  virtual std::shared_ptr<const GlobalPlan> global_plan() const = 0;
+  /// What to do from the next plan() on. Returns "" if it is taken, else why not, and the task
+  /// stays as it was.
+  virtual std::string set_task(const Task& task) {
+    return task.kind == TaskKind::kExplore && !task.area
+               ? ""
+               : "this planner can only explore, anywhere";
+  }
+};
+
+}  // namespace prospect

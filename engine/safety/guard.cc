@@ -1,0 +1,258 @@
+#include "engine/safety/guard.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "models/limited_twist.h"
+
+namespace prospect {
+namespace {
+
+/// Largest change of the j-th velocity per second: the rate limit of an input that is a velocity,
+/// the bounds of one that is an acceleration.
+double largest_acceleration(const MotionModel& model, int j) {
+  const InputLimits& limits = model.limits();
+  if (std::isfinite(limits.rate[j])) return limits.rate[j];
+  if (model.num_state_constraints() == 0) return std::numeric_limits<double>::infinity();
+  return std::max(std::abs(limits.lower[j]), std::abs(limits.upper[j]));
+}
+
+bool is_finite(const Pose& pose) { return pose.position.allFinite() && std::isfinite(pose.yaw); }
+
+constexpr double kFuture = 1e-6;  // [s] that a stamp may be ahead of the clock: rounding
+
+void require(bool ok, const char* name, double value, const char* expected) {
+  if (ok) return;
+  throw std::invalid_argument("guard: " + std::string(name) + " is " + std::to_string(value) +
+                              "; expected " + expected);
+}
+
+GuardReason reason_of(Certificate::Status status) {
+  switch (status) {
+    case Certificate::Status::kOutOfView:
+      return GuardReason::kLost;
+    case Certificate::Status::kForbidden:
+      return GuardReason::kForbidden;
+    case Certificate::Status::kTooFast:
+      return GuardReason::kSlowZone;
+    case Certificate::Status::kOverBudget:
+      return GuardReason::kOverBudget;
+    default:
+      return GuardReason::kMap;
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(GuardReason reason) {
+  switch (reason) {
+    case GuardReason::kPassed:
+      return "passed";
+    case GuardReason::kNonFinite:
+      return "non-finite";
+    case GuardReason::kLimit:
+      return "limit";
+    case GuardReason::kRate:
+      return "rate";
+    case GuardReason::kStale:
+      return "stale";
+    case GuardReason::kUncommitted:
+      return "uncommitted";
+    case GuardReason::kMap:
+      return "map";
+    case GuardReason::kLost:
+      return "lost";
+    case GuardReason::kForbidden:
+      return "forbidden";
+    case GuardReason::kSlowZone:
+      return "slow zone";
+    case GuardReason::kOverBudget:
+      return "over budget";
+  }
+  return "?";
+}
+
+Guard::Guard(std::shared_ptr<const MotionModel> model, const RobotShape& shape,
+             const Certifier::Options& certificate, Options options)
+    : model_(std::move(model)), certifier_(shape, certificate), options_(options) {
+  if (!model_) throw std::invalid_argument("guard: no motion model; expected one");
+  for (const auto& [name, age] : {std::pair{"max_belief_age", options_.max_belief_age},
+                                  {"max_pose_age", options_.max_pose_age},
+                                  {"max_map_age", options_.max_map_age},
+                                  {"max_landmarks_age", options_.max_landmarks_age},
+                                  {"max_ranges_age", options_.max_ranges_age},
+                                  {"plan_slack", options_.plan_slack}}) {
+    require(age >= 0.0, name, age, "seconds >= 0");
+  }
+  require(options_.max_step >= Options::kMinStep && std::isfinite(options_.max_step), "max_step",
+          options_.max_step, "a finite time of at least 0.001 s");
+  require(options_.tolerance >= 0.0 && options_.tolerance <= 0.1, "tolerance", options_.tolerance,
+          "0 to 0.1");
+  require(options_.mismatch >= 0.0 && options_.mismatch < 1.0, "mismatch", options_.mismatch,
+          "0 to below 1");
+  const int yaw = model_->nu() - 1;
+  for (int j = 0; j < yaw; ++j) {
+    linear_acceleration_ = std::hypot(linear_acceleration_, largest_acceleration(*model_, j));
+  }
+  angular_acceleration_ = largest_acceleration(*model_, yaw);
+}
+
+Twist Guard::hardest_braking(const Twist& previous, const Belief& newest, double dt) const {
+  // Braking does not depend on where the robot is: a lost pose does not stop it from braking.
+  const Pose pose = is_finite(newest.pose) ? newest.pose : Pose();
+  const Eigen::VectorXd x = model_->state(pose, previous);
+  const Eigen::VectorXd u = model_->braking_input(x, model_->input(previous), dt);
+  Eigen::VectorXd next(model_->nx());
+  model_->step(x, u, dt, next);
+  return limited_twist(*model_, model_->twist(next, u));
+}
+
+GuardVerdict Guard::stop(GuardReason reason, const std::string& detail, const Twist& previous,
+                         const Belief& newest, double dt) const {
+  GuardVerdict verdict;
+  verdict.reason = reason;
+  verdict.detail = detail;
+  if (dt >= Options::kMinStep && dt <= options_.max_step) verdict.duration = dt;
+  if (is_finite(previous)) {
+    verdict.command = hardest_braking(previous, newest, verdict.duration);
+  }
+  return verdict;
+}
+
+bool Guard::brakes(const Twist& command, const Twist& previous, const Belief& newest,
+                   double dt) const {
+  const Twist from = limited_twist(*model_, previous);
+  const Twist hardest = hardest_braking(from, newest, dt);
+  const double m = model_->num_state_constraints() > 0 ? options_.mismatch : 0.0;
+  const double slack = options_.tolerance * model_->max_speed();
+  const double speed = from.linear.norm(), least = hardest.linear.norm();
+  return command.linear.norm() <= least + m * std::max(0.0, speed - least) + slack &&
+         (command.linear - hardest.linear).norm() <= m * speed + slack &&
+         std::abs(command.yaw_rate - hardest.yaw_rate) <=
+             options_.tolerance * model_->max_yaw_rate();
+}
+
+/// Which source is too old or from the future, and how old; empty if none is.
+std::string Guard::stale_source(const Belief& newest, double now) const {
+  const SourceStamps& stamps = newest.stamps;
+  struct Source {
+    const char* name;
+    double stamp, limit;
+  };
+  for (const Source& source :
+       {Source{"the newest belief is", newest.stamp, options_.max_belief_age},
+        {"the pose is", stamps.pose, options_.max_pose_age},
+        {"the map is", stamps.map, options_.max_map_age},
+        {"the landmarks are", stamps.landmarks, options_.max_landmarks_age},
+        {"the ranges are", stamps.ranges, options_.max_ranges_age}}) {
+    const double age = now - source.stamp;
+    if (age <= source.limit && age >= -kFuture && std::isfinite(age)) continue;
+    char text[120];
+    if (age < -kFuture) {
+      std::snprintf(text, sizeof text, "%s from the future, by %.3g s", source.name, -age);
+    } else {
+      std::snprintf(text, sizeof text, "%s %.1f s old; expected at most %.3g s", source.name, age,
+                    source.limit);
+    }
+    return text;
+  }
+  return "";
+}
+
+bool Guard::within_rates(const Twist& command, const Twist& previous, double dt) const {
+  const double slack = 1.0 + options_.tolerance;
+  const double allowed = slack * linear_acceleration_ * dt + options_.tolerance;
+  double change = (command.linear - previous.linear).norm();
+  if (model_->num_state_constraints() > 0) {
+    // A velocity that is held in W turns in B as the body turns beneath it.
+    const Eigen::AngleAxisd turned(command.yaw_rate * dt, Eigen::Vector3d::UnitZ());
+    change = std::min(change, (turned * command.linear - previous.linear).norm());
+  }
+  return change <= allowed && std::abs(command.yaw_rate - previous.yaw_rate) <=
+                                  slack * angular_acceleration_ * dt + options_.tolerance;
+}
+
+GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, const Belief& newest,
+                          double now) const {
+  const auto refuse = [&](GuardReason reason, const std::string& detail) {
+    return stop(reason, detail, previous, newest, plan.dt);
+  };
+  try {
+    if (stage < 0 || stage >= static_cast<int>(plan.commands.size())) {
+      return refuse(GuardReason::kUncommitted, "the plan has no such stage");
+    }
+    const auto at = static_cast<std::size_t>(stage);
+    const Twist& command = plan.commands[at];
+    if (!is_finite(command) || !is_finite(previous) || !is_finite(newest.twist) ||
+        !is_finite(newest.pose) || !std::isfinite(plan.dt)) {
+      return refuse(GuardReason::kNonFinite,
+                    "the command, the pose, a velocity or the time step is not finite");
+    }
+    if (!(plan.dt >= Options::kMinStep && plan.dt <= options_.max_step)) {
+      return refuse(GuardReason::kLimit, "the plan's time step is " + std::to_string(plan.dt) +
+                                             " s; expected 0.001 to " +
+                                             std::to_string(options_.max_step) + " s");
+    }
+    const double slack = 1.0 + options_.tolerance;
+    if (command.linear.norm() > slack * model_->max_speed() ||
+        std::abs(command.yaw_rate) > slack * model_->max_yaw_rate()) {
+      return refuse(GuardReason::kLimit, "the command is faster than the model allows");
+    }
+    if (!within_rates(command, previous, plan.dt)) {
+      return refuse(GuardReason::kRate, "the command changes faster than the model allows");
+    }
+    if (const std::string stale = stale_source(newest, now); !stale.empty()) {
+      return refuse(GuardReason::kStale, stale);
+    }
+    const double plan_age = now - plan.stamp;
+    if (!(plan_age <= plan.committed * plan.dt + options_.plan_slack) || !(plan_age >= -kFuture)) {
+      return refuse(GuardReason::kStale, "the plan is " + std::to_string(plan_age) + " s old");
+    }
+    if (plan.kind == PlanKind::kStoppingTail) {
+      if (!brakes(command, previous, newest, plan.dt)) {
+        return refuse(GuardReason::kUncommitted,
+                      "the stopping tail does not brake as hard as the model can");
+      }
+      return {command, plan.dt, GuardReason::kPassed, ""};
+    }
+    if (!plan.certified || stage >= plan.committed ||
+        plan.committed > static_cast<int>(plan.inputs.size())) {
+      return refuse(GuardReason::kUncommitted, "the plan is not certified up to this stage");
+    }
+    if (plan.committed > certifier_.max_stages()) {
+      return refuse(GuardReason::kOverBudget, "the committed part has too many stages");
+    }
+    Eigen::MatrixXd remaining(model_->nu(), plan.committed - stage);
+    for (int k = stage; k < plan.committed; ++k) {
+      const Eigen::VectorXd& u = plan.inputs[static_cast<std::size_t>(k)];
+      if (u.size() != model_->nu() || !u.allFinite()) {
+        return refuse(GuardReason::kNonFinite, "an input of the plan is not finite");
+      }
+      remaining.col(k - stage) = u;
+    }
+    // What is certified is the motion under the inputs; what is sent is the command.
+    const Eigen::VectorXd x = model_->state(newest.pose, previous);
+    Eigen::VectorXd next(model_->nx());
+    model_->step(x, remaining.col(0), plan.dt, next);
+    const Twist certified = model_->twist(next, remaining.col(0));
+    const double mismatch = model_->num_state_constraints() > 0 ? options_.mismatch : 1e-6;
+    if ((certified.linear - command.linear).norm() > mismatch * model_->max_speed() ||
+        std::abs(certified.yaw_rate - command.yaw_rate) > mismatch * model_->max_yaw_rate()) {
+      return refuse(GuardReason::kUncommitted, "the command is not that of the certified input");
+    }
+    const Certificate certificate =
+        certifier_.certify(newest, *model_, x, model_->input(previous), remaining, plan.dt);
+    if (!certificate.ok()) return refuse(reason_of(certificate.status), certificate.detail);
+    return {command, plan.dt, GuardReason::kPassed, ""};
+  } catch (const std::exception& e) {
+    return refuse(GuardReason::kMap, std::string("checking failed: ") + e.what());
+  }
+}
+
+}  // namespace prospect

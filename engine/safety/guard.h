@@ -1,0 +1,116 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "engine/maps/belief.h"
+#include "engine/safety/certificate.h"
+#include "engine/safety/plan.h"
+#include "models/motion_model.h"
+
+namespace prospect {
+
+enum class GuardReason {
+  kPassed,
+  kNonFinite,    ///< the command, the pose or the velocity is not finite
+  kLimit,        ///< faster than the model allows, or a time step out of bounds
+  kRate,         ///< a larger change of velocity than the model allows
+  kStale,        ///< the belief, one of its sources or the plan is too old, or from the future
+  kUncommitted,  ///< the plan does not reach that far, is not certified, does not belong to its
+                 ///< commands, or is a stop that does not brake
+  kMap,          ///< the newest map forbids what was certified against an older one
+  kLost,         ///< nothing bounds the pose's error, and the motion leaves what is in view
+  kForbidden,    ///< the motion enters a keep-out or leaves the bound
+  kSlowZone,     ///< it is faster than a slow zone allows
+  kOverBudget    ///< the check was given up: Certificate::Status::kOverBudget
+};
+
+std::string_view to_string(GuardReason reason);
+
+/// What the motors get.
+struct GuardVerdict {
+  Twist command;           ///< finite and within limits, whatever was asked for
+  double duration = 0.25;  ///< [s] that it may be held: the plan's dt, if that is within bounds
+  GuardReason reason = GuardReason::kPassed;
+  std::string detail;
+  bool passed() const { return reason == GuardReason::kPassed; }
+};
+
+/// The last gate before the motors. A command passes only if it is finite, within limits and rates,
+/// from fresh sources, and its plan's remaining committed part, with the stop after it, is
+/// certified against the newest map; the command must be the one that the certified inputs give.
+/// Otherwise the verdict is the hardest admissible braking from the command in force, or zero if
+/// that is not finite.
+///
+/// Fresh: each source of the belief has a stamp (SourceStamps) and an age limit; a stamp that is
+/// not finite or from the future is refused. A map that was given and does not change has an
+/// infinite limit. A verdict of kStale names the source and its age.
+///
+/// A stopping tail needs no certificate: it is what would be done instead. So it has to be that:
+/// with p the command in force and h what the hardest admissible braking (braking_input() of the
+/// model) makes of it in one step, a command c passes as
+///     |c| <= |h| + m (|p| - |h|),   |c - h| <= m |p|   (linear),   c = h   (yaw rate),
+/// all up to `tolerance`; m = mismatch for bases whose commanded velocity turns with the estimated
+/// yaw, else 0. So a command that stays as it is passes at rest only, and one that passes takes at
+/// least the share 1 - m of what can be taken from the speed, without turning aside.
+///
+/// Localization that is lost, or whose covariance is none: the certificate lets the robot drive
+/// only into what is in view (certificate.h). Bounded time: see there, too.
+///
+/// check() never throws; the constructor throws std::invalid_argument without a model, with a shape
+/// or options that Certifier refuses, or with options of its own out of range. Thread-safety:
+/// const; may be called concurrently. Source: architecture, contracts; the faults it must catch are
+/// those of the fault notes.
+class Guard {
+ public:
+  struct Options {
+    // Age limits [s], >= 0; infinite: any age.
+    double max_belief_age = 0.5;
+    double max_pose_age = 0.5;
+    double max_map_age = 1.0;
+    double max_landmarks_age = 1.0;
+    double max_ranges_age = 1.0;
+    double plan_slack = 0.3;  ///< [s] that a plan may outlive its committed part, >= 0
+    /// Longest and shortest time step of a plan [s]: a command is held that long, and over less
+    /// than the shortest no braking could be told from none.
+    double max_step = 2.0;
+    static constexpr double kMinStep = 1e-3;
+    double tolerance = 1e-6;  ///< relative, on limits and rates, 0 to 0.1
+    /// Share of the largest speeds by which a command may differ from what its input gives from the
+    /// newest pose, for bases controlled by acceleration: their body velocity turns with the
+    /// estimated yaw. Of a stopping tail: m above. 0 to below 1.
+    double mismatch = 0.1;
+  };
+
+  Guard(std::shared_ptr<const MotionModel> model, const RobotShape& shape,
+        const Certifier::Options& certificate, Options options);
+  Guard(std::shared_ptr<const MotionModel> model, const RobotShape& shape,
+        const Certifier::Options& certificate)
+      : Guard(std::move(model), shape, certificate, Options()) {}
+
+  /// Other zones from now on; null: none. Not while another thread checks.
+  void set_zones(std::shared_ptr<const ZoneMap> zones) { certifier_.set_zones(std::move(zones)); }
+
+  /// May plan.commands[stage] be sent at time `now` [s], given the newest belief and the command in
+  /// force before it?
+  GuardVerdict check(const Plan& plan, int stage, const Twist& previous, const Belief& newest,
+                     double now) const;
+
+ private:
+  GuardVerdict stop(GuardReason reason, const std::string& detail, const Twist& previous,
+                    const Belief& newest, double dt) const;
+  Twist hardest_braking(const Twist& previous, const Belief& newest, double dt) const;
+  bool brakes(const Twist& command, const Twist& previous, const Belief& newest, double dt) const;
+  std::string stale_source(const Belief& newest, double now) const;
+  bool within_rates(const Twist& command, const Twist& previous, double dt) const;
+
+  std::shared_ptr<const MotionModel> model_;
+  Certifier certifier_;
+  Options options_;
+  double linear_acceleration_ = 0.0;   // [m/s^2]
+  double angular_acceleration_ = 0.0;  // [rad/s^2]
+};
+
+}  // namespace prospect

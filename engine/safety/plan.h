@@ -1,0 +1,87 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "engine/behaviour/caution.h"
+#include "engine/behaviour/mode.h"
+#include "engine/problem/solver.h"
+#include "engine/task/task.h"
+#include "models/types.h"
+
+namespace prospect {
+
+/// What a plan is made of.
+enum class PlanKind {
+  kOptimised,    ///< polished by the solver, certified
+  kSeed,         ///< a seed scored best or the polished ones failed the certificate; certified
+  kStoppingTail  ///< nothing new could be certified: braking to rest
+};
+
+std::string_view to_string(PlanKind kind);
+
+/// Wall-clock time of the parts of one planning step [ms].
+struct PlanTimes {
+  double frontier_planner = 0.0;  ///< frontiers and cost-to-go
+  double clearance = 0.0;         ///< clearance fields
+  double views = 0.0;             ///< landmark and target selection, occlusion tables
+  double seeds = 0.0;             ///< making and scoring seeds
+  double polish = 0.0;            ///< the solver
+  double certify = 0.0;
+  double total = 0.0;
+};
+
+/// One of the best candidates of a planning step, and what became of it.
+struct PlanCandidate {
+  std::string name;       ///< of the seed
+  bool polished = false;  ///< by the solver
+  double cost = 0.0;      ///< its lower bound, if only scored
+  double violation = 0.0;
+  Eigen::VectorXd z;    ///< the problem's variables
+  std::string verdict;  ///< "executed", "not tried", or why the certificate refused it
+};
+
+/// One planning step's result. Always executable: `commands` are finite, within the model's limits
+/// and either certified or a stop.
+struct Plan {
+  PlanKind kind = PlanKind::kStoppingTail;
+  double stamp = 0.0;                   ///< [s], of the belief it starts from
+  double dt = 0.25;                     ///< [s], duration of each command
+  std::vector<Eigen::VectorXd> states;  ///< x_0 ... x_N
+  std::vector<Eigen::VectorXd> inputs;  ///< u_0 ... u_{N-1}
+  std::vector<Twist> commands;          ///< body velocity to hold over each stage
+  std::vector<double> visible;          ///< N_k predicted at k = 0 ... N; empty without landmarks
+  int committed = 0;  ///< leading stages that are certified, with the stop after them
+
+  bool certified = false;
+  std::string certificate;  ///< what the certificate said
+  std::string seed;         ///< name of the seed the plan grew from
+  std::string solver;
+  StopReason stop = StopReason::kConverged;
+  Quality quality = Quality::kNone;
+  Explanation explanation;  ///< every term, raw and weighted
+  Counters counters;
+  int seeds_scored = 0;
+  double features_weight = 0.0;  ///< w_l in this step (feature_weight.h)
+  PlanTimes times;
+
+  TaskKind task = TaskKind::kExplore;  ///< what it was told to do
+  std::optional<Goal> goal;            ///< of that, if it leads to a place
+  Mode mode;                           ///< what the robot does, and why
+  Caution caution = Caution::kNormal;  ///< which distances it keeps
+  std::string why;                     ///< the same in a sentence, with numbers
+  /// The best five, and the one executed, in the order in which they were to be tried.
+  std::vector<PlanCandidate> candidates;
+
+  bool has_active_frontier = false;  ///< some active frontier is reachable
+  std::string detail;                ///< why it is a stop, in one sentence
+  /// Landmarks of the belief that could not be used and were left out, and the first fault of the
+  /// landmark map, empty if there is none (usable_landmarks.h).
+  int landmarks_dropped = 0;
+  std::string landmark_fault;
+};
+
+}  // namespace prospect

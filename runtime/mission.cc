@@ -1,0 +1,184 @@
+#include "runtime/mission.h"
+
+#include <algorithm>
+
+namespace prospect {
+namespace {
+
+/// Asks the guard for a standstill until it grants it. Until then it answers with the hardest
+/// admissible braking, so rates are kept, and a source that has died does not keep it from braking.
+void bring_to_rest(Robot& robot, const Guard& guard, Twist previous) {
+  constexpr int kMost = 100;  // of a base that does not come to rest in that many no more is known
+  Plan stop;
+  stop.commands = {Twist{}};
+  for (int n = 0; n < kMost; ++n) {
+    stop.stamp = robot.time();
+    const GuardVerdict verdict = guard.check(stop, 0, previous, *robot.sense(), robot.time());
+    previous = verdict.command;
+    const bool at_rest = previous.linear.isZero(0.0) && previous.yaw_rate == 0.0;
+    robot.apply(previous, at_rest ? 0.0 : verdict.duration);
+    if (at_rest) return;
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(MissionEnd end) {
+  switch (end) {
+    case MissionEnd::kExplored:
+      return "explored";
+    case MissionEnd::kYieldTooLow:
+      return "yield too low";
+    case MissionEnd::kUnreachable:
+      return "unreachable";
+    case MissionEnd::kEnough:
+      return "enough seen";
+    case MissionEnd::kGoalReached:
+      return "goal reached";
+    case MissionEnd::kReturned:
+      return "returned";
+    case MissionEnd::kGoalUnreachable:
+      return "goal unreachable";
+    case MissionEnd::kTimeLimit:
+      return "time limit";
+    case MissionEnd::kLost:
+      return "localization lost";
+    case MissionEnd::kCancelled:
+      return "cancelled";
+  }
+  return "?";
+}
+
+bool task_done(MissionEnd end) {
+  switch (end) {
+    case MissionEnd::kExplored:
+    case MissionEnd::kYieldTooLow:
+    case MissionEnd::kEnough:
+    case MissionEnd::kGoalReached:
+    case MissionEnd::kReturned:
+      return true;
+    case MissionEnd::kUnreachable:
+    case MissionEnd::kGoalUnreachable:
+    case MissionEnd::kTimeLimit:
+    case MissionEnd::kLost:
+    case MissionEnd::kCancelled:
+      break;
+  }
+  return false;
+}
+
+namespace {
+
+MissionEnd end_for(Cause cause) {
+  switch (cause) {
+    case Cause::kUnreachable:
+      return MissionEnd::kUnreachable;
+    case Cause::kYieldTooLow:
+      return MissionEnd::kYieldTooLow;
+    case Cause::kGoalReached:
+      return MissionEnd::kGoalReached;
+    case Cause::kReturned:
+      return MissionEnd::kReturned;
+    case Cause::kGoalUnreachable:
+      return MissionEnd::kGoalUnreachable;
+    default:
+      return MissionEnd::kExplored;
+  }
+}
+
+/// The mission up to its last stop; `previous` is the command in force, also when `observe` throws.
+MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
+                      const MissionOptions& options,
+                      const std::function<void(const MissionStep&)>& observe,
+                      const std::function<bool()>& cancelled, Twist& previous) {
+  MissionResult result;
+  const double start = robot.time();
+  double last_localized = start;
+  int guard_stops = 0;
+  GuardReason guard_reason = GuardReason::kPassed;
+  // The mission is over. On the way back `end` stays that of the task.
+  const auto over = [&result](MissionEnd end, const std::string& detail) {
+    if (!result.back) {
+      result.end = end;
+      result.detail = detail;
+    } else if (end == MissionEnd::kReturned) {
+      result.back = true;
+      result.detail += " It is back where it began.";
+    } else {
+      result.detail += " It did not get back: " + detail;
+    }
+    return result;
+  };
+  while (true) {
+    const std::shared_ptr<const Belief> belief = robot.sense();
+    result.duration = robot.time() - start;
+    if (cancelled && cancelled()) {
+      return over(MissionEnd::kCancelled,
+                  "cancelled after " + std::to_string(result.duration) + " s");
+    }
+    if (result.duration >= options.time_limit) {
+      return over(MissionEnd::kTimeLimit,
+                  "the time limit of " + std::to_string(options.time_limit) + " s is reached");
+    }
+    if (belief->localization != Localization::kLost) {
+      last_localized = robot.time();
+    } else if (robot.time() - last_localized > options.lost_limit) {
+      return over(MissionEnd::kLost, "localization was lost and did not come back within " +
+                                         std::to_string(options.lost_limit) + " s");
+    }
+
+    Belief commanded = *belief;
+    commanded.command = previous;
+    const Plan plan = planner.plan(commanded);
+    const std::shared_ptr<const GlobalPlan> global_plan = planner.global_plan();
+    const MissionStep step{result.steps,      result.duration, belief.get(), &plan,
+                           global_plan.get(), guard_stops,     guard_reason};
+    if (observe) observe(step);
+    ++result.steps;
+    guard_stops = 0;
+    guard_reason = GuardReason::kPassed;
+    if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
+    const bool done = plan.mode.kind == ModeKind::kDone;
+    if (done || (!result.back && options.enough && options.enough(step))) {
+      const MissionEnd end = done ? end_for(plan.mode.cause) : MissionEnd::kEnough;
+      over(end, done ? plan.why : "enough was seen.");
+      if (result.back || !options.return_when_done || end == MissionEnd::kReturned) return result;
+      result.back = false;
+      const std::string refused = planner.set_task(Task::return_to_start());
+      if (!refused.empty()) return over(MissionEnd::kGoalUnreachable, refused);
+    }
+
+    const int stages =
+        std::max(1, std::min<int>(plan.committed, static_cast<int>(plan.commands.size())));
+    for (int stage = 0; stage < stages; ++stage) {
+      const GuardVerdict verdict = guard.check(plan, stage, previous, *robot.sense(), robot.time());
+      robot.apply(verdict.command, verdict.duration);
+      previous = verdict.command;
+      if (verdict.passed()) continue;
+      ++guard_stops;
+      guard_reason = verdict.reason;
+      ++result.guard_stops;
+      break;
+    }
+  }
+}
+
+}  // namespace
+
+MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
+                          const MissionOptions& options,
+                          const std::function<void(const MissionStep&)>& observe,
+                          const std::function<bool()>& cancelled) {
+  Twist previous = robot.sense()->twist;
+  MissionResult result;
+  try {
+    result = explore(robot, planner, guard, options, observe, cancelled, previous);
+  } catch (...) {
+    bring_to_rest(robot, guard, previous);
+    throw;
+  }
+  bring_to_rest(robot, guard, previous);
+  return result;
+}
+
+}  // namespace prospect

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "engine/planner/replanner.h"
+#include "engine/safety/guard.h"
+#include "runtime/robot.h"
+
+namespace prospect {
+
+enum class MissionEnd {
+  kExplored,         ///< no frontier is left that can be reached and promises anything
+  kYieldTooLow,      ///< what is left and can be reached shows too little for the way
+  kUnreachable,      ///< nothing is left, but the robot is cut off from most places it came through
+  kEnough,           ///< MissionOptions::enough said so
+  kGoalReached,      ///< the robot is at the pose that it was told to go to
+  kReturned,         ///< it is back where it began
+  kGoalUnreachable,  ///< no way leads to the goal, or back
+  kTimeLimit,
+  kLost,  ///< localization was lost and did not come back
+  kCancelled
+};
+
+std::string_view to_string(MissionEnd end);
+
+/// Whether a mission that ended so did what it was told.
+bool task_done(MissionEnd end);
+
+struct MissionStep;
+
+struct MissionOptions {
+  double time_limit = 1200.0;  ///< [s] of the robot's clock
+  double lost_limit = 120.0;   ///< [s] without localization that end the mission
+  /// Asked after each planning step, after `observe`: true ends the task; empty: never.
+  std::function<bool(const MissionStep&)> enough{};
+  /// Once the task is over (not: time is up, lost, cancelled), back to where the mission began.
+  bool return_when_done = false;
+};
+
+/// What an observer is shown after each planning step, before it is executed.
+struct MissionStep {
+  int index = 0;
+  double time = 0.0;  ///< [s]
+  const Belief* belief = nullptr;
+  const Plan* plan = nullptr;
+  const GlobalPlan* global_plan = nullptr;
+  /// Commands of the previous plan that the guard turned into stops, since the last step.
+  int guard_stops = 0;
+  GuardReason guard_reason = GuardReason::kPassed;  ///< of the last of them
+};
+
+struct MissionResult {
+  MissionEnd end = MissionEnd::kTimeLimit;
+  std::string detail;
+  double duration = 0.0;  ///< [s] of the robot's clock
+  int steps = 0;
+  int fallbacks = 0;    ///< steps that ended in a stopping tail
+  int guard_stops = 0;  ///< commands that the guard replaced
+  /// Of return_when_done, once the task was over: whether the robot is back. Then `end` says how
+  /// the task ended, and `detail` also why it did not get back.
+  std::optional<bool> back;
+  /// The task was done, and the robot is back if it was told to return.
+  bool done() const { return task_done(end) && back.value_or(true); }
+};
+
+/// Does the planner's task until the plan's mode is done or time is up:
+///   sense -> plan -> for each committed stage: sense, guard, apply.
+/// Every command passes the guard with the newest belief, the last ones too: the mission ends by
+/// braking as hard as is admissible until the robot stands, which result.duration does not count
+/// (at most 100 commands; then a base that cannot stop is left as it is). `observe` (may be empty)
+/// is called after each planning step; `cancelled` (may be empty) is asked before each.
+///
+/// Does not throw, unless `observe` or `cancelled` does: then the robot is brought to rest first,
+/// in the same way, and the exception passed on.
+MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
+                          const MissionOptions& options,
+                          const std::function<void(const MissionStep&)>& observe = {},
+                          const std::function<bool()>& cancelled = {});
+
+}  // namespace prospect

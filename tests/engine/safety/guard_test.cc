@@ -1,0 +1,596 @@
+#include "engine/safety/guard.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "models/limited_twist.h"
+#include "models/make_model.h"
+#include "tests/engine/obstacle_worlds.h"
+
+namespace prospect::guard_test {
+namespace {
+
+using test::ObstacleWorld;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+Certifier::Options certificate_options() {
+  Certifier::Options options;
+  options.slice = {0.1, 0.5};
+  return options;
+}
+
+Guard make_guard(const std::shared_ptr<const MotionModel>& model) {
+  return Guard(model, CylinderShape{}, certificate_options());
+}
+
+/// A certified plan that drives the inputs (one column a stage) from the belief.
+Plan plan_of(const MotionModel& model, const Belief& belief, const Eigen::MatrixXd& inputs,
+             double dt = 0.25) {
+  Plan plan;
+  plan.kind = PlanKind::kOptimised;
+  plan.stamp = belief.stamp;
+  plan.dt = dt;
+  plan.certified = true;
+  plan.committed = static_cast<int>(inputs.cols());
+  Eigen::VectorXd x = model.state(belief.pose, belief.twist), next(model.nx());
+  plan.states.push_back(x);
+  for (Eigen::Index k = 0; k < inputs.cols(); ++k) {
+    model.step(x, inputs.col(k), dt, next);
+    plan.inputs.emplace_back(inputs.col(k));
+    plan.commands.push_back(model.twist(next, inputs.col(k)));
+    plan.states.push_back(next);
+    x = next;
+  }
+  return plan;
+}
+
+class GuardTest : public ::testing::Test {
+ protected:
+  std::shared_ptr<const MotionModel> model_ = make_model("unicycle");
+  Guard guard_ = make_guard(model_);
+  Belief belief_ = ObstacleWorld().belief();
+  Twist before_;  // in force
+  Plan plan_;
+  double now_ = 10.0;
+
+  void SetUp() override {
+    before_.linear.x() = 0.4;
+    before_.yaw_rate = 0.1;
+    belief_.set_stamps(now_);
+    belief_.twist = before_;
+    plan_ = plan_of(*model_, belief_, (Eigen::MatrixXd(2, 2) << 0.5, 0.5, 0.3, 0.2).finished());
+  }
+
+  GuardVerdict check(int stage = 0) { return guard_.check(plan_, stage, before_, belief_, now_); }
+  /// The hardest braking of the unicycle from `before_`.
+  void expect_braking(const GuardVerdict& verdict) {
+    EXPECT_NEAR(verdict.command.linear.x(), 0.4 - 0.8 * 0.25, 1e-12);
+    EXPECT_NEAR(verdict.command.yaw_rate, 0.0, 1e-12);
+    EXPECT_FALSE(verdict.detail.empty());
+    EXPECT_FALSE(verdict.passed());
+  }
+};
+
+TEST_F(GuardTest, PassesACertifiedFreshCommand) {
+  const GuardVerdict verdict = check();
+  EXPECT_TRUE(verdict.passed()) << verdict.detail;
+  EXPECT_EQ(verdict.command.linear.x(), 0.5);
+  EXPECT_EQ(verdict.command.yaw_rate, 0.3);
+  before_ = plan_.commands[0];
+  EXPECT_TRUE(check(1).passed());
+}
+
+TEST_F(GuardTest, NonFiniteCommandsPosesAndVelocities) {
+  for (const double bad : {kNan, kInfinity, -kInfinity}) {
+    SetUp();
+    plan_.commands[0].linear.x() = bad;
+    EXPECT_EQ(check().reason, GuardReason::kNonFinite);
+    expect_braking(check());
+    SetUp();
+    plan_.commands[0].yaw_rate = bad;
+    EXPECT_EQ(check().reason, GuardReason::kNonFinite);
+    SetUp();
+    plan_.inputs[1][0] = bad;
+    EXPECT_EQ(check().reason, GuardReason::kNonFinite);
+    SetUp();
+    belief_.pose.position.y() = bad;
+    EXPECT_EQ(check().reason, GuardReason::kNonFinite);
+    expect_braking(check());
+    SetUp();
+    belief_.pose.yaw = bad;
+    EXPECT_EQ(check().reason, GuardReason::kNonFinite);
+    expect_braking(check());
+    SetUp();
+    belief_.twist.linear.x() = bad;
+    EXPECT_EQ(check().reason, GuardReason::kNonFinite);
+    SetUp();
+    before_.linear.x() = bad;  // nothing to brake from
+    EXPECT_EQ(check().reason, GuardReason::kNonFinite);
+    EXPECT_EQ(check().command.linear.norm(), 0.0);
+    EXPECT_EQ(check().command.yaw_rate, 0.0);
+    SetUp();
+    plan_.dt = bad;
+    EXPECT_EQ(check().reason, GuardReason::kNonFinite);
+  }
+}
+
+TEST_F(GuardTest, CommandsBeyondTheLimits) {
+  plan_.commands[0].linear.x() = 0.6 * (1.0 + 1e-5);
+  before_.linear.x() = 0.6;
+  EXPECT_EQ(check().reason, GuardReason::kLimit);
+  SetUp();
+  plan_.commands[0].linear = {0.5, 0.5, 0.0};  // 0.71 m/s
+  EXPECT_EQ(check().reason, GuardReason::kLimit);
+  SetUp();
+  plan_.commands[0].yaw_rate = -1.01;
+  EXPECT_EQ(check().reason, GuardReason::kLimit);
+  expect_braking(check());
+}
+
+TEST_F(GuardTest, ChangesBeyondTheRates) {
+  // 0.8 m/s^2 for 0.25 s is 0.2 m/s; 2.5 rad/s^2 is 0.625 rad/s.
+  before_.linear.x() = 0.5 - 0.2001;
+  EXPECT_EQ(check().reason, GuardReason::kRate);
+  before_.linear.x() = 0.5 - 0.1999;
+  EXPECT_TRUE(check().passed());
+  before_.yaw_rate = 0.3 - 0.626;
+  EXPECT_EQ(check().reason, GuardReason::kRate);
+  SetUp();
+}
+
+TEST_F(GuardTest, StaleAndFutureBeliefsAndPlans) {
+  now_ = 10.51;
+  EXPECT_EQ(check().reason, GuardReason::kStale);  // a belief of 0.51 s
+  expect_braking(check());
+  now_ = 9.99;
+  EXPECT_EQ(check().reason, GuardReason::kStale);  // from the future
+  now_ = kNan;
+  EXPECT_EQ(check().reason, GuardReason::kStale);
+
+  now_ = 10.79;  // the plan may be 2 * 0.25 + 0.3 s old
+  belief_.set_stamps(now_);
+  EXPECT_TRUE(check().passed());
+  belief_.set_stamps(now_ = 10.81);
+  EXPECT_EQ(check().reason, GuardReason::kStale);
+  belief_.set_stamps(now_ = 9.9);
+  EXPECT_EQ(check().reason, GuardReason::kStale);  // a plan from the future
+  SetUp();
+  now_ = 10.0;
+  plan_.stamp = kNan;
+  EXPECT_EQ(check().reason, GuardReason::kStale);
+  SetUp();
+  belief_.stamp = kNan;
+  EXPECT_EQ(check().reason, GuardReason::kStale);
+}
+
+TEST_F(GuardTest, WhatIsNotCommittedDoesNotPass) {
+  EXPECT_EQ(check(2).reason, GuardReason::kUncommitted);  // no such stage
+  EXPECT_EQ(check(-1).reason, GuardReason::kUncommitted);
+  expect_braking(check(2));
+  plan_.committed = 0;
+  EXPECT_EQ(check().reason, GuardReason::kUncommitted);
+  SetUp();
+  plan_.certified = false;
+  EXPECT_EQ(check().reason, GuardReason::kUncommitted);
+  SetUp();
+  plan_.committed = 3;  // more than there are inputs
+  EXPECT_EQ(check().reason, GuardReason::kUncommitted);
+  SetUp();
+  plan_.inputs[1].resize(5);
+  plan_.inputs[1].setZero();
+  EXPECT_EQ(check().reason, GuardReason::kNonFinite);
+  // A command that is not what the certified input gives is not certified.
+  SetUp();
+  plan_.commands[0].yaw_rate = 0.29;
+  EXPECT_EQ(check().reason, GuardReason::kUncommitted);
+  plan_ = Plan();
+  EXPECT_EQ(check().reason, GuardReason::kUncommitted);
+}
+
+TEST_F(GuardTest, TheNewestMapForbidsWhatAnOlderOneAllowed) {
+  ASSERT_TRUE(check().passed());
+  ObstacleWorld world;
+  for (int j = -10; j < 10; ++j) world.occupy_column(4, j);  // a wall at x = 0.4, body to 0.18
+  Belief newest = world.belief();
+  newest.set_stamps(now_);
+  newest.twist = before_;
+  GuardVerdict verdict = guard_.check(plan_, 0, before_, newest, now_);
+  EXPECT_EQ(verdict.reason, GuardReason::kMap);
+  expect_braking(verdict);
+  // An obstacle behind does not matter.
+  ObstacleWorld behind;
+  for (int j = -10; j < 10; ++j) behind.occupy_column(-8, j);
+  newest = behind.belief();
+  newest.set_stamps(now_);
+  EXPECT_TRUE(guard_.check(plan_, 0, before_, newest, now_).passed());
+  // Nor may it enter what has become unknown.
+  ObstacleWorld fog;
+  for (int i = 3; i < 8; ++i) {
+    for (int j = -10; j < 10; ++j) fog.forget_column(i, j);
+  }
+  newest = fog.belief();
+  newest.set_stamps(now_);
+  EXPECT_EQ(guard_.check(plan_, 0, before_, newest, now_).reason, GuardReason::kMap);
+  newest.voxels = nullptr;
+  EXPECT_EQ(guard_.check(plan_, 0, before_, newest, now_).reason, GuardReason::kMap);
+}
+
+// Tails passed that were to be held for twelve days; a step that is not positive never ends.
+TEST_F(GuardTest, ATimeStepIsBounded) {
+  for (const PlanKind kind : {PlanKind::kOptimised, PlanKind::kStoppingTail}) {
+    for (const double dt : {-0.25, -1e-300, 0.0, 1e-300, 1e-9, 2.1, 1e6, 1e300}) {
+      SetUp();
+      plan_.kind = kind;
+      plan_.commands[0] = before_;
+      plan_.dt = dt;
+      const GuardVerdict verdict = check();
+      EXPECT_EQ(verdict.reason, GuardReason::kLimit) << dt;
+      // What is sent instead brakes as over a usual step, and is held as long.
+      expect_braking(verdict);
+      EXPECT_EQ(verdict.duration, 0.25);
+    }
+  }
+  SetUp();
+  EXPECT_EQ(check().duration, plan_.dt);
+}
+
+// One stamp stood for all: a map frozen for 50 s passed under the fresh stamp of the pose.
+TEST_F(GuardTest, EachSourceHasItsOwnAge) {
+  struct Source {
+    const char* name;
+    double SourceStamps::*stamp;
+    double Guard::Options::*limit;
+  };
+  const Source sources[] = {
+      {"pose", &SourceStamps::pose, &Guard::Options::max_pose_age},
+      {"map", &SourceStamps::map, &Guard::Options::max_map_age},
+      {"landmarks", &SourceStamps::landmarks, &Guard::Options::max_landmarks_age},
+      {"ranges", &SourceStamps::ranges, &Guard::Options::max_ranges_age}};
+  for (const Source& source : sources) {
+    SetUp();
+    const double limit = Guard::Options().*source.limit;
+    ASSERT_TRUE(std::isfinite(limit)) << source.name;
+    belief_.stamps.*source.stamp = now_ - limit + 0.01;
+    EXPECT_TRUE(check().passed()) << source.name;
+    belief_.stamps.*source.stamp = now_ - 7.5;
+    const GuardVerdict verdict = check();
+    EXPECT_EQ(verdict.reason, GuardReason::kStale);
+    EXPECT_NE(verdict.detail.find(source.name), std::string::npos) << verdict.detail;
+    EXPECT_NE(verdict.detail.find("7.5 s"), std::string::npos) << verdict.detail;
+    expect_braking(verdict);
+    for (const double bad : {now_ + 0.1, kNan, kInfinity, -kInfinity}) {
+      belief_.stamps.*source.stamp = bad;
+      EXPECT_EQ(check().reason, GuardReason::kStale) << source.name << bad;
+    }
+    belief_.stamps = SourceStamps();  // forgotten
+    EXPECT_EQ(check().reason, GuardReason::kStale);
+    // A source that does not change may be of any age, but not from the future.
+    Guard::Options options;
+    options.*source.limit = kInfinity;
+    const Guard patient(model_, CylinderShape{}, certificate_options(), options);
+    SetUp();
+    belief_.stamps.*source.stamp = 0.0;
+    EXPECT_TRUE(patient.check(plan_, 0, before_, belief_, now_).passed()) << source.name;
+    belief_.stamps.*source.stamp = now_ + 0.1;
+    EXPECT_EQ(patient.check(plan_, 0, before_, belief_, now_).reason, GuardReason::kStale);
+    belief_.stamps.*source.stamp = kNan;
+    EXPECT_EQ(patient.check(plan_, 0, before_, belief_, now_).reason, GuardReason::kStale);
+    for (const double bad : {-0.1, kNan, -kInfinity}) {
+      options.*source.limit = bad;
+      EXPECT_THROW(Guard(model_, CylinderShape{}, certificate_options(), options),
+                   std::invalid_argument);
+    }
+  }
+}
+
+TEST_F(GuardTest, RefusesOptionsOutOfRange) {
+  const auto refuses = [&](auto change) {
+    Guard::Options options;
+    change(options);
+    EXPECT_THROW(Guard(model_, CylinderShape{}, certificate_options(), options),
+                 std::invalid_argument);
+  };
+  refuses([](auto& o) { o.max_belief_age = -1.0; });
+  refuses([](auto& o) { o.plan_slack = kNan; });
+  refuses([](auto& o) { o.max_step = 0.0; });
+  refuses([](auto& o) { o.max_step = kInfinity; });
+  refuses([](auto& o) { o.tolerance = -1e-6; });
+  refuses([](auto& o) { o.mismatch = 1.0; });
+  refuses([](auto& o) { o.mismatch = kNan; });
+}
+
+// The stop is certified as the hardest that the model can: one that brakes less ends in the wall.
+TEST_F(GuardTest, AStoppingTailBrakesAsHardAsItCan) {
+  const auto passes = [&](double v, double vy, double w) {
+    plan_.commands[0].linear = {v, vy, 0.0};
+    plan_.commands[0].yaw_rate = w;
+    return check().passed();
+  };
+  plan_.kind = PlanKind::kStoppingTail;
+  plan_.certified = false;
+  // From 0.4 m/s and 0.1 rad/s, in 0.25 s: 0.2 m/s, 0 rad/s.
+  EXPECT_TRUE(passes(0.2, 0.0, 0.0));
+  EXPECT_FALSE(passes(0.4, 0.0, 0.1)) << "as before";
+  EXPECT_FALSE(passes(0.4, 0.0, 0.0)) << "only the turning stops";
+  EXPECT_FALSE(passes(0.4 - 1e-9, 0.0, 0.0));
+  EXPECT_FALSE(passes(0.39, 0.0, 0.09));
+  EXPECT_FALSE(passes(0.21, 0.0, 0.0));
+  EXPECT_FALSE(passes(0.2, 0.0, 0.1)) << "turns on";
+  EXPECT_FALSE(passes(0.2, 0.0, -0.1)) << "turns back";
+  EXPECT_FALSE(passes(0.2, 0.05, 0.0)) << "slips away sideways";
+  EXPECT_FALSE(passes(-0.2, 0.0, 0.0));
+  expect_braking(check());
+  // At rest what stays as it is passes.
+  before_ = Twist();
+  EXPECT_TRUE(passes(0.0, 0.0, 0.0));
+  EXPECT_FALSE(passes(0.01, 0.0, 0.0));
+  EXPECT_FALSE(passes(0.0, 0.0, 0.01));
+}
+
+TEST_F(GuardTest, StoppingTailsPassWithoutCertificate) {
+  ObstacleWorld world;
+  for (int j = -10; j < 10; ++j) world.occupy_column(2, j);  // touching, straight ahead
+  Belief newest = world.belief();
+  newest.set_stamps(now_);
+  newest.twist = before_;
+  plan_ = plan_of(*model_, newest, (Eigen::MatrixXd(2, 2) << 0.2, 0.0, 0.0, 0.0).finished());
+  EXPECT_EQ(guard_.check(plan_, 0, before_, newest, now_).reason, GuardReason::kMap);
+  plan_.kind = PlanKind::kStoppingTail;
+  plan_.certified = false;
+  EXPECT_TRUE(guard_.check(plan_, 0, before_, newest, now_).passed());
+  before_ = plan_.commands[0];
+  EXPECT_TRUE(guard_.check(plan_, 1, before_, newest, now_).passed());
+  // One that speeds up is none.
+  SetUp();
+  plan_.kind = PlanKind::kStoppingTail;
+  EXPECT_EQ(check().reason, GuardReason::kUncommitted);
+}
+
+TEST_F(GuardTest, RefusesToBeMadeWithoutAModel) {
+  EXPECT_THROW(Guard(nullptr, CylinderShape{}, certificate_options()), std::invalid_argument);
+}
+
+class GuardOfEveryModel : public ::testing::TestWithParam<std::string> {};
+
+/// Whatever a model can do within its limits from a state within its limits is let through.
+TEST_P(GuardOfEveryModel, PassesEveryAdmissibleMotionInTheOpen) {
+  const auto model = make_model(GetParam());
+  Certifier::Options options = certificate_options();
+  options.unknown = UnknownPolicy::kFree;
+  const Guard guard(model, CylinderShape{}, options);
+  std::mt19937_64 random(5);
+  const auto uniform = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  const InputLimits& limits = model->limits();
+  Eigen::VectorXd c(model->num_state_constraints());
+  int checked = 0;
+  for (int trial = 0; trial < 3000; ++trial) {
+    Belief belief = ObstacleWorld(0.2, 0.4).belief();
+    belief.pose.yaw = uniform(-10, 10);
+    belief.twist.linear = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+    belief.twist.yaw_rate = uniform(-1, 1);
+    // What the model can hold of this velocity.
+    Eigen::VectorXd x = model->state(belief.pose, belief.twist);
+    Eigen::VectorXd before =
+        model->input(belief.twist).cwiseMax(limits.lower).cwiseMin(limits.upper);
+    belief.twist = model->twist(x, before);
+    Eigen::VectorXd u(model->nu());
+    for (int j = 0; j < model->nu(); ++j) {
+      const double reach = std::min(limits.rate[j] * 0.25, 100.0);
+      u[j] = std::clamp(before[j] + uniform(-reach, reach), limits.lower[j], limits.upper[j]);
+    }
+    Eigen::VectorXd next(model->nx());
+    model->step(x, u, 0.25, next);
+    if (c.size() > 0) {
+      model->state_constraints(x, c, nullptr);
+      if ((c.array() < 0.0).any()) continue;
+      model->state_constraints(next, c, nullptr);
+      if ((c.array() < 0.0).any()) continue;
+    }
+    ++checked;
+    const Plan plan = plan_of(*model, belief, u);
+    const GuardVerdict verdict = guard.check(plan, 0, belief.twist, belief, 0.0);
+    ASSERT_TRUE(verdict.passed()) << to_string(verdict.reason) << ": " << verdict.detail;
+  }
+  EXPECT_GT(checked, 100);
+}
+
+/// Every tail that brakes as hard as the model can is let through to its end, at whatever yaw and
+/// with an estimate of it that is a bit off; none that the same base drives on with is.
+TEST_P(GuardOfEveryModel, PassesTheHardestBrakingAndNothingSofter) {
+  const auto model = make_model(GetParam());
+  const Guard guard = make_guard(model);
+  std::mt19937_64 random(8);
+  const auto uniform = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  const InputLimits& limits = model->limits();
+  const Belief world = ObstacleWorld().belief();
+  int stages = 0;
+  for (int trial = 0; trial < 300; ++trial) {
+    Belief belief = world;
+    belief.pose.yaw = uniform(-10, 10);
+    Twist twist;
+    twist.linear = {uniform(-1, 1), uniform(-1, 1), uniform(-1, 1)};
+    twist.yaw_rate = uniform(-1, 1);
+    twist = limited_twist(*model, twist);
+    twist = model->twist(model->state(belief.pose, twist),
+                         model->input(twist).cwiseMax(limits.lower).cwiseMin(limits.upper));
+    twist = limited_twist(*model, twist);
+    Plan plan;
+    plan.kind = PlanKind::kStoppingTail;
+    plan.dt = uniform(0.05, 0.5);
+    Eigen::VectorXd x = model->state(belief.pose, twist), next(model->nx());
+    const Eigen::MatrixXd tail = stopping_tail(*model, x, model->input(twist), plan.dt);
+    plan.committed = static_cast<int>(tail.cols());
+    std::vector<Pose> poses{belief.pose};
+    for (Eigen::Index k = 0; k < tail.cols(); ++k) {
+      model->step(x, tail.col(k), plan.dt, next);
+      x = next;
+      poses.push_back(model->pose(x));
+      plan.inputs.emplace_back(tail.col(k));
+      plan.commands.push_back(limited_twist(*model, model->twist(x, tail.col(k))));
+    }
+    Twist before = twist;
+    for (int k = 0; k < plan.committed; ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      const double now = k * plan.dt;
+      belief.set_stamps(now);
+      belief.pose = poses[at];
+      belief.pose.yaw += uniform(-0.01, 0.01);
+      const GuardVerdict verdict = guard.check(plan, k, before, belief, now);
+      ASSERT_TRUE(verdict.passed()) << to_string(verdict.reason) << ": " << verdict.detail;
+      EXPECT_EQ(verdict.duration, plan.dt);
+      ++stages;
+      // Moving on, all of it or a part of the axes, is no braking.
+      Plan lazy = plan;
+      lazy.commands[at] = before;
+      const bool moves = before.linear.norm() > 1e-3 || std::abs(before.yaw_rate) > 1e-3;
+      EXPECT_EQ(guard.check(lazy, k, before, belief, now).passed(), !moves);
+      if (moves) {
+        lazy.commands[at].linear = (1.0 - 1e-9) * before.linear;
+        EXPECT_FALSE(guard.check(lazy, k, before, belief, now).passed());
+        lazy.commands[at].linear = 0.5 * (before.linear + plan.commands[at].linear);
+        lazy.commands[at].yaw_rate = 0.5 * (before.yaw_rate + plan.commands[at].yaw_rate);
+        EXPECT_FALSE(guard.check(lazy, k, before, belief, now).passed());
+        lazy.commands[at].linear = -before.linear;
+        lazy.commands[at].yaw_rate = -before.yaw_rate;
+        EXPECT_FALSE(guard.check(lazy, k, before, belief, now).passed());
+      }
+      before = plan.commands[at];
+    }
+    EXPECT_LE(before.linear.norm(), 1e-3);
+  }
+  EXPECT_GT(stages, 300);
+}
+
+/// Whatever may call itself a stopping tail: what passes, held as long as it says, takes the robot
+/// no farther than the stop that was certified.
+TEST_P(GuardOfEveryModel, NoStoppingTailGoesFarther) {
+  const auto model = make_model(GetParam());
+  const Guard guard = make_guard(model);
+  std::mt19937_64 random(9);
+  const auto uniform = [&](double a, double b) {
+    return std::uniform_real_distribution<double>(a, b)(random);
+  };
+  Belief belief = ObstacleWorld().belief();
+  int passed = 0;
+  for (int trial = 0; trial < 200; ++trial) {
+    Twist command;
+    command.linear.x() = uniform(0.1, 0.6);
+    command.yaw_rate = uniform(-1, 1);
+    const double speed = command.linear.norm();
+    double way = 0.0;
+    for (int n = 0; n < 200; ++n) {
+      Plan plan;
+      plan.kind = PlanKind::kStoppingTail;
+      plan.stamp = belief.stamp;
+      plan.dt = trial % 5 == 0 ? std::pow(10.0, uniform(-6, 7)) : 0.25;
+      Twist asked = command;
+      switch (trial % 4) {
+        case 0:
+          break;
+        case 1:
+          asked.linear *= 1.0 - 1e-9;
+          break;
+        case 2:
+          asked.linear = Eigen::AngleAxisd(uniform(-0.3, 0.3), Eigen::Vector3d::UnitZ()) *
+                         (uniform(0.9, 1.0) * asked.linear);
+          break;
+        default:
+          asked.linear *= uniform(0.0, 1.0);
+          asked.yaw_rate *= uniform(0.0, 1.0);
+      }
+      plan.commands = {asked};
+      const GuardVerdict verdict = guard.check(plan, 0, command, belief, belief.stamp);
+      passed += verdict.passed();
+      command = verdict.command;
+      way += command.linear.norm() * verdict.duration;
+    }
+    EXPECT_LT(way, speed * speed / (2.0 * 0.9 * model->max_deceleration()) + 1e-3) << trial;
+  }
+  EXPECT_GT(passed, 0);
+}
+
+/// Whatever it is given, the verdict is finite and within limits.
+TEST_P(GuardOfEveryModel, TheVerdictIsAlwaysFiniteAndWithinLimits) {
+  const auto model = make_model(GetParam());
+  const Guard guard = make_guard(model);
+  std::mt19937_64 random(6);
+  const auto number = [&]() -> double {
+    switch (random() % 16) {
+      case 0:
+        return kNan;
+      case 1:
+        return kInfinity;
+      case 2:
+        return -1e300;
+      case 3:
+        return std::uniform_real_distribution<double>(-100, 100)(random);
+      default:
+        return std::uniform_real_distribution<double>(-1, 1)(random);
+    }
+  };
+  const Belief worlds[] = {test::random_world(1).belief(), ObstacleWorld().belief(), Belief()};
+  int passed = 0;
+  for (int trial = 0; trial < 20000; ++trial) {
+    Belief belief = worlds[random() % 3];
+    if (random() % 4 == 0) belief.stamp = number();
+    if (random() % 16 == 0) belief.stamps.map = number();
+    if (random() % 8 == 0) belief.covariance(0, 0) = number();
+    if (random() % 8 == 0) belief.localization = Localization::kLost;
+    belief.pose.position = {0.1 * number(), 0.1 * number(), random() % 2 ? 0.0 : number()};
+    belief.pose.yaw = number();
+    belief.twist.linear.x() = number();
+    Plan plan;
+    plan.kind = random() % 3 ? PlanKind::kOptimised : PlanKind::kStoppingTail;
+    plan.certified = random() % 8 != 0;
+    plan.dt = random() % 8 ? 0.25 : number();
+    plan.committed = static_cast<int>(random() % 4);
+    for (std::size_t n = random() % 4; n > 0; --n) {
+      Twist command;
+      command.linear.x() = number();
+      if (random() % 3 == 0) command.linear.y() = number();
+      command.yaw_rate = number();
+      plan.commands.push_back(command);
+      Eigen::VectorXd u = model->input(command);
+      if (random() % 4 == 0) {
+        for (double& entry : u) entry = number();
+      }
+      if (random() % 16 == 0) u.conservativeResize(1);
+      plan.inputs.push_back(u);
+    }
+    Twist before;
+    before.linear = {number(), random() % 2 ? 0.0 : number(), random() % 2 ? 0.0 : number()};
+    before.yaw_rate = number();
+    if (random() % 8 == 0) {  // at rest
+      before = Twist();
+      plan.commands.assign(plan.commands.size(), Twist());
+    }
+    const GuardVerdict verdict =
+        guard.check(plan, static_cast<int>(random() % 4) - 1, before, belief, 0.0);
+    passed += verdict.passed();
+    ASSERT_TRUE(verdict.duration >= Guard::Options::kMinStep && verdict.duration <= 2.0);
+    ASSERT_TRUE(verdict.command.linear.allFinite());
+    ASSERT_TRUE(std::isfinite(verdict.command.yaw_rate));
+    ASSERT_LE(verdict.command.linear.norm(), model->max_speed() * (1.0 + 1e-6));
+    ASSERT_LE(std::abs(verdict.command.yaw_rate), model->max_yaw_rate() * (1.0 + 1e-6));
+  }
+  EXPECT_GT(passed, 0);
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, GuardOfEveryModel, ::testing::ValuesIn(model_names()),
+                         [](const auto& info) { return info.param; });
+
+}  // namespace
+}  // namespace prospect::guard_test
