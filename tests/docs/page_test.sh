@@ -6,6 +6,7 @@
 #   console        "$ COMMAND", then lines of its output, which must come in that order; "..." stands for
 #                  anything. A command that ends "# exit code N" must end with N, else with 0
 #   LANGUAGE FILE  yaml, json: written to FILE; cpp, cmake: these lines must stand in FILE, one after another
+#   python         run if python3 has h5py and numpy, else skipped and said to be
 #   text           not run: what needs root, a network or another machine
 # Blocks after a line "<!-- needs ../shared -->" are skipped, and said to be, where that is absent.
 # All commands of a page run in one shell, in a folder that has docs/, build/ and nothing else.
@@ -124,8 +125,16 @@ close_block() {
         [[ "$file_code" == *"${page_code% }"* ]] || fail "$begin: $file does not hold this code"
       fi
       ;;
+    python)
+      if python3 -c "import h5py, numpy" 2>/dev/null; then
+        printf '%s\n' "${body[@]}" >"$work/block.py"
+        run "$begin" "python3 '$work/block.py'"
+      else
+        echo "$name:$begin: skipped: python3 with h5py and numpy is not there"
+      fi
+      ;;
     text) ;;
-    *) fail "$begin: a block of kind '$kind'; expected sh, console, yaml, json, cpp, cmake or text" ;;
+    *) fail "$begin: a block of kind '$kind'; expected sh, console, yaml, json, cpp, cmake, python or text" ;;
   esac
 }
 
