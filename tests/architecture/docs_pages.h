@@ -145,7 +145,7 @@ inline std::vector<std::string> words_out_of_place(const std::filesystem::path& 
   static const std::vector<std::pair<std::regex, std::string>> words = [] {
     std::vector<std::pair<std::regex, std::string>> all;
     for (const char* word : {"no longer",
-                             "since then",
+
                              "used to be",
                              "formerly",
                              "previously",
