@@ -6,24 +6,16 @@
 #include <fstream>
 #include <regex>
 #include <set>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace prospect::test {
 
-inline std::string text_of(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-/// The lines of a page, from 1, less those in fenced code blocks and, if asked for, `code spans`.
+/// The lines of a page, from 1, less fenced code blocks, comments and, if asked for, `code spans`.
 inline std::vector<std::pair<int, std::string>> prose_of(const std::filesystem::path& page,
                                                          bool without_spans) {
-  static const std::regex span("`[^`]*`");
+  static const std::regex span("`[^`]*`"), comment("<!--.*?-->");
   std::vector<std::pair<int, std::string>> lines;
   std::ifstream file(page);
   std::string line;
@@ -31,6 +23,7 @@ inline std::vector<std::pair<int, std::string>> prose_of(const std::filesystem::
   for (int number = 1; std::getline(file, line); ++number) {
     if (line.rfind("```", 0) == 0) code = !code;
     if (code) continue;
+    line = std::regex_replace(line, comment, "");
     lines.emplace_back(number, without_spans ? std::regex_replace(line, span, "") : line);
   }
   return lines;
@@ -128,7 +121,8 @@ inline std::vector<std::string> mentions_of_nothing(const std::filesystem::path&
 /// Pages below docs/ that docs/README.md does not link to.
 inline std::vector<std::string> pages_not_in_the_index(const std::filesystem::path& root) {
   namespace fs = std::filesystem;
-  const std::string index = text_of(root / "docs/README.md");
+  std::string index;
+  for (const auto& [number, line] : prose_of(root / "docs/README.md", true)) index += line + '\n';
   std::vector<std::string> found;
   for (const fs::path& page : pages_of(root)) {
     const std::string name = fs::relative(page, root / "docs").generic_string();

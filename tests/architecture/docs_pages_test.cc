@@ -3,12 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/architecture/include_rules.h"
+
 namespace prospect::docs_pages_test {
 namespace {
 
 namespace fs = std::filesystem;
 using namespace prospect::test;
 using testing::ElementsAre;
+using testing::ElementsAreArray;
 using testing::IsEmpty;
 using testing::UnorderedElementsAre;
 
@@ -56,6 +59,30 @@ TEST(DocsPages, ReferenceAndTutorialsSayWhatIsInTheWordsOfTheField) {
   EXPECT_THAT(words_out_of_place(source()), IsEmpty());
 }
 
+TEST(DocsPages, TheArchitecturePageHasTheRoomsOfTheRulesInTheirOrder) {
+  std::vector<std::string> rooms, exceptions;
+  for (const auto& [room, rules] : architecture()) {
+    rooms.push_back(room);
+    for (const std::string& other : rules.may_use) {
+      if (fs::path(other).extension() == ".h") exceptions.push_back(other);
+    }
+  }
+  const fs::path page = source() / "docs/reference/architecture.md";
+  static const std::regex row("^\\| `([a-z/]+)/` \\|.*");
+  std::vector<std::string> rows;
+  std::string text;
+  for (const auto& [number, line] : prose_of(page, false)) {
+    std::smatch match;
+    if (std::regex_match(line, match, row)) rows.push_back(match[1]);
+    text += line;
+  }
+  rooms.insert(rooms.end(), {"benchmarks", "tests"});  // which may use everything
+  EXPECT_THAT(rows, ElementsAreArray(rooms));
+  for (const std::string& file : exceptions) {
+    EXPECT_NE(text.find('`' + file + '`'), std::string::npos) << file;
+  }
+}
+
 TEST(DocsPages, LinksToMissingFilesAndHeadingsAreFound) {
   Project p;
   p.add("docs/a.md",
@@ -78,9 +105,11 @@ TEST(DocsPages, NamesOfMissingPagesInSourcesAreFound) {
 
 TEST(DocsPages, PagesThatTheIndexLacksAreFound) {
   Project p;
-  p.add("docs/README.md", "[a](reference/a.md): a.\n").add("docs/reference/a.md", "# A\n");
-  p.add("docs/results/b.md", "# B\n");
-  EXPECT_THAT(pages_not_in_the_index(p.root()), ElementsAre("results/b.md"));
+  p.add("docs/README.md", "[a](reference/a.md): a.\n<!-- [c](results/c.md): c. -->\n")
+      .add("docs/reference/a.md", "# A\n")
+      .add("docs/results/b.md", "# B\n")
+      .add("docs/results/c.md", "# C\n");
+  EXPECT_THAT(pages_not_in_the_index(p.root()), ElementsAre("results/b.md", "results/c.md"));
 }
 
 TEST(DocsPages, HistoryAndCoinedWordsAreFound) {
