@@ -6,7 +6,7 @@
 #include "adapters/bench/problem_set.h"
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "engine/behaviour/behaviour.h"
 #include "models/nearest_name.h"

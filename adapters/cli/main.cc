@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "adapters/cli/commands.h"
-#include "adapters/config/input_error.h"
-#include "adapters/config/not_built_in.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/not_built_in.h"
 #include "models/nearest_name.h"
 #include "models/version.h"
 #include "solvers/load_plugin.h"

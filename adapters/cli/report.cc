@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "adapters/cli/commands.h"
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/whole_file.h"
 #include "adapters/report/figure_source.h"
-#include "adapters/run/whole_file.h"
 #include "models/nearest_name.h"
 
 namespace prospect {

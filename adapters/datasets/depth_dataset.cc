@@ -8,11 +8,11 @@
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
 
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/number_text.h"
 #include "adapters/datasets/numbered_files.h"
 #include "adapters/datasets/trajectory.h"
-#include "adapters/worlds/checked_png.h"
+#include "adapters/files/checked_png.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect {
 namespace {

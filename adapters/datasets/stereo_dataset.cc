@@ -11,10 +11,10 @@
 #include <stdexcept>
 #include <utility>
 
-#include "adapters/config/input_error.h"
-#include "adapters/config/strict_yaml.h"
 #include "adapters/datasets/number_text.h"
 #include "adapters/datasets/numbered_files.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/strict_yaml.h"
 #include "perception/stereo_check.h"
 
 namespace prospect {

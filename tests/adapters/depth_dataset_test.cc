@@ -12,7 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "tests/perception/depth_recording.h"
 
 namespace prospect::depth_dataset_test {

@@ -15,8 +15,8 @@
 #include <sstream>
 #include <string>
 
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/odometry_run.h"
+#include "adapters/files/input_error.h"
 #include "tests/perception/image_faults.h"
 #include "tests/perception/rendered_room.h"
 

@@ -1,4 +1,4 @@
-#include "adapters/config/strict_yaml.h"
+#include "adapters/files/strict_yaml.h"
 
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>

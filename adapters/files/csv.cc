@@ -1,4 +1,4 @@
-#include "adapters/run/csv.h"
+#include "adapters/files/csv.h"
 
 #include <charconv>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "adapters/run/row_file.h"
+#include "adapters/files/row_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>

@@ -1,9 +1,9 @@
-#include "adapters/worlds/checked_png.h"
+#include "adapters/files/checked_png.h"
 
 #include <array>
 #include <cstddef>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect {
 namespace {

@@ -1,4 +1,4 @@
-#include "adapters/run/whole_file.h"
+#include "adapters/files/whole_file.h"
 
 #include <cerrno>
 #include <cstring>

@@ -1,4 +1,4 @@
-#include "adapters/run/quantile.h"
+#include "engine/support/quantile.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "adapters/report/landmark_picture.h"
+#include "adapters/page/landmark_picture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "adapters/report/binary_text.h"
+#include "adapters/page/binary_text.h"
 
 namespace prospect {
 

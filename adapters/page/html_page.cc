@@ -1,8 +1,8 @@
-#include "adapters/report/html_page.h"
+#include "adapters/page/html_page.h"
 
 #include <nlohmann/json.hpp>
 
-#include "adapters/report/report_assets.h"
+#include "adapters/page/page_assets.h"
 
 namespace prospect {
 namespace {
@@ -53,7 +53,7 @@ std::string script_text(std::string_view text) {
 }
 
 std::string page_script(std::string_view own) {
-  return script_text(std::string(report_assets::page_script()) + std::string(own));
+  return script_text(std::string(page_assets::page_script()) + std::string(own));
 }
 
 std::string json_text(const nlohmann::ordered_json& json) {
