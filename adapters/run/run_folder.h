@@ -16,7 +16,7 @@ namespace prospect {
 
 struct SavedProblem;
 
-/// The folder that a mission writes (docs/report.md describes every file and column):
+/// The folder that a mission writes (docs/reference/report.md describes every file and column):
 ///   steps.csv                   one row a planning step; the same bytes for the same seed
 ///   timing.csv                  wall-clock milliseconds of each step, kept apart for that reason
 ///   trajectory_estimated.tum, trajectory_true.tum

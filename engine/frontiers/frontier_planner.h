@@ -123,7 +123,7 @@ struct GlobalPlan {
 /// A value. Thread-safety: none (one mission, one thread); what update() returns is immutable and
 /// may be shared. update() never throws on a finite pose; a non-finite pose gives the last global
 /// plan again. Source: formulation, section 6; order and worth are our choice, measured
-/// (docs/frontiers.md).
+/// (docs/results/frontiers.md).
 class FrontierPlanner {
  public:
   /// Throws std::invalid_argument naming the option, its value and what was expected.

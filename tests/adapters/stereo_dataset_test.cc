@@ -284,7 +284,8 @@ TEST(RealRecording, KittiClip) {
   if (!fs::exists(folder)) GTEST_SKIP() << "no " << folder;
   const OdometrySummary s = summarize(run_odometry(StereoDataset::open(folder)));
   EXPECT_EQ(s.ok, 51);
-  // Measured 0.85 %, 0.58 %, 0.86 deg and 0.023 m (docs/perception.md); room for another compiler.
+  // Measured 0.85 %, 0.58 %, 0.86 deg and 0.023 m (docs/results/perception.md); room for another
+  // compiler.
   EXPECT_LT(s.end.share, 0.0095);
   EXPECT_LT(s.rpe_10m.translation, 0.0068);
   EXPECT_LT(s.end.rotation, 0.95 * M_PI / 180.0);

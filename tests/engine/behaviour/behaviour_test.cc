@@ -365,12 +365,12 @@ TEST(Behaviour, TheTablesArePrintedRowByRow) {
 }
 
 TEST(Behaviour, TheReferencePageIsThatText) {
-  std::ifstream file(std::string(PROSPECT_SOURCE_DIR) + "/docs/behaviour.md");
+  std::ifstream file(std::string(PROSPECT_SOURCE_DIR) + "/docs/reference/behaviour.md");
   std::stringstream page;
   page << file.rdbuf();
   EXPECT_NE(page.str().find("<!-- prospect list modes -->\n" + behaviour_tables() + "<!-- end -->"),
             std::string::npos)
-      << "docs/behaviour.md: put the output of `prospect list modes` between the marks";
+      << "docs/reference/behaviour.md: put the output of `prospect list modes` between the marks";
 }
 
 }  // namespace
