@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "adapters/datasets/depth_source.h"
+#include "adapters/datasets/stereo_source.h"
 #include "solvers/registry.h"
 
 namespace prospect {
@@ -87,10 +89,11 @@ struct BenchArguments {
 int bench(const BenchArguments& arguments, const SolverRegistry& registry);
 
 struct OdometryArguments {
-  std::string dataset;  ///< folder of a recording
-  std::string out;      ///< folder for trajectories and tables; empty: none
-  int first = 0;        ///< frame to begin with
-  int frames = 0;       ///< at most so many; 0: all
+  std::string dataset;  ///< a recording
+  StereoDatasetOptions options;
+  std::string out;  ///< folder for trajectories and tables; empty: none
+  int first = 0;    ///< frame to begin with
+  int frames = 0;   ///< at most so many; 0: all
   bool calibrate = false;
   bool json = false;
   bool quiet = false;
@@ -98,7 +101,8 @@ struct OdometryArguments {
 int odometry(const OdometryArguments& arguments);
 
 struct MapArguments {
-  std::string dataset;                 ///< folder of a recording
+  std::string dataset;                 ///< a recording
+  DepthDatasetOptions options;         ///< but for `camera` and `camera_height`, below
   std::string out;                     ///< folder for maps and tables; empty: none
   double resolution = 0.05;            ///< [m]
   double range = 4.0;                  ///< [m]
@@ -111,6 +115,15 @@ struct MapArguments {
   bool quiet = false;
 };
 int map(const MapArguments& arguments);
+
+struct InspectArguments {
+  std::string path;
+  StereoDatasetOptions stereo;
+  DepthDatasetOptions depth;
+  bool json = false;
+};
+/// Exit codes: 0 it can be used, 1 something is missing, 2 nothing known.
+int inspect(const InspectArguments& arguments);
 
 /// `what`: one of list_kinds(), in full; "": all of them, names only unless `json`.
 int list(const std::string& what, bool json, const SolverRegistry& registry);

@@ -82,6 +82,21 @@ void add_set(CLI::App* command, std::vector<std::string>& settings) {
       ->allow_extra_args(false);
 }
 
+/// What a recording of a stereo pair does not say by itself.
+void add_recording_options(CLI::App* command, prospect::StereoDatasetOptions& options) {
+  command->add_option("--calibration", options.calibration,
+                      "File of the calibration: calib.txt, ROS camera_info (left.yaml,right.yaml), "
+                      "OpenCV stereo or Kalibr camchain YAML [the recording's own]");
+  command->add_flag("--rectified", options.rectified,
+                    "The images are rectified already, by that camera_info");
+  command
+      ->add_option("--sync", options.sync,
+                   "How far stamps of a pair may differ [s] [a tenth of a period]")
+      ->check(number_within(0.0, 10.0));
+  command->add_option("--rate", options.rate, "Of images that are only numbered [Hz] [10]")
+      ->check(number_within(0.01, 10000.0));
+}
+
 int run(int argc, char** argv) {
   using namespace prospect;
   CLI::App app{"Plans for robots that explore by sight.", "prospect"};
@@ -267,13 +282,25 @@ int run(int argc, char** argv) {
   bench_command->add_flag("--json", bench_arguments.json, "Print JSON");
   bench_command->add_flag("--quiet", bench_arguments.quiet, "No progress line");
 
+  InspectArguments inspect_arguments;
+  CLI::App* inspect_command = app.add_subcommand(
+      "inspect", "What a recording holds, and what is missing to use it; names maps and worlds");
+  inspect_command->add_option("path", inspect_arguments.path, "Folder or file")
+      ->type_name("FILE")
+      ->required();
+  add_recording_options(inspect_command, inspect_arguments.stereo);
+  inspect_command->add_flag("--json", inspect_arguments.json, "Print JSON");
+
   OdometryArguments odometry_arguments;
   CLI::App* odometry_command =
       app.add_subcommand("odometry", "Visual odometry over a recording of a stereo pair");
   odometry_command
-      ->add_option("dataset", odometry_arguments.dataset, "Folder in KITTI or EuRoC layout")
-      ->type_name("DIR")
+      ->add_option("dataset", odometry_arguments.dataset,
+                   "Recording: KITTI odometry or raw, EuRoC, or two folders of images with a "
+                   "calibration; see `prospect inspect`")
+      ->type_name("FILE")
       ->required();
+  add_recording_options(odometry_command, odometry_arguments.options);
   odometry_command
       ->add_option("--out", odometry_arguments.out,
                    "Folder for a page, the trajectory (TUM and KITTI), a table of frames and a "
@@ -295,8 +322,9 @@ int run(int argc, char** argv) {
       app.add_subcommand("map", "Octree, exploration and obstacle map from recorded depth images");
   map_command
       ->add_option("dataset", map_arguments.dataset,
-                   "Folder of a recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout")
-      ->type_name("DIR")
+                   "Recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout; see `prospect "
+                   "inspect`")
+      ->type_name("FILE")
       ->required();
   map_command->add_option("--out", map_arguments.out, "Folder for the maps and tables [none]")
       ->type_name("DIR");
@@ -311,6 +339,13 @@ int run(int argc, char** argv) {
                    "Intrinsics where no file states them: FX FY CX CY [px]")
       ->expected(4)
       ->check(number_within(1.0, 1e5));
+  map_command->add_option("--calibration", map_arguments.options.calibration,
+                          "File of the intrinsics, a ROS camera_info");
+  map_command
+      ->add_option("--depth-scale", map_arguments.options.depth_scale,
+                   "Numbers of the images a metre [the layout's, 1000 or 5000, checked against "
+                   "poses or the camera's height]")
+      ->check(number_within(1e-3, 1e6));
   map_command
       ->add_option("--camera-height", map_arguments.camera_height,
                    "Above the floor in the first frames, to 0.15 m [m] [0.2 to 2]")
@@ -374,6 +409,7 @@ int run(int argc, char** argv) {
   if (*report_command) return report(report_arguments, registry);
   if (*solve_command) return solve(solve_arguments, registry);
   if (*bench_command) return bench(bench_arguments, registry);
+  if (*inspect_command) return inspect(inspect_arguments);
   if (*odometry_command) return odometry(odometry_arguments);
   if (*map_command) return map(map_arguments);
   if (*list_command) return list(what, list_json, registry);

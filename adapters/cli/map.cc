@@ -26,8 +26,14 @@ constexpr double kMostVoxels = 200.0;  // of a ray, see OccupancyMapperOptions
 
 nlohmann::ordered_json as_json(const MapArguments& arguments, const DepthDataset& dataset,
                                const MapSummary& s) {
+  const auto of_map = [&](int cells) {
+    return dataset.has_poses() ? nlohmann::ordered_json(cells) : nlohmann::ordered_json();
+  };
   return {{"dataset", arguments.dataset},
           {"layout", dataset.layout()},
+          {"notes", dataset.notes()},
+          {"depth_scale", dataset.depth_scale()},
+          {"without_pose", dataset.without_pose()},
           {"poses", dataset.has_poses()},
           {"resolution_m", arguments.resolution},
           {"frames", s.frames},
@@ -41,10 +47,10 @@ nlohmann::ordered_json as_json(const MapArguments& arguments, const DepthDataset
           {"height_error_m", s.height_error},
           {"tilt_spread_deg", kDegrees * s.tilt_spread},
           {"tilt_worst_deg", kDegrees * s.tilt_worst},
-          {"free_cells", s.free_cells},
-          {"occupied_cells", s.occupied_cells},
-          {"low_cells", s.low_cells},
-          {"wall_cells", s.walls.cells},
+          {"free_cells", of_map(s.free_cells)},
+          {"occupied_cells", of_map(s.occupied_cells)},
+          {"low_cells", of_map(s.low_cells)},
+          {"wall_cells", of_map(s.walls.cells)},
           {"wall_thickness_median_m", s.walls.median},
           {"wall_thickness_p90_m", s.walls.p90},
           {"walls_doubled", s.walls.doubled},
@@ -76,12 +82,17 @@ void print(const MapRun& run, const MapSummary& s) {
         "map          %.2f m^2 free, %.2f m^2 occupied; %d of %d occupied cells lower than "
         "0.2 m\n",
         s.free_cells * r * r, s.occupied_cells * r * r, s.low_cells, s.occupied_cells);
-    std::printf(
-        "walls        %.2f m thick in the median, 90 %%: %.2f m; %.1f %% doubled of %d "
-        "cells\n",
-        s.walls.median, s.walls.p90, 100.0 * s.walls.doubled, s.walls.cells);
+    if (s.walls.cells == 0) {
+      std::printf("walls        none long enough to measure\n");
+    } else {
+      std::printf(
+          "walls        %.2f m thick in the median, 90 %%: %.2f m; %.1f %% doubled of %d "
+          "cells\n",
+          s.walls.median, s.walls.p90, 100.0 * s.walls.doubled, s.walls.cells);
+    }
   }
   const auto row = [](const char* name, const TimePercentiles& t) {
+    if (!std::isfinite(t.p50)) return;
     std::printf("%-12s %6.1f %6.1f %6.1f %6.1f\n", name, t.p50, t.p95, t.p99, t.max);
   };
   std::printf("processor time [ms]\n");
@@ -107,7 +118,8 @@ int map(const MapArguments& arguments) {
                   arguments.range, farthest, kMostVoxels, arguments.resolution);
     throw InputError(line);
   }
-  DepthDatasetOptions options;
+  DepthDatasetOptions options = arguments.options;
+  options.camera_height = arguments.camera_height;
   if (!arguments.camera.empty()) {
     PinholeCamera camera;
     camera.fx = arguments.camera[0];
@@ -174,17 +186,25 @@ int map(const MapArguments& arguments) {
   }
   if (arguments.json) {
     std::cout << json.dump(2) << '\n';
-    return kDone;
+  } else {
+    std::printf("%s, %d depth images of %.0f x %.0f px%s\n", dataset.layout().c_str(),
+                dataset.size(), dataset.camera().width, dataset.camera().height,
+                dataset.has_poses() ? "" : ", no poses");
+    for (const std::string& note : dataset.notes()) std::printf("note         %s\n", note.c_str());
+    print(run, summary);
+    if (!out.empty()) std::printf("written to   %s: %s\n", out.string().c_str(), written.c_str());
   }
-  std::printf(
-      "%s, %d depth images of %.0f x %.0f px%s%s%s\n", dataset.layout().c_str(), dataset.size(),
-      dataset.camera().width, dataset.camera().height, dataset.has_poses() ? "" : ", no poses",
-      dataset.times_assumed() ? ", no times: 30 a second assumed" : "",
-      dataset.without_pose() > 0
-          ? (", " + std::to_string(dataset.without_pose()) + " without a pose left out").c_str()
-          : "");
-  print(run, summary);
-  if (!out.empty()) std::printf("written to   %s: %s\n", out.string().c_str(), written.c_str());
+  if (dataset.depth_scale_doubtful()) {
+    std::cerr << "prospect: " << arguments.dataset << ": " << dataset.notes().back()
+              << "; expected a depth scale that agrees with what is known\n";
+    return kFailed;
+  }
+  if (2 * summary.rejected > summary.frames) {
+    std::cerr << "prospect: " << arguments.dataset << ": " << summary.rejected << " of "
+              << summary.frames << " frames rejected, most often as " << summary.rejected_reason
+              << "; expected most of them in the map\n";
+    return kFailed;
+  }
   return kDone;
 }
 

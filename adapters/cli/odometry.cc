@@ -27,6 +27,7 @@ nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dat
                                const OdometrySummary& s) {
   return {{"dataset", name},
           {"layout", dataset.layout()},
+          {"notes", dataset.notes()},
           {"frames", s.frames},
           {"ok", s.ok},
           {"degraded", s.degraded},
@@ -34,6 +35,11 @@ nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dat
           {"losses", s.losses},
           {"restarts", s.restarts},
           {"keyframes", s.keyframes},
+          {"covered_percent", 100.0 * s.covered},
+          {"ground_truth", !dataset.ground_truth().empty()},
+          {"covered_by_truth_percent", 100.0 * s.covered_truth},
+          {"lost_reason", s.lost_reason.empty() ? nlohmann::ordered_json()
+                                                : nlohmann::ordered_json(s.lost_reason)},
           {"estimated_length_m", s.estimated_length},
           {"true_length_m", s.true_length},
           {"scale", s.scale.samples > 0 ? s.scale.ratio : std::nan("")},
@@ -59,16 +65,20 @@ nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dat
             {"processor_keyframe", times_json(s.processor_keyframe)}}}};
 }
 
-void print(const OdometrySummary& s) {
+void print(const OdometrySummary& s, bool truth) {
   std::printf("frames       %d: %d ok, %d degraded, %d lost (%d times); %d keyframes\n", s.frames,
               s.ok, s.degraded, s.lost, s.losses, s.keyframes);
+  std::printf("covered      %.1f %% of the frames have a pose", 100.0 * s.covered);
+  if (truth) std::printf(", %.1f %% are held against the truth", 100.0 * s.covered_truth);
+  std::printf("\n");
   if (s.restarts > 0) std::printf("new maps     %d after a loss\n", s.restarts);
   if (std::isfinite(s.true_length)) {
     std::printf("length       %.3f m estimated, %.3f m true", s.estimated_length, s.true_length);
     if (s.scale.samples > 0) std::printf("; scale %.4f +- %.4f", s.scale.ratio, s.scale.sigma);
     std::printf("\n");
-    std::printf("end error    %.4f m, %.3f %% of the path; %.3f deg\n", s.end.translation,
-                100.0 * s.end.share, kDegrees * s.end.rotation);
+    std::printf("end error    %.4f m", s.end.translation);
+    if (std::isfinite(s.end.share)) std::printf(", %.3f %% of the path", 100.0 * s.end.share);
+    std::printf("; %.3f deg\n", kDegrees * s.end.rotation);
     if (s.rpe_1m.segments > 0) {
       std::printf("per 1 m      %.3f %%, %.4f deg/m over %d segments\n",
                   100.0 * s.rpe_1m.translation, kDegrees * s.rpe_1m.rotation, s.rpe_1m.segments);
@@ -80,11 +90,17 @@ void print(const OdometrySummary& s) {
     std::printf("ATE          %.4f m rmse with the first pose aligned, %.4f m with the best fit\n",
                 s.ate_first.rmse, s.ate_fit.rmse);
   } else {
-    std::printf("length       %.3f m estimated; no ground truth\n", s.estimated_length);
+    if (std::isfinite(s.estimated_length)) {
+      std::printf("length       %.3f m estimated", s.estimated_length);
+    } else {
+      std::printf("length       none: fewer than two frames have a pose");
+    }
+    std::printf("; %s\n", truth ? "no two poses to hold against the truth" : "no ground truth");
   }
   std::printf("disparities  measured %.3f +- %.3f px too small, corrected\n", s.disparity_offset,
               s.disparity_offset_sigma);
   const auto row = [](const char* name, const TimePercentiles& t) {
+    if (!std::isfinite(t.p50)) return;
     std::printf("%-13s %6.1f %6.1f %6.1f %6.1f\n", name, t.p50, t.p95, t.p99, t.max);
   };
   std::printf("time [ms]        p50    p95    p99    max\n");
@@ -94,14 +110,14 @@ void print(const OdometrySummary& s) {
   row("    pose", s.pose);
   row("  keyframe", s.keyframe);
   std::printf("processor time [ms], all of a frame\n");
-  if (s.frames > s.keyframes) row("  without one", s.processor);
-  if (s.keyframes > 0) row("  keyframes", s.processor_keyframe);
+  row("  without one", s.processor);
+  row("  keyframes", s.processor_keyframe);
 }
 
 }  // namespace
 
 int odometry(const OdometryArguments& arguments) {
-  const StereoDataset dataset = StereoDataset::open(arguments.dataset);
+  const StereoDataset dataset = StereoDataset::open(arguments.dataset, arguments.options);
   check_first_frame(arguments.first, dataset.size(), arguments.dataset);
   std::filesystem::path out = arguments.out;
   if (!out.empty()) {
@@ -154,14 +170,10 @@ int odometry(const OdometryArguments& arguments) {
   if (arguments.json) {
     std::cout << json.dump(2) << '\n';
   } else {
-    std::printf(
-        "%s, %d pairs of %.0f x %.0f px%s%s\n", dataset.layout().c_str(), dataset.size(),
-        dataset.camera().left.width, dataset.camera().left.height,
-        dataset.times_assumed() ? ", no times.txt: 10 Hz assumed" : "",
-        dataset.unpaired() > 0
-            ? (", " + std::to_string(dataset.unpaired()) + " frames of one camera only").c_str()
-            : "");
-    print(summary);
+    std::printf("%s, %d pairs of %.0f x %.0f px\n", dataset.layout().c_str(), dataset.size(),
+                dataset.camera().left.width, dataset.camera().left.height);
+    for (const std::string& note : dataset.notes()) std::printf("note         %s\n", note.c_str());
+    print(summary, !dataset.ground_truth().empty());
     if (calibrated) std::fputs(calibration_text(*calibrated).c_str(), stdout);
     if (!out.empty()) std::printf("written to   %s\n", out.string().c_str());
   }
@@ -171,6 +183,12 @@ int odometry(const OdometryArguments& arguments) {
         << to_string(summary.scale, "the path is estimated", "the ground truth")
         << "; expected 5 % at most: the baseline or focal length of its calibration is wrong\n";
     return kBadInput;
+  }
+  if (summary.mostly_lost) {
+    std::cerr << "prospect: " << arguments.dataset << ": " << summary.lost << " of "
+              << summary.frames << " frames lost, most often as " << summary.lost_reason
+              << "; expected a pose of most of them\n";
+    return kFailed;
   }
   return kDone;
 }

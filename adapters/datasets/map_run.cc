@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <opencv2/core.hpp>
 
 #include "adapters/datasets/degrees.h"
@@ -161,12 +162,14 @@ MapSummary summarize(const MapRun& run) {
   std::vector<double> heights, check, ground, scan, insert, snapshot, frame;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   double squares = 0.0;
+  std::map<std::string, int> reasons;
   for (const MapRunFrame& f : run.frames) {
     const MappedFrame& m = f.mapped;
     ++s.frames;
     s.ok += m.state == Mapping::kOk;
     s.degraded += m.state == Mapping::kDegraded;
     s.rejected += m.state == Mapping::kRejected;
+    if (m.state == Mapping::kRejected) ++reasons[m.reason];
     check.push_back(m.times.check);
     ground.push_back(m.times.ground);
     scan.push_back(m.times.scan);
@@ -178,6 +181,12 @@ MapSummary summarize(const MapRun& run) {
     heights.push_back(m.ground.height);
     mean += f.up;
     squares += f.height_error * f.height_error;
+  }
+  int most = 0;
+  for (const auto& [reason, count] : reasons) {
+    if (count <= most) continue;
+    most = count;
+    s.rejected_reason = reason;
   }
   s.height_median = quantile(heights, 0.5);
   s.height_min = quantile(heights, 0.0);

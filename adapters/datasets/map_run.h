@@ -62,8 +62,9 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options = {
 /// Counts and spreads of a run; NaN where there is nothing to measure.
 struct MapSummary {
   int frames = 0, ok = 0, degraded = 0, rejected = 0;
-  int ground = 0;              ///< frames in which it was found
-  double height_median = 0.0;  ///< of the camera above the ground [m]
+  std::string rejected_reason;  ///< the most frequent one; empty if no frame was rejected
+  int ground = 0;               ///< frames in which it was found
+  double height_median = 0.0;   ///< of the camera above the ground [m]
   double height_min = 0.0, height_max = 0.0;
   /// With poses: root mean square of (measured height - that of the pose) [m].
   double height_error = 0.0;

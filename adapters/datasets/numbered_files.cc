@@ -23,7 +23,7 @@ std::vector<std::pair<std::uint64_t, std::string>> numbered_files(const std::str
   std::vector<std::pair<std::uint64_t, std::string>> files;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    if (!name.ends_with(suffix)) continue;
+    if (name[0] == '.' || !name.ends_with(suffix)) continue;
     const bool named = name.starts_with(prefix) && name.size() > prefix.size() + suffix.size();
     const std::string digits =
         named ? name.substr(prefix.size(), name.size() - prefix.size() - suffix.size()) : "";

@@ -8,6 +8,7 @@
 namespace prospect {
 
 /// The files of a folder whose names are `prefix`, digits, `suffix`: number and path, by number.
+/// Hidden ones are passed over.
 /// Throws InputError, one line: no such folder, no such file, or a file that ends in `suffix` but
 /// is not named so.
 std::vector<std::pair<std::uint64_t, std::string>> numbered_files(const std::string& folder,

@@ -10,12 +10,14 @@ const states = ["ok", "degraded", "lost"];
 // ---- Head ---------------------------------------------------------------------------------------
 const known = isNumber(s.end_error_m);
 $("facts").textContent = [s.layout, plural(s.frames, "frame"), `${s.ok} ok, ${s.degraded} degraded, ${s.lost} lost`,
-  plural(s.keyframes, "keyframe"), known ? null : "no ground truth"].filter(Boolean).join(" · ");
+  plural(s.keyframes, "keyframe"), s.ground_truth ? null : "no ground truth"].filter(Boolean).join(" · ");
 const figure = (label, value, unit, bad) => $("figures").append(make("div", bad ? { class: "bad" } : {},
   make("dd", {}, value, make("small", {}, unit)), make("dt", {}, label)));
-figure("path", fixed(s.estimated_length_m, 1), "m");
+figure("of the frames located", fixed(s.covered_percent, 0), "%", s.covered_percent < 50);
+if (isNumber(s.estimated_length_m)) figure("path", fixed(s.estimated_length_m, 1), "m");
 if (known) {
-  figure("error at the end", fixed(s.end_error_percent, 2), "%");
+  if (isNumber(s.end_error_percent)) figure("error at the end", fixed(s.end_error_percent, 2), "%");
+  else figure("error at the end", fixed(s.end_error_m, 3), "m");
   figure("rotation at the end", fixed(s.end_rotation_deg, 2), "°");
   if (s.calibration_refused) figure("of the true length: calibration wrong", fixed(100 * s.scale, 1), "%", true);
   if (isNumber(s.rpe_10m_percent)) figure("per 10 m", fixed(s.rpe_10m_percent, 2), "%");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <opencv2/core.hpp>
 
 #include "adapters/datasets/recording_range.h"
@@ -40,12 +41,14 @@ OdometrySummary summarize(const OdometryRun& run) {
   OdometrySummary s;
   std::vector<double> pyramids, tracking, pose, keyframe, frame, processor, processor_keyframe;
   bool was_lost = false;
+  std::map<std::string, int> reasons;
   for (const OdometryFrame& f : run.frames) {
     ++s.frames;
     const bool lost = f.state == Localization::kLost;
     s.ok += f.state == Localization::kOk;
     s.degraded += f.state == Localization::kDegraded;
     s.lost += lost;
+    if (lost) ++reasons[f.reason];
     s.losses += lost && !was_lost;
     was_lost = lost;
     s.restarts += f.restarted;
@@ -66,13 +69,24 @@ OdometrySummary summarize(const OdometryRun& run) {
   s.frame = percentiles(frame);
   s.processor = percentiles(processor);
   s.processor_keyframe = percentiles(processor_keyframe);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const int located = s.frames - s.lost;
+  s.covered = s.frames > 0 ? static_cast<double>(located) / s.frames : nan;
+  s.covered_truth = s.frames > 0 ? static_cast<double>(run.pairs.size()) / s.frames : nan;
+  s.mostly_lost = 2 * s.lost > s.frames;
+  int most = 0;
+  for (const auto& [reason, count] : reasons) {
+    if (count <= most) continue;
+    most = count;
+    s.lost_reason = reason;
+  }
+  s.estimated_length = run.trajectory.size() < 2 ? nan : 0.0;
   for (std::size_t i = 1; i < run.trajectory.size(); ++i) {
     s.estimated_length +=
         (run.trajectory[i].T.translation() - run.trajectory[i - 1].T.translation()).norm();
   }
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  s.true_length = run.pairs.empty() ? nan : path_length(run.pairs);
-  if (run.pairs.empty()) {
+  s.true_length = run.pairs.size() < 2 ? nan : path_length(run.pairs);
+  if (run.pairs.size() < 2) {
     s.ate_first = s.ate_fit = {nan, nan, nan};
     s.end = {nan, nan, nan};
   } else {

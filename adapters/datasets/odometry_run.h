@@ -37,9 +37,15 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
                          int first = 0, int max_frames = 0,
                          const std::function<void(const OdometryStep&)>& observe = {});
 
-/// Counts and errors of a run. Errors are NaN without ground truth, or where the path is too short.
+/// Counts and errors of a run. Errors and lengths are NaN without two poses to measure them from
+/// (without ground truth, or where all else was lost), or where the path is too short.
 struct OdometrySummary {
   int frames = 0, ok = 0, degraded = 0, lost = 0, losses = 0, restarts = 0, keyframes = 0;
+  double covered = 0.0;        ///< share of the frames that have a pose: not lost
+  double covered_truth = 0.0;  ///< share of the frames whose pose was held against the truth
+  /// Most of the frames have no pose: what there is says little of the recording.
+  bool mostly_lost = false;
+  std::string lost_reason;  ///< the most frequent reason of lost frames; empty if none was lost
   double estimated_length = 0.0, true_length = 0.0;  ///< [m]
   ScaleAgreement scale;                              ///< of estimated with true lengths
   AbsoluteError ate_first, ate_fit;

@@ -17,9 +17,23 @@ using Eigen::Matrix3d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-Vector2d distort(const std::array<double, 4>& k, const Vector2d& p) {
+constexpr double kWidestRay = 85.0 * M_PI / 180.0;  // of a fisheye, from the axis [rad]
+const double kWidestView = std::tan(50.0 * M_PI / 180.0);
+
+double fisheye_radius(const std::array<double, 8>& k, double t) {
+  const double s = t * t;
+  return t * (1.0 + s * (k[0] + s * (k[1] + s * (k[2] + s * k[3]))));
+}
+
+Vector2d distort(const CalibratedCamera& camera, const Vector2d& p) {
+  const std::array<double, 8>& k = camera.distortion;
   const double x = p.x(), y = p.y(), s = x * x + y * y;
-  const double radial = 1.0 + k[0] * s + k[1] * s * s;
+  if (camera.lens == Lens::kEquidistant) {
+    const double r = std::sqrt(s);
+    return r < 1e-9 ? p : Vector2d(p * (fisheye_radius(k, std::atan(r)) / r));
+  }
+  const double radial = (1.0 + k[0] * s + k[1] * s * s + k[4] * s * s * s) /
+                        (1.0 + k[5] * s + k[6] * s * s + k[7] * s * s * s);
   return {x * radial + 2.0 * k[2] * x * y + k[3] * (s + 2.0 * x * x),
           y * radial + k[2] * (s + 2.0 * y * y) + 2.0 * k[3] * x * y};
 }
@@ -40,7 +54,7 @@ struct Rectification::Maps {
 };
 
 Vector2d project_distorted(const CalibratedCamera& camera, const Vector2d& ray) {
-  const Vector2d d = distort(camera.distortion, ray);
+  const Vector2d d = distort(camera, ray);
   return {camera.pinhole.fx * d.x() + camera.pinhole.cx,
           camera.pinhole.fy * d.y() + camera.pinhole.cy};
 }
@@ -48,19 +62,35 @@ Vector2d project_distorted(const CalibratedCamera& camera, const Vector2d& ray) 
 Vector2d undistort(const CalibratedCamera& camera, const Vector2d& p) {
   const Vector2d target((p.x() - camera.pinhole.cx) / camera.pinhole.fx,
                         (p.y() - camera.pinhole.cy) / camera.pinhole.fy);
+  if (camera.lens == Lens::kEquidistant) {
+    // One equation of the angle, by bisection: the polynomial may turn back beyond the image.
+    const double radius = target.norm();
+    if (radius < 1e-9) return target;
+    double low = 0.0, high = 0.0;
+    while (high < kWidestRay && fisheye_radius(camera.distortion, high) < radius) {
+      low = high;
+      high += 0.02;
+    }
+    if (high >= kWidestRay) {
+      return Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+    }
+    for (int k = 0; k < 60; ++k) {
+      const double middle = 0.5 * (low + high);
+      (fisheye_radius(camera.distortion, middle) < radius ? low : high) = middle;
+    }
+    return target * (std::tan(0.5 * (low + high)) / radius);
+  }
   // Newton with a numerical Jacobian: fixed-point iteration does not settle at strong distortion.
   Vector2d x = target;
   for (int iteration = 0; iteration < 30; ++iteration) {
-    const Vector2d r = distort(camera.distortion, x) - target;
+    const Vector2d r = distort(camera, x) - target;
     if (r.norm() < 1e-12) break;
     const double h = 1e-6;
     Matrix2d J;
-    J.col(0) = (distort(camera.distortion, x + Vector2d(h, 0)) -
-                distort(camera.distortion, x - Vector2d(h, 0))) /
-               (2 * h);
-    J.col(1) = (distort(camera.distortion, x + Vector2d(0, h)) -
-                distort(camera.distortion, x - Vector2d(0, h))) /
-               (2 * h);
+    J.col(0) =
+        (distort(camera, x + Vector2d(h, 0)) - distort(camera, x - Vector2d(h, 0))) / (2 * h);
+    J.col(1) =
+        (distort(camera, x + Vector2d(0, h)) - distort(camera, x - Vector2d(0, h))) / (2 * h);
     const Vector2d step = J.inverse() * r;
     if (!step.allFinite()) break;
     x -= step;
@@ -98,7 +128,9 @@ Rectification::Rectification(const CalibratedCamera& left, const CalibratedCamer
 
   // The widest view inside both images: their borders, seen in the new orientation.
   const double width = left.pinhole.width, height = left.pinhole.height;
-  double x0 = -1e9, x1 = 1e9, y0 = -1e9, y1 = 1e9;
+  const bool fisheye = left.lens == Lens::kEquidistant || right.lens == Lens::kEquidistant;
+  const double widest = fisheye ? kWidestView : 1e9;
+  double x0 = -widest, x1 = widest, y0 = -widest, y1 = widest;
   const auto narrow = [&](const CalibratedCamera& camera, const Matrix3d& R) {
     const auto seen = [&](double u, double v) -> Vector2d {
       const Vector3d ray = R * undistort(camera, {u, v}).homogeneous();

@@ -9,25 +9,35 @@
 
 namespace prospect {
 
-/// One camera as calibrated: pinhole with radial-tangential distortion (k1, k2, p1, p2; Brown
-/// 1966). With (x, y) = (X/Z, Y/Z) and s = x^2 + y^2:
-///   x' = x (1 + k1 s + k2 s^2) + 2 p1 x y + p2 (s + 2 x^2),
-///   y' = y (1 + k1 s + k2 s^2) + p1 (s + 2 y^2) + 2 p2 x y,     u = fx x' + cx, v = fy y' + cy.
+enum class Lens {
+  kRadialTangential,  ///< Brown 1966, with OpenCV's rational terms
+  kEquidistant        ///< fisheye, Kannala and Brandt 2006
+};
+
+/// One camera as calibrated: pinhole with distortion, u = fx x' + cx, v = fy y' + cy. With
+/// (x, y) = (X/Z, Y/Z) and s = x^2 + y^2, radial-tangential (k1, k2, p1, p2, k3, k4, k5, k6):
+///   r  = (1 + k1 s + k2 s^2 + k3 s^3) / (1 + k4 s + k5 s^2 + k6 s^3),
+///   x' = x r + 2 p1 x y + p2 (s + 2 x^2),     y' = y r + p1 (s + 2 y^2) + 2 p2 x y;
+/// equidistant (k1, k2, k3, k4), with t = atan(sqrt(s)):
+///   (x', y') = (x, y) / sqrt(s) * t (1 + k1 t^2 + k2 t^4 + k3 t^6 + k4 t^8).
 struct CalibratedCamera {
   PinholeCamera pinhole;
-  std::array<double, 4> distortion = {0.0, 0.0, 0.0, 0.0};
+  Lens lens = Lens::kRadialTangential;
+  std::array<double, 8> distortion = {};
   Eigen::Isometry3d T_BC = Eigen::Isometry3d::Identity();  ///< camera to body
 };
 
 /// Image of the ray (x, y, 1), distorted [px].
 Eigen::Vector2d project_distorted(const CalibratedCamera& camera, const Eigen::Vector2d& ray);
-/// Its inverse, by iteration; the ray that pixel p shows.
+/// Its inverse, by iteration; the ray that pixel p shows. NaN where a fisheye looks 85 degrees or
+/// more aside, which no ray (x, y, 1) describes well.
 Eigen::Vector2d undistort(const CalibratedCamera& camera, const Eigen::Vector2d& p);
 
 /// Makes of an arbitrary stereo pair a rectified one: a common orientation whose x axis is the
 /// baseline and whose z axis is the mean of both cameras' (Fusiello, Trucco, Verri 2000), one focal
 /// length and principal point, no distortion. These are chosen as the widest view in which every
-/// pixel of both images has a source, so there are no black borders with corners of their own.
+/// pixel of both images has a source, so there are no black borders with corners of their own; of
+/// fisheyes at most 100 degrees each way, as a wider flat image is mostly stretched border.
 class Rectification {
  public:
   /// Throws std::invalid_argument, in words, if the right camera is not to the right of the left

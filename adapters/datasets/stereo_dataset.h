@@ -5,39 +5,40 @@
 #include <string>
 #include <vector>
 
+#include "adapters/datasets/frame_pairs.h"
 #include "adapters/datasets/rectification.h"
+#include "adapters/datasets/stereo_source.h"
 #include "adapters/datasets/trajectory.h"
 #include "models/camera.h"
 #include "perception/image.h"
 
 namespace prospect {
 
-/// A recording of a stereo pair, opened and checked; frames are read one by one, rectified.
+/// A recording of a stereo pair, opened and checked; frames are read one by one, grey, 8 bits,
+/// rectified. Layouts: stereo_layouts() in stereo_source.h, told apart by what is there; each
+/// describes itself in docs/reference/perception.md.
 ///
-/// Layouts, told apart by what the folder holds:
-///   KITTI odometry  `calib.txt` (P0, P1 named, or two rows of twelve numbers), images in image_0
-///   and
-///                   image_1 (or image_l and image_r), `times.txt` [s] (absent: 10 Hz), ground
-///                   truth `poses.txt` or `../../poses/NAME.txt`, of the left camera. Rectified.
-///   EuRoC           `mav0/cam0`, `mav0/cam1` with `sensor.yaml` (pinhole, radial-tangential) and
-///                   `data/STAMP.png` [ns]; ground truth `groundtruth_tum.txt` or
-///                   `mav0/state_groundtruth_estimate0/data.csv`, of the body. Rectified here.
-/// Frames that only one camera has are left out; more than a fifth of them is an error.
+/// Images are grey or colour, of 8 or 16 bits. What the numbers of 16 bits hold is the least of 8,
+/// 10, 12, 14 and 16 bits that some images along the recording need; the upper 8 of these are used,
+/// in all images alike, and notes() says so. Frames that only one camera has are left out
+/// (frame_pairs.h).
 class StereoDataset {
  public:
-  /// Throws InputError, one line for each problem: what is missing, misnamed, malformed or does not
-  /// fit together; also where the first pair contradicts the calibration: a size that does not fit,
-  /// a baseline that is not 0.01 to 2 m to the right, left and right exchanged, rows that do not
-  /// correspond (perception/stereo_check.h). A wrong scale of the baseline within that range cannot
-  /// be seen in images; compare with the ground truth's length where there is one.
-  static StereoDataset open(const std::string& folder);
+  /// Throws InputError, one line: what is missing, misnamed, malformed or does not fit together;
+  /// also where the first pair contradicts the calibration: a size that does not fit, a baseline
+  /// that is not 0.01 to 2 m to the right, left and right exchanged, rows that do not correspond
+  /// (perception/stereo_check.h). A wrong scale of the baseline within that range cannot be seen in
+  /// images; compare with the ground truth's length where there is one.
+  static StereoDataset open(const std::string& path, const StereoDatasetOptions& options = {});
 
   const std::string& layout() const { return layout_; }
   const StereoCamera& camera() const { return camera_; }
   int size() const { return static_cast<int>(stamps_.size()); }
-  double stamp(int i) const { return stamps_[i]; }  ///< [s]
+  double stamp(int i) const { return stamps_[i]; }  ///< of the left image [s]
   int unpaired() const { return unpaired_; }        ///< frames that only one camera has
   bool times_assumed() const { return times_assumed_; }
+  /// What was assumed, chosen or left out, one line each.
+  const std::vector<std::string>& notes() const { return notes_; }
 
   struct Pair {
     Image left, right;
@@ -49,16 +50,21 @@ class StereoDataset {
   const Trajectory& ground_truth() const { return ground_truth_; }
 
  private:
-  void open_kitti(const std::string& folder);
-  void open_euroc(const std::string& folder);
-  void check_first_pair(const std::string& folder);
+  void rectify(StereoCalibration calibration);
+  void find_bits();
+  void check_first_pair();
+  Image read_grey(const ImageStream& camera, std::size_t i) const;
 
   std::string layout_;
   StereoCamera camera_;
   std::vector<double> stamps_;
-  std::vector<std::string> left_, right_;
+  ImageStream left_, right_;
+  std::vector<std::pair<std::size_t, std::size_t>> pairs_;
   int unpaired_ = 0;
+  int bits_ = 8;
   bool times_assumed_ = false;
+  std::vector<std::string> notes_;
+  std::string calibration_from_;
   Trajectory ground_truth_;
   std::shared_ptr<const Rectification> rectification_;  // null: rectified already
 };

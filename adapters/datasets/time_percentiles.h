@@ -5,7 +5,7 @@
 
 namespace prospect {
 
-/// Median, 95 %, 99 % and largest of times [ms] (quantile.h); 0 where there were none.
+/// Median, 95 %, 99 % and largest of times [ms] (quantile.h); NaN where there were none.
 struct TimePercentiles {
   double p50 = 0.0, p95 = 0.0, p99 = 0.0, max = 0.0;
 };

@@ -3,6 +3,7 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "perception/median.h"
@@ -82,15 +83,16 @@ AbsoluteError absolute_error(const std::vector<PosePair>& pairs, Alignment align
 }
 
 EndError end_error(const std::vector<PosePair>& pairs) {
-  EndError error;
-  if (pairs.empty()) return error;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EndError error{nan, nan, nan};
+  if (pairs.size() < 2) return error;
   const PosePair& a = pairs.front();
   const PosePair& b = pairs.back();
   const Eigen::Isometry3d E =
       (a.truth.inverse() * b.truth).inverse() * (a.estimate.inverse() * b.estimate);
   error.translation = E.translation().norm();
   const double length = path_length(pairs);
-  error.share = length > 0.0 ? error.translation / length : 0.0;
+  if (length > 0.0) error.share = error.translation / length;
   error.rotation = rotation_angle(E);
   return error;
 }

@@ -33,10 +33,11 @@ struct AbsoluteError {
 };
 AbsoluteError absolute_error(const std::vector<PosePair>& pairs, Alignment alignment);
 
-/// Error of the last pose with the first poses aligned.
+/// Error of the last pose with the first poses aligned. NaN where there is none: of fewer than two
+/// pairs all of it, of a true path without length its share.
 struct EndError {
   double translation = 0.0;  ///< [m]
-  double share = 0.0;        ///< of the true path's length; 0 for a path of no length
+  double share = 0.0;        ///< of the true path's length
   double rotation = 0.0;     ///< [rad]
 };
 EndError end_error(const std::vector<PosePair>& pairs);

@@ -177,9 +177,9 @@ TEST_F(StereoRecording, EurocLayout) {
 TEST_F(StereoRecording, SaysWhatIsMissingOrMalformed) {
   EXPECT_THAT(refusal(), HasSubstr("no such folder"));
   fs::create_directories(folder_);
-  EXPECT_THAT(refusal(), HasSubstr("neither calib.txt (KITTI) nor mav0 (EuRoC)"));
+  EXPECT_THAT(refusal(), HasSubstr("looked for image_00/data and calib_cam_to_cam.txt (KITTI raw); mav0/cam0"));
   write("rgb.txt", "");
-  EXPECT_THAT(refusal(), HasSubstr("TUM RGB-D"));
+  EXPECT_THAT(refusal(), HasSubstr("one camera and depth, for `prospect map`"));
 
   kitti();
   write("times.txt", "0\n0.1\n");
@@ -259,7 +259,7 @@ TEST_F(StereoRecording, RefusesWrongSensorFiles) {
   replace("mav0/cam1/sensor.yaml", "-0.12", "0.12");
   EXPECT_THAT(refusal(), HasSubstr("look exchanged"));
   write("mav0/cam1/sensor.yaml", sensor(-0.12));
-  replace("mav0/cam1/sensor.yaml", "radial-tangential", "equidistant");
+  replace("mav0/cam1/sensor.yaml", "radial-tangential", "cylindrical");
   EXPECT_THAT(refusal(), HasSubstr("sensor.yaml:12: distortion_model"));
   write("mav0/cam1/sensor.yaml", sensor(-0.12));
   replace("mav0/cam1/sensor.yaml", "[400, 300]", "[752, 480]");

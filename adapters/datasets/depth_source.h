@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/datasets/image_stream.h"
+#include "adapters/files/input_error.h"
+#include "models/camera.h"
+#include "perception/depth_image.h"
+
+namespace prospect {
+
+struct DepthDatasetOptions {
+  /// Intrinsics where no file states them; width and height are those of the images.
+  std::optional<PinholeCamera> camera;
+  DepthRange range;         ///< depths outside are invalid [m]
+  std::string calibration;  ///< file that states the intrinsics, a ROS camera_info; empty: none
+  /// Numbers of the images a metre; none: the layout's, checked against what else is known
+  /// (depth_scale.h).
+  std::optional<double> depth_scale;
+  double camera_height =
+      0.0;  ///< above the floor in the first frames, to check with [m]; 0: unknown
+  /// Of a bag: "depth", "depth_info", "pose" to topics; others are found.
+  std::map<std::string, std::string> topics;
+};
+
+using DepthPoses = std::vector<Eigen::Isometry3d, Eigen::aligned_allocator<Eigen::Isometry3d>>;
+
+/// What a layout finds in a recording of depth images; what is missing is listed, and does not stop
+/// the search.
+struct DepthSource {
+  std::string layout;
+  ImageStream images;
+  DepthPoses poses;                     ///< of each image, camera to world; empty: none is known
+  std::optional<PinholeCamera> camera;  ///< width and height 0: not stated
+  std::string camera_from;              ///< file or topic, for messages
+  double depth_scale = 1000.0;          ///< numbers a metre by the layout's rule, of 16 bits
+  bool times_assumed = false;
+  int without_pose = 0;  ///< frames left out
+  std::vector<std::string> notes, missing;
+
+  /// Calls `read` and lists the lines of an InputError as missing; false then.
+  template <typename Read>
+  bool attempt(const Read& read) {
+    try {
+      read();
+      return true;
+    } catch (const InputError& error) {
+      missing.insert(missing.end(), error.lines().begin(), error.lines().end());
+      return false;
+    }
+  }
+};
+
+/// A layout of recordings of depth images. Each recognises itself, by looking at names alone.
+struct DepthLayout {
+  const char* name;
+  const char* looked_for;  ///< for the message where no layout fits
+  bool (*recognises)(const std::string& path);
+  DepthSource (*open)(const std::string& path, const DepthDatasetOptions& options);
+};
+
+/// All layouts, in the order in which they are asked.
+const std::vector<DepthLayout>& depth_layouts();
+
+/// The first layout that recognises the path; null: none does.
+const DepthLayout* find_depth_layout(const std::string& path);
+
+/// Opens with the layout that fits, and finds the intrinsics. Throws InputError if the path is
+/// absent or no layout fits: what was looked for.
+DepthSource open_depth_source(const std::string& path, const DepthDatasetOptions& options = {});
+
+// The layouts, one a file.
+bool is_tum_rgbd(const std::string& path);
+DepthSource open_tum_rgbd(const std::string& path, const DepthDatasetOptions& options);
+bool is_seven_scenes(const std::string& path);
+DepthSource open_seven_scenes(const std::string& path, const DepthDatasetOptions& options);
+bool is_numbered_depth(const std::string& path);
+DepthSource open_numbered_depth(const std::string& path, const DepthDatasetOptions& options);
+
+}  // namespace prospect

@@ -1,0 +1,318 @@
+#include "adapters/datasets/inspection.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "adapters/datasets/depth_dataset.h"
+#include "adapters/datasets/frame_pairs.h"
+#include "adapters/datasets/numbered_files.h"
+#include "adapters/datasets/rgbd_folder.h"
+#include "adapters/datasets/stereo_dataset.h"
+
+namespace prospect {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
+
+/// Times of a camera's images, and what the first one is.
+Json stream_json(const ImageStream& stream, std::vector<std::string>& missing) {
+  const double step = median_step(stream.stamps);
+  int gaps = 0;
+  double longest = 0.0;
+  for (std::size_t i = 1; i < stream.size(); ++i) {
+    const double passed = stream.stamps[i] - stream.stamps[i - 1];
+    gaps += passed > 1.8 * step;
+    longest = std::max(longest, passed);
+  }
+  Json json = {{"from", stream.name},
+               {"images", stream.size()},
+               {"rate_hz", finite_or_null(1.0 / step)},
+               {"first_s", stream.size() > 0 ? Json(stream.stamps.front()) : Json()},
+               {"last_s", stream.size() > 0 ? Json(stream.stamps.back()) : Json()},
+               {"gaps", gaps},
+               {"longest_step_s", stream.size() > 1 ? Json(longest) : Json()}};
+  if (stream.size() == 0) return json;
+  try {
+    const RawImage first = stream.read(0);
+    json["width"] = first.width;
+    json["height"] = first.height;
+    json["channels"] = first.channels;
+    json["bits"] = first.kind == RawImage::Kind::k8    ? 8
+                   : first.kind == RawImage::Kind::k16 ? 16
+                                                       : 32;
+    json["significant_bits"] = first.kind == RawImage::Kind::kFloat ? 32 : significant_bits(first);
+  } catch (const InputError& error) {
+    missing.push_back(error.lines()[0]);
+  }
+  return json;
+}
+
+Json calibration_json_of(const StereoCalibration& c) {
+  if (c.rectified) {
+    return {{"from", c.from},
+            {"rectified", true},
+            {"lens", "none"},
+            {"focal_px", c.camera.left.fx},
+            {"principal_point_px", {c.camera.left.cx, c.camera.left.cy}},
+            {"baseline_m", c.camera.baseline}};
+  }
+  return {{"from", c.from},
+          {"rectified", false},
+          {"lens", lens_name(c.left)},
+          {"focal_px", c.left.pinhole.fx},
+          {"principal_point_px", {c.left.pinhole.cx, c.left.pinhole.cy}},
+          {"baseline_m", (c.right.T_BC.translation() - c.left.T_BC.translation()).norm()}};
+}
+
+void add_missing(std::vector<std::string>& missing, const std::string& line) {
+  if (std::find(missing.begin(), missing.end(), line) == missing.end()) missing.push_back(line);
+}
+
+Json inspect_stereo(const std::string& path, const StereoDatasetOptions& options) {
+  StereoSource source = open_stereo_source(path, options);
+  std::vector<std::string> missing = source.missing, notes = source.notes;
+  std::vector<std::string> supply;
+  Json json = {
+      {"kind", "stereo pair"}, {"used_by", "prospect odometry"}, {"layout", source.layout}};
+  json["left"] = stream_json(source.left, missing);
+  json["right"] = stream_json(source.right, missing);
+  const FramePairs pairs = pair_frames(source.left, source.right, options.sync);
+  json["pairs"] = pairs.pairs.size();
+  json["unpaired"] = pairs.left_alone + pairs.right_alone;
+  const bool paired = !pairs.pairs.empty();
+  json["right_after_left_s"] = paired ? Json(pairs.offset) : Json();
+  json["right_after_left_most_s"] = paired ? Json(pairs.largest_offset) : Json();
+  json["sync_s"] = pairs.tolerance;
+  json["calibration"] = source.calibration ? calibration_json_of(*source.calibration) : Json();
+  json["ground_truth_poses"] = source.truth.empty() ? Json() : Json(source.truth.size());
+  if (!source.calibration) {
+    supply = {"calib.txt beside the images of a rectified pair (f, cx, cy in px, baseline B in m):",
+              "  P0: f 0 cx 0 0 f cy 0 0 0 1 0", "  P1: f 0 cx -f*B 0 f cy 0 0 0 1 0",
+              "or --calibration FILE: ROS camera_info (left.yaml,right.yaml), OpenCV stereo YAML, "
+              "Kalibr camchain"};
+  }
+  if (source.left.size() > 0 && source.right.size() > 0) {
+    const std::string problem = pairing_problem(pairs, source.left, source.right);
+    if (!problem.empty()) add_missing(missing, problem);
+  }
+  if (missing.empty()) {
+    // What only the images themselves tell.
+    try {
+      notes = StereoDataset::open(path, options).notes();
+    } catch (const InputError& error) {
+      add_missing(missing, error.lines()[0]);
+    }
+  }
+  json["notes"] = notes;
+  json["missing"] = missing;
+  json["supply"] = supply;
+  return json;
+}
+
+Json inspect_depth(const std::string& path, const DepthDatasetOptions& options) {
+  const DepthSource source = open_depth_source(path, options);
+  std::vector<std::string> missing = source.missing, notes = source.notes, supply;
+  Json json = {{"kind", "depth images"}, {"used_by", "prospect map"}, {"layout", source.layout}};
+  json["depth"] = stream_json(source.images, missing);
+  json["poses"] = source.poses.empty() ? Json() : Json(source.poses.size());
+  json["without_pose"] = source.without_pose;
+  json["intrinsics"] = source.camera
+                           ? Json({{"from", source.camera_from},
+                                   {"focal_px", source.camera->fx},
+                                   {"principal_point_px", {source.camera->cx, source.camera->cy}}})
+                           : Json();
+  json["depth_scale"] = Json();
+  if (!source.camera) {
+    supply = {"camera-intrinsics.txt beside the images (px):", "  fx 0 cx", "  0 fy cy", "  0 0 1",
+              "or --camera FX FY CX CY"};
+  }
+  if (missing.empty()) {
+    try {
+      const DepthDataset dataset = DepthDataset::open(path, options);
+      notes = dataset.notes();
+      json["depth_scale"] = dataset.depth_scale();
+      if (dataset.depth_scale_doubtful()) missing.push_back(path + ": " + notes.back());
+    } catch (const InputError& error) {
+      add_missing(missing, error.lines()[0]);
+    }
+  }
+  if (source.poses.empty()) {
+    notes.push_back("no poses: the ground is measured, nothing is mapped");
+  }
+  json["notes"] = notes;
+  json["missing"] = missing;
+  json["supply"] = supply;
+  return json;
+}
+
+struct OtherKind {
+  const char* ending;
+  const char* what;
+  const char* used_by;
+};
+constexpr OtherKind kOtherKinds[] = {
+    {".bt", "OctoMap", "prospect explore"},
+    {".ot", "OctoMap", "prospect explore"},
+    {".pgm", "image of a floor plan", "prospect explore"},
+    {".png", "image of a floor plan", "prospect explore"},
+    {".bmp", "image of a floor plan", "prospect explore"},
+    {".map", "MovingAI grid", "prospect explore"},
+    {".obj", "mesh", "prospect explore"},
+    {".dae", "mesh", "prospect explore"},
+    {".gltf", "mesh", "prospect explore"},
+    {".glb", "mesh", "prospect explore"},
+    {".stl", "mesh", "prospect explore"},
+    {".ply", "mesh", "prospect explore"},
+    {".world", "Gazebo world", "prospect explore"},
+    {".sdf", "Gazebo world", "prospect explore"},
+    {".h5", "planning problem", "prospect solve"},
+    {".yaml", "world file, ROS map or configuration", "prospect explore"},
+    {".yml", "world file, ROS map or configuration", "prospect explore"}};
+
+Json name_other(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (fs::is_directory(path, error)) {
+    if (fs::exists(path + "/steps.csv", error) && fs::exists(path + "/config.yaml", error)) {
+      return {{"what", "run folder"}, {"used_by", "prospect report"}};
+    }
+    return {};
+  }
+  std::string ending = fs::path(path).extension().string();
+  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const OtherKind& kind : kOtherKinds) {
+    if (ending == kind.ending) return {{"what", kind.what}, {"used_by", kind.used_by}};
+  }
+  return {};
+}
+
+std::string formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string stream_line(const char* name, const Json& s) {
+  std::string line = std::string(name) + s["images"].dump() + " images";
+  if (s.contains("width")) {
+    line += " of " + s["width"].dump() + " x " + s["height"].dump() + " px, " +
+            (s["channels"] == 1 ? "grey" : "colour") + ", " + s["bits"].dump() + " bits";
+    if (s["significant_bits"] != s["bits"]) {
+      line += " (" + s["significant_bits"].dump() + " used)";
+    }
+  }
+  if (s["rate_hz"].is_number()) line += ", " + formatted("%.4g Hz", s["rate_hz"].get<double>());
+  if (s["gaps"].get<int>() > 0) {
+    line += ", " + s["gaps"].dump() + " gaps, the longest " +
+            formatted("%.3g s", s["longest_step_s"].get<double>());
+  }
+  return line + ": " + s["from"].get<std::string>() + "\n";
+}
+
+std::string recording_text(const Json& r) {
+  std::string text = r["layout"].get<std::string>() + ", " + r["kind"].get<std::string>() +
+                     ", for `" + r["used_by"].get<std::string>() + "`\n";
+  if (r.contains("left")) {
+    text += stream_line("left         ", r["left"]) + stream_line("right        ", r["right"]);
+    text += "pairs        " + r["pairs"].dump() + ", " + r["unpaired"].dump() + " images alone";
+    if (r["right_after_left_s"].is_number()) {
+      text += "; right less left " +
+              formatted("%.3g ms in the median, ", 1e3 * r["right_after_left_s"].get<double>()) +
+              formatted("%.3g ms at most", 1e3 * r["right_after_left_most_s"].get<double>());
+    }
+    text += "\n";
+    const Json& c = r["calibration"];
+    if (c.is_null()) {
+      text += "calibration  none\n";
+    } else {
+      text += "calibration  " + formatted("f %.6g px, ", c["focal_px"].get<double>()) +
+              formatted("baseline %.4g m, ", c["baseline_m"].get<double>()) +
+              (c["rectified"].get<bool>() ? "rectified images"
+                                          : "lens " + c["lens"].get<std::string>()) +
+              ": " + c["from"].get<std::string>() + "\n";
+    }
+    text +=
+        "truth        " +
+        (r["ground_truth_poses"].is_null() ? "none" : r["ground_truth_poses"].dump() + " poses") +
+        "\n";
+  } else {
+    text += stream_line("depth        ", r["depth"]);
+    text += "poses        " +
+            (r["poses"].is_null() ? "none" : r["poses"].dump() + " frames have one") + "\n";
+    const Json& c = r["intrinsics"];
+    text += "intrinsics   " +
+            (c.is_null() ? "none"
+                         : formatted("f %.6g px: ", c["focal_px"].get<double>()) +
+                               c["from"].get<std::string>()) +
+            "\n";
+  }
+  for (const Json& note : r["notes"]) text += "note         " + note.get<std::string>() + "\n";
+  for (const Json& line : r["missing"]) text += "missing      " + line.get<std::string>() + "\n";
+  for (const Json& line : r["supply"]) text += "  supply     " + line.get<std::string>() + "\n";
+  return text;
+}
+
+}  // namespace
+
+Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
+                  const DepthDatasetOptions& depth, Found& found) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error)) {
+    throw InputError(path + ": nothing is there; expected a recording, map or world");
+  }
+  Json json = {{"path", path}, {"found", ""}, {"recordings", Json::array()}};
+  Json& recordings = json["recordings"];
+  if (find_stereo_layout(path) != nullptr) recordings.push_back(inspect_stereo(path, stereo));
+  if (find_depth_layout(path) != nullptr) recordings.push_back(inspect_depth(path, depth));
+  found = Found::kUnknown;
+  for (const Json& recording : recordings) {
+    if (recording["missing"].empty()) found = Found::kUsable;
+  }
+  if (!recordings.empty() && found == Found::kUnknown) found = Found::kIncomplete;
+  if (recordings.empty()) {
+    const Json other = name_other(path);
+    if (!other.is_null()) {
+      json.update(other);
+      found = Found::kUsable;
+    } else {
+      Json looked_for = Json::array();
+      for (const StereoLayout& layout : stereo_layouts()) looked_for.push_back(layout.looked_for);
+      for (const DepthLayout& layout : depth_layouts()) looked_for.push_back(layout.looked_for);
+      looked_for.push_back(
+          "a map, mesh, world or problem: .bt .ot .pgm .png .bmp .yaml .obj .dae .gltf .glb .stl "
+          ".ply .world .sdf .h5");
+      json["looked_for"] = looked_for;
+    }
+  }
+  json["found"] = found == Found::kUsable       ? "usable"
+                  : found == Found::kIncomplete ? "incomplete"
+                                                : "unknown";
+  return json;
+}
+
+std::string inspection_text(const Json& inspection) {
+  std::string text;
+  for (const Json& recording : inspection["recordings"]) text += recording_text(recording);
+  if (inspection.contains("what")) {
+    text += inspection["what"].get<std::string>() + ", for `" +
+            inspection["used_by"].get<std::string>() + "`\n";
+  }
+  if (inspection.contains("looked_for")) {
+    text += "nothing known; looked for\n";
+    for (const Json& line : inspection["looked_for"]) {
+      text += "  " + line.get<std::string>() + "\n";
+    }
+    if (is_video_name(inspection["path"].get<std::string>())) {
+      text += "videos are not read: ffmpeg -i VIDEO left/%06d.png\n";
+    }
+  }
+  return text;
+}
+
+}  // namespace prospect

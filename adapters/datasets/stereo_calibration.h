@@ -1,0 +1,65 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "adapters/datasets/rectification.h"
+#include "models/camera.h"
+
+namespace prospect {
+
+/// How the two cameras of a recording see, as a file states it: of images that are rectified, or of
+/// both cameras by themselves.
+struct StereoCalibration {
+  bool rectified = false;
+  StereoCamera camera;           ///< if rectified; width and height 0: the file does not state them
+  CalibratedCamera left, right;  ///< otherwise; a size of 0 likewise. T_BC to any common body
+  std::string from;              ///< file or topics, for messages
+  std::vector<std::string> notes;  ///< what was assumed or passed over, one line each
+};
+
+/// The forms that a calibration may have.
+///   calib.txt      KITTI: P0 and P1, twelve numbers each (or P2 and P3, see
+///   read_kitti_calibration) camera_info    ROS: K, D, R, P of one camera a file;
+///   `left.yaml,right.yaml` OpenCV stereo  `%YAML:1.0`, M1 D1 M2 D2 R T (or K1.., cameraMatrix1..),
+///   in one file, or two as
+///                  OpenCV's own sample writes them: `intrinsics.yml,extrinsics.yml`
+///   camchain       Kalibr: cam0 and cam1 with intrinsics, distortion, T_cn_cnm1
+/// `files`: one path, or two separated by a comma. `rectified` says that the images are rectified
+/// already, by R and P of a camera_info.
+/// Throws InputError, one line: what is missing or wrong, or that it is none of these.
+StereoCalibration read_stereo_calibration(const std::string& files, bool rectified = false);
+
+/// A KITTI calib.txt. `first`: 0 for the grey pair (P0, P1), 2 for the colour pair (P2, P3). Two
+/// rows without names are P0 and P1. `T_left` gets the position of the left camera in camera 0's
+/// frame, rotated as it [m].
+StereoCalibration read_kitti_calibration(const std::string& path, int first,
+                                         Eigen::Vector3d* left_position = nullptr);
+
+/// One camera of a camera_info file: for depth images. Width and height as stated, or 0.
+PinholeCamera read_camera_info_pinhole(const std::string& path);
+
+/// The pair that ROS camera_info messages or files describe.
+struct CameraInfo {
+  double width = 0.0, height = 0.0;
+  std::string model;               ///< plumb_bob, rational_polynomial, equidistant
+  std::vector<double> D, K, R, P;  ///< 9, 9 and 12 numbers, by rows
+};
+StereoCalibration calibration_of(const CameraInfo& left, const CameraInfo& right,
+                                 const std::string& left_from, const std::string& right_from,
+                                 bool rectified);
+
+/// Sets lens and distortion by a model's name in ROS, Kalibr, EuRoC or OpenCV (`radtan`,
+/// `radial-tangential`, `plumb_bob`, `rational_polynomial`, `equidistant`, `fisheye`, `none`).
+/// Empty, or what is wrong, "what; expected what".
+std::string set_lens(CalibratedCamera& camera, const std::string& model,
+                     const std::vector<double>& coefficients);
+/// "radial-tangential", "equidistant" or "none".
+std::string lens_name(const CalibratedCamera& camera);
+
+/// Throws InputError unless it is 0.01 to 2 m and to the right. `where` stands for the file.
+void check_baseline(const std::string& where, double baseline);
+/// Throws InputError unless the principal point lies near the centre of the image.
+void check_principal_point(const std::string& where, const PinholeCamera& camera);
+
+}  // namespace prospect

@@ -1,0 +1,59 @@
+#include "adapters/datasets/stereo_source.h"
+
+#include <filesystem>
+
+#include "adapters/datasets/rgbd_folder.h"
+
+namespace prospect {
+
+const std::vector<StereoLayout>& stereo_layouts() {
+  static const std::vector<StereoLayout> layouts = {
+      {"KITTI raw", "image_00/data and calib_cam_to_cam.txt (KITTI raw)", is_kitti_raw,
+       open_kitti_raw},
+      {"EuRoC", "mav0/cam0 and mav0/cam1 with sensor.yaml and data (EuRoC)", is_euroc, open_euroc},
+      {"folders",
+       "calib.txt with image_0 and image_1, or image_2 and image_3 (KITTI odometry); "
+       "left and right, or the like, with a calibration",
+       is_folder_pair, open_folder_pair},
+  };
+  return layouts;
+}
+
+const StereoLayout* find_stereo_layout(const std::string& path) {
+  for (const StereoLayout& layout : stereo_layouts()) {
+    if (layout.recognises(path)) return &layout;
+  }
+  return nullptr;
+}
+
+StereoSource open_stereo_source(const std::string& path, const StereoDatasetOptions& options) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (const StereoLayout* layout = find_stereo_layout(path)) return layout->open(path, options);
+  std::string looked_for;
+  for (const StereoLayout& layout : stereo_layouts()) {
+    looked_for += (looked_for.empty() ? "" : "; ") + std::string(layout.looked_for);
+  }
+  if (!fs::exists(path, error)) {
+    throw InputError(path + ": no such folder; expected a recording of a stereo pair");
+  }
+  if (!fs::is_directory(path, error)) {
+    if (is_video_name(path)) {
+      throw InputError(path +
+                       ": a video, which is not read; expected its images: ffmpeg -i VIDEO "
+                       "left/%06d.png (left half of a side-by-side one: -vf crop=iw/2:ih:0:0, "
+                       "right: -vf crop=iw/2:ih:iw/2:0), with --rate HZ and --calibration FILE");
+    }
+    throw InputError(path + ": a file that is no recording; expected a folder with " + looked_for);
+  }
+  if (is_rgbd_folder(path)) {
+    throw InputError(path +
+                     ": a recording of one camera and depth, for `prospect map`; expected a stereo "
+                     "pair: " +
+                     looked_for);
+  }
+  throw InputError(path + ": no recording of a stereo pair is there; looked for " + looked_for +
+                   "; expected one of these");
+}
+
+}  // namespace prospect

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/datasets/image_stream.h"
+#include "adapters/datasets/stereo_calibration.h"
+#include "adapters/datasets/trajectory.h"
+#include "adapters/files/input_error.h"
+
+namespace prospect {
+
+struct StereoDatasetOptions {
+  /// File or files of the calibration (stereo_calibration.h), instead of the recording's own;
+  /// empty: its own.
+  std::string calibration;
+  bool rectified = false;      ///< the images are rectified already, by a camera_info
+  std::optional<double> sync;  ///< how far stamps of a pair may differ [s]
+  std::optional<double> rate;  ///< [Hz], where images are only numbered
+  /// Of a bag: "left", "right", "left_info", "right_info", "truth" to topics; others are found.
+  std::map<std::string, std::string> topics;
+};
+
+/// What a layout finds in a recording, before images are paired and rectified. What is missing does
+/// not stop the search: it is listed.
+struct StereoSource {
+  std::string layout;
+  ImageStream left, right;
+  std::optional<StereoCalibration> calibration;
+  Trajectory truth;            ///< of the left camera as it is, or of the body
+  bool truth_of_body = false;  ///< of the body of the calibration's T_BC
+  bool times_assumed = false;
+  std::vector<std::string> notes;  ///< what was assumed, chosen or passed over, one line each
+  /// What keeps the recording from being used, one line each, as for InputError.
+  std::vector<std::string> missing;
+
+  /// Calls `read` and lists the lines of an InputError as missing; false then.
+  template <typename Read>
+  bool attempt(const Read& read) {
+    try {
+      read();
+      return true;
+    } catch (const InputError& error) {
+      missing.insert(missing.end(), error.lines().begin(), error.lines().end());
+      return false;
+    }
+  }
+};
+
+/// A layout of recordings of a stereo pair. Each recognises itself, by looking at names alone.
+struct StereoLayout {
+  const char* name;
+  const char* looked_for;  ///< for the message where no layout fits
+  bool (*recognises)(const std::string& path);
+  StereoSource (*open)(const std::string& path, const StereoDatasetOptions& options);
+};
+
+/// All layouts, in the order in which they are asked.
+const std::vector<StereoLayout>& stereo_layouts();
+
+/// The first layout that recognises the path; null: none does.
+const StereoLayout* find_stereo_layout(const std::string& path);
+
+/// Opens with the layout that fits. Throws InputError if the path is absent or none does: what was
+/// looked for.
+StereoSource open_stereo_source(const std::string& path, const StereoDatasetOptions& options = {});
+
+// The layouts, one a file.
+bool is_kitti_raw(const std::string& path);
+StereoSource open_kitti_raw(const std::string& path, const StereoDatasetOptions& options);
+bool is_euroc(const std::string& path);
+StereoSource open_euroc(const std::string& path, const StereoDatasetOptions& options);
+/// KITTI odometry, and any pair of folders: with calib.txt or with another calibration.
+bool is_folder_pair(const std::string& path);
+StereoSource open_folder_pair(const std::string& path, const StereoDatasetOptions& options);
+
+}  // namespace prospect
