@@ -10,6 +10,7 @@
 
 #include "engine/maps/body_clearance.h"
 #include "engine/maps/clearance_field.h"
+#include "engine/planner/frontier_planner_options.h"
 #include "engine/safety/certificate.h"
 #include "engine/support/stopwatch.h"
 #include "models/limited_twist.h"

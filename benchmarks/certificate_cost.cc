@@ -54,7 +54,7 @@ void measure(const std::string& name, double radius, const test::ObstacleWorld& 
   drift.update(belief, {});
   Certifier::Options options;
   options.margin = as_planner ? 0.02 : 0.005;
-  options.held = as_planner ? 1.0 : 0.0;
+  options.reduced_margin_share = as_planner ? 1.0 : 0.0;
   options.unknown = as_planner ? UnknownPolicy::kBraking : UnknownPolicy::kFree;
   const Certifier certifier(CylinderShape{{0.0, 0.0, 0.3}, radius, 0.4}, options);
   const Eigen::VectorXd x0 = model->state(belief.pose, twist), u = model->input(twist);

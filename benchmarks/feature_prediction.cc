@@ -118,9 +118,9 @@ class Comparison {
       pose.yaw = a.pose.yaw + share * std::remainder(b.pose.yaw - a.pose.yaw, 2.0 * M_PI);
       t.states.col(0).segment(k * model.nx(), model.nx()) = model.state(pose, Twist{}).array();
     }
-    CachedEvaluators parts;
-    update_views(*first.specification, parts);
-    const std::vector<double> visible = parts.visible_features->visible(t, 0);
+    CachedEvaluators evaluators;
+    update_views(*first.specification, evaluators);
+    const std::vector<double> visible = evaluators.visible_features->visible(t, 0);
     for (const Step& s : steps_) {
       const auto k = static_cast<std::size_t>(std::lround((s.time - first.time) / dt_));
       if (k >= 1 && k < ahead_.size()) ahead_[k].add(visible[k], s.tracked, N_min_);

@@ -18,6 +18,7 @@
 #include "benchmarks/guarded_main.h"
 #include "engine/behaviour/behaviour.h"
 #include "engine/frontiers/frontier_planner.h"
+#include "engine/planner/frontier_planner_options.h"
 #include "tests/engine/ground_worlds.h"
 #include "tests/engine/simplest_driver.h"
 

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "adapters/files/input_error.h"
+#include "engine/planner/frontier_planner_options.h"
 #include "engine/task/task.h"
 #include "engine/task/zones.h"
 #include "models/make_model.h"

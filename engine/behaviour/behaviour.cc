@@ -396,8 +396,8 @@ std::string behaviour_tables() {
   for (const Caution caution : kCautions) {
     const CautionPolicy& p = policy(caution);
     text += formatted("| %s | %s | %g | %g | %s | %s | %s | %s |\n", to_string(caution).data(),
-                      p.condition.data(), p.margin, p.held, yes(p.drift), yes(p.drift_margin),
-                      yes(p.drift_in_cost), yes(p.hard_clearance));
+                      p.condition.data(), p.margin, p.reduced_margin_share, yes(p.drift),
+                      yes(p.drift_margin), yes(p.drift_in_cost), yes(p.hard_clearance));
   }
   return text;
 }

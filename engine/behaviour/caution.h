@@ -38,12 +38,13 @@ Caution caution_for(const Facts& facts, bool fixed_lost_margin);
 struct CautionPolicy {
   Caution caution;
   std::string_view condition;
-  double margin;        ///< share of planner.certificate_margin
-  double held;          ///< of the distance of a robot within its margin (Certifier::Options)
-  bool drift;           ///< the certificate minds how far surfaces and space may have drifted
-  bool drift_margin;    ///< ... surfaces by a margin, too
-  bool drift_in_cost;   ///< so does the soft cost of obstacles
-  bool hard_clearance;  ///< the problem has planner.d_safe as a constraint
+  double margin;  ///< share of planner.certificate_margin
+  double
+      reduced_margin_share;  ///< of the distance of a robot within its margin (Certifier::Options)
+  bool drift;                ///< the certificate minds how far surfaces and space may have drifted
+  bool drift_margin;         ///< ... surfaces by a margin, too
+  bool drift_in_cost;        ///< so does the soft cost of obstacles
+  bool hard_clearance;       ///< the problem has planner.d_safe as a constraint
 };
 
 const CautionPolicy& policy(Caution caution);

@@ -16,7 +16,7 @@ namespace prospect {
 namespace {
 
 constexpr double kWorthARay = 0.02;  // expected features below which occlusion is not asked for
-constexpr double kUpdatesPerMetre = 1.0;  // by which a block's turn is put off, a metre away
+constexpr double kUpdatesPerMetre = 1.0;  // by which a block's turn is deferred, a metre away
 
 }  // namespace
 

@@ -164,7 +164,7 @@ VisibilityPrediction::Stages& VisibilityPrediction::stages(TermScratch& scratch)
   return static_cast<Scratch&>(scratch).out;
 }
 
-VisibilityParameters with_landmarks_made_anew(VisibilityParameters parameters) {
+VisibilityParameters with_redetected_landmarks(VisibilityParameters parameters) {
   parameters.scale_min = 0.0;
   parameters.scale_max = 1e3;
   parameters.view_angle = 1.4;

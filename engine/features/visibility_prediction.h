@@ -48,11 +48,11 @@ struct VisibilityParameters {
   OdometryNoise odometry;
 };
 
-/// The same for counting the points that are tracked, whether as themselves or made anew: a tracker
-/// that loses a landmark because it looks from elsewhere finds the same texture there again, and
-/// makes a landmark of it. No limit of scale; of view, 1.4 rad, beyond which a point on a surface
-/// that could be looked at in the first place is likely to be behind it.
-VisibilityParameters with_landmarks_made_anew(VisibilityParameters parameters = {});
+/// The same for counting the points that are tracked, whether as themselves or detected anew: a
+/// tracker that loses a landmark because it looks from elsewhere finds the same texture there
+/// again, and makes a landmark of it. No limit of scale; of view, 1.4 rad, beyond which a point on
+/// a surface that could be looked at in the first place is likely to be behind it.
+VisibilityParameters with_redetected_landmarks(VisibilityParameters parameters = {});
 
 /// Expected number of visible landmarks along a trajectory.
 ///

@@ -26,4 +26,16 @@ double feature_weight(const std::vector<WeighedCandidate>& candidates, double st
   return std::clamp(weight, 0.0, most);
 }
 
+double feature_weight(const std::vector<Candidate>& candidates, double most) {
+  const auto standing = std::find_if(candidates.begin(), candidates.end(), [](const Candidate& c) {
+    return c.name == "stop" && c.feasible();
+  });
+  if (most <= 0.0 || standing == candidates.end()) return most;
+  std::vector<WeighedCandidate> feasible;
+  for (const Candidate& c : candidates) {
+    if (c.feasible()) feasible.push_back({c.cost - most * c.features, c.features});
+  }
+  return feature_weight(feasible, standing->cost - most * standing->features, most);
+}
+
 }  // namespace prospect

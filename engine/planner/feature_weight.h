@@ -2,6 +2,8 @@
 
 #include <vector>
 
+#include "engine/planner/candidate.h"
+
 namespace prospect {
 
 /// A candidate as the weight of the visible features is chosen by it.
@@ -29,5 +31,9 @@ struct WeighedCandidate {
 /// Thread-safe. Source: our choice.
 double feature_weight(const std::vector<WeighedCandidate>& candidates, double standing,
                       double most);
+
+/// The same of the scored candidates of a problem in which the visible features have the weight
+/// `most`: of the feasible ones; standing is the seed "stop". `most` without such a one.
+double feature_weight(const std::vector<Candidate>& candidates, double most);
 
 }  // namespace prospect

@@ -75,7 +75,7 @@ struct PlannerParameters {
 
   int max_landmarks = 300;          ///< a quarter of them at most for what has not been seen
   double visibility_lattice = 0.3;  ///< spacing of the occlusion tables [m]
-  VisibilityParameters visibility = with_landmarks_made_anew();
+  VisibilityParameters visibility = with_redetected_landmarks();
   VisibleFeaturesParameters features{.criterion = VisibilityCriterion::kInformation};
   /// Count features expected in unknown space (unseen_features.h), of the landmark map's density.
   bool feature_prior = true;
@@ -103,23 +103,10 @@ struct PlannerParameters {
   BehaviourOptions behaviour;  ///< turn_away_time is half a turn of the robot, whatever is set
 };
 
-/// parameters.frontier_planner, with what the frontier planner must know about the robot (size,
-/// sensor, speed) filled in. Throws std::invalid_argument if the robot has no model or its shape or
-/// depth sensor is unusable.
-FrontierPlannerOptions frontier_planner_options_for(const RobotDescription& robot,
-                                                    const PlannerParameters& parameters);
-
-/// The guard that belongs to plans made with these parameters: robot.slice() and depth sensor,
-/// guard_margin(), zones, and unknown space as free, for entering it was ruled out by the
-/// certificate of the plan, and the map seldom forgets. A time step of the parameters that is
-/// longer than options.max_step raises that. Throws as Guard does.
-Guard guard_for(const RobotDescription& robot, const PlannerParameters& parameters,
-                Guard::Options options = {});
-
 /// One replanning step: Belief in, Plan out.
 ///
-///   facts -> mode -> problem -> seeds -> batch score -> polish the best few
-///         -> exact certificate -> else the stopping tail.
+///   belief -> facts -> mode -> problem -> seeds -> batch score -> polish the best few
+///          -> exact certificate -> else the stopping tail.
 ///
 /// plan() never throws and always returns an executable plan: its commands are finite, within
 /// limits, and certified with the stop that follows, or they are a stop; the plan says why. All
@@ -185,7 +172,7 @@ class Planner final : public Replanner {
   const std::vector<Landmark>& landmarks() const;
   const Eigen::VectorXd& landmark_visibility() const;
 
-  /// guard_for() this robot and these parameters.
+  /// guard_for() this robot and these parameters (planner_guard.h).
   Guard make_guard(const Guard::Options& options = {}) const;
 
   const PlannerParameters& parameters() const;

@@ -77,50 +77,52 @@ std::vector<Eigen::Vector3d> positions(const std::vector<Landmark>& landmarks) {
 
 }  // namespace
 
-void update_clearance(const ProblemSpecification& specification, CachedEvaluators& parts) {
+void update_clearance(const ProblemSpecification& specification, CachedEvaluators& evaluators) {
   require(specification.voxels != nullptr, "voxels");
   require(specification.ground != nullptr, "ground map");
   ClearanceField::Options options = specification.clearance_field;
   options.zones = specification.zones;
   options.obstacles = ClearanceField::Obstacles::kOccupied;
-  parts.occupied =
-      std::make_shared<const ClearanceField>(specification.clearance_center, *specification.voxels,
-                                             *specification.ground, options, parts.occupied.get());
+  evaluators.occupied = std::make_shared<const ClearanceField>(
+      specification.clearance_center, *specification.voxels, *specification.ground, options,
+      evaluators.occupied.get());
   if (specification.unknown == UnknownPolicy::kFree) {
-    parts.known = nullptr;
+    evaluators.known = nullptr;
     return;
   }
   options.obstacles = ClearanceField::Obstacles::kOccupiedAndUnknown;
-  parts.known =
-      std::make_shared<const ClearanceField>(specification.clearance_center, *specification.voxels,
-                                             *specification.ground, options, parts.known.get());
+  evaluators.known = std::make_shared<const ClearanceField>(
+      specification.clearance_center, *specification.voxels, *specification.ground, options,
+      evaluators.known.get());
 }
 
-void update_views(const ProblemSpecification& specification, CachedEvaluators& parts) {
+void update_views(const ProblemSpecification& specification, CachedEvaluators& evaluators) {
   require(specification.robot.model != nullptr, "motion model");
   require(specification.voxels != nullptr, "voxels");
-  parts.landmark_table = std::make_shared<const OcclusionTable>(
+  evaluators.landmark_table = std::make_shared<const OcclusionTable>(
       specification.landmark_lattice, positions(specification.landmarks), specification.voxels,
-      specification.landmark_occlusion, parts.landmark_table.get());
-  parts.prediction = std::make_shared<const VisibilityPrediction>(
+      specification.landmark_occlusion, evaluators.landmark_table.get());
+  evaluators.prediction = std::make_shared<const VisibilityPrediction>(
       specification.landmarks, specification.robot.stereo, specification.robot.stereo_mount,
-      parts.landmark_table, specification.visibility);
-  parts.target_table = std::make_shared<const OcclusionTable>(
+      evaluators.landmark_table, specification.visibility);
+  evaluators.target_table = std::make_shared<const OcclusionTable>(
       specification.target_lattice, specification.targets.positions(), specification.voxels,
-      specification.target_occlusion, parts.target_table.get());
-  parts.gain = std::make_shared<const ExplorationGain>(
+      specification.target_occlusion, evaluators.target_table.get());
+  evaluators.gain = std::make_shared<const ExplorationGain>(
       specification.targets, specification.robot.depth, specification.robot.depth_mount,
-      parts.target_table, specification.gain, specification.robot.model->pose(specification.x0));
-  parts.visible_features = std::make_shared<const VisibleFeatures>(
-      parts.prediction, specification.features,
-      specification.features.rho > 0.0 ? parts.gain : nullptr);
+      evaluators.target_table, specification.gain,
+      specification.robot.model->pose(specification.x0));
+  evaluators.visible_features = std::make_shared<const VisibleFeatures>(
+      evaluators.prediction, specification.features,
+      specification.features.rho > 0.0 ? evaluators.gain : nullptr);
 }
 
 std::shared_ptr<const Problem> assemble_problem(const ProblemSpecification& specification,
-                                                CachedEvaluators& parts) {
+                                                CachedEvaluators& evaluators) {
   require(specification.robot.model != nullptr, "motion model");
   require(specification.cost_to_go != nullptr, "cost-to-go");
-  require(parts.occupied && parts.gain && parts.visible_features, "parts to assemble");
+  require(evaluators.occupied && evaluators.gain && evaluators.visible_features,
+          "evaluators to assemble");
   const MotionModel& model = *specification.robot.model;
   const InputLimits& limits = model.limits();
   const ProblemSpecification::Weights& w = specification.weights;
@@ -138,12 +140,12 @@ std::shared_ptr<const Problem> assemble_problem(const ProblemSpecification& spec
       {std::make_shared<ControlEffort>(specification.desired_input, limits), w.control_effort});
   d.terms.push_back({std::make_shared<InputRate>(limits), w.input_rate});
   const auto body =
-      std::make_shared<const BodyClearance>(parts.occupied, specification.robot.shape);
+      std::make_shared<const BodyClearance>(evaluators.occupied, specification.robot.shape);
   d.terms.push_back(
       {std::make_shared<ObstacleCost>(body, specification.d_safe, specification.d_des),
        w.obstacles});
-  d.terms.push_back({parts.visible_features, w.visible_features});
-  d.terms.push_back({parts.gain, -w.exploration_gain});
+  d.terms.push_back({evaluators.visible_features, w.visible_features});
+  d.terms.push_back({evaluators.gain, -w.exploration_gain});
   d.terms.push_back({std::make_shared<CostToGoTerm>(specification.cost_to_go), w.cost_to_go});
   if (w.heading_alignment > 0.0) {
     d.terms.push_back(
@@ -152,7 +154,7 @@ std::shared_ptr<const Problem> assemble_problem(const ProblemSpecification& spec
   d.terms.push_back({std::make_shared<ClearanceConstraint>(body, specification.clearance), 1.0});
   if (specification.unknown != UnknownPolicy::kFree) {
     const auto known =
-        std::make_shared<const BodyClearance>(parts.known, specification.robot.shape);
+        std::make_shared<const BodyClearance>(evaluators.known, specification.robot.shape);
     d.terms.push_back(
         {unknown_space_constraint(specification.unknown, known, specification.unknown_d_safe),
          1.0});
@@ -167,12 +169,12 @@ std::shared_ptr<const Problem> assemble_problem(const ProblemSpecification& spec
 }
 
 std::shared_ptr<const Problem> make_problem(const ProblemSpecification& specification) {
-  CachedEvaluators parts;
-  update_clearance(specification, parts);
-  update_views(specification, parts);
-  parts.landmark_table->cast_all();
-  parts.target_table->cast_all();
-  return assemble_problem(specification, parts);
+  CachedEvaluators evaluators;
+  update_clearance(specification, evaluators);
+  update_views(specification, evaluators);
+  evaluators.landmark_table->cast_all();
+  evaluators.target_table->cast_all();
+  return assemble_problem(specification, evaluators);
 }
 
 ProblemSpecification with_maps_cut(ProblemSpecification specification) {

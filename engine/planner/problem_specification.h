@@ -91,13 +91,13 @@ struct CachedEvaluators {
   std::shared_ptr<const VisibleFeatures> visible_features;
 };
 
-/// The three steps to a Problem, in this order, each on the parts of the one before (and, where
-/// there are any, of the problem before). All throw std::invalid_argument naming the entry, its
-/// value and what was expected.
-void update_clearance(const ProblemSpecification& specification, CachedEvaluators& parts);
-void update_views(const ProblemSpecification& specification, CachedEvaluators& parts);
+/// The three steps to a Problem, in this order, each on the evaluators of the one before (and,
+/// where there are any, of the problem before). All throw std::invalid_argument naming the entry,
+/// its value and what was expected.
+void update_clearance(const ProblemSpecification& specification, CachedEvaluators& evaluators);
+void update_views(const ProblemSpecification& specification, CachedEvaluators& evaluators);
 std::shared_ptr<const Problem> assemble_problem(const ProblemSpecification& specification,
-                                                CachedEvaluators& parts);
+                                                CachedEvaluators& evaluators);
 
 /// All three, from nothing, and all lines of sight: evaluations then take as long the first time as
 /// any other (occlusion_table.h).

@@ -30,8 +30,8 @@ Eigen::VectorXd roll(const Problem& problem, const Law& law) {
     const int knot = problem.knot(k);
     int stages = 1;
     while (k + stages < d.N && problem.knot(k + stages) == knot) ++stages;
-    const double held = velocity_controlled ? d.dt : stages * d.dt;
-    u = tracking_input(model, x, u, law(k * d.dt, model.pose(x)), held);
+    const double duration = velocity_controlled ? d.dt : stages * d.dt;
+    u = tracking_input(model, x, u, law(k * d.dt, model.pose(x)), duration);
     z.segment(knot * model.nu(), model.nu()) = u;
     for (int s = 0; s < stages; ++s) {
       model.step(x, u, d.dt, next);
@@ -291,6 +291,24 @@ std::vector<Seed> make_arrival_seeds(const Problem& problem, const SeedContext& 
 
 std::vector<Seed> make_stop_seeds(const Problem& problem) {
   return {{"stop", roll(problem, [](double, const Pose&) { return Twist{}; })}};
+}
+
+std::vector<Seed> make_seeds(const Problem& problem, SeedContext context, ModePolicy::Seeds wanted,
+                             double there) {
+  switch (wanted) {
+    case ModePolicy::Seeds::kAll:
+      return make_seeds(problem, context);
+    case ModePolicy::Seeds::kTurn:
+      context.target.reset();
+      return make_approach_seeds(problem, context);
+    case ModePolicy::Seeds::kApproach:
+      return make_approach_seeds(problem, context);
+    case ModePolicy::Seeds::kArrive:
+      return make_arrival_seeds(problem, context, there);
+    case ModePolicy::Seeds::kStop:
+      break;
+  }
+  return make_stop_seeds(problem);
 }
 
 }  // namespace prospect

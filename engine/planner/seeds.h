@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "engine/behaviour/mode_policy.h"
 #include "engine/frontiers/cost_to_go.h"
 #include "engine/frontiers/frontier_planner.h"
 #include "engine/maps/body_clearance.h"
@@ -67,5 +68,10 @@ std::vector<Seed> make_stop_seeds(const Problem& problem);
 /// Without a target: turning in place. Where asked for, a way backwards down the cost-to-go comes
 /// before the last turn: a body that cannot turn in a passage backs out of it.
 std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext& context);
+
+/// Those that a mode wants: one of the above. A turn is an approach without a target. `there`: of
+/// make_arrival_seeds.
+std::vector<Seed> make_seeds(const Problem& problem, SeedContext context, ModePolicy::Seeds wanted,
+                             double there);
 
 }  // namespace prospect

@@ -26,10 +26,10 @@
 namespace prospect {
 namespace {
 
-constexpr double kRestSpeed = 1e-3;       // [m/s] and [rad/s]
-constexpr double kHeldTolerance = 1e-4;   // [m]
-constexpr double kUnmoved = 1e-6;         // [m]: a robot that turns on the spot
-constexpr double kSpeedTolerance = 1e-4;  // [m/s] above a slow zone's limit
+constexpr double kRestSpeed = 1e-3;         // [m/s] and [rad/s]
+constexpr double kReducedTolerance = 1e-4;  // [m]
+constexpr double kUnmoved = 1e-6;           // [m]: a robot that turns on the spot
+constexpr double kSpeedTolerance = 1e-4;    // [m/s] above a slow zone's limit
 
 // Elementary checks that things cost, about as they do in time; looking at a voxel is two.
 constexpr long long kPoseCost = 200;     // a step of the motion
@@ -457,7 +457,7 @@ class Scene {
   std::unordered_set<Run, RunHash> opened_;
 };
 
-/// What a motion has been found to touch so far, and what of that is excused.
+/// What a motion has been found to touch so far, and what of that is tolerated.
 class Walk {
  public:
   Walk(Scene& scene, const std::vector<Part>& exact, const Pose& start, const PresentView* view)
@@ -475,14 +475,14 @@ class Walk {
       body_ = &body;
     }
   }
-  /// What the exact body touches at `pose` is excused.
-  void excuse_contacts(const Pose& pose) {
+  /// What the exact body touches at `pose` is tolerated.
+  void tolerate_contacts(const Pose& pose) {
     scene_.occupied(exact_, pose, 0.0, [&](const Run& run) {
       contacts_.try_emplace(run, Contact{scene_.centre_distance(pose, run), false});
       return true;
     });
   }
-  void excuse_closed(const Pose& pose) { scene_.open(exact_, pose); }
+  void tolerate_closed(const Pose& pose) { scene_.open(exact_, pose); }
 
   Certificate::Status step(const Pose& pose) {
     using Status = Certificate::Status;
@@ -577,9 +577,9 @@ Certifier::Certifier(const RobotShape& shape, Options options) : options_(option
     throw std::invalid_argument("certifier: max_tail_time is " +
                                 std::to_string(options.max_tail_time) + " s; expected > 0");
   }
-  if (!(options.held >= 0.0 && options.held <= 1.0)) {
-    throw std::invalid_argument("certifier: held is " + std::to_string(options.held) +
-                                "; expected 0 to 1");
+  if (!(options.reduced_margin_share >= 0.0 && options.reduced_margin_share <= 1.0)) {
+    throw std::invalid_argument("certifier: reduced_margin_share is " +
+                                std::to_string(options.reduced_margin_share) + "; expected 0 to 1");
   }
   if (!(options.drift_margin >= 0.0) || !std::isfinite(options.drift_margin)) {
     throw std::invalid_argument("certifier: drift_margin is " +
@@ -682,8 +682,8 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
     Eigen::VectorXd x = x0;
     Eigen::VectorXd sub(model.nx());
     Pose checked = model.pose(x);
-    std::list<std::vector<Part>> held;  // bodies of a robot that starts within a margin
-    double margin = options_.margin;    // that is left of the first shell's
+    std::list<std::vector<Part>> reduced;  // bodies of a robot that starts within a margin
+    double margin = options_.margin;       // that is left of the first shell's
     for (const Body::Shell& shell : body_->shells) {
       if (shell.drift > 0.0 && drift == nullptr) break;
       double kept = shell.margin;
@@ -691,23 +691,23 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
         walk.keep_free(shell.parts, shell.drift);
       } else if (walk.free(checked, body_->exact, shell.drift)) {
         double low = 0.0, high = shell.margin;
-        while (high - low > kHeldTolerance) {
+        while (high - low > kReducedTolerance) {
           const double middle = 0.5 * (low + high);
           budget.spend(Body::making_cost(shell.parts));
           (walk.free(checked, Body::parts(body_->shape, middle), shell.drift) ? low : high) =
               middle;
         }
         // Rounding must not keep a robot from turning on the spot.
-        kept = std::max(0.0, options_.held * low - 0.1 * kHeldTolerance);
-        held.push_back(Body::parts(body_->shape, kept));
-        walk.keep_free(held.back(), shell.drift);
+        kept = std::max(0.0, options_.reduced_margin_share * low - 0.1 * kReducedTolerance);
+        reduced.push_back(Body::parts(body_->shape, kept));
+        walk.keep_free(reduced.back(), shell.drift);
       } else {
         kept = 0.0;
-        if (!(shell.drift > 0.0)) walk.excuse_contacts(checked);
+        if (!(shell.drift > 0.0)) walk.tolerate_contacts(checked);
       }
       if (!(shell.drift > 0.0)) margin = kept;
     }
-    walk.excuse_closed(checked);
+    walk.tolerate_closed(checked);
     std::optional<ZoneWalk> zone_walk;
     long long zone_cost = 0;  // of a step
     if (options_.zones != nullptr) {
@@ -719,7 +719,8 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
         zone_cost += kSideCost * static_cast<long long>(zone.area.size());
       }
       budget.spend(zone_cost);
-      zone_walk.emplace(zones, body_->outline, checked, options_.margin, options_.held);
+      zone_walk.emplace(zones, body_->outline, checked, options_.margin,
+                        options_.reduced_margin_share);
       margin = std::min(margin, zone_walk->margin());
     }
     // Without a margin nothing covers the poses in between: they are spaced as for a quarter of it.

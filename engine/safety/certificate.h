@@ -61,11 +61,11 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 /// overlaps already at the start. No margin is applied there; the border of the known is no wall.
 ///
 /// A robot that starts within its margin can leave, and may not come nearer: the body is grown by
-/// `held` times the largest c <= margin with which it touches nothing at the start (found by
-/// bisection, to 0.1 mm). If even the true body touches voxels there, these are excused as
-/// long as every move takes the body's centre away from the nearest point of each of them or leaves
-/// it in place; a voxel not touched at the start is never excused, nor is one that was left and is
-/// touched again.
+/// `reduced_margin_share` times the largest c <= margin with which it touches nothing at the start
+/// (found by bisection, to 0.1 mm). If even the true body touches voxels there, these are tolerated
+/// as long as every move takes the body's centre away from the nearest point of each of them or
+/// leaves it in place; a voxel not touched at the start is never tolerated, nor is one that was
+/// left and is touched again.
 ///
 /// Surfaces that may not be where the map has them (`drift`, surface_drift.h) are kept farther
 /// away: with the shares a = 1/4, 1/2, 1, the body grown by margin + a drift_margin may not touch
@@ -106,7 +106,7 @@ class Certifier {
     /// What a robot within its margin keeps of the distance it has, 0 to 1. With 1 it cannot creep
     /// up to things, with 0 it may do all but touch: for who checks once more what was certified
     /// before, from a slightly different pose (guard.h).
-    double held = 0.0;
+    double reduced_margin_share = 0.0;
     double drift_margin = 0.12;  ///< the most that is added to the margin for drift [m], >= 0
     double drift_limit = 0.12;   ///< drift beyond which space counts as unknown [m]; 0: none does
     std::optional<DepthSensor> sensor;  ///< of the robot; without one nothing is in view

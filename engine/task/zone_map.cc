@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kRounding = 1e-9;  // [m]
-constexpr double kGiven = 1e-5;     // [m] of a held distance, so that rounding keeps nobody there
+constexpr double kGiven = 1e-5;     // [m] of a reduced margin, so that rounding keeps nobody there
 
 }  // namespace
 
@@ -113,8 +113,12 @@ double ZoneMap::approach_speed(const Eigen::Vector2d& p, double deceleration, do
   return std::sqrt(squared);
 }
 
+std::shared_ptr<const ZoneMap> zone_map_of(const Zones& zones) {
+  return zones.empty() ? nullptr : std::make_shared<const ZoneMap>(zones);
+}
+
 ZoneWalk::ZoneWalk(const ZoneMap& zones, const BodyOutline& body, const Pose& start, double margin,
-                   double held)
+                   double reduced_margin_share)
     : zones_(zones),
       body_(body),
       kept_(static_cast<std::size_t>(zones.num_forbidden())),
@@ -124,7 +128,7 @@ ZoneWalk::ZoneWalk(const ZoneMap& zones, const BodyOutline& body, const Pose& st
     const double gap = zones.gap(static_cast<int>(k), body, start);
     kept.inside = gap < 0.0;
     kept.depth = zones.distance(static_cast<int>(k), start.position.head<2>());
-    kept.gap = gap >= margin ? margin : std::max(0.0, held * gap - kGiven);
+    kept.gap = gap >= margin ? margin : std::max(0.0, reduced_margin_share * gap - kGiven);
     margin_ = std::min(margin_, kept.gap);
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -60,16 +61,19 @@ class ZoneMap {
   std::vector<Region> slow_;
 };
 
+/// The geometry of zones to share; null if there are none. Throws as ZoneMap does.
+std::shared_ptr<const ZoneMap> zone_map_of(const Zones& zones);
+
 /// What a motion does about the forbidden parts, pose by pose; the rule is that of the Certifier
 /// for obstacles:
 ///   a body that starts at least `margin` away from a part keeps `margin`;
-///   one that starts nearer keeps `held` times its distance (0 to 1; less 0.01 mm);
+///   one that starts nearer keeps `reduced_margin_share` times its distance (0 to 1; less 0.01 mm);
 ///   one that starts in it may not take its origin deeper, and once it is out it stays out.
 class ZoneWalk {
  public:
   /// zones and body outlive the walk.
   ZoneWalk(const ZoneMap& zones, const BodyOutline& body, const Pose& start, double margin,
-           double held);
+           double reduced_margin_share);
 
   /// The part that the body enters at `pose`, the motion's next one; -1: none.
   int step(const Pose& pose);

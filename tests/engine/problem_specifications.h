@@ -12,7 +12,8 @@ namespace prospect::test {
 struct NamedSpecification {
   std::string name;
   std::shared_ptr<const ProblemSpecification> specification;
-  std::shared_ptr<const Problem> problem;  ///< as the planner has it: from parts of earlier steps
+  std::shared_ptr<const Problem>
+      problem;  ///< as the planner has it: from evaluators of earlier steps
   std::vector<Seed> seeds;
 };
 

@@ -26,7 +26,7 @@ RobotDescription robot() {
 }
 
 FeatureVisibilityMap visibility_map(const FeatureVisibilityMapOptions& options = {}) {
-  return FeatureVisibilityMap(options, robot(), with_landmarks_made_anew());
+  return FeatureVisibilityMap(options, robot(), with_redetected_landmarks());
 }
 
 // One place and heading: every landmark's probability, and a ray to it.
@@ -34,7 +34,7 @@ double slow(const Belief& belief, Cell c, double yaw) {
   const RobotDescription r = robot();
   const std::vector<Landmark>& landmarks = belief.landmarks->landmarks;
   const VisibilityPrediction prediction(landmarks, r.stereo, r.stereo_mount, nullptr,
-                                        with_landmarks_made_anew());
+                                        with_redetected_landmarks());
   Pose pose = belief.pose;
   pose.position.head<2>() = belief.ground->frame().center(c);
   pose.yaw = yaw;

@@ -141,7 +141,7 @@ TEST(LandmarkSelection, KeepsApartWhatIsSeenFromOtherSides) {
     map.landmarks.push_back(l);
   }
   const auto selected =
-      select_landmarks(map, Pose{}, 3.0, 2, with_landmarks_made_anew(VisibilityParameters{}));
+      select_landmarks(map, Pose{}, 3.0, 2, with_redetected_landmarks(VisibilityParameters{}));
   ASSERT_EQ(selected.size(), 2u);
   for (const Landmark& l : selected) {
     EXPECT_EQ(l.multiplicity, 4.0);

@@ -133,7 +133,7 @@ TEST(Crowding, WhatIsNotFiniteCountsForNothing) {
 // looks at a textured wall from near and from far, and its landmarks are counted one by one.
 TEST(Crowding, CountsWhatATrackerWithImageCellsKeeps) {
   const StereoCamera camera;
-  VisibilityParameters p = with_landmarks_made_anew();
+  VisibilityParameters p = with_redetected_landmarks();
   p.border_px = p.border_sigma_px = 0.0;
   p.r_max = 12.0;
   const double cell = kCell * camera.left.fx;

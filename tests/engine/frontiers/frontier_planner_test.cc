@@ -339,7 +339,7 @@ TEST(FrontierPlanner, AWayOnWhichNothingIsSeenIsDearer) {
   RobotDescription robot;
   robot.model = make_model("unicycle");
   FeatureVisibilityMap visibility_map({.blocks_per_update = 10000}, robot,
-                                      with_landmarks_made_anew());
+                                      with_redetected_landmarks());
   visibility_map.update(strip.belief, 0.0);
   options.least_rate = 0.0;
   // Nearer to the white end.

@@ -61,5 +61,19 @@ TEST(FeatureWeight, IsTheLargestWithWhichGoingOnIsBetter) {
   EXPECT_GT(bounded, 20);
 }
 
+TEST(FeatureWeight, OfScoredCandidatesCountsTheFeasibleOnesAgainstStopping) {
+  const double most = 2.0;
+  const auto scored = [&](const char* name, double others, double features, double violation) {
+    Candidate c{name, {}, others + most * features, violation};
+    c.features = features;
+    return c;
+  };
+  const std::vector<Candidate> all{scored("stop", 0.0, 0.1, 0.0), scored("on", -1.1, 1.0, 0.0),
+                                   scored("through a wall", -9.0, 0.0, 0.2)};
+  EXPECT_NEAR(feature_weight(all, most), feature_weight({{0.0, 0.1}, {-1.1, 1.0}}, 0.0, most),
+              1e-12);
+  EXPECT_EQ(feature_weight({all[1], all[2]}, most), most) << "nothing to compare with";
+}
+
 }  // namespace
 }  // namespace prospect::feature_weight_test

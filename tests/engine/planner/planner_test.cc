@@ -989,7 +989,7 @@ TEST_F(PlannerTest, ALostRobotComesNoNearerToWhatItIsNear) {
   constexpr double kWide = 0.6;
   Certifier::Options options = Certifier::options_for(robot_);
   options.margin = kWide - 1e-3;
-  options.held = 1.0;
+  options.reduced_margin_share = 1.0;
   const Certifier certifier(robot_.shape, options);
   // Of the committed motions before the box, how many come nearer than kWide, or nearer still.
   const auto nearer = [&](double lost_margin) {
@@ -1156,11 +1156,11 @@ TEST_F(PlannerTest, OcclusionAndCovarianceCanBeLeftOutOfThePrediction) {
     Planner planner = make();
     expect_executable(planner.plan(belief), belief);
     specification = *planner.specification();
-    CachedEvaluators parts;
-    update_clearance(specification, parts);
-    update_views(specification, parts);
-    Eigen::VectorXd free(parts.landmark_table->num_points());
-    parts.landmark_table->evaluate(robot_.stereo_mount.T_BC.translation(), free.data());
+    CachedEvaluators evaluators;
+    update_clearance(specification, evaluators);
+    update_views(specification, evaluators);
+    Eigen::VectorXd free(evaluators.landmark_table->num_points());
+    evaluators.landmark_table->evaluate(robot_.stereo_mount.T_BC.translation(), free.data());
     for (std::size_t i = 0; i < specification.landmarks.size(); ++i) {
       if (specification.landmarks[i].id == behind.id) return free[static_cast<Eigen::Index>(i)];
     }

@@ -238,7 +238,7 @@ TEST_P(Seeds, AdmissibleInputsLeaveAdmissibleOnesAlone) {
 
 // A mission of 14 minutes stood in such a place for six of them: half a metre wide, for a body of
 // 0.4 m, the gap begins to one side of the robot. '#' is occupied, '?' unknown.
-TEST(ScriptedSeeds, LeadIntoAGapThatBeginsBesideTheRobot) {
+TEST(ApproachManoeuvre, LeadIntoAGapThatBeginsBesideTheRobot) {
   const std::vector<std::string> rows{"####################",  // north
                                       "######.........#####",  //
                                       "######.........#####",  //

@@ -357,7 +357,7 @@ TEST(Certificate, UnknownSpaceFollowsThePolicy) {
   }
 }
 
-TEST(Certificate, UnknownSpaceUnderTheRobotAtTheStartIsExcused) {
+TEST(Certificate, UnknownSpaceUnderTheRobotAtTheStartIsTolerated) {
   ObstacleWorld world(0.1, 2.0);
   for (int i = -3; i < 3; ++i) {
     for (int j = -3; j < 3; ++j) world.forget_column(i, j);
@@ -418,9 +418,9 @@ TEST(Certificate, ARobotWithinItsMarginMayNotComeNearer) {
                         constant(model, 1, {towards / kDt, along / kDt, turn / kDt}), kDt)
         .status;
   };
-  for (const double held : {0.0, 0.5, 1.0}) {
-    options.held = held;
-    SCOPED_TRACE(held);
+  for (const double share : {0.0, 0.5, 1.0}) {
+    options.reduced_margin_share = share;
+    SCOPED_TRACE(share);
     EXPECT_EQ(status(0.025, 0.004, 0.0, 0.0), Status::kOk) << "down to the margin";
     EXPECT_EQ(status(0.025, 0.006, 0.0, 0.0), Status::kCollision);
     for (const double clearance : {0.003, 0.012, 0.019}) {
@@ -428,12 +428,12 @@ TEST(Certificate, ARobotWithinItsMarginMayNotComeNearer) {
       EXPECT_EQ(status(clearance, -0.05, 0.0, 0.0), Status::kOk) << "leaves";
       EXPECT_EQ(status(clearance, 0.0, 0.05, 0.0), Status::kOk) << "follows the wall";
       EXPECT_EQ(status(clearance, 0.0, 0.0, 0.3), Status::kOk) << "turns";
-      EXPECT_EQ(status(clearance, 0.9 * (1.0 - held) * clearance, 0.0, 0.0), Status::kOk);
-      EXPECT_EQ(status(clearance, 1.1 * (1.0 - held) * clearance + 2e-4, 0.0, 0.0),
+      EXPECT_EQ(status(clearance, 0.9 * (1.0 - share) * clearance, 0.0, 0.0), Status::kOk);
+      EXPECT_EQ(status(clearance, 1.1 * (1.0 - share) * clearance + 2e-4, 0.0, 0.0),
                 Status::kCollision);
     }
   }
-  options.held = 1.1;
+  options.reduced_margin_share = 1.1;
   EXPECT_THROW(Certifier(CylinderShape(), options), std::invalid_argument);
 }
 
@@ -446,7 +446,7 @@ TEST(Certificate, SurfacesThatMayHaveDriftedAreKeptFartherAway) {
   const RobotDescription robot;
   Certifier::Options options = free_policy();
   options.margin = 0.02;
-  options.held = 1.0;
+  options.reduced_margin_share = 1.0;
   options.drift_margin = 0.12;
   const CylinderShape shape{{0.0, 0.0, 0.3}, 0.18, 0.4};
   const Certifier certifier(shape, options);
@@ -721,7 +721,8 @@ TEST(Certificate, ALostRobotOfAnyShapeMayTurnAndLook) {
   }
 }
 
-// Each motion starts from where the last one ended, so what is excused at a start must not add up.
+// Each motion starts from where the last one ended, so what is tolerated at a start must not add
+// up.
 TEST(Certificate, ALostRobotDoesNotCreepOutOfView) {
   const Holonomic model;
   std::mt19937_64 random(7);
@@ -808,7 +809,7 @@ TEST(Certificate, IsGivenUpWhereABodyOverlapsMuch) {
       for (const UnknownPolicy policy : {UnknownPolicy::kFree, UnknownPolicy::kBraking}) {
         Certifier::Options options;
         options.unknown = policy;
-        options.held = 1.0;
+        options.reduced_margin_share = 1.0;
         const Certifier certifier(CylinderShape{{0.0, 0.0, 0.3}, radius, 0.4}, options);
         Twist twist;
         twist.linear.x() = 0.4;

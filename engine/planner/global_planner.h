@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+
+#include "engine/behaviour/facts.h"
+#include "engine/features/feature_visibility_map.h"
+#include "engine/features/local_texture.h"
+#include "engine/frontiers/frontier_planner.h"
+#include "engine/frontiers/goal_planner.h"
+#include "engine/maps/belief.h"
+#include "engine/planner/planner.h"
+#include "engine/support/worker_threads.h"
+
+namespace prospect {
+
+/// The global plan of whatever the robot is told: towards frontiers, to a goal, back to where it
+/// was first, or none. What was learned of frontiers is kept over other tasks.
+///
+/// Thread-safety: none; one planner each.
+class GlobalPlanner {
+ public:
+  /// parameters.frontier_planner is complete (frontier_planner_options_for()). Throws
+  /// std::invalid_argument naming the option, its value and what was expected.
+  GlobalPlanner(const RobotDescription& robot, const PlannerParameters& parameters);
+
+  /// A step with parameters.task. frontier_stamp [s]: the belief's stamp on the clock of exploring;
+  /// texture: of what is seen nearby, null where the localization does not rest on features.
+  /// Writes facts.frontiers or facts.goal.
+  std::shared_ptr<const GlobalPlan> update(const Belief& belief,
+                                           const PlannerParameters& parameters,
+                                           double frontier_stamp,
+                                           const FrontierAttention& attention,
+                                           const LocalTexture* texture, WorkerThreads& workers,
+                                           Facts& facts);
+
+  /// Another task from the next step on: its way begins anew.
+  void restart_task() { goal_planner_.reset(); }
+  /// Other zones or another area: what was learned of frontiers is forgotten.
+  void restart(const FrontierPlannerOptions& options);
+
+  /// Of the task in force; none if it leads nowhere.
+  std::optional<Goal> goal() const;
+  /// Of the task in force.
+  const Traversability& traversability() const;
+  const FrontierPlanner& frontiers() const { return frontier_planner_; }
+
+ private:
+  std::shared_ptr<const GlobalPlan> explore(const Belief& belief,
+                                            const PlannerParameters& parameters,
+                                            double frontier_stamp,
+                                            const FrontierAttention& attention,
+                                            const LocalTexture* texture, WorkerThreads& workers);
+  std::shared_ptr<const GlobalPlan> go(const Belief& belief, const PlannerParameters& parameters,
+                                       const FrontierAttention& attention);
+
+  FrontierPlanner frontier_planner_;
+  std::optional<FeatureVisibilityMap> visibility_map_;  // if the cost-to-go is weighted by it
+  std::optional<GoalPlanner> goal_planner_;  // of a task that leads to a place, from its first step
+  std::optional<Pose> start_;                // of the first step
+};
+
+}  // namespace prospect

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+#include "engine/behaviour/caution.h"
+#include "engine/maps/belief.h"
+#include "engine/maps/surface_drift.h"
+#include "engine/planner/planner.h"
+#include "engine/safety/certificate.h"
+#include "engine/task/zone_map.h"
+#include "models/robot_description.h"
+
+namespace prospect {
+
+/// The certificates that a plan of a planner needs: that of the step's caution (caution.h), and
+/// that of the guard which checks it once more. Thread-safety: as Certifier.
+class PlanCertifier {
+ public:
+  /// Throws std::invalid_argument as Certifier does.
+  PlanCertifier(const RobotDescription& robot, const PlannerParameters& parameters,
+                const std::shared_ptr<const ZoneMap>& zones);
+
+  void set_zones(const std::shared_ptr<const ZoneMap>& zones);
+
+  /// Checks inputs (nu x n, each for dt [s]) from x0 with u_previous in force. drift: of the
+  /// belief's surfaces; counts where the caution minds it.
+  ///
+  /// What the caution's certificate allows the guard's must, too: a start within the larger margin
+  /// is checked with less of it, and may come closer to an obstacle than the guard allows later on.
+  /// Without the guard's margin the two would disagree for ever.
+  Certificate certify(const Belief& belief, const MotionModel& model,
+                      const Eigen::Ref<const Eigen::VectorXd>& x0,
+                      const Eigen::Ref<const Eigen::VectorXd>& u_previous,
+                      const Eigen::Ref<const Eigen::MatrixXd>& inputs, double dt, Caution caution,
+                      const SurfaceDrift& drift) const;
+
+ private:
+  std::vector<Certifier> by_caution_;
+  Certifier guard_;
+};
+
+}  // namespace prospect

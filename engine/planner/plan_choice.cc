@@ -1,0 +1,84 @@
+#include "engine/planner/plan_choice.h"
+
+#include <string>
+
+namespace prospect {
+namespace {
+
+constexpr int kAttempts = 10;
+constexpr std::size_t kReported = 5;
+
+Eigen::MatrixXd stage_inputs(const TrajectoryBatch& t, int stages) {
+  const int nu = t.horizon.nu();
+  Eigen::MatrixXd inputs(nu, stages);
+  for (int k = 0; k < stages; ++k) {
+    for (int j = 0; j < nu; ++j) inputs(j, k) = t.u(k, j, 0);
+  }
+  return inputs;
+}
+
+/// States, inputs and the commands that they give.
+void fill(const TrajectoryBatch& t, const MotionModel& model, Plan& plan) {
+  const int N = t.horizon.N;
+  const int nx = t.horizon.nx();
+  const int nu = t.horizon.nu();
+  plan.dt = t.horizon.dt;
+  plan.states.clear();
+  plan.inputs.clear();
+  plan.commands.clear();
+  for (int k = 0; k <= N; ++k) {
+    plan.states.emplace_back(Eigen::Map<const Eigen::VectorXd>(t.states.data() + k * nx, nx));
+    if (k < N) {
+      plan.inputs.emplace_back(Eigen::Map<const Eigen::VectorXd>(t.inputs.data() + k * nu, nu));
+    }
+  }
+  for (std::size_t k = 0; k < plan.inputs.size(); ++k) {
+    plan.commands.push_back(model.twist(plan.states[k + 1], plan.inputs[k]));
+  }
+}
+
+Quality quality_of(const Candidate& c) {
+  if (c.result) return c.result->quality;
+  return c.feasible() ? Quality::kFeasible : Quality::kInfeasible;
+}
+
+}  // namespace
+
+bool choose_certified(const std::vector<Candidate>& candidates, const ChoiceContext& context,
+                      Plan& plan) {
+  const ProblemDefinition& d = context.problem.definition();
+  const auto report = [&](const Candidate& c, const std::string& verdict, bool always) {
+    if (plan.candidates.size() >= kReported && !always) return;
+    plan.candidates.push_back({c.name, c.result.has_value(), c.cost, c.violation, c.z, verdict});
+  };
+  int attempts = 0;
+  for (const Candidate& c : candidates) {
+    if (plan.certified || (attempts >= kAttempts && c.name != "stop")) {
+      report(c, "not tried", false);
+      continue;
+    }
+    ++attempts;
+    const TrajectoryBatch t = context.problem.rollout(c.z);
+    const Certificate certificate = context.certifier.certify(
+        context.belief, *d.model, d.x0, d.u_previous, stage_inputs(t, context.committed), d.dt,
+        context.caution, context.drift);
+    if (!certificate.ok()) {
+      if (plan.certificate.empty()) plan.certificate = certificate.detail;
+      report(c, certificate.detail, false);
+      continue;
+    }
+    report(c, "executed", true);
+    fill(t, *d.model, plan);
+    plan.committed = context.committed;
+    plan.kind = c.result ? PlanKind::kOptimised : PlanKind::kSeed;
+    plan.certified = true;
+    plan.certificate = certificate.detail;
+    plan.seed = c.name;
+    plan.quality = quality_of(c);
+    plan.explanation = context.problem.explain(c.z);
+    plan.visible = context.visible_features.visible(t, 0);
+  }
+  return plan.certified;
+}
+
+}  // namespace prospect

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include "engine/behaviour/caution.h"
+#include "engine/behaviour/mode_policy.h"
+#include "engine/features/local_texture.h"
+#include "engine/frontiers/cost_to_go.h"
+#include "engine/frontiers/frontier_planner.h"
+#include "engine/maps/belief.h"
+#include "engine/maps/surface_drift.h"
+#include "engine/planner/planner.h"
+#include "engine/planner/problem_specification.h"
+#include "engine/task/zone_map.h"
+
+namespace prospect {
+
+/// All that a step's problem depends on. The belief is usable: it has its maps, landmarks included.
+struct StepContext {
+  const RobotDescription& robot;
+  const PlannerParameters& parameters;
+  const Belief& belief;
+  const GlobalPlan& global_plan;
+  const FrontierPlanner& frontiers;         ///< says which targets count
+  std::shared_ptr<const ZoneMap> zones;     ///< null: none
+  ModeKind mode;                            ///< whose policy the problem follows
+  std::shared_ptr<const CostToGo> retreat;  ///< instead of the global plan's; null: that one
+  Caution caution;
+  const SurfaceDrift& drift;
+  const LocalTexture* texture;  ///< null where the localization does not rest on features
+};
+
+/// What the problem of a step is made of.
+struct StepSpecification {
+  ProblemSpecification problem;
+  std::size_t num_mapped;  ///< of the problem's landmarks; those after them are expected ones
+};
+
+/// From belief, global plan, mode and caution to the problem's specification, group by group:
+/// robot and horizon, obstacles, visible features, exploration, cost-to-go, weights. Deterministic.
+/// Passes on what the maps throw. Thread-safety: pure.
+StepSpecification specify_problem(const StepContext& context);
+
+}  // namespace prospect

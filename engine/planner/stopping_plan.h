@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include "engine/behaviour/caution.h"
+#include "engine/behaviour/mode.h"
+#include "engine/behaviour/task_kind.h"
+#include "engine/maps/belief.h"
+#include "engine/safety/plan.h"
+#include "models/motion_model.h"
+
+namespace prospect {
+
+/// What the robot was about to do when it had to stop.
+struct StoppedStep {
+  TaskKind task = TaskKind::kExplore;
+  Mode mode{};
+  Caution caution = Caution::kNormal;
+};
+
+/// The stopping tail (certificate.h) from the command in force, else the belief's velocity, each
+/// stage for dt [s]: what is executed where nothing else can be. Not certified. Whatever the belief
+/// holds, the commands are finite and within limits: braking does not depend on where the robot is.
+/// why: the end of a sentence. Pure.
+Plan stopping_plan(const Belief& belief, const MotionModel& model, double dt,
+                   const StoppedStep& step, const std::string& why);
+
+}  // namespace prospect

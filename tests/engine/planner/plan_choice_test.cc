@@ -1,0 +1,86 @@
+#include "engine/planner/plan_choice.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/engine/planning_scene.h"
+
+namespace prospect::plan_choice_test {
+namespace {
+
+std::shared_ptr<const ZoneMap> keep_out_ahead() {
+  Zones zones;
+  zones.keep_out = {{{0.8, 0.1}, {1.3, 0.1}, {1.3, 0.8}, {0.8, 0.8}}};
+  return zone_map_of(zones);
+}
+
+class PlanChoice : public ::testing::Test {
+ protected:
+  PlanChoice() {
+    update_clearance(*scene_.planner->specification(), evaluators_);
+    update_views(*scene_.planner->specification(), evaluators_);
+    // Full speed ahead: into the keep-out sooner or later, so the longer part is refused.
+    const Problem& problem = *scene_.problem;
+    fast_ = {"fast", problem.upper(), 1.0, 0.0};
+    for (Eigen::Index i = 1; i < fast_.z.size(); i += 2) fast_.z[i] = 0.0;
+    for (const Seed& seed : make_stop_seeds(problem)) stop_ = {seed.name, seed.z, 5.0, 0.0};
+  }
+  bool choose(const std::vector<Candidate>& candidates, int committed, Plan& plan) {
+    return choose_certified(candidates,
+                            {scene_.belief, *scene_.problem, certifier_, Caution::kNormal, drift_,
+                             *evaluators_.visible_features, committed},
+                            plan);
+  }
+
+  test::PlanningScene scene_{"unicycle"};
+  CachedEvaluators evaluators_;
+  std::shared_ptr<const ZoneMap> zones_ = keep_out_ahead();
+  PlanCertifier certifier_{scene_.planner->robot(), scene_.planner->parameters(), zones_};
+  SurfaceDrift drift_;
+  Candidate fast_, stop_;
+};
+
+TEST_F(PlanChoice, TheFirstCertifiedOneBecomesThePlan) {
+  Plan plan;
+  ASSERT_TRUE(choose({fast_, stop_}, 20, plan));
+  EXPECT_EQ(plan.seed, "stop") << "20 stages at full speed lead into the keep-out";
+  EXPECT_TRUE(plan.certified);
+  EXPECT_EQ(plan.kind, PlanKind::kSeed);
+  EXPECT_EQ(plan.committed, 20);
+  EXPECT_EQ(plan.commands.size(), 20U);
+  EXPECT_EQ(plan.states.size(), 21U);
+  EXPECT_EQ(plan.visible.size(), 21U);
+  EXPECT_FALSE(plan.explanation.terms.empty());
+  ASSERT_EQ(plan.candidates.size(), 2U);
+  EXPECT_NE(plan.candidates[0].verdict, "executed");
+  EXPECT_EQ(plan.candidates[1].verdict, "executed");
+}
+
+TEST_F(PlanChoice, WhatComesAfterItIsNotTried) {
+  Plan plan;
+  ASSERT_TRUE(choose({stop_, fast_}, 2, plan));
+  ASSERT_EQ(plan.candidates.size(), 2U);
+  EXPECT_EQ(plan.candidates[1].verdict, "not tried");
+}
+
+TEST_F(PlanChoice, TenAreTriedAndStoppingWhateverItsRank) {
+  std::vector<Candidate> candidates(15, fast_);
+  Plan plan;
+  EXPECT_FALSE(choose(candidates, 20, plan));
+  EXPECT_FALSE(plan.certificate.empty());
+  EXPECT_TRUE(plan.commands.empty());
+  EXPECT_EQ(plan.candidates.size(), 5U);
+  candidates.push_back(stop_);
+  plan = {};
+  EXPECT_TRUE(choose(candidates, 20, plan));
+  EXPECT_EQ(plan.seed, "stop");
+  Candidate other = stop_;
+  other.name = "other";
+  candidates.back() = other;
+  plan = {};
+  EXPECT_FALSE(choose(candidates, 20, plan)) << "the eleventh and later ones";
+}
+
+}  // namespace
+}  // namespace prospect::plan_choice_test
