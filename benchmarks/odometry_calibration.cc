@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "adapters/datasets/calibration_report.h"
-#include "perception/se3.h"
+#include "perception/odometry/se3.h"
 #include "tests/perception/rendered_room.h"
 
 namespace prospect {

@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "engine/support/stopwatch.h"
-#include "perception/corner_detector.h"
-#include "perception/patch_tracker.h"
-#include "perception/pose_estimation.h"
-#include "perception/se3.h"
+#include "perception/odometry/corner_detector.h"
+#include "perception/odometry/patch_tracker.h"
+#include "perception/odometry/pose_estimation.h"
+#include "perception/odometry/se3.h"
 #include "tests/perception/rendered_room.h"
 
 namespace prospect {

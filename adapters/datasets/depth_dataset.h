@@ -7,7 +7,7 @@
 #include "adapters/datasets/depth_scale.h"
 #include "adapters/datasets/depth_source.h"
 #include "models/camera.h"
-#include "perception/depth_image.h"
+#include "perception/mapping/depth_image.h"
 
 namespace prospect {
 

@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <limits>
 
-#include "perception/ground_plane.h"
-#include "perception/median.h"
+#include "perception/mapping/ground_plane.h"
+#include "perception/odometry/median.h"
 
 namespace prospect {
 namespace {

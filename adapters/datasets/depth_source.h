@@ -9,7 +9,7 @@
 #include "adapters/datasets/image_stream.h"
 #include "adapters/files/input_error.h"
 #include "models/camera.h"
-#include "perception/depth_image.h"
+#include "perception/mapping/depth_image.h"
 
 namespace prospect {
 

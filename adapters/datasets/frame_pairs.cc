@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "adapters/datasets/number_text.h"
-#include "perception/median.h"
+#include "perception/odometry/median.h"
 
 namespace prospect {
 namespace {

@@ -9,7 +9,7 @@
 #include "adapters/datasets/depth_dataset.h"
 #include "adapters/datasets/time_percentiles.h"
 #include "adapters/datasets/wall_thickness.h"
-#include "perception/depth_mapper.h"
+#include "perception/mapping/depth_mapper.h"
 
 namespace prospect {
 

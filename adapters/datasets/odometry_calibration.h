@@ -13,7 +13,7 @@
 #include "engine/features/visibility_prediction.h"
 #include "engine/maps/landmark_map.h"
 #include "models/camera.h"
-#include "perception/stereo_odometry.h"
+#include "perception/odometry/stereo_odometry.h"
 
 namespace prospect {
 

@@ -9,7 +9,7 @@
 #include "adapters/datasets/stereo_dataset.h"
 #include "adapters/datasets/time_percentiles.h"
 #include "adapters/datasets/trajectory_error.h"
-#include "perception/stereo_odometry.h"
+#include "perception/odometry/stereo_odometry.h"
 
 namespace prospect {
 

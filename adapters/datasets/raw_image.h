@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "perception/image.h"
+#include "perception/odometry/image.h"
 
 namespace prospect {
 

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "models/camera.h"
-#include "perception/image.h"
+#include "perception/odometry/image.h"
 
 namespace prospect {
 

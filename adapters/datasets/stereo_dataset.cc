@@ -6,7 +6,7 @@
 
 #include "adapters/datasets/number_text.h"
 #include "adapters/files/input_error.h"
-#include "perception/stereo_check.h"
+#include "perception/odometry/stereo_check.h"
 
 namespace prospect {
 namespace {

@@ -10,7 +10,7 @@
 #include "adapters/datasets/stereo_source.h"
 #include "adapters/datasets/trajectory.h"
 #include "models/camera.h"
-#include "perception/image.h"
+#include "perception/odometry/image.h"
 
 namespace prospect {
 
@@ -27,8 +27,8 @@ class StereoDataset {
   /// Throws InputError, one line: what is missing, misnamed, malformed or does not fit together;
   /// also where the first pair contradicts the calibration: a size that does not fit, a baseline
   /// that is not 0.01 to 2 m to the right, left and right exchanged, rows that do not correspond
-  /// (perception/stereo_check.h). A wrong scale of the baseline within that range cannot be seen in
-  /// images; compare with the ground truth's length where there is one.
+  /// (perception/odometry/stereo_check.h). A wrong scale of the baseline within that range cannot
+  /// be seen in images; compare with the ground truth's length where there is one.
   static StereoDataset open(const std::string& path, const StereoDatasetOptions& options = {});
 
   const std::string& layout() const { return layout_; }

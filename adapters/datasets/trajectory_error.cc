@@ -6,7 +6,7 @@
 #include <limits>
 #include <utility>
 
-#include "perception/median.h"
+#include "perception/odometry/median.h"
 
 namespace prospect {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "adapters/datasets/trajectory.h"
-#include "perception/scale_agreement.h"
+#include "perception/fusion/scale_agreement.h"
 
 namespace prospect {
 

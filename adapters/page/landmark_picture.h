@@ -4,8 +4,8 @@
 #include <nlohmann/json_fwd.hpp>
 #include <vector>
 
-#include "perception/image.h"
-#include "perception/stereo_odometry.h"
+#include "perception/odometry/image.h"
+#include "perception/odometry/odometry.h"
 
 namespace prospect {
 

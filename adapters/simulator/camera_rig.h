@@ -6,8 +6,8 @@
 #include "adapters/simulator/scene_renderer.h"
 #include "models/camera.h"
 #include "models/types.h"
-#include "perception/depth_image.h"
-#include "perception/image.h"
+#include "perception/mapping/depth_image.h"
+#include "perception/odometry/image.h"
 
 namespace prospect {
 

@@ -10,8 +10,9 @@
 #include "adapters/simulator/world_mesh.h"
 #include "models/parameter_check.h"
 #include "models/sinc.h"
-#include "perception/lattice_cell.h"
-#include "perception/reason.h"
+#include "perception/odometry/body_pose.h"
+#include "perception/odometry/lattice_cell.h"
+#include "perception/odometry/reason.h"
 
 namespace prospect {
 namespace {

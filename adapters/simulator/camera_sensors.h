@@ -12,14 +12,14 @@
 #include "adapters/simulator/simulator_options.h"
 #include "adapters/worlds/world.h"
 #include "models/robot_shape.h"
-#include "perception/belief_builder.h"
-#include "perception/depth_agreement.h"
-#include "perception/depth_mapper.h"
-#include "perception/feature_density.h"
-#include "perception/landmark_memory.h"
-#include "perception/stereo_odometry.h"
-#include "perception/visual_motion.h"
-#include "perception/wheel_fusion.h"
+#include "perception/fusion/visual_motion.h"
+#include "perception/fusion/wheel_fusion.h"
+#include "perception/mapping/depth_mapper.h"
+#include "perception/odometry/stereo_odometry.h"
+#include "perception/pipeline/belief_builder.h"
+#include "perception/pipeline/depth_agreement.h"
+#include "perception/pipeline/feature_density.h"
+#include "perception/pipeline/landmark_memory.h"
 
 namespace prospect {
 

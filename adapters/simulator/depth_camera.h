@@ -10,7 +10,7 @@
 #include "adapters/worlds/world.h"
 #include "models/camera.h"
 #include "models/types.h"
-#include "perception/occupancy_mapper.h"
+#include "perception/mapping/occupancy_mapper.h"
 
 namespace prospect {
 

@@ -13,7 +13,7 @@
 #include "adapters/simulator/simulator_options.h"
 #include "adapters/worlds/world.h"
 #include "models/robot_shape.h"
-#include "perception/occupancy_mapper.h"
+#include "perception/mapping/occupancy_mapper.h"
 
 namespace prospect {
 

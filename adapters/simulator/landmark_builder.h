@@ -10,7 +10,7 @@
 #include "engine/maps/voxel_grid.h"
 #include "models/camera.h"
 #include "models/types.h"
-#include "perception/feature_density.h"
+#include "perception/pipeline/feature_density.h"
 
 namespace prospect {
 

@@ -7,8 +7,8 @@
 
 #include "adapters/worlds/textured_mesh.h"
 #include "models/camera.h"
-#include "perception/depth_image.h"
-#include "perception/image.h"
+#include "perception/mapping/depth_image.h"
+#include "perception/odometry/image.h"
 
 namespace prospect {
 

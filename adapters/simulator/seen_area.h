@@ -9,7 +9,7 @@
 #include "engine/maps/ground_map.h"
 #include "engine/maps/map_projection.h"
 #include "models/types.h"
-#include "perception/occupancy_mapper.h"
+#include "perception/mapping/occupancy_mapper.h"
 
 namespace prospect {
 

@@ -7,8 +7,8 @@
 #include "adapters/simulator/seen_area.h"
 #include "engine/maps/belief.h"
 #include "models/types.h"
-#include "perception/image.h"
-#include "perception/stereo_odometry.h"
+#include "perception/odometry/image.h"
+#include "perception/odometry/stereo_odometry.h"
 
 namespace prospect {
 

@@ -12,9 +12,9 @@
 #include "adapters/simulator/odometry_model.h"
 #include "models/camera.h"
 #include "models/robot_shape.h"
-#include "perception/occupancy_mapper.h"
-#include "perception/stereo_odometry.h"
-#include "perception/wheel_fusion.h"
+#include "perception/fusion/wheel_fusion.h"
+#include "perception/mapping/occupancy_mapper.h"
+#include "perception/odometry/stereo_odometry.h"
 
 namespace octomap {
 class OcTree;

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "perception/image.h"
+#include "perception/odometry/image.h"
 
 namespace prospect {
 

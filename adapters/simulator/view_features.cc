@@ -17,11 +17,11 @@
 #include "adapters/simulator/noise_stream.h"
 #include "adapters/simulator/scene_renderer.h"
 #include "adapters/worlds/reachable_area.h"
-#include "perception/corner_detector.h"
-#include "perception/image_pyramid.h"
-#include "perception/lattice_cell.h"
-#include "perception/stereo_matcher.h"
-#include "perception/stereo_odometry.h"
+#include "perception/odometry/corner_detector.h"
+#include "perception/odometry/image_pyramid.h"
+#include "perception/odometry/lattice_cell.h"
+#include "perception/odometry/stereo_matcher.h"
+#include "perception/odometry/stereo_odometry.h"
 
 namespace prospect {
 namespace {

@@ -27,7 +27,7 @@
 
 #include "adapters/files/input_error.h"
 #include "adapters/worlds/mesh_file.h"
-#include "perception/rotation_between.h"
+#include "perception/odometry/rotation_between.h"
 
 namespace prospect {
 namespace {

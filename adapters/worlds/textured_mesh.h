@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "adapters/worlds/left_out.h"
-#include "perception/image.h"
+#include "perception/odometry/image.h"
 
 namespace prospect {
 

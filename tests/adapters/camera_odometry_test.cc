@@ -12,8 +12,8 @@
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/world_mesh.h"
 #include "adapters/worlds/load_world.h"
-#include "perception/corner_detector.h"
-#include "perception/stereo_odometry.h"
+#include "perception/odometry/corner_detector.h"
+#include "perception/odometry/stereo_odometry.h"
 #include "tests/adapters/box_room.h"
 
 namespace prospect::camera_odometry_test {

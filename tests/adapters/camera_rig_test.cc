@@ -12,9 +12,9 @@
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/world_mesh.h"
 #include "adapters/worlds/load_world.h"
-#include "perception/corner_detector.h"
-#include "perception/image_pyramid.h"
-#include "perception/stereo_matcher.h"
+#include "perception/odometry/corner_detector.h"
+#include "perception/odometry/image_pyramid.h"
+#include "perception/odometry/stereo_matcher.h"
 #include "tests/adapters/box_room.h"
 
 namespace prospect::camera_rig_test {

@@ -15,7 +15,7 @@
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/mesh_file.h"
 #include "adapters/worlds/reachable_area.h"
-#include "perception/rotation_between.h"
+#include "perception/odometry/rotation_between.h"
 #include "tests/adapters/mesh_files.h"
 
 namespace prospect::mesh_world_test {

@@ -13,7 +13,7 @@
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/world_mesh.h"
 #include "adapters/worlds/load_world.h"
-#include "perception/rotation_between.h"
+#include "perception/odometry/rotation_between.h"
 #include "tests/adapters/box_room.h"
 
 namespace prospect::scene_renderer_test {

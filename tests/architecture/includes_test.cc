@@ -73,13 +73,17 @@ TEST(Includes, EachForbiddenDirectionIsCaught) {
            Case{"solvers/a.h", "\"engine/maps/grid.h\"", "solvers may not use engine/maps/grid.h"},
            Case{"engine/planner/a.cc", "\"runtime/mission.h\"",
                 "engine/planner may not use runtime/mission.h"},
+           Case{"perception/mapping/a.h", "\"perception/fusion/wheel_fusion.h\"",
+                "perception/mapping may not use perception/fusion/wheel_fusion.h"},
+           Case{"perception/fusion/a.cc", "\"perception/pipeline/belief_builder.h\"",
+                "perception/fusion may not use perception/pipeline/belief_builder.h"},
            Case{"adapters/config/a.cc", "\"adapters/worlds/world.h\"",
                 "adapters/config may not use adapters/worlds/world.h"},
            Case{"adapters/config/a.h", "\"adapters/simulator/simulator.h\"",
                 "adapters/config may not use adapters/simulator/simulator.h"},
            Case{"adapters/run/a.cc", "\"adapters/report/report.h\"",
                 "adapters/run may not use adapters/report/report.h"},
-           Case{"engine/terms/a.cc", "\"perception/occupancy_mapper.h\"",
+           Case{"engine/terms/a.cc", "\"perception/mapping/occupancy_mapper.h\"",
                 "engine/terms may not use perception/"},
            Case{"engine/maps/a.cc", "\"adapters/cli/commands.h\"",
                 "engine/maps may not use adapters/"},
@@ -91,15 +95,16 @@ TEST(Includes, EachForbiddenDirectionIsCaught) {
            Case{"engine/maps/a.cc", "<opencv2/core.hpp>", "engine/maps may not use opencv2"},
            Case{"engine/maps/a.h", "<fcl/geometry/shape/box.h>", "forward-declare"},
            Case{"engine/maps/a.h", "<octomap/OcTree.h>", "forward-declare"},
-           Case{"solvers/a.cc", "\"perception/occupancy_mapper.h\"",
+           Case{"solvers/a.cc", "\"perception/mapping/occupancy_mapper.h\"",
                 "solvers may not use perception/"},
            Case{"solvers/a.h", "<IpTNLP.hpp>", "forward-declare"},
            Case{"solvers/nlopt/a.h", "<nlopt.h>", "forward-declare"},
            Case{"solvers/a.cc", "<fcl/narrowphase/distance.h>", "solvers may not use fcl"},
-           Case{"perception/a.cc", "\"solvers/registry.h\"", "perception may not use solvers/"},
-           Case{"perception/a.h", "<opencv2/core.hpp>", "forward-declare"},
-           Case{"perception/a.cc", "\"adapters/run/run_record.h\"",
-                "perception may not use adapters/"},
+           Case{"perception/odometry/a.cc", "\"solvers/registry.h\"",
+                "perception/odometry may not use solvers/"},
+           Case{"perception/odometry/a.h", "<opencv2/core.hpp>", "forward-declare"},
+           Case{"perception/odometry/a.cc", "\"adapters/run/run_record.h\"",
+                "perception/odometry may not use adapters/"},
            Case{"adapters/cli/a.cc", "\"tests/engine/view_worlds.h\"",
                 "adapters/cli may not use tests/"},
            Case{"engine/maps/a.cc", "\"problems/r1.h\"", "engine/maps may not use problems/"},
@@ -122,7 +127,7 @@ TEST(Includes, WhatIsAllowedPasses) {
       .add("engine/maps/a.cc", "#include <octomap/OcTree.h>\n#include <fcl/math/bv/AABB.h>\n")
       .add("solvers/a.cc", "#include <nlopt.h>\n#include \"engine/problem/solver.h\"\n")
       .add("adapters/cli/a.cc",
-           "#include <sys/ioctl.h>\n#include \"perception/occupancy_mapper.h\"\n")
+           "#include <sys/ioctl.h>\n#include \"perception/mapping/occupancy_mapper.h\"\n")
       .add("engine/maps/notes.md", "#include \"solvers/registry.h\"\n")
       .add("benchmarks/a.cc", "#include \"adapters/run/run_record.h\"\n");
   EXPECT_EQ(tree.forbidden(), std::vector<std::string>());

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "perception/depth_mapper.h"
+#include "perception/mapping/depth_mapper.h"
 
 namespace prospect::test {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "models/camera.h"
-#include "perception/depth_image.h"
+#include "perception/mapping/depth_image.h"
 
 namespace prospect::test {
 

@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "perception/image.h"
-#include "perception/stereo_odometry.h"
+#include "perception/odometry/image.h"
+#include "perception/odometry/stereo_odometry.h"
 
 namespace prospect::test {
 

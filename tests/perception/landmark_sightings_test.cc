@@ -5,7 +5,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include "perception/stereo_odometry.h"
+#include "perception/odometry/stereo_odometry.h"
 #include "tests/perception/rendered_room.h"
 
 namespace prospect::landmark_sightings_test {

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "models/camera.h"
-#include "perception/image.h"
+#include "perception/odometry/image.h"
 
 namespace prospect::test {
 

@@ -1,0 +1,275 @@
+#include "perception/mapping/depth_mapper.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "engine/support/stopwatch.h"
+#include "models/parameter_check.h"
+#include "perception/odometry/reason.h"
+#include "perception/odometry/rotation_between.h"
+
+namespace prospect {
+namespace {
+
+constexpr int kCheckStride = 4;             // of the pixels that the image is judged by
+constexpr double kFarBelow = 0.2;           // [m]: no noise of a floor
+constexpr double kFarthestVoxel = 30000.0;  // [voxels]
+constexpr double kJustBelow = 1e-6;         // [m]
+constexpr double kSlackPosition = 0.05;     // [m] of a pose, beside what the speed allows
+constexpr double kSlackRotation = 0.05;     // [rad]
+
+bool is_pose(const Eigen::Isometry3d& T) {
+  const Eigen::Matrix3d R = T.linear();
+  return T.matrix().allFinite() &&
+         (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
+}
+
+double gain(double prior, double measured, double least) {
+  const double p = prior * prior;
+  return p > 0.0 ? p / (p + measured * measured + least * least) : 0.0;
+}
+
+}  // namespace
+
+std::string_view to_string(Mapping state) {
+  switch (state) {
+    case Mapping::kOk:
+      return "ok";
+    case Mapping::kDegraded:
+      return "degraded";
+    default:
+      return "rejected";
+  }
+}
+
+DepthMapper::DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& options)
+    : camera_(camera), options_(options), map_(options.map) {
+  validate(camera);
+  check_parameter(options.range.min > 0.0 && options.range.max > options.range.min &&
+                      std::isfinite(options.range.max),
+                  "depth mapper", "range", options.range.max,
+                  "above its lower end, which is above 0 m");
+  check_parameter(options.tilt_tolerance > 0.0 && options.tilt_tolerance < 1.5, "depth mapper",
+                  "tilt_tolerance", options.tilt_tolerance, "0..1.5 rad");
+  check_parameter(options.height_tolerance > 0.0 && std::isfinite(options.height_tolerance),
+                  "depth mapper", "height_tolerance", options.height_tolerance, "above 0 m");
+  check_parameter(options.ray_spacing > 0.0 && options.ray_spacing <= 10.0, "depth mapper",
+                  "ray_spacing", options.ray_spacing, "0..10");
+  check_parameter(options.floor_margin >= 0.0 && options.most_margin >= options.floor_margin &&
+                      std::isfinite(options.most_margin),
+                  "depth mapper", "most_margin", options.most_margin,
+                  "at least floor_margin, which is at least 0 m");
+  check_parameter(options.max_speed > 0.0, "depth mapper", "max_speed", options.max_speed,
+                  "above 0 m/s");
+  check_parameter(options.max_turn_rate > 0.0, "depth mapper", "max_turn_rate",
+                  options.max_turn_rate, "above 0 rad/s");
+  const double spacing = options.ray_spacing * options.map.resolution *
+                         std::min(camera.fx, camera.fy) / options.map.max_range;
+  stride_ = static_cast<int>(std::clamp(std::floor(spacing), 1.0, 64.0));
+}
+
+/// Whether the image is worth entering.
+bool DepthMapper::check_image(const DepthImage& image, MappedFrame& out) {
+  if (!image.whole() || image.width != camera_.width || image.height != camera_.height) {
+    add_reason(out.reason, "the image has the wrong size");
+    return false;
+  }
+  // A real sensor never gives the same noise twice: this is an old image, not a robot at rest.
+  const bool frozen = last_image_.whole() && last_image_.same(image);
+  if (!frozen) last_image_ = image;
+  int pixels = 0, valid = 0, neighbours = 0, rough = 0;
+  int half[4] = {0, 0, 0, 0};  // valid ones: left, right, upper, lower
+  float nearest = std::numeric_limits<float>::infinity(), farthest = 0.0F;
+  for (int v = kCheckStride / 2; v < image.height; v += kCheckStride) {
+    for (int u = kCheckStride / 2; u < image.width; u += kCheckStride) {
+      ++pixels;
+      const float z = image.at(u, v);
+      if (!options_.range.holds(z)) continue;
+      ++valid;
+      ++half[2 * u < image.width ? 0 : 1];
+      ++half[2 * v < image.height ? 2 : 3];
+      nearest = std::min(nearest, z);
+      farthest = std::max(farthest, z);
+      const float next = u + 1 < image.width ? image.at(u + 1, v) : DepthImage::kInvalid;
+      if (!options_.range.holds(next)) continue;
+      ++neighbours;
+      rough += std::abs(next - z) > 0.1F * z;
+    }
+  }
+  out.valid = static_cast<double>(valid) / std::max(1, pixels);
+  if (valid == 0) {
+    add_reason(out.reason, "the image has no depth");
+    return false;
+  }
+  if (frozen) {
+    add_reason(out.reason, "the image is frozen");
+    return false;
+  }
+  if (out.valid < options_.least_valid) {
+    add_reason(out.reason, "the image has hardly any depth");
+    return false;
+  }
+  if (nearest == farthest) {
+    add_reason(out.reason, "the depth is everywhere the same");
+    return false;
+  }
+  if (rough > options_.most_rough * std::max(1, neighbours)) {
+    add_reason(out.reason, "the depth is noise");
+    return false;
+  }
+  if (out.valid < options_.little_valid) {
+    add_reason(out.reason, "the image has little depth");
+    out.state = Mapping::kDegraded;
+  } else {
+    constexpr const char* kNames[4] = {"left", "right", "upper", "lower"};
+    for (int i = 0; i < 4; ++i) {
+      if (half[i] > 0.5 * options_.least_valid * pixels) continue;
+      add_reason(out.reason, std::string("no depth in the ") + kNames[i] + " half");
+      out.state = Mapping::kDegraded;
+    }
+  }
+  return true;
+}
+
+bool DepthMapper::check_pose(double stamp, const Eigen::Isometry3d& T_WC, MappedFrame& out) {
+  if (!is_pose(T_WC)) {
+    add_reason(out.reason, "the pose is no rotation and translation");
+    return false;
+  }
+  // Octree addresses are of 16 bits; a wild pose must not become the one that others are held to.
+  if (T_WC.translation().cwiseAbs().maxCoeff() > kFarthestVoxel * options_.map.resolution) {
+    add_reason(out.reason, "the pose is outside of what a map can hold");
+    return false;
+  }
+  if (any_accepted_) {
+    const double dt = stamp - accepted_stamp_;
+    const double moved = (T_WC.translation() - accepted_.translation()).norm();
+    const double turned = Eigen::AngleAxisd(accepted_.linear().transpose() * T_WC.linear()).angle();
+    if (moved > options_.max_speed * dt + kSlackPosition ||
+        turned > options_.max_turn_rate * dt + kSlackRotation) {
+      add_reason(out.reason, "the pose jumps");
+      return false;
+    }
+  }
+  return true;
+}
+
+void DepthMapper::correct(MappedFrame& frame) const {
+  if (!frame.ground.found) return;
+  const double k_tilt =
+      gain(options_.pose_sigma_tilt, frame.ground.sigma_tilt(), options_.plane_sigma_tilt);
+  const double k_height =
+      gain(options_.pose_sigma_height, frame.ground.sigma_height(), options_.plane_sigma_height);
+  const Eigen::Vector3d up = frame.T_WC.linear() * frame.ground.normal;
+  const Eigen::AngleAxisd whole(rotation_between(up, Eigen::Vector3d::UnitZ()));
+  frame.T_WC.linear() =
+      Eigen::AngleAxisd(k_tilt * whole.angle(), whole.axis()) * frame.T_WC.linear();
+  double& z = frame.T_WC.translation().z();
+  z += k_height * (frame.ground.height - z);
+}
+
+/// False if too much lies below the floor.
+bool DepthMapper::make_scan(const DepthImage& image, MappedFrame& frame, DepthScan& scan) const {
+  const DepthRange& range = options_.range;
+  const Eigen::Matrix3d R = frame.T_WC.linear();
+  const Eigen::Vector3d t = frame.T_WC.translation();
+  const double reach = options_.map.max_range;
+  scan.origin = t;
+  int points = 0, far_below = 0;
+  // Between a nearer and a farther neighbour; one without a depth may be either, so that losing
+  // pixels never adds knowledge.
+  const auto between = [&](double a, double z, double b) {
+    const double jump = options_.edge * z;
+    const bool may_be_nearer_a = !range.holds(a) || a < z - jump;
+    const bool may_be_nearer_b = !range.holds(b) || b < z - jump;
+    const bool may_be_farther_a = !range.holds(a) || a > z + jump;
+    const bool may_be_farther_b = !range.holds(b) || b > z + jump;
+    return (may_be_nearer_a && may_be_farther_b) || (may_be_farther_a && may_be_nearer_b);
+  };
+  for (int v = stride_ / 2; v < image.height; v += stride_) {
+    for (int u = stride_ / 2; u < image.width; u += stride_) {
+      const double z = image.at(u, v);
+      if (!range.holds(z)) continue;
+      if (u > 0 && u + 1 < image.width && between(image.at(u - 1, v), z, image.at(u + 1, v))) {
+        continue;
+      }
+      if (v > 0 && v + 1 < image.height && between(image.at(u, v - 1), z, image.at(u, v + 1))) {
+        continue;
+      }
+      const Eigen::Vector3d p = z * pixel_ray(camera_, u, v);
+      const Eigen::Vector3d p_W = R * p + t;
+      ++points;
+      far_below += p_W.z() < -kFarBelow;
+      const double above = frame.ground.found ? frame.ground.above(p) : p_W.z();
+      const double margin =
+          std::clamp(options_.ground.gate * ground_sigma(std::max(0.0, t.z()), z, options_.ground),
+                     options_.floor_margin, options_.most_margin);
+      if (above < -margin) continue;
+      if (above <= margin) {
+        scan.hits.emplace_back(p_W.x(), p_W.y(), -kJustBelow);
+        ++frame.floor;
+      } else {
+        scan.hits.push_back(p_W);
+        ++((p_W - t).squaredNorm() > reach * reach ? frame.misses : frame.hits);
+      }
+    }
+  }
+  return far_below <= options_.most_below_floor * points;
+}
+
+MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
+                                 const Eigen::Isometry3d& T_WC) {
+  ProcessorStopwatch clock;
+  MappedFrame out;
+  out.stamp = stamp;
+  if (any_accepted_) out.T_WC = accepted_;
+  const auto reject = [&out](const char* why) {
+    if (why != nullptr) add_reason(out.reason, why);
+    out.state = Mapping::kRejected;
+    return out;
+  };
+  if (!std::isfinite(stamp)) return reject("the time is not a number");
+  const double dt = stamp - last_stamp_;
+  if (any_stamp_ && !(dt > 0.0)) return reject("the time does not increase");
+  const bool gap = any_stamp_ && period_ > 0.0 && dt > options_.max_gap * period_;
+  if (any_stamp_) {
+    period_ = period_ > 0.0 ? std::clamp(dt, 0.9 * period_, 1.1 * period_) : dt;
+  }
+  last_stamp_ = stamp;
+  any_stamp_ = true;
+
+  out.state = Mapping::kOk;
+  const bool sound = check_image(image, out) && check_pose(stamp, T_WC, out);
+  out.times.check = clock.lap();
+  if (!sound) return reject(nullptr);
+  if (gap) {
+    add_reason(out.reason, "frames are missing");
+    out.state = Mapping::kDegraded;
+  }
+  out.T_WC = T_WC;
+  out.ground = find_ground(camera_, image,
+                           ground_prior(T_WC, options_.height_tolerance, options_.tilt_tolerance),
+                           options_.ground);
+  if (!out.ground.found) {
+    add_reason(out.reason, "no ground: " + out.ground.reason);
+    out.state = Mapping::kDegraded;
+  }
+  correct(out);
+  out.times.ground = clock.lap();
+  DepthScan scan;
+  const bool plausible = make_scan(image, out, scan);
+  out.times.scan = clock.lap();
+  if (!plausible) {
+    out.hits = out.floor = out.misses = 0;
+    return reject("too much lies below the floor");
+  }
+  accepted_ = T_WC;
+  accepted_stamp_ = stamp;
+  any_accepted_ = true;
+  map_.insert(scan);
+  out.times.insert = clock.lap();
+  return out;
+}
+
+}  // namespace prospect

@@ -1,0 +1,127 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <string>
+#include <string_view>
+
+#include "models/camera.h"
+#include "perception/mapping/depth_image.h"
+#include "perception/mapping/ground_plane.h"
+#include "perception/mapping/occupancy_mapper.h"
+
+namespace prospect {
+
+struct DepthMapperOptions {
+  OccupancyMapperOptions map;
+  DepthRange range;           ///< of depths that are believed [m]
+  GroundPlaneOptions ground;  ///< its noise is also that by which floor is told from obstacles
+  /// How far the ground may be from where the pose says it is.
+  double tilt_tolerance = 0.1;     ///< [rad]
+  double height_tolerance = 0.12;  ///< [m]
+  /// What the pose's tilt [rad] and height [m] are worth, one standard deviation, and what a ground
+  /// plane is worth at best (a sensor's distortion). Zero: the pose is exact.
+  double pose_sigma_tilt = 0.0;
+  double pose_sigma_height = 0.0;
+  double plane_sigma_tilt = 0.01;
+  double plane_sigma_height = 0.01;
+  /// A point is of the floor within max(floor_margin, gate sigma) of it, but at most most_margin:
+  /// below the slice that becomes obstacles [m].
+  double floor_margin = 0.03;
+  double most_margin = 0.08;
+  /// Rays are taken so densely that neighbours are at most this share of a voxel apart at the map's
+  /// range.
+  double ray_spacing = 0.5;
+  /// A pixel between two neighbours that are nearer and farther than it by this share of its depth
+  /// lies on no surface, but on the edge between two. A neighbour without a depth may be either.
+  double edge = 0.04;
+  /// When an image is not trusted.
+  double least_valid = 0.02;      ///< share of pixels with a depth; fewer: rejected
+  double little_valid = 0.2;      ///< fewer: degraded
+  double most_rough = 0.5;        ///< share of neighbours that differ by more than a tenth: noise
+  double most_below_floor = 0.3;  ///< share of points far below where the floor should be
+  double max_speed = 3.0;         ///< [m/s]
+  double max_turn_rate = 6.0;     ///< [rad/s]
+  double max_gap = 2.6;           ///< of the usual time between frames; above: degraded
+};
+
+enum class Mapping { kOk = 0, kDegraded = 1, kRejected = 2 };
+std::string_view to_string(Mapping state);
+
+/// Processor times of one frame [ms]; the only numbers that differ between two runs.
+struct DepthMapperTimes {
+  double check = 0.0;   ///< of the image
+  double ground = 0.0;  ///< ground plane
+  double scan = 0.0;    ///< pixels to rays
+  double insert = 0.0;  ///< rays into the map, ground map included
+  double total() const { return check + ground + scan + insert; }
+};
+
+/// What became of one frame.
+struct MappedFrame {
+  double stamp = 0.0;  ///< [s]
+  Mapping state = Mapping::kRejected;
+  std::string reason;  ///< why it is not ok, several joined by "; "; empty if ok
+  GroundPlane ground;
+  /// The pose that the scan was entered with: as given, tilt and height corrected by the ground.
+  Eigen::Isometry3d T_WC = Eigen::Isometry3d::Identity();
+  double valid = 0.0;                   ///< share of the pixels
+  int hits = 0, floor = 0, misses = 0;  ///< rays entered: at obstacles, at the floor, beyond range
+  DepthMapperTimes times;
+};
+
+/// Maps depth images from known poses: image -> ground plane -> scan -> OccupancyMapper, which see.
+/// W: z up, the floor is z = 0.
+///
+/// Pose. With the predicted plane (n_p, h_p) of the pose and the measured one (n_m, h_m), the pose
+/// is turned about the camera's centre by k_t of the rotation that takes n_m to n_p, and raised by
+/// k_h (h_m - h_p); k = sigma_pose^2 / (sigma_pose^2 + sigma_measured^2 + sigma_plane^2).
+///
+/// Scan. Every s-th pixel along rows and columns, s = ray_spacing r f / max_range, at least 1; with
+/// the height e above the measured plane (without one: above z = 0) a point is
+///   floor      |e| <= margin: entered as a hit just below z = 0, at its x and y. So it clears what
+///              is above it, makes the layer below z = 0 occupied, and is never an obstacle;
+///   an edge    between two surfaces: says nothing;
+///   obstacle   e > margin: a hit; beyond the map's range, a ray that clears up to that range;
+///   below      e < -margin: says nothing (a reflection, a hole; a hole stays unknown).
+/// A pixel without a valid depth says nothing: it neither clears nor occupies.
+///
+/// States. Ok. Degraded: the scan was entered, but no ground was found in it, or a half of the
+/// image or nearly all of it has no depth, or frames are missing before it. Rejected: nothing was
+/// entered; the image has a wrong size, has no depth, is the one before again (frozen), is
+/// everywhere the same, is noise; the time is no number or does not increase; the pose is no
+/// rotation and translation, or is farther from the last accepted one than the robot can have
+/// moved; or too much lies below the floor, so that pose, calibration or unit of the depth must be
+/// wrong.
+///
+/// Thread-safety: as OccupancyMapper. Errors: the constructor throws std::invalid_argument on wrong
+/// cameras or options; process() never throws for any image, time or pose. Determinism: same
+/// frames, same bits, but for `times`.
+class DepthMapper {
+ public:
+  explicit DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& options = {});
+
+  MappedFrame process(double stamp, const DepthImage& image, const Eigen::Isometry3d& T_WC);
+
+  OccupancyMapper& map() { return map_; }
+  int stride() const { return stride_; }  ///< s
+
+ private:
+  bool check_image(const DepthImage& image, MappedFrame& out);
+  bool check_pose(double stamp, const Eigen::Isometry3d& T_WC, MappedFrame& out);
+  void correct(MappedFrame& frame) const;
+  bool make_scan(const DepthImage& image, MappedFrame& frame, DepthScan& scan) const;
+
+  PinholeCamera camera_;
+  DepthMapperOptions options_;
+  OccupancyMapper map_;
+  int stride_ = 1;
+  DepthImage last_image_;    // as received
+  double last_stamp_ = 0.0;  // of the last frame with a sound time
+  double period_ = 0.0;      // usual time between frames [s]
+  bool any_stamp_ = false;
+  double accepted_stamp_ = 0.0;
+  Eigen::Isometry3d accepted_ = Eigen::Isometry3d::Identity();
+  bool any_accepted_ = false;
+};
+
+}  // namespace prospect

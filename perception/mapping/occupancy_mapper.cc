@@ -1,0 +1,641 @@
+#include "perception/mapping/occupancy_mapper.h"
+
+#include <octomap/OcTree.h>
+
+#include <algorithm>
+#include <atomic>
+#include <bit>
+#include <cassert>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <unordered_map>
+
+#include "models/parameter_check.h"
+
+namespace prospect {
+namespace {
+
+constexpr int kKeyOrigin = 32768;  // OctoMap's key of address 0
+constexpr int kMaxAddress = 32000;
+constexpr int kBrick = 8;  // voxels along an edge of a brick: three levels of the octree
+constexpr int kBrickVoxels = kBrick * kBrick * kBrick;
+constexpr unsigned kBrickLevels = 3;
+constexpr unsigned kTreeLevels = 16;
+
+// Bits of a three-bit coordinate spread to every third place.
+constexpr int kSpread[kBrick] = {0, 1, 8, 9, 64, 65, 72, 73};
+
+// Order of voxels within a brick: that in which the octree numbers children (x lowest), level by
+// level, so a brick's eighths are runs.
+int morton(int x, int y, int z) { return kSpread[x] | (kSpread[y] << 1) | (kSpread[z] << 2); }
+
+int compact(int m) { return (m & 1) | ((m >> 2) & 2) | ((m >> 4) & 4); }
+
+std::uint64_t spread_wide(std::uint64_t v) {
+  std::uint64_t m = 0;
+  for (unsigned b = 0; b < kTreeLevels - kBrickLevels; ++b) m |= ((v >> b) & 1U) << (3 * b);
+  return m;
+}
+
+struct Brick {
+  float log_odds[kBrickVoxels] = {};
+  std::uint64_t known[kBrick] = {};     // bit sets over the voxels
+  std::uint64_t surface[kBrick] = {};   // has been occupied at some time
+  std::uint64_t stale[2][kBrick] = {};  // the mirror does not show the newest value
+  bool dirty[2] = {false, false};       // some bit of stale is set, and the mirror lists the brick
+  int bx = 0, by = 0, bz = 0;           // address / 8
+  std::uint64_t order = 0;              // Morton order of bricks
+};
+
+struct Columns {  // of an 8 x 8 square of ground cells: counts over the slice's layers
+  std::uint16_t occupied[kBrick * kBrick] = {};
+  std::uint16_t free[kBrick * kBrick] = {};
+  CellState sight[kBrick * kBrick] = {};  // of the voxel at the line of sight
+  bool changed[kBrick * kBrick] = {};
+  int bx = 0, by = 0;
+};
+
+std::uint64_t pack(int x, int y, int z) {
+  const auto u = [](int v) { return static_cast<std::uint64_t>(v + kKeyOrigin) & 0xFFFFU; };
+  return u(x) | (u(y) << 16) | (u(z) << 32);
+}
+
+bool in_range(double v, double low, double high) {
+  return std::isfinite(v) && v >= low && v <= high;
+}
+
+// True if nobody else holds the object, so that it may be written. The fence pairs with the release
+// by which the last other holder let go of it.
+template <typename T>
+bool unshared(const std::shared_ptr<T>& p) {
+  if (p.use_count() != 1) return false;
+  std::atomic_thread_fence(std::memory_order_acquire);
+  return true;
+}
+
+}  // namespace
+
+struct OccupancyMapper::Impl {
+  OccupancyMapperOptions options;
+  float hit = 0.0F, miss = 0.0F, lowest = 0.0F, highest = 0.0F;  // log-odds
+  float threshold = 0.0F;
+  int k_low = 0, k_end = 0;  // layers kept
+  SliceLayers slice;
+
+  std::unordered_map<std::uint64_t, std::uint32_t> brick_at;
+  std::vector<std::unique_ptr<Brick>> bricks;
+  std::unordered_map<std::uint64_t, std::uint32_t> columns_at;
+  std::vector<std::unique_ptr<Columns>> columns;
+  std::vector<std::pair<std::uint32_t, int>> changed_cells;
+  std::uint64_t surface = 0;
+
+  struct Mirror {
+    std::shared_ptr<octomap::OcTree> octree;
+    std::shared_ptr<VoxelGrid> voxels;
+    std::vector<std::uint32_t> dirty;
+  };
+  Mirror mirror[2];
+  int current = 0;
+  std::shared_ptr<GroundMap> ground;
+
+  // The scan at hand: one byte a voxel of a box around the origin, 1 = passed, 2 = ended in.
+  std::vector<std::uint8_t> marks;
+  int box[3] = {0, 0, 0};   // lowest address, a multiple of 8
+  int size[3] = {0, 0, 0};  // multiples of 8
+
+  explicit Impl(const OccupancyMapperOptions& o);
+
+  Brick& brick(int bx, int by, int bz);
+  std::uint32_t column_block(int bx, int by);
+  void set_value(Brick& b, std::uint32_t index, int m, std::uint32_t column, float value);
+  void flush_ground();
+  void mark_ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to, bool include_end);
+  void apply_marks();
+
+  void sync();
+  void replay(int which);
+  void replay_octree(octomap::OcTree& tree, int which, const std::vector<std::uint32_t>& order);
+  void replay_bricks(octomap::OcTree& tree, octomap::OcTreeNode* node, bool created, unsigned level,
+                     const std::uint32_t* begin, const std::uint32_t* end, int which);
+  void replay_voxels(octomap::OcTree& tree, octomap::OcTreeNode* node, bool created, unsigned level,
+                     const Brick& b, int first, int which);
+};
+
+OccupancyMapper::Impl::Impl(const OccupancyMapperOptions& o) : options(o) {
+  check_parameter(in_range(o.resolution, 1e-3, 10.0), "occupancy mapper", "resolution",
+                  o.resolution, "0.001..10 m");
+  check_parameter(in_range(o.max_range, o.resolution, 200.0 * o.resolution), "occupancy mapper",
+                  "max_range", o.max_range, "between one and 200 voxels");
+  check_parameter(std::isfinite(o.z_min) && std::abs(o.z_min) < 1000.0, "occupancy mapper", "z_min",
+                  o.z_min, "a height within 1000 m");
+  check_parameter(std::isfinite(o.z_max) && o.z_max > o.z_min && o.z_max - o.z_min < 1000.0,
+                  "occupancy mapper", "z_max", o.z_max, "above z_min, by less than 1000 m");
+  check_parameter(in_range(o.probability_hit, 0.5, 0.999), "occupancy mapper", "probability_hit",
+                  o.probability_hit, "0.5..0.999");
+  check_parameter(in_range(o.probability_miss, 0.001, 0.5), "occupancy mapper", "probability_miss",
+                  o.probability_miss, "0.001..0.5");
+  check_parameter(in_range(o.probability_min, 1e-6, 0.499), "occupancy mapper", "probability_min",
+                  o.probability_min, "0.000001..0.499");
+  check_parameter(in_range(o.probability_max, 0.501, 1.0 - 1e-6), "occupancy mapper",
+                  "probability_max", o.probability_max, "0.501..0.999999");
+  check_parameter(in_range(o.core, 0.01, 1.0), "occupancy mapper", "core", o.core, "0.01..1");
+  check_parameter(in_range(o.offset_constant, 0.0, 1.0), "occupancy mapper", "offset_constant",
+                  o.offset_constant, "0..1 m");
+  check_parameter(in_range(o.offset_quadratic, 0.0, 1.0), "occupancy mapper", "offset_quadratic",
+                  o.offset_quadratic, "0..1 per m");
+  slice = slice_layers(o.slice, o.resolution);
+  hit = octomap::logodds(o.probability_hit);
+  miss = octomap::logodds(o.probability_miss);
+  lowest = octomap::logodds(o.probability_min);
+  highest = octomap::logodds(o.probability_max);
+
+  const GridFrame frame{o.resolution, 0, 0, 1, 1};
+  mirror[0].voxels = std::make_shared<VoxelGrid>(frame, o.z_min, o.z_max);
+  mirror[0].octree = std::make_shared<octomap::OcTree>(o.resolution);
+  mirror[0].octree->setProbHit(o.probability_hit);
+  mirror[0].octree->setProbMiss(o.probability_miss);
+  mirror[0].octree->setClampingThresMin(o.probability_min);
+  mirror[0].octree->setClampingThresMax(o.probability_max);
+  mirror[0].octree->setOccupancyThres(0.5);
+  threshold = mirror[0].octree->getOccupancyThresLog();
+  ground = std::make_shared<GroundMap>(frame);
+  k_low = mirror[0].voxels->k0();
+  k_end = k_low + mirror[0].voxels->depth();
+}
+
+Brick& OccupancyMapper::Impl::brick(int bx, int by, int bz) {
+  const auto [it, fresh] =
+      brick_at.try_emplace(pack(bx, by, bz), static_cast<std::uint32_t>(bricks.size()));
+  if (fresh) {
+    auto b = std::make_unique<Brick>();
+    b->bx = bx;
+    b->by = by;
+    b->bz = bz;
+    constexpr int kOrigin = kKeyOrigin / kBrick;
+    b->order = spread_wide(static_cast<std::uint64_t>(bx + kOrigin)) |
+               (spread_wide(static_cast<std::uint64_t>(by + kOrigin)) << 1) |
+               (spread_wide(static_cast<std::uint64_t>(bz + kOrigin)) << 2);
+    bricks.push_back(std::move(b));
+  }
+  return *bricks[it->second];
+}
+
+std::uint32_t OccupancyMapper::Impl::column_block(int bx, int by) {
+  const auto [it, fresh] =
+      columns_at.try_emplace(pack(bx, by, 0), static_cast<std::uint32_t>(columns.size()));
+  if (fresh) {
+    auto c = std::make_unique<Columns>();
+    c->bx = bx;
+    c->by = by;
+    columns.push_back(std::move(c));
+  }
+  return it->second;
+}
+
+void OccupancyMapper::Impl::set_value(Brick& b, std::uint32_t index, int m, std::uint32_t column,
+                                      float value) {
+  const int word = m >> 6;
+  const std::uint64_t bit = std::uint64_t{1} << (m & 63);
+  const bool known = (b.known[word] & bit) != 0;
+  float& current_value = b.log_odds[m];
+  if (known && value == current_value) return;
+  const bool was_occupied = known && current_value >= threshold;
+  const bool was_free = known && !was_occupied;
+  const bool occupied = value >= threshold;
+  current_value = value;
+  b.known[word] |= bit;
+  for (int which = 0; which < 2; ++which) {
+    b.stale[which][word] |= bit;
+    if (!b.dirty[which]) {
+      b.dirty[which] = true;
+      mirror[which].dirty.push_back(index);
+    }
+  }
+  if (occupied && (b.surface[word] & bit) == 0) {
+    b.surface[word] |= bit;
+    ++surface;
+  }
+  if (occupied == was_occupied && known) return;
+  const int k = b.bz * kBrick + compact(m >> 2);
+  const bool in_slice = k >= slice.k_low && k <= slice.k_high;
+  if (!in_slice && k != slice.k_sight) return;
+  Columns& c = *columns[column];
+  const int cell = compact(m) + kBrick * compact(m >> 1);
+  if (in_slice) {
+    c.occupied[cell] = static_cast<std::uint16_t>(c.occupied[cell] + occupied - was_occupied);
+    c.free[cell] = static_cast<std::uint16_t>(c.free[cell] + !occupied - was_free);
+  }
+  if (k == slice.k_sight) c.sight[cell] = occupied ? CellState::kOccupied : CellState::kFree;
+  if (!c.changed[cell]) {
+    c.changed[cell] = true;
+    changed_cells.emplace_back(column, cell);
+  }
+}
+
+void OccupancyMapper::Impl::flush_ground() {
+  for (const auto& [block, cell] : changed_cells) {
+    Columns& c = *columns[block];
+    c.changed[cell] = false;
+    const Cell address{c.bx * kBrick + cell % kBrick, c.by * kBrick + cell / kBrick};
+    const CellState state = project_column(c.occupied[cell], c.free[cell]);
+    const bool sight = see_through(state, slice.k_sight ? c.sight[cell] : state);
+    if (ground->state(address) == state && ground->see_through(address) == sight) continue;
+    if (!unshared(ground)) ground = std::make_shared<GroundMap>(*ground);
+    ground->set(address, state, sight);
+  }
+  changed_cells.clear();
+}
+
+// Marks the voxels whose middle the segment passes as free, the one that holds `to` only if
+// include_end.
+void OccupancyMapper::Impl::mark_ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                                     bool include_end) {
+  const double r = options.resolution;
+  int v[3], last[3], step[3];
+  double next[3], delta[3];
+  std::ptrdiff_t stride[3];
+  const std::ptrdiff_t strides[3] = {static_cast<std::ptrdiff_t>(size[1]) * size[2], size[2], 1};
+  int remaining = 0;
+  for (int a = 0; a < 3; ++a) {
+    v[a] = static_cast<int>(std::floor(from[a] / r));
+    last[a] = static_cast<int>(std::floor(to[a] / r));
+    const double d = to[a] - from[a];
+    step[a] = last[a] > v[a] ? 1 : -1;
+    stride[a] = step[a] * strides[a];
+    remaining += std::abs(last[a] - v[a]);
+    if (last[a] == v[a]) {
+      next[a] = delta[a] = std::numeric_limits<double>::infinity();
+    } else {
+      next[a] = ((v[a] + (step[a] > 0 ? 1 : 0)) * r - from[a]) / d;
+      delta[a] = r / std::abs(d);
+    }
+  }
+  std::ptrdiff_t index =
+      (v[0] - box[0]) * strides[0] + (v[1] - box[1]) * strides[1] + (v[2] - box[2]);
+  const Eigen::Vector3d ray = to - from;
+  const Eigen::Vector3d along = ray / std::max(ray.norm(), 1e-300);
+  const double core_squared = (options.core * r) * (options.core * r);
+  // Whether the ray passes the middle of the voxel it is in.
+  const auto pass = [&] {
+    const Eigen::Vector3d middle(r * (v[0] + 0.5) - from.x(), r * (v[1] + 0.5) - from.y(),
+                                 r * (v[2] + 0.5) - from.z());
+    const double ahead = middle.dot(along);
+    if (middle.squaredNorm() - ahead * ahead <= core_squared) {
+      marks[static_cast<std::size_t>(index)] |= 1U;
+    }
+  };
+  // All x and y of the segment lie inside the box; heights may leave it.
+  const bool level =
+      v[2] >= box[2] && v[2] < box[2] + size[2] && last[2] >= box[2] && last[2] < box[2] + size[2];
+  if (level) {
+    for (; remaining > 0; --remaining) {
+      pass();
+      int axis = next[0] < next[1] ? 0 : 1;
+      if (next[2] < next[axis]) axis = 2;
+      v[axis] += step[axis];
+      index += stride[axis];
+      next[axis] = v[axis] == last[axis] ? std::numeric_limits<double>::infinity()
+                                         : next[axis] + delta[axis];
+    }
+    if (include_end) pass();
+    return;
+  }
+  for (;; --remaining) {
+    if (remaining == 0 && !include_end) break;
+    if (v[2] >= box[2] && v[2] < box[2] + size[2]) pass();
+    if (remaining == 0) break;
+    int axis = next[0] < next[1] ? 0 : 1;
+    if (next[2] < next[axis]) axis = 2;
+    v[axis] += step[axis];
+    index += stride[axis];
+    next[axis] =
+        v[axis] == last[axis] ? std::numeric_limits<double>::infinity() : next[axis] + delta[axis];
+  }
+}
+
+void OccupancyMapper::Impl::apply_marks() {
+  for (int x = 0; x < size[0]; x += kBrick) {
+    for (int y = 0; y < size[1]; y += kBrick) {
+      for (int z = 0; z < size[2]; z += kBrick) {
+        Brick* b = nullptr;
+        std::uint32_t index = 0;
+        std::uint32_t column = 0;
+        for (int dx = 0; dx < kBrick; ++dx) {
+          for (int dy = 0; dy < kBrick; ++dy) {
+            std::uint8_t* run =
+                &marks[(static_cast<std::size_t>(x + dx) * static_cast<std::size_t>(size[1]) +
+                        static_cast<std::size_t>(y + dy)) *
+                           static_cast<std::size_t>(size[2]) +
+                       static_cast<std::size_t>(z)];
+            std::uint64_t any = 0;
+            std::memcpy(&any, run, sizeof any);
+            if (any == 0) continue;
+            if (b == nullptr) {
+              const int bx = (box[0] + x) / kBrick, by = (box[1] + y) / kBrick,
+                        bz = (box[2] + z) / kBrick;  // exact: multiples of eight
+              b = &brick(bx, by, bz);
+              index = brick_at.find(pack(bx, by, bz))->second;
+              column = column_block(bx, by);
+            }
+            for (int dz = 0; dz < kBrick; ++dz) {
+              if (run[dz] == 0) continue;
+              const int k = box[2] + z + dz;
+              if (k < k_low || k >= k_end) continue;
+              const int m = morton(dx, dy, dz);
+              const bool known = ((b->known[m >> 6] >> (m & 63)) & 1U) != 0;
+              const float before = known ? b->log_odds[m] : 0.0F;
+              const float after = before + ((run[dz] & 2U) != 0 ? hit : miss);
+              set_value(*b, index, m, column, std::min(std::max(after, lowest), highest));
+            }
+            std::memset(run, 0, kBrick);
+          }
+        }
+      }
+    }
+  }
+}
+
+// --- mirrors -------------------------------------------------------------------------------------
+
+void OccupancyMapper::Impl::sync() {
+  if (mirror[current].dirty.empty()) return;
+  const auto writable = [](const Mirror& m) {
+    return m.octree && unshared(m.octree) && unshared(m.voxels);
+  };
+  if (!writable(mirror[current])) {
+    const int other = 1 - current;
+    if (!writable(mirror[other])) {
+      Mirror& to = mirror[other];
+      const Mirror& from = mirror[current];
+      to.octree = std::make_shared<octomap::OcTree>(*from.octree);
+      to.voxels = std::make_shared<VoxelGrid>(*from.voxels);
+      for (const std::uint32_t index : to.dirty) {
+        Brick& b = *bricks[index];
+        b.dirty[other] = false;
+        std::fill(std::begin(b.stale[other]), std::end(b.stale[other]), 0);
+      }
+      to.dirty = from.dirty;
+      for (const std::uint32_t index : to.dirty) {
+        Brick& b = *bricks[index];
+        b.dirty[other] = true;
+        std::copy(std::begin(b.stale[current]), std::end(b.stale[current]),
+                  std::begin(b.stale[other]));
+      }
+    }
+    current = other;
+  }
+  replay(current);
+}
+
+void OccupancyMapper::Impl::replay(int which) {
+  Mirror& m = mirror[which];
+  std::sort(m.dirty.begin(), m.dirty.end(), [this](std::uint32_t a, std::uint32_t b) {
+    return bricks[a]->order < bricks[b]->order;
+  });
+  VoxelGrid& voxels = *m.voxels;
+  for (const std::uint32_t index : m.dirty) {
+    const Brick& b = *bricks[index];
+    for (int word = 0; word < kBrick; ++word) {
+      for (std::uint64_t bits = b.stale[which][word]; bits != 0; bits &= bits - 1) {
+        const int v = word * 64 + std::countr_zero(bits);
+        voxels.set(b.bx * kBrick + compact(v), b.by * kBrick + compact(v >> 1),
+                   b.bz * kBrick + compact(v >> 2),
+                   b.log_odds[v] >= threshold ? CellState::kOccupied : CellState::kFree);
+      }
+    }
+  }
+  replay_octree(*m.octree, which, m.dirty);
+  for (const std::uint32_t index : m.dirty) {
+    Brick& b = *bricks[index];
+    b.dirty[which] = false;
+    std::fill(std::begin(b.stale[which]), std::end(b.stale[which]), 0);
+  }
+  m.dirty.clear();
+}
+
+void OccupancyMapper::Impl::replay_octree(octomap::OcTree& tree, int which,
+                                          const std::vector<std::uint32_t>& order) {
+  if (order.empty()) return;
+  if (tree.getRoot() == nullptr) {
+    // The library makes a root only through a first value; the replay below sets it again.
+    const Brick& b = *bricks[order.front()];
+    int word = 0;
+    while (b.stale[which][word] == 0) ++word;
+    const int v = word * 64 + std::countr_zero(b.stale[which][word]);
+    const auto key = [](int address) {
+      return static_cast<octomap::key_type>(address + kKeyOrigin);
+    };
+    tree.setNodeValue(
+        octomap::OcTreeKey(key(b.bx * kBrick + compact(v)), key(b.by * kBrick + compact(v >> 1)),
+                           key(b.bz * kBrick + compact(v >> 2))),
+        b.log_odds[v], true);
+  }
+  replay_bricks(tree, tree.getRoot(), false, kTreeLevels - kBrickLevels, order.data(),
+                order.data() + order.size(), which);
+}
+
+// Goes down the tree once for all changed bricks, in Morton order, and repairs each inner node on
+// the way back: the cost is that of the changes, not of the tree.
+void OccupancyMapper::Impl::replay_bricks(octomap::OcTree& tree, octomap::OcTreeNode* node,
+                                          bool created, unsigned level, const std::uint32_t* begin,
+                                          const std::uint32_t* end, int which) {
+  if (level == 0) {
+    assert(end - begin == 1);
+    replay_voxels(tree, node, created, kBrickLevels, *bricks[*begin], 0, which);
+    return;
+  }
+  if (!created && !tree.nodeHasChildren(node)) tree.expandNode(node);
+  const unsigned shift = 3 * (level - 1);
+  while (begin != end) {
+    const unsigned child = static_cast<unsigned>((bricks[*begin]->order >> shift) & 7U);
+    const std::uint32_t* run = begin + 1;
+    while (run != end && ((bricks[*run]->order >> shift) & 7U) == child) ++run;
+    const bool fresh = !tree.nodeChildExists(node, child);
+    octomap::OcTreeNode* below =
+        fresh ? tree.createNodeChild(node, child) : tree.getNodeChild(node, child);
+    replay_bricks(tree, below, fresh, level - 1, begin, run, which);
+    begin = run;
+  }
+  if (!tree.pruneNode(node)) node->updateOccupancyChildren();
+}
+
+void OccupancyMapper::Impl::replay_voxels(octomap::OcTree& tree, octomap::OcTreeNode* node,
+                                          bool created, unsigned level, const Brick& b, int first,
+                                          int which) {
+  if (!created && !tree.nodeHasChildren(node)) tree.expandNode(node);
+  const int run = 1 << (3 * (level - 1));  // voxels of a child: 64, 8 or 1
+  for (unsigned child = 0; child < 8; ++child) {
+    const int at = first + static_cast<int>(child) * run;
+    const std::uint64_t mask = (run == 64 ? ~std::uint64_t{0} : ((std::uint64_t{1} << run) - 1))
+                               << (at & 63);
+    if ((b.stale[which][at >> 6] & mask) == 0) continue;
+    const bool fresh = !tree.nodeChildExists(node, child);
+    octomap::OcTreeNode* below =
+        fresh ? tree.createNodeChild(node, child) : tree.getNodeChild(node, child);
+    if (level == 1) {
+      below->setLogOdds(b.log_odds[at]);
+    } else {
+      replay_voxels(tree, below, fresh, level - 1, b, at, which);
+    }
+  }
+  if (!tree.pruneNode(node)) node->updateOccupancyChildren();
+}
+
+// --- interface -----------------------------------------------------------------------------------
+
+OccupancyMapper::OccupancyMapper(const OccupancyMapperOptions& options)
+    : impl_(std::make_unique<Impl>(options)) {}
+OccupancyMapper::~OccupancyMapper() = default;
+OccupancyMapper::OccupancyMapper(OccupancyMapper&&) noexcept = default;
+OccupancyMapper& OccupancyMapper::operator=(OccupancyMapper&&) noexcept = default;
+
+const OccupancyMapperOptions& OccupancyMapper::options() const { return impl_->options; }
+std::uint64_t OccupancyMapper::surface_voxels() const { return impl_->surface; }
+
+void OccupancyMapper::insert(const DepthScan& scan) {
+  Impl& m = *impl_;
+  const double r = m.options.resolution;
+  const double limit = (kMaxAddress - 512) * r;
+  if (!scan.origin.allFinite() || scan.origin.cwiseAbs().maxCoeff() > limit) return;
+
+  const int reach = static_cast<int>(std::ceil(m.options.max_range / r)) + 2;
+  for (int a = 0; a < 3; ++a) {
+    const int center = static_cast<int>(std::floor(scan.origin[a] / r));
+    int low = center - reach;
+    int high = center + reach;
+    if (a == 2) {
+      low = std::max(low, m.k_low);
+      high = std::min(high, m.k_end - 1);
+      if (low > high) return;
+    }
+    m.box[a] = low & ~(kBrick - 1);
+    m.size[a] = ((high - m.box[a]) / kBrick + 1) * kBrick;
+  }
+  // All zero between scans: apply_marks() clears what it reads.
+  const std::size_t volume = static_cast<std::size_t>(m.size[0]) *
+                             static_cast<std::size_t>(m.size[1]) *
+                             static_cast<std::size_t>(m.size[2]);
+  if (m.marks.size() < volume) m.marks.resize(volume, 0);
+
+  const auto walk_miss = [&](const Eigen::Vector3d& direction) {
+    m.mark_ray(scan.origin, scan.origin + direction * m.options.max_range, false);
+  };
+  for (const Eigen::Vector3d& point : scan.hits) {
+    const Eigen::Vector3d ray = point - scan.origin;
+    const double range = ray.norm();
+    if (!std::isfinite(range) || range < 1e-9) continue;
+    const Eigen::Vector3d direction = ray / range;
+    if (range > m.options.max_range) {
+      walk_miss(direction);
+      continue;
+    }
+    const double offset =
+        std::min(0.5 * r, m.options.offset_constant + m.options.offset_quadratic * range * range);
+    const Eigen::Vector3d end = point + direction * offset;
+    int voxel[3];
+    int measured[3];
+    for (int a = 0; a < 3; ++a) {
+      voxel[a] = static_cast<int>(std::floor(end[a] / r));
+      measured[a] = static_cast<int>(std::floor(point[a] / r));
+    }
+    const bool same = voxel[0] == measured[0] && voxel[1] == measured[1] && voxel[2] == measured[2];
+    // The measured point may lie in a voxel before the one entered as hit: that one was passed.
+    m.mark_ray(scan.origin, point, !same);
+    if (voxel[2] >= m.k_low && voxel[2] < m.k_end) {
+      m.marks[(static_cast<std::size_t>(voxel[0] - m.box[0]) * static_cast<std::size_t>(m.size[1]) +
+               static_cast<std::size_t>(voxel[1] - m.box[1])) *
+                  static_cast<std::size_t>(m.size[2]) +
+              static_cast<std::size_t>(voxel[2] - m.box[2])] |= 2U;
+    }
+  }
+  for (const Eigen::Vector3d& point : scan.misses) {
+    const Eigen::Vector3d ray = point - scan.origin;
+    const double range = ray.norm();
+    if (!std::isfinite(range) || range < 1e-9) continue;
+    walk_miss(ray / range);
+  }
+  m.apply_marks();
+  m.flush_ground();
+}
+
+void OccupancyMapper::clear_cylinder(const Eigen::Vector3d& base, double radius, double height) {
+  Impl& m = *impl_;
+  const double r = m.options.resolution;
+  if (!base.allFinite() || !std::isfinite(radius) || !std::isfinite(height) ||
+      radius > 1000.0 * r || base.cwiseAbs().maxCoeff() > (kMaxAddress - 2048) * r) {
+    return;
+  }
+  const auto address = [r](double x) { return static_cast<int>(std::floor(x / r)); };
+  const int k_from = std::max(address(base.z()), m.k_low);
+  const int k_to = std::min(address(base.z() + std::min(height, 2000.0)), m.k_end - 1);
+  for (int j = address(base.y() - radius); j <= address(base.y() + radius); ++j) {
+    for (int i = address(base.x() - radius); i <= address(base.x() + radius); ++i) {
+      const double dx = (i + 0.5) * r - base.x(), dy = (j + 0.5) * r - base.y();
+      if (dx * dx + dy * dy > radius * radius) continue;
+      for (int k = k_from; k <= k_to; ++k) {
+        const double z = (k + 0.5) * r - base.z();
+        if (z < 0.0 || z > height) continue;
+        const int bx = i >> 3, by = j >> 3, bz = k >> 3;
+        Brick& b = m.brick(bx, by, bz);
+        const int v = morton(i & 7, j & 7, k & 7);
+        const bool known = ((b.known[v >> 6] >> (v & 63)) & 1U) != 0;
+        if (known && b.log_odds[v] >= m.threshold) continue;
+        m.set_value(b, m.brick_at.find(pack(bx, by, bz))->second, v, m.column_block(bx, by),
+                    m.lowest);
+      }
+    }
+  }
+  m.flush_ground();
+}
+
+void OccupancyMapper::load(const octomap::OcTree& map) {
+  Impl& m = *impl_;
+  check_parameter(map.getResolution() == m.options.resolution, "occupancy mapper",
+                  "resolution of the map to load", map.getResolution(),
+                  std::to_string(m.options.resolution) + " m, that of the map to be built");
+  constexpr int kMost = kMaxAddress - 2000;
+  const std::uint64_t surface = m.surface;
+  for (auto leaf = map.begin_leafs(), end = map.end_leafs(); leaf != end; ++leaf) {
+    // A pruned leaf stands for 2^n voxels along each axis.
+    const int size = 1 << (kTreeLevels - leaf.getDepth());
+    const octomap::OcTreeKey first = leaf.getIndexKey();
+    const int low[3] = {first[0] - kKeyOrigin, first[1] - kKeyOrigin, first[2] - kKeyOrigin};
+    for (const int address : low) {
+      check_parameter(std::abs(address) <= kMost && std::abs(address + size) <= kMost,
+                      "occupancy mapper", "address in the map to load", address,
+                      "within " + std::to_string(kMost) + " voxels of the origin");
+    }
+    const float value = map.isNodeOccupied(*leaf) ? m.hit : m.miss;
+    for (int i = low[0]; i < low[0] + size; ++i) {
+      for (int j = low[1]; j < low[1] + size; ++j) {
+        for (int k = std::max(low[2], m.k_low); k < std::min(low[2] + size, m.k_end); ++k) {
+          const int bx = i >> 3, by = j >> 3, bz = k >> 3;
+          Brick& b = m.brick(bx, by, bz);
+          const int v = morton(i & 7, j & 7, k & 7);
+          const std::uint64_t bit = std::uint64_t{1} << (v & 63);
+          const bool seen = (b.surface[v >> 6] & bit) != 0;
+          m.set_value(b, m.brick_at.find(pack(bx, by, bz))->second, v, m.column_block(bx, by),
+                      value);
+          if (!seen) b.surface[v >> 6] &= ~bit;
+        }
+      }
+    }
+  }
+  m.surface = surface;
+  m.flush_ground();
+}
+
+std::shared_ptr<const octomap::OcTree> OccupancyMapper::octree() {
+  impl_->sync();
+  return impl_->mirror[impl_->current].octree;
+}
+std::shared_ptr<const VoxelGrid> OccupancyMapper::voxels() {
+  impl_->sync();
+  return impl_->mirror[impl_->current].voxels;
+}
+std::shared_ptr<const GroundMap> OccupancyMapper::ground() { return impl_->ground; }
+
+}  // namespace prospect

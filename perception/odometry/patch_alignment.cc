@@ -1,0 +1,143 @@
+#include "perception/odometry/patch_alignment.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace prospect {
+namespace {
+
+constexpr int kR = kPatchRadius;
+
+/// Bilinear sample; the caller has checked that 0 <= x < width - 1 and likewise y, to rounding: a
+/// corner of a patch, reached by other sums than the check's, may round to width - 1 itself.
+inline float sample(const PyramidLevel& level, float x, float y) {
+  const int u = std::min(static_cast<int>(x), level.width - 2);
+  const int v = std::min(static_cast<int>(y), level.height - 2);
+  const float a = x - u, b = y - v;
+  const float* top = level.row(v) + u;
+  const float* bottom = top + level.width;
+  return (1 - b) * ((1 - a) * top[0] + a * top[1]) + b * ((1 - a) * bottom[0] + a * bottom[1]);
+}
+
+}  // namespace
+
+const Patch::Samples& Patch::weights() {
+  static const Samples weights = [] {
+    Samples w = Samples::Zero();
+    for (int y = -kR; y <= kR; ++y) {
+      for (int x = -kR; x <= kR; ++x) {
+        const float s = 1.0f - (x * x + y * y) / (2.0f * (kR + 1) * (kR + 1));
+        w[(y + kR) * kWidth + x + kR] = s * s;
+      }
+    }
+    return Samples(w / w.sum());
+  }();
+  return weights;
+}
+
+std::optional<Patch> Patch::make(const PyramidLevel& level, const Eigen::Vector2f& centre,
+                                 const Eigen::Matrix2f& A, float min_eigenvalue) {
+  // One sample more on every side, for the gradients.
+  constexpr int kBorder = kR + 1;
+  constexpr int kSide = 2 * kBorder + 1;
+  const float reach_x = kBorder * (std::abs(A(0, 0)) + std::abs(A(0, 1)));
+  const float reach_y = kBorder * (std::abs(A(1, 0)) + std::abs(A(1, 1)));
+  // Written so that NaN fails.
+  if (!(centre.x() - reach_x >= 0 && centre.x() + reach_x < level.width - 1 &&
+        centre.y() - reach_y >= 0 && centre.y() + reach_y < level.height - 1)) {
+    return std::nullopt;
+  }
+  float raw[kSide][kSide];
+  for (int y = -kBorder; y <= kBorder; ++y) {
+    for (int x = -kBorder; x <= kBorder; ++x) {
+      raw[y + kBorder][x + kBorder] = sample(level, centre.x() + A(0, 0) * x + A(0, 1) * y,
+                                             centre.y() + A(1, 0) * x + A(1, 1) * y);
+    }
+  }
+  std::optional<Patch> made(std::in_place);
+  Patch& patch = *made;
+  Samples J[4];
+  patch.T_.setZero();
+  for (Samples& j : J) j.setZero();
+  for (int y = 0; y < kRows; ++y) {
+    for (int x = 0; x < kRows; ++x) {
+      const int k = y * kWidth + x;
+      patch.T_[k] = raw[y + 1][x + 1];
+      J[0][k] = 0.5f * (raw[y + 1][x + 2] - raw[y + 1][x]);
+      J[1][k] = 0.5f * (raw[y + 2][x + 1] - raw[y][x + 1]);
+      J[3][k] = 1.0f;
+    }
+  }
+  const Samples& w = weights();
+  const float mean = w.dot(patch.T_);
+  // In the padding T is 0 and w is 0, so what J holds there does not matter.
+  J[2] = patch.T_.array() - mean;
+  for (int i = 0; i < 4; ++i) {
+    patch.wJ_[i] = w.cwiseProduct(J[i]);
+    patch.wJT_[i] = patch.wJ_[i].dot(patch.T_);
+  }
+  Eigen::Matrix4d H;
+  for (int i = 0; i < 4; ++i) {
+    for (int j = i; j < 4; ++j) H(i, j) = H(j, i) = patch.wJ_[i].dot(J[j]);
+  }
+  // Texture that is left for the position when gain and offset are free: the Schur complement.
+  if (!(H(2, 2) > 1e-3)) return std::nullopt;
+  const Eigen::Matrix2d position =
+      H.topLeftCorner<2, 2>() -
+      H.topRightCorner<2, 2>() * H.bottomRightCorner<2, 2>().inverse() * H.bottomLeftCorner<2, 2>();
+  const double half_trace = 0.5 * position.trace();
+  const double smaller =
+      half_trace - std::sqrt(std::max(0.0, half_trace * half_trace - position.determinant()));
+  if (!(smaller >= min_eigenvalue) || !(smaller > 1e-6 * half_trace)) return std::nullopt;
+  patch.inverse_ = H.inverse().cast<float>();
+  return made;
+}
+
+Patch::Alignment Patch::align(const PyramidLevel& level, const Eigen::Vector2f& start,
+                              float max_shift, int max_iterations, float tolerance) const {
+  Alignment result;
+  result.position = start;
+  Samples I;
+  for (int iteration = 0; iteration < max_iterations; ++iteration) {
+    const Eigen::Vector2f p = result.position;
+    if (!(p.x() >= kR && p.x() < level.width - kR - 2 && p.y() >= kR &&
+          p.y() < level.height - kR - 1)) {
+      return result;
+    }
+    const int u = static_cast<int>(p.x()), v = static_cast<int>(p.y());
+    const float a = p.x() - u, b = p.y() - v;
+    const float w00 = (1 - a) * (1 - b), w01 = a * (1 - b), w10 = (1 - a) * b, w11 = a * b;
+    for (int y = 0; y < kRows; ++y) {
+      const float* top = level.row(v - kR + y) + u - kR;
+      const float* bottom = top + level.width;
+      float* out = I.data() + y * kWidth;
+      for (int x = 0; x < kWidth; ++x) {
+        out[x] = w00 * top[x] + w01 * top[x + 1] + w10 * bottom[x] + w11 * bottom[x + 1];
+      }
+    }
+    const Eigen::Vector4f difference =
+        Eigen::Vector4f(wJ_[0].dot(I), wJ_[1].dot(I), wJ_[2].dot(I), wJ_[3].dot(I)) - wJT_;
+    const Eigen::Vector4f solution = inverse_ * difference;
+    result.gain = 1.0f + solution[2];
+    if (!(result.gain > 0.3f && result.gain < 3.0f)) return result;
+    const Eigen::Vector2f step = -solution.head<2>() / result.gain;
+    result.position += step;
+    if (!((result.position - start).norm() <= max_shift)) return result;
+    if (step.squaredNorm() < tolerance * tolerance) {
+      // Residual at the point before the last, tiny step, and after the linear model.
+      const Samples& w = weights();
+      const float mean = w.dot(I);
+      const float variance = w.dot(I.cwiseProduct(I)) - mean * mean;
+      const float explained = solution.dot(difference);
+      const float total = w.dot((I - T_).cwiseProduct(I - T_));
+      result.agreement = 1.0f - std::max(0.0f, total - explained) / std::max(variance, 1e-3f);
+      result.converged = true;
+      return result;
+    }
+  }
+  return result;
+}
+
+}  // namespace prospect

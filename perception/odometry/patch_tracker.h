@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "perception/odometry/image_pyramid.h"
+
+namespace prospect {
+
+struct PatchTrackerOptions {
+  float min_texture = 0.5f;      ///< [grey^2/px^2], see Patch::make
+  float min_agreement = 0.5f;    ///< of the final alignment, see Patch::Alignment
+  float max_return = 0.5f;       ///< [px] distance of the backward track from where it began
+  float shift_per_level = 6.0f;  ///< [px of a level] that alignment may move on it
+};
+
+enum class TrackOutcome { kTracked, kNotInView, kNoTexture, kNotFound, kNotConsistent };
+
+struct TrackResult {
+  TrackOutcome outcome = TrackOutcome::kNotFound;
+  Eigen::Vector2f position = Eigen::Vector2f::Zero();  ///< [px], if tracked
+  float agreement = 0.0f;
+};
+
+/// Finds the patch around `point` of one image in another, from `start`, coarse to fine (pyramidal
+/// alignment: Bouguet 2000), from level `top` to level `bottom`. A, 2 x 2: offsets in `to` times A
+/// are offsets in `from`; a known change of scale and rotation is so taken out of the patch before
+/// it is compared, which keeps tracks exact when the camera approaches.
+///
+/// Levels on which the patch leaves the image or has no texture are skipped; `bottom` is not. With
+/// `check_return` the patch found is tracked back on that level and must return to `point`.
+/// Deterministic; no state.
+TrackResult track_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
+                        const Eigen::Matrix2f& A, const ImagePyramid& to,
+                        const Eigen::Vector2f& start, int top, int bottom, bool check_return,
+                        const PatchTrackerOptions& options = {});
+
+struct StereoTrackResult {
+  TrackResult left;
+  bool in_right = false;  ///< found in the right image, too
+  Eigen::Vector2f right = Eigen::Vector2f::Zero();
+};
+
+/// The same in both images of a pair, from starts that are good to a few pixels: level 0 only, with
+/// one patch for both, and with the check of return in the left image. The right image is searched
+/// only if the left one shows the patch.
+StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
+                                     const Eigen::Matrix2f& A, const ImagePyramid& left,
+                                     const Eigen::Vector2f& start_left, const ImagePyramid& right,
+                                     const Eigen::Vector2f& start_right,
+                                     const PatchTrackerOptions& options = {});
+
+}  // namespace prospect

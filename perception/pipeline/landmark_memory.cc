@@ -1,0 +1,53 @@
+#include "perception/pipeline/landmark_memory.h"
+
+#include <algorithm>
+#include <unordered_set>
+#include <utility>
+#include <vector>
+
+#include "engine/features/landmarks_per_cell.h"
+#include "perception/odometry/lattice_cell.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kCell = 0.25;  // [m]
+
+std::uint64_t cell_of(const Landmark& l) { return lattice_cell(l.position, kCell); }
+
+}  // namespace
+
+void LandmarkMemory::add(const LandmarkMap& now) {
+  ++time_;
+  for (const Landmark& l : now.landmarks) {
+    if (l.position.allFinite()) cells_[cell_of(l)] = {l, time_};
+  }
+  if (cells_.size() <= most_) return;
+  // A tenth more than needed, so that this is rare.
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> order;  // when, cell
+  order.reserve(cells_.size());
+  for (const auto& [cell, seen] : cells_) order.emplace_back(seen.when, cell);
+  std::sort(order.begin(), order.end());
+  const std::size_t keep = most_ - most_ / 10;
+  for (std::size_t i = 0; i + keep < order.size(); ++i) cells_.erase(order[i].second);
+}
+
+std::shared_ptr<const LandmarkMap> LandmarkMemory::with_remembered(const LandmarkMap& now) const {
+  auto map = std::make_shared<LandmarkMap>(now);
+  std::unordered_set<std::uint64_t> held, ids;
+  for (const Landmark& l : now.landmarks) {
+    held.insert(cell_of(l));
+    ids.insert(l.id);
+  }
+  std::vector<std::pair<std::uint64_t, const Landmark*>> remembered;
+  for (const auto& [cell, seen] : cells_) {
+    if (held.count(cell) || ids.count(seen.landmark.id)) continue;
+    remembered.emplace_back(cell, &seen.landmark);
+  }
+  std::sort(remembered.begin(), remembered.end());  // by cell: no two are the same
+  for (const auto& [cell, landmark] : remembered) map->landmarks.push_back(*landmark);
+  note_landmarks_per_cell(*map);
+  return map;
+}
+
+}  // namespace prospect

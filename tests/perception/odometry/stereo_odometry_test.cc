@@ -1,0 +1,376 @@
+#include "perception/odometry/stereo_odometry.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "tests/perception/image_faults.h"
+#include "tests/perception/rendered_room.h"
+
+namespace prospect::stereo_odometry_test {
+namespace {
+
+using Eigen::Isometry3d;
+using test::RenderedRoom;
+using test::StereoFrame;
+
+StereoCamera small_camera() {
+  StereoCamera camera;
+  camera.left = {330.0, 330.0, 240.0, 180.0, 480.0, 360.0};
+  camera.baseline = 0.12;
+  return camera;
+}
+
+constexpr double kPeriod = 0.1;
+
+/// An arc through the room at 0.5 m/s and 0.17 rad/s.
+Isometry3d arc(int k) {
+  const double yaw = -0.3 + 0.017 * k;
+  const double s = 0.05 * k;
+  return RenderedRoom::looking(-1.6 + s * std::cos(-0.3 + 0.0085 * k),
+                               -0.6 + s * std::sin(-0.3 + 0.0085 * k), 1.05, yaw);
+}
+
+struct Sequence {
+  std::vector<StereoFrame> frames;
+  std::vector<Isometry3d> T_WC;
+};
+
+const Sequence& moving() {
+  static const Sequence sequence = [] {
+    Sequence s;
+    const RenderedRoom room;
+    for (int k = 0; k < 40; ++k) {
+      s.T_WC.push_back(arc(k));
+      auto pair = room.render(small_camera(), arc(k), 2.0, k);
+      s.frames.push_back({kPeriod * k, std::move(pair.left), std::move(pair.right)});
+    }
+    return s;
+  }();
+  return sequence;
+}
+
+double path_length(const std::vector<Isometry3d>& poses) {
+  double length = 0.0;
+  for (std::size_t k = 1; k < poses.size(); ++k) {
+    length += (poses[k].translation() - poses[k - 1].translation()).norm();
+  }
+  return length;
+}
+
+TEST(StereoOdometry, FollowsAnArc) {
+  const Sequence& s = moving();
+  StereoOdometry odometry(small_camera(), {}, s.T_WC[0]);
+  int keyframes = 0;
+  OdometryFrame last;
+  double worst = 0.0, normalised = 0.0;
+  for (std::size_t k = 0; k < s.frames.size(); ++k) {
+    last = odometry.process(s.frames[k].stamp, s.frames[k].left.view(), s.frames[k].right.view());
+    EXPECT_EQ(last.state, Localization::kOk) << k << ": " << last.reason;
+    keyframes += last.keyframe;
+    const Isometry3d error = last.T_WC.inverse() * s.T_WC[k];  // T_CW_est T_WC_true
+    worst = std::max(worst, error.translation().norm());
+    if (k > 0) {
+      const Eigen::Matrix<double, 6, 1> xi = log_se3(error);
+      normalised += xi.dot(last.covariance.ldlt().solve(xi)) / 6.0 / (s.frames.size() - 1);
+    }
+  }
+  const double length = path_length(s.T_WC);
+  std::printf(
+      "rendered arc: worst error %.1f mm over %.2f m, %d keyframes, normalised error %.2f, "
+      "disparity offset %.3f +- %.3f px\n",
+      1e3 * worst, length, keyframes, normalised, last.disparity_offset,
+      last.disparity_offset_sigma);
+  EXPECT_LT(worst, 0.008 * length);
+  const Isometry3d error = s.T_WC.back().inverse() * last.T_WC;
+  EXPECT_LT(Eigen::AngleAxisd(error.linear()).angle(), 0.3 * M_PI / 180.0);
+  EXPECT_LT(keyframes, 20);
+  // One run, errors that follow each other: a wide band, but neither ten times too sure nor too
+  // shy.
+  EXPECT_GT(normalised, 0.02);
+  EXPECT_LT(normalised, 6.0);
+  EXPECT_NEAR(last.disparity_offset, 0.0, 4.0 * last.disparity_offset_sigma);
+
+  const auto map = odometry.landmarks();
+  EXPECT_GT(map->landmarks.size(), 100u);
+  for (const Landmark& l : map->landmarks) {
+    EXPECT_GT(l.survival, 0.0);
+    EXPECT_LE(l.survival, 1.0);
+    EXPECT_NEAR(l.creation_direction.norm(), 1.0, 1e-9);
+  }
+}
+
+TEST(StereoOdometry, FollowsAHeadThatTurnsFast) {
+  // Six degrees of freedom at 20 Hz, up to 3.7 rad/s, at full size; the first step is 10 degrees,
+  // with nothing known of the motion.
+  const StereoCamera camera;
+  const RenderedRoom room;
+  std::vector<double> plain, keyframes;
+  std::unique_ptr<StereoOdometry> odometry;
+  double length = 0.0, worst = 0.0;
+  Isometry3d before = Isometry3d::Identity();
+  for (int k = 0; k < 30; ++k) {
+    const double t = 0.1 * k;
+    Isometry3d T =
+        RenderedRoom::looking(0.2 + 0.7 * std::sin(0.9 * t), 0.1 + 0.6 * std::sin(1.3 * t + 0.4),
+                              1.2 + 0.3 * std::sin(1.1 * t), 0.9 * std::sin(1.5 * t) + 0.5 * t);
+    T.linear() = T.linear() * Eigen::AngleAxisd(0.2 * std::sin(2.1 * t), Eigen::Vector3d::UnitZ()) *
+                 Eigen::AngleAxisd(0.2 * std::sin(1.7 * t + 1.0), Eigen::Vector3d::UnitX());
+    if (k == 0) {
+      odometry = std::make_unique<StereoOdometry>(camera, StereoOdometryOptions{}, T);
+    } else {
+      length += (T.translation() - before.translation()).norm();
+    }
+    before = T;
+    const auto pair = room.render(camera, T, 2.0, k);
+    const auto frame = odometry->process(0.05 * k, pair.left.view(), pair.right.view());
+    EXPECT_EQ(frame.state, Localization::kOk) << k << ": " << frame.reason;
+    worst = std::max(worst, (frame.T_WC.translation() - T.translation()).norm());
+    (frame.keyframe ? keyframes : plain).push_back(frame.times.processor);
+  }
+  std::sort(plain.begin(), plain.end());
+  std::sort(keyframes.begin(), keyframes.end());
+  std::printf("640 x 480, fast turns: worst error %.1f mm over %.2f m", 1e3 * worst, length);
+  if (!plain.empty()) {
+    std::printf("; processor ms a frame: median %.1f, largest %.1f (%zu)", plain[plain.size() / 2],
+                plain.back(), plain.size());
+  }
+  std::printf("; with a keyframe: median %.1f, largest %.1f (%zu)\n",
+              keyframes[keyframes.size() / 2], keyframes.back(), keyframes.size());
+  EXPECT_LT(worst, 0.005 * length);
+}
+
+TEST(StereoOdometry, SameFramesSameBits) {
+  const Sequence& s = moving();
+  StereoOdometry first(small_camera()), second(small_camera());
+  for (int k = 0; k < 15; ++k) {
+    const auto a =
+        first.process(s.frames[k].stamp, s.frames[k].left.view(), s.frames[k].right.view());
+    const auto b =
+        second.process(s.frames[k].stamp, s.frames[k].left.view(), s.frames[k].right.view());
+    ASSERT_EQ(a.T_WC.matrix(), b.T_WC.matrix());
+    ASSERT_EQ(a.covariance, b.covariance);
+    ASSERT_EQ(a.tracked, b.tracked);
+  }
+}
+
+TEST(StereoOdometry, MappingOnASecondThreadFollowsAsWell) {
+  const Sequence& s = moving();
+  StereoOdometryOptions options;
+  options.background_mapping = true;
+  StereoOdometry odometry(small_camera(), options, s.T_WC[0]);
+  StereoOdometry one_thread(small_camera(), {}, s.T_WC[0]);
+  int keyframes = 0, entered_later = 0;
+  double worst = 0.0, ms = 0.0, ms_one_thread = 0.0;
+  for (std::size_t k = 0; k < s.frames.size(); ++k) {
+    const OdometryFrame frame =
+        odometry.process(s.frames[k].stamp, s.frames[k].left.view(), s.frames[k].right.view());
+    EXPECT_NE(frame.state, Localization::kLost) << k << ": " << frame.reason;
+    worst = std::max(worst, (frame.T_WC.translation() - s.T_WC[k].translation()).norm());
+    EXPECT_FALSE(frame.covariance.hasNaN());
+    keyframes += frame.keyframe;
+    entered_later += frame.matched > 0 && k > 0 && !frame.keyframe;
+    const OdometryFrame same =
+        one_thread.process(s.frames[k].stamp, s.frames[k].left.view(), s.frames[k].right.view());
+    if (k > 0) ms = std::max(ms, frame.times.processor);
+    if (k > 0) ms_one_thread = std::max(ms_one_thread, same.times.processor);
+    // Nearer to the camera's own pace: landmarks come a frame or two late.
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  std::printf(
+      "two threads: worst error %.1f mm, %d keyframes, landmarks entered later %d times; longest "
+      "frame %.1f ms of the processor, on one thread %.1f ms\n",
+      1e3 * worst, keyframes, entered_later, ms, ms_one_thread);
+  EXPECT_LT(worst, 0.008 * path_length(s.T_WC));
+  EXPECT_GT(keyframes, 2);
+  EXPECT_GE(entered_later, 1);
+  // A map that goes, or is carried elsewhere, while landmarks are on their way.
+  for (int end = 3; end < 12; ++end) {
+    StereoOdometry short_lived(small_camera(), options, s.T_WC[0]);
+    for (int k = 0; k < end; ++k) {
+      short_lived.process(s.frames[3 * k].stamp, s.frames[3 * k].left.view(),
+                          s.frames[3 * k].right.view());
+    }
+    StereoOdometry moved = std::move(short_lived);
+    moved.process(s.frames[3 * end].stamp, s.frames[3 * end].left.view(),
+                  s.frames[3 * end].right.view());
+  }
+}
+
+// Before tiles, each landmark has others like it beside it. A base that begins to turn within a
+// frame shifts the image by one of them; where wheels tell, the right ones are found.
+TEST(StereoOdometry, BeforeTilesAMeasuredMotionFindsTheRightOnes) {
+  const RenderedRoom room(70.0, 0.16);
+  double worst[2] = {0.0, 0.0};
+  for (const bool told : {false, true}) {
+    double x = 0.0, yaw = -0.5 * M_PI + 0.3;
+    const auto pose = [&] { return RenderedRoom::looking(x, -1.21, 1.05, yaw); };
+    Isometry3d last = pose();
+    StereoOdometry odometry(small_camera(), {}, last);
+    for (int k = 0; k < 16; ++k) {
+      const auto pair = room.render(small_camera(), pose(), 2.0, k);
+      // As by wheels: 1 % and 2 mrad off.
+      Isometry3d motion = last.inverse() * pose();
+      motion.translation() *= 1.01;
+      motion.rotate(Eigen::AngleAxisd(0.002, Eigen::Vector3d::UnitY()));
+      const auto frame = odometry.process(kPeriod * k, pair.left.view(), pair.right.view(),
+                                          told ? std::optional<Isometry3d>(motion) : std::nullopt);
+      if (told) {
+        EXPECT_EQ(frame.state, Localization::kOk) << k << ": " << frame.reason;
+      }
+      if (frame.state != Localization::kLost) {
+        last = pose();
+        const Isometry3d error = frame.T_WC.inverse() * pose();
+        worst[told] = std::max(
+            {worst[told], error.translation().norm(), Eigen::AngleAxisd(error.linear()).angle()});
+      }
+      // At rest, then to and fro by about a tile, in view of the wall alone.
+      if (k >= 3) yaw += k % 2 ? 0.12 : -0.12;
+      x += 0.01;
+    }
+  }
+  std::printf("off by %.4f m or rad at most, without the motion %.4f\n", worst[1], worst[0]);
+  EXPECT_LT(worst[1], 0.005);
+  EXPECT_GT(worst[0], 0.1);  // else these tiles are none
+}
+
+TEST(StereoOdometry, NothingDriftsAtRest) {
+  const RenderedRoom room;
+  StereoOdometry odometry(small_camera());
+  double worst = 0.0;
+  for (int k = 0; k < 20; ++k) {
+    const auto pair = room.render(small_camera(), arc(10), 2.0, 100 + k);
+    const auto frame = odometry.process(kPeriod * k, pair.left.view(), pair.right.view());
+    EXPECT_EQ(frame.state, Localization::kOk) << frame.reason;
+    EXPECT_EQ(frame.keyframe, k == 0);
+    worst = std::max(worst, frame.T_WC.translation().norm());
+  }
+  EXPECT_LT(worst, 0.002);
+}
+
+TEST(StereoOdometry, AMiscalibratedDisparityIsFoundWhileMoving) {
+  // The right camera's principal point is half a pixel off: all disparities too small by 0.5 px.
+  const RenderedRoom room;
+  StereoCamera true_right = small_camera();
+  true_right.left.cx += 0.5;
+  const Sequence& s = moving();
+  double error[2];
+  for (const bool estimate : {false, true}) {
+    StereoOdometryOptions options;
+    if (!estimate) options.disparity_offset.prior_sigma = 0.0;
+    StereoOdometry odometry(small_camera(), options, s.T_WC[0]);
+    OdometryFrame last;
+    for (std::size_t k = 0; k < s.frames.size(); ++k) {
+      Isometry3d T_right = s.T_WC[k];
+      T_right.translation() += 0.12 * T_right.linear().col(0);
+      static std::vector<Image> right;
+      if (right.size() <= k) right.push_back(room.render(true_right.left, T_right, 2.0, 5000 + k));
+      last = odometry.process(s.frames[k].stamp, s.frames[k].left.view(), right[k].view());
+    }
+    error[estimate] = (last.T_WC.translation() - s.T_WC.back().translation()).norm();
+    if (estimate) {
+      EXPECT_NEAR(last.disparity_offset, 0.5, 0.2);
+    }
+  }
+  std::printf(
+      "disparity 0.5 px off: end error %.1f mm without, %.1f mm with the offset estimated\n",
+      1e3 * error[0], 1e3 * error[1]);
+  EXPECT_LT(error[1], 0.5 * error[0]);
+}
+
+TEST(StereoOdometry, RefusesBadCamerasAndOptions) {
+  StereoCamera camera = small_camera();
+  camera.baseline = -0.1;
+  EXPECT_THROW(StereoOdometry{camera}, std::invalid_argument);
+  StereoOdometryOptions options;
+  options.pyramid_levels = 0;
+  EXPECT_THROW(StereoOdometry(small_camera(), options), std::invalid_argument);
+}
+
+TEST(StereoOdometry, BlankFromTheStartIsLostUntilThereIsSomething) {
+  StereoOdometry odometry(small_camera());
+  const Image blank(480, 360, 100);
+  for (int k = 0; k < 3; ++k) {
+    const auto frame = odometry.process(kPeriod * k, blank.view(), blank.view());
+    EXPECT_EQ(frame.state, Localization::kLost);
+    EXPECT_FALSE(frame.reason.empty());
+  }
+  const auto& f = moving().frames[5];
+  EXPECT_EQ(odometry.process(1.0, f.left.view(), f.right.view()).state, Localization::kOk);
+}
+
+TEST(StereoOdometry, FaultsAreNoticedAndOvercome) {
+  const Sequence& s = moving();
+  const int begin = 7, first = 15, recovery = 2;
+  std::printf("%-20s %-9s %-48s %s\n", "fault", "state", "reason", "after it");
+  for (const test::ImageFault& fault : test::image_faults()) {
+    SCOPED_TRACE(fault.name);
+    StereoOdometry odometry(small_camera(), {}, s.T_WC[begin]);
+    test::FaultOutcome outcome(fault, first);
+    Isometry3d before = s.T_WC[begin];
+    for (int k = begin; k < first + fault.count + recovery + 4; ++k) {
+      const bool faulty = outcome.faulty(k);
+      if (faulty && !fault.apply) continue;
+      const StereoFrame frame =
+          faulty ? fault.apply(s.frames[k], s.frames[first - 1], k - first) : s.frames[k];
+      const OdometryFrame out =
+          odometry.process(frame.stamp, frame.left.view(), frame.right.view());
+      ASSERT_TRUE(out.T_WC.matrix().allFinite());
+      ASSERT_FALSE(out.covariance.hasNaN());
+      // Where the pose is claimed, it is right: no jump, whatever happened.
+      const double error = (out.T_WC.translation() - s.T_WC[k].translation()).norm();
+      if (out.state != Localization::kLost && out.reason.find("frozen") == std::string::npos) {
+        EXPECT_LT(error, 0.05) << k << " " << out.reason;
+      }
+      const double step = (out.T_WC.translation() - before.translation()).norm();
+      EXPECT_LT(step, 0.06 * (fault.count + 2)) << k;
+      before = out.T_WC;
+      outcome.add(k, out);
+      EXPECT_TRUE(out.state == Localization::kOk || !out.reason.empty());
+    }
+    outcome.expect(recovery);
+  }
+}
+
+TEST(StereoOdometry, LostForLongBeginsANewMapAndSaysSo) {
+  const Sequence& s = moving();
+  StereoOdometryOptions options;
+  options.restart_after = 1.0;
+  StereoOdometry odometry(small_camera(), options);
+  for (int k = 0; k < 5; ++k) {
+    odometry.process(s.frames[k].stamp, s.frames[k].left.view(), s.frames[k].right.view());
+  }
+  // The robot is carried to where it has never looked.
+  const RenderedRoom room;
+  bool restarted = false;
+  double sigma_before = 0.0;
+  for (int k = 5; k < 25 && !restarted; ++k) {
+    const auto pair = room.render(
+        small_camera(), RenderedRoom::looking(1.0, 1.5, 1.2, 2.6 + 0.002 * k), 2.0, 300 + k);
+    const auto frame = odometry.process(kPeriod * k, pair.left.view(), pair.right.view());
+    restarted = frame.restarted;
+    if (!restarted) {
+      EXPECT_EQ(frame.state, Localization::kLost);
+      EXPECT_GT(frame.covariance(0, 0), sigma_before);
+      sigma_before = frame.covariance(0, 0);
+    } else {
+      EXPECT_EQ(frame.state, Localization::kDegraded);
+      EXPECT_GE(frame.covariance(0, 0), sigma_before);
+    }
+  }
+  EXPECT_TRUE(restarted);
+}
+
+}  // namespace
+}  // namespace prospect::stereo_odometry_test
