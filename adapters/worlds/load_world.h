@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/worlds/load_progress.h"
 #include "adapters/worlds/world.h"
 
 namespace prospect {
@@ -32,6 +33,8 @@ struct WorldOptions {
   /// [m] In the source's frame: take the storey whose ground lies nearest to this height, at most
   /// half a metre off (octrees and meshes; others are refused).
   std::optional<double> floor;
+  /// Of meshes and Gazebo worlds.
+  LoadProgress progress;
   /// [m] How far beyond what stands on it the ground of a mesh counts, where it is much larger than
   /// that (mesh_world.h).
   double ground_margin = 0.0;
