@@ -5,8 +5,11 @@ const percent = (share) => `${compact(100 * share)} %`;
 
 // ---- Head ---------------------------------------------------------------------------------------
 const problems = bench.sets.reduce((sum, set) => sum + set.problems.length, 0);
-$("facts").textContent = [bench.program, plural(problems, "problem"), plural(bench.solvers.length, "back end"),
-  plural(bench.repeats, "repeat"), `at most ${bench.max_evaluations} evaluations`, `seed ${bench.seed}`].join(" · ");
+const build = bench.build || {};
+const commit = build.commit ? `commit ${build.commit.slice(0, 10)}${build.commit_changed ? ", with changes" : ""}` : "";
+$("facts").textContent = [bench.program, commit, build.compiler, build.build_type, build.processor,
+  bench.cancelled ? "cancelled before all problems were done" : "", plural(problems, "problem"), plural(bench.solvers.length, "back end"),
+  plural(bench.repeats, "repeat"), `at most ${bench.max_evaluations} evaluations`, `seed ${bench.seed}`].filter(Boolean).join(" · ");
 $("rule").textContent = `Solved: feasible to ${compact(bench.feasibility_tolerance)} and a cost of at most best + max(${bench.relative_tolerance} |best|, a), ` +
   bench.sets.map((set) => `a = ${set.absolute_tolerance} in ${set.name}`).join(", ") +
   ". Best: the best cost known, or found in this run if that is lower. “To target”: until the first such point, over all problems; – where more than the stated share was not solved.";

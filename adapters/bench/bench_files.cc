@@ -176,7 +176,8 @@ std::string bench_csv(const BenchTable& table) {
   return csv;
 }
 
-Json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups, bool traces) {
+Json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups, bool traces,
+                const Json& made_by) {
   Json sets = Json::array();
   for (std::size_t s = 0; s < table.sets.size(); ++s) {
     const ProblemSet& set = table.sets[s];
@@ -206,6 +207,8 @@ Json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups
                        {"solvers", solvers}});
   }
   return {{"program", std::string("prospect ") + kVersion},
+          {"build", made_by},
+          {"cancelled", table.cancelled},
           {"relative_tolerance", table.options.relative_tolerance},
           {"feasibility_tolerance", kFeasible},
           {"repeats", table.options.repeats},
@@ -266,11 +269,11 @@ void open_bench_folder(const std::string& path) {
 }
 
 void write_bench_folder(const std::string& path, const BenchTable& table,
-                        const std::vector<GroupSummary>& groups) {
-  const Json json = bench_json(table, groups, true);
+                        const std::vector<GroupSummary>& groups, const Json& made_by) {
+  const Json json = bench_json(table, groups, true, made_by);
   const std::pair<const char*, std::string> files[] = {
       {"bench.csv", bench_csv(table)},
-      {"bench.html", bench_page(bench_json(table, groups, false))},
+      {"bench.html", bench_page(bench_json(table, groups, false, made_by))},
       {"bench.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n'}};
   for (const auto& [name, content] : files) {
     const std::string file = (fs::path(path) / name).string();

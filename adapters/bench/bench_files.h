@@ -13,11 +13,12 @@ namespace prospect {
 /// number.
 std::string bench_csv(const BenchTable& table);
 
-/// Everything: problems with their best known costs, rows, summaries with profiles and curves.
+/// Everything: problems with their best known costs, rows, summaries with profiles and curves; and
+/// `made_by`, an object that says what program and machine measured, as "build".
 /// `traces`: with the improvements of every row, less those that gain under a twentieth of what was
 /// still to gain.
 nlohmann::ordered_json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups,
-                                  bool traces);
+                                  bool traces, const nlohmann::ordered_json& made_by);
 
 /// The table of one group for a terminal.
 std::string bench_text(const BenchTable& table, const GroupSummary& group);
@@ -29,6 +30,7 @@ void open_bench_folder(const std::string& path);
 
 /// Writes the three files, each whole or not at all, bench.json last. Throws std::runtime_error.
 void write_bench_folder(const std::string& path, const BenchTable& table,
-                        const std::vector<GroupSummary>& groups);
+                        const std::vector<GroupSummary>& groups,
+                        const nlohmann::ordered_json& made_by);
 
 }  // namespace prospect

@@ -69,6 +69,19 @@ BenchRow representative(std::vector<BenchRow> repeats) {
   return row;
 }
 
+/// Leaves the problems before that one.
+void keep_done(BenchTable& table, std::size_t set, std::size_t problem) {
+  table.cancelled = true;
+  std::erase_if(table.rows, [&](const BenchRow& row) {
+    return static_cast<std::size_t>(row.set) == set &&
+           static_cast<std::size_t>(row.problem) == problem;
+  });
+  std::vector<BenchProblem>& problems = table.sets[set].problems;
+  problems.erase(problems.begin() + static_cast<std::ptrdiff_t>(problem), problems.end());
+  const std::size_t whole = set + (problem > 0 ? 1 : 0);
+  table.sets.erase(table.sets.begin() + static_cast<std::ptrdiff_t>(whole), table.sets.end());
+}
+
 }  // namespace
 
 BenchTable run_bench(std::vector<ProblemSet> sets, const std::vector<SolverChoice>& solvers,
@@ -103,7 +116,7 @@ BenchTable run_bench(std::vector<ProblemSet> sets, const std::vector<SolverChoic
               if (options.on_solve) options.on_solve(++done, all);
             }
             if (cancelled()) {
-              table.cancelled = true;
+              keep_done(table, s, p);
               judge(table);
               return table;
             }

@@ -63,7 +63,8 @@ struct BenchTable {
   BenchOptions options;
   std::vector<std::vector<BestKnown>> best;  ///< by set, problem
   std::vector<BenchRow> rows;                ///< by set, problem, deadline, solver
-  bool cancelled = false;                    ///< rows is then incomplete
+  /// Then sets and rows hold only the problems that every back end was done with.
+  bool cancelled = false;
 
   SolvedRule rule(int set) const {
     return {options.relative_tolerance, sets[static_cast<std::size_t>(set)].absolute_tolerance};

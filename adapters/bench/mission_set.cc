@@ -16,8 +16,10 @@ MissionSet default_missions() {
 
 MissionSet quick_missions() { return {{"office", "loop", "plan:1"}, 1, 10, 12, 3}; }
 
-void capture_missions(const MissionSet& missions, const SolverRegistry& registry,
-                      const std::function<void(const SavedProblem&)>& take) {
+bool capture_missions(const MissionSet& missions, const SolverRegistry& registry,
+                      const std::function<void(const SavedProblem&)>& take,
+                      const CaptureWatch& watch) {
+  const auto cancelled = [&] { return watch.cancelled && watch.cancelled(); };
   const Configuration configuration = read_configuration("", registry);
   std::vector<std::shared_ptr<const World>> worlds;
   for (const std::string& name : missions.worlds) {
@@ -25,6 +27,7 @@ void capture_missions(const MissionSet& missions, const SolverRegistry& registry
         std::make_shared<const World>(load_world(name, world_options_for(configuration))));
   }
   const int last = missions.first + (missions.problems - 1) * missions.every;
+  int taken = 0;
   for (const auto& world : worlds) {
     int done = 0;
     ExplorationRunOptions options;
@@ -33,14 +36,23 @@ void capture_missions(const MissionSet& missions, const SolverRegistry& registry
     options.solvers = &registry;
     options.on_plan = [&](const StepRecord& record, const Planner& planner) {
       done = record.step + 1;
+      if (watch.progress) {
+        watch.progress("driving in " + world->name + ": step " + std::to_string(record.step) +
+                       " of " + std::to_string(last) +
+                       ", problems so far: " + std::to_string(taken));
+      }
       const int since = record.step - missions.first;
       if (since < 0 || since % missions.every != 0 || record.step > last) return;
       const auto saved = planned_problem(planner, record, world->name, missions.seed);
-      if (saved) take(*saved);
+      if (!saved) return;
+      take(*saved);
+      ++taken;
     };
-    options.cancelled = [&] { return done > last; };
+    options.cancelled = [&] { return done > last || cancelled(); };
     run_exploration(world, configuration, options);
+    if (cancelled()) return false;
   }
+  return true;
 }
 
 std::string problem_file_name(const ProblemOrigin& origin) {

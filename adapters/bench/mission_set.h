@@ -18,6 +18,12 @@ struct MissionSet {
   int problems = 14;                ///< of each world; a mission that ends early has fewer
 };
 
+/// What happens while missions are driven; both may be empty.
+struct CaptureWatch {
+  std::function<void(const std::string&)> progress;  ///< in a few words, at every step
+  std::function<bool()> cancelled;                   ///< asked at every step
+};
+
 /// 112 problems on eight maps: the three built-in worlds and five floor plans.
 MissionSet default_missions();
 /// Nine problems on three maps, made in seconds.
@@ -25,10 +31,12 @@ MissionSet quick_missions();
 
 /// Drives the missions in the kinematic simulator, with the default configuration, up to the last
 /// problem of each, and hands every problem to `take` as it is met. Deterministic: the same
-/// problems from the same build on the same machine. Throws InputError for an unknown world and
-/// passes on what `take` throws.
-void capture_missions(const MissionSet& missions, const SolverRegistry& registry,
-                      const std::function<void(const SavedProblem&)>& take);
+/// problems from the same build on the same machine. False if it was cancelled: then those are
+/// missing that were not yet met. Throws InputError for an unknown world and passes on what `take`
+/// throws.
+bool capture_missions(const MissionSet& missions, const SolverRegistry& registry,
+                      const std::function<void(const SavedProblem&)>& take,
+                      const CaptureWatch& watch = {});
 
 /// "office_000024.h5": a name for a problem of capture_missions().
 std::string problem_file_name(const ProblemOrigin& origin);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/bench/mission_set.h"
 #include "engine/problem/problem.h"
 #include "engine/problem/solver.h"
 #include "solvers/registry.h"
@@ -43,9 +44,11 @@ std::string builtin_set_summary(const std::string& name);
 /// best costs known in best_known.json beside them, if it is there; a file of problems stated as
 /// expressions (.json, expression_file.h). `quick`: of a built-in set a share that is solved in
 /// seconds. `registry`: what the
-/// configuration of missions may name. Throws InputError in one line, also for a folder of which
+/// configuration of missions may name. `watch`: of missions, which are driven first; a set that was
+/// cancelled lacks problems. Throws InputError in one line, also for a folder of which
 /// one file is damaged.
-ProblemSet make_problem_set(const std::string& text, const SolverRegistry& registry, bool quick);
+ProblemSet make_problem_set(const std::string& text, const SolverRegistry& registry, bool quick,
+                            const CaptureWatch& watch = {});
 
 /// Keeps the best costs of a set that is from a folder: best_known.json, whole or not at all.
 /// Throws std::runtime_error if writing fails.

@@ -6,6 +6,7 @@
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
 #include "models/nearest_name.h"
+#include "problems/zoo.h"
 
 namespace prospect {
 namespace {
@@ -30,6 +31,23 @@ OptionValue option_value(const SolverChoice& choice, const std::string& name,
   }
   throw InputError("--solver: " + choice.solver->name() + " has no option '" + name + "'" +
                    did_you_mean(name, names) + expected_one_of(names));
+}
+
+/// Why the back end refuses the options given; "" if it takes them, or cannot solve anyway. Ranges
+/// are known to its solve() alone.
+std::string refusal_of(const SolverChoice& choice) {
+  if (choice.options.empty()) return "";
+  constexpr double kEnough = 0.2;  // [s]
+  const FunctionProblem quadratic = zoo::bounded_quadratic();
+  const Problem problem = quadratic.problem();
+  WarmStart start;
+  start.x = quadratic.start;
+  const auto solve = [&](const Options& options) {
+    return choice.solver->solve(problem, start, options, deadline(kEnough));
+  };
+  if (solve({}).stop == StopReason::kError) return "";
+  const Result result = solve(choice.options);
+  return result.stop == StopReason::kError ? result.detail : "";
 }
 
 }  // namespace
@@ -59,6 +77,11 @@ std::vector<SolverChoice> choose_solvers(const std::vector<std::string>& words,
       if (choices[i].label == choices[j].label) {
         throw InputError("--solver: '" + choices[i].label + "' is named twice; expected each once");
       }
+    }
+  }
+  for (const SolverChoice& choice : choices) {
+    if (const std::string why = refusal_of(choice); !why.empty()) {
+      throw InputError("--solver: " + why);
     }
   }
   return choices;

@@ -18,7 +18,7 @@ struct SolverChoice {
 /// A list as the command line splits it at commas: names of back ends, each followed by options of
 /// its own, NAME=VALUE ({"hybrid", "candidates=200", "nlopt"}). Throws InputError in one line for
 /// an unknown back end (with the nearest name), one that is named twice alike, an option it does
-/// not have, or a value of the wrong type. What is out of an option's range only the solve tells.
+/// not have, or a value that it does not take: it is asked to solve a small problem with it.
 std::vector<SolverChoice> choose_solvers(const std::vector<std::string>& words,
                                          const SolverRegistry& registry);
 

@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -18,8 +16,10 @@
 #include "adapters/bench/problem_set.h"
 #include "adapters/bench/solver_choice.h"
 #include "adapters/cli/absent_solver.h"
+#include "adapters/cli/build_info.h"
 #include "adapters/cli/commands.h"
 #include "adapters/cli/interrupt.h"
+#include "adapters/cli/progress.h"
 #include "adapters/files/input_error.h"
 #include "adapters/problem_file/problem_file.h"
 
@@ -63,14 +63,19 @@ int capture(const BenchArguments& arguments, const SolverRegistry& registry) {
                      expected);
   }
   int written = 0;
-  capture_missions(arguments.quick ? quick_missions() : default_missions(), registry,
-                   [&](const SavedProblem& saved) {
-                     write_problem((fs::path(folder) / problem_file_name(saved.origin)).string(),
-                                   saved);
-                     ++written;
-                   });
+  Progress progress(arguments.quiet);
+  const bool all = capture_missions(
+      arguments.quick ? quick_missions() : default_missions(), registry,
+      [&](const SavedProblem& saved) {
+        write_problem((fs::path(folder) / problem_file_name(saved.origin)).string(), saved);
+        ++written;
+      },
+      {[&](const std::string& what) { progress.show(what); }, catch_interrupts()});
+  progress.finish();
   std::printf("%d problems in %s\n", written, folder.c_str());
-  return kDone;
+  if (all) return kDone;
+  std::cerr << "prospect: cancelled; the set lacks problems\n";
+  return kFailed;
 }
 
 }  // namespace
@@ -86,10 +91,20 @@ int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
   }
   std::vector<std::string> names = arguments.sets;
   if (names.empty()) names = builtin_set_names();
+  BenchOptions options;
+  options.cancelled = catch_interrupts();
+  Progress progress(arguments.quiet);
+  const CaptureWatch watch{[&](const std::string& what) { progress.show(what); },
+                           options.cancelled};
   std::vector<ProblemSet> sets;
   std::set<std::string> used;
   for (const std::string& name : names) {
-    sets.push_back(make_problem_set(name, registry, arguments.quick));
+    sets.push_back(make_problem_set(name, registry, arguments.quick, watch));
+    progress.finish();
+    if (options.cancelled()) {
+      std::cerr << "prospect: cancelled; nothing is measured\n";
+      return kFailed;
+    }
     if (!used.insert(sets.back().name).second) {
       throw InputError("problem set '" + name + "': another one is named '" + sets.back().name +
                        "' too; expected sets of different names");
@@ -99,7 +114,6 @@ int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
                        "' is no folder; expected folders of problem files only");
     }
   }
-  BenchOptions options;
   options.deadlines = arguments.deadlines;
   if (options.deadlines.empty()) {
     options.deadlines = arguments.quick ? std::vector<double>{0.1} : std::vector<double>{0.1, 1.0};
@@ -115,24 +129,29 @@ int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
   const std::string out = arguments.out.empty() ? "runs/bench" : arguments.out;
   open_bench_folder(out);
 
-  options.cancelled = catch_interrupts();
-  if (isatty(STDERR_FILENO)) {
-    options.on_solve = [](int done, int all) {
-      std::fprintf(stderr, "\r%d of %d solves%s", done, all, done == all ? "\n" : "");
-    };
-  }
-  const BenchTable table = run_bench(std::move(sets), solvers, options);
-  if (table.cancelled) {
-    std::cerr << "prospect: cancelled; nothing is written\n";
+  options.on_solve = [&](int done, int all) {
+    progress.show(std::to_string(done) + " of " + std::to_string(all) + " solves");
+  };
+  const BenchTable table = run_bench(sets, solvers, options);
+  progress.finish();
+  const auto count = [](const std::vector<ProblemSet>& of) {
+    std::size_t problems = 0;
+    for (const ProblemSet& set : of) problems += set.problems.size();
+    return problems;
+  };
+  if (table.cancelled && count(table.sets) == 0) {
+    std::cerr << "prospect: cancelled before the first problem was done; nothing is written\n";
     return kFailed;
   }
 
   const std::vector<GroupSummary> groups = summarize(table);
-  write_bench_folder(out, table, groups);
+  nlohmann::ordered_json made_by = to_json(build_info());
+  made_by["processor"] = processor_name();
+  write_bench_folder(out, table, groups, made_by);
   if (arguments.keep_best) {
     for (std::size_t s = 0; s < table.sets.size(); ++s) {
-      ProblemSet set = table.sets[s];
-      for (std::size_t p = 0; p < set.problems.size(); ++p) {
+      ProblemSet set = sets[s];  // whole, if the run was cancelled
+      for (std::size_t p = 0; p < table.sets[s].problems.size(); ++p) {
         if (std::isfinite(table.best[s][p].cost))
           set.problems[p].best_known = table.best[s][p].cost;
       }
@@ -141,12 +160,17 @@ int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
   }
 
   if (arguments.json) {
-    std::cout << bench_json(table, groups, false)
+    std::cout << bench_json(table, groups, false, made_by)
                      .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
               << '\n';
   } else {
     for (const GroupSummary& group : groups) std::printf("%s\n", bench_text(table, group).c_str());
     std::printf("%s/bench.html\n", out.c_str());
+  }
+  if (table.cancelled) {
+    std::cerr << "prospect: cancelled; " << count(table.sets) << " of " << count(sets)
+              << " problems are in " << out << '\n';
+    return kFailed;
   }
   std::set<std::string> told;
   bool any = false;

@@ -28,18 +28,19 @@ struct ExploreArguments {
   std::string solver;                 ///< empty: as configured
   std::string sensors;                ///< "model", "camera"; empty: as configured
   std::uint64_t seed = 1;
-  std::string out;              ///< run folder; empty: runs/WORLD_SOLVER_SEED
-  double time_limit = 0.0;      ///< [s]; 0: as configured
-  std::vector<double> start;    ///< x [m], y [m], yaw [deg]; empty: the world's
-  std::optional<double> floor;  ///< [m] height of the storey in the world's file; none: the lowest
-  double resolution = 0.0;      ///< [m] WorldOptions::voxel_size; 0: by default
-  std::string unknown;          ///< "free", "solid"; empty: solid
-  double ground_margin = 0.0;   ///< [m] WorldOptions::ground_margin
-  std::vector<double> go;       ///< x [m], y [m], and yaw [deg] if it matters; empty: as configured
-  std::string until;            ///< "0.95", "120m2"; empty: as configured
-  bool back = false;            ///< return to the start once the task is over
-  std::string map;              ///< OctoMap to begin with; empty: none
-  int save_problems = 0;        ///< write the problem of every so manyeth planning step; 0: none
+  std::string out;            ///< run folder; empty: runs/WORLD_SOLVER_SEED
+  double time_limit = 0.0;    ///< [s]; 0: as configured
+  std::vector<double> start;  ///< x [m], y [m], yaw [deg]; empty: as configured
+  std::optional<double>
+      floor;                ///< [m] height of the storey in the world's file; none: as configured
+  double resolution = 0.0;  ///< [m] WorldOptions::voxel_size; 0: as configured
+  std::string unknown;      ///< "free", "solid"; empty: as configured
+  std::optional<double> ground_margin;  ///< [m] WorldOptions::ground_margin; none: as configured
+  std::vector<double> go;  ///< x [m], y [m], and yaw [deg] if it matters; empty: as configured
+  std::string until;       ///< "0.95", "120m2"; empty: as configured
+  bool back = false;       ///< return to the start once the task is over
+  std::string map;         ///< OctoMap to begin with; empty: none
+  int save_problems = 0;   ///< write the problem of every so manyeth planning step; 0: none
   bool json = false;
   bool quiet = false;
 };

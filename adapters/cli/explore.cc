@@ -1,4 +1,3 @@
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -8,6 +7,7 @@
 #include "adapters/cli/absent_solver.h"
 #include "adapters/cli/commands.h"
 #include "adapters/cli/interrupt.h"
+#include "adapters/cli/progress.h"
 #include "adapters/config/configuration.h"
 #include "adapters/files/csv.h"
 #include "adapters/files/input_error.h"
@@ -115,6 +115,34 @@ void set_task(const ExploreArguments& arguments, Configuration& configuration) {
   }
 }
 
+/// What the command line says of how the world is read.
+void set_world(const ExploreArguments& arguments, Configuration& configuration) {
+  WorldOptions& world = configuration.world;
+  if (!arguments.start.empty()) {
+    const std::vector<double>& s = arguments.start;
+    world.start = Pose{{s[0], s[1], 0.0}, s[2] * M_PI / 180.0};
+    override_entry(configuration, "world.start",
+                   "[" + csv::text(s[0]) + ", " + csv::text(s[1]) + ", " + csv::text(s[2]) + "]");
+  }
+  if (arguments.floor) {
+    world.floor = arguments.floor;
+    // A text, which may be "lowest".
+    override_entry(configuration, "world.floor", '"' + csv::text(*arguments.floor) + '"');
+  }
+  if (arguments.resolution > 0.0) {
+    world.voxel_size = arguments.resolution;
+    override_entry(configuration, "world.resolution", csv::text(arguments.resolution));
+  }
+  if (!arguments.unknown.empty()) {
+    world.unknown_is_free = arguments.unknown == "free";
+    override_entry(configuration, "world.unknown", arguments.unknown);
+  }
+  if (arguments.ground_margin) {
+    world.ground_margin = *arguments.ground_margin;
+    override_entry(configuration, "world.ground", csv::text(*arguments.ground_margin));
+  }
+}
+
 }  // namespace
 
 void tell_left_out(const World& world) {
@@ -145,16 +173,12 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
     override_entry(configuration, "simulator.map", arguments.map);
   }
   if (tell_if_absent(configuration.solver, registry)) return kNotBuiltIn;
+  set_world(arguments, configuration);
+  Progress progress(arguments.quiet);
   WorldOptions world_options = world_options_for(configuration);
-  if (!arguments.start.empty()) {
-    world_options.start =
-        Pose{{arguments.start[0], arguments.start[1], 0.0}, arguments.start[2] * M_PI / 180.0};
-  }
-  world_options.floor = arguments.floor;
-  world_options.voxel_size = arguments.resolution;
-  world_options.unknown_is_free = arguments.unknown == "free";
-  world_options.ground_margin = arguments.ground_margin;
+  world_options.progress = [&](const std::string& what) { progress.show(what); };
   const auto world = std::make_shared<const World>(load_world(arguments.world, world_options));
+  progress.finish();
   tell_left_out(*world);
 
   ExplorationRunOptions options;
@@ -168,13 +192,9 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
   std::optional<RunFolder> folder;
   options.on_start = [&] { folder.emplace(out); };  // not before: nothing is written for a refusal
   options.cancelled = catch_interrupts();
-  ProgressLine progress = ProgressLine::on_stderr();
-  const auto start = std::chrono::steady_clock::now();
   options.on_step = [&](const StepRecord& step) {
     folder->add(step);
-    if (arguments.quiet) return;
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    progress.show(step, configuration.solver, elapsed.count());
+    progress.show(step, configuration.solver);
   };
   if (arguments.save_problems > 0) {
     options.on_plan = [&](const StepRecord& step, const Planner& planner) {

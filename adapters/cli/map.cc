@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -10,6 +8,7 @@
 #include <vector>
 
 #include "adapters/cli/commands.h"
+#include "adapters/cli/progress.h"
 #include "adapters/datasets/degrees.h"
 #include "adapters/datasets/depth_dataset.h"
 #include "adapters/datasets/ground_picture.h"
@@ -144,16 +143,15 @@ int map(const MapArguments& arguments) {
   if (!out.empty() && std::filesystem::exists(out) && !std::filesystem::is_directory(out)) {
     throw InputError(out.string() + ": is no folder; expected one to write to");
   }
-  const bool follow = !arguments.quiet && !arguments.json && isatty(STDERR_FILENO) != 0;
+  Progress progress(arguments.quiet);
   const int frames = frames_from(arguments.first, arguments.frames, dataset.size());
   const MapRun run = run_mapping(
       dataset, run_options, arguments.first, frames, [&](int done, const MapRunFrame& frame) {
-        if (!follow) return;
-        std::fprintf(stderr, "\r%6d of %d frames  ground %s  %-8s", done, frames,
-                     frame.mapped.ground.found ? "found" : "not found",
-                     std::string(to_string(frame.mapped.state)).c_str());
+        progress.show(std::to_string(done) + " of " + std::to_string(frames) + " frames  ground " +
+                      (frame.mapped.ground.found ? "found  " : "not found  ") +
+                      std::string(to_string(frame.mapped.state)));
       });
-  if (follow) std::fputc('\n', stderr);
+  progress.finish();
   const MapSummary summary = summarize(run);
   const auto json = as_json(arguments, dataset, summary);
   std::string written;

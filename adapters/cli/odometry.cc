@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -10,6 +8,7 @@
 #include <utility>
 
 #include "adapters/cli/commands.h"
+#include "adapters/cli/progress.h"
 #include "adapters/datasets/calibration_report.h"
 #include "adapters/datasets/degrees.h"
 #include "adapters/datasets/odometry_calibration.h"
@@ -127,7 +126,7 @@ int odometry(const OdometryArguments& arguments) {
       throw InputError(out.string() + ": cannot be created; expected a folder to write to");
     }
   }
-  const bool follow = !arguments.quiet && !arguments.json && isatty(STDERR_FILENO) != 0;
+  Progress progress(arguments.quiet);
   const int frames = frames_from(arguments.first, arguments.frames, dataset.size());
   const StereoOdometryOptions options;
   std::optional<OdometryCalibration> calibration;
@@ -139,11 +138,11 @@ int odometry(const OdometryArguments& arguments) {
         const OdometryFrame& frame = step.frame;
         if (calibration) calibration->add(step.odometry, frame, step.true_T_WC);
         if (page) page->add(step);
-        if (!follow) return;
-        std::fprintf(stderr, "\r%6d of %d frames  %4d points  %-8s", step.done, frames,
-                     frame.tracked, to_string(frame.state).data());
+        progress.show(std::to_string(step.done) + " of " + std::to_string(frames) + " frames  " +
+                      std::to_string(frame.tracked) + " points  " +
+                      std::string(to_string(frame.state)));
       });
-  if (follow) std::fputc('\n', stderr);
+  progress.finish();
   const OdometrySummary summary = summarize(run);
   auto json = as_json(arguments.dataset, dataset, summary);
   std::optional<OdometryCalibrationResult> calibrated;

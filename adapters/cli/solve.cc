@@ -1,6 +1,8 @@
 #include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -8,6 +10,8 @@
 #include <utility>
 
 #include "adapters/cli/commands.h"
+#include "adapters/cli/interrupt.h"
+#include "adapters/cli/progress.h"
 #include "adapters/config/configuration.h"
 #include "adapters/files/input_error.h"
 #include "adapters/problem_file/problem_file.h"
@@ -36,10 +40,8 @@ NamedProblem load(const std::string& path) {
   return named;
 }
 
-/// WORLD@STEP: runs the mission up to that planning step and takes the problem it meets there. Any
-/// other text is the path of a problem file.
-NamedProblem capture(const std::string& text, const Configuration& configuration,
-                     const SolverRegistry& registry, std::uint64_t seed) {
+/// The step of WORLD@STEP; -1 of any other text, which is the path of a problem file.
+int step_of(const std::string& text) {
   const std::size_t at = text.rfind('@');
   int step = -1;
   if (at != std::string::npos) {
@@ -48,34 +50,48 @@ NamedProblem capture(const std::string& text, const Configuration& configuration
     const auto [end, error] = std::from_chars(first, last, step);
     if (error != std::errc() || end != last) step = -1;
   }
-  if (step < 0) {
-    const std::filesystem::path path(text);
-    std::error_code ignored;
-    if (path.extension() == ".h5" || std::filesystem::exists(path, ignored)) return load(text);
-    throw InputError("problem '" + text +
-                     "': no such file and no planning step; expected WORLD@STEP, e.g. office@40, "
-                     "or a problem file");
-  }
-  const auto world = std::make_shared<const World>(
-      load_world(text.substr(0, at), world_options_for(configuration)));
-  tell_left_out(*world);
+  if (step >= 0) return step;
+  const std::filesystem::path path(text);
+  std::error_code ignored;
+  if (path.extension() == ".h5" || std::filesystem::exists(path, ignored)) return -1;
+  throw InputError("problem '" + text +
+                   "': no such file and no planning step; expected WORLD@STEP, e.g. office@40, "
+                   "or a problem file");
+}
+
+/// What a mission is driven for.
+struct Capture {
+  std::string name;  ///< WORLD@STEP
+  std::shared_ptr<const World> world;
+  int step = 0;
+};
+
+/// Runs the mission up to that planning step and takes the problem it meets there; none if it was
+/// cancelled before.
+NamedProblem capture(const Capture& wanted, const Configuration& configuration,
+                     const SolverRegistry& registry, std::uint64_t seed, Progress& progress,
+                     const std::function<bool()>& cancelled) {
   int steps_done = 0;
-  NamedProblem named{text, nullptr, {}};
+  NamedProblem named{wanted.name, nullptr, {}};
   ExplorationRunOptions options;
   options.seed = seed;
   options.keep_steps = false;
   options.solvers = &registry;
   options.on_plan = [&](const StepRecord& record, const Planner& planner) {
     steps_done = record.step + 1;
-    if (record.step != step) return;
+    progress.show(wanted.name + ": step " + std::to_string(record.step) + " of " +
+                  std::to_string(wanted.step) + ", " +
+                  std::to_string(std::lround(100.0 * record.coverage)) + " % explored");
+    if (record.step != wanted.step) return;
     named.problem = planner.problem();
     // Every back end starts from the same point: the best seed.
     if (!planner.seeds().empty()) named.warm_start.x = planner.seeds().front().z;
   };
-  options.cancelled = [&] { return steps_done > step; };
-  run_exploration(world, configuration, options);
-  if (!named.problem) {
-    throw InputError("problem '" + text + "': the mission ends after " +
+  options.cancelled = [&] { return steps_done > wanted.step || cancelled(); };
+  run_exploration(wanted.world, configuration, options);
+  progress.finish();
+  if (!named.problem && !cancelled()) {
+    throw InputError("problem '" + wanted.name + "': the mission ends after " +
                      std::to_string(steps_done) + " steps; expected a step before that");
   }
   return named;
@@ -147,9 +163,31 @@ int solve(const SolveArguments& arguments, const SolverRegistry& registry) {
   }
 
   // All of them before any is solved: a bad one is refused with nothing printed.
+  Progress progress(arguments.quiet);
   std::vector<NamedProblem> problems;
+  std::vector<Capture> captures;  // by problem
   for (const std::string& text : arguments.problems) {
-    problems.push_back(capture(text, configuration, registry, arguments.seed));
+    const int step = step_of(text);
+    problems.push_back(step < 0 ? load(text) : NamedProblem{text, nullptr, {}});
+    captures.push_back({text, nullptr, step});
+    if (step < 0) continue;
+    WorldOptions world_options = world_options_for(configuration);
+    world_options.progress = [&](const std::string& what) { progress.show(what); };
+    const World world = load_world(text.substr(0, text.rfind('@')), world_options);
+    progress.finish();
+    tell_left_out(world);
+    captures.back().world = std::make_shared<const World>(world);
+  }
+  // Not before: until here an interrupt ends the program at once.
+  const std::function<bool()> cancelled = catch_interrupts();
+  for (std::size_t k = 0; k < problems.size(); ++k) {
+    if (captures[k].step < 0) continue;
+    problems[k] =
+        capture(captures[k], configuration, registry, arguments.seed, progress, cancelled);
+    if (!problems[k].problem) {
+      std::cerr << "prospect: cancelled; nothing is solved\n";
+      return kFailed;
+    }
   }
 
   bool any_feasible = false, all_absent = true;
@@ -160,10 +198,15 @@ int solve(const SolveArguments& arguments, const SolverRegistry& registry) {
     options["seed"] = static_cast<int>(arguments.seed);
     std::vector<std::pair<std::string, Result>> rows;
     for (const auto& solver : solvers) {
-      const StopCondition stop =
+      StopCondition stop =
           arguments.deadline > 0.0 ? deadline(arguments.deadline) : StopCondition();
+      stop = stop || cancelled_by(cancelled);
       rows.emplace_back(solver->name(),
                         solver->solve(*named.problem, named.warm_start, options, stop));
+      if (cancelled()) {
+        rows.pop_back();  // not what it would have found
+        break;
+      }
       const Result& r = rows.back().second;
       any_feasible |= r.quality == Quality::kFeasible || r.quality == Quality::kFeasibleOptimum;
       if (r.quality != Quality::kNone) all_absent = false;
@@ -171,16 +214,21 @@ int solve(const SolveArguments& arguments, const SolverRegistry& registry) {
       if (problems.size() > 1) row["problem"] = named.name;
       json.push_back(std::move(row));
     }
-    if (!arguments.json) print_table(named, rows);
+    if (!arguments.json && !rows.empty()) print_table(named, rows);
     for (const auto& [solver, r] : rows) {
       if (r.stop == StopReason::kError) {
         std::cerr << "prospect: " << solver << ": " << r.detail << '\n';
       }
     }
+    if (cancelled()) break;
   }
   if (arguments.json) {
     // A problem may be named after a file whose name is no UTF-8.
     std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+  }
+  if (cancelled()) {
+    std::cerr << "prospect: cancelled; the solves that were done are shown\n";
+    return kFailed;
   }
   if (all_absent) return kNotBuiltIn;
   return any_feasible ? kDone : kFailed;

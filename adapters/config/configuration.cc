@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "adapters/files/input_error.h"
+#include "adapters/files/parse_number.h"
 #include "engine/planner/frontier_planner_options.h"
 #include "engine/task/task.h"
 #include "engine/task/zones.h"
@@ -303,6 +304,37 @@ void read_simulator(YamlMap map, Configuration& c) {
   read_camera(map.map("camera"), s.camera);
 }
 
+void read_world(YamlMap map, WorldOptions& world) {
+  constexpr double kHighest = 1e5, kFarthest = 1e6;  // [m]
+  const std::string floor =
+      map.text("floor", "lowest",
+               "storey, by the height of its ground in the file [m]; lowest: the lowest large one");
+  if (floor != "lowest") {
+    double height = 0.0;
+    if (!parse_number(floor, height) || !(std::abs(height) <= kHighest)) {
+      map.problem("floor",
+                  "is '" + floor + "'; expected lowest or a number from -100000 to 100000");
+    } else {
+      world.floor = height;
+    }
+  }
+  world.voxel_size = map.number("resolution", 0.0, 0.01, 10.0, "m",
+                                "of its voxels; of an image without .yaml: of a pixel; 0: 0.1 m, "
+                                "of meshes 0.05 m");
+  world.unknown_is_free =
+      map.choice("unknown", "solid", {"solid", "free"}, "what its file does not know") == "free";
+  world.ground_margin =
+      map.number("ground", 0.0, 0.0, 1000.0, "m",
+                 "how far ground without end counts beyond what stands on it; 0: as far as that");
+  const std::vector<double> start =
+      map.numbers("start", {}, -1, -kFarthest, kFarthest, "m, m, deg", "x, y, yaw; none: its own");
+  if (start.size() == 3) {
+    world.start = Pose{{start[0], start[1], 0.0}, start[2] * M_PI / 180.0};  // as --start does
+  } else if (!start.empty()) {
+    map.problem("start", std::to_string(start.size()) + " numbers; expected x, y and yaw");
+  }
+}
+
 /// x, y of each corner in turn.
 Polygon polygon_of(const std::vector<double>& numbers) {
   Polygon polygon;
@@ -379,6 +411,7 @@ Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
   read_robot(root.map("robot"), c);
   read_planner(root.map("planner"), solvers, c);
   read_simulator(root.map("simulator"), c);
+  read_world(root.map("world"), c.world);
   YamlMap mission = root.map("mission");
   c.mission.time_limit =
       mission.number("time_limit", c.mission.time_limit, 1.0, 1e6, "s", "of the robot's clock");

@@ -6,6 +6,7 @@
 
 #include "adapters/files/strict_yaml.h"
 #include "adapters/simulator/simulator_options.h"
+#include "adapters/worlds/world_options.h"
 #include "engine/planner/planner.h"
 #include "runtime/mission.h"
 #include "solvers/registry.h"
@@ -18,6 +19,8 @@ struct Configuration {
   PlannerParameters planner;
   SimulatorOptions simulator;
   MissionOptions mission;
+  /// How the world is read; slice and what no key names are left to world_options_for().
+  WorldOptions world;
   /// What ends the task as seen: a share of the reachable area, or an area [m^2], as the simulator
   /// really measures them; 0: neither.
   double until_coverage = 0.0, until_area = 0.0;

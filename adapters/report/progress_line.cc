@@ -112,6 +112,15 @@ void ProgressLine::show(const StepRecord& step, const std::string& solver, doubl
     const bool tinted = color_ && *part.color;
     line += tinted ? part.color + part.text + "\033[0m" : part.text;
   }
+  put(line, now_seconds);
+}
+
+void ProgressLine::show(const std::string& text, double now_seconds) {
+  if (!tty_) return;
+  put(text.substr(0, static_cast<std::size_t>(std::max(0, columns_ - 1))), now_seconds);
+}
+
+void ProgressLine::put(const std::string& line, double now_seconds) {
   if (shown_ && now_seconds - last_ < kPeriod) {
     held_back_ = line;
     return;

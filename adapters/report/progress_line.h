@@ -7,7 +7,8 @@
 
 namespace prospect {
 
-/// One line on a terminal that follows a mission, rewritten in place at most ten times a second:
+/// One line on a terminal that follows a mission, or something else that takes long, rewritten in
+/// place at most ten times a second. Of a mission:
 ///
 ///   42.5 s   63.2 %  ████████████▋         31.4 m   error 0.08 m   87 features   explore  → target
 ///   3.2 m   ipopt  41 ms
@@ -26,13 +27,16 @@ class ProgressLine {
   /// colour off, see no-color.org) and TERM=dumb from the environment.
   static ProgressLine on_stderr();
 
-  /// `now_seconds`: any monotonic clock.
+  /// The line of a mission. `now_seconds`: any monotonic clock.
   void show(const StepRecord& step, const std::string& solver, double now_seconds);
+  /// Any other line, of one column a byte; what does not fit is cut.
+  void show(const std::string& text, double now_seconds);
   /// Writes the newest line if the rate held it back, and ends it, so that what follows starts on
   /// a line of its own. Harmless if nothing was shown; idempotent.
   void finish();
 
  private:
+  void put(const std::string& line, double now_seconds);
   void write(const std::string& line);
 
   std::ostream* out_;

@@ -218,7 +218,7 @@ ReachableArea told_area(ReachableArea reachable, const Configuration& c) {
 
 WorldOptions world_options_for(const Configuration& c) {
   const VerticalExtent slice = c.robot.slice();
-  WorldOptions options;
+  WorldOptions options = c.world;
   options.slice.z_min = slice.z_min;
   options.slice.z_max = slice.z_max;
   options.slice.standing_clearance =

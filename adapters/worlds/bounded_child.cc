@@ -115,7 +115,7 @@ std::vector<std::string> lines_of(const std::string& text) {
 }  // namespace
 
 std::string run_in_child(const std::string& subject, const std::function<std::string()>& work,
-                         const ChildLimits& limits) {
+                         const ChildLimits& limits, const std::function<void(double)>& waiting) {
   using Clock = std::chrono::steady_clock;
   std::array<int, 2> pipe{};
   if (::pipe2(pipe.data(), O_CLOEXEC) != 0) {
@@ -135,7 +135,8 @@ std::string run_in_child(const std::string& subject, const std::function<std::st
     throw std::runtime_error(std::string("no child process: ") + std::strerror(fork_error));
   }
 
-  const auto end = Clock::now() + std::chrono::duration<double>(limits.seconds);
+  const auto begin = Clock::now();
+  const auto end = begin + std::chrono::duration<double>(limits.seconds);
   std::string text;
   enum { kRead, kLate, kGreedy, kLong } how = kRead;
   std::vector<char> buffer(std::size_t{1} << 16);
@@ -152,6 +153,7 @@ std::string run_in_child(const std::string& subject, const std::function<std::st
       how = kGreedy;
     }
     if (Clock::now() > end) how = kLate;
+    if (waiting) waiting(std::chrono::duration<double>(Clock::now() - begin).count());
   }
   if (how != kRead) ::kill(process, SIGKILL);
   ::close(pipe[0]);

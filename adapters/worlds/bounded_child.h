@@ -18,8 +18,10 @@ struct ChildLimits {
 /// prints is dropped. An InputError of `work` is thrown again here. Throws InputError in one line,
 /// `subject: what`, if the work throws anything else, crashes, or exceeds a limit;
 /// std::runtime_error if there can be no child. The child must not need other threads of this
-/// process.
+/// process. `waiting` is called every now and then until the child is done, with the seconds so
+/// far.
 std::string run_in_child(const std::string& subject, const std::function<std::string()>& work,
-                         const ChildLimits& limits);
+                         const ChildLimits& limits,
+                         const std::function<void(double)>& waiting = {});
 
 }  // namespace prospect

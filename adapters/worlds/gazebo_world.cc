@@ -76,7 +76,8 @@ bool is_true(const char* value) {
 
 class Reader {
  public:
-  explicit Reader(const std::string& path) : folder_(fs::path(path).parent_path()) {}
+  Reader(const std::string& path, LoadProgress progress)
+      : folder_(fs::path(path).parent_path()), progress_(std::move(progress)) {}
 
   TexturedMesh read(const std::string& path) {
     const XMLElement& sdf = document(path);
@@ -834,7 +835,7 @@ class Reader {
     auto known = parts_.find(key);
     if (known == parts_.end()) {
       // Read once, however many models show it; its textures are in the whole once, too.
-      Part part{read_mesh_file(path.string(), UpAxis::kZ, submesh),
+      Part part{read_mesh_file(path.string(), UpAxis::kZ, submesh, progress_),
                 static_cast<std::uint32_t>(mesh_.textures.size())};
       for (Image& texture : part.mesh.textures) mesh_.textures.push_back(std::move(texture));
       part.mesh.textures.clear();
@@ -967,6 +968,7 @@ class Reader {
   std::uintmax_t bytes_ = 0;
   int models_ = 0, shapes_ = 0;
   std::map<const Scope*, std::map<std::string, std::pair<Node*, Node*>>> merged_;
+  LoadProgress progress_;
   std::set<const Node*> deleted_;
   std::map<std::tuple<std::string, std::string, bool>, Part> parts_;
   std::map<std::uint8_t, std::optional<std::uint32_t>> plain_;
@@ -977,8 +979,8 @@ class Reader {
 
 }  // namespace
 
-TexturedMesh read_gazebo_world(const std::string& path) {
-  TexturedMesh mesh = Reader(path).read(path);
+TexturedMesh read_gazebo_world(const std::string& path, const LoadProgress& progress) {
+  TexturedMesh mesh = Reader(path, progress).read(path);
   if (mesh.triangles.empty()) throw InputError(path + ": nothing to see; expected <visual>s");
   return mesh;
 }
@@ -989,7 +991,7 @@ TexturedMesh read_gazebo_world(const std::string& path) {
 
 namespace prospect {
 
-TexturedMesh read_gazebo_world(const std::string&) {
+TexturedMesh read_gazebo_world(const std::string&, const LoadProgress&) {
   throw NotBuiltIn("reading of Gazebo worlds",
                    "Assimp and TinyXML-2 (libassimp-dev, libtinyxml2-dev)");
 }

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "adapters/worlds/load_progress.h"
 #include "adapters/worlds/textured_mesh.h"
 
 namespace prospect {
@@ -29,6 +30,7 @@ namespace prospect {
 /// numbers that are none, frames that are not there or in a circle; other shapes; <population>;
 /// models that include each other, more than 20 000 models, 200 000 shapes or 20 million triangles;
 /// nothing to see. NotBuiltIn where its libraries were absent.
-TexturedMesh read_gazebo_world(const std::string& path);
+/// `progress` is told of the meshes that it reads.
+TexturedMesh read_gazebo_world(const std::string& path, const LoadProgress& progress = {});
 
 }  // namespace prospect

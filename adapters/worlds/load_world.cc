@@ -192,10 +192,10 @@ bool is_one_of(const std::string& text, std::initializer_list<const char*> choic
 
 /// A world file says all of this itself.
 void refuse_for_world_file(const std::string& name, const WorldOptions& options) {
-  const char* option = options.voxel_size > 0.0      ? "--resolution"
-                       : options.unknown_is_free     ? "--unknown"
-                       : options.floor               ? "--floor"
-                       : options.ground_margin > 0.0 ? "--ground"
+  const char* option = options.voxel_size > 0.0      ? "--resolution or world.resolution"
+                       : options.unknown_is_free     ? "--unknown or world.unknown"
+                       : options.floor               ? "--floor or world.floor"
+                       : options.ground_margin > 0.0 ? "--ground or world.ground"
                                                      : nullptr;
   if (option == nullptr) return;
   throw InputError(name + ": a world file says that itself; expected no " + option);
@@ -291,10 +291,11 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
     const bool gazebo = is_one_of(extension, {".world", ".sdf"});
     const bool octree = is_one_of(extension, {".bt", ".ot"});
     if (options.floor && !mesh && !gazebo && !octree) {
-      throw InputError(name_or_path + ": has one storey; expected no --floor");
+      throw InputError(name_or_path + ": has one storey; expected no --floor or world.floor");
     }
     if (options.ground_margin > 0.0 && !mesh && !gazebo) {
-      throw InputError(name_or_path + ": has no ground without end; expected no --ground");
+      throw InputError(name_or_path +
+                       ": has no ground without end; expected no --ground or world.ground");
     }
     if (octree) {
       OctreeWorldOptions octree_options;
@@ -327,8 +328,10 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
       mesh_options.ground = options.floor;
       mesh_options.ground_margin = options.ground_margin;
       mesh_options.unknown_is_free = options.unknown_is_free;
+      mesh_options.progress = options.progress;
       if (options.start) mesh_options.also_here = options.start->position.head<2>();
-      world = world_from_mesh(mesh ? read_mesh_file(name_or_path) : read_gazebo_world(name_or_path),
+      world = world_from_mesh(mesh ? read_mesh_file(name_or_path, UpAxis::kY, {}, options.progress)
+                                   : read_gazebo_world(name_or_path, options.progress),
                               name_or_path, mesh_options);
     } else {
       throw InputError(name_or_path + ": unknown kind of file '" + extension +

@@ -493,7 +493,8 @@ TexturedMesh import(const std::string& path, const std::string& extension, UpAxi
 
 }  // namespace
 
-TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submesh& submesh) {
+TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submesh& submesh,
+                            const LoadProgress& progress) {
   const auto refuse = [&](const std::string& what) { throw InputError(path + ": " + what); };
   std::string extension = fs::path(path).extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -516,7 +517,11 @@ TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submes
   limits.seconds = std::min(120.0, 20.0 + static_cast<double>(size / kMegabyte));
   TexturedMesh mesh;
   const std::string bytes = run_in_child(
-      path, [&] { return packed(import(path, extension, unsaid, submesh)); }, limits);
+      path, [&] { return packed(import(path, extension, unsaid, submesh)); }, limits,
+      [&](double seconds) {
+        if (progress)
+          progress("reading " + path + ", " + std::to_string(std::lround(seconds)) + " s");
+      });
   try {
     mesh = unpacked(bytes);
   } catch (const std::runtime_error&) {
@@ -550,7 +555,7 @@ TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submes
 
 namespace prospect {
 
-TexturedMesh read_mesh_file(const std::string&, UpAxis, const Submesh&) {
+TexturedMesh read_mesh_file(const std::string&, UpAxis, const Submesh&, const LoadProgress&) {
   throw NotBuiltIn("reading of meshes", "Assimp (libassimp-dev)");
 }
 

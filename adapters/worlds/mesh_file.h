@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <string>
 
+#include "adapters/worlds/load_progress.h"
 #include "adapters/worlds/textured_mesh.h"
 
 namespace prospect {
@@ -31,12 +32,14 @@ struct Submesh {
 /// The library runs in a child process that is limited in memory (1 GB and 40 times the file's
 /// size, at most 4 GB) and time (20 s and 1 s a MB, at most two minutes).
 ///
+/// `progress` is told every now and then how long it takes.
+///
 /// Throws InputError: the file is missing, empty, larger than 512 MB, of another kind, cannot be
 /// read within the limits, has no triangles or numbers that are not finite; a glTF that requires an
 /// extension that is not read, has instances (EXT_mesh_gpu_instancing), or numbers other than float
 /// where the library reads them wrong; no such submesh. NotBuiltIn where Assimp was absent.
 TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid = UpAxis::kY,
-                            const Submesh& submesh = {});
+                            const Submesh& submesh = {}, const LoadProgress& progress = {});
 
 /// Adds a moved copy of `part`'s triangles, which use whole.textures from first_texture on where
 /// they use part.textures from 0 on. A mirroring T keeps what is the outside of each triangle.

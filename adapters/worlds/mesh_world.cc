@@ -217,7 +217,13 @@ World world_from_mesh(TexturedMesh mesh, const std::string& name, const MeshWorl
   constexpr double kRounding = 1e-6;
   constexpr double kMostTests = 3e9;  // a minute
   double tests = 0.0;
+  constexpr std::size_t kTold = 1024;  // triangles
+  std::size_t done = 0;
   for (const auto& triangle : mesh.triangles) {
+    if (options.progress && done++ % kTold == 0) {
+      options.progress("voxels of " + name + ": " + std::to_string(done - 1) + " of " +
+                       std::to_string(mesh.triangles.size()) + " triangles");
+    }
     const Corners corners = corners_of(mesh, triangle);
     Eigen::AlignedBox3d bounds;
     for (const Vector3d& p : corners) bounds.extend(p);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "adapters/worlds/load_progress.h"
 #include "adapters/worlds/textured_mesh.h"
 #include "adapters/worlds/world.h"
 
@@ -21,6 +22,7 @@ struct MeshWorldOptions {
   double ground_margin = 0.0;                ///< [m] see world_from_mesh
   std::optional<Eigen::Vector2d> also_here;  ///< [m] a place that must be in the world
   bool unknown_is_free = false;              ///< over no floor, too
+  LoadProgress progress;
 };
 
 /// The world of a mesh that stands upright (z up). The mesh is moved along z so that the floor is

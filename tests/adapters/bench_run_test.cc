@@ -210,6 +210,33 @@ TEST(BenchRun, TakesTheEndOfASolveThatKeepsNoTrace) {
   EXPECT_EQ(summarize(t)[0].solvers[0].by_time.at(1.0), 1.0);
 }
 
+TEST(BenchRun, KeepsTheProblemsThatAllWereDoneWithWhenItIsCancelled) {
+  // Cancelled in solve 1, 3, ...: of two back ends on two sets of two problems.
+  for (const int last : {1, 3, 5, 7}) {
+    int done = 0;
+    BenchOptions options;
+    options.on_solve = [&](int k, int) { done = k; };
+    options.cancelled = [&] { return done >= last; };
+    const SolverChoice plain{"plain", std::make_shared<Plain>(), {}};
+    const BenchTable t = run_bench({two_problems(), two_problems()}, {plain, plain}, options);
+    EXPECT_TRUE(t.cancelled);
+    const int whole = last / 2;
+    int problems = 0;
+    for (const ProblemSet& set : t.sets) {
+      EXPECT_FALSE(set.problems.empty());
+      problems += static_cast<int>(set.problems.size());
+    }
+    EXPECT_EQ(problems, whole);
+    ASSERT_EQ(static_cast<int>(t.rows.size()), 2 * whole);
+    EXPECT_EQ(t.best.size(), t.sets.size());
+    const auto groups = summarize(t);
+    if (whole > 0) {
+      EXPECT_EQ(groups.front().problems, whole);
+    }
+    EXPECT_TRUE(bench_json(t, groups, true, {}).at("cancelled").get<bool>());
+  }
+}
+
 TEST(BenchFiles, HaveARowForEveryCellAndAsManyFieldsAsTheHead) {
   const BenchTable t = table();
   std::istringstream csv(bench_csv(t));
@@ -229,7 +256,10 @@ TEST(BenchFiles, HaveARowForEveryCellAndAsManyFieldsAsTheHead) {
 TEST(BenchFiles, HaveJsonThatReadsBackWithWhatTheTableSays) {
   const BenchTable t = table();
   const auto groups = summarize(t);
-  const auto json = nlohmann::ordered_json::parse(bench_json(t, groups, true).dump());
+  const auto json =
+      nlohmann::ordered_json::parse(bench_json(t, groups, true, {{"processor", "abacus"}}).dump());
+  EXPECT_EQ(json["build"]["processor"], "abacus");
+  EXPECT_EQ(json["cancelled"], false);
   EXPECT_EQ(json["rows"].size(), 6U);
   EXPECT_EQ(json["rows"][0]["cost"], 10.05);
   EXPECT_EQ(json["rows"][0]["trace"]["cost"].size(), 4U);
@@ -244,7 +274,7 @@ TEST(BenchFiles, HaveJsonThatReadsBackWithWhatTheTableSays) {
 TEST(BenchPage, HoldsTheDataAndLeavesNoPlaceUnfilled) {
   BenchTable t = table();
   t.sets[0].name = "</script><b>";
-  const std::string page = bench_page(bench_json(t, summarize(t), false));
+  const std::string page = bench_page(bench_json(t, summarize(t), false, {}));
   for (const char* place : {"{{title}}", "{{style}}", "{{bench}}", "{{library", "{{script}}"}) {
     EXPECT_EQ(page.find(place), std::string::npos) << place;
   }

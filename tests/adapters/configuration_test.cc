@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <variant>
 
 #include "adapters/files/input_error.h"
@@ -137,6 +138,35 @@ TEST(Configuration, SensorsSeeUpToAllRound) {
 }
 
 // Whatever is asked for is in effect, and what is in effect reads back as itself.
+TEST(Configuration, HowTheWorldIsRead) {
+  const Configuration c =
+      read("world: {floor: -2.5, resolution: 0.2, unknown: free, ground: 4, start: [1, -2, 90]}");
+  EXPECT_EQ(c.world.floor, -2.5);
+  EXPECT_EQ(c.world.voxel_size, 0.2);
+  EXPECT_TRUE(c.world.unknown_is_free);
+  EXPECT_EQ(c.world.ground_margin, 4.0);
+  ASSERT_TRUE(c.world.start.has_value());
+  EXPECT_EQ(c.world.start->position, Eigen::Vector3d(1.0, -2.0, 0.0));
+  EXPECT_NEAR(c.world.start->yaw, M_PI / 2.0, 1e-15);
+  const Configuration again = read(effective_yaml(c.entries));
+  EXPECT_EQ(effective_yaml(again.entries), effective_yaml(c.entries));
+  EXPECT_EQ(again.world.floor, c.world.floor);
+  EXPECT_EQ(again.world.start->yaw, c.world.start->yaw);
+
+  const Configuration none = read("world: {floor: lowest, resolution: 0, start: []}");
+  EXPECT_FALSE(none.world.floor.has_value());
+  EXPECT_EQ(none.world.voxel_size, 0.0);
+  EXPECT_FALSE(none.world.unknown_is_free);
+  EXPECT_FALSE(none.world.start.has_value());
+
+  EXPECT_THAT(problems("world: {floor: ground}"), HasSubstr("is 'ground'; expected lowest or"));
+  EXPECT_THAT(problems("world: {floor: 1e9}"), HasSubstr("world.floor: is '1e9'; expected"));
+  EXPECT_THAT(problems("world: {floor: nan}"), HasSubstr("world.floor: is 'nan'; expected"));
+  EXPECT_THAT(problems("world: {resolution: 0.001}"), HasSubstr("expected a number"));
+  EXPECT_THAT(problems("world: {start: [1, 2]}"), HasSubstr("2 numbers; expected x, y and yaw"));
+  EXPECT_THAT(problems("world: {unknown: blocked}"), HasSubstr("world.unknown"));
+}
+
 TEST(Configuration, WhatIsInEffectReadsBackAsItself) {
   for (const char* text :
        {"", "robot: {model: multirotor}",

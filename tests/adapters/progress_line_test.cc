@@ -123,6 +123,25 @@ TEST(ProgressLine, WritesAtMostTenTimesASecondAndTheLastStepAlways) {
   EXPECT_EQ(out.str(), after);
 }
 
+TEST(ProgressLine, ShowsAnyOtherText) {
+  std::ostringstream out;
+  ProgressLine line(out, true, true, 20);
+  line.show("office@40: step 12 of 40, 8.3 s", 0.0);
+  EXPECT_EQ(out.str(), "\roffice@40: step 12 \033[K");
+  line.show("step 13", 0.05);
+  EXPECT_THAT(out.str(), Not(HasSubstr("step 13")));
+  line.finish();
+  EXPECT_THAT(out.str(), HasSubstr("\rstep 13\033[K\n"));
+  std::ostringstream pipe;
+  ProgressLine silent(pipe, false, true);
+  silent.show("step 12", 0.0);
+  silent.finish();
+  EXPECT_EQ(pipe.str(), "");
+  std::ostringstream narrow;
+  ProgressLine(narrow, true, false, 0).show("step 12", 0.0);
+  EXPECT_EQ(narrow.str(), "\r\033[K");
+}
+
 TEST(ProgressLine, FinishesNothingThatWasNotBegun) {
   std::ostringstream out;
   ProgressLine(out, true, true).finish();

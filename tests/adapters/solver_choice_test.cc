@@ -43,6 +43,10 @@ TEST(SolverChoice, RefusesWhatNoBackEndTakesInOneLine) {
   EXPECT_THAT(refusal({"hybrid", "candidates=3.5"}), HasSubstr("expected a whole number"));
   EXPECT_THAT(refusal({"hybrid", "candidates="}), HasSubstr("expected a whole number"));
   EXPECT_THAT(refusal({"hybrid", "tolerance=nan"}), HasSubstr("expected a number"));
+  // What only the back end knows.
+  EXPECT_THAT(refusal({"sampling", "max_evaluations=0"}),
+              HasSubstr("--solver: sampling: option 'max_evaluations' is 0; expected 1 or more"));
+  EXPECT_THAT(refusal({"sampling", "hybrid", "threads=1000"}), HasSubstr("expected 1 to 256"));
 }
 
 }  // namespace

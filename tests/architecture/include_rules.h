@@ -83,10 +83,10 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
        {{"models", "engine", "perception", "runtime", "adapters/files", "adapters/worlds"},
         {"Eigen", "octomap", "opencv2", "embree3"},
         eigen}},
-      // Of the simulator, a configuration sees the options.
+      // Of worlds and the simulator, a configuration sees the options.
       {"adapters/config",
        {{"models", "engine", "solvers", "runtime", "adapters/files",
-         "adapters/simulator/simulator_options.h"},
+         "adapters/worlds/world_options.h", "adapters/simulator/simulator_options.h"},
         {"Eigen"},
         eigen}},
       {"adapters/problem_file", {{"models", "engine"}, {"Eigen", "hdf5"}, eigen}},

@@ -3,6 +3,7 @@
 #   cli_test.sh <prospect> <scratch directory> <a plug-in> <a faulty one> <a library that is none>
 #     <write_depth_recording> <write_stereo_recording>
 set -uo pipefail
+tests="$(dirname "$(realpath "$0")")"
 prospect="$(realpath "$1")"
 plugin="$(realpath "$3")"
 faulty="$(realpath "$4")"
@@ -13,45 +14,8 @@ mkdir -p "$2"
 work="$(mktemp -d "$2/cli.XXXXXX")"
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
-failures=0
-fail() { echo "FAILED: $*" >&2; failures=$((failures + 1)); }
-# run ARGUMENT...: leaves exit code, standard output and error in $code, $out, $err.
-run() {
-  code=0
-  "$prospect" "$@" >out.txt 2>err.txt </dev/null || code=$?
-  out="$(<out.txt)"
-  err="$(<err.txt)"
-}
-# succeeds WHAT ARGUMENT...
-succeeds() {
-  local what="$1"
-  shift
-  run "$@"
-  ((code == 0)) || fail "$what: exit $code, expected 0; '$err'"
-}
-# timed_out WHAT ARGUMENT...: a mission that ran well until its time was up: its task is not done.
-timed_out() {
-  local what="$1"
-  shift
-  run "$@"
-  ((code == 1)) || fail "$what: exit $code, expected 1: its time is up; '$err'"
-  grep -q 'time limit' out.txt || fail "$what: no word of its time limit in '$out'"
-}
-# refused WHAT NAMED EXPECTED ARGUMENT...: bad input, whose message names the culprit and what was
-# expected (both as fixed text), and which leaves nothing behind.
-refused() {
-  local what="$1" named="$2" expected="$3"
-  shift 3
-  run "$@"
-  ((code == 2)) || fail "$what: exit $code, expected 2"
-  [[ ! -s out.txt ]] || fail "$what: wrote to standard output: '$out'"
-  [[ -s err.txt ]] || fail "$what: no message"
-  ! grep -qv '^prospect: ' err.txt || fail "$what: a line without 'prospect: ' in '$err'"
-  grep -F -- "$named" err.txt | grep -qF -- "$expected" ||
-    fail "$what: no line with '$named' and '$expected' in '$err'"
-  [[ ! -e run && ! -e runs ]] || fail "$what: left a run folder behind"
-  rm -rf run runs
-}
+# shellcheck source=tests/cli/checks.sh
+source "$tests/checks.sh"
 explore=(explore --time-limit 1 --quiet --out run)
 
 # --- A short mission, twice: the same bytes, and the files that every run leaves.
@@ -431,7 +395,7 @@ refused_plugin folder "is a directory; expected a shared library (.so)"
 refused_plugin text.so "; expected a shared library (.so)"
 refused_plugin cut.so "the file is cut off; expected a shared library (.so)"
 refused_plugin "$no_plugin" "has no entry point; expected a function 'prospect_plugin'"
-interface="$(sed -n 's/.*kPluginInterface = \([0-9]*\);.*/\1/p' "$(dirname "${BASH_SOURCE[0]}")/../../solvers/plugin.h")"
+interface="$(sed -n 's/.*kPluginInterface = \([0-9]*\);.*/\1/p' "$tests/../../solvers/plugin.h")"
 PROSPECT_TEST_FAULT=interface refused_plugin "$faulty" "has plug-in interface $((interface + 1)); expected $interface, that of"
 PROSPECT_TEST_FAULT=alignment refused_plugin "$faulty" "; expected 16, as this program"
 PROSPECT_TEST_FAULT="built in" refused_plugin "$faulty" "named 'nlopt:LD_SLSQP' already; expected"
@@ -511,6 +475,17 @@ refused "bench of a misspelt expression" "misspelt.json: problem 1 'HS35'" \
   "expected an operator" "${bench[@]}" misspelt.json
 succeeds "bench that captures missions" bench --capture captured --quick
 [[ "$(ls captured | wc -l)" == 9 && -s captured/plan-1_000022.h5 ]] || fail "captured: $(ls captured)"
+# What measured stands in the results, and nothing of this machine's names.
+for key in build processor commit commit_changed compiler flags build_type libraries runs_with cancelled; do
+  grep -q "\"$key\": " bench_again/bench.json || fail "bench.json has no '$key'"
+done
+! grep -qF -e "$work" -e "$HOME/" bench_again/bench.json || fail "bench.json has a path of this machine"
+refused "bench with a value out of range" "sampling: option 'max_evaluations' is 0" "expected 1 or more" \
+  "${bench[@]}" zoo --solver nlopt,sampling,max_evaluations=0
+refused "bench with a value that a library does not take" "ipopt: Ipopt does not take 'sometimes' for option" mu_strategy \
+  "${bench[@]}" zoo --solver ipopt,mu_strategy=sometimes,sampling
+refused "bench with threads out of range" "'threads' is 0" "expected 1 to 256" "${bench[@]}" zoo --solver hybrid,threads=0
+
 refused "bench that captures into a folder of others" foreign "expected a new or empty folder" \
   bench --capture foreign
 refused "bench that captures a set" "'zoo'" "expected no set" bench zoo --capture run
@@ -662,5 +637,4 @@ for command in explore report solve bench odometry map list config; do
   grep -q "^  $command " out.txt || fail "--help does not name '$command'"
 done
 
-((failures == 0)) || { echo "$failures failed" >&2; exit 1; }
-echo "all as promised"
+finish

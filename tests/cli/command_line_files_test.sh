@@ -29,7 +29,7 @@ for command in "" "${commands[@]}"; do
     # The man page escapes dashes.
     grep -qF "\\fB${option//-/\\-}\\fR" "$page" || fail "$page lacks $option"
     of_bash="$(sed -n "/^    '$command') words=/p" $bash_file)"
-    grep -qE -- "[ ']$option[ ']" <<<"$of_bash" || fail "bash lacks $command $option"
+    grep -qE -- "[ ']${option}[ ']" <<<"$of_bash" || fail "bash lacks $command $option"
     of_fish="$(sed -n "/^complete .*'__prospect_runs ${command:-none}'/p" $fish_file)"
     grep -qE -- " -l ${option#--}( |\$)" <<<"$of_fish" || fail "fish lacks $command $option"
     if [[ -n $command ]]; then
@@ -37,7 +37,7 @@ for command in "" "${commands[@]}"; do
     else
       of_zsh="$(sed -n '/_arguments -C/,/case/p' $zsh_file)"
     fi
-    grep -qE -- "'[^']*$option=?\[" <<<"$of_zsh" || fail "zsh lacks $command $option"
+    grep -qE -- "'[^']*${option}=?\[" <<<"$of_zsh" || fail "zsh lacks $command $option"
   done
 done
 ((options > 60)) || fail "only $options options were found in the help"

@@ -1,0 +1,125 @@
+#!/usr/bin/env bash
+# What takes long: it shows its progress, and ends soon when it is interrupted, with what is whole.
+#   long_steps_test.sh <prospect> <scratch directory> <write_depth_recording> <write_stereo_recording>
+set -uo pipefail
+tests="$(dirname "$(realpath "$0")")"
+prospect="$(realpath "$1")"
+write_depth_recording="$(realpath "$3")"
+write_stereo_recording="$(realpath "$4")"
+mkdir -p "$2"
+work="$(mktemp -d "$2/long.XXXXXX")"
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+# shellcheck source=tests/cli/checks.sh
+source "$tests/checks.sh"
+
+timed_out "problems to solve" explore office --time-limit 5 --seed 3 --quiet --out saved --save-problems 4
+succeeds "best costs" bench saved/problems --solver nlopt --deadline 0 --repeat 1 --out kept --keep-best
+cat >hut.stl <<'STL'
+solid hut
+facet normal 0 0 0
+outer loop
+vertex 0 0 0
+vertex 6 0 0
+vertex 6 6 0
+endloop
+endfacet
+facet normal 0 0 0
+outer loop
+vertex 0 0 0
+vertex 6 6 0
+vertex 0 6 0
+endloop
+endfacet
+facet normal 0 0 0
+outer loop
+vertex 0 0 0
+vertex 6 0 0
+vertex 6 0 2
+endloop
+endfacet
+facet normal 0 0 0
+outer loop
+vertex 0 0 0
+vertex 6 0 2
+vertex 0 0 2
+endloop
+endfacet
+endsolid hut
+STL
+
+# --- Interrupted: it ends soon, with what is whole.
+# interrupted SECONDS ARGUMENT...: is sent SIGINT after so long; leaves $code, $out, $err.
+interrupted() {
+  local after="$1" process
+  shift
+  "$prospect" "$@" >out.txt 2>err.txt </dev/null &
+  process=$!
+  sleep "$after"
+  # Again and again: a shell without a terminal starts it with the signal ignored, until it has its own handler.
+  for _ in {1..20}; do
+    kill -INT $process 2>/dev/null || break
+    sleep 1
+  done
+  if kill -KILL $process 2>/dev/null; then fail "$*: still runs 20 s after an interrupt"; fi
+  wait $process
+  code=$?
+  out="$(<out.txt)"
+  err="$(<err.txt)"
+  ((code == 1)) || fail "$*, interrupted: exit $code, expected 1; '$err'"
+  (($(wc -l <err.txt) == 1)) || fail "$*, interrupted: not one line: '$err'"
+}
+interrupted 2 solve corridor@99999 --solver sampling
+[[ "$err" == "prospect: cancelled; nothing is solved" && -z "$out" ]] || fail "solve, interrupted: '$out' '$err'"
+endless=(--solver nlopt:GN_ISRES,tolerance=0 --max-evaluations 100000000 --repeat 1)
+interrupted 5 bench zoo "${endless[@]}" --deadline 1.5 --out bench_cut
+[[ "$err" =~ ^"prospect: cancelled; "([0-9]+)" of 11 problems are in bench_cut"$ ]] || fail "bench, interrupted: '$err'"
+solved="${BASH_REMATCH[1]:-0}"
+((solved >= 1 && solved < 11)) || fail "bench, interrupted: $solved problems"
+(($(wc -l <bench_cut/bench.csv) == 1 + solved)) || fail "bench.csv of $solved problems: $(<bench_cut/bench.csv)"
+grep -q '"cancelled": true' bench_cut/bench.json || fail "bench.json does not say that it was cancelled"
+(($(grep -c '"best_known_by":' bench_cut/bench.json) == solved)) || fail "bench.json has other problems than bench.csv"
+grep -q '^all, \|^zoo, ' out.txt || fail "bench, interrupted: no table in '$out'"
+interrupted 1 bench zoo "${endless[@]}" --deadline 30 --out bench_none
+[[ "$err" == *"nothing is written" && -z "$(ls bench_none)" ]] || fail "bench, interrupted at once: '$err'"
+cp saved/problems/best_known.json known_before.json
+interrupted 3 bench saved/problems "${endless[@]}" --deadline 2 --out bench_cut --keep-best
+(($(grep -c '"step_' saved/problems/best_known.json) == 3)) || fail "an interrupted bench loses best costs: $(<saved/problems/best_known.json)"
+cp known_before.json saved/problems/best_known.json
+interrupted 4 bench --capture cut_set
+[[ "$err" == "prospect: cancelled; the set lacks problems" && "$out" == "$(find cut_set -name '*.h5' | wc -l) problems in cut_set" ]] ||
+  fail "bench --capture, interrupted: '$out' '$err'"
+[[ -z "$(find cut_set -type f ! -name '*.h5')" ]] || fail "bench --capture, interrupted, left $(ls cut_set)"
+if (($(find cut_set -name '*.h5' | wc -l) > 0)); then
+  succeeds "what was captured is whole" bench cut_set --solver sampling --max-evaluations 50 --deadline 0 --repeat 1 --out bench_cut
+fi
+interrupted 2 bench missions --solver sampling --out bench_none
+[[ "$err" == "prospect: cancelled; nothing is measured" && -z "$(ls bench_none)" ]] || fail "bench missions, interrupted: '$err'"
+
+# --- Progress: one line, on a terminal only, and not if told to be quiet.
+# on_terminal COMMAND: what it writes where standard error is a terminal, with carriage returns as line ends.
+on_terminal() { script -qec "TERM=xterm NO_COLOR=1 $prospect $1" /dev/null </dev/null | tr '\r' '\n' >shown.txt; }
+if command -v script >/dev/null; then
+  "$write_stereo_recording" stereo 12 || fail "no stereo recording was written"
+  "$write_depth_recording" depth || fail "no depth recording was written"
+  for call in "solve office@4 --solver sampling|office@4: step [0-9] of 4, " \
+    "bench --capture shown_set --quick|driving in office: step [0-9]* of " \
+    "bench zoo --solver sampling --deadline 0 --repeat 1 --out bench_cut|11 of 11 solves" \
+    "odometry stereo|12 of 12 frames  [0-9]* points" "map depth/posed|5 of 5 frames  ground found" \
+    "explore hut.stl --time-limit 1 --out told|voxels of hut.stl: 0 of 4 triangles" \
+    "explore office --time-limit 1 --out told|[0-9] features"; do
+    run explore hut.stl --time-limit 1 --quiet --out told
+    if ((code == 3)) && [[ $call == *hut.stl* ]]; then continue; fi  # meshes are not built in
+    on_terminal "${call%%|*}"
+    grep -q "^${call#*|}\|${call#*|}" shown.txt || fail "${call%%|*}: no progress like '${call#*|}' in '$(<shown.txt)'"
+    rm -rf shown_set
+    on_terminal "${call%%|*} --quiet"
+    ! grep -q "${call#*|}" shown.txt || fail "${call%%|*} --quiet: shows progress"
+    rm -rf shown_set
+  done
+else
+  echo "skipped: progress on a terminal: no script(1) here"
+fi
+run solve office@4 --solver sampling
+[[ -z "$err" ]] || fail "solve writes progress to a file: '$err'"
+finish
