@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "adapters/config/registries.h"
 #include "adapters/problem_file/problem_file.h"
-#include "solvers/registry.h"
 
 namespace prospect {
 
@@ -27,7 +27,7 @@ MissionSet quick_missions();
 /// problem of each, and hands every problem to `take` as it is met. Deterministic: the same
 /// problems from the same build on the same machine. Throws InputError for an unknown world and
 /// passes on what `take` throws.
-void capture_missions(const MissionSet& missions, const SolverRegistry& registry,
+void capture_missions(const MissionSet& missions, const Registries& registries,
                       const std::function<void(const SavedProblem&)>& take);
 
 /// "office_000024.h5": a name for a problem of capture_missions().

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "solvers/registry.h"
+#include "adapters/config/registries.h"
 
 namespace prospect {
 
@@ -41,7 +41,7 @@ struct ExploreArguments {
   bool json = false;
   bool quiet = false;
 };
-int explore(const ExploreArguments& arguments, const SolverRegistry& registry);
+int explore(const ExploreArguments& arguments, const Registries& registries);
 /// One line on standard error of what the world's source holds besides, if anything.
 void tell_left_out(const World& world);
 
@@ -52,7 +52,7 @@ struct ReportArguments {
   std::string color;  ///< of the path; empty: plain
   std::string out;    ///< folder; empty: that of the run
 };
-int report(const ReportArguments& arguments, const SolverRegistry& registry);
+int report(const ReportArguments& arguments, const Registries& registries);
 
 struct SolveArguments {
   std::vector<std::string> problems;  ///< problem files, WORLD@STEP
@@ -64,7 +64,7 @@ struct SolveArguments {
   std::uint64_t seed = 1;
   bool json = false;
 };
-int solve(const SolveArguments& arguments, const SolverRegistry& registry);
+int solve(const SolveArguments& arguments, const Registries& registries);
 
 struct BenchArguments {
   std::vector<std::string> sets;     ///< empty: all built-in ones
@@ -80,7 +80,7 @@ struct BenchArguments {
   bool keep_best = false;
   bool json = false;
 };
-int bench(const BenchArguments& arguments, const SolverRegistry& registry);
+int bench(const BenchArguments& arguments, const Registries& registries);
 
 struct OdometryArguments {
   std::string dataset;  ///< folder of a recording
@@ -108,9 +108,9 @@ struct MapArguments {
 };
 int map(const MapArguments& arguments);
 
-int list(const std::string& what, bool json, const SolverRegistry& registry);
+int list(const std::string& what, bool json, const Registries& registries);
 /// Prints the effective configuration of a file (empty: the defaults) and of settings above it.
 int print_configuration(const std::string& file, const std::vector<std::string>& settings,
-                        const SolverRegistry& registry);
+                        const Registries& registries);
 
 }  // namespace prospect

@@ -7,6 +7,7 @@
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
+#include "adapters/run/csv.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "engine/behaviour/behaviour.h"
 #include "models/nearest_name.h"
@@ -15,31 +16,39 @@
 namespace prospect {
 namespace {
 
-/// The terms of the planner's problem, as formulation.md defines them.
-struct TermInfo {
-  const char* name;
-  const char* weight;
-  const char* description;
-};
-constexpr TermInfo kTerms[] = {
-    {"control_effort", "w_u", "deviation of the input from the desired one"},
-    {"input_rate", "w_du", "change of the input from stage to stage"},
-    {"obstacles", "w_o", "closeness to obstacles, from FCL distances"},
-    {"visible_features", "w_l",
-     "too few features predicted in view (count or information); with w_c also the chance of fewer "
-     "than N_min"},
-    {"exploration_gain", "w_e", "expected newly explored area (a reward)"},
-    {"cost_to_go", "w_T", "time to the viewpoints of the active frontiers"},
-    {"heading_alignment", "w_h", "heading away from where the cost-to-go falls"},
-    {"clearance", "", "constraint: clearance of at least d_safe at nodes and mid-points"},
-    {"braking", "", "constraint: able to stop inside known free space"},
-    {"rate_limit", "", "constraint: the model's limits on the change of inputs"},
-    {"speed_limit", "", "constraint: speed limits of models with velocity in the state"},
-};
+/// "w_T" of a built-in cost, "" of any other term.
+std::string short_key(const TermEntry& entry) {
+  const std::string& key = entry.weight_key;
+  return key.empty() ? "" : key.substr(key.rfind('.') + 1);
+}
+
+/// "radius=0.5 [m], 0.05 to 10: the distance at which ..."
+std::string in_words(const TermOption& o) {
+  return o.name + "=" + csv::text(o.fallback) + " [" + o.unit + "], " + csv::text(o.least) +
+         " to " + csv::text(o.most) + ": " + o.description;
+}
+
+nlohmann::ordered_json to_json(const TermEntry& entry) {
+  nlohmann::ordered_json options = nlohmann::ordered_json::array();
+  for (const TermOption& o : entry.options) {
+    options.push_back({{"name", o.name},
+                       {"default", o.fallback},
+                       {"least", o.least},
+                       {"most", o.most},
+                       {"unit", o.unit},
+                       {"description", o.description}});
+  }
+  return {{"name", entry.name},
+          {"weight", short_key(entry)},
+          {"description", entry.description},
+          {"built_in", entry.built_in},
+          {"version", entry.version},
+          {"options", options}};
+}
 
 }  // namespace
 
-int list(const std::string& what, bool json, const SolverRegistry& registry) {
+int list(const std::string& what, bool json, const Registries& registries) {
   const std::vector<std::string> known = {"solvers", "worlds", "terms", "sets", "modes"};
   if (what.empty()) {
     throw InputError("list: nothing named; expected one of: solvers, worlds, terms, sets, modes");
@@ -50,7 +59,7 @@ int list(const std::string& what, bool json, const SolverRegistry& registry) {
   }
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   if (what == "solvers") {
-    for (const SolverInfo& s : registry.list()) {
+    for (const SolverInfo& s : registries.solvers.list()) {
       nlohmann::ordered_json options = nlohmann::ordered_json::array();
       for (const OptionInfo& o : s.options) {
         options.push_back(
@@ -83,10 +92,18 @@ int list(const std::string& what, bool json, const SolverRegistry& registry) {
       out.push_back({{"name", name}, {"description", builtin_set_summary(name)}});
       if (!json) std::printf("%-12s %s\n", name.c_str(), builtin_set_summary(name).c_str());
     }
+    for (const std::string& name : registries.problems.sets()) {
+      const std::string& words = registries.problems.problems(name).front().set_description;
+      out.push_back({{"name", name}, {"description", words}});
+      if (!json) std::printf("%-12s %s\n", name.c_str(), words.c_str());
+    }
   } else {
-    for (const TermInfo& t : kTerms) {
-      out.push_back({{"name", t.name}, {"weight", t.weight}, {"description", t.description}});
-      if (!json) std::printf("%-26s %-6s %s\n", t.name, t.weight, t.description);
+    for (const auto& t : registries.terms.list()) {
+      out.push_back(to_json(*t));
+      if (json) continue;
+      std::printf("%-26s %-6s %s\n", t->name.c_str(), short_key(*t).c_str(),
+                  t->description.c_str());
+      for (const TermOption& o : t->options) std::printf("    %s\n", in_words(o).c_str());
     }
   }
   if (json) std::cout << out.dump(2) << '\n';
@@ -94,8 +111,8 @@ int list(const std::string& what, bool json, const SolverRegistry& registry) {
 }
 
 int print_configuration(const std::string& file, const std::vector<std::string>& settings,
-                        const SolverRegistry& registry) {
-  std::cout << effective_yaml(read_configuration(file, registry, settings).entries);
+                        const Registries& registries) {
+  std::cout << effective_yaml(read_configuration(file, registries, settings).entries);
   return kDone;
 }
 

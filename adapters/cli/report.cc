@@ -33,7 +33,7 @@ bool has(const std::vector<std::string>& words, const std::string& word) {
 
 }  // namespace
 
-int report(const ReportArguments& arguments, const SolverRegistry& registry) {
+int report(const ReportArguments& arguments, const Registries& registries) {
   namespace fs = std::filesystem;
   static const std::vector<std::string> kColors = {"plain", "features", "error", "speed", "mode"};
   if (arguments.figures.empty()) {
@@ -52,7 +52,7 @@ int report(const ReportArguments& arguments, const SolverRegistry& registry) {
   const auto by =
       static_cast<PathColor>(std::find(kColors.begin(), kColors.end(), color) - kColors.begin());
   const FigureSource source =
-      read_figure_source(arguments.run, path ? std::optional(by) : std::nullopt, map, registry);
+      read_figure_source(arguments.run, path ? std::optional(by) : std::nullopt, map, registries);
 
   // All of them before the first is written.
   std::vector<std::pair<std::string, std::string>> files;

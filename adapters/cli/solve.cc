@@ -25,8 +25,8 @@ struct NamedProblem {
 };
 
 /// The problem file `path`.
-NamedProblem load(const std::string& path) {
-  ReadProblem read = read_problem(path);
+NamedProblem load(const std::string& path, const TermRegistry& terms) {
+  ReadProblem read = read_problem(path, terms);
   NamedProblem named{path, std::move(read.problem), {}};
   if (read.saved.warm_start) {
     named.warm_start = std::move(*read.saved.warm_start);
@@ -39,7 +39,7 @@ NamedProblem load(const std::string& path) {
 /// WORLD@STEP: runs the mission up to that planning step and takes the problem it meets there. Any
 /// other text is the path of a problem file.
 NamedProblem capture(const std::string& text, const Configuration& configuration,
-                     const SolverRegistry& registry, std::uint64_t seed) {
+                     const Registries& registries, std::uint64_t seed) {
   const std::size_t at = text.rfind('@');
   int step = -1;
   if (at != std::string::npos) {
@@ -51,7 +51,9 @@ NamedProblem capture(const std::string& text, const Configuration& configuration
   if (step < 0) {
     const std::filesystem::path path(text);
     std::error_code ignored;
-    if (path.extension() == ".h5" || std::filesystem::exists(path, ignored)) return load(text);
+    if (path.extension() == ".h5" || std::filesystem::exists(path, ignored)) {
+      return load(text, registries.terms);
+    }
     throw InputError("problem '" + text +
                      "': no such file and no planning step; expected WORLD@STEP, e.g. office@40, "
                      "or a problem file");
@@ -64,7 +66,7 @@ NamedProblem capture(const std::string& text, const Configuration& configuration
   ExplorationRunOptions options;
   options.seed = seed;
   options.keep_steps = false;
-  options.solvers = &registry;
+  options.solvers = &registries.solvers;
   options.on_plan = [&](const StepRecord& record, const Planner& planner) {
     steps_done = record.step + 1;
     if (record.step != step) return;
@@ -134,22 +136,22 @@ void print_table(const NamedProblem& named,
 
 }  // namespace
 
-int solve(const SolveArguments& arguments, const SolverRegistry& registry) {
+int solve(const SolveArguments& arguments, const Registries& registries) {
   Configuration configuration =
-      read_configuration(arguments.configuration, registry, arguments.settings);
+      read_configuration(arguments.configuration, registries, arguments.settings);
   std::vector<std::string> names = arguments.solvers;
   if (names.empty()) names = {"ipopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "sampling"};
   std::vector<std::shared_ptr<const Solver>> solvers;
   for (const std::string& name : names) {
-    const std::string wrong = solver_problem(name, registry);
+    const std::string wrong = solver_problem(name, registries.solvers);
     if (!wrong.empty()) throw InputError("--solver: " + wrong);
-    solvers.push_back(registry.make(name));
+    solvers.push_back(registries.solvers.make(name));
   }
 
   // All of them before any is solved: a bad one is refused with nothing printed.
   std::vector<NamedProblem> problems;
   for (const std::string& text : arguments.problems) {
-    problems.push_back(capture(text, configuration, registry, arguments.seed));
+    problems.push_back(capture(text, configuration, registries, arguments.seed));
   }
 
   bool any_feasible = false, all_absent = true;
