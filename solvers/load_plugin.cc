@@ -124,6 +124,9 @@ std::string difference(const PluginAbi& plugin, const PluginAbi& here) {
       {"a TrajectoryBatch of size", plugin.trajectories, here.trajectories},
       {"a TermTraits of size", plugin.term_traits, here.term_traits},
       {"a Result of size", plugin.result, here.result},
+      {"a ProblemDefinition of size", plugin.definition, here.definition},
+      {"a ProblemSpecification of size", plugin.specification, here.specification},
+      {"CachedEvaluators of size", plugin.evaluators, here.evaluators},
   };
   for (const auto& n : numbers) {
     if (n.theirs != n.ours) {
@@ -181,8 +184,18 @@ const Plugin& open_plugin(const std::string& path) {
   }
   const std::string wrong = difference(plugin->abi, kPluginAbi);
   if (!wrong.empty()) throw std::invalid_argument(wrong);
-  if (!plugin->solvers || plugin->num_solvers == 0) {
-    throw std::invalid_argument("offers no back end; expected one or more");
+  const auto count = [](const char* what, const void* list, std::size_t number) {
+    if (!list && number > 0) {
+      throw std::invalid_argument("has no list of its " + std::to_string(number) + " " + what +
+                                  "; expected one");
+    }
+    return number;
+  };
+  if (count("back ends", plugin->solvers, plugin->num_solvers) +
+          count("terms", plugin->terms, plugin->num_terms) +
+          count("problems", plugin->problems, plugin->num_problems) ==
+      0) {
+    throw std::invalid_argument("offers nothing; expected a back end, a term or a problem");
   }
   return *plugin;
 }
@@ -202,17 +215,68 @@ void add(const PluginSolver& offer, SolverRegistry& registry) {
   registry.add(std::move(guarded), offer.description ? offer.description : "");
 }
 
+std::string text(const char* given) { return given ? given : ""; }
+
+void add(const PluginTerm& offer, TermRegistry& registry) {
+  if (!offer.name) throw std::invalid_argument("a term has no name; expected one");
+  TermEntry entry{offer.name, text(offer.description)};
+  entry.version = offer.version;
+  if (!offer.options && offer.num_options > 0) {
+    throw std::invalid_argument("term '" + entry.name + "' has no list of its " +
+                                std::to_string(offer.num_options) + " options; expected one");
+  }
+  entry.options.assign(offer.options, offer.options + offer.num_options);
+  if (offer.make) {
+    entry.make = [make = offer.make](const TermOptions& options, const TermContext& context) {
+      return std::shared_ptr<const Term>(make(options, context));
+    };
+  }
+  registry.add(std::move(entry));
+}
+
+void add(const PluginProblem& offer, ProblemRegistry& registry) {
+  if (!offer.set || !offer.name) {
+    throw std::invalid_argument("a problem has no set or no name; expected both");
+  }
+  ProblemEntry entry;
+  entry.set = offer.set;
+  entry.name = offer.name;
+  entry.set_description = text(offer.description);
+  if (offer.make) entry.make = offer.make;
+  if (offer.start) entry.start = offer.start;
+  if (!std::isnan(offer.best_known)) entry.best_known = offer.best_known;
+  registry.add(std::move(entry));
+}
+
 }  // namespace
 
-void load_plugin(const std::string& path, SolverRegistry& registry) {
+std::string load_plugin(const std::string& path, const PluginTargets& targets) {
   try {
     const Plugin& plugin = open_plugin(path);
-    SolverRegistry extended = registry;  // all of its back ends, or none
-    for (std::size_t i = 0; i < plugin.num_solvers; ++i) add(plugin.solvers[i], extended);
-    registry = std::move(extended);
+    // All that it offers, or nothing.
+    SolverRegistry solvers = targets.solvers;
+    TermRegistry terms = targets.terms;
+    ProblemRegistry problems = targets.problems;
+    for (std::size_t i = 0; i < plugin.num_solvers; ++i) add(plugin.solvers[i], solvers);
+    for (std::size_t i = 0; i < plugin.num_terms; ++i) add(plugin.terms[i], terms);
+    for (std::size_t i = 0; i < plugin.num_problems; ++i) add(plugin.problems[i], problems);
+    targets.solvers = std::move(solvers);
+    targets.terms = std::move(terms);
+    targets.problems = std::move(problems);
+    return plugin.abi.optimized != 0
+               ? ""
+               : in_one_line("plug-in '" + path +
+                             "': was compiled without optimisation and is slow; expected a build "
+                             "of type Release");
   } catch (const std::invalid_argument& e) {
     throw std::invalid_argument(in_one_line("plug-in '" + path + "': " + e.what()));
   }
+}
+
+std::string load_plugin(const std::string& path, SolverRegistry& registry) {
+  TermRegistry terms;
+  ProblemRegistry problems;
+  return load_plugin(path, {registry, terms, problems});
 }
 
 }  // namespace prospect

@@ -16,11 +16,11 @@ MissionSet default_missions() {
 
 MissionSet quick_missions() { return {{"office", "loop", "plan:1"}, 1, 10, 12, 3}; }
 
-bool capture_missions(const MissionSet& missions, const SolverRegistry& registry,
+bool capture_missions(const MissionSet& missions, const Registries& registries,
                       const std::function<void(const SavedProblem&)>& take,
                       const CaptureWatch& watch) {
   const auto cancelled = [&] { return watch.cancelled && watch.cancelled(); };
-  const Configuration configuration = read_configuration("", registry);
+  const Configuration configuration = read_configuration("", registries);
   std::vector<std::shared_ptr<const World>> worlds;
   for (const std::string& name : missions.worlds) {
     worlds.push_back(
@@ -33,7 +33,7 @@ bool capture_missions(const MissionSet& missions, const SolverRegistry& registry
     ExplorationRunOptions options;
     options.seed = missions.seed;
     options.keep_steps = false;
-    options.solvers = &registry;
+    options.solvers = &registries.solvers;
     options.on_plan = [&](const StepRecord& record, const Planner& planner) {
       done = record.step + 1;
       if (watch.progress) {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "adapters/config/registries.h"
 #include "adapters/problem_file/problem_file.h"
-#include "solvers/registry.h"
 
 namespace prospect {
 
@@ -34,7 +34,7 @@ MissionSet quick_missions();
 /// problems from the same build on the same machine. False if it was cancelled: then those are
 /// missing that were not yet met. Throws InputError for an unknown world and passes on what `take`
 /// throws.
-bool capture_missions(const MissionSet& missions, const SolverRegistry& registry,
+bool capture_missions(const MissionSet& missions, const Registries& registries,
                       const std::function<void(const SavedProblem&)>& take,
                       const CaptureWatch& watch = {});
 

@@ -63,22 +63,54 @@ BenchProblem problem_of(const std::string& name, std::shared_ptr<const Problem> 
   return made;
 }
 
-BenchProblem problem_of_file(const std::string& path, const std::string& name) {
-  const ReadProblem read = read_problem(path);
+BenchProblem problem_of_file(const std::string& path, const std::string& name,
+                             const TermRegistry& terms) {
+  const ReadProblem read = read_problem(path, terms);
   const std::optional<WarmStart>& warm_start = read.saved.warm_start;
   return problem_of(name, read.problem, read.saved.seeds, warm_start ? &*warm_start : nullptr);
 }
 
-ProblemSet mission_set(const SolverRegistry& registry, bool quick, const CaptureWatch& watch) {
+ProblemSet mission_set(const Registries& registries, bool quick, const CaptureWatch& watch) {
   ProblemSet set{"missions", "", 1e-3, {}, ""};
   capture_missions(
-      quick ? quick_missions() : default_missions(), registry,
+      quick ? quick_missions() : default_missions(), registries,
       [&](const SavedProblem& saved) {
         const std::string file = problem_file_name(saved.origin);
         set.problems.push_back(problem_of(file.substr(0, file.size() - 3),
                                           make_problem(saved.specification), saved.seeds, nullptr));
       },
       watch);
+  return set;
+}
+
+/// A set that a plug-in brings. Throws InputError if one of its problems cannot be made.
+ProblemSet named_set(const std::string& name, const ProblemRegistry& registry) {
+  ProblemSet set;
+  set.name = name;
+  for (const ProblemEntry& entry : registry.problems(name)) {
+    const std::string which = "problem '" + entry.name + "' of set '" + name + "': ";
+    try {
+      auto problem = std::make_shared<const Problem>(entry.make());
+      const Eigen::VectorXd middle = 0.5 * (problem->lower() + problem->upper());
+      const Eigen::VectorXd start = entry.start ? entry.start() : middle;
+      if (start.size() != problem->num_variables() || !start.allFinite()) {
+        throw std::invalid_argument("starts at " + std::to_string(start.size()) +
+                                    " numbers; expected " +
+                                    std::to_string(problem->num_variables()) + " finite ones");
+      }
+      BenchProblem made;
+      made.name = entry.name;
+      made.problem = std::move(problem);
+      made.start.x = start;
+      made.best_known = entry.best_known;
+      if (made.best_known) set.best_known_source = "the plug-in that brings the set";
+      set.problems.push_back(std::move(made));
+    } catch (const std::exception& e) {
+      throw InputError(which + e.what());
+    } catch (...) {
+      throw InputError(which + "an exception that is not a std::exception");
+    }
+  }
   return set;
 }
 
@@ -104,7 +136,7 @@ void read_best_known(ProblemSet& set) {
   }
 }
 
-ProblemSet folder_set(const std::string& path) {
+ProblemSet folder_set(const std::string& path, const TermRegistry& terms) {
   ProblemSet set;
   const fs::path folder = fs::path(path).lexically_normal();
   set.name =
@@ -128,7 +160,7 @@ ProblemSet folder_set(const std::string& path) {
   std::sort(files.begin(), files.end());
   for (const std::string& file : files) {
     set.problems.push_back(
-        problem_of_file((fs::path(path) / file).string(), file.substr(0, file.size() - 3)));
+        problem_of_file((fs::path(path) / file).string(), file.substr(0, file.size() - 3), terms));
   }
   read_best_known(set);
   return set;
@@ -169,27 +201,30 @@ std::string builtin_set_summary(const std::string& name) {
   return "";
 }
 
-ProblemSet make_problem_set(const std::string& text, const SolverRegistry& registry, bool quick,
+ProblemSet make_problem_set(const std::string& text, const Registries& registries, bool quick,
                             const CaptureWatch& watch) {
   if (text == "zoo") return zoo_set();
   if (text == "s30") return s30_set(quick);
-  if (text == "missions") return mission_set(registry, quick, watch);
+  if (text == "missions") return mission_set(registries, quick, watch);
+  if (!registries.problems.problems(text).empty()) return named_set(text, registries.problems);
   std::error_code error;
   const fs::file_status status = fs::status(text, error);
-  if (fs::is_directory(status)) return folder_set(text);
+  if (fs::is_directory(status)) return folder_set(text, registries.terms);
   const std::string extension = fs::path(text).extension().string();
   if (extension == ".json") return read_expression_file(text);
   if (extension == ".h5" || fs::exists(status)) {
     ProblemSet set;
     set.name = fs::path(text).stem().string();
-    set.problems.push_back(problem_of_file(text, set.name));
+    set.problems.push_back(problem_of_file(text, set.name, registries.terms));
     return set;
   }
   std::string names;
-  for (const BuiltinSet& set : kBuiltinSets) names += std::string(set.name) + ", ";
+  std::vector<std::string> all = builtin_set_names();
+  for (const std::string& set : registries.problems.sets()) all.push_back(set);
+  for (const std::string& set : all) names += set + ", ";
   throw InputError(
-      "problem set '" + text + "': no such file or folder" +
-      did_you_mean(text, builtin_set_names()) + "; expected one of: " + names +
+      "problem set '" + text + "': no such file or folder" + did_you_mean(text, all) +
+      "; expected one of: " + names +
       "a folder of problem files, a problem file (.h5), problems as expressions (.json)");
 }
 

@@ -45,7 +45,7 @@ std::vector<std::string> default_solvers(const SolverRegistry& registry, bool qu
 }
 
 /// Writes the problems of the set `missions` to a new folder, which is then a set.
-int capture(const BenchArguments& arguments, const SolverRegistry& registry) {
+int capture(const BenchArguments& arguments, const Registries& registries) {
   namespace fs = std::filesystem;
   const std::string& folder = arguments.capture;
   const char* const expected = "; expected a new or empty folder";
@@ -65,7 +65,7 @@ int capture(const BenchArguments& arguments, const SolverRegistry& registry) {
   int written = 0;
   Progress progress(arguments.quiet);
   const bool all = capture_missions(
-      arguments.quick ? quick_missions() : default_missions(), registry,
+      arguments.quick ? quick_missions() : default_missions(), registries,
       [&](const SavedProblem& saved) {
         write_problem((fs::path(folder) / problem_file_name(saved.origin)).string(), saved);
         ++written;
@@ -80,14 +80,15 @@ int capture(const BenchArguments& arguments, const SolverRegistry& registry) {
 
 }  // namespace
 
-int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
-  if (!arguments.capture.empty()) return capture(arguments, registry);
+int bench(const BenchArguments& arguments, const Registries& registries) {
+  if (!arguments.capture.empty()) return capture(arguments, registries);
   // Everything is looked at before anything is measured or written.
   const std::vector<SolverChoice> solvers = choose_solvers(
-      arguments.solvers.empty() ? default_solvers(registry, arguments.quick) : arguments.solvers,
-      registry);
+      arguments.solvers.empty() ? default_solvers(registries.solvers, arguments.quick)
+                                : arguments.solvers,
+      registries.solvers);
   for (const SolverChoice& choice : solvers) {
-    if (tell_if_absent(choice.solver->name(), registry)) return kNotBuiltIn;
+    if (tell_if_absent(choice.solver->name(), registries.solvers)) return kNotBuiltIn;
   }
   std::vector<std::string> names = arguments.sets;
   if (names.empty()) names = builtin_set_names();
@@ -99,7 +100,7 @@ int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
   std::vector<ProblemSet> sets;
   std::set<std::string> used;
   for (const std::string& name : names) {
-    sets.push_back(make_problem_set(name, registry, arguments.quick, watch));
+    sets.push_back(make_problem_set(name, registries, arguments.quick, watch));
     progress.finish();
     if (options.cancelled()) {
       std::cerr << "prospect: cancelled; nothing is measured\n";

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/config/registries.h"
 #include "adapters/datasets/depth_source.h"
 #include "adapters/datasets/stereo_source.h"
 #include "solvers/registry.h"
@@ -44,7 +45,7 @@ struct ExploreArguments {
   bool json = false;
   bool quiet = false;
 };
-int explore(const ExploreArguments& arguments, const SolverRegistry& registry);
+int explore(const ExploreArguments& arguments, const Registries& registries);
 /// One line on standard error of what the world's source holds besides, if anything.
 void tell_left_out(const World& world);
 
@@ -55,7 +56,7 @@ struct ReportArguments {
   std::string color;  ///< of the path; empty: plain
   std::string out;    ///< folder; empty: that of the run
 };
-int report(const ReportArguments& arguments, const SolverRegistry& registry);
+int report(const ReportArguments& arguments, const Registries& registries);
 /// What ReportArguments::color may be.
 std::vector<std::string> path_colors();
 
@@ -70,7 +71,7 @@ struct SolveArguments {
   bool json = false;
   bool quiet = false;
 };
-int solve(const SolveArguments& arguments, const SolverRegistry& registry);
+int solve(const SolveArguments& arguments, const Registries& registries);
 
 struct BenchArguments {
   std::vector<std::string> sets;     ///< empty: all built-in ones
@@ -87,7 +88,7 @@ struct BenchArguments {
   bool json = false;
   bool quiet = false;
 };
-int bench(const BenchArguments& arguments, const SolverRegistry& registry);
+int bench(const BenchArguments& arguments, const Registries& registries);
 
 struct OdometryArguments {
   std::string dataset;  ///< a recording
@@ -127,12 +128,12 @@ struct InspectArguments {
 int inspect(const InspectArguments& arguments);
 
 /// `what`: one of list_kinds(), in full; "": all of them, names only unless `json`.
-int list(const std::string& what, bool json, const SolverRegistry& registry);
+int list(const std::string& what, bool json, const Registries& registries);
 std::vector<std::string> list_kinds();
 /// The version of the program, and what it was built from and runs with.
 int print_version(bool json);
 /// Prints the effective configuration of a file (empty: the defaults) and of settings above it.
 int print_configuration(const std::string& file, const std::vector<std::string>& settings,
-                        const SolverRegistry& registry);
+                        const Registries& registries);
 
 }  // namespace prospect

@@ -150,12 +150,12 @@ void tell_left_out(const World& world) {
   std::cerr << "prospect: " << world.name << ": read without: " << world.left_out.text() << '\n';
 }
 
-int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
+int explore(const ExploreArguments& arguments, const Registries& registries) {
   Configuration configuration =
-      read_configuration(arguments.configuration, registry, arguments.settings);
+      read_configuration(arguments.configuration, registries, arguments.settings);
   if (!arguments.solver.empty()) {
     configuration.solver = arguments.solver;
-    const std::string wrong = solver_problem(configuration.solver, registry);
+    const std::string wrong = solver_problem(configuration.solver, registries.solvers);
     if (!wrong.empty()) throw InputError("--solver: " + wrong);
     override_entry(configuration, "planner.solver", arguments.solver);
   }
@@ -172,7 +172,7 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
     configuration.map = arguments.map;
     override_entry(configuration, "simulator.map", arguments.map);
   }
-  if (tell_if_absent(configuration.solver, registry)) return kNotBuiltIn;
+  if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
   set_world(arguments, configuration);
   Progress progress(arguments.quiet);
   WorldOptions world_options = world_options_for(configuration);
@@ -183,7 +183,7 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
 
   ExplorationRunOptions options;
   options.seed = arguments.seed;
-  options.solvers = &registry;
+  options.solvers = &registries.solvers;
 
   const std::string out = arguments.out.empty() ? "runs/" + file_name(world->name) + "_" +
                                                       file_name(configuration.solver) + "_" +

@@ -8,6 +8,8 @@
 #include "adapters/bench/problem_set.h"
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
+#include "adapters/files/csv.h"
+#include "adapters/files/input_error.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "engine/behaviour/behaviour.h"
 #include "solvers/options.h"
@@ -15,27 +17,37 @@
 namespace prospect {
 namespace {
 
-/// The terms of the planner's problem, as formulation.md defines them.
-struct TermInfo {
-  const char* name;
-  const char* weight;
-  const char* description;
-};
-constexpr TermInfo kTerms[] = {
-    {"control_effort", "w_u", "deviation of the input from the desired one"},
-    {"input_rate", "w_du", "change of the input from stage to stage"},
-    {"obstacles", "w_o", "closeness to obstacles, from FCL distances"},
-    {"visible_features", "w_l",
-     "too few features predicted in view (count or information); with w_c also the chance of fewer "
-     "than N_min"},
-    {"exploration_gain", "w_e", "expected newly explored area (a reward)"},
-    {"cost_to_go", "w_T", "time to the viewpoints of the active frontiers"},
-    {"heading_alignment", "w_h", "heading away from where the cost-to-go falls"},
-    {"clearance", "", "constraint: clearance of at least d_safe at nodes and mid-points"},
-    {"braking", "", "constraint: able to stop inside known free space"},
-    {"rate_limit", "", "constraint: the model's limits on the change of inputs"},
-    {"speed_limit", "", "constraint: speed limits of models with velocity in the state"},
-};
+/// "w_T" of a built-in cost, "" of any other term.
+std::string short_key(const TermEntry& entry) {
+  const std::string& key = entry.weight_key;
+  return key.empty() ? "" : key.substr(key.rfind('.') + 1);
+}
+
+/// "radius=0.5 [m], 0.05 to 10: the distance at which ..."
+std::string in_words(const nlohmann::ordered_json& option) {
+  const auto text = [&](const char* key) { return option.at(key).get<std::string>(); };
+  const auto number = [&](const char* key) { return csv::text(option.at(key).get<double>()); };
+  return text("name") + "=" + number("default") + " [" + text("unit") + "], " + number("least") +
+         " to " + number("most") + ": " + text("description");
+}
+
+nlohmann::ordered_json to_json(const TermEntry& entry) {
+  nlohmann::ordered_json options = nlohmann::ordered_json::array();
+  for (const TermOption& o : entry.options) {
+    options.push_back({{"name", o.name},
+                       {"default", o.fallback},
+                       {"least", o.least},
+                       {"most", o.most},
+                       {"unit", o.unit},
+                       {"description", o.description}});
+  }
+  return {{"name", entry.name},
+          {"weight", short_key(entry)},
+          {"description", entry.description},
+          {"built_in", entry.built_in},
+          {"version", entry.version},
+          {"options", options}};
+}
 
 /// Names, several a line, under a heading.
 void print_names(const std::string& heading, const std::vector<std::string>& names) {
@@ -53,10 +65,10 @@ void print_names(const std::string& heading, const std::vector<std::string>& nam
   std::printf("%s\n", text.c_str());
 }
 
-nlohmann::ordered_json as_json(const std::string& what, const SolverRegistry& registry) {
+nlohmann::ordered_json as_json(const std::string& what, const Registries& registries) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   if (what == "solvers") {
-    for (const SolverInfo& s : registry.list()) {
+    for (const SolverInfo& s : registries.solvers.list()) {
       nlohmann::ordered_json options = nlohmann::ordered_json::array();
       for (const OptionInfo& o : s.options) {
         options.push_back(
@@ -83,9 +95,13 @@ nlohmann::ordered_json as_json(const std::string& what, const SolverRegistry& re
     for (const std::string& name : builtin_set_names()) {
       out.push_back({{"name", name}, {"description", builtin_set_summary(name)}});
     }
+    for (const std::string& name : registries.problems.sets()) {
+      const std::string& words = registries.problems.problems(name).front().set_description;
+      out.push_back({{"name", name}, {"description", words}});
+    }
   } else {
-    for (const TermInfo& t : kTerms) {
-      out.push_back({{"name", t.name}, {"weight", t.weight}, {"description", t.description}});
+    for (const auto& t : registries.terms.list()) {
+      out.push_back(to_json(*t));
     }
   }
   return out;
@@ -106,6 +122,10 @@ void print_in_full(const std::string& what, const nlohmann::ordered_json& entrie
       std::printf(" [not built in: needs %s]", text("needs").c_str());
     }
     std::printf("\n");
+    if (what != "terms") continue;
+    for (const auto& option : entry.at("options")) {
+      std::printf("    %s\n", in_words(option).c_str());
+    }
   }
 }
 
@@ -123,9 +143,9 @@ std::vector<std::string> names_of(const std::string& what, const nlohmann::order
 
 std::vector<std::string> list_kinds() { return {"solvers", "worlds", "terms", "sets", "modes"}; }
 
-int list(const std::string& what, bool json, const SolverRegistry& registry) {
+int list(const std::string& what, bool json, const Registries& registries) {
   if (!what.empty()) {
-    const nlohmann::ordered_json entries = as_json(what, registry);
+    const nlohmann::ordered_json entries = as_json(what, registries);
     if (json) {
       std::cout << entries.dump(2) << '\n';
     } else {
@@ -134,7 +154,7 @@ int list(const std::string& what, bool json, const SolverRegistry& registry) {
     return kDone;
   }
   nlohmann::ordered_json all;
-  for (const std::string& kind : list_kinds()) all[kind] = as_json(kind, registry);
+  for (const std::string& kind : list_kinds()) all[kind] = as_json(kind, registries);
   if (json) {
     std::cout << all.dump(2) << '\n';
     return kDone;
@@ -145,8 +165,8 @@ int list(const std::string& what, bool json, const SolverRegistry& registry) {
 }
 
 int print_configuration(const std::string& file, const std::vector<std::string>& settings,
-                        const SolverRegistry& registry) {
-  std::cout << effective_yaml(read_configuration(file, registry, settings).entries);
+                        const Registries& registries) {
+  std::cout << effective_yaml(read_configuration(file, registries, settings).entries);
   return kDone;
 }
 

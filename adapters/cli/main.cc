@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/bench/problem_set.h"
 #include "adapters/cli/command_line_files.h"
 #include "adapters/cli/commands.h"
 #include "adapters/cli/parse_command_line.h"
@@ -382,7 +383,8 @@ int run(int argc, char** argv) {
   for (CLI::App* command : app.get_subcommands({})) {
     command
         ->add_option("--plugin", plugins,
-                     "Shared library with further back ends; may be given several times")
+                     "Shared library with further back ends, terms or problems; may be given "
+                     "several times")
         ->type_name("FILE")
         ->allow_extra_args(false);
   }
@@ -403,17 +405,22 @@ int run(int argc, char** argv) {
     return kDone;
   }
   if (*files_command) return write_command_line_files(app, shared_folder);
-  SolverRegistry registry;
-  for (const std::string& path : plugins) load_plugin(path, registry);
-  if (*explore_command) return explore(explore_arguments, registry);
-  if (*report_command) return report(report_arguments, registry);
-  if (*solve_command) return solve(solve_arguments, registry);
-  if (*bench_command) return bench(bench_arguments, registry);
+  Registries registries;
+  for (const std::string& name : builtin_set_names()) registries.problems.reserve(name);
+  for (const std::string& path : plugins) {
+    const std::string warning =
+        load_plugin(path, {registries.solvers, registries.terms, registries.problems});
+    if (!warning.empty()) std::cerr << "prospect: " << warning << '\n';
+  }
+  if (*explore_command) return explore(explore_arguments, registries);
+  if (*report_command) return report(report_arguments, registries);
+  if (*solve_command) return solve(solve_arguments, registries);
+  if (*bench_command) return bench(bench_arguments, registries);
   if (*inspect_command) return inspect(inspect_arguments);
   if (*odometry_command) return odometry(odometry_arguments);
   if (*map_command) return map(map_arguments);
-  if (*list_command) return list(what, list_json, registry);
-  return print_configuration(configuration, settings, registry);
+  if (*list_command) return list(what, list_json, registries);
+  return print_configuration(configuration, settings, registries);
 }
 
 }  // namespace

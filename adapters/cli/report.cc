@@ -22,7 +22,7 @@ bool has(const std::vector<std::string>& words, const std::string& word) {
 
 std::vector<std::string> path_colors() { return {"plain", "features", "error", "speed", "mode"}; }
 
-int report(const ReportArguments& arguments, const SolverRegistry& registry) {
+int report(const ReportArguments& arguments, const Registries& registries) {
   namespace fs = std::filesystem;
   if (arguments.figures.empty()) {
     throw InputError("report: no figure named; expected --figure path, map or path,map (" +
@@ -38,7 +38,7 @@ int report(const ReportArguments& arguments, const SolverRegistry& registry) {
   const auto by =
       static_cast<PathColor>(std::find(colors.begin(), colors.end(), color) - colors.begin());
   const FigureSource source =
-      read_figure_source(arguments.run, path ? std::optional(by) : std::nullopt, map, registry);
+      read_figure_source(arguments.run, path ? std::optional(by) : std::nullopt, map, registries);
 
   // All of them before the first is written.
   std::vector<std::pair<std::string, std::string>> files;

@@ -29,8 +29,8 @@ struct NamedProblem {
 };
 
 /// The problem file `path`.
-NamedProblem load(const std::string& path) {
-  ReadProblem read = read_problem(path);
+NamedProblem load(const std::string& path, const TermRegistry& terms) {
+  ReadProblem read = read_problem(path, terms);
   NamedProblem named{path, std::move(read.problem), {}};
   if (read.saved.warm_start) {
     named.warm_start = std::move(*read.saved.warm_start);
@@ -69,14 +69,14 @@ struct Capture {
 /// Runs the mission up to that planning step and takes the problem it meets there; none if it was
 /// cancelled before.
 NamedProblem capture(const Capture& wanted, const Configuration& configuration,
-                     const SolverRegistry& registry, std::uint64_t seed, Progress& progress,
+                     const Registries& registries, std::uint64_t seed, Progress& progress,
                      const std::function<bool()>& cancelled) {
   int steps_done = 0;
   NamedProblem named{wanted.name, nullptr, {}};
   ExplorationRunOptions options;
   options.seed = seed;
   options.keep_steps = false;
-  options.solvers = &registry;
+  options.solvers = &registries.solvers;
   options.on_plan = [&](const StepRecord& record, const Planner& planner) {
     steps_done = record.step + 1;
     progress.show(wanted.name + ": step " + std::to_string(record.step) + " of " +
@@ -150,16 +150,16 @@ void print_table(const NamedProblem& named,
 
 }  // namespace
 
-int solve(const SolveArguments& arguments, const SolverRegistry& registry) {
+int solve(const SolveArguments& arguments, const Registries& registries) {
   Configuration configuration =
-      read_configuration(arguments.configuration, registry, arguments.settings);
+      read_configuration(arguments.configuration, registries, arguments.settings);
   std::vector<std::string> names = arguments.solvers;
   if (names.empty()) names = {"ipopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "sampling"};
   std::vector<std::shared_ptr<const Solver>> solvers;
   for (const std::string& name : names) {
-    const std::string wrong = solver_problem(name, registry);
+    const std::string wrong = solver_problem(name, registries.solvers);
     if (!wrong.empty()) throw InputError("--solver: " + wrong);
-    solvers.push_back(registry.make(name));
+    solvers.push_back(registries.solvers.make(name));
   }
 
   // All of them before any is solved: a bad one is refused with nothing printed.
@@ -168,7 +168,7 @@ int solve(const SolveArguments& arguments, const SolverRegistry& registry) {
   std::vector<Capture> captures;  // by problem
   for (const std::string& text : arguments.problems) {
     const int step = step_of(text);
-    problems.push_back(step < 0 ? load(text) : NamedProblem{text, nullptr, {}});
+    problems.push_back(step < 0 ? load(text, registries.terms) : NamedProblem{text, nullptr, {}});
     captures.push_back({text, nullptr, step});
     if (step < 0) continue;
     WorldOptions world_options = world_options_for(configuration);
@@ -183,7 +183,7 @@ int solve(const SolveArguments& arguments, const SolverRegistry& registry) {
   for (std::size_t k = 0; k < problems.size(); ++k) {
     if (captures[k].step < 0) continue;
     problems[k] =
-        capture(captures[k], configuration, registry, arguments.seed, progress, cancelled);
+        capture(captures[k], configuration, registries, arguments.seed, progress, cancelled);
     if (!problems[k].problem) {
       std::cerr << "prospect: cancelled; nothing is solved\n";
       return kFailed;

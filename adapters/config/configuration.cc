@@ -1,9 +1,11 @@
 #include "adapters/config/configuration.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <stdexcept>
 
+#include "adapters/config/term_settings.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
 #include "engine/planner/frontier_planner_options.h"
@@ -125,7 +127,8 @@ void read_robot(YamlMap map, Configuration& c) {
   c.robot.depth_mount = read_mount(depth.map("mount"));
 }
 
-void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) {
+/// Returns the paths of settings that others have taken the place of.
+std::vector<std::string> read_planner(YamlMap map, const Registries& registries, Configuration& c) {
   PlannerParameters& p = c.planner;
   const auto number = [&](const char* key, double& value, double min, double max, const char* unit,
                           const char* what) {
@@ -135,7 +138,7 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
     value = static_cast<int>(map.integer(key, value, min, max, "1", what));
   };
   c.solver = map.text("solver", c.solver, "back end, see `prospect list solvers`");
-  if (const std::string wrong = solver_problem(c.solver, solvers); !wrong.empty()) {
+  if (const std::string wrong = solver_problem(c.solver, registries.solvers); !wrong.empty()) {
     map.problem("solver", wrong);
   }
   integer("N", p.N, 1, 1000, "stages of the horizon");
@@ -239,6 +242,7 @@ void read_planner(YamlMap map, const SolverRegistry& solvers, Configuration& c) 
   g.traversability.narrow_factor =
       f.number("narrow_factor", g.traversability.narrow_factor, 4.0, 1e4, "1",
                "cost of a metre through what is narrower than the robot keeps clear");
+  return read_terms(map, registries.terms, p);
 }
 
 // What `sensors: camera` needs besides.
@@ -405,11 +409,11 @@ void read_task(YamlMap map, Configuration& c) {
   }
 }
 
-Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
+Configuration read(StrictYaml yaml, const Registries& registries) {
   Configuration c;
   YamlMap root = yaml.root();
   read_robot(root.map("robot"), c);
-  read_planner(root.map("planner"), solvers, c);
+  const std::vector<std::string> replaced = read_planner(root.map("planner"), registries, c);
   read_simulator(root.map("simulator"), c);
   read_world(root.map("world"), c.world);
   YamlMap mission = root.map("mission");
@@ -447,6 +451,9 @@ Configuration read(StrictYaml yaml, const SolverRegistry& solvers) {
   c.simulator.features.stereo = c.robot.stereo;
   c.simulator.stereo_mount = c.robot.stereo_mount;
   c.entries = yaml.entries();
+  std::erase_if(c.entries, [&](const ConfigEntry& entry) {
+    return std::find(replaced.begin(), replaced.end(), entry.path) != replaced.end();
+  });
   return c;
 }
 
@@ -477,17 +484,17 @@ std::string solver_problem(const std::string& name, const SolverRegistry& solver
   }
 }
 
-Configuration read_configuration(const std::string& path, const SolverRegistry& solvers,
+Configuration read_configuration(const std::string& path, const Registries& registries,
                                  const std::vector<std::string>& settings) {
   StrictYaml yaml =
       path.empty() ? StrictYaml::from_text("", "defaults") : StrictYaml::from_file(path);
   for (const std::string& setting : settings) yaml.set(setting);
-  return read(std::move(yaml), solvers);
+  return read(std::move(yaml), registries);
 }
 
 Configuration configuration_from_text(const std::string& text, const std::string& source,
-                                      const SolverRegistry& solvers) {
-  return read(StrictYaml::from_text(text, source), solvers);
+                                      const Registries& registries) {
+  return read(StrictYaml::from_text(text, source), registries);
 }
 
 }  // namespace prospect

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/config/registries.h"
 #include "adapters/files/strict_yaml.h"
 #include "adapters/simulator/simulator_options.h"
 #include "adapters/worlds/world_options.h"
@@ -30,10 +31,11 @@ struct Configuration {
   std::vector<ConfigEntry> entries;  ///< what is in effect, for config.yaml and `prospect config`
 };
 
-/// Reads a configuration file; an empty path gives the defaults. Its solver is one of `solvers`.
+/// Reads a configuration file; an empty path gives the defaults. Its solver and its
+/// terms are some of `registries`.
 /// settings: "planner.weights.w_l=0", which stand above the file (StrictYaml::set).
 /// Throws InputError with every problem at once (file:line: what; expected what).
-Configuration read_configuration(const std::string& path, const SolverRegistry& solvers = {},
+Configuration read_configuration(const std::string& path, const Registries& registries = {},
                                  const std::vector<std::string>& settings = {});
 
 /// Notes in the entries that a value, given as YAML, was chosen elsewhere, as on the command line;
@@ -51,6 +53,6 @@ std::string solver_problem(const std::string& name, const SolverRegistry& solver
 
 /// The same as read_configuration() from text; `source` stands for the file's name in messages.
 Configuration configuration_from_text(const std::string& text, const std::string& source,
-                                      const SolverRegistry& solvers = {});
+                                      const Registries& registries = {});
 
 }  // namespace prospect

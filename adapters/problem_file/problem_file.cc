@@ -106,7 +106,7 @@ void write_problem(const std::string& path, const SavedProblem& saved) {
     }
     problem.specification = with_maps_cut(std::move(problem.specification));
     Hdf5Writer writer;
-    transfer_problem(writer, problem);
+    transfer_problem(writer, problem, {});
     bytes = writer.finish();
   } catch (const std::invalid_argument& e) {
     refuse(path, std::string("cannot be written: ") + e.what());
@@ -131,12 +131,12 @@ void write_problem(const std::string& path, const SavedProblem& saved) {
   throw std::runtime_error(one_line(path + ": writing failed (" + error.message() + ")"));
 }
 
-ReadProblem read_problem(const std::string& path) {
+ReadProblem read_problem(const std::string& path, const TermRegistry& terms) {
   const std::string bytes = contents(path);
   try {
     ReadProblem read;
     Hdf5Reader reader(bytes);
-    transfer_problem(reader, read.saved);
+    transfer_problem(reader, read.saved, terms);
     read.problem = make_problem(read.saved.specification);
     check_can_be_solved(read);
     return read;

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "engine/planner/problem_specification.h"
 #include "engine/planner/seeds.h"
 #include "engine/problem/solver.h"
+#include "engine/problem/term_registry.h"
+#include "engine/terms/problem_specification.h"
 
 namespace prospect {
 
@@ -31,14 +32,15 @@ struct SavedProblem {
 
 /// The version that is written; all up to it are read. docs/reference/problem_files.md describes
 /// them.
-constexpr int kProblemFileVersion = 3;
+constexpr int kProblemFileVersion = 4;
 
 /// Writes a problem file (HDF5): to `path`.part, then renamed, so that `path` is never half
-/// written. Maps are cut down to what the problem looks at (with_maps_cut). The same problem gives
-/// the same bytes. Throws std::invalid_argument, with nothing written, for a problem that a file
-/// cannot hold (a motion model of the user's own, a number that is not finite, more than the limits
-/// of docs/reference/problem_files.md), and std::runtime_error if writing fails; both in one line
-/// that begins with the path.
+/// written. Maps are cut down to what the problem looks at (with_maps_cut); terms that are not
+/// built in are written by their names, versions and options. The same problem gives the same
+/// bytes. Throws std::invalid_argument, with nothing written, for a problem that a file cannot hold
+/// (a motion model of the user's own, a number that is not finite, more than the limits of
+/// docs/reference/problem_files.md), and std::runtime_error if writing fails; both in one line that
+/// begins with the path.
 void write_problem(const std::string& path, const SavedProblem& saved);
 
 /// A problem file, read and checked as a whole, and the Problem that it makes.
@@ -51,10 +53,11 @@ struct ReadProblem {
 /// and derivatives are those of the one that was written, bit for bit. Throws std::invalid_argument
 /// in one line, "PATH: what; expected what", for a file that is missing, damaged, truncated, of
 /// another kind or version, holds what no problem can, or makes a problem whose terms are no finite
-/// numbers wherever a solver could begin.
+/// numbers wherever a solver could begin. terms: where those that are not built in are looked up; a
+/// file with one that is not there, or that has other options there, is refused by its name.
 ///
 /// Reads the file once, from its beginning to its end; nothing else is opened, whatever it says.
 /// Thread-safety: calls from several threads are safe if the HDF5 library is (Debian's is).
-ReadProblem read_problem(const std::string& path);
+ReadProblem read_problem(const std::string& path, const TermRegistry& terms = {});
 
 }  // namespace prospect

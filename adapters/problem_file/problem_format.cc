@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <utility>
 
+#include "engine/terms/builtin_terms.h"
 #include "models/make_model.h"
 
 namespace prospect {
@@ -20,7 +22,9 @@ constexpr std::size_t kMostBodyParts = 1000;
 constexpr std::size_t kMostSeeds = 100'000;
 constexpr std::size_t kMostCorners = 1000;  // of a zone
 constexpr int kMostZones = 1000;            // of a kind
+constexpr std::size_t kMostTerms = 1000;
 constexpr int kVersionWithoutZones = 2;
+constexpr int kVersionWithoutAddedTerms = 3;
 constexpr double kMostFieldNodes = 25e6;
 constexpr double kMostTableEntries = 50e6;
 constexpr double kMostRaySteps = 5e9;
@@ -471,7 +475,52 @@ void zones(Archive& a, ProblemSpecification& r) {
   });
 }
 
-void terms(Archive& a, int version, ProblemSpecification& r) {
+/// A term that is not built in: its name, version of options and options, by which a reader with
+/// the same entry makes it again.
+void added_term(Archive& a, const TermRegistry& registry, TermUse& use) {
+  std::string name = a.writing() ? use.entry->name : "";
+  a.text("name", name);
+  int version = a.writing() ? use.entry->version : 0;
+  a.integer("version", version, 1, std::numeric_limits<int>::max());
+  if (!a.writing()) {
+    try {
+      use.entry = registry.find(name);
+    } catch (const std::exception&) {
+      a.refuse("name", "needs the term '" + name + "', which is not there",
+               "the plug-in that brings it (--plugin)");
+    }
+    if (use.entry->version != version) {
+      a.refuse("version",
+               "has options of version " + std::to_string(version) + " of term '" + name + "'",
+               "those of version " + std::to_string(use.entry->version) +
+                   ", which the term at hand has");
+    }
+  }
+  a.number("weight", use.weight, 0.0, TermEntry::kMostWeight);
+  a.group("options", [&] {
+    for (const TermOption& o : use.entry->options) {
+      a.number(o.name.c_str(), use.options[o.name], o.least, o.most);
+    }
+  });
+}
+
+void added_terms(Archive& a, const TermRegistry& registry, ProblemSpecification& r) {
+  a.group("added", [&] {
+    numbered(a, "terms", r.added_terms, [&](TermUse& use) { added_term(a, registry, use); });
+    const Archive::Shape shape = a.shape("left_out", {r.terms_left_out.size()}, kMostTerms);
+    a.texts("left_out", r.terms_left_out, shape[0]);
+    const TermRegistry known = builtin_terms();
+    for (const std::string& name : r.terms_left_out) {
+      try {
+        known.find(name);
+      } catch (const std::exception&) {
+        a.refuse("left_out", "has '" + name + "'", "names of built-in terms");
+      }
+    }
+  });
+}
+
+void terms(Archive& a, int version, const TermRegistry& registry, ProblemSpecification& r) {
   a.group("terms", [&] {
     a.group("control_effort", [&] {
       a.number("weight", r.weights.control_effort);
@@ -484,6 +533,7 @@ void terms(Archive& a, int version, ProblemSpecification& r) {
     exploration_gain(a, r);
     cost_to_go(a, r);
     a.group("heading_alignment", [&] { a.number("weight", r.weights.heading_alignment, 0.0); });
+    if (version > kVersionWithoutAddedTerms) added_terms(a, registry, r);
   });
 }
 
@@ -550,14 +600,17 @@ void warm_start(Archive& a, SavedProblem& problem) {
 
 }  // namespace
 
-void transfer_problem(Archive& a, SavedProblem& problem) {
+void transfer_problem(Archive& a, SavedProblem& problem, const TermRegistry& registry) {
   std::string format = "prospect problem";
   a.text("format", format);
   if (format != "prospect problem") {
     a.refuse("format", "is '" + format + "'", "'prospect problem'");
   }
   // The least that says it all: who knows no zones may read what has none.
-  int version = problem.specification.zones ? kProblemFileVersion : kVersionWithoutZones;
+  const ProblemSpecification& s = problem.specification;
+  int version = !s.added_terms.empty() || !s.terms_left_out.empty() ? kProblemFileVersion
+                : s.zones                                           ? kVersionWithoutAddedTerms
+                                                                    : kVersionWithoutZones;
   a.integer("version", version, 1, std::numeric_limits<int>::max());
   if (version > kProblemFileVersion) {
     a.refuse("version", "is " + std::to_string(version),
@@ -569,7 +622,7 @@ void transfer_problem(Archive& a, SavedProblem& problem) {
   horizon(a, r);
   map(a, r);
   if (version > kVersionWithoutZones) zones(a, r);
-  terms(a, version, r);
+  terms(a, version, registry, r);
   seeds(a, problem);
   warm_start(a, problem);
 }

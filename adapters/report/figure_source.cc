@@ -52,9 +52,9 @@ double start_height(const std::string& file) {
   return z;
 }
 
-GroundMap read_map(const fs::path& folder, const SolverRegistry& solvers) {
+GroundMap read_map(const fs::path& folder, const Registries& registries) {
   const Configuration configuration =
-      read_configuration((folder / "config.yaml").string(), solvers);
+      read_configuration((folder / "config.yaml").string(), registries);
   const double z = start_height((folder / "trajectory_estimated.tum").string());
   const VerticalExtent extent = vertical_extent(configuration.robot.shape);
   const HeightSlice slice{z + extent.z_min, z + extent.z_max};
@@ -70,7 +70,7 @@ GroundMap read_map(const fs::path& folder, const SolverRegistry& solvers) {
 }  // namespace
 
 FigureSource read_figure_source(const std::string& folder, std::optional<PathColor> path_by,
-                                bool map_needed, const SolverRegistry& solvers) {
+                                bool map_needed, const Registries& registries) {
   std::error_code error;
   if (!fs::exists(folder, error)) fail(folder, "no such folder; expected that of a run");
   if (!fs::is_directory(folder, error)) fail(folder, "is no folder; expected that of a run");
@@ -80,7 +80,7 @@ FigureSource read_figure_source(const std::string& folder, std::optional<PathCol
   if (path_by) source.path = read_path(table, *path_by);
   const fs::path map = fs::path(folder) / "map.bt";
   if (fs::exists(map, error)) {
-    source.map = read_map(folder, solvers);
+    source.map = read_map(folder, registries);
   } else if (map_needed) {
     fail(map.string(), "no such file; expected the map of a run that came to its end");
   }

@@ -7,7 +7,7 @@
 
 namespace prospect {
 
-class SolverRegistry;
+struct Registries;
 
 /// What the figures of a run need of its folder (docs/reference/report.md).
 struct FigureSource {
@@ -20,6 +20,6 @@ struct FigureSource {
 /// is absent then, which is an error only if `map_needed`. `solvers`: those that config.yaml may
 /// name. Throws InputError, one line a problem, for whatever is missing, cut or no number.
 FigureSource read_figure_source(const std::string& folder, std::optional<PathColor> path_by,
-                                bool map_needed, const SolverRegistry& solvers);
+                                bool map_needed, const Registries& registries);
 
 }  // namespace prospect

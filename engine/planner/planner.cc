@@ -14,6 +14,7 @@
 #include "engine/features/local_texture.h"
 #include "engine/maps/surface_drift.h"
 #include "engine/maps/usable_landmarks.h"
+#include "engine/planner/added_terms.h"
 #include "engine/planner/candidate_evaluation.h"
 #include "engine/planner/candidate_polish.h"
 #include "engine/planner/feature_weight.h"
@@ -29,6 +30,7 @@
 #include "engine/support/stopwatch.h"
 #include "engine/support/worker_threads.h"
 #include "engine/task/zone_map.h"
+#include "engine/terms/builtin_terms.h"
 #include "models/can_move.h"
 #include "models/limited_twist.h"
 
@@ -109,6 +111,8 @@ void check_sensors(const RobotDescription& robot, const PlannerParameters& p) {
 PlannerParameters completed(const RobotDescription& robot, PlannerParameters p) {
   check(p);
   check_sensors(robot, p);
+  for (const TermUse& use : p.terms) check_added_term(use);
+  for (const std::string& name : p.terms_left_out) builtin_terms().find(name);
   p.frontier_planner = frontier_planner_options_for(robot, p);
   const std::vector<std::string> wrong =
       faults(p.task, p.frontier_planner.traversability.zones.get(),
@@ -195,7 +199,7 @@ struct Planner::Impl {
 
   // Of the last step.
   std::shared_ptr<const GlobalPlan> global_plan;
-  std::shared_ptr<const ProblemSpecification> specification;
+  std::shared_ptr<ProblemSpecification> specification;  // in the making within a step
   std::shared_ptr<const Problem> problem;
   std::vector<Seed> seeds;  // of the problem, best first
   std::vector<Landmark> landmarks;
@@ -266,18 +270,18 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   visibility = evaluators.prediction->probabilities(belief.pose)
                    .head(static_cast<Eigen::Index>(landmarks.size()));
   plan.times.views += watch.lap();
+  std::vector<FailedTerm> failed = make_added_terms(*specification, evaluators);
   problem = assemble_problem(*specification, evaluators);
 
   // Seeds.
-  SeedContext context = seed_context(belief);
-  std::optional<BodyClearance> known;
-  if (parameters.unknown == UnknownPolicy::kBraking) {
-    context.known = &known.emplace(evaluators.known, robot.shape);
-    context.known_margin = parameters.d_safe;
-  }
   const ModePolicy::Seeds wanted = policy(mode).seeds;
-  const std::vector<Seed> made =
-      make_seeds(*problem, context, wanted, kTurnsWithin * parameters.task.goal.position_tolerance);
+  const std::vector<Seed> made = make_seeds(*problem, seed_context(belief), wanted,
+                                            kTurnsWithin * parameters.task.goal.position_tolerance);
+  if (const std::vector<FailedTerm> more = try_added_terms(*specification, evaluators, made);
+      !more.empty()) {
+    failed.insert(failed.end(), more.begin(), more.end());
+    problem = assemble_problem(*specification, evaluators);
+  }
   std::vector<Candidate> candidates = evaluate(candidates_of(made), Evaluate::kScore, evaluation());
   if (mode == ModeKind::kExplore && belief.localization != Localization::kLost) {
     bound_features(candidates);
@@ -312,6 +316,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
           plan)) {
     brake_instead(belief, plan);
   }
+  tell(failed, plan);
   plan.times.certify = watch.lap();
 
   remember(plan);
@@ -355,7 +360,7 @@ void Planner::Impl::specify(const Belief& belief, ModeKind mode, const LocalText
   StepSpecification made =
       specify_problem({robot, parameters, belief, *global_plan, global_planner.frontiers(), zones,
                        mode, retreat, caution, drift, texture});
-  specification = std::make_shared<const ProblemSpecification>(std::move(made.problem));
+  specification = std::make_shared<ProblemSpecification>(std::move(made.problem));
   landmarks.assign(specification->landmarks.begin(),
                    specification->landmarks.begin() + static_cast<std::ptrdiff_t>(made.num_mapped));
 }
@@ -365,6 +370,10 @@ SeedContext Planner::Impl::seed_context(const Belief& belief) const {
   context.cost_to_go = global_plan->cost_to_go.get();
   context.target = global_plan->target;
   context.clearance = evaluators.occupied.get();
+  if (parameters.unknown == UnknownPolicy::kBraking) {
+    context.known = evaluators.known_body.get();
+    context.known_margin = parameters.d_safe;
+  }
   context.backwards = parameters.frontier_planner.traversability.body.has_value() &&
                       can_move(*robot.model, -Eigen::Vector2d::UnitX());
   if (last_inputs.cols() > 0) {
@@ -381,9 +390,7 @@ void Planner::Impl::bound_features(std::vector<Candidate>& candidates) {
   const double most = specification->weights.visible_features;
   const double weight = feature_weight(candidates, most);
   if (weight >= most) return;
-  auto bounded = std::make_shared<ProblemSpecification>(*specification);
-  bounded->weights.visible_features = weight;
-  specification = bounded;
+  specification->weights.visible_features = weight;
   problem = assemble_problem(*specification, evaluators);
   for (Candidate& c : candidates) c.cost -= (most - weight) * c.features;
   std::stable_sort(candidates.begin(), candidates.end());

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "engine/behaviour/behaviour.h"
@@ -9,15 +10,16 @@
 #include "engine/frontiers/frontier_planner.h"
 #include "engine/maps/belief.h"
 #include "engine/maps/unknown_policy.h"
-#include "engine/planner/problem_specification.h"
 #include "engine/planner/replanner.h"
 #include "engine/planner/seeds.h"
 #include "engine/problem/problem.h"
 #include "engine/problem/solver.h"
+#include "engine/problem/term_registry.h"
 #include "engine/safety/guard.h"
 #include "engine/safety/plan.h"
 #include "engine/task/task.h"
 #include "engine/task/zones.h"
+#include "engine/terms/problem_specification.h"
 #include "engine/terms/visible_features.h"
 #include "models/robot_description.h"
 
@@ -39,6 +41,9 @@ struct PlannerParameters {
   double w_h = 0.0;            ///< heading alignment
   double w_c = 0.0;            ///< chance penalty on the number of visible features
   double desired_speed = 1.0;  ///< share of the largest speed
+  /// Terms that are not built in, and built-in ones that the problem is to lack: set_term.h.
+  std::vector<TermUse> terms{};
+  std::vector<std::string> terms_left_out{};
 
   /// Hard clearance [m]. Small, because the lattice understates it by up to half a voxel in gaps,
   /// and a constraint stricter than what the cost-to-go takes for passable leaves the robot in
@@ -135,6 +140,9 @@ struct PlannerParameters {
 /// Zones: certificate, and so planner and guard, keep the body out of what is forbidden and the
 /// speed within what is allowed; the cost-to-go leads round; the clearance terms count forbidden
 /// parts as obstacles; frontiers in them are no targets.
+///
+/// Terms from outside (PlannerParameters::terms) are made and tried at each step; one that cannot
+/// be made, or evaluated at any seed, is left out of the step, and the plan's `detail` says so.
 ///
 /// Determinism: with deadline = 0, the same sequence of beliefs gives the same bits.
 /// Thread-safety: one thread a planner. Source: formulation, sections 4 to 8.

@@ -175,6 +175,8 @@ void specify_weights(const StepContext& c, ProblemSpecification& s) {
   const double w_l = rests_on_features(c.belief) ? rules.features_weight * p.w_l : 0.0;
   s.features.chance_weight = w_l > 0.0 ? p.w_c / w_l : 0.0;
   s.weights = {p.w_u, p.w_du, p.w_o, w_l, w_e, p.w_T, p.w_h};
+  s.added_terms = p.terms;
+  s.terms_left_out = p.terms_left_out;
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 #include "engine/maps/belief.h"
 #include "engine/maps/surface_drift.h"
 #include "engine/planner/planner.h"
-#include "engine/planner/problem_specification.h"
 #include "engine/task/zone_map.h"
+#include "engine/terms/problem_specification.h"
 
 namespace prospect {
 

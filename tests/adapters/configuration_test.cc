@@ -310,5 +310,75 @@ TEST(Configuration, SettingsStandAboveTheFileAndAreCheckedAsItIs) {
   }
 }
 
+Registries with_a_term() {
+  Registries registries;
+  TermEntry entry{"my_term", "one of mine"};
+  entry.options = {{"radius", 0.5, 0.1, 2.0, "m", "of something"}};
+  entry.make = [](const TermOptions&, const TermContext&) { return nullptr; };
+  registries.terms.add(entry);
+  return registries;
+}
+
+std::string term_problems(const std::string& text) {
+  try {
+    configuration_from_text(text, "f.yaml", with_a_term());
+    return "";
+  } catch (const InputError& e) {
+    return e.what();
+  }
+}
+
+TEST(Configuration, ATermByName) {
+  const Configuration c = configuration_from_text(
+      "planner: {terms: {my_term: {weight: 0.5, radius: 1.5}}}", "f.yaml", with_a_term());
+  ASSERT_EQ(c.planner.terms.size(), 1U);
+  EXPECT_EQ(c.planner.terms[0].entry->name, "my_term");
+  EXPECT_EQ(c.planner.terms[0].weight, 0.5);
+  EXPECT_EQ(c.planner.terms[0].options.at("radius"), 1.5);
+  const Configuration defaults =
+      configuration_from_text("planner: {terms: {my_term: {}}}", "f.yaml", with_a_term());
+  EXPECT_EQ(defaults.planner.terms[0].weight, 1.0);
+  EXPECT_EQ(defaults.planner.terms[0].options.at("radius"), 0.5);
+  EXPECT_TRUE(
+      configuration_from_text("planner: {terms: {my_term: {weight: 0}}}", "f.yaml", with_a_term())
+          .planner.terms.empty());
+}
+
+TEST(Configuration, ABuiltInTermHasOneWeight) {
+  const std::string text = "planner: {terms: {cost_to_go: {weight: 2.5}, obstacles: {weight: 0}}}";
+  const Configuration c = read(text);
+  EXPECT_EQ(c.planner.w_T, 2.5);
+  EXPECT_EQ(c.planner.terms_left_out, std::vector<std::string>{"obstacles"});
+  // What is written of it is read as the same again.
+  const Configuration again = read(effective_yaml(c.entries));
+  EXPECT_EQ(again.planner.w_T, 2.5);
+  EXPECT_EQ(again.planner.terms_left_out, c.planner.terms_left_out);
+  for (const ConfigEntry& entry : c.entries) EXPECT_NE(entry.path, "planner.weights.w_T");
+
+  EXPECT_EQ(read("planner: {weights: {w_T: 0}}").planner.terms_left_out.size(), 0U)
+      << "a weight of zero there costs nothing and is told";
+  const std::string both =
+      problems("planner:\n  weights: {w_T: 1}\n  terms:\n    cost_to_go: {weight: 2}\n");
+  EXPECT_THAT(both, HasSubstr("f.yaml:4: planner.terms.cost_to_go.weight: planner.weights.w_T and "
+                              "planner.terms.cost_to_go.weight are both set"));
+  EXPECT_THAT(problems("planner: {terms: {clearance: {weight: 0.5}}}"),
+              HasSubstr("weight is 0.5; expected 1, or 0 to leave it out"));
+  EXPECT_THAT(problems("planner: {terms: {cost_to_go: {}}}"), HasSubstr("missing"));
+}
+
+TEST(Configuration, RefusesATermThatCannotBeHad) {
+  EXPECT_THAT(term_problems("planner: {terms: {my_tern: {weight: 1, radius: 3}}}"),
+              HasSubstr("unknown term 'my_tern' (did you mean 'my_term'?); expected one of: "));
+  EXPECT_THAT(term_problems("planner: {terms: {my_term: {raduis: 1}}}"),
+              HasSubstr("'planner.terms.my_term.raduis' (did you mean 'radius'?)"));
+  EXPECT_THAT(term_problems("planner: {terms: {my_term: {radius: 3}}}"),
+              HasSubstr("planner.terms.my_term.radius"));
+  EXPECT_THAT(term_problems("planner: {terms: {my_term: {weight: 1e7}}}"),
+              HasSubstr("planner.terms.my_term.weight"));
+  EXPECT_THAT(problems("planner: {terms: {my_term: {weight: 1}}}"),
+              HasSubstr("unknown term 'my_term'"))
+      << "without what brings it";
+}
+
 }  // namespace
 }  // namespace prospect::configuration_test

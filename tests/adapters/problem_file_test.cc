@@ -422,8 +422,8 @@ TEST_F(ProblemFileTest, SaysWhichEntryIsNoneOfAProblemWhateverItClaims) {
             "/format: missing; expected a text of a fixed length, at most 4096 bytes");
   EXPECT_EQ(after([](hid_t f) { set_text(f, "/", "format", "prospect map"); }),
             "/format: is 'prospect map'; expected 'prospect problem'");
-  EXPECT_EQ(after([](hid_t f) { set_integer(f, "/", "version", 4); }),
-            "/version: is 4; expected 1 to 3, those that this program knows");
+  EXPECT_EQ(after([](hid_t f) { set_integer(f, "/", "version", 5); }),
+            "/version: is 5; expected 1 to 4, those that this program knows");
   EXPECT_THAT(after([](hid_t f) { set_integer(f, "/", "version", -1); }),
               StartsWith("/version: is -1; expected"));
   EXPECT_THAT(
@@ -685,12 +685,12 @@ TEST_F(ProblemFileTest, ReadsVersionOne) {
   write_problem(path("one.h5"), problem);
   edit(path("one.h5"), [](hid_t f) {
     set_integer(f, "/", "version", 1);
-    H5Ldelete(f, "/terms/visible_features/landmarks/per_cell", H5P_DEFAULT);
+    H5Ldelete(f, "/terms/visible_features/landmarks/crowding", H5P_DEFAULT);
   });
   expect_same_problem(*make_problem(problem.specification), *read_problem(path("one.h5")).problem);
   edit(path("one.h5"), [](hid_t f) { set_integer(f, "/", "version", 2); });
   EXPECT_THAT(refused(path("one.h5")),
-              StartsWith("/terms/visible_features/landmarks/per_cell: missing; expected"));
+              StartsWith("/terms/visible_features/landmarks/crowding: missing; expected"));
 }
 
 // Zones are what version 3 has; a file without them is one of version 2, which programs read that
@@ -787,8 +787,8 @@ std::set<std::string> entries(const std::string& file) {
   return found;
 }
 
-/// The entries that docs/reference/problem_files.md describes: under a heading "### `/group`", rows "|
-/// `name`".
+/// The entries that docs/reference/problem_files.md describes: under a heading "### `/group`", rows
+/// "| `name`".
 std::set<std::string> documented() {
   std::set<std::string> found;
   std::ifstream page(std::string(PROSPECT_SOURCE_DIR) + "/docs/reference/problem_files.md");
@@ -821,6 +821,16 @@ TEST_F(ProblemFileTest, TheDocumentationDescribesEveryEntryAndNoOther) {
     write_problem(path("a.h5"), problem);
     written.merge(entries(path("a.h5")));
   }
+  TermEntry entry{"mine", "a term that is not built in"};
+  entry.options = {{"option", 1.0, 0.0, 2.0, "m", "of its own"}};
+  entry.make = [](const TermOptions&, const TermContext&) { return nullptr; };
+  TermRegistry terms;
+  terms.add(entry);
+  SavedProblem added = small_problem();
+  added.specification.added_terms = {terms.use("mine")};
+  write_problem(path("a.h5"), added);
+  written.merge(entries(path("a.h5")));
+  EXPECT_EQ(written.erase("/terms/added/terms/1/options/option"), 1U) << "named by the term";
   EXPECT_GT(written.size(), 100u);
   EXPECT_EQ(written, documented());
 }

@@ -44,7 +44,7 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
         eigen}},
       // Of the frontiers, terms see what they weigh: targets and the cost-to-go.
       {"engine/terms",
-       {{"models", "engine/maps", "engine/problem", "engine/features",
+       {{"models", "engine/task", "engine/maps", "engine/problem", "engine/features",
          "engine/frontiers/cost_to_go.h", "engine/frontiers/exploration_targets.h"},
         eigen,
         eigen}},
@@ -53,8 +53,9 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
         geometry,
         eigen}},
       {"engine/planner", {{"models", "engine"}, geometry, eigen}},
+      // The specification only for the size of what a plug-in's terms are made of.
       {"solvers",
-       {{"models", "engine/support", "engine/problem"},
+       {{"models", "engine/support", "engine/problem", "engine/terms/problem_specification.h"},
         {"Eigen", "nlopt", "Ipopt", "ceres"},
         eigen}},
       {"problems", {{"models", "engine/support", "engine/problem"}, eigen, eigen}},

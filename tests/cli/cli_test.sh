@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # What the program `prospect` promises to who types a command: exit codes, messages, files.
 #   cli_test.sh <prospect> <scratch directory> <a plug-in> <a faulty one> <a library that is none>
-#     <write_depth_recording> <write_stereo_recording>
+#     <write_depth_recording> <write_stereo_recording> <a plug-in with a term>
 set -uo pipefail
 tests="$(dirname "$(realpath "$0")")"
 prospect="$(realpath "$1")"
@@ -10,6 +10,7 @@ faulty="$(realpath "$4")"
 no_plugin="$(realpath "$5")"
 write_depth_recording="$(realpath "$6")"
 write_stereo_recording="$(realpath "$7")"
+term_plugin="$(realpath "$8")"
 mkdir -p "$2"
 work="$(mktemp -d "$2/cli.XXXXXX")"
 trap 'rm -rf "$work"' EXIT
@@ -410,6 +411,66 @@ unset PROSPECT_TEST_FAULT
 ((code == 0)) || fail "a plug-in that throws beside one that solves: exit $code; '$err'"
 grep -qx 'prospect: misfit: misfit: the plug-in failed: no solution today' err.txt ||
   fail "a plug-in that throws: '$err'"
+
+# --- Terms from outside.
+term=(--plugin "$term_plugin" --set 'planner.terms.keep_distance={weight: 3, x: 2.5, y: 2, radius: 1}')
+succeeds "list terms of a plug-in" list terms --plugin "$term_plugin"
+named "list terms of a plug-in" cost_to_go keep_distance
+grep -qF 'radius=0.5 [m], 0.05 to 10: ' out.txt || fail "list terms --plugin: no option in '$out'"
+succeeds "list terms of a plug-in as JSON" list terms --plugin "$term_plugin" --json
+grep -qF '"least": 0.05' out.txt || fail "list terms --plugin --json: no range of an option"
+timed_out "explore with a term" explore office --time-limit 2 --quiet --save-problems 1 "${term[@]}" \
+  --out with_term
+timed_out "explore without it" explore office --time-limit 2 --quiet --out without_term
+head -1 without_term/steps.csv | tr ',' '\n' >columns_without.txt
+head -1 with_term/steps.csv | tr ',' '\n' >columns_with.txt
+[[ "$(diff columns_without.txt columns_with.txt | grep '^[<>]')" == "> term_keep_distance" ]] ||
+  fail "the columns with a term: $(diff columns_without.txt columns_with.txt)"
+grep -A1 -x "$(grep -x -B1 term_keep_distance columns_with.txt | head -1)" columns_without.txt |
+  grep -qx predicted_features || fail "the term's column does not come after the built-in ones"
+grep -q 'keep_distance' with_term/report.html || fail "the report does not know the term"
+grep -A5 'keep_distance:' with_term/config.yaml | grep -q 'radius: 1' ||
+  fail "config.yaml does not hold the term's options"
+timed_out "its own config.yaml" explore office --time-limit 2 --quiet --plugin "$term_plugin" \
+  --config with_term/config.yaml --out with_term_again
+cmp -s with_term/steps.csv with_term_again/steps.csv || fail "config.yaml gives another mission"
+saved_problem="$(ls with_term/problems/*.h5 | head -1)"
+succeeds "solve with a term" solve "$saved_problem" --plugin "$term_plugin" --solver sampling --json
+grep -q '"keep_distance"' out.txt || fail "solve of a problem file with a term: '$out'"
+refused "its problem file without the plug-in" "$saved_problem: " \
+  "needs the term 'keep_distance', which is not there; expected the plug-in" \
+  solve "$saved_problem" --solver sampling
+(($(wc -l <err.txt) == 1)) || fail "a problem file with a missing term: more than one line: '$err'"
+succeeds "list sets of a plug-in" list sets --plugin "$term_plugin"
+named "list sets of a plug-in" zoo person
+succeeds "bench of terms" bench person with_term/problems --plugin "$term_plugin" --solver \
+  sampling,nlopt:LD_LBFGS --deadline 0.05 --repeat 1 --out bench_terms
+named "bench of terms" sampling nlopt:LD_LBFGS
+refused "a term that is not there" "unknown term 'keep_distance'" "expected one of: control_effort" \
+  "${explore[@]}" office --set 'planner.terms.keep_distance={weight: 3}'
+refused "a misspelt term" "did you mean 'keep_distance'?" "expected one of" \
+  "${explore[@]}" office --plugin "$term_plugin" --set 'planner.terms.keep_distnace={weight: 3}'
+refused "a misspelt option" "planner.terms.keep_distance.radios" "did you mean 'radius'?" \
+  "${explore[@]}" office --plugin "$term_plugin" --set 'planner.terms.keep_distance={radios: 3}'
+refused "an option out of range" "planner.terms.keep_distance.radius" "expected" \
+  "${explore[@]}" office --plugin "$term_plugin" --set 'planner.terms.keep_distance={radius: 99}'
+refused "a weight out of range" "planner.terms.keep_distance.weight" "expected" \
+  "${explore[@]}" office --plugin "$term_plugin" --set 'planner.terms.keep_distance={weight: -1}'
+refused "a weight in two places" planner.weights.w_T planner.terms.cost_to_go.weight \
+  "${explore[@]}" office --set planner.weights.w_T=1 --set 'planner.terms.cost_to_go={weight: 2}'
+timed_out "without a built-in term" explore office --time-limit 1 --quiet --out without_gain \
+  --set 'planner.terms.exploration_gain={weight: 0}'
+! head -1 without_gain/steps.csv | grep -q exploration_gain || fail "weight 0 does not leave a term out"
+PROSPECT_TEST_FAULT="term: evaluate throws" timed_out "a term that fails" explore office \
+  --time-limit 1 --quiet --plugin "$faulty" --set 'planner.terms.odd_term={weight: 1}' --out odd_term
+grep -q "Planned without term 'odd_term': its value is a finite number at no seed" odd_term/steps.csv ||
+  fail "a term that fails is not told of: $(tail -1 odd_term/steps.csv)"
+PROSPECT_TEST_FAULT="not optimised" run list solvers --plugin "$faulty"
+((code == 0)) || fail "a plug-in that is not optimised: exit $code; '$err'"
+[[ "$err" == "prospect: plug-in '$faulty': was compiled without optimisation"* ]] ||
+  fail "a plug-in that is not optimised is not told of: '$err'"
+PROSPECT_TEST_FAULT="problem: throws" refused "a problem that cannot be made" \
+  "problem 'one' of set 'odd_set': " "no problem today" bench odd_set --plugin "$faulty" --solver nlopt
 
 # --- Bench: whole sets, a folder of results that appears whole or not at all.
 succeeds "list sets" list sets

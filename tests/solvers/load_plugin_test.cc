@@ -196,6 +196,9 @@ TEST_F(FaultyPlugin, OfAnotherBinaryInterfaceIsRefused) {
            {"trajectories", "a TrajectoryBatch of size "},
            {"traits", "a TermTraits of size "},
            {"result", "a Result of size "},
+           {"definition", "a ProblemDefinition of size "},
+           {"specification", "a ProblemSpecification of size "},
+           {"evaluators", "CachedEvaluators of size "},
        }) {
     EXPECT_THAT(refusal_of(fault), AllOf(HasSubstr("was built with "), HasSubstr(what),
                                          HasSubstr("; expected "), EndsWith(", as this program")));
@@ -203,9 +206,9 @@ TEST_F(FaultyPlugin, OfAnotherBinaryInterfaceIsRefused) {
 }
 
 TEST_F(FaultyPlugin, WithNothingToOfferIsRefused) {
-  for (const char* fault : {"no solvers", "zero solvers"}) {
-    EXPECT_THAT(refusal_of(fault), EndsWith("offers no back end; expected one or more")) << fault;
-  }
+  EXPECT_THAT(refusal_of("no solvers"), EndsWith("has no list of its 1 back ends; expected one"));
+  EXPECT_THAT(refusal_of("zero solvers"),
+              EndsWith("offers nothing; expected a back end, a term or a problem"));
   EXPECT_THAT(refusal_of("entry returns nothing"), HasSubstr("the entry point returned nothing; "));
   EXPECT_THAT(refusal_of("no factory"), EndsWith("'misfit' has no factory; expected one"));
   EXPECT_THAT(refusal_of("factory returns nothing"),
@@ -258,6 +261,74 @@ TEST_F(FaultyPlugin, ThatFailsToSolveGivesATypedFailure) {
   }
   EXPECT_EQ(misfit("explain throws")->explain_unsupported(problem),
             "the plug-in failed: no explanation today");
+}
+
+/// What can be had of a plug-in.
+struct Targets {
+  SolverRegistry solvers;
+  TermRegistry terms;
+  ProblemRegistry problems;
+  std::string load(const char* path) { return load_plugin(path, {solvers, terms, problems}); }
+};
+
+TEST(LoadPlugin, AddsTermsAndProblems) {
+  Targets targets;
+  EXPECT_EQ(targets.load(PROSPECT_PLUGIN_USER_TERM), "") << "no warning: it is optimised";
+  EXPECT_EQ(names(targets.solvers), names(SolverRegistry()));
+  const TermUse use = targets.terms.use("keep_distance", 1.0, {{"x", 2.0}});
+  EXPECT_EQ(use.options.at("radius"), 0.5);
+  EXPECT_EQ(use.entry->version, 1);
+  EXPECT_FALSE(use.entry->built_in);
+  ASSERT_EQ(targets.problems.sets(), std::vector<std::string>{"person"});
+  const ProblemEntry entry = targets.problems.problems("person").front();
+  EXPECT_FALSE(entry.best_known.has_value());
+  const Problem problem(entry.make());
+  ASSERT_EQ(entry.start().size(), problem.num_variables());
+  const Result r = make_solver("sampling")->solve(problem, {}, {}, {});
+  EXPECT_EQ(r.quality, Quality::kFeasible);
+  EXPECT_THROW(targets.load(PROSPECT_PLUGIN_USER_TERM), std::invalid_argument) << "taken";
+  EXPECT_EQ(targets.terms.list().size(), 1U);
+}
+
+TEST(LoadPlugin, BackEndsAloneWhereNothingElseIsWanted) {
+  SolverRegistry registry;
+  EXPECT_EQ(load_plugin(PROSPECT_PLUGIN_USER_TERM, registry), "");
+  EXPECT_EQ(names(registry), names(SolverRegistry()));
+}
+
+TEST_F(FaultyPlugin, WithATermOrAProblemThatCannotBeUsedIsRefusedAsAWhole) {
+  for (const auto& [fault, what] : std::vector<std::pair<std::string, std::string>>{
+           {"term: no name", "a term has no name; expected one"},
+           {"term: no factory", "term 'odd_term' has no factory; expected one"},
+           {"term: no options", "term 'odd_term' has no list of its 1 options; expected one"},
+           {"term: range", "option 'size' of term 'odd_term' has the range 2 to 1; expected"},
+           {"term: version", "term 'odd_term' has version 0 of its options; expected 1 or more"},
+           {"term: name", "a term is named 'odd term'; expected"},
+           {"problem: no set", "a problem has no set or no name; expected both"},
+           {"problem: no factory", "problem 'one' of set 'odd_set' has no factory; expected one"},
+           {"problem: best", "has a best cost that is not finite"},
+       }) {
+    set_fault(fault);
+    Targets targets;
+    try {
+      targets.load(PROSPECT_PLUGIN_FAULTY);
+      ADD_FAILURE() << fault << ": accepted";
+    } catch (const std::invalid_argument& e) {
+      EXPECT_THAT(e.what(), AllOf(StartsWith("plug-in '"), HasSubstr(what), Not(HasSubstr("\n"))));
+    }
+    EXPECT_EQ(names(targets.solvers), names(SolverRegistry())) << "its back end neither";
+    EXPECT_TRUE(targets.terms.list().empty());
+    EXPECT_TRUE(targets.problems.sets().empty());
+  }
+}
+
+TEST_F(FaultyPlugin, ThatIsNotOptimisedIsToldOf) {
+  set_fault("not optimised");
+  Targets targets;
+  EXPECT_THAT(targets.load(PROSPECT_PLUGIN_FAULTY),
+              AllOf(StartsWith("plug-in '"), HasSubstr("without optimisation"),
+                    HasSubstr("expected a build of type Release")));
+  EXPECT_EQ(targets.solvers.make("misfit")->name(), "misfit") << "it is loaded all the same";
 }
 
 }  // namespace

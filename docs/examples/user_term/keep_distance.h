@@ -1,8 +1,9 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 
-#include "engine/problem/term.h"
+#include "engine/problem/term_registry.h"
 
 /// Keeps the robot away from a point q, a person for example, without forbidding anything:
 ///   T = 1/N sum_{k=1..N} exp(-|p_k - q|^2 / (2 r^2)),   p_k, q in W [m].
@@ -38,3 +39,15 @@ class KeepDistance final : public prospect::Term {
   Eigen::Vector2d q_;
   double r_;
 };
+
+/// Its options: name, default, range, unit, what it is.
+inline const prospect::TermOption kKeepDistanceOptions[] = {
+    {"x", 0.0, -1e4, 1e4, "m", "of the point, in W"},
+    {"y", 0.0, -1e4, 1e4, "m", "of the point, in W"},
+    {"radius", 0.5, 0.05, 10.0, "m", "distance at which it is down to 0.61"},
+};
+
+inline prospect::Term* make_keep_distance(const prospect::TermOptions& options,
+                                          const prospect::TermContext&) {
+  return new KeepDistance({options.at("x"), options.at("y")}, options.at("radius"));
+}

@@ -54,15 +54,38 @@ Solver* make() {
 }
 Solver* make_another() { return new Misfit("another"); }
 
+/// A value that is not a number, or an exception.
+class OddTerm final : public prospect::Term {
+ public:
+  std::string_view name() const override { return "odd_term"; }
+  prospect::TermTraits traits() const override { return {}; }
+  void evaluate(const prospect::TrajectoryBatch&, const prospect::TermRequest&,
+                prospect::TermScratch*, prospect::TermOutput& out) const override {
+    if (fault() == "term: evaluate throws") throw std::runtime_error("no value today");
+    out.value.setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+};
+prospect::Term* make_term(const prospect::TermOptions&, const prospect::TermContext&) {
+  if (fault() == "term: factory throws") throw std::runtime_error("no term today");
+  return new OddTerm;
+}
+prospect::ProblemDefinition make_problem() { throw std::runtime_error("no problem today"); }
+
 }  // namespace
 
 const prospect::Plugin* prospect_plugin() {
   // Not const: each call gives another one. The tests load from one thread.
   static prospect::PluginSolver solvers[2];
+  static prospect::PluginTerm term;
+  static prospect::TermOption option;
+  static prospect::PluginProblem problem;
   static prospect::Plugin plugin;
   solvers[0] = {"misfit", "one with a fault", &make};
   solvers[1] = {"another", "one more", &make_another};
   plugin = {prospect::kPluginInterface, prospect::kPluginAbi, solvers, 1};
+  option = {"size", 1.0, 0.5, 2.0, "m", "of something"};
+  term = {"odd_term", "one with a fault", 1, &option, 1, &make_term};
+  problem = {"odd_set", "a set with a fault", "one", &make_problem};
 
   const std::string f = fault();
   if (f == "entry throws") throw std::runtime_error("no licence");
@@ -92,6 +115,21 @@ const prospect::Plugin* prospect_plugin() {
   if (f == "trajectories") ++plugin.abi.trajectories;
   if (f == "traits") ++plugin.abi.term_traits;
   if (f == "result") ++plugin.abi.result;
+  if (f == "definition") ++plugin.abi.definition;
+  if (f == "specification") ++plugin.abi.specification;
+  if (f == "evaluators") ++plugin.abi.evaluators;
+  if (f == "not optimised") plugin.abi.optimized = 0;
+  if (f.starts_with("term: ")) plugin.terms = &term, plugin.num_terms = 1;
+  if (f == "term: no name") term.name = nullptr;
+  if (f == "term: name") term.name = "odd term";
+  if (f == "term: no factory") term.make = nullptr;
+  if (f == "term: no options") term.options = nullptr;
+  if (f == "term: range") option.least = 2.0, option.most = 1.0;
+  if (f == "term: version") term.version = 0;
+  if (f.starts_with("problem: ")) plugin.problems = &problem, plugin.num_problems = 1;
+  if (f == "problem: no set") problem.set = nullptr;
+  if (f == "problem: no factory") problem.make = nullptr;
+  if (f == "problem: best") problem.best_known = std::numeric_limits<double>::infinity();
   if (f == "no solvers") plugin.solvers = nullptr;
   if (f == "zero solvers") plugin.num_solvers = 0;
   if (f == "no name") solvers[0].name = nullptr;

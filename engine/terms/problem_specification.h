@@ -2,18 +2,21 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "engine/features/occlusion_table.h"
 #include "engine/features/visibility_prediction.h"
 #include "engine/frontiers/cost_to_go.h"
 #include "engine/frontiers/exploration_targets.h"
+#include "engine/maps/body_clearance.h"
 #include "engine/maps/clearance_field.h"
 #include "engine/maps/ground_map.h"
 #include "engine/maps/landmark_map.h"
 #include "engine/maps/unknown_policy.h"
 #include "engine/maps/voxel_grid.h"
 #include "engine/problem/problem.h"
+#include "engine/problem/term_registry.h"
 #include "engine/task/zone_map.h"
 #include "engine/terms/clearance_constraint.h"
 #include "engine/terms/exploration_gain.h"
@@ -78,34 +81,43 @@ struct ProblemSpecification {
   ExplorationGain::Options gain;
 
   std::shared_ptr<const CostToGo> cost_to_go;
+
+  std::vector<TermUse> added_terms{};  ///< not built in, none with weight 0
+  std::vector<std::string>
+      terms_left_out{};  ///< built-in ones that the problem is to lack, by name
 };
 
 /// What a problem is put together from. Handed on to the next step, where what has not changed need
 /// not be computed again; the result has the same bits either way.
 struct CachedEvaluators {
   std::shared_ptr<const ClearanceField> occupied;
-  std::shared_ptr<const ClearanceField> known;  ///< null if the policy asks for none
+  std::shared_ptr<const ClearanceField> known;      ///< null if the policy asks for none
+  std::shared_ptr<const BodyClearance> body;        ///< of the robot in `occupied`
+  std::shared_ptr<const BodyClearance> known_body;  ///< of the robot in `known`; null without it
   std::shared_ptr<const OcclusionTable> landmark_table, target_table;
   std::shared_ptr<const VisibilityPrediction> prediction;
   std::shared_ptr<const ExplorationGain> gain;
   std::shared_ptr<const VisibleFeatures> visible_features;
+  std::vector<std::shared_ptr<const Term>> added_terms;  ///< of the specification, in its order
 };
 
-/// The three steps to a Problem, in this order, each on the evaluators of the one before (and,
+/// The steps to a Problem, in this order, each on the evaluators of the one before (and,
 /// where there are any, of the problem before). All throw std::invalid_argument naming the entry,
 /// its value and what was expected.
 void update_clearance(const ProblemSpecification& specification, CachedEvaluators& evaluators);
 void update_views(const ProblemSpecification& specification, CachedEvaluators& evaluators);
+void update_added_terms(const ProblemSpecification& specification, CachedEvaluators& evaluators);
 std::shared_ptr<const Problem> assemble_problem(const ProblemSpecification& specification,
                                                 CachedEvaluators& evaluators);
 
-/// All three, from nothing, and all lines of sight: evaluations then take as long the first time as
-/// any other (occlusion_table.h).
+/// All of them, from nothing, and all lines of sight: evaluations then take as long the first time
+/// as any other (occlusion_table.h).
 std::shared_ptr<const Problem> make_problem(const ProblemSpecification& specification);
 
 /// The same problem, bit for bit, with its maps cut down to what it looks at: the windows of the
 /// clearance fields, and the box of all rays between sensor lattices and points. What is left does
-/// not depend on how large the robot's map has grown.
+/// not depend on how large the robot's map has grown. With added terms the maps stay whole: such a
+/// term may look anywhere.
 ProblemSpecification with_maps_cut(ProblemSpecification specification);
 
 }  // namespace prospect

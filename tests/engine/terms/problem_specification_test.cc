@@ -1,4 +1,4 @@
-#include "engine/planner/problem_specification.h"
+#include "engine/terms/problem_specification.h"
 
 #include <gtest/gtest.h>
 

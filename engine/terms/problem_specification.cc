@@ -1,4 +1,4 @@
-#include "engine/planner/problem_specification.h"
+#include "engine/terms/problem_specification.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,14 +7,7 @@
 #include <utility>
 
 #include "engine/maps/body_clearance.h"
-#include "engine/terms/braking_constraint.h"
-#include "engine/terms/control_effort.h"
-#include "engine/terms/cost_to_go_term.h"
-#include "engine/terms/heading_alignment.h"
-#include "engine/terms/input_rate.h"
-#include "engine/terms/obstacle_cost.h"
-#include "engine/terms/rate_limit.h"
-#include "engine/terms/speed_limit.h"
+#include "engine/terms/builtin_terms.h"
 
 namespace prospect {
 namespace {
@@ -86,14 +79,19 @@ void update_clearance(const ProblemSpecification& specification, CachedEvaluator
   evaluators.occupied = std::make_shared<const ClearanceField>(
       specification.clearance_center, *specification.voxels, *specification.ground, options,
       evaluators.occupied.get());
+  evaluators.body =
+      std::make_shared<const BodyClearance>(evaluators.occupied, specification.robot.shape);
   if (specification.unknown == UnknownPolicy::kFree) {
     evaluators.known = nullptr;
+    evaluators.known_body = nullptr;
     return;
   }
   options.obstacles = ClearanceField::Obstacles::kOccupiedAndUnknown;
   evaluators.known = std::make_shared<const ClearanceField>(
       specification.clearance_center, *specification.voxels, *specification.ground, options,
       evaluators.known.get());
+  evaluators.known_body =
+      std::make_shared<const BodyClearance>(evaluators.known, specification.robot.shape);
 }
 
 void update_views(const ProblemSpecification& specification, CachedEvaluators& evaluators) {
@@ -117,16 +115,20 @@ void update_views(const ProblemSpecification& specification, CachedEvaluators& e
       specification.features.rho > 0.0 ? evaluators.gain : nullptr);
 }
 
+void update_added_terms(const ProblemSpecification& specification, CachedEvaluators& evaluators) {
+  evaluators.added_terms.clear();
+  for (const TermUse& use : specification.added_terms) {
+    evaluators.added_terms.push_back(make_term(use, {specification, evaluators}));
+  }
+}
+
 std::shared_ptr<const Problem> assemble_problem(const ProblemSpecification& specification,
                                                 CachedEvaluators& evaluators) {
   require(specification.robot.model != nullptr, "motion model");
   require(specification.cost_to_go != nullptr, "cost-to-go");
-  require(evaluators.occupied && evaluators.gain && evaluators.visible_features,
+  require(evaluators.occupied && evaluators.gain && evaluators.visible_features &&
+              evaluators.body && evaluators.added_terms.size() == specification.added_terms.size(),
           "evaluators to assemble");
-  const MotionModel& model = *specification.robot.model;
-  const InputLimits& limits = model.limits();
-  const ProblemSpecification::Weights& w = specification.weights;
-
   ProblemDefinition d;
   d.model = specification.robot.model;
   d.x0 = specification.x0;
@@ -135,35 +137,9 @@ std::shared_ptr<const Problem> assemble_problem(const ProblemSpecification& spec
   d.dt = specification.dt;
   d.M = specification.M;
   d.zones = specification.zones;
-
-  d.terms.push_back(
-      {std::make_shared<ControlEffort>(specification.desired_input, limits), w.control_effort});
-  d.terms.push_back({std::make_shared<InputRate>(limits), w.input_rate});
-  const auto body =
-      std::make_shared<const BodyClearance>(evaluators.occupied, specification.robot.shape);
-  d.terms.push_back(
-      {std::make_shared<ObstacleCost>(body, specification.d_safe, specification.d_des),
-       w.obstacles});
-  d.terms.push_back({evaluators.visible_features, w.visible_features});
-  d.terms.push_back({evaluators.gain, -w.exploration_gain});
-  d.terms.push_back({std::make_shared<CostToGoTerm>(specification.cost_to_go), w.cost_to_go});
-  if (w.heading_alignment > 0.0) {
-    d.terms.push_back(
-        {std::make_shared<HeadingAlignment>(specification.cost_to_go), w.heading_alignment});
-  }
-  d.terms.push_back({std::make_shared<ClearanceConstraint>(body, specification.clearance), 1.0});
-  if (specification.unknown != UnknownPolicy::kFree) {
-    const auto known =
-        std::make_shared<const BodyClearance>(evaluators.known, specification.robot.shape);
-    d.terms.push_back(
-        {unknown_space_constraint(specification.unknown, known, specification.unknown_d_safe),
-         1.0});
-  }
-  if (limits.rate.array().isFinite().any()) {
-    d.terms.push_back({std::make_shared<RateLimit>(limits, specification.M), 1.0});
-  }
-  if (model.num_state_constraints() > 0) {
-    d.terms.push_back({std::make_shared<SpeedLimit>(model), 1.0});
+  d.terms = make_builtin_terms({specification, evaluators});
+  for (std::size_t i = 0; i < evaluators.added_terms.size(); ++i) {
+    d.terms.push_back({evaluators.added_terms[i], specification.added_terms[i].weight});
   }
   return std::make_shared<const Problem>(std::move(d));
 }
@@ -172,6 +148,7 @@ std::shared_ptr<const Problem> make_problem(const ProblemSpecification& specific
   CachedEvaluators evaluators;
   update_clearance(specification, evaluators);
   update_views(specification, evaluators);
+  update_added_terms(specification, evaluators);
   evaluators.landmark_table->cast_all();
   evaluators.target_table->cast_all();
   return assemble_problem(specification, evaluators);
@@ -180,6 +157,7 @@ std::shared_ptr<const Problem> make_problem(const ProblemSpecification& specific
 ProblemSpecification with_maps_cut(ProblemSpecification specification) {
   require(specification.voxels != nullptr, "voxels");
   require(specification.ground != nullptr, "ground map");
+  if (!specification.added_terms.empty()) return specification;
   const VoxelGrid& voxels = *specification.voxels;
   const double r = voxels.resolution();
 
