@@ -22,6 +22,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct StereoOdometryOptions {
   CornerDetectorOptions corners;
   StereoMatcherOptions matching;
@@ -63,6 +65,9 @@ struct StereoOdometryOptions {
 
   std::uint64_t seed = 1;
 };
+
+/// The knobs (models/knobs.h); the seed is not one.
+void describe(Knobs& knobs, StereoOdometryOptions& options);
 
 /// Times of one frame [ms]; the only numbers that differ between two runs.
 struct OdometryTimes {

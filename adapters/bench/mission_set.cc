@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <memory>
 
-#include "adapters/config/configuration.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/run/planned_problem.h"
 #include "adapters/worlds/load_world.h"
@@ -16,9 +15,9 @@ MissionSet default_missions() {
 
 MissionSet quick_missions() { return {{"office", "loop", "plan:1"}, 1, 10, 12, 3}; }
 
-void capture_missions(const MissionSet& missions, const SolverRegistry& registry,
+void capture_missions(const MissionSet& missions, const Configuration& configuration,
+                      const SolverRegistry& registry,
                       const std::function<void(const SavedProblem&)>& take) {
-  const Configuration configuration = read_configuration("", registry);
   std::vector<std::shared_ptr<const World>> worlds;
   for (const std::string& name : missions.worlds) {
     worlds.push_back(

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/config/configuration.h"
 #include "adapters/problem_file/problem_file.h"
 #include "solvers/registry.h"
 
@@ -23,11 +24,12 @@ MissionSet default_missions();
 /// Nine problems on three maps, made in seconds.
 MissionSet quick_missions();
 
-/// Drives the missions in the kinematic simulator, with the default configuration, up to the last
-/// problem of each, and hands every problem to `take` as it is met. Deterministic: the same
+/// Drives the missions in the kinematic simulator, with this configuration, up to the last problem
+/// of each, and hands every problem to `take` as it is met. Deterministic: the same
 /// problems from the same build on the same machine. Throws InputError for an unknown world and
 /// passes on what `take` throws.
-void capture_missions(const MissionSet& missions, const SolverRegistry& registry,
+void capture_missions(const MissionSet& missions, const Configuration& configuration,
+                      const SolverRegistry& registry,
                       const std::function<void(const SavedProblem&)>& take);
 
 /// "office_000024.h5": a name for a problem of capture_missions().

@@ -69,10 +69,12 @@ BenchProblem problem_of_file(const std::string& path, const std::string& name) {
   return problem_of(name, read.problem, read.saved.seeds, warm_start ? &*warm_start : nullptr);
 }
 
-ProblemSet mission_set(const SolverRegistry& registry, bool quick) {
+ProblemSet mission_set(const Configuration& configuration, const SolverRegistry& registry,
+                       bool quick) {
   ProblemSet set{"missions", "", 1e-3, {}, ""};
   capture_missions(
-      quick ? quick_missions() : default_missions(), registry, [&](const SavedProblem& saved) {
+      quick ? quick_missions() : default_missions(), configuration, registry,
+      [&](const SavedProblem& saved) {
         const std::string file = problem_file_name(saved.origin);
         set.problems.push_back(problem_of(file.substr(0, file.size() - 3),
                                           make_problem(saved.specification), saved.seeds, nullptr));
@@ -167,10 +169,11 @@ std::string builtin_set_summary(const std::string& name) {
   return "";
 }
 
-ProblemSet make_problem_set(const std::string& text, const SolverRegistry& registry, bool quick) {
+ProblemSet make_problem_set(const std::string& text, const Configuration& configuration,
+                            const SolverRegistry& registry, bool quick) {
   if (text == "zoo") return zoo_set();
   if (text == "s30") return s30_set(quick);
-  if (text == "missions") return mission_set(registry, quick);
+  if (text == "missions") return mission_set(configuration, registry, quick);
   std::error_code error;
   const fs::file_status status = fs::status(text, error);
   if (fs::is_directory(status)) return folder_set(text);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/config/configuration.h"
 #include "engine/problem/problem.h"
 #include "engine/problem/solver.h"
 #include "solvers/registry.h"
@@ -42,10 +43,10 @@ std::string builtin_set_summary(const std::string& name);
 /// A set by name or path: a built-in one; a problem file (.h5); a folder of problem files, with the
 /// best costs known in best_known.json beside them, if it is there; a file of problems stated as
 /// expressions (.json, expression_file.h). `quick`: of a built-in set a share that is solved in
-/// seconds. `registry`: what the
-/// configuration of missions may name. Throws InputError in one line, also for a folder of which
-/// one file is damaged.
-ProblemSet make_problem_set(const std::string& text, const SolverRegistry& registry, bool quick);
+/// seconds. `configuration` of the missions, `registry`: what it may name. Throws InputError in one
+/// line, also for a folder of which one file is damaged.
+ProblemSet make_problem_set(const std::string& text, const Configuration& configuration,
+                            const SolverRegistry& registry, bool quick);
 
 /// Keeps the best costs of a set that is from a folder: best_known.json, whole or not at all.
 /// Throws std::runtime_error if writing fails.

@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -20,6 +21,7 @@
 #include "adapters/cli/absent_solver.h"
 #include "adapters/cli/commands.h"
 #include "adapters/cli/interrupt.h"
+#include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
 #include "adapters/problem_file/problem_file.h"
 
@@ -45,7 +47,8 @@ std::vector<std::string> default_solvers(const SolverRegistry& registry, bool qu
 }
 
 /// Writes the problems of the set `missions` to a new folder, which is then a set.
-int capture(const BenchArguments& arguments, const SolverRegistry& registry) {
+int capture(const BenchArguments& arguments, const Configuration& configuration,
+            const SolverRegistry& registry) {
   namespace fs = std::filesystem;
   const std::string& folder = arguments.capture;
   const char* const expected = "; expected a new or empty folder";
@@ -63,7 +66,7 @@ int capture(const BenchArguments& arguments, const SolverRegistry& registry) {
                      expected);
   }
   int written = 0;
-  capture_missions(arguments.quick ? quick_missions() : default_missions(), registry,
+  capture_missions(arguments.quick ? quick_missions() : default_missions(), configuration, registry,
                    [&](const SavedProblem& saved) {
                      write_problem((fs::path(folder) / problem_file_name(saved.origin)).string(),
                                    saved);
@@ -76,7 +79,9 @@ int capture(const BenchArguments& arguments, const SolverRegistry& registry) {
 }  // namespace
 
 int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
-  if (!arguments.capture.empty()) return capture(arguments, registry);
+  const Configuration configuration =
+      read_configuration(arguments.configuration, registry, arguments.settings);
+  if (!arguments.capture.empty()) return capture(arguments, configuration, registry);
   // Everything is looked at before anything is measured or written.
   const std::vector<SolverChoice> solvers = choose_solvers(
       arguments.solvers.empty() ? default_solvers(registry, arguments.quick) : arguments.solvers,
@@ -86,10 +91,15 @@ int bench(const BenchArguments& arguments, const SolverRegistry& registry) {
   }
   std::vector<std::string> names = arguments.sets;
   if (names.empty()) names = builtin_set_names();
+  const bool configured = !arguments.configuration.empty() || !arguments.settings.empty();
+  if (configured && std::find(names.begin(), names.end(), "missions") == names.end()) {
+    throw InputError(
+        "--config and --set: of no effect on these sets; expected the set 'missions' among them");
+  }
   std::vector<ProblemSet> sets;
   std::set<std::string> used;
   for (const std::string& name : names) {
-    sets.push_back(make_problem_set(name, registry, arguments.quick));
+    sets.push_back(make_problem_set(name, configuration, registry, arguments.quick));
     if (!used.insert(sets.back().name).second) {
       throw InputError("problem set '" + name + "': another one is named '" + sets.back().name +
                        "' too; expected sets of different names");

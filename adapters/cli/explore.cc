@@ -11,6 +11,7 @@
 #include "adapters/config/configuration.h"
 #include "adapters/config/input_error.h"
 #include "adapters/config/parse_number.h"
+#include "adapters/config/solver_options.h"
 #include "adapters/report/progress_line.h"
 #include "adapters/run/csv.h"
 #include "adapters/run/exploration_run.h"
@@ -128,6 +129,9 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
     configuration.solver = arguments.solver;
     const std::string wrong = solver_problem(configuration.solver, registry);
     if (!wrong.empty()) throw InputError("--solver: " + wrong);
+    const std::string refused = solver_options_problem(*registry.make(configuration.solver),
+                                                       configuration.planner.solver_options);
+    if (!refused.empty()) throw InputError("--solver: planner.options: " + refused);
     override_entry(configuration, "planner.solver", arguments.solver);
   }
   if (arguments.time_limit > 0.0) {

@@ -6,6 +6,7 @@
 #include "adapters/bench/problem_set.h"
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
+#include "adapters/config/configuration_reference.h"
 #include "adapters/config/input_error.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "engine/behaviour/behaviour.h"
@@ -90,6 +91,15 @@ int list(const std::string& what, bool json, const SolverRegistry& registry) {
     }
   }
   if (json) std::cout << out.dump(2) << '\n';
+  return kDone;
+}
+
+int print_reference(const std::string& file, const std::vector<std::string>& settings) {
+  if (!file.empty() || !settings.empty()) {
+    throw InputError("--reference: '" + (file.empty() ? "--set " + settings.front() : file) +
+                     "' beside it; expected it alone, as it is of no configuration");
+  }
+  std::cout << configuration_reference();
   return kDone;
 }
 

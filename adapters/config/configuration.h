@@ -18,6 +18,7 @@ struct Configuration {
   PlannerParameters planner;
   SimulatorOptions simulator;
   MissionOptions mission;
+  Guard::Options guard;
   /// What ends the task as seen: a share of the reachable area, or an area [m^2], as the simulator
   /// really measures them; 0: neither.
   double until_coverage = 0.0, until_area = 0.0;

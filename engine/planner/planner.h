@@ -23,6 +23,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Everything that can be set about planning. Weights multiply terms that are O(1) at nominal
 /// conditions (formulation, section 7), so they carry over between robots and horizons.
 struct PlannerParameters {
@@ -102,6 +104,10 @@ struct PlannerParameters {
 
   BehaviourOptions behaviour;  ///< turn_away_time is half a turn of the robot, whatever is set
 };
+
+/// The knobs (models/knobs.h) but for task, zones and solver_options, which are no numbers, and for
+/// those of frontier_planner that describe_end() has.
+void describe(Knobs& knobs, PlannerParameters& parameters);
 
 /// parameters.frontier_planner, with what the frontier planner must know about the robot (size,
 /// sensor, speed) filled in. Throws std::invalid_argument if the robot has no model or its shape or

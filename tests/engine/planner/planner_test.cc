@@ -391,9 +391,9 @@ TEST_F(PlannerTest, WhatNoPlanCouldBeMadeOfIsRefusedAtOnce) {
   using R = RobotDescription&;
   using P = PlannerParameters&;
   const std::vector<std::pair<std::string, std::function<void(R, P)>>> table = {
-      {"horizontal_fov is 7", [](R r, P) { r.depth.horizontal_fov = 7.0; }},
+      {"horizontal_fov is 401", [](R r, P) { r.depth.horizontal_fov = 7.0; }},
       {"horizontal_fov is 0", [](R r, P) { r.depth.horizontal_fov = 0.0; }},
-      {"vertical_fov is 4", [](R r, P) { r.depth.vertical_fov = 4.0; }},
+      {"vertical_fov is 229", [](R r, P) { r.depth.vertical_fov = 4.0; }},
       {"max_range is", [](R r, P) { r.depth.max_range = 0.1; }},
       {"min_range is", [](R r, P) { r.depth.min_range = -1.0; }},
       {"orthonormal", [](R r, P) { r.depth_mount.T_BC.linear() *= 2.0; }},
@@ -404,8 +404,8 @@ TEST_F(PlannerTest, WhatNoPlanCouldBeMadeOfIsRefusedAtOnce) {
       {"view_angle is", [](R, P p) { p.visibility.view_angle = 4.0; }},
       {"N_req is 0", [](R, P p) { p.features.N_req = 0.0; }},
       {"prior_rotation is", [](R, P p) { p.features.prior_rotation = -1.0; }},
-      {"feature_attenuation = ", [](R, P p) { p.feature_attenuation = kNan; }},
-      {"unknown_attenuation = ", [](R, P p) { p.unknown_attenuation = -1.0; }},
+      {"visibility.feature_attenuation is nan", [](R, P p) { p.feature_attenuation = kNan; }},
+      {"visibility.attenuation is -1", [](R, P p) { p.unknown_attenuation = -1.0; }},
   };
   for (const auto& [expected, spoil] : table) {
     const std::string said = refusal(spoil);
