@@ -135,7 +135,7 @@ void describe(Knobs& knobs, Holonomic::Parameters& p) {
   knobs.number("vx_max", p.vx_max, {0.001, 100.0}, "m/s", "highest speed forwards");
   knobs.number("vy_max", p.vy_max, {0.001, 100.0}, "m/s", "highest speed sideways");
   knobs.number("omega_max", p.omega_max, {0.001, 100.0}, "rad/s", "fastest turn");
-  knobs.number("a_max", p.a_max, {0.001, 1000.0}, "m/s2", "along each axis of the body");
+  knobs.number("a_max", p.a_max, {1e-6, 1000.0}, "m/s2", "along each axis of the body");
   knobs.number("alpha_max", p.alpha_max, {0.001, 1000.0}, "rad/s2", "change of the yaw rate");
   knobs.number("fixed_z", p.fixed_z, {-1000.0, 1000.0}, "m",
                "height of the body frame's origin above the floor");

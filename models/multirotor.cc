@@ -158,8 +158,8 @@ void Multirotor::step_batch(const Eigen::Ref<const BatchArray>& x,
 void describe(Knobs& knobs, Multirotor::Parameters& p) {
   knobs.number("v_max", p.v_max, {0.001, 100.0}, "m/s", "highest horizontal speed");
   knobs.number("vz_max", p.vz_max, {0.001, 100.0}, "m/s", "highest vertical speed");
-  knobs.number("a_max", p.a_max, {0.001, 1000.0}, "m/s2", "along each horizontal axis");
-  knobs.number("az_max", p.az_max, {0.001, 1000.0}, "m/s2", "along the vertical");
+  knobs.number("a_max", p.a_max, {1e-6, 1000.0}, "m/s2", "along each horizontal axis");
+  knobs.number("az_max", p.az_max, {1e-6, 1000.0}, "m/s2", "along the vertical");
   knobs.number("omega_max", p.omega_max, {0.001, 100.0}, "rad/s", "fastest turn");
   knobs.number("alpha_max", p.alpha_max, {0.001, 1000.0}, "rad/s2", "change of the yaw rate");
 }

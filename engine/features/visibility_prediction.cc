@@ -489,7 +489,7 @@ void describe(Knobs& knobs, VisibilityParameters& p) {
   knobs.number("border_px", p.border_px, {0.0, 1e4}, "px",
                "strip along the image border where nothing can be tracked");
   knobs.number("border_sigma_px", p.border_sigma_px, {0.0, 1e4}, "px", "softness of that border");
-  knobs.number("r_min", p.r_min, {0.05, 100.0}, "m", "nearest useful depth");
+  knobs.number("r_min", p.r_min, {0.001, 100.0}, "m", "nearest useful depth");
   knobs.number("r_max", p.r_max, {0.5, 1000.0}, "m", "farthest useful depth");
   knobs.require(p.r_max > p.r_min, "r_max", "r_max <= r_min; expected more");
   knobs.number("r_min_width", p.r_min_width, {1e-4, 100.0}, "m", "softness of the nearest");

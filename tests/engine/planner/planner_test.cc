@@ -1353,26 +1353,30 @@ TEST_F(PlannerTest, BadParametersAreNamed) {
     }
     return std::string("accepted");
   };
-  EXPECT_NE(message([](auto& p) { p.N = 0; }).find("planner.N"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.threads = 0; }).find("planner.threads"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.M = 13; }).find("planner.M"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.dt = kNan; }).find("planner.dt"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.w_l = kNan; }).find("planner.w_l"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.w_e = -1.0; }).find("planner.w_e"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.d_des = 0.0; }).find("planner.d_des"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.committed = 99.0; }).find("planner.committed"),
+  EXPECT_NE(message([](auto& p) { p.N = 0; }).find("planner: N is 0"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.threads = 0; }).find("planner: threads is 0"),
             std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.committed = kNan; }).find("planner.committed"),
+  EXPECT_NE(message([](auto& p) { p.M = 13; }).find("planner: M: more knots"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.dt = kNan; }).find("planner: dt is nan"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.w_l = kNan; }).find("planner: weights.w_l is nan"),
             std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.desired_speed = kNan; }).find("planner.desired_speed"),
+  EXPECT_NE(message([](auto& p) { p.w_e = -1.0; }).find("planner: weights.w_e is -1"),
             std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.visibility_lattice = 0.0; }).find("visibility_lattice"),
+  EXPECT_NE(message([](auto& p) { p.d_des = 0.0; }).find("planner: d_des is 0"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.committed = 99.0; }).find("planner: committed is"),
             std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.deadline = kNan; }).find("planner.deadline"),
+  EXPECT_NE(message([](auto& p) { p.committed = kNan; }).find("planner: committed is"),
+            std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.desired_speed = kNan; }).find("planner: desired_speed is nan"),
+            std::string::npos);
+  EXPECT_NE(
+      message([](auto& p) { p.visibility_lattice = 0.0; }).find("planner: visibility.lattice is 0"),
+      std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.deadline = kNan; }).find("planner: deadline is nan"),
             std::string::npos);
   EXPECT_NE(message([](auto& p) {
               p.behaviour.retreat_time = -1.0;
-            }).find("planner.behaviour.retreat_time"),
+            }).find("planner: recovery.time is -1"),
             std::string::npos);
   EXPECT_EQ(message([](auto&) {}), "accepted");
   EXPECT_THROW(Planner({}, small_parameters(), std::make_shared<Descent>()), std::invalid_argument);
