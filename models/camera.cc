@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -74,42 +75,37 @@ Eigen::Isometry3d CameraMount::forward_facing(const Eigen::Vector3d& position, d
   return T_BC;
 }
 
-void validate(const PinholeCamera& camera) {
-  constexpr std::string_view kOwner = "camera";
-  check_positive(kOwner, "fx", camera.fx);
-  check_positive(kOwner, "fy", camera.fy);
-  check_positive(kOwner, "width", camera.width);
-  check_positive(kOwner, "height", camera.height);
-  check_parameter(camera.cx >= 0.0 && camera.cx <= camera.width, kOwner, "cx", camera.cx,
-                  "a number in [0, width]");
-  check_parameter(camera.cy >= 0.0 && camera.cy <= camera.height, kOwner, "cy", camera.cy,
-                  "a number in [0, height]");
+void describe(Knobs& knobs, PinholeCamera& c) {
+  knobs.number("fx", c.fx, {1.0, 1e5}, "px", "focal length");
+  knobs.number("fy", c.fy, {1.0, 1e5}, "px", "focal length");
+  knobs.number("cx", c.cx, {0.0, 1e5}, "px", "principal point");
+  knobs.number("cy", c.cy, {0.0, 1e5}, "px", "principal point");
+  knobs.number("width", c.width, {16.0, 1e5}, "px", "image width");
+  knobs.number("height", c.height, {16.0, 1e5}, "px", "image height");
+  knobs.require(c.cx <= c.width, "cx", "cx > width; expected at most width");
+  knobs.require(c.cy <= c.height, "cy", "cy > height; expected at most height");
 }
 
-void validate(const StereoCamera& camera) {
-  validate(camera.left);
-  constexpr std::string_view kOwner = "stereo camera";
-  check_positive(kOwner, "baseline", camera.baseline);
-  check_positive(kOwner, "sigma_u", camera.sigma_u);
-  check_positive(kOwner, "sigma_v", camera.sigma_v);
-  check_positive(kOwner, "sigma_d", camera.sigma_d);
+void describe(Knobs& knobs, StereoCamera& c) {
+  describe(knobs, c.left);
+  knobs.number("baseline", c.baseline, {0.001, 10.0}, "m", "distance of the two cameras");
+  knobs.number("sigma_u", c.sigma_u, {0.01, 50.0}, "px", "image noise");
+  knobs.number("sigma_v", c.sigma_v, {0.01, 50.0}, "px", "image noise");
+  knobs.number("sigma_d", c.sigma_d, {0.01, 50.0}, "px", "disparity noise");
 }
 
-void validate(const RgbdFootprint& footprint) {
-  constexpr std::string_view kOwner = "depth sensor";
-  constexpr double kRounding = 1e-3;  // [rad]: 6.2832 is meant to be all round
-  check_parameter(footprint.horizontal_fov > 0.0 &&
-                      footprint.horizontal_fov <= 2.0 * std::numbers::pi + kRounding,
-                  kOwner, "horizontal_fov", footprint.horizontal_fov,
-                  "an angle above 0, up to 2 pi rad");
-  check_parameter(
-      footprint.vertical_fov >= 0.0 && footprint.vertical_fov <= std::numbers::pi + kRounding,
-      kOwner, "vertical_fov", footprint.vertical_fov, "an angle from 0 to pi rad");
-  check_not_negative(kOwner, "min_range", footprint.min_range);
-  check_parameter(std::isfinite(footprint.max_range) && footprint.max_range > footprint.min_range,
-                  kOwner, "max_range", footprint.max_range,
-                  "a finite number greater than min_range");
+void describe(Knobs& knobs, RgbdFootprint& f) {
+  knobs.degrees("horizontal_fov", f.horizontal_fov, {1.0, 360.0}, "horizontal field of view");
+  knobs.degrees("vertical_fov", f.vertical_fov, {0.0, 180.0},
+                "vertical field of view; 0: a single layer of rays");
+  knobs.number("min_range", f.min_range, {0.0, 100.0}, "m", "nearest measured range");
+  knobs.number("max_range", f.max_range, {0.5, 1000.0}, "m", "farthest measured range");
+  knobs.require(f.max_range > f.min_range, "max_range", "max_range <= min_range; expected more");
 }
+
+void validate(const PinholeCamera& camera) { check_knobs("camera", camera); }
+void validate(const StereoCamera& camera) { check_knobs("stereo camera", camera); }
+void validate(const RgbdFootprint& footprint) { check_knobs("depth sensor", footprint); }
 
 void validate(const CameraMount& mount) {
   constexpr std::string_view kOwner = "camera mount";

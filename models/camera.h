@@ -5,6 +5,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Ideal pinhole camera. Frame C: x right, y down, z forward. Pixels: u right, v down, [px].
 ///   u = cx + fx X/Z,  v = cy + fy Y/Z.   Valid image: 0 <= u <= width, 0 <= v <= height.
 struct PinholeCamera {
@@ -59,6 +61,11 @@ struct CameraMount {
   static Eigen::Isometry3d forward_facing(const Eigen::Vector3d& position, double yaw = 0.0,
                                           double pitch = 0.0);
 };
+
+/// The knobs (models/knobs.h): all of them.
+void describe(Knobs& knobs, PinholeCamera& camera);
+void describe(Knobs& knobs, StereoCamera& camera);
+void describe(Knobs& knobs, RgbdFootprint& footprint);
 
 /// Throw std::invalid_argument naming the entry, its value and what was expected. Of angles, a
 /// milliradian too much is taken for rounding.

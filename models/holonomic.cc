@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "models/braking.h"
-#include "models/parameter_check.h"
+#include "models/knobs.h"
 #include "models/sinc.h"
 
 namespace prospect {
@@ -26,14 +26,7 @@ inline void advance(double px, double py, double theta, double vx, double vy, do
 
 Holonomic::Holonomic(const Parameters& parameters) : parameters_(parameters) {
   const Parameters& p = parameters_;
-  check_parameter(std::isfinite(p.vx_min) && p.vx_min <= 0.0, kName, "vx_min", p.vx_min,
-                  "a finite number not greater than 0");
-  check_positive(kName, "vx_max", p.vx_max);
-  check_positive(kName, "vy_max", p.vy_max);
-  check_positive(kName, "omega_max", p.omega_max);
-  check_positive(kName, "a_max", p.a_max);
-  check_positive(kName, "alpha_max", p.alpha_max);
-  check_finite(kName, "fixed_z", p.fixed_z);
+  check_knobs(kName, p);
   limits_.lower = Eigen::Vector3d(p.vx_min, -p.vy_max, -p.omega_max);
   limits_.upper = Eigen::Vector3d(p.vx_max, p.vy_max, p.omega_max);
   limits_.rate = Eigen::Vector3d(p.a_max, p.a_max, p.alpha_max);
@@ -134,6 +127,18 @@ void Holonomic::step_batch(const Eigen::Ref<const BatchArray>& x,
     advance(px[b], py[b], theta[b], vx[b], vy[b], omega[b], dt, next_px[b], next_py[b],
             next_theta[b]);
   }
+}
+
+void describe(Knobs& knobs, Holonomic::Parameters& p) {
+  knobs.number("vx_min", p.vx_min, {-100.0, 0.0}, "m/s",
+               "lowest speed forwards; less than 0: backwards");
+  knobs.number("vx_max", p.vx_max, {0.001, 100.0}, "m/s", "highest speed forwards");
+  knobs.number("vy_max", p.vy_max, {0.001, 100.0}, "m/s", "highest speed sideways");
+  knobs.number("omega_max", p.omega_max, {0.001, 100.0}, "rad/s", "fastest turn");
+  knobs.number("a_max", p.a_max, {1e-6, 1000.0}, "m/s2", "along each axis of the body");
+  knobs.number("alpha_max", p.alpha_max, {0.001, 1000.0}, "rad/s2", "change of the yaw rate");
+  knobs.number("fixed_z", p.fixed_z, {-1000.0, 1000.0}, "m",
+               "height of the body frame's origin above the floor");
 }
 
 }  // namespace prospect

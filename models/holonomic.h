@@ -4,6 +4,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Velocity-controlled base that moves in any direction while it turns: it can look elsewhere than
 /// it drives.
 ///   x = (px, py, theta) [m, m, rad, in W],   u = (vx, vy, omega) [m/s, m/s, rad/s, in B].
@@ -62,5 +64,8 @@ class Holonomic final : public MotionModel {
   Parameters parameters_;
   InputLimits limits_;
 };
+
+/// The knobs (models/knobs.h): all of them.
+void describe(Knobs& knobs, Holonomic::Parameters& parameters);
 
 }  // namespace prospect

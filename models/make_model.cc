@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "models/holonomic.h"
+#include "models/knobs.h"
 #include "models/multirotor.h"
 #include "models/nearest_name.h"
 #include "models/unicycle.h"
@@ -14,72 +15,58 @@
 namespace prospect {
 namespace {
 
-template <class Model>
-using Fields = std::vector<std::pair<std::string_view, double Model::Parameters::*>>;
-
-/// The members of Model::Parameters by name; one table serves making, defaults and writing back.
-template <class Model>
-Fields<Model> fields();
-
-template <>
-Fields<Unicycle> fields<Unicycle>() {
-  using P = Unicycle::Parameters;
-  return {{"v_min", &P::v_min}, {"v_max", &P::v_max},         {"omega_max", &P::omega_max},
-          {"a_max", &P::a_max}, {"alpha_max", &P::alpha_max}, {"fixed_z", &P::fixed_z}};
-}
-
-template <>
-Fields<UnicycleAccel> fields<UnicycleAccel>() {
-  using P = UnicycleAccel::Parameters;
-  return {{"v_min", &P::v_min}, {"v_max", &P::v_max},         {"omega_max", &P::omega_max},
-          {"a_max", &P::a_max}, {"alpha_max", &P::alpha_max}, {"fixed_z", &P::fixed_z}};
-}
-
-template <>
-Fields<Holonomic> fields<Holonomic>() {
-  using P = Holonomic::Parameters;
-  return {{"vx_min", &P::vx_min},       {"vx_max", &P::vx_max}, {"vy_max", &P::vy_max},
-          {"omega_max", &P::omega_max}, {"a_max", &P::a_max},   {"alpha_max", &P::alpha_max},
-          {"fixed_z", &P::fixed_z}};
-}
-
-template <>
-Fields<Multirotor> fields<Multirotor>() {
-  using P = Multirotor::Parameters;
-  return {{"v_max", &P::v_max},   {"vz_max", &P::vz_max},       {"a_max", &P::a_max},
-          {"az_max", &P::az_max}, {"omega_max", &P::omega_max}, {"alpha_max", &P::alpha_max}};
-}
-
 [[noreturn]] void refuse(std::string_view what, std::string_view given,
                          const std::vector<std::string>& valid) {
   throw std::invalid_argument("unknown " + std::string(what) + " '" + std::string(given) + "'" +
                               did_you_mean(std::string(given), valid) + expected_one_of(valid));
 }
 
-template <class Model>
-ModelParameters to_map(const typename Model::Parameters& parameters) {
-  ModelParameters map;
-  for (const auto& [name, member] : fields<Model>()) {
-    map.emplace(std::string(name), parameters.*member);
+/// Refers to each number that is described, by its name.
+class Members final : public Knobs {
+ public:
+  void number(const char* name, double& value, Range, const char*, const char*) override {
+    values.emplace_back(name, &value);
   }
+  // Parameters of a model are plain numbers.
+  void degrees(const char*, double&, Range, const char*) override {}
+  void integer(const char*, int&, WholeRange, const char*, const char*) override {}
+  void boolean(const char*, bool&, const char*) override {}
+  void numbers(const char*, double*, std::size_t, Range, const char*, const char*) override {}
+  void require(bool, const char*, const char*) override {}
+
+  std::vector<std::pair<std::string, double*>> values;
+
+ private:
+  void word(const char*, std::size_t&, const std::vector<std::string>&, const char*) override {}
+  void enter(const char*) override {}
+  void leave() override {}
+};
+
+template <class Model>
+ModelParameters to_map(typename Model::Parameters parameters) {
+  Members members;
+  describe(members, parameters);
+  ModelParameters map;
+  for (const auto& [name, value] : members.values) map.emplace(name, *value);
   return map;
 }
 
 template <class Model>
-std::shared_ptr<const MotionModel> make(const ModelParameters& given) {
+typename Model::Parameters from_map(const ModelParameters& given) {
   typename Model::Parameters parameters;
-  const Fields<Model> known = fields<Model>();
+  Members members;
+  describe(members, parameters);
   for (const auto& [name, value] : given) {
-    const auto field = std::find_if(known.begin(), known.end(),
-                                    [&name = name](const auto& f) { return f.first == name; });
-    if (field == known.end()) {
+    const auto member = std::find_if(members.values.begin(), members.values.end(),
+                                     [&name = name](const auto& m) { return m.first == name; });
+    if (member == members.values.end()) {
       std::vector<std::string> names;
-      for (const auto& f : known) names.emplace_back(f.first);
+      for (const auto& m : members.values) names.push_back(m.first);
       refuse("parameter of model " + std::string(Model::kName), name, names);
     }
-    parameters.*(field->second) = value;
+    *member->second = value;
   }
-  return std::make_shared<const Model>(parameters);
+  return parameters;
 }
 
 /// Calls f with a null pointer to the class of that name.
@@ -104,9 +91,20 @@ ModelParameters default_parameters(std::string_view name) {
                   []<class Model>(Model*) { return to_map<Model>(typename Model::Parameters()); });
 }
 
+void describe(Knobs& knobs, std::string_view model, ModelParameters& parameters) {
+  dispatch(model, [&]<class Model>(Model*) {
+    typename Model::Parameters values = from_map<Model>(parameters);
+    describe(knobs, values);
+    parameters = to_map<Model>(values);
+  });
+}
+
 std::shared_ptr<const MotionModel> make_model(std::string_view name,
                                               const ModelParameters& parameters) {
-  return dispatch(name, [&]<class Model>(Model*) { return make<Model>(parameters); });
+  return dispatch(name, [&]<class Model>(Model*) {
+    return std::shared_ptr<const MotionModel>(
+        std::make_shared<const Model>(from_map<Model>(parameters)));
+  });
 }
 
 ModelParameters parameters_of(const MotionModel& model) {

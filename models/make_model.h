@@ -10,6 +10,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Parameters by name, as configuration and problem files hold them: "v_max" -> 0.6, ... The names
 /// are those of the members of each model's Parameters, in the same SI units.
 using ModelParameters = std::map<std::string, double>;
@@ -19,6 +21,10 @@ std::vector<std::string> model_names();
 
 /// All parameters of a model with their defaults. Throws like make_model for an unknown name.
 ModelParameters default_parameters(std::string_view name);
+
+/// The knobs (models/knobs.h) of a model, for values by name; those not given begin at their
+/// defaults. Throws like make_model for an unknown name.
+void describe(Knobs& knobs, std::string_view model, ModelParameters& parameters);
 
 /// The model of that name; parameters not given keep their defaults.
 /// Throws std::invalid_argument for an unknown model or parameter (with the nearest valid name) and

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "models/braking.h"
-#include "models/parameter_check.h"
+#include "models/knobs.h"
 
 namespace prospect {
 namespace {
@@ -30,12 +30,7 @@ inline void advance(double px, double py, double pz, double vx, double vy, doubl
 
 Multirotor::Multirotor(const Parameters& parameters) : parameters_(parameters) {
   const Parameters& p = parameters_;
-  check_positive(kName, "v_max", p.v_max);
-  check_positive(kName, "vz_max", p.vz_max);
-  check_positive(kName, "a_max", p.a_max);
-  check_positive(kName, "az_max", p.az_max);
-  check_positive(kName, "omega_max", p.omega_max);
-  check_positive(kName, "alpha_max", p.alpha_max);
+  check_knobs(kName, p);
   const double infinity = std::numeric_limits<double>::infinity();
   limits_.upper = Eigen::Vector4d(p.a_max, p.a_max, p.az_max, p.omega_max);
   limits_.lower = -limits_.upper;
@@ -158,6 +153,15 @@ void Multirotor::step_batch(const Eigen::Ref<const BatchArray>& x,
     advance(px[b], py[b], pz[b], vx[b], vy[b], vz[b], psi[b], ax[b], ay[b], az[b], psi_dot[b], dt,
             next_px[b], next_py[b], next_pz[b], next_vx[b], next_vy[b], next_vz[b], next_psi[b]);
   }
+}
+
+void describe(Knobs& knobs, Multirotor::Parameters& p) {
+  knobs.number("v_max", p.v_max, {0.001, 100.0}, "m/s", "highest horizontal speed");
+  knobs.number("vz_max", p.vz_max, {0.001, 100.0}, "m/s", "highest vertical speed");
+  knobs.number("a_max", p.a_max, {1e-6, 1000.0}, "m/s2", "along each horizontal axis");
+  knobs.number("az_max", p.az_max, {1e-6, 1000.0}, "m/s2", "along the vertical");
+  knobs.number("omega_max", p.omega_max, {0.001, 100.0}, "rad/s", "fastest turn");
+  knobs.number("alpha_max", p.alpha_max, {0.001, 1000.0}, "rad/s2", "change of the yaw rate");
 }
 
 }  // namespace prospect

@@ -4,6 +4,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Multirotor in its flat outputs, four degrees of freedom; the camera is fixed to the heading.
 ///   x = (p in R^3, v in R^3, psi) [m, m/s, rad, all in W],   u = (a in R^3, psi_dot) [m/s^2,
 ///   rad/s, in W].
@@ -68,5 +70,8 @@ class Multirotor final : public MotionModel {
   Parameters parameters_;
   InputLimits limits_;
 };
+
+/// The knobs (models/knobs.h): all of them.
+void describe(Knobs& knobs, Multirotor::Parameters& parameters);
 
 }  // namespace prospect

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -343,6 +344,22 @@ double thickness(const std::vector<Eigen::Vector3d>& points) {
 
 }  // namespace
 
+void describe(Knobs& knobs, Sphere& s) {
+  knobs.number("radius", s.radius, {0.01, 5.0}, "m", "radius");
+  knobs.numbers("center", s.center.data(), 3, {-5.0, 5.0}, "m", "centre, in the body frame");
+}
+
+void describe(Knobs& knobs, BoxShape& s) {
+  knobs.numbers("size", s.size.data(), 3, {0.01, 10.0}, "m", "edge lengths");
+  knobs.numbers("center", s.center.data(), 3, {-5.0, 5.0}, "m", "centre, in the body frame");
+}
+
+void describe(Knobs& knobs, CylinderShape& s) {
+  knobs.number("radius", s.radius, {0.01, 5.0}, "m", "radius about the axis");
+  knobs.number("height", s.height, {0.01, 5.0}, "m", "height");
+  knobs.numbers("center", s.center.data(), 3, {-5.0, 5.0}, "m", "centre, in the body frame");
+}
+
 void validate(const RobotShape& shape) {
   std::visit(Overload{[](const SphereSetShape& s) {
                         if (s.spheres.empty()) {
@@ -350,19 +367,11 @@ void validate(const RobotShape& shape) {
                               "robot shape: the sphere set is empty; expected at least one sphere");
                         }
                         for (const Sphere& sphere : s.spheres) {
-                          check_finite_vector("robot sphere", "center", sphere.center);
-                          check_positive("robot sphere", "radius", sphere.radius);
+                          check_knobs("robot sphere", sphere);
                         }
                       },
-                      [](const BoxShape& s) {
-                        check_finite_vector("robot box", "center", s.center);
-                        for (int i = 0; i < 3; ++i) check_positive("robot box", "size", s.size[i]);
-                      },
-                      [](const CylinderShape& s) {
-                        check_finite_vector("robot cylinder", "center", s.center);
-                        check_positive("robot cylinder", "radius", s.radius);
-                        check_positive("robot cylinder", "height", s.height);
-                      },
+                      [](const BoxShape& s) { check_knobs("robot box", s); },
+                      [](const CylinderShape& s) { check_knobs("robot cylinder", s); },
                       [](const ConvexShape& s) {
                         constexpr std::string_view kOwner = "robot hull";
                         check_parameter(s.vertices.size() >= 4, kOwner, "number of vertices",

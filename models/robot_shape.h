@@ -7,6 +7,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Geometry of the robot's body in frame B [m]. The same value is turned into an exact FCL shape
 /// for the certificate and into bounding spheres/discs for the clearance term.
 struct Sphere {
@@ -30,6 +32,11 @@ struct CylinderShape {
 struct ConvexShape {
   std::vector<Eigen::Vector3d> vertices;
 };
+
+/// The knobs (models/knobs.h): all of them.
+void describe(Knobs& knobs, Sphere& sphere);
+void describe(Knobs& knobs, BoxShape& shape);
+void describe(Knobs& knobs, CylinderShape& shape);
 
 using RobotShape = std::variant<SphereSetShape, BoxShape, CylinderShape, ConvexShape>;
 

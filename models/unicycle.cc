@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "models/braking.h"
-#include "models/parameter_check.h"
+#include "models/knobs.h"
 #include "models/sinc.h"
 
 namespace prospect {
@@ -25,13 +25,7 @@ inline void advance(double px, double py, double theta, double v, double omega, 
 
 Unicycle::Unicycle(const Parameters& parameters) : parameters_(parameters) {
   const Parameters& p = parameters_;
-  check_parameter(std::isfinite(p.v_min) && p.v_min <= 0.0, kName, "v_min", p.v_min,
-                  "a finite number not greater than 0");
-  check_positive(kName, "v_max", p.v_max);
-  check_positive(kName, "omega_max", p.omega_max);
-  check_positive(kName, "a_max", p.a_max);
-  check_positive(kName, "alpha_max", p.alpha_max);
-  check_finite(kName, "fixed_z", p.fixed_z);
+  check_knobs(kName, p);
   limits_.lower = Eigen::Vector2d(p.v_min, -p.omega_max);
   limits_.upper = Eigen::Vector2d(p.v_max, p.omega_max);
   limits_.rate = Eigen::Vector2d(p.a_max, p.alpha_max);
@@ -124,6 +118,16 @@ void Unicycle::step_batch(const Eigen::Ref<const BatchArray>& x,
   for (Eigen::Index b = 0; b < batch; ++b) {
     advance(px[b], py[b], theta[b], v[b], omega[b], dt, next_px[b], next_py[b], next_theta[b]);
   }
+}
+
+void describe(Knobs& knobs, Unicycle::Parameters& p) {
+  knobs.number("v_min", p.v_min, {-100.0, 0.0}, "m/s", "lowest speed; less than 0: it may reverse");
+  knobs.number("v_max", p.v_max, {0.001, 100.0}, "m/s", "highest speed");
+  knobs.number("omega_max", p.omega_max, {0.001, 100.0}, "rad/s", "fastest turn");
+  knobs.number("a_max", p.a_max, {1e-6, 1000.0}, "m/s2", "for speeding up and braking");
+  knobs.number("alpha_max", p.alpha_max, {0.001, 1000.0}, "rad/s2", "change of the yaw rate");
+  knobs.number("fixed_z", p.fixed_z, {-1000.0, 1000.0}, "m",
+               "height of the body frame's origin above the floor");
 }
 
 }  // namespace prospect

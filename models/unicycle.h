@@ -4,6 +4,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Velocity-controlled base that cannot move sideways.
 ///   x = (px, py, theta) [m, m, rad, in W],   u = (v, omega) [m/s, rad/s, in B].
 /// Exact integration of constant u over dt (a circular arc), phi = omega dt / 2:
@@ -60,5 +62,8 @@ class Unicycle final : public MotionModel {
   Parameters parameters_;
   InputLimits limits_;
 };
+
+/// The knobs (models/knobs.h): all of them.
+void describe(Knobs& knobs, Unicycle::Parameters& parameters);
 
 }  // namespace prospect

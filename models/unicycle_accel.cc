@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "models/braking.h"
-#include "models/parameter_check.h"
+#include "models/knobs.h"
 #include "models/sinc.h"
 
 namespace prospect {
@@ -34,13 +34,7 @@ inline void advance(double px, double py, double theta, double v, double omega, 
 
 UnicycleAccel::UnicycleAccel(const Parameters& parameters) : parameters_(parameters) {
   const Parameters& p = parameters_;
-  check_parameter(std::isfinite(p.v_min) && p.v_min <= 0.0, kName, "v_min", p.v_min,
-                  "a finite number not greater than 0");
-  check_positive(kName, "v_max", p.v_max);
-  check_positive(kName, "omega_max", p.omega_max);
-  check_positive(kName, "a_max", p.a_max);
-  check_positive(kName, "alpha_max", p.alpha_max);
-  check_finite(kName, "fixed_z", p.fixed_z);
+  check_knobs(kName, p);
   limits_.lower = Eigen::Vector2d(-p.a_max, -p.alpha_max);
   limits_.upper = Eigen::Vector2d(p.a_max, p.alpha_max);
   limits_.rate.setConstant(2, std::numeric_limits<double>::infinity());
@@ -168,6 +162,16 @@ void UnicycleAccel::step_batch(const Eigen::Ref<const BatchArray>& x,
     advance(px[b], py[b], theta[b], v[b], omega[b], a[b], alpha[b], dt, next_px[b], next_py[b],
             next_theta[b], next_v[b], next_omega[b]);
   }
+}
+
+void describe(Knobs& knobs, UnicycleAccel::Parameters& p) {
+  knobs.number("v_min", p.v_min, {-100.0, 0.0}, "m/s", "lowest speed; less than 0: it may reverse");
+  knobs.number("v_max", p.v_max, {0.001, 100.0}, "m/s", "highest speed");
+  knobs.number("omega_max", p.omega_max, {0.001, 100.0}, "rad/s", "fastest turn");
+  knobs.number("a_max", p.a_max, {1e-6, 1000.0}, "m/s2", "for speeding up and braking");
+  knobs.number("alpha_max", p.alpha_max, {0.001, 1000.0}, "rad/s2", "change of the yaw rate");
+  knobs.number("fixed_z", p.fixed_z, {-1000.0, 1000.0}, "m",
+               "height of the body frame's origin above the floor");
 }
 
 }  // namespace prospect

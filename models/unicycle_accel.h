@@ -4,6 +4,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Acceleration-controlled base that cannot move sideways: what a real base tracks.
 ///   x = (px, py, theta, v, omega) [m, m, rad, m/s, rad/s],   u = (a, alpha) [m/s^2, rad/s^2].
 /// Constant u over dt makes v, omega and theta exact:
@@ -72,5 +74,8 @@ class UnicycleAccel final : public MotionModel {
   Parameters parameters_;
   InputLimits limits_;
 };
+
+/// The knobs (models/knobs.h): all of them.
+void describe(Knobs& knobs, UnicycleAccel::Parameters& parameters);
 
 }  // namespace prospect

@@ -11,6 +11,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 enum class MissionEnd {
   kExplored,         ///< no frontier is left that can be reached and promises anything
   kYieldTooLow,      ///< what is left and can be reached shows too little for the way
@@ -39,6 +41,9 @@ struct MissionOptions {
   /// Once the task is over (not: time is up, lost, cancelled), back to where the mission began.
   bool return_when_done = false;
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, MissionOptions& options);
 
 /// What an observer is shown after each planning step, before it is executed.
 struct MissionStep {

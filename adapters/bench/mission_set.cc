@@ -3,7 +3,6 @@
 #include <cstdio>
 #include <memory>
 
-#include "adapters/config/configuration.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/run/planned_problem.h"
 #include "adapters/worlds/load_world.h"
@@ -16,11 +15,11 @@ MissionSet default_missions() {
 
 MissionSet quick_missions() { return {{"office", "loop", "plan:1"}, 1, 10, 12, 3}; }
 
-bool capture_missions(const MissionSet& missions, const Registries& registries,
+bool capture_missions(const MissionSet& missions, const Configuration& configuration,
+                      const Registries& registries,
                       const std::function<void(const SavedProblem&)>& take,
                       const CaptureWatch& watch) {
   const auto cancelled = [&] { return watch.cancelled && watch.cancelled(); };
-  const Configuration configuration = read_configuration("", registries);
   std::vector<std::shared_ptr<const World>> worlds;
   for (const std::string& name : missions.worlds) {
     worlds.push_back(

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/config/configuration.h"
 #include "adapters/config/registries.h"
 #include "adapters/problem_file/problem_file.h"
 
@@ -29,12 +30,13 @@ MissionSet default_missions();
 /// Nine problems on three maps, made in seconds.
 MissionSet quick_missions();
 
-/// Drives the missions in the kinematic simulator, with the default configuration, up to the last
+/// Drives the missions in the kinematic simulator, with this configuration, up to the last
 /// problem of each, and hands every problem to `take` as it is met. Deterministic: the same
 /// problems from the same build on the same machine. False if it was cancelled: then those are
 /// missing that were not yet met. Throws InputError for an unknown world and passes on what `take`
 /// throws.
-bool capture_missions(const MissionSet& missions, const Registries& registries,
+bool capture_missions(const MissionSet& missions, const Configuration& configuration,
+                      const Registries& registries,
                       const std::function<void(const SavedProblem&)>& take,
                       const CaptureWatch& watch = {});
 

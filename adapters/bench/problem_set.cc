@@ -70,10 +70,11 @@ BenchProblem problem_of_file(const std::string& path, const std::string& name,
   return problem_of(name, read.problem, read.saved.seeds, warm_start ? &*warm_start : nullptr);
 }
 
-ProblemSet mission_set(const Registries& registries, bool quick, const CaptureWatch& watch) {
+ProblemSet mission_set(const Configuration& configuration, const Registries& registries, bool quick,
+                       const CaptureWatch& watch) {
   ProblemSet set{"missions", "", 1e-3, {}, ""};
   capture_missions(
-      quick ? quick_missions() : default_missions(), registries,
+      quick ? quick_missions() : default_missions(), configuration, registries,
       [&](const SavedProblem& saved) {
         const std::string file = problem_file_name(saved.origin);
         set.problems.push_back(problem_of(file.substr(0, file.size() - 3),
@@ -201,11 +202,11 @@ std::string builtin_set_summary(const std::string& name) {
   return "";
 }
 
-ProblemSet make_problem_set(const std::string& text, const Registries& registries, bool quick,
-                            const CaptureWatch& watch) {
+ProblemSet make_problem_set(const std::string& text, const Configuration& configuration,
+                            const Registries& registries, bool quick, const CaptureWatch& watch) {
   if (text == "zoo") return zoo_set();
   if (text == "s30") return s30_set(quick);
-  if (text == "missions") return mission_set(registries, quick, watch);
+  if (text == "missions") return mission_set(configuration, registries, quick, watch);
   if (!registries.problems.problems(text).empty()) return named_set(text, registries.problems);
   std::error_code error;
   const fs::file_status status = fs::status(text, error);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "adapters/bench/mission_set.h"
+#include "adapters/config/configuration.h"
 #include "adapters/config/registries.h"
 #include "engine/problem/problem.h"
 #include "engine/problem/solver.h"
@@ -43,10 +44,11 @@ std::string builtin_set_summary(const std::string& name);
 /// A set by name or path: a built-in one; one of `registries`; a problem file (.h5); a folder of
 /// problem files, with the best costs known in best_known.json beside them, if it is there; a file
 /// of problems stated as expressions (.json, expression_file.h). `quick`: of a built-in set a share
-/// that is solved in seconds. `registries`: what the configuration of missions and problem files
-/// may name. `watch`: of missions, which are driven first; a set that was cancelled lacks problems.
-/// Throws InputError in one line, also for a folder of which one file is damaged.
-ProblemSet make_problem_set(const std::string& text, const Registries& registries, bool quick,
+/// that is solved in seconds. `configuration` of the missions, `registries`: what it and problem
+/// files may name. `watch`: of missions, which are driven first; a set that was cancelled lacks
+/// problems. Throws InputError in one line, also for a folder of which one file is damaged.
+ProblemSet make_problem_set(const std::string& text, const Configuration& configuration,
+                            const Registries& registries, bool quick,
                             const CaptureWatch& watch = {});
 
 /// Keeps the best costs of a set that is from a folder: best_known.json, whole or not at all.

@@ -1,3 +1,6 @@
+#include <unistd.h>
+
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -20,6 +23,7 @@
 #include "adapters/cli/commands.h"
 #include "adapters/cli/interrupt.h"
 #include "adapters/cli/progress.h"
+#include "adapters/config/configuration.h"
 #include "adapters/files/input_error.h"
 #include "adapters/problem_file/problem_file.h"
 
@@ -45,7 +49,8 @@ std::vector<std::string> default_solvers(const SolverRegistry& registry, bool qu
 }
 
 /// Writes the problems of the set `missions` to a new folder, which is then a set.
-int capture(const BenchArguments& arguments, const Registries& registries) {
+int capture(const BenchArguments& arguments, const Configuration& configuration,
+            const Registries& registries) {
   namespace fs = std::filesystem;
   const std::string& folder = arguments.capture;
   const char* const expected = "; expected a new or empty folder";
@@ -65,7 +70,7 @@ int capture(const BenchArguments& arguments, const Registries& registries) {
   int written = 0;
   Progress progress(arguments.quiet);
   const bool all = capture_missions(
-      arguments.quick ? quick_missions() : default_missions(), registries,
+      arguments.quick ? quick_missions() : default_missions(), configuration, registries,
       [&](const SavedProblem& saved) {
         write_problem((fs::path(folder) / problem_file_name(saved.origin)).string(), saved);
         ++written;
@@ -81,7 +86,9 @@ int capture(const BenchArguments& arguments, const Registries& registries) {
 }  // namespace
 
 int bench(const BenchArguments& arguments, const Registries& registries) {
-  if (!arguments.capture.empty()) return capture(arguments, registries);
+  const Configuration configuration =
+      read_configuration(arguments.configuration, registries, arguments.settings);
+  if (!arguments.capture.empty()) return capture(arguments, configuration, registries);
   // Everything is looked at before anything is measured or written.
   const std::vector<SolverChoice> solvers = choose_solvers(
       arguments.solvers.empty() ? default_solvers(registries.solvers, arguments.quick)
@@ -92,6 +99,11 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
   }
   std::vector<std::string> names = arguments.sets;
   if (names.empty()) names = builtin_set_names();
+  const bool configured = !arguments.configuration.empty() || !arguments.settings.empty();
+  if (configured && std::find(names.begin(), names.end(), "missions") == names.end()) {
+    throw InputError(
+        "--config and --set: of no effect on these sets; expected the set 'missions' among them");
+  }
   BenchOptions options;
   options.cancelled = catch_interrupts();
   Progress progress(arguments.quiet);
@@ -100,7 +112,7 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
   std::vector<ProblemSet> sets;
   std::set<std::string> used;
   for (const std::string& name : names) {
-    sets.push_back(make_problem_set(name, registries, arguments.quick, watch));
+    sets.push_back(make_problem_set(name, configuration, registries, arguments.quick, watch));
     progress.finish();
     if (options.cancelled()) {
       std::cerr << "prospect: cancelled; nothing is measured\n";

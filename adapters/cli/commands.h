@@ -74,10 +74,12 @@ struct SolveArguments {
 int solve(const SolveArguments& arguments, const Registries& registries);
 
 struct BenchArguments {
-  std::vector<std::string> sets;     ///< empty: all built-in ones
-  std::vector<std::string> solvers;  ///< names, each followed by its options; empty: one of a kind
-  std::vector<double> deadlines;     ///< [s], 0: none; empty: as the help says
-  int repeats = 0;                   ///< 0: as the help says
+  std::vector<std::string> sets;      ///< empty: all built-in ones
+  std::string configuration;          ///< file, of the missions that are driven for a set
+  std::vector<std::string> settings;  ///< "planner.weights.w_l=0": above the file
+  std::vector<std::string> solvers;   ///< names, each followed by its options; empty: one of a kind
+  std::vector<double> deadlines;      ///< [s], 0: none; empty: as the help says
+  int repeats = 0;                    ///< 0: as the help says
   int max_evaluations = 10000;
   int seed = 1;
   double tolerance = 0.01;
@@ -132,6 +134,9 @@ int list(const std::string& what, bool json, const Registries& registries);
 std::vector<std::string> list_kinds();
 /// The version of the program, and what it was built from and runs with.
 int print_version(bool json);
+/// Prints the page docs/reference/configuration.md; throws InputError if a file or settings are
+/// given.
+int print_reference(const std::string& file, const std::vector<std::string>& settings);
 /// Prints the effective configuration of a file (empty: the defaults) and of settings above it.
 int print_configuration(const std::string& file, const std::vector<std::string>& settings,
                         const Registries& registries);

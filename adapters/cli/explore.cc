@@ -9,6 +9,7 @@
 #include "adapters/cli/interrupt.h"
 #include "adapters/cli/progress.h"
 #include "adapters/config/configuration.h"
+#include "adapters/config/solver_options.h"
 #include "adapters/files/csv.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
@@ -157,6 +158,9 @@ int explore(const ExploreArguments& arguments, const Registries& registries) {
     configuration.solver = arguments.solver;
     const std::string wrong = solver_problem(configuration.solver, registries.solvers);
     if (!wrong.empty()) throw InputError("--solver: " + wrong);
+    const std::string refused = solver_options_problem(
+        *registries.solvers.make(configuration.solver), configuration.planner.solver_options);
+    if (!refused.empty()) throw InputError("--solver: planner.options: " + refused);
     override_entry(configuration, "planner.solver", arguments.solver);
   }
   if (arguments.time_limit > 0.0) {

@@ -8,6 +8,7 @@
 #include "adapters/bench/problem_set.h"
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
+#include "adapters/config/configuration_reference.h"
 #include "adapters/files/csv.h"
 #include "adapters/files/input_error.h"
 #include "adapters/worlds/builtin_worlds.h"
@@ -161,6 +162,15 @@ int list(const std::string& what, bool json, const Registries& registries) {
   }
   for (const std::string& kind : list_kinds()) print_names(kind, names_of(kind, all.at(kind)));
   std::printf("In full: prospect list %s\n", "solvers|worlds|terms|sets|modes");
+  return kDone;
+}
+
+int print_reference(const std::string& file, const std::vector<std::string>& settings) {
+  if (!file.empty() || !settings.empty()) {
+    throw InputError("--reference: '" + (file.empty() ? "--set " + settings.front() : file) +
+                     "' beside it; expected it alone, as it is of no configuration");
+  }
+  std::cout << configuration_reference();
   return kDone;
 }
 

@@ -242,6 +242,11 @@ int run(int argc, char** argv) {
                    "problem file, file of problems as expressions (.json) [all built-in sets]")
       ->type_name("SET");
   bench_command
+      ->add_option("--config", bench_arguments.configuration,
+                   "Configuration file (YAML) of the missions of the set missions")
+      ->type_name("FILE");
+  add_set(bench_command, bench_arguments.settings);
+  bench_command
       ->add_option("--solver", bench_arguments.solvers,
                    "Back ends, separated by commas; NAME,OPTION=VALUE sets an option of one")
       ->type_name("SOLVER")
@@ -378,6 +383,9 @@ int run(int argc, char** argv) {
       ->type_name("FILE");
   std::vector<std::string> settings;
   add_set(config_command, settings);
+  bool reference = false;
+  config_command->add_flag("--reference", reference,
+                           "Every key with unit, range, default and meaning instead (Markdown)");
 
   std::vector<std::string> plugins;
   for (CLI::App* command : app.get_subcommands({})) {
@@ -420,6 +428,7 @@ int run(int argc, char** argv) {
   if (*odometry_command) return odometry(odometry_arguments);
   if (*map_command) return map(map_arguments);
   if (*list_command) return list(what, list_json, registries);
+  if (reference) return print_reference(configuration, settings);
   return print_configuration(configuration, settings, registries);
 }
 

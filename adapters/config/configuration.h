@@ -22,6 +22,7 @@ struct Configuration {
   MissionOptions mission;
   /// How the world is read; slice and what no key names are left to world_options_for().
   WorldOptions world;
+  Guard::Options guard;
   /// What ends the task as seen: a share of the reachable area, or an area [m^2], as the simulator
   /// really measures them; 0: neither.
   double until_coverage = 0.0, until_area = 0.0;

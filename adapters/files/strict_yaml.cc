@@ -12,11 +12,11 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <sstream>
 #include <unordered_map>
 
 #include "models/nearest_name.h"
+#include "models/range_text.h"
 
 namespace prospect {
 
@@ -98,16 +98,9 @@ std::string shown(const std::string& text) {
   return out;
 }
 
-std::string format(double value) {
-  if (!std::isfinite(value)) return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";
-  std::array<char, 32> buffer;
-  const auto result = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
-  return {buffer.data(), result.ptr};
-}
-
 std::string format(const std::vector<double>& values) {
   std::string out = "[";
-  for (std::size_t i = 0; i < values.size(); ++i) out += (i ? ", " : "") + format(values[i]);
+  for (std::size_t i = 0; i < values.size(); ++i) out += (i ? ", " : "") + exact_text(values[i]);
   return out + "]";
 }
 
@@ -148,24 +141,6 @@ std::string format(const std::vector<std::string>& texts) {
   std::string out = "[";
   for (std::size_t i = 0; i < texts.size(); ++i) out += (i ? ", " : "") + format_text(texts[i]);
   return out + "]";
-}
-
-template <typename T>
-std::string in_range(T min, T max, const std::string& unit) {
-  const std::string suffix = unit.empty() || unit == "1" ? "" : " " + unit;
-  const auto text = [](T v) {
-    if constexpr (std::is_integral_v<T>) {
-      return std::to_string(v);
-    } else {
-      return format(v);
-    }
-  };
-  const bool low = min > std::numeric_limits<T>::lowest();
-  const bool high = max < std::numeric_limits<T>::max();
-  if (low && high) return " from " + text(min) + " to " + text(max) + suffix;
-  if (low) return " of at least " + text(min) + suffix;
-  if (high) return " of at most " + text(max) + suffix;
-  return suffix.empty() ? "" : " in" + suffix;
 }
 
 std::optional<double> parse_number(const std::string& text) {
@@ -538,8 +513,9 @@ void YamlMap::missing(const std::string& key, const std::string& expected) {
 
 void YamlMap::record(const std::string& key, const std::string& value,
                      const std::string& default_value, const std::string& unit,
-                     const std::string& description) {
-  state_->entries.push_back({child_path(key), value, default_value, unit, description, has(key)});
+                     const std::string& range, const std::string& description) {
+  state_->entries.push_back(
+      {child_path(key), value, default_value, unit, range, description, has(key)});
 }
 
 namespace {
@@ -583,7 +559,8 @@ double YamlMap::number(const std::string& key, double default_value, double min,
       value = *parsed;
     }
   }
-  record(key, format(value), format(default_value), unit, description);
+  record(key, exact_text(value), exact_text(default_value), unit, range_text(min, max),
+         description);
   return value;
 }
 
@@ -601,7 +578,7 @@ double YamlMap::required_number(const std::string& key, double min, double max,
   } else {
     missing(key, expected);
   }
-  record(key, format(value), "", unit, description);
+  record(key, exact_text(value), "", unit, range_text(min, max), description);
   return value;
 }
 
@@ -622,7 +599,8 @@ std::int64_t YamlMap::integer(const std::string& key, std::int64_t default_value
       problem(key, what_it_is(*node) + "; expected a whole number" + in_range(min, max, unit));
     }
   }
-  record(key, std::to_string(value), std::to_string(default_value), unit, description);
+  record(key, std::to_string(value), std::to_string(default_value), unit, range_text(min, max),
+         description);
   return value;
 }
 
@@ -636,7 +614,8 @@ bool YamlMap::boolean(const std::string& key, bool default_value, const std::str
       problem(key, what_it_is(*node) + "; expected true or false");
     }
   }
-  record(key, value ? "true" : "false", default_value ? "true" : "false", "", description);
+  record(key, value ? "true" : "false", default_value ? "true" : "false", "", "true, false",
+         description);
   return value;
 }
 
@@ -656,7 +635,8 @@ bool YamlMap::loose_boolean(const std::string& key, bool default_value,
       problem(key, what_it_is(*node) + "; expected 0, 1, true or false");
     }
   }
-  record(key, value ? "true" : "false", default_value ? "true" : "false", "", description);
+  record(key, value ? "true" : "false", default_value ? "true" : "false", "", "true, false",
+         description);
   return value;
 }
 
@@ -670,7 +650,7 @@ std::string YamlMap::text(const std::string& key, const std::string& default_val
       problem(key, what_it_is(*node) + "; expected a text");
     }
   }
-  record(key, format_text(value), format_text(default_value), "", description);
+  record(key, format_text(value), format_text(default_value), "", "text", description);
   return value;
 }
 
@@ -685,7 +665,7 @@ std::string YamlMap::required_text(const std::string& key, const std::string& de
   } else {
     missing(key, "a text");
   }
-  record(key, format_text(value), "", "", description);
+  record(key, format_text(value), "", "", "text", description);
   return value;
 }
 
@@ -715,7 +695,7 @@ std::string YamlMap::choice(const std::string& key, const std::string& default_v
       problem(key, what_it_is(*node) + hint + "; expected one of: " + listed(choices));
     }
   }
-  record(key, format_text(value), format_text(default_value), "", description);
+  record(key, format_text(value), format_text(default_value), "", listed(choices), description);
   return value;
 }
 
@@ -735,9 +715,20 @@ std::string YamlMap::required_choice(const std::string& key,
   } else {
     missing(key, "one of: " + listed(choices));
   }
-  record(key, format_text(value), "", "", description);
+  record(key, format_text(value), "", "", listed(choices), description);
   return value;
 }
+
+namespace {
+
+/// "3 numbers, -5 to 5", "numbers, 0 or more".
+std::string list_text(int size, double min, double max) {
+  const std::string range = range_text(min, max);
+  return (size < 0 ? "" : std::to_string(size) + " ") + "numbers" +
+         (range.empty() ? "" : ", " + range);
+}
+
+}  // namespace
 
 std::optional<std::vector<double>> YamlMap::read_numbers(const std::string& key, int size,
                                                          double min, double max,
@@ -773,7 +764,7 @@ std::vector<double> YamlMap::numbers(const std::string& key,
                                      double max, const std::string& unit,
                                      const std::string& description) {
   const std::vector<double> value = read_numbers(key, size, min, max, unit).value_or(default_value);
-  record(key, format(value), format(default_value), unit, description);
+  record(key, format(value), format(default_value), unit, list_text(size, min, max), description);
   return value;
 }
 
@@ -786,7 +777,7 @@ std::vector<double> YamlMap::required_numbers(const std::string& key, int size, 
   }
   const std::vector<double> value = read.value_or(
       std::vector<double>(static_cast<std::size_t>(std::max(size, 0)), std::clamp(0.0, min, max)));
-  record(key, format(value), "", unit, description);
+  record(key, format(value), "", unit, list_text(size, min, max), description);
   return value;
 }
 
@@ -810,7 +801,7 @@ std::vector<std::string> YamlMap::texts(const std::string& key,
     }
     if (good) value = read;
   }
-  record(key, format(value), format(default_value), "", description);
+  record(key, format(value), format(default_value), "", "texts", description);
   return value;
 }
 
@@ -822,6 +813,12 @@ YamlMap YamlMap::map(const std::string& key) {
   }
   if (node != nullptr) node->entered = true;
   return {state_, node, child_path(key), node != nullptr ? node->line : line_};
+}
+
+YamlMap YamlMap::free_map(const std::string& key, const std::string& description) {
+  YamlMap values = map(key);
+  if (values.keys().empty()) record(key, "{}", "{}", "", "mapping", description);
+  return values;
 }
 
 std::vector<YamlMap> YamlMap::maps(const std::string& key) {

@@ -16,6 +16,7 @@ struct ConfigEntry {
   std::string value;          ///< as YAML, numbers in their shortest exact form
   std::string default_value;  ///< as YAML; "" for a required entry
   std::string unit;           ///< "m", "m/s", "1" for a pure number, "" for text and switches
+  std::string range;          ///< what it may be: "0 to 5", "free, blocked", "3 numbers, -5 to 5"
   std::string description;
   bool from_file = false;
 };
@@ -79,6 +80,8 @@ class YamlMap {
 
   /// The mapping under the key; empty if absent.
   YamlMap map(const std::string& key);
+  /// The same where the keys are free names, for the reader to ask for: an empty one is an entry.
+  YamlMap free_map(const std::string& key, const std::string& description);
   /// The list of mappings under the key; empty if absent.
   std::vector<YamlMap> maps(const std::string& key);
   /// All keys of this mapping in the file's order, for mappings whose keys are free names.
@@ -106,7 +109,7 @@ class YamlMap {
   void missing(const std::string& key, const std::string& expected);
   std::string child_path(const std::string& key) const;
   void record(const std::string& key, const std::string& value, const std::string& default_value,
-              const std::string& unit, const std::string& description);
+              const std::string& unit, const std::string& range, const std::string& description);
 
   State* state_;
   Node* node_;  ///< null: the file does not hold this mapping

@@ -17,11 +17,14 @@ std::string brief(double value) {
 
 void Archive::refuse(std::string_view name, const std::string& what,
                      const std::string& expected) const {
+  refuse(name, what + "; expected " + expected);
+}
+
+void Archive::refuse(std::string_view name, const std::string& what) const {
   std::string where;
   for (const std::string& group : place_) where += '/' + group;
   if (!name.empty()) where += '/' + std::string(name);
-  throw std::invalid_argument((where.empty() ? "/" : where) + ": " + what + "; expected " +
-                              expected);
+  throw std::invalid_argument((where.empty() ? "/" : where) + ": " + what);
 }
 
 std::string Archive::describe(Type type, const Shape& shape) {
@@ -45,9 +48,17 @@ std::size_t Archive::elements(const Shape& shape) {
 }
 
 void Archive::group(const std::string& name, const std::function<void()>& content) {
+  begin_group(name);
+  content();
+  end_group();
+}
+
+void Archive::begin_group(const std::string& name) {
   enter(name);
   place_.push_back(name);
-  content();
+}
+
+void Archive::end_group() {
   place_.pop_back();
   leave();
 }

@@ -29,6 +29,9 @@ class Archive {
 
   /// The entries that `content` hands over lie in this group.
   void group(const std::string& name, const std::function<void()>& content);
+  /// The same for the entries up to end_group().
+  void begin_group(const std::string& name);
+  void end_group();
   /// The same for a group that may be missing. Writing: `present` says whether it is. Reading: sets
   /// it.
   void optional_group(const std::string& name, bool& present, const std::function<void()>& content);
@@ -64,6 +67,8 @@ class Archive {
   /// Throws for the entry `name` ("": the group) of the present group.
   [[noreturn]] void refuse(std::string_view name, const std::string& what,
                            const std::string& expected) const;
+  /// what: "what; expected what".
+  [[noreturn]] void refuse(std::string_view name, const std::string& what) const;
 
  protected:
   /// Longest text that is written or read [bytes].

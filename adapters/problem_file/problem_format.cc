@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "adapters/problem_file/archive_knobs.h"
 #include "engine/terms/builtin_terms.h"
 #include "models/make_model.h"
 
@@ -87,7 +88,8 @@ void motion(Archive& a, std::shared_ptr<const MotionModel>& model) {
     std::string name = a.writing() ? std::string(model->name()) : "";
     a.text("model", name);
     ModelParameters parameters = a.writing() ? parameters_of(*model) : default_parameters(name);
-    for (auto& [key, value] : parameters) a.number(key.c_str(), value);
+    ArchiveKnobs knobs(a);
+    describe(knobs, name, parameters);
     if (!a.writing()) model = make_model(name, parameters);
   });
 }
@@ -134,30 +136,17 @@ void mount(Archive& a, CameraMount& mount) {
 }
 
 void robot(Archive& a, RobotDescription& r) {
+  ArchiveKnobs knobs(a);
   a.group("robot", [&] {
     motion(a, r.model);
     shape(a, r.shape);
     a.group("stereo", [&] {
-      a.number("fx", r.stereo.left.fx);
-      a.number("fy", r.stereo.left.fy);
-      a.number("cx", r.stereo.left.cx);
-      a.number("cy", r.stereo.left.cy);
-      a.number("width", r.stereo.left.width);
-      a.number("height", r.stereo.left.height);
-      a.number("baseline", r.stereo.baseline);
-      a.number("sigma_u", r.stereo.sigma_u);
-      a.number("sigma_v", r.stereo.sigma_v);
-      a.number("sigma_d", r.stereo.sigma_d);
+      describe(knobs, r.stereo);
       mount(a, r.stereo_mount);
-      if (!a.writing()) validate(r.stereo);
     });
     a.group("depth", [&] {
-      a.number("horizontal_fov", r.depth.horizontal_fov);
-      a.number("vertical_fov", r.depth.vertical_fov);
-      a.number("min_range", r.depth.min_range);
-      a.number("max_range", r.depth.max_range);
+      describe(knobs, r.depth);
       mount(a, r.depth_mount);
-      if (!a.writing()) validate(r.depth);
     });
   });
 }
@@ -340,43 +329,12 @@ void visible_features(Archive& a, int version, ProblemSpecification& r) {
   a.group("visible_features", [&] {
     a.number("weight", r.weights.visible_features);
     VisibleFeaturesParameters& f = r.features;
-    a.choice("criterion", f.criterion, {"count", "information"});
-    a.number("N_req", f.N_req);
-    a.number("beta", f.beta);
-    a.number("N_min", f.N_min);
-    a.number("z", f.z);
-    a.number("chance_beta", f.chance_beta);
+    ArchiveKnobs knobs(a);
+    describe(knobs, f);
     a.number("chance_weight", f.chance_weight);
-    a.number("required_translation", f.required_translation);
-    a.number("required_rotation", f.required_rotation);
-    a.number("prior_translation", f.prior_translation);
-    a.number("prior_rotation", f.prior_rotation);
-    a.number("information_beta", f.information_beta);
     a.number("rho", f.rho);
-    a.group("visibility", [&] {
-      VisibilityParameters& v = r.visibility;
-      a.number("sigma_px", v.sigma_px);
-      a.number("border_px", v.border_px);
-      a.number("border_sigma_px", v.border_sigma_px);
-      a.number("r_min", v.r_min);
-      a.number("r_max", v.r_max);
-      a.number("r_min_width", v.r_min_width);
-      a.number("r_max_width", v.r_max_width);
-      a.number("scale_min", v.scale_min);
-      a.number("scale_max", v.scale_max);
-      a.number("scale_width", v.scale_width);
-      a.number("view_angle", v.view_angle);
-      a.number("view_angle_width", v.view_angle_width);
-    });
-    a.group("odometry", [&] {
-      OdometryNoise& o = r.visibility.odometry;
-      a.number("position_per_metre", o.position_per_metre);
-      a.number("position_per_radian", o.position_per_radian);
-      a.number("yaw_per_metre", o.yaw_per_metre);
-      a.number("yaw_per_radian", o.yaw_per_radian);
-      a.number("reference_count", o.reference_count);
-      a.number("floor_count", o.floor_count);
-    });
+    knobs.group("visibility", [&] { describe(knobs, r.visibility); });
+    knobs.group("odometry", [&] { describe(knobs, r.visibility.odometry); });
     landmarks(a, version, r.landmarks);
     occlusion(a, r.landmark_lattice, r.landmark_occlusion, r.landmarks.size(),
               r.voxels->resolution());

@@ -249,7 +249,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   SimulatedRobot robot(simulator);
 
   // A sensor that delivers seldom is not dead: two of its periods may pass.
-  Guard::Options limits;
+  Guard::Options limits = configuration.guard;
   const auto at_least = [](double& limit, double rate) { limit = std::max(limit, 2.0 / rate); };
   at_least(limits.max_map_age, simulator_options.depth_rate);
   at_least(limits.max_ranges_age, simulator_options.depth_rate);

@@ -10,6 +10,7 @@
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/worlds/mixed_bits.h"
 #include "engine/support/worker_threads.h"
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -118,19 +119,10 @@ CameraRig::CameraRig(std::shared_ptr<const SceneRenderer> scene, const CameraRig
            "1..170 degrees, as rendered depth is an image in perspective; sensors: model takes all "
            "sensors");
   }
-  within("depth_width", options.depth_width, 1, 16384, "1..16384 px");
-  within("depth_height", options.depth_height, 1, 16384, "1..16384 px");
-  within("exposure", options.exposure, 0.0, 100.0, "a gain in [0, 100]");
-  within("vignetting", options.vignetting, 0.0, 1.0, "a share in [0, 1]");
-  within("blur", options.blur, 0.0, 20.0, "0..20 px");
-  within("exposure_time", options.exposure_time, 0.0, 1.0, "0..1 s");
-  within("read_noise", options.read_noise, 0.0, 255.0, "0..255 grey levels");
-  within("shot_noise", options.shot_noise, 0.0, 255.0, "0..255 grey levels");
+  check_knobs(kOwner, options);
   within("depth_noise_constant", options.depth_noise_constant, 0.0, 1.0, "0..1 m");
   within("depth_noise_quadratic", options.depth_noise_quadratic, 0.0, 1.0, "0..1 per m");
   within("depth_dropout", options.depth_dropout, 0.0, 1.0, "a probability");
-  within("max_incidence", options.max_incidence, 0.0, 1.6, "0..1.6 rad");
-  within("threads", options.threads, 1, 256, "1..256");
   depth_camera_ =
       prospect::depth_camera(options.footprint, options.depth_width, options.depth_height);
 }
@@ -251,6 +243,21 @@ DepthImage CameraRig::depth(const Pose& true_pose, std::uint64_t frame) const {
     }
   });
   return image;
+}
+
+void describe(Knobs& knobs, CameraRigOptions& o) {
+  knobs.number("exposure", o.exposure, {0.0, 100.0}, "1", "gain on the grey levels");
+  knobs.number("exposure_time", o.exposure_time, {0.0, 1.0}, "s", "motion blur of a turning robot");
+  knobs.number("vignetting", o.vignetting, {0.0, 1.0}, "1", "share of light lost in the corners");
+  knobs.number("blur", o.blur, {0.0, 20.0}, "px", "of the lens, one standard deviation");
+  knobs.number("read_noise", o.read_noise, {0.0, 255.0}, "1",
+               "grey levels, one standard deviation");
+  knobs.number("shot_noise", o.shot_noise, {0.0, 255.0}, "1", "variance a grey level");
+  knobs.integer("depth_width", o.depth_width, {1, 16384}, "px", "of the depth image");
+  knobs.integer("depth_height", o.depth_height, {1, 16384}, "px", "of the depth image");
+  knobs.number("max_incidence", o.max_incidence, {0.0, 1.6}, "rad",
+               "between ray and surface normal; beyond, no depth is measured");
+  knobs.integer("threads", o.threads, {1, 256}, "1", "of the renderer; the same bits with any");
 }
 
 }  // namespace prospect

@@ -11,6 +11,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct CameraRigOptions {
   StereoCamera stereo;
   CameraMount stereo_mount;  ///< of the left camera
@@ -36,6 +38,9 @@ struct CameraRigOptions {
   int threads = 1;
   std::uint64_t seed = 1;
 };
+
+/// The knobs (models/knobs.h); cameras, depth noise and seed are the simulator's.
+void describe(Knobs& knobs, CameraRigOptions& options);
 
 struct StereoImages {
   Image left, right;

@@ -8,7 +8,6 @@
 #include "adapters/simulator/noise_stream.h"
 #include "adapters/simulator/scene_renderer.h"
 #include "adapters/simulator/world_mesh.h"
-#include "models/parameter_check.h"
 #include "models/sinc.h"
 #include "perception/odometry/body_pose.h"
 #include "perception/odometry/lattice_cell.h"
@@ -54,10 +53,6 @@ DepthMapperOptions mapper_of(const SimulatorOptions& options,
 /// The stereo pair as the robot takes it to be.
 StereoCamera believed(const SimulatorOptions& options) {
   const CameraSensorsOptions& errors = options.camera;
-  check_parameter(errors.focal_error > -1.0, "camera", "focal_error", errors.focal_error,
-                  "more than -1");
-  check_parameter(errors.baseline_error > -1.0, "camera", "baseline_error", errors.baseline_error,
-                  "more than -1");
   StereoCamera camera = options.features.stereo;
   camera.left.fx *= 1.0 + errors.focal_error;
   camera.left.fy *= 1.0 + errors.focal_error;
@@ -227,7 +222,7 @@ void CameraSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
 }
 
 std::shared_ptr<const Belief> CameraSensors::belief(double stamp, const Pose&, const Twist&) {
-  // Of the next image: those that are lost later on are made anew.
+  // Of the next image: those that are lost later on are detected again.
   auto landmarks = std::make_shared<LandmarkMap>(*odometry_.landmarks(0.0));
   landmarks->feature_density = density_.value();
   auto belief = std::make_shared<Belief>(

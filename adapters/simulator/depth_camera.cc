@@ -7,6 +7,7 @@
 #include <string>
 
 #include "models/body_transform.h"
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -38,12 +39,7 @@ DepthCamera::DepthCamera(const World& world, const DepthCameraOptions& options,
                   options.columns, "1..4096");
   check_parameter(options.rows >= 1 && options.rows <= 4096, "depth camera", "rows", options.rows,
                   "1..4096");
-  check_parameter(options.noise_constant >= 0.0 && options.noise_constant < 1.0, "depth camera",
-                  "noise_constant", options.noise_constant, "0..1 m");
-  check_parameter(options.noise_quadratic >= 0.0 && options.noise_quadratic < 1.0, "depth camera",
-                  "noise_quadratic", options.noise_quadratic, "0..1 per m");
-  check_parameter(options.dropout >= 0.0 && options.dropout <= 1.0, "depth camera", "dropout",
-                  options.dropout, "0..1");
+  check_knobs("depth camera", options);
   directions_.reserve(static_cast<std::size_t>(options.rows) *
                       static_cast<std::size_t>(options.columns));
   for (int row = 0; row < options.rows; ++row) {
@@ -137,6 +133,14 @@ DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen
     if (reported && inside) note(static_cast<std::uint32_t>(index), CellState::kOccupied);
   }
   return scan;
+}
+
+void describe(Knobs& knobs, DepthCameraOptions& o) {
+  knobs.number("noise_constant", o.noise_constant, {0.0, 1.0}, "m",
+               "error of a range, one standard deviation");
+  knobs.number("noise_quadratic", o.noise_quadratic, {0.0, 1.0}, "1/m",
+               "the same, times the squared depth");
+  knobs.number("dropout", o.dropout, {0.0, 1.0}, "1", "probability that a ray measures nothing");
 }
 
 }  // namespace prospect

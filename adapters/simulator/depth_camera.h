@@ -14,6 +14,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct DepthCameraOptions {
   RgbdFootprint footprint;
   /// Rays, evenly spaced in azimuth and elevation over the footprint (pixel centres).
@@ -26,6 +28,9 @@ struct DepthCameraOptions {
   double noise_quadratic = 0.0016;
   double dropout = 0.02;  ///< probability that a ray gives no valid measurement
 };
+
+/// The knobs (models/knobs.h) of the noise; footprint and rays come from the robot's sensor.
+void describe(Knobs& knobs, DepthCameraOptions& options);
 
 /// Columns and rows at the spacing that the defaults have in the default footprint (0.9 degrees),
 /// at least one of each.

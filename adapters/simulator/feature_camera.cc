@@ -6,52 +6,19 @@
 #include <string>
 
 #include "adapters/simulator/depth_camera.h"
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
-namespace {
-
-bool positive(double v) { return std::isfinite(v) && v > 0.0; }
-
-}  // namespace
-
 FeatureCamera::FeatureCamera(const World& world, const FeatureField& field,
                              const FeatureCameraOptions& options, const CameraMount& mount,
                              std::uint64_t seed)
     : world_(&world), field_(&field), options_(options), mount_(mount), noise_(seed) {
   const StereoCamera& s = options.stereo;
-  check_parameter(positive(s.left.fx), "feature camera", "fx", s.left.fx,
-                  "a positive number of pixels");
-  check_parameter(positive(s.left.fy), "feature camera", "fy", s.left.fy,
-                  "a positive number of pixels");
-  check_parameter(positive(s.left.width), "feature camera", "width", s.left.width,
-                  "a positive number of pixels");
-  check_parameter(positive(s.left.height), "feature camera", "height", s.left.height,
-                  "a positive number of pixels");
-  check_parameter(positive(s.baseline), "feature camera", "baseline", s.baseline,
-                  "a positive length");
-  check_parameter(positive(s.sigma_u), "feature camera", "sigma_u", s.sigma_u,
-                  "a positive number of pixels");
-  check_parameter(positive(s.sigma_v), "feature camera", "sigma_v", s.sigma_v,
-                  "a positive number of pixels");
-  check_parameter(positive(s.sigma_d), "feature camera", "sigma_d", s.sigma_d,
-                  "a positive number of pixels");
-  check_parameter(positive(options.min_depth), "feature camera", "min_depth", options.min_depth,
-                  "a positive length");
-  check_parameter(options.max_depth > options.min_depth && options.max_depth < 1000.0,
-                  "feature camera", "max_depth", options.max_depth,
-                  "above min_depth, below 1000 m");
-  check_parameter(options.max_view_angle > 0.0 && options.max_view_angle < 1.5708, "feature camera",
-                  "max_view_angle", options.max_view_angle, "between 0 and pi/2");
-  check_parameter(positive(options.size), "feature camera", "size", options.size,
-                  "a positive length");
-  check_parameter(options.min_pixels >= 0.0 && options.min_pixels < 1e6, "feature camera",
-                  "min_pixels", options.min_pixels, "0..1e6 px");
-  check_parameter(
-      options.border >= 0.0 && 2.0 * options.border < std::min(s.left.width, s.left.height),
-      "feature camera", "border", options.border, "0 to less than half the image");
-  check_parameter(options.cells >= 1 && options.cells <= 1000000, "feature camera", "cells",
-                  options.cells, "1..1000000");
+  validate(s);
+  check_knobs("feature camera", options);
+  check_parameter(2.0 * options.border < std::min(s.left.width, s.left.height), "feature camera",
+                  "border", options.border, "less than half the image");
 }
 
 double FeatureCamera::pixels(double cosine, double depth) const {
@@ -168,6 +135,20 @@ std::vector<FeatureObservation> FeatureCamera::observe(const Pose& true_pose, in
     observations.push_back(o);
   }
   return observations;
+}
+
+void describe(Knobs& knobs, FeatureCameraOptions& o) {
+  knobs.number("min_depth", o.min_depth, {0.01, 1000.0}, "m", "nearest at which one is tracked");
+  knobs.number("max_depth", o.max_depth, {0.01, 1000.0}, "m", "farthest at which one is tracked");
+  knobs.require(o.max_depth > o.min_depth, "max_depth", "max_depth <= min_depth; expected more");
+  knobs.number("max_view_angle", o.max_view_angle, {0.01, 1.57}, "rad",
+               "between the surface's normal and the line of sight");
+  knobs.number("size", o.size, {0.001, 10.0}, "m", "of a feature");
+  knobs.number("min_pixels", o.min_pixels, {0.0, 1e4}, "px",
+               "of its shorter side in the image; less: not tracked");
+  knobs.number("border", o.border, {0.0, 1e4}, "px", "without features along the images' edges");
+  knobs.integer("cells", o.cells, {1, 1000000}, "1",
+                "that the image is divided into: a feature each");
 }
 
 }  // namespace prospect

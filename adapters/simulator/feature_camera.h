@@ -12,6 +12,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// What of the features is tracked. The numbers are those of StereoOdometry, or were measured with
 /// it on marks rendered at the same places (docs/results/simulator.md, "One tier against the
 /// other").
@@ -28,6 +30,9 @@ struct FeatureCameraOptions {
   /// One feature is tracked in each of about so many square cells, CornerDetectorOptions::cells.
   int cells = 300;
 };
+
+/// The knobs (models/knobs.h); the stereo pair is the robot's.
+void describe(Knobs& knobs, FeatureCameraOptions& options);
 
 /// One tracked feature in one stereo image.
 struct FeatureObservation {

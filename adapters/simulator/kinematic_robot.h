@@ -11,6 +11,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// How motion departs from the command. White noise on the velocity: after T seconds at a constant
 /// command the distance driven has the relative standard deviation linear / sqrt(T), the angle
 /// turned angular / sqrt(T), and the heading, from driving, coupling x speed x sqrt(T) [rad].
@@ -19,6 +21,9 @@ struct ActuationNoise {
   double angular = 0.0;   ///< [sqrt(s)]
   double coupling = 0.0;  ///< [rad sqrt(s) / m]
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, ActuationNoise& options);
 
 /// Exact contact test of a robot's body against the solid voxels of a world, for a body upright at
 /// a fixed height.

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "adapters/simulator/depth_camera.h"
-#include "models/parameter_check.h"
+#include "models/knobs.h"
 
 namespace prospect {
 namespace {}  // namespace
@@ -19,20 +19,7 @@ LandmarkBuilder::LandmarkBuilder(const LandmarkBuilderOptions& options,
       mount_(mount),
       map_(std::make_shared<LandmarkMap>()),
       density_(options.density) {
-  check_parameter(options.max_landmarks >= 1, "landmark builder", "max_landmarks",
-                  options.max_landmarks, "at least 1");
-  check_parameter(options.max_scale > 1.0, "landmark builder", "max_scale", options.max_scale,
-                  "above 1");
-  check_parameter(options.max_view_change > 0.0, "landmark builder", "max_view_change",
-                  options.max_view_change, "a positive angle");
-  check_parameter(options.survival_prior_tracked > 0.0, "landmark builder",
-                  "survival_prior_tracked", options.survival_prior_tracked, "a positive number");
-  check_parameter(options.survival_prior_missed > 0.0, "landmark builder", "survival_prior_missed",
-                  options.survival_prior_missed, "a positive number");
-  check_parameter(options.cull_survival >= 0.0 && options.cull_survival < 1.0, "landmark builder",
-                  "cull_survival", options.cull_survival, "0..1");
-  check_parameter(options.cull_views >= 1, "landmark builder", "cull_views", options.cull_views,
-                  "at least 1");
+  check_knobs("landmark builder", options);
   map_->feature_density = density_.value();
 }
 
@@ -174,6 +161,23 @@ void LandmarkBuilder::cull() {
   }
   landmarks.resize(to);
   statistics_.resize(to);
+}
+
+void describe(Knobs& knobs, LandmarkBuilderOptions& o) {
+  knobs.integer("max_landmarks", o.max_landmarks, {1, 1000000}, "1",
+                "in the map; beyond, the least surviving are dropped");
+  knobs.number("max_scale", o.max_scale, {1.001, 100.0}, "1",
+               "a landmark seen this much nearer or farther is detected again");
+  knobs.number("max_view_change", o.max_view_change, {0.001, 10.0}, "rad",
+               "likewise from another direction");
+  knobs.number("survival_prior_tracked", o.survival_prior_tracked, {0.001, 1e6}, "1",
+               "views in which a new landmark counts as tracked");
+  knobs.number("survival_prior_missed", o.survival_prior_missed, {0.001, 1e6}, "1",
+               "views in which it counts as missed");
+  knobs.number("cull_survival", o.cull_survival, {0.0, 0.99}, "1",
+               "share of views below which a landmark is dropped");
+  knobs.integer("cull_views", o.cull_views, {1, 1000000}, "1", "after so many expected views");
+  knobs.group("density", [&] { describe(knobs, o.density); });
 }
 
 }  // namespace prospect

@@ -14,6 +14,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct LandmarkBuilderOptions {
   int max_landmarks = 4000;  ///< beyond it the least surviving and then oldest unseen are dropped
   /// A landmark seen again from outside these bounds of its creation view is created anew.
@@ -26,6 +28,9 @@ struct LandmarkBuilderOptions {
   int cull_views = 12;          ///< ... after so many expected views
   FeatureDensityOptions density;
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, LandmarkBuilderOptions& options);
 
 /// The odometry's landmark map, built in the estimated frame from what is tracked at keyframes.
 ///

@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -39,31 +40,7 @@ double radical_inverse(int n, int base) {
 OdometryModel::OdometryModel(const OdometryOptions& options, const StereoCamera& stereo,
                              const CameraMount& mount, const Pose& start, std::uint64_t seed)
     : options_(options), stereo_(stereo), mount_(mount), noise_(seed) {
-  const auto share = [](double v) { return std::isfinite(v) && v >= 0.0 && v <= 1.0; };
-  check_parameter(options.keyframe_distance > 0.0 && options.keyframe_distance < 100.0, "odometry",
-                  "keyframe_distance", options.keyframe_distance, "0..100 m, not zero");
-  check_parameter(options.keyframe_angle > 0.0 && options.keyframe_angle < 10.0, "odometry",
-                  "keyframe_angle", options.keyframe_angle, "0..10 rad, not zero");
-  check_parameter(share(options.position_sigma), "odometry", "position_sigma",
-                  options.position_sigma, "0..1 m");
-  check_parameter(share(options.heading_sigma), "odometry", "heading_sigma", options.heading_sigma,
-                  "0..1 rad");
-  check_parameter(options.lost_below >= 0, "odometry", "lost_below", options.lost_below,
-                  "at least 0");
-  check_parameter(options.degraded_below >= options.lost_below, "odometry", "degraded_below",
-                  options.degraded_below, "at least lost_below");
-  check_parameter(share(options.reckoning_distance), "odometry", "reckoning_distance",
-                  options.reckoning_distance, "0..1");
-  check_parameter(share(options.reckoning_angle), "odometry", "reckoning_angle",
-                  options.reckoning_angle, "0..1");
-  check_parameter(share(options.reckoning_heading), "odometry", "reckoning_heading",
-                  options.reckoning_heading, "0..1 rad/m");
-  check_parameter(share(options.after_loss_position), "odometry", "after_loss_position",
-                  options.after_loss_position, "0..1 m");
-  check_parameter(share(options.after_loss_heading), "odometry", "after_loss_heading",
-                  options.after_loss_heading, "0..1 rad");
-  check_parameter(options.after_loss_turning > 0.0 && std::isfinite(options.after_loss_turning),
-                  "odometry", "after_loss_turning", options.after_loss_turning, "a positive angle");
+  check_knobs("odometry", options);
   true_keyframe_ = start;
   keyframe_ = start;
   const Eigen::Matrix3d reference = information(reference_points(stereo)).inverse();
@@ -238,6 +215,34 @@ Pose OdometryModel::estimate(const Pose& true_pose) const {
   pose.position.z() += moved.z();
   pose.yaw = true_pose.yaw + turn;
   return pose;
+}
+
+void describe(Knobs& knobs, OdometryOptions& o) {
+  knobs.boolean("perfect", o.perfect, "the estimate is the truth");
+  knobs.number("keyframe_distance", o.keyframe_distance, {0.001, 100.0}, "m",
+               "driven between two keyframes");
+  knobs.number("keyframe_angle", o.keyframe_angle, {0.001, 10.0}, "rad",
+               "turned between two keyframes");
+  knobs.number("position_sigma", o.position_sigma, {0.0, 1.0}, "m",
+               "error of a keyframe at 200 points");
+  knobs.number("heading_sigma", o.heading_sigma, {0.0, 1.0}, "rad",
+               "error of a keyframe at 200 points");
+  knobs.integer("lost_below", o.lost_below, {0, 10000}, "1", "tracked points: lost");
+  knobs.integer("degraded_below", o.degraded_below, {0, 10000}, "1", "tracked points: degraded");
+  knobs.require(o.degraded_below >= o.lost_below, "degraded_below",
+                "degraded_below < lost_below; expected at least as many");
+  knobs.number("reckoning_distance", o.reckoning_distance, {0.0, 1.0}, "1",
+               "error of the wheels while lost, share of the distance");
+  knobs.number("reckoning_angle", o.reckoning_angle, {0.0, 1.0}, "1",
+               "error of the wheels while lost, share of the angle");
+  knobs.number("reckoning_heading", o.reckoning_heading, {0.0, 1.0}, "rad/m",
+               "error of the wheels while lost, of the heading");
+  knobs.number("after_loss_position", o.after_loss_position, {0.0, 1.0}, "m/sqrt(rad)",
+               "error of the position that turning adds after a loss");
+  knobs.number("after_loss_heading", o.after_loss_heading, {0.0, 1.0}, "rad/sqrt(rad)",
+               "error of the heading that turning adds after a loss");
+  knobs.number("after_loss_turning", o.after_loss_turning, {0.01, 1e4}, "rad",
+               "of turning after which these have fallen to 1/e");
 }
 
 }  // namespace prospect

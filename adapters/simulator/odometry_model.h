@@ -11,6 +11,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct OdometryOptions {
   bool perfect = false;  ///< the estimate is the truth, always localized
   /// A keyframe is taken when the robot has moved or turned this far since the last one: none while
@@ -38,6 +40,9 @@ struct OdometryOptions {
   double after_loss_heading = 0.0015;
   double after_loss_turning = 10.0;
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, OdometryOptions& options);
 
 /// Visual odometry as a model of its error: how the estimate departs from the truth, given the
 /// features that are really tracked.

@@ -12,6 +12,7 @@
 #include "adapters/simulator/known_free.h"
 #include "adapters/simulator/noise_stream.h"
 #include "adapters/simulator/seen_area.h"
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -23,6 +24,7 @@ std::shared_ptr<const World> not_null(std::shared_ptr<const World> world) {
 }
 
 OccupancyMapperOptions mapping_options(const SimulatorOptions& options) {
+  check_knobs("simulator", options);
   check_finite("simulator", "base_height", options.base_height);
   OccupancyMapperOptions mapping = options.mapping;
   const VerticalExtent slice = body_slice(options.shape, options.base_height);
@@ -68,10 +70,6 @@ struct Simulator::Impl {
         robot(*world, o.shape, o.actuation, start_of(*world, o),
               stream_seed(o.seed, NoiseStream::kActuation)),
         seen(*world, mapping.slice) {
-    check_parameter(o.depth_rate > 0.0 && o.depth_rate <= 1000.0, "simulator", "depth_rate",
-                    o.depth_rate, "0..1000 Hz, not zero");
-    check_parameter(o.image_rate > 0.0 && o.image_rate <= 1000.0, "simulator", "image_rate",
-                    o.image_rate, "0..1000 Hz, not zero");
     const std::vector<Disc> cleared =
         known_free(*world, robot.pose(), robot.contact_test().radius(),
                    {mapping.slice.z_min, mapping.slice.z_max}, o.mapping.resolution);

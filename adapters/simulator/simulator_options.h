@@ -22,6 +22,8 @@ class OcTree;
 
 namespace prospect {
 
+class Knobs;
+
 /// How the robot of a simulation perceives.
 enum class Sensors {
   kModel,   ///< odometry and landmarks as a model of their errors (FeatureSensors): fast
@@ -55,6 +57,9 @@ struct CameraSensorsOptions {
   }();
 };
 
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, CameraSensorsOptions& options);
+
 /// Everything a simulated mission depends on besides its world and the commands.
 struct SimulatorOptions {
   std::uint64_t seed = 1;
@@ -83,5 +88,9 @@ struct SimulatorOptions {
 
   CameraSensorsOptions camera;
 };
+
+/// The knobs (models/knobs.h): all that does not come from the robot, the world or the command
+/// line.
+void describe(Knobs& knobs, SimulatorOptions& options);
 
 }  // namespace prospect

@@ -6,6 +6,7 @@
 #include "engine/behaviour/caution.h"
 #include "engine/behaviour/formatted.h"
 #include "engine/behaviour/mode_policy.h"
+#include "models/knobs.h"
 
 namespace prospect {
 namespace {
@@ -400,6 +401,16 @@ std::string behaviour_tables() {
                       yes(p.drift_margin), yes(p.drift_in_cost), yes(p.hard_clearance));
   }
   return text;
+}
+
+void describe(Knobs& knobs, BehaviourOptions& o) {
+  knobs.number("time", o.retreat_time, {0.0, 600.0}, "s", "longest single attempt");
+  knobs.number("turn", o.turn_time, {0.0, 600.0}, "s", "on the spot, if still lost after it");
+  knobs.number("pause", o.retreat_pause, {0.0, 3600.0}, "s", "before the next attempt");
+  knobs.number("patience", o.lost_patience, {0.0, 3600.0}, "s",
+               "in the pause, that a robot which got lost anew explores on");
+  knobs.number("look_around", o.look_around, {0.0, 3600.0}, "s",
+               "without anything that can be reached, before the task is over");
 }
 
 }  // namespace prospect

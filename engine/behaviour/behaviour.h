@@ -11,6 +11,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Times that the table asks for [s].
 struct BehaviourOptions {
   double retreat_time = 6.0;    ///< longest single retreat
@@ -21,6 +23,9 @@ struct BehaviourOptions {
   double turn_away_time = 3.0;  ///< a robot that does not follow its commands turns as long
   double look_around = 8.0;     ///< nothing must have been reachable as long before "done"
 };
+
+/// The knobs (models/knobs.h); turn_away_time is the planner's.
+void describe(Knobs& knobs, BehaviourOptions& options);
 
 /// What the robot is doing, why, and what must be remembered of retreats to decide what it does
 /// next. A value.

@@ -11,6 +11,7 @@
 
 #include "engine/features/occlusion_table.h"
 #include "engine/maps/usable_landmarks.h"
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -37,27 +38,8 @@ double smooth_length(double squared, double& derivative_over_x) {
 }
 
 void check(const VisibilityParameters& p, const StereoCamera& camera) {
-  check_positive(kOwner, "sigma_px", p.sigma_px);
-  check_not_negative(kOwner, "border_px", p.border_px);
-  check_not_negative(kOwner, "border_sigma_px", p.border_sigma_px);
-  check_positive(kOwner, "r_min", p.r_min);
-  check_parameter(p.r_max > p.r_min && std::isfinite(p.r_max), kOwner, "r_max", p.r_max,
-                  "a finite depth greater than r_min");
-  check_positive(kOwner, "r_min_width", p.r_min_width);
-  check_positive(kOwner, "r_max_width", p.r_max_width);
-  check_not_negative(kOwner, "scale_min", p.scale_min);
-  check_parameter(p.scale_max > p.scale_min && std::isfinite(p.scale_max), kOwner, "scale_max",
-                  p.scale_max, "a finite scale greater than scale_min");
-  check_positive(kOwner, "scale_width", p.scale_width);
-  check_parameter(p.view_angle > 0.0 && p.view_angle < std::numbers::pi, kOwner, "view_angle",
-                  p.view_angle, "an angle in (0, pi)");
-  check_positive(kOwner, "view_angle_width", p.view_angle_width);
-  check_not_negative(kOwner, "odometry.position_per_metre", p.odometry.position_per_metre);
-  check_not_negative(kOwner, "odometry.position_per_radian", p.odometry.position_per_radian);
-  check_not_negative(kOwner, "odometry.yaw_per_metre", p.odometry.yaw_per_metre);
-  check_not_negative(kOwner, "odometry.yaw_per_radian", p.odometry.yaw_per_radian);
-  check_not_negative(kOwner, "odometry.reference_count", p.odometry.reference_count);
-  check_positive(kOwner, "odometry.floor_count", p.odometry.floor_count);
+  check_knobs(kOwner, p);
+  check_knobs("visibility prediction: odometry", p.odometry);
   check_positive(kOwner, "camera fx", camera.left.fx);
   check_positive(kOwner, "camera fy", camera.left.fy);
   check_not_negative(kOwner, "camera baseline", camera.baseline);
@@ -485,6 +467,41 @@ std::vector<Matrix4d> VisibilityPrediction::relative_covariances(const Trajector
     for (Matrix4d& s : sigma) s.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   return sigma;
+}
+
+void describe(Knobs& knobs, OdometryNoise& o) {
+  knobs.number("position_per_metre", o.position_per_metre, {0.0, 1.0}, "m/sqrt(m)",
+               "error of the position from driving");
+  knobs.number("position_per_radian", o.position_per_radian, {0.0, 1.0}, "m/sqrt(rad)",
+               "error of the position from turning");
+  knobs.number("yaw_per_metre", o.yaw_per_metre, {0.0, 1.0}, "rad/sqrt(m)",
+               "error of the heading from driving");
+  knobs.number("yaw_per_radian", o.yaw_per_radian, {0.0, 1.0}, "rad/sqrt(rad)",
+               "error of the heading from turning");
+  knobs.number("reference_count", o.reference_count, {0.0, 1e6}, "1",
+               "points in view at which these errors hold");
+  knobs.number("floor_count", o.floor_count, {0.001, 1e6}, "1",
+               "points that are added to both counts: bounds the errors where none is in view");
+}
+
+void describe(Knobs& knobs, VisibilityParameters& p) {
+  knobs.number("sigma_px", p.sigma_px, {0.01, 50.0}, "px", "noise of an image point");
+  knobs.number("border_px", p.border_px, {0.0, 1e4}, "px",
+               "strip along the image border where nothing can be tracked");
+  knobs.number("border_sigma_px", p.border_sigma_px, {0.0, 1e4}, "px", "softness of that border");
+  knobs.number("r_min", p.r_min, {0.001, 100.0}, "m", "nearest useful depth");
+  knobs.number("r_max", p.r_max, {0.5, 1000.0}, "m", "farthest useful depth");
+  knobs.require(p.r_max > p.r_min, "r_max", "r_max <= r_min; expected more");
+  knobs.number("r_min_width", p.r_min_width, {1e-4, 100.0}, "m", "softness of the nearest");
+  knobs.number("r_max_width", p.r_max_width, {1e-4, 100.0}, "m", "softness of the farthest");
+  knobs.number("scale_min", p.scale_min, {0.0, 1e3}, "1",
+               "range over that at which a landmark was made, at which its tracking is lost");
+  knobs.number("scale_max", p.scale_max, {0.001, 1e6}, "1", "the same, farther off");
+  knobs.require(p.scale_max > p.scale_min, "scale_max", "scale_max <= scale_min; expected more");
+  knobs.number("scale_width", p.scale_width, {1e-4, 100.0}, "1", "softness of both");
+  knobs.number("view_angle", p.view_angle, {0.01, 3.14}, "rad",
+               "largest angle to the direction from which a landmark was made");
+  knobs.number("view_angle_width", p.view_angle_width, {1e-4, 3.14}, "rad", "softness of it");
 }
 
 }  // namespace prospect

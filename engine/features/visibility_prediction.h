@@ -13,6 +13,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 class OcclusionTable;
 
 /// Noise of the odometry, a random walk in distance and angle (our choice of shape):
@@ -29,6 +31,9 @@ struct OdometryNoise {
   double reference_count = 200.0;      ///< points at which the values above hold
   double floor_count = 2.0;            ///< > 0
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, OdometryNoise& options);
 
 /// What decides whether a point is seen. Widths are those of logistic functions: 0.5 at the limit,
 /// 0.73 one width inside, 0.95 three widths inside.
@@ -47,6 +52,9 @@ struct VisibilityParameters {
   double view_angle_width = 0.05;  ///< at that limit [rad]
   OdometryNoise odometry;
 };
+
+/// The knobs (models/knobs.h) but those of the odometry, which are described for themselves.
+void describe(Knobs& knobs, VisibilityParameters& parameters);
 
 /// The same for counting the points that are tracked, whether as themselves or detected anew: a
 /// tracker that loses a landmark because it looks from elsewhere finds the same texture there

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "engine/maps/free_line.h"
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -29,14 +30,7 @@ CostToGoField::CostToGoField(const CostToGoOptions& options) : options_(options)
   const auto& o = options_;
   check_parameter(o.v_max > 0.0 && o.v_max < 1e3, "cost-to-go", "v_max", o.v_max,
                   "more than 0, below 1000 m/s");
-  check_parameter(o.stop_beyond >= 0.0 && o.stop_beyond < 1e9, "cost-to-go", "stop_beyond",
-                  o.stop_beyond, "0 m or more");
-  check_parameter(o.fill_slope >= 0.0 && o.fill_slope < 1e6, "cost-to-go", "fill_slope",
-                  o.fill_slope, "0 or more");
-  check_parameter(o.window_radius > 0.0 && o.window_radius <= 100.0, "cost-to-go", "window_radius",
-                  o.window_radius, "more than 0, up to 100 m");
-  check_parameter(o.lambda >= 0.0 && o.lambda <= 1e3, "cost-to-go", "lambda", o.lambda,
-                  "0 to 1000");
+  check_knobs("cost-to-go", o);
   check_parameter(o.features_required > 0.0 && o.features_required < 1e9, "cost-to-go",
                   "features_required", o.features_required, "more than 0");
 }
@@ -428,6 +422,17 @@ std::shared_ptr<const CostToGo> CostToGoField::window() const {
   }
   for (double& v : values.data) v /= options_.v_max;
   return std::make_shared<const CostToGo>(std::move(values), std::move(is_reached), options_.v_max);
+}
+
+void describe(Knobs& knobs, CostToGoOptions& o) {
+  knobs.number("stop_beyond", o.stop_beyond, {0.0, 1e6}, "m",
+               "the cost-to-go is computed this far beyond the robot's");
+  knobs.number("fill_slope", o.fill_slope, {0.0, 1e3}, "1",
+               "rise of the cost-to-go per metre into what cannot be reached");
+  knobs.number("window_radius", o.window_radius, {0.1, 100.0}, "m",
+               "half side of the window around the robot that plans see of it");
+  knobs.number("lambda", o.lambda, {0.0, 1000.0}, "1",
+               "price of ways on which no feature is seen; 0: none, as with w_l = 0");
 }
 
 }  // namespace prospect

@@ -13,6 +13,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct CostToGoOptions {
   double v_max = 0.6;               ///< [m/s]
   double stop_beyond = 5.0;         ///< [m] flooding stops this far beyond the robot's value
@@ -26,6 +28,9 @@ struct CostToGoOptions {
     return lambda * std::max(0.0, 1.0 - count / features_required);
   }
 };
+
+/// The knobs (models/knobs.h); v_max and features_required are the planner's.
+void describe(Knobs& knobs, CostToGoOptions& options);
 
 /// Solves for the cost-to-go D(c) = min over viewpoints of [source + path cost] on the whole map
 /// and keeps it from one map to the next.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "models/knobs.h"
+
 namespace prospect {
 namespace {
 
@@ -83,6 +85,15 @@ FrontierSequence best_sequence(const std::vector<FrontierCandidate>& candidates,
                                const Eigen::MatrixXd& between, const FrontierOrderOptions& options,
                                int first) {
   return Search(candidates, between, options).run(first);
+}
+
+void describe(Knobs& knobs, FrontierOrderOptions& o) {
+  knobs.number("horizon", o.horizon, {0.1, 1e4}, "m",
+               "of way in which what is still to be seen loses a factor of e in worth");
+  knobs.number("every_look", o.every_look, {0.0, 100.0}, "m2",
+               "that a frontier counts besides its area");
+  knobs.integer("candidates", o.candidates, {1, 10}, "1", "frontiers that are put in order");
+  knobs.integer("sequence_length", o.length, {1, 6}, "1", "of them that a sequence holds at most");
 }
 
 }  // namespace prospect

@@ -5,12 +5,17 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct FrontierOrderOptions {
   double horizon = 20.0;    ///< [m] of way in which what is still to be seen loses a factor of e
   double every_look = 0.3;  ///< [m^2] that a frontier which is trusted counts besides its area
   int candidates = 7;       ///< frontiers that are put in order
   int length = 5;           ///< of them that a sequence holds at most
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, FrontierOrderOptions& options);
 
 /// A frontier that could be next.
 struct FrontierCandidate {

@@ -8,6 +8,7 @@
 
 #include "engine/maps/held_up.h"
 #include "engine/support/stopwatch.h"
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -35,27 +36,11 @@ FrontierPlanner::FrontierPlanner(const FrontierPlannerOptions& options)
       worth_(options.worth),
       field_(options.cost_to_go),
       progress_(options.progress) {
-  constexpr const char* kOwner = "exploration frontier_planner";
-  const auto& o = options;
-  for (const auto& [name, value] : {std::pair{"least_area", o.least_area},
-                                    {"least_rate", o.least_rate},
-                                    {"look_time", o.look_time},
-                                    {"turn_price", o.turn_price},
-                                    {"look_length", o.look_length},
-                                    {"commitment", o.commitment},
-                                    {"closing_time", o.closing_time},
-                                    {"order.every_look", o.order.every_look}}) {
-    check_not_negative(kOwner, name, value);
-  }
-  check_parameter(o.reconsider > 0.0, kOwner, "reconsider", o.reconsider, "more than 0 s");
-  check_parameter(o.resolved >= 0.0 && o.resolved < 1.0, kOwner, "resolved", o.resolved,
-                  "0 to less than 1");
-  check_positive(kOwner, "target_radius", o.target_radius);
-  check_positive(kOwner, "order.horizon", o.order.horizon);
-  check_parameter(o.order.candidates >= 1 && o.order.candidates <= 10, kOwner, "order.candidates",
-                  o.order.candidates, "1 to 10");
-  check_parameter(o.order.length >= 1 && o.order.length <= 6, kOwner, "order.length",
-                  o.order.length, "1 to 6");
+  FrontierPlannerOptions checked = options;
+  KnobCheck check("frontier planner");
+  describe(check, checked);
+  describe_end(check, checked);
+  check_not_negative("frontier planner", "turn_price", options.turn_price);
   if (options.area) {
     const std::string fault = polygon_fault(*options.area);
     if (!fault.empty()) throw std::invalid_argument("exploration frontier_planner: area: " + fault);
@@ -568,6 +553,35 @@ std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
   global_plan->milliseconds = watch.lap();
   last_ = global_plan;
   return global_plan;
+}
+
+void describe(Knobs& knobs, FrontierPlannerOptions& o) {
+  describe(knobs, o.frontiers);
+  describe(knobs, o.worth);
+  describe(knobs, o.order);
+  knobs.number("look_time", o.look_time, {0.0, 1e3}, "s", "of a look, beside the way to it");
+  knobs.number("look_length", o.look_length, {0.0, 1e3}, "m",
+               "of travel that a look counts as where features are few");
+  knobs.number("reconsider", o.reconsider, {0.01, 1e4}, "s",
+               "between two questions whether another target is better");
+  knobs.number("commitment", o.commitment, {0.0, 100.0}, "1",
+               "share by which another sequence must be better to change the target");
+  knobs.number("resolved", o.resolved, {0.0, 0.99}, "1",
+               "share of a target's area at whose loss the next one is chosen");
+  knobs.number("target_radius", o.target_radius, {0.01, 100.0}, "m",
+               "how far a target may move in a step and stay the same");
+  knobs.number("closing_time", o.closing_time, {0.0, 1e6}, "s",
+               "that a place which could not be passed is impassable, if something else is left");
+  describe(knobs, o.cost_to_go);
+  describe(knobs, o.traversability);
+  knobs.group("progress", [&] { describe(knobs, o.progress); });
+}
+
+void describe_end(Knobs& knobs, FrontierPlannerOptions& o) {
+  knobs.number("least_area", o.least_area, {0.0, 1e4}, "m2",
+               "a frontier that promises less is not gone to");
+  knobs.number("least_rate", o.least_rate, {0.0, 1e3}, "m2/s",
+               "nor one that shows less for the time that it takes");
 }
 
 }  // namespace prospect

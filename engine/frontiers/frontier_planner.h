@@ -25,6 +25,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Chooses among the candidates the one that is led to: an index, -1 for none. current: index of
 /// the present target among them, -1 if there is none or it is no candidate any more.
 using TargetRule = std::function<int(const std::vector<FrontierCandidate>&, int current)>;
@@ -55,6 +57,12 @@ struct FrontierPlannerOptions {
   /// their start then. Null: best_sequence() does.
   TargetRule rule;
 };
+
+/// The knobs of all parts (models/knobs.h), in one group: all but those of describe_end().
+/// turn_price and area come from robot and task.
+void describe(Knobs& knobs, FrontierPlannerOptions& options);
+/// Those that decide when nothing is left that is worth going to.
+void describe_end(Knobs& knobs, FrontierPlannerOptions& options);
 
 /// What the robot did since the last update.
 struct FrontierAttention {

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "engine/maps/free_line.h"
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -13,27 +14,14 @@ namespace prospect {
 FrontierWorth::FrontierWorth(const FrontierWorthOptions& options) : options_(options) {
   constexpr const char* kOwner = "frontier worth";
   const auto& o = options_;
-  check_parameter(o.depth >= 0.0 && o.depth <= 10.0, kOwner, "depth", o.depth, "0 to 10 m");
-  check_parameter(o.opening >= 0.0 && o.opening <= 1.0, kOwner, "opening", o.opening, "0 to 1 m");
-  for (const auto& [name, value] : {std::pair{"failed_look", o.failed_look},
-                                    {"failed_visit", o.failed_visit},
-                                    {"least_trust", o.least_trust}}) {
-    check_parameter(value > 0.0 && value < 1.0, kOwner, name, value, "more than 0, less than 1");
-  }
-  check_positive(kOwner, "visit_radius", o.visit_radius);
-  check_not_negative(kOwner, "look_interval", o.look_interval);
+  check_knobs(kOwner, o);
   check_positive(kOwner, "sensor_range", o.sensor_range);
-  check_parameter(o.range_margin >= 0.0 && o.range_margin < o.sensor_range, kOwner, "range_margin",
-                  o.range_margin, "0 to less than sensor_range");
+  check_parameter(o.range_margin < o.sensor_range, kOwner, "look_margin", o.range_margin,
+                  "less than sensor_range");
   check_parameter(o.sensor_fov > 0.0 && o.sensor_fov <= 2.0 * std::numbers::pi + 1e-9, kOwner,
                   "sensor_fov", o.sensor_fov, "more than 0, up to 2 pi");
   check_parameter(o.fov_margin >= 0.0 && 2.0 * o.fov_margin < o.sensor_fov, kOwner, "fov_margin",
                   o.fov_margin, "0 to less than half of sensor_fov");
-  check_parameter(o.nearer > 0.0 && o.nearer < 1.0, kOwner, "nearer", o.nearer,
-                  "more than 0, less than 1");
-  check_positive(kOwner, "nearest", o.nearest);
-  check_parameter(o.renewal_cells >= 0 && o.renewal_cells <= 50, kOwner, "renewal_cells",
-                  o.renewal_cells, "0 to 50");
 }
 
 void FrontierWorth::map_changed(const GridFrame& frame, const std::vector<Cell>& newly_known,
@@ -193,6 +181,30 @@ int FrontierWorth::count(const Traversability& traversability, const Frontier& f
     }
   }
   return static_cast<int>(queue_.size());
+}
+
+void describe(Knobs& knobs, FrontierWorthOptions& o) {
+  knobs.number("depth", o.depth, {0.0, 10.0}, "m", "how far behind a frontier its area counts");
+  knobs.number("opening", o.opening, {0.0, 1.0}, "m", "clearance of unknown ground that counts");
+  knobs.number("failed_look", o.failed_look, {0.01, 0.99}, "1",
+               "factor on the trust of a cell that a look did not resolve");
+  knobs.number("failed_visit", o.failed_visit, {0.01, 0.99}, "1",
+               "the same near a target that was given up");
+  knobs.number("visit_radius", o.visit_radius, {0.01, 100.0}, "m",
+               "around the target, in which a visit counts");
+  knobs.number("look_interval", o.look_interval, {0.0, 100.0}, "s",
+               "steps closer in time than this count as one look");
+  knobs.number("look_margin", o.range_margin, {0.0, 10.0}, "m",
+               "a cell counts as in view this much within the sensor's range");
+  knobs.number("fov_margin", o.fov_margin, {0.0, 3.0}, "rad",
+               "of the field of view, left out at either side");
+  knobs.integer("renewal_cells", o.renewal_cells, {0, 50}, "1",
+                "a change of the map this near renews the trust in a cell");
+  knobs.number("least_trust", o.least_trust, {0.01, 0.99}, "1",
+               "share of the best cell's trust below which one is not led to");
+  knobs.number("nearer", o.nearer, {0.01, 0.99}, "1",
+               "share of a look's distance within which the next one must be");
+  knobs.number("nearest", o.nearest, {0.01, 10.0}, "m", "that no look must be nearer than");
 }
 
 }  // namespace prospect

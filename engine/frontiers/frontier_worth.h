@@ -13,6 +13,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct FrontierWorthOptions {
   double depth = 1.0;          ///< [m] how far behind a frontier its area counts
   double opening = 0.2;        ///< [m] clearance of unknown ground that counts
@@ -29,6 +31,9 @@ struct FrontierWorthOptions {
   double nearer = 0.75;        ///< share of a look's distance within which the next one must be
   double nearest = 0.3;        ///< [m] that no look must be nearer than
 };
+
+/// The knobs (models/knobs.h); range and field of view are the depth sensor's.
+void describe(Knobs& knobs, FrontierWorthOptions& options);
 
 /// What a frontier is worth: the area that a look at it is expected to show, learned from what
 /// looks have shown.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "engine/maps/free_line.h"
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -40,17 +41,11 @@ bool FrontierDetector::Rectangle::meets(const Rectangle& o) const {
 
 FrontierDetector::FrontierDetector(const FrontierOptions& options) : options_(options) {
   const auto& o = options_;
-  check_parameter(o.min_length >= 0.0 && o.min_length < 100.0, "frontiers", "min_length",
-                  o.min_length, "0 to 100 m");
+  check_knobs("frontiers", o);
   check_parameter(o.sensor_range > 0.0 && o.sensor_range <= 50.0, "frontiers", "sensor_range",
                   o.sensor_range, "more than 0, up to 50 m");
   check_parameter(o.range_margin >= 0.0 && o.range_margin < o.sensor_range, "frontiers",
                   "range_margin", o.range_margin, "0 to less than sensor_range");
-  check_parameter(o.rays >= 8 && o.rays <= 1000, "frontiers", "rays", o.rays, "8 to 1000");
-  check_parameter(o.near_distance >= 0.0 && o.near_distance <= 50.0, "frontiers", "near_distance",
-                  o.near_distance, "0 to 50 m");
-  check_parameter(o.near_slope >= 0.0 && o.near_slope <= 1.0, "frontiers", "near_slope",
-                  o.near_slope, "0 to 1");
 }
 
 std::size_t FrontierDetector::tile_of(Cell c) const {
@@ -364,6 +359,17 @@ std::vector<ViewpointSource> FrontierDetector::sources() const {
     if (source_[c] != kNoSource) all.push_back(source_at(c));
   }
   return all;
+}
+
+void describe(Knobs& knobs, FrontierOptions& o) {
+  knobs.number("min_length", o.min_length, {0.0, 10.0}, "m", "smallest cluster of frontier cells");
+  knobs.number("range_margin", o.range_margin, {0.0, 10.0}, "m",
+               "a viewpoint stands this much within the sensor's range");
+  knobs.integer("rays", o.rays, {8, 1000}, "1", "directions tried from each frontier cell");
+  knobs.number("near_distance", o.near_distance, {0.0, 50.0}, "m",
+               "up to which a look from farther off is cheap");
+  knobs.number("near_slope", o.near_slope, {0.0, 1.0}, "1",
+               "cost of a viewpoint per metre up to there; 1 beyond");
 }
 
 }  // namespace prospect

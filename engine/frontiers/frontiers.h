@@ -11,6 +11,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct FrontierOptions {
   double min_length = 0.2;    ///< [m] smallest cluster: number of cells x resolution
   double sensor_range = 4.0;  ///< r_max [m]
@@ -21,6 +23,9 @@ struct FrontierOptions {
   double near_distance = 1.0;  ///< [m]
   double near_slope = 0.3;     ///< cost of a viewpoint per metre up to near_distance; 1 beyond
 };
+
+/// The knobs (models/knobs.h); sensor_range is the depth sensor's.
+void describe(Knobs& knobs, FrontierOptions& options);
 
 /// Cost [m of path equivalent] of looking at a frontier cell from a distance [m]: near_slope d up
 /// to near_distance, slope 1 beyond, where looking from farther off saves no more than driving

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -46,21 +47,12 @@ std::int64_t Traversability::Rectangle::area() const {
 
 Traversability::Traversability(const TraversabilityOptions& options) : options_(options) {
   const auto& o = options_;
+  check_knobs("traversability", o);
   check_parameter(o.hard_radius >= 0.0 && o.hard_radius < 10.0, "traversability", "hard_radius",
                   o.hard_radius, "0 to 10 m");
   check_parameter(o.comfortable_radius >= o.hard_radius && o.comfortable_radius < 10.0,
                   "traversability", "comfortable_radius", o.comfortable_radius,
                   "hard_radius to 10 m");
-  check_parameter(o.lattice_slack >= 0.0 && o.lattice_slack < 1.0, "traversability",
-                  "lattice_slack", o.lattice_slack, "0 to 1 m");
-  check_parameter(o.tight_factor >= 1.0 && o.tight_factor <= 1e3, "traversability", "tight_factor",
-                  o.tight_factor, "1 to 1000");
-  check_parameter(o.narrow_slack >= 0.0 && o.narrow_slack < 1.0, "traversability", "narrow_slack",
-                  o.narrow_slack, "0 to 1 m");
-  check_parameter(o.narrow_factor >= o.tight_factor && o.narrow_factor <= 1e4, "traversability",
-                  "narrow_factor", o.narrow_factor, "tight_factor to 10000");
-  check_parameter(o.unknown_factor >= 1.0 && o.unknown_factor <= 1e3, "traversability",
-                  "unknown_factor", o.unknown_factor, "1 to 1000");
   if (o.body) {
     check_parameter(o.hard_radius >= circumscribed_radius(*o.body) - kRounding, "traversability",
                     "hard_radius", o.hard_radius, "at least the body's circumscribed radius");
@@ -467,6 +459,21 @@ double Traversability::clearance_limit() const {
 double Traversability::explored_area() const {
   const double r = state_.frame.resolution;
   return static_cast<double>(explored_cells_) * r * r;
+}
+
+void describe(Knobs& knobs, TraversabilityOptions& o) {
+  knobs.number("lattice_slack", o.lattice_slack, {0.0, 1.0}, "m",
+               "by which a cell may be narrower than the robot needs: lattices understate gaps");
+  knobs.number("tight_factor", o.tight_factor, {1.0, 1e3}, "1",
+               "cost of a metre nearer to obstacles than is comfortable");
+  knobs.number("narrow_slack", o.narrow_slack, {0.0, 1.0}, "m",
+               "by which a narrow passage may be narrower than the robot keeps clear");
+  knobs.number("narrow_factor", o.narrow_factor, {1.0, 1e4}, "1",
+               "cost of a metre through what is narrower than the robot keeps clear");
+  knobs.require(o.narrow_factor >= o.tight_factor, "narrow_factor",
+                "narrow_factor < tight_factor; expected at least as much");
+  knobs.number("unknown_factor", o.unknown_factor, {1.0, 1e3}, "1",
+               "times as much where unknown space is that near");
 }
 
 }  // namespace prospect

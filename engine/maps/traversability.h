@@ -15,6 +15,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct TraversabilityOptions {
   /// The hard constraint: least distance [m] of the robot's centre to an occupied cell, that is the
   /// circumscribed radius of the shape (its inscribed radius where the planner may turn it) +
@@ -45,6 +47,9 @@ struct TraversabilityOptions {
   std::shared_ptr<const ZoneMap> zones{};  ///< null: none
   double top_speed = 1.0;                  ///< [m/s] where no slow zone is, > 0
 };
+
+/// The knobs (models/knobs.h); radii, body, zones and the like come from robot and task.
+void describe(Knobs& knobs, TraversabilityOptions& options);
 
 /// Clearance and cost of travel of every ground cell.
 ///

@@ -32,6 +32,7 @@
 #include "engine/task/zone_map.h"
 #include "engine/terms/builtin_terms.h"
 #include "models/can_move.h"
+#include "models/knobs.h"
 #include "models/limited_twist.h"
 
 namespace prospect {
@@ -39,61 +40,6 @@ namespace {
 
 // Share of a goal's tolerance within which the robot turns to its heading.
 constexpr double kTurnsWithin = 0.6;
-
-[[noreturn]] void refuse(const std::string& name, double value, const std::string& expected) {
-  throw std::invalid_argument("planner." + name + " = " + std::to_string(value) + "; expected " +
-                              expected);
-}
-
-void check(const PlannerParameters& p) {
-  const auto at_least = [](const char* name, double value, double least) {
-    if (!(value >= least) || !std::isfinite(value)) {
-      refuse(name, value, "a finite number >= " + std::to_string(least));
-    }
-  };
-  at_least("N", p.N, 1);
-  at_least("M", p.M, 1);
-  if (p.M > p.N) refuse("M", p.M, "at most N");
-  if (!(p.dt > 0.0) || !std::isfinite(p.dt)) refuse("dt", p.dt, "a finite step > 0");
-  if (!(p.visibility_lattice > 0.0) || !std::isfinite(p.visibility_lattice)) {
-    refuse("visibility_lattice", p.visibility_lattice, "a finite spacing > 0");
-  }
-  for (const auto& [name, value] : {std::pair{"w_u", p.w_u},
-                                    {"w_du", p.w_du},
-                                    {"w_o", p.w_o},
-                                    {"w_l", p.w_l},
-                                    {"w_e", p.w_e},
-                                    {"w_T", p.w_T},
-                                    {"w_h", p.w_h},
-                                    {"w_c", p.w_c},
-                                    {"desired_speed", p.desired_speed},
-                                    {"deadline", p.deadline},
-                                    {"unknown_attenuation", p.unknown_attenuation},
-                                    {"feature_attenuation", p.feature_attenuation},
-                                    {"behaviour.retreat_time", p.behaviour.retreat_time},
-                                    {"behaviour.turn_time", p.behaviour.turn_time},
-                                    {"behaviour.retreat_pause", p.behaviour.retreat_pause},
-                                    {"behaviour.lost_patience", p.behaviour.lost_patience},
-                                    {"behaviour.look_around", p.behaviour.look_around},
-                                    {"drift_margin", p.drift_margin},
-                                    {"drift_limit", p.drift_limit},
-                                    {"lost_margin", p.lost_margin},
-                                    {"d_safe", p.d_safe}}) {
-    at_least(name, value, 0.0);
-  }
-  for (const auto& [name, price] : {std::pair{"goal_unknown_price", p.goal_unknown_price},
-                                    {"return_unknown_price", p.return_unknown_price}}) {
-    if (!(price >= 1.0 && price <= 1e3)) refuse(name, price, "1 to 1000");
-  }
-  if (!(p.d_des > p.d_safe)) refuse("d_des", p.d_des, "more than d_safe");
-  if (!(p.committed >= p.dt)) refuse("committed", p.committed, "at least dt");
-  if (!(p.committed <= p.N * p.dt)) refuse("committed", p.committed, "at most the horizon");
-  at_least("polished", p.polished, 0);
-  at_least("polish_evaluations", p.polish_evaluations, 1);
-  at_least("threads", p.threads, 1);
-  at_least("max_landmarks", p.max_landmarks, 0);
-  at_least("max_targets", p.max_targets, 0);
-}
 
 /// Makes what each step makes of the sensors and of parameters that are only passed on, so that
 /// what is wrong with those is said now.
@@ -109,7 +55,7 @@ void check_sensors(const RobotDescription& robot, const PlannerParameters& p) {
 
 /// Checked, with what follows from the robot filled in.
 PlannerParameters completed(const RobotDescription& robot, PlannerParameters p) {
-  check(p);
+  check_knobs("planner", p);
   check_sensors(robot, p);
   for (const TermUse& use : p.terms) check_added_term(use);
   for (const std::string& name : p.terms_left_out) builtin_terms().find(name);

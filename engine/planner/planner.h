@@ -25,6 +25,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Everything that can be set about planning. Weights multiply terms that are O(1) at nominal
 /// conditions (formulation, section 7), so they carry over between robots and horizons.
 struct PlannerParameters {
@@ -107,6 +109,10 @@ struct PlannerParameters {
 
   BehaviourOptions behaviour;  ///< turn_away_time is half a turn of the robot, whatever is set
 };
+
+/// The knobs (models/knobs.h) but for task, zones and solver_options, which are no numbers, and for
+/// those of frontier_planner that describe_end() has.
+void describe(Knobs& knobs, PlannerParameters& parameters);
 
 /// One replanning step: Belief in, Plan out.
 ///

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "models/knobs.h"
 #include "models/limited_twist.h"
 
 namespace prospect {
@@ -26,12 +27,6 @@ double largest_acceleration(const MotionModel& model, int j) {
 bool is_finite(const Pose& pose) { return pose.position.allFinite() && std::isfinite(pose.yaw); }
 
 constexpr double kFuture = 1e-6;  // [s] that a stamp may be ahead of the clock: rounding
-
-void require(bool ok, const char* name, double value, const char* expected) {
-  if (ok) return;
-  throw std::invalid_argument("guard: " + std::string(name) + " is " + std::to_string(value) +
-                              "; expected " + expected);
-}
 
 GuardReason reason_of(Certificate::Status status) {
   switch (status) {
@@ -82,20 +77,7 @@ Guard::Guard(std::shared_ptr<const MotionModel> model, const RobotShape& shape,
              const Certifier::Options& certificate, Options options)
     : model_(std::move(model)), certifier_(shape, certificate), options_(options) {
   if (!model_) throw std::invalid_argument("guard: no motion model; expected one");
-  for (const auto& [name, age] : {std::pair{"max_belief_age", options_.max_belief_age},
-                                  {"max_pose_age", options_.max_pose_age},
-                                  {"max_map_age", options_.max_map_age},
-                                  {"max_landmarks_age", options_.max_landmarks_age},
-                                  {"max_ranges_age", options_.max_ranges_age},
-                                  {"plan_slack", options_.plan_slack}}) {
-    require(age >= 0.0, name, age, "seconds >= 0");
-  }
-  require(options_.max_step >= Options::kMinStep && std::isfinite(options_.max_step), "max_step",
-          options_.max_step, "a finite time of at least 0.001 s");
-  require(options_.tolerance >= 0.0 && options_.tolerance <= 0.1, "tolerance", options_.tolerance,
-          "0 to 0.1");
-  require(options_.mismatch >= 0.0 && options_.mismatch < 1.0, "mismatch", options_.mismatch,
-          "0 to below 1");
+  check_knobs("guard", options_);
   const int yaw = model_->nu() - 1;
   for (int j = 0; j < yaw; ++j) {
     linear_acceleration_ = std::hypot(linear_acceleration_, largest_acceleration(*model_, j));
@@ -253,6 +235,26 @@ GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, co
   } catch (const std::exception& e) {
     return refuse(GuardReason::kMap, std::string("checking failed: ") + e.what());
   }
+}
+
+void describe(Knobs& knobs, Guard::Options& o) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  knobs.number("max_belief_age", o.max_belief_age, {0.0, kAny}, "s", "oldest belief acted on");
+  knobs.number("max_pose_age", o.max_pose_age, {0.0, kAny}, "s",
+               "oldest pose acted on; twice the period of the images, if that is more");
+  knobs.number("max_map_age", o.max_map_age, {0.0, kAny}, "s",
+               "oldest map acted on; twice the period of the depth images, if that is more");
+  knobs.number("max_landmarks_age", o.max_landmarks_age, {0.0, kAny}, "s",
+               "oldest landmarks acted on; twice the period of the images, if that is more");
+  knobs.number("max_ranges_age", o.max_ranges_age, {0.0, kAny}, "s",
+               "oldest depth image acted on; twice their period, if that is more");
+  knobs.number("plan_slack", o.plan_slack, {0.0, 3600.0}, "s",
+               "that a plan may outlive its committed part");
+  knobs.number("max_step", o.max_step, {Guard::Options::kMinStep, 3600.0}, "s",
+               "longest time that a command is held; a stage of the plan, if that is longer");
+  knobs.number("tolerance", o.tolerance, {0.0, 0.1}, "1", "relative, on limits and rates");
+  knobs.number("mismatch", o.mismatch, {0.0, 0.99}, "1",
+               "share of the largest speeds by which a command may differ from its input's");
 }
 
 }  // namespace prospect

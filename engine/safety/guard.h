@@ -12,6 +12,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 enum class GuardReason {
   kPassed,
   kNonFinite,    ///< the command, the pose or the velocity is not finite
@@ -112,5 +114,8 @@ class Guard {
   double linear_acceleration_ = 0.0;   // [m/s^2]
   double angular_acceleration_ = 0.0;  // [rad/s^2]
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, Guard::Options& options);
 
 }  // namespace prospect

@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -66,21 +67,8 @@ VisibleFeatures::VisibleFeatures(std::shared_ptr<const VisibilityPrediction> pre
       l_prior_(-std::log(p.prior_translation) - std::log(p.prior_rotation)) {
   constexpr const char* kOwner = "visible features";
   if (!prediction_) throw std::invalid_argument("visible features: no prediction given");
-  check_positive(kOwner, "N_req", p.N_req);
-  check_positive(kOwner, "beta", p.beta);
-  check_positive(kOwner, "N_min", p.N_min);
-  check_not_negative(kOwner, "z", p.z);
-  check_positive(kOwner, "chance_beta", p.chance_beta);
+  check_knobs(kOwner, p);
   check_not_negative(kOwner, "chance_weight", p.chance_weight);
-  check_positive(kOwner, "prior_translation", p.prior_translation);
-  check_positive(kOwner, "prior_rotation", p.prior_rotation);
-  check_parameter(p.required_translation > 0.0 && p.required_translation < p.prior_translation,
-                  kOwner, "required_translation", p.required_translation,
-                  "a deviation > 0 m below prior_translation");
-  check_parameter(p.required_rotation > 0.0 && p.required_rotation < p.prior_rotation, kOwner,
-                  "required_rotation", p.required_rotation,
-                  "a deviation > 0 rad below prior_rotation");
-  check_positive(kOwner, "information_beta", p.information_beta);
   check_not_negative(kOwner, "rho", p.rho);
   if (p.rho > 0.0 && !new_surface_) {
     throw std::invalid_argument(
@@ -189,5 +177,32 @@ VisibleFeaturesChance::VisibleFeaturesChance(std::shared_ptr<const VisibilityPre
                                              const VisibleFeaturesParameters& parameters,
                                              std::shared_ptr<const NewSurface> new_surface)
     : VisibleFeatures(std::move(prediction), parameters, std::move(new_surface), 0.0, 1.0) {}
+
+void describe(Knobs& knobs, VisibleFeaturesParameters& p) {
+  knobs.choice("criterion", p.criterion, {"count", "information"},
+               "number of points, or what they tell about the pose");
+  knobs.number("N_req", p.N_req, {1.0, 1e5}, "1", "features that suffice");
+  knobs.number("beta", p.beta, {0.001, 1e3}, "1/point", "sharpness of the cost of too few");
+  knobs.number("N_min", p.N_min, {1.0, 1e4}, "1",
+               "features below which odometry is not to be trusted");
+  knobs.number("z", p.z, {0.0, 10.0}, "1",
+               "standard deviations by which the chance penalty wants more than N_min");
+  knobs.number("chance_beta", p.chance_beta, {0.001, 1e3}, "1/point",
+               "sharpness of the chance penalty");
+  knobs.number("required_translation", p.required_translation, {1e-6, 1e3}, "m",
+               "of criterion information: deviation of the position that suffices");
+  knobs.number("required_rotation", p.required_rotation, {1e-6, 10.0}, "rad",
+               "of criterion information: deviation of the rotation that suffices");
+  knobs.number("prior_translation", p.prior_translation, {1e-6, 1e3}, "m",
+               "of criterion information: deviation of the position without an image");
+  knobs.number("prior_rotation", p.prior_rotation, {1e-6, 10.0}, "rad",
+               "of criterion information: deviation of the rotation without an image");
+  knobs.require(p.required_translation < p.prior_translation, "required_translation",
+                "required_translation >= prior_translation; expected less");
+  knobs.require(p.required_rotation < p.prior_rotation, "required_rotation",
+                "required_rotation >= prior_rotation; expected less");
+  knobs.number("information_beta", p.information_beta, {0.001, 1e3}, "1",
+               "of criterion information: sharpness of its cost");
+}
 
 }  // namespace prospect

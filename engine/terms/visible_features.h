@@ -10,6 +10,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// What is asked of the predicted features.
 enum class VisibilityCriterion {
   kCount,       ///< psi(N_k): enough points in view
@@ -38,6 +40,9 @@ struct VisibleFeaturesParameters {
   /// rho [points/m^2] of the prior for points not seen yet; 0: off. LandmarkMap::feature_density.
   double rho = 0.0;
 };
+
+/// The knobs (models/knobs.h); rho and chance_weight are the planner's.
+void describe(Knobs& knobs, VisibleFeaturesParameters& parameters);
 
 /// psi(N) = (softplus_beta(N_req - N) / N_req)^2, softplus_beta(x) = log(1 + exp(beta x)) / beta,
 /// and d psi/dN unless null. Tends to 0 with its derivative, exponentially, above N_req.

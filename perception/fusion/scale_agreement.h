@@ -6,6 +6,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Whether two sensors that measure the same lengths agree about the metre. One stereo pair alone
 /// cannot tell: with a baseline or focal length wrong by a factor everything it sees is wrong by
 /// that factor, consistently.
@@ -22,6 +24,9 @@ struct ScaleAgreementOptions {
   double significance = 4.0;  ///< standard deviations
   int least_samples = 6;      ///< fewer say nothing
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, ScaleAgreementOptions& options);
 
 /// The verdict on samples of ln(length by the first / length by the second):
 ///   m = median,   spread = max(expected, 1.4826 median|sample - m|),

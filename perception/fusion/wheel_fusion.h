@@ -11,6 +11,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Mean velocity of the wheels over the time since the sample before, in the body frame B.
 struct WheelSample {
   double stamp = 0.0;                                  ///< [s], end of that time
@@ -40,6 +42,9 @@ struct WheelFusionOptions {
   ScaleAgreementOptions agreement;
   Pose start;  ///< of B in W; z is not used
 };
+
+/// The knobs (models/knobs.h); start is where the robot stands.
+void describe(Knobs& knobs, WheelFusionOptions& options);
 
 struct FusedOdometry {
   double stamp = 0.0;

@@ -13,6 +13,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 
 namespace prospect {
@@ -129,23 +130,7 @@ OccupancyMapper::Impl::Impl(const OccupancyMapperOptions& o) : options(o) {
                   o.resolution, "0.001..10 m");
   check_parameter(in_range(o.max_range, o.resolution, 200.0 * o.resolution), "occupancy mapper",
                   "max_range", o.max_range, "between one and 200 voxels");
-  check_parameter(std::isfinite(o.z_min) && std::abs(o.z_min) < 1000.0, "occupancy mapper", "z_min",
-                  o.z_min, "a height within 1000 m");
-  check_parameter(std::isfinite(o.z_max) && o.z_max > o.z_min && o.z_max - o.z_min < 1000.0,
-                  "occupancy mapper", "z_max", o.z_max, "above z_min, by less than 1000 m");
-  check_parameter(in_range(o.probability_hit, 0.5, 0.999), "occupancy mapper", "probability_hit",
-                  o.probability_hit, "0.5..0.999");
-  check_parameter(in_range(o.probability_miss, 0.001, 0.5), "occupancy mapper", "probability_miss",
-                  o.probability_miss, "0.001..0.5");
-  check_parameter(in_range(o.probability_min, 1e-6, 0.499), "occupancy mapper", "probability_min",
-                  o.probability_min, "0.000001..0.499");
-  check_parameter(in_range(o.probability_max, 0.501, 1.0 - 1e-6), "occupancy mapper",
-                  "probability_max", o.probability_max, "0.501..0.999999");
-  check_parameter(in_range(o.core, 0.01, 1.0), "occupancy mapper", "core", o.core, "0.01..1");
-  check_parameter(in_range(o.offset_constant, 0.0, 1.0), "occupancy mapper", "offset_constant",
-                  o.offset_constant, "0..1 m");
-  check_parameter(in_range(o.offset_quadratic, 0.0, 1.0), "occupancy mapper", "offset_quadratic",
-                  o.offset_quadratic, "0..1 per m");
+  check_knobs("occupancy mapper", o);
   slice = slice_layers(o.slice, o.resolution);
   hit = octomap::logodds(o.probability_hit);
   miss = octomap::logodds(o.probability_miss);
@@ -637,5 +622,25 @@ std::shared_ptr<const VoxelGrid> OccupancyMapper::voxels() {
   return impl_->mirror[impl_->current].voxels;
 }
 std::shared_ptr<const GroundMap> OccupancyMapper::ground() { return impl_->ground; }
+
+void describe(Knobs& knobs, OccupancyMapperOptions& o) {
+  knobs.number("z_min", o.z_min, {-400.0, 400.0}, "m", "voxels below are not kept");
+  knobs.number("z_max", o.z_max, {-400.0, 400.0}, "m", "voxels above are not kept");
+  knobs.require(o.z_max > o.z_min, "z_max", "z_max <= z_min; expected more");
+  knobs.number("probability_hit", o.probability_hit, {0.5, 0.999}, "1",
+               "that a voxel is occupied in which a ray ended");
+  knobs.number("probability_miss", o.probability_miss, {0.001, 0.5}, "1",
+               "that a voxel is occupied which a ray passed");
+  knobs.number("probability_min", o.probability_min, {1e-6, 0.499}, "1",
+               "least that a voxel keeps");
+  knobs.number("probability_max", o.probability_max, {0.501, 0.999999}, "1",
+               "most that a voxel keeps");
+  knobs.number("offset_constant", o.offset_constant, {0.0, 1.0}, "m",
+               "behind the measured point, where a hit is entered");
+  knobs.number("offset_quadratic", o.offset_quadratic, {0.0, 1.0}, "1/m",
+               "the same, times the squared range");
+  knobs.number("core", o.core, {0.01, 1.0}, "1",
+               "share of a voxel that a ray must pass to clear it");
+}
 
 }  // namespace prospect

@@ -15,6 +15,8 @@ class OcTree;
 
 namespace prospect {
 
+class Knobs;
+
 /// One depth image as rays from one origin, in the frame of the pose estimate [m].
 /// Pixels without a valid measurement appear in neither list: they say nothing.
 struct DepthScan {
@@ -48,6 +50,10 @@ struct OccupancyMapperOptions {
   /// outnumbered, and the wall opens. 0.9 and more: every voxel that it pierces, as OctoMap does.
   double core = 0.35;
 };
+
+/// The knobs (models/knobs.h) of the sensor model; resolution, range and slice come from robot and
+/// map.
+void describe(Knobs& knobs, OccupancyMapperOptions& options);
 
 /// Occupancy mapping: scans to octree, its dense mirror, and its ground projection.
 ///

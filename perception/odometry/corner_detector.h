@@ -7,6 +7,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct CornerDetectorOptions {
   /// Cells that the image is divided into, about: cells are squares of side sqrt(width height / n).
   int cells = 300;
@@ -15,6 +17,9 @@ struct CornerDetectorOptions {
   double min_strength = 3.0;
   int border = 10;  ///< [px] without corners along the image's edges
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, CornerDetectorOptions& options);
 
 /// At most one corner a cell (Shi and Tomasi 1994): the strongest local maximum of the strength
 /// that is at least half a cell away from every point of `occupied` and from every corner already

@@ -7,6 +7,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// What one frame says about a constant error of the disparity: the true one is d + delta.
 ///
 /// A pair whose cameras have turned towards each other by 0.3 mrad since calibration (heat is
@@ -43,6 +45,9 @@ struct DisparityOffsetOptions {
   int min_points = 25;
   double max_offset = 2.0;  ///< [px]
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, DisparityOffsetOptions& options);
 
 /// Kalman filter of delta: a random walk that starts at zero, updated once a keyframe.
 class DisparityOffset {

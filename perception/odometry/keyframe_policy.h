@@ -4,6 +4,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// What the choice of keyframes looks at. A keyframe is a frame at which new landmarks are made.
 struct KeyframeEvidence {
   int points = 0;              ///< landmarks that fix the newest pose
@@ -23,6 +25,9 @@ struct KeyframePolicyOptions {
   double max_shift = 0.03;    ///< share of the image's width
   double significance = 5.0;  ///< below it the robot stands still
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, KeyframePolicyOptions& options);
 
 /// Whether to make a keyframe, and why; empty: no. Few keyframes drift less (each fixes new points
 /// with the pose's error), so one is made only when the view has changed. While the robot stands

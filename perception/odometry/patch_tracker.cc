@@ -3,6 +3,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 
+#include "models/knobs.h"
 #include "perception/odometry/patch_alignment.h"
 
 namespace prospect {
@@ -12,7 +13,8 @@ namespace {
 bool returns(const PyramidLevel& from, const Eigen::Vector2f& point, const Eigen::Matrix2f& A,
              const PyramidLevel& to, const Eigen::Vector2f& position,
              const PatchTrackerOptions& options) {
-  const auto patch = Patch::make(to, position, A.inverse(), options.min_texture);
+  const auto patch =
+      Patch::make(to, position, A.inverse(), static_cast<float>(options.min_texture));
   if (!patch) return false;
   const Patch::Alignment back = patch->align(from, point, 2.0f);
   return back.converged && (back.position - point).norm() <= options.max_return;
@@ -39,15 +41,16 @@ TrackResult track_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
   for (int l = std::min({top, from.levels() - 1, to.levels() - 1}); l >= lowest; --l) {
     const bool last = l == lowest;
     scale = 1.0f / static_cast<float>(1 << l);
-    const auto patch = Patch::make(from.level(l), scale * point, A, options.min_texture);
+    const auto patch =
+        Patch::make(from.level(l), scale * point, A, static_cast<float>(options.min_texture));
     if (!patch) {
       if (!last) continue;
       result.outcome = TrackOutcome::kNoTexture;
       return result;
     }
     const Patch::Alignment found =
-        patch->align(to.level(l), scale * position, options.shift_per_level, last ? 20 : 10,
-                     last ? 0.01f : 0.05f);
+        patch->align(to.level(l), scale * position, static_cast<float>(options.shift_per_level),
+                     last ? 20 : 10, last ? 0.01f : 0.05f);
     if (found.converged) position = found.position / scale;
     if (!last) continue;
     if (!found.converged || found.agreement < options.min_agreement) return result;
@@ -73,12 +76,13 @@ StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vect
     result.left.outcome = TrackOutcome::kNotInView;
     return result;
   }
-  const auto patch = Patch::make(from.level(0), point, A, options.min_texture);
+  const auto patch = Patch::make(from.level(0), point, A, static_cast<float>(options.min_texture));
   if (!patch) {
     result.left.outcome = TrackOutcome::kNoTexture;
     return result;
   }
-  const Patch::Alignment found = patch->align(left.level(0), start_left, options.shift_per_level);
+  const Patch::Alignment found =
+      patch->align(left.level(0), start_left, static_cast<float>(options.shift_per_level));
   if (!found.converged || found.agreement < options.min_agreement) return result;
   if (!returns(from.level(0), point, A, left.level(0), found.position, options)) {
     result.left.outcome = TrackOutcome::kNotConsistent;
@@ -88,10 +92,21 @@ StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vect
   // What moved the left track from its start moves the right one, too.
   const Eigen::Vector2f start = start_right + found.position - start_left;
   if (!inside(right.level(0), start)) return result;
-  const Patch::Alignment other = patch->align(right.level(0), start, options.shift_per_level);
+  const Patch::Alignment other =
+      patch->align(right.level(0), start, static_cast<float>(options.shift_per_level));
   result.in_right = other.converged && other.agreement >= options.min_agreement;
   result.right = other.position;
   return result;
+}
+
+void describe(Knobs& knobs, PatchTrackerOptions& o) {
+  knobs.number("min_texture", o.min_texture, {0.0, 1e6}, "1",
+               "least texture of a patch, in squared grey levels a squared pixel");
+  knobs.number("min_agreement", o.min_agreement, {0.0, 1.0}, "1", "of the final alignment");
+  knobs.number("max_return", o.max_return, {0.01, 100.0}, "px",
+               "of the track backwards from where it began");
+  knobs.number("shift_per_level", o.shift_per_level, {0.1, 100.0}, "px",
+               "that alignment may move on a level of the pyramid");
 }
 
 }  // namespace prospect

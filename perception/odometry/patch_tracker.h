@@ -6,12 +6,17 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct PatchTrackerOptions {
-  float min_texture = 0.5f;      ///< [grey^2/px^2], see Patch::make
-  float min_agreement = 0.5f;    ///< of the final alignment, see Patch::Alignment
-  float max_return = 0.5f;       ///< [px] distance of the backward track from where it began
-  float shift_per_level = 6.0f;  ///< [px of a level] that alignment may move on it
+  double min_texture = 0.5;      ///< [grey^2/px^2], see Patch::make
+  double min_agreement = 0.5;    ///< of the final alignment, see Patch::Alignment
+  double max_return = 0.5;       ///< [px] distance of the backward track from where it began
+  double shift_per_level = 6.0;  ///< [px of a level] that alignment may move on it
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, PatchTrackerOptions& options);
 
 enum class TrackOutcome { kTracked, kNotInView, kNoTexture, kNotFound, kNotConsistent };
 

@@ -11,6 +11,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct PoseEstimatorOptions {
   double sigma_left = 0.25;   ///< [px] of a tracked position, each coordinate
   double sigma_right = 0.25;  ///< [px] of the position in the right image
@@ -22,6 +24,9 @@ struct PoseEstimatorOptions {
   double final_gate = 11.3;   ///< chi^2_3, 0.99
   double huber = 1.5;         ///< [standard deviations]
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, PoseEstimatorOptions& options);
 
 struct PoseEstimate {
   bool solved = false;

@@ -7,6 +7,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct StereoMatcherOptions {
   double max_disparity = 0.25;  ///< searched range, as a share of the image's width
   double min_disparity = 1.0;   ///< [px]; a farther point says nothing about depth
@@ -17,6 +19,9 @@ struct StereoMatcherOptions {
   double max_row_error = 1.5;      ///< [px]
   double max_inconsistency = 0.5;  ///< [px] left to right and back
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, StereoMatcherOptions& options);
 
 struct StereoMatch {
   int index = 0;           ///< of the point that was asked for

@@ -19,6 +19,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct StereoOdometryOptions {
   CornerDetectorOptions corners;
   StereoMatcherOptions matching;
@@ -60,6 +62,9 @@ struct StereoOdometryOptions {
 
   std::uint64_t seed = 1;
 };
+
+/// The knobs (models/knobs.h); the seed is not one.
+void describe(Knobs& knobs, StereoOdometryOptions& options);
 
 /// Visual odometry from rectified stereo pairs, after eVO (Sanfourche, Vittori, Le Besnerais 2013):
 /// a sparse map of landmarks, made by stereo matching at keyframes, and the pose of every frame

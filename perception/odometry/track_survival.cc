@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "models/parameter_check.h"
+#include "models/knobs.h"
 
 namespace prospect {
 namespace {
@@ -17,12 +17,7 @@ double strength_of(int i) { return std::pow(10.0, i / 6.0); }  // 1 to 1000
 }  // namespace
 
 TrackSurvival::TrackSurvival(const Options& options) : options_(options) {
-  check_parameter(options.prior_loss > 0.0 && options.prior_loss < 1.0, "track survival",
-                  "prior_loss", options.prior_loss, "more than 0, less than 1");
-  check_parameter(options.prior_views > 0.0 && std::isfinite(options.prior_views), "track survival",
-                  "prior_views", options.prior_views, "a finite number above 0");
-  check_parameter(options.memory >= 1.0, "track survival", "memory", options.memory,
-                  "1 frame at least");
+  check_knobs("track survival", options);
 }
 
 void TrackSurvival::add(int found_before, bool found) {
@@ -103,6 +98,13 @@ double TrackSurvival::probability(const Fit& fit, int found_before, bool missed,
     p *= missed && j == 0 ? fit.again : 1.0 - b / (fit.strength + found_before + j);
   }
   return p;
+}
+
+void describe(Knobs& knobs, TrackSurvival::Options& o) {
+  knobs.number("prior_loss", o.prior_loss, {1e-6, 0.999}, "1",
+               "probability that a view loses a landmark, before any is seen");
+  knobs.number("prior_views", o.prior_views, {0.001, 1e6}, "1", "that this counts for");
+  knobs.number("memory", o.memory, {1.0, 1e9}, "1", "frames after which a view counts for 1/e");
 }
 
 }  // namespace prospect

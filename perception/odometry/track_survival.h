@@ -4,6 +4,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// How long tracks live, learned from those that live and those that died.
 ///
 /// Every landmark has its own probability q to be lost at a view of it, and q is Beta(b, a)
@@ -61,5 +63,8 @@ class TrackSurvival {
   std::array<double, kAges> views_{}, lost_{};
   double missed_views_ = 0.0, found_again_ = 0.0;
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, TrackSurvival::Options& options);
 
 }  // namespace prospect

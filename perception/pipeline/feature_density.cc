@@ -4,18 +4,13 @@
 #include <cmath>
 #include <vector>
 
-#include "models/parameter_check.h"
+#include "models/knobs.h"
 
 namespace prospect {
 
 FeatureDensity::FeatureDensity(const FeatureDensityOptions& options)
     : options_(options), value_(options.initial) {
-  const char* const owner = "feature density";
-  check_parameter(options.quantile >= 0.0 && options.quantile <= 1.0, owner, "quantile",
-                  options.quantile, "0..1");
-  check_positive(owner, "area", options.area);
-  check_parameter(options.window >= 4, owner, "window", options.window, "4 or more");
-  check_not_negative(owner, "initial", options.initial);
+  check_knobs("feature density", options);
 }
 
 void FeatureDensity::add(int new_landmarks, double surface) {
@@ -32,6 +27,13 @@ void FeatureDensity::add(int new_landmarks, double surface) {
       static_cast<std::ptrdiff_t>(options_.quantile * static_cast<double>(sorted.size() - 1));
   std::nth_element(sorted.begin(), sorted.begin() + rank, sorted.end());
   value_ = sorted[static_cast<std::size_t>(rank)];
+}
+
+void describe(Knobs& knobs, FeatureDensityOptions& o) {
+  knobs.number("quantile", o.quantile, {0.0, 1.0}, "1", "of the samples that is expected");
+  knobs.number("area", o.area, {0.001, 1e4}, "m2", "of new surface that makes a sample");
+  knobs.integer("window", o.window, {4, 100000}, "1", "samples that count");
+  knobs.number("initial", o.initial, {0.0, 1e6}, "1/m2", "until there are four samples");
 }
 
 }  // namespace prospect

@@ -4,12 +4,17 @@
 
 namespace prospect {
 
+class Knobs;
+
 struct FeatureDensityOptions {
   double quantile = 0.25;  ///< of the last `window` samples
   double area = 1.0;       ///< [m^2] of new surface that makes a sample
   int window = 40;
   double initial = 5.0;  ///< [1/m^2], until there are four samples
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, FeatureDensityOptions& options);
 
 /// How many landmarks a square metre of surface that was not seen before is likely to bear, learned
 /// from the surfaces that were: a quantile of samples, each the number of new landmarks over the

@@ -19,7 +19,7 @@ using ::testing::HasSubstr;
 
 std::string refusal(const std::string& text) {
   try {
-    make_problem_set(text, {}, false);
+    make_problem_set(text, {}, {}, false);
   } catch (const std::exception& e) {
     return e.what();
   }
@@ -31,7 +31,7 @@ double cost(const BenchProblem& problem, const Eigen::VectorXd& z) {
 }
 
 TEST(ProblemSet, ZooStartsAboveItsKnownOptima) {
-  const ProblemSet zoo = make_problem_set("zoo", {}, false);
+  const ProblemSet zoo = make_problem_set("zoo", {}, {}, false);
   EXPECT_EQ(zoo.problems.size(), 11U);
   for (const BenchProblem& p : zoo.problems) {
     SCOPED_TRACE(p.name);
@@ -42,7 +42,7 @@ TEST(ProblemSet, ZooStartsAboveItsKnownOptima) {
 }
 
 TEST(ProblemSet, S30IsR1FromItsStartsWithItsBestKnown) {
-  const ProblemSet s30 = make_problem_set("s30", {}, false);
+  const ProblemSet s30 = make_problem_set("s30", {}, {}, false);
   ASSERT_EQ(s30.problems.size(), 30U);
   EXPECT_EQ(s30.absolute_tolerance, 0.01);
   for (std::size_t i = 0; i < 30; ++i) {
@@ -50,7 +50,7 @@ TEST(ProblemSet, S30IsR1FromItsStartsWithItsBestKnown) {
     EXPECT_EQ(cost(s30.problems[i], r1_cold()),
               make_r1(r1_starts(17, 30)[i]).explain(r1_cold()).cost);
   }
-  const ProblemSet quick = make_problem_set("s30", {}, true);
+  const ProblemSet quick = make_problem_set("s30", {}, {}, true);
   ASSERT_EQ(quick.problems.size(), 6U);
   EXPECT_EQ(quick.problems[1].name, s30.problems[5].name);
   EXPECT_EQ(cost(quick.problems[1], r1_cold()), cost(s30.problems[5], r1_cold()));
@@ -70,7 +70,7 @@ class Missions : public ::testing::Test {
     fs::create_directories(folder_ / "below");
     static const std::vector<SavedProblem> kMet = [] {
       std::vector<SavedProblem> met;
-      capture_missions({{"plan:6"}, 1, 1, 2, 2}, {},
+      capture_missions({{"plan:6"}, 1, 1, 2, 2}, read_configuration(""), {},
                        [&](const SavedProblem& saved) { met.push_back(saved); });
       return met;
     }();
@@ -88,7 +88,7 @@ class Missions : public ::testing::Test {
 
 TEST_F(Missions, AreCapturedAtTheStepsAskedForAndReadBackFromTheFolder) {
   EXPECT_EQ(captured_, (std::vector<std::string>{"plan-6_000001.h5", "plan-6_000003.h5"}));
-  const ProblemSet set = make_problem_set(folder_.string(), {}, false);
+  const ProblemSet set = make_problem_set(folder_.string(), {}, {}, false);
   EXPECT_EQ(set.name, "a set of missions");
   ASSERT_EQ(set.problems.size(), 2U);
   EXPECT_EQ(set.problems[0].name, "below/plan-6_000003");
@@ -98,17 +98,17 @@ TEST_F(Missions, AreCapturedAtTheStepsAskedForAndReadBackFromTheFolder) {
     EXPECT_GT(p.start.seeds.cols(), 1);
     EXPECT_EQ(p.start.x, p.start.seeds.col(0));
   }
-  const ProblemSet one = make_problem_set((folder_ / captured_[0]).string(), {}, false);
+  const ProblemSet one = make_problem_set((folder_ / captured_[0]).string(), {}, {}, false);
   ASSERT_EQ(one.problems.size(), 1U);
   EXPECT_EQ(cost(one.problems[0], one.problems[0].start.x),
             cost(set.problems[1], set.problems[1].start.x));
 }
 
 TEST_F(Missions, KeepTheirBestCosts) {
-  ProblemSet set = make_problem_set(folder_.string(), {}, false);
+  ProblemSet set = make_problem_set(folder_.string(), {}, {}, false);
   set.problems[1].best_known = -0.123456789012345678;
   keep_best_known(set);
-  const ProblemSet again = make_problem_set(folder_.string(), {}, false);
+  const ProblemSet again = make_problem_set(folder_.string(), {}, {}, false);
   EXPECT_FALSE(again.problems[0].best_known);
   EXPECT_EQ(again.problems[1].best_known, set.problems[1].best_known);  // to the last bit
   for (const char* bad : {"", "[]", "{", "{\"costs\": 3}", "{\"costs\": {\"plan-6_000001\": \"\"}}",

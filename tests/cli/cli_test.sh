@@ -209,6 +209,17 @@ cp out.txt effective.yaml
 grep -q 'N: 24 ' effective.yaml || fail "config does not show what the file says"
 succeeds "config of its own output" config effective.yaml
 cmp -s out.txt effective.yaml || fail "prospect config FILE does not read back as itself"
+succeeds "the reference of all keys" config --reference
+grep -q '^| `planner.frontiers.failed_look` |' out.txt || fail "config --reference: no table of keys"
+refused "the reference of a file" "'own.yaml'" "expected it alone" config own.yaml --reference
+succeeds "options of the back end" config --set planner.solver=hybrid --set planner.options.basins=3
+grep -q 'basins: 3 ' out.txt || fail "config does not show the options of the back end"
+refused "an unknown option of the back end" "planner.options.basin: hybrid: unknown option 'basin'" \
+  "did you mean 'basins'?" config --set planner.solver=hybrid --set planner.options.basin=3
+refused "an option of the back end out of range" "planner.options.tolerance" "expected 0 to 1" \
+  config --set planner.options.tolerance=2
+refused "options that another back end does not take" "--solver: planner.options:" "expected one of" \
+  "${explore[@]}" office --set planner.solver=hybrid --set planner.options.basins=3 --solver nlopt
 timed_out "a run with a configuration" explore office --time-limit 1 --quiet --out with_own \
   --config own.yaml
 grep -q 'N: 24 ' with_own/config.yaml || fail "the run's config.yaml is not the one in effect"
@@ -515,6 +526,10 @@ refused "bench of a folder with a damaged one" some_damaged/step_000009.h5 \
 refused "bench with bad best costs" bad_best/best_known.json "'step_000000' is no number; expected" \
   "${bench[@]}" bad_best
 refused "bench of a set twice" "'zoo'" "expected sets of different names" "${bench[@]}" zoo zoo
+refused "bench with a configuration of no effect" "--set" "expected the set 'missions'" \
+  "${bench[@]}" zoo --set planner.N=10
+refused "bench with an unknown key" "--set planner.NN=10: unknown key" "did you mean 'N'?" \
+  "${bench[@]}" missions --set planner.NN=10
 refused "bench with an unknown solver" "did you mean 'hybrid'?" "expected one of" \
   "${bench[@]}" zoo --solver hybird
 refused "bench with an unknown option" "did you mean 'basins'?" "expected one of" \

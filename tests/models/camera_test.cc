@@ -194,19 +194,20 @@ TEST_F(Camera, ValidationNamesWhatIsWrong) {
   EXPECT_THAT(error_of(PinholeCamera{.fx = 0.0}), HasSubstr("fx is 0"));
   EXPECT_THAT(error_of(PinholeCamera{.fy = nan}), HasSubstr("fy is nan"));
   EXPECT_THAT(error_of(PinholeCamera{.cx = 641.0}),
-              HasSubstr("cx is 641; expected a number in [0, width]"));
+              HasSubstr("cx: cx > width; expected at most width"));
   EXPECT_THAT(error_of(PinholeCamera{.height = -1.0}), HasSubstr("height is -1"));
   EXPECT_THAT(error_of(StereoCamera{.baseline = -0.12}), HasSubstr("baseline is -0.12"));
   EXPECT_THAT(error_of(StereoCamera{.sigma_d = nan}), HasSubstr("sigma_d is nan"));
-  EXPECT_THAT(error_of(RgbdFootprint{.horizontal_fov = 7.0}), HasSubstr("horizontal_fov is 7"));
+  EXPECT_THAT(error_of(RgbdFootprint{.horizontal_fov = 7.0}), HasSubstr("horizontal_fov is 401"));
   EXPECT_THAT(error_of(RgbdFootprint{.horizontal_fov = 0.0}), HasSubstr("horizontal_fov is 0"));
-  EXPECT_THAT(error_of(RgbdFootprint{.vertical_fov = -0.1}), HasSubstr("vertical_fov is -0.1"));
+  EXPECT_THAT(error_of(RgbdFootprint{.vertical_fov = -0.1}), HasSubstr("vertical_fov is -5.7"));
   EXPECT_THAT(error_of(RgbdFootprint{.vertical_fov = nan}), HasSubstr("vertical_fov is nan"));
   for (const double all_round : {2.0 * M_PI, 6.2832, 4.0}) {
     EXPECT_EQ(error_of(RgbdFootprint{.horizontal_fov = all_round, .vertical_fov = 0.0}),
               "no error");
   }
-  EXPECT_THAT(error_of(RgbdFootprint{.min_range = 5.0}), HasSubstr("max_range is 4"));
+  EXPECT_THAT(error_of(RgbdFootprint{.min_range = 5.0}),
+              HasSubstr("max_range: max_range <= min_range; expected more"));
   CameraMount mount;
   mount.T_BC.linear() *= 1.1;
   EXPECT_THAT(error_of(mount), HasSubstr("orthonormal"));

@@ -1,19 +1,11 @@
 #include "engine/behaviour/monitors/progress_monitor.h"
 
-#include "models/parameter_check.h"
+#include "models/knobs.h"
 
 namespace prospect {
 
 ProgressMonitor::ProgressMonitor(const Options& options) : options_(options) {
-  const auto positive = [](const char* name, double value) {
-    check_parameter(value > 0.0 && value < 1e6, "progress", name, value, "more than 0, below 1e6");
-  };
-  positive("stalled_after", options.stalled_after);
-  check_parameter(options.hopeless_after > options.stalled_after && options.hopeless_after < 1e6,
-                  "progress", "hopeless_after", options.hopeless_after, "more than stalled_after");
-  positive("distance", options.distance);
-  positive("area", options.area);
-  positive("away", options.away);
+  check_knobs("progress", options);
 }
 
 void ProgressMonitor::begin(double stamp, const Eigen::Vector2d& position, double explored,
@@ -74,6 +66,19 @@ void ProgressMonitor::given_up(double explored) {
   progress_at_ = stamp_;
   explored_ = explored;
   stalled_for_ = 0.0;
+}
+
+void describe(Knobs& knobs, ProgressMonitor::Options& o) {
+  knobs.number("stalled_after", o.stalled_after, {0.01, 1e6}, "s",
+               "without progress until the way is reconsidered");
+  knobs.number("hopeless_after", o.hopeless_after, {0.01, 1e6}, "s",
+               "without progress until the target is given up");
+  knobs.require(o.hopeless_after > o.stalled_after, "hopeless_after",
+                "hopeless_after <= stalled_after; expected more");
+  knobs.number("distance", o.distance, {0.001, 1e3}, "m", "nearer to the target: progress");
+  knobs.number("area", o.area, {0.001, 1e4}, "m2", "explored besides: progress");
+  knobs.number("away", o.away, {0.001, 1e3}, "m",
+               "from where it stalled, a robot that gets on has got away");
 }
 
 }  // namespace prospect

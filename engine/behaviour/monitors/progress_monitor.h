@@ -5,6 +5,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Whether a robot gets on towards its target.
 ///
 /// Progress is `area` newly explored, or a fall of the cost-to-go at the robot by `distance` under
@@ -57,5 +59,8 @@ class ProgressMonitor {
   bool stalled_ = false;
   Eigen::Vector2d stalled_at_ = Eigen::Vector2d::Zero();  // where it began to be
 };
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, ProgressMonitor::Options& options);
 
 }  // namespace prospect

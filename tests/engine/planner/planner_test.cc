@@ -391,9 +391,9 @@ TEST_F(PlannerTest, WhatNoPlanCouldBeMadeOfIsRefusedAtOnce) {
   using R = RobotDescription&;
   using P = PlannerParameters&;
   const std::vector<std::pair<std::string, std::function<void(R, P)>>> table = {
-      {"horizontal_fov is 7", [](R r, P) { r.depth.horizontal_fov = 7.0; }},
+      {"horizontal_fov is 401", [](R r, P) { r.depth.horizontal_fov = 7.0; }},
       {"horizontal_fov is 0", [](R r, P) { r.depth.horizontal_fov = 0.0; }},
-      {"vertical_fov is 4", [](R r, P) { r.depth.vertical_fov = 4.0; }},
+      {"vertical_fov is 229", [](R r, P) { r.depth.vertical_fov = 4.0; }},
       {"max_range is", [](R r, P) { r.depth.max_range = 0.1; }},
       {"min_range is", [](R r, P) { r.depth.min_range = -1.0; }},
       {"orthonormal", [](R r, P) { r.depth_mount.T_BC.linear() *= 2.0; }},
@@ -404,8 +404,8 @@ TEST_F(PlannerTest, WhatNoPlanCouldBeMadeOfIsRefusedAtOnce) {
       {"view_angle is", [](R, P p) { p.visibility.view_angle = 4.0; }},
       {"N_req is 0", [](R, P p) { p.features.N_req = 0.0; }},
       {"prior_rotation is", [](R, P p) { p.features.prior_rotation = -1.0; }},
-      {"feature_attenuation = ", [](R, P p) { p.feature_attenuation = kNan; }},
-      {"unknown_attenuation = ", [](R, P p) { p.unknown_attenuation = -1.0; }},
+      {"visibility.feature_attenuation is nan", [](R, P p) { p.feature_attenuation = kNan; }},
+      {"visibility.attenuation is -1", [](R, P p) { p.unknown_attenuation = -1.0; }},
   };
   for (const auto& [expected, spoil] : table) {
     const std::string said = refusal(spoil);
@@ -1353,26 +1353,30 @@ TEST_F(PlannerTest, BadParametersAreNamed) {
     }
     return std::string("accepted");
   };
-  EXPECT_NE(message([](auto& p) { p.N = 0; }).find("planner.N"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.threads = 0; }).find("planner.threads"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.M = 13; }).find("planner.M"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.dt = kNan; }).find("planner.dt"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.w_l = kNan; }).find("planner.w_l"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.w_e = -1.0; }).find("planner.w_e"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.d_des = 0.0; }).find("planner.d_des"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.committed = 99.0; }).find("planner.committed"),
+  EXPECT_NE(message([](auto& p) { p.N = 0; }).find("planner: N is 0"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.threads = 0; }).find("planner: threads is 0"),
             std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.committed = kNan; }).find("planner.committed"),
+  EXPECT_NE(message([](auto& p) { p.M = 13; }).find("planner: M: more knots"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.dt = kNan; }).find("planner: dt is nan"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.w_l = kNan; }).find("planner: weights.w_l is nan"),
             std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.desired_speed = kNan; }).find("planner.desired_speed"),
+  EXPECT_NE(message([](auto& p) { p.w_e = -1.0; }).find("planner: weights.w_e is -1"),
             std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.visibility_lattice = 0.0; }).find("visibility_lattice"),
+  EXPECT_NE(message([](auto& p) { p.d_des = 0.0; }).find("planner: d_des is 0"), std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.committed = 99.0; }).find("planner: committed is"),
             std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.deadline = kNan; }).find("planner.deadline"),
+  EXPECT_NE(message([](auto& p) { p.committed = kNan; }).find("planner: committed is"),
+            std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.desired_speed = kNan; }).find("planner: desired_speed is nan"),
+            std::string::npos);
+  EXPECT_NE(
+      message([](auto& p) { p.visibility_lattice = 0.0; }).find("planner: visibility.lattice is 0"),
+      std::string::npos);
+  EXPECT_NE(message([](auto& p) { p.deadline = kNan; }).find("planner: deadline is nan"),
             std::string::npos);
   EXPECT_NE(message([](auto& p) {
               p.behaviour.retreat_time = -1.0;
-            }).find("planner.behaviour.retreat_time"),
+            }).find("planner: recovery.time is -1"),
             std::string::npos);
   EXPECT_EQ(message([](auto&) {}), "accepted");
   EXPECT_THROW(Planner({}, small_parameters(), std::make_shared<Descent>()), std::invalid_argument);

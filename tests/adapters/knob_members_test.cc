@@ -1,0 +1,400 @@
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <set>
+#include <typeinfo>
+
+#include "adapters/simulator/camera_rig.h"
+#include "adapters/simulator/depth_camera.h"
+#include "adapters/simulator/feature_camera.h"
+#include "adapters/simulator/kinematic_robot.h"
+#include "adapters/simulator/landmark_builder.h"
+#include "adapters/simulator/odometry_model.h"
+#include "adapters/simulator/simulator_options.h"
+#include "engine/behaviour/behaviour.h"
+#include "engine/behaviour/monitors/progress_monitor.h"
+#include "engine/features/visibility_prediction.h"
+#include "engine/frontiers/cost_to_go_field.h"
+#include "engine/frontiers/frontier_order.h"
+#include "engine/frontiers/frontier_planner.h"
+#include "engine/frontiers/frontier_worth.h"
+#include "engine/frontiers/frontiers.h"
+#include "engine/maps/traversability.h"
+#include "engine/planner/planner.h"
+#include "engine/safety/guard.h"
+#include "engine/terms/visible_features.h"
+#include "models/camera.h"
+#include "models/holonomic.h"
+#include "models/knobs.h"
+#include "models/multirotor.h"
+#include "models/robot_shape.h"
+#include "models/unicycle.h"
+#include "models/unicycle_accel.h"
+#include "perception/fusion/scale_agreement.h"
+#include "perception/fusion/wheel_fusion.h"
+#include "perception/mapping/occupancy_mapper.h"
+#include "perception/odometry/corner_detector.h"
+#include "perception/odometry/disparity_offset.h"
+#include "perception/odometry/keyframe_policy.h"
+#include "perception/odometry/patch_tracker.h"
+#include "perception/odometry/pose_estimation.h"
+#include "perception/odometry/stereo_matcher.h"
+#include "perception/odometry/stereo_odometry.h"
+#include "perception/odometry/track_survival.h"
+#include "perception/pipeline/feature_density.h"
+#include "runtime/mission.h"
+
+// Every number and switch of the structures that a mission is set by is a knob. The bindings name
+// all members, so a new member does not compile here until it is named; those that are left out of
+// the lists are filled in by others (models/knobs.h), structures, which have a line of their own,
+// or no numbers.
+namespace prospect::knob_members_test {
+namespace {
+
+class Addresses final : public Knobs {
+ public:
+  void number(const char*, double& value, Range, const char*, const char*) override {
+    reached.insert(&value);
+  }
+  void degrees(const char*, double& value, Range, const char*) override { reached.insert(&value); }
+  void integer(const char*, int& value, WholeRange, const char*, const char*) override {
+    reached.insert(&value);
+  }
+  void boolean(const char*, bool& value, const char*) override { reached.insert(&value); }
+  void numbers(const char*, double* values, std::size_t, Range, const char*, const char*) override {
+    reached.insert(values);
+  }
+  void require(bool, const char*, const char*) override {}
+
+  std::set<const void*> reached;
+
+ private:
+  void word(const char*, std::size_t&, const std::vector<std::string>&, const char*) override {}
+  void enter(const char*) override {}
+  void leave() override {}
+};
+
+template <typename Options>
+void expect_reached(Options& options, std::initializer_list<const void*> members) {
+  Addresses addresses;
+  describe(addresses, options);
+  if constexpr (std::is_same_v<Options, FrontierPlannerOptions>) describe_end(addresses, options);
+  int place = 0;
+  for (const void* member : members) {
+    ++place;
+    EXPECT_TRUE(addresses.reached.contains(member))
+        << typeid(Options).name() << ", no. " << place << " of the list";
+  }
+}
+
+TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
+  {
+    BehaviourOptions o;
+    auto& [retreat_time, turn_time, retreat_pause, lost_patience, turn_away_time, look_around] = o;
+    expect_reached(o, {&retreat_time, &turn_time, &retreat_pause, &lost_patience, &look_around});
+  }
+  {
+    ProgressMonitor::Options o;
+    auto& [stalled_after, hopeless_after, distance, area, away] = o;
+    expect_reached(o, {&stalled_after, &hopeless_after, &distance, &area, &away});
+  }
+  {
+    TraversabilityOptions o;
+    auto& [hard_radius, comfortable_radius, lattice_slack, tight_factor, narrow_slack,
+           narrow_factor, unknown_factor, body, free_moves, facing, unknown_travel, zones,
+           top_speed] = o;
+    expect_reached(o,
+                   {&lattice_slack, &tight_factor, &narrow_slack, &narrow_factor, &unknown_factor});
+  }
+  {
+    FrontierOptions o;
+    auto& [min_length, sensor_range, range_margin, rays, near_distance, near_slope] = o;
+    expect_reached(o, {&min_length, &range_margin, &rays, &near_distance, &near_slope});
+  }
+  {
+    FrontierWorthOptions o;
+    auto& [depth, opening, failed_look, failed_visit, visit_radius, look_interval, sensor_range,
+           range_margin, sensor_fov, fov_margin, renewal_cells, least_trust, nearer, nearest] = o;
+    expect_reached(o,
+                   {&depth, &opening, &failed_look, &failed_visit, &visit_radius, &look_interval,
+                    &range_margin, &fov_margin, &renewal_cells, &least_trust, &nearer, &nearest});
+  }
+  {
+    FrontierOrderOptions o;
+    auto& [horizon, every_look, candidates, length] = o;
+    expect_reached(o, {&horizon, &every_look, &candidates, &length});
+  }
+  {
+    CostToGoOptions o;
+    auto& [v_max, stop_beyond, fill_slope, window_radius, lambda, features_required] = o;
+    expect_reached(o, {&stop_beyond, &fill_slope, &window_radius, &lambda});
+  }
+  {
+    FrontierPlannerOptions o;
+    auto& [traversability, frontiers, worth, order, cost_to_go, area, progress, least_area,
+           least_rate, look_time, turn_price, look_length, reconsider, commitment, resolved,
+           target_radius, closing_time, rule] = o;
+    expect_reached(o, {&least_area, &least_rate, &look_time, &look_length, &reconsider, &commitment,
+                       &resolved, &target_radius, &closing_time});
+  }
+  {
+    OdometryNoise o;
+    auto& [position_per_metre, position_per_radian, yaw_per_metre, yaw_per_radian, reference_count,
+           floor_count] = o;
+    expect_reached(o, {&position_per_metre, &position_per_radian, &yaw_per_metre, &yaw_per_radian,
+                       &reference_count, &floor_count});
+  }
+  {
+    VisibilityParameters o;
+    auto& [sigma_px, border_px, border_sigma_px, r_min, r_max, r_min_width, r_max_width, scale_min,
+           scale_max, scale_width, view_angle, view_angle_width, odometry] = o;
+    expect_reached(
+        o, {&sigma_px, &border_px, &border_sigma_px, &r_min, &r_max, &r_min_width, &r_max_width,
+            &scale_min, &scale_max, &scale_width, &view_angle, &view_angle_width});
+  }
+  {
+    VisibleFeaturesParameters o;
+    auto& [criterion, N_req, beta, N_min, z, chance_beta, chance_weight, required_translation,
+           required_rotation, prior_translation, prior_rotation, information_beta, rho] = o;
+    expect_reached(o, {&N_req, &beta, &N_min, &z, &chance_beta, &required_translation,
+                       &required_rotation, &prior_translation, &prior_rotation, &information_beta});
+  }
+  {
+    Guard::Options o;
+    auto& [max_belief_age, max_pose_age, max_map_age, max_landmarks_age, max_ranges_age, plan_slack,
+           max_step, tolerance, mismatch] = o;
+    expect_reached(o, {&max_belief_age, &max_pose_age, &max_map_age, &max_landmarks_age,
+                       &max_ranges_age, &plan_slack, &max_step, &tolerance, &mismatch});
+  }
+  {
+    PlannerParameters o;
+    auto& [N, dt, M, w_u, w_du, w_o, w_l, w_e, w_T, w_h, w_c, desired_speed, d_safe, d_des, unknown,
+           certificate_margin, drift_margin, drift_limit, lost_margin, committed, polished,
+           polish_evaluations, solver_options, threads, deadline, max_landmarks, visibility_lattice,
+           visibility, features, feature_prior, feature_attenuation, feature_occlusion,
+           feature_covariance, max_targets, target_frontier_only, unknown_attenuation,
+           frontier_planner, task, zones, goal_unknown_price, return_unknown_price, behaviour] = o;
+    expect_reached(o, {&N,
+                       &dt,
+                       &M,
+                       &w_u,
+                       &w_du,
+                       &w_o,
+                       &w_l,
+                       &w_e,
+                       &w_T,
+                       &w_h,
+                       &w_c,
+                       &desired_speed,
+                       &d_safe,
+                       &d_des,
+                       &certificate_margin,
+                       &drift_margin,
+                       &drift_limit,
+                       &lost_margin,
+                       &committed,
+                       &polished,
+                       &polish_evaluations,
+                       &threads,
+                       &deadline,
+                       &max_landmarks,
+                       &visibility_lattice,
+                       &feature_prior,
+                       &feature_attenuation,
+                       &feature_occlusion,
+                       &feature_covariance,
+                       &max_targets,
+                       &target_frontier_only,
+                       &unknown_attenuation,
+                       &goal_unknown_price,
+                       &return_unknown_price});
+  }
+  {
+    MissionOptions o;
+    auto& [time_limit, lost_limit, enough, return_when_done] = o;
+    expect_reached(o, {&time_limit, &lost_limit, &return_when_done});
+  }
+  {
+    Unicycle::Parameters o;
+    auto& [v_min, v_max, omega_max, a_max, alpha_max, fixed_z] = o;
+    expect_reached(o, {&v_min, &v_max, &omega_max, &a_max, &alpha_max, &fixed_z});
+  }
+  {
+    UnicycleAccel::Parameters o;
+    auto& [v_min, v_max, omega_max, a_max, alpha_max, fixed_z] = o;
+    expect_reached(o, {&v_min, &v_max, &omega_max, &a_max, &alpha_max, &fixed_z});
+  }
+  {
+    Holonomic::Parameters o;
+    auto& [vx_min, vx_max, vy_max, omega_max, a_max, alpha_max, fixed_z] = o;
+    expect_reached(o, {&vx_min, &vx_max, &vy_max, &omega_max, &a_max, &alpha_max, &fixed_z});
+  }
+  {
+    Multirotor::Parameters o;
+    auto& [v_max, vz_max, a_max, az_max, omega_max, alpha_max] = o;
+    expect_reached(o, {&v_max, &vz_max, &a_max, &az_max, &omega_max, &alpha_max});
+  }
+  {
+    PinholeCamera o;
+    auto& [fx, fy, cx, cy, width, height] = o;
+    expect_reached(o, {&fx, &fy, &cx, &cy, &width, &height});
+  }
+  {
+    StereoCamera o;
+    auto& [left, baseline, sigma_u, sigma_v, sigma_d] = o;
+    expect_reached(o, {&baseline, &sigma_u, &sigma_v, &sigma_d});
+  }
+  {
+    RgbdFootprint o;
+    auto& [horizontal_fov, vertical_fov, min_range, max_range] = o;
+    expect_reached(o, {&horizontal_fov, &vertical_fov, &min_range, &max_range});
+  }
+  {
+    Sphere o;
+    auto& [center, radius] = o;
+    expect_reached(o, {center.data(), &radius});
+  }
+  {
+    BoxShape o;
+    auto& [center, size] = o;
+    expect_reached(o, {center.data(), size.data()});
+  }
+  {
+    CylinderShape o;
+    auto& [center, radius, height] = o;
+    expect_reached(o, {center.data(), &radius, &height});
+  }
+  {
+    CornerDetectorOptions o;
+    auto& [cells, min_strength, border] = o;
+    expect_reached(o, {&cells, &min_strength, &border});
+  }
+  {
+    StereoMatcherOptions o;
+    auto& [max_disparity, min_disparity, min_correlation, distinctness, max_row_error,
+           max_inconsistency] = o;
+    expect_reached(o, {&max_disparity, &min_disparity, &min_correlation, &distinctness,
+                       &max_row_error, &max_inconsistency});
+  }
+  {
+    PatchTrackerOptions o;
+    auto& [min_texture, min_agreement, max_return, shift_per_level] = o;
+    expect_reached(o, {&min_texture, &min_agreement, &max_return, &shift_per_level});
+  }
+  {
+    PoseEstimatorOptions o;
+    auto& [sigma_left, sigma_right, ransac_hypotheses, ransac_confidence, ransac_gate, final_gate,
+           huber] = o;
+    expect_reached(o, {&sigma_left, &sigma_right, &ransac_hypotheses, &ransac_confidence,
+                       &ransac_gate, &final_gate, &huber});
+  }
+  {
+    KeyframePolicyOptions o;
+    auto& [min_points, min_share, max_shift, significance] = o;
+    expect_reached(o, {&min_points, &min_share, &max_shift, &significance});
+  }
+  {
+    DisparityOffsetOptions o;
+    auto& [prior_sigma, walk_sigma, trust, min_baseline, min_points, max_offset] = o;
+    expect_reached(o, {&prior_sigma, &walk_sigma, &trust, &min_baseline, &min_points, &max_offset});
+  }
+  {
+    TrackSurvival::Options o;
+    auto& [prior_loss, prior_views, memory] = o;
+    expect_reached(o, {&prior_loss, &prior_views, &memory});
+  }
+  {
+    StereoOdometryOptions o;
+    auto& [corners, matching, tracking, pose, keyframes, disparity_offset, survival, pyramid_levels,
+           sigma_corner, sigma_disparity, max_scale, max_misses, lost_points, degraded_points,
+           lost_share, degraded_share, lost_right_share, degraded_right_share, max_sigma_position,
+           max_speed, max_turn_rate, max_acceleration, max_turn_acceleration, max_gap,
+           recovery_keyframes, restart_after, background_mapping, seed] = o;
+    expect_reached(
+        o, {&pyramid_levels, &sigma_corner,       &sigma_disparity,      &max_scale,
+            &max_misses,     &lost_points,        &degraded_points,      &lost_share,
+            &degraded_share, &lost_right_share,   &degraded_right_share, &max_sigma_position,
+            &max_speed,      &max_turn_rate,      &max_acceleration,     &max_turn_acceleration,
+            &max_gap,        &recovery_keyframes, &restart_after,        &background_mapping});
+  }
+  {
+    ScaleAgreementOptions o;
+    auto& [least, significance, least_samples] = o;
+    expect_reached(o, {&least, &significance, &least_samples});
+  }
+  {
+    WheelFusionOptions o;
+    auto& [along, across, turn, heading, sigma_scale, scale_walk, gate, slips, max_wheel_gap,
+           unknown_speed, max_wait, max_dead_reckoning, piece, pieces, agreement, start] = o;
+    expect_reached(
+        o, {&along, &across, &turn, &heading, &sigma_scale, &scale_walk, &gate, &slips,
+            &max_wheel_gap, &unknown_speed, &max_wait, &max_dead_reckoning, &piece, &pieces});
+  }
+  {
+    FeatureDensityOptions o;
+    auto& [quantile, area, window, initial] = o;
+    expect_reached(o, {&quantile, &area, &window, &initial});
+  }
+  {
+    OccupancyMapperOptions o;
+    auto& [resolution, max_range, z_min, z_max, slice, probability_hit, probability_miss,
+           probability_min, probability_max, offset_constant, offset_quadratic, core] = o;
+    expect_reached(o, {&z_min, &z_max, &probability_hit, &probability_miss, &probability_min,
+                       &probability_max, &offset_constant, &offset_quadratic, &core});
+  }
+  {
+    ActuationNoise o;
+    auto& [linear, angular, coupling] = o;
+    expect_reached(o, {&linear, &angular, &coupling});
+  }
+  {
+    OdometryOptions o;
+    auto& [perfect, keyframe_distance, keyframe_angle, position_sigma, heading_sigma, lost_below,
+           degraded_below, reckoning_distance, reckoning_angle, reckoning_heading,
+           after_loss_position, after_loss_heading, after_loss_turning] = o;
+    expect_reached(
+        o, {&perfect, &keyframe_distance, &keyframe_angle, &position_sigma, &heading_sigma,
+            &lost_below, &degraded_below, &reckoning_distance, &reckoning_angle, &reckoning_heading,
+            &after_loss_position, &after_loss_heading, &after_loss_turning});
+  }
+  {
+    DepthCameraOptions o;
+    auto& [footprint, columns, rows, noise_constant, noise_quadratic, dropout] = o;
+    expect_reached(o, {&noise_constant, &noise_quadratic, &dropout});
+  }
+  {
+    FeatureCameraOptions o;
+    auto& [stereo, min_depth, max_depth, max_view_angle, size, min_pixels, border, cells] = o;
+    expect_reached(o,
+                   {&min_depth, &max_depth, &max_view_angle, &size, &min_pixels, &border, &cells});
+  }
+  {
+    LandmarkBuilderOptions o;
+    auto& [max_landmarks, max_scale, max_view_change, survival_prior_tracked, survival_prior_missed,
+           cull_survival, cull_views, density] = o;
+    expect_reached(o, {&max_landmarks, &max_scale, &max_view_change, &survival_prior_tracked,
+                       &survival_prior_missed, &cull_survival, &cull_views});
+  }
+  {
+    CameraRigOptions o;
+    auto& [stereo, stereo_mount, footprint, depth_width, depth_height, depth_mount, exposure,
+           vignetting, blur, exposure_time, read_noise, shot_noise, depth_noise_constant,
+           depth_noise_quadratic, depth_dropout, max_incidence, threads, seed] = o;
+    expect_reached(o, {&depth_width, &depth_height, &exposure, &vignetting, &blur, &exposure_time,
+                       &read_noise, &shot_noise, &max_incidence, &threads});
+  }
+  {
+    CameraSensorsOptions o;
+    auto& [rig, texture_quality, focal_error, baseline_error, odometry, wheels, wheel_fusion] = o;
+    expect_reached(o, {&texture_quality, &focal_error, &baseline_error, &wheels});
+  }
+  {
+    SimulatorOptions o;
+    auto& [seed, sensors, shape, base_height, actuation, depth_mount, depth, depth_rate,
+           stereo_mount, features, image_rate, odometry, landmarks, mapping, map, camera] = o;
+    expect_reached(o, {&depth_rate, &image_rate});
+  }
+}
+
+}  // namespace
+}  // namespace prospect::knob_members_test

@@ -1,0 +1,424 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "adapters/config/configuration.h"
+#include "adapters/files/input_error.h"
+#include "adapters/simulator/simulator.h"
+#include "engine/planner/planner.h"
+#include "models/knobs.h"
+#include "models/make_model.h"
+#include "models/range_text.h"
+#include "tests/adapters/box_room.h"
+
+// All knobs of a configuration, one by one, by their descriptions: a new one is tested without a
+// line here.
+namespace prospect::knob_table_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+enum class Kind { kNumber, kDegrees, kInteger, kBoolean, kWord, kNumbers };
+
+struct Knob {
+  std::string path, name, unit, sentence;
+  Kind kind = Kind::kNumber;
+  double min = 0.0, max = 0.0, value = 0.0;  ///< in its unit; value: of what was described
+  std::vector<std::string> words;
+  std::size_t count = 1;
+};
+
+/// Lists what is described, and sets the one at a path.
+class Table final : public Knobs {
+ public:
+  explicit Table(std::string at) : groups_{std::move(at)} {}
+  Table(std::string at, std::string path, double value)
+      : groups_{std::move(at)}, path_(std::move(path)), value_(value) {}
+
+  void number(const char* name, double& value, Range range, const char* unit,
+              const char* sentence) override {
+    add({path(name), name, unit, sentence, Kind::kNumber, range.min, range.max, value, {}}, value);
+  }
+  void degrees(const char* name, double& radians, Range range, const char* sentence) override {
+    double value = radians / kRadiansPerDegree;
+    add({path(name), name, "deg", sentence, Kind::kDegrees, range.min, range.max, value, {}},
+        value);
+    if (path(name) == path_) radians = kRadiansPerDegree * value;
+  }
+  void integer(const char* name, int& value, WholeRange range, const char* unit,
+               const char* sentence) override {
+    double number = value;
+    add({path(name),
+         name,
+         unit,
+         sentence,
+         Kind::kInteger,
+         double(range.min),
+         double(range.max),
+         number,
+         {}},
+        number);
+    if (path(name) == path_) value = static_cast<int>(number);
+  }
+  void boolean(const char* name, bool& value, const char* sentence) override {
+    double number = value;
+    add({path(name), name, "", sentence, Kind::kBoolean, 0.0, 1.0, number, {}}, number);
+    if (path(name) == path_) value = number != 0.0;
+  }
+  void numbers(const char* name, double* values, std::size_t count, Range range, const char* unit,
+               const char* sentence) override {
+    Knob knob{path(name), name,      unit,      sentence, Kind::kNumbers,
+              range.min,  range.max, values[0], {}};
+    knob.count = count;
+    add(std::move(knob), values[count - 1]);
+  }
+  void require(bool, const char*, const char*) override {}
+
+  std::vector<Knob> knobs;
+
+ private:
+  void word(const char* name, std::size_t& index, const std::vector<std::string>& words,
+            const char* sentence) override {
+    auto number = static_cast<double>(index);
+    add({path(name), name, "", sentence, Kind::kWord, 0.0, double(words.size()) - 1.0, number,
+         words},
+        number);
+    if (path(name) == path_) index = static_cast<std::size_t>(number);
+  }
+  void enter(const char* name) override { groups_.push_back(path(name)); }
+  void leave() override { groups_.pop_back(); }
+  std::string path(const char* name) const { return groups_.back() + '.' + name; }
+  void add(Knob knob, double& value) {
+    if (knob.path == path_) value = value_;
+    knobs.push_back(std::move(knob));
+  }
+
+  std::vector<std::string> groups_;
+  std::string path_;
+  double value_ = 0.0;
+};
+
+/// Knobs that are described together: where they stand in a configuration file, with which other
+/// settings, how a configuration is described, and who refuses it if it is wrong.
+struct Part {
+  std::string at;
+  std::vector<std::string> settings;
+  std::function<void(Knobs&, Configuration&)> describe;
+  std::function<void(const Configuration&)> construct;
+};
+
+void make_planner(const Configuration& c) {
+  Planner(c.robot, c.planner, SolverRegistry().make("nlopt"));
+}
+
+void make_simulator(const Configuration& c) {
+  static const auto world = std::make_shared<const World>(test::box_room(3.0, 3.0));
+  Simulator(world, c.simulator);
+}
+
+template <typename Shape>
+Part shape_part(const std::string& type) {
+  return {"robot.shape",
+          {"robot.shape.type=" + type},
+          [](Knobs& k, Configuration& c) { describe(k, std::get<Shape>(c.robot.shape)); },
+          make_planner};
+}
+
+std::vector<Part> parts() {
+  std::vector<Part> all = {
+      {"planner", {}, [](Knobs& k, Configuration& c) { describe(k, c.planner); }, make_planner},
+      {"mission.end",
+       {},
+       [](Knobs& k, Configuration& c) { describe_end(k, c.planner.frontier_planner); },
+       make_planner},
+      {"mission", {}, [](Knobs& k, Configuration& c) { describe(k, c.mission); }, {}},
+      {"guard",
+       {},
+       [](Knobs& k, Configuration& c) { describe(k, c.guard); },
+       [](const Configuration& c) {
+         Guard(c.robot.model, c.robot.shape, Certifier::options_for(c.robot), c.guard);
+       }},
+      {"simulator",
+       {},
+       [](Knobs& k, Configuration& c) { describe(k, c.simulator); },
+       make_simulator},
+      {"robot.stereo",
+       {},
+       [](Knobs& k, Configuration& c) { describe(k, c.robot.stereo); },
+       make_planner},
+      {"robot.depth",
+       {},
+       [](Knobs& k, Configuration& c) { describe(k, c.robot.depth); },
+       make_planner},
+      shape_part<CylinderShape>("cylinder"),
+      shape_part<BoxShape>("box"),
+  };
+  for (const std::string& name : model_names()) {
+    all.push_back({"robot.motion",
+                   {"robot.model=" + name},
+                   [name](Knobs& k, Configuration& c) {
+                     ModelParameters parameters = parameters_of(*c.robot.model);
+                     describe(k, name, parameters);
+                     c.robot.model = make_model(name, parameters);
+                   },
+                   {}});
+  }
+  return all;
+}
+
+Configuration configuration_of(const Part& part, std::vector<std::string> further = {}) {
+  std::vector<std::string> settings = part.settings;
+  settings.insert(settings.end(), further.begin(), further.end());
+  return read_configuration("", {}, settings);
+}
+
+std::vector<Knob> knobs_of(const Part& part, Configuration c) {
+  Table table(part.at);
+  part.describe(table, c);
+  return table.knobs;
+}
+
+/// What is said of a value that is refused; "" if it is not.
+std::string refusal(const std::function<void()>& use) {
+  try {
+    use();
+  } catch (const InputError& e) {
+    return e.what();
+  } catch (const std::invalid_argument& e) {
+    return e.what();
+  }
+  return "";
+}
+
+/// "a: {b: {c: value}}" for a.b.c, with the part's other settings.
+std::string yaml_of(const Part& part, const std::string& path, const std::string& value) {
+  std::string text, end;
+  std::string rest = path;
+  for (std::size_t dot; (dot = rest.find('.')) != std::string::npos; rest = rest.substr(dot + 1)) {
+    text += rest.substr(0, dot) + ": {";
+    end += '}';
+  }
+  text += rest + ": " + value;
+  // Only siblings of the key are set besides: robot.shape.type, robot.model.
+  for (const std::string& setting : part.settings) {
+    const std::size_t equals = setting.find('=');
+    const std::string other = setting.substr(0, equals), word = setting.substr(equals + 1);
+    const std::size_t dot = other.rfind('.');
+    if (path.starts_with(other.substr(0, dot) + '.') && other.rfind('.') == path.rfind('.')) {
+      text += ", " + other.substr(dot + 1) + ": " + word;
+    } else {
+      text += "}, " + other.substr(dot + 1) + ": " + word;
+      end.pop_back();
+    }
+  }
+  return text + end;
+}
+
+/// Values that a knob must not have, as text and as a number.
+std::vector<std::pair<std::string, double>> wrong_values(const Knob& knob) {
+  std::vector<std::pair<std::string, double>> wrong;
+  const auto beyond = [](double end) { return std::max(1.0, 0.1 * std::abs(end)); };
+  const auto text = [&](double value) {
+    if (knob.kind == Kind::kNumbers) {
+      std::string list = "[";
+      for (std::size_t i = 0; i + 1 < knob.count; ++i) list += exact_text(knob.value) + ", ";
+      return list + (std::isnan(value) ? ".nan" : exact_text(value)) + "]";
+    }
+    if (std::isnan(value)) return std::string(".nan");
+    return knob.kind == Kind::kInteger ? std::to_string(static_cast<std::int64_t>(value))
+                                       : exact_text(value);
+  };
+  if (std::isfinite(knob.min)) {
+    const double below = knob.min - beyond(knob.min);
+    wrong.emplace_back(text(below), below);
+  }
+  if (std::isfinite(knob.max)) {
+    const double above = knob.max + beyond(knob.max);
+    wrong.emplace_back(text(above), above);
+  }
+  wrong.emplace_back(text(kNan), kNan);
+  return wrong;
+}
+
+bool is_number(const Knob& knob) { return knob.kind != Kind::kBoolean && knob.kind != Kind::kWord; }
+
+TEST(KnobTable, DefaultsLieInTheirRangesAndAgree) {
+  std::set<std::string> seen;
+  int numbers = 0;
+  for (const Part& part : parts()) {
+    Configuration c = configuration_of(part);
+    KnobCheck check(part.at);
+    EXPECT_NO_THROW(part.describe(check, c)) << part.at;
+    std::set<std::string> of_part;
+    for (const Knob& knob : knobs_of(part, c)) {
+      EXPECT_TRUE(of_part.insert(knob.path).second) << knob.path << " is described twice";
+      EXPECT_LE(knob.min, knob.value) << knob.path;
+      EXPECT_GE(knob.max, knob.value) << knob.path;
+      EXPECT_FALSE(knob.sentence.empty()) << knob.path;
+      EXPECT_EQ(knob.unit.empty(), !is_number(knob)) << knob.path;
+      numbers += is_number(knob);
+    }
+  }
+  EXPECT_GT(numbers, 250);
+}
+
+TEST(KnobTable, AConfigurationHasAnEntryForEach) {
+  for (const Part& part : parts()) {
+    const Configuration c = configuration_of(part);
+    for (const Knob& knob : knobs_of(part, c)) {
+      const auto entry = std::find_if(c.entries.begin(), c.entries.end(),
+                                      [&](const ConfigEntry& e) { return e.path == knob.path; });
+      ASSERT_NE(entry, c.entries.end()) << knob.path;
+      EXPECT_EQ(entry->unit, knob.unit) << knob.path;
+      EXPECT_EQ(entry->description, knob.sentence) << knob.path;
+      EXPECT_FALSE(entry->range.empty()) << knob.path;
+      EXPECT_EQ(entry->value, entry->default_value) << knob.path;
+    }
+  }
+}
+
+TEST(KnobTable, WhatIsOutOfRangeIsOneLineThatNamesIt) {
+  for (const Part& part : parts()) {
+    const Configuration sound = configuration_of(part);
+    for (const Knob& knob : knobs_of(part, sound)) {
+      if (!is_number(knob)) continue;
+      for (const auto& [text, value] : wrong_values(knob)) {
+        SCOPED_TRACE(knob.path + " = " + text);
+        const auto one_line = [&](const std::string& said, const std::string& where,
+                                  const std::string& name) {
+          EXPECT_TRUE(said.starts_with(where)) << said;
+          EXPECT_THAT(said, HasSubstr(name));
+          EXPECT_THAT(said, HasSubstr("; expected "));
+          EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+        };
+        const std::string yaml = yaml_of(part, knob.path, text);
+        one_line(refusal([&] { configuration_from_text(yaml, "f.yaml"); }),
+                 "f.yaml:1: ", knob.path + ": ");
+        one_line(refusal([&] { configuration_of(part, {knob.path + "=" + text}); }),
+                 "--set " + knob.path + "=", knob.path + ": ");
+        if (knob.kind == Kind::kInteger && std::isnan(value)) continue;
+        if (part.at == "robot.motion") continue;  // made anew by what describes it
+        Configuration c = sound;
+        Table spoil(part.at, knob.path, value);
+        part.describe(spoil, c);
+        const std::string below = knob.path.substr(part.at.size() + 1);
+        KnobCheck check("owner");
+        one_line(refusal([&] { part.describe(check, c); }), "owner: " + below + " is ", below);
+        if (part.construct) one_line(refusal([&] { part.construct(c); }), "", knob.name + " is ");
+      }
+    }
+  }
+}
+
+TEST(KnobTable, SwitchesAndWordsAreWhatTheyMayBe) {
+  for (const Part& part : parts()) {
+    for (const Knob& knob : knobs_of(part, configuration_of(part))) {
+      if (is_number(knob)) continue;
+      for (const char* wrong : {"2", "nonsense", ".nan"}) {
+        const std::string said =
+            refusal([&] { configuration_of(part, {knob.path + "=" + wrong}); });
+        EXPECT_THAT(said, HasSubstr(knob.path + ": is '" + wrong + "'"));
+        EXPECT_THAT(said, HasSubstr("; expected "));
+        EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+      }
+    }
+  }
+}
+
+// Each knob alone a little off its default: the configuration that is read holds that value, and
+// all others are as they were.
+TEST(KnobTable, EachReachesItsMember) {
+  for (const Part& part : parts()) {
+    const std::vector<Knob> before = knobs_of(part, configuration_of(part));
+    for (const Knob& knob : before) {
+      double value = 0.0;
+      std::string text;
+      if (knob.kind == Kind::kBoolean) {
+        value = 1.0 - knob.value;
+        text = value != 0.0 ? "true" : "false";
+      } else if (knob.kind == Kind::kWord) {
+        value = knob.value > 0.0 ? 0.0 : 1.0;
+        text = knob.words.at(static_cast<std::size_t>(value));
+      } else {
+        const double room = std::isfinite(knob.max) ? knob.max - knob.value : 1.0;
+        const double scale = std::max(std::abs(knob.value), 1e-3);
+        double step = room > 0.0 ? std::min(0.5 * room, 0.01 * scale) : -0.01 * scale;
+        if (knob.kind == Kind::kInteger) step = room > 0.0 ? 1.0 : -1.0;
+        value = knob.value + step;
+        text = exact_text(value);
+        if (knob.kind == Kind::kNumbers) {
+          text = "[" + text;
+          for (std::size_t i = 1; i < knob.count; ++i) text += ", " + exact_text(value);
+          text += "]";
+        }
+      }
+      SCOPED_TRACE(knob.path + " = " + text);
+      Configuration c;
+      ASSERT_NO_THROW(c = configuration_of(part, {knob.path + "=" + text}));
+      const std::vector<Knob> after = knobs_of(part, c);
+      ASSERT_EQ(after.size(), before.size());
+      for (std::size_t i = 0; i < after.size(); ++i) {
+        EXPECT_NEAR(after[i].value, after[i].path == knob.path ? value : before[i].value,
+                    1e-12 * std::abs(before[i].value) + 1e-300)
+            << after[i].path;
+      }
+    }
+  }
+}
+
+TEST(KnobTable, AMisspeltOneIsToldTheNearest) {
+  for (const Part& part : parts()) {
+    for (const Knob& knob : knobs_of(part, configuration_of(part))) {
+      const std::string said =
+          refusal([&] { configuration_of(part, {knob.path + knob.name.back() + "=1"}); });
+      EXPECT_THAT(said, HasSubstr("unknown key '" + knob.path + knob.name.back() +
+                                  "' (did you mean '" + knob.name + "'?); expected one of: "));
+      EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+    }
+  }
+}
+
+TEST(KnobTable, WhatMustAgreeIsSaidAlikeByFileAndConstructor) {
+  const Configuration sound = read_configuration("");
+  const auto planner = [&](const std::function<void(PlannerParameters&)>& change) {
+    Configuration c = sound;
+    change(c.planner);
+    return refusal([&] { make_planner(c); });
+  };
+  const auto file = [](const std::string& setting) {
+    return refusal([&] { read_configuration("", {}, {setting}); });
+  };
+  EXPECT_EQ(planner([](auto& p) { p.M = 21; }),
+            "planner: M: more knots than stages; expected at most N");
+  EXPECT_EQ(file("planner.M=21"),
+            "--set planner.M=21: planner.M: more knots than stages; expected at most N");
+  EXPECT_EQ(planner([](auto& p) { p.d_des = 0.01; }),
+            "planner: d_des: d_des <= d_safe; expected more");
+  EXPECT_EQ(file("planner.d_des=0.01"),
+            "--set planner.d_des=0.01: planner.d_des: d_des <= d_safe; expected more");
+  EXPECT_EQ(planner([](auto& p) { p.committed = 6.0; }),
+            "planner: committed: longer than the horizon; expected at most N dt");
+  EXPECT_EQ(file("planner.committed=6"),
+            "--set planner.committed=6: planner.committed: longer than the horizon; expected at "
+            "most N dt");
+  EXPECT_EQ(planner([](auto& p) { p.visibility.r_max = 0.5, p.visibility.r_min = 0.6; }),
+            "planner: visibility.r_max: r_max <= r_min; expected more");
+  // What the robot has a part in.
+  EXPECT_THAT(file("planner.frontiers.look_margin=5"), HasSubstr("planner: frontier worth: "));
+}
+
+}  // namespace
+}  // namespace prospect::knob_table_test
