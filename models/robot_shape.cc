@@ -355,8 +355,8 @@ void describe(Knobs& knobs, BoxShape& s) {
 }
 
 void describe(Knobs& knobs, CylinderShape& s) {
-  knobs.number("radius", s.radius, {0.01, 5.0}, "m", "radius about the axis");
-  knobs.number("height", s.height, {0.01, 5.0}, "m", "height");
+  knobs.number("radius", s.radius, {0.01, 20.0}, "m", "radius about the axis");
+  knobs.number("height", s.height, {0.01, 20.0}, "m", "height");
   knobs.numbers("center", s.center.data(), 3, {-5.0, 5.0}, "m", "centre, in the body frame");
 }
 
