@@ -345,18 +345,18 @@ double thickness(const std::vector<Eigen::Vector3d>& points) {
 }  // namespace
 
 void describe(Knobs& knobs, Sphere& s) {
-  knobs.number("radius", s.radius, {0.01, 5.0}, "m", "radius");
+  knobs.number("radius", s.radius, {0.01, 20.0}, "m", "radius");
   knobs.numbers("center", s.center.data(), 3, {-5.0, 5.0}, "m", "centre, in the body frame");
 }
 
 void describe(Knobs& knobs, BoxShape& s) {
-  knobs.numbers("size", s.size.data(), 3, {0.01, 10.0}, "m", "edge lengths");
+  knobs.numbers("size", s.size.data(), 3, {0.01, 20.0}, "m", "edge lengths");
   knobs.numbers("center", s.center.data(), 3, {-5.0, 5.0}, "m", "centre, in the body frame");
 }
 
 void describe(Knobs& knobs, CylinderShape& s) {
-  knobs.number("radius", s.radius, {0.01, 5.0}, "m", "radius about the axis");
-  knobs.number("height", s.height, {0.01, 5.0}, "m", "height");
+  knobs.number("radius", s.radius, {0.01, 20.0}, "m", "radius about the axis");
+  knobs.number("height", s.height, {0.01, 20.0}, "m", "height");
   knobs.numbers("center", s.center.data(), 3, {-5.0, 5.0}, "m", "centre, in the body frame");
 }
 

@@ -32,7 +32,7 @@ TEST(ConfigurationReference, EachKeyHasUnitRangeDefaultAndMeaning) {
   EXPECT_THAT(page, HasSubstr("| `planner.unknown` |  | free, blocked, braking | `braking` |"));
   EXPECT_THAT(page, HasSubstr("| `guard.max_map_age` | s | 0 or more | `1` |"));
   EXPECT_THAT(page, HasSubstr("| `robot.motion.vy_max` | m/s |"));
-  EXPECT_THAT(page, HasSubstr("| `robot.shape.size` | m | 3 numbers, 0.01 to 10 |"));
+  EXPECT_THAT(page, HasSubstr("| `robot.shape.size` | m | 3 numbers, 0.01 to 20 |"));
   EXPECT_THAT(page, HasSubstr("| `zones.slow[0].max_speed` | m/s | 0.01 to 100 | required |"));
   EXPECT_THAT(page, HasSubstr("`planner.options`"));
 }

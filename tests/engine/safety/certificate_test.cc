@@ -805,7 +805,7 @@ TEST(Certificate, IsGivenUpWhereABodyOverlapsMuch) {
   drift.update(belief, {});
   for (const std::string name : {"unicycle", "holonomic", "multirotor"}) {
     const auto model = make_model(name);
-    for (const double radius : {0.4, 1.0, 3.0, 10.0, 1e4, 1e8, 1e300}) {
+    for (const double radius : {0.4, 1.0, 3.0, 10.0, 20.0}) {
       for (const UnknownPolicy policy : {UnknownPolicy::kFree, UnknownPolicy::kBraking}) {
         Certifier::Options options;
         options.unknown = policy;
