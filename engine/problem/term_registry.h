@@ -84,7 +84,7 @@ class TermRegistry {
   TermUse use(std::string_view name, double weight = 1.0, const TermOptions& given = {}) const;
 
   /// In the order of adding.
-  const std::vector<std::shared_ptr<const TermEntry>>& list() const { return entries_; }
+  std::vector<std::shared_ptr<const TermEntry>> list() const { return entries_; }
 
  private:
   std::vector<std::shared_ptr<const TermEntry>> entries_;
