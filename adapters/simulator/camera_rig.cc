@@ -245,19 +245,4 @@ DepthImage CameraRig::depth(const Pose& true_pose, std::uint64_t frame) const {
   return image;
 }
 
-void describe(Knobs& knobs, CameraRigOptions& o) {
-  knobs.number("exposure", o.exposure, {0.0, 100.0}, "1", "gain on the grey levels");
-  knobs.number("exposure_time", o.exposure_time, {0.0, 1.0}, "s", "motion blur of a turning robot");
-  knobs.number("vignetting", o.vignetting, {0.0, 1.0}, "1", "share of light lost in the corners");
-  knobs.number("blur", o.blur, {0.0, 20.0}, "px", "of the lens, one standard deviation");
-  knobs.number("read_noise", o.read_noise, {0.0, 255.0}, "1",
-               "grey levels, one standard deviation");
-  knobs.number("shot_noise", o.shot_noise, {0.0, 255.0}, "1", "variance a grey level");
-  knobs.integer("depth_width", o.depth_width, {1, 16384}, "px", "of the depth image");
-  knobs.integer("depth_height", o.depth_height, {1, 16384}, "px", "of the depth image");
-  knobs.number("max_incidence", o.max_incidence, {0.0, 1.6}, "rad",
-               "between ray and surface normal; beyond, no depth is measured");
-  knobs.integer("threads", o.threads, {1, 256}, "1", "of the renderer; the same bits with any");
-}
-
 }  // namespace prospect

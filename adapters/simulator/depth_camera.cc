@@ -135,12 +135,4 @@ DepthScan DepthCamera::sense(const Pose& true_pose, std::vector<CellState>* seen
   return scan;
 }
 
-void describe(Knobs& knobs, DepthCameraOptions& o) {
-  knobs.number("noise_constant", o.noise_constant, {0.0, 1.0}, "m",
-               "error of a range, one standard deviation");
-  knobs.number("noise_quadratic", o.noise_quadratic, {0.0, 1.0}, "1/m",
-               "the same, times the squared depth");
-  knobs.number("dropout", o.dropout, {0.0, 1.0}, "1", "probability that a ray measures nothing");
-}
-
 }  // namespace prospect

@@ -137,18 +137,4 @@ std::vector<FeatureObservation> FeatureCamera::observe(const Pose& true_pose, in
   return observations;
 }
 
-void describe(Knobs& knobs, FeatureCameraOptions& o) {
-  knobs.number("min_depth", o.min_depth, {0.01, 1000.0}, "m", "nearest at which one is tracked");
-  knobs.number("max_depth", o.max_depth, {0.01, 1000.0}, "m", "farthest at which one is tracked");
-  knobs.require(o.max_depth > o.min_depth, "max_depth", "max_depth <= min_depth; expected more");
-  knobs.number("max_view_angle", o.max_view_angle, {0.01, 1.57}, "rad",
-               "between the surface's normal and the line of sight");
-  knobs.number("size", o.size, {0.001, 10.0}, "m", "of a feature");
-  knobs.number("min_pixels", o.min_pixels, {0.0, 1e4}, "px",
-               "of its shorter side in the image; less: not tracked");
-  knobs.number("border", o.border, {0.0, 1e4}, "px", "without features along the images' edges");
-  knobs.integer("cells", o.cells, {1, 1000000}, "1",
-                "that the image is divided into: a feature each");
-}
-
 }  // namespace prospect

@@ -7,8 +7,6 @@
 #include <string>
 #include <type_traits>
 
-#include "models/knobs.h"
-
 namespace prospect {
 namespace {
 
@@ -265,13 +263,6 @@ bool KinematicRobot::move(const Twist& twist, double duration) {
   if (done > 0 || !in_contact_) ++collisions_;
   in_contact_ = true;
   return false;
-}
-
-void describe(Knobs& knobs, ActuationNoise& o) {
-  knobs.number("linear", o.linear, {0.0, 1.0}, "sqrt(s)", "noise of the distance");
-  knobs.number("angular", o.angular, {0.0, 1.0}, "sqrt(s)", "noise of the angle");
-  knobs.number("coupling", o.coupling, {0.0, 1.0}, "rad sqrt(s)/m",
-               "noise of the heading from driving");
 }
 
 }  // namespace prospect

@@ -163,21 +163,4 @@ void LandmarkBuilder::cull() {
   statistics_.resize(to);
 }
 
-void describe(Knobs& knobs, LandmarkBuilderOptions& o) {
-  knobs.integer("max_landmarks", o.max_landmarks, {1, 1000000}, "1",
-                "in the map; beyond, the least surviving are dropped");
-  knobs.number("max_scale", o.max_scale, {1.001, 100.0}, "1",
-               "a landmark seen this much nearer or farther is detected again");
-  knobs.number("max_view_change", o.max_view_change, {0.001, 10.0}, "rad",
-               "likewise from another direction");
-  knobs.number("survival_prior_tracked", o.survival_prior_tracked, {0.001, 1e6}, "1",
-               "views in which a new landmark counts as tracked");
-  knobs.number("survival_prior_missed", o.survival_prior_missed, {0.001, 1e6}, "1",
-               "views in which it counts as missed");
-  knobs.number("cull_survival", o.cull_survival, {0.0, 0.99}, "1",
-               "share of views below which a landmark is dropped");
-  knobs.integer("cull_views", o.cull_views, {1, 1000000}, "1", "after so many expected views");
-  knobs.group("density", [&] { describe(knobs, o.density); });
-}
-
 }  // namespace prospect

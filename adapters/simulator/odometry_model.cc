@@ -217,32 +217,4 @@ Pose OdometryModel::estimate(const Pose& true_pose) const {
   return pose;
 }
 
-void describe(Knobs& knobs, OdometryOptions& o) {
-  knobs.boolean("perfect", o.perfect, "the estimate is the truth");
-  knobs.number("keyframe_distance", o.keyframe_distance, {0.001, 100.0}, "m",
-               "driven between two keyframes");
-  knobs.number("keyframe_angle", o.keyframe_angle, {0.001, 10.0}, "rad",
-               "turned between two keyframes");
-  knobs.number("position_sigma", o.position_sigma, {0.0, 1.0}, "m",
-               "error of a keyframe at 200 points");
-  knobs.number("heading_sigma", o.heading_sigma, {0.0, 1.0}, "rad",
-               "error of a keyframe at 200 points");
-  knobs.integer("lost_below", o.lost_below, {0, 10000}, "1", "tracked points: lost");
-  knobs.integer("degraded_below", o.degraded_below, {0, 10000}, "1", "tracked points: degraded");
-  knobs.require(o.degraded_below >= o.lost_below, "degraded_below",
-                "degraded_below < lost_below; expected at least as many");
-  knobs.number("reckoning_distance", o.reckoning_distance, {0.0, 1.0}, "1",
-               "error of the wheels while lost, share of the distance");
-  knobs.number("reckoning_angle", o.reckoning_angle, {0.0, 1.0}, "1",
-               "error of the wheels while lost, share of the angle");
-  knobs.number("reckoning_heading", o.reckoning_heading, {0.0, 1.0}, "rad/m",
-               "error of the wheels while lost, of the heading");
-  knobs.number("after_loss_position", o.after_loss_position, {0.0, 1.0}, "m/sqrt(rad)",
-               "error of the position that turning adds after a loss");
-  knobs.number("after_loss_heading", o.after_loss_heading, {0.0, 1.0}, "rad/sqrt(rad)",
-               "error of the heading that turning adds after a loss");
-  knobs.number("after_loss_turning", o.after_loss_turning, {0.01, 1e4}, "rad",
-               "of turning after which these have fallen to 1/e");
-}
-
 }  // namespace prospect

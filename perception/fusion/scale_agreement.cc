@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "models/knobs.h"
 #include "perception/odometry/median.h"
 
 namespace prospect {
@@ -35,12 +34,6 @@ std::string to_string(const ScaleAgreement& agreement, std::string_view what,
   std::snprintf(numbers, sizeof numbers, ", +- %.1f %% (%d samples)", 100.0 * agreement.sigma,
                 agreement.samples);
   return text + numbers;
-}
-
-void describe(Knobs& knobs, ScaleAgreementOptions& o) {
-  knobs.number("least", o.least, {0.0, 10.0}, "1", "logarithm of a ratio of lengths that matters");
-  knobs.number("significance", o.significance, {0.0, 1e3}, "1", "standard deviations");
-  knobs.integer("least_samples", o.least_samples, {1, 100000}, "1", "fewer say nothing");
 }
 
 }  // namespace prospect

@@ -6,8 +6,6 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 
-#include "models/knobs.h"
-
 namespace prospect {
 namespace {
 
@@ -103,14 +101,6 @@ std::vector<Eigen::Vector2f> detect_corners(const ImageView& image,
     }
   }
   return corners;
-}
-
-void describe(Knobs& knobs, CornerDetectorOptions& o) {
-  knobs.integer("cells", o.cells, {1, 1000000}, "1",
-                "that the image is divided into: a corner each");
-  knobs.number("min_strength", o.min_strength, {0.0, 1e6}, "1",
-               "least strength of a corner, in squared grey levels a squared pixel");
-  knobs.integer("border", o.border, {0, 10000}, "px", "without corners along the image's edges");
 }
 
 }  // namespace prospect

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/knobs.h"
-
 namespace prospect {
 
 DisparityOffsetEvidence disparity_offset_evidence(const StereoCamera& camera,
@@ -56,18 +54,6 @@ double DisparityOffset::update(const DisparityOffsetEvidence& evidence) {
   value_ = std::clamp(value_ - variance_ * options_.trust * evidence.gradient, -options_.max_offset,
                       options_.max_offset);
   return value_ - before;
-}
-
-void describe(Knobs& knobs, DisparityOffsetOptions& o) {
-  knobs.number("prior_sigma", o.prior_sigma, {0.0, 10.0}, "px",
-               "error of the calibration's disparities; 0: it is not estimated");
-  knobs.number("walk_sigma", o.walk_sigma, {0.0, 10.0}, "px",
-               "by which it may wander from one update to the next");
-  knobs.number("trust", o.trust, {0.001, 1.0}, "1", "share of what it says that evidence is worth");
-  knobs.number("min_baseline", o.min_baseline, {0.001, 10.0}, "1",
-               "share of its depth by which the camera must have moved for a landmark to speak");
-  knobs.integer("min_points", o.min_points, {1, 100000}, "1", "landmarks that must speak together");
-  knobs.number("max_offset", o.max_offset, {0.001, 100.0}, "px", "largest error");
 }
 
 }  // namespace prospect

@@ -1,7 +1,5 @@
 #include "perception/odometry/keyframe_policy.h"
 
-#include "models/knobs.h"
-
 namespace prospect {
 
 std::string keyframe_reason(const KeyframeEvidence& evidence,
@@ -18,16 +16,6 @@ std::string keyframe_reason(const KeyframeEvidence& evidence,
   if (evidence.occupied_cells < options.min_share) return "image not covered";
   if (evidence.shift > options.max_shift * evidence.width) return "view changed";
   return {};
-}
-
-void describe(Knobs& knobs, KeyframePolicyOptions& o) {
-  knobs.integer("min_points", o.min_points, {0, 100000}, "1", "tracked; fewer: a new keyframe");
-  knobs.number("min_share", o.min_share, {0.0, 1.0}, "1",
-               "of the points at the last keyframe that are still tracked; less: a new one");
-  knobs.number("max_shift", o.max_shift, {0.001, 1.0}, "1",
-               "of the points since the last keyframe, as a share of the image's width");
-  knobs.number("significance", o.significance, {0.0, 1e3}, "1",
-               "of the motion, below which the robot stands still");
 }
 
 }  // namespace prospect

@@ -3,7 +3,6 @@
 #include <Eigen/LU>
 #include <algorithm>
 
-#include "models/knobs.h"
 #include "perception/odometry/patch_alignment.h"
 
 namespace prospect {
@@ -97,16 +96,6 @@ StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vect
   result.in_right = other.converged && other.agreement >= options.min_agreement;
   result.right = other.position;
   return result;
-}
-
-void describe(Knobs& knobs, PatchTrackerOptions& o) {
-  knobs.number("min_texture", o.min_texture, {0.0, 1e6}, "1",
-               "least texture of a patch, in squared grey levels a squared pixel");
-  knobs.number("min_agreement", o.min_agreement, {0.0, 1.0}, "1", "of the final alignment");
-  knobs.number("max_return", o.max_return, {0.01, 100.0}, "px",
-               "of the track backwards from where it began");
-  knobs.number("shift_per_level", o.shift_per_level, {0.1, 100.0}, "px",
-               "that alignment may move on a level of the pyramid");
 }
 
 }  // namespace prospect

@@ -7,8 +7,6 @@
 #include <cmath>
 #include <random>
 
-#include "models/knobs.h"
-
 namespace prospect {
 namespace {
 
@@ -251,20 +249,6 @@ PoseEstimate refine_pose(const StereoCamera& camera,
                         spectrum.eigenvalues().cwiseInverse().asDiagonal() *
                         spectrum.eigenvectors().transpose();
   return estimate;
-}
-
-void describe(Knobs& knobs, PoseEstimatorOptions& o) {
-  knobs.number("sigma_left", o.sigma_left, {0.001, 50.0}, "px", "noise of a tracked position");
-  knobs.number("sigma_right", o.sigma_right, {0.001, 50.0}, "px", "the same in the right image");
-  knobs.integer("ransac_hypotheses", o.ransac_hypotheses, {1, 100000}, "1", "at most");
-  knobs.number("ransac_confidence", o.ransac_confidence, {0.01, 0.999999}, "1",
-               "that ends the search for a hypothesis");
-  knobs.number("ransac_gate", o.ransac_gate, {0.1, 1e6}, "1",
-               "chi squared of two coordinates up to which a point agrees with a hypothesis");
-  knobs.number("final_gate", o.final_gate, {0.1, 1e6}, "1",
-               "chi squared up to which a point agrees with the pose");
-  knobs.number("huber", o.huber, {0.1, 100.0}, "1",
-               "standard deviations beyond which a point counts less");
 }
 
 }  // namespace prospect

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "models/knobs.h"
 #include "perception/odometry/patch_alignment.h"
 
 namespace prospect {
@@ -121,19 +120,6 @@ std::vector<StereoMatch> match_stereo(const ImagePyramid& left, const ImagePyram
     matches.push_back(match);
   }
   return matches;
-}
-
-void describe(Knobs& knobs, StereoMatcherOptions& o) {
-  knobs.number("max_disparity", o.max_disparity, {0.001, 1.0}, "1",
-               "searched range, as a share of the image's width");
-  knobs.number("min_disparity", o.min_disparity, {0.0, 1e3}, "px",
-               "a farther point says nothing about depth");
-  knobs.number("min_correlation", o.min_correlation, {0.0, 1.0}, "1", "of the two patches");
-  knobs.number("distinctness", o.distinctness, {1.0, 1e3}, "1",
-               "by which another place must agree less");
-  knobs.number("max_row_error", o.max_row_error, {0.0, 100.0}, "px", "across the rows");
-  knobs.number("max_inconsistency", o.max_inconsistency, {0.0, 100.0}, "px",
-               "from left to right and back");
 }
 
 }  // namespace prospect

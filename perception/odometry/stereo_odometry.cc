@@ -904,49 +904,4 @@ const std::vector<LandmarkSighting>& StereoOdometry::sightings() const { return 
 
 const std::vector<std::uint64_t>& StereoOdometry::given_up() const { return impl_->given_up; }
 
-void describe(Knobs& knobs, StereoOdometryOptions& o) {
-  knobs.integer("pyramid_levels", o.pyramid_levels, {2, 8}, "1", "of the images");
-  knobs.number("sigma_corner", o.sigma_corner, {0.001, 50.0}, "px",
-               "error of a new landmark's place in the image");
-  knobs.number("sigma_disparity", o.sigma_disparity, {0.001, 50.0}, "px",
-               "error of a new landmark's disparity");
-  knobs.number("max_scale", o.max_scale, {1.01, 100.0}, "1",
-               "a landmark seen this much nearer or farther is detected again");
-  knobs.integer("max_misses", o.max_misses, {0, 1000}, "1",
-                "frames in a row without a track before a landmark is dropped");
-  knobs.integer("lost_points", o.lost_points, {0, 100000}, "1", "tracked; fewer: lost");
-  knobs.integer("degraded_points", o.degraded_points, {0, 100000}, "1", "tracked; fewer: degraded");
-  const auto share = [&](const char* name, double& value, const char* sentence) {
-    knobs.number(name, value, {0.0, 1.0}, "1", sentence);
-  };
-  share("lost_share", o.lost_share,
-        "of the landmarks in view that agree with the pose; less: lost");
-  share("degraded_share", o.degraded_share, "the same; less: degraded");
-  share("lost_right_share", o.lost_right_share,
-        "of the tracked landmarks that the right image confirms; less: lost");
-  share("degraded_right_share", o.degraded_right_share, "the same; less: degraded");
-  knobs.number("max_sigma_position", o.max_sigma_position, {0.001, 1e3}, "m",
-               "deviation since the last keyframe; above: lost");
-  knobs.number("max_speed", o.max_speed, {0.01, 1e4}, "m/s", "of a possible motion");
-  knobs.number("max_turn_rate", o.max_turn_rate, {0.01, 1e3}, "rad/s", "of a possible motion");
-  knobs.number("max_acceleration", o.max_acceleration, {0.01, 1e5}, "m/s2", "of a possible motion");
-  knobs.number("max_turn_acceleration", o.max_turn_acceleration, {0.01, 1e5}, "rad/s2",
-               "of a possible motion");
-  knobs.number("max_gap", o.max_gap, {1.0, 1e3}, "1",
-               "of the usual time between frames; above: degraded");
-  knobs.integer("recovery_keyframes", o.recovery_keyframes, {0, 1000}, "1",
-                "that are tried while lost");
-  knobs.number("restart_after", o.restart_after, {0.0, 1e6}, "s",
-               "lost for so long, a new map is begun at the last good pose; 0: never");
-  knobs.boolean("background_mapping", o.background_mapping,
-                "keyframes on a second thread; true: runs are not reproducible");
-  knobs.group("corners", [&] { describe(knobs, o.corners); });
-  knobs.group("matching", [&] { describe(knobs, o.matching); });
-  knobs.group("tracking", [&] { describe(knobs, o.tracking); });
-  knobs.group("pose", [&] { describe(knobs, o.pose); });
-  knobs.group("keyframes", [&] { describe(knobs, o.keyframes); });
-  knobs.group("disparity_offset", [&] { describe(knobs, o.disparity_offset); });
-  knobs.group("survival", [&] { describe(knobs, o.survival); });
-}
-
 }  // namespace prospect

@@ -100,11 +100,4 @@ double TrackSurvival::probability(const Fit& fit, int found_before, bool missed,
   return p;
 }
 
-void describe(Knobs& knobs, TrackSurvival::Options& o) {
-  knobs.number("prior_loss", o.prior_loss, {1e-6, 0.999}, "1",
-               "probability that a view loses a landmark, before any is seen");
-  knobs.number("prior_views", o.prior_views, {0.001, 1e6}, "1", "that this counts for");
-  knobs.number("memory", o.memory, {1.0, 1e9}, "1", "frames after which a view counts for 1/e");
-}
-
 }  // namespace prospect
