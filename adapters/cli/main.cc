@@ -5,6 +5,7 @@
 #include <exception>
 #include <iostream>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -67,8 +68,34 @@ void add_set(CLI::App* command, std::vector<std::string>& settings) {
       ->allow_extra_args(false);
 }
 
+/// Topics of a bag as USE=TOPIC, separated by commas.
+void add_topics(CLI::App* command, std::map<std::string, std::string>& topics,
+                const std::vector<std::string>& uses) {
+  std::string list;
+  for (const std::string& use : uses) list += (list.empty() ? "" : ", ") + use;
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--topics",
+          [&topics, uses, list](const std::vector<std::string>& entries) {
+            for (const std::string& entry : entries) {
+              const auto equals = entry.find('=');
+              const std::string use = entry.substr(0, equals);
+              if (equals == std::string::npos || equals + 1 == entry.size() ||
+                  std::find(uses.begin(), uses.end(), use) == uses.end()) {
+                throw CLI::ValidationError(
+                    "--topics", "is '" + entry + "'; expected USE=TOPIC, with USE of: " + list);
+              }
+              topics[use] = entry.substr(equals + 1);
+            }
+          },
+          "Of a ROS 2 bag: " + list + " [found by type and name]")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+}
+
 /// What a recording of a stereo pair does not say by itself.
-void add_recording_options(CLI::App* command, prospect::StereoDatasetOptions& options) {
+void add_recording_options(CLI::App* command, prospect::StereoDatasetOptions& options,
+                           bool topics = true) {
   command->add_option("--calibration", options.calibration,
                       "File of the calibration: calib.txt, ROS camera_info (left.yaml,right.yaml), "
                       "OpenCV stereo or Kalibr camchain YAML [the recording's own]");
@@ -248,7 +275,9 @@ int run(int argc, char** argv) {
   CLI::App* inspect_command = app.add_subcommand(
       "inspect", "What a recording holds, and what is missing to use it; names maps and worlds");
   inspect_command->add_option("path", inspect_arguments.path, "Folder or file")->required();
-  add_recording_options(inspect_command, inspect_arguments.stereo);
+  add_recording_options(inspect_command, inspect_arguments.stereo, false);
+  add_topics(inspect_command, inspect_arguments.stereo.topics,
+             {"left", "right", "left_info", "right_info", "truth", "depth", "depth_info", "pose"});
   inspect_command->add_flag("--json", inspect_arguments.json, "Print JSON");
 
   OdometryArguments odometry_arguments;
@@ -294,6 +323,7 @@ int run(int argc, char** argv) {
                    "Intrinsics where no file states them: FX FY CX CY [px]")
       ->expected(4)
       ->check(number_within(1.0, 1e5));
+  add_topics(map_command, map_arguments.options.topics, {"depth", "depth_info", "pose"});
   map_command->add_option("--calibration", map_arguments.options.calibration,
                           "File of the intrinsics, a ROS camera_info");
   map_command

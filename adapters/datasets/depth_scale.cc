@@ -25,18 +25,22 @@ std::string percent_text(double share) {
   return text;
 }
 
-/// Median of |predicted - measured| / predicted depth, over pixels of neighbouring images moved to
-/// each other; NaN where too few meet.
+/// Median of |predicted - measured| / predicted depth, over pixels of each image moved to each
+/// later one; NaN where too few meet.
 double disagreement(const DepthSource& source, const PinholeCamera& camera,
                     const std::vector<std::size_t>& frames, const std::vector<RawImage>& raw,
                     double per_metre) {
-  constexpr int kEvery = 8;
+  constexpr int kEvery = 8;  // pixels
   constexpr std::size_t kLeast = 200;
   std::vector<double> off;
-  for (std::size_t k = 1; k < frames.size(); ++k) {
-    const DepthImage from = scaled_depth(raw[k - 1], per_metre, kAnyDepth);
-    const DepthImage to = scaled_depth(raw[k], per_metre, kAnyDepth);
-    const Eigen::Isometry3d T = source.poses[frames[k]].inverse() * source.poses[frames[k - 1]];
+  std::vector<DepthImage> images;
+  for (const RawImage& image : raw) images.push_back(scaled_depth(image, per_metre, kAnyDepth));
+  for (std::size_t pair = 0; pair < images.size() * images.size(); ++pair) {
+    const std::size_t i = pair / images.size(), j = pair % images.size();
+    if (i >= j) continue;
+    const DepthImage& from = images[i];
+    const DepthImage& to = images[j];
+    const Eigen::Isometry3d T = source.poses[frames[j]].inverse() * source.poses[frames[i]];
     for (int v = 0; v < from.height; v += kEvery) {
       for (int u = 0; u < from.width; u += kEvery) {
         const float z = from.at(u, v);

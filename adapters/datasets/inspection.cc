@@ -270,6 +270,12 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
   Json& recordings = json["recordings"];
   if (find_stereo_layout(path) != nullptr) recordings.push_back(inspect_stereo(path, stereo));
   if (find_depth_layout(path) != nullptr) recordings.push_back(inspect_depth(path, depth));
+  // A bag may be of either kind: what it has no images for, it is not.
+  if (recordings.size() == 2) {
+    const bool pair = recordings[0]["left"]["images"] != 0;
+    const bool depths = recordings[1]["depth"]["images"] != 0;
+    if (pair != depths) recordings.erase(pair ? 1 : 0);
+  }
   found = Found::kUnknown;
   for (const Json& recording : recordings) {
     if (recording["missing"].empty()) found = Found::kUsable;

@@ -2,6 +2,7 @@
 // file beside them, or the one that is given.
 
 #include <cmath>
+#include <algorithm>
 #include <filesystem>
 #include <sstream>
 

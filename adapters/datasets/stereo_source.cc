@@ -2,12 +2,14 @@
 
 #include <filesystem>
 
+#include "adapters/datasets/bag_file.h"
 #include "adapters/datasets/rgbd_folder.h"
 
 namespace prospect {
 
 const std::vector<StereoLayout>& stereo_layouts() {
   static const std::vector<StereoLayout> layouts = {
+      {"ROS 2 bag", "a .mcap or .db3 file (ROS 2 bag)", is_bag, open_stereo_bag},
       {"KITTI raw", "image_00/data and calib_cam_to_cam.txt (KITTI raw)", is_kitti_raw,
        open_kitti_raw},
       {"EuRoC", "mav0/cam0 and mav0/cam1 with sensor.yaml and data (EuRoC)", is_euroc, open_euroc},
