@@ -1,4 +1,5 @@
-// What a certificate costs bodies of all sizes, that fit and that do not: docs/performance.md.
+// What a certificate costs bodies of all sizes, that fit and that do not:
+// docs/results/performance.md.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

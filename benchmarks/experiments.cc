@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "adapters/config/configuration.h"
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
 #include "benchmarks/experiments/conditions.h"

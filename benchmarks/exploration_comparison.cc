@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "adapters/config/configuration.h"
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "adapters/worlds/load_world.h"

@@ -3,8 +3,8 @@
 // ahead. At each step of a mission the plan's own prediction is evaluated along the way that was
 // then really driven (the estimated poses of the steps that followed), so that replanning does not
 // count as an error; at the end of the committed part, as the plan said it. Errors are divided by
-// the tracked number or N_min, whichever is more, as in docs/experiments.md. Same arguments, same
-// numbers.
+// the tracked number or N_min, whichever is more, as in docs/results/experiments.md. Same
+// arguments, same numbers.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -16,7 +16,7 @@
 #include <vector>
 
 #include "adapters/config/configuration.h"
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
 #include "benchmarks/experiments/mission_start.h"

@@ -15,7 +15,7 @@
 #include <limits>
 #include <sstream>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect {
 namespace {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "adapters/bench/solver_choice.h"
-#include "adapters/run/quantile.h"
+#include "engine/support/quantile.h"
 #include "problems/r1.h"
 #include "solvers/registry.h"
 

@@ -35,8 +35,8 @@
 #include <vector>
 
 #include "adapters/config/configuration.h"
-#include "adapters/config/input_error.h"
-#include "adapters/run/csv.h"
+#include "adapters/files/csv.h"
+#include "adapters/files/input_error.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/simulator/simulator.h"
 #include "adapters/worlds/load_world.h"

@@ -15,6 +15,11 @@ install(FILES adapters/problem_file/problem_file.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/adapters/problem_file)
 if(TARGET prospect)
   install(TARGETS prospect RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  set(share ${PROJECT_BINARY_DIR}/share)  # written as the program is linked
+  install(DIRECTORY ${share}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR})
+  foreach(shell bash-completion zsh fish)
+    install(DIRECTORY ${share}/${shell} DESTINATION ${CMAKE_INSTALL_DATAROOTDIR})
+  endforeach()
 endif()
 
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/prospect)

@@ -108,7 +108,7 @@ bool same(const Image& image, const ImageView& view) {
 /// A pose's own noise, from what its residuals say: chi^2 per degree of freedom, not taken to be
 /// smaller than the first number, times the second. Landmarks carry their errors from pose to pose,
 /// which residuals do not show and a covariance of poses alone cannot hold; the numbers make up for
-/// it and are measured (docs/perception.md).
+/// it and are measured (docs/results/perception.md).
 constexpr double kLeastChi2 = 0.25;
 constexpr double kRepeatedErrors = 2.5;
 

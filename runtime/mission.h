@@ -14,7 +14,7 @@ namespace prospect {
 enum class MissionEnd {
   kExplored,         ///< no frontier is left that can be reached and promises anything
   kYieldTooLow,      ///< what is left and can be reached shows too little for the way
-  kUnreachable,      ///< nothing is left, but the robot is cut off from most places it came through
+  kUnreachable,      ///< much is left, but no way leads there: walls as the map draws them
   kEnough,           ///< MissionOptions::enough said so
   kGoalReached,      ///< the robot is at the pose that it was told to go to
   kReturned,         ///< it is back where it began

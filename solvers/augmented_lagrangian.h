@@ -27,7 +27,7 @@ namespace prospect {
 ///
 /// Source: Powell (1969), Hestenes (1969), Rockafellar (1973); the safeguards follow Andreani,
 /// Birgin, Martinez, Schuverdt (2007). That it is used here, and the falling margin, are our
-/// choice, measured (docs/performance.md).
+/// choice, measured (docs/decisions/augmented_lagrangian_margin.md).
 class AugmentedLagrangian {
  public:
   struct Margin {

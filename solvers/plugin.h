@@ -9,7 +9,7 @@
 
 /// What a shared library must offer to be loaded as a plug-in (solvers/load_plugin.h, `prospect
 /// --plugin lib.so`): a C function `prospect_plugin` that returns one Plugin. A whole example is
-/// docs/examples/plugin; the page is docs/plugins.md.
+/// docs/examples/plugin; the page is docs/reference/plugins.md.
 ///
 /// Prospect's libraries are static, so that a plug-in holds a copy of the engine of its own, and
 /// that copy works on the objects of the program. Hence both must be compiled from the same

@@ -9,9 +9,9 @@
 #include <system_error>
 
 #include "adapters/bench/bench_page.h"
-#include "adapters/config/input_error.h"
-#include "adapters/run/csv.h"
-#include "adapters/run/whole_file.h"
+#include "adapters/files/csv.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/whole_file.h"
 #include "models/version.h"
 
 namespace prospect {

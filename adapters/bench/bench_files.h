@@ -9,7 +9,8 @@
 
 namespace prospect {
 
-/// One row a cell, docs/bench.md names the columns. An empty field: there is no such number.
+/// One row a cell, docs/reference/bench.md names the columns. An empty field: there is no such
+/// number.
 std::string bench_csv(const BenchTable& table);
 
 /// Everything: problems with their best known costs, rows, summaries with profiles and curves.

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "adapters/bench/bench_assets.h"
-#include "adapters/report/html_page.h"
-#include "adapters/report/report_assets.h"
+#include "adapters/page/html_page.h"
+#include "adapters/page/page_assets.h"
 
 namespace prospect {
 
@@ -16,10 +16,10 @@ std::string bench_page(const nlohmann::ordered_json& bench) {
   return fill_page(
       bench_assets::bench_html(),
       {{"{{title}}", escape_html(title)},
-       {"{{library style}}", library_text(report_assets::dygraph_style())},
-       {"{{style}}", std::string(report_assets::style()) + std::string(bench_assets::bench_css())},
+       {"{{library style}}", library_text(page_assets::dygraph_style())},
+       {"{{style}}", std::string(page_assets::style()) + std::string(bench_assets::bench_css())},
        {"{{bench}}", json_text(bench)},
-       {"{{library}}", script_text(report_assets::dygraph_script())},
+       {"{{library}}", script_text(page_assets::dygraph_script())},
        {"{{script}}", page_script(bench_assets::bench_js())}});
 }
 

@@ -10,7 +10,7 @@
 #include <system_error>
 #include <utility>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "problems/expression.h"
 #include "problems/function_problem.h"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "adapters/run/quantile.h"
+#include "engine/support/quantile.h"
 
 namespace prospect {
 namespace {

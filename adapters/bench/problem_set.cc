@@ -11,9 +11,9 @@
 
 #include "adapters/bench/expression_file.h"
 #include "adapters/bench/mission_set.h"
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/whole_file.h"
 #include "adapters/problem_file/problem_file.h"
-#include "adapters/run/whole_file.h"
 #include "models/nearest_name.h"
 #include "problems/path_problem.h"
 #include "problems/r1.h"

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "adapters/config/configuration.h"
-#include "adapters/config/input_error.h"
-#include "adapters/config/parse_number.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/parse_number.h"
 #include "models/nearest_name.h"
 
 namespace prospect {

@@ -20,7 +20,7 @@
 #include "adapters/cli/absent_solver.h"
 #include "adapters/cli/commands.h"
 #include "adapters/cli/interrupt.h"
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/problem_file/problem_file.h"
 
 namespace prospect {

@@ -55,6 +55,8 @@ struct ReportArguments {
   std::string out;    ///< folder; empty: that of the run
 };
 int report(const ReportArguments& arguments, const SolverRegistry& registry);
+/// What ReportArguments::color may be.
+std::vector<std::string> path_colors();
 
 struct SolveArguments {
   std::vector<std::string> problems;  ///< problem files, WORLD@STEP
@@ -65,6 +67,7 @@ struct SolveArguments {
   int max_evaluations = 400;
   std::uint64_t seed = 1;
   bool json = false;
+  bool quiet = false;
 };
 int solve(const SolveArguments& arguments, const SolverRegistry& registry);
 
@@ -81,6 +84,7 @@ struct BenchArguments {
   bool quick = false;
   bool keep_best = false;
   bool json = false;
+  bool quiet = false;
 };
 int bench(const BenchArguments& arguments, const SolverRegistry& registry);
 
@@ -121,7 +125,11 @@ struct InspectArguments {
 /// Exit codes: 0 it can be used, 1 something is missing, 2 nothing known.
 int inspect(const InspectArguments& arguments);
 
+/// `what`: one of list_kinds(), in full; "": all of them, names only unless `json`.
 int list(const std::string& what, bool json, const SolverRegistry& registry);
+std::vector<std::string> list_kinds();
+/// The version of the program, and what it was built from and runs with.
+int print_version(bool json);
 /// Prints the effective configuration of a file (empty: the defaults) and of settings above it.
 int print_configuration(const std::string& file, const std::vector<std::string>& settings,
                         const SolverRegistry& registry);

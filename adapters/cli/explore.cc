@@ -9,10 +9,11 @@
 #include "adapters/cli/commands.h"
 #include "adapters/cli/interrupt.h"
 #include "adapters/config/configuration.h"
-#include "adapters/config/input_error.h"
-#include "adapters/config/parse_number.h"
+#include "adapters/files/csv.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/parse_number.h"
 #include "adapters/report/progress_line.h"
-#include "adapters/run/csv.h"
+#include "adapters/report/report.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/run/planned_problem.h"
 #include "adapters/run/run_folder.h"
@@ -186,7 +187,7 @@ int explore(const ExploreArguments& arguments, const SolverRegistry& registry) {
   result.record.summary.read_without = world->left_out.text();
   result.record.summary.floor_share = world->floor_share;
   progress.finish();
-  folder->finish(result.record, result.map.get());
+  folder->finish(result.record, result.map.get(), render_report);
   if (!folder->error().empty()) std::cerr << "prospect: " << folder->error() << '\n';
 
   if (!result.complaint.empty()) std::cerr << "prospect: sensors: " << result.complaint << '\n';

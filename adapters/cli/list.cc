@@ -2,14 +2,14 @@
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
 
 #include "adapters/bench/problem_set.h"
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
-#include "adapters/config/input_error.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "engine/behaviour/behaviour.h"
-#include "models/nearest_name.h"
 #include "solvers/options.h"
 
 namespace prospect {
@@ -37,17 +37,23 @@ constexpr TermInfo kTerms[] = {
     {"speed_limit", "", "constraint: speed limits of models with velocity in the state"},
 };
 
-}  // namespace
+/// Names, several a line, under a heading.
+void print_names(const std::string& heading, const std::vector<std::string>& names) {
+  constexpr std::size_t kColumns = 100;
+  std::string text = heading + "\n ";
+  std::size_t column = 1;
+  for (const std::string& name : names) {
+    if (column + 1 + name.size() > kColumns) {
+      text += "\n ";
+      column = 1;
+    }
+    text += ' ' + name;
+    column += 1 + name.size();
+  }
+  std::printf("%s\n", text.c_str());
+}
 
-int list(const std::string& what, bool json, const SolverRegistry& registry) {
-  const std::vector<std::string> known = {"solvers", "worlds", "terms", "sets", "modes"};
-  if (what.empty()) {
-    throw InputError("list: nothing named; expected one of: solvers, worlds, terms, sets, modes");
-  }
-  if (std::find(known.begin(), known.end(), what) == known.end()) {
-    throw InputError("list: unknown '" + what + "'" + did_you_mean(what, known) +
-                     "; expected one of: solvers, worlds, terms, sets, modes");
-  }
+nlohmann::ordered_json as_json(const std::string& what, const SolverRegistry& registry) {
   nlohmann::ordered_json out = nlohmann::ordered_json::array();
   if (what == "solvers") {
     for (const SolverInfo& s : registry.list()) {
@@ -61,14 +67,10 @@ int list(const std::string& what, bool json, const SolverRegistry& registry) {
                      {"needs", s.needs},
                      {"description", s.description},
                      {"options", options}});
-      if (json) continue;
-      std::printf("%-34s %s%s\n", s.name.c_str(), s.description.c_str(),
-                  s.available ? "" : (" [not built in: needs " + s.needs + "]").c_str());
     }
   } else if (what == "worlds") {
     for (const std::string& name : builtin_world_names()) {
       out.push_back({{"name", name}, {"description", builtin_world_summary(name)}});
-      if (!json) std::printf("%-12s %s\n", name.c_str(), builtin_world_summary(name).c_str());
     }
   } else if (what == "modes") {
     for (const ModeRow& row : mode_table()) {
@@ -77,19 +79,68 @@ int list(const std::string& what, bool json, const SolverRegistry& registry) {
                      {"to", to_string(row.to)},
                      {"cause", row.cause ? to_string(*row.cause) : "as before"}});
     }
-    if (!json) std::cout << behaviour_tables();
   } else if (what == "sets") {
     for (const std::string& name : builtin_set_names()) {
       out.push_back({{"name", name}, {"description", builtin_set_summary(name)}});
-      if (!json) std::printf("%-12s %s\n", name.c_str(), builtin_set_summary(name).c_str());
     }
   } else {
     for (const TermInfo& t : kTerms) {
       out.push_back({{"name", t.name}, {"weight", t.weight}, {"description", t.description}});
-      if (!json) std::printf("%-26s %-6s %s\n", t.name, t.weight, t.description);
     }
   }
-  if (json) std::cout << out.dump(2) << '\n';
+  return out;
+}
+
+void print_in_full(const std::string& what, const nlohmann::ordered_json& entries) {
+  if (what == "modes") {
+    std::cout << behaviour_tables();
+    return;
+  }
+  const int width = what == "solvers" ? 34 : what == "terms" ? 26 : 12;
+  for (const auto& entry : entries) {
+    const auto text = [&](const char* key) { return entry.at(key).get<std::string>(); };
+    std::printf("%-*s ", width, text("name").c_str());
+    if (what == "terms") std::printf("%-6s ", text("weight").c_str());
+    std::printf("%s", text("description").c_str());
+    if (what == "solvers" && !entry.at("available").get<bool>()) {
+      std::printf(" [not built in: needs %s]", text("needs").c_str());
+    }
+    std::printf("\n");
+  }
+}
+
+/// Each once; of modes those that the table leads to.
+std::vector<std::string> names_of(const std::string& what, const nlohmann::ordered_json& entries) {
+  std::vector<std::string> names;
+  for (const auto& entry : entries) {
+    const auto name = entry.at(what == "modes" ? "to" : "name").get<std::string>();
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
+}  // namespace
+
+std::vector<std::string> list_kinds() { return {"solvers", "worlds", "terms", "sets", "modes"}; }
+
+int list(const std::string& what, bool json, const SolverRegistry& registry) {
+  if (!what.empty()) {
+    const nlohmann::ordered_json entries = as_json(what, registry);
+    if (json) {
+      std::cout << entries.dump(2) << '\n';
+    } else {
+      print_in_full(what, entries);
+    }
+    return kDone;
+  }
+  nlohmann::ordered_json all;
+  for (const std::string& kind : list_kinds()) all[kind] = as_json(kind, registry);
+  if (json) {
+    std::cout << all.dump(2) << '\n';
+    return kDone;
+  }
+  for (const std::string& kind : list_kinds()) print_names(kind, names_of(kind, all.at(kind)));
+  std::printf("In full: prospect list %s\n", "solvers|worlds|terms|sets|modes");
   return kDone;
 }
 

@@ -11,11 +11,12 @@
 #include <string>
 #include <vector>
 
+#include "adapters/cli/command_line_files.h"
 #include "adapters/cli/commands.h"
-#include "adapters/config/input_error.h"
-#include "adapters/config/not_built_in.h"
+#include "adapters/cli/parse_command_line.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/not_built_in.h"
 #include "models/nearest_name.h"
-#include "models/version.h"
 #include "solvers/load_plugin.h"
 
 namespace {
@@ -29,6 +30,19 @@ int refuse(const std::vector<std::string>& lines, int code) {
     std::cerr << "prospect: " << line << '\n';
   }
   return code;
+}
+
+/// The option takes one of these, or a list of them; its type says so: "model|camera".
+CLI::Option* one_of(CLI::Option* option, const std::vector<std::string>& choices) {
+  std::string type;
+  for (const std::string& choice : choices) type += (type.empty() ? "" : "|") + choice;
+  return option->type_name(type)->check(CLI::Validator(
+      [=](std::string& text) -> std::string {
+        if (std::find(choices.begin(), choices.end(), text) != choices.end()) return "";
+        return "unknown '" + text + "'" + prospect::did_you_mean(text, choices) +
+               prospect::expected_one_of(choices);
+      },
+      ""));
 }
 
 /// A finite number in [min, max]: CLI::Range lets nan through.
@@ -63,8 +77,9 @@ CLI::Validator whole_number_within(std::uint64_t min, std::uint64_t max) {
 void add_set(CLI::App* command, std::vector<std::string>& settings) {
   command
       ->add_option("--set", settings,
-                   "KEY=VALUE above the configuration file, such as planner.weights.w_l=0; may be "
+                   "A value above the configuration file, such as planner.weights.w_l=0; may be "
                    "given several times. Keys: `prospect config`")
+      ->type_name("KEY=VALUE")
       ->allow_extra_args(false);
 }
 
@@ -89,6 +104,7 @@ void add_topics(CLI::App* command, std::map<std::string, std::string>& topics,
             }
           },
           "Of a ROS 2 bag: " + list + " [found by type and name]")
+      ->type_name("USE=TOPIC")
       ->delimiter(',')
       ->allow_extra_args(false);
 }
@@ -96,9 +112,11 @@ void add_topics(CLI::App* command, std::map<std::string, std::string>& topics,
 /// What a recording of a stereo pair does not say by itself.
 void add_recording_options(CLI::App* command, prospect::StereoDatasetOptions& options,
                            bool topics = true) {
-  command->add_option("--calibration", options.calibration,
-                      "File of the calibration: calib.txt, ROS camera_info (left.yaml,right.yaml), "
-                      "OpenCV stereo or Kalibr camchain YAML [the recording's own]");
+  command
+      ->add_option("--calibration", options.calibration,
+                   "File of the calibration: calib.txt, ROS camera_info (left.yaml,right.yaml), "
+                   "OpenCV stereo or Kalibr camchain YAML [the recording's own]")
+      ->type_name("FILE");
   command->add_flag("--rectified", options.rectified,
                     "The images are rectified already, by that camera_info");
   command
@@ -107,13 +125,19 @@ void add_recording_options(CLI::App* command, prospect::StereoDatasetOptions& op
       ->check(number_within(0.0, 10.0));
   command->add_option("--rate", options.rate, "Of images that are only numbered [Hz] [10]")
       ->check(number_within(0.01, 10000.0));
+  if (topics) {
+    add_topics(command, options.topics, {"left", "right", "left_info", "right_info", "truth"});
+  }
 }
 
 int run(int argc, char** argv) {
   using namespace prospect;
   CLI::App app{"Plans for robots that explore by sight.", "prospect"};
-  app.require_subcommand(1);
-  app.set_version_flag("--version", kVersion);
+  app.require_subcommand(0, 1);
+  bool version = false, version_json = false;
+  CLI::Option* version_flag = app.add_flag(
+      "--version", version, "The version, its commit, compiler and libraries, and exit");
+  app.add_flag("--json", version_json, "With --version: as JSON")->needs(version_flag);
 
   ExploreArguments explore_arguments;
   CLI::App* explore_command =
@@ -123,22 +147,24 @@ int run(int argc, char** argv) {
                    "Built-in name, world file, OctoMap (.bt .ot), ROS map (.yaml .pgm .png .bmp), "
                    "mesh (.obj "
                    ".dae .gltf .glb .stl .ply) or Gazebo world")
+      ->type_name("WORLD")
       ->capture_default_str();
-  explore_command->add_option("--config", explore_arguments.configuration,
-                              "Configuration file (YAML)");
-  add_set(explore_command, explore_arguments.settings);
-  explore_command->add_option("--solver", explore_arguments.solver,
-                              "Back end, see `prospect list solvers`");
   explore_command
-      ->add_option("--sensors", explore_arguments.sensors,
-                   "model: odometry as a model of its errors; camera: rendered images through "
-                   "perception")
-      ->check(CLI::IsMember({"model", "camera"}));
+      ->add_option("--config", explore_arguments.configuration, "Configuration file (YAML)")
+      ->type_name("FILE");
+  add_set(explore_command, explore_arguments.settings);
+  explore_command
+      ->add_option("--solver", explore_arguments.solver, "Back end, see `prospect list solvers`")
+      ->type_name("SOLVER");
+  one_of(explore_command->add_option("--sensors", explore_arguments.sensors,
+                                     "model: odometry as a model of its errors; camera: rendered "
+                                     "images through perception"),
+         {"model", "camera"});
   explore_command->add_option("--seed", explore_arguments.seed, "Seed of all noise")
       ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
-  explore_command->add_option("--out", explore_arguments.out,
-                              "Run folder [runs/WORLD_SOLVER_SEED]");
+  explore_command->add_option("--out", explore_arguments.out, "Run folder [runs/WORLD_SOLVER_SEED]")
+      ->type_name("DIR");
   explore_command
       ->add_option("--time-limit", explore_arguments.time_limit, "Of the robot's clock [s]")
       ->check(number_within(1.0, 1e6));
@@ -155,10 +181,9 @@ int run(int argc, char** argv) {
                    "Of the world's voxels [m]; of an image without .yaml: of a pixel [0.1; of "
                    "meshes 0.05]")
       ->check(number_within(0.01, 10.0));
-  explore_command
-      ->add_option("--unknown", explore_arguments.unknown,
-                   "What the world's file does not know: solid or free [solid]")
-      ->check(CLI::IsMember({"solid", "free"}));
+  one_of(explore_command->add_option("--unknown", explore_arguments.unknown,
+                                     "What the world's file does not know: solid or free [solid]"),
+         {"solid", "free"});
   explore_command
       ->add_option("--ground", explore_arguments.ground_margin,
                    "How far the ground of a mesh or Gazebo world without end counts beyond what "
@@ -176,10 +201,10 @@ int run(int argc, char** argv) {
                               "(120m2)");
   explore_command->add_flag("--return", explore_arguments.back,
                             "Back to the start once the task is over");
-  explore_command->add_option(
-      "--map", explore_arguments.map,
-      "OctoMap (.bt .ot) of the same world to begin with, such as the map.bt "
-      "of a run");
+  explore_command
+      ->add_option("--map", explore_arguments.map,
+                   "OctoMap (.bt .ot) of the same world to begin with, such as the map.bt of a run")
+      ->type_name("FILE");
   explore_command
       ->add_option("--save-problems", explore_arguments.save_problems,
                    "Write the planning problem of every Nth step into the run folder")
@@ -190,18 +215,25 @@ int run(int argc, char** argv) {
   ReportArguments report_arguments;
   CLI::App* report_command =
       app.add_subcommand("report", "Figures of a run for print, as PNG and SVG");
-  report_command->add_option("run", report_arguments.run, "Folder that explore wrote")->required();
-  report_command
-      ->add_option("--figure", report_arguments.figures,
-                   "path: the path over the map; map: the map at the end; separated by commas")
+  report_command->add_option("run", report_arguments.run, "Folder that explore wrote")
+      ->type_name("DIR")
+      ->required();
+  one_of(report_command->add_option(
+             "--figure", report_arguments.figures,
+             "path: the path over the map; map: the map at the end; separated by commas"),
+         {"path", "map"})
       ->delimiter(',')
       ->allow_extra_args(false);
-  report_command->add_option("--format", report_arguments.formats, "png, svg or both [png,svg]")
+  one_of(report_command->add_option("--format", report_arguments.formats,
+                                    "png, svg or both [png,svg]"),
+         {"png", "svg"})
       ->delimiter(',')
       ->allow_extra_args(false);
-  report_command->add_option("--colour", report_arguments.color,
-                             "Of the path: plain, features, error, speed or mode [plain]");
-  report_command->add_option("--out", report_arguments.out, "Folder to write to [that of the run]");
+  one_of(report_command->add_option("--colour", report_arguments.color,
+                                    "What the path's colour says [plain]"),
+         path_colors());
+  report_command->add_option("--out", report_arguments.out, "Folder to write to [that of the run]")
+      ->type_name("DIR");
 
   SolveArguments solve_arguments;
   CLI::App* solve_command =
@@ -210,11 +242,15 @@ int run(int argc, char** argv) {
       ->add_option("problem", solve_arguments.problems,
                    "Problem file (explore --save-problems), or WORLD@STEP: the problem that a "
                    "mission in WORLD meets at planning step STEP")
+      ->type_name("PROBLEM")
       ->required();
-  solve_command->add_option("--config", solve_arguments.configuration,
-                            "Configuration file (YAML) of the mission of WORLD@STEP");
+  solve_command
+      ->add_option("--config", solve_arguments.configuration,
+                   "Configuration file (YAML) of the mission of WORLD@STEP")
+      ->type_name("FILE");
   add_set(solve_command, solve_arguments.settings);
   solve_command->add_option("--solver", solve_arguments.solvers, "Back ends, separated by commas")
+      ->type_name("SOLVER")
       ->delimiter(',')
       ->allow_extra_args(false);
   solve_command
@@ -227,17 +263,20 @@ int run(int argc, char** argv) {
       ->check(whole_number_within(0, std::numeric_limits<int>::max()))
       ->capture_default_str();
   solve_command->add_flag("--json", solve_arguments.json, "Print JSON");
+  solve_command->add_flag("--quiet", solve_arguments.quiet, "No progress line");
 
   BenchArguments bench_arguments;
   CLI::App* bench_command = app.add_subcommand(
       "bench", "Whole sets of problems by several back ends: who solves what, and how fast");
-  bench_command->add_option(
-      "set", bench_arguments.sets,
-      "Built-in set (see `prospect list sets`), folder of problem files, "
-      "problem file, file of problems as expressions (.json) [all built-in sets]");
+  bench_command
+      ->add_option("set", bench_arguments.sets,
+                   "Built-in set (see `prospect list sets`), folder of problem files, "
+                   "problem file, file of problems as expressions (.json) [all built-in sets]")
+      ->type_name("SET");
   bench_command
       ->add_option("--solver", bench_arguments.solvers,
                    "Back ends, separated by commas; NAME,OPTION=VALUE sets an option of one")
+      ->type_name("SOLVER")
       ->delimiter(',')
       ->allow_extra_args(false);
   bench_command
@@ -261,20 +300,27 @@ int run(int argc, char** argv) {
   bench_command->add_option("--seed", bench_arguments.seed, "Of the back ends")
       ->check(whole_number_within(0, std::numeric_limits<int>::max()))
       ->capture_default_str();
-  bench_command->add_option("--out", bench_arguments.out,
-                            "Folder of bench.html, bench.csv and bench.json [runs/bench]");
-  bench_command->add_option("--capture", bench_arguments.capture,
-                            "Write the problems of the set missions to this new folder, as a set");
+  bench_command
+      ->add_option("--out", bench_arguments.out,
+                   "Folder of bench.html, bench.csv and bench.json [runs/bench]")
+      ->type_name("DIR");
+  bench_command
+      ->add_option("--capture", bench_arguments.capture,
+                   "Write the problems of the set missions to this new folder, as a set")
+      ->type_name("DIR");
   bench_command->add_flag("--quick", bench_arguments.quick,
                           "A share of each built-in set, few back ends: less than a minute");
   bench_command->add_flag("--keep-best", bench_arguments.keep_best,
                           "Keep the best costs found in best_known.json of the set's folder");
   bench_command->add_flag("--json", bench_arguments.json, "Print JSON");
+  bench_command->add_flag("--quiet", bench_arguments.quiet, "No progress line");
 
   InspectArguments inspect_arguments;
   CLI::App* inspect_command = app.add_subcommand(
       "inspect", "What a recording holds, and what is missing to use it; names maps and worlds");
-  inspect_command->add_option("path", inspect_arguments.path, "Folder or file")->required();
+  inspect_command->add_option("path", inspect_arguments.path, "Folder or file")
+      ->type_name("FILE")
+      ->required();
   add_recording_options(inspect_command, inspect_arguments.stereo, false);
   add_topics(inspect_command, inspect_arguments.stereo.topics,
              {"left", "right", "left_info", "right_info", "truth", "depth", "depth_info", "pose"});
@@ -287,11 +333,14 @@ int run(int argc, char** argv) {
       ->add_option("dataset", odometry_arguments.dataset,
                    "Recording: KITTI odometry or raw, EuRoC, or two folders of images with a "
                    "calibration; see `prospect inspect`")
+      ->type_name("FILE")
       ->required();
   add_recording_options(odometry_command, odometry_arguments.options);
-  odometry_command->add_option("--out", odometry_arguments.out,
-                               "Folder for a page, the trajectory (TUM and KITTI), a table of "
-                               "frames and a summary [none]");
+  odometry_command
+      ->add_option("--out", odometry_arguments.out,
+                   "Folder for a page, the trajectory (TUM and KITTI), a table of frames and a "
+                   "summary [none]")
+      ->type_name("DIR");
   odometry_command->add_option("--from", odometry_arguments.first, "Frame to begin with, from 0")
       ->check(whole_number_within(0, 1000000000))
       ->capture_default_str();
@@ -310,8 +359,10 @@ int run(int argc, char** argv) {
       ->add_option("dataset", map_arguments.dataset,
                    "Recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout; see `prospect "
                    "inspect`")
+      ->type_name("FILE")
       ->required();
-  map_command->add_option("--out", map_arguments.out, "Folder for the maps and tables [none]");
+  map_command->add_option("--out", map_arguments.out, "Folder for the maps and tables [none]")
+      ->type_name("DIR");
   map_command->add_option("--resolution", map_arguments.resolution, "Of the maps [m]")
       ->check(number_within(0.01, 1.0))
       ->capture_default_str();
@@ -324,8 +375,10 @@ int run(int argc, char** argv) {
       ->expected(4)
       ->check(number_within(1.0, 1e5));
   add_topics(map_command, map_arguments.options.topics, {"depth", "depth_info", "pose"});
-  map_command->add_option("--calibration", map_arguments.options.calibration,
-                          "File of the intrinsics, a ROS camera_info");
+  map_command
+      ->add_option("--calibration", map_arguments.options.calibration,
+                   "File of the intrinsics, a ROS camera_info")
+      ->type_name("FILE");
   map_command
       ->add_option("--depth-scale", map_arguments.options.depth_scale,
                    "Numbers of the images a metre [the layout's, 1000 or 5000, checked against "
@@ -351,13 +404,15 @@ int run(int argc, char** argv) {
   bool list_json = false;
   CLI::App* list_command =
       app.add_subcommand("list", "What there is: solvers, worlds, terms, sets or modes");
-  list_command->add_option("what", what, "solvers, worlds, terms, sets or modes");
+  one_of(list_command->add_option("what", what, "Which of them, in full [all, in short]"),
+         list_kinds());
   list_command->add_flag("--json", list_json, "Print JSON");
 
   std::string configuration;
   CLI::App* config_command =
       app.add_subcommand("config", "The full effective configuration, with units and defaults");
-  config_command->add_option("file", configuration, "Configuration file (YAML) [the defaults]");
+  config_command->add_option("file", configuration, "Configuration file (YAML) [the defaults]")
+      ->type_name("FILE");
   std::vector<std::string> settings;
   add_set(config_command, settings);
 
@@ -366,28 +421,26 @@ int run(int argc, char** argv) {
     command
         ->add_option("--plugin", plugins,
                      "Shared library with further back ends; may be given several times")
+        ->type_name("FILE")
         ->allow_extra_args(false);
   }
 
-  if (argc > 1 && argv[1][0] != '-') {
-    std::vector<std::string> commands;
-    std::string list;
-    for (const CLI::App* command : app.get_subcommands({})) {
-      commands.push_back(command->get_name());
-      list += (list.empty() ? "" : ", ") + command->get_name();
-    }
-    if (std::find(commands.begin(), commands.end(), argv[1]) == commands.end()) {
-      throw InputError("unknown command '" + std::string(argv[1]) + "'" +
-                       did_you_mean(argv[1], commands) + "; expected one of: " + list);
-    }
-  }
+  // For the build: completions and manual pages.
+  std::string shared_folder;
+  CLI::App* files_command = app.add_subcommand("command-line-files")->group("");
+  files_command->add_option("folder", shared_folder)->required();
+
   try {
-    app.parse(argc, argv);
+    parse_command_line(app, argc, argv);
   } catch (const CLI::Success& success) {
     return app.exit(success);
-  } catch (const CLI::ParseError& error) {
-    return refuse({std::string(error.what()) + "; see `prospect --help`"}, kBadInput);
   }
+  if (version) return print_version(version_json);
+  if (app.get_subcommands().empty()) {
+    std::cout << app.help();
+    return kDone;
+  }
+  if (*files_command) return write_command_line_files(app, shared_folder);
   SolverRegistry registry;
   for (const std::string& path : plugins) load_plugin(path, registry);
   if (*explore_command) return explore(explore_arguments, registry);

@@ -10,13 +10,13 @@
 #include <vector>
 
 #include "adapters/cli/commands.h"
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/degrees.h"
 #include "adapters/datasets/depth_dataset.h"
 #include "adapters/datasets/ground_picture.h"
 #include "adapters/datasets/map_run.h"
 #include "adapters/datasets/recording_range.h"
-#include "adapters/run/whole_file.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/whole_file.h"
 #include "adapters/worlds/octree_file.h"
 
 namespace prospect {

@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "adapters/cli/commands.h"
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/calibration_report.h"
 #include "adapters/datasets/degrees.h"
 #include "adapters/datasets/odometry_calibration.h"
@@ -18,7 +17,8 @@
 #include "adapters/datasets/odometry_run.h"
 #include "adapters/datasets/recording_range.h"
 #include "adapters/datasets/stereo_dataset.h"
-#include "adapters/run/whole_file.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/whole_file.h"
 
 namespace prospect {
 namespace {

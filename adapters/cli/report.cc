@@ -7,25 +7,12 @@
 #include <vector>
 
 #include "adapters/cli/commands.h"
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/whole_file.h"
 #include "adapters/report/figure_source.h"
-#include "adapters/run/whole_file.h"
-#include "models/nearest_name.h"
 
 namespace prospect {
 namespace {
-
-/// Throws InputError if a word is not among those known.
-void check_words(const std::string& option, const std::vector<std::string>& words,
-                 const std::vector<std::string>& known) {
-  for (const std::string& word : words) {
-    if (std::find(known.begin(), known.end(), word) != known.end()) continue;
-    std::string list;
-    for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
-    throw InputError(option + ": unknown '" + word + "'" + did_you_mean(word, known) +
-                     "; expected one of: " + list);
-  }
-}
 
 bool has(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
@@ -33,24 +20,23 @@ bool has(const std::vector<std::string>& words, const std::string& word) {
 
 }  // namespace
 
+std::vector<std::string> path_colors() { return {"plain", "features", "error", "speed", "mode"}; }
+
 int report(const ReportArguments& arguments, const SolverRegistry& registry) {
   namespace fs = std::filesystem;
-  static const std::vector<std::string> kColors = {"plain", "features", "error", "speed", "mode"};
   if (arguments.figures.empty()) {
     throw InputError("report: no figure named; expected --figure path, map or path,map (" +
                      (fs::path(arguments.run) / "report.html").string() +
                      " is the page to open in a browser)");
   }
-  check_words("--figure", arguments.figures, {"path", "map"});
-  check_words("--format", arguments.formats, {"png", "svg"});
-  if (!arguments.color.empty()) check_words("--colour", {arguments.color}, kColors);
   const bool path = has(arguments.figures, "path"), map = has(arguments.figures, "map");
   if (!path && !arguments.color.empty()) {
     throw InputError("--colour is of the path; expected --figure path with it");
   }
   const std::string color = arguments.color.empty() ? "plain" : arguments.color;
+  const std::vector<std::string> colors = path_colors();
   const auto by =
-      static_cast<PathColor>(std::find(kColors.begin(), kColors.end(), color) - kColors.begin());
+      static_cast<PathColor>(std::find(colors.begin(), colors.end(), color) - colors.begin());
   const FigureSource source =
       read_figure_source(arguments.run, path ? std::optional(by) : std::nullopt, map, registry);
 

@@ -9,7 +9,7 @@
 
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/problem_file/problem_file.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"

@@ -4,7 +4,7 @@
 #include <exception>
 #include <stdexcept>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "engine/task/task.h"
 #include "engine/task/zones.h"
 #include "models/make_model.h"

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "adapters/config/strict_yaml.h"
-#include "adapters/simulator/simulator.h"
+#include "adapters/files/strict_yaml.h"
+#include "adapters/simulator/simulator_options.h"
 #include "engine/planner/planner.h"
 #include "runtime/mission.h"
 #include "solvers/registry.h"

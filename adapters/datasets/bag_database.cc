@@ -7,9 +7,9 @@
 
 #include <map>
 
-#include "adapters/config/input_error.h"
-#include "adapters/config/not_built_in.h"
 #include "adapters/datasets/bag_file.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/not_built_in.h"
 
 namespace prospect {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/number_text.h"
 #include "adapters/datasets/stereo_calibration.h"
 

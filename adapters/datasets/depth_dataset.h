@@ -13,11 +13,11 @@ namespace prospect {
 
 /// A recording of depth images, opened and checked; images are read one by one.
 ///
-/// Layouts: depth_layouts() in depth_source.h, told apart by what is there; docs/mapping.md
-/// describes them. Images are 16-bit grey, of which 0 and 65535 are invalid, or 32-bit floats
-/// (TIFF, PFM), of which what is not positive and finite is invalid. Intrinsics:
-/// `camera-intrinsics.txt` (3 x 3), or as given. Where frames are only numbered, 30 a second are
-/// assumed, and said to be.
+/// Layouts: depth_layouts() in depth_source.h, told apart by what is there;
+/// docs/reference/mapping.md describes them. Images are 16-bit grey, of which 0 and 65535 are
+/// invalid, or 32-bit floats (TIFF, PFM), of which what is not positive and finite is invalid.
+/// Intrinsics: `camera-intrinsics.txt` (3 x 3), or as given. Where frames are only numbered, 30 a
+/// second are assumed, and said to be.
 class DepthDataset {
  public:
   /// Throws InputError, one line: what is missing, misnamed, malformed or does not fit together;

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/image_stream.h"
+#include "adapters/files/input_error.h"
 #include "models/camera.h"
 #include "perception/depth_image.h"
 

@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
-#include "adapters/run/csv.h"
+#include "adapters/files/csv.h"
 
 namespace prospect {
 namespace {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <utility>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect {
 namespace {

@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <sstream>
 
-#include "adapters/config/strict_yaml.h"
 #include "adapters/datasets/number_text.h"
 #include "adapters/datasets/numbered_files.h"
 #include "adapters/datasets/stereo_source.h"
+#include "adapters/files/strict_yaml.h"
 
 namespace prospect {
 namespace {

@@ -1,8 +1,8 @@
 // Two folders of images beside each other. With calib.txt: KITTI odometry. Else with a calibration
 // file beside them, or the one that is given.
 
-#include <cmath>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <sstream>
 

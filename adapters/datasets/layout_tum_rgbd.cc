@@ -5,11 +5,11 @@
 #include <filesystem>
 #include <sstream>
 
-#include "adapters/config/parse_number.h"
 #include "adapters/datasets/depth_source.h"
 #include "adapters/datasets/number_text.h"
 #include "adapters/datasets/numbered_files.h"
 #include "adapters/datasets/trajectory.h"
+#include "adapters/files/parse_number.h"
 
 namespace prospect {
 namespace {

@@ -6,11 +6,11 @@
 #include <map>
 #include <opencv2/core.hpp>
 
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/degrees.h"
 #include "adapters/datasets/recording_range.h"
-#include "adapters/run/csv.h"
-#include "adapters/run/quantile.h"
+#include "adapters/files/csv.h"
+#include "adapters/files/input_error.h"
+#include "engine/support/quantile.h"
 #include "engine/support/stopwatch.h"
 
 namespace prospect {

@@ -5,9 +5,9 @@
 #include <sstream>
 #include <vector>
 
-#include "adapters/config/input_error.h"
-#include "adapters/config/parse_number.h"
 #include "adapters/datasets/numbered_files.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/parse_number.h"
 
 namespace prospect {
 

@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "adapters/datasets/odometry_assets.h"
-#include "adapters/report/binary_text.h"
-#include "adapters/report/html_page.h"
-#include "adapters/report/report_assets.h"
+#include "adapters/page/binary_text.h"
+#include "adapters/page/html_page.h"
+#include "adapters/page/page_assets.h"
 
 namespace prospect {
 namespace {
@@ -122,11 +122,11 @@ std::string OdometryPage::html(const nlohmann::ordered_json& summary) const {
   if (!folder.has_filename()) folder = folder.parent_path();
   return fill_page(odometry_assets::odometry_html(),
                    {{"{{title}}", escape_html(folder.filename().string())},
-                    {"{{library style}}", library_text(report_assets::dygraph_style())},
-                    {"{{style}}", std::string(report_assets::style()) +
+                    {"{{library style}}", library_text(page_assets::dygraph_style())},
+                    {"{{style}}", std::string(page_assets::style()) +
                                       std::string(odometry_assets::odometry_css())},
                     {"{{run}}", json_text(run)},
-                    {"{{library}}", script_text(report_assets::dygraph_script())},
+                    {"{{library}}", script_text(page_assets::dygraph_script())},
                     {"{{script}}", page_script(odometry_assets::odometry_js())}});
 }
 

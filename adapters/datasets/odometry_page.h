@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "adapters/datasets/odometry_run.h"
-#include "adapters/report/landmark_picture.h"
+#include "adapters/page/landmark_picture.h"
 
 namespace prospect {
 

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "adapters/run/quantile.h"
+#include "engine/support/quantile.h"
 
 namespace prospect {
 namespace {

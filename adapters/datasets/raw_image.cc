@@ -7,9 +7,9 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/numbered_files.h"
-#include "adapters/worlds/checked_png.h"
+#include "adapters/files/checked_png.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect {
 namespace {

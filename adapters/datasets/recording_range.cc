@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect {
 

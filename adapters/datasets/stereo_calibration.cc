@@ -6,11 +6,11 @@
 #include <filesystem>
 #include <sstream>
 
-#include "adapters/config/input_error.h"
-#include "adapters/datasets/loose_yaml.h"
 #include "adapters/datasets/number_text.h"
 #include "adapters/datasets/numbered_files.h"
 #include "adapters/datasets/trajectory.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/loose_yaml.h"
 
 namespace prospect {
 namespace {

@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/number_text.h"
+#include "adapters/files/input_error.h"
 #include "perception/stereo_check.h"
 
 namespace prospect {

@@ -16,7 +16,7 @@ namespace prospect {
 
 /// A recording of a stereo pair, opened and checked; frames are read one by one, grey, 8 bits,
 /// rectified. Layouts: stereo_layouts() in stereo_source.h, told apart by what is there; each
-/// describes itself in docs/perception.md.
+/// describes itself in docs/reference/perception.md.
 ///
 /// Images are grey or colour, of 8 or 16 bits. What the numbers of 16 bits hold is the least of 8,
 /// 10, 12, 14 and 16 bits that some images along the recording need; the upper 8 of these are used,

@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/image_stream.h"
 #include "adapters/datasets/stereo_calibration.h"
 #include "adapters/datasets/trajectory.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect {
 

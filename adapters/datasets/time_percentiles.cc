@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "adapters/run/quantile.h"
+#include "engine/support/quantile.h"
 
 namespace prospect {
 

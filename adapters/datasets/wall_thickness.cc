@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "adapters/run/quantile.h"
+#include "engine/support/quantile.h"
 
 namespace prospect {
 

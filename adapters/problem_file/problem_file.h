@@ -29,15 +29,16 @@ struct SavedProblem {
   std::optional<WarmStart> warm_start;  ///< of a solver, if there is one
 };
 
-/// The version that is written; all up to it are read. docs/problem_files.md describes them.
+/// The version that is written; all up to it are read. docs/reference/problem_files.md describes
+/// them.
 constexpr int kProblemFileVersion = 3;
 
 /// Writes a problem file (HDF5): to `path`.part, then renamed, so that `path` is never half
 /// written. Maps are cut down to what the problem looks at (with_maps_cut). The same problem gives
 /// the same bytes. Throws std::invalid_argument, with nothing written, for a problem that a file
 /// cannot hold (a motion model of the user's own, a number that is not finite, more than the limits
-/// of docs/problem_files.md), and std::runtime_error if writing fails; both in one line that begins
-/// with the path.
+/// of docs/reference/problem_files.md), and std::runtime_error if writing fails; both in one line
+/// that begins with the path.
 void write_problem(const std::string& path, const SavedProblem& saved);
 
 /// A problem file, read and checked as a whole, and the Problem that it makes.

@@ -6,8 +6,8 @@
 namespace prospect {
 
 /// What a problem file looks like: hands every entry of the problem to the archive, to be written
-/// or to be read. The one place that knows the format; docs/problem_files.md describes it.
-/// Throws std::invalid_argument, "/group/entry: what; expected what".
+/// or to be read. The one place that knows the format; docs/reference/problem_files.md describes
+/// it. Throws std::invalid_argument, "/group/entry: what; expected what".
 ///
 /// What is read is sound in type, shape, range and size, but need not make a problem yet:
 /// make_problem() says.

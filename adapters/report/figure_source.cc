@@ -11,7 +11,7 @@
 #include <system_error>
 
 #include "adapters/config/configuration.h"
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/report/step_table.h"
 #include "adapters/worlds/octree_file.h"
 #include "engine/maps/map_projection.h"

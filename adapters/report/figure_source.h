@@ -9,7 +9,7 @@ namespace prospect {
 
 class SolverRegistry;
 
-/// What the figures of a run need of its folder (docs/report.md).
+/// What the figures of a run need of its folder (docs/reference/report.md).
 struct FigureSource {
   std::optional<ColoredPath> path;
   std::optional<GroundMap> map;  ///< of the octree, over the heights that the robot's body sweeps

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "adapters/run/quantile.h"
+#include "engine/support/quantile.h"
 
 namespace prospect {
 namespace {

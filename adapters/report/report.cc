@@ -11,9 +11,10 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/report/binary_text.h"
+#include "adapters/page/binary_text.h"
+#include "adapters/page/html_page.h"
+#include "adapters/page/page_assets.h"
 #include "adapters/report/field_picture.h"
-#include "adapters/report/html_page.h"
 #include "adapters/report/palette.h"
 #include "adapters/report/report_assets.h"
 #include "adapters/run/summary.h"
@@ -427,10 +428,10 @@ std::string render_report(const RunRecord& record) {
   const std::string title = run["summary"]["world"].get<std::string>();
   return fill_page(report_assets::page(),
                    {{"{{title}}", escape_html(title)},
-                    {"{{library style}}", library_text(report_assets::dygraph_style())},
-                    {"{{style}}", std::string(report_assets::style())},
+                    {"{{library style}}", library_text(page_assets::dygraph_style())},
+                    {"{{style}}", std::string(page_assets::style())},
                     {"{{run}}", json_text(run)},
-                    {"{{library}}", script_text(report_assets::dygraph_script())},
+                    {"{{library}}", script_text(page_assets::dygraph_script())},
                     {"{{script}}", page_script(report_assets::script())}});
 }
 

@@ -5,8 +5,8 @@
 
 namespace prospect {
 
-/// steps.csv of a run folder (docs/report.md), its columns found by name, so that runs of older and
-/// newer programs can be read as far as their columns go.
+/// steps.csv of a run folder (docs/reference/report.md), its columns found by name, so that runs of
+/// older and newer programs can be read as far as their columns go.
 class StepTable {
  public:
   /// Reads the whole file. Throws InputError, one line `file:line: what; expected what`: no such

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "adapters/config/input_error.h"
-#include "adapters/run/csv.h"
+#include "adapters/files/csv.h"
+#include "adapters/files/input_error.h"
 #include "adapters/run/summary.h"
 #include "adapters/simulator/simulator.h"
 #include "adapters/worlds/octree_file.h"

@@ -9,11 +9,10 @@
 #include <system_error>
 #include <utility>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/csv.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/whole_file.h"
 #include "adapters/problem_file/problem_file.h"
-#include "adapters/report/report.h"
-#include "adapters/run/csv.h"
-#include "adapters/run/whole_file.h"
 #include "adapters/worlds/octree_file.h"
 
 namespace prospect {
@@ -226,7 +225,7 @@ void RunFolder::write_whole(const std::string& name, const std::string& content)
   if (!wrong.empty()) fail(name, wrong);
 }
 
-void RunFolder::finish(const RunRecord& record, const octomap::OcTree* map) {
+void RunFolder::finish(const RunRecord& record, const octomap::OcTree* map, const Page& page) {
   write_waiting();
   write_whole("config.yaml", record.configuration);
   try {
@@ -235,7 +234,7 @@ void RunFolder::finish(const RunRecord& record, const octomap::OcTree* map) {
     if (error_.empty()) error_ = e.what();
   }
   try {
-    write_whole("report.html", render_report(record));
+    write_whole("report.html", page(record));
   } catch (const std::exception& e) {
     fail("report.html", e.what());
   }

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "adapters/run/row_file.h"
+#include "adapters/files/row_file.h"
 #include "adapters/run/run_record.h"
 #include "adapters/run/summary.h"
 
@@ -15,7 +16,7 @@ namespace prospect {
 
 struct SavedProblem;
 
-/// The folder that a mission writes (docs/report.md describes every file and column):
+/// The folder that a mission writes (docs/reference/report.md describes every file and column):
 ///   steps.csv                   one row a planning step; the same bytes for the same seed
 ///   timing.csv                  wall-clock milliseconds of each step, kept apart for that reason
 ///   trajectory_estimated.tum, trajectory_true.tum
@@ -38,8 +39,10 @@ class RunFolder {
   void add(const StepRecord& step);
   /// Writes the problem file of a planning step (saved.origin.step), whole or not at all.
   void add(const SavedProblem& saved);
+  /// The page of a run, report.html.
+  using Page = std::function<std::string(const RunRecord&)>;
   /// Everything that is written at the end. `map` may be null.
-  void finish(const RunRecord& record, const octomap::OcTree* map);
+  void finish(const RunRecord& record, const octomap::OcTree* map, const Page& page);
 
   const std::string& path() const { return path_; }
   /// Empty, or what went wrong first, in one line.

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/report/landmark_picture.h"
+#include "adapters/page/landmark_picture.h"
 #include "engine/maps/grid.h"
 #include "engine/problem/solver.h"
 #include "engine/task/polygon.h"

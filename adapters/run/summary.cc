@@ -6,7 +6,7 @@
 #include <tuple>
 #include <utility>
 
-#include "adapters/run/quantile.h"
+#include "engine/support/quantile.h"
 
 namespace prospect {
 namespace {

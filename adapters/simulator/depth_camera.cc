@@ -27,17 +27,6 @@ DepthScan transform(const DepthScan& scan_B, const Pose& pose) {
   return scan;
 }
 
-void set_resolution(DepthCameraOptions& options) {
-  const DepthCameraOptions fallback;
-  const auto rays = [](int standard, double angle, double standard_angle) {
-    return std::max(1, static_cast<int>(std::lround(standard * angle / standard_angle)));
-  };
-  options.columns =
-      rays(fallback.columns, options.footprint.horizontal_fov, fallback.footprint.horizontal_fov);
-  options.rows =
-      rays(fallback.rows, options.footprint.vertical_fov, fallback.footprint.vertical_fov);
-}
-
 DepthCamera::DepthCamera(const World& world, const DepthCameraOptions& options,
                          const CameraMount& mount, std::uint64_t seed)
     : world_(&world), options_(options), mount_(mount), noise_(seed) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <random>
 #include <vector>
@@ -27,7 +29,16 @@ struct DepthCameraOptions {
 
 /// Columns and rows at the spacing that the defaults have in the default footprint (0.9 degrees),
 /// at least one of each.
-void set_resolution(DepthCameraOptions& options);
+inline void set_resolution(DepthCameraOptions& options) {
+  const DepthCameraOptions fallback;
+  const auto rays = [](int standard, double angle, double standard_angle) {
+    return std::max(1, static_cast<int>(std::lround(standard * angle / standard_angle)));
+  };
+  options.columns =
+      rays(fallback.columns, options.footprint.horizontal_fov, fallback.footprint.horizontal_fov);
+  options.rows =
+      rays(fallback.rows, options.footprint.vertical_fov, fallback.footprint.vertical_fov);
+}
 
 /// Depth camera or lidar, ray-cast against a world's true voxels with an exact traversal.
 ///

@@ -13,7 +13,8 @@
 namespace prospect {
 
 /// What of the features is tracked. The numbers are those of StereoOdometry, or were measured with
-/// it on marks rendered at the same places (docs/simulator.md, "One tier against the other").
+/// it on marks rendered at the same places (docs/results/simulator.md, "One tier against the
+/// other").
 struct FeatureCameraOptions {
   StereoCamera stereo;
   double min_depth = 0.4;       ///< [m], along the optical axis

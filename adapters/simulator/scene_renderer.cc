@@ -1,6 +1,6 @@
 #include "adapters/simulator/scene_renderer.h"
 
-#include "adapters/config/not_built_in.h"
+#include "adapters/files/not_built_in.h"
 
 #ifdef PROSPECT_WITH_EMBREE
 

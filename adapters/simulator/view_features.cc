@@ -11,7 +11,7 @@
 #include <unordered_set>
 #include <utility>
 
-#include "adapters/config/not_built_in.h"
+#include "adapters/files/not_built_in.h"
 #include "adapters/simulator/camera_rig.h"
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/noise_stream.h"

@@ -22,7 +22,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect {
 namespace {

@@ -1,6 +1,6 @@
 #include "adapters/worlds/gazebo_world.h"
 
-#include "adapters/config/not_built_in.h"
+#include "adapters/files/not_built_in.h"
 
 #ifdef PROSPECT_WITH_ASSIMP
 
@@ -25,7 +25,7 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/worlds/mesh_file.h"
 #include "perception/rotation_between.h"
 

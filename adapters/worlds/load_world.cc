@@ -13,8 +13,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "adapters/config/input_error.h"
-#include "adapters/config/strict_yaml.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/strict_yaml.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "adapters/worlds/floor_plan.h"
 #include "adapters/worlds/gazebo_world.h"

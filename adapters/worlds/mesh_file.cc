@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "adapters/config/not_built_in.h"
+#include "adapters/files/not_built_in.h"
 
 #ifdef PROSPECT_WITH_ASSIMP
 
@@ -27,7 +27,7 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/worlds/bounded_child.h"
 
 namespace prospect {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/worlds/left_out.h"
 
 namespace prospect {

@@ -15,8 +15,8 @@
 #include <sstream>
 #include <vector>
 
-#include "adapters/config/input_error.h"
-#include "adapters/config/parse_number.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/parse_number.h"
 
 namespace prospect {
 namespace {

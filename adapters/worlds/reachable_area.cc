@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "engine/maps/free_line.h"
 #include "engine/maps/heading_reach.h"
 

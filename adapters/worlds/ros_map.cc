@@ -17,9 +17,9 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/config/input_error.h"
-#include "adapters/config/strict_yaml.h"
-#include "adapters/worlds/checked_png.h"
+#include "adapters/files/checked_png.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/strict_yaml.h"
 
 namespace prospect {
 namespace {

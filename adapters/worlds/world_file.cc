@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "adapters/config/input_error.h"
-#include "adapters/config/strict_yaml.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/strict_yaml.h"
 
 namespace prospect {
 namespace {

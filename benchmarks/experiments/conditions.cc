@@ -1,6 +1,6 @@
 #include "benchmarks/experiments/conditions.h"
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect {
 

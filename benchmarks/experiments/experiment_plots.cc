@@ -12,7 +12,7 @@
 #include <set>
 #include <sstream>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "benchmarks/experiments/condition_comparison.h"
 
 namespace prospect {

@@ -7,7 +7,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "adapters/run/quantile.h"
+#include "engine/support/quantile.h"
 
 namespace prospect {
 

@@ -26,6 +26,12 @@ bool exhausted(const Case& c) {
          c.facts.frontiers->exhausted_for >= c.options.look_around - kHair;
 }
 
+// Whether they promise so much that what has been seen is not all there is: a quarter of it.
+bool much(const FrontiersLeft& left, const FrontierFacts& f) {
+  constexpr double kMuch = 0.25;
+  return left.area > kMuch * f.explored_area;
+}
+
 bool goal_unreachable(const Case& c) { return c.facts.goal && c.facts.goal->unreachable; }
 bool goal_reached(const Case& c) { return c.facts.goal && c.facts.goal->reached && !lost(c); }
 
@@ -52,11 +58,21 @@ constexpr std::array kModeTable = {
                      c.facts.goal->unreachable_for >= c.options.look_around - kHair;
             },
             Kind::kDone, Cause::kGoalUnreachable},
-    ModeRow{std::nullopt, "exhausted for look_around; most places are cut off",
-            [](const Case& c) { return exhausted(c) && c.facts.frontiers->cut_off; }, Kind::kDone,
-            Cause::kUnreachable},
-    ModeRow{std::nullopt, "exhausted for look_around; what can be reached shows too little",
-            [](const Case& c) { return exhausted(c) && c.facts.frontiers->low_yield.count > 0; },
+    ModeRow{std::nullopt,
+            "exhausted for look_around; most places are cut off, or what is out of reach promises "
+            "a quarter of what was seen",
+            [](const Case& c) {
+              return exhausted(c) && (c.facts.frontiers->cut_off ||
+                                      much(c.facts.frontiers->unreachable, *c.facts.frontiers));
+            },
+            Kind::kDone, Cause::kUnreachable},
+    ModeRow{std::nullopt,
+            "exhausted for look_around; what can be reached shows too little, or looks that "
+            "promised a quarter of what was seen have failed",
+            [](const Case& c) {
+              return exhausted(c) && (c.facts.frontiers->low_yield.count > 0 ||
+                                      much(c.facts.frontiers->failed, *c.facts.frontiers));
+            },
             Kind::kDone, Cause::kYieldTooLow},
     ModeRow{std::nullopt, "exhausted for look_around", [](const Case& c) { return exhausted(c); },
             Kind::kDone, Cause::kExplored},
@@ -271,7 +287,9 @@ std::string doing(const Mode& mode, const Facts& facts) {
                facts.goal.value_or(GoalFacts{}).why;
       }
       return (mode.cause == Cause::kUnreachable
-                  ? "Done: walls as drawn cut it off from most places it came through"
+                  ? (frontiers.cut_off
+                         ? "Ended: walls as drawn cut it off from most places it came through"
+                         : "Ended: no way is found to most of what is left")
               : mode.cause == Cause::kExplored
                   ? "Done: no frontier is left that can be reached and promises anything"
                   : "Done: what is left shows too little for the way") +

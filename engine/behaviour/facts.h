@@ -43,6 +43,7 @@ struct FrontierFacts {
   bool exhausted = false;      ///< no frontier that can be reached is worth its way
   double exhausted_for = 0.0;  ///< [s] that this has been so while the robot looked for one
   bool cut_off = false;        ///< if exhausted: from most places the robot came through
+  double explored_area = 0.0;  ///< [m^2] seen so far
   /// If exhausted: reachable, but too little for the way; no way leads there; promising, but looks
   /// and visits have failed.
   FrontiersLeft low_yield{}, unreachable{}, failed{};

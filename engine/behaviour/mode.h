@@ -35,7 +35,7 @@ enum class Cause {
   kNothingReachable,  ///< no frontier can be reached just now
   kExplored,          ///< no frontier is left that can be reached
   kYieldTooLow,       ///< what is left has shown too little for too long
-  kUnreachable,       ///< walls as drawn cut the robot off from most places it came through
+  kUnreachable,       ///< much is left and no way leads there, as the map draws walls
   kTaskGiven,         ///< the robot was told to
   kGoalNear,          ///< a short, known way to the goal is left
   kGoalReached,       ///< it is at the pose that it was told to go to

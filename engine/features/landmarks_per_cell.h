@@ -13,7 +13,7 @@ namespace prospect {
 /// over the focal length, shows (a Z)^2 of a surface that faces the camera, and so m_i = c_i Z^2
 /// others. A robot remembers the landmarks of all the views it has had of a wall, near and far; the
 /// tracker keeps one a cell of the view that it has. Without this, three times as many were
-/// predicted as tracked where textures are rich (docs/visible_features.md).
+/// predicted as tracked where textures are rich (docs/results/visible_features.md).
 ///
 /// a is LandmarkMap::image_cell; without such cells (0, or not finite) nothing is crowded. Sets
 /// Landmark::per_cell of every landmark. What is not finite counts for nothing, and has 0.

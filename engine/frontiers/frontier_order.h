@@ -52,7 +52,7 @@ std::vector<FrontierCandidate> leading_candidates(std::vector<FrontierCandidate>
 /// index of the candidate that it must begin with, -1 for any. between(a, b): d_ab [m of path
 /// equivalent], n x n, infinite where there is no way. Empty without candidates. Deterministic: of
 /// equal ones the first in the order of the candidates. Source: measured against tours and greedy
-/// rules (docs/frontiers.md).
+/// rules (docs/results/frontiers.md).
 FrontierSequence best_sequence(const std::vector<FrontierCandidate>& candidates,
                                const Eigen::MatrixXd& between, const FrontierOrderOptions& options,
                                int first = -1);

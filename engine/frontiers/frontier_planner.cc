@@ -271,22 +271,20 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, int current,
                                  [&](const auto& c) { return c.frontier == frontier; });
     return it == candidates.end() ? -1 : static_cast<int>(it - candidates.begin());
   };
-  if (options_.rule) {
-    const int chosen = options_.rule(candidates, must ? -1 : index_of(current));
-    if (chosen < 0 || chosen >= static_cast<int>(candidates.size())) return -1;
-    const FrontierCandidate& c = candidates[static_cast<std::size_t>(chosen)];
-    if (c.area >= options_.least_rate * c.time) return c.frontier;
-    facts.low_yield = all;
-    return -1;
-  }
-
-  if (alone) {
+  // A rule chooses among what is worth its way: one poor frontier must not end its mission.
+  if (alone || options_.rule) {
     std::erase_if(candidates, [&](const FrontierCandidate& c) {
       return c.area < options_.least_rate * c.time;
     });
     facts.low_yield = all;
     if (candidates.empty()) return -1;
   }
+  if (options_.rule) {
+    const int chosen = options_.rule(candidates, must ? -1 : index_of(current));
+    if (chosen < 0 || chosen >= static_cast<int>(candidates.size())) return -1;
+    return candidates[static_cast<std::size_t>(chosen)].frontier;
+  }
+
   const int mine = must ? -1 : index_of(current);
   std::optional<FrontierCandidate> present;
   if (mine >= 0) present = candidates[static_cast<std::size_t>(mine)];
@@ -496,6 +494,7 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
     explored_then_ = explored;
   }
   facts.exhausted = chosen < 0 && explored > 0.0;
+  facts.explored_area = explored;
   if (!facts.exhausted) facts.low_yield = {};
 }
 

@@ -90,9 +90,9 @@ struct GlobalPlan {
 /// Where to go next, and the cost-to-go there, from one planning step to the next:
 ///
 ///   FrontierPlanner frontier_planner(options);
-///   std::shared_ptr<const GlobalPlan> g = frontier_planner.update(*belief.ground, belief.pose,
-///   belief.stamp); problem term: CostToGoTerm(g->cost_to_go);   g->facts: what is decided by
-///   (behaviour.h)
+///   const auto plan = frontier_planner.update(*belief.ground, belief.pose, belief.stamp);
+///
+/// plan->cost_to_go is what CostToGoTerm weighs, plan->facts what the behaviour is decided by.
 ///
 /// Each frontier c has a worth, the area E_c that a look at it is expected to show
 /// (frontier_worth.h). It is a candidate if E_c >= least_area, a way leads to one of its
@@ -123,7 +123,7 @@ struct GlobalPlan {
 /// A value. Thread-safety: none (one mission, one thread); what update() returns is immutable and
 /// may be shared. update() never throws on a finite pose; a non-finite pose gives the last global
 /// plan again. Source: formulation, section 6; order and worth are our choice, measured
-/// (docs/frontiers.md).
+/// (docs/results/frontiers.md).
 class FrontierPlanner {
  public:
   /// Throws std::invalid_argument naming the option, its value and what was expected.

@@ -39,17 +39,17 @@ namespace prospect {
 /// A B-spline of plain samples averages: it understates d on ridges (between two walls) and
 /// overstates it where d is convex (round a corner, by about h^2 / 8R at distance R). The
 /// correction makes the convex part third-order accurate and leaves the safe side as it is. What
-/// overstatement remains is measured in docs/obstacles.md; the Certificate does not rely on this
-/// field.
+/// overstatement remains is measured in docs/results/obstacles.md; the Certificate does not rely on
+/// this field.
 ///
 /// Beyond the lattice d continues with the value at the border, less sqrt(s^2 + h^2) - h with s the
 /// distance to it: distance being 1-Lipschitz, that is a lower bound up to the smoothing h.
 ///
 /// The lattice is world-aligned, so nodes of consecutive fields coincide, and a node's value
 /// depends only on the voxels within the cutoff: it is bit for bit the same in every window. The
-/// transform is so cheap (docs/obstacles.md) that all nodes are computed anew each time, which also
-/// sees voxels that change without changing their ground cell's state; `previous` lends FCL's
-/// measurements.
+/// transform is so cheap (docs/results/performance.md) that all nodes are computed anew each time,
+/// which also sees voxels that change without changing their ground cell's state; `previous` lends
+/// FCL's measurements.
 ///
 /// Thread-safety: immutable after construction. Smoothness: C1 in position. Never non-finite for a
 /// finite position.

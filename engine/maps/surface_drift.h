@@ -37,7 +37,7 @@ namespace prospect {
 /// is infinite, once it is out of view, until it is seen again with a covariance that is one.
 ///
 /// A value, one a robot; update() once a step. Thread-safety: concurrent reads are safe.
-/// Source: our choice; docs/obstacles.md and results.md say what it is worth.
+/// Source: our choice; docs/results/obstacles.md says what it is worth.
 class SurfaceDrift {
  public:
   /// The belief's maps are non-null, its pose finite.

@@ -33,7 +33,7 @@ struct PlannerParameters {
   double w_u = 0.02;           ///< deviation from the desired input
   double w_du = 0.03;          ///< change of input
   double w_o = 0.5;            ///< closeness to obstacles
-  double w_l = 2.0;            ///< too few visible features; docs/experiments.md says what it does
+  double w_l = 2.0;            ///< too few visible features; docs/results/experiments.md
   double w_e = 1.0;            ///< exploration gain (a reward)
   double w_T = 1.5;            ///< cost-to-go
   double w_h = 0.0;            ///< heading alignment

@@ -113,7 +113,7 @@ class Certifier {
     /// One-sigma error of the position [m] up to which a lost robot drives by its map; >= 0.
     double max_lost_error = 1.0;
     std::shared_ptr<const ZoneMap> zones{};  ///< null: none
-    /// Elementary checks of one motion, > 0; docs/performance.md says how long they take.
+    /// Elementary checks of one motion, > 0; docs/results/performance.md says how long they take.
     long long max_checks = 1'500'000;
   };
 

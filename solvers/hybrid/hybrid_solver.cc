@@ -20,7 +20,7 @@ namespace {
 // Two polished points nearer than this are on their way to one minimum [-].
 constexpr double kMerged = 0.02;
 
-// What an evaluation with its gradient takes, in scores (docs/performance.md).
+// What an evaluation with its gradient takes, in scores (docs/results/performance.md).
 constexpr double kGradientPerScore = 3.0;
 
 // Under a deadline this many seeds are scored at a time, a register of floats, until this share of

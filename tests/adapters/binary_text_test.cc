@@ -1,4 +1,4 @@
-#include "adapters/report/binary_text.h"
+#include "adapters/page/binary_text.h"
 
 #include <gtest/gtest.h>
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect::bounded_child_test {
 namespace {

@@ -15,7 +15,7 @@
 #include <string>
 
 #include "adapters/config/configuration.h"
-#include "adapters/config/not_built_in.h"
+#include "adapters/files/not_built_in.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/simulator/simulator.h"
 #include "engine/maps/map_projection.h"

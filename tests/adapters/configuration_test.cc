@@ -5,7 +5,7 @@
 
 #include <variant>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect::configuration_test {
 namespace {

@@ -12,7 +12,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "tests/perception/depth_recording.h"
 
 namespace prospect::depth_dataset_test {
@@ -140,7 +140,7 @@ TEST_F(DepthDatasetTest, NumberedLayout) {
 TEST_F(DepthDatasetTest, SaysWhatIsMissingOrMalformed) {
   EXPECT_THAT(refusal(), HasSubstr("no such folder"));
   fs::create_directories(folder_);
-  EXPECT_THAT(refusal(), HasSubstr("looked for depth.txt (TUM RGB-D), frame-NNNNNN.depth.png"));
+  EXPECT_THAT(refusal(), HasSubstr("depth.txt (TUM RGB-D), frame-NNNNNN.depth.png"));
   fs::create_directories(folder_ + "/depth");
   EXPECT_THAT(refusal(), HasSubstr("holds no image"));
 

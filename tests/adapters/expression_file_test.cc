@@ -10,7 +10,7 @@
 #include <random>
 #include <string>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "solvers/registry.h"
 
 namespace prospect::expression_file_test {

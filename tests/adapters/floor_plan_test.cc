@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/reachable_area.h"
 #include "adapters/worlds/world_file.h"

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <string>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "tests/adapters/mesh_files.h"
 
 namespace prospect::gazebo_world_test {

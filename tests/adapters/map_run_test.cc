@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "tests/perception/depth_faults.h"
 #include "tests/perception/depth_recording.h"
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "tests/adapters/mesh_files.h"
 
 namespace prospect::mesh_file_test {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/scene_renderer.h"
 #include "adapters/worlds/gazebo_world.h"

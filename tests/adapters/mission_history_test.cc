@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "adapters/config/configuration.h"
-#include "adapters/run/csv.h"
+#include "adapters/files/csv.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
 

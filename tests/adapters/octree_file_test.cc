@@ -15,7 +15,7 @@
 #include <sstream>
 #include <tuple>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect::octree_file_test {
 namespace {

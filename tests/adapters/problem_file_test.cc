@@ -787,11 +787,11 @@ std::set<std::string> entries(const std::string& file) {
   return found;
 }
 
-/// The entries that docs/problem_files.md describes: under a heading "### `/group`", rows "|
+/// The entries that docs/reference/problem_files.md describes: under a heading "### `/group`", rows "|
 /// `name`".
 std::set<std::string> documented() {
   std::set<std::string> found;
-  std::ifstream page(std::string(PROSPECT_SOURCE_DIR) + "/docs/problem_files.md");
+  std::ifstream page(std::string(PROSPECT_SOURCE_DIR) + "/docs/reference/problem_files.md");
   std::string line, group;
   bool inside = false;
   while (std::getline(page, line)) {

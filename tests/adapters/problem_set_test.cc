@@ -8,7 +8,7 @@
 #include <string>
 
 #include "adapters/bench/mission_set.h"
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "problems/r1.h"
 
 namespace prospect::problem_set_test {

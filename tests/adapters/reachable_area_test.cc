@@ -10,7 +10,7 @@
 #include <random>
 #include <string>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/simulator/kinematic_robot.h"
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/world_file.h"

@@ -12,11 +12,11 @@
 #include <sstream>
 #include <string>
 
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/frame_pairs.h"
 #include "adapters/datasets/inspection.h"
 #include "adapters/datasets/odometry_run.h"
 #include "adapters/datasets/stereo_dataset.h"
+#include "adapters/files/input_error.h"
 #include "tests/perception/rendered_room.h"
 
 namespace prospect::recording_layouts_test {

@@ -20,13 +20,13 @@
 #include <sqlite3.h>
 #endif
 
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/bag_file.h"
 #include "adapters/datasets/depth_dataset.h"
 #include "adapters/datasets/inspection.h"
 #include "adapters/datasets/odometry_run.h"
 #include "adapters/datasets/ros_messages.h"
 #include "adapters/datasets/stereo_dataset.h"
+#include "adapters/files/input_error.h"
 #include "tests/adapters/ros_bag_writer.h"
 #include "tests/perception/depth_recording.h"
 #include "tests/perception/rendered_room.h"

@@ -1,4 +1,4 @@
-#include "adapters/run/row_file.h"
+#include "adapters/files/row_file.h"
 
 #include <gtest/gtest.h>
 #include <sys/resource.h>

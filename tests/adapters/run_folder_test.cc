@@ -16,7 +16,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
+#include "adapters/report/report.h"
 #include "adapters/worlds/octree_file.h"
 #include "tests/adapters/synthetic_run.h"
 
@@ -175,7 +176,7 @@ TEST_F(RunFolderTest, StepsAreTheSameBytesWhateverTheClockSays) {
   const auto write = [&](const std::string& name) {
     RunFolder folder(path(name));
     for (const StepRecord& s : run.steps) folder.add(s);
-    folder.finish(run, nullptr);
+    folder.finish(run, nullptr, render_report);
     EXPECT_EQ(folder.error(), "");
   };
   write("a");
@@ -261,7 +262,7 @@ TEST_F(RunFolderTest, FinishWritesTheRest) {
   map.updateNode(octomap::point3d(1.0F, 2.0F, 0.5F), true);
   RunFolder folder(path("deep/er/run"));
   for (const StepRecord& s : run.steps) folder.add(s);
-  folder.finish(run, &map);
+  folder.finish(run, &map, render_report);
   EXPECT_EQ(folder.error(), "");
   std::vector<std::string> names;
   for (const auto& [name, bytes] : tree(path("deep/er/run"))) names.push_back(name);
@@ -282,7 +283,7 @@ TEST_F(RunFolderTest, AMissionWithoutAPlanStillHasItsRows) {
   run.steps[1].step = 1;
   RunFolder folder(path("run"));
   for (const StepRecord& s : run.steps) folder.add(s);
-  folder.finish(run, nullptr);
+  folder.finish(run, nullptr, render_report);
   EXPECT_EQ(lines(content(path("run/steps.csv"))).size(), 3U);
   EXPECT_EQ(folder.error(), "");
 }
@@ -292,7 +293,7 @@ TEST_F(RunFolderTest, TakesTheFolderOfAnEarlierRun) {
   {
     RunFolder folder(path("run"));
     for (const StepRecord& s : run.steps) folder.add(s);
-    folder.finish(run, nullptr);
+    folder.finish(run, nullptr, render_report);
   }
   std::ofstream(path("run/notes.txt")) << "mine";
   RunFolder folder(path("run"));
@@ -342,7 +343,7 @@ TEST_F(RunFolderTest, AFullDiskIsReportedOnceAndTheRestIsWritten) {
   const RunRecord run = synthetic_run(10);
   RunFolder folder(path("run"));
   for (const StepRecord& s : run.steps) folder.add(s);
-  folder.finish(run, nullptr);
+  folder.finish(run, nullptr, render_report);
   EXPECT_EQ(folder.error(), path("run/timing.csv") + ": writing failed (No space left on device)");
   EXPECT_EQ(lines(content(path("run/steps.csv"))).size(), 11U);
   EXPECT_TRUE(fs::exists(path("run/summary.json")));
@@ -353,7 +354,7 @@ TEST_F(RunFolderTest, AFileAtTheEndAppearsWholeOrNotAtAll) {
   {
     RunFolder folder(path("run"));
     fs::create_directories(path("run/report.html/in the way"));
-    folder.finish(run, nullptr);
+    folder.finish(run, nullptr, render_report);
     EXPECT_THAT(folder.error(), AllOf(StartsWith(path("run/report.html") + ": writing failed ("),
                                       testing::Not(HasSubstr("\n"))));
     EXPECT_TRUE(fs::exists(path("run/summary.json")));
@@ -362,7 +363,7 @@ TEST_F(RunFolderTest, AFileAtTheEndAppearsWholeOrNotAtAll) {
   {
     RunFolder folder(path("full"));
     fs::create_symlink("/dev/full", path("full/config.yaml.part"));
-    folder.finish(run, nullptr);
+    folder.finish(run, nullptr, render_report);
     EXPECT_EQ(folder.error(),
               path("full/config.yaml") + ": writing failed (No space left on device)");
     EXPECT_FALSE(fs::exists(path("full/config.yaml")));

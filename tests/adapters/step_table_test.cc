@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect::step_table_test {
 namespace {

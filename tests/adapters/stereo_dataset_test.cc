@@ -15,8 +15,8 @@
 #include <sstream>
 #include <string>
 
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/odometry_run.h"
+#include "adapters/files/input_error.h"
 #include "tests/perception/image_faults.h"
 #include "tests/perception/rendered_room.h"
 
@@ -177,7 +177,8 @@ TEST_F(StereoRecording, EurocLayout) {
 TEST_F(StereoRecording, SaysWhatIsMissingOrMalformed) {
   EXPECT_THAT(refusal(), HasSubstr("no such folder"));
   fs::create_directories(folder_);
-  EXPECT_THAT(refusal(), HasSubstr("looked for image_00/data and calib_cam_to_cam.txt (KITTI raw); mav0/cam0"));
+  EXPECT_THAT(refusal(),
+              HasSubstr("image_00/data and calib_cam_to_cam.txt (KITTI raw); mav0/cam0"));
   write("rgb.txt", "");
   EXPECT_THAT(refusal(), HasSubstr("one camera and depth, for `prospect map`"));
 
@@ -284,7 +285,8 @@ TEST(RealRecording, KittiClip) {
   if (!fs::exists(folder)) GTEST_SKIP() << "no " << folder;
   const OdometrySummary s = summarize(run_odometry(StereoDataset::open(folder)));
   EXPECT_EQ(s.ok, 51);
-  // Measured 0.85 %, 0.58 %, 0.86 deg and 0.023 m (docs/perception.md); room for another compiler.
+  // Measured 0.85 %, 0.58 %, 0.86 deg and 0.023 m (docs/results/perception.md); room for another
+  // compiler.
   EXPECT_LT(s.end.share, 0.0095);
   EXPECT_LT(s.rpe_10m.translation, 0.0068);
   EXPECT_LT(s.end.rotation, 0.95 * M_PI / 180.0);

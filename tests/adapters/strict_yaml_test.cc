@@ -1,4 +1,4 @@
-#include "adapters/config/strict_yaml.h"
+#include "adapters/files/strict_yaml.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

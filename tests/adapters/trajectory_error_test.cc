@@ -9,8 +9,8 @@
 #include <fstream>
 #include <string>
 
-#include "adapters/config/input_error.h"
 #include "adapters/datasets/trajectory.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect::trajectory_error_test {
 namespace {

@@ -15,7 +15,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/octree_file.h"

@@ -20,11 +20,12 @@ struct RoomRules {
   std::set<std::string> header_libraries;  ///< in headers, which others include
 };
 
-/// The allowed dependencies (docs/architecture.md), by room: a folder of the top level or of
-/// engine/. A room may include itself and the rooms named, or a single file of another one. The
+/// The allowed dependencies (docs/reference/architecture.md), by room: a folder of the top level or
+/// of engine/. A room may include itself and the rooms named, or a single file of another one. The
 /// order is that of the graph: a room uses only what stands above it, so there is no loop.
 inline std::vector<std::pair<std::string, RoomRules>> architecture() {
   const std::set<std::string> eigen = {"Eigen"};
+  const std::set<std::string> json = {"Eigen", "nlohmann"};
   const std::set<std::string> geometry = {"Eigen", "octomap", "fcl"};
   return {
       {"models", {{}, eigen, eigen}},
@@ -62,11 +63,47 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
         {"Eigen", "octomap", "opencv2", "ceres"},
         eigen}},
       {"runtime", {{"models", "engine"}, eigen, eigen}},
-      {"adapters",
-       {{"models", "engine", "solvers", "problems", "perception", "runtime"},
-        {"Eigen", "octomap", "opencv2", "fcl", "yaml-cpp", "nlohmann", "CLI", "hdf5", "mcap",
-         "embree3", "assimp"},
-        {"Eigen", "nlohmann"}}},
+      {"adapters/files", {{"models"}, {"Eigen", "yaml-cpp"}, eigen}},
+      {"adapters/page",
+       {{"models", "perception", "adapters/files"}, {"Eigen", "opencv2", "nlohmann"}, json}},
+      {"adapters/worlds",
+       {{"models", "engine", "perception", "adapters/files"},
+        {"Eigen", "octomap", "opencv2", "assimp", "nlohmann"},
+        eigen}},
+      {"adapters/simulator",
+       {{"models", "engine", "perception", "runtime", "adapters/files", "adapters/worlds"},
+        {"Eigen", "octomap", "opencv2", "embree3"},
+        eigen}},
+      // Of the simulator, a configuration sees the options.
+      {"adapters/config",
+       {{"models", "engine", "solvers", "runtime", "adapters/files",
+         "adapters/simulator/simulator_options.h"},
+        {"Eigen"},
+        eigen}},
+      {"adapters/problem_file", {{"models", "engine"}, {"Eigen", "hdf5"}, eigen}},
+      {"adapters/run",
+       {{"models", "engine", "solvers", "perception", "runtime", "adapters/files", "adapters/page",
+         "adapters/worlds", "adapters/simulator", "adapters/config", "adapters/problem_file"},
+        {"Eigen", "octomap", "nlohmann"},
+        json}},
+      {"adapters/report",
+       {{"models", "engine", "solvers", "perception", "adapters/files", "adapters/page",
+         "adapters/worlds", "adapters/config", "adapters/run"},
+        {"Eigen", "octomap", "opencv2", "nlohmann"},
+        json}},
+      {"adapters/datasets",
+       {{"models", "engine", "perception", "adapters/files", "adapters/page"},
+        {"Eigen", "octomap", "opencv2", "nlohmann", "mcap"},
+        json}},
+      {"adapters/bench",
+       {{"models", "engine", "solvers", "problems", "adapters/files", "adapters/page",
+         "adapters/worlds", "adapters/config", "adapters/problem_file", "adapters/run"},
+        {"Eigen", "nlohmann"},
+        json}},
+      {"adapters/cli",
+       {{"models", "engine", "solvers", "problems", "perception", "runtime", "adapters"},
+        {"Eigen", "octomap", "nlohmann", "CLI"},
+        json}},
   };
 }
 

@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect::comparison_table_test {
 namespace {

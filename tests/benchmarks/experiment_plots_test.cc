@@ -8,7 +8,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 
 namespace prospect::experiment_plots_test {
 namespace {

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "adapters/config/configuration.h"
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "benchmarks/experiments/conditions.h"
 #include "benchmarks/replanners.h"
 

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "adapters/config/input_error.h"
+#include "adapters/files/input_error.h"
 #include "adapters/run/summary.h"
 
 namespace prospect::experiment_row_test {

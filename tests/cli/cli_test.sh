@@ -198,9 +198,23 @@ for every in 0 -1 2.5 x; do
 done
 refused "unknown option" --bogus expected "${explore[@]}" office --bogus
 refused "unknown command" "'exlore'" "did you mean 'explore'?" exlore office
-refused "no command" required "see \`prospect --help\`"
+# Every command names the nearest of its options, in one line, also where the stray value is taken for an argument.
+for typo in "explore --sede --seed" "report --figre --figure" "solve --sede --seed" "bench --sede --seed" \
+  "odometry --fromm --from" "map --rnge --range" "list --jsn --json" "config --sett --set"; do
+  read -r command option nearest <<<"$typo"
+  for call in "$command $option 3" "$command $option=3" "$command x $option"; do
+    # shellcheck disable=SC2086
+    refused "$call" "unknown option $option" "; did you mean $nearest?" $call
+    (($(wc -l <err.txt) == 1)) || fail "$call: more than one line: '$err'"
+  done
+done
+refused "unknown option of the program" "unknown option --versoin" "did you mean --version?" --versoin
+refused "option without a value" "--seed: no value" "expected UINT" explore office --seed
+refused "option without a value before another" "--out: no value before --quiet" "expected DIR" explore office --out --quiet
+refused "argument too many" "unexpected argument 'x'" "\`prospect list --help\`" list solvers x
+refused "argument too few" "problem is required" "\`prospect solve --help\`" solve
+refused "--json alone" "--json requires --version" "\`prospect --help\`" --json
 refused "unknown list" "'solver'" "did you mean 'solvers'?); expected" list solver
-refused "list of nothing" list: "expected one of: solvers, worlds, terms, sets, modes" list
 refused "problem without a step" "'office'" "expected WORLD@STEP" solve office
 refused "problem with a bad step" "'office@-3'" "expected WORLD@STEP" solve office@-3
 refused "problem in an unknown world" "'offce'" "did you mean 'office'?" solve offce@3
@@ -252,7 +266,7 @@ else
     --out repeated
   cmp -s cameras/steps.csv repeated/steps.csv || fail "config.yaml does not repeat the run"
 fi
-refused "sensors that there are not" --sensors "{model,camera}" "${explore[@]}" --sensors eyes
+refused "sensors that there are not" --sensors "expected one of: model, camera" "${explore[@]}" --sensors eyes
 
 # named WHAT NAME...: each at the start of a line of the output.
 named() {
@@ -292,6 +306,42 @@ for what in solvers worlds terms sets; do
   [[ "$out" == \[*\"name\":*\] ]] || fail "list $what --json: '$out'"
   ! grep -qiw nan out.txt || fail "list $what --json has a number that is none"
 done
+
+# All of it at once: names in short, or one document.
+succeeds "list" list
+for text in solvers worlds terms sets modes "  office office_bare corridor loop" nlopt:LD_SLSQP "look around"; do
+  grep -qE "^$text|  ?$text" out.txt || fail "list: no '$text' in '$out'"
+done
+(($(wc -l <out.txt) < 25)) || fail "list: $(wc -l <out.txt) lines are not short"
+{
+  echo "{"
+  separator=""
+  for what in solvers worlds terms sets modes; do
+    printf '%s  "%s": ' "$separator" "$what"
+    "$prospect" list "$what" --json | sed '2,$s/^/  /' | head -c -1
+    separator=$',\n'
+  done
+  printf '\n}\n'
+} >listed.json
+succeeds "list --json" list --json
+cmp -s out.txt listed.json || fail "list --json is not what its parts are: $(diff out.txt listed.json | head)"
+
+# --- The program alone, and its version.
+succeeds "no command"
+cp out.txt alone.txt
+succeeds "--help" --help
+cmp -s out.txt alone.txt || fail "the program alone does not print its help"
+succeeds "--version" --version
+[[ "$(head -1 out.txt)" =~ ^prospect\ [0-9]+\.[0-9]+\.[0-9]+$ ]] || fail "--version: '$out'"
+for row in "commit  *\([0-9a-f]\{40\}\|none\)" "compiler  *[A-Z]" "flags  *-" "build type  *" "Eigen  *3\." \
+  "OctoMap  *1.*liboctomap.so" "HDF5  *1.*libhdf5" "yaml-cpp  *0"; do
+  grep -q "^$row" out.txt || fail "--version: no row '$row' in '$out'"
+done
+succeeds "--version --json" --version --json
+for key in version commit commit_changed compiler flags build_type libraries name built_with runs_with; do
+  grep -q "\"$key\": " out.txt || fail "--version --json has no '$key'"
+done
+! grep -qF "$HOME" out.txt || fail "--version --json has a path of this machine"
 
 succeeds "solve" solve office@3 --solver nlopt,ipopt,sampling --json
 for key in solver cost violation terms cost_evaluations gradient_evaluations iterations wall_ms \

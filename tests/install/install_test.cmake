@@ -32,6 +32,14 @@ if(NOT packages)
   message(FATAL_ERROR "no CMake package was installed into ${prefix}")
 endif()
 
+# For whoever types the program's name: share/ is the data root, unless CMAKE_INSTALL_DATAROOTDIR says otherwise.
+foreach(file bash-completion/completions/prospect zsh/site-functions/_prospect fish/vendor_completions.d/prospect.fish
+    man/man1/prospect.1 man/man1/prospect-explore.1)
+  if(NOT EXISTS "${prefix}/share/${file}")
+    message(FATAL_ERROR "share/${file} was not installed")
+  endif()
+endforeach()
+
 # The installed headers are complete: a program that includes all of them links every room.
 file(GLOB_RECURSE headers RELATIVE "${prefix}/include/prospect" "${prefix}/include/prospect/*.h")
 if(NOT "engine/planner/planner.h" IN_LIST headers)
@@ -72,7 +80,7 @@ foreach(list ${examples})
   run(${CMAKE_COMMAND} --build "${tree}")
   file(GLOB programs LIST_DIRECTORIES false "${tree}/*")
   set(ran FALSE)
-  foreach(program controller user_term solve_file)
+  foreach(program controller user_term solve_file tasks your_robot)
     if("${tree}/${program}" IN_LIST programs)
       set(arguments)
       if(program STREQUAL "solve_file")

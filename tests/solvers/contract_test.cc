@@ -29,7 +29,7 @@ Family family(const std::string& name) {
   return name.find(":LN_") != std::string::npos ? Family::kNoDerivative : Family::kGradient;
 }
 
-/// Relative to max(1, |optimum|); what a family is good for, see docs/solvers.md.
+/// Relative to max(1, |optimum|); what a family is good for, see docs/reference/solvers.md.
 double precision(Family f) {
   switch (f) {
     case Family::kGradient:

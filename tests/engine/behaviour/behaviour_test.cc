@@ -123,6 +123,32 @@ std::vector<RowCase> row_cases() {
   };
 }
 
+// A robot that never got out of the nook it began in has explored nothing.
+TEST(Behaviour, MuchThatIsLeftIsNotExplored) {
+  struct Case {
+    double seen;
+    FrontiersLeft low_yield, unreachable, failed;
+    Cause cause;
+  };
+  for (const Case& c : {Case{7.4, {}, {4, 5.6}, {2, 1.5}, Cause::kUnreachable},
+                        Case{7.4, {1, 0.3}, {4, 5.6}, {}, Cause::kUnreachable},
+                        Case{7.4, {}, {}, {4, 5.6}, Cause::kYieldTooLow},
+                        Case{97.0, {}, {17, 19.0}, {}, Cause::kExplored},
+                        Case{97.0, {3, 0.7}, {12, 19.1}, {}, Cause::kYieldTooLow},
+                        Case{163.0, {}, {}, {1, 0.3}, Cause::kExplored}}) {
+    const FrontierFacts f{.exhausted = true,
+                          .exhausted_for = 8.0,
+                          .explored_area = c.seen,
+                          .low_yield = c.low_yield,
+                          .unreachable = c.unreachable,
+                          .failed = c.failed};
+    const Mode mode = decide(in(kExplore), with(facts(90.0), f), {}).mode;
+    EXPECT_EQ(mode.kind, kDone);
+    EXPECT_EQ(mode.cause, c.cause)
+        << c.seen << " m2 seen, " << c.unreachable.area << " out of reach";
+  }
+}
+
 TEST(Behaviour, EveryRowOfTheTableDecides) {
   const std::vector<RowCase> cases = row_cases();
   ASSERT_EQ(cases.size(), mode_table().size()) << "a case for each row, in order";
@@ -315,6 +341,8 @@ TEST(Behaviour, TheSentenceHasTheNumbersOfTheFacts) {
   f.frontiers->narrow = f.stuck = true;
   EXPECT_NE(describe({kExplore, Cause::kStart, 0.0}, f).find("2.5 m2. The way ahead is narrow."),
             std::string::npos);
+  EXPECT_EQ(describe({kDone, Cause::kUnreachable, 90.0}, f),
+            "Ended: no way is found to most of what is left.");
   // One for each mode and cause, all different, none with a number that is not one.
   std::set<std::string> seen;
   for (const RowCase& c : row_cases()) {
@@ -337,12 +365,12 @@ TEST(Behaviour, TheTablesArePrintedRowByRow) {
 }
 
 TEST(Behaviour, TheReferencePageIsThatText) {
-  std::ifstream file(std::string(PROSPECT_SOURCE_DIR) + "/docs/behaviour.md");
+  std::ifstream file(std::string(PROSPECT_SOURCE_DIR) + "/docs/reference/behaviour.md");
   std::stringstream page;
   page << file.rdbuf();
   EXPECT_NE(page.str().find("<!-- prospect list modes -->\n" + behaviour_tables() + "<!-- end -->"),
             std::string::npos)
-      << "docs/behaviour.md: put the output of `prospect list modes` between the marks";
+      << "docs/reference/behaviour.md: put the output of `prospect list modes` between the marks";
 }
 
 }  // namespace

@@ -594,6 +594,24 @@ TEST(FrontierPlanner, ARuleMayChooseTheTarget) {
   }
   options.rule = [](const auto&, int) { return -1; };
   EXPECT_TRUE(FrontierPlanner(options).update(map, pose, 0.0)->facts.exhausted);
+
+  // It is asked only for what is worth its way: the east is not, if the least rate lies between.
+  std::vector<double> rates;
+  options.rule = [&](const std::vector<FrontierCandidate>& candidates, int) {
+    rates.clear();
+    for (const FrontierCandidate& c : candidates) rates.push_back(c.area / c.time);
+    return static_cast<int>(std::min_element(rates.begin(), rates.end()) - rates.begin());
+  };
+  EXPECT_TRUE(FrontierPlanner(options).update(map, pose, 0.0)->target.has_value());
+  ASSERT_EQ(rates.size(), 2U);
+  const double better = std::max(rates[0], rates[1]);
+  options.least_rate = 0.5 * (rates[0] + rates[1]);
+  EXPECT_TRUE(FrontierPlanner(options).update(map, pose, 0.0)->target.has_value());
+  EXPECT_EQ(rates, std::vector<double>{better});
+  options.least_rate = 1.1 * better;
+  const auto none = FrontierPlanner(options).update(map, pose, 0.0);
+  EXPECT_TRUE(none->facts.exhausted);
+  EXPECT_EQ(none->facts.low_yield.count, 2);
 }
 
 TEST(FrontierPlanner, ARoomFartherOffComesBeforeASliverNearBy) {

@@ -252,8 +252,8 @@ TEST(ClearanceField, ValueAndGradientAreContinuousAcrossCellsAndTheBorder) {
 }
 
 TEST(ClearanceField, InterpolationHardlyOverstatesDistance) {
-  // Measured in docs/obstacles.md: 2.6 mm at most at 0.1 m for this mixture of walls, blocks and
-  // specks; a plain B-spline gives 11 mm, Catmull-Rom 20 mm.
+  // Measured in docs/results/obstacles.md: 2.6 mm at most at 0.1 m for this mixture of walls,
+  // blocks and specks; a plain B-spline gives 11 mm, Catmull-Rom 20 mm.
   double worst = -1.0, mean = 0.0;
   int n = 0;
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
