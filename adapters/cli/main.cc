@@ -331,8 +331,8 @@ int run(int argc, char** argv) {
       app.add_subcommand("odometry", "Visual odometry over a recording of a stereo pair");
   odometry_command
       ->add_option("dataset", odometry_arguments.dataset,
-                   "Recording: KITTI odometry or raw, EuRoC, or two folders of images with a "
-                   "calibration; see `prospect inspect`")
+                   "Recording: KITTI odometry or raw, EuRoC, ROS 2 bag, or two folders of images "
+                   "with a calibration; see `prospect inspect`")
       ->type_name("FILE")
       ->required();
   add_recording_options(odometry_command, odometry_arguments.options);
@@ -357,8 +357,8 @@ int run(int argc, char** argv) {
       app.add_subcommand("map", "Octree, exploration and obstacle map from recorded depth images");
   map_command
       ->add_option("dataset", map_arguments.dataset,
-                   "Recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout; see `prospect "
-                   "inspect`")
+                   "Recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout, or ROS 2 bag; see "
+                   "`prospect inspect`")
       ->type_name("FILE")
       ->required();
   map_command->add_option("--out", map_arguments.out, "Folder for the maps and tables [none]")

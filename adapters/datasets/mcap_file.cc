@@ -111,7 +111,8 @@ std::string chunk_records(const std::string& path, std::string_view content) {
   const std::uint64_t size = chunk.number(8), crc = chunk.number(4);
   const std::string compression = chunk.text();
   const std::string_view records = chunk.take(chunk.number(8));
-  if (!chunk.good || size > kLargestChunk) {
+  // What says that it is much larger than it can be would only fill memory.
+  if (!chunk.good || size > kLargestChunk || size / 1000 > records.size() + (1 << 16)) {
     throw InputError(path + ": a damaged chunk; expected an intact file");
   }
   std::string out = decompressed(path, compression, records, size);

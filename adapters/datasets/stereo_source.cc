@@ -46,6 +46,12 @@ StereoSource open_stereo_source(const std::string& path, const StereoDatasetOpti
                        "left/%06d.png (left half of a side-by-side one: -vf crop=iw/2:ih:0:0, "
                        "right: -vf crop=iw/2:ih:iw/2:0), with --rate HZ and --calibration FILE");
     }
+    if (path.ends_with(".bag")) {
+      throw InputError(
+          path +
+          ": a bag of ROS 1, which is not read; expected one of ROS 2: rosbags-convert "
+          "makes one of it");
+    }
     throw InputError(path + ": a file that is no recording; expected a folder with " + looked_for);
   }
   if (is_rgbd_folder(path)) {

@@ -602,6 +602,10 @@ refused "odometry with a topic of no use" "--topics" "expected USE=TOPIC, with U
   odometry stereo --topics middle=/a
 : >film.mp4
 refused "odometry of a video" film.mp4 "ffmpeg -i VIDEO left/%06d.png" odometry film.mp4
+: >old.bag
+refused "odometry of a bag of ROS 1" old.bag "expected one of ROS 2" odometry old.bag
+echo "no bag" >no.mcap
+refused "odometry of what is no bag" no.mcap "no MCAP file; expected one" odometry no.mcap
 # From the second frame on the right images are the left ones.
 cp -r stereo lost
 for k in 01 02 03 04 05 06 07 08 09 10 11; do cp "lost/image_0/0000$k.png" lost/image_1; done
