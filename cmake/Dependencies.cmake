@@ -18,6 +18,11 @@ find_package(embree 3 CONFIG QUIET)
 # What mesh files need: without them such worlds are refused, and say so.
 find_package(assimp CONFIG QUIET)
 pkg_check_modules(TINYXML2 QUIET IMPORTED_TARGET tinyxml2)
+# What bags of ROS 2 need: without them such recordings are refused, and say so.
+find_package(ZLIB REQUIRED)
+pkg_check_modules(LZ4 QUIET IMPORTED_TARGET liblz4)
+pkg_check_modules(ZSTD QUIET IMPORTED_TARGET libzstd)
+pkg_check_modules(SQLITE QUIET IMPORTED_TARGET sqlite3)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)
 
 # Debian's OpenCV module packages ship neither a CMake configuration nor a pkg-config file.

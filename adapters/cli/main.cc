@@ -5,6 +5,7 @@
 #include <exception>
 #include <iostream>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -83,11 +84,40 @@ void add_set(CLI::App* command, std::vector<std::string>& settings) {
       ->allow_extra_args(false);
 }
 
+/// Topics of a bag as USE=TOPIC, separated by commas.
+void add_topics(CLI::App* command, std::map<std::string, std::string>& topics,
+                const std::vector<std::string>& uses) {
+  std::string list;
+  for (const std::string& use : uses) list += (list.empty() ? "" : ", ") + use;
+  command
+      ->add_option_function<std::vector<std::string>>(
+          "--topics",
+          [&topics, uses, list](const std::vector<std::string>& entries) {
+            for (const std::string& entry : entries) {
+              const auto equals = entry.find('=');
+              const std::string use = entry.substr(0, equals);
+              if (equals == std::string::npos || equals + 1 == entry.size() ||
+                  std::find(uses.begin(), uses.end(), use) == uses.end()) {
+                throw CLI::ValidationError(
+                    "--topics", "is '" + entry + "'; expected USE=TOPIC, with USE of: " + list);
+              }
+              topics[use] = entry.substr(equals + 1);
+            }
+          },
+          "Of a ROS 2 bag: " + list + " [found by type and name]")
+      ->type_name("USE=TOPIC")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+}
+
 /// What a recording of a stereo pair does not say by itself.
-void add_recording_options(CLI::App* command, prospect::StereoDatasetOptions& options) {
-  command->add_option("--calibration", options.calibration,
-                      "File of the calibration: calib.txt, ROS camera_info (left.yaml,right.yaml), "
-                      "OpenCV stereo or Kalibr camchain YAML [the recording's own]");
+void add_recording_options(CLI::App* command, prospect::StereoDatasetOptions& options,
+                           bool topics = true) {
+  command
+      ->add_option("--calibration", options.calibration,
+                   "File of the calibration: calib.txt, ROS camera_info (left.yaml,right.yaml), "
+                   "OpenCV stereo or Kalibr camchain YAML [the recording's own]")
+      ->type_name("FILE");
   command->add_flag("--rectified", options.rectified,
                     "The images are rectified already, by that camera_info");
   command
@@ -96,6 +126,9 @@ void add_recording_options(CLI::App* command, prospect::StereoDatasetOptions& op
       ->check(number_within(0.0, 10.0));
   command->add_option("--rate", options.rate, "Of images that are only numbered [Hz] [10]")
       ->check(number_within(0.01, 10000.0));
+  if (topics) {
+    add_topics(command, options.topics, {"left", "right", "left_info", "right_info", "truth"});
+  }
 }
 
 int run(int argc, char** argv) {
@@ -294,7 +327,9 @@ int run(int argc, char** argv) {
   inspect_command->add_option("path", inspect_arguments.path, "Folder or file")
       ->type_name("FILE")
       ->required();
-  add_recording_options(inspect_command, inspect_arguments.stereo);
+  add_recording_options(inspect_command, inspect_arguments.stereo, false);
+  add_topics(inspect_command, inspect_arguments.stereo.topics,
+             {"left", "right", "left_info", "right_info", "truth", "depth", "depth_info", "pose"});
   inspect_command->add_flag("--json", inspect_arguments.json, "Print JSON");
 
   OdometryArguments odometry_arguments;
@@ -302,8 +337,8 @@ int run(int argc, char** argv) {
       app.add_subcommand("odometry", "Visual odometry over a recording of a stereo pair");
   odometry_command
       ->add_option("dataset", odometry_arguments.dataset,
-                   "Recording: KITTI odometry or raw, EuRoC, or two folders of images with a "
-                   "calibration; see `prospect inspect`")
+                   "Recording: KITTI odometry or raw, EuRoC, ROS 2 bag, or two folders of images "
+                   "with a calibration; see `prospect inspect`")
       ->type_name("FILE")
       ->required();
   add_recording_options(odometry_command, odometry_arguments.options);
@@ -328,8 +363,8 @@ int run(int argc, char** argv) {
       app.add_subcommand("map", "Octree, exploration and obstacle map from recorded depth images");
   map_command
       ->add_option("dataset", map_arguments.dataset,
-                   "Recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout; see `prospect "
-                   "inspect`")
+                   "Recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout, or ROS 2 bag; see "
+                   "`prospect inspect`")
       ->type_name("FILE")
       ->required();
   map_command->add_option("--out", map_arguments.out, "Folder for the maps and tables [none]")
@@ -345,8 +380,11 @@ int run(int argc, char** argv) {
                    "Intrinsics where no file states them: FX FY CX CY [px]")
       ->expected(4)
       ->check(number_within(1.0, 1e5));
-  map_command->add_option("--calibration", map_arguments.options.calibration,
-                          "File of the intrinsics, a ROS camera_info");
+  add_topics(map_command, map_arguments.options.topics, {"depth", "depth_info", "pose"});
+  map_command
+      ->add_option("--calibration", map_arguments.options.calibration,
+                   "File of the intrinsics, a ROS camera_info")
+      ->type_name("FILE");
   map_command
       ->add_option("--depth-scale", map_arguments.options.depth_scale,
                    "Numbers of the images a metre [the layout's, 1000 or 5000, checked against "

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "adapters/datasets/bag_file.h"
 #include "adapters/datasets/matrix_file.h"
 #include "adapters/datasets/stereo_calibration.h"
 
@@ -49,6 +50,7 @@ void find_intrinsics(const std::string& path, const DepthDatasetOptions& options
 
 const std::vector<DepthLayout>& depth_layouts() {
   static const std::vector<DepthLayout> layouts = {
+      {"ROS 2 bag", "a .mcap or .db3 file (ROS 2 bag)", is_bag, open_depth_bag},
       {"TUM RGB-D", "depth.txt (TUM RGB-D)", is_tum_rgbd, open_tum_rgbd},
       {"7-Scenes", "frame-NNNNNN.depth.png (7-Scenes)", is_seven_scenes, open_seven_scenes},
       {"numbered", "a folder depth with numbered images", is_numbered_depth, open_numbered_depth},

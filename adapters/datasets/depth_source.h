@@ -74,6 +74,8 @@ const DepthLayout* find_depth_layout(const std::string& path);
 DepthSource open_depth_source(const std::string& path, const DepthDatasetOptions& options = {});
 
 // The layouts, one a file.
+/// Topics of a bag of ROS 2 (bag_file.h).
+DepthSource open_depth_bag(const std::string& path, const DepthDatasetOptions& options);
 bool is_tum_rgbd(const std::string& path);
 DepthSource open_tum_rgbd(const std::string& path, const DepthDatasetOptions& options);
 bool is_seven_scenes(const std::string& path);

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "adapters/datasets/bag_file.h"
 #include "adapters/datasets/depth_dataset.h"
 #include "adapters/datasets/frame_pairs.h"
 #include "adapters/datasets/numbered_files.h"
@@ -270,6 +271,25 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
   Json& recordings = json["recordings"];
   if (find_stereo_layout(path) != nullptr) recordings.push_back(inspect_stereo(path, stereo));
   if (find_depth_layout(path) != nullptr) recordings.push_back(inspect_depth(path, depth));
+  if (is_bag(path)) {
+    Json topics = Json::array();
+    try {
+      const BagFile bag = BagFile::open(path);
+      for (const BagTopic& topic : bag.topics()) {
+        topics.push_back(
+            {{"name", topic.name}, {"type", topic.type}, {"messages", topic.messages.size()}});
+      }
+    } catch (const InputError&) {
+      // Each recording says so.
+    }
+    json["topics"] = topics;
+  }
+  // A bag may be of either kind: what it has no images for, it is not.
+  if (recordings.size() == 2) {
+    const bool pair = recordings[0]["left"]["images"] != 0;
+    const bool depths = recordings[1]["depth"]["images"] != 0;
+    if (pair != depths) recordings.erase(pair ? 1 : 0);
+  }
   found = Found::kUnknown;
   for (const Json& recording : recordings) {
     if (recording["missing"].empty()) found = Found::kUsable;
@@ -298,6 +318,10 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
 
 std::string inspection_text(const Json& inspection) {
   std::string text;
+  for (const Json& topic : inspection.value("topics", Json::array())) {
+    text += "topic        " + topic["name"].get<std::string>() + ", " + topic["messages"].dump() +
+            " of " + topic["type"].get<std::string>() + "\n";
+  }
   for (const Json& recording : inspection["recordings"]) text += recording_text(recording);
   if (inspection.contains("what")) {
     text += inspection["what"].get<std::string>() + ", for `" +

@@ -33,6 +33,7 @@ EurocSensor read_sensor(const std::string& path, std::vector<std::string>& notes
   YamlMap root = yaml.root();
   root.choice("sensor_type", "camera", {"camera"}, "kind of sensor");
   root.text("comment", "none", "free text");
+  root.text("camera_id", "none", "free text");  // Kimera's
   EurocSensor sensor;
   sensor.rate = root.number("rate_hz", 0.0, 0.01, 10000.0, "Hz", "frame rate");
   root.required_choice("camera_model", {"pinhole"}, "projection");

@@ -2,12 +2,14 @@
 
 #include <filesystem>
 
+#include "adapters/datasets/bag_file.h"
 #include "adapters/datasets/rgbd_folder.h"
 
 namespace prospect {
 
 const std::vector<StereoLayout>& stereo_layouts() {
   static const std::vector<StereoLayout> layouts = {
+      {"ROS 2 bag", "a .mcap or .db3 file (ROS 2 bag)", is_bag, open_stereo_bag},
       {"KITTI raw", "image_00/data and calib_cam_to_cam.txt (KITTI raw)", is_kitti_raw,
        open_kitti_raw},
       {"EuRoC", "mav0/cam0 and mav0/cam1 with sensor.yaml and data (EuRoC)", is_euroc, open_euroc},
@@ -43,6 +45,12 @@ StereoSource open_stereo_source(const std::string& path, const StereoDatasetOpti
                        ": a video, which is not read; expected its images: ffmpeg -i VIDEO "
                        "left/%06d.png (left half of a side-by-side one: -vf crop=iw/2:ih:0:0, "
                        "right: -vf crop=iw/2:ih:iw/2:0), with --rate HZ and --calibration FILE");
+    }
+    if (path.ends_with(".bag")) {
+      throw InputError(
+          path +
+          ": a bag of ROS 1, which is not read; expected one of ROS 2: rosbags-convert "
+          "makes one of it");
     }
     throw InputError(path + ": a file that is no recording; expected a folder with " + looked_for);
   }

@@ -19,7 +19,8 @@ struct StereoDatasetOptions {
   bool rectified = false;      ///< the images are rectified already, by a camera_info
   std::optional<double> sync;  ///< how far stamps of a pair may differ [s]
   std::optional<double> rate;  ///< [Hz], where images are only numbered
-  /// Of a bag: "left", "right", "left_info", "right_info", "truth" to topics; others are found.
+  /// Of a bag: "left", "right", "left_info", "right_info", "truth" to topics; all but truth are
+  /// found by type and name where they are not given.
   std::map<std::string, std::string> topics;
 };
 
@@ -68,6 +69,8 @@ const StereoLayout* find_stereo_layout(const std::string& path);
 StereoSource open_stereo_source(const std::string& path, const StereoDatasetOptions& options = {});
 
 // The layouts, one a file.
+/// Topics of a bag of ROS 2 (bag_file.h).
+StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions& options);
 bool is_kitti_raw(const std::string& path);
 StereoSource open_kitti_raw(const std::string& path, const StereoDatasetOptions& options);
 bool is_euroc(const std::string& path);

@@ -47,6 +47,11 @@ class DepthDatasetTest : public ::testing::Test {
     }
     return "accepted";
   }
+  std::string tum_image(int k) const {
+    char stamp[32];
+    std::snprintf(stamp, sizeof stamp, "%.6f", 1305031102.0 + recording_.period * k);
+    return folder_ + "/depth/" + stamp + ".png";
+  }
   static DepthDatasetOptions given_camera() {
     DepthDatasetOptions options;
     options.camera = PinholeCamera{262.5, 262.5, 159.5, 119.5, 1.0, 1.0};
@@ -135,7 +140,7 @@ TEST_F(DepthDatasetTest, NumberedLayout) {
 TEST_F(DepthDatasetTest, SaysWhatIsMissingOrMalformed) {
   EXPECT_THAT(refusal(), HasSubstr("no such folder"));
   fs::create_directories(folder_);
-  EXPECT_THAT(refusal(), HasSubstr("looked for depth.txt (TUM RGB-D), frame-NNNNNN.depth.png"));
+  EXPECT_THAT(refusal(), HasSubstr("depth.txt (TUM RGB-D), frame-NNNNNN.depth.png"));
   fs::create_directories(folder_ + "/depth");
   EXPECT_THAT(refusal(), HasSubstr("holds no image"));
 
@@ -190,6 +195,106 @@ TEST_F(DepthDatasetTest, RefusesImagesThatAreNoDepth) {
   EXPECT_THAT(refusal(), HasSubstr("not of 16 bits a pixel"));
   cv::imwrite(folder_ + "/frame-000003.depth.png", cv::Mat(120, 160, CV_16UC1, cv::Scalar(7)));
   EXPECT_THAT(refusal(), HasSubstr("has 160 x 120 pixels, the first image 320 x 240"));
+}
+
+TEST_F(DepthDatasetTest, DepthScaleByThePoses) {
+  recording_.frames = 8;
+  recording_.write_tum(folder_);
+  EXPECT_THAT(DepthDataset::open(folder_).notes().back(), HasSubstr("5000 a metre, by the layout"));
+  // The same in millimetres, as a RealSense writes it.
+  for (int k = 0; k < recording_.frames; ++k) {
+    recording_.write_image(tum_image(k), k, 0.001);
+  }
+  const DepthDataset dataset = DepthDataset::open(folder_);
+  EXPECT_EQ(dataset.depth_scale(), 1000.0);
+  EXPECT_FALSE(dataset.depth_scale_doubtful());
+  EXPECT_THAT(dataset.notes().back(), HasSubstr("1000 a metre, not 5000"));
+  expect_good(dataset, recording_, 0.001);
+  // One that is given stands, but what speaks against it is said.
+  DepthDatasetOptions options;
+  options.depth_scale = 5000.0;
+  const DepthDataset given = DepthDataset::open(folder_, options);
+  EXPECT_EQ(given.depth_scale(), 5000.0);
+  EXPECT_TRUE(given.depth_scale_doubtful());
+  options.depth_scale = 1000.0;
+  EXPECT_FALSE(DepthDataset::open(folder_, options).depth_scale_doubtful());
+}
+
+TEST_F(DepthDatasetTest, DepthScaleByTheHeightOrUnchecked) {
+  recording_.write_tum(folder_);
+  for (int k = 0; k < recording_.frames; ++k) {
+    recording_.write_image(tum_image(k), k, 0.001);
+  }
+  fs::remove(folder_ + "/groundtruth.txt");
+  EXPECT_THAT(DepthDataset::open(folder_).notes().back(),
+              HasSubstr("neither poses that move nor --camera-height"));
+  DepthDatasetOptions options;
+  options.camera_height = 0.62;
+  const DepthDataset dataset = DepthDataset::open(folder_, options);
+  EXPECT_EQ(dataset.depth_scale(), 1000.0);
+  EXPECT_THAT(dataset.notes().back(), HasSubstr("the ground is 0.62 m below the camera so"));
+  options.camera_height = 1.6;  // wrong
+  EXPECT_TRUE(DepthDataset::open(folder_, options).depth_scale_doubtful());
+}
+
+TEST_F(DepthDatasetTest, DepthsAsFloats) {
+  recording_.write_numbered(folder_);
+  recording_.write_intrinsics(folder_);
+  for (const char* ending : {".tiff", ".pfm"}) {
+    fs::remove_all(folder_ + "/depth");
+    fs::create_directories(folder_ + "/depth");
+    for (int k = 0; k < recording_.frames; ++k) {
+      const DepthImage image =
+          recording_.scene.render(recording_.camera, recording_.pose(k), DepthRecording::kNoise,
+                                  100 + static_cast<std::uint64_t>(k));
+      cv::imwrite(
+          folder_ + "/depth/" + std::to_string(3 * k) + ending,
+          cv::Mat(image.height, image.width, CV_32F, const_cast<float*>(image.depth.data())));
+    }
+    const DepthDataset dataset = DepthDataset::open(folder_);
+    EXPECT_EQ(dataset.depth_scale(), 1.0) << ending;
+    expect_good(dataset, recording_, 1e-5);
+  }
+}
+
+TEST_F(DepthDatasetTest, FramesWithoutAFinitePoseAreLeftOut) {
+  const std::string inf = "-inf -inf -inf -inf\n";
+  const std::string nan = "nan nan nan nan\n";
+  for (const std::string& pose :
+       {inf + inf + inf + inf, inf + inf + inf + "0 0 0 1\n", nan + nan + nan + nan}) {
+    recording_.write_seven_scenes(folder_);
+    write("frame-000003.pose.txt", pose);
+    const DepthDataset dataset = DepthDataset::open(folder_);
+    EXPECT_EQ(dataset.size(), 2);
+    EXPECT_EQ(dataset.without_pose(), 1);
+    EXPECT_TRUE(dataset.pose(1).isApprox(recording_.T_DW * recording_.pose(2), 1e-6));
+  }
+  for (const char* frame : {"frame-000000", "frame-000003", "frame-000006"}) {
+    write(std::string(frame) + ".pose.txt", inf + inf + inf + inf);
+  }
+  EXPECT_THAT(refusal(), HasSubstr("no frame has a finite pose"));
+}
+
+TEST_F(DepthDatasetTest, AssociationsAndStampsInOtherUnits) {
+  recording_.write_tum(folder_);
+  std::ifstream in(folder_ + "/depth.txt");
+  std::string line, associations, micro;
+  while (std::getline(in, line)) {
+    if (line.empty() || line[0] == '#') continue;
+    const std::string stamp = line.substr(0, line.find(' '));
+    associations += stamp + " rgb/x.png " + line + "\n";
+    micro +=
+        std::to_string(std::llround(std::stod(stamp) * 1e6)) + line.substr(line.find(' ')) + "\n";
+  }
+  in.close();
+  write("depth.txt", micro);
+  const DepthDataset dataset = DepthDataset::open(folder_);
+  EXPECT_EQ(dataset.size(), recording_.frames);
+  EXPECT_NEAR(dataset.stamp(2) - dataset.stamp(0), 0.2, 1e-6);
+  EXPECT_THAT(dataset.notes().front(), HasSubstr("stamps in us"));
+  fs::remove(folder_ + "/depth.txt");
+  write("associations.txt", associations);
+  expect_good(DepthDataset::open(folder_), recording_, 0.0002);
 }
 
 }  // namespace

@@ -40,6 +40,38 @@ TEST(Rectification, UndistortInvertsTheModel) {
   EXPECT_LT(project_distorted(barrel, {0.5, 0}).x(), 229.0 * 0.5 + 121.0);
 }
 
+TEST(Rectification, UndistortInvertsOtherLenses) {
+  CalibratedCamera rational = camera(false);
+  rational.distortion = {0.4, 0.05, 2e-4, -4e-5, 0.01, 0.7, 0.2, 0.02};
+  CalibratedCamera fisheye = camera(false);
+  fisheye.lens = Lens::kEquidistant;
+  fisheye.distortion = {-0.02, 0.01, -0.004, 0.001};
+  for (const CalibratedCamera& c : {rational, fisheye}) {
+    for (double u = 0; u < 240; u += 17) {
+      for (double v = 0; v < 160; v += 13) {
+        EXPECT_LE((project_distorted(c, undistort(c, {u, v})) - Vector2d(u, v)).norm(), 1e-7);
+      }
+    }
+  }
+  // 229 px a radian: 0.5 rad aside is 114.5 px, less k1 and more.
+  const double t = 0.5, k = 1 - 0.02 * t * t + 0.01 * std::pow(t, 4) - 0.004 * std::pow(t, 6) +
+                            0.001 * std::pow(t, 8);
+  EXPECT_NEAR(project_distorted(fisheye, {std::tan(t), 0.0}).x(), 121.0 + 229.0 * t * k, 1e-9);
+}
+
+TEST(Rectification, FisheyeThatSeesBehindItselfIsCutToAHundredDegrees) {
+  CalibratedCamera pair[2] = {camera(false), camera(true)};
+  for (CalibratedCamera& c : pair) {
+    c.lens = Lens::kEquidistant;
+    c.distortion = {};
+    c.pinhole.fx = c.pinhole.fy = 70.0;  // 240 px are 196 degrees
+  }
+  const Rectification rectification(pair[0], pair[1]);
+  const PinholeCamera& view = rectification.camera().left;
+  EXPECT_NEAR(view.fx, 239.0 / (2.0 * std::tan(50.0 * M_PI / 180.0)), 1e-6);
+  EXPECT_NEAR(view.cx, 119.5, 1e-6);
+}
+
 TEST(Rectification, RectifiedPixelsShowWhatTheRawOnesDid) {
   const CalibratedCamera raw[2] = {camera(false), camera(true)};
   const Rectification rectification(raw[0], raw[1]);

@@ -177,7 +177,8 @@ TEST_F(StereoRecording, EurocLayout) {
 TEST_F(StereoRecording, SaysWhatIsMissingOrMalformed) {
   EXPECT_THAT(refusal(), HasSubstr("no such folder"));
   fs::create_directories(folder_);
-  EXPECT_THAT(refusal(), HasSubstr("looked for image_00/data and calib_cam_to_cam.txt (KITTI raw); mav0/cam0"));
+  EXPECT_THAT(refusal(),
+              HasSubstr("image_00/data and calib_cam_to_cam.txt (KITTI raw); mav0/cam0"));
   write("rgb.txt", "");
   EXPECT_THAT(refusal(), HasSubstr("one camera and depth, for `prospect map`"));
 

@@ -621,7 +621,7 @@ refused "report into a file" file "expected a folder to write to" report first -
 [[ "$(ls foreign)" == notes.txt && "$(<file)" == precious ]] || fail "report touched a file of others"
 
 # --- Odometry: what is no recording is refused (recordings themselves: adapters_stereo_dataset_test).
-refused "odometry of nothing" nowhere "expected a recording in KITTI or EuRoC layout" \
+refused "odometry of nothing" nowhere "expected a recording of a stereo pair" \
   odometry nowhere --out run
 mkdir -p half/image_0 half/image_1
 echo "P0: 300 0 200 0 0 300 150 0 0 0 1 0" >half/calib.txt
@@ -649,6 +649,39 @@ grep -q "too few frames" out.txt || fail "odometry of three frames: '$out'"
 refused "odometry from behind the last frame" "--from is 12" "expected less than the 12 frames" \
   odometry stereo --from 12 --out run
 refused "odometry into a file" file "expected a folder" odometry stereo --out file
+refused "odometry with a topic of no use" "--topics" "expected USE=TOPIC, with USE of: left, right" \
+  odometry stereo --topics middle=/a
+: >film.mp4
+refused "odometry of a video" film.mp4 "ffmpeg -i VIDEO left/%06d.png" odometry film.mp4
+: >old.bag
+refused "odometry of a bag of ROS 1" old.bag "expected one of ROS 2" odometry old.bag
+echo "no bag" >no.mcap
+refused "odometry of what is no bag" no.mcap "no MCAP file; expected one" odometry no.mcap
+# From the second frame on the right images are the left ones.
+cp -r stereo lost
+for k in 01 02 03 04 05 06 07 08 09 10 11; do cp "lost/image_0/0000$k.png" lost/image_1; done
+run odometry lost --json
+((code == 1)) || fail "odometry of a lost recording: exit $code, expected 1; '$out'"
+grep -qE "^prospect: lost: 11 of 12 frames lost, most often as .*right image" err.txt ||
+  fail "odometry of a lost recording: '$err'"
+for none in end_error_m end_error_percent rpe_1m_percent ate_first_pose_rmse_m estimated_length_m; do
+  grep -qF "\"$none\": null" out.txt || fail "odometry of a lost recording: $none is not null"
+done
+# What inspect says: usable, incomplete, nothing known, no such thing.
+succeeds "inspect" inspect stereo
+grep -qE "^pairs +12, 0 images alone" out.txt || fail "inspect: '$out'"
+succeeds "inspect --json" inspect stereo --json
+grep -qF '"found": "usable"' out.txt || fail "inspect --json: '$out'"
+run inspect half
+((code == 1)) || fail "inspect of half a recording: exit $code, expected 1"
+grep -qE "^missing +half/image_0: holds no image" out.txt || fail "inspect of half: '$out'"
+mkdir -p nothing_known
+run inspect nothing_known
+((code == 2)) || fail "inspect of nothing known: exit $code, expected 2"
+grep -qF "looked for" out.txt || fail "inspect of nothing known: '$out'"
+refused "inspect of nothing" nowhere "nothing is there" inspect nowhere
+succeeds "inspect of a map" inspect first/map.bt
+grep -qF "OctoMap" out.txt || fail "inspect of a map: '$out'"
 # A baseline half as long again: all is measured and shown, and the calibration is refused.
 "$write_stereo_recording" long 24 -1 0.18 || fail "no stereo recording was written"
 run odometry long --out long_out
@@ -685,8 +718,8 @@ grep -q '"frames": 2,' out.txt || fail "map --json: '$out'"
 [[ ! -s err.txt ]] || fail "map --json wrote to standard error"
 timed_out "a map read back" explore map1/map.bt --time-limit 1 --quiet --out run
 rm -rf run
-refused "map of nothing" nowhere "expected a recording in 7-Scenes" map nowhere --out run
-refused "map without intrinsics" depth/robot "expected camera-intrinsics.txt, or --camera" \
+refused "map of nothing" nowhere "expected a recording of depth images" map nowhere --out run
+refused "map without intrinsics" depth/robot ", or --camera FX FY CX CY" \
   map depth/robot --out run
 succeeds "map without poses" map depth/robot --camera 262.5 262.5 159.5 119.5 --out robot
 grep -qF "no poses, so the ground is measured only" out.txt || fail "map without poses: '$out'"
@@ -703,13 +736,13 @@ refused "map into a file" file "expected one to write to" map depth/posed --out 
 echo "1 0 0" >depth/posed/frame-000003.pose.txt
 refused "map with half a pose" frame-000003.pose.txt:1 "expected a pose" map depth/posed --out run
 
-for arguments in --help "explore --help" "report --help" "solve --help" "bench --help" "odometry --help" "map --help" "list --help" "config --help" --version; do
+for arguments in --help "explore --help" "report --help" "solve --help" "bench --help" "inspect --help" "odometry --help" "map --help" "list --help" "config --help" --version; do
   # shellcheck disable=SC2086
   succeeds "$arguments" $arguments
   [[ -s out.txt && ! -s err.txt ]] || fail "$arguments: expected text on standard output alone"
 done
 succeeds "--help" --help
-for command in explore report solve bench odometry map list config; do
+for command in explore report solve bench inspect odometry map list config; do
   grep -q "^  $command " out.txt || fail "--help does not name '$command'"
 done
 

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace prospect {
+
+/// A topic of a bag, and where its messages are.
+struct BagTopic {
+  std::string name;
+  std::string type;      ///< as ROS 2 names it: "sensor_msgs/msg/Image"
+  std::string encoding;  ///< of the messages: "cdr"
+  struct Message {
+    std::int64_t time = 0;  ///< when it was recorded [ns]
+    std::size_t file = 0, chunk = 0, begin = 0, size = 0;
+  };
+  std::vector<Message> messages;  ///< in the order of their times
+};
+
+/// Whether a path is a bag by its name: a .mcap or .db3 file, or a folder that holds such files.
+bool is_bag(const std::string& path);
+
+/// A recording of ROS 2: MCAP files (chunks plain, lz4 or zstd) or SQLite databases, one or
+/// several. A file that ends early, as of a recorder that was killed, is read as far as it goes.
+/// Opening reads through MCAP files once. Copies share what was opened; not thread-safe.
+class BagFile {
+ public:
+  /// Throws InputError, one line: no bag, damaged, no message in it; NotBuiltIn where the library
+  /// for its compression or for SQLite was absent when the program was built.
+  static BagFile open(const std::string& path);
+
+  const std::vector<BagTopic>& topics() const;
+  /// Null: no such topic.
+  const BagTopic* find(const std::string& name) const;
+  /// The bytes of a message.
+  std::string read(const BagTopic::Message& message) const;
+  /// What is to be said of the files, one line each.
+  const std::vector<std::string>& notes() const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;
+};
+
+// The two kinds of files; `file` is its number in the bag.
+class McapFile {
+ public:
+  McapFile(const std::string& path, std::size_t file, std::vector<BagTopic>& topics,
+           std::vector<std::string>& notes);
+  std::string read(const BagTopic::Message& message);
+
+ private:
+  std::string chunk(std::uint64_t offset);
+  std::string path_;
+  std::uint64_t cached_ = 0;  ///< offset of the chunk that is at hand; 0: none
+  std::string cache_;
+};
+class BagDatabase {
+ public:
+  BagDatabase(const std::string& path, std::size_t file, std::vector<BagTopic>& topics);
+  std::string read(const BagTopic::Message& message);
+
+ private:
+  struct Handle;
+  std::string path_;
+  std::shared_ptr<Handle> handle_;
+};
+
+/// The topic of this name, made if there is none. Throws InputError where its type differs.
+BagTopic& topic_named(std::vector<BagTopic>& topics, const std::string& path,
+                      const std::string& name, const std::string& type,
+                      const std::string& encoding);
+
+}  // namespace prospect
