@@ -80,8 +80,8 @@ void describe(Knobs& knobs, PinholeCamera& c) {
   knobs.number("fy", c.fy, {1.0, 1e5}, "px", "focal length");
   knobs.number("cx", c.cx, {0.0, 1e5}, "px", "principal point");
   knobs.number("cy", c.cy, {0.0, 1e5}, "px", "principal point");
-  knobs.number("width", c.width, {16.0, 1e5}, "px", "image width");
-  knobs.number("height", c.height, {16.0, 1e5}, "px", "image height");
+  knobs.number("width", c.width, {1.0, 1e5}, "px", "image width");
+  knobs.number("height", c.height, {1.0, 1e5}, "px", "image height");
   knobs.require(c.cx <= c.width, "cx", "cx > width; expected at most width");
   knobs.require(c.cy <= c.height, "cy", "cy > height; expected at most height");
 }
