@@ -23,7 +23,7 @@ int choose_frontier(FrontierRule rule, const std::vector<FrontierCandidate>& can
 
 FrontierPlannerOptions guided_by(FrontierRule rule, FrontierPlannerOptions options) {
   constexpr double kEvery = 3.0;  // [s]
-  constexpr double kNever = 1e4;  // [s], longer than any mission
+  constexpr double kNever = 1e7;  // [s], longer than any mission
   options.rule = [rule](const std::vector<FrontierCandidate>& candidates, int) {
     return choose_frontier(rule, candidates);
   };

@@ -562,7 +562,7 @@ void describe(Knobs& knobs, FrontierPlannerOptions& o) {
   knobs.number("look_time", o.look_time, {0.0, 1e3}, "s", "of a look, beside the way to it");
   knobs.number("look_length", o.look_length, {0.0, 1e3}, "m",
                "of travel that a look counts as where features are few");
-  knobs.number("reconsider", o.reconsider, {0.01, 1e4}, "s",
+  knobs.number("reconsider", o.reconsider, {0.01, 1e7}, "s",
                "between two questions whether another target is better");
   knobs.number("commitment", o.commitment, {0.0, 100.0}, "1",
                "share by which another sequence must be better to change the target");
