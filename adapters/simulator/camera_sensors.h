@@ -40,7 +40,7 @@ namespace prospect {
 /// away, that held none before: on an edge corners are found anew in every view.
 ///
 /// Bits: the same for any number of threads of the renderer. Source: our choice.
-class CameraSensors final : public Senses {
+class CameraSensors final : public SimulatedSensors {
  public:
   /// As FeatureSensors. Throws std::invalid_argument on options out of range, NotBuiltIn without a
   /// renderer.

@@ -20,7 +20,7 @@ namespace prospect {
 /// Perception as a model, fast: features that are visible are tracked, the estimate drifts with how
 /// many there are (OdometryModel), is found again in the map of landmarks after a loss, and depth
 /// rays are cast through the true voxels.
-class FeatureSensors final : public Senses {
+class FeatureSensors final : public SimulatedSensors {
  public:
   /// known_free: discs in W [m] over which columns of the map are known to be free up to
   /// mapping.slice.z_max, by their centres (known_free.h). Throws std::invalid_argument on options

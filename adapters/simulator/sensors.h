@@ -25,9 +25,9 @@ struct CameraPicture {
 /// for the very first ones, at time 0: scan(), then image(). Thread-safety: one thread; beliefs may
 /// be read anywhere. Nothing here throws. Deterministic in what it was made of and the sequence of
 /// calls.
-class Senses {
+class SimulatedSensors {
  public:
-  virtual ~Senses() = default;
+  virtual ~SimulatedSensors() = default;
 
   /// A stereo image at `stamp` [s], taken at a true pose while the robot moves with `twist`.
   virtual void image(double stamp, const Pose& true_pose, const Twist& twist) = 0;

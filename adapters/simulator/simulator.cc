@@ -55,7 +55,7 @@ struct Simulator::Impl {
   OccupancyMapperOptions mapping;
   KinematicRobot robot;
   SeenArea seen;
-  std::unique_ptr<Senses> senses;
+  std::unique_ptr<SimulatedSensors> sensors;
 
   double time = 0.0;
   double lost_time = 0.0;
@@ -74,24 +74,24 @@ struct Simulator::Impl {
         known_free(*world, robot.pose(), robot.contact_test().radius(),
                    {mapping.slice.z_min, mapping.slice.z_max}, o.mapping.resolution);
     if (o.sensors == Sensors::kCamera) {
-      senses = std::make_unique<CameraSensors>(*world, o, mapping, robot.pose(), cleared);
+      sensors = std::make_unique<CameraSensors>(*world, o, mapping, robot.pose(), cleared);
     } else {
-      senses = std::make_unique<FeatureSensors>(*world, o, mapping, robot.pose(), cleared);
+      sensors = std::make_unique<FeatureSensors>(*world, o, mapping, robot.pose(), cleared);
     }
-    if (o.map) seen.know(*senses->belief(time, robot.pose(), twist)->ground);
+    if (o.map) seen.know(*sensors->belief(time, robot.pose(), twist)->ground);
     scan();
     image();
-    const std::string complaint = senses->complaint();
+    const std::string complaint = sensors->complaint();
     if (!complaint.empty()) throw std::invalid_argument("sensors at the start: " + complaint);
   }
 
   void scan() {
     ++scans;
-    senses->scan(time, robot.pose(), seen);
+    sensors->scan(time, robot.pose(), seen);
   }
   void image() {
     ++images;
-    senses->image(time, robot.pose(), twist);
+    sensors->image(time, robot.pose(), twist);
   }
 };
 
@@ -100,7 +100,7 @@ Simulator::Simulator(std::shared_ptr<const World> world, const SimulatorOptions&
 Simulator::~Simulator() = default;
 
 std::shared_ptr<const Belief> Simulator::sense() {
-  return impl_->senses->belief(impl_->time, impl_->robot.pose(), impl_->twist);
+  return impl_->sensors->belief(impl_->time, impl_->robot.pose(), impl_->twist);
 }
 
 void Simulator::apply(const Twist& twist, double duration) {
@@ -118,7 +118,7 @@ void Simulator::apply(const Twist& twist, double duration) {
     const double next = std::max(s.time, std::min({end, next_image, next_scan}));
     if (next > s.time) {
       if (!s.robot.move(s.twist, next - s.time)) s.twist = Twist{};
-      if (s.senses->localization() == Localization::kLost) s.lost_time += next - s.time;
+      if (s.sensors->localization() == Localization::kLost) s.lost_time += next - s.time;
       s.time = next;
     }
     if (s.time >= next_image - kInstant) s.image();
@@ -132,7 +132,7 @@ const World& Simulator::world() const { return *impl_->world; }
 const SimulatorOptions& Simulator::options() const { return impl_->options; }
 Pose Simulator::true_pose() const { return impl_->robot.pose(); }
 Pose Simulator::estimated_pose() const {
-  return impl_->senses->estimate(impl_->time, impl_->robot.pose());
+  return impl_->sensors->estimate(impl_->time, impl_->robot.pose());
 }
 double Simulator::localization_error() const {
   return (estimated_pose().position - true_pose().position).head<2>().norm();
@@ -141,9 +141,9 @@ int Simulator::collisions() const { return impl_->robot.collisions(); }
 bool Simulator::in_contact() const { return impl_->robot.in_contact(); }
 double Simulator::path_length() const { return impl_->robot.path_length(); }
 double Simulator::rotation() const { return impl_->robot.rotation(); }
-int Simulator::losses() const { return impl_->senses->losses(); }
-std::string Simulator::complaint() const { return impl_->senses->complaint(); }
-CameraPicture Simulator::picture() const { return impl_->senses->picture(); }
+int Simulator::losses() const { return impl_->sensors->losses(); }
+std::string Simulator::complaint() const { return impl_->sensors->complaint(); }
+CameraPicture Simulator::picture() const { return impl_->sensors->picture(); }
 double Simulator::lost_time() const { return impl_->lost_time; }
 void Simulator::set_reachable(const Grid<std::uint8_t>& reachable) {
   impl_->seen.set_reachable(reachable);
