@@ -83,7 +83,7 @@ endfunction()
 # Much of the time that a file takes to compile goes into what it includes, so several are compiled as one.
 # (Names in unnamed namespaces are therefore unique in their room.) Not so a room full of Eigen's
 # expressions, FILE_BY_FILE: the time g++ takes grows faster than the number of their types in one unit. The
-# presets dev, asan and tsan and the sanitizer build of .ci/run do without.
+# presets dev, asan and tsan do without.
 option(PROSPECT_UNITY_ROOMS "Compile several files of a room as one" ON)
 set(CMAKE_UNITY_BUILD_BATCH_SIZE 16)  # of rooms and tests
 function(prospect_unity target)

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -177,6 +178,12 @@ int solve(const SolveArguments& arguments, const Registries& registries) {
     progress.finish();
     tell_left_out(world);
     captures.back().world = std::make_shared<const World>(world);
+  }
+  const bool driven =
+      std::any_of(captures.begin(), captures.end(), [](const Capture& c) { return c.step >= 0; });
+  if (!driven && !(arguments.configuration.empty() && arguments.settings.empty())) {
+    throw InputError(
+        "--config and --set: of no effect on problem files; expected a WORLD@STEP among them");
   }
   // Not before: until here an interrupt ends the program at once.
   const std::function<bool()> cancelled = catch_interrupts();

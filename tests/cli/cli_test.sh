@@ -347,6 +347,8 @@ succeeds "solve a problem file" solve saved/problems/step_000008.h5 --seed 3 \
   --solver nlopt,ipopt,sampling --json
 grep -v '"wall_ms"' out.txt | diff of_mission.json - ||
   fail "a problem file is solved differently from the mission's problem"
+refused "solve a problem file with a setting of no effect" "--set" "expected a WORLD@STEP" \
+  solve saved/problems/step_000008.h5 --set planner.N=10
 succeeds "solve two problem files" solve --solver sampling saved/problems/step_00000{0,4}.h5
 named "solve two problem files" saved/problems/step_000000.h5: saved/problems/step_000004.h5:
 
