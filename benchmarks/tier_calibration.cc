@@ -35,13 +35,13 @@
 #include <vector>
 
 #include "adapters/config/configuration.h"
-#include "adapters/files/csv.h"
 #include "adapters/files/input_error.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/simulator/simulator.h"
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/reachable_area.h"
 #include "benchmarks/guarded_main.h"
+#include "models/range_text.h"
 
 namespace prospect {
 namespace {
@@ -214,11 +214,10 @@ void drive(const Arguments& a, const std::string& name, int seed, const std::str
     simulator.apply(tour.command(simulator.true_pose()), kPeriod);
     const auto belief = simulator.sense();
     const Pose pose = simulator.true_pose();
-    using csv::text;
-    rows << text(simulator.path_length()) << ',' << text(pose.position.x()) << ','
-         << text(pose.position.y()) << ',' << text(pose.yaw) << ','
-         << text(belief->pose.position.x()) << ',' << text(belief->pose.position.y()) << ','
-         << text(belief->pose.yaw) << ',' << belief->tracked_features << ','
+    rows << exact_text(simulator.path_length()) << ',' << exact_text(pose.position.x()) << ','
+         << exact_text(pose.position.y()) << ',' << exact_text(pose.yaw) << ','
+         << exact_text(belief->pose.position.x()) << ',' << exact_text(belief->pose.position.y())
+         << ',' << exact_text(belief->pose.yaw) << ',' << belief->tracked_features << ','
          << (belief->localization == Localization::kLost) << '\n';
   }
   std::ofstream out(file);

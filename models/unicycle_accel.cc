@@ -164,14 +164,4 @@ void UnicycleAccel::step_batch(const Eigen::Ref<const BatchArray>& x,
   }
 }
 
-void describe(Knobs& knobs, UnicycleAccel::Parameters& p) {
-  knobs.number("v_min", p.v_min, {-100.0, 0.0}, "m/s", "lowest speed; less than 0: it may reverse");
-  knobs.number("v_max", p.v_max, {0.001, 100.0}, "m/s", "highest speed");
-  knobs.number("omega_max", p.omega_max, {0.001, 100.0}, "rad/s", "fastest turn");
-  knobs.number("a_max", p.a_max, {1e-6, 1000.0}, "m/s2", "for speeding up and braking");
-  knobs.number("alpha_max", p.alpha_max, {0.001, 1000.0}, "rad/s2", "change of the yaw rate");
-  knobs.number("fixed_z", p.fixed_z, {-1000.0, 1000.0}, "m",
-               "height of the body frame's origin above the floor");
-}
-
 }  // namespace prospect

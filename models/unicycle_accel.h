@@ -1,6 +1,7 @@
 #pragma once
 
 #include "models/motion_model.h"
+#include "models/unicycle.h"
 
 namespace prospect {
 
@@ -27,14 +28,7 @@ class UnicycleAccel final : public MotionModel {
  public:
   static constexpr std::string_view kName = "unicycle_accel";
 
-  struct Parameters {
-    double v_min = 0.0;      ///< [m/s], <= 0; negative: may reverse
-    double v_max = 0.6;      ///< [m/s], > 0
-    double omega_max = 1.0;  ///< [rad/s], > 0
-    double a_max = 0.8;      ///< [m/s^2], > 0, for speeding up and braking
-    double alpha_max = 2.5;  ///< [rad/s^2], > 0
-    double fixed_z = 0.0;    ///< height of B's origin in W [m]
-  };
+  using Parameters = Unicycle::Parameters;
 
   UnicycleAccel() : UnicycleAccel(Parameters()) {}
   /// Throws std::invalid_argument naming the parameter, its value and what was expected.
@@ -74,8 +68,5 @@ class UnicycleAccel final : public MotionModel {
   Parameters parameters_;
   InputLimits limits_;
 };
-
-/// The knobs (models/knobs.h): all of them.
-void describe(Knobs& knobs, UnicycleAccel::Parameters& parameters);
 
 }  // namespace prospect

@@ -12,6 +12,7 @@
 #include "adapters/files/csv.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
+#include "models/range_text.h"
 #include "models/version.h"
 
 namespace prospect {
@@ -22,7 +23,7 @@ using Json = nlohmann::ordered_json;
 
 /// JSON has no infinity: null.
 
-std::string text(double value) { return std::isfinite(value) ? csv::text(value) : std::string(); }
+std::string text(double value) { return std::isfinite(value) ? exact_text(value) : std::string(); }
 
 const BestKnown& best_of(const BenchTable& table, const BenchRow& row) {
   return table.best[static_cast<std::size_t>(row.set)][static_cast<std::size_t>(row.problem)];
@@ -162,7 +163,7 @@ std::string bench_csv(const BenchTable& table) {
            std::to_string(problem.problem->num_variables()) + ',' +
            std::to_string(problem.problem->num_constraints()) + ',' +
            csv::field(solver_of(table, row)) + ',' +
-           (row.deadline > 0.0 ? csv::text(row.deadline) : std::string()) + ',' +
+           (row.deadline > 0.0 ? exact_text(row.deadline) : std::string()) + ',' +
            (there ? text(row.cost) : "") + ',' + (there ? text(row.violation) : "") + ',' +
            text(best_of(table, row).cost) + ',' + text(row.gap) + ',' + (row.solved ? "1," : "0,") +
            text(1e3 * row.seconds_to_target) + ',' + text(row.evaluations_to_target) + ',' +
@@ -224,7 +225,7 @@ Json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups
 std::string bench_text(const BenchTable& table, const GroupSummary& group) {
   char line[256];
   std::string out = group.set + ", " + std::to_string(group.problems) + " problems, ";
-  out += group.deadline > 0.0 ? "deadline " + csv::text(1e3 * group.deadline) + " ms"
+  out += group.deadline > 0.0 ? "deadline " + exact_text(1e3 * group.deadline) + " ms"
                               : std::string("no deadline");
   out += ", at most " + std::to_string(table.options.max_evaluations) + " evaluations\n";
   int width = 10;

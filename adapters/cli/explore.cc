@@ -10,7 +10,6 @@
 #include "adapters/cli/progress.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/solver_options.h"
-#include "adapters/files/csv.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
 #include "adapters/report/progress_line.h"
@@ -20,6 +19,7 @@
 #include "adapters/run/run_folder.h"
 #include "adapters/worlds/load_world.h"
 #include "engine/task/task.h"
+#include "models/range_text.h"
 
 namespace prospect {
 namespace {
@@ -86,8 +86,8 @@ void set_until(const std::string& until, Configuration& configuration) {
   }
   configuration.until_coverage = area ? 0.0 : value;
   configuration.until_area = area ? value : 0.0;
-  override_entry(configuration, "mission.until.coverage", csv::text(configuration.until_coverage));
-  override_entry(configuration, "mission.until.area", csv::text(configuration.until_area));
+  override_entry(configuration, "mission.until.coverage", exact_text(configuration.until_coverage));
+  override_entry(configuration, "mission.until.area", exact_text(configuration.until_area));
 }
 
 /// What the command line says of the task.
@@ -103,10 +103,10 @@ void set_task(const ExploreArguments& arguments, Configuration& configuration) {
   task.area.reset();
   task.goal.position = {arguments.go[0], arguments.go[1]};
   task.goal.yaw.reset();
-  std::string goal = csv::text(arguments.go[0]) + ", " + csv::text(arguments.go[1]);
+  std::string goal = exact_text(arguments.go[0]) + ", " + exact_text(arguments.go[1]);
   if (arguments.go.size() == 3) {
     task.goal.yaw = arguments.go[2] * M_PI / 180.0;
-    goal += ", " + csv::text(arguments.go[2]);
+    goal += ", " + exact_text(arguments.go[2]);
   }
   override_entry(configuration, "task.kind", "go");
   override_entry(configuration, "task.area", "[]");
@@ -122,17 +122,18 @@ void set_world(const ExploreArguments& arguments, Configuration& configuration) 
   if (!arguments.start.empty()) {
     const std::vector<double>& s = arguments.start;
     world.start = Pose{{s[0], s[1], 0.0}, s[2] * M_PI / 180.0};
-    override_entry(configuration, "world.start",
-                   "[" + csv::text(s[0]) + ", " + csv::text(s[1]) + ", " + csv::text(s[2]) + "]");
+    override_entry(
+        configuration, "world.start",
+        "[" + exact_text(s[0]) + ", " + exact_text(s[1]) + ", " + exact_text(s[2]) + "]");
   }
   if (arguments.floor) {
     world.floor = arguments.floor;
     // A text, which may be "lowest".
-    override_entry(configuration, "world.floor", '"' + csv::text(*arguments.floor) + '"');
+    override_entry(configuration, "world.floor", '"' + exact_text(*arguments.floor) + '"');
   }
   if (arguments.resolution > 0.0) {
     world.voxel_size = arguments.resolution;
-    override_entry(configuration, "world.resolution", csv::text(arguments.resolution));
+    override_entry(configuration, "world.resolution", exact_text(arguments.resolution));
   }
   if (!arguments.unknown.empty()) {
     world.unknown_is_free = arguments.unknown == "free";
@@ -140,7 +141,7 @@ void set_world(const ExploreArguments& arguments, Configuration& configuration) 
   }
   if (arguments.ground_margin) {
     world.ground_margin = *arguments.ground_margin;
-    override_entry(configuration, "world.ground", csv::text(*arguments.ground_margin));
+    override_entry(configuration, "world.ground", exact_text(*arguments.ground_margin));
   }
 }
 
@@ -165,7 +166,7 @@ int explore(const ExploreArguments& arguments, const Registries& registries) {
   }
   if (arguments.time_limit > 0.0) {
     configuration.mission.time_limit = arguments.time_limit;
-    override_entry(configuration, "mission.time_limit", csv::text(arguments.time_limit));
+    override_entry(configuration, "mission.time_limit", exact_text(arguments.time_limit));
   }
   if (!arguments.sensors.empty()) {
     configuration.simulator.sensors = sensors_named(arguments.sensors);

@@ -9,10 +9,10 @@
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/configuration_reference.h"
-#include "adapters/files/csv.h"
 #include "adapters/files/input_error.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "engine/behaviour/behaviour.h"
+#include "models/range_text.h"
 #include "solvers/options.h"
 
 namespace prospect {
@@ -27,7 +27,7 @@ std::string short_key(const TermEntry& entry) {
 /// "radius=0.5 [m], 0.05 to 10: the distance at which ..."
 std::string in_words(const nlohmann::ordered_json& option) {
   const auto text = [&](const char* key) { return option.at(key).get<std::string>(); };
-  const auto number = [&](const char* key) { return csv::text(option.at(key).get<double>()); };
+  const auto number = [&](const char* key) { return exact_text(option.at(key).get<double>()); };
   return text("name") + "=" + number("default") + " [" + text("unit") + "], " + number("least") +
          " to " + number("most") + ": " + text("description");
 }

@@ -20,8 +20,6 @@
 namespace prospect {
 namespace {
 
-constexpr double kDegree = M_PI / 180.0;
-
 Eigen::Vector3d vector3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
 /// What the mapping says of it, else as it is.
@@ -72,7 +70,8 @@ CameraMount read_mount(YamlMap map) {
   const double yaw = map.number("yaw", 0.0, -180.0, 180.0, "deg", "turned from the body's x axis");
   const double pitch =
       map.number("pitch", 0.0, -89.0, 89.0, "deg", "optical axis below the horizontal");
-  mount.T_BC = CameraMount::forward_facing(position, yaw * kDegree, pitch * kDegree);
+  mount.T_BC =
+      CameraMount::forward_facing(position, yaw * kRadiansPerDegree, pitch * kRadiansPerDegree);
   return mount;
 }
 
@@ -222,10 +221,11 @@ void read_task(YamlMap map, Configuration& c) {
   task.goal.position_tolerance = map.number("position_tolerance", task.goal.position_tolerance,
                                             0.05, 10.0, "m", "of go and return: how near is there");
   task.goal.yaw_tolerance =
-      kDegree * map.number("yaw_tolerance", std::round(task.goal.yaw_tolerance / kDegree), 2.0,
-                           180.0, "deg", "of go and return");
+      kRadiansPerDegree * map.number("yaw_tolerance",
+                                     std::round(task.goal.yaw_tolerance / kRadiansPerDegree), 2.0,
+                                     180.0, "deg", "of go and return");
   if (goal.size() >= 2) task.goal.position = {goal[0], goal[1]};
-  if (goal.size() >= 3) task.goal.yaw = kDegree * goal[2];
+  if (goal.size() >= 3) task.goal.yaw = kRadiansPerDegree * goal[2];
   if (!area.empty() && kind == "explore") task.area = std::move(area);
   task.kind = kind == "go"       ? TaskKind::kGoTo
               : kind == "return" ? TaskKind::kReturn

@@ -59,25 +59,19 @@ const std::vector<DepthLayout>& depth_layouts() {
 }
 
 const DepthLayout* find_depth_layout(const std::string& path) {
-  for (const DepthLayout& layout : depth_layouts()) {
-    if (layout.recognises(path)) return &layout;
-  }
-  return nullptr;
+  return find_layout(depth_layouts(), path);
 }
 
 DepthSource open_depth_source(const std::string& path, const DepthDatasetOptions& options) {
   std::error_code error;
   const DepthLayout* layout = find_depth_layout(path);
   if (layout == nullptr) {
-    std::string looked_for;
-    for (const DepthLayout& known : depth_layouts()) {
-      looked_for += (looked_for.empty() ? "" : ", ") + std::string(known.looked_for);
-    }
-    throw InputError(
-        path + (std::filesystem::exists(path, error)
-                    ? ": no recording of depth images is there; looked for " + looked_for +
-                          "; expected one of these"
-                    : ": no such folder; expected a recording of depth images: " + looked_for));
+    const std::string known = looked_for(depth_layouts(), ", ");
+    throw InputError(path +
+                     (std::filesystem::exists(path, error)
+                          ? ": no recording of depth images is there; looked for " + known +
+                                "; expected one of these"
+                          : ": no such folder; expected a recording of depth images: " + known));
   }
   DepthSource source = layout->open(path, options);
   source.attempt([&] { find_intrinsics(path, options, source); });

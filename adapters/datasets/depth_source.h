@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "adapters/datasets/image_stream.h"
-#include "adapters/files/input_error.h"
+#include "adapters/datasets/recording_source.h"
 #include "models/camera.h"
 #include "perception/mapping/depth_image.h"
 
@@ -29,39 +29,17 @@ struct DepthDatasetOptions {
 
 using DepthPoses = std::vector<Eigen::Isometry3d, Eigen::aligned_allocator<Eigen::Isometry3d>>;
 
-/// What a layout finds in a recording of depth images; what is missing is listed, and does not stop
-/// the search.
-struct DepthSource {
-  std::string layout;
+/// What a layout finds in a recording of depth images.
+struct DepthSource : RecordingSource {
   ImageStream images;
   DepthPoses poses;                     ///< of each image, camera to world; empty: none is known
   std::optional<PinholeCamera> camera;  ///< width and height 0: not stated
   std::string camera_from;              ///< file or topic, for messages
   double depth_scale = 1000.0;          ///< numbers a metre by the layout's rule, of 16 bits
-  bool times_assumed = false;
-  int without_pose = 0;  ///< frames left out
-  std::vector<std::string> notes, missing;
-
-  /// Calls `read` and lists the lines of an InputError as missing; false then.
-  template <typename Read>
-  bool attempt(const Read& read) {
-    try {
-      read();
-      return true;
-    } catch (const InputError& error) {
-      missing.insert(missing.end(), error.lines().begin(), error.lines().end());
-      return false;
-    }
-  }
+  int without_pose = 0;                 ///< frames left out
 };
 
-/// A layout of recordings of depth images. Each recognises itself, by looking at names alone.
-struct DepthLayout {
-  const char* name;
-  const char* looked_for;  ///< for the message where no layout fits
-  bool (*recognises)(const std::string& path);
-  DepthSource (*open)(const std::string& path, const DepthDatasetOptions& options);
-};
+using DepthLayout = RecordingLayout<DepthSource, DepthDatasetOptions>;
 
 /// All layouts, in the order in which they are asked.
 const std::vector<DepthLayout>& depth_layouts();

@@ -6,7 +6,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <vector>
 
-#include "adapters/files/csv.h"
+#include "models/range_text.h"
 
 namespace prospect {
 namespace {
@@ -43,8 +43,8 @@ GroundPicture draw(const GroundMap& map, const std::string& image_name, Shade sh
   GroundPicture picture;
   picture.png.assign(bytes.begin(), bytes.end());
   const double r = frame.resolution;
-  picture.yaml = "image: " + image_name + "\nresolution: " + csv::text(r) + "\norigin: [" +
-                 csv::text(r * frame.i0) + ", " + csv::text(r * frame.j0) +
+  picture.yaml = "image: " + image_name + "\nresolution: " + exact_text(r) + "\norigin: [" +
+                 exact_text(r * frame.i0) + ", " + exact_text(r * frame.j0) +
                  ", 0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
   return picture;
 }

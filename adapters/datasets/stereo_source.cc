@@ -22,20 +22,14 @@ const std::vector<StereoLayout>& stereo_layouts() {
 }
 
 const StereoLayout* find_stereo_layout(const std::string& path) {
-  for (const StereoLayout& layout : stereo_layouts()) {
-    if (layout.recognises(path)) return &layout;
-  }
-  return nullptr;
+  return find_layout(stereo_layouts(), path);
 }
 
 StereoSource open_stereo_source(const std::string& path, const StereoDatasetOptions& options) {
   namespace fs = std::filesystem;
   std::error_code error;
   if (const StereoLayout* layout = find_stereo_layout(path)) return layout->open(path, options);
-  std::string looked_for;
-  for (const StereoLayout& layout : stereo_layouts()) {
-    looked_for += (looked_for.empty() ? "" : "; ") + std::string(layout.looked_for);
-  }
+  const std::string known = looked_for(stereo_layouts(), "; ");
   if (!fs::exists(path, error)) {
     throw InputError(path + ": no such folder; expected a recording of a stereo pair");
   }
@@ -52,15 +46,15 @@ StereoSource open_stereo_source(const std::string& path, const StereoDatasetOpti
           ": a bag of ROS 1, which is not read; expected one of ROS 2: rosbags-convert "
           "makes one of it");
     }
-    throw InputError(path + ": a file that is no recording; expected a folder with " + looked_for);
+    throw InputError(path + ": a file that is no recording; expected a folder with " + known);
   }
   if (is_rgbd_folder(path)) {
     throw InputError(path +
                      ": a recording of one camera and depth, for `prospect map`; expected a stereo "
                      "pair: " +
-                     looked_for);
+                     known);
   }
-  throw InputError(path + ": no recording of a stereo pair is there; looked for " + looked_for +
+  throw InputError(path + ": no recording of a stereo pair is there; looked for " + known +
                    "; expected one of these");
 }
 

@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "adapters/datasets/image_stream.h"
+#include "adapters/datasets/recording_source.h"
 #include "adapters/datasets/stereo_calibration.h"
 #include "adapters/datasets/trajectory.h"
-#include "adapters/files/input_error.h"
 
 namespace prospect {
 
@@ -24,39 +24,15 @@ struct StereoDatasetOptions {
   std::map<std::string, std::string> topics;
 };
 
-/// What a layout finds in a recording, before images are paired and rectified. What is missing does
-/// not stop the search: it is listed.
-struct StereoSource {
-  std::string layout;
+/// What a layout finds in a recording of a stereo pair, before images are paired and rectified.
+struct StereoSource : RecordingSource {
   ImageStream left, right;
   std::optional<StereoCalibration> calibration;
   Trajectory truth;            ///< of the left camera as it is, or of the body
   bool truth_of_body = false;  ///< of the body of the calibration's T_BC
-  bool times_assumed = false;
-  std::vector<std::string> notes;  ///< what was assumed, chosen or passed over, one line each
-  /// What keeps the recording from being used, one line each, as for InputError.
-  std::vector<std::string> missing;
-
-  /// Calls `read` and lists the lines of an InputError as missing; false then.
-  template <typename Read>
-  bool attempt(const Read& read) {
-    try {
-      read();
-      return true;
-    } catch (const InputError& error) {
-      missing.insert(missing.end(), error.lines().begin(), error.lines().end());
-      return false;
-    }
-  }
 };
 
-/// A layout of recordings of a stereo pair. Each recognises itself, by looking at names alone.
-struct StereoLayout {
-  const char* name;
-  const char* looked_for;  ///< for the message where no layout fits
-  bool (*recognises)(const std::string& path);
-  StereoSource (*open)(const std::string& path, const StereoDatasetOptions& options);
-};
+using StereoLayout = RecordingLayout<StereoSource, StereoDatasetOptions>;
 
 /// All layouts, in the order in which they are asked.
 const std::vector<StereoLayout>& stereo_layouts();

@@ -8,7 +8,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "adapters/files/csv.h"
 #include "adapters/files/input_error.h"
 #include "adapters/run/summary.h"
 #include "adapters/simulator/simulator.h"
@@ -17,6 +16,7 @@
 #include "engine/planner/planner.h"
 #include "engine/planner/planner_guard.h"
 #include "engine/task/zone_map.h"
+#include "models/range_text.h"
 #include "runtime/mission.h"
 #include "solvers/registry.h"
 
@@ -163,8 +163,8 @@ std::shared_ptr<const octomap::OcTree> map_to_begin_with(const Configuration& co
   std::shared_ptr<const octomap::OcTree> map = read_octree(configuration.map);
   const double resolution = configuration.simulator.mapping.resolution;
   if (map->getResolution() != resolution) {
-    throw InputError(configuration.map + ": resolution is " + csv::text(map->getResolution()) +
-                     " m; expected " + csv::text(resolution) + " m, simulator.map_resolution");
+    throw InputError(configuration.map + ": resolution is " + exact_text(map->getResolution()) +
+                     " m; expected " + exact_text(resolution) + " m, simulator.map_resolution");
   }
   return map;
 }

@@ -14,6 +14,7 @@
 #include "adapters/files/whole_file.h"
 #include "adapters/problem_file/problem_file.h"
 #include "adapters/worlds/octree_file.h"
+#include "models/range_text.h"
 
 namespace prospect {
 namespace {
@@ -21,12 +22,12 @@ namespace {
 namespace fs = std::filesystem;
 
 using csv::field;
-using csv::text;
 
 std::string tum(double time, const Pose& p) {
   const double half = 0.5 * p.yaw;
-  return text(time) + ' ' + text(p.position.x()) + ' ' + text(p.position.y()) + ' ' +
-         text(p.position.z()) + " 0 0 " + text(std::sin(half)) + ' ' + text(std::cos(half)) + '\n';
+  return exact_text(time) + ' ' + exact_text(p.position.x()) + ' ' + exact_text(p.position.y()) +
+         ' ' + exact_text(p.position.z()) + " 0 0 " + exact_text(std::sin(half)) + ' ' +
+         exact_text(std::cos(half)) + '\n';
 }
 
 std::string header(const std::vector<std::string>& terms) {
@@ -59,49 +60,50 @@ std::string rejected(const StepRecord& s) {
 /// The columns from `task` on.
 std::string reasons(const StepRecord& s) {
   std::string row = ',' + field(s.task);
-  row += s.goal ? ',' + text(s.goal->x()) + ',' + text(s.goal->y()) : ",,";
-  row += ',' + (s.goal_yaw ? text(*s.goal_yaw) : "");
-  row += ',' + field(s.mode) + ',' + field(s.cause) + ',' + text(s.mode_since) + ',' +
+  row += s.goal ? ',' + exact_text(s.goal->x()) + ',' + exact_text(s.goal->y()) : ",,";
+  row += ',' + (s.goal_yaw ? exact_text(*s.goal_yaw) : "");
+  row += ',' + field(s.mode) + ',' + field(s.cause) + ',' + exact_text(s.mode_since) + ',' +
          field(s.caution) + ',' + field(s.target_change);
   if (s.target) {
     const TargetRecord& t = *s.target;
     for (const double value : {t.viewpoint.x(), t.viewpoint.y(), t.looks_at.x(), t.looks_at.y(),
                                t.length, t.area, t.way_left}) {
-      row += ',' + text(value);
+      row += ',' + exact_text(value);
     }
   } else {
     row += ",,,,,,,";
   }
-  return row + ',' + std::to_string(s.seeds_scored) + ',' + text(s.features_weight) + ',' +
+  return row + ',' + std::to_string(s.seeds_scored) + ',' + exact_text(s.features_weight) + ',' +
          field(rejected(s)) + ',' + field(s.why);
 }
 
 std::string step_row(const StepRecord& s, const std::vector<std::string>& terms) {
-  std::string row = std::to_string(s.step) + ',' + text(s.time);
+  std::string row = std::to_string(s.step) + ',' + exact_text(s.time);
   for (const Pose* p : {&s.true_pose, &s.estimated_pose}) {
-    row += ',' + text(p->position.x()) + ',' + text(p->position.y()) + ',' + text(p->yaw);
+    row += ',' + exact_text(p->position.x()) + ',' + exact_text(p->position.y()) + ',' +
+           exact_text(p->yaw);
   }
-  row += ',' + text(s.command.linear.x()) + ',' + text(s.command.linear.y()) + ',' +
-         text(s.command.yaw_rate) + ',' + field(s.plan_kind) + ',' + field(s.seed);
+  row += ',' + exact_text(s.command.linear.x()) + ',' + exact_text(s.command.linear.y()) + ',' +
+         exact_text(s.command.yaw_rate) + ',' + field(s.plan_kind) + ',' + field(s.seed);
   const bool explained = !s.explanation.terms.empty();
-  row += ',' + (explained ? text(s.explanation.cost) : "") + ',' +
-         (explained ? text(s.explanation.violation) : "");
+  row += ',' + (explained ? exact_text(s.explanation.cost) : "") + ',' +
+         (explained ? exact_text(s.explanation.violation) : "");
   for (const std::string& name : terms) {
     row += ',';
     for (const TermValue& t : s.explanation.terms) {
       if (t.name != name) continue;
-      row += text(t.raw);
+      row += exact_text(t.raw);
       break;
     }
   }
-  return row + ',' + text(s.predicted_features) + ',' + std::to_string(s.tracked_features) + ',' +
-         field(s.localization) + ',' + text(s.localization_error) + ',' + text(s.coverage) + ',' +
-         text(s.area) + ',' + text(s.path_length) + ',' + std::to_string(s.collisions) + ',' +
-         text(s.clearance) + ',' + std::to_string(s.cost_evaluations) + ',' +
-         std::to_string(s.gradient_evaluations) + ',' + field(s.stop_reason) + ',' +
-         field(s.quality) + ',' + (s.certified ? "1" : "0") + ',' + field(s.certificate) + ',' +
-         std::to_string(s.active_frontiers) + ',' + std::to_string(s.guard_stops) + ',' +
-         s.guard_reason + reasons(s) + '\n';
+  return row + ',' + exact_text(s.predicted_features) + ',' + std::to_string(s.tracked_features) +
+         ',' + field(s.localization) + ',' + exact_text(s.localization_error) + ',' +
+         exact_text(s.coverage) + ',' + exact_text(s.area) + ',' + exact_text(s.path_length) + ',' +
+         std::to_string(s.collisions) + ',' + exact_text(s.clearance) + ',' +
+         std::to_string(s.cost_evaluations) + ',' + std::to_string(s.gradient_evaluations) + ',' +
+         field(s.stop_reason) + ',' + field(s.quality) + ',' + (s.certified ? "1" : "0") + ',' +
+         field(s.certificate) + ',' + std::to_string(s.active_frontiers) + ',' +
+         std::to_string(s.guard_stops) + ',' + s.guard_reason + reasons(s) + '\n';
 }
 
 constexpr const char* kProblems = "problems";

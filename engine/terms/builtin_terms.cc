@@ -50,7 +50,7 @@ TermEntry constraint(std::string name, std::string description,
 
 double one(const Specification::Weights&) { return 1.0; }
 
-std::vector<BuiltinTerm> table() {
+std::vector<BuiltinTerm> make_table() {
   std::vector<BuiltinTerm> all;
   all.push_back({cost("control_effort", "w_u", "deviation of the input from the desired one",
                       [](const Specification& s, const Evaluators&) -> Made {
@@ -119,11 +119,17 @@ std::vector<BuiltinTerm> table() {
   return all;
 }
 
+// Once: a planner asks at every step.
+const std::vector<BuiltinTerm>& table() {
+  static const std::vector<BuiltinTerm> all = make_table();
+  return all;
+}
+
 }  // namespace
 
 TermRegistry builtin_terms() {
   TermRegistry registry;
-  for (BuiltinTerm& term : table()) registry.add(std::move(term.entry));
+  for (const BuiltinTerm& term : table()) registry.add(term.entry);
   return registry;
 }
 

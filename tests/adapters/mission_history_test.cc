@@ -18,12 +18,12 @@
 #include "adapters/files/csv.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
+#include "models/range_text.h"
 
 namespace prospect::mission_history_test {
 namespace {
 
 namespace fs = std::filesystem;
-using csv::text;
 
 // The engine gives the same bits on every processor, the C library's functions do not: theirs at a
 // few thousand places, as a number. Histories of another library cannot be compared to the bit.
@@ -68,14 +68,14 @@ std::string history(const Told& told) {
   options.seed = told.seed;
   options.keep_steps = false;
   options.on_step = [&](const StepRecord& s) {
-    rows += std::to_string(s.step) + ',' + text(s.estimated_pose.position.x()) + ',' +
-            text(s.estimated_pose.position.y()) + ',' + text(s.estimated_pose.yaw) + ',' +
-            text(s.command.linear.x()) + ',' + text(s.command.yaw_rate) + ',' +
-            text(s.explanation.cost) + ',' + csv::field(s.seed) + ',' + s.localization + ',' +
+    rows += std::to_string(s.step) + ',' + exact_text(s.estimated_pose.position.x()) + ',' +
+            exact_text(s.estimated_pose.position.y()) + ',' + exact_text(s.estimated_pose.yaw) +
+            ',' + exact_text(s.command.linear.x()) + ',' + exact_text(s.command.yaw_rate) + ',' +
+            exact_text(s.explanation.cost) + ',' + csv::field(s.seed) + ',' + s.localization + ',' +
             std::to_string(s.tracked_features) + ',' + s.mode + ',' + s.cause + ',' +
-            text(s.mode_since) + ',' + s.caution + ',' + s.target_change + ',';
+            exact_text(s.mode_since) + ',' + s.caution + ',' + s.target_change + ',';
     if (s.target) {
-      rows += text(s.target->viewpoint.x()) + ',' + text(s.target->viewpoint.y());
+      rows += exact_text(s.target->viewpoint.x()) + ',' + exact_text(s.target->viewpoint.y());
     } else {
       rows += ',';
     }
