@@ -3,6 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
 #include "tests/architecture/include_rules.h"
 
 namespace prospect::docs_pages_test {
@@ -101,6 +106,17 @@ TEST(DocsPages, NamesOfMissingPagesInSourcesAreFound) {
       .add("engine/x.h", "/// See docs/reference/a.md.\n/// And docs/b.md, docs/examples.\n");
   EXPECT_THAT(mentions_of_nothing(p.root()),
               ElementsAre("engine/x.h:2: docs/b.md", "engine/x.h:2: docs/examples"));
+}
+
+TEST(DocsPages, ExamplesAreOptimisedWhereNothingElseIsAskedFor) {
+  int examples = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(source() / "docs" / "examples")) {
+    std::ifstream file(entry.path() / "CMakeLists.txt");
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_NE(text.find("set(CMAKE_BUILD_TYPE Release)"), std::string::npos) << entry.path();
+    ++examples;
+  }
+  EXPECT_GE(examples, 6);
 }
 
 TEST(DocsPages, PagesThatTheIndexLacksAreFound) {
