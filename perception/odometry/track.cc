@@ -1,0 +1,75 @@
+#include "perception/odometry/track.h"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+namespace prospect {
+
+using Eigen::Isometry3d;
+using Eigen::Matrix2d;
+using Eigen::Matrix3d;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+std::optional<TrackPrediction> predict_track(const Track& track, const Isometry3d& T_CW,
+                                             const PinholeCamera& camera, double max_scale) {
+  const Vector3d Y = T_CW * track.position;
+  if (!(Y.z() > 0.1)) return {};
+  const Vector2d p = camera.project(Y);
+  if (!(p.x() >= 0 && p.y() >= 0 && p.x() <= camera.width - 1 && p.y() <= camera.height - 1)) {
+    return {};
+  }
+  const Matrix3d R = (T_CW * track.anchor->T_CW.inverse()).linear();
+  const Eigen::Matrix<double, 2, 3> P = camera.projection_jacobian(Y);
+  const double z = track.in_anchor.z();
+  Matrix2d B;
+  B.col(0) = P * R.col(0) * (z / camera.fx);
+  B.col(1) = P * R.col(1) * (z / camera.fy);
+  const double determinant = B.determinant();
+  const double limit = max_scale * max_scale;
+  if (!(determinant < limit && determinant > 1.0 / limit)) return {};
+  return TrackPrediction{p.cast<float>(), B.inverse().cast<float>()};
+}
+
+bool in_full_view(const Track& track, const Isometry3d& T_CW, const PinholeCamera& camera,
+                  double max_scale) {
+  constexpr double kBorder = 12.0;  // [px]: half a patch, its gradient, and what it may move
+  const double limit = 0.875 * max_scale;
+  const auto predicted = predict_track(track, T_CW, camera, max_scale);
+  if (!predicted) return false;
+  const double scale = std::sqrt(1.0 / predicted->A.determinant());
+  return scale < limit && scale > 1.0 / limit && predicted->pixel.x() >= kBorder &&
+         predicted->pixel.y() >= kBorder && predicted->pixel.x() <= camera.width - 1 - kBorder &&
+         predicted->pixel.y() <= camera.height - 1 - kBorder;
+}
+
+void place_track(Track& track, const StereoCamera& camera, double offset) {
+  const double d = std::max(track.disparity + offset, 0.1);
+  const double u = track.pixel.x(), v = track.pixel.y();
+  const Matrix3d R = track.anchor->T_CW.linear().transpose();
+  track.in_anchor = camera.triangulate(u, v, d);
+  track.position = track.anchor->T_CW.inverse() * track.in_anchor;
+  track.covariance = R * camera.triangulation_covariance(u, v, d) * R.transpose();
+}
+
+TrackObservations observe_tracks(const std::vector<Track>& tracks, const Vector3d& sigma,
+                                 double offset) {
+  TrackObservations out;
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    const Track& t = tracks[i];
+    if (!t.tracked) continue;
+    PointObservation o;
+    o.T_WA = t.anchor->T_CW.inverse();
+    o.measured << t.pixel.x(), t.pixel.y(), std::max(t.disparity + offset, 0.1);
+    o.sigma = sigma;
+    o.left = t.left.cast<double>();
+    if (t.has_right) o.right = t.right - offset;
+    out.seen.push_back(o);
+    out.index.push_back(static_cast<int>(i));
+  }
+  return out;
+}
+
+}  // namespace prospect

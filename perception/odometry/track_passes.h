@@ -1,0 +1,29 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "models/camera.h"
+#include "perception/odometry/image_pyramid.h"
+#include "perception/odometry/stereo_odometry_options.h"
+#include "perception/odometry/track.h"
+
+namespace prospect {
+
+/// The two passes in which the landmarks are looked for in a new frame, from where they are
+/// predicted at the pose T_CW. Both forget what the last pass found, and set in_view, tracked and
+/// left of every track. Deterministic; no state.
+///
+/// First pass: the left image only, from level `top` of the pyramid down to level 1. Some of what
+/// it finds is wrong.
+void track_coarse(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW,
+                  const ImagePyramid& left, int top, const PinholeCamera& camera,
+                  const StereoOdometryOptions& options);
+
+/// Second pass: both images at full size, from a pose that is good to about a pixel. Sets right and
+/// has_right, too. `offset`: correction of the disparity's zero [px].
+void track_fine(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW, const ImagePyramid& left,
+                const ImagePyramid& right, const StereoCamera& camera, double offset,
+                const StereoOdometryOptions& options);
+
+}  // namespace prospect
