@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -21,51 +22,112 @@
 namespace prospect {
 namespace {
 
+constexpr double kPriorWidth = 4.0;    // [standard deviations]
 constexpr double kMostVoxels = 200.0;  // of a ray, see OccupancyMapperOptions
 
+nlohmann::ordered_json as_json(const GroundRecord& r) {
+  return {{"frame", r.frame},
+          {"stamp_s", r.stamp},
+          {"hypothesis", r.hypothesis},
+          {"height_m", r.height},
+          {"sigma_height_m", r.sigma_height},
+          {"pitch_deg", kDegrees * r.pitch},
+          {"roll_deg", kDegrees * r.roll},
+          {"sigma_tilt_deg", kDegrees * r.sigma_tilt},
+          {"support", r.support},
+          {"taken", r.taken},
+          {"why", r.why}};
+}
+
+/// What was taken for the ground, and why, over time.
+nlohmann::ordered_json ground_json(const MapRun& run, const MapSummary& s) {
+  nlohmann::ordered_json json = {{"taken", nullptr}, {"none_because", nullptr}};
+  if (s.taken) json["taken"] = as_json(*s.taken);
+  if (!run.no_ground.empty()) json["none_because"] = run.no_ground;
+  json["rejected"] = nlohmann::ordered_json::array();
+  for (const GroundRecord& r : s.rejected_grounds) json["rejected"].push_back(as_json(r));
+  json["changes"] = nlohmann::ordered_json::array();
+  for (const GroundChange& c : run.changes) {
+    json["changes"].push_back({{"frame", c.frame},
+                               {"stamp_s", c.stamp},
+                               {"hypothesis", c.hypothesis},
+                               {"height_m", c.height},
+                               {"reason", c.reason}});
+  }
+  json["over_time"] = nlohmann::ordered_json::array();
+  for (const GroundRecord& r : run.ground) json["over_time"].push_back(as_json(r));
+  return json;
+}
+
 nlohmann::ordered_json as_json(const MapArguments& arguments, const DepthDataset& dataset,
-                               const MapSummary& s) {
+                               const MapRun& run, const MapSummary& s) {
   const auto of_map = [&](int cells) {
-    return dataset.has_poses() ? nlohmann::ordered_json(cells) : nlohmann::ordered_json();
+    return run.maps.ground ? nlohmann::ordered_json(cells) : nlohmann::ordered_json();
   };
-  return {{"dataset", arguments.dataset},
-          {"layout", dataset.layout()},
-          {"notes", dataset.notes()},
-          {"depth_scale", dataset.depth_scale()},
-          {"without_pose", dataset.without_pose()},
-          {"poses", dataset.has_poses()},
-          {"resolution_m", arguments.resolution},
-          {"frames", s.frames},
-          {"ok", s.ok},
-          {"degraded", s.degraded},
-          {"rejected", s.rejected},
-          {"ground_found", s.ground},
-          {"height_median_m", s.height_median},
-          {"height_min_m", s.height_min},
-          {"height_max_m", s.height_max},
-          {"height_error_m", s.height_error},
-          {"tilt_spread_deg", kDegrees * s.tilt_spread},
-          {"tilt_worst_deg", kDegrees * s.tilt_worst},
-          {"free_cells", of_map(s.free_cells)},
-          {"occupied_cells", of_map(s.occupied_cells)},
-          {"low_cells", of_map(s.low_cells)},
-          {"wall_cells", of_map(s.walls.cells)},
-          {"wall_thickness_median_m", s.walls.median},
-          {"wall_thickness_p90_m", s.walls.p90},
-          {"walls_doubled", s.walls.doubled},
-          {"processor_ms",
-           {{"check", times_json(s.check)},
-            {"ground", times_json(s.ground_plane)},
-            {"scan", times_json(s.scan)},
-            {"insert", times_json(s.insert)},
-            {"snapshot", times_json(s.snapshot)},
-            {"frame", times_json(s.frame)}}}};
+  return {
+      {"dataset", arguments.dataset},
+      {"layout", dataset.layout()},
+      {"notes", dataset.notes()},
+      {"depth_scale", dataset.depth_scale()},
+      {"without_pose", dataset.without_pose()},
+      {"poses", dataset.has_poses()},
+      {"resolution_m", arguments.resolution},
+      {"frames", s.frames},
+      {"ok", s.ok},
+      {"degraded", s.degraded},
+      {"rejected", s.rejected},
+      {"mapped_percent", s.frames > 0 ? 100.0 * (s.frames - s.rejected) / s.frames : std::nan("")},
+      {"ground_found", s.ground},
+      {"ground", ground_json(run, s)},
+      {"height_median_m", s.height_median},
+      {"height_min_m", s.height_min},
+      {"height_max_m", s.height_max},
+      {"height_error_m", s.height_error},
+      {"tilt_spread_deg", kDegrees * s.tilt_spread},
+      {"tilt_worst_deg", kDegrees * s.tilt_worst},
+      {"free_cells", of_map(s.free_cells)},
+      {"occupied_cells", of_map(s.occupied_cells)},
+      {"low_cells", of_map(s.low_cells)},
+      {"wall_cells", of_map(s.walls.cells)},
+      {"wall_thickness_median_m", s.walls.median},
+      {"wall_thickness_p90_m", s.walls.p90},
+      {"walls_doubled", s.walls.doubled},
+      {"processor_ms",
+       {{"hypotheses", times_json(s.hypotheses)},
+        {"check", times_json(s.check)},
+        {"ground", times_json(s.ground_plane)},
+        {"scan", times_json(s.scan)},
+        {"insert", times_json(s.insert)},
+        {"snapshot", times_json(s.snapshot)},
+        {"frame", times_json(s.frame)}}}};
 }
 
 void print(const MapRun& run, const MapSummary& s) {
   std::printf("frames       %d: %d ok, %d degraded, %d rejected\n", s.frames, s.ok, s.degraded,
               s.rejected);
   std::printf("ground       found in %d of %d\n", s.ground, s.frames);
+  const auto plane = [](const GroundRecord& r) {
+    std::printf(
+        "hypothesis %d, %.3f m below the first camera, that pitched %.1f deg down and rolled "
+        "%.1f deg; %d frames: %s\n",
+        r.hypothesis, r.height, kDegrees * r.pitch, kDegrees * r.roll, r.support, r.why.c_str());
+  };
+  if (s.taken) {
+    std::printf("  taken      ");
+    plane(*s.taken);
+    std::printf("  known to   %.3f m and %.2f deg, if depth scale and lens are right\n",
+                s.taken->sigma_height, kDegrees * s.taken->sigma_tilt);
+  } else if (s.frames > 0) {
+    std::printf("  none       %s\n", run.no_ground.c_str());
+  }
+  for (const GroundRecord& r : s.rejected_grounds) {
+    std::printf("  rejected   ");
+    plane(r);
+  }
+  for (const GroundChange& c : run.changes) {
+    std::printf("  frame %-4d hypothesis %d, %.3f m: %s\n", c.frame, c.hypothesis, c.height,
+                c.reason.c_str());
+  }
   if (s.ground > 0) {
     std::printf("height       %.3f m in the median, %.3f to %.3f m", s.height_median, s.height_min,
                 s.height_max);
@@ -74,7 +136,10 @@ void print(const MapRun& run, const MapSummary& s) {
                 kDegrees * s.tilt_spread, kDegrees * s.tilt_worst);
   }
   if (!run.maps.ground) {
-    std::printf("map          none: the recording has no poses, so the ground is measured only\n");
+    std::printf("map          none: %s\n", run.no_ground.empty()
+                                               ? "the recording has no poses, so the ground is "
+                                                 "measured only"
+                                               : "no ground was found");
   } else {
     const double r = run.maps.ground->frame().resolution;
     std::printf(
@@ -96,6 +161,7 @@ void print(const MapRun& run, const MapSummary& s) {
   };
   std::printf("processor time [ms]\n");
   std::printf("%-12s %6s %6s %6s %6s\n", "", "p50", "p95", "p99", "max");
+  row("  hypotheses", s.hypotheses);
   row("  ground", s.ground_plane);
   if (run.maps.ground) {
     row("  check", s.check);
@@ -133,12 +199,17 @@ int map(const MapArguments& arguments) {
   run_options.mapper.map.resolution = arguments.resolution;
   run_options.mapper.map.max_range = arguments.range;
   GroundPrior& prior = run_options.prior;
-  if (arguments.camera_height > 0.0 || arguments.camera_pitch) {
-    prior = ground_prior(arguments.camera_height > 0.0 ? arguments.camera_height : prior.height,
-                         arguments.camera_pitch ? *arguments.camera_pitch / kDegrees : 0.35, 0.0,
-                         arguments.camera_height > 0.0 ? 0.15 : prior.height_tolerance,
-                         arguments.camera_pitch ? 0.26 : prior.tilt_tolerance);
+  double low = prior.height - prior.height_tolerance, high = prior.height + prior.height_tolerance;
+  if (arguments.camera_height > 0.0) {
+    run_options.height = arguments.camera_height;
+    run_options.sigma_height = arguments.camera_height_sigma;
+    // What else there is, is looked for, too, so that it can be said why it is not the ground.
+    low = std::min(low, arguments.camera_height - kPriorWidth * arguments.camera_height_sigma);
+    high = std::max(high, arguments.camera_height + kPriorWidth * arguments.camera_height_sigma);
   }
+  const double pitch = arguments.camera_pitch ? *arguments.camera_pitch / kDegrees : 0.35;
+  prior = ground_prior(0.5 * (low + high), pitch, 0.0, 0.5 * (high - low),
+                       arguments.camera_pitch ? 0.26 : prior.tilt_tolerance);
   const std::filesystem::path out = arguments.out;
   if (!out.empty() && std::filesystem::exists(out) && !std::filesystem::is_directory(out)) {
     throw InputError(out.string() + ": is no folder; expected one to write to");
@@ -153,7 +224,7 @@ int map(const MapArguments& arguments) {
       });
   progress.finish();
   const MapSummary summary = summarize(run);
-  const auto json = as_json(arguments, dataset, summary);
+  const auto json = as_json(arguments, dataset, run, summary);
   std::string written;
   if (!out.empty()) {
     std::error_code error;
@@ -195,6 +266,18 @@ int map(const MapArguments& arguments) {
   if (dataset.depth_scale_doubtful()) {
     std::cerr << "prospect: " << arguments.dataset << ": " << dataset.notes().back()
               << "; expected a depth scale that agrees with what is known\n";
+    return kFailed;
+  }
+  if (!run.no_ground.empty()) {
+    std::cerr << "prospect: " << arguments.dataset << ": no ground in any of " << summary.frames
+              << " frames: " << run.no_ground
+              << "; expected a floor, or --camera-height and --camera-pitch as they are\n";
+    return kFailed;
+  }
+  if (dataset.without_pose() > dataset.size()) {
+    std::cerr << "prospect: " << arguments.dataset << ": " << dataset.without_pose() << " of "
+              << dataset.size() + dataset.without_pose()
+              << " frames have no pose and are left out; expected poses of most of them\n";
     return kFailed;
   }
   if (2 * summary.rejected > summary.frames) {
