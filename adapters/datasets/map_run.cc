@@ -151,6 +151,20 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
       frame.up = mapped.ground.normal;
       frame.height_error = kNan;
     }
+    GroundRecord record;
+    record.frame = i - first;
+    record.stamp = mapped.stamp;
+    GroundPlane plane;
+    plane.normal = run.first.up;
+    record.height = run.first.height;
+    record.pitch = plane.pitch();
+    record.roll = plane.roll();
+    record.sigma_height = options.mapper.plane_sigma_height;
+    record.sigma_tilt = options.mapper.plane_sigma_tilt;
+    record.support = static_cast<int>(floors.size());
+    record.taken = true;
+    record.why = "nearest to the others of the first frames";
+    run.ground.push_back(record);
     run.frames.push_back(frame);
     if (progress) progress(i - first + 1, frame);
   }

@@ -34,9 +34,26 @@ struct MapRunFrame {
   double snapshot = 0.0;  ///< processor time to bring octree, voxels and ground map up to date [ms]
 };
 
+/// A hypothesis of the ground as it stood after one frame.
+struct GroundRecord {
+  int frame = 0;              ///< index in MapRun::frames
+  double stamp = 0.0;         ///< of the frame [s]
+  int hypothesis = 0;         ///< numbered from 0 as they were first seen
+  double height = 0.0;        ///< of the run's first camera above it [m]
+  double pitch = 0.0;         ///< of that camera, down [rad]
+  double roll = 0.0;          ///< of that camera, the image's right side down [rad]
+  double sigma_height = 0.0;  ///< standard deviation [m]
+  double sigma_tilt = 0.0;    ///< largest standard deviation of its normal's direction [rad]
+  int support = 0;            ///< frames that have shown it so far
+  bool taken = false;         ///< W's floor; at most one hypothesis of a frame
+  std::string why;            ///< why it is taken, or why not
+};
+
 /// What one pass of the mapper over a recording gives.
 struct MapRun {
   std::vector<MapRunFrame> frames;
+  /// The ground over time: of each frame its hypotheses, by frame, then by number.
+  std::vector<GroundRecord> ground;
   /// W from the recording's world: z up, floor at z = 0, origin below the first camera, which looks
   /// along +x. Identity without poses.
   Eigen::Isometry3d T_WD = Eigen::Isometry3d::Identity();
