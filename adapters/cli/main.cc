@@ -379,7 +379,8 @@ int run(int argc, char** argv) {
                    "log; see `prospect inspect`")
       ->type_name("FILE")
       ->required();
-  map_command->add_option("--out", map_arguments.out, "Folder for the maps and tables [none]")
+  map_command
+      ->add_option("--out", map_arguments.out, "Folder for a page, the maps and tables [none]")
       ->type_name("DIR");
   map_command->add_option("--resolution", map_arguments.resolution, "Of the maps [m]")
       ->check(number_within(0.01, 1.0))

@@ -15,6 +15,7 @@
 #include "adapters/datasets/degrees.h"
 #include "adapters/datasets/depth_dataset.h"
 #include "adapters/datasets/ground_picture.h"
+#include "adapters/datasets/map_page.h"
 #include "adapters/datasets/map_run.h"
 #include "adapters/datasets/recording_range.h"
 #include "adapters/datasets/scan_run.h"
@@ -255,6 +256,10 @@ int map(const MapArguments& arguments) {
     }
     std::vector<std::pair<std::string, std::string>> files = {
         {"ground.csv", ground_csv(run)}, {"summary.json", json.dump(2) + "\n"}};
+    // The page has no times, so it is the same for the same recording.
+    auto untimed = json;
+    untimed.erase("processor_ms");
+    files.emplace_back("map.html", map_page(run, untimed));
     if (run.maps.ground) {
       GroundPicture exploration = exploration_picture(*run.maps.ground, "exploration.png");
       GroundPicture obstacles = obstacle_picture(*run.maps.ground, "obstacles.png");

@@ -34,7 +34,7 @@ TEST(ScanMapper, ObstaclesFloorAndWhatIsBelow) {
   scan.hits.emplace_back(1.03, 0.30, -0.435);  // 0.01 m below the floor: floor
   scan.hits.emplace_back(1.13, 0.30, -0.525);  // below: nothing
   scan.hits.emplace_back(9.0, 0.0, 0.0);       // beyond the range
-  scan.misses.emplace_back(0.0, 3.0, 0.0);
+  scan.misses.emplace_back(0.05, 4.0, 0.0);
   scan.hits.emplace_back(std::nan(""), 0.0, 0.0);
   const MappedFrame frame = mapper.process(1.0, scan, at(0.0, 0.425));
   ASSERT_EQ(frame.state, Mapping::kOk) << frame.reason;
