@@ -408,8 +408,13 @@ int run(int argc, char** argv) {
       ->check(number_within(1e-3, 1e6));
   map_command
       ->add_option("--camera-height", map_arguments.camera_height,
-                   "Above the floor in the first frames, to 0.15 m [m] [0.2 to 2]")
+                   "Above the floor in the first frame [m] [0.2 to 2]")
       ->check(number_within(0.05, 10.0));
+  map_command
+      ->add_option("--camera-height-sigma", map_arguments.camera_height_sigma,
+                   "How sure that is: standard deviation [m]")
+      ->check(number_within(0.001, 1.0))
+      ->capture_default_str();
   map_command
       ->add_option("--camera-pitch", map_arguments.camera_pitch,
                    "Down, in the first frames, to 15 deg [deg] [-15 to 55]")

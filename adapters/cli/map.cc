@@ -27,6 +27,7 @@
 namespace prospect {
 namespace {
 
+constexpr double kPriorWidth = 4.0;    // [standard deviations]
 constexpr double kMostVoxels = 200.0;  // of a ray, see OccupancyMapperOptions
 constexpr double kDepthRange = 4.0;    // of depth images where none is given [m]
 
@@ -42,10 +43,44 @@ struct MapInput {
       run;
 };
 
+nlohmann::ordered_json as_json(const GroundRecord& r) {
+  return {{"frame", r.frame},
+          {"stamp_s", r.stamp},
+          {"hypothesis", r.hypothesis},
+          {"height_m", r.height},
+          {"sigma_height_m", r.sigma_height},
+          {"pitch_deg", kDegrees * r.pitch},
+          {"roll_deg", kDegrees * r.roll},
+          {"sigma_tilt_deg", kDegrees * r.sigma_tilt},
+          {"support", r.support},
+          {"taken", r.taken},
+          {"why", r.why}};
+}
+
+/// What was taken for the ground, and why, over time.
+nlohmann::ordered_json ground_json(const MapRun& run, const MapSummary& s) {
+  nlohmann::ordered_json json = {{"taken", nullptr}, {"none_because", nullptr}};
+  if (s.taken) json["taken"] = as_json(*s.taken);
+  if (!run.no_ground.empty()) json["none_because"] = run.no_ground;
+  json["rejected"] = nlohmann::ordered_json::array();
+  for (const GroundRecord& r : s.rejected_grounds) json["rejected"].push_back(as_json(r));
+  json["changes"] = nlohmann::ordered_json::array();
+  for (const GroundChange& c : run.changes) {
+    json["changes"].push_back({{"frame", c.frame},
+                               {"stamp_s", c.stamp},
+                               {"hypothesis", c.hypothesis},
+                               {"height_m", c.height},
+                               {"reason", c.reason}});
+  }
+  json["over_time"] = nlohmann::ordered_json::array();
+  for (const GroundRecord& r : run.ground) json["over_time"].push_back(as_json(r));
+  return json;
+}
+
 nlohmann::ordered_json as_json(const MapArguments& arguments, const MapInput& input,
-                               const MapSummary& s) {
+                               const MapRun& run, const MapSummary& s) {
   const auto of_map = [&](int cells) {
-    return input.poses ? nlohmann::ordered_json(cells) : nlohmann::ordered_json();
+    return run.maps.ground ? nlohmann::ordered_json(cells) : nlohmann::ordered_json();
   };
   return {
       {"dataset", arguments.dataset},
@@ -60,7 +95,9 @@ nlohmann::ordered_json as_json(const MapArguments& arguments, const MapInput& in
       {"ok", s.ok},
       {"degraded", s.degraded},
       {"rejected", s.rejected},
+      {"mapped_percent", s.frames > 0 ? 100.0 * (s.frames - s.rejected) / s.frames : std::nan("")},
       {"ground_found", input.scans ? nlohmann::ordered_json() : nlohmann::ordered_json(s.ground)},
+      {"ground", input.scans ? nlohmann::ordered_json() : ground_json(run, s)},
       {"height_median_m", s.height_median},
       {"height_min_m", s.height_min},
       {"height_max_m", s.height_max},
@@ -75,7 +112,8 @@ nlohmann::ordered_json as_json(const MapArguments& arguments, const MapInput& in
       {"wall_thickness_p90_m", s.walls.p90},
       {"walls_doubled", s.walls.doubled},
       {"processor_ms",
-       {{"check", times_json(s.check)},
+       {{"hypotheses", times_json(s.hypotheses)},
+        {"check", times_json(s.check)},
         {"ground", times_json(s.ground_plane)},
         {"scan", times_json(s.scan)},
         {"insert", times_json(s.insert)},
@@ -83,10 +121,36 @@ nlohmann::ordered_json as_json(const MapArguments& arguments, const MapInput& in
         {"frame", times_json(s.frame)}}}};
 }
 
+void print_ground(const MapRun& run, const MapSummary& s) {
+  std::printf("ground       found in %d of %d\n", s.ground, s.frames);
+  const auto plane = [](const GroundRecord& r) {
+    std::printf(
+        "hypothesis %d, %.3f m below the first camera, that pitched %.1f deg down and rolled "
+        "%.1f deg; %d frames: %s\n",
+        r.hypothesis, r.height, kDegrees * r.pitch, kDegrees * r.roll, r.support, r.why.c_str());
+  };
+  if (s.taken) {
+    std::printf("  taken      ");
+    plane(*s.taken);
+    std::printf("  known to   %.3f m and %.2f deg, if depth scale and lens are right\n",
+                s.taken->sigma_height, kDegrees * s.taken->sigma_tilt);
+  } else if (s.frames > 0) {
+    std::printf("  none       %s\n", run.no_ground.c_str());
+  }
+  for (const GroundRecord& r : s.rejected_grounds) {
+    std::printf("  rejected   ");
+    plane(r);
+  }
+  for (const GroundChange& c : run.changes) {
+    std::printf("  frame %-4d hypothesis %d, %.3f m: %s\n", c.frame, c.hypothesis, c.height,
+                c.reason.c_str());
+  }
+}
+
 void print(const MapInput& input, const MapRun& run, const MapSummary& s) {
   std::printf("frames       %d: %d ok, %d degraded, %d rejected\n", s.frames, s.ok, s.degraded,
               s.rejected);
-  if (!input.scans) std::printf("ground       found in %d of %d\n", s.ground, s.frames);
+  if (!input.scans) print_ground(run, s);
   if (s.ground > 0) {
     std::printf("height       %.3f m in the median, %.3f to %.3f m", s.height_median, s.height_min,
                 s.height_max);
@@ -95,7 +159,10 @@ void print(const MapInput& input, const MapRun& run, const MapSummary& s) {
                 kDegrees * s.tilt_spread, kDegrees * s.tilt_worst);
   }
   if (!run.maps.ground) {
-    std::printf("map          none: the recording has no poses, so the ground is measured only\n");
+    std::printf("map          none: %s\n", run.no_ground.empty()
+                                               ? "the recording has no poses, so the ground is "
+                                                 "measured only"
+                                               : "no ground was found");
   } else {
     const double r = run.maps.ground->frame().resolution;
     std::printf(
@@ -117,7 +184,10 @@ void print(const MapInput& input, const MapRun& run, const MapSummary& s) {
   };
   std::printf("processor time [ms]\n");
   std::printf("%-12s %6s %6s %6s %6s\n", "", "p50", "p95", "p99", "max");
-  if (!input.scans) row("  ground", s.ground_plane);
+  if (!input.scans) {
+    row("  hypotheses", s.hypotheses);
+    row("  ground", s.ground_plane);
+  }
   if (run.maps.ground) {
     row("  check", s.check);
     row("  scan", s.scan);
@@ -151,12 +221,17 @@ MapInput depth_input(const MapArguments& arguments) {
   run_options.mapper.map.resolution = arguments.resolution;
   run_options.mapper.map.max_range = arguments.range.value_or(kDepthRange);
   GroundPrior& prior = run_options.prior;
-  if (arguments.camera_height > 0.0 || arguments.camera_pitch) {
-    prior = ground_prior(arguments.camera_height > 0.0 ? arguments.camera_height : prior.height,
-                         arguments.camera_pitch ? *arguments.camera_pitch / kDegrees : 0.35, 0.0,
-                         arguments.camera_height > 0.0 ? 0.15 : prior.height_tolerance,
-                         arguments.camera_pitch ? 0.26 : prior.tilt_tolerance);
+  double low = prior.height - prior.height_tolerance, high = prior.height + prior.height_tolerance;
+  if (arguments.camera_height > 0.0) {
+    run_options.height = arguments.camera_height;
+    run_options.sigma_height = arguments.camera_height_sigma;
+    // What else there is, is looked for, too, so that it can be said why it is not the ground.
+    low = std::min(low, arguments.camera_height - kPriorWidth * arguments.camera_height_sigma);
+    high = std::max(high, arguments.camera_height + kPriorWidth * arguments.camera_height_sigma);
   }
+  const double pitch = arguments.camera_pitch ? *arguments.camera_pitch / kDegrees : 0.35;
+  prior = ground_prior(0.5 * (low + high), pitch, 0.0, 0.5 * (high - low),
+                       arguments.camera_pitch ? 0.26 : prior.tilt_tolerance);
   MapInput input;
   input.layout = dataset.layout();
   char holds[80];
@@ -246,7 +321,7 @@ int map(const MapArguments& arguments) {
   });
   progress.finish();
   const MapSummary summary = summarize(run);
-  const auto json = as_json(arguments, input, summary);
+  const auto json = as_json(arguments, input, run, summary);
   std::string written;
   if (!out.empty()) {
     std::error_code error;
@@ -259,6 +334,7 @@ int map(const MapArguments& arguments) {
     // The page has no times, so it is the same for the same recording.
     auto untimed = json;
     untimed.erase("processor_ms");
+    if (untimed["ground"].is_object()) untimed["ground"].erase("over_time");  // it is in the run
     files.emplace_back("map.html", map_page(run, untimed));
     if (run.maps.ground) {
       GroundPicture exploration = exploration_picture(*run.maps.ground, "exploration.png");
@@ -291,6 +367,12 @@ int map(const MapArguments& arguments) {
   if (!input.doubt.empty()) {
     std::cerr << "prospect: " << arguments.dataset << ": " << input.doubt
               << "; expected a depth scale that agrees with what is known\n";
+    return kFailed;
+  }
+  if (!run.no_ground.empty()) {
+    std::cerr << "prospect: " << arguments.dataset << ": no ground in any of " << summary.frames
+              << " frames: " << run.no_ground
+              << "; expected a floor, or --camera-height and --camera-pitch as they are\n";
     return kFailed;
   }
   if (2 * summary.rejected > summary.frames) {

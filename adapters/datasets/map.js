@@ -1,7 +1,7 @@
 (() => {
 // ---- Data ---------------------------------------------------------------------------------------
 const run = JSON.parse($("run").textContent);
-const n = run.frames, s = run.summary, scans = s.ground_found === null;
+const n = run.frames, s = run.summary, scans = s.ground_found === null, mapped = run.voxels !== null;
 const column = {};
 for (const [name, text] of Object.entries(run.columns)) column[name] = floats(text);
 const states = ["ok", "degraded", "rejected"];
@@ -21,11 +21,11 @@ function varints(base64) {
 
 // ---- Head ---------------------------------------------------------------------------------------
 $("facts").textContent = [s.layout, plural(s.frames, scans ? "scan" : "frame"), `${s.ok} ok, ${s.degraded} degraded, ${s.rejected} rejected`,
-  s.without_pose ? `${s.without_pose} without a pose` : null, s.poses ? `voxels of ${compact(s.resolution_m)} m` : "no poses, so no map"].filter(Boolean).join(" · ");
+  s.without_pose ? `${s.without_pose} without a pose` : null, mapped ? `voxels of ${compact(s.resolution_m)} m` : s.poses ? "no ground, so no map" : "no poses, so no map"].filter(Boolean).join(" · ");
 const figure = (label, value, unit, bad) => $("figures").append(make("div", bad ? { class: "bad" } : {},
   make("dd", {}, value, make("small", {}, unit)), make("dt", {}, label)));
 const r2 = s.resolution_m * s.resolution_m;
-if (s.poses) {
+if (mapped) {
   figure("free", compact(s.free_cells * r2), "m²");
   figure("occupied", compact(s.occupied_cells * r2), "m²");
 }
@@ -51,7 +51,7 @@ const view = (() => {
     $("no-view").textContent = why; $("no-view").hidden = false;
     return null;
   };
-  if (!v) return without("No poses are known, so there is no map to show.");
+  if (!v) return without(s.poses ? "No ground was found, so there is no map to show." : "No poses are known, so there is no map to show.");
   if (!v.occupied) return without("No voxel is occupied.");
   // Asked of another canvas, as one that has failed cannot be used again; three.js would also complain.
   const probe = document.createElement("canvas");
@@ -384,14 +384,14 @@ function addPlot(title, unit, series, format, options = {}) {
 const within = (unit) => (v, sigma) => (isNumber(v) ? `${fixed(v, 2)}${isNumber(sigma) ? ` ± ${+(2 * sigma).toPrecision(2)}` : ""}${unit}` : "–");
 if (!scans) {
   addPlot("Camera above the ground", "m, band: two standard deviations", [{ name: "measured", color: "--accent", values: column.height, sigma: column.sigma_height },
-    ...(s.poses ? [{ name: "by the pose", color: "--ink-3", values: column.z }] : [])], within(" m"));
-  addPlot(s.poses ? "Ground off level" : "Camera's pitch down", "degrees, band: two standard deviations", [{ name: "measured", color: "--accent", values: column.tilt, sigma: column.sigma_tilt }], within("°"));
+    ...(mapped ? [{ name: "by the pose", color: "--ink-3", values: column.z }] : [])], within(" m"));
+  addPlot(mapped ? "Ground off level" : "Camera's pitch down", "degrees, band: two standard deviations", [{ name: "measured", color: "--accent", values: column.tilt, sigma: column.sigma_tilt }], within("°"));
 }
 if (run.hypotheses.length) {
   const series = run.hypotheses.slice(0, 6).map((h, i) => {
     const values = new Float32Array(n).fill(NaN), sigma = new Float32Array(n).fill(NaN);
     h.frames.forEach((k, j) => { values[k] = h.height[j]; sigma[k] = h.sigma[j]; });
-    return { name: `${i + 1}${h.taken[h.taken.length - 1] ? ", taken" : ""}`, color: ["--good", "--horizon", "--frontier", "--accent", "--bad", "--ink-3"][i], values, sigma };
+    return { name: `${i}${h.taken[h.taken.length - 1] ? ", taken" : ""}`, color: ["--good", "--horizon", "--frontier", "--accent", "--bad", "--ink-3"][i], values, sigma };
   });
   addPlot("Hypotheses of the floor", "below the first camera [m]", series, within(" m"));
 }
@@ -430,18 +430,21 @@ if (run.hypotheses.length) {
   const body = make("tbody");
   run.hypotheses.forEach((h, i) => {
     const last = h.height.length - 1;
-    body.append(make("tr", {}, make("th", { scope: "row" }, `floor ${i + 1}`), make("td", {}, `${fixed(h.height[last], 3)} ± ${+(2 * h.sigma[last]).toPrecision(2)} m`), make("td", {}, `pitch ${fixed(h.pitch_deg, 1)}°, roll ${fixed(h.roll_deg, 1)}°`), make("td", {}, plural(h.support, "frame"))),
+    body.append(make("tr", {}, make("th", { scope: "row" }, `hypothesis ${i}`), make("td", {}, `${fixed(h.height[last], 3)} ± ${+(2 * h.sigma[last]).toPrecision(2)} m`), make("td", {}, `pitch ${fixed(h.pitch_deg, 1)}°, roll ${fixed(h.roll_deg, 1)}°`), make("td", {}, plural(h.support, "frame"))),
       make("tr", { class: "why-floor" }, make("th", { colspan: "4" }, `${h.taken[last] ? "Taken" : "Not taken"}: ${h.why}`)));
   });
   $("floors").append(body);
 }
+const ground = s.ground || {};
+$("changes").append(...(ground.none_because ? [`no ground: ${ground.none_because}`] : []).concat((ground.changes || []).map((c) => `frame ${c.frame}: hypothesis ${c.hypothesis} taken, ${fixed(c.height_m, 3)} m below the first camera: ${c.reason}`)).map((line) => make("li", {}, line)));
+$("changes").hidden = !$("changes").childElementCount;
 
 // ---- The frame that is shown --------------------------------------------------------------------
 const fields = [
   ["state", (k) => states[column.state[k]], (k) => ["", "warn", "bad"][column.state[k]]],
   ["rays entered", (k) => fixed(column.hits[k] + column.floor[k] + column.misses[k], 0)],
   ...(scans ? [] : [["ground", (k) => (isNumber(column.height[k]) ? `${fixed(column.height[k], 3)} m below` : "not found"), (k) => (isNumber(column.height[k]) ? "" : "warn")]]),
-  ...(s.poses ? [[scans ? "lidar at" : "camera at", (k) => (isNumber(column.x[k]) ? `${fixed(column.x[k], 2)}, ${fixed(column.y[k], 2)}, ${fixed(column.z[k], 2)} m` : "–")]] : []),
+  ...(mapped ? [[scans ? "lidar at" : "camera at", (k) => (isNumber(column.x[k]) ? `${fixed(column.x[k], 2)}, ${fixed(column.y[k], 2)}, ${fixed(column.z[k], 2)} m` : "–")]] : []),
 ].map(([label, text, kind]) => {
   const value = make("dd");
   $("now").append(make("div", {}, make("dt", {}, label), value));
