@@ -8,6 +8,7 @@
 #include "perception/mapping/depth_image.h"
 #include "perception/mapping/ground_plane.h"
 #include "perception/mapping/occupancy_mapper.h"
+#include "perception/mapping/pose_check.h"
 
 namespace prospect {
 
@@ -107,7 +108,6 @@ class DepthMapper {
 
  private:
   bool check_image(const DepthImage& image, MappedFrame& out);
-  bool check_pose(double stamp, const Eigen::Isometry3d& T_WC, MappedFrame& out);
   void correct(MappedFrame& frame) const;
   bool make_scan(const DepthImage& image, MappedFrame& frame, DepthScan& scan) const;
 
@@ -119,9 +119,7 @@ class DepthMapper {
   double last_stamp_ = 0.0;  // of the last frame with a sound time
   double period_ = 0.0;      // usual time between frames [s]
   bool any_stamp_ = false;
-  double accepted_stamp_ = 0.0;
-  Eigen::Isometry3d accepted_ = Eigen::Isometry3d::Identity();
-  bool any_accepted_ = false;
+  PoseCheck poses_;
 };
 
 }  // namespace prospect
