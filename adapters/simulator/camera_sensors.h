@@ -81,7 +81,7 @@ class CameraSensors final : public SimulatedSensors {
   std::unordered_set<std::uint64_t> places_;  // cells that have held a landmark
 
   std::uint64_t images_ = 0, scans_ = 0;
-  StereoImages pair_;
+  ImagePair pair_;
   OdometryFrame frame_;
   Pose pose_at_fix_;  ///< fused, when the odometry last took a pose
   int losses_ = 0;
