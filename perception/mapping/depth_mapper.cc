@@ -219,7 +219,7 @@ bool DepthMapper::make_scan(const DepthImage& image, MappedFrame& frame, DepthSc
 }
 
 MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
-                                 const Eigen::Isometry3d& T_WC) {
+                                 const Eigen::Isometry3d& T_WC, Localization pose) {
   ProcessorStopwatch clock;
   MappedFrame out;
   out.stamp = stamp;
@@ -243,6 +243,9 @@ MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
   const bool sound = check_image(image, out) && check_pose(stamp, T_WC, out);
   out.times.check = clock.lap();
   if (!sound) return reject(nullptr);
+  // What a wrong pose enters is not taken out again by a right one.
+  if (pose == Localization::kDegraded) return reject("the pose is degraded");
+  if (pose == Localization::kLost) return reject("the pose is lost");
   if (gap) {
     add_reason(out.reason, "frames are missing");
     out.state = Mapping::kDegraded;

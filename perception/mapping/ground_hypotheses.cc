@@ -268,10 +268,10 @@ bool GroundHypotheses::is_seen_through(const Plane& b, const Plane& a) const {
 
 bool GroundHypotheses::beats(const Plane& b, const Plane& a) const {
   if (is_below(b, a, true) && !is_below(a, b, false)) {
-    return b.state.frames > a.state.frames || !is_seen_through(b, a);
+    return b.state.frames >= 2 * a.state.frames || !is_seen_through(b, a);
   }
   if (is_below(a, b, true) && !is_below(b, a, false)) {
-    return b.state.frames > a.state.frames && is_seen_through(a, b);
+    return b.state.frames >= 2 * a.state.frames && is_seen_through(a, b);
   }
   return b.state.admitted >= 2 * a.state.admitted;
 }
