@@ -194,9 +194,10 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
     const double height = taken->height - map->prior().height;
     if (std::abs(height) <= kMovedHeight && tilt <= kMovedTilt) return "";
     char text[160];
-    std::snprintf(text, sizeof text,
-                  "more frames moved the estimate by %.1f cm and %.1f deg; map made again",
-                  100.0 * height, kDegrees * tilt);
+    std::snprintf(
+        text, sizeof text,
+        "more frames moved the estimate by %.1f cm and %.1f deg; made again from the first frame",
+        100.0 * height, kDegrees * tilt);
     return text;
   };
   std::string why;
@@ -211,8 +212,8 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
       std::string reason = "enough frames agree";
       for (const GroundHypothesis& h : ground.all()) {
         if (run.changes.empty() || h.number != run.changes.back().hypothesis) continue;
-        reason =
-            "hypothesis " + std::to_string(h.number) + " given up: " + h.why + "; map made again";
+        reason = "hypothesis " + std::to_string(h.number) + " given up: " + h.why +
+                 "; made again from the first frame";
       }
       begin(i, reason);
     } else if (i - first + 1 >= next_look && map) {

@@ -191,7 +191,7 @@ bool DepthMapper::make_scan(const DepthImage& image, MappedFrame& frame, DepthSc
 }
 
 MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
-                                 const Eigen::Isometry3d& T_WC) {
+                                 const Eigen::Isometry3d& T_WC, Localization pose) {
   ProcessorStopwatch clock;
   MappedFrame out;
   out.stamp = stamp;
@@ -216,6 +216,9 @@ MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
   const char* const problem = sound ? poses_.problem(stamp, T_WC) : nullptr;
   out.times.check = clock.lap();
   if (!sound || problem != nullptr) return reject(problem);
+  // What a wrong pose enters is not taken out again by a right one.
+  if (pose == Localization::kDegraded) return reject("the pose is degraded");
+  if (pose == Localization::kLost) return reject("the pose is lost");
   if (gap) {
     add_reason(out.reason, "frames are missing");
     out.state = Mapping::kDegraded;

@@ -21,6 +21,7 @@ constexpr double kTrackTilt = 0.1;        // [rad]: where the one taken is looke
 constexpr double kTrackHeight = 0.12;     // [m]
 constexpr double kMostBelowStated = 1.0;  // points below the height stated, of those on it
 constexpr int kMostDoubts = 10;
+constexpr int kMostDrawsBeside = 3000;  // for planes beside the one taken: a sixth of the points
 constexpr double kWeightOfPrior = 0.5;  // of look_sigma against the spread of looks, in looks
 
 void tangents(const Eigen::Vector3d& n, Eigen::Vector3d& t1, Eigen::Vector3d& t2) {
@@ -268,10 +269,10 @@ bool GroundHypotheses::is_seen_through(const Plane& b, const Plane& a) const {
 
 bool GroundHypotheses::beats(const Plane& b, const Plane& a) const {
   if (is_below(b, a, true) && !is_below(a, b, false)) {
-    return b.state.frames > a.state.frames || !is_seen_through(b, a);
+    return b.state.frames >= 2 * a.state.frames || !is_seen_through(b, a);
   }
   if (is_below(a, b, true) && !is_below(b, a, false)) {
-    return b.state.frames > a.state.frames && is_seen_through(a, b);
+    return b.state.frames >= 2 * a.state.frames && is_seen_through(a, b);
   }
   return b.state.admitted >= 2 * a.state.admitted;
 }
@@ -377,9 +378,11 @@ std::vector<GroundHypotheses::Found> GroundHypotheses::look(const DepthImage& im
                                                             const Eigen::Isometry3d& T_DC,
                                                             std::string& reason) const {
   std::vector<Found> found;
+  GroundPlaneOptions beside = options_.ground;
+  if (taken_ >= 0) beside.most_draws = std::min(beside.most_draws, kMostDrawsBeside);
   const auto add_below = [&](const GroundPlane& plane) {
     for (const GroundPlane& lower :
-         find_planes_below(camera_, image, options_.prior, plane, options_.ground)) {
+         find_planes_below(camera_, image, options_.prior, plane, beside)) {
       found.push_back({lower, -1});
     }
   };
@@ -418,7 +421,7 @@ std::vector<GroundHypotheses::Found> GroundHypotheses::look(const DepthImage& im
     const GroundPlane there = find_ground(camera_, image, stated, options);
     if (there.found) found.push_back({there, -1});
   }
-  const GroundPlane any = find_ground(camera_, image, options_.prior, options_.ground);
+  const GroundPlane any = find_ground(camera_, image, options_.prior, beside);
   if (any.found) found.push_back({any, -1});
   if (!any.found) reason = any.reason;
   // Also below one that too much lies below to be found.

@@ -92,8 +92,8 @@ struct GroundLook {
 /// others. B beats A if
 ///   B is lower   most of what was seen of B lies below A, nothing of A below B: so the floor beats
 ///   a
-///                table; unless B is seen through what was seen of A, in no more frames than A: so
-///                a reflection, or a depth in a wrong unit, does not beat the floor;
+///                table; unless B is seen through what was seen of A, a reflection or a depth in a
+///                wrong unit: then the one that twice as many frames show beats the other;
 ///   neither is   and twice as many frames show B to a camera above it as the prior says: so the
 ///                floor beats a wall, and a ramp does not beat the floor before it.
 ///

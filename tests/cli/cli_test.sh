@@ -728,7 +728,27 @@ grep -qF "no poses, so the ground is measured only" out.txt || fail "map without
 [[ -s robot/ground.csv && ! -e robot/map.bt ]] || fail "map without poses: $(ls robot)"
 refused "map of a part that is not there" "--from is 9" "expected less than the 5 frames" \
   map depth/posed --from 9 --out run
-XXMAPrefused "map with a wild resolution" resolution "expected a number from 0.01" \
+run map depth/posed --camera-height 3 --camera-height-sigma 0.1 --out high --quiet
+((code == 1)) || fail "map at no height: exit $code, expected 1"
+grep -qF "no ground in any of 5 frames" err.txt && grep -qF "expected a floor" err.txt ||
+  fail "map at no height: '$err'"
+grep -qF "said to be 3.00 +- 0.10 m high" err.txt || fail "map at no height: '$err'"
+grep -qF '"height_median_m": null' high/summary.json && grep -qF '"taken": null' high/summary.json &&
+  grep -qF '"free_cells": null' high/summary.json || fail "map at no height claims: $(cat high/summary.json)"
+[[ ! -e high/map.bt ]] || fail "map at no height wrote a map"
+# Poses of one frame in five.
+mkdir partly
+cp -r depth/robot/depth partly
+for file in partly/depth/*.png; do
+  name=${file##*/}
+  echo "$((10#${name%.png})).5 depth/$name"
+done >partly/depth.txt
+echo "$(head -1 partly/depth.txt | cut -d' ' -f1) 0 0 0.62 0 0 0 1" >partly/groundtruth.txt
+run map partly --camera 262.5 262.5 159.5 119.5 --depth-scale 1000 --quiet
+((code == 1)) || fail "map of few poses: exit $code, expected 1; '$err'"
+grep -qF "4 of 5 frames have no pose" err.txt || fail "map of few poses: '$err'"
+rm -rf partly
+refused "map with a wild resolution" resolution "expected a number from 0.01" \
   map depth/posed --resolution nan --out run
 refused "map of a range of many voxels" "--range is 4 m" "expected at most 2 m" \
   map depth/posed --resolution 0.01 --out run
