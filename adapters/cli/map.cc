@@ -375,6 +375,12 @@ int map(const MapArguments& arguments) {
               << "; expected a floor, or --camera-height and --camera-pitch as they are\n";
     return kFailed;
   }
+  if (dataset.without_pose() > dataset.size()) {
+    std::cerr << "prospect: " << arguments.dataset << ": " << dataset.without_pose() << " of "
+              << dataset.size() + dataset.without_pose()
+              << " frames have no pose and are left out; expected poses of most of them\n";
+    return kFailed;
+  }
   if (2 * summary.rejected > summary.frames) {
     std::cerr << "prospect: " << arguments.dataset << ": " << summary.rejected << " of "
               << summary.frames << " frames rejected, most often as " << summary.rejected_reason

@@ -96,8 +96,10 @@ void print(const OdometrySummary& s, bool truth) {
     }
     std::printf("; %s\n", truth ? "no two poses to hold against the truth" : "no ground truth");
   }
-  std::printf("disparities  measured %.3f +- %.3f px too small, corrected\n", s.disparity_offset,
-              s.disparity_offset_sigma);
+  if (std::isfinite(s.disparity_offset)) {
+    std::printf("disparities  measured %.3f +- %.3f px too small, corrected\n", s.disparity_offset,
+                s.disparity_offset_sigma);
+  }
   const auto row = [](const char* name, const TimePercentiles& t) {
     if (!std::isfinite(t.p50)) return;
     std::printf("%-13s %6.1f %6.1f %6.1f %6.1f\n", name, t.p50, t.p95, t.p99, t.max);

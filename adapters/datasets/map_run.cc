@@ -49,29 +49,6 @@ Eigen::Isometry3d level(const Floor& floor, const Eigen::Isometry3d& T_DC) {
   return T;
 }
 
-int low_cells(const BeliefMaps& maps) {
-  const VoxelGrid& voxels = *maps.voxels;
-  const GridFrame& frame = maps.ground->frame();
-  const int k_low = static_cast<int>(std::ceil(kLow / voxels.resolution() - 1e-9));
-  int low = 0;
-  for (int n = 0; n < frame.size(); ++n) {
-    const Cell c = frame.at(n);
-    if (maps.ground->state(c) != CellState::kOccupied) continue;
-    bool higher = false;
-    for (int side = 0; side < 9 && !higher; ++side) {
-      for (int k = k_low; k < voxels.k0() + voxels.depth() && !higher; ++k) {
-        higher = voxels.state(c.i + side % 3 - 1, c.j + side / 3 - 1, k) == CellState::kOccupied;
-      }
-    }
-    low += !higher;
-  }
-  return low;
-}
-
-}  // namespace
-
-namespace {
-
 GroundHypothesesOptions hypotheses_of(const MapRunOptions& options, bool poses) {
   GroundHypothesesOptions out;
   out.prior = options.prior;
@@ -162,6 +139,25 @@ void record(const std::vector<GroundHypothesis>& hypotheses, int frame, double s
     run.ground.push_back({frame, stamp, h.number, h.height, h.pitch, h.roll, h.sigma_height,
                           h.sigma_tilt, h.frames, h.taken, h.why});
   }
+}
+
+int low_cells(const BeliefMaps& maps) {
+  const VoxelGrid& voxels = *maps.voxels;
+  const GridFrame& frame = maps.ground->frame();
+  const int k_low = static_cast<int>(std::ceil(kLow / voxels.resolution() - 1e-9));
+  int low = 0;
+  for (int n = 0; n < frame.size(); ++n) {
+    const Cell c = frame.at(n);
+    if (maps.ground->state(c) != CellState::kOccupied) continue;
+    bool higher = false;
+    for (int side = 0; side < 9 && !higher; ++side) {
+      for (int k = k_low; k < voxels.k0() + voxels.depth() && !higher; ++k) {
+        higher = voxels.state(c.i + side % 3 - 1, c.j + side / 3 - 1, k) == CellState::kOccupied;
+      }
+    }
+    low += !higher;
+  }
+  return low;
 }
 
 }  // namespace

@@ -73,7 +73,8 @@ OdometrySummary summarize(const OdometryRun& run) {
   const int located = s.frames - s.lost;
   s.covered = s.frames > 0 ? static_cast<double>(located) / s.frames : nan;
   s.covered_truth = s.frames > 0 ? static_cast<double>(run.pairs.size()) / s.frames : nan;
-  s.mostly_lost = 2 * s.lost > s.frames;
+  s.mostly_lost = 2 * s.lost > s.frames || (s.lost > 0 && located < 2);
+  if (located == 0) s.disparity_offset = s.disparity_offset_sigma = nan;
   int most = 0;
   for (const auto& [reason, count] : reasons) {
     if (count <= most) continue;

@@ -21,7 +21,7 @@ constexpr double kTrackTilt = 0.1;        // [rad]: where the one taken is looke
 constexpr double kTrackHeight = 0.12;     // [m]
 constexpr double kMostBelowStated = 1.0;  // points below the height stated, of those on it
 constexpr int kMostDoubts = 10;
-constexpr double kWeightOfPrior = 1.0;  // of look_sigma against the spread of looks, in looks
+constexpr double kWeightOfPrior = 0.5;  // of look_sigma against the spread of looks, in looks
 
 void tangents(const Eigen::Vector3d& n, Eigen::Vector3d& t1, Eigen::Vector3d& t2) {
   t1 = Eigen::Vector3d::UnitX() - n.x() * n;
@@ -267,12 +267,13 @@ bool GroundHypotheses::is_seen_through(const Plane& b, const Plane& a) const {
 }
 
 bool GroundHypotheses::beats(const Plane& b, const Plane& a) const {
-  const bool b_below = is_below(b, a, true), a_below = is_below(a, b, false);
-  if (b_below && !a_below) return !(b.state.frames < a.state.frames && is_seen_through(b, a));
-  if (is_below(a, b, true) && !is_below(b, a, false)) {
-    return a.state.frames < b.state.frames && is_seen_through(a, b);
+  if (is_below(b, a, true) && !is_below(a, b, false)) {
+    return b.state.frames > a.state.frames || !is_seen_through(b, a);
   }
-  return b.state.frames >= 2 * a.state.frames && b.state.admitted >= 2 * a.state.admitted;
+  if (is_below(a, b, true) && !is_below(b, a, false)) {
+    return b.state.frames > a.state.frames && is_seen_through(a, b);
+  }
+  return b.state.admitted >= 2 * a.state.admitted;
 }
 
 bool GroundHypotheses::as_high_as_stated(const Plane& plane) const {
@@ -341,7 +342,7 @@ bool GroundHypotheses::choose(int least_frames) {
                          best->state.normal.dot(eye) - best->state.offset;
     if (is_below(*best, *other, true)) {
       other->state.why = it + text(" lies %.2f m below it", -apart);
-    } else if (is_seen_through(*other, *best)) {
+    } else if (is_below(*other, *best, true) && is_seen_through(*other, *best)) {
       other->state.why = "seen through " + it + ": a reflection or a wrong depth";
     } else {
       other->state.why =
@@ -363,6 +364,13 @@ bool GroundHypotheses::choose(int least_frames) {
   return changed;
 }
 
+/// Whether a camera may be `height` above the ground with `up` there, in C.
+bool GroundHypotheses::admits(const Eigen::Vector3d& up, double height) const {
+  const GroundPrior& prior = options_.prior;
+  return angle_between(up, prior.up) <= prior.tilt_tolerance &&
+         std::abs(height - prior.height) <= prior.height_tolerance;
+}
+
 /// The planes in an image that may be the ground, found as the header says; `reason`: why not the
 /// one looked for first.
 std::vector<GroundHypotheses::Found> GroundHypotheses::look(const DepthImage& image,
@@ -375,48 +383,46 @@ std::vector<GroundHypotheses::Found> GroundHypotheses::look(const DepthImage& im
       found.push_back({lower, -1});
     }
   };
-  const Plane* taken = nullptr;
-  for (const Plane& plane : planes_) {
-    if (plane.state.number == taken_) taken = &plane;
-  }
-  if (taken == nullptr) {
-    if (options_.height) {
-      GroundPrior stated = options_.prior;
-      stated.height = *options_.height;
-      stated.height_tolerance = kWithin * options_.sigma_height;
-      GroundPlaneOptions options = options_.ground;
-      options.most_below = kMostBelowStated;
-      const GroundPlane there = find_ground(camera_, image, stated, options);
-      if (there.found) found.push_back({there, -1});
+  bool known = false;
+  for (const Plane& taken : planes_) {
+    if (taken.state.number != taken_) continue;
+    GroundPlane expected;
+    expected.normal = T_DC.linear().transpose() * taken.state.normal;
+    expected.height = taken.state.normal.dot(T_DC.translation()) + taken.state.offset;
+    GroundPrior prior;
+    prior.up = expected.normal;
+    prior.height = expected.height;
+    prior.tilt_tolerance = options_.poses ? kTrackTilt : options_.tilt_tolerance;
+    prior.height_tolerance = options_.poses ? kTrackHeight : options_.height_tolerance;
+    const GroundPlane again = find_ground(camera_, image, prior, options_.ground);
+    if (again.found) found.push_back({again, taken_});
+    if (!again.found) reason = again.reason;
+    known = again.found && admits(expected.normal, expected.height);
+    int depths = 0, lower = 0;
+    each_point(image, [&](const Eigen::Vector3d& p) {
+      const double sigma = ground_sigma(expected.height, p.z(), options_.ground);
+      ++depths;
+      lower += expected.above(p) < -std::max(kBelow, options_.ground.gate * sigma);
+    });
+    if (lower > 0 && lower >= options_.ground.min_share * depths) {
+      add_below(again.found ? again : expected);
     }
-    const GroundPlane any = find_ground(camera_, image, options_.prior, options_.ground);
-    if (any.found) found.push_back({any, -1});
-    if (!any.found) reason = any.reason;
-    // Also below one that too much lies below to be found.
-    if (any.height > 0.0) add_below(any);
-    return found;
   }
-  GroundPlane expected;
-  expected.normal = T_DC.linear().transpose() * taken->state.normal;
-  expected.height = taken->state.normal.dot(T_DC.translation()) + taken->state.offset;
-  GroundPrior prior;
-  prior.up = expected.normal;
-  prior.height = expected.height;
-  prior.tilt_tolerance = options_.poses ? kTrackTilt : options_.tilt_tolerance;
-  prior.height_tolerance = options_.poses ? kTrackHeight : options_.height_tolerance;
-  const GroundPlane again = find_ground(camera_, image, prior, options_.ground);
-  if (again.found) found.push_back({again, taken_});
-  if (!again.found) reason = again.reason;
-  int depths = 0, lower = 0;
-  each_point(image, [&](const Eigen::Vector3d& p) {
-    const double noise =
-        options_.ground.gate * ground_sigma(expected.height, p.z(), options_.ground);
-    ++depths;
-    lower += expected.above(p) < -std::max(kBelow, noise);
-  });
-  if (lower > 0 && lower >= options_.ground.min_share * depths) {
-    add_below(again.found ? again : expected);
+  if (known) return found;
+  if (options_.height && taken_ < 0) {
+    GroundPrior stated = options_.prior;
+    stated.height = *options_.height;
+    stated.height_tolerance = kWithin * options_.sigma_height;
+    GroundPlaneOptions options = options_.ground;
+    options.most_below = kMostBelowStated;
+    const GroundPlane there = find_ground(camera_, image, stated, options);
+    if (there.found) found.push_back({there, -1});
   }
+  const GroundPlane any = find_ground(camera_, image, options_.prior, options_.ground);
+  if (any.found) found.push_back({any, -1});
+  if (!any.found) reason = any.reason;
+  // Also below one that too much lies below to be found.
+  if (any.height > 0.0) add_below(any);
   return found;
 }
 
@@ -441,20 +447,22 @@ GroundLook GroundHypotheses::add(const DepthImage& image, const Eigen::Isometry3
   }
   out.seen = static_cast<int>(seen.size());
   if (out.seen > 0) out.reason.clear();
-  const GroundPrior& prior = options_.prior;
   for (Plane& plane : planes_) {
     const double height = plane.state.normal.dot(T_DC.translation()) + plane.state.offset;
-    plane.state.admitted += angle_between(T_DC.linear().transpose() * plane.state.normal,
-                                          prior.up) <= prior.tilt_tolerance &&
-                            std::abs(height - prior.height) <= prior.height_tolerance;
+    plane.state.admitted += std::find(seen.begin(), seen.end(), plane.state.number) != seen.end() &&
+                            admits(T_DC.linear().transpose() * plane.state.normal, height);
   }
   const bool had = taken_ >= 0;
   out.changed = choose(options_.least_frames);
   if (out.changed) doubts_ = 0;
-  if (had && !out.changed && doubts_ < kMostDoubts) {
+  const auto taken = std::find_if(planes_.begin(), planes_.end(), [this](const Plane& plane) {
+    return plane.state.number == taken_;
+  });
+  if (had && !out.changed && taken != planes_.end() && doubts_ < kMostDoubts) {
     for (const Plane& plane : planes_) {
       const bool young = plane.state.number != taken_ &&
-                         plane.state.frames < options_.least_frames && as_high_as_stated(plane);
+                         plane.state.frames < options_.least_frames && as_high_as_stated(plane) &&
+                         is_below(plane, *taken, true);
       out.doubtful = out.doubtful || (young && std::find(seen.begin(), seen.end(),
                                                          plane.state.number) != seen.end());
     }

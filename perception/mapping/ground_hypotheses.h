@@ -52,7 +52,7 @@ struct GroundHypothesis {
   /// Of (theta_1, theta_2, height), as GroundPlane's, of the first frame's camera.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   int frames = 0;     ///< that have shown it
-  int admitted = 0;   ///< frames whose camera is above it as the prior says
+  int admitted = 0;   ///< of them, those whose camera was above it as the prior says
   double area = 0.0;  ///< that has been seen of it [m^2]
   bool taken = false;
   std::string why;  ///< why it is taken, or why not
@@ -74,9 +74,10 @@ struct GroundLook {
 ///
 /// Looks. Before one is taken: find_ground() with the prior, the planes below what it finds
 /// (find_planes_below()), and a plane at the height stated. Afterwards: the one taken, within 0.1
-/// rad and 0.12 m, and planes below it where at least min_share of the points lie there. A look is
-/// of the hypothesis whose plane it is within the tolerances, or begins one. An image that is the
-/// one before again is no look.
+/// rad and 0.12 m, and planes below it where at least min_share of the points lie there; and as
+/// before one was taken, if the frame does not show it, or not as the prior says. A look is of the
+/// hypothesis whose plane it is within the tolerances, or begins one. An image that is the one
+/// before again is no look.
 ///
 /// Estimate. The plane of a hypothesis is the weighted mean of its looks from different views, the
 /// newest 64, with the height stated if there is one. The covariance of a look is that of its image
@@ -89,10 +90,12 @@ struct GroundLook {
 /// its height is the one stated within three standard deviations. Of those the one taken stays, or
 /// else the one that most frames have shown, unless another beats it; that is then held against the
 /// others. B beats A if
-///   B is lower   most of what was seen of B lies below A, nothing of A below B, and B is not seen
-///                through A (through what was seen of A) in fewer frames than A: so the floor beats
-///                a table, and a reflection or a wrong depth does not beat the floor;
-///   neither is   and B was shown, and admitted, in twice as many frames.
+///   B is lower   most of what was seen of B lies below A, nothing of A below B: so the floor beats
+///   a
+///                table; unless B is seen through what was seen of A, in no more frames than A: so
+///                a reflection, or a depth in a wrong unit, does not beat the floor;
+///   neither is   and twice as many frames show B to a camera above it as the prior says: so the
+///                floor beats a wall, and a ramp does not beat the floor before it.
 ///
 /// Frames: D is the world of the poses, fixed; its axes may point anywhere.
 /// Memory: eight hypotheses, of each 64 looks and at most 1024 cells of 0.1 m; of images the last
@@ -139,6 +142,7 @@ class GroundHypotheses {
 
   template <typename Visit>
   void each_point(const DepthImage& image, Visit visit) const;
+  bool admits(const Eigen::Vector3d& up, double height) const;
   std::vector<Found> look(const DepthImage& image, const Eigen::Isometry3d& T_DC,
                           std::string& reason) const;
   /// The number of its hypothesis; -1: it shows nothing, or one that is in `seen`.

@@ -364,14 +364,12 @@ std::vector<GroundPlane> find_planes_below(const PinholeCamera& camera, const De
   GroundPlane last = above;
   for (int n = 0; n < kMost; ++n) {
     bool fixed = false;
-    const GroundPlane plane = search_cloud(
-        cloud_of(camera, image, search, options,
-                 [&](const Eigen::Vector3d& p) {
-                   return last.above(p) <
-                          -std::max(kApart,
-                                    options.gate * ground_sigma(last.height, p.z(), options));
-                 }),
-        prior, search, options, fixed);
+    const Cloud cloud = cloud_of(camera, image, search, options, [&](const Eigen::Vector3d& p) {
+      const double noise = options.gate * ground_sigma(last.height, p.z(), options);
+      return last.above(p) < -std::max(kApart, noise);
+    });
+    if (static_cast<double>(cloud.candidates.size()) < options.min_share * cloud.depths) break;
+    const GroundPlane plane = search_cloud(cloud, prior, search, options, fixed);
     if (plane.found) found.push_back(plane);
     if (!fixed) break;
     last = plane;

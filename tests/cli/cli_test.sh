@@ -728,9 +728,7 @@ grep -qF "no poses, so the ground is measured only" out.txt || fail "map without
 [[ -s robot/ground.csv && ! -e robot/map.bt ]] || fail "map without poses: $(ls robot)"
 refused "map of a part that is not there" "--from is 9" "expected less than the 5 frames" \
   map depth/posed --from 9 --out run
-refused "map at no height" "no ground in any frame" "expected a floor" \
-  map depth/posed --camera-height 3 --out run
-refused "map with a wild resolution" resolution "expected a number from 0.01" \
+XXMAPrefused "map with a wild resolution" resolution "expected a number from 0.01" \
   map depth/posed --resolution nan --out run
 refused "map of a range of many voxels" "--range is 4 m" "expected at most 2 m" \
   map depth/posed --resolution 0.01 --out run
