@@ -375,9 +375,9 @@ int map(const MapArguments& arguments) {
               << "; expected a floor, or --camera-height and --camera-pitch as they are\n";
     return kFailed;
   }
-  if (dataset.without_pose() > dataset.size()) {
-    std::cerr << "prospect: " << arguments.dataset << ": " << dataset.without_pose() << " of "
-              << dataset.size() + dataset.without_pose()
+  if (input.without_pose > input.size) {
+    std::cerr << "prospect: " << arguments.dataset << ": " << input.without_pose << " of "
+              << input.size + input.without_pose
               << " frames have no pose and are left out; expected poses of most of them\n";
     return kFailed;
   }
