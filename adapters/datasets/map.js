@@ -261,8 +261,8 @@ const drawnCells = {};  // how many of each state were drawn, for the self-test
 const startFrame = column.x.findIndex(isNumber);
 function drawMap(canvas, colorOf) {
   const g = run.ground, pen = canvas.getContext("2d"), density = devicePixelRatio || 1;
-  const width = canvas.clientWidth, left = 38, below = 22, border = 6;
-  const scale = Math.min((width - left - border) / g.width, Math.max(240, Math.min(560, 0.8 * innerHeight)) / g.height);
+  const width = canvas.clientWidth, left = 38, below = 22, border = 6, right = 14;
+  const scale = Math.min((width - left - right) / g.width, Math.max(240, Math.min(560, 0.8 * innerHeight)) / g.height);
   const height = Math.round(scale * g.height) + below + border;
   canvas.style.height = `${height}px`;
   canvas.width = Math.max(1, Math.round(width * density)); canvas.height = Math.max(1, Math.round(height * density));
@@ -279,7 +279,7 @@ function drawMap(canvas, colorOf) {
   ink.putImageData(image, 0, 0);
   drawnCells[canvas.id] = counts;
   const w = scale * g.width, h = scale * g.height, r = g.resolution;
-  const offset = left + Math.max(0, (width - left - border - w) / 2);
+  const offset = left + Math.max(0, (width - left - right - w) / 2);
   pen.imageSmoothingEnabled = false;
   pen.drawImage(small, offset, border, w, h);
   const X = (x) => offset + (x / r - g.low[0]) * scale, Y = (y) => border + h - (y / r - g.low[1]) * scale;

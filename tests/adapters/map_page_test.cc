@@ -1,6 +1,5 @@
 #include "adapters/datasets/map_page.h"
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
@@ -10,9 +9,6 @@
 
 namespace prospect::map_page_test {
 namespace {
-
-using ::testing::HasSubstr;
-using ::testing::Not;
 
 MapRun run_of(bool mapped) {
   MapRun run;
@@ -41,14 +37,17 @@ const nlohmann::ordered_json kSummary = {{"dataset", "/data/<hall>/"}, {"notes",
 TEST(MapPage, IsOneWholeFile) {
   const std::string page = map_page(run_of(true), kSummary);
   EXPECT_EQ(page, map_page(run_of(true), kSummary)) << "the same bytes for the same run";
-  EXPECT_THAT(page, HasSubstr("<title>&lt;hall&gt; – map</title>"));
-  EXPECT_THAT(page, Not(HasSubstr("{{")));
-  for (const char* fetched : {"src=\"http", "href=\"http", "@import", "url(http"}) {
-    EXPECT_THAT(page, Not(HasSubstr(fetched)));
+  const auto has = [&](const std::string& part) { return page.find(part) != std::string::npos; };
+  EXPECT_TRUE(has("<title>&lt;hall&gt; – map</title>"));
+  for (const char* place :
+       {"title", "library style", "style", "run", "library", "three", "controls", "script"}) {
+    EXPECT_FALSE(has("{{" + std::string(place) + "}}")) << place;
   }
-  EXPECT_THAT(page, HasSubstr("three.js r111, copyright"))
-      << "the libraries' licence stays with them";
-  EXPECT_THAT(page, HasSubstr("REVISION=\"111\"")) << "which the page names";
+  for (const char* fetched : {"src=\"http", "href=\"http", "@import", "url(http"}) {
+    EXPECT_FALSE(has(fetched)) << fetched;
+  }
+  EXPECT_TRUE(has("three.js r111, copyright")) << "the libraries' licence stays with them";
+  EXPECT_TRUE(has("REVISION=\"111\"")) << "which the page names";
   const auto data = data_of(page);
   EXPECT_EQ(data["frames"], 3);
   EXPECT_EQ(data["reasons"]["2"], "the pose jumps");
