@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
@@ -154,6 +155,9 @@ class Reader {
       if (error || size > kLargestSdf || (bytes_ += size) > 4 * kLargestSdf) {
         throw InputError(path + ": too large, or too much with what is included so far; expected " +
                          "at most 64 MB a file and 256 MB in all");
+      }
+      if (!std::ifstream(path)) {
+        throw InputError(path + ": cannot be read; expected a readable file");
       }
       auto read = std::make_unique<tinyxml2::XMLDocument>();
       if (read->LoadFile(path.c_str()) != tinyxml2::XML_SUCCESS) {

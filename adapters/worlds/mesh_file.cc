@@ -470,6 +470,7 @@ TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submes
   const std::uintmax_t size = fs::file_size(path, error);
   if (error || size == 0) refuse("is empty; expected a mesh");
   if (size > kLargestMesh) refuse("is larger than 512 MB");
+  if (!std::ifstream(path)) refuse("cannot be read; expected a readable file");
 
   constexpr std::uintmax_t kMegabyte = std::uintmax_t{1} << 20;
   ChildLimits limits;

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 #include <sys/stat.h>
+#include <unistd.h>
 #include <zlib.h>
 
 #include <Eigen/Geometry>
@@ -705,6 +706,15 @@ TEST_F(Worlds, WhatIsNoFileEndsAtOnce) {
     fs::remove(path(name));
     fs::create_symlink("/dev/zero", path(name));
     EXPECT_THAT(refusal(path(name)), HasSubstr("is not a regular file"));
+  }
+}
+
+TEST_F(Worlds, WhatMayNotBeReadIsSaid) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may read everything";
+  for (const char* name : {"f.yaml", "f.bt", "f.pgm", "f.map", "f.obj", "f.world", "f.glb"}) {
+    write(name, "content");
+    fs::permissions(path(name), fs::perms::none);
+    EXPECT_THAT(refusal(path(name)), HasSubstr("cannot be read; expected"));
   }
 }
 

@@ -209,7 +209,10 @@ std::string problem_file(const std::string& path) {
   p.visibility.r_max = 1.5;
   p.max_targets = 20;
   const test::NamedSpecification named = test::specification_of("corpus", "unicycle", p, 60);
-  write_problem(path, {{}, *named.specification, named.seeds, std::nullopt});
+  SavedProblem saved;
+  saved.specification = *named.specification;
+  saved.seeds = named.seeds;
+  write_problem(path, saved);
   return content(path);
 }
 
@@ -292,9 +295,10 @@ int main(int argc, char** argv) {
 
   write("problem_file", "plain", problem_file(scratch));
   write("expression_file", "plain",
-        R"({"problems": [{"name": "HS15", "n": 2, "x0": [-2, 1], "objective": "100*(x2-x1^2)^2+)"
-        R"((1-x1)^2", "inequalities_nonneg": ["x1*x2-1", "x1+exp(x2)"], "equalities_zero": ["x1"],)"
-        R"( "lower": [null, null], "upper": [0.5, null], "f_opt": 306.5}]})");
+        R"json({"problems": [{"name": "HS15", "n": 2, "x0": [-2, 1], "objective": )json"
+        R"json("100*(x2-x1^2)^2+(1-x1)^2", "inequalities_nonneg": ["x1*x2-1", "x1+exp(x2)"], )json"
+        R"json("equalities_zero": ["x1"], "lower": [null, null], "upper": [0.5, null], )json"
+        R"json("f_opt": 306.5}]})json");
   write("calibration", "kitti",
         kind(0) +
             "P0: 700 0 600 0 0 700 180 0 0 0 1 0\nP1: 700 0 600 -380 0 700 180 0 0 0 1 0\n"
