@@ -61,6 +61,9 @@ OdometrySummary summarize(const OdometryRun& run) {
     (f.keyframe ? processor_keyframe : processor).push_back(f.times.processor);
     s.disparity_offset = f.disparity_offset;
     s.disparity_offset_sigma = f.disparity_offset_sigma;
+    s.camera_time_offset = f.camera_time_offset;
+    s.camera_time_offset_sigma = f.camera_time_offset_sigma;
+    if (!f.out_of_step.empty()) s.out_of_step = f.out_of_step;
   }
   s.pyramids = percentiles(pyramids);
   s.tracking = percentiles(tracking);
