@@ -727,6 +727,10 @@ TEST_F(Worlds, AnAbsentImageIsNotReplacedByAnotherOne) {
     EXPECT_THAT(refusal(yaml), HasSubstr("is absent"));
     EXPECT_THAT(refusal(yaml), HasSubstr("'" + std::string(name) + "'"));
   }
+  EXPECT_THAT(refusal(write("c.yaml",
+                            "image: \"a\\x1b[2J\\n.png\"\nresolution: 0.1\norigin: [0, 0, "
+                            "0]\n")),
+              ::testing::Not(::testing::AnyOf(HasSubstr("\x1b"), HasSubstr("\n"))));
   // The same one, of a folder that was moved, and that is told.
   const World moved = load_world(
       write("moved.yaml", "image: /home/them/maps/a.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n"));
