@@ -10,7 +10,9 @@
 
 namespace prospect {
 
-/// A good pose and what was known then, to come back to.
+/// A good pose and what was known then, to come back to. One is kept wherever the view has changed
+/// since the last, whether or not it was a keyframe: who comes back is to find one that looks
+/// alike.
 struct Recall {
   Eigen::Isometry3d T_CW = Eigen::Isometry3d::Identity();
   PyramidLevel coarse;  ///< the coarsest level of its left image
@@ -26,7 +28,10 @@ class RecallMemory {
     recalls_.push_back(std::move(recall));
     while (static_cast<int>(recalls_.size()) > size_) recalls_.pop_front();
   }
-  void clear() { recalls_.clear(); }
+
+  /// Median shift in the image [px], since the newest was added, of the tracks that were and are
+  /// inliers; infinite if there are none.
+  double shift(const std::vector<Track>& tracks) const;
 
   /// Oldest first.
   std::deque<Recall>& all() { return recalls_; }

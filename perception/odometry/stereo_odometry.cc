@@ -170,7 +170,7 @@ struct StereoOdometry::Impl {
 
   /// Where the frame was taken: from where the robot should be by `motion` or as it moved before;
   /// if that fails, once more as if nothing had been measured, from where it was, and from the
-  /// newest keyframes. Changes the tracks to those that were found.
+  /// newest views that were kept. Changes the tracks to those that were found.
   Candidate locate(double stamp, const FrameImages& now, const std::optional<Isometry3d>& motion,
                    OdometryTimes& times) {
     const FrameLocator locator(camera, options, offset.value(), options.seed + frame, now.left,
@@ -371,9 +371,9 @@ struct StereoOdometry::Impl {
     drift.keep(used);
   }
 
-  /// A map begins at the trusted pose, with this frame alone. False if it has too few points; the
-  /// map that was there is then there still.
-  bool begin_map(double stamp, FrameImages now, OdometryFrame& out) {
+  /// A map begins at the trusted pose, with this frame alone. False if it has fewer than `least`
+  /// points; the map that was there is then there still.
+  bool begin_map(double stamp, FrameImages now, int least, OdometryFrame& out) {
     Stopwatch watch;
     const Keyframe kept_keyframe = keyframe;
     std::vector<Track> kept_tracks = std::exchange(tracks, {});
@@ -383,7 +383,7 @@ struct StereoOdometry::Impl {
     begin_keyframe(std::move(now), false);
     out.matched = enter_landmarks(true);
     out.times.keyframe += watch.lap();
-    if (out.matched < options.lost_points) {
+    if (out.matched < least) {
       keyframe = kept_keyframe;
       tracks = std::move(kept_tracks);
       recalls = std::move(kept_recalls);
@@ -401,7 +401,7 @@ struct StereoOdometry::Impl {
   /// The first frame, or one until there are points to begin with.
   OdometryFrame first_frame(double stamp, FrameImages now, OdometryFrame& out) {
     out.keyframe_reason = "first frame";
-    if (!begin_map(stamp, std::move(now), out)) {
+    if (!begin_map(stamp, std::move(now), options.lost_points, out)) {
       return finished(out, Localization::kLost, "too few points to begin with");
     }
     if (out.matched < options.degraded_points) {
@@ -419,7 +419,11 @@ struct StereoOdometry::Impl {
       return finished(out, Localization::kLost, {});
     }
     out.keyframe_reason = "restart";
-    if (!begin_map(stamp, std::move(now), out)) return finished(out, Localization::kLost, {});
+    // Up to half of new landmarks are never found again. With fewer the next frame would be lost,
+    // and with it the views by which the old map can be found.
+    if (!begin_map(stamp, std::move(now), 2 * options.lost_points, out)) {
+      return finished(out, Localization::kLost, {});
+    }
     out.restarted = true;
     if (out.matched < options.degraded_points) add_reason(out.reason, "few points");
     return finished(out, Localization::kDegraded, "a new map begins");
@@ -500,6 +504,9 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     forget_anchors();
   } else {
     std::erase_if(tracks, [&](const Track& t) { return t.misses > options.max_misses; });
+    if (recalls.shift(tracks) > options.keyframes.max_shift * camera.left.width) {
+      recalls.add({trusted.T_CW, trusted.coarse, tracks});
+    }
   }
   out.times.keyframe += watch.lap();
   return finished(out, state, {});
