@@ -67,10 +67,6 @@ struct YamlMap::State {
       ++untold;
     } else {
       problems.push_back({line, text});
-      // It may quote the file.
-      for (char& c : problems.back().text) {
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-      }
     }
   }
   [[noreturn]] void raise() {

@@ -504,10 +504,7 @@ std::string find_image(const std::string& yaml, const std::string& name, const s
     if (hidden || !image || beside.size() > 200) continue;
     beside += (beside.empty() ? "" : ", ") + in_quotes(entry.path().filename().string());
   }
-  std::string place = named.string();
-  std::replace_if(
-      place.begin(), place.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, '?');
-  fail(where, "image " + in_quotes(name) + " is absent; expected it at " + place +
+  fail(where, "image " + in_quotes(name) + " is absent; expected it at " + named.string() +
                   (beside.empty() ? "" : ", or one of these named here: " + beside));
 }
 
