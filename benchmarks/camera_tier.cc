@@ -4,7 +4,6 @@
 //   camera_tier WORLD [--start X Y YAW] [--quality Q] [--frames N] [--out DIR]
 #include <time.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include <memory>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,6 +22,7 @@
 #include "adapters/simulator/scene_renderer.h"
 #include "adapters/simulator/world_mesh.h"
 #include "adapters/worlds/load_world.h"
+#include "benchmarks/program_options.h"
 
 namespace {
 
@@ -83,18 +84,18 @@ void write(const std::filesystem::path& path, const DepthImage& depth, double fa
 }
 
 int run(int argc, char** argv) {
-  CLI::App app("Pictures and times of the simulated cameras");
+  ProgramOptions options("Pictures and times of the simulated cameras");
   std::string name = "office";
   std::string out;
   std::vector<double> start;
   WorldMeshOptions mesh_options;
   int frames = 40;
-  app.add_option("world", name, "As for `prospect explore`");
-  app.add_option("--start", start, "X Y YAW [m, rad]")->expected(3);
-  app.add_option("--quality", mesh_options.texture_quality, "Contrast of the texture, 0..1");
-  app.add_option("--frames", frames, "Timed views")->check(CLI::Range(1, 10000));
-  app.add_option("--out", out, "Writes left.jpg, right.jpg and depth.jpg there");
-  CLI11_PARSE(app, argc, argv);
+  options.add("world", name, "as for `prospect explore`");
+  options.add("--start", start, "X Y YAW [m, rad]", {.count = 3});
+  options.add("--quality", mesh_options.texture_quality, "contrast of the texture, 0..1");
+  options.add("--frames", frames, "timed views", {.least = 1, .most = 10000});
+  options.add("--out", out, "writes left.jpg, right.jpg and depth.jpg there");
+  if (const std::optional<int> end = options.parse(argc, argv)) return *end;
 
   Stopwatch watch;
   WorldOptions world_options;

@@ -1,10 +1,10 @@
 // Missions over worlds, conditions and seeds, paired by world, seed and start, into a table; and
 // what the table says.
-#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -21,6 +21,7 @@
 #include "benchmarks/experiments/mission_start.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/mission_processes.h"
+#include "benchmarks/program_options.h"
 #include "benchmarks/replanners.h"
 
 namespace prospect {
@@ -126,38 +127,29 @@ void plot(const std::vector<ExperimentRow>& rows, const Arguments& arguments) {
 
 int main_program(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app{"Paired missions under different conditions, and what they show"};
-  app.add_flag("--small", arguments.small,
-               "5 worlds, 4 seeds, with and without, 150 s; options given besides count");
-  app.add_option("--worlds", arguments.worlds,
-                 "worlds, as `prospect explore` takes them; default: office, corridor, loop, "
-                 "plan:1 to plan:9")
-      ->delimiter(',');
-  app.add_option("--conditions", arguments.conditions, "default: all; see conditions.cc")
-      ->delimiter(',');
-  app.add_option("--seeds", arguments.seeds, "how many; default: 20")->check(CLI::Range(1, 1000));
-  app.add_option("--first-seed", arguments.first_seed, "the first of them")
-      ->check(CLI::Range(1, 100000))
-      ->capture_default_str();
-  app.add_option("--time-limit", arguments.time_limit,
-                 "of a mission, robot's clock [s]; default: 1200")
-      ->check(CLI::Range(1.0, 1e6));
-  app.add_option("--sensors", arguments.sensors, "model, camera")
-      ->check(CLI::IsMember({"model", "camera"}))
-      ->capture_default_str();
-  app.add_option("--jobs", arguments.jobs, "missions at a time")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  app.add_option("--out", arguments.out, "table; missions it already holds are not run again")
-      ->capture_default_str();
-  app.add_option("--report", arguments.report, "print the Markdown tables of this table and end");
-  app.add_option("--plots", arguments.plots,
-                 "folder for plots of the table, drawn by gnuplot: with --report, or at the end");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  ProgramOptions options("Paired missions under different conditions, and what they show");
+  options.add("--small", arguments.small,
+              "5 worlds, 4 seeds, with and without, 150 s; options given besides count");
+  options.add("--worlds", arguments.worlds,
+              "worlds, as `prospect explore` takes them; default: office, corridor, loop, "
+              "plan:1 to plan:9",
+              {.commas = true});
+  options.add("--conditions", arguments.conditions, "default: all; see conditions.cc",
+              {.commas = true});
+  options.add("--seeds", arguments.seeds, "how many; 0: 20, or 4 of --small",
+              {.least = 0, .most = 1000});
+  options.add("--first-seed", arguments.first_seed, "the first of them",
+              {.least = 1, .most = 100000});
+  options.add("--time-limit", arguments.time_limit,
+              "of a mission, robot's clock [s]; 0: 1200, or 150 of --small",
+              {.least = 0.0, .most = 1e6});
+  options.add("--sensors", arguments.sensors, "model, camera", {.one_of = {"model", "camera"}});
+  options.add("--jobs", arguments.jobs, "missions at a time", {.least = 1, .most = 256});
+  options.add("--out", arguments.out, "table; missions it already holds are not run again");
+  options.add("--report", arguments.report, "print the Markdown tables of this table and end");
+  options.add("--plots", arguments.plots,
+              "folder for plots of the table, drawn by gnuplot: with --report, or at the end");
+  if (const std::optional<int> end = options.parse(argc, argv)) return *end;
   if (!arguments.report.empty()) {
     const std::vector<ExperimentRow> rows = read_experiment(arguments.report);
     if (rows.empty()) throw InputError(arguments.report + ": no rows");

@@ -1,11 +1,11 @@
 // Missions of several planners over maps and seeds, one process each, into a table.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <tuple>
@@ -19,6 +19,7 @@
 #include "benchmarks/comparison_table.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/mission_processes.h"
+#include "benchmarks/program_options.h"
 #include "benchmarks/replanners.h"
 #include "runtime/mission.h"
 
@@ -152,37 +153,24 @@ void run_all(const std::vector<Mission>& missions, const Arguments& arguments) {
 
 int main_program(int argc, char** argv) {
   Arguments arguments;
-  CLI::App app{
-      "Exploration missions of several planners over maps and seeds, and their comparison"};
-  app.add_option("--maps", arguments.maps, "worlds, as `prospect explore` takes them");
-  app.add_option("--data", arguments.data, "folder of the default maps")->capture_default_str();
-  app.add_option("--seeds", arguments.seeds, "seeds 1 to this")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
-  app.add_option("--planners", arguments.planners, "planners that are compared")
-      ->delimiter(',')
-      ->check(CLI::IsMember(replanner_names()));
-  app.add_option("--jobs", arguments.jobs, "missions at a time")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  app.add_option("--out", arguments.out, "table; missions it already holds are not run again")
-      ->capture_default_str();
-  app.add_option("--until", arguments.until,
-                 "share of the reachable area at which a mission is ended")
-      ->capture_default_str()
-      ->check(CLI::Range(0.01, 1.0));
-  app.add_option("--time-limit", arguments.time_limit, "of a mission, robot's clock [s]")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  app.add_option("--config", arguments.configuration, "configuration file of all missions");
-  app.add_option("--paths", arguments.paths, "existing folder for the path of each mission");
-  app.add_option("--report", arguments.report, "print the Markdown tables of this table and end");
-  app.add_flag("--list", arguments.list, "print the reachable area of each map and end");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  ProgramOptions options(
+      "Exploration missions of several planners over maps and seeds, and their comparison");
+  options.add("--maps", arguments.maps, "worlds, as `prospect explore` takes them");
+  options.add("--data", arguments.data, "folder of the default maps");
+  options.add("--seeds", arguments.seeds, "seeds 1 to this", {.least = 1, .most = 1000});
+  options.add("--planners", arguments.planners, "planners that are compared",
+              {.one_of = replanner_names(), .commas = true});
+  options.add("--jobs", arguments.jobs, "missions at a time", {.least = 1, .most = 256});
+  options.add("--out", arguments.out, "table; missions it already holds are not run again");
+  options.add("--until", arguments.until, "share of the reachable area at which a mission is ended",
+              {.least = 0.01, .most = 1.0});
+  options.add("--time-limit", arguments.time_limit, "of a mission, robot's clock [s]",
+              {.least = 1e-3, .most = 1e6});
+  options.add("--config", arguments.configuration, "configuration file of all missions");
+  options.add("--paths", arguments.paths, "existing folder for the path of each mission");
+  options.add("--report", arguments.report, "print the Markdown tables of this table and end");
+  options.add("--list", arguments.list, "print the reachable area of each map and end");
+  if (const std::optional<int> end = options.parse(argc, argv)) return *end;
   if (!arguments.report.empty()) {
     const std::vector<ComparisonRow> rows = read_comparison(arguments.report);
     if (rows.empty()) throw InputError(arguments.report + ": no rows");

@@ -6,12 +6,12 @@
 // the tracked number or N_min, whichever is more, as in docs/results/experiments.md. Same
 // arguments, same numbers.
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +20,7 @@
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
 #include "benchmarks/experiments/mission_start.h"
+#include "benchmarks/program_options.h"
 #include "engine/planner/planner.h"
 
 namespace prospect {
@@ -139,18 +140,14 @@ int run(int argc, char** argv) {
   int seeds = 1, first_seed = 11;
   double time_limit = 100.0;
   std::string sensors = "model", overlay;
-  CLI::App app("Visible features: predicted against tracked, by the time ahead");
-  app.add_option("--worlds", worlds, "As `prospect explore` takes them")->delimiter(',');
-  app.add_option("--seeds", seeds, "How many")->check(CLI::Range(1, 1000))->capture_default_str();
-  app.add_option("--first-seed", first_seed)->check(CLI::Range(1, 100000))->capture_default_str();
-  app.add_option("--time-limit", time_limit, "Of a mission [s]")
-      ->check(CLI::Range(1.0, 1e6))
-      ->capture_default_str();
-  app.add_option("--sensors", sensors)
-      ->check(CLI::IsMember({"model", "camera"}))
-      ->capture_default_str();
-  app.add_option("--config", overlay, "YAML text over the defaults");
-  CLI11_PARSE(app, argc, argv);
+  ProgramOptions options("Visible features: predicted against tracked, by the time ahead");
+  options.add("--worlds", worlds, "as `prospect explore` takes them", {.commas = true});
+  options.add("--seeds", seeds, "how many", {.least = 1, .most = 1000});
+  options.add("--first-seed", first_seed, "the first of them", {.least = 1, .most = 100000});
+  options.add("--time-limit", time_limit, "of a mission [s]", {.least = 1.0, .most = 1e6});
+  options.add("--sensors", sensors, "model, camera", {.one_of = {"model", "camera"}});
+  options.add("--config", overlay, "YAML text over the defaults");
+  if (const std::optional<int> end = options.parse(argc, argv)) return *end;
   Configuration configuration = configuration_from_text(overlay, "--config");
   configuration.mission.time_limit = time_limit;
   configuration.simulator.sensors = sensors_named(sensors);

@@ -2,7 +2,6 @@
 // map from four headings, driven perfectly (exact pose, v_max or omega_max for half a second, a
 // view of the depth sensor after each). Missions are chaotic and take minutes; this takes a second
 // a run, so that differences of a few per cent show.
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -16,6 +15,7 @@
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/reachable_area.h"
 #include "benchmarks/guarded_main.h"
+#include "benchmarks/program_options.h"
 #include "engine/behaviour/behaviour.h"
 #include "engine/frontiers/frontier_planner.h"
 #include "engine/planner/frontier_planner_options.h"
@@ -129,17 +129,13 @@ void print_ratio(const std::vector<Run>& a, const std::vector<Run>& b, std::size
 int main_program(int argc, char** argv) {
   std::vector<std::string> maps, configurations;
   double longest = 3000.0;  // [s] of a run
-  CLI::App app{
-      "Time to see a map by the exploration frontier_planner alone, for several configurations"};
-  app.add_option("--maps", maps, "worlds, as `prospect explore` takes them")->required();
-  app.add_option("--configs", configurations, "configuration files; the first is compared with")
-      ->required();
-  app.add_option("--time-limit", longest, "of a run [s]")->check(CLI::PositiveNumber);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  ProgramOptions options(
+      "Time to see a map by the frontier planner alone, for several configurations");
+  options.add("--maps", maps, "worlds, as `prospect explore` takes them", {.required = true});
+  options.add("--configs", configurations, "configuration files; the first is compared with",
+              {.required = true});
+  options.add("--time-limit", longest, "of a run [s]", {.least = 1e-3, .most = 1e6});
+  if (const std::optional<int> end = options.parse(argc, argv)) return *end;
   std::vector<Configuration> read;
   for (const std::string& file : configurations) read.push_back(read_configuration(file));
   std::vector<std::vector<Run>> runs(read.size());

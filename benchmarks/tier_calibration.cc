@@ -19,7 +19,6 @@
 // and the ratio of the kinematic tier to the camera tier of each, with the 95 % interval of a
 // bootstrap over blocks of 10 m of path, which both tiers share. Same arguments, same numbers.
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -28,6 +27,7 @@
 #include <functional>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <queue>
 #include <random>
 #include <sstream>
@@ -41,6 +41,7 @@
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/reachable_area.h"
 #include "benchmarks/guarded_main.h"
+#include "benchmarks/program_options.h"
 #include "models/range_text.h"
 
 namespace prospect {
@@ -429,19 +430,15 @@ void report(const std::string& name, const std::vector<Block>& blocks) {
 
 int main_program(int argc, char** argv) {
   Arguments a;
-  CLI::App app("The kinematic tier against the camera tier, on the same paths");
-  app.add_option("--worlds", a.worlds, "As `prospect explore` takes them")->delimiter(',');
-  app.add_option("--seeds", a.seeds, "How many")->check(CLI::Range(1, 1000));
-  app.add_option("--first-seed", a.first_seed, "The first")->check(CLI::Range(1, 100000));
-  app.add_option("--length", a.length, "Of a tour [m]")->check(CLI::Range(5.0, 1e5));
-  app.add_option("--sensors", a.sensors, "Which drives: model, camera, both")
-      ->check(CLI::IsMember({"model", "camera", "both"}));
-  app.add_option("--out", a.out, "Folder of the tables")->required();
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : 2;
-  }
+  ProgramOptions options("The kinematic tier against the camera tier, on the same paths");
+  options.add("--worlds", a.worlds, "as `prospect explore` takes them", {.commas = true});
+  options.add("--seeds", a.seeds, "how many", {.least = 1, .most = 1000});
+  options.add("--first-seed", a.first_seed, "the first of them", {.least = 1, .most = 100000});
+  options.add("--length", a.length, "of a tour [m]", {.least = 5.0, .most = 1e5});
+  options.add("--sensors", a.sensors, "which drives: model, camera, both",
+              {.one_of = {"model", "camera", "both"}});
+  options.add("--out", a.out, "folder of the tables", {.required = true});
+  if (const std::optional<int> end = options.parse(argc, argv)) return *end;
   if (a.worlds.empty()) a.worlds = {"office", "loop", "plan:1", "plan:4"};
   fs::create_directories(a.out);
   for (int seed = a.first_seed; seed < a.first_seed + a.seeds; ++seed) {

@@ -6,13 +6,13 @@
 // counted apart. Of those that count, the ones on which the shifted solution is still feasible are
 // summed once more. A mission is that of `nlopt`, seed 1, its first N planning steps.
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -21,6 +21,7 @@
 #include "adapters/config/configuration.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
+#include "benchmarks/program_options.h"
 #include "engine/planner/planner.h"
 #include "solvers/registry.h"
 
@@ -161,15 +162,14 @@ int measure(const std::vector<std::string>& worlds, int steps,
 }  // namespace prospect
 
 int main(int argc, char** argv) {
-  CLI::App app("evaluations with and without a warm start");
+  prospect::ProgramOptions options("evaluations with and without a warm start");
   int steps = 80;
   std::vector<std::string> worlds = {"office", "corridor", "loop"}, names;
-  app.add_option("--steps", steps, "planning steps of each mission")->check(CLI::PositiveNumber);
-  app.add_option("--solver", names, "back ends (default: all with gradients)")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  app.add_option("worlds", worlds, "worlds, as `prospect explore` takes them");
-  CLI11_PARSE(app, argc, argv);
+  options.add("--steps", steps, "planning steps of each mission", {.least = 1, .most = 1e6});
+  options.add("--solver", names, "back ends, between commas (default: all with gradients)",
+              {.commas = true});
+  options.add("worlds", worlds, "worlds, as `prospect explore` takes them");
+  if (const std::optional<int> end = options.parse(argc, argv)) return *end;
   try {
     return prospect::measure(worlds, steps, names);
   } catch (const std::exception& e) {
