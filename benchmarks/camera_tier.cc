@@ -135,7 +135,7 @@ int run(int argc, char** argv) {
       pose.yaw += 2.0 * std::numbers::pi * n / frames;
       const auto frame = static_cast<std::uint64_t>(n);
       watch.lap();
-      const StereoImages pair = rig.stereo(pose, {}, frame);
+      const ImagePair pair = rig.stereo(pose, {}, frame);
       const auto stereo = watch.lap();
       const DepthImage depth = rig.depth(pose, frame);
       const auto ranging = watch.lap();

@@ -68,6 +68,11 @@ function(prospect_flags target)
   if(PROSPECT_WARNINGS_AS_ERRORS)
     target_compile_options(${target} PRIVATE -Werror)
   endif()
+  # Coverage, by which libFuzzer chooses its next input.
+  if(PROSPECT_BUILD_FUZZERS AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    target_compile_options(${target} PRIVATE -fsanitize=fuzzer-no-link)
+    target_link_options(${target} PUBLIC -fsanitize=fuzzer-no-link)
+  endif()
   if(PROSPECT_SANITIZE)
     target_compile_options(${target} PRIVATE -fsanitize=${PROSPECT_SANITIZE} -fno-omit-frame-pointer
       -fno-sanitize-recover=undefined)

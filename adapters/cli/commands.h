@@ -109,10 +109,12 @@ struct MapArguments {
   DepthDatasetOptions options;         ///< but for `camera` and `camera_height`, below
   std::string out;                     ///< folder for maps and tables; empty: none
   double resolution = 0.05;            ///< [m]
-  double range = 4.0;                  ///< [m]
+  std::optional<double> range;         ///< [m]; none: 4 of depth images, the lidar's own of scans
   std::vector<double> camera;          ///< fx, fy, cx, cy [px]; empty: the recording's
   double camera_height = 0.0;          ///< [m]; 0: not known
+  double camera_height_sigma = 0.05;   ///< standard deviation of it [m]
   std::optional<double> camera_pitch;  ///< down [deg]; none: not known
+  double lidar_height = 0.0;           ///< [m]; 0: not known
   int first = 0;                       ///< frame to begin with
   int frames = 0;                      ///< at most so many; 0: all
   bool json = false;

@@ -131,6 +131,16 @@ void add_recording_options(CLI::App* command, prospect::StereoDatasetOptions& op
   }
 }
 
+/// The frame of a bag in which poses are wanted.
+void add_fixed_frame(CLI::App* command, std::string& frame) {
+  command
+      ->add_option(
+          "--fixed-frame", frame,
+          "Of a bag's TF, in which the sensor moves [map, else a topic of poses, else odom "
+          "or what is above the sensor]")
+      ->type_name("FRAME");
+}
+
 int run(int argc, char** argv) {
   using namespace prospect;
   CLI::App app{"Plans for robots that explore by sight.", "prospect"};
@@ -328,8 +338,10 @@ int run(int argc, char** argv) {
       ->type_name("FILE")
       ->required();
   add_recording_options(inspect_command, inspect_arguments.stereo, false);
-  add_topics(inspect_command, inspect_arguments.stereo.topics,
-             {"left", "right", "left_info", "right_info", "truth", "depth", "depth_info", "pose"});
+  add_topics(
+      inspect_command, inspect_arguments.stereo.topics,
+      {"left", "right", "left_info", "right_info", "truth", "depth", "depth_info", "scan", "pose"});
+  add_fixed_frame(inspect_command, inspect_arguments.depth.fixed_frame);
   inspect_command->add_flag("--json", inspect_arguments.json, "Print JSON");
 
   OdometryArguments odometry_arguments;
@@ -359,28 +371,32 @@ int run(int argc, char** argv) {
   odometry_command->add_flag("--quiet", odometry_arguments.quiet, "No progress line");
 
   MapArguments map_arguments;
-  CLI::App* map_command =
-      app.add_subcommand("map", "Octree, exploration and obstacle map from recorded depth images");
+  CLI::App* map_command = app.add_subcommand(
+      "map", "Octree, exploration and obstacle map from recorded depth images or lidar scans");
   map_command
       ->add_option("dataset", map_arguments.dataset,
-                   "Recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout, or ROS 2 bag; see "
-                   "`prospect inspect`")
+                   "Recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout, ROS 2 bag, or CARMEN "
+                   "log; see `prospect inspect`")
       ->type_name("FILE")
       ->required();
-  map_command->add_option("--out", map_arguments.out, "Folder for the maps and tables [none]")
+  map_command
+      ->add_option("--out", map_arguments.out, "Folder for a page, the maps and tables [none]")
       ->type_name("DIR");
   map_command->add_option("--resolution", map_arguments.resolution, "Of the maps [m]")
       ->check(number_within(0.01, 1.0))
       ->capture_default_str();
-  map_command->add_option("--range", map_arguments.range, "Farther away nothing is learned [m]")
-      ->check(number_within(0.5, 20.0))
-      ->capture_default_str();
+  map_command
+      ->add_option("--range", map_arguments.range,
+                   "Farther away nothing is learned [m] [of depth images 4, of a lidar its own, to "
+                   "200 voxels]")
+      ->check(number_within(0.5, 200.0));
   map_command
       ->add_option("--camera", map_arguments.camera,
                    "Intrinsics where no file states them: FX FY CX CY [px]")
       ->expected(4)
       ->check(number_within(1.0, 1e5));
-  add_topics(map_command, map_arguments.options.topics, {"depth", "depth_info", "pose"});
+  add_topics(map_command, map_arguments.options.topics, {"depth", "depth_info", "scan", "pose"});
+  add_fixed_frame(map_command, map_arguments.options.fixed_frame);
   map_command
       ->add_option("--calibration", map_arguments.options.calibration,
                    "File of the intrinsics, a ROS camera_info")
@@ -392,12 +408,21 @@ int run(int argc, char** argv) {
       ->check(number_within(1e-3, 1e6));
   map_command
       ->add_option("--camera-height", map_arguments.camera_height,
-                   "Above the floor in the first frames, to 0.15 m [m] [0.2 to 2]")
+                   "Above the floor in the first frame [m] [0.2 to 2]")
       ->check(number_within(0.05, 10.0));
+  map_command
+      ->add_option("--camera-height-sigma", map_arguments.camera_height_sigma,
+                   "How sure that is: standard deviation [m]")
+      ->check(number_within(0.001, 1.0))
+      ->capture_default_str();
   map_command
       ->add_option("--camera-pitch", map_arguments.camera_pitch,
                    "Down, in the first frames, to 15 deg [deg] [-15 to 55]")
       ->check(number_within(-90.0, 90.0));
+  map_command
+      ->add_option("--lidar-height", map_arguments.lidar_height,
+                   "Above the floor, in the first scan [m] [as the poses say]")
+      ->check(number_within(0.01, 100.0));
   map_command->add_option("--from", map_arguments.first, "Frame to begin with, from 0")
       ->check(whole_number_within(0, 1000000000))
       ->capture_default_str();

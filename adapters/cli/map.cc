@@ -1,8 +1,11 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,8 +15,11 @@
 #include "adapters/datasets/degrees.h"
 #include "adapters/datasets/depth_dataset.h"
 #include "adapters/datasets/ground_picture.h"
+#include "adapters/datasets/map_page.h"
 #include "adapters/datasets/map_run.h"
 #include "adapters/datasets/recording_range.h"
+#include "adapters/datasets/scan_run.h"
+#include "adapters/datasets/scan_source.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
 #include "adapters/worlds/octree_file.h"
@@ -21,51 +27,130 @@
 namespace prospect {
 namespace {
 
+constexpr double kPriorWidth = 4.0;    // [standard deviations]
 constexpr double kMostVoxels = 200.0;  // of a ray, see OccupancyMapperOptions
+constexpr double kDepthRange = 4.0;    // of depth images where none is given [m]
 
-nlohmann::ordered_json as_json(const MapArguments& arguments, const DepthDataset& dataset,
-                               const MapSummary& s) {
-  const auto of_map = [&](int cells) {
-    return dataset.has_poses() ? nlohmann::ordered_json(cells) : nlohmann::ordered_json();
-  };
-  return {{"dataset", arguments.dataset},
-          {"layout", dataset.layout()},
-          {"notes", dataset.notes()},
-          {"depth_scale", dataset.depth_scale()},
-          {"without_pose", dataset.without_pose()},
-          {"poses", dataset.has_poses()},
-          {"resolution_m", arguments.resolution},
-          {"frames", s.frames},
-          {"ok", s.ok},
-          {"degraded", s.degraded},
-          {"rejected", s.rejected},
-          {"ground_found", s.ground},
-          {"height_median_m", s.height_median},
-          {"height_min_m", s.height_min},
-          {"height_max_m", s.height_max},
-          {"height_error_m", s.height_error},
-          {"tilt_spread_deg", kDegrees * s.tilt_spread},
-          {"tilt_worst_deg", kDegrees * s.tilt_worst},
-          {"free_cells", of_map(s.free_cells)},
-          {"occupied_cells", of_map(s.occupied_cells)},
-          {"low_cells", of_map(s.low_cells)},
-          {"wall_cells", of_map(s.walls.cells)},
-          {"wall_thickness_median_m", s.walls.median},
-          {"wall_thickness_p90_m", s.walls.p90},
-          {"walls_doubled", s.walls.doubled},
-          {"processor_ms",
-           {{"check", times_json(s.check)},
-            {"ground", times_json(s.ground_plane)},
-            {"scan", times_json(s.scan)},
-            {"insert", times_json(s.insert)},
-            {"snapshot", times_json(s.snapshot)},
-            {"frame", times_json(s.frame)}}}};
+/// A recording of depth images or of a lidar, opened, and how it is mapped.
+struct MapInput {
+  std::string layout, holds;  ///< "33 depth images of 640 x 480 px"
+  std::vector<std::string> notes;
+  bool scans = false, poses = true;
+  int size = 0, without_pose = 0;
+  std::optional<double> depth_scale;  ///< none of scans
+  std::string doubt;                  ///< what contradicts the depth scale; empty: nothing
+  std::function<MapRun(int frames, const std::function<void(int, const MapRunFrame&)>& progress)>
+      run;
+};
+
+nlohmann::ordered_json as_json(const GroundRecord& r) {
+  return {{"frame", r.frame},
+          {"stamp_s", r.stamp},
+          {"hypothesis", r.hypothesis},
+          {"height_m", r.height},
+          {"sigma_height_m", r.sigma_height},
+          {"pitch_deg", kDegrees * r.pitch},
+          {"roll_deg", kDegrees * r.roll},
+          {"sigma_tilt_deg", kDegrees * r.sigma_tilt},
+          {"support", r.support},
+          {"taken", r.taken},
+          {"why", r.why}};
 }
 
-void print(const MapRun& run, const MapSummary& s) {
+/// What was taken for the ground, and why, over time.
+nlohmann::ordered_json ground_json(const MapRun& run, const MapSummary& s) {
+  nlohmann::ordered_json json = {{"taken", nullptr}, {"none_because", nullptr}};
+  if (s.taken) json["taken"] = as_json(*s.taken);
+  if (!run.no_ground.empty()) json["none_because"] = run.no_ground;
+  json["rejected"] = nlohmann::ordered_json::array();
+  for (const GroundRecord& r : s.rejected_grounds) json["rejected"].push_back(as_json(r));
+  json["changes"] = nlohmann::ordered_json::array();
+  for (const GroundChange& c : run.changes) {
+    json["changes"].push_back({{"frame", c.frame},
+                               {"stamp_s", c.stamp},
+                               {"hypothesis", c.hypothesis},
+                               {"height_m", c.height},
+                               {"reason", c.reason}});
+  }
+  json["over_time"] = nlohmann::ordered_json::array();
+  for (const GroundRecord& r : run.ground) json["over_time"].push_back(as_json(r));
+  return json;
+}
+
+nlohmann::ordered_json as_json(const MapArguments& arguments, const MapInput& input,
+                               const MapRun& run, const MapSummary& s) {
+  const auto of_map = [&](int cells) {
+    return run.maps.ground ? nlohmann::ordered_json(cells) : nlohmann::ordered_json();
+  };
+  return {
+      {"dataset", arguments.dataset},
+      {"layout", input.layout},
+      {"notes", input.notes},
+      {"depth_scale",
+       input.depth_scale ? nlohmann::ordered_json(*input.depth_scale) : nlohmann::ordered_json()},
+      {"without_pose", input.without_pose},
+      {"poses", input.poses},
+      {"resolution_m", arguments.resolution},
+      {"frames", s.frames},
+      {"ok", s.ok},
+      {"degraded", s.degraded},
+      {"rejected", s.rejected},
+      {"mapped_percent", s.frames > 0 ? 100.0 * (s.frames - s.rejected) / s.frames : std::nan("")},
+      {"ground_found", input.scans ? nlohmann::ordered_json() : nlohmann::ordered_json(s.ground)},
+      {"ground", input.scans ? nlohmann::ordered_json() : ground_json(run, s)},
+      {"height_median_m", s.height_median},
+      {"height_min_m", s.height_min},
+      {"height_max_m", s.height_max},
+      {"height_error_m", s.height_error},
+      {"tilt_spread_deg", kDegrees * s.tilt_spread},
+      {"tilt_worst_deg", kDegrees * s.tilt_worst},
+      {"free_cells", of_map(s.free_cells)},
+      {"occupied_cells", of_map(s.occupied_cells)},
+      {"low_cells", of_map(s.low_cells)},
+      {"wall_cells", of_map(s.walls.cells)},
+      {"wall_thickness_median_m", s.walls.median},
+      {"wall_thickness_p90_m", s.walls.p90},
+      {"walls_doubled", s.walls.doubled},
+      {"processor_ms",
+       {{"hypotheses", times_json(s.hypotheses)},
+        {"check", times_json(s.check)},
+        {"ground", times_json(s.ground_plane)},
+        {"scan", times_json(s.scan)},
+        {"insert", times_json(s.insert)},
+        {"snapshot", times_json(s.snapshot)},
+        {"frame", times_json(s.frame)}}}};
+}
+
+void print_ground(const MapRun& run, const MapSummary& s) {
+  std::printf("ground       found in %d of %d\n", s.ground, s.frames);
+  const auto plane = [](const GroundRecord& r) {
+    std::printf(
+        "hypothesis %d, %.3f m below the first camera, that pitched %.1f deg down and rolled "
+        "%.1f deg; %d frames: %s\n",
+        r.hypothesis, r.height, kDegrees * r.pitch, kDegrees * r.roll, r.support, r.why.c_str());
+  };
+  if (s.taken) {
+    std::printf("  taken      ");
+    plane(*s.taken);
+    std::printf("  known to   %.3f m and %.2f deg, if depth scale and lens are right\n",
+                s.taken->sigma_height, kDegrees * s.taken->sigma_tilt);
+  } else if (s.frames > 0) {
+    std::printf("  none       %s\n", run.no_ground.c_str());
+  }
+  for (const GroundRecord& r : s.rejected_grounds) {
+    std::printf("  rejected   ");
+    plane(r);
+  }
+  for (const GroundChange& c : run.changes) {
+    std::printf("  frame %-4d hypothesis %d, %.3f m: %s\n", c.frame, c.hypothesis, c.height,
+                c.reason.c_str());
+  }
+}
+
+void print(const MapInput& input, const MapRun& run, const MapSummary& s) {
   std::printf("frames       %d: %d ok, %d degraded, %d rejected\n", s.frames, s.ok, s.degraded,
               s.rejected);
-  std::printf("ground       found in %d of %d\n", s.ground, s.frames);
+  if (!input.scans) print_ground(run, s);
   if (s.ground > 0) {
     std::printf("height       %.3f m in the median, %.3f to %.3f m", s.height_median, s.height_min,
                 s.height_max);
@@ -74,7 +159,10 @@ void print(const MapRun& run, const MapSummary& s) {
                 kDegrees * s.tilt_spread, kDegrees * s.tilt_worst);
   }
   if (!run.maps.ground) {
-    std::printf("map          none: the recording has no poses, so the ground is measured only\n");
+    std::printf("map          none: %s\n", run.no_ground.empty()
+                                               ? "the recording has no poses, so the ground is "
+                                                 "measured only"
+                                               : "no ground was found");
   } else {
     const double r = run.maps.ground->frame().resolution;
     std::printf(
@@ -96,7 +184,10 @@ void print(const MapRun& run, const MapSummary& s) {
   };
   std::printf("processor time [ms]\n");
   std::printf("%-12s %6s %6s %6s %6s\n", "", "p50", "p95", "p99", "max");
-  row("  ground", s.ground_plane);
+  if (!input.scans) {
+    row("  hypotheses", s.hypotheses);
+    row("  ground", s.ground_plane);
+  }
   if (run.maps.ground) {
     row("  check", s.check);
     row("  scan", s.scan);
@@ -106,17 +197,14 @@ void print(const MapRun& run, const MapSummary& s) {
   }
 }
 
-}  // namespace
+/// Refuses an option that says nothing of such a recording.
+void refuse(bool given, const char* option, const std::string& dataset, const char* instead) {
+  if (given) throw InputError(std::string(option) + ": " + dataset + " is " + instead);
+}
 
-int map(const MapArguments& arguments) {
-  const double farthest = kMostVoxels * arguments.resolution;
-  if (arguments.range > farthest) {
-    char line[160];
-    std::snprintf(line, sizeof line,
-                  "--range is %g m; expected at most %g m (%.0f voxels) with --resolution %g",
-                  arguments.range, farthest, kMostVoxels, arguments.resolution);
-    throw InputError(line);
-  }
+MapInput depth_input(const MapArguments& arguments) {
+  refuse(arguments.lidar_height > 0.0, "--lidar-height", arguments.dataset,
+         "a recording of depth images; expected --camera-height");
   DepthDatasetOptions options = arguments.options;
   options.camera_height = arguments.camera_height;
   if (!arguments.camera.empty()) {
@@ -131,29 +219,109 @@ int map(const MapArguments& arguments) {
   check_first_frame(arguments.first, dataset.size(), arguments.dataset);
   MapRunOptions run_options;
   run_options.mapper.map.resolution = arguments.resolution;
-  run_options.mapper.map.max_range = arguments.range;
+  run_options.mapper.map.max_range = arguments.range.value_or(kDepthRange);
   GroundPrior& prior = run_options.prior;
-  if (arguments.camera_height > 0.0 || arguments.camera_pitch) {
-    prior = ground_prior(arguments.camera_height > 0.0 ? arguments.camera_height : prior.height,
-                         arguments.camera_pitch ? *arguments.camera_pitch / kDegrees : 0.35, 0.0,
-                         arguments.camera_height > 0.0 ? 0.15 : prior.height_tolerance,
-                         arguments.camera_pitch ? 0.26 : prior.tilt_tolerance);
+  double low = prior.height - prior.height_tolerance, high = prior.height + prior.height_tolerance;
+  if (arguments.camera_height > 0.0) {
+    run_options.height = arguments.camera_height;
+    run_options.sigma_height = arguments.camera_height_sigma;
+    // What else there is, is looked for, too, so that it can be said why it is not the ground.
+    low = std::min(low, arguments.camera_height - kPriorWidth * arguments.camera_height_sigma);
+    high = std::max(high, arguments.camera_height + kPriorWidth * arguments.camera_height_sigma);
   }
+  const double pitch = arguments.camera_pitch ? *arguments.camera_pitch / kDegrees : 0.35;
+  prior = ground_prior(0.5 * (low + high), pitch, 0.0, 0.5 * (high - low),
+                       arguments.camera_pitch ? 0.26 : prior.tilt_tolerance);
+  MapInput input;
+  input.layout = dataset.layout();
+  char holds[80];
+  std::snprintf(holds, sizeof holds, "%d depth images of %.0f x %.0f px", dataset.size(),
+                dataset.camera().width, dataset.camera().height);
+  input.holds = holds;
+  input.notes = dataset.notes();
+  input.poses = dataset.has_poses();
+  input.size = dataset.size();
+  input.without_pose = dataset.without_pose();
+  input.depth_scale = dataset.depth_scale();
+  if (dataset.depth_scale_doubtful()) input.doubt = dataset.notes().back();
+  input.run = [=, first = arguments.first](int frames, const auto& progress) {
+    return run_mapping(dataset, run_options, first, frames, progress);
+  };
+  return input;
+}
+
+MapInput scan_input(const MapArguments& arguments) {
+  for (const auto& [given, option] :
+       {std::pair(arguments.camera_height > 0.0, "--camera-height"),
+        std::pair(arguments.camera_pitch.has_value(), "--camera-pitch"),
+        std::pair(!arguments.camera.empty(), "--camera"),
+        std::pair(!arguments.options.calibration.empty(), "--calibration"),
+        std::pair(arguments.options.depth_scale.has_value(), "--depth-scale")}) {
+    refuse(given, option, arguments.dataset,
+           "a recording of a lidar; expected it with a camera only");
+  }
+  const ScanSource source = open_scan_source(
+      arguments.dataset, {arguments.options.topics, arguments.options.fixed_frame});
+  if (!source.missing.empty()) throw InputError(source.missing[0]);
+  MapInput input;
+  input.scans = true;
+  input.size = static_cast<int>(source.stamps.size());
+  check_first_frame(arguments.first, input.size, arguments.dataset);
+  const ScanPlacement placement = place_scans(source, arguments.lidar_height, arguments.first);
+  ScanMapperOptions options;
+  options.map.resolution = arguments.resolution;
+  const double farthest = kMostVoxels * arguments.resolution;
+  options.map.max_range = arguments.range.value_or(
+      source.max_range > 0.0 ? std::min(source.max_range, farthest) : farthest);
+  char line[120];
+  std::snprintf(line, sizeof line, "%d %s, the first of %zu points", input.size,
+                source.planar ? "scans of one plane" : "clouds", source.points);
+  input.layout = source.layout;
+  input.holds = line;
+  input.notes = source.notes;
+  input.notes.insert(input.notes.end(), placement.notes.begin(), placement.notes.end());
+  if (!arguments.range) {
+    std::snprintf(line, sizeof line, "mapped to %g m; --range states another",
+                  options.map.max_range);
+    input.notes.emplace_back(line);
+  }
+  input.without_pose = static_cast<int>(source.without_pose);
+  input.run = [=, first = arguments.first](int frames, const auto& progress) {
+    return run_scan_mapping(source, placement, options, first, frames, progress);
+  };
+  return input;
+}
+
+}  // namespace
+
+int map(const MapArguments& arguments) {
+  const double farthest = kMostVoxels * arguments.resolution;
+  const bool scans = is_used_for_scans(arguments.dataset, arguments.options.topics);
+  const double range = arguments.range.value_or(scans ? 0.0 : kDepthRange);
+  if (range > farthest) {
+    char line[160];
+    std::snprintf(line, sizeof line,
+                  "--range is %g m; expected at most %g m (%.0f voxels) with --resolution %g",
+                  range, farthest, kMostVoxels, arguments.resolution);
+    throw InputError(line);
+  }
+  const MapInput input = scans ? scan_input(arguments) : depth_input(arguments);
   const std::filesystem::path out = arguments.out;
   if (!out.empty() && std::filesystem::exists(out) && !std::filesystem::is_directory(out)) {
     throw InputError(out.string() + ": is no folder; expected one to write to");
   }
   Progress progress(arguments.quiet);
-  const int frames = frames_from(arguments.first, arguments.frames, dataset.size());
-  const MapRun run = run_mapping(
-      dataset, run_options, arguments.first, frames, [&](int done, const MapRunFrame& frame) {
-        progress.show(std::to_string(done) + " of " + std::to_string(frames) + " frames  ground " +
-                      (frame.mapped.ground.found ? "found  " : "not found  ") +
-                      std::string(to_string(frame.mapped.state)));
-      });
+  const int frames = frames_from(arguments.first, arguments.frames, input.size);
+  const MapRun run = input.run(frames, [&](int done, const MapRunFrame& frame) {
+    progress.show(std::to_string(done) + " of " + std::to_string(frames) + " frames  " +
+                  (scans                       ? ""
+                   : frame.mapped.ground.found ? "ground found  "
+                                               : "ground not found  ") +
+                  std::string(to_string(frame.mapped.state)));
+  });
   progress.finish();
   const MapSummary summary = summarize(run);
-  const auto json = as_json(arguments, dataset, summary);
+  const auto json = as_json(arguments, input, run, summary);
   std::string written;
   if (!out.empty()) {
     std::error_code error;
@@ -163,6 +331,11 @@ int map(const MapArguments& arguments) {
     }
     std::vector<std::pair<std::string, std::string>> files = {
         {"ground.csv", ground_csv(run)}, {"summary.json", json.dump(2) + "\n"}};
+    // The page has no times, so it is the same for the same recording.
+    auto untimed = json;
+    untimed.erase("processor_ms");
+    if (untimed["ground"].is_object()) untimed["ground"].erase("over_time");  // it is in the run
+    files.emplace_back("map.html", map_page(run, untimed));
     if (run.maps.ground) {
       GroundPicture exploration = exploration_picture(*run.maps.ground, "exploration.png");
       GroundPicture obstacles = obstacle_picture(*run.maps.ground, "obstacles.png");
@@ -185,16 +358,27 @@ int map(const MapArguments& arguments) {
   if (arguments.json) {
     std::cout << json.dump(2) << '\n';
   } else {
-    std::printf("%s, %d depth images of %.0f x %.0f px%s\n", dataset.layout().c_str(),
-                dataset.size(), dataset.camera().width, dataset.camera().height,
-                dataset.has_poses() ? "" : ", no poses");
-    for (const std::string& note : dataset.notes()) std::printf("note         %s\n", note.c_str());
-    print(run, summary);
+    std::printf("%s, %s%s\n", input.layout.c_str(), input.holds.c_str(),
+                input.poses ? "" : ", no poses");
+    for (const std::string& note : input.notes) std::printf("note         %s\n", note.c_str());
+    print(input, run, summary);
     if (!out.empty()) std::printf("written to   %s: %s\n", out.string().c_str(), written.c_str());
   }
-  if (dataset.depth_scale_doubtful()) {
-    std::cerr << "prospect: " << arguments.dataset << ": " << dataset.notes().back()
+  if (!input.doubt.empty()) {
+    std::cerr << "prospect: " << arguments.dataset << ": " << input.doubt
               << "; expected a depth scale that agrees with what is known\n";
+    return kFailed;
+  }
+  if (!run.no_ground.empty()) {
+    std::cerr << "prospect: " << arguments.dataset << ": no ground in any of " << summary.frames
+              << " frames: " << run.no_ground
+              << "; expected a floor, or --camera-height and --camera-pitch as they are\n";
+    return kFailed;
+  }
+  if (input.without_pose > input.size) {
+    std::cerr << "prospect: " << arguments.dataset << ": " << input.without_pose << " of "
+              << input.size + input.without_pose
+              << " frames have no pose and are left out; expected poses of most of them\n";
     return kFailed;
   }
   if (2 * summary.rejected > summary.frames) {

@@ -54,6 +54,9 @@ nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dat
           {"ate_best_fit_rmse_m", s.ate_fit.rmse},
           {"disparity_offset_px", s.disparity_offset},
           {"disparity_offset_sigma_px", s.disparity_offset_sigma},
+          {"camera_time_offset_ms", 1e3 * s.camera_time_offset},
+          {"camera_time_offset_sigma_ms", 1e3 * s.camera_time_offset_sigma},
+          {"out_of_step", s.out_of_step},
           {"ms",
            {{"frame", times_json(s.frame)},
             {"pyramids", times_json(s.pyramids)},
@@ -96,8 +99,13 @@ void print(const OdometrySummary& s, bool truth) {
     }
     std::printf("; %s\n", truth ? "no two poses to hold against the truth" : "no ground truth");
   }
-  std::printf("disparities  measured %.3f +- %.3f px too small, corrected\n", s.disparity_offset,
-              s.disparity_offset_sigma);
+  if (std::isfinite(s.disparity_offset)) {
+    std::printf("disparities  measured %.3f +- %.3f px too small, corrected\n", s.disparity_offset,
+                s.disparity_offset_sigma);
+    std::printf("right camera %.1f +- %.1f ms later than the left one\n",
+                1e3 * s.camera_time_offset, 1e3 * s.camera_time_offset_sigma);
+  }
+  if (!s.out_of_step.empty()) std::printf("out of step  %s\n", s.out_of_step.c_str());
   const auto row = [](const char* name, const TimePercentiles& t) {
     if (!std::isfinite(t.p50)) return;
     std::printf("%-13s %6.1f %6.1f %6.1f %6.1f\n", name, t.p50, t.p95, t.p99, t.max);
@@ -177,10 +185,13 @@ int odometry(const OdometryArguments& arguments) {
     if (!out.empty()) std::printf("written to   %s\n", out.string().c_str());
   }
   if (summary.scale.verdict == ScaleAgreement::Verdict::kDisagree) {
-    std::cerr
-        << "prospect: " << arguments.dataset << ": "
-        << to_string(summary.scale, "the path is estimated", "the ground truth")
-        << "; expected 5 % at most: the baseline or focal length of its calibration is wrong\n";
+    std::cerr << "prospect: " << arguments.dataset << ": "
+              << to_string(summary.scale, "the path is estimated", "the ground truth")
+              << "; expected 5 % at most: "
+              << (summary.out_of_step.empty()
+                      ? "the baseline or focal length of its calibration is wrong"
+                      : summary.out_of_step)
+              << '\n';
     return kBadInput;
   }
   if (summary.mostly_lost) {

@@ -25,6 +25,7 @@ struct DepthDatasetOptions {
       0.0;  ///< above the floor in the first frames, to check with [m]; 0: unknown
   /// Of a bag: "depth", "depth_info", "pose" to topics; others are found.
   std::map<std::string, std::string> topics;
+  std::string fixed_frame;  ///< of a bag, as BagPoseChoice
 };
 
 using DepthPoses = std::vector<Eigen::Isometry3d, Eigen::aligned_allocator<Eigen::Isometry3d>>;

@@ -12,6 +12,8 @@
 #include "adapters/datasets/frame_pairs.h"
 #include "adapters/datasets/numbered_files.h"
 #include "adapters/datasets/rgbd_folder.h"
+#include "adapters/datasets/scan_run.h"
+#include "adapters/datasets/scan_source.h"
 #include "adapters/datasets/stereo_dataset.h"
 
 namespace prospect {
@@ -152,6 +154,37 @@ Json inspect_depth(const std::string& path, const DepthDatasetOptions& options) 
   return json;
 }
 
+Json inspect_scans(const std::string& path, const ScanOptions& options) {
+  const ScanSource source = open_scan_source(path, options);
+  std::vector<std::string> missing = source.missing, notes = source.notes, supply;
+  const bool any = !source.stamps.empty();
+  Json json = {{"kind", source.planar ? "scans of one plane" : "clouds of points"},
+               {"used_by", "prospect map"},
+               {"layout", source.layout},
+               {"scans", source.scans},
+               {"from", source.from},
+               {"rate_hz", finite_or_null(1.0 / median_step(source.stamps))},
+               {"first_s", any ? Json(source.stamps.front()) : Json()},
+               {"last_s", any ? Json(source.stamps.back()) : Json()},
+               {"points", source.points},
+               {"range_m", source.max_range > 0.0 ? Json(source.max_range) : Json()},
+               {"poses", any ? Json(source.stamps.size()) : Json()},
+               {"poses_by", source.fixed.empty() ? Json() : Json(source.fixed)},
+               {"without_pose", source.without_pose}};
+  if (missing.empty()) {
+    try {
+      const ScanPlacement placement = place_scans(source, 0.0);
+      notes.insert(notes.end(), placement.notes.begin(), placement.notes.end());
+    } catch (const InputError& error) {
+      add_missing(missing, error.lines()[0]);
+    }
+  }
+  json["notes"] = notes;
+  json["missing"] = missing;
+  json["supply"] = supply;
+  return json;
+}
+
 struct OtherKind {
   const char* ending;
   const char* what;
@@ -242,6 +275,19 @@ std::string recording_text(const Json& r) {
         "truth        " +
         (r["ground_truth_poses"].is_null() ? "none" : r["ground_truth_poses"].dump() + " poses") +
         "\n";
+  } else if (r.contains("scans")) {
+    text +=
+        "scans        " + r["scans"].dump() + ", the first of " + r["points"].dump() + " points";
+    if (r["rate_hz"].is_number()) text += ", " + formatted("%.4g Hz", r["rate_hz"].get<double>());
+    if (r["range_m"].is_number()) {
+      text += ", to " + formatted("%.4g m", r["range_m"].get<double>());
+    }
+    text += ": " + r["from"].get<std::string>() + "\n";
+    text += "poses        " +
+            (r["poses"].is_null()
+                 ? "none"
+                 : r["poses"].dump() + " scans have one, by " + r["poses_by"].get<std::string>()) +
+            "\n";
   } else {
     text += stream_line("depth        ", r["depth"]);
     text += "poses        " +
@@ -284,11 +330,21 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
     }
     json["topics"] = topics;
   }
-  // A bag may be of either kind: what it has no images for, it is not.
-  if (recordings.size() == 2) {
-    const bool pair = recordings[0]["left"]["images"] != 0;
-    const bool depths = recordings[1]["depth"]["images"] != 0;
-    if (pair != depths) recordings.erase(pair ? 1 : 0);
+  if (find_scan_layout(path) != nullptr) {
+    recordings.push_back(inspect_scans(path, {depth.topics, depth.fixed_frame}));
+  }
+  // A bag may be of several kinds: what it holds nothing for, it is not.
+  const auto is_empty = [](const Json& r) {
+    return r.contains("left")    ? r["left"]["images"] == 0
+           : r.contains("depth") ? r["depth"]["images"] == 0
+                                 : r["scans"] == 0;
+  };
+  if (!std::all_of(recordings.begin(), recordings.end(), is_empty)) {
+    Json kept = Json::array();
+    for (const Json& r : recordings) {
+      if (!is_empty(r)) kept.push_back(r);
+    }
+    recordings = kept;
   }
   found = Found::kUnknown;
   for (const Json& recording : recordings) {
@@ -304,6 +360,7 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
       Json looked_for = Json::array();
       for (const StereoLayout& layout : stereo_layouts()) looked_for.push_back(layout.looked_for);
       for (const DepthLayout& layout : depth_layouts()) looked_for.push_back(layout.looked_for);
+      for (const ScanLayout& layout : scan_layouts()) looked_for.push_back(layout.looked_for);
       looked_for.push_back(
           "a map, mesh, world or problem: .bt .ot .pgm .png .bmp .yaml .obj .dae .gltf .glb .stl "
           ".ply .world .sdf .h5");

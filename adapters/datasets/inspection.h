@@ -8,9 +8,9 @@
 
 namespace prospect {
 
-/// What is at a path, found without running anything: recordings of a stereo pair or of depth
-/// images, with their layout, images, rates, gaps, pairs, calibration, ground truth, what was
-/// assumed and what is missing; of worlds, maps and run folders only what they are.
+/// What is at a path, found without running anything: recordings of a stereo pair, of depth
+/// images or of a lidar, with their layout, images, rates, gaps, pairs, calibration, ground truth,
+/// what was assumed and what is missing; of worlds, maps and run folders only what they are.
 enum class Found {
   kUsable,      ///< known, and nothing is missing
   kIncomplete,  ///< known, and something is missing

@@ -8,79 +8,21 @@
 #include <utility>
 
 #include "adapters/datasets/bag_file.h"
+#include "adapters/datasets/bag_poses.h"
+#include "adapters/datasets/bag_topics.h"
 #include "adapters/datasets/depth_source.h"
 #include "adapters/datasets/number_text.h"
 #include "adapters/datasets/ros_messages.h"
 #include "adapters/datasets/stereo_source.h"
-#include "adapters/datasets/trajectory_error.h"
 
 namespace prospect {
 namespace {
-
-using TopicChoice = std::map<std::string, std::string>;
-
-bool is_image_topic(const BagTopic& topic) {
-  return topic.type == "sensor_msgs/msg/Image" || topic.type == "sensor_msgs/msg/CompressedImage";
-}
-
-bool is_compressed(const BagTopic& topic) {
-  return topic.type == "sensor_msgs/msg/CompressedImage";
-}
 
 bool holds(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-std::string topic_list(const BagFile& bag) {
-  std::string list;
-  for (const BagTopic& topic : bag.topics()) {
-    list += (list.empty() ? "" : ", ") + topic.name + " (" + topic.type + ", " +
-            std::to_string(topic.messages.size()) + ")";
-  }
-  return list;
-}
-
-/// The topic that was given for a use; null if none was. Throws InputError where it is absent or of
-/// another type.
-const BagTopic* given_topic(const BagFile& bag, const std::string& path, const TopicChoice& chosen,
-                            const std::string& use, bool (*fits)(const BagTopic&)) {
-  const auto found = chosen.find(use);
-  if (found == chosen.end()) return nullptr;
-  const BagTopic* topic = bag.find(found->second);
-  if (topic == nullptr) {
-    throw InputError(path + ": has no topic " + found->second +
-                     "; expected one of: " + topic_list(bag));
-  }
-  if (!fits(*topic)) {
-    throw InputError(path + ": topic " + topic->name + " is of type " + topic->type +
-                     "; expected one that can be " + use);
-  }
-  return topic;
-}
-
 bool is_info(const BagTopic& topic) { return topic.type == "sensor_msgs/msg/CameraInfo"; }
-bool is_pose(const BagTopic& topic) { return is_ros_pose(topic.type); }
-
-/// "/stereo/left/image_rect/compressed" to "/stereo/left/camera_info"; null if it is not there.
-const BagTopic* info_of(const BagFile& bag, const BagTopic& image) {
-  std::string name = image.name;
-  for (const char* transport : {"/compressed", "/compressedDepth"}) {
-    if (name.ends_with(transport)) name.resize(name.size() - std::string(transport).size());
-  }
-  const BagTopic* info = bag.find(name.substr(0, name.rfind('/')) + "/camera_info");
-  return info != nullptr && is_info(*info) ? info : nullptr;
-}
-
-std::string message_name(const BagTopic& topic, std::size_t i) {
-  return topic.name + " message " + std::to_string(i);
-}
-
-std::string read_message(const BagFile& bag, const BagTopic& topic, std::size_t i) {
-  if (topic.encoding != "cdr") {
-    throw InputError(topic.name + ": messages in '" + topic.encoding + "'; expected cdr, of ROS 2");
-  }
-  return bag.read(topic.messages[i]);
-}
 
 /// The images of a topic, by the stamps of their headers; where these are not set, by the time of
 /// recording.
@@ -125,82 +67,6 @@ ImageStream image_stream(const BagFile& bag, const BagTopic& topic,
   return stream;
 }
 
-/// Static transforms of a bag.
-class StaticFrames {
- public:
-  explicit StaticFrames(const BagFile& bag) {
-    const BagTopic* topic = bag.find("/tf_static");
-    if (topic == nullptr || topic->type != "tf2_msgs/msg/TFMessage") return;
-    for (std::size_t i = 0; i < topic->messages.size(); ++i) {
-      for (const RosTransform& t :
-           read_ros_transforms(read_message(bag, *topic, i), message_name(*topic, i))) {
-        parents_[plain(t.child)] = {plain(t.parent), t.T};
-      }
-    }
-  }
-
-  /// `from` to `to`; none if they are not connected.
-  std::optional<Eigen::Isometry3d> find(const std::string& to, const std::string& from) const {
-    const auto [root_a, T_a] = to_root(plain(to));
-    const auto [root_b, T_b] = to_root(plain(from));
-    if (root_a != root_b) return std::nullopt;
-    return T_a.inverse() * T_b;
-  }
-
- private:
-  static std::string plain(const std::string& frame) {
-    return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame;
-  }
-  std::pair<std::string, Eigen::Isometry3d> to_root(std::string frame) const {
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    for (std::size_t steps = 0; steps <= parents_.size(); ++steps) {
-      const auto parent = parents_.find(frame);
-      if (parent == parents_.end()) break;
-      T = parent->second.second * T;
-      frame = parent->second.first;
-    }
-    return {frame, T};
-  }
-  std::map<std::string, std::pair<std::string, Eigen::Isometry3d>> parents_;
-};
-
-/// The poses of a topic, moved to the frame of a camera.
-Trajectory camera_poses(const BagFile& bag, const BagTopic& topic, const std::string& camera,
-                        std::vector<std::string>& notes) {
-  const StaticFrames frames(bag);
-  Trajectory out;
-  std::string body;
-  std::optional<Eigen::Isometry3d> T_BC;
-  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
-    const RosTransform pose =
-        read_ros_pose(read_message(bag, topic, i), topic.type, message_name(topic, i));
-    if (i == 0) {
-      body = pose.child;
-      T_BC =
-          body.empty() ? std::optional(Eigen::Isometry3d::Identity()) : frames.find(body, camera);
-      if (!T_BC) {
-        throw InputError(topic.name + ": poses of " + body + ", but no static transform leads to " +
-                         camera + "; expected /tf_static to connect them");
-      }
-      if (body.empty()) {
-        notes.push_back(topic.name + ": poses of no named frame, taken as those of the camera");
-      } else if (body != camera) {
-        notes.push_back(topic.name + ": poses of " + body + ", moved to " + camera +
-                        " by /tf_static");
-      }
-    }
-    if (!out.empty() && !(pose.stamp > out.back().stamp)) continue;
-    out.push_back({pose.stamp, pose.T * *T_BC});
-  }
-  return out;
-}
-
-std::string frame_of(const BagFile& bag, const BagTopic& topic) {
-  return topic.messages.empty()
-             ? std::string()
-             : read_ros_header(read_message(bag, topic, 0), message_name(topic, 0)).frame;
-}
-
 /// Image topics whose names differ by left and right alone; rectified ones first.
 std::pair<const BagTopic*, const BagTopic*> find_stereo_topics(const BagFile& bag) {
   static const std::pair<const char*, const char*> kSides[] = {{"left", "right"},
@@ -227,20 +93,6 @@ std::pair<const BagTopic*, const BagTopic*> find_stereo_topics(const BagFile& ba
         best_rank = rank;
         best = {&topic, other};
       }
-    }
-  }
-  return best;
-}
-
-const BagTopic* find_depth_topic(const BagFile& bag) {
-  const BagTopic* best = nullptr;
-  int best_rank = -1;
-  for (const BagTopic& topic : bag.topics()) {
-    if (!is_image_topic(topic) || topic.messages.empty() || !holds(topic.name, "depth")) continue;
-    const int rank = 2 * (info_of(bag, topic) != nullptr) + !is_compressed(topic);
-    if (rank > best_rank) {
-      best_rank = rank;
-      best = &topic;
     }
   }
   return best;
@@ -306,9 +158,13 @@ StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions
                            infos[0]->name + " and " + infos[1]->name);
   });
   source.attempt([&] {
-    const BagTopic* truth = given_topic(bag, path, options.topics, "truth", is_pose);
-    if (truth != nullptr) {
-      source.truth = camera_poses(bag, *truth, frame_of(bag, *left), source.notes);
+    const BagTopic* truth = given_topic(bag, path, options.topics, "truth", is_pose_topic);
+    if (truth == nullptr) return;
+    const BagPoses poses = BagPoses::of_topic(bag, *truth, read_transforms(bag, source.notes),
+                                              frame_of(bag, *left), source.notes);
+    for (const double stamp : poses.stamps()) {
+      const auto T = poses.at(stamp);
+      if (T) source.truth.push_back({stamp, *T});
     }
   });
   return source;
@@ -343,37 +199,28 @@ DepthSource open_depth_bag(const std::string& path, const DepthDatasetOptions& o
       source.camera = PinholeCamera{K[0], K[4], K[2], K[5], calibration.width, calibration.height};
       source.camera_from = info->name;
     }
-    const BagTopic* pose = given_topic(bag, path, options.topics, "pose", is_pose);
-    if (pose == nullptr) {
-      for (const BagTopic& topic : bag.topics()) {
-        if (is_pose(topic) && !topic.messages.empty() &&
-            (pose == nullptr || topic.type == "nav_msgs/msg/Odometry")) {
-          pose = &topic;
-        }
-      }
-      if (pose != nullptr) source.notes.push_back("topic pose=" + pose->name + ", by its type");
-    }
-    if (pose == nullptr) {
+    const std::optional<BagPoses> poses = find_bag_poses(
+        bag, path, {options.topics, options.fixed_frame}, frame_of(bag, *depth), source.notes);
+    if (!poses) {
       source.images = std::move(images);
       return;
     }
-    const Trajectory poses = camera_poses(bag, *pose, frame_of(bag, *depth), source.notes);
     ImageStream kept;
     kept.name = images.name;
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < images.size(); ++i) {
-      const auto pairs = associate({{images.stamps[i], Eigen::Isometry3d::Identity()}}, poses);
-      if (pairs.empty()) {
+      const auto T = poses->at(images.stamps[i]);
+      if (!T) {
         ++source.without_pose;
         continue;
       }
-      source.poses.push_back(pairs[0].truth);
+      source.poses.push_back(*T);
       kept.stamps.push_back(images.stamps[i]);
       kept.names.push_back(images.names[i]);
       order.push_back(i);
     }
     if (order.empty()) {
-      throw InputError(path + ": no pose of " + pose->name + " is at the time of an image of " +
+      throw InputError(path + ": no pose of " + poses->from() + " is at the time of an image of " +
                        depth->name + "; expected them together");
     }
     if (source.without_pose > 0) {

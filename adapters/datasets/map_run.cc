@@ -17,10 +17,10 @@ namespace prospect {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-// Differences of ground planes that weigh the same.
-constexpr double kAlikeTilt = 0.02;    // [rad]
-constexpr double kAlikeHeight = 0.02;  // [m]
-constexpr double kLow = 0.2;           // [m]
+// The map is made again if its floor has moved by more.
+constexpr double kMovedHeight = 0.015;  // [m]
+constexpr double kMovedTilt = 0.01;     // [rad]
+constexpr double kLow = 0.2;            // [m]
 
 double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
@@ -31,24 +31,6 @@ struct Floor {
   Eigen::Vector3d normal;
   double c = 0.0;
 };
-
-/// Of the floors, the one that is nearest to all others.
-Floor middle(const std::vector<Floor>& floors) {
-  std::size_t best = 0;
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < floors.size(); ++i) {
-    double sum = 0.0;
-    for (const Floor& other : floors) {
-      sum += angle_between(floors[i].normal, other.normal) / kAlikeTilt +
-             std::abs(floors[i].c - other.c) / kAlikeHeight;
-    }
-    if (sum < least) {
-      least = sum;
-      best = i;
-    }
-  }
-  return floors[best];
-}
 
 /// W from a world D in which the floor is known; the origin below, and x along, the camera T_DC.
 Eigen::Isometry3d level(const Floor& floor, const Eigen::Isometry3d& T_DC) {
@@ -65,6 +47,98 @@ Eigen::Isometry3d level(const Floor& floor, const Eigen::Isometry3d& T_DC) {
   T.linear().row(2) = z.transpose();
   T.translation() = -(T.linear() * below);
   return T;
+}
+
+GroundHypothesesOptions hypotheses_of(const MapRunOptions& options, bool poses) {
+  GroundHypothesesOptions out;
+  out.prior = options.prior;
+  out.height = options.height;
+  out.sigma_height = options.sigma_height;
+  out.ground = options.mapper.ground;
+  out.look_sigma_tilt = options.mapper.plane_sigma_tilt;
+  out.look_sigma_height = options.mapper.plane_sigma_height;
+  out.poses = poses;
+  if (!poses) {
+    out.tilt_tolerance = options.tilt_tolerance;
+    out.height_tolerance = options.height_tolerance;
+  }
+  return out;
+}
+
+/// The map of a recording on one floor, frame by frame.
+class FloorMap {
+ public:
+  FloorMap(const DepthDataset& dataset, const MapRunOptions& options, int first,
+           const GroundHypothesis& ground)
+      : dataset_(dataset), options_(options), floor_{ground.normal, ground.offset} {
+    const Eigen::Isometry3d pose = pose_of(dataset, first);
+    prior_ = options.prior;
+    prior_.tilt_tolerance = options.tilt_tolerance;
+    prior_.height_tolerance = options.height_tolerance;
+    prior_.up = pose.linear().transpose() * floor_.normal;
+    prior_.height = floor_.normal.dot(pose.translation()) + floor_.c;
+    if (!dataset.has_poses()) return;
+    T_WD_ = level(floor_, pose);
+    mapper_ = std::make_unique<DepthMapper>(dataset.camera(), options.mapper);
+  }
+
+  const Floor& floor() const { return floor_; }
+  const GroundPrior& prior() const { return prior_; }
+  const Eigen::Isometry3d& T_WD() const { return T_WD_; }
+  const BeliefMaps& maps() const { return maps_; }
+
+  MapRunFrame enter(int i, const DepthImage& image) {
+    MapRunFrame frame;
+    MappedFrame& mapped = frame.mapped;
+    if (mapper_) {
+      const Eigen::Isometry3d T_WC = T_WD_ * dataset_.pose(i);
+      mapped = mapper_->process(dataset_.stamp(i), image, T_WC);
+      frame.up = T_WC.linear() * mapped.ground.normal;
+      frame.height_error = mapped.ground.height - T_WC.translation().z();
+      ProcessorStopwatch watch;
+      maps_ = mapper_->map().snapshot();
+      frame.snapshot = watch.lap();
+      return frame;
+    }
+    mapped.stamp = dataset_.stamp(i);
+    ProcessorStopwatch watch;
+    mapped.ground = find_ground(dataset_.camera(), image, prior_, options_.mapper.ground);
+    mapped.times.ground = watch.lap();
+    mapped.state = mapped.ground.found ? Mapping::kOk : Mapping::kDegraded;
+    if (!mapped.ground.found) mapped.reason = "no ground: " + mapped.ground.reason;
+    frame.up = mapped.ground.normal;
+    frame.height_error = kNan;
+    return frame;
+  }
+
+  static Eigen::Isometry3d pose_of(const DepthDataset& dataset, int i) {
+    return dataset.has_poses() ? dataset.pose(i) : Eigen::Isometry3d::Identity();
+  }
+
+ private:
+  const DepthDataset& dataset_;
+  const MapRunOptions& options_;
+  Floor floor_;
+  GroundPrior prior_;
+  Eigen::Isometry3d T_WD_ = Eigen::Isometry3d::Identity();
+  std::unique_ptr<DepthMapper> mapper_;
+  BeliefMaps maps_;
+};
+
+MapRunFrame left_out(double stamp, const std::string& reason) {
+  MapRunFrame frame;
+  frame.mapped.stamp = stamp;
+  frame.mapped.state = Mapping::kRejected;
+  frame.mapped.reason = reason;
+  frame.height_error = kNan;
+  return frame;
+}
+
+void record(const std::vector<GroundHypothesis>& hypotheses, int frame, double stamp, MapRun& run) {
+  for (const GroundHypothesis& h : hypotheses) {
+    run.ground.push_back({frame, stamp, h.number, h.height, h.pitch, h.roll, h.sigma_height,
+                          h.sigma_tilt, h.frames, h.taken, h.why});
+  }
 }
 
 int low_cells(const BeliefMaps& maps) {
@@ -92,74 +166,99 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
                    int max_frames, const std::function<void(int, const MapRunFrame&)>& progress) {
   cv::setNumThreads(1);  // one core, and nothing that depends on scheduling
   MapRun run;
+  run.first = options.prior;
   const int n = frames_from(first, max_frames, dataset.size());
   if (n == 0) return run;
-  const PinholeCamera& camera = dataset.camera();
-  const auto pose = [&](int i) {
-    return dataset.has_poses() ? dataset.pose(i) : Eigen::Isometry3d::Identity();
-  };
-
-  std::vector<Floor> floors;
-  std::string why;
-  const auto enough = static_cast<std::size_t>(std::max(1, options.first_frames));
-  for (int i = first; i < first + n && floors.size() < enough; ++i) {
-    const GroundPlane ground =
-        find_ground(camera, dataset.read(i), options.prior, options.mapper.ground);
-    if (!ground.found) {
-      if (why.empty()) why = ground.reason;
-      continue;
+  GroundHypotheses ground(dataset.camera(), hypotheses_of(options, dataset.has_poses()));
+  std::unique_ptr<FloorMap> map;
+  int next_look = 0;  // when to see whether the floor has moved [frames]
+  // All frames before the one at `until`, anew.
+  const auto begin = [&](int until, const std::string& reason) {
+    const GroundHypothesis& taken = *ground.taken();
+    const int at = std::min(until, first + n - 1);
+    run.changes.push_back({at - first, dataset.stamp(at), taken.number, taken.height, reason});
+    map = std::make_unique<FloorMap>(dataset, options, first, taken);
+    for (int k = first; k < until; ++k) {
+      MapRunFrame& frame = run.frames[static_cast<std::size_t>(k - first)];
+      const double hypotheses = frame.hypotheses;
+      frame = map->enter(k, dataset.read(k));
+      frame.hypotheses = hypotheses;
     }
-    const Eigen::Isometry3d T = pose(i);
-    const Eigen::Vector3d normal = T.linear() * ground.normal;
-    floors.push_back({normal, ground.height - normal.dot(T.translation())});
-  }
-  if (floors.empty()) {
-    throw InputError("no ground in any frame: " + why +
-                     "; expected a floor, or --camera-height and --camera-pitch as they are");
-  }
-  const Floor floor = middle(floors);
-  run.first = options.prior;
-  run.first.tilt_tolerance = options.tilt_tolerance;
-  run.first.height_tolerance = options.height_tolerance;
-  run.first.up = pose(first).linear().transpose() * floor.normal;
-  run.first.height = floor.normal.dot(pose(first).translation()) + floor.c;
-
-  std::unique_ptr<DepthMapper> mapper;
-  if (dataset.has_poses()) {
-    run.T_WD = level(floor, pose(first));
-    mapper = std::make_unique<DepthMapper>(camera, options.mapper);
-  }
+    next_look = 2 * (until - first + 1);
+  };
+  // Why the map must be made again; empty: its floor is where the estimate is.
+  const auto moved = [&]() -> std::string {
+    const GroundHypothesis* taken = ground.taken();
+    if (!map || taken == nullptr) return "";
+    const double tilt = angle_between(map->floor().normal, taken->normal);
+    const double height = taken->height - map->prior().height;
+    if (std::abs(height) <= kMovedHeight && tilt <= kMovedTilt) return "";
+    char text[160];
+    std::snprintf(
+        text, sizeof text,
+        "more frames moved the estimate by %.1f cm and %.1f deg; made again from the first frame",
+        100.0 * height, kDegrees * tilt);
+    return text;
+  };
+  std::string why;
   for (int i = first; i < first + n; ++i) {
     const DepthImage image = dataset.read(i);
-    MapRunFrame frame;
-    MappedFrame& mapped = frame.mapped;
-    if (mapper) {
-      const Eigen::Isometry3d T_WC = run.T_WD * pose(i);
-      mapped = mapper->process(dataset.stamp(i), image, T_WC);
-      frame.up = T_WC.linear() * mapped.ground.normal;
-      frame.height_error = mapped.ground.height - T_WC.translation().z();
-      ProcessorStopwatch watch;
-      run.maps = mapper->map().snapshot();
-      frame.snapshot = watch.lap();
-    } else {
-      mapped.stamp = dataset.stamp(i);
-      ProcessorStopwatch watch;
-      mapped.ground = find_ground(camera, image, run.first, options.mapper.ground);
-      mapped.times.ground = watch.lap();
-      mapped.state = mapped.ground.found ? Mapping::kOk : Mapping::kDegraded;
-      if (!mapped.ground.found) mapped.reason = "no ground: " + mapped.ground.reason;
-      frame.up = mapped.ground.normal;
-      frame.height_error = kNan;
+    ProcessorStopwatch watch;
+    const GroundLook look = ground.add(image, FloorMap::pose_of(dataset, i));
+    const double hypotheses = watch.lap();
+    if (why.empty()) why = look.reason;
+    record(ground.all(), i - first, dataset.stamp(i), run);
+    if (look.changed && ground.taken() != nullptr) {
+      std::string reason = "enough frames agree";
+      for (const GroundHypothesis& h : ground.all()) {
+        if (run.changes.empty() || h.number != run.changes.back().hypothesis) continue;
+        reason = "hypothesis " + std::to_string(h.number) + " given up: " + h.why +
+                 "; made again from the first frame";
+      }
+      begin(i, reason);
+    } else if (i - first + 1 >= next_look && map) {
+      const std::string reason = moved();
+      if (!reason.empty()) begin(i, reason);
+      next_look = 2 * (i - first + 1);
     }
+    MapRunFrame frame;
+    if (ground.taken() == nullptr || !map) {
+      frame = left_out(dataset.stamp(i), "no ground yet");
+    } else if (look.doubtful) {
+      frame = left_out(dataset.stamp(i), "a plane below the ground: not known yet what it is");
+    } else {
+      frame = map->enter(i, image);
+    }
+    frame.hypotheses = hypotheses;
     run.frames.push_back(frame);
     if (progress) progress(i - first + 1, frame);
   }
+  if (ground.settle()) {
+    while (!run.ground.empty() && run.ground.back().frame == n - 1) run.ground.pop_back();
+    record(ground.all(), n - 1, dataset.stamp(first + n - 1), run);
+    begin(first + n, "no other, though few frames show it");
+  } else if (const std::string reason = moved(); !reason.empty()) {
+    begin(first + n, reason);
+  }
+  if (map) {
+    run.first = map->prior();
+    run.T_WD = map->T_WD();
+    run.maps = map->maps();
+    return run;
+  }
+  run.no_ground = why.empty() ? "no plane that frames agree on" : why;
+  for (const GroundHypothesis& h : ground.all()) {
+    char text[64];
+    std::snprintf(text, sizeof text, "a plane %.2f m below the camera: ", h.height);
+    run.no_ground = text + h.why;
+  }
+  for (MapRunFrame& frame : run.frames) frame.mapped.reason = "no ground: " + run.no_ground;
   return run;
 }
 
 MapSummary summarize(const MapRun& run) {
   MapSummary s;
-  std::vector<double> heights, check, ground, scan, insert, snapshot, frame;
+  std::vector<double> heights, hypotheses, check, ground, scan, insert, snapshot, frame;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   double squares = 0.0;
   std::map<std::string, int> reasons;
@@ -175,7 +274,8 @@ MapSummary summarize(const MapRun& run) {
     scan.push_back(m.times.scan);
     insert.push_back(m.times.insert);
     snapshot.push_back(f.snapshot);
-    frame.push_back(m.times.total() + f.snapshot);
+    hypotheses.push_back(f.hypotheses);
+    frame.push_back(f.hypotheses + m.times.total() + f.snapshot);
     if (!m.ground.found) continue;
     ++s.ground;
     heights.push_back(m.ground.height);
@@ -208,6 +308,15 @@ MapSummary summarize(const MapRun& run) {
     s.low_cells = low_cells(run.maps);
     s.walls = wall_thickness(*run.maps.voxels);
   }
+  for (const GroundRecord& r : run.ground) {
+    if (r.frame + 1 != s.frames) continue;
+    if (r.taken) {
+      s.taken = r;
+    } else {
+      s.rejected_grounds.push_back(r);
+    }
+  }
+  s.hypotheses = percentiles(hypotheses);
   s.check = percentiles(check);
   s.ground_plane = percentiles(ground);
   s.scan = percentiles(scan);

@@ -61,6 +61,9 @@ OdometrySummary summarize(const OdometryRun& run) {
     (f.keyframe ? processor_keyframe : processor).push_back(f.times.processor);
     s.disparity_offset = f.disparity_offset;
     s.disparity_offset_sigma = f.disparity_offset_sigma;
+    s.camera_time_offset = f.camera_time_offset;
+    s.camera_time_offset_sigma = f.camera_time_offset_sigma;
+    if (!f.out_of_step.empty()) s.out_of_step = f.out_of_step;
   }
   s.pyramids = percentiles(pyramids);
   s.tracking = percentiles(tracking);
@@ -73,7 +76,11 @@ OdometrySummary summarize(const OdometryRun& run) {
   const int located = s.frames - s.lost;
   s.covered = s.frames > 0 ? static_cast<double>(located) / s.frames : nan;
   s.covered_truth = s.frames > 0 ? static_cast<double>(run.pairs.size()) / s.frames : nan;
-  s.mostly_lost = 2 * s.lost > s.frames;
+  s.mostly_lost = 2 * s.lost > s.frames || (s.lost > 0 && located < 2);
+  if (located == 0) {
+    s.disparity_offset = s.disparity_offset_sigma = nan;
+    s.camera_time_offset = s.camera_time_offset_sigma = nan;
+  }
   int most = 0;
   for (const auto& [reason, count] : reasons) {
     if (count <= most) continue;

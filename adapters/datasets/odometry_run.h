@@ -43,7 +43,7 @@ struct OdometrySummary {
   int frames = 0, ok = 0, degraded = 0, lost = 0, losses = 0, restarts = 0, keyframes = 0;
   double covered = 0.0;        ///< share of the frames that have a pose: not lost
   double covered_truth = 0.0;  ///< share of the frames whose pose was held against the truth
-  /// Most of the frames have no pose: what there is says little of the recording.
+  /// Most of the frames have no pose, or all but one: what there is says little of the recording.
   bool mostly_lost = false;
   std::string lost_reason;  ///< the most frequent reason of lost frames; empty if none was lost
   double estimated_length = 0.0, true_length = 0.0;  ///< [m]
@@ -56,7 +56,11 @@ struct OdometrySummary {
   TimePercentiles pyramids, tracking, pose, keyframe, frame;
   /// Processor time of frames without and of frames with a keyframe, all included.
   TimePercentiles processor, processor_keyframe;
-  double disparity_offset = 0.0, disparity_offset_sigma = 0.0;  ///< [px], at the end
+  double disparity_offset = 0.0, disparity_offset_sigma = 0.0;  ///< [px], at the end; NaN: all lost
+  /// By how much later the right image is taken than the left one, at the end [s], NaN: all lost;
+  /// and why that is too much, empty if it is not.
+  double camera_time_offset = 0.0, camera_time_offset_sigma = 0.0;
+  std::string out_of_step;
 };
 OdometrySummary summarize(const OdometryRun& run);
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "adapters/datasets/rectification.h"
 #include "models/camera.h"
+#include "perception/odometry/rectification.h"
 
 namespace prospect {
 

@@ -136,11 +136,7 @@ Image StereoDataset::read_grey(const ImageStream& camera, std::size_t i) const {
 StereoDataset::Pair StereoDataset::read(int i) const {
   const auto& [l, r] = pairs_[static_cast<std::size_t>(i)];
   Pair pair{read_grey(left_, l), read_grey(right_, r)};
-  if (rectification_) {
-    pair.left = rectification_->left(pair.left.view());
-    pair.right = rectification_->right(pair.right.view());
-  }
-  return pair;
+  return rectification_ ? rectification_->pair(pair.left.view(), pair.right.view()) : pair;
 }
 
 }  // namespace prospect

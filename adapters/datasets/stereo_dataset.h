@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "adapters/datasets/frame_pairs.h"
-#include "adapters/datasets/rectification.h"
 #include "adapters/datasets/stereo_source.h"
 #include "adapters/datasets/trajectory.h"
 #include "models/camera.h"
 #include "perception/odometry/image.h"
+#include "perception/odometry/rectification.h"
 
 namespace prospect {
 
@@ -40,9 +40,7 @@ class StereoDataset {
   /// What was assumed, chosen or left out, one line each.
   const std::vector<std::string>& notes() const { return notes_; }
 
-  struct Pair {
-    Image left, right;
-  };
+  using Pair = ImagePair;
   /// Throws InputError if an image cannot be decoded or has another size than the first.
   Pair read(int i) const;
 

@@ -1,5 +1,6 @@
 #include "adapters/datasets/trajectory.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -105,6 +106,26 @@ Trajectory read_kitti_trajectory(const std::string& path, const std::vector<doub
                      " frames");
   }
   return trajectory;
+}
+
+std::optional<Eigen::Isometry3d> pose_at(const Trajectory& trajectory, double stamp,
+                                         double max_gap) {
+  const auto after =
+      std::lower_bound(trajectory.begin(), trajectory.end(), stamp,
+                       [](const TimedPose& pose, double time) { return pose.stamp < time; });
+  if (after == trajectory.end()) return std::nullopt;
+  if (after->stamp == stamp) return after->T;
+  if (after == trajectory.begin()) return std::nullopt;
+  const auto before = after - 1;
+  const double gap = after->stamp - before->stamp;
+  if (gap > max_gap) return std::nullopt;
+  const double s = (stamp - before->stamp) / gap;
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::Quaterniond(before->T.linear())
+                   .slerp(s, Eigen::Quaterniond(after->T.linear()))
+                   .toRotationMatrix();
+  T.translation() = (1.0 - s) * before->T.translation() + s * after->T.translation();
+  return T;
 }
 
 std::string tum_text(const Trajectory& trajectory) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,11 @@ struct TimedPose {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
 };
 using Trajectory = std::vector<TimedPose>;
+
+/// The pose at a time, of stamps that increase: interpolated (linearly, and along the geodesic)
+/// between neighbours that are at most max_gap [s] apart. None outside.
+std::optional<Eigen::Isometry3d> pose_at(const Trajectory& trajectory, double stamp,
+                                         double max_gap);
 
 /// TUM format: `stamp tx ty tz qx qy qz qw` a line, [s] and [m]; lines that begin with # and empty
 /// ones are skipped. Throws InputError (`file:line: what; expected what`) for a missing file, a

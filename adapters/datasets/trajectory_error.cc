@@ -19,25 +19,8 @@ std::vector<PosePair> associate(const Trajectory& estimate, const Trajectory& tr
                                 double max_gap) {
   std::vector<PosePair> pairs;
   for (const TimedPose& e : estimate) {
-    const auto after =
-        std::lower_bound(truth.begin(), truth.end(), e.stamp,
-                         [](const TimedPose& pose, double stamp) { return pose.stamp < stamp; });
-    if (after == truth.end()) continue;
-    if (after->stamp == e.stamp) {
-      pairs.push_back({e.stamp, e.T, after->T});
-      continue;
-    }
-    if (after == truth.begin()) continue;
-    const auto before = after - 1;
-    const double gap = after->stamp - before->stamp;
-    if (gap > max_gap) continue;
-    const double s = (e.stamp - before->stamp) / gap;
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() = Eigen::Quaterniond(before->T.linear())
-                     .slerp(s, Eigen::Quaterniond(after->T.linear()))
-                     .toRotationMatrix();
-    T.translation() = (1.0 - s) * before->T.translation() + s * after->T.translation();
-    pairs.push_back({e.stamp, e.T, T});
+    const auto T = pose_at(truth, e.stamp, max_gap);
+    if (T) pairs.push_back({e.stamp, e.T, *T});
   }
   return pairs;
 }

@@ -13,4 +13,9 @@ namespace prospect {
 /// with more than `most_pixels`.
 std::string checked_png(const std::string& path, std::string_view bytes, std::int64_t most_pixels);
 
+/// Unpacks the pixels of what checked_png() returned, and throws InputError, one line, unless they
+/// are as many bytes as its header speaks of. The decoder would make them up, or complain on
+/// standard error. Takes as long as decoding.
+void check_png_pixels(const std::string& path, std::string_view bytes);
+
 }  // namespace prospect

@@ -67,6 +67,10 @@ struct YamlMap::State {
       ++untold;
     } else {
       problems.push_back({line, text});
+      // It may quote the file.
+      for (char& c : problems.back().text) {
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+      }
     }
   }
   [[noreturn]] void raise() {
@@ -682,13 +686,29 @@ std::string listed(const std::vector<std::string>& choices) {
 std::string YamlMap::choice(const std::string& key, const std::string& default_value,
                             const std::vector<std::string>& choices,
                             const std::string& description) {
+  return read_choice(key, default_value, choices, description, [](char c) { return c; });
+}
+
+std::string YamlMap::loose_choice(const std::string& key, const std::string& default_value,
+                                  const std::vector<std::string>& choices,
+                                  const std::string& description) {
+  return read_choice(key, default_value, choices, description, [](char c) {
+    return static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  });
+}
+
+std::string YamlMap::read_choice(const std::string& key, const std::string& default_value,
+                                 const std::vector<std::string>& choices,
+                                 const std::string& description, char (*as_read)(char)) {
   std::string value = default_value;
   if (const Node* node = find(key)) {
-    const bool known = node->kind == Node::Kind::kScalar &&
-                       (std::find(choices.begin(), choices.end(), node->scalar) != choices.end() ||
-                        node->scalar == default_value);
+    std::string word = node->kind == Node::Kind::kScalar ? node->scalar : "";
+    std::transform(word.begin(), word.end(), word.begin(), as_read);
+    const bool known =
+        node->kind == Node::Kind::kScalar &&
+        (std::find(choices.begin(), choices.end(), word) != choices.end() || word == default_value);
     if (known) {
-      value = node->scalar;
+      value = word;
     } else {
       const std::string hint =
           node->kind == Node::Kind::kScalar ? did_you_mean(node->scalar, choices) : "";

@@ -65,6 +65,9 @@ class YamlMap {
   /// One of `choices`.
   std::string choice(const std::string& key, const std::string& default_value,
                      const std::vector<std::string>& choices, const std::string& description);
+  /// The same in any case, as other programs read it.
+  std::string loose_choice(const std::string& key, const std::string& default_value,
+                           const std::vector<std::string>& choices, const std::string& description);
   std::string required_choice(const std::string& key, const std::vector<std::string>& choices,
                               const std::string& description);
   /// A list of numbers, each in [min, max], of `size` entries (any number of entries for size < 0).
@@ -106,6 +109,9 @@ class YamlMap {
   Node* find(const std::string& key) const;
   std::optional<std::vector<double>> read_numbers(const std::string& key, int size, double min,
                                                   double max, const std::string& unit);
+  std::string read_choice(const std::string& key, const std::string& default_value,
+                          const std::vector<std::string>& choices, const std::string& description,
+                          char (*as_read)(char));
   void missing(const std::string& key, const std::string& expected);
   std::string child_path(const std::string& key) const;
   void record(const std::string& key, const std::string& value, const std::string& default_value,

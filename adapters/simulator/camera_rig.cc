@@ -199,8 +199,7 @@ Image CameraRig::image(const Eigen::Isometry3d& T_WC, const Twist& twist, std::u
   return image;
 }
 
-StereoImages CameraRig::stereo(const Pose& true_pose, const Twist& twist,
-                               std::uint64_t frame) const {
+ImagePair CameraRig::stereo(const Pose& true_pose, const Twist& twist, std::uint64_t frame) const {
   const Eigen::Isometry3d left = camera_pose(true_pose, options_.stereo_mount);
   Eigen::Isometry3d right = left;
   right.translation() += left.linear().col(0) * options_.stereo.baseline;

@@ -42,10 +42,6 @@ struct CameraRigOptions {
 /// The knobs (models/knobs.h); cameras, depth noise and seed are the simulator's.
 void describe(Knobs& knobs, CameraRigOptions& options);
 
-struct StereoImages {
-  Image left, right;
-};
-
 /// Pinhole camera of width x height pixels that sees the footprint's field of view:
 ///   fx = (width / 2) / tan(horizontal_fov / 2),  cx = (width - 1) / 2;  likewise fy, cy.
 PinholeCamera depth_camera(const RgbdFootprint& footprint, int width, int height);
@@ -69,7 +65,7 @@ class CameraRig {
   CameraRig(std::shared_ptr<const SceneRenderer> scene, const CameraRigOptions& options);
 
   /// The pair of frame number `frame`, from the true pose of the body that moves with `twist`.
-  StereoImages stereo(const Pose& true_pose, const Twist& twist, std::uint64_t frame) const;
+  ImagePair stereo(const Pose& true_pose, const Twist& twist, std::uint64_t frame) const;
   DepthImage depth(const Pose& true_pose, std::uint64_t frame) const;
 
   const CameraRigOptions& options() const { return options_; }

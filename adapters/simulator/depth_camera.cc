@@ -16,18 +16,6 @@ Eigen::Isometry3d camera_pose(const Pose& body, const CameraMount& mount) {
   return body_transform(body) * mount.T_BC;
 }
 
-DepthScan transform(const DepthScan& scan_B, const Pose& pose) {
-  const Eigen::Matrix3d R =
-      Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-  DepthScan scan;
-  scan.origin = R * scan_B.origin + pose.position;
-  scan.hits.reserve(scan_B.hits.size());
-  scan.misses.reserve(scan_B.misses.size());
-  for (const auto& p : scan_B.hits) scan.hits.emplace_back(R * p + pose.position);
-  for (const auto& p : scan_B.misses) scan.misses.emplace_back(R * p + pose.position);
-  return scan;
-}
-
 DepthCamera::DepthCamera(const World& world, const DepthCameraOptions& options,
                          const CameraMount& mount, std::uint64_t seed)
     : world_(&world), options_(options), mount_(mount), noise_(seed) {

@@ -84,7 +84,4 @@ class DepthCamera {
 /// Pose of the camera in W, T_WC, for a body pose and a mount.
 Eigen::Isometry3d camera_pose(const Pose& body, const CameraMount& mount);
 
-/// The points of a scan given in B, in the frame of `pose`.
-DepthScan transform(const DepthScan& scan_B, const Pose& pose);
-
 }  // namespace prospect

@@ -78,7 +78,7 @@ std::vector<Feature> features_in_views(const World& world, const SimulatorOption
       Pose pose = world.start;
       pose.position << place, options.base_height;
       pose.yaw = 2.0 * std::numbers::pi * n / directions;
-      const StereoImages pair = rig.stereo(pose, {}, ++picture);
+      const ImagePair pair = rig.stereo(pose, {}, ++picture);
       const ImagePyramid left(pair.left.view(), odometry.pyramid_levels);
       const ImagePyramid right(pair.right.view(), odometry.pyramid_levels);
       const auto corners = detect_corners(pair.left.view(), {}, odometry.corners);

@@ -13,6 +13,8 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <functional>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -154,6 +156,9 @@ class Reader {
         throw InputError(path + ": too large, or too much with what is included so far; expected " +
                          "at most 64 MB a file and 256 MB in all");
       }
+      if (!std::ifstream(path)) {
+        throw InputError(path + ": cannot be read; expected a readable file");
+      }
       auto read = std::make_unique<tinyxml2::XMLDocument>();
       if (read->LoadFile(path.c_str()) != tinyxml2::XML_SUCCESS) {
         throw InputError(path + ":" + std::to_string(read->ErrorLineNum()) + ": no whole XML (" +
@@ -162,7 +167,12 @@ class Reader {
       known = std::move(read);
     }
     const XMLElement* sdf = known->FirstChildElement("sdf");
-    if (sdf == nullptr) throw InputError(path + ": no element <sdf>; expected a Gazebo world");
+    if (sdf == nullptr) {
+      const XMLElement* root = known->RootElement();
+      const std::string name = root != nullptr ? root->Name() : "";
+      throw InputError(path + ": its root is " + in_quotes(name) +
+                       (name == "robot" ? ", a URDF" : "") + "; expected a Gazebo world, <sdf>");
+    }
     return *sdf;
   }
 
@@ -295,6 +305,9 @@ class Reader {
         if (const XMLElement* child = e->FirstChildElement("child")) {
           joint.relative_to = without_space(child->GetText());
         }
+      } else if (kind.starts_with("xacro:")) {
+        refuse(scope.file, *e,
+               "<" + kind.substr(0, 40) + ">, which xacro would replace; expected what it writes");
       } else if (kind == "population") {
         refuse(scope.file, *e,
                "a <population>, which makes models by itself; expected each as a <model>");
@@ -316,8 +329,14 @@ class Reader {
     if (kind == "particle_emitter") {
       lights_and_more_.count("particle emitter");
     } else {
-      lights_and_more_.count("element " + in_quotes(kind));
+      lights_and_more_.count(in_quotes(kind) + " element");
     }
+  }
+
+  /// Tells of a model or mesh that is not on this machine. Worlds are often moved without theirs.
+  void leave_out_absent(const std::string& what, const std::string& uri) {
+    const std::string name = uri.starts_with(kModel) ? uri.substr(kModel.size()) : uri;
+    lights_and_more_.name(what + " " + in_quotes(name) + " (absent)");
   }
 
   void include(const XMLElement& element, Scope& scope, int depth) {
@@ -332,7 +351,10 @@ class Reader {
          e = e->NextSiblingElement()) {
       leave_out(*e);
     }
-    const fs::path found = find(scope.file, uri);
+    const fs::path found = find(scope.file, uri, [](const fs::path& candidate) {
+      std::error_code error;
+      return fs::exists(model_file(candidate), error);
+    });
     if (found.empty()) {
       const std::string stock = stock_name(uri);
       if (stock == "sun") {
@@ -354,7 +376,8 @@ class Reader {
         fill(node, model, scope, scope.file, depth + 1);
         return;
       }
-      absent(scope.file, element, uri);
+      leave_out_absent("model", uri);
+      return;
     }
     const std::string file = model_file(found);
     const XMLElement& sdf = document(file);
@@ -566,10 +589,11 @@ class Reader {
 
   void show_visual(const XMLElement& visual, const Place& place) {
     const XMLElement* geometry = visual.FirstChildElement("geometry");
-    if (geometry == nullptr)
-      refuse(place.file, visual, "<visual> without <geometry>; expected one");
-    const XMLElement* first = geometry->FirstChildElement();
-    if (first == nullptr) refuse(place.file, *geometry, "<geometry> without a shape; expected one");
+    const XMLElement* first = geometry != nullptr ? geometry->FirstChildElement() : nullptr;
+    if (first == nullptr) {
+      lights_and_more_.count("shapeless visual");
+      return;
+    }
     if (++shapes_ > kMostShapes) {
       refuse(place.file, visual,
              "more than " + std::to_string(kMostShapes) + " shapes; expected fewer");
@@ -622,10 +646,7 @@ class Reader {
       T.rotate(rotation_between(Eigen::Vector3d::UnitZ(), direction));
       plain(std::move(plane), T);
     } else if (kind != "empty") {
-      refuse(place.file, shape,
-             "the shape " + in_quotes(kind) +
-                 "; expected <mesh>, <box>, <plane>, <cylinder>, <sphere>, <ellipsoid>, <capsule>, "
-                 "<cone> or <polyline>");
+      lights_and_more_.count(in_quotes(kind) + " shape");
     }
   }
 
@@ -818,7 +839,14 @@ class Reader {
   void add_mesh(const XMLElement& shape, const Place& place) {
     const std::string uri = text(place.file, shape, "uri");
     const fs::path path = find(place.file, uri);
-    if (path.empty()) absent(place.file, shape, uri);
+    if (path.empty()) {
+      leave_out_absent("mesh", uri);
+      return;
+    }
+    if (!is_mesh_file(path.string())) {
+      lights_and_more_.name("mesh " + in_quotes(uri) + " (of a kind that is not read)");
+      return;
+    }
     Eigen::Affine3d T = place.T_W;
     if (const XMLElement* scale = shape.FirstChildElement("scale")) {
       const std::vector<double> s = numbers(place.file, *scale, 3);
@@ -848,7 +876,7 @@ class Reader {
 
   // --- files -------------------------------------------------------------------------------------
 
-  static constexpr std::string_view kModel = "model://", kFile = "file://";
+  static constexpr std::string_view kModel = "model://", kFile = "file://", kPackage = "package://";
 
   static bool is_web(const std::string& uri) {
     return uri.starts_with("http://") || uri.starts_with("https://");
@@ -893,12 +921,17 @@ class Reader {
     return folders;
   }
 
-  /// The file or folder that a uri names; empty if there is none.
-  fs::path find(const std::string& file, const std::string& uri) const {
+  /// The file or folder that a uri names, the first that exists and that `fits` takes; empty if
+  /// there is none.
+  fs::path find(const std::string& file, const std::string& uri,
+                const std::function<bool(const fs::path&)>& fits = {}) const {
     std::error_code error;
+    const auto good = [&](const fs::path& candidate) {
+      return fs::exists(candidate, error) && (!fits || fits(candidate));
+    };
     std::vector<std::string> names;
-    if (uri.starts_with(kModel)) {
-      names = {uri.substr(kModel.size())};
+    if (uri.starts_with(kModel) || uri.starts_with(kPackage)) {
+      names = {uri.substr(uri.find("://") + 3)};
     } else if (is_web(uri)) {
       std::string name = fuel_name(uri);
       if (name.empty() || name == "." || name == "..") return {};
@@ -907,33 +940,19 @@ class Reader {
       names.push_back(name);
       names.push_back(lower_case(name));
     } else {
-      const fs::path path =
-          fs::path(file).parent_path() / (uri.starts_with(kFile) ? uri.substr(kFile.size()) : uri);
-      return fs::exists(path, error) ? path : fs::path();
+      std::string name = uri.starts_with(kFile) ? uri.substr(kFile.size()) : uri;
+      fs::path path = fs::path(file).parent_path() / name;
+      if (good(path)) return path;
+      std::replace(name.begin(), name.end(), '\\', '/');
+      path = fs::path(file).parent_path() / name;
+      return good(path) ? path : fs::path();
     }
     for (const fs::path& folder : model_folders()) {
       for (const std::string& name : names) {
-        if (!name.empty() && fs::exists(folder / name, error)) return folder / name;
+        if (!name.empty() && good(folder / name)) return folder / name;
       }
     }
     return {};
-  }
-
-  [[noreturn]] static void absent(const std::string& file, const XMLElement& element,
-                                  const std::string& uri) {
-    constexpr const char* kWhere =
-        "; expected it beside the file, in models or ../models, or in a folder of "
-        "GAZEBO_MODEL_PATH";
-    if (uri.starts_with(kModel)) {
-      refuse(file, element, "no model " + in_quotes(uri.substr(kModel.size())) + kWhere);
-    }
-    if (is_web(uri)) {
-      refuse(file, element, "the model " + in_quotes(uri) + " is not on this machine" + kWhere);
-    }
-    if (uri.find("://") != std::string::npos && !uri.starts_with(kFile)) {
-      refuse(file, element, "the uri " + in_quotes(uri) + "; expected model://, file:// or a path");
-    }
-    refuse(file, element, "no file " + in_quotes(uri) + "; expected it beside " + file);
   }
 
   /// The SDF of a model's folder: the one of the highest version that its manifest names, else
@@ -981,7 +1000,11 @@ class Reader {
 
 TexturedMesh read_gazebo_world(const std::string& path, const LoadProgress& progress) {
   TexturedMesh mesh = Reader(path, progress).read(path);
-  if (mesh.triangles.empty()) throw InputError(path + ": nothing to see; expected <visual>s");
+  if (mesh.triangles.empty()) {
+    throw InputError(path + ": nothing to see" +
+                     (mesh.left_out.empty() ? "" : " without " + mesh.left_out.text()) +
+                     "; expected <visual>s whose files are there");
+  }
   return mesh;
 }
 

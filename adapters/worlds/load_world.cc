@@ -168,9 +168,14 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// A ROS map has an image; the strict readers tell what else is wrong.
-bool names_an_image(const std::string& path) {
-  return StrictYaml::from_file(path).root().has("image");
+/// A ROS map has an image, or at least what no world file has; the strict readers tell what else is
+/// wrong.
+bool is_ros_map(const std::string& path) {
+  StrictYaml yaml = StrictYaml::from_file(path);
+  const YamlMap root = yaml.root();
+  if (root.has("image")) return true;
+  return !root.has("rooms") && !root.has("textures") &&
+         (root.has("occupied_thresh") || root.has("free_thresh") || root.has("origin"));
 }
 
 /// The number of "plan:NUMBER".
@@ -287,7 +292,7 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
     if (!fs::is_regular_file(path, error)) {
       throw InputError(name_or_path + ": is not a regular file; expected a world: " + kExtensions);
     }
-    const bool mesh = is_one_of(extension, {".obj", ".dae", ".gltf", ".glb", ".stl", ".ply"});
+    const bool mesh = is_mesh_file(name_or_path);
     const bool gazebo = is_one_of(extension, {".world", ".sdf"});
     const bool octree = is_one_of(extension, {".bt", ".ot"});
     if (options.floor && !mesh && !gazebo && !octree) {
@@ -312,7 +317,7 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
       world = world_from_octree(*tree, name_or_path, octree_options);
       world->left_out.add(left_out);
     } else if (extension == ".yaml" || extension == ".yml") {
-      if (names_an_image(name_or_path)) {
+      if (is_ros_map(name_or_path)) {
         world = world_from_ros_map(name_or_path, options);
       } else {
         refuse_for_world_file(name_or_path, options);

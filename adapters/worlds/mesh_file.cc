@@ -1,24 +1,44 @@
 #include "adapters/worlds/mesh_file.h"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <iterator>
 
 #include "adapters/files/not_built_in.h"
 
+namespace prospect {
+namespace {
+
+/// Of a file's name, in small letters, with its dot.
+std::string extension_of(const std::string& path) {
+  std::string extension = std::filesystem::path(path).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+}  // namespace
+
+bool is_mesh_file(const std::string& path) {
+  constexpr std::array kKinds = {".obj", ".dae", ".gltf", ".glb", ".stl", ".ply"};
+  return std::find(kKinds.begin(), kKinds.end(), extension_of(path)) != kKinds.end();
+}
+
+}  // namespace prospect
+
 #ifdef PROSPECT_WITH_ASSIMP
 
+#include <assimp/DefaultIOSystem.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
 #include <assimp/Importer.hpp>
-#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <exception>
-#include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <new>
-#include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <optional>
 #include <stdexcept>
@@ -29,6 +49,8 @@
 
 #include "adapters/files/input_error.h"
 #include "adapters/worlds/bounded_child.h"
+#include "adapters/worlds/gltf_check.h"
+#include "adapters/worlds/mesh_check.h"
 
 namespace prospect {
 namespace {
@@ -201,117 +223,50 @@ std::string bytes_of(const std::string& path) {
   return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// Throws for a pipe or device that a mesh names: reading it might never end.
-void refuse_odd_file(const std::string& mesh, const fs::path& file) {
-  std::error_code error;
-  if (fs::is_regular_file(file, error) || fs::is_directory(file, error)) return;
-  fail(mesh, "names " + in_quotes(file.string()) + ", which is not a regular file; expected one");
-}
+/// Opens the files that a mesh names, also those with backslashes; no pipe and no device, whose
+/// reading might never end.
+class MeshFiles : public Assimp::DefaultIOSystem {
+ public:
+  explicit MeshFiles(std::string mesh) : mesh_(std::move(mesh)) {}
+  bool Exists(const char* name) const override { return !found(name).empty(); }
+  Assimp::IOStream* Open(const char* name, const char* mode) override {
+    const std::string path = found(name);
+    return path.empty() ? nullptr : DefaultIOSystem::Open(path.c_str(), mode);
+  }
+  using DefaultIOSystem::Exists;
+  using DefaultIOSystem::Open;
 
-/// The material files that an .obj names and that are not there.
-void tell_missing_materials(const std::string& path, LeftOut& left_out) {
+ private:
+  std::string found(std::string name) const {
+    std::error_code error;
+    for (int n = 0; n < 2; ++n) {
+      if (fs::is_regular_file(name, error)) return name;
+      if (fs::exists(name, error) && !fs::is_directory(name, error)) {
+        fail(mesh_, "names " + in_quotes(name) + ", which is not a regular file; expected one");
+      }
+      std::replace(name.begin(), name.end(), '\\', '/');
+    }
+    return "";
+  }
+
+  std::string mesh_;
+};
+
+/// What an .obj names that is not there or not read.
+void tell_what_obj_lacks(const std::string& path, LeftOut& left_out) {
   std::ifstream in(path, std::ios::binary);
-  std::error_code error;
+  const MeshFiles files(path);
   for (std::string line; std::getline(in, line);) {
     constexpr std::string_view kKey = "mtllib ";
+    if (line.starts_with("surf ") || line.starts_with("curv ")) {
+      left_out.count("free-form " + std::string(line[0] == 's' ? "surface" : "curve"));
+    }
     if (!line.starts_with(kKey)) continue;
     std::string name = line.substr(kKey.size());
     name.erase(0, name.find_first_not_of(" \t"));
     name.erase(name.find_last_not_of(" \t\r") + 1);
-    const fs::path file = fs::path(path).parent_path() / name;
-    if (fs::exists(file, error)) {
-      refuse_odd_file(path, file);
-    } else {
+    if (!files.Exists((fs::path(path).parent_path() / name).c_str())) {
       left_out.name("material file " + in_quotes(name) + " (absent)");
-    }
-  }
-}
-
-/// Refuses a glTF whose shape the library would get wrong without a word, by what its JSON says.
-void check_gltf(const std::string& path, bool binary, LeftOut& left_out) {
-  using nlohmann::json;
-  std::string text = bytes_of(path);
-  if (binary) {
-    constexpr std::size_t kHead = 20;  // of the file and of its first chunk
-    std::uint32_t length = 0;
-    if (text.size() < kHead || !text.starts_with("glTF")) {
-      fail(path, "no binary glTF; expected one");
-    }
-    std::memcpy(&length, text.data() + 12, sizeof length);
-    if (text.compare(16, 4, "JSON") != 0 || length > text.size() - kHead) {
-      fail(path, "truncated or corrupt glTF; expected its JSON chunk first");
-    }
-    text = text.substr(kHead, length);
-  }
-  const json root = json::parse(text, nullptr, false);
-  if (root.is_discarded() || !root.is_object()) {
-    fail(path, "no whole JSON; expected a glTF of version 2");
-  }
-  const auto list = [&](const char* key) {
-    const auto found = root.find(key);
-    return found != root.end() && found->is_array() ? *found : json::array();
-  };
-  // They say how surfaces look, or where lights are, not where the surfaces are.
-  const auto harmless = [](const std::string& name) {
-    return name.starts_with("KHR_materials_") || name == "KHR_lights_punctual" ||
-           name == "KHR_texture_transform";
-  };
-  std::string unknown;
-  for (const json& name : list("extensionsRequired")) {
-    if (!name.is_string() || harmless(name.get<std::string>())) continue;
-    unknown += (unknown.empty() ? "" : ", ") + in_quotes(name.get<std::string>());
-  }
-  if (!unknown.empty()) {
-    fail(path, "the glTF requires " + unknown +
-                   ", not supported; expected a plain glTF, without compression or quantisation");
-  }
-  const json used = list("extensionsUsed");
-  for (const json& name : used) {
-    if (!name.is_string()) continue;
-    const auto extension = name.get<std::string>();
-    if (extension == "EXT_mesh_gpu_instancing" || extension == "KHR_mesh_quantization") {
-      fail(path, "the glTF uses " + in_quotes(extension) +
-                     ", not supported; expected each copy as a node of its own, and "
-                     "positions as float");
-    }
-    if (extension == "KHR_texture_transform") left_out.name("texture transforms");
-    if (extension == "KHR_lights_punctual") left_out.name("lights");
-  }
-  std::error_code error;
-  for (const char* kind : {"buffers", "images"}) {
-    for (const json& part : list(kind)) {
-      if (!part.is_object() || !part.contains("uri") || !part["uri"].is_string()) continue;
-      const auto uri = part["uri"].get<std::string>();
-      if (uri.starts_with("data:")) continue;
-      const fs::path file = fs::path(path).parent_path() / uri;
-      if (fs::exists(file, error)) refuse_odd_file(path, file);
-    }
-  }
-  const json accessors = list("accessors");
-  constexpr int kFloat = 5126;
-  const auto type_of = [&](const json& index) {
-    if (!index.is_number_unsigned() || index.get<std::size_t>() >= accessors.size()) return kFloat;
-    const json& accessor = accessors[index.get<std::size_t>()];
-    return accessor.is_object() && accessor.contains("componentType") &&
-                   accessor["componentType"].is_number_integer()
-               ? accessor["componentType"].get<int>()
-               : kFloat;
-  };
-  for (const json& mesh : list("meshes")) {
-    if (!mesh.is_object() || !mesh.contains("primitives")) continue;
-    for (const json& primitive : mesh["primitives"]) {
-      if (!primitive.is_object() || !primitive.contains("attributes")) continue;
-      if (!primitive["attributes"].is_object()) continue;
-      for (const auto& [attribute, index] : primitive["attributes"].items()) {
-        if (attribute != "POSITION" && attribute != "TEXCOORD_0") continue;
-        const int type = type_of(index);
-        if (type == kFloat) continue;
-        fail(path, attribute + " of component type " + std::to_string(type) +
-                       (type == 5122 || type == 5123   ? " (16 bits)"
-                        : type == 5120 || type == 5121 ? " (8 bits)"
-                                                       : "") +
-                       " is not supported; expected float (5126)");
-      }
     }
   }
 }
@@ -440,10 +395,18 @@ TexturedMesh import(const std::string& path, const std::string& extension, UpAxi
                     const Submesh& submesh) {
   TexturedMesh mesh;
   if (extension == ".gltf" || extension == ".glb") {
-    check_gltf(path, extension == ".glb", mesh.left_out);
+    check_gltf(bytes_of(path), path, mesh.left_out);
+  } else if (extension == ".stl") {
+    check_stl(bytes_of(path), path);
+  } else if (extension == ".ply") {
+    check_ply(bytes_of(path), path);
+  } else if (extension == ".dae") {
+    check_collada(bytes_of(path), path);
+  } else {
+    tell_what_obj_lacks(path, mesh.left_out);
   }
-  if (extension == ".obj") tell_missing_materials(path, mesh.left_out);
   Assimp::Importer importer;
+  importer.SetIOHandler(new MeshFiles(path));  // which owns it
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   // Read as it is first: what the next step drops is to be told.
@@ -496,10 +459,8 @@ TexturedMesh import(const std::string& path, const std::string& extension, UpAxi
 TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submesh& submesh,
                             const LoadProgress& progress) {
   const auto refuse = [&](const std::string& what) { throw InputError(path + ": " + what); };
-  std::string extension = fs::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  constexpr const char* kKinds[] = {".obj", ".dae", ".gltf", ".glb", ".stl", ".ply"};
-  if (std::find(std::begin(kKinds), std::end(kKinds), extension) == std::end(kKinds)) {
+  const std::string extension = extension_of(path);
+  if (!is_mesh_file(path)) {
     refuse("unknown kind of mesh '" + extension +
            "'; expected .obj, .dae, .gltf, .glb, .stl or .ply");
   }
@@ -509,6 +470,7 @@ TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submes
   const std::uintmax_t size = fs::file_size(path, error);
   if (error || size == 0) refuse("is empty; expected a mesh");
   if (size > kLargestMesh) refuse("is larger than 512 MB");
+  if (!std::ifstream(path)) refuse("cannot be read; expected a readable file");
 
   constexpr std::uintmax_t kMegabyte = std::uintmax_t{1} << 20;
   ChildLimits limits;

@@ -189,9 +189,9 @@ World world_from_mesh(TexturedMesh mesh, const std::string& name, const MeshWorl
   const int top = static_cast<int>(std::ceil(options.height / r));  // voxels above the floor
   const double voxels = columns * rows * (top + 1);
   if (!(voxels <= static_cast<double>(options.max_voxels))) {
-    throw InputError(name + ": " + std::to_string(box.sizes().x()) + " x " +
-                     std::to_string(box.sizes().y()) + " m are too many voxels of " +
-                     std::to_string(r) + " m; expected a mesh in metres, of a building");
+    throw InputError(name + ": " + metres(box.sizes().x()) + " x " + metres(box.sizes().y()) +
+                     " m are too many voxels of " + metres(r) +
+                     " m; expected a mesh in metres, of a building");
   }
   const GridFrame frame{r, static_cast<int>(std::floor(box.min().x() / r)),
                         static_cast<int>(std::floor(box.min().y() / r)), static_cast<int>(columns),

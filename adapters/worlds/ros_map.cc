@@ -165,7 +165,9 @@ MapImage read_pnm(const std::string& path, std::string_view bytes) {
   const std::size_t row = bits ? static_cast<std::size_t>((width + 7) / 8)
                                : static_cast<std::size_t>(width * channels) * value_bytes;
   const std::size_t expected = row * static_cast<std::size_t>(height);
-  const std::size_t found = at < bytes.size() ? bytes.size() - at : 0;
+  std::size_t found = at < bytes.size() ? bytes.size() - at : 0;
+  // Some programs end the file as a line of text.
+  if (found == expected + 1 && bytes.back() == '\n') --found;
   if (found != expected) {
     fail(path, std::to_string(found) + " bytes of pixels; expected " + std::to_string(expected) +
                    " for " + std::to_string(width) + " x " + std::to_string(height));
@@ -234,15 +236,23 @@ MapImage read_image(const std::string& path) {
   const bool png = bytes.starts_with("\x89PNG\r\n\x1a\n"), bmp = bytes.starts_with("BM");
   if (png) {
     bytes = checked_png(path, bytes, kMostMapPixels);
+    check_png_pixels(path, bytes);
   } else if (bmp) {
     check_bmp(path, bytes);
   } else {
-    const bool jpeg = bytes.starts_with("\xff\xd8\xff");
-    const bool tiff = bytes.starts_with("II*") || bytes.starts_with("MM");
-    fail(path, std::string(jpeg   ? "a JPEG image, whose greys are not exact"
-                           : tiff ? "a TIFF image"
-                                  : "no image that is read") +
-                   kExpected);
+    const std::pair<const char*, const char*> known[] = {
+        {"\xff\xd8\xff", "a JPEG image, whose greys are not exact"},
+        {"II*", "a TIFF image"},
+        {"MM", "a TIFF image"},
+        {"GIF8", "a GIF image"},
+        {"RIFF", "a WebP image"},
+        {"<", "an SVG, XML or HTML file"},
+        {"version https://git-lfs", "a pointer of Git LFS, not the image itself"}};
+    std::string kind = "no image that is read";
+    for (const auto& [begin, name] : known) {
+      if (bytes.starts_with(begin)) kind = name;
+    }
+    fail(path, kind + kExpected);
   }
   cv::Mat mat;
   try {
@@ -475,8 +485,14 @@ std::string find_image(const std::string& yaml, const std::string& name, const s
   const fs::path folder = fs::path(yaml).parent_path();
   const fs::path named = fs::path(name).is_absolute() ? fs::path(name) : folder / name;
   if (fs::exists(named, error)) return named.string();
-  const fs::path moved = folder / fs::path(name).filename();
-  if (fs::path(name).has_filename() && fs::is_regular_file(moved, error)) {
+  // As Windows writes it.
+  std::string slashed = name;
+  std::replace(slashed.begin(), slashed.end(), '\\', '/');
+  if (slashed != name && fs::is_regular_file(folder / slashed, error)) {
+    return (folder / slashed).string();
+  }
+  const fs::path moved = folder / fs::path(slashed).filename();
+  if (fs::path(slashed).has_filename() && fs::is_regular_file(moved, error)) {
     left_out.name("the folder of image " + in_quotes(name) + " (absent; read beside the .yaml)");
     return moved.string();
   }
@@ -488,7 +504,10 @@ std::string find_image(const std::string& yaml, const std::string& name, const s
     if (hidden || !image || beside.size() > 200) continue;
     beside += (beside.empty() ? "" : ", ") + in_quotes(entry.path().filename().string());
   }
-  fail(where, "image " + in_quotes(name) + " is absent; expected it at " + named.string() +
+  std::string place = named.string();
+  std::replace_if(
+      place.begin(), place.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, '?');
+  fail(where, "image " + in_quotes(name) + " is absent; expected it at " + place +
                   (beside.empty() ? "" : ", or one of these named here: " + beside));
 }
 
@@ -516,8 +535,8 @@ World world_from_ros_map(const std::string& path, const WorldOptions& options) {
   const bool negate = root.loose_boolean("negate", false, "white is occupied");
   const double occupied = root.number("occupied_thresh", 0.65, 0.0, 1.0, "1", "occupied above");
   const double free = root.number("free_thresh", 0.196, 0.0, 1.0, "1", "free below");
-  const std::string mode = root.choice("mode", "trinary", {"trinary", "scale", "raw"},
-                                       "meaning of values between the thresholds");
+  const std::string mode = root.loose_choice("mode", "trinary", {"trinary", "scale", "raw"},
+                                             "meaning of values between the thresholds");
   if (free > occupied) {
     root.problem("free_thresh", "above occupied_thresh; expected free_thresh <= occupied_thresh");
   }

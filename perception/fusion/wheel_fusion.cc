@@ -191,19 +191,19 @@ void WheelFusion::advance(double stamp) {
   while (wheels_.size() >= 2 && wheels_[1].stamp <= stamp_) wheels_.pop_front();
 }
 
-void WheelFusion::add(const WheelSample& sample) {
+bool WheelFusion::add(const WheelSample& sample) {
   if (!std::isfinite(sample.stamp) || !(sample.velocity.norm() <= kFastest) ||
       !(std::abs(sample.yaw_rate) <= kFastest)) {
     left_out_ = "a wheel sample is not possible";
-    return;
+    return false;
   }
   if (started_ && sample.stamp - stamp_ > kLongest) {
     left_out_ = "the time of the wheels jumps";
-    return;
+    return false;
   }
   if (!wheels_.empty() && !(sample.stamp > wheels_.back().stamp)) {
     left_out_ = "the time of the wheels does not increase";
-    return;
+    return false;
   }
   begin(sample.stamp);
   has_wheels_ = true;
@@ -214,6 +214,7 @@ void WheelFusion::add(const WheelSample& sample) {
     return w.stamp <= sample.stamp - options_.max_wait;
   });
   if (waits != wheels_.rend()) advance(waits->stamp);
+  return true;
 }
 
 void WheelFusion::add(const VisualMotion& visual) {

@@ -110,7 +110,8 @@ class WheelFusion {
  public:
   explicit WheelFusion(const WheelFusionOptions& options = {});
 
-  void add(const WheelSample& sample);
+  /// False: left out, at() says why.
+  bool add(const WheelSample& sample);
   void add(const VisualMotion& visual);
 
   /// The estimate at `stamp` [s], which is taken as the newest time known if it is older. Beyond

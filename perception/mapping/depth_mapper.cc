@@ -14,16 +14,8 @@ namespace {
 
 constexpr int kCheckStride = 4;             // of the pixels that the image is judged by
 constexpr double kFarBelow = 0.2;           // [m]: no noise of a floor
-constexpr double kFarthestVoxel = 30000.0;  // [voxels]
+constexpr double kFarthestVoxel = 30000.0;  // [voxels]; octree addresses are of 16 bits
 constexpr double kJustBelow = 1e-6;         // [m]
-constexpr double kSlackPosition = 0.05;     // [m] of a pose, beside what the speed allows
-constexpr double kSlackRotation = 0.05;     // [rad]
-
-bool is_pose(const Eigen::Isometry3d& T) {
-  const Eigen::Matrix3d R = T.linear();
-  return T.matrix().allFinite() &&
-         (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
-}
 
 double gain(double prior, double measured, double least) {
   const double p = prior * prior;
@@ -44,7 +36,10 @@ std::string_view to_string(Mapping state) {
 }
 
 DepthMapper::DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& options)
-    : camera_(camera), options_(options), map_(options.map) {
+    : camera_(camera),
+      options_(options),
+      map_(options.map),
+      poses_({options.max_speed, options.max_turn_rate, kFarthestVoxel * options.map.resolution}) {
   validate(camera);
   check_parameter(options.range.min > 0.0 && options.range.max > options.range.min &&
                       std::isfinite(options.range.max),
@@ -132,29 +127,6 @@ bool DepthMapper::check_image(const DepthImage& image, MappedFrame& out) {
   return true;
 }
 
-bool DepthMapper::check_pose(double stamp, const Eigen::Isometry3d& T_WC, MappedFrame& out) {
-  if (!is_pose(T_WC)) {
-    add_reason(out.reason, "the pose is no rotation and translation");
-    return false;
-  }
-  // Octree addresses are of 16 bits; a wild pose must not become the one that others are held to.
-  if (T_WC.translation().cwiseAbs().maxCoeff() > kFarthestVoxel * options_.map.resolution) {
-    add_reason(out.reason, "the pose is outside of what a map can hold");
-    return false;
-  }
-  if (any_accepted_) {
-    const double dt = stamp - accepted_stamp_;
-    const double moved = (T_WC.translation() - accepted_.translation()).norm();
-    const double turned = Eigen::AngleAxisd(accepted_.linear().transpose() * T_WC.linear()).angle();
-    if (moved > options_.max_speed * dt + kSlackPosition ||
-        turned > options_.max_turn_rate * dt + kSlackRotation) {
-      add_reason(out.reason, "the pose jumps");
-      return false;
-    }
-  }
-  return true;
-}
-
 void DepthMapper::correct(MappedFrame& frame) const {
   if (!frame.ground.found) return;
   const double k_tilt =
@@ -219,11 +191,11 @@ bool DepthMapper::make_scan(const DepthImage& image, MappedFrame& frame, DepthSc
 }
 
 MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
-                                 const Eigen::Isometry3d& T_WC) {
+                                 const Eigen::Isometry3d& T_WC, Localization pose) {
   ProcessorStopwatch clock;
   MappedFrame out;
   out.stamp = stamp;
-  if (any_accepted_) out.T_WC = accepted_;
+  if (poses_.any()) out.T_WC = poses_.last();
   const auto reject = [&out](const char* why) {
     if (why != nullptr) add_reason(out.reason, why);
     out.state = Mapping::kRejected;
@@ -240,9 +212,13 @@ MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
   any_stamp_ = true;
 
   out.state = Mapping::kOk;
-  const bool sound = check_image(image, out) && check_pose(stamp, T_WC, out);
+  const bool sound = check_image(image, out);
+  const char* const problem = sound ? poses_.problem(stamp, T_WC) : nullptr;
   out.times.check = clock.lap();
-  if (!sound) return reject(nullptr);
+  if (!sound || problem != nullptr) return reject(problem);
+  // What a wrong pose enters is not taken out again by a right one.
+  if (pose == Localization::kDegraded) return reject("the pose is degraded");
+  if (pose == Localization::kLost) return reject("the pose is lost");
   if (gap) {
     add_reason(out.reason, "frames are missing");
     out.state = Mapping::kDegraded;
@@ -264,9 +240,7 @@ MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
     out.hits = out.floor = out.misses = 0;
     return reject("too much lies below the floor");
   }
-  accepted_ = T_WC;
-  accepted_stamp_ = stamp;
-  any_accepted_ = true;
+  poses_.accept(stamp, T_WC);
   map_.insert(scan);
   out.times.insert = clock.lap();
   return out;

@@ -4,10 +4,12 @@
 #include <string>
 #include <string_view>
 
+#include "engine/maps/localization.h"
 #include "models/camera.h"
 #include "perception/mapping/depth_image.h"
 #include "perception/mapping/ground_plane.h"
 #include "perception/mapping/occupancy_mapper.h"
+#include "perception/mapping/pose_check.h"
 
 namespace prospect {
 
@@ -89,9 +91,9 @@ struct MappedFrame {
 /// image or nearly all of it has no depth, or frames are missing before it. Rejected: nothing was
 /// entered; the image has a wrong size, has no depth, is the one before again (frozen), is
 /// everywhere the same, is noise; the time is no number or does not increase; the pose is no
-/// rotation and translation, or is farther from the last accepted one than the robot can have
-/// moved; or too much lies below the floor, so that pose, calibration or unit of the depth must be
-/// wrong.
+/// rotation and translation, is not ok by the odometry (degraded, lost), or is farther from the
+/// last accepted one than the robot can have moved; or too much lies below the floor, so that pose,
+/// calibration or unit of the depth must be wrong.
 ///
 /// Thread-safety: as OccupancyMapper. Errors: the constructor throws std::invalid_argument on wrong
 /// cameras or options; process() never throws for any image, time or pose. Determinism: same
@@ -100,14 +102,15 @@ class DepthMapper {
  public:
   explicit DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& options = {});
 
-  MappedFrame process(double stamp, const DepthImage& image, const Eigen::Isometry3d& T_WC);
+  /// `pose`: what the odometry says of T_WC.
+  MappedFrame process(double stamp, const DepthImage& image, const Eigen::Isometry3d& T_WC,
+                      Localization pose = Localization::kOk);
 
   OccupancyMapper& map() { return map_; }
   int stride() const { return stride_; }  ///< s
 
  private:
   bool check_image(const DepthImage& image, MappedFrame& out);
-  bool check_pose(double stamp, const Eigen::Isometry3d& T_WC, MappedFrame& out);
   void correct(MappedFrame& frame) const;
   bool make_scan(const DepthImage& image, MappedFrame& frame, DepthScan& scan) const;
 
@@ -119,9 +122,7 @@ class DepthMapper {
   double last_stamp_ = 0.0;  // of the last frame with a sound time
   double period_ = 0.0;      // usual time between frames [s]
   bool any_stamp_ = false;
-  double accepted_stamp_ = 0.0;
-  Eigen::Isometry3d accepted_ = Eigen::Isometry3d::Identity();
-  bool any_accepted_ = false;
+  PoseCheck poses_;
 };
 
 }  // namespace prospect

@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <random>
 #include <vector>
 
@@ -11,6 +12,8 @@ namespace prospect {
 namespace {
 
 constexpr int kIterations = 8;
+constexpr int kBlocks = 8;       // of errors that are alike, across the image
+constexpr double kApart = 0.05;  // [m]: planes nearer than this are one
 
 struct Plane {
   Eigen::Vector3d n;
@@ -165,39 +168,91 @@ double ground_sigma(double height, double z, const GroundPlaneOptions& options) 
   return std::sqrt(options.unevenness * options.unevenness + along * along);
 }
 
-GroundPlane find_ground(const PinholeCamera& camera, const DepthImage& image,
-                        const GroundPrior& prior, const GroundPlaneOptions& options) {
+namespace {
+
+/// The points of an image that a search looks at.
+struct Cloud {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<int> blocks;              ///< of the image, that the points lie in
+  Scored scored;                        ///< every so manyeth of them
+  std::vector<std::size_t> candidates;  ///< of `points`: may lie on a plane that the prior admits
+  int scored_candidates = 0;
+  int depths = 0;  ///< pixels with a depth, `points` or not
+};
+
+/// Those that `wanted(p)`.
+template <typename Wanted>
+Cloud cloud_of(const PinholeCamera& camera, const DepthImage& image, const Search& search,
+               const GroundPlaneOptions& options, Wanted wanted) {
+  const int stride = std::max(1, options.stride);
+  const int every = std::max(1, options.score_stride / stride);
+  const int block = std::max(1, image.width / kBlocks);
+  const int columns = image.width / block + 1;
+  Cloud cloud;
+  for (int v = stride / 2, row = 0; v < image.height; v += stride, ++row) {
+    for (int u = stride / 2, column = 0; u < image.width; u += stride, ++column) {
+      const double z = image.at(u, v);
+      if (!options.range.holds(z)) continue;
+      ++cloud.depths;
+      const Eigen::Vector3d p = z * pixel_ray(camera, u, v);
+      if (!wanted(p)) continue;
+      const bool candidate = search.may_hold(p);
+      if (candidate) cloud.candidates.push_back(cloud.points.size());
+      cloud.points.push_back(p);
+      cloud.blocks.push_back(v / block * columns + u / block);
+      if (row % every == 0 && column % every == 0) {
+        cloud.scored.add(p, options);
+        cloud.scored_candidates += candidate;
+      }
+    }
+  }
+  return cloud;
+}
+
+/// Delete-a-block jackknife: what leaving out each block of the image would change, one
+/// Gauss-Newton step. `information` is that of all points on the plane.
+Eigen::Matrix3d jackknife_covariance(const Cloud& cloud, const GroundPlane& plane,
+                                     const GroundPlaneOptions& options,
+                                     const Eigen::Matrix3d& information) {
+  Eigen::Vector3d t1, t2;
+  tangents(plane.normal, t1, t2);
+  std::map<int, Sums> blocks;
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+    const Eigen::Vector3d& p = cloud.points[i];
+    const double e = plane.above(p);
+    const double sigma = ground_sigma(plane.height, p.z(), options);
+    if (!(std::abs(e) < options.gate * sigma)) continue;
+    const Eigen::Vector3d J(t1.dot(p), t2.dot(p), 1.0);
+    Sums& block = blocks[cloud.blocks[i]];
+    block.information += J * J.transpose() / (sigma * sigma);
+    block.gradient += e / (sigma * sigma) * J;
+  }
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const auto& [number, block] : blocks) {
+    const Eigen::Matrix3d others = information - block.information;
+    const Eigen::FullPivLU<Eigen::Matrix3d> lu(others);
+    if (!lu.isInvertible()) continue;
+    const Eigen::Vector3d change = lu.solve(block.gradient);
+    covariance += change * change.transpose();
+  }
+  const auto n = static_cast<double>(blocks.size());
+  return (n - 1.0) / n * covariance;
+}
+
+/// The best plane of a cloud. `fixed` says whether normal and height are those of a plane, found or
+/// not.
+GroundPlane search_cloud(const Cloud& cloud, const GroundPrior& prior, const Search& search,
+                         const GroundPlaneOptions& options, bool& fixed) {
   GroundPlane out;
+  fixed = false;
   const auto missed = [&out](std::string why) {
     out.found = false;
     out.reason = std::move(why);
     return out;
   };
-  if (!image.whole() || image.width != camera.width || image.height != camera.height) {
-    return missed("the image has the wrong size");
-  }
-  const Search search(prior, options);
-  const int stride = std::max(1, options.stride);
-  const int every = std::max(1, options.score_stride / stride);
-  std::vector<Eigen::Vector3d> points;
-  Scored scored;
-  std::vector<std::size_t> candidates;  // of `points`
-  int scored_candidates = 0;
-  for (int v = stride / 2, row = 0; v < image.height; v += stride, ++row) {
-    for (int u = stride / 2, column = 0; u < image.width; u += stride, ++column) {
-      const double z = image.at(u, v);
-      if (!options.range.holds(z)) continue;
-      const Eigen::Vector3d p = z * pixel_ray(camera, u, v);
-      const bool candidate = search.may_hold(p);
-      if (candidate) candidates.push_back(points.size());
-      points.push_back(p);
-      if (row % every == 0 && column % every == 0) {
-        scored.add(p, options);
-        scored_candidates += candidate;
-      }
-    }
-  }
-  out.points = static_cast<int>(points.size());
+  const std::vector<Eigen::Vector3d>& points = cloud.points;
+  const std::vector<std::size_t>& candidates = cloud.candidates;
+  out.points = cloud.depths;
   if (points.size() < 3) return missed("no depth");
   if (candidates.size() < 3) return missed("no point where the ground is expected");
 
@@ -219,12 +274,12 @@ GroundPlane find_ground(const PinholeCamera& camera, const DepthImage& image,
     plane.h = -plane.n.dot(a);
     if (!search.admits(plane)) continue;
     int on = 0;
-    double score = search.score(scored, plane, on);
+    double score = search.score(cloud.scored, plane, on);
     if (any && score <= best_score) continue;
     Plane refined = plane;
-    if (search.refine(scored.points, refined) && search.admits(refined)) {
+    if (search.refine(cloud.scored.points, refined) && search.admits(refined)) {
       int on_refined = 0;
-      const double better = search.score(scored, refined, on_refined);
+      const double better = search.score(cloud.scored, refined, on_refined);
       if (better > score) {
         plane = refined;
         score = better;
@@ -236,7 +291,7 @@ GroundPlane find_ground(const PinholeCamera& camera, const DepthImage& image,
     best_score = score;
     // A plane with as much below it as on it is no reason to stop looking.
     const double share =
-        score > 0.0 ? static_cast<double>(on) / std::max(1, scored_candidates) : 0.0;
+        score > 0.0 ? static_cast<double>(on) / std::max(1, cloud.scored_candidates) : 0.0;
     const double all_three = std::clamp(share * share * share, 1e-9, 0.999);
     needed = std::min(needed, std::log1p(-options.confidence) / std::log1p(-all_three));
   }
@@ -244,6 +299,7 @@ GroundPlane find_ground(const PinholeCamera& camera, const DepthImage& image,
   if (!search.refine(points, best)) return missed("the points do not fix a plane");
   out.normal = best.n;
   out.height = best.h;
+  fixed = true;
 
   const Sums s = search.sums(
       points, best, [&options](double w) { return std::abs(w) < options.gate ? 1.0 : 0.0; });
@@ -267,14 +323,58 @@ GroundPlane find_ground(const PinholeCamera& camera, const DepthImage& image,
   out.chi2_per_dof = chi2 / std::max(1, out.inliers - 3);
   const Eigen::FullPivLU<Eigen::Matrix3d> lu(s.information);
   if (!lu.isInvertible()) return missed("the points do not fix a plane");
-  const double patch = static_cast<double>(options.patch) / stride;
+  const double patch = static_cast<double>(options.patch) / std::max(1, options.stride);
   out.covariance = std::max(1.0, out.chi2_per_dof) * std::max(1.0, patch * patch) * lu.inverse();
   if (!(out.sigma_tilt() <= options.most_sigma_tilt &&
         out.sigma_height() <= options.most_sigma_height)) {
     return missed("too little ground in view");
   }
+  out.covariance = jackknife_covariance(cloud, out, options, s.information);
   out.found = true;
   return out;
+}
+
+bool fits(const PinholeCamera& camera, const DepthImage& image) {
+  return image.whole() && image.width == camera.width && image.height == camera.height;
+}
+
+}  // namespace
+
+GroundPlane find_ground(const PinholeCamera& camera, const DepthImage& image,
+                        const GroundPrior& prior, const GroundPlaneOptions& options) {
+  GroundPlane out;
+  if (!fits(camera, image)) {
+    out.reason = "the image has the wrong size";
+    return out;
+  }
+  const Search search(prior, options);
+  bool fixed = false;
+  return search_cloud(
+      cloud_of(camera, image, search, options, [](const Eigen::Vector3d&) { return true; }), prior,
+      search, options, fixed);
+}
+
+std::vector<GroundPlane> find_planes_below(const PinholeCamera& camera, const DepthImage& image,
+                                           const GroundPrior& prior, const GroundPlane& above,
+                                           const GroundPlaneOptions& options) {
+  constexpr int kMost = 3;
+  std::vector<GroundPlane> found;
+  if (!fits(camera, image)) return found;
+  const Search search(prior, options);
+  GroundPlane last = above;
+  for (int n = 0; n < kMost; ++n) {
+    bool fixed = false;
+    const Cloud cloud = cloud_of(camera, image, search, options, [&](const Eigen::Vector3d& p) {
+      const double noise = options.gate * ground_sigma(last.height, p.z(), options);
+      return last.above(p) < -std::max(kApart, noise);
+    });
+    if (static_cast<double>(cloud.candidates.size()) < options.min_share * cloud.depths) break;
+    const GroundPlane plane = search_cloud(cloud, prior, search, options, fixed);
+    if (plane.found) found.push_back(plane);
+    if (!fixed) break;
+    last = plane;
+  }
+  return found;
 }
 
 }  // namespace prospect

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "models/camera.h"
 #include "perception/mapping/depth_image.h"
@@ -81,15 +82,27 @@ double ground_sigma(double height, double z, const GroundPlaneOptions& options);
 /// e = n . p + h; on it: |e| < gate sigma, below: e <= -gate sigma. Nothing can be seen through the
 /// ground, but for reflections on it: so a table is not it where the floor is seen beside it, nor
 /// is a plane that cuts through things. Each new best is refined: Gauss-Newton on (theta_1,
-/// theta_2, h) with Tukey's weights. The covariance is max(1, chi^2/dof) (J^T W J)^-1 times the
-/// number of points in a patch, for neighbouring errors are not independent.
+/// theta_2, h) with Tukey's weights.
+///
+/// The covariance is that of errors which are alike within blocks of an eighth of the image's
+/// width, whatever their size, by leaving out each block in turn (delete-a-group jackknife, Miller
+/// 1974). It knows the noise of the image alone: an error that the whole image shares, as of the
+/// depth scale, is not in it.
 ///
 /// Not found, with the reason: no depth, no plane within the prior, too few points on the plane,
-/// too many below it, or points that do not fix it (the standard deviations).
+/// too many below it, or points that do not fix it: max(1, chi^2/dof) (J^T W J)^-1 times the number
+/// of points in a patch is above the squares of the largest standard deviations.
 ///
 /// Pure function; concurrent calls are safe. Never throws for an image, whatever it holds: one that
 /// is not whole or not of the camera's size has no ground. Same input, same bits.
 GroundPlane find_ground(const PinholeCamera& camera, const DepthImage& image,
                         const GroundPrior& prior, const GroundPlaneOptions& options = {});
+
+/// Planes that a prior admits among the points below `above`, the highest first, at most three: as
+/// find_ground(), of the points more than 5 cm and the gate below `above`, then of those below the
+/// plane found. `above` need not be found. Empty if there is none.
+std::vector<GroundPlane> find_planes_below(const PinholeCamera& camera, const DepthImage& image,
+                                           const GroundPrior& prior, const GroundPlane& above,
+                                           const GroundPlaneOptions& options = {});
 
 }  // namespace prospect

@@ -2,6 +2,7 @@
 
 #include <octomap/OcTree.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <atomic>
 #include <bit>
@@ -25,6 +26,8 @@ constexpr int kBrick = 8;  // voxels along an edge of a brick: three levels of t
 constexpr int kBrickVoxels = kBrick * kBrick * kBrick;
 constexpr unsigned kBrickLevels = 3;
 constexpr unsigned kTreeLevels = 16;
+// Copies that snapshots take in turn: one for who plans, one for who checks, one to write.
+constexpr int kMirrors = 3;
 
 // Bits of a three-bit coordinate spread to every third place.
 constexpr int kSpread[kBrick] = {0, 1, 8, 9, 64, 65, 72, 73};
@@ -43,12 +46,12 @@ std::uint64_t spread_wide(std::uint64_t v) {
 
 struct Brick {
   float log_odds[kBrickVoxels] = {};
-  std::uint64_t known[kBrick] = {};     // bit sets over the voxels
-  std::uint64_t surface[kBrick] = {};   // has been occupied at some time
-  std::uint64_t stale[2][kBrick] = {};  // the mirror does not show the newest value
-  bool dirty[2] = {false, false};       // some bit of stale is set, and the mirror lists the brick
-  int bx = 0, by = 0, bz = 0;           // address / 8
-  std::uint64_t order = 0;              // Morton order of bricks
+  std::uint64_t known[kBrick] = {};            // bit sets over the voxels
+  std::uint64_t surface[kBrick] = {};          // has been occupied at some time
+  std::uint64_t stale[kMirrors][kBrick] = {};  // the mirror does not show the newest value
+  bool dirty[kMirrors] = {};                   // some bit of stale is set, and the mirror lists it
+  int bx = 0, by = 0, bz = 0;                  // address / 8
+  std::uint64_t order = 0;                     // Morton order of bricks
 };
 
 struct Columns {  // of an 8 x 8 square of ground cells: counts over the slice's layers
@@ -79,6 +82,18 @@ bool unshared(const std::shared_ptr<T>& p) {
 
 }  // namespace
 
+DepthScan transform(const DepthScan& scan_B, const Pose& pose) {
+  const Eigen::Matrix3d R =
+      Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  DepthScan scan;
+  scan.origin = R * scan_B.origin + pose.position;
+  scan.hits.reserve(scan_B.hits.size());
+  scan.misses.reserve(scan_B.misses.size());
+  for (const auto& p : scan_B.hits) scan.hits.emplace_back(R * p + pose.position);
+  for (const auto& p : scan_B.misses) scan.misses.emplace_back(R * p + pose.position);
+  return scan;
+}
+
 struct OccupancyMapper::Impl {
   OccupancyMapperOptions options;
   float hit = 0.0F, miss = 0.0F, lowest = 0.0F, highest = 0.0F;  // log-odds
@@ -98,9 +113,20 @@ struct OccupancyMapper::Impl {
     std::shared_ptr<VoxelGrid> voxels;
     std::vector<std::uint32_t> dirty;
   };
-  Mirror mirror[2];
+  Mirror mirror[kMirrors];
   int current = 0;
-  std::shared_ptr<GroundMap> ground;
+
+  struct GroundChange {
+    Cell cell;
+    CellState state = CellState::kUnknown;
+    bool sight = false;
+  };
+  struct GroundMirror {
+    std::shared_ptr<GroundMap> map;       // null: not made
+    std::vector<GroundChange> pending{};  // of the newest map, in order, and not yet of this one
+  };
+  GroundMirror ground[kMirrors];
+  int ground_current = 0;  // the newest: nothing is pending
 
   // The scan at hand: one byte a voxel of a box around the origin, 1 = passed, 2 = ended in.
   std::vector<std::uint8_t> marks;
@@ -113,6 +139,7 @@ struct OccupancyMapper::Impl {
   std::uint32_t column_block(int bx, int by);
   void set_value(Brick& b, std::uint32_t index, int m, std::uint32_t column, float value);
   void flush_ground();
+  GroundMap& writable_ground();
   void mark_ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to, bool include_end);
   void apply_marks();
 
@@ -146,7 +173,7 @@ OccupancyMapper::Impl::Impl(const OccupancyMapperOptions& o) : options(o) {
   mirror[0].octree->setClampingThresMax(o.probability_max);
   mirror[0].octree->setOccupancyThres(0.5);
   threshold = mirror[0].octree->getOccupancyThresLog();
-  ground = std::make_shared<GroundMap>(frame);
+  ground[0].map = std::make_shared<GroundMap>(frame);
   k_low = mirror[0].voxels->k0();
   k_end = k_low + mirror[0].voxels->depth();
 }
@@ -192,7 +219,7 @@ void OccupancyMapper::Impl::set_value(Brick& b, std::uint32_t index, int m, std:
   const bool occupied = value >= threshold;
   current_value = value;
   b.known[word] |= bit;
-  for (int which = 0; which < 2; ++which) {
+  for (int which = 0; which < kMirrors; ++which) {
     b.stale[which][word] |= bit;
     if (!b.dirty[which]) {
       b.dirty[which] = true;
@@ -221,17 +248,54 @@ void OccupancyMapper::Impl::set_value(Brick& b, std::uint32_t index, int m, std:
 }
 
 void OccupancyMapper::Impl::flush_ground() {
+  std::vector<GroundChange> changes;
+  const GroundMap& now = *ground[ground_current].map;
   for (const auto& [block, cell] : changed_cells) {
     Columns& c = *columns[block];
     c.changed[cell] = false;
     const Cell address{c.bx * kBrick + cell % kBrick, c.by * kBrick + cell / kBrick};
     const CellState state = project_column(c.occupied[cell], c.free[cell]);
     const bool sight = see_through(state, slice.k_sight ? c.sight[cell] : state);
-    if (ground->state(address) == state && ground->see_through(address) == sight) continue;
-    if (!unshared(ground)) ground = std::make_shared<GroundMap>(*ground);
-    ground->set(address, state, sight);
+    if (now.state(address) == state && now.see_through(address) == sight) continue;
+    changes.push_back({address, state, sight});
   }
   changed_cells.clear();
+  if (changes.empty()) return;
+  GroundMap& next = writable_ground();
+  for (const GroundChange& c : changes) next.set(c.cell, c.state, c.sight);
+  for (int which = 0; which < kMirrors; ++which) {
+    GroundMirror& other = ground[which];
+    if (which == ground_current || !other.map) continue;
+    other.pending.insert(other.pending.end(), changes.begin(), changes.end());
+    if (other.pending.size() > static_cast<std::size_t>(next.frame().size())) {
+      other = {};  // a copy costs less
+    }
+  }
+}
+
+// The newest ground map, in an object that no snapshot holds. The same changes in the same order
+// give the same map to the bit, its revisions included.
+GroundMap& OccupancyMapper::Impl::writable_ground() {
+  if (!unshared(ground[ground_current].map)) {
+    int next = -1, unmade = -1;
+    for (int which = 0; which < kMirrors; ++which) {
+      const GroundMirror& m = ground[which];
+      if (!m.map) unmade = which;
+      if (which == ground_current || !m.map || !unshared(m.map)) continue;
+      if (next < 0 || m.pending.size() < ground[next].pending.size()) next = which;
+    }
+    if (next >= 0) {
+      for (const GroundChange& c : ground[next].pending) {
+        ground[next].map->set(c.cell, c.state, c.sight);
+      }
+    } else {
+      next = unmade >= 0 ? unmade : (ground_current + 1) % kMirrors;
+      ground[next].map = std::make_shared<GroundMap>(*ground[ground_current].map);
+    }
+    ground[next].pending.clear();
+    ground_current = next;
+  }
+  return *ground[ground_current].map;
 }
 
 // Marks the voxels whose middle the segment passes as free, the one that holds `to` only if
@@ -351,26 +415,33 @@ void OccupancyMapper::Impl::sync() {
     return m.octree && unshared(m.octree) && unshared(m.voxels);
   };
   if (!writable(mirror[current])) {
-    const int other = 1 - current;
-    if (!writable(mirror[other])) {
-      Mirror& to = mirror[other];
+    int next = -1, unmade = -1;
+    for (int which = 0; which < kMirrors; ++which) {
+      const Mirror& m = mirror[which];
+      if (!m.octree) unmade = which;
+      if (which == current || !writable(m)) continue;
+      if (next < 0 || m.dirty.size() < mirror[next].dirty.size()) next = which;
+    }
+    if (next < 0) {
+      next = unmade >= 0 ? unmade : (current + 1) % kMirrors;
+      Mirror& to = mirror[next];
       const Mirror& from = mirror[current];
       to.octree = std::make_shared<octomap::OcTree>(*from.octree);
       to.voxels = std::make_shared<VoxelGrid>(*from.voxels);
       for (const std::uint32_t index : to.dirty) {
         Brick& b = *bricks[index];
-        b.dirty[other] = false;
-        std::fill(std::begin(b.stale[other]), std::end(b.stale[other]), 0);
+        b.dirty[next] = false;
+        std::fill(std::begin(b.stale[next]), std::end(b.stale[next]), 0);
       }
       to.dirty = from.dirty;
       for (const std::uint32_t index : to.dirty) {
         Brick& b = *bricks[index];
-        b.dirty[other] = true;
+        b.dirty[next] = true;
         std::copy(std::begin(b.stale[current]), std::end(b.stale[current]),
-                  std::begin(b.stale[other]));
+                  std::begin(b.stale[next]));
       }
     }
-    current = other;
+    current = next;
   }
   replay(current);
 }
@@ -621,6 +692,8 @@ std::shared_ptr<const VoxelGrid> OccupancyMapper::voxels() {
   impl_->sync();
   return impl_->mirror[impl_->current].voxels;
 }
-std::shared_ptr<const GroundMap> OccupancyMapper::ground() { return impl_->ground; }
+std::shared_ptr<const GroundMap> OccupancyMapper::ground() {
+  return impl_->ground[impl_->ground_current].map;
+}
 
 }  // namespace prospect

@@ -8,6 +8,7 @@
 #include "engine/maps/ground_map.h"
 #include "engine/maps/map_projection.h"
 #include "engine/maps/voxel_grid.h"
+#include "models/types.h"
 
 namespace octomap {
 class OcTree;
@@ -26,6 +27,9 @@ struct DepthScan {
   /// Any point on each ray (beyond the origin) that met nothing within the sensor's range.
   std::vector<Eigen::Vector3d> misses;
 };
+
+/// A scan given in B, in the frame of `pose`.
+DepthScan transform(const DepthScan& scan_B, const Pose& pose);
 
 struct OccupancyMapperOptions {
   double resolution = 0.1;  ///< r [m]
@@ -64,10 +68,10 @@ void describe(Knobs& knobs, OccupancyMapperOptions& options);
 /// voxel by voxel, exactly.
 ///
 /// Snapshots. octree(), voxels() and ground() return the map after the last insert and never change
-/// afterwards: later changes go to another copy as long as a snapshot is held elsewhere. Octree and
-/// voxels exist twice, and the copy that nobody holds is brought up to date by replaying what has
-/// changed, so a loop that holds at most the newest snapshot never pays for a whole copy; holding
-/// more is safe and costs one.
+/// afterwards: later changes go to another copy as long as a snapshot is held elsewhere. Each map
+/// exists up to three times, and a copy that nobody holds is brought up to date by replaying what
+/// has changed. So where at most two snapshots are held at a time, one to plan with and one to
+/// check with, no whole map is copied; holding more is safe and costs a copy a scan.
 ///
 /// Source: formulation, section 2; OctoMap's sensor model (Hornung et al. 2013).
 /// Thread-safety: one thread inserts and takes snapshots; snapshots may be read and released on any

@@ -32,4 +32,9 @@ struct Image {
   ImageView view() const { return {pixels.data(), width, height, width}; }
 };
 
+/// The two images of a stereo pair.
+struct ImagePair {
+  Image left, right;
+};
+
 }  // namespace prospect

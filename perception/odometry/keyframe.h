@@ -15,16 +15,16 @@ namespace prospect {
 struct Keyframe {
   std::uint64_t anchor = 0;  ///< of the landmarks that are made at it
   Eigen::Isometry3d T_CW = Eigen::Isometry3d::Identity();
-  int points = 0;  ///< landmarks that are seen at it
+  KeyframeView best;  ///< of the frames since, as in KeyframeEvidence
 
   /// Marks the track with what the keyframe's image shows of it.
-  void see(Track& track);
-};
+  static void see(Track& track);
 
-/// What speaks for another keyframe, at a frame that was located by these tracks. `coarse`: cells
-/// of twice the side of those that hold a corner each; `width` of the image [px].
-KeyframeEvidence keyframe_evidence(const Keyframe& keyframe, const FrameLocation& location,
-                                   const std::vector<Track>& tracks, const ImageGrid& coarse,
-                                   double width);
+  /// What speaks for another keyframe, at a frame that was located by these tracks; enters what it
+  /// sees. `coarse`: cells of twice the side of those that hold a corner each; `width` of the image
+  /// [px].
+  KeyframeEvidence evidence(const FrameLocation& location, const std::vector<Track>& tracks,
+                            const ImageGrid& coarse, double width);
+};
 
 }  // namespace prospect

@@ -46,6 +46,12 @@ struct OdometryFrame {
   /// Error of the calibration found by motion (disparity_offset.h), already corrected [px].
   double disparity_offset = 0.0;
   double disparity_offset_sigma = 0.0;
+  /// By how much later the right image is taken than the left one (camera_time_offset.h) [s]; not
+  /// corrected.
+  double camera_time_offset = 0.0;
+  double camera_time_offset_sigma = 0.0;
+  /// That it makes depths wrong by more than is to be borne, in words; empty: it does not.
+  std::string out_of_step;
   OdometryTimes times;
 };
 

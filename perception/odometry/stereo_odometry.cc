@@ -12,6 +12,7 @@
 
 #include "engine/support/stopwatch.h"
 #include "models/knobs.h"
+#include "perception/odometry/camera_time_offset.h"
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/disparity_offset.h"
 #include "perception/odometry/frame_clock.h"
@@ -87,6 +88,7 @@ struct StereoOdometry::Impl {
         recalls(options.recovery_keyframes),
         clock(options.max_gap),
         offset(options.disparity_offset),
+        time_offset(options.time_offset),
         drift(offset.sigma() * offset.sigma()),
         survival(options.survival) {
     camera.sigma_u = camera.sigma_v = options.sigma_corner;
@@ -115,6 +117,7 @@ struct StereoOdometry::Impl {
 
   // What is learned on the way.
   DisparityOffset offset;
+  CameraTimeOffset time_offset;
   PoseDrift drift;
   Matrix6d covariance = Matrix6d::Zero();  // at the trusted pose, against the start
   TrackSurvival survival;
@@ -132,6 +135,8 @@ struct StereoOdometry::Impl {
     out.row_error = row_error;
     out.disparity_offset = offset.value();
     out.disparity_offset_sigma = offset.sigma();
+    out.camera_time_offset = time_offset.value();
+    out.camera_time_offset_sigma = time_offset.sigma();
     return out;
   }
 
@@ -315,10 +320,10 @@ struct StereoOdometry::Impl {
   /// A keyframe begins at the trusted pose, with the landmarks that are there; new ones are to be
   /// found where its image has none.
   void begin_keyframe(FrameImages now, bool in_background) {
-    keyframe = {++newest_anchor, trusted.T_CW, 0};
+    keyframe = {++newest_anchor, trusted.T_CW, {}};
     std::vector<Vector2f> occupied;
     for (Track& t : tracks) {
-      keyframe.see(t);
+      Keyframe::see(t);
       if (t.inlier) occupied.push_back(t.left);
     }
     auto anchor = std::make_shared<Anchor>();
@@ -346,7 +351,7 @@ struct StereoOdometry::Impl {
       t.left = t.pixel;
       t.right = static_cast<float>(t.pixel.x() - m.disparity);
       t.in_view = t.tracked = t.inlier = t.has_right = true;
-      keyframe.see(t);
+      Keyframe::see(t);
       if (of_newest_image) sightings.push_back({t.id, t.pixel.cast<double>(), true, true});
       tracks.push_back(std::move(t));
       rows.push_back(m.row_error);
@@ -472,12 +477,17 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
 
   watch.lap();
   take(candidate, stamp, now, out);
+  if (trusted.velocity) time_offset.update(camera, tracks, trusted.T_CW, *trusted.velocity);
+  if (time_offset.out_of_step()) {
+    out.out_of_step = time_offset.reason(clock.period());
+    add_reason(out.reason, out.out_of_step);
+    state = Localization::kDegraded;
+  }
   count();
   if (!search) {
-    out.keyframe_reason = keyframe_reason(
-        keyframe_evidence(keyframe, location, tracks, grid(static_cast<int>(corner_cell() * 2.0)),
-                          camera.left.width),
-        options.keyframes);
+    const KeyframeEvidence evidence = keyframe.evidence(
+        location, tracks, grid(static_cast<int>(corner_cell() * 2.0)), camera.left.width);
+    out.keyframe_reason = keyframe_reason(evidence, options.keyframes);
   }
   out.keyframe = !out.keyframe_reason.empty();
   if (out.keyframe) {

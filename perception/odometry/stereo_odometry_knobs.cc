@@ -2,6 +2,7 @@
 // that acts on them.
 
 #include "models/knobs.h"
+#include "perception/odometry/camera_time_offset.h"
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/disparity_offset.h"
 #include "perception/odometry/keyframe_policy.h"
@@ -33,12 +34,30 @@ void describe(Knobs& knobs, DisparityOffsetOptions& o) {
   knobs.number("max_offset", o.max_offset, {0.001, 100.0}, "px", "largest error");
 }
 
+void describe(Knobs& knobs, CameraTimeOffsetOptions& o) {
+  knobs.number("prior_sigma", o.prior_sigma, {0.0, 10.0}, "s",
+               "by which the right image may be taken later or earlier; 0: it is not estimated");
+  knobs.number("prior_rows", o.prior_rows, {0.001, 10.0}, "px",
+               "error of the rectification's rows");
+  knobs.number("trust", o.trust, {0.001, 1.0}, "1", "share of what it says that evidence is worth");
+  knobs.number("memory", o.memory, {1.0, 1e9}, "1", "frames after which evidence counts for 1/e");
+  knobs.number("max_error", o.max_error, {0.0, 1.0}, "1",
+               "share of the depth that it may cost; more: degraded");
+}
+
 void describe(Knobs& knobs, KeyframePolicyOptions& o) {
-  knobs.integer("min_points", o.min_points, {0, 100000}, "1", "tracked; fewer: a new keyframe");
+  knobs.integer("min_points", o.min_points, {0, 100000}, "1",
+                "tracked; fewer: a new keyframe as soon as the view changes");
+  knobs.number(
+      "max_shift", o.max_shift, {0.001, 1.0}, "1",
+      "of the points since the last keyframe, as a share of the image's width, that counts "
+      "as such a change");
   knobs.number("min_share", o.min_share, {0.0, 1.0}, "1",
-               "of the points at the last keyframe that are still tracked; less: a new one");
-  knobs.number("max_shift", o.max_shift, {0.001, 1.0}, "1",
-               "of the points since the last keyframe, as a share of the image's width");
+               "of the most points tracked since the last keyframe; less: a new one");
+  knobs.number("min_cells", o.min_cells, {0.0, 1.0}, "1",
+               "of the image's cells that held a point then; less: a new one");
+  knobs.number("max_sigma", o.max_sigma, {1.0, 1e3}, "1",
+               "deviation of the pose over that at the time; more: a new one");
   knobs.number("significance", o.significance, {0.0, 1e3}, "1",
                "of the motion, below which the robot stands still");
 }
@@ -129,6 +148,7 @@ void describe(Knobs& knobs, StereoOdometryOptions& o) {
   knobs.group("pose", [&] { describe(knobs, o.pose); });
   knobs.group("keyframes", [&] { describe(knobs, o.keyframes); });
   knobs.group("disparity_offset", [&] { describe(knobs, o.disparity_offset); });
+  knobs.group("time_offset", [&] { describe(knobs, o.time_offset); });
   knobs.group("survival", [&] { describe(knobs, o.survival); });
 }
 

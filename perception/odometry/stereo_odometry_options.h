@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "perception/odometry/camera_time_offset.h"
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/disparity_offset.h"
 #include "perception/odometry/keyframe_policy.h"
@@ -21,6 +22,7 @@ struct StereoOdometryOptions {
   PoseEstimatorOptions pose;
   KeyframePolicyOptions keyframes;
   DisparityOffsetOptions disparity_offset;
+  CameraTimeOffsetOptions time_offset;
   TrackSurvival::Options survival;
 
   int pyramid_levels = 5;

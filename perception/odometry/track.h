@@ -44,6 +44,8 @@ struct Track {
   Eigen::Vector2f left = Eigen::Vector2f::Zero();  ///< [px], if tracked
   float right = 0.0f;                              ///< column in the right image [px]
   bool has_right = false;
+  bool in_right = false;   ///< its patch was found in the right image, in whatever row
+  float row_error = 0.0f;  ///< and how much lower there [px]
 };
 
 /// Where a left image shows a landmark, and how its patch is warped there: A of patch_tracker.h.

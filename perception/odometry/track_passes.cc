@@ -12,7 +12,7 @@ namespace {
 std::optional<TrackPrediction> begin_tracking(Track& t, const Eigen::Isometry3d& T_CW,
                                               const PinholeCamera& camera, double max_scale) {
   const auto predicted = predict_track(t, T_CW, camera, max_scale);
-  t.tracked = t.has_right = false;
+  t.tracked = t.has_right = t.in_right = false;
   t.in_view = predicted.has_value();
   return predicted;
 }
@@ -47,8 +47,9 @@ void track_fine(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW, const
     if (!t.tracked) continue;
     t.left = result.left.position;
     t.right = result.right.x();
-    t.has_right = result.in_right &&
-                  std::abs(result.right.y() - t.left.y()) <= options.matching.max_row_error;
+    t.in_right = result.in_right;
+    t.row_error = result.right.y() - t.left.y();
+    t.has_right = t.in_right && std::abs(t.row_error) <= options.matching.max_row_error;
   }
 }
 

@@ -20,8 +20,8 @@ void track_coarse(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW,
                   const ImagePyramid& left, int top, const PinholeCamera& camera,
                   const StereoOdometryOptions& options);
 
-/// Second pass: both images at full size, from a pose that is good to about a pixel. Sets right and
-/// has_right, too. `offset`: correction of the disparity's zero [px].
+/// Second pass: both images at full size, from a pose that is good to about a pixel. Sets right,
+/// has_right, in_right and row_error, too. `offset`: correction of the disparity's zero [px].
 void track_fine(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW, const ImagePyramid& left,
                 const ImagePyramid& right, const StereoCamera& camera, double offset,
                 const StereoOdometryOptions& options);

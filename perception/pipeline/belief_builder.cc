@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
 #include "models/camera.h"
@@ -16,11 +17,10 @@ BeliefBuilder::BeliefBuilder(const Isometry3d& T_BC, double max_age)
   validate(CameraMount{T_BC});
 }
 
-std::shared_ptr<const Belief> BeliefBuilder::build(const OdometryFrame& frame, BeliefMaps maps,
-                                                   std::shared_ptr<const LandmarkMap> landmarks) {
+Belief BeliefBuilder::build(const OdometryFrame& frame, BeliefMaps maps, LandmarkMap landmarks) {
   const Pose pose = body_pose(frame.T_WC * T_BC_.inverse());
   const bool measured = frame.state != Localization::kLost && frame.tracked > 0;
-  if (measured) {
+  if (measured && !(has_pose_ && frame.stamp == stamp_)) {
     const double dt = frame.stamp - stamp_;
     twist_ = {};
     if (has_pose_ && !frame.restarted && dt > 0.0 && dt <= max_age_) {
@@ -33,48 +33,46 @@ std::shared_ptr<const Belief> BeliefBuilder::build(const OdometryFrame& frame, B
     has_pose_ = true;
     stamp_ = frame.stamp;
     pose_ = pose;
-  } else if (!(frame.stamp - stamp_ <= max_age_)) {
+  } else if (!measured && !(frame.stamp - stamp_ <= max_age_)) {
     twist_ = {};
   }
-  auto belief = std::make_shared<Belief>();
-  belief->stamp = frame.stamp;
-  belief->stamps.pose = belief->stamps.landmarks = frame.stamp;
-  belief->pose = pose;
-  belief->covariance = body_covariance(frame.T_WC, T_BC_, frame.covariance);
-  belief->twist = twist_;
-  belief->localization = frame.state;
-  belief->tracked_features = frame.tracked;
-  belief->octree = std::move(maps.octree);
-  belief->voxels = std::move(maps.voxels);
-  belief->ground = std::move(maps.ground);
-  belief->landmarks = std::move(landmarks);
+  Belief belief;
+  belief.stamp = frame.stamp;
+  belief.stamps.pose = belief.stamps.landmarks = frame.stamp;
+  belief.pose = pose;
+  belief.covariance = body_covariance(frame.T_WC, T_BC_, frame.covariance);
+  belief.twist = twist_;
+  belief.localization = frame.state;
+  belief.tracked_features = frame.tracked;
+  belief.octree = std::move(maps.octree);
+  belief.voxels = std::move(maps.voxels);
+  belief.ground = std::move(maps.ground);
+  belief.landmarks = std::make_shared<const LandmarkMap>(std::move(landmarks));
   return belief;
 }
 
-std::shared_ptr<const Belief> BeliefBuilder::build(const OdometryFrame& frame,
-                                                   const FusedOdometry& fused, BeliefMaps maps,
-                                                   std::shared_ptr<const LandmarkMap> landmarks) {
+Belief BeliefBuilder::build(const OdometryFrame& frame, const FusedOdometry& fused, BeliefMaps maps,
+                            LandmarkMap landmarks) {
   const Pose seen = body_pose(frame.T_WC * T_BC_.inverse());
   Isometry3d T = Isometry3d::Identity();
   T.linear() =
       Eigen::AngleAxisd(fused.pose.yaw - seen.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   T.translation().head<2>() =
       fused.pose.position.head<2>() - (T.linear() * seen.position).head<2>();
-  auto moved = std::make_shared<LandmarkMap>(*landmarks);
-  for (Landmark& l : moved->landmarks) {
+  for (Landmark& l : landmarks.landmarks) {
     l.position = T * l.position;
     l.covariance = (T.linear() * l.covariance * T.linear().transpose()).eval();
     l.creation_direction = T.linear() * l.creation_direction;
   }
-  auto belief = std::make_shared<Belief>(*build(frame, std::move(maps), std::move(moved)));
-  belief->stamp = fused.stamp;
-  belief->stamps.pose = fused.newest;
-  belief->pose = fused.pose;
+  Belief belief = build(frame, std::move(maps), std::move(landmarks));
+  belief.stamp = fused.stamp;
+  belief.stamps.pose = fused.newest;
+  belief.pose = fused.pose;
   const Eigen::Vector3i planar(0, 1, 3);
-  belief->covariance.setZero();
-  belief->covariance(planar, planar) = fused.covariance;
-  belief->twist = fused.twist;
-  belief->localization = std::max(frame.state, fused.state);
+  belief.covariance.setZero();
+  belief.covariance(planar, planar) = fused.covariance;
+  belief.twist = fused.twist;
+  belief.localization = std::max(frame.state, fused.state);
   return belief;
 }
 

@@ -2,9 +2,9 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <memory>
 
 #include "engine/maps/belief.h"
+#include "engine/maps/landmark_map.h"
 #include "engine/maps/map_projection.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/odometry/odometry.h"
@@ -20,24 +20,23 @@ namespace prospect {
 /// Stamps: those of pose and landmarks are set; when the maps took in their newest scan, and when
 /// the newest one came, is for the caller to set (SourceStamps).
 ///
-/// Thread-safety: one thread at a time; beliefs are immutable. Errors: the constructor throws
+/// Thread-safety: one thread at a time. Errors: the constructor throws
 /// std::invalid_argument if T_BC is no rotation and translation; build() never throws.
 class BeliefBuilder {
  public:
   /// T_BC: of the left camera. max_age [s].
   explicit BeliefBuilder(const Eigen::Isometry3d& T_BC, double max_age = 0.5);
 
-  /// The belief at a frame. Maps and landmarks as they are known then, none of them null.
-  std::shared_ptr<const Belief> build(const OdometryFrame& frame, BeliefMaps maps,
-                                      std::shared_ptr<const LandmarkMap> landmarks);
+  /// The belief at a frame. Maps and landmarks as they are known then, no map null. The same frame
+  /// again has the same twist.
+  Belief build(const OdometryFrame& frame, BeliefMaps maps, LandmarkMap landmarks);
 
   /// The same for a robot that has wheels, too: pose, covariance, twist and time are those of the
   /// fusion, and landmarks, which the odometry knows in a frame of its own since a loss, are moved
   /// to where the robot sees them: by T_WB(fused) T_WB(odometry)^-1, in the plane. Localization is
   /// the worse of the two states.
-  std::shared_ptr<const Belief> build(const OdometryFrame& frame, const FusedOdometry& fused,
-                                      BeliefMaps maps,
-                                      std::shared_ptr<const LandmarkMap> landmarks);
+  Belief build(const OdometryFrame& frame, const FusedOdometry& fused, BeliefMaps maps,
+               LandmarkMap landmarks);
 
  private:
   Eigen::Isometry3d T_BC_;

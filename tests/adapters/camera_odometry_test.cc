@@ -46,7 +46,7 @@ Drive drive(const CameraRig& rig, Pose start, const std::vector<Twist>& twists) 
   StereoOdometry odometry(rig.options().stereo, {}, camera_pose(pose, rig.options().stereo_mount));
   for (std::size_t k = 0; k <= twists.size(); ++k) {
     const Twist twist = twists[std::min(k, twists.size() - 1)];
-    const StereoImages pair = rig.stereo(pose, twist, k);
+    const ImagePair pair = rig.stereo(pose, twist, k);
     const OdometryFrame frame =
         odometry.process(kPeriod * static_cast<double>(k), pair.left.view(), pair.right.view());
     const Isometry3d truth = camera_pose(pose, rig.options().stereo_mount);

@@ -44,14 +44,14 @@ TEST(CameraRig, IsAFunctionOfSeedFrameAndPose) {
   options.exposure_time = 0.01;
   const Twist twist{Vector3d::Zero(), 0.5};
   const CameraRig rig(scene, options);
-  const StereoImages pair = rig.stereo(world.start, twist, 3);
+  const ImagePair pair = rig.stereo(world.start, twist, 3);
   const DepthImage depth = rig.depth(world.start, 3);
 
   options.threads = 2;
   const CameraRig threaded(scene, options);
   threaded.stereo(world.start, {}, 4);  // what was taken before does not matter
   EXPECT_TRUE(depth.same(threaded.depth(world.start, 3)));
-  const StereoImages again = threaded.stereo(world.start, twist, 3);
+  const ImagePair again = threaded.stereo(world.start, twist, 3);
   EXPECT_EQ(pair.left.pixels, again.left.pixels);
   EXPECT_EQ(pair.right.pixels, again.right.pixels);
 
@@ -71,7 +71,7 @@ TEST(CameraRig, NoiseHasTheVarianceAskedForAndIsWhite) {
   options.read_noise = 3.0;
   options.shot_noise = 0.1;
   const CameraRig rig(scene, options);
-  const StereoImages noisy = rig.stereo(world.start, {}, 0);
+  const ImagePair noisy = rig.stereo(world.start, {}, 0);
   const Isometry3d T_WC = camera_pose(world.start, options.stereo_mount);
   Isometry3d right = T_WC;
   right.translation() += T_WC.linear().col(0) * options.stereo.baseline;
@@ -243,7 +243,7 @@ TEST(CameraRig, DisparitiesAreThoseOfTheDepth) {
     Pose pose = world.start;
     pose.position.x() += 0.7 * n;
     pose.yaw = 0.8 * n;
-    const StereoImages pair = rig.stereo(pose, {}, static_cast<std::uint64_t>(n));
+    const ImagePair pair = rig.stereo(pose, {}, static_cast<std::uint64_t>(n));
     const DepthImage depth =
         scene->depth(stereo.left, camera_pose(pose, rig.options().stereo_mount));
     const auto points = detect_corners(pair.left.view());

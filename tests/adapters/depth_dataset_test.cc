@@ -106,6 +106,22 @@ TEST_F(DepthDatasetTest, TumLayout) {
   expect_good(dataset, recording_, 0.0002);
 }
 
+// The rate says which unit stamps are in: ten images a second.
+TEST_F(DepthDatasetTest, TumStampsInAnotherUnit) {
+  recording_.frames = 3;
+  for (const auto& [period, unit] : {std::pair{100.0, "ms"}, std::pair{100000.0, "us"}}) {
+    recording_.period = period;
+    fs::remove_all(folder_);
+    recording_.write_tum(folder_);
+    const DepthDataset dataset = DepthDataset::open(folder_);
+    ASSERT_EQ(dataset.size(), 3);
+    EXPECT_EQ(dataset.without_pose(), 0);
+    EXPECT_NEAR(dataset.stamp(1) - dataset.stamp(0), 0.1, 1e-6);
+    EXPECT_THAT(dataset.notes(), ::testing::Contains(HasSubstr(std::string("stamps in ") + unit +
+                                                               ", by their rate")));
+  }
+}
+
 TEST_F(DepthDatasetTest, TumFramesWithoutAPoseAreLeftOut) {
   recording_.write_tum(folder_);
   std::ifstream in(folder_ + "/groundtruth.txt");

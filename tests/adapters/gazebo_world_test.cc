@@ -113,15 +113,18 @@ TEST(GazeboWorld, SaysWhereAndWhat) {
   EXPECT_NE(problem(folder.path("none.world")).find("no such file"), std::string::npos);
   says("", "no whole XML");
   says("<sdf><world>", "no whole XML");
-  says("<robot/>", "no element <sdf>");
+  says("<robot/>", "its root is 'robot', a URDF");
+  says("<html/>", "its root is 'html'");
   says(sdf("<world name='w'/>"), "nothing to see");
   says(sdf("<world name='w'><include><uri>model://ghost</uri></include></world>"),
-       "w.world:3: no model 'ghost'");
+       "nothing to see without model 'ghost' (absent)");
+  says(sdf("<world name='w'><xacro:wall length='2'/></world>"), "w.world:3: <xacro:wall>");
+  says(sdf("<model name='m'><link name='l'><collision name='c'><geometry><box/></geometry>"
+           "</collision></link></model>"),
+       "nothing to see without 1 box collision");
   says(sdf("<model name='m'><pose>1 2 3</pose></model>"), "expected 6 numbers");
   says(sdf("<model name='m'><pose>1 2 3 0 0 nan</pose></model>"), "expected 6 numbers");
   says(sdf("<model name='m'><pose relative_to='x'>1 2 3 0 0 0</pose></model>"), "relative to 'x'");
-  says(sdf("<model name='m'>" + visual("<heightmap><uri>a.png</uri></heightmap>") + "</model>"),
-       "w.world:3: the shape 'heightmap'");
   says(sdf("<model name='m'>" + visual("<sphere><radius>-1</radius></sphere>") + "</model>"),
        "a negative <radius>");
   says(sdf("<model name='m'>" +
@@ -134,10 +137,6 @@ TEST(GazeboWorld, SaysWhereAndWhat) {
   says(sdf("<model name='m'><frame name='a'><pose relative_to='b'/></frame><frame name='b'><pose "
            "relative_to='a'/></frame><link name='l'><pose relative_to='a'/></link></model>"),
        "relative to each other");
-  says(sdf("<model name='m'>" + visual("<mesh><uri>none.dae</uri></mesh>") + "</model>"),
-       "no file");
-  says(sdf("<model name='m'>" + visual("<mesh><uri>https://x/none.dae</uri></mesh>") + "</model>"),
-       "is not on this machine");
   folder.write("ring/model.sdf",
                sdf("<model name='m'><include><uri>model://ring</uri></include></model>"));
   says(sdf("<world name='w'><include><uri>model://ring</uri></include></world>"),
@@ -320,11 +319,61 @@ TEST(GazeboWorld, SunAndGroundPlaneNeedNotBeThere) {
                                             "</include></world>")))
                 .triangles.size(),
             12u);
-  EXPECT_NE(problem(folder.write("c.world",
-                                 sdf("<world name='w'><include><uri>https://fuel.gazebosim.org/1.0/"
-                                     "OpenRobotics/models/Chair</uri></include></world>")))
-                .find("c.world:3: the model 'https"),
-            std::string::npos);
+}
+
+TEST(GazeboWorld, WhatIsNotThereIsLeftOutAndNamed) {
+  const test::Folder folder("gazebo absent");
+  folder.write("empty_folder/readme.txt", "");
+  folder.write("model.fbx", "Kaydara");
+  const auto included = [](const std::string& uri) {
+    return "<include><uri>" + uri + "</uri><pose>1 1 0 0 0 0</pose></include>";
+  };
+  const auto shape = [](const std::string& of) {
+    return "<model name='n'>" + visual(of) + "</model>";
+  };
+  const auto mesh = [&](const std::string& uri) {
+    return shape("<mesh><uri>" + uri + "</uri></mesh>");
+  };
+  const std::string fuel = "https://fuel.gazebosim.org/1.0/OpenRobotics/models/Chair";
+  const std::pair<std::string, std::string> cases[] = {
+      {included("model://ghost"), "model 'ghost' (absent)"},
+      {included("model://ghost") + included("model://ghost"), "model 'ghost' (absent)"},
+      {included("model://empty_folder"), "model 'empty_folder' (absent)"},
+      {included(fuel), "model '" + fuel + "' (absent)"},
+      {included("package://robot/models/x"), "model 'package://robot/models/x' (absent)"},
+      {included("file:///none/model.sdf"), "model 'file:///none/model.sdf' (absent)"},
+      {mesh("none.dae"), "mesh 'none.dae' (absent)"},
+      {mesh("model://ghost/meshes/a.dae"), "mesh 'ghost/meshes/a.dae' (absent)"},
+      {mesh("https://x/none.dae"), "mesh 'https://x/none.dae' (absent)"},
+      {mesh("model.fbx"), "mesh 'model.fbx' (of a kind that is not read)"},
+      {shape("<heightmap><uri>a.png</uri></heightmap>"), "1 'heightmap' shape"},
+      {shape("<image><uri>a.png</uri></image>"), "1 'image' shape"},
+      {shape("<torus/>") + shape("<torus/>"), "2 'torus' shapes"},
+      {shape("") + "<model name='o'><link name='l'><visual name='v'/></link></model>",
+       "2 shapeless visuals"},
+      {shape("<empty/>"), ""}};
+  const std::string room = "<model name='m'>" + visual(box("2 1 1")) + "</model>";
+  for (const auto& [content, left_out] : cases) {
+    const TexturedMesh read = read_gazebo_world(
+        folder.write("w.world", sdf("<world name='w'>" + room + content + "</world>")));
+    EXPECT_EQ(read.triangles.size(), 12u) << content;
+    EXPECT_EQ(read.left_out.text(), left_out);
+  }
+}
+
+TEST(GazeboWorld, NamesOfFilesInOtherSpellings) {
+  const test::Folder folder("gazebo names");
+  folder.write("models/crate/model.sdf",
+               sdf("<model name='crate'>" + visual(box("2 1 1")) + "</model>"));
+  for (const std::string uri : {"model://crate", "model://crate/", " model://crate ",
+                                "model://crate/model.sdf", "package://crate", "models/crate",
+                                "./models/crate/model.sdf", "models\\crate\\model.sdf"}) {
+    expect_box(shown(folder, "<world name='w'><include><uri>" + uri + "</uri></include></world>"),
+               {-1, -0.5f, -0.5f}, {1, 0.5f, 0.5f});
+  }
+  expect_box(shown(folder, "<world name='w'><include><uri>file://" + folder.path("models/crate") +
+                               "</uri></include></world>"),
+             {-1, -0.5f, -0.5f}, {1, 0.5f, 0.5f});
 }
 
 TEST(GazeboWorld, TellsWhatItDoesNotRead) {
@@ -340,7 +389,7 @@ TEST(GazeboWorld, TellsWhatItDoesNotRead) {
           "</geometry></collision><sensor name='s'/><inertial/></link></model><teapot/></world>")));
   EXPECT_EQ(mesh.triangles.size(), 12u);
   EXPECT_EQ(mesh.left_out.text(),
-            "2 lights, 1 plugin, 1 actor, 1 element 'teapot', 2 sphere collisions, 1 sensor");
+            "2 lights, 1 plugin, 1 actor, 1 'teapot' element, 2 sphere collisions, 1 sensor");
 }
 
 TEST(GazeboWorld, AManifestNamesTheModelsFile) {

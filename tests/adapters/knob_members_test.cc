@@ -33,6 +33,7 @@
 #include "perception/fusion/scale_agreement.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/occupancy_mapper.h"
+#include "perception/odometry/camera_time_offset.h"
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/disparity_offset.h"
 #include "perception/odometry/keyframe_policy.h"
@@ -291,13 +292,18 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     KeyframePolicyOptions o;
-    auto& [min_points, min_share, max_shift, significance] = o;
-    expect_reached(o, {&min_points, &min_share, &max_shift, &significance});
+    auto& [min_points, max_shift, min_share, min_cells, max_sigma, significance] = o;
+    expect_reached(o, {&min_points, &max_shift, &min_share, &min_cells, &max_sigma, &significance});
   }
   {
     DisparityOffsetOptions o;
     auto& [prior_sigma, walk_sigma, trust, min_baseline, min_points, max_offset] = o;
     expect_reached(o, {&prior_sigma, &walk_sigma, &trust, &min_baseline, &min_points, &max_offset});
+  }
+  {
+    CameraTimeOffsetOptions o;
+    auto& [prior_sigma, prior_rows, trust, memory, max_error] = o;
+    expect_reached(o, {&prior_sigma, &prior_rows, &trust, &memory, &max_error});
   }
   {
     TrackSurvival::Options o;
@@ -306,11 +312,11 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     StereoOdometryOptions o;
-    auto& [corners, matching, tracking, pose, keyframes, disparity_offset, survival, pyramid_levels,
-           sigma_corner, sigma_disparity, max_scale, max_misses, lost_points, degraded_points,
-           lost_share, degraded_share, lost_right_share, degraded_right_share, max_sigma_position,
-           max_speed, max_turn_rate, max_acceleration, max_turn_acceleration, max_gap,
-           recovery_keyframes, restart_after, background_mapping, seed] = o;
+    auto& [corners, matching, tracking, pose, keyframes, disparity_offset, time_offset, survival,
+           pyramid_levels, sigma_corner, sigma_disparity, max_scale, max_misses, lost_points,
+           degraded_points, lost_share, degraded_share, lost_right_share, degraded_right_share,
+           max_sigma_position, max_speed, max_turn_rate, max_acceleration, max_turn_acceleration,
+           max_gap, recovery_keyframes, restart_after, background_mapping, seed] = o;
     expect_reached(
         o, {&pyramid_levels, &sigma_corner,       &sigma_disparity,      &max_scale,
             &max_misses,     &lost_points,        &degraded_points,      &lost_share,

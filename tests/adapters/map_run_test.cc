@@ -12,7 +12,6 @@
 #include <string>
 #include <vector>
 
-#include "adapters/files/input_error.h"
 #include "tests/perception/depth_faults.h"
 #include "tests/perception/depth_recording.h"
 
@@ -113,17 +112,81 @@ TEST_F(MapRecording, WithoutPosesTheGroundIsMeasuredOnly) {
   EXPECT_EQ(run.maps.octree, nullptr);
 }
 
-TEST_F(MapRecording, WithoutGroundIsRefused) {
+TEST_F(MapRecording, WithoutGroundNothingIsMapped) {
   recording_.frames = 3;
   recording_.scene.room.low.z() = -4.0;  // far below
   recording_.scene.boxes.clear();
   recording_.write_seven_scenes(folder_);
-  try {
-    run_mapping(DepthDataset::open(folder_), fine());
-    FAIL() << "accepted";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("no ground in any frame"));
+  const MapRun run = run_mapping(DepthDataset::open(folder_), fine());
+  const MapSummary s = summarize(run);
+  EXPECT_FALSE(run.no_ground.empty());
+  EXPECT_FALSE(s.taken);
+  EXPECT_EQ(s.rejected, 3);
+  EXPECT_EQ(s.rejected_reason, "no ground: " + run.no_ground);
+  EXPECT_EQ(s.ground, 0);
+  EXPECT_TRUE(std::isnan(s.height_median));
+  EXPECT_TRUE(std::isnan(s.height_error));
+  EXPECT_TRUE(std::isnan(s.tilt_spread));
+  EXPECT_TRUE(std::isnan(s.walls.median));
+  EXPECT_EQ(run.maps.ground, nullptr);
+  EXPECT_TRUE(run.changes.empty());
+}
+
+// The first frames show a table 0.3 m high and no floor; driving on, the floor beside it comes into
+// view. The map is made again, on the floor, also from the frames that were on the table.
+TEST_F(MapRecording, ATableTakenForTheFloorIsRevised) {
+  recording_.scene.boxes = {{{-2.03, -2.52, 0.0}, {1.0, 2.57, 0.3}}};
+  recording_.step = 0.2;
+  recording_.write_seven_scenes(folder_);
+  const DepthDataset dataset = DepthDataset::open(folder_);
+  MapRunOptions coarse;
+  coarse.mapper.map.resolution = 0.1;
+  const MapRun run = run_mapping(dataset, coarse);
+  ASSERT_GE(run.changes.size(), 2U);
+  EXPECT_NEAR(run.changes.front().height, 0.32, 0.01);
+  EXPECT_NEAR(run.changes.back().height, 0.62, 0.02);
+  EXPECT_TRUE(std::any_of(run.changes.begin(), run.changes.end(), [](const GroundChange& change) {
+    return change.reason.find("given up: hypothesis") != std::string::npos;
+  }));
+  EXPECT_NEAR((run.T_WD * dataset.pose(0)).translation().z(), 0.62, 0.02);
+  const MapSummary s = summarize(run);
+  ASSERT_TRUE(s.taken);
+  EXPECT_NEAR(s.taken->height, 0.62, 0.02);
+  ASSERT_FALSE(s.rejected_grounds.empty());
+  EXPECT_NEAR(s.rejected_grounds[0].height, 0.32, 0.06);
+  EXPECT_THAT(s.rejected_grounds[0].why, HasSubstr("below it"));
+  // Where the first frames looked, the table stands in the way.
+  const Eigen::Vector3d table = run.T_WD * recording_.T_DW * Eigen::Vector3d(-0.5, 0.0, 0.3);
+  EXPECT_EQ(run.maps.ground->state(run.maps.ground->frame().cell(table.x(), table.y())),
+            CellState::kOccupied);
+  // The hypotheses over time: of each frame, at most one taken.
+  std::vector<int> taken(run.frames.size(), 0);
+  for (const GroundRecord& r : run.ground) {
+    taken[static_cast<std::size_t>(r.frame)] += r.taken;
+    EXPECT_EQ(r.stamp, dataset.stamp(r.frame));
+    EXPECT_FALSE(r.why.empty());
   }
+  EXPECT_EQ(taken[0], 0);
+  EXPECT_EQ(taken.back(), 1);
+  EXPECT_EQ(*std::max_element(taken.begin(), taken.end()), 1);
+  // Told how high the camera is, the table is never taken.
+  MapRunOptions told = coarse;
+  told.height = 0.6;
+  for (const GroundChange& change : run_mapping(dataset, told).changes) {
+    EXPECT_NEAR(change.height, 0.62, 0.03);
+  }
+}
+
+// Of one image no two frames agree; what there is is taken, and it is said.
+TEST_F(MapRecording, OfOneImage) {
+  recording_.frames = 1;
+  recording_.write_seven_scenes(folder_);
+  const MapRun run = run_mapping(DepthDataset::open(folder_), fine());
+  const MapSummary s = summarize(run);
+  ASSERT_TRUE(s.taken);
+  EXPECT_THAT(s.taken->why, HasSubstr("seen in 1 frames"));
+  EXPECT_GT(s.taken->sigma_height, 0.005);
+  EXPECT_EQ(s.ok, 1);
 }
 
 // Poses that jump by 10 cm half way, away from the wall ahead: the wall is entered twice.

@@ -84,6 +84,14 @@ std::vector<BagMessage> stereo_messages(const std::string& encoding = "mono8",
   StereoCamera camera;
   camera.left = {240.0, 240.0, 160.0, 120.0, 320.0, 240.0};
   camera.baseline = 0.12;
+  // The images are the same for all: they are rendered once.
+  static const std::vector<RenderedRoom::Pair> pairs = [&] {
+    std::vector<RenderedRoom::Pair> rendered;
+    for (int k = 0; k < kFrames; ++k) {
+      rendered.push_back(RenderedRoom().render(camera, pose(k), 2.0, k));
+    }
+    return rendered;
+  }();
   Eigen::Isometry3d T_BC = Eigen::Isometry3d::Identity();
   T_BC.translation() << 0.3, 0.0, 0.2;
   T_BC.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
@@ -97,7 +105,7 @@ std::vector<BagMessage> stereo_messages(const std::string& encoding = "mono8",
                      .str()});
   for (int k = 0; k < kFrames; ++k) {
     const std::int64_t t = kStart + 100'000'000LL * k;
-    const RenderedRoom::Pair pair = RenderedRoom().render(camera, pose(k), 2.0, k);
+    const RenderedRoom::Pair& pair = pairs[static_cast<std::size_t>(k)];
     for (const bool right : {false, true}) {
       const std::string side = right ? "/stereo/right/" : "/stereo/left/";
       const Image& image = right ? pair.right : pair.left;

@@ -194,13 +194,13 @@ TEST(StrictYaml, CallersAddProblemsOfTheirOwn) {
   YamlMap planner = yaml.root().map("planner");
   planner.number("weight", 0, 0, 10, "1", "");
   EXPECT_EQ(planner.where("weight"), "f.yaml:3");
-  planner.problem("weight", "odd; expected even");
+  planner.problem("weight", "odd\n\x1b[2J; expected even");
   EXPECT_THROW(
       {
         try {
           yaml.finish();
         } catch (const InputError& e) {
-          EXPECT_STREQ(e.what(), "f.yaml:3: planner.weight: odd; expected even");
+          EXPECT_STREQ(e.what(), "f.yaml:3: planner.weight: odd??[2J; expected even");
           throw;
         }
       },

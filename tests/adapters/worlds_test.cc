@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 #include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -396,6 +398,34 @@ TEST_F(Worlds, ImagesOfWrongSizeOrBrokenAreRefused) {
               HasSubstr("no free cell"));
 }
 
+TEST_F(Worlds, ImagesOfOtherKindsAreNamed) {
+  const std::pair<std::string, const char*> kinds[] = {
+      {"\xff\xd8\xff\xe0", "JPEG"},
+      {"II*\n", "TIFF"},
+      {"GIF89a", "GIF"},
+      {"RIFF1234WEBP", "WebP"},
+      {"<svg/>", "SVG"},
+      {"version https://git-lfs.github.com/spec/v1", "Git LFS"},
+      {"pixels", "no image"}};
+  for (const auto& [begin, kind] : kinds) {
+    EXPECT_THAT(refusal(write("a.png", begin + std::string(30, ' '))), HasSubstr(kind));
+  }
+}
+
+TEST_F(Worlds, APngHasAllItsPixels) {
+  // The height in the header is twice that of the pixels: the decoder fills in what is missing.
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", cv::Mat(50, 60, CV_8UC1, cv::Scalar(254)), bytes);
+  std::string png(bytes.begin(), bytes.end());
+  EXPECT_NO_THROW(load_world(write("a.png", png)));
+  png[23] = 100;
+  std::uint32_t crc = static_cast<std::uint32_t>(
+      ::crc32(0, reinterpret_cast<const unsigned char*>(png.data()) + 12, 17));
+  for (std::size_t n = 0; n < 4; ++n) png[32 - n] = static_cast<char>(crc >> (8 * n));
+  EXPECT_THAT(refusal(write("a.png", png)),
+              HasSubstr("3050 bytes of pixels in the PNG; expected 6100"));
+}
+
 TEST_F(Worlds, MutatedImagesAreRefusedOrSound) {
   cv::Mat image(40, 40, CV_8UC1, cv::Scalar(255));
   std::vector<std::uint8_t> png;
@@ -458,11 +488,19 @@ TEST_F(Worlds, RosYamlInAnySpelling) {
       "image: map.pgm\r\nresolution: 0.1\r\norigin: [-1, 2, 0]\r\n",
       "image: 'map.pgm'\nresolution: '0.1'\norigin: ['-1', \"+2\", 0]\nnegate: 'false'\n",
       "image: map.pgm\nresolution: 1e-1\norigin:\n  - -1.0\n  - +2\n  - 0.\nnegate: no\n",
-      "image: ./map.pgm\nresolution: .1\norigin: [-1, 2, 0]\nnegate: False\nmode: trinary\n"};
+      "image: ./map.pgm\nresolution: .1\norigin: [-1, 2, 0]\nnegate: False\nmode: Trinary\n",
+      "image: .\\map.pgm\nresolution: 0.1 # m\norigin: [-1, 2, 0]\nmode: SCALE\n"};
   for (const std::string& text : spellings) {
     const World world = load_world(write("m.yaml", text));
     EXPECT_EQ(world.voxels.data(), expected.voxels.data()) << text;
     EXPECT_TRUE(world.left_out.empty()) << text;
+  }
+}
+
+TEST_F(Worlds, RosYamlWithoutItsImageIsAMapAllTheSame) {
+  for (const char* rest : {"occupied_thresh: 0.65\n", "free_thresh: 0.2\n", ""}) {
+    const std::string text = std::string("resolution: 0.1\norigin: [0, 0, 0]\n") + rest;
+    EXPECT_THAT(refusal(write("m.yaml", text)), HasSubstr("image: missing"));
   }
 }
 
@@ -671,6 +709,15 @@ TEST_F(Worlds, WhatIsNoFileEndsAtOnce) {
   }
 }
 
+TEST_F(Worlds, WhatMayNotBeReadIsSaid) {
+  if (::geteuid() == 0) GTEST_SKIP() << "root may read everything";
+  for (const char* name : {"f.yaml", "f.bt", "f.pgm", "f.map", "f.obj", "f.world", "f.glb"}) {
+    write(name, "content");
+    fs::permissions(path(name), fs::perms::none);
+    EXPECT_THAT(refusal(path(name)), HasSubstr("cannot be read; expected"));
+  }
+}
+
 TEST_F(Worlds, AnAbsentImageIsNotReplacedByAnotherOne) {
   const std::string text = "image: other.png\nresolution: 0.1\norigin: [0, 0, 0]\n";
   const std::string yaml = write("map.yaml", text);
@@ -680,11 +727,20 @@ TEST_F(Worlds, AnAbsentImageIsNotReplacedByAnotherOne) {
     EXPECT_THAT(refusal(yaml), HasSubstr("is absent"));
     EXPECT_THAT(refusal(yaml), HasSubstr("'" + std::string(name) + "'"));
   }
+  EXPECT_THAT(refusal(write("c.yaml",
+                            "image: \"a\\x1b[2J\\n.png\"\nresolution: 0.1\norigin: [0, 0, "
+                            "0]\n")),
+              ::testing::Not(::testing::AnyOf(HasSubstr("\x1b"), HasSubstr("\n"))));
   // The same one, of a folder that was moved, and that is told.
   const World moved = load_world(
       write("moved.yaml", "image: /home/them/maps/a.pgm\nresolution: 0.1\norigin: [0, 0, 0]\n"));
   EXPECT_EQ(moved.voxels.frame().width, 60);
   EXPECT_THAT(moved.left_out.text(), HasSubstr("'/home/them/maps/a.pgm' (absent"));
+  EXPECT_THAT(load_world(write("moved.yaml",
+                               "image: C:\\maps\\a.pgm\nresolution: 0.1\norigin: "
+                               "[0, 0, 0]\n"))
+                  .left_out.text(),
+              HasSubstr("'C:\\maps\\a.pgm' (absent"));
 }
 
 TEST_F(Worlds, MovingAiGridsAreRead) {

@@ -13,12 +13,15 @@ folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
 
 # What the self-test wrote into the page, as plain lines. A new profile each time, as a browser
-# refuses one that is in use; the network switches keep it from calling out.
+# refuses one that is in use; the network switches keep it from calling out. $switches
+# holds more of them.
+switches=()
 selftest() {
   local profile
   profile="$(mktemp -d "$folder/profile.XXXXXX")"
   timeout 120 "$browser" --headless=new --no-sandbox --disable-gpu --disable-dev-shm-usage --disable-quic --no-first-run \
     --disable-background-networking --disable-component-update --disable-sync --disable-extensions \
+    "${switches[@]}" \
     --user-data-dir="$profile" --window-size="${2:-1400,1000}" --dump-dom "file://$1#selftest" 2>"$folder/browser.log" |
     sed -n '/<pre id="selftest">/,/<\/pre>/p' | sed -e 's/.*<pre id="selftest">//' -e 's/<\/pre>.*//'
 }

@@ -710,7 +710,7 @@ for n in map1 map2; do
   succeeds "$n" map depth/posed --out "$n" --quiet
 done
 grep -qF "ground       found in 5 of 5" out.txt || fail "map: no ground: '$out'"
-for file in map.bt ground.csv exploration.png exploration.yaml obstacles.png obstacles.yaml; do
+for file in map.bt map.html ground.csv exploration.png exploration.yaml obstacles.png obstacles.yaml; do
   [[ -s map1/$file ]] || fail "map wrote no $file"
   cmp -s "map1/$file" "map2/$file" || fail "map: $file differs between two runs"
 done
@@ -728,12 +728,41 @@ grep -qF "no poses, so the ground is measured only" out.txt || fail "map without
 [[ -s robot/ground.csv && ! -e robot/map.bt ]] || fail "map without poses: $(ls robot)"
 refused "map of a part that is not there" "--from is 9" "expected less than the 5 frames" \
   map depth/posed --from 9 --out run
-refused "map at no height" "no ground in any frame" "expected a floor" \
-  map depth/posed --camera-height 3 --out run
+run map depth/posed --camera-height 3 --camera-height-sigma 0.1 --out high --quiet
+((code == 1)) || fail "map at no height: exit $code, expected 1"
+grep -qF "no ground in any of 5 frames" err.txt && grep -qF "expected a floor" err.txt ||
+  fail "map at no height: '$err'"
+grep -qF "said to be 3.00 +- 0.10 m high" err.txt || fail "map at no height: '$err'"
+grep -qF '"height_median_m": null' high/summary.json && grep -qF '"taken": null' high/summary.json &&
+  grep -qF '"free_cells": null' high/summary.json || fail "map at no height claims: $(cat high/summary.json)"
+[[ ! -e high/map.bt ]] || fail "map at no height wrote a map"
+# Poses of one frame in five.
+mkdir partly
+cp -r depth/robot/depth partly
+for file in partly/depth/*.png; do
+  name=${file##*/}
+  echo "$((10#${name%.png})).5 depth/$name"
+done >partly/depth.txt
+echo "$(head -1 partly/depth.txt | cut -d' ' -f1) 0 0 0.62 0 0 0 1" >partly/groundtruth.txt
+run map partly --camera 262.5 262.5 159.5 119.5 --depth-scale 1000 --quiet
+((code == 1)) || fail "map of few poses: exit $code, expected 1; '$err'"
+grep -qF "4 of 5 frames have no pose" err.txt || fail "map of few poses: '$err'"
+rm -rf partly
 refused "map with a wild resolution" resolution "expected a number from 0.01" \
   map depth/posed --resolution nan --out run
 refused "map of a range of many voxels" "--range is 4 m" "expected at most 2 m" \
   map depth/posed --resolution 0.01 --out run
+succeeds "map of a lidar's log" map depth/lidar.log --out lidar
+grep -qF "CARMEN log, 20 scans of one plane, the first of 180 points" out.txt || fail "map of a log: '$out'"
+grep -qF "frames       20: 20 ok, 0 degraded, 0 rejected" out.txt || fail "map of a log: '$out'"
+grep -q '"ground_found": null' lidar/summary.json || fail "map of a log: a ground that was not looked for"
+[[ -s lidar/map.bt && -s lidar/map.html ]] || fail "map of a log: $(ls lidar)"
+succeeds "inspect of a lidar's log" inspect depth/lidar.log
+grep -qF "CARMEN log, scans of one plane, for \`prospect map\`" out.txt || fail "inspect of a log: '$out'"
+refused "map of a log with a camera" "--camera-height: depth/lidar.log" "expected it with a camera only" \
+  map depth/lidar.log --camera-height 1 --out run
+refused "map of images with a lidar" "--lidar-height: depth/posed" "expected --camera-height" \
+  map depth/posed --lidar-height 1 --out run
 refused "map into a file" file "expected one to write to" map depth/posed --out file
 echo "1 0 0" >depth/posed/frame-000003.pose.txt
 refused "map with half a pose" frame-000003.pose.txt:1 "expected a pose" map depth/posed --out run

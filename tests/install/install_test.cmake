@@ -74,7 +74,7 @@ endfunction()
 
 file(GLOB examples RELATIVE "${EXAMPLES}" "${EXAMPLES}/*/CMakeLists.txt")
 # Those that a page of the docs builds as it is written, its test builds (docs_your_robot and others).
-list(FILTER examples EXCLUDE REGEX "^(your_robot|tasks|problem_file)/")
+list(FILTER examples EXCLUDE REGEX "^(your_robot|tasks|problem_file|perception)/")
 foreach(list ${examples})
   get_filename_component(example ${list} DIRECTORY)
   set(tree "${WORK}/${example} built")

@@ -22,6 +22,7 @@ struct DepthRecording {
   DepthScene scene;
   int frames = 12;
   double period = 0.1;  ///< [s]
+  double step = 0.03;   ///< from frame to frame [m]
   /// The recording's world, whose axes point anywhere.
   Eigen::Isometry3d T_DW = Eigen::Isometry3d::Identity();
 
@@ -33,7 +34,7 @@ struct DepthRecording {
 
   Eigen::Isometry3d pose(int k) const {  // in W of the scene
     constexpr double kDegree = M_PI / 180.0;
-    return DepthScene::looking(-1.4 + 0.03 * k, 0.05 * std::sin(0.3 * k), 0.62,
+    return DepthScene::looking(-1.4 + step * k, 0.05 * std::sin(0.3 * k), 0.62,
                                (2.0 * k - 8.0) * kDegree, 18.0 * kDegree, 2.0 * kDegree);
   }
 

@@ -241,6 +241,22 @@ TEST(DepthMapper, WithoutGroundIsDegradedAndMapped) {
   EXPECT_EQ(mapper.map().voxels()->state(20, 0, 20), CellState::kOccupied);
 }
 
+TEST(DepthMapper, APoseThatIsNotOkDoesNotExtendTheMap) {
+  DepthMapper mapper(kCamera);
+  const DepthScene scene = furnished();
+  for (int k = 0; k < 4; ++k) {
+    const DepthFrame frame = walk(scene, k, 0.0);
+    const Localization pose = k == 1   ? Localization::kDegraded
+                              : k == 2 ? Localization::kLost
+                                       : Localization::kOk;
+    const std::uint64_t before = mapper.map().surface_voxels();
+    const MappedFrame out = mapper.process(frame.stamp, frame.image, frame.T_WC, pose);
+    EXPECT_EQ(out.state, pose == Localization::kOk ? Mapping::kOk : Mapping::kRejected);
+    EXPECT_EQ(mapper.map().surface_voxels() > before, pose == Localization::kOk) << k;
+    EXPECT_EQ(out.reason, k == 1 ? "the pose is degraded" : k == 2 ? "the pose is lost" : "");
+  }
+}
+
 // What an image knows less of, the map knows less of: pixels made invalid never add knowledge.
 TEST(DepthMapper, InvalidPixelsSayNothing) {
   const DepthScene scene = furnished();

@@ -10,8 +10,10 @@
 #include <limits>
 #include <optional>
 #include <random>
+#include <set>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 namespace prospect::occupancy_mapper_test {
 namespace {
@@ -291,6 +293,22 @@ TEST(OccupancyMapper, ALoopThatHoldsOnlyTheNewestSnapshotNeverCopies) {
     EXPECT_EQ(trees[n], trees[n - 2]);
     EXPECT_NE(trees[n], trees[n - 1]);
   }
+  // Held by two, one of them late: three take turns.
+  belief = {};
+  std::vector<BeliefMaps> last_two(2);
+  std::set<const void*> of_two[3];
+  for (int n = 0; n < 12; ++n) {
+    mapper.insert(random_scan(generator, 300));
+    last_two[static_cast<std::size_t>(n % 2)] = mapper.snapshot();
+    const BeliefMaps& now = last_two[static_cast<std::size_t>(n % 2)];
+    of_two[0].insert(now.octree.get());
+    of_two[1].insert(now.voxels.get());
+    of_two[2].insert(now.ground.get());
+    EXPECT_TRUE(same_state(*now.ground, project(*now.voxels, mapper.options().slice)));
+  }
+  for (const std::set<const void*>& objects : of_two) EXPECT_EQ(objects.size(), 3U);
+  last_two.clear();
+  belief = mapper.snapshot();
   // With no snapshot held there is one only.
   OccupancyMapper alone;
   alone.insert(random_scan(generator, 300));

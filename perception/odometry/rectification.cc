@@ -1,4 +1,4 @@
-#include "adapters/datasets/rectification.h"
+#include "perception/odometry/rectification.h"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -8,6 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <stdexcept>
 #include <string>
+
+#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {
@@ -38,7 +40,25 @@ Vector2d distort(const CalibratedCamera& camera, const Vector2d& p) {
           y * radial + k[2] * (s + 2.0 * y * y) + 2.0 * k[3] * x * y};
 }
 
+void check(const CalibratedCamera& camera) {
+  validate(camera.pinhole);
+  // Files hold rotations of a few digits.
+  const Matrix3d& R = camera.T_BC.linear();
+  const double error = (R.transpose() * R - Matrix3d::Identity()).norm();
+  check_parameter(error <= 0.01 && R.determinant() > 0.0, "camera",
+                  "deviation of its rotation from an orthonormal matrix", error,
+                  "a right-handed rotation, to 0.01");
+  check_finite("camera", "position", camera.T_BC.translation().sum());
+  for (const double k : camera.distortion) check_finite("camera", "distortion", k);
+}
+
 Image remap(const ImageView& image, const cv::Mat& x, const cv::Mat& y) {
+  if (image.empty() || image.width != x.cols || image.height != x.rows) {
+    throw std::invalid_argument("the image has " + std::to_string(image.width) + " x " +
+                                std::to_string(image.height) + " pixels; expected " +
+                                std::to_string(x.cols) + " x " + std::to_string(x.rows) +
+                                ", as calibrated");
+  }
   const cv::Mat from(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.data),
                      static_cast<std::size_t>(image.stride));
   Image out(x.cols, x.rows);
@@ -99,6 +119,8 @@ Vector2d undistort(const CalibratedCamera& camera, const Vector2d& p) {
 }
 
 Rectification::Rectification(const CalibratedCamera& left, const CalibratedCamera& right) {
+  check(left);
+  check(right);
   if (left.pinhole.width != right.pinhole.width || left.pinhole.height != right.pinhole.height) {
     throw std::invalid_argument("the cameras' resolutions differ; expected the same");
   }

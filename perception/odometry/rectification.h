@@ -24,7 +24,9 @@ struct CalibratedCamera {
   PinholeCamera pinhole;
   Lens lens = Lens::kRadialTangential;
   std::array<double, 8> distortion = {};
-  Eigen::Isometry3d T_BC = Eigen::Isometry3d::Identity();  ///< camera to body
+  /// Camera to a body B that is common to both: the left camera itself, if its T_BC is the
+  /// identity; then the right one's is the pose of the right camera in the left one.
+  Eigen::Isometry3d T_BC = Eigen::Isometry3d::Identity();
 };
 
 /// Image of the ray (x, y, 1), distorted [px].
@@ -38,11 +40,13 @@ Eigen::Vector2d undistort(const CalibratedCamera& camera, const Eigen::Vector2d&
 /// length and principal point, no distortion. These are chosen as the widest view in which every
 /// pixel of both images has a source, so there are no black borders with corners of their own; of
 /// fisheyes at most 100 degrees each way, as a wider flat image is mostly stretched border.
+///
+/// Thread-safety: immutable, concurrent calls are safe. Deterministic.
 class Rectification {
  public:
-  /// Throws std::invalid_argument, in words, if the right camera is not to the right of the left
-  /// one (exchanged, or turned by more than 30 degrees from the baseline's normal), if sizes
-  /// differ, or if no common view is left.
+  /// Throws std::invalid_argument, in words, if a camera's numbers are out of range, if the right
+  /// camera is not to the right of the left one (exchanged, or turned by more than 30 degrees from
+  /// the baseline's normal), if sizes differ, or if no common view is left.
   Rectification(const CalibratedCamera& left, const CalibratedCamera& right);
   ~Rectification();
   Rectification(Rectification&&) noexcept;
@@ -50,9 +54,14 @@ class Rectification {
 
   const StereoCamera& camera() const { return camera_; }   ///< of the rectified pair
   const Eigen::Isometry3d& T_BC() const { return T_BC_; }  ///< rectified left camera to body
-  /// Rectified images; bilinear. The caller has checked the sizes.
+
+  /// Rectified images, of the same size; bilinear. Throw std::invalid_argument if an image has not
+  /// the size that its camera was calibrated for.
   Image left(const ImageView& image) const;
   Image right(const ImageView& image) const;
+  ImagePair pair(const ImageView& left_image, const ImageView& right_image) const {
+    return {left(left_image), right(right_image)};
+  }
 
  private:
   struct Maps;

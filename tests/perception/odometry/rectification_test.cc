@@ -1,4 +1,4 @@
-#include "adapters/datasets/rectification.h"
+#include "perception/odometry/rectification.h"
 
 #include <gtest/gtest.h>
 
@@ -140,6 +140,23 @@ TEST(Rectification, RefusesWhatIsNoStereoPair) {
   CalibratedCamera back = right;
   back.T_BC.linear() = back.T_BC.linear() * AngleAxisd(M_PI, Vector3d::UnitY()).toRotationMatrix();
   EXPECT_THROW(Rectification(left, back), std::invalid_argument);
+  CalibratedCamera endless = right;
+  endless.distortion[2] = std::nan("");
+  EXPECT_THROW(Rectification(left, endless), std::invalid_argument);
+  CalibratedCamera flat = right;
+  flat.pinhole.fy = 0.0;
+  EXPECT_THROW(Rectification(left, flat), std::invalid_argument);
+}
+
+TEST(Rectification, RefusesImagesOfAnotherSize) {
+  const Rectification rectification(camera(false), camera(true));
+  const Image right_size(240, 160, 7), larger(320, 160, 7);
+  const ImagePair pair = rectification.pair(right_size.view(), right_size.view());
+  EXPECT_EQ(pair.left.pixels, right_size.pixels);
+  EXPECT_EQ(pair.right.pixels, right_size.pixels);
+  EXPECT_THROW(rectification.pair(larger.view(), right_size.view()), std::invalid_argument);
+  EXPECT_THROW(rectification.pair(right_size.view(), larger.view()), std::invalid_argument);
+  EXPECT_THROW(rectification.left({}), std::invalid_argument);
 }
 
 }  // namespace

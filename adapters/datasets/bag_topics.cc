@@ -1,0 +1,91 @@
+#include "adapters/datasets/bag_topics.h"
+
+#include "adapters/datasets/ros_messages.h"
+#include "adapters/files/input_error.h"
+
+namespace prospect {
+
+std::string topic_list(const BagFile& bag) {
+  std::string list;
+  for (const BagTopic& topic : bag.topics()) {
+    list += (list.empty() ? "" : ", ") + topic.name + " (" + topic.type + ", " +
+            std::to_string(topic.messages.size()) + ")";
+  }
+  return list;
+}
+
+const BagTopic* given_topic(const BagFile& bag, const std::string& path, const TopicChoice& chosen,
+                            const std::string& use, bool (*fits)(const BagTopic&)) {
+  const auto found = chosen.find(use);
+  if (found == chosen.end()) return nullptr;
+  const BagTopic* topic = bag.find(found->second);
+  if (topic == nullptr) {
+    throw InputError(path + ": has no topic " + found->second +
+                     "; expected one of: " + topic_list(bag));
+  }
+  if (!fits(*topic)) {
+    throw InputError(path + ": topic " + topic->name + " is of type " + topic->type +
+                     "; expected one that can be " + use);
+  }
+  return topic;
+}
+
+bool is_pose_topic(const BagTopic& topic) { return is_ros_pose(topic.type); }
+
+bool is_image_topic(const BagTopic& topic) {
+  return topic.type == "sensor_msgs/msg/Image" || topic.type == "sensor_msgs/msg/CompressedImage";
+}
+
+bool is_compressed(const BagTopic& topic) {
+  return topic.type == "sensor_msgs/msg/CompressedImage";
+}
+
+bool is_laser_scan(const BagTopic& topic) { return topic.type == "sensor_msgs/msg/LaserScan"; }
+
+bool is_scan_topic(const BagTopic& topic) {
+  return is_laser_scan(topic) || topic.type == "sensor_msgs/msg/PointCloud2";
+}
+
+const BagTopic* info_of(const BagFile& bag, const BagTopic& image) {
+  std::string name = image.name;
+  for (const char* transport : {"/compressed", "/compressedDepth"}) {
+    if (name.ends_with(transport)) name.resize(name.size() - std::string(transport).size());
+  }
+  const BagTopic* info = bag.find(name.substr(0, name.rfind('/')) + "/camera_info");
+  return info != nullptr && info->type == "sensor_msgs/msg/CameraInfo" ? info : nullptr;
+}
+
+const BagTopic* find_depth_topic(const BagFile& bag) {
+  const BagTopic* best = nullptr;
+  int best_rank = -1;
+  for (const BagTopic& topic : bag.topics()) {
+    if (!is_image_topic(topic) || topic.messages.empty() ||
+        topic.name.find("depth") == std::string::npos)
+      continue;
+    const int rank = 2 * (info_of(bag, topic) != nullptr) + !is_compressed(topic);
+    if (rank > best_rank) {
+      best_rank = rank;
+      best = &topic;
+    }
+  }
+  return best;
+}
+
+std::string message_name(const BagTopic& topic, std::size_t i) {
+  return topic.name + " message " + std::to_string(i);
+}
+
+std::string read_message(const BagFile& bag, const BagTopic& topic, std::size_t i) {
+  if (topic.encoding != "cdr") {
+    throw InputError(topic.name + ": messages in '" + topic.encoding + "'; expected cdr, of ROS 2");
+  }
+  return bag.read(topic.messages[i]);
+}
+
+std::string frame_of(const BagFile& bag, const BagTopic& topic) {
+  return topic.messages.empty()
+             ? std::string()
+             : read_ros_header(read_message(bag, topic, 0), message_name(topic, 0)).frame;
+}
+
+}  // namespace prospect

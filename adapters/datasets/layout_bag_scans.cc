@@ -1,0 +1,150 @@
+// Bags of ROS 2: scans of lidars and clouds of points, with poses from topics or TF.
+
+#include <algorithm>
+#include <memory>
+#include <utility>
+
+#include "adapters/datasets/bag_poses.h"
+#include "adapters/datasets/bag_topics.h"
+#include "adapters/datasets/ros_messages.h"
+#include "adapters/datasets/ros_scan_messages.h"
+#include "adapters/datasets/scan_source.h"
+
+namespace prospect {
+namespace {
+
+/// Scans before clouds; of each the topic with most messages. The others are named.
+const BagTopic* find_scan_topic(const BagFile& bag, std::vector<std::string>& notes) {
+  const BagTopic* best = nullptr;
+  for (const BagTopic& topic : bag.topics()) {
+    if (!is_scan_topic(topic) || topic.messages.empty()) continue;
+    const auto rank = [](const BagTopic& t) {
+      return std::pair(is_laser_scan(t), t.messages.size());
+    };
+    if (best == nullptr || rank(topic) > rank(*best)) best = &topic;
+  }
+  if (best == nullptr) return nullptr;
+  std::string others;
+  for (const BagTopic& topic : bag.topics()) {
+    if (&topic != best && is_scan_topic(topic) && !topic.messages.empty()) {
+      others += (others.empty() ? "; not used: " : ", ") + topic.name;
+    }
+  }
+  notes.push_back("topic scan=" + best->name + ", by its type" + others);
+  return best;
+}
+
+/// How the lidar moved while it took the scan; the identity where that is not known.
+Eigen::Isometry3d motion_during(const RosLaserScan& scan, double stamp, const BagPoses& poses) {
+  const double last = static_cast<double>(scan.ranges.size()) - 1.0;
+  if (!(scan.time_increment > 0.0) || last < 1.0) return Eigen::Isometry3d::Identity();
+  const auto T_begin = poses.at(stamp), T_end = poses.at(stamp + last * scan.time_increment);
+  if (!T_begin || !T_end) return Eigen::Isometry3d::Identity();
+  return T_begin->inverse() * *T_end;
+}
+
+/// The stamps of messages, with which each is; where a header's is not set, the time of recording.
+std::vector<std::pair<double, std::size_t>> stamped_messages(const BagFile& bag,
+                                                             const BagTopic& topic,
+                                                             std::vector<std::string>& notes) {
+  std::vector<std::pair<double, std::size_t>> stamped;
+  std::size_t unset = 0;
+  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+    double stamp = read_ros_header(read_message(bag, topic, i), message_name(topic, i)).stamp;
+    if (stamp <= 0.0) {
+      stamp = static_cast<double>(topic.messages[i].time) * 1e-9;
+      ++unset;
+    }
+    stamped.emplace_back(stamp, i);
+  }
+  if (unset > 0) {
+    notes.push_back(topic.name + ": " + std::to_string(unset) +
+                    " scans without a stamp: the time of recording stands for it");
+  }
+  std::stable_sort(stamped.begin(), stamped.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  const auto repeated =
+      std::unique(stamped.begin(), stamped.end(),
+                  [](const auto& a, const auto& b) { return a.first == b.first; });
+  if (repeated != stamped.end()) {
+    notes.push_back(topic.name + ": " + std::to_string(stamped.end() - repeated) +
+                    " scans with the stamp of another left out");
+    stamped.erase(repeated, stamped.end());
+  }
+  return stamped;
+}
+
+}  // namespace
+
+ScanSource open_scan_bag(const std::string& path, const ScanOptions& options) {
+  ScanSource source;
+  source.layout = "ROS 2 bag";
+  const BagFile bag = BagFile::open(path);
+  source.notes = bag.notes();
+  source.attempt([&] {
+    const BagTopic* topic = given_topic(bag, path, options.topics, "scan", is_scan_topic);
+    if (topic == nullptr) topic = find_scan_topic(bag, source.notes);
+    if (topic == nullptr) {
+      throw InputError(
+          path + ": no topic is a LaserScan or PointCloud2; expected one of: " + topic_list(bag));
+    }
+    source.from = topic->name;
+    source.planar = is_laser_scan(*topic);
+    const auto stamped = stamped_messages(bag, *topic, source.notes);
+    source.scans = stamped.size();
+    if (stamped.empty()) throw InputError(topic->name + ": holds no message; expected scans");
+    const std::size_t first = stamped[0].second;
+    const std::string name = message_name(*topic, first);
+    if (source.planar) {
+      const RosLaserScan scan = read_ros_laser_scan(read_message(bag, *topic, first), name);
+      source.max_range = std::isfinite(scan.range_max) ? scan.range_max : 0.0;
+      source.points = scan.ranges.size();
+    } else {
+      source.points = read_ros_point_cloud(read_message(bag, *topic, first), name).size();
+    }
+    const std::string frame = frame_of(bag, *topic);
+    const auto poses =
+        find_bag_poses(bag, path, {options.topics, options.fixed_frame}, frame, source.notes);
+    if (!poses) {
+      throw InputError(
+          path + ": no pose of the lidar's frame '" + frame +
+          "' is in the bag; expected transforms (/tf, /tf_static) that lead to a frame "
+          "that it moves in, or a topic of Odometry or PoseStamped");
+    }
+    source.fixed = poses->from();
+    std::vector<std::size_t> order;
+    for (const auto& [stamp, i] : stamped) {
+      const auto T = poses->at(stamp);
+      if (!T) {
+        ++source.without_pose;
+        continue;
+      }
+      source.stamps.push_back(stamp);
+      source.poses.push_back(*T);
+      order.push_back(i);
+    }
+    if (order.empty()) {
+      throw InputError(path + ": no pose by " + poses->from() + " is at the time of a scan of " +
+                       topic->name + "; expected them together");
+    }
+    if (source.without_pose > 0) {
+      source.notes.push_back(std::to_string(source.without_pose) +
+                             " scans without a pose at their time left out");
+    }
+    source.read = [bag, &topic = *topic, order, stamps = source.stamps, poses = *poses,
+                   planar = source.planar](std::size_t k) {
+      const std::string bytes = read_message(bag, topic, order.at(k));
+      const std::string message = message_name(topic, order[k]);
+      if (planar) {
+        const RosLaserScan scan = read_ros_laser_scan(bytes, message);
+        return rays_of(scan, motion_during(scan, stamps[k], poses));
+      }
+      DepthScan scan;
+      scan.hits = read_ros_point_cloud(bytes, message);
+      return scan;
+    };
+  });
+  return source;
+}
+
+}  // namespace prospect

@@ -1,0 +1,136 @@
+#include "perception/mapping/scan_mapper.h"
+
+#include <cmath>
+#include <cstdint>
+#include <unordered_set>
+
+#include "engine/support/stopwatch.h"
+#include "models/parameter_check.h"
+#include "perception/odometry/reason.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kFarBelow = 0.2;           // [m]: no noise of a floor
+constexpr double kFarthestVoxel = 30000.0;  // [voxels]; octree addresses are of 16 bits
+constexpr double kJustBelow = 1e-6;         // [m]
+
+/// Cubes of space, each by one number: 21 bits a coordinate.
+class Cubes {
+ public:
+  explicit Cubes(double size) : size_(size) {}
+  /// Whether p is the first in its cube.
+  bool first(const Eigen::Vector3d& p) {
+    std::uint64_t key = 0;
+    for (int i = 0; i < 3; ++i) {
+      key = key << 21 |
+            (static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(p[i] / size_))) &
+             0x1fffff);
+    }
+    return seen_.insert(key).second;
+  }
+
+ private:
+  double size_;
+  std::unordered_set<std::uint64_t> seen_;
+};
+
+}  // namespace
+
+ScanMapper::ScanMapper(const ScanMapperOptions& options)
+    : options_(options),
+      map_(options.map),
+      poses_({options.max_speed, options.max_turn_rate, kFarthestVoxel * options.map.resolution}) {
+  check_parameter(options.floor_margin >= 0.0 && options.floor_margin < 1.0, "scan mapper",
+                  "floor_margin", options.floor_margin, "0..1 m");
+  check_parameter(options.point_spacing > 0.0 && options.point_spacing <= 10.0, "scan mapper",
+                  "point_spacing", options.point_spacing, "0..10");
+  check_parameter(options.max_speed > 0.0, "scan mapper", "max_speed", options.max_speed,
+                  "above 0 m/s");
+  check_parameter(options.max_turn_rate > 0.0, "scan mapper", "max_turn_rate",
+                  options.max_turn_rate, "above 0 rad/s");
+}
+
+/// False if too much lies below the floor.
+bool ScanMapper::make_scan(const DepthScan& scan_S, const Eigen::Isometry3d& T_WS,
+                           MappedFrame& frame, DepthScan& scan) const {
+  const Eigen::Vector3d t = T_WS.translation();
+  const double reach = options_.map.max_range;
+  scan.origin = t;
+  Cubes cubes(options_.point_spacing * options_.map.resolution);
+  int points = 0, far_below = 0;
+  for (const Eigen::Vector3d& p : scan_S.hits) {
+    if (!p.allFinite()) continue;
+    const Eigen::Vector3d p_W = T_WS * p;
+    const double range = (p_W - t).norm();
+    if (!(range > 0.0)) continue;
+    ++points;
+    far_below += p_W.z() < -kFarBelow;
+    if (p_W.z() < -options_.floor_margin) continue;
+    if (range > reach) {
+      const Eigen::Vector3d seen = t + reach / range * (p_W - t);
+      if (!cubes.first(seen)) continue;
+      scan.misses.push_back(p_W);
+      ++frame.misses;
+    } else if (p_W.z() <= options_.floor_margin) {
+      const Eigen::Vector3d flat(p_W.x(), p_W.y(), -kJustBelow);
+      if (!cubes.first(flat)) continue;
+      scan.hits.push_back(flat);
+      ++frame.floor;
+    } else {
+      if (!cubes.first(p_W)) continue;
+      scan.hits.push_back(p_W);
+      ++frame.hits;
+    }
+  }
+  for (const Eigen::Vector3d& p : scan_S.misses) {
+    if (!p.allFinite() || !(p.norm() > 0.0)) continue;
+    scan.misses.push_back(T_WS * p);
+    ++frame.misses;
+  }
+  return far_below <= options_.most_below_floor * points;
+}
+
+MappedFrame ScanMapper::process(double stamp, const DepthScan& scan_S,
+                                const Eigen::Isometry3d& T_WS) {
+  ProcessorStopwatch clock;
+  MappedFrame out;
+  out.stamp = stamp;
+  out.valid = 1.0;
+  if (poses_.any()) out.T_WC = poses_.last();
+  const auto reject = [&out](const char* why) {
+    add_reason(out.reason, why);
+    out.state = Mapping::kRejected;
+    out.hits = out.floor = out.misses = 0;
+    return out;
+  };
+  if (!std::isfinite(stamp)) return reject("the time is not a number");
+  if (any_stamp_ && !(stamp > last_stamp_)) return reject("the time does not increase");
+  last_stamp_ = stamp;
+  any_stamp_ = true;
+  const char* problem = poses_.problem(stamp, T_WS);
+  if (problem == nullptr && scan_S.hits.empty() && scan_S.misses.empty()) {
+    problem = "the scan has no valid range";
+  }
+  const bool same = !scan_S.hits.empty() && scan_S.hits == last_hits_;
+  if (!same) last_hits_ = scan_S.hits;
+  // A simulated lidar at rest gives the same ranges again: only one that has moved is frozen.
+  if (problem == nullptr && same && poses_.any() &&
+      (T_WS.translation() - poses_.last().translation()).norm() > options_.map.resolution) {
+    problem = "the scan is frozen";
+  }
+  out.times.check = clock.lap();
+  if (problem != nullptr) return reject(problem);
+  DepthScan scan;
+  const bool plausible = make_scan(scan_S, T_WS, out, scan);
+  out.times.scan = clock.lap();
+  if (!plausible) return reject("too much lies below the floor");
+  out.state = Mapping::kOk;
+  out.T_WC = T_WS;
+  poses_.accept(stamp, T_WS);
+  map_.insert(scan);
+  out.times.insert = clock.lap();
+  return out;
+}
+
+}  // namespace prospect

@@ -1,0 +1,68 @@
+#include "perception/pipeline/input_log.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace prospect {
+namespace {
+
+constexpr double kLongest = 3600.0;  // [s]
+
+InputResult left_out(InputState state, const char* format, double seconds, double limit) {
+  char text[96];
+  std::snprintf(text, sizeof text, format, seconds, limit);
+  return {state, text};
+}
+
+}  // namespace
+
+std::string_view to_string(InputSource source) {
+  constexpr std::string_view kNames[] = {"stereo pair", "wheels", "depth image", "scan"};
+  return kNames[static_cast<std::size_t>(source)];
+}
+
+std::string_view to_string(InputState state) {
+  constexpr std::string_view kNames[] = {"taken", "waiting", "late", "refused"};
+  return kNames[static_cast<std::size_t>(state)];
+}
+
+std::optional<InputResult> InputLog::objection(InputSource source, double stamp) {
+  InputCount& own = counts_[index(source)];
+  if (!std::isfinite(stamp)) {
+    return note(source, {InputState::kRefused, "the time is not a number"});
+  }
+  if (own.newest && !(stamp > *own.newest)) {
+    return note(source, left_out(InputState::kLate, "%.3f s is not after the one before, %.3f s",
+                                 stamp, *own.newest));
+  }
+  if (newest_ && stamp < *newest_ - max_age_) {
+    return note(source, left_out(InputState::kLate,
+                                 "%.3f s older than the newest input; expected at most %g s",
+                                 *newest_ - stamp, max_age_));
+  }
+  if (newest_ && stamp > *newest_ + kLongest) {
+    return note(source,
+                left_out(InputState::kRefused,
+                         "%.0f s ahead of the newest input; expected at most %g s, on one clock",
+                         stamp - *newest_, kLongest));
+  }
+  own.newest = stamp;
+  newest_ = std::max(newest_.value_or(stamp), stamp);
+  return std::nullopt;
+}
+
+const InputResult& InputLog::note(InputSource source, const InputResult& result, bool has_waited) {
+  InputCount& own = counts_[index(source)];
+  own.waiting -= has_waited;
+  own.taken += result.state == InputState::kTaken;
+  own.waiting += result.state == InputState::kWaiting;
+  own.late += result.state == InputState::kLate;
+  own.refused += result.state == InputState::kRefused;
+  if (result.state == InputState::kLate || result.state == InputState::kRefused) {
+    own.reason = result.reason;
+  }
+  return result;
+}
+
+}  // namespace prospect

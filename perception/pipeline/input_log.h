@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace prospect {
+
+enum class InputSource { kStereo, kWheels, kDepth, kScan };
+std::string_view to_string(InputSource source);
+
+/// What became of one input.
+enum class InputState {
+  kTaken,    ///< worked in
+  kWaiting,  ///< kept until the pose of its time is known
+  kLate,     ///< left out: older than the limit, or not newer than the one before of its source
+  kRefused   ///< left out: it cannot be used
+};
+std::string_view to_string(InputState state);
+
+struct InputResult {
+  InputState state = InputState::kTaken;
+  std::string reason;  ///< why it was left out or is of less use; empty: nothing is to be said
+};
+
+/// What became of the inputs of one source.
+struct InputCount {
+  std::optional<double> newest;  ///< stamp of the newest that came in order [s], whatever it held
+  std::uint64_t taken = 0, waiting = 0, late = 0, refused = 0;
+  std::string reason;  ///< why the newest that was left out was
+};
+
+/// Judges stamps and counts what becomes of inputs. The sources have one clock.
+/// Thread-safety: one thread. Never throws. Deterministic.
+class InputLog {
+ public:
+  /// max_age [s]: of an input, behind the newest of all sources.
+  explicit InputLog(double max_age) : max_age_(max_age) {}
+
+  /// Whether an input may be looked at: its stamp is finite, newer than the one before of its
+  /// source, not older than max_age and not an hour ahead of all sources. Then it is the newest of
+  /// its source from now on. Otherwise it is counted as left out, and what to say is returned.
+  std::optional<InputResult> objection(InputSource source, double stamp);
+  /// Counts what became of an input; one that waits is counted again when it no longer does.
+  const InputResult& note(InputSource source, const InputResult& result, bool has_waited = false);
+
+  const InputCount& count(InputSource source) const { return counts_[index(source)]; }
+
+ private:
+  static std::size_t index(InputSource source) { return static_cast<std::size_t>(source); }
+
+  double max_age_;
+  std::array<InputCount, 4> counts_;
+  std::optional<double> newest_;  // of all
+};
+
+}  // namespace prospect

@@ -1,0 +1,312 @@
+#include "perception/pipeline/perception_pipeline.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <stdexcept>
+#include <vector>
+
+#include "models/body_transform.h"
+#include "models/parameter_check.h"
+#include "perception/odometry/body_pose.h"
+#include "perception/odometry/lattice_cell.h"
+#include "perception/odometry/reason.h"
+#include "perception/pipeline/depth_agreement.h"
+
+namespace prospect {
+namespace {
+
+WheelFusionOptions fusion_of(const PerceptionOptions& options) {
+  WheelFusionOptions fusion = options.wheel_fusion;
+  fusion.start = options.start;
+  return fusion;
+}
+
+std::unique_ptr<Odometry> not_null(std::unique_ptr<Odometry> odometry) {
+  if (!odometry) throw std::invalid_argument("perception: expected an odometry, got none");
+  return odometry;
+}
+
+void check(const PerceptionOptions& o) {
+  constexpr std::string_view kOwner = "perception";
+  check_parameter(o.start.position.allFinite() && std::isfinite(o.start.yaw), kOwner, "start",
+                  o.start.yaw, "a finite pose");
+  check_not_negative(kOwner, "same_time", o.same_time);
+  check_positive(kOwner, "max_age", o.max_age);
+  check_parameter(!o.wheels || o.max_age <= o.wheel_fusion.max_wait, kOwner, "max_age", o.max_age,
+                  "at most wheel_fusion.max_wait, up to which the fusion can go back");
+  check_parameter(o.max_ahead >= 0.0, kOwner, "max_ahead", o.max_ahead, "at least 0 s");
+  check_parameter(o.most_waiting >= 0, kOwner, "most_waiting", o.most_waiting, "at least 0");
+}
+
+}  // namespace
+
+std::string_view to_string(MapState state) {
+  switch (state) {
+    case MapState::kMapped:
+      return "mapped";
+    case MapState::kNoneYet:
+      return "nothing is mapped yet: no depth image or scan could be entered";
+    case MapState::kNoSource:
+      break;
+  }
+  return "nothing is mapped: a stereo pair gives points, no surfaces; expected depth images or "
+         "scans";
+}
+
+Eigen::Isometry3d PerceptionPipeline::start_pose(const PerceptionOptions& options) {
+  return body_transform(options.start) * options.stereo_mount.T_BC;
+}
+
+PerceptionPipeline::PerceptionPipeline(const StereoCamera& camera, const PerceptionOptions& options,
+                                       const StereoOdometryOptions& odometry)
+    : PerceptionPipeline(std::make_unique<StereoOdometry>(camera, odometry, start_pose(options)),
+                         camera, options) {}
+
+PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
+                                       const StereoCamera& camera, const PerceptionOptions& options)
+    : options_(options),
+      camera_(camera),
+      odometry_(not_null(std::move(odometry))),
+      reader_(options.stereo_mount.T_BC),
+      fusion_(fusion_of(options)),
+      builder_(options.stereo_mount.T_BC),
+      density_(options.feature_density),
+      log_(options.max_age),
+      history_(options.max_age),
+      pose_at_fix_(options.start) {
+  check(options);
+  validate(camera);
+  if (options.depth_camera) {
+    validate(options.depth_camera->mount);
+    mapper_.emplace(options.depth_camera->camera, options.mapping);
+  } else {
+    scan_map_.emplace(options.mapping.map);
+  }
+  frame_.T_WC = start_pose(options);
+}
+
+InputResult PerceptionPipeline::stereo(const StampedPair& pair) {
+  const double stamp = pair.left_stamp;
+  if (const auto objection = log_.objection(InputSource::kStereo, stamp)) return *objection;
+  const double apart = std::abs(pair.right_stamp - stamp);
+  if (!(apart <= options_.same_time)) {
+    char text[96];
+    std::snprintf(text, sizeof text, "left and right image are %.4f s apart; expected at most %g s",
+                  apart, options_.same_time);
+    return log_.note(InputSource::kStereo, {InputState::kRefused, text});
+  }
+  std::optional<Eigen::Isometry3d> motion;
+  if (options_.wheels) motion = reader_.camera_motion(pose_at_fix_, fusion_.at(stamp).pose);
+  frame_ = odometry_->process(stamp, pair.left, pair.right, motion);
+  const bool measured = frame_.tracked > 0 && frame_.state != Localization::kLost;
+  log_.note(InputSource::kStereo, {});
+  compare();
+  const std::string why = disagreement();
+  if (!why.empty()) {
+    frame_.state = Localization::kLost;
+    add_reason(frame_.reason, why);
+  }
+  fusion_.add(reader_.read(frame_));
+  if (measured) pose_at_fix_ = fusion_.at(stamp).pose;
+  if (frame_.keyframe) count_landmarks();
+  history_.add(stamp, pose(stamp));
+  enter_waiting();
+  return {InputState::kTaken, frame_.reason};
+}
+
+InputResult PerceptionPipeline::wheels(const WheelSample& sample) {
+  if (!options_.wheels) {
+    return log_.note(InputSource::kWheels,
+                     {InputState::kRefused, "the options say that there are no wheels"});
+  }
+  if (const auto objection = log_.objection(InputSource::kWheels, sample.stamp)) return *objection;
+  if (!fusion_.add(sample)) {
+    return log_.note(InputSource::kWheels, {InputState::kRefused, fusion_.at(sample.stamp).reason});
+  }
+  log_.note(InputSource::kWheels, {});
+  newest_wheels_ = sample.stamp;
+  enter_waiting();
+  return {};
+}
+
+InputResult PerceptionPipeline::depth(double stamp, DepthImage image) {
+  if (!mapper_) {
+    return log_.note(InputSource::kDepth,
+                     {InputState::kRefused, "the options say that there is no depth camera"});
+  }
+  if (const auto objection = log_.objection(InputSource::kDepth, stamp)) return *objection;
+  depth_ = std::make_shared<const DepthImage>(std::move(image));
+  compare();
+  return take({stamp, depth_, {}});
+}
+
+InputResult PerceptionPipeline::scan(double stamp, DepthScan in_B) {
+  if (const auto objection = log_.objection(InputSource::kScan, stamp)) return *objection;
+  return take({stamp, nullptr, std::move(in_B)});
+}
+
+InputSource PerceptionPipeline::source_of(const Waiting& input) {
+  return input.depth ? InputSource::kDepth : InputSource::kScan;
+}
+
+bool PerceptionPipeline::ahead(double stamp) const {
+  const std::optional<double> known = known_until();
+  return known && stamp > *known + options_.max_ahead;
+}
+
+InputResult PerceptionPipeline::take(Waiting input) {
+  const InputSource source = source_of(input);
+  if (!ahead(input.stamp)) return log_.note(source, enter(input));
+  const InputResult waits = log_.note(source, {InputState::kWaiting, "its pose is not known yet"});
+  const auto later = std::find_if(waiting_.begin(), waiting_.end(),
+                                  [&](const Waiting& w) { return w.stamp > input.stamp; });
+  waiting_.insert(later, std::move(input));
+  while (static_cast<int>(waiting_.size()) > options_.most_waiting) {
+    log_.note(source_of(waiting_.front()),
+              {InputState::kLate, "no pose of its time came while it waited"}, true);
+    waiting_.pop_front();
+  }
+  return waits;
+}
+
+void PerceptionPipeline::enter_waiting() {
+  while (!waiting_.empty() && !ahead(waiting_.front().stamp)) {
+    const Waiting input = std::move(waiting_.front());
+    waiting_.pop_front();
+    log_.note(source_of(input), enter(input), true);
+  }
+}
+
+InputResult PerceptionPipeline::enter(const Waiting& input) {
+  const std::optional<Pose> body = pose_at(input.stamp);
+  if (!body) return {InputState::kLate, "the pose of its time is not known any more"};
+  std::string reason;
+  if (input.depth) {
+    mapped_ = mapper_->process(input.stamp, *input.depth,
+                               body_transform(*body) * options_.depth_camera->mount.T_BC);
+    if (mapped_.state == Mapping::kRejected) return {InputState::kRefused, mapped_.reason};
+    reason = mapped_.reason;
+  } else {
+    const DepthScan& scan = input.scan;
+    const auto finite = [](const std::vector<Eigen::Vector3d>& points) {
+      return std::count_if(points.begin(), points.end(),
+                           [](const Eigen::Vector3d& p) { return p.allFinite(); });
+    };
+    const auto rays = static_cast<std::ptrdiff_t>(scan.hits.size() + scan.misses.size());
+    const std::ptrdiff_t sound =
+        scan.origin.allFinite() ? finite(scan.hits) + finite(scan.misses) : 0;
+    if (sound == 0) return {InputState::kRefused, "no ray is finite"};
+    if (sound < rays) {
+      reason = std::to_string(rays - sound) + " of " + std::to_string(rays) +
+               " rays are not finite: left out";
+    }
+    map().insert(transform(scan, *body));
+  }
+  map_stamp_ = std::max(map_stamp_.value_or(input.stamp), input.stamp);
+  return {InputState::kTaken, reason};
+}
+
+std::optional<double> PerceptionPipeline::known_until() const {
+  std::optional<double> known = history_.newest();
+  if (log_.count(InputSource::kWheels).taken > 0) {
+    known = std::max(known.value_or(newest_wheels_), newest_wheels_);
+  }
+  return known;
+}
+
+Pose PerceptionPipeline::pose(double stamp) const {
+  Pose pose = options_.wheels ? fusion_.at(stamp).pose
+                              : body_pose(frame_.T_WC * options_.stereo_mount.T_BC.inverse());
+  pose.position.z() = options_.start.position.z();
+  return pose;
+}
+
+std::optional<Pose> PerceptionPipeline::pose_at(double stamp) const {
+  const std::optional<double> newest_pair = history_.newest();
+  return newest_pair && stamp < *newest_pair ? history_.at(stamp) : pose(stamp);
+}
+
+void PerceptionPipeline::compare() {
+  const InputCount& depths = log_.count(InputSource::kDepth);
+  if (!depth_ || log_.count(InputSource::kStereo).taken == 0 ||
+      !(std::abs(*depths.newest - frame_.stamp) <= options_.same_time)) {
+    return;
+  }
+  std::unordered_set<std::uint64_t> tracked;
+  for (const LandmarkSighting& s : odometry_->sightings()) {
+    if (s.tracked) tracked.insert(s.id);
+  }
+  const Eigen::Isometry3d T_CW = frame_.T_WC.inverse();
+  std::vector<Eigen::Vector3d> points;
+  const std::shared_ptr<const LandmarkMap> landmarks = odometry_->landmarks(0.0);
+  for (const Landmark& l : landmarks->landmarks) {
+    if (tracked.count(l.id) > 0) points.push_back(T_CW * l.position);
+  }
+  const DepthCameraOnBody& camera = *options_.depth_camera;
+  DepthAgreementOptions agreement;
+  agreement.range = options_.mapping.range;
+  const ScaleAgreement found = depth_agreement(
+      points, frame_.disparity_offset_sigma / (camera_.left.fx * camera_.baseline), camera.camera,
+      options_.stereo_mount.T_BC.inverse() * camera.mount.T_BC, *depth_, agreement);
+  if (found.verdict != ScaleAgreement::Verdict::kUnknown) agreement_ = found;
+}
+
+std::string PerceptionPipeline::disagreement() const {
+  if (agreement_.verdict != ScaleAgreement::Verdict::kDisagree) return {};
+  return to_string(agreement_, "depths by the stereo pair are", "those of the depth camera") +
+         "; expected the same: the baseline or focal length of the pair, or the depth camera's "
+         "unit, is wrong";
+}
+
+std::string PerceptionPipeline::complaint() const {
+  const std::string depths = disagreement();
+  if (!depths.empty() || !options_.wheels) return depths;
+  const FusedOdometry fused = fusion_.at(frame_.stamp);
+  return fused.agreement.verdict == ScaleAgreement::Verdict::kDisagree ? fused.reason : "";
+}
+
+void PerceptionPipeline::count_landmarks() {
+  // What an image cell shows 2 m away: on an edge corners are found anew in every view.
+  constexpr double kPlace = 0.15;  // [m]
+  int anew = 0;
+  const std::shared_ptr<const LandmarkMap> landmarks = odometry_->landmarks(0.0);
+  for (const Landmark& l : landmarks->landmarks) {
+    anew += places_.insert(lattice_cell(l.position, kPlace)).second;
+  }
+  const double r = options_.mapping.map.resolution;
+  density_.add(anew, static_cast<double>(map().surface_voxels()) * r * r);
+}
+
+MapState PerceptionPipeline::map_state() const {
+  if (map_stamp_) return MapState::kMapped;
+  const bool source = mapper_ || log_.count(InputSource::kScan).newest;
+  return source ? MapState::kNoneYet : MapState::kNoSource;
+}
+
+std::shared_ptr<const Belief> PerceptionPipeline::belief(double stamp) {
+  LandmarkMap landmarks = *odometry_->landmarks(0.0);
+  landmarks.feature_density = density_.value();
+  Belief belief = options_.wheels ? builder_.build(frame_, fusion_.at(stamp), map().snapshot(),
+                                                   std::move(landmarks))
+                                  : builder_.build(frame_, map().snapshot(), std::move(landmarks));
+  if (frame_.state != Localization::kLost) memory_.add(*belief.landmarks);
+  belief.landmarks = memory_.with_remembered(*belief.landmarks);
+  belief.pose.position.z() = options_.start.position.z();
+  belief.stamps.map = map_stamp_.value_or(0.0);
+  const std::optional<double> depth = log_.count(InputSource::kDepth).newest,
+                              scan = log_.count(InputSource::kScan).newest;
+  if (depth || scan) {
+    constexpr double kNever = -std::numeric_limits<double>::infinity();
+    belief.stamps.ranges = std::max(depth.value_or(kNever), scan.value_or(kNever));
+  }
+  return std::make_shared<const Belief>(std::move(belief));
+}
+
+std::shared_ptr<const Belief> PerceptionPipeline::belief() {
+  return belief(known_until().value_or(frame_.stamp));
+}
+
+}  // namespace prospect

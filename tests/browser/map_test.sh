@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# Opens the page of `prospect map` in a headless browser and lets it test itself (map.html#selftest):
+# with WebGL the voxels must be painted, turn, be cut and change colour; without it the page must say
+# so and show the rest. What it shows of frames and cells must be what ground.csv and the maps say. A
+# copy whose cut does nothing must fail.
+# usage: map_test.sh PROSPECT WRITE_DEPTH_RECORDING. Exit code 77: no browser, skipped.
+set -euo pipefail
+prospect="$1"
+write_recording="$2"
+source "$(dirname "${BASH_SOURCE[0]}")/self_testing_page.sh"
+"$write_recording" "$folder/depth"
+"$prospect" map "$folder/depth/posed" --out "$folder/out" --resolution 0.1 --quiet >/dev/null
+page="$folder/out/map.html"
+
+# A browser without a graphics card draws in software.
+switches=(--use-gl=angle --use-angle=swiftshader --enable-unsafe-swiftshader)
+seen="$(selftest "$page")"
+grep -qx "selftest passed" <<<"$seen" || fail "the self-test does not pass" "$seen"
+grep -qE "^view [1-9][0-9]* voxels [1-9][0-9]* rectangles$" <<<"$seen" || fail "the page has no 3-D view" "$seen"
+for k in 0 2 4; do
+  # Columns of ground.csv: state 3, rays at obstacles 15, at the floor 16, beyond the range 17.
+  expected="$(awk -F, -v k="$k" '$1 == k { printf "frame %d %s rays %d %d %d", k, $3, $15, $16, $17 }' "$folder/out/ground.csv")"
+  grep -qxF "$expected" <<<"$seen" || fail "the page does not show '$expected'" "$seen"
+done
+free="$(sed -n 's/.*"free_cells": \([0-9]*\).*/\1/p' "$folder/out/summary.json")"
+occupied="$(sed -n 's/.*"occupied_cells": \([0-9]*\).*/\1/p' "$folder/out/summary.json")"
+grep -q "cells unknown [0-9]* free $free occupied $occupied" <<<"$seen" || fail "the page does not show $free and $occupied cells" "$seen"
+
+sed 's/high.addEventListener("input", cut)/high.addEventListener("nothing", cut)/' "$page" >"$folder/dead.html"
+cmp -s "$page" "$folder/dead.html" && fail "the cut's listener was not found in the page"
+seen="$(selftest "$folder/dead.html")"
+grep -qx "selftest failed" <<<"$seen" || fail "a page whose cut does nothing passes" "$seen"
+
+# On a phone, without WebGL.
+switches=(--disable-3d-apis)
+seen="$(selftest "$page" 500,900)"
+grep -qx "selftest passed" <<<"$seen" || fail "the self-test without WebGL does not pass" "$seen"
+grep -q "no view: This browser has no WebGL" <<<"$seen" || fail "the page does not say that it has no WebGL" "$seen"
+echo "passed: the page loads without errors and shows what was mapped"

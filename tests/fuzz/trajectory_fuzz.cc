@@ -1,0 +1,13 @@
+// Trajectories: TUM and KITTI.
+#include "adapters/datasets/trajectory.h"
+#include "tests/fuzz/fuzz_target.h"
+
+using namespace prospect;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string_view bytes = fuzz::text_of(data, size);
+  const std::string path = fuzz::folder().write("a.txt", bytes);
+  fuzz::read_or_refuse([&] { read_tum_trajectory(path); });
+  fuzz::read_or_refuse([&] { read_kitti_trajectory(path, {0.0, 0.1}); });
+  return 0;
+}

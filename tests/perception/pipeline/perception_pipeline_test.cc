@@ -1,0 +1,374 @@
+#include "perception/pipeline/perception_pipeline.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "models/body_transform.h"
+#include "tests/perception/depth_scene.h"
+
+namespace prospect::perception_pipeline_test {
+namespace {
+
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kBegin = 1000.0;  // [s], of a clock that began long ago
+constexpr double kSpeed = 0.3, kTurn = 0.5;
+
+/// On a circle, from kBegin on.
+Pose truth(double stamp) {
+  const double a = kTurn * (stamp - kBegin), r = kSpeed / kTurn;
+  return {{r * std::sin(a), r * (1.0 - std::cos(a)), 0.0}, a};
+}
+
+/// An odometry that knows the truth, and tracks one landmark for each frame so far.
+class KnowingOdometry final : public Odometry {
+ public:
+  explicit KnowingOdometry(const CameraMount& mount) : mount_(mount) {}
+  OdometryFrame process(double stamp, const ImageView&, const ImageView&,
+                        const std::optional<Isometry3d>& motion) override {
+    OdometryFrame frame;
+    frame.stamp = stamp;
+    frame.state = Localization::kOk;
+    frame.T_WC = body_transform(truth(stamp)) * mount_.T_BC;
+    frame.covariance = frame.covariance_since_keyframe =
+        1e-6 * Eigen::Matrix<double, 6, 6>::Identity();
+    frame.keyframe = frames_++ % 5 == 0;
+    frame.tracked = 50;
+    told_motion = motion.has_value();
+    return frame;
+  }
+  std::shared_ptr<const LandmarkMap> landmarks(double) const override {
+    auto map = std::make_shared<LandmarkMap>();
+    for (int i = 0; i < frames_; ++i) {
+      Landmark l;
+      l.id = static_cast<std::uint64_t>(i + 1);
+      l.position = {3.0, 0.5 * i, 1.0};
+      map->landmarks.push_back(l);
+    }
+    return map;
+  }
+  const std::vector<LandmarkSighting>& sightings() const override { return none_; }
+  const std::vector<std::uint64_t>& given_up() const override { return gone_; }
+
+  bool told_motion = false;
+
+ private:
+  CameraMount mount_;
+  int frames_ = 0;
+  std::vector<LandmarkSighting> none_;
+  std::vector<std::uint64_t> gone_;
+};
+
+const DepthCameraOnBody kDepthCamera{{131.0, 131.0, 79.5, 59.5, 160.0, 120.0},
+                                     {CameraMount::forward_facing({0.1, 0.0, 0.5}, 0.0, 0.3)}};
+
+PerceptionOptions options_with(bool wheels, bool depth) {
+  PerceptionOptions options;
+  options.wheels = wheels;
+  if (depth) options.depth_camera = kDepthCamera;
+  return options;
+}
+
+PerceptionPipeline pipeline_with(const PerceptionOptions& options) {
+  return {std::make_unique<KnowingOdometry>(options.stereo_mount), StereoCamera(), options};
+}
+
+DepthImage depth_at(double stamp) {
+  return test::DepthScene().render(kDepthCamera.camera,
+                                   body_transform(truth(stamp)) * kDepthCamera.mount.T_BC);
+}
+
+StampedPair pair_at(double stamp) { return {stamp, stamp, {}, {}}; }
+
+WheelSample wheels_at(double stamp) {
+  WheelSample sample;
+  sample.stamp = stamp;
+  sample.velocity.x() = kSpeed;
+  sample.yaw_rate = kTurn;
+  return sample;
+}
+
+double yaw_of(const Isometry3d& T) { return std::atan2(T.linear()(1, 2), T.linear()(0, 2)); }
+
+/// A lidar 0.35 m above the floor in a room of 4 m, in B; the robot stands in its middle.
+DepthScan lidar() {
+  DepthScan scan;
+  scan.origin = {0.0, 0.0, 0.35};
+  for (int i = 0; i < 360; ++i) {
+    const double a = i * M_PI / 180.0;
+    const double range = 2.0 / std::max(std::abs(std::cos(a)), std::abs(std::sin(a)));
+    scan.hits.emplace_back(range * std::cos(a), range * std::sin(a), 0.35);
+  }
+  return scan;
+}
+
+TEST(PerceptionPipeline, MakesABeliefOfAllSources) {
+  PerceptionPipeline perception = pipeline_with(options_with(true, true));
+  EXPECT_EQ(perception.belief()->localization, Localization::kLost) << "nothing is measured";
+  EXPECT_EQ(perception.map_state(), MapState::kNoneYet);
+  double now = kBegin;
+  for (int k = 0; k <= 10; ++k) {
+    now = kBegin + 0.1 * k;
+    EXPECT_EQ(perception.wheels(wheels_at(now)).state, InputState::kTaken);
+    EXPECT_EQ(perception.stereo(pair_at(now)).state, InputState::kTaken);
+    if (k % 2 == 1) continue;
+    const InputResult entered = perception.depth(now, depth_at(now));
+    EXPECT_EQ(entered.state, InputState::kTaken) << entered.reason;
+  }
+  EXPECT_TRUE(static_cast<const KnowingOdometry&>(perception.odometry()).told_motion);
+  EXPECT_EQ(perception.map_state(), MapState::kMapped);
+  EXPECT_EQ(perception.complaint(), "");
+  EXPECT_EQ(perception.input(InputSource::kDepth).taken, 6U);
+  const std::shared_ptr<const Belief> belief = perception.belief(now + 0.05);
+  EXPECT_EQ(belief->localization, Localization::kOk);
+  EXPECT_EQ(belief->stamp, now + 0.05);
+  EXPECT_EQ(belief->stamps.pose, now);
+  EXPECT_EQ(belief->stamps.landmarks, now);
+  EXPECT_EQ(belief->stamps.map, now);
+  EXPECT_EQ(belief->stamps.ranges, now);
+  // The robot goes on as the wheels have told.
+  EXPECT_LT((belief->pose.position - truth(now + 0.05).position).norm(), 0.005);
+  EXPECT_NEAR(belief->pose.yaw, truth(now + 0.05).yaw, 0.005);
+  EXPECT_NEAR(belief->twist.yaw_rate, kTurn, 0.01);
+  EXPECT_EQ(belief->landmarks->landmarks.size(), 11U);
+  EXPECT_GT(belief->ground->free_cells(), 200);
+  EXPECT_GT(belief->covariance(0, 0), 0.0);
+  // Without news the maps are the same objects.
+  const std::shared_ptr<const Belief> again = perception.belief();
+  EXPECT_EQ(again->octree, belief->octree);
+  EXPECT_EQ(again->voxels, belief->voxels);
+  EXPECT_EQ(again->ground, belief->ground);
+}
+
+TEST(PerceptionPipeline, TheOrderInWhichSourcesComeDoesNotMatter) {
+  // At k / 10 a pair; at even k a depth image, which comes with it, before it, or after the pair
+  // that follows.
+  const auto drive = [](bool wheels, int late) {
+    PerceptionPipeline perception = pipeline_with(options_with(wheels, true));
+    const auto depth = [&](int k) {
+      const double stamp = kBegin + 0.1 * k;
+      return perception.depth(stamp, depth_at(stamp)).state;
+    };
+    for (int k = 0; k <= 8; ++k) {
+      const double now = kBegin + 0.1 * k;
+      if (late < 0 && k > 0 && k % 2 == 0) {
+        EXPECT_EQ(depth(k), InputState::kWaiting);
+      }
+      if (wheels) perception.wheels(wheels_at(now));
+      perception.stereo(pair_at(now));
+      const bool with_pair = late == 0 || k == 0 || k == 8;
+      if (late > 0 && k > 1 && k % 2 == 1) {
+        EXPECT_EQ(depth(k - 1), InputState::kTaken);
+      }
+      if (late >= 0 && with_pair && k % 2 == 0) {
+        EXPECT_EQ(depth(k), InputState::kTaken);
+      }
+      if (late < 0 && k == 0) {
+        EXPECT_EQ(depth(k), InputState::kTaken);
+      }
+    }
+    EXPECT_EQ(perception.input(InputSource::kDepth).taken, 5U);
+    EXPECT_EQ(perception.input(InputSource::kDepth).waiting, 0U);
+    return perception.belief();
+  };
+  for (const bool wheels : {true, false}) {
+    const auto at_once = drive(wheels, 0);
+    EXPECT_GT(at_once->ground->free_cells(), 200);
+    for (const int late : {-1, 1}) {
+      const auto other = drive(wheels, late);
+      EXPECT_EQ(other->voxels->data(), at_once->voxels->data()) << wheels << late;
+      EXPECT_EQ(other->pose.position, at_once->pose.position);
+      EXPECT_EQ(other->stamps.map, at_once->stamps.map);
+    }
+  }
+}
+
+TEST(PerceptionPipeline, DepthBetweenPairsIsEnteredWhereTheRobotWasThen) {
+  for (const bool wheels : {true, false}) {
+    PerceptionPipeline perception = pipeline_with(options_with(wheels, true));
+    perception.stereo(pair_at(kBegin));
+    if (wheels) perception.wheels(wheels_at(kBegin));
+    const double between = kBegin + 0.17;
+    EXPECT_EQ(perception.depth(between, depth_at(between)).state, InputState::kWaiting);
+    EXPECT_EQ(perception.input(InputSource::kDepth).waiting, 1U);
+    EXPECT_EQ(perception.belief()->stamps.ranges, between);
+    EXPECT_EQ(perception.belief()->stamps.map, 0.0);
+    for (const double stamp : {kBegin + 0.1, kBegin + 0.2, kBegin + 0.3}) {
+      if (wheels) perception.wheels(wheels_at(stamp));
+      perception.stereo(pair_at(stamp));
+    }
+    EXPECT_EQ(perception.input(InputSource::kDepth).waiting, 0U);
+    EXPECT_EQ(perception.mapped().stamp, between);
+    EXPECT_NEAR(yaw_of(perception.mapped().T_WC), truth(between).yaw, 0.002);
+    // One that is later than the pairs after it.
+    const double late = kBegin + 0.24;
+    EXPECT_EQ(perception.depth(late, depth_at(late)).state, InputState::kTaken);
+    EXPECT_NEAR(yaw_of(perception.mapped().T_WC), truth(late).yaw, 0.002);
+  }
+}
+
+TEST(PerceptionPipeline, WheelsMayComeAfterThePair) {
+  PerceptionPipeline perception = pipeline_with(options_with(true, false));
+  for (int k = 0; k <= 10; ++k) {
+    perception.stereo(pair_at(kBegin + 0.1 * k));
+    EXPECT_EQ(perception.wheels(wheels_at(kBegin + 0.1 * k)).state, InputState::kTaken);
+  }
+  const auto belief = perception.belief();
+  EXPECT_EQ(belief->localization, Localization::kOk);
+  EXPECT_LT((belief->pose.position - truth(kBegin + 1.0).position).norm(), 0.01);
+}
+
+TEST(PerceptionPipeline, WhatCannotBeUsedIsLeftOutAndSaid) {
+  PerceptionPipeline perception = pipeline_with(options_with(true, true));
+  const double now = kBegin + 1.0;
+  perception.wheels(wheels_at(now));
+  perception.stereo(pair_at(now));
+  perception.depth(now, depth_at(now));
+  perception.scan(now, lidar());
+  const auto before = perception.belief();
+  StampedPair apart = pair_at(now + 0.1);
+  apart.right_stamp += 0.033;
+  StampedPair unknown = pair_at(now + 0.11);
+  unknown.right_stamp = kNaN;
+  WheelSample impossible = wheels_at(now + 0.1);
+  impossible.velocity.x() = kNaN;
+  DepthScan empty = lidar();
+  empty.origin.x() = kNaN;
+  struct Row {
+    InputSource source;
+    std::function<InputResult()> call;
+    InputState state;
+    const char* reason;
+  };
+  using enum InputSource;
+  using enum InputState;
+  const Row rows[] = {
+      {kStereo, [&] { return perception.stereo(pair_at(now)); }, kLate, "not after the one before"},
+      {kStereo, [&] { return perception.stereo(pair_at(now - 2.0)); }, kLate, "not after"},
+      {kStereo, [&] { return perception.stereo(pair_at(kNaN)); }, kRefused, "not a number"},
+      {kStereo, [&] { return perception.stereo(apart); }, kRefused,
+       "left and right image are 0.0330 s apart; expected at most 0.005 s"},
+      {kStereo, [&] { return perception.stereo(unknown); }, kRefused, "apart"},
+      {kWheels, [&] { return perception.wheels(wheels_at(now - 0.01)); }, kLate, "not after"},
+      {kWheels, [&] { return perception.wheels(impossible); }, kRefused, "not possible"},
+      {kDepth, [&] { return perception.depth(now, depth_at(now)); }, kLate, "not after"},
+      {kDepth, [&] { return perception.depth(now + 0.01, DepthImage(3, 2, 1.0F)); }, kRefused,
+       "the image has the wrong size"},
+      {kScan, [&] { return perception.scan(now - 0.5, lidar()); }, kLate, "not after"},
+      {kScan, [&] { return perception.scan(now + 0.01, empty); }, kRefused, "no ray is finite"},
+      {kScan, [&] { return perception.scan(now + 7200.0, lidar()); }, kRefused,
+       "ahead of the newest"},
+  };
+  for (const Row& row : rows) {
+    const InputCount count = perception.input(row.source);
+    const InputResult result = row.call();
+    EXPECT_EQ(to_string(result.state), to_string(row.state)) << row.reason;
+    EXPECT_NE(result.reason.find(row.reason), std::string::npos) << result.reason;
+    EXPECT_EQ(perception.input(row.source).reason, result.reason);
+    EXPECT_EQ(perception.input(row.source).taken, count.taken);
+    EXPECT_EQ(perception.input(row.source).late + perception.input(row.source).refused,
+              count.late + count.refused + 1);
+  }
+  const auto after = perception.belief(now);
+  EXPECT_EQ(after->pose.position, before->pose.position);
+  // Wheels that say what cannot be are not trusted.
+  EXPECT_EQ(before->localization, Localization::kOk);
+  EXPECT_EQ(after->localization, Localization::kDegraded);
+  EXPECT_EQ(after->voxels, before->voxels);
+  EXPECT_EQ(after->stamps.map, before->stamps.map);
+  // A part of a scan.
+  DepthScan scan = lidar();
+  scan.hits[7].z() = kNaN;
+  const InputResult partly = perception.scan(now + 0.015, scan);
+  EXPECT_EQ(partly.state, kTaken);
+  EXPECT_EQ(partly.reason, "1 of 360 rays are not finite: left out");
+}
+
+TEST(PerceptionPipeline, SourcesThatTheOptionsDoNotNameAreRefused) {
+  PerceptionPipeline perception = pipeline_with(options_with(false, false));
+  EXPECT_EQ(perception.wheels(wheels_at(kBegin)).state, InputState::kRefused);
+  EXPECT_EQ(perception.depth(kBegin, depth_at(kBegin)).state, InputState::kRefused);
+  EXPECT_EQ(perception.input(InputSource::kDepth).refused, 1U);
+}
+
+TEST(PerceptionPipeline, StereoAloneLocalizesAndSaysThatNothingIsMapped) {
+  PerceptionPipeline perception = pipeline_with(options_with(false, false));
+  for (int k = 0; k <= 3; ++k) perception.stereo(pair_at(kBegin + 0.1 * k));
+  EXPECT_EQ(perception.map_state(), MapState::kNoSource);
+  EXPECT_NE(to_string(perception.map_state()).find("expected depth images or scans"),
+            std::string_view::npos);
+  auto belief = perception.belief();
+  EXPECT_EQ(belief->localization, Localization::kOk);
+  EXPECT_LT((belief->pose.position - truth(kBegin + 0.3).position).norm(), 1e-9);
+  EXPECT_EQ(belief->landmarks->landmarks.size(), 4U);
+  EXPECT_EQ(belief->ground->free_cells() + belief->ground->occupied_cells(), 0);
+  EXPECT_EQ(belief->stamps.map, 0.0);
+  EXPECT_EQ(belief->stamps.ranges, 0.0);
+  // A lidar maps.
+  const double now = kBegin + 0.3;
+  EXPECT_EQ(perception.scan(now, lidar()).state, InputState::kTaken);
+  EXPECT_EQ(perception.map_state(), MapState::kMapped);
+  belief = perception.belief();
+  EXPECT_EQ(belief->stamps.map, now);
+  EXPECT_EQ(belief->stamps.ranges, now);
+  const auto state = [&](const Vector3d& in_B) {
+    const Eigen::Vector3i v = belief->voxels->voxel(body_transform(truth(now)) * in_B);
+    return belief->voxels->state(v.x(), v.y(), v.z());
+  };
+  EXPECT_EQ(state({2.017, 0.0, 0.35}), CellState::kOccupied);
+  EXPECT_EQ(state({0.0, -2.017, 0.35}), CellState::kOccupied);
+  EXPECT_EQ(state({1.5, 0.3, 0.35}), CellState::kFree);
+  EXPECT_EQ(state({2.5, 0.0, 0.35}), CellState::kUnknown);
+}
+
+TEST(PerceptionPipeline, WhatWaitsInVainIsCounted) {
+  PerceptionOptions options = options_with(false, true);
+  options.most_waiting = 2;
+  PerceptionPipeline perception = pipeline_with(options);
+  perception.stereo(pair_at(kBegin));
+  const DepthImage image = depth_at(kBegin);
+  for (int k = 1; k <= 4; ++k) {
+    EXPECT_EQ(perception.depth(kBegin + 0.1 * k, image).state, InputState::kWaiting);
+  }
+  const InputCount& count = perception.input(InputSource::kDepth);
+  EXPECT_EQ(count.waiting, 2U);
+  EXPECT_EQ(count.late, 2U);
+  EXPECT_EQ(count.reason, "no pose of its time came while it waited");
+  perception.stereo(pair_at(kBegin + 0.35));
+  EXPECT_EQ(count.waiting, 1U);
+  EXPECT_EQ(count.taken, 1U);
+}
+
+TEST(PerceptionPipeline, RefusesOptionsOutOfRange) {
+  const auto refused = [](const std::function<void(PerceptionOptions&)>& spoil) {
+    PerceptionOptions options = options_with(true, true);
+    spoil(options);
+    EXPECT_THROW(PerceptionPipeline(StereoCamera(), options), std::invalid_argument);
+  };
+  refused([](PerceptionOptions& o) { o.start.yaw = kNaN; });
+  refused([](PerceptionOptions& o) { o.same_time = -1.0; });
+  refused([](PerceptionOptions& o) { o.max_age = 0.0; });
+  refused([](PerceptionOptions& o) { o.max_age = 2.0 * o.wheel_fusion.max_wait; });
+  refused([](PerceptionOptions& o) { o.max_ahead = kNaN; });
+  refused([](PerceptionOptions& o) { o.most_waiting = -1; });
+  refused([](PerceptionOptions& o) { o.stereo_mount.T_BC.linear() *= 2.0; });
+  refused([](PerceptionOptions& o) { o.depth_camera->mount.T_BC.linear() *= 2.0; });
+  refused([](PerceptionOptions& o) { o.depth_camera->camera.fx = 0.0; });
+  EXPECT_THROW(PerceptionPipeline(nullptr, StereoCamera(), PerceptionOptions()),
+               std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace prospect::perception_pipeline_test
