@@ -1,8 +1,7 @@
 // odometry_calibration [--first N] [--sequences N] [--frames N] [--width W] [--json]: what the
 // planner predicts of landmarks and motion, against what the odometry tracked and measured, over
-// rendered sequences: a room of either contrast, seen from a camera that goes and turns at random
-// speeds of an indoor robot (0 to 0.8 m/s, to 30 degrees a second, some sideways). Poses are exact,
-// so errors are the odometry's alone. All sequences count together. Same arguments, same numbers.
+// rendered sequences (rendered_sequence.h). All sequences count together. Same arguments, same
+// numbers.
 
 #include "adapters/datasets/odometry_calibration.h"
 
@@ -16,47 +15,25 @@
 #include <vector>
 
 #include "adapters/datasets/calibration_report.h"
+#include "benchmarks/rendered_sequence.h"
 #include "perception/odometry/se3.h"
-#include "tests/perception/rendered_room.h"
 
 namespace prospect {
 namespace {
 
-/// Level poses from a random start, at constant speeds, at least 0.4 m from the walls.
-std::vector<Eigen::Isometry3d> random_path(int seed, int frames) {
-  std::mt19937 generator(static_cast<std::uint32_t>(seed + 1));
-  const auto between = [&](double low, double high) {
-    return low + (high - low) * (generator() >> 8) / static_cast<double>(1 << 24);
-  };
-  double x = between(-1.8, -0.3), y = between(-1.2, 1.2), yaw = between(-1.0, 1.0);
-  const double forward = between(0.0, 0.08), turn = between(-0.05, 0.05);
-  const double sideways = seed % 4 == 3 ? between(-0.04, 0.04) : 0.0;
-  std::vector<Eigen::Isometry3d> path;
-  for (int k = 0; k < frames; ++k) {
-    path.push_back(test::RenderedRoom::looking(x, y, 1.05, yaw));
-    x = std::clamp(x + forward * std::cos(yaw) - sideways * std::sin(yaw), -2.6, 2.0);
-    y = std::clamp(y + forward * std::sin(yaw) + sideways * std::cos(yaw), -2.1, 2.3);
-    yaw += turn;
-  }
-  return path;
-}
-
 int run(int first, int sequences, int frames, double width, bool json) {
-  StereoCamera camera;
-  const double scale = width / 480.0;
-  camera.left = {330.0 * scale, 330.0 * scale, 240.0 * scale, 180.0 * scale, width, 0.75 * width};
+  const StereoCamera camera = RenderedSequence::camera(width);
   OdometryCalibration calibration(camera, {});
   // Of the pose since the first, after so many frames.
   const std::vector<int> after = {1, 5, 10, 20, 39};
   std::vector<std::vector<double>> since_first(after.size());
   for (int s = first; s < first + sequences; ++s) {
-    const test::RenderedRoom room(s % 3 == 2 ? 35.0 : 70.0);
-    const auto path = random_path(s, frames);
+    const RenderedSequence sequence(s, frames);
+    const auto& path = sequence.path();
     StereoOdometry odometry(camera, {}, path[0]);
     calibration.begin_recording();
     for (int k = 0; k < frames; ++k) {
-      const auto pair = room.render(camera, path[static_cast<std::size_t>(k)], 2.0,
-                                    static_cast<std::uint64_t>(1000 * s + k));
+      const auto pair = sequence.render(camera, k);
       const OdometryFrame frame = odometry.process(0.1 * k, pair.left.view(), pair.right.view());
       calibration.add(odometry, frame, path[static_cast<std::size_t>(k)]);
       const auto at = std::find(after.begin(), after.end(), k);

@@ -52,6 +52,7 @@ nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dat
           {"rpe_10m_deg_per_m", kDegrees * s.rpe_10m.rotation},
           {"ate_first_pose_rmse_m", s.ate_first.rmse},
           {"ate_best_fit_rmse_m", s.ate_fit.rmse},
+          {"consistency", consistency_json(s.consistency)},
           {"disparity_offset_px", s.disparity_offset},
           {"disparity_offset_sigma_px", s.disparity_offset_sigma},
           {"camera_time_offset_ms", 1e3 * s.camera_time_offset},
@@ -98,6 +99,14 @@ void print(const OdometrySummary& s, bool truth) {
       std::printf("length       none: fewer than two frames have a pose");
     }
     std::printf("; %s\n", truth ? "no two poses to hold against the truth" : "no ground truth");
+  }
+  if (s.consistency.pose.count > 0) {
+    std::printf("NEES         %.2f of the pose", s.consistency.pose.mean);
+    for (const ConsistencyResult::Motion& m : s.consistency.motions) {
+      if (m.consistency.count == 0) continue;
+      std::printf(", %.2f over %d frames", m.consistency.mean, m.frames);
+    }
+    std::printf(" (1: as claimed)\n");
   }
   if (std::isfinite(s.disparity_offset)) {
     std::printf("disparities  measured %.3f +- %.3f px too small, corrected\n", s.disparity_offset,

@@ -38,11 +38,12 @@ nlohmann::ordered_json as_json(const VisibilityAgreement& a) {
 }
 
 nlohmann::ordered_json as_json(const PoseConsistency& c) {
+  const double none = c.count > 0 ? 0.0 : std::nan("");
   return {{"errors", c.count},
           {"degrees", c.degrees},
-          {"mean", number_or_null(c.mean)},
-          {"median", number_or_null(c.median)},
-          {"within_95", number_or_null(c.within_95)}};
+          {"mean", number_or_null(c.mean + none)},
+          {"median", number_or_null(c.median + none)},
+          {"within_95", number_or_null(c.within_95 + none)}};
 }
 
 std::string row(const char* survival, const VisibilityAgreement& a) {
@@ -86,11 +87,14 @@ std::string calibration_text(const OdometryCalibrationResult& r) {
     }
     text += "\n";
   }
-  if (r.pose.count > 0) {
+  if (r.consistency.pose.count > 0) {
     text +=
         "consistency  squared error over its claimed variance, a degree of freedom: 1 if true\n"
         "                         errors     mean  median  within 95 %\n";
-    text += row("pose, since the first", r.pose);
+    text += row("pose, since the first", r.consistency.pose);
+    for (const ConsistencyResult::Motion& m : r.consistency.motions) {
+      text += row(line("motion, %d frames", m.frames).c_str(), m.consistency);
+    }
     for (std::size_t h = 0; h < r.motion.size(); ++h) {
       text += row(line("planner, %d frames", r.online[h].horizon).c_str(), r.motion[h]);
     }
@@ -109,7 +113,16 @@ nlohmann::ordered_json calibration_json(const OdometryCalibrationResult& r) {
   return {{"predictions", r.predictions},
           {"given_up", r.given_up},
           {"horizons", horizons},
-          {"pose_consistency", as_json(r.pose)}};
+          {"consistency", consistency_json(r.consistency)}};
+}
+
+nlohmann::ordered_json consistency_json(const ConsistencyResult& r) {
+  nlohmann::ordered_json motions = nlohmann::ordered_json::array();
+  for (const ConsistencyResult::Motion& m : r.motions) {
+    motions.push_back({{"frames", m.frames}});
+    motions.back().update(as_json(m.consistency));
+  }
+  return {{"pose", as_json(r.pose)}, {"motions", motions}};
 }
 
 }  // namespace prospect

@@ -14,4 +14,6 @@ std::string calibration_text(const OdometryCalibrationResult& result);
 /// The same and all bins; numbers that are not finite are null.
 nlohmann::ordered_json calibration_json(const OdometryCalibrationResult& result);
 
+nlohmann::ordered_json consistency_json(const ConsistencyResult& result);
+
 }  // namespace prospect

@@ -207,7 +207,7 @@ function drawCalibration() {
     }
   }
   $("scores").replaceChildren(make("thead", {}, make("tr", {}, ...head.map((text) => make("th", {}, text)))), body);
-  const claims = [["pose since the first, odometry's covariance", c.pose_consistency], ...horizons.map((h) => [`motion over ${h.horizon_frames} frames, planner's covariance`, h.planner_consistency])].filter(([, k]) => k.errors > 0);
+  const claims = [["pose since the first, odometry's covariance", c.consistency.pose], ...c.consistency.motions.map((m) => [`motion over ${m.frames} frames, odometry's covariance`, m]), ...horizons.map((h) => [`motion over ${h.horizon_frames} frames, planner's covariance`, h.planner_consistency])].filter(([, k]) => k.errors > 0);
   const rows = make("tbody");
   for (const [what, k] of claims) {
     rows.append(make("tr", {}, make("th", { scope: "row" }, what), ...[String(k.errors), compact(k.mean), compact(k.median), `${fixed(100 * k.within_95, 0)} %`].map((text) => make("td", {}, text))));

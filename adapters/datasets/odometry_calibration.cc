@@ -145,17 +145,7 @@ void OdometryCalibration::add(const StereoOdometry& odometry, const OdometryFram
     truths_.pop_front();
     lost_.pop_front();
   }
-  if (true_T_WC && !lost_.back()) {
-    if (first_truth_) {
-      // T_CW <- exp(xi) T_CW, from the estimate to the truth.
-      const Isometry3d truth = first_estimate_ * first_truth_->inverse() * *true_T_WC;
-      pose_.push_back(
-          normalised_error_squared(log_se3(frame.T_WC.inverse() * truth).eval(), frame.covariance));
-    } else {
-      first_truth_ = true_T_WC;
-      first_estimate_ = frame.T_WC;
-    }
-  }
+  consistency_.add(odometry, frame, true_T_WC);
   std::unordered_set<std::uint64_t> tracked;
   for (const LandmarkSighting& sighting : odometry.sightings()) {
     if (sighting.tracked) tracked.insert(sighting.id);
@@ -228,7 +218,7 @@ void OdometryCalibration::begin_recording() {
   estimates_.clear();
   truths_.clear();
   lost_.clear();
-  first_truth_.reset();
+  consistency_.begin_recording();
 }
 
 OdometryCalibrationResult OdometryCalibration::result() const {
@@ -243,7 +233,7 @@ OdometryCalibrationResult OdometryCalibration::result() const {
     result.motion.push_back(pose_consistency(s.motion, 4));
     result.predictions += static_cast<int>(s.tracked.size());
   }
-  result.pose = pose_consistency(pose_, 6);
+  result.consistency = consistency_.result();
   result.given_up = given_up_;
   return result;
 }

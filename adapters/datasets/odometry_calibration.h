@@ -8,6 +8,7 @@
 #include <unordered_set>
 #include <vector>
 
+#include "adapters/datasets/odometry_consistency.h"
 #include "adapters/datasets/pose_consistency.h"
 #include "adapters/datasets/reliability.h"
 #include "engine/features/visibility_prediction.h"
@@ -63,10 +64,8 @@ struct OdometryCalibrationResult {
   /// Sigma_rel against the error of the odometry's motion over each horizon, where the true motion
   /// is known.
   std::vector<PoseConsistency> motion;
-  /// The odometry's covariance against the error of its pose, both with respect to the first pose;
-  /// all frames at which it is not lost and the true pose is known.
-  PoseConsistency pose;
-  int predictions = 0;  ///< of one landmark at one horizon
+  ConsistencyResult consistency;  ///< of the odometry's own covariances
+  int predictions = 0;            ///< of one landmark at one horizon
   /// Landmarks that the odometry gave up for another in the same image cell before their time came,
   /// though it could track them. What would have become of them is not known: they do not count.
   int given_up = 0;
@@ -122,9 +121,7 @@ class OdometryCalibration {
   std::deque<Eigen::Isometry3d> estimates_;              ///< the newest longest_ + 1
   std::deque<std::optional<Eigen::Isometry3d>> truths_;  ///< parallel
   std::deque<char> lost_;                                ///< parallel
-  std::optional<Eigen::Isometry3d> first_truth_;
-  Eigen::Isometry3d first_estimate_ = Eigen::Isometry3d::Identity();
-  std::vector<double> pose_;
+  OdometryConsistency consistency_;
   std::vector<Scores> scores_;  ///< one a horizon
   int given_up_ = 0;
 };

@@ -22,17 +22,18 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
   const auto begin = associate({{dataset.stamp(first), start}}, dataset.ground_truth());
   if (!begin.empty()) start = begin[0].truth;
   StereoOdometry odometry(dataset.camera(), options, start);
+  OdometryConsistency consistency;
   for (int i = first; i < first + n; ++i) {
     const StereoDataset::Pair pair = dataset.read(i);
     run.frames.push_back(odometry.process(dataset.stamp(i), pair.left.view(), pair.right.view()));
     const OdometryFrame& frame = run.frames.back();
     if (frame.state != Localization::kLost) run.trajectory.push_back({frame.stamp, frame.T_WC});
-    if (observe) {
-      const auto truth = associate({{frame.stamp, frame.T_WC}}, dataset.ground_truth());
-      observe({i - first + 1, frame, odometry, pair,
-               truth.empty() ? std::nullopt : std::optional(truth[0].truth)});
-    }
+    const auto associated = associate({{frame.stamp, frame.T_WC}}, dataset.ground_truth());
+    const auto truth = associated.empty() ? std::nullopt : std::optional(associated[0].truth);
+    consistency.add(odometry, frame, truth);
+    if (observe) observe({i - first + 1, frame, odometry, pair, truth});
   }
+  run.consistency = consistency.result();
   run.pairs = associate(run.trajectory, dataset.ground_truth());
   return run;
 }
@@ -65,6 +66,7 @@ OdometrySummary summarize(const OdometryRun& run) {
     s.camera_time_offset_sigma = f.camera_time_offset_sigma;
     if (!f.out_of_step.empty()) s.out_of_step = f.out_of_step;
   }
+  s.consistency = run.consistency;
   s.pyramids = percentiles(pyramids);
   s.tracking = percentiles(tracking);
   s.pose = percentiles(pose);

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/datasets/odometry_consistency.h"
 #include "adapters/datasets/stereo_dataset.h"
 #include "adapters/datasets/time_percentiles.h"
 #include "adapters/datasets/trajectory_error.h"
@@ -19,6 +20,7 @@ struct OdometryRun {
   std::vector<OdometryFrame> frames;
   Trajectory trajectory;        ///< of frames that are not lost, from the first true pose if known
   std::vector<PosePair> pairs;  ///< with ground truth; empty: there is none
+  ConsistencyResult consistency;  ///< of the covariances, with ground truth
 };
 
 /// What there is to see after each frame of a run; valid during the call alone.
@@ -61,6 +63,7 @@ struct OdometrySummary {
   /// and why that is too much, empty if it is not.
   double camera_time_offset = 0.0, camera_time_offset_sigma = 0.0;
   std::string out_of_step;
+  ConsistencyResult consistency;
 };
 OdometrySummary summarize(const OdometryRun& run);
 

@@ -238,7 +238,8 @@ void check_principal_point(const std::string& where, const PinholeCamera& camera
 StereoCalibration read_kitti_calibration(const std::string& path, int first,
                                          Eigen::Vector3d* left_position) {
   std::vector<std::vector<double>> rows(2);
-  const std::string names[2] = {"P" + std::to_string(first), "P" + std::to_string(first + 1)};
+  const auto name = [](int number) { return std::string("P").append(std::to_string(number)); };
+  const std::string names[2] = {name(first), name(first + 1)};
   std::istringstream text(read_whole_file(path));
   std::string line;
   int unnamed = 0;

@@ -92,6 +92,7 @@ std::optional<Patch> Patch::make(const PyramidLevel& level, const Eigen::Vector2
       half_trace - std::sqrt(std::max(0.0, half_trace * half_trace - position.determinant()));
   if (!(smaller >= min_eigenvalue) || !(smaller > 1e-6 * half_trace)) return std::nullopt;
   patch.inverse_ = H.inverse().cast<float>();
+  patch.spread_ = (w.squaredNorm() * position.inverse()).cast<float>();
   return made;
 }
 
@@ -132,7 +133,9 @@ Patch::Alignment Patch::align(const PyramidLevel& level, const Eigen::Vector2f& 
       const float variance = w.dot(I.cwiseProduct(I)) - mean * mean;
       const float explained = solution.dot(difference);
       const float total = w.dot((I - T_).cwiseProduct(I - T_));
-      result.agreement = 1.0f - std::max(0.0f, total - explained) / std::max(variance, 1e-3f);
+      const float unexplained = std::max(0.0f, total - explained);
+      result.agreement = 1.0f - unexplained / std::max(variance, 1e-3f);
+      result.covariance = unexplained / (result.gain * result.gain) * spread_;
       result.converged = true;
       return result;
     }

@@ -33,6 +33,13 @@ class Patch {
     float gain = 1.0f;                                   ///< 1 + alpha
     /// 1 - (weighted variance of the residual) / (that of the image's patch): 1 is a perfect match.
     float agreement = 0.0f;
+    /// Covariance of the position that the residual r of the grey levels gives [px^2]: least
+    /// squares with the normal equations N = sum w J J^T, sum w = 1, whose part for the position
+    /// is N', gain and offset taken out,
+    ///   (sum w r^2) (sum w^2) N'^-1.
+    /// It is long along an edge and short across it. Residuals of neighbouring pixels are taken to
+    /// be independent, which those of a surface that is seen otherwise are not.
+    Eigen::Matrix2f covariance = Eigen::Matrix2f::Zero();
     bool converged = false;
   };
   /// Aligns the patch with `level`, from `start`: Gauss-Newton until a step is shorter than
@@ -52,7 +59,8 @@ class Patch {
   Samples T_;
   Samples wJ_[4];  // w J, zero in the padding
   Eigen::Matrix4f inverse_;
-  Eigen::Vector4f wJT_;  // sum of w J T
+  Eigen::Vector4f wJT_;     // sum of w J T
+  Eigen::Matrix2f spread_;  // N'^-1, see Alignment::covariance
 };
 
 }  // namespace prospect

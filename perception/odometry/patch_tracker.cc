@@ -54,6 +54,7 @@ TrackResult track_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
     if (!last) continue;
     if (!found.converged || found.agreement < options.min_agreement) return result;
     result.agreement = found.agreement;
+    result.covariance = found.covariance / (scale * scale);
   }
   if (check_return &&
       !returns(from.level(lowest), scale * point, A, to.level(lowest), scale * position, options)) {
@@ -87,7 +88,7 @@ StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vect
     result.left.outcome = TrackOutcome::kNotConsistent;
     return result;
   }
-  result.left = {TrackOutcome::kTracked, found.position, found.agreement};
+  result.left = {TrackOutcome::kTracked, found.position, found.agreement, found.covariance};
   // What moved the left track from its start moves the right one, too.
   const Eigen::Vector2f start = start_right + found.position - start_left;
   if (!inside(right.level(0), start)) return result;
@@ -95,6 +96,7 @@ StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vect
       patch->align(right.level(0), start, static_cast<float>(options.shift_per_level));
   result.in_right = other.converged && other.agreement >= options.min_agreement;
   result.right = other.position;
+  result.right_covariance = other.covariance;
   return result;
 }
 

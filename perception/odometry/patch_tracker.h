@@ -24,6 +24,8 @@ struct TrackResult {
   TrackOutcome outcome = TrackOutcome::kNotFound;
   Eigen::Vector2f position = Eigen::Vector2f::Zero();  ///< [px], if tracked
   float agreement = 0.0f;
+  /// [px^2] of the position, see Patch::Alignment; if tracked.
+  Eigen::Matrix2f covariance = Eigen::Matrix2f::Zero();
 };
 
 /// Finds the patch around `point` of one image in another, from `start`, coarse to fine (pyramidal
@@ -43,6 +45,7 @@ struct StereoTrackResult {
   TrackResult left;
   bool in_right = false;  ///< found in the right image, too
   Eigen::Vector2f right = Eigen::Vector2f::Zero();
+  Eigen::Matrix2f right_covariance = Eigen::Matrix2f::Zero();
 };
 
 /// The same in both images of a pair, from starts that are good to a few pixels: level 0 only, with

@@ -41,11 +41,12 @@ Matrix3d observation_weight(const PointObservation& o, const ObservationResidual
                             double sigma_left, double sigma_right) {
   Matrix3d S =
       residual.d_measured * o.sigma.cwiseAbs2().asDiagonal() * residual.d_measured.transpose();
+  S.topLeftCorner<2, 2>() += o.left_covariance;
   S(0, 0) += sigma_left * sigma_left;
   S(1, 1) += sigma_left * sigma_left;
   Matrix3d W = Matrix3d::Zero();
   if (o.sees_right()) {
-    S(2, 2) += sigma_right * sigma_right;
+    S(2, 2) += sigma_right * sigma_right + o.right_variance;
     W = S.inverse();
   } else {
     W.topLeftCorner<2, 2>() = S.topLeftCorner<2, 2>().inverse();

@@ -17,6 +17,10 @@ struct PointObservation {
   Eigen::Vector3d sigma = Eigen::Vector3d::Zero();          ///< standard deviations of m [px]
   Eigen::Vector2d left = Eigen::Vector2d::Zero();           ///< (u, v) in the left image now [px]
   double right = std::numeric_limits<double>::quiet_NaN();  ///< u in the right one; NaN: not seen
+  /// Covariance of `left` and variance of `right` [px^2] that the patch's own texture gives, beside
+  /// what all observations have in common.
+  Eigen::Matrix2d left_covariance = Eigen::Matrix2d::Zero();
+  double right_variance = 0.0;
 
   bool sees_right() const { return std::isfinite(right); }
 };

@@ -83,7 +83,8 @@ PoseEstimate ransac_pose(const StereoCamera& camera,
     }
     Eigen::Matrix2d S = (residual.d_measured * observations[i].sigma.cwiseAbs2().asDiagonal() *
                          residual.d_measured.transpose())
-                            .topLeftCorner<2, 2>();
+                            .topLeftCorner<2, 2>() +
+                        observations[i].left_covariance;
     S.diagonal().array() += options.sigma_left * options.sigma_left;
     weights[i] = S.inverse();
   }
@@ -234,6 +235,7 @@ PoseEstimate refine_pose(const StereoCamera& camera,
     if (inliers < kMinInliers) return estimate;
     estimate.information = H;
     estimate.chi2_per_dof = dof > 0 ? chi2_sum / dof : 0.0;
+    estimate.degrees = std::max(0, dof);
     if (!robust && !changed) break;
   }
   const Eigen::SelfAdjointEigenSolver<Matrix6d> spectrum(estimate.information);

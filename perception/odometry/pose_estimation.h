@@ -14,8 +14,10 @@ namespace prospect {
 class Knobs;
 
 struct PoseEstimatorOptions {
-  double sigma_left = 0.25;   ///< [px] of a tracked position, each coordinate
-  double sigma_right = 0.25;  ///< [px] of the position in the right image
+  /// [px] of a tracked position, each coordinate, and of its column in the right image: what all
+  /// have in common, to which each point's texture adds its own (PointObservation).
+  double sigma_left = 0.1;
+  double sigma_right = 0.1;
   int ransac_hypotheses = 200;
   double ransac_confidence = 0.999;
   /// Gates, squared and in whitened units: of RANSAC (two coordinates) and of the last solution
@@ -41,6 +43,7 @@ struct PoseEstimate {
   std::vector<Eigen::Vector3d> measured;
   int inliers = 0;
   double chi2_per_dof = 0.0;
+  int degrees = 0;  ///< of freedom of chi^2
 
   double sigma_position() const;  ///< sqrt of the largest eigenvalue of the position's block [m]
   double sigma_rotation() const;  ///< likewise [rad]

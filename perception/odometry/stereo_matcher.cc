@@ -115,6 +115,7 @@ std::vector<StereoMatch> match_stereo(const ImagePyramid& left, const ImagePyram
     match.index = static_cast<int>(i);
     match.disparity = static_cast<double>(centre.x()) - found.position.x();
     match.row_error = static_cast<double>(found.position.y()) - centre.y();
+    match.variance = static_cast<double>(found.covariance(0, 0));
     if (match.disparity < options.min_disparity) continue;
     if (std::abs(match.row_error) > options.max_row_error) continue;
     matches.push_back(match);

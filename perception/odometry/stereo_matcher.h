@@ -28,6 +28,7 @@ struct StereoMatch {
   double disparity = 0.0;  ///< d = u_left - u_right [px]
   /// v_right - v_left [px]: zero but for noise where the pair is rectified.
   double row_error = 0.0;
+  double variance = 0.0;  ///< of the disparity [px^2], see Patch::Alignment
 };
 
 /// Sub-pixel correspondences, in the right image of a rectified pair, of points of the left one.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -15,6 +16,7 @@
 #include "perception/odometry/camera_time_offset.h"
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/disparity_offset.h"
+#include "perception/odometry/drift_measurement.h"
 #include "perception/odometry/frame_clock.h"
 #include "perception/odometry/frame_location.h"
 #include "perception/odometry/frozen_images.h"
@@ -30,6 +32,7 @@
 #include "perception/odometry/pose_judgement.h"
 #include "perception/odometry/reason.h"
 #include "perception/odometry/recall.h"
+#include "perception/odometry/residual_noise.h"
 #include "perception/odometry/track.h"
 #include "perception/odometry/track_survival.h"
 #include "perception/odometry/trusted_pose.h"
@@ -44,12 +47,10 @@ using Eigen::Vector3d;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-/// A pose's own noise, from what its residuals say: chi^2 per degree of freedom, not taken to be
-/// smaller than the first number, times the second. Landmarks carry their errors from pose to pose,
-/// which residuals do not show and a covariance of poses alone cannot hold; the numbers make up for
-/// it and are measured (docs/results/perception.md).
-constexpr double kLeastChi2 = 0.25;
-constexpr double kRepeatedErrors = 2.5;
+/// Poses of so many frames stand in the joint covariance beside the anchors, for
+/// covariance_since(), under a number of their own.
+constexpr std::uint64_t kRememberedFrames = 20;
+std::uint64_t of_frame(std::uint64_t frame) { return (std::uint64_t{1} << 63) | frame; }
 
 /// What is made of the images of a frame.
 struct FrameImages {
@@ -89,7 +90,7 @@ struct StereoOdometry::Impl {
         clock(options.max_gap),
         offset(options.disparity_offset),
         time_offset(options.time_offset),
-        drift(offset.sigma() * offset.sigma()),
+        drift(calibration_covariance(options.calibration, offset.sigma())),
         survival(options.survival) {
     camera.sigma_u = camera.sigma_v = options.sigma_corner;
     camera.sigma_d = options.sigma_disparity;
@@ -118,8 +119,10 @@ struct StereoOdometry::Impl {
   // What is learned on the way.
   DisparityOffset offset;
   CameraTimeOffset time_offset;
+  ResidualNoise noise;
   PoseDrift drift;
-  Matrix6d covariance = Matrix6d::Zero();  // at the trusted pose, against the start
+  Matrix6d covariance = Matrix6d::Zero();          // at the trusted pose, against the start
+  std::map<std::uint64_t, Isometry3d> remembered;  // T_CW of measured frames, by their number
   TrackSurvival survival;
   double row_error = 0.0;
 
@@ -213,40 +216,16 @@ struct StereoOdometry::Impl {
     trusted.take(candidate.location.pose.T_CW, stamp, now.coarse());
     out.covariance_since_keyframe =
         drift.since(keyframe.anchor, trusted.T_CW * keyframe.T_CW.inverse());
+    remember_pose();
   }
 
-  /// Covariance of a pose against the start: what it owes to each anchor, and its own noise.
+  /// Covariance of a pose against the start.
   Matrix6d covariance_of(const PoseEstimate& pose) {
     std::vector<int> index;
     const auto seen = observations(tracks, index);
-    std::vector<PoseDrift::Reference> references;
-    Vector6d b = Vector6d::Zero();
-    for (std::size_t k = 0; k < index.size(); ++k) {
-      ObservationResidual residual;
-      if (!pose.inlier[k] ||
-          !observation_residual(camera, pose.T_CW, seen[k], pose.measured[k], residual)) {
-        continue;
-      }
-      const Matrix3d W =
-          observation_weight(seen[k], residual, options.pose.sigma_left, options.pose.sigma_right);
-      const Anchor& anchor = *tracks[index[k]].anchor;
-      auto reference =
-          std::find_if(references.begin(), references.end(),
-                       [&](const PoseDrift::Reference& r) { return r.anchor == anchor.id; });
-      if (reference == references.end()) {
-        references.push_back({anchor.id, pose.T_CW * anchor.T_CW.inverse(), Matrix6d::Zero()});
-        reference = references.end() - 1;
-      }
-      const Eigen::Matrix<double, 6, 3> JW = residual.d_pose.transpose() * W;
-      reference->information += JW * residual.d_pose;
-      Vector3d by_offset = residual.d_measured.col(2);
-      if (seen[k].sees_right()) by_offset[2] -= 1.0;
-      b += JW * by_offset;
-    }
-    // pose.covariance is H^-1 times at least 1.
-    const double noise = kRepeatedErrors * std::max(kLeastChi2, pose.chi2_per_dof) /
-                         std::max(1.0, pose.chi2_per_dof);
-    return drift.measure(references, b, noise * pose.covariance);
+    noise.add(pose.chi2_per_dof, pose.degrees);
+    return drift.measure(
+        drift_measurement(camera, tracks, {seen, index}, pose, options.pose, noise.variance()));
   }
 
   /// What the newest pose says about the disparity offset; then all landmarks move with it.
@@ -268,7 +247,9 @@ struct StereoOdometry::Impl {
     const double walk = options.disparity_offset.walk_sigma;
     const double before = offset.sigma() * offset.sigma() + walk * walk;
     offset.update(disparity_offset_evidence(camera, seen, pose, speaks, options.pose));
-    if (offset.estimated()) drift.update_offset(before, offset.sigma() * offset.sigma());
+    if (offset.estimated()) {
+      drift.update_calibration(kDisparityError, before, offset.sigma() * offset.sigma());
+    }
     for (Track& t : tracks) place_track(t, camera, offset.value());
     for (Recall& recall : recalls.all()) {
       for (Track& t : recall.tracks) place_track(t, camera, offset.value());
@@ -347,6 +328,7 @@ struct StereoOdometry::Impl {
       t.anchor = done.anchor();
       t.pixel = found.corners[m.index];
       t.disparity = m.disparity;
+      t.disparity_variance = options.texture_noise * m.variance;
       place_track(t, camera, offset.value());
       t.left = t.pixel;
       t.right = static_cast<float>(t.pixel.x() - m.disparity);
@@ -361,14 +343,26 @@ struct StereoOdometry::Impl {
     return static_cast<int>(found.matches.size());
   }
 
-  /// No longer in the joint covariance: anchors that no landmark comes from.
+  /// No longer in the joint covariance: anchors that no landmark comes from, and landmarks that are
+  /// gone.
   void forget_anchors() {
-    std::set<std::uint64_t> used = {keyframe.anchor};
-    for (const Track& t : tracks) used.insert(t.anchor->id);
+    std::set<std::uint64_t> used = {keyframe.anchor}, landmarks;
+    for (const Track& t : tracks) {
+      used.insert(t.anchor->id);
+      landmarks.insert(t.id);
+    }
     for (const Recall& recall : recalls.all()) {
       for (const Track& t : recall.tracks) used.insert(t.anchor->id);
     }
-    drift.keep(used);
+    std::erase_if(remembered, [&](const auto& r) { return r.first + kRememberedFrames < frame; });
+    for (const auto& [number, pose] : remembered) used.insert(of_frame(number));
+    drift.keep(used, landmarks);
+  }
+
+  /// The newest pose, just measured, for covariance_since().
+  void remember_pose() {
+    drift.add(of_frame(frame));
+    remembered[frame] = trusted.T_CW;
   }
 
   /// A map begins at the trusted pose, with this frame alone. False if it has fewer than `least`
@@ -392,6 +386,8 @@ struct StereoOdometry::Impl {
     }
     started = true;
     drift.begin(keyframe.anchor, covariance);
+    remembered.clear();
+    remember_pose();
     trusted.stamp = stamp;
     out.keyframe = true;
     out.expected = out.tracked = out.confirmed = out.matched;
@@ -501,13 +497,13 @@ OdometryFrame StereoOdometry::Impl::process(double stamp, const ImageView& left,
     begin_keyframe(std::move(now), options.background_mapping);
     drift.add(keyframe.anchor);
     if (!options.background_mapping) out.matched = enter_landmarks(true);
-    forget_anchors();
   } else {
     std::erase_if(tracks, [&](const Track& t) { return t.misses > options.max_misses; });
     if (recalls.shift(tracks) > options.keyframes.max_shift * camera.left.width) {
       recalls.add({trusted.T_CW, trusted.coarse, tracks});
     }
   }
+  forget_anchors();
   out.times.keyframe += watch.lap();
   return finished(out, state, {});
 }
@@ -555,5 +551,14 @@ std::shared_ptr<const LandmarkMap> StereoOdometry::landmarks(double horizon) con
 const std::vector<LandmarkSighting>& StereoOdometry::sightings() const { return impl_->sightings; }
 
 const std::vector<std::uint64_t>& StereoOdometry::given_up() const { return impl_->given_up; }
+
+std::optional<Matrix6d> StereoOdometry::covariance_since(int frames) const {
+  const auto& remembered = impl_->remembered;
+  const auto now = remembered.find(impl_->frame);
+  if (frames < 1 || now == remembered.end()) return std::nullopt;
+  const auto then = remembered.find(impl_->frame - static_cast<std::uint64_t>(frames));
+  if (then == remembered.end()) return std::nullopt;
+  return impl_->drift.since(of_frame(then->first), now->second * then->second.inverse());
+}
 
 }  // namespace prospect

@@ -2,6 +2,7 @@
 // that acts on them.
 
 #include "models/knobs.h"
+#include "perception/odometry/calibration_error.h"
 #include "perception/odometry/camera_time_offset.h"
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/disparity_offset.h"
@@ -45,6 +46,13 @@ void describe(Knobs& knobs, CameraTimeOffsetOptions& o) {
                "share of the depth that it may cost; more: degraded");
 }
 
+void describe(Knobs& knobs, CalibrationErrorOptions& o) {
+  knobs.number("principal_point", o.principal_point, {0.0, 100.0}, "px",
+               "error of the calibration, each coordinate");
+  knobs.number("focal_length", o.focal_length, {0.0, 1.0}, "1", "the same, of itself");
+  knobs.number("baseline", o.baseline, {0.0, 1.0}, "1", "the same, of itself");
+}
+
 void describe(Knobs& knobs, KeyframePolicyOptions& o) {
   knobs.integer("min_points", o.min_points, {0, 100000}, "1",
                 "tracked; fewer: a new keyframe as soon as the view changes");
@@ -73,7 +81,7 @@ void describe(Knobs& knobs, PatchTrackerOptions& o) {
 }
 
 void describe(Knobs& knobs, PoseEstimatorOptions& o) {
-  knobs.number("sigma_left", o.sigma_left, {0.001, 50.0}, "px", "noise of a tracked position");
+  knobs.number("sigma_left", o.sigma_left, {0.001, 50.0}, "px", "noise of all tracked positions");
   knobs.number("sigma_right", o.sigma_right, {0.001, 50.0}, "px", "the same in the right image");
   knobs.integer("ransac_hypotheses", o.ransac_hypotheses, {1, 100000}, "1", "at most");
   knobs.number("ransac_confidence", o.ransac_confidence, {0.01, 0.999999}, "1",
@@ -112,6 +120,8 @@ void describe(Knobs& knobs, StereoOdometryOptions& o) {
                "error of a new landmark's place in the image");
   knobs.number("sigma_disparity", o.sigma_disparity, {0.001, 50.0}, "px",
                "error of a new landmark's disparity");
+  knobs.number("texture_noise", o.texture_noise, {0.0, 1e4}, "1",
+               "times the variance that a patch's grey levels leave to its position");
   knobs.number("max_scale", o.max_scale, {1.01, 100.0}, "1",
                "a landmark seen this much nearer or farther is detected again");
   knobs.integer("max_misses", o.max_misses, {0, 1000}, "1",
@@ -149,6 +159,7 @@ void describe(Knobs& knobs, StereoOdometryOptions& o) {
   knobs.group("keyframes", [&] { describe(knobs, o.keyframes); });
   knobs.group("disparity_offset", [&] { describe(knobs, o.disparity_offset); });
   knobs.group("time_offset", [&] { describe(knobs, o.time_offset); });
+  knobs.group("calibration", [&] { describe(knobs, o.calibration); });
   knobs.group("survival", [&] { describe(knobs, o.survival); });
 }
 

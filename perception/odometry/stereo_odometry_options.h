@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "perception/odometry/calibration_error.h"
 #include "perception/odometry/camera_time_offset.h"
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/disparity_offset.h"
@@ -23,13 +24,18 @@ struct StereoOdometryOptions {
   KeyframePolicyOptions keyframes;
   DisparityOffsetOptions disparity_offset;
   CameraTimeOffsetOptions time_offset;
+  CalibrationErrorOptions calibration;
   TrackSurvival::Options survival;
 
   int pyramid_levels = 5;
-  /// Standard deviations [px] of a new landmark's coordinates. (u, v) are by definition where its
-  /// patch was taken; what they carry is only the patch's finite extent.
-  double sigma_corner = 0.05;
-  double sigma_disparity = 0.25;
+  /// Standard deviations [px] of a new landmark's coordinates that all have in common. (u, v) are
+  /// by definition where its patch was taken; what they carry is how the patch is seen from
+  /// elsewhere.
+  double sigma_corner = 0.1;
+  double sigma_disparity = 0.15;
+  /// Times the covariance that the grey levels leave to a patch's position (patch_alignment.h), as
+  /// if neighbouring pixels were independent: how many of them are alike.
+  double texture_noise = 10.0;
   double max_scale = 1.6;  ///< a landmark seen this much nearer or farther is made anew
   int max_misses = 3;      ///< frames in a row without a track before a landmark is dropped
 

@@ -51,7 +51,9 @@ void place_track(Track& track, const StereoCamera& camera, double offset) {
   const Matrix3d R = track.anchor->T_CW.linear().transpose();
   track.in_anchor = camera.triangulate(u, v, d);
   track.position = track.anchor->T_CW.inverse() * track.in_anchor;
-  track.covariance = R * camera.triangulation_covariance(u, v, d) * R.transpose();
+  StereoCamera measured = camera;
+  measured.sigma_d = std::sqrt(camera.sigma_d * camera.sigma_d + track.disparity_variance);
+  track.covariance = R * measured.triangulation_covariance(u, v, d) * R.transpose();
 }
 
 TrackObservations observe_tracks(const std::vector<Track>& tracks, const Vector3d& sigma,
@@ -64,8 +66,13 @@ TrackObservations observe_tracks(const std::vector<Track>& tracks, const Vector3
     o.T_WA = t.anchor->T_CW.inverse();
     o.measured << t.pixel.x(), t.pixel.y(), std::max(t.disparity + offset, 0.1);
     o.sigma = sigma;
+    o.sigma.z() = std::sqrt(sigma.z() * sigma.z() + t.disparity_variance);
     o.left = t.left.cast<double>();
-    if (t.has_right) o.right = t.right - offset;
+    o.left_covariance = t.left_covariance;
+    if (t.has_right) {
+      o.right = t.right - offset;
+      o.right_variance = t.right_variance;
+    }
     out.seen.push_back(o);
     out.index.push_back(static_cast<int>(i));
   }

@@ -25,8 +25,10 @@ struct Anchor {
 struct Track {
   std::uint64_t id = 0;
   std::shared_ptr<const Anchor> anchor;
-  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();       ///< in the anchor's left image
-  double disparity = 0.0;                                ///< measured there, before correction [px]
+  Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< in the anchor's left image
+  double disparity = 0.0;                           ///< measured there, before correction [px]
+  /// What the patch's texture adds to the variance of the disparity [px^2].
+  double disparity_variance = 0.0;
   Eigen::Vector3d in_anchor = Eigen::Vector3d::Zero();   ///< [m], in the anchor's camera frame
   Eigen::Vector3d position = Eigen::Vector3d::Zero();    ///< [m], in W
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  ///< [m^2], in W
@@ -46,6 +48,9 @@ struct Track {
   bool has_right = false;
   bool in_right = false;   ///< its patch was found in the right image, in whatever row
   float row_error = 0.0f;  ///< and how much lower there [px]
+  /// What the patch's texture adds to the covariance of `left` and the variance of `right` [px^2].
+  Eigen::Matrix2d left_covariance = Eigen::Matrix2d::Zero();
+  double right_variance = 0.0;
 };
 
 /// Where a left image shows a landmark, and how its patch is warped there: A of patch_tracker.h.
@@ -75,7 +80,8 @@ struct TrackObservations {
   std::vector<int> index;  ///< of each one's track
 };
 
-/// `sigma`: standard deviations of (u, v, d) at the anchor [px]; `offset` as in place_track().
+/// `sigma`: standard deviations of (u, v, d) at the anchor [px] that all landmarks have in common,
+/// to which each one's texture adds its own; `offset` as in place_track().
 TrackObservations observe_tracks(const std::vector<Track>& tracks, const Eigen::Vector3d& sigma,
                                  double offset);
 

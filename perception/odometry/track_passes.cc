@@ -28,7 +28,9 @@ void track_coarse(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW,
     const TrackResult result = track_patch(t.anchor->left, t.pixel, start->A, left, start->pixel,
                                            top, 1, false, options.tracking);
     t.tracked = result.outcome == TrackOutcome::kTracked;
-    if (t.tracked) t.left = result.position;
+    if (!t.tracked) continue;
+    t.left = result.position;
+    t.left_covariance = options.texture_noise * result.covariance.cast<double>();
   }
 }
 
@@ -46,7 +48,9 @@ void track_fine(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW, const
     t.tracked = result.left.outcome == TrackOutcome::kTracked;
     if (!t.tracked) continue;
     t.left = result.left.position;
+    t.left_covariance = options.texture_noise * result.left.covariance.cast<double>();
     t.right = result.right.x();
+    t.right_variance = options.texture_noise * result.right_covariance(0, 0);
     t.in_right = result.in_right;
     t.row_error = result.right.y() - t.left.y();
     t.has_right = t.in_right && std::abs(t.row_error) <= options.matching.max_row_error;

@@ -311,18 +311,39 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     expect_reached(o, {&prior_loss, &prior_views, &memory});
   }
   {
+    CalibrationErrorOptions o;
+    auto& [principal_point, focal_length, baseline] = o;
+    expect_reached(o, {&principal_point, &focal_length, &baseline});
+  }
+  {
     StereoOdometryOptions o;
-    auto& [corners, matching, tracking, pose, keyframes, disparity_offset, time_offset, survival,
-           pyramid_levels, sigma_corner, sigma_disparity, max_scale, max_misses, lost_points,
-           degraded_points, lost_share, degraded_share, lost_right_share, degraded_right_share,
-           max_sigma_position, max_speed, max_turn_rate, max_acceleration, max_turn_acceleration,
-           max_gap, recovery_keyframes, restart_after, background_mapping, seed] = o;
-    expect_reached(
-        o, {&pyramid_levels, &sigma_corner,       &sigma_disparity,      &max_scale,
-            &max_misses,     &lost_points,        &degraded_points,      &lost_share,
-            &degraded_share, &lost_right_share,   &degraded_right_share, &max_sigma_position,
-            &max_speed,      &max_turn_rate,      &max_acceleration,     &max_turn_acceleration,
-            &max_gap,        &recovery_keyframes, &restart_after,        &background_mapping});
+    auto& [corners, matching, tracking, pose, keyframes, disparity_offset, time_offset, calibration,
+           survival, pyramid_levels, sigma_corner, sigma_disparity, texture_noise, max_scale,
+           max_misses, lost_points, degraded_points, lost_share, degraded_share, lost_right_share,
+           degraded_right_share, max_sigma_position, max_speed, max_turn_rate, max_acceleration,
+           max_turn_acceleration, max_gap, recovery_keyframes, restart_after, background_mapping,
+           seed] = o;
+    expect_reached(o, {&pyramid_levels,
+                       &sigma_corner,
+                       &sigma_disparity,
+                       &texture_noise,
+                       &max_scale,
+                       &max_misses,
+                       &lost_points,
+                       &degraded_points,
+                       &lost_share,
+                       &degraded_share,
+                       &lost_right_share,
+                       &degraded_right_share,
+                       &max_sigma_position,
+                       &max_speed,
+                       &max_turn_rate,
+                       &max_acceleration,
+                       &max_turn_acceleration,
+                       &max_gap,
+                       &recovery_keyframes,
+                       &restart_after,
+                       &background_mapping});
   }
   {
     ScaleAgreementOptions o;

@@ -129,8 +129,13 @@ TEST(OdometryCalibration, PredictsWhatIsTrackedInARenderedRoom) {
     EXPECT_LT(a.reliability.error, 0.06);
     EXPECT_LT(a.reliability.brier, 0.1);
   }
-  EXPECT_EQ(r.pose.count, kFrames - 1);
+  EXPECT_EQ(r.consistency.pose.count, kFrames - 1);
   EXPECT_EQ(r.motion[0].count, kFrames - 5);
+  ASSERT_EQ(r.consistency.motions.size(), 3u);
+  for (const ConsistencyResult::Motion& m : r.consistency.motions) {
+    EXPECT_EQ(m.consistency.count, kFrames - m.frames);
+    EXPECT_EQ(m.consistency.degrees, 6);
+  }
 }
 
 TEST(OdometryCalibration, ATruthThatIsNotTheMotionIsSeenInBothCovariances) {
@@ -141,7 +146,7 @@ TEST(OdometryCalibration, ATruthThatIsNotTheMotionIsSeenInBothCovariances) {
     T.translation() = pose(0).translation() + 1.05 * (T.translation() - pose(0).translation());
     return T;
   });
-  EXPECT_GT(bad.pose.mean, 10.0 * good.pose.mean);
+  EXPECT_GT(bad.consistency.pose.mean, 10.0 * good.consistency.pose.mean);
   EXPECT_GT(bad.motion[1].mean, 5.0 * good.motion[1].mean);
   EXPECT_LT(bad.motion[1].within_95, good.motion[1].within_95);
 }
@@ -154,8 +159,11 @@ TEST(OdometryCalibration, SameFramesSameBits) {
 TEST(OdometryCalibration, WithoutTruthTheOdometrysOwnMotionCounts) {
   const OdometryCalibrationResult r = calibrate([](int) { return std::nullopt; });
   const OdometryCalibrationResult with = calibrate(the_truth);
-  EXPECT_EQ(r.pose.count, 0);
+  EXPECT_EQ(r.consistency.pose.count, 0);
   EXPECT_EQ(r.motion[0].count, 0);
+  EXPECT_EQ(r.consistency.motions[0].consistency.count, 0);
+  EXPECT_TRUE(calibration_json(r)["consistency"]["pose"]["mean"].is_null());
+  EXPECT_TRUE(calibration_json(r)["consistency"]["motions"][2]["mean"].is_null());
   EXPECT_NEAR(r.online[0].count.predicted, with.online[0].count.predicted, 1.0);
   EXPECT_EQ(r.online[0].count.counted, with.online[0].count.counted);
 }
@@ -191,7 +199,7 @@ TEST(OdometryCalibration, RecordingsAreApart) {
   }
   const OdometryCalibrationResult r = calibration.result();
   EXPECT_EQ(r.online[0].count.count, 6);
-  EXPECT_EQ(r.pose.count, 14);
+  EXPECT_EQ(r.consistency.pose.count, 14);
 }
 
 TEST(OdometryCalibration, RefusesHorizonsOfNothing) {

@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <random>
 
 #include "perception/odometry/patch_tracker.h"
 
@@ -100,6 +101,37 @@ TEST(PatchAlignment, TheWarpTakesOutAKnownChangeOfScaleAndRotation) {
   // Without the warp the match is far worse, or none.
   const auto plain = Patch::make(first.level(0), c.cast<float>(), kSame, 0.5f);
   EXPECT_LT(plain->align(second.level(0), c.cast<float>(), 6.0f).agreement, 0.9);
+}
+
+TEST(PatchAlignment, TheCovarianceIsThatOfTheErrorsAndLongAlongAnEdge) {
+  // An edge with little texture along it, under noise of two grey levels.
+  std::mt19937 generator(5);
+  std::normal_distribution<double> normal;
+  const auto noisy = [&] {
+    return image_of(
+        [&](double x, double y) {
+          return 120.0 + 60.0 * std::tanh((x - 80.0) / 3.0) + 6.0 * std::sin(0.5 * y) +
+                 2.0 * normal(generator);
+        },
+        160, 120);
+  };
+  Eigen::Matrix2f spread = Eigen::Matrix2f::Zero(), claimed = spread;
+  constexpr int kDraws = 60;
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const ImagePyramid from(noisy().view(), 1), to(noisy().view(), 1);
+    const auto patch = Patch::make(from.level(0), {80.0f, 60.0f}, kSame, 0.5f);
+    ASSERT_TRUE(patch);
+    const Patch::Alignment found = patch->align(to.level(0), {80.0f, 60.0f}, 4.0f);
+    ASSERT_TRUE(found.converged);
+    const Eigen::Vector2f error = found.position - Eigen::Vector2f(80.0f, 60.0f);
+    spread += error * error.transpose() / kDraws;
+    claimed += found.covariance / kDraws;
+  }
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_GT(claimed(i, i), 0.4f * spread(i, i)) << i;
+    EXPECT_LT(claimed(i, i), 2.5f * spread(i, i)) << i;
+  }
+  EXPECT_GT(claimed(1, 1), 5.0f * claimed(0, 0));
 }
 
 TEST(PatchAlignment, RefusesWhatDoesNotFixBothCoordinates) {

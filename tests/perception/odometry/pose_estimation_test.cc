@@ -70,6 +70,7 @@ class PoseEstimation : public testing::Test {
 TEST_F(PoseEstimation, TheCovarianceIsHonest) {
   // Normalised error squared of the pose over 300 trials: chi^2_6 / 6, mean 1 +- 0.033.
   PoseEstimatorOptions options;
+  options.sigma_left = options.sigma_right = 0.25;
   double sum = 0.0, chi2 = 0.0;
   int n = 0;
   for (int trial = 0; trial < 300; ++trial) {
@@ -92,6 +93,7 @@ TEST_F(PoseEstimation, TheCovarianceIsHonest) {
 
 TEST_F(PoseEstimation, RansacSortsOutHalfOfTheObservations) {
   PoseEstimatorOptions options;
+  options.sigma_left = options.sigma_right = 0.25;
   for (int trial = 0; trial < 50; ++trial) {
     const Scene s = scene(150, motion(0.4, 0.1), 0.5, options);
     const PoseEstimate coarse =

@@ -44,7 +44,6 @@ Accuracy accuracy(const StereoCamera& camera, const std::vector<Eigen::Vector2f>
   // The odometry's own noise, as it uses it.
   StereoCamera noise = camera;
   noise.sigma_u = noise.sigma_v = StereoOdometryOptions{}.sigma_corner;
-  noise.sigma_d = StereoOdometryOptions{}.sigma_disparity;
   Accuracy a;
   for (const StereoMatch& m : matches) {
     const double d = truth[m.index];
@@ -57,6 +56,9 @@ Accuracy accuracy(const StereoCamera& camera, const std::vector<Eigen::Vector2f>
     // Along the ray only: the corner is by definition where its patch was taken.
     const Eigen::Vector3d ray = noise.triangulate(u, v, d).normalized();
     const double along = ray.dot(error);
+    const StereoOdometryOptions options;
+    noise.sigma_d = std::sqrt(options.sigma_disparity * options.sigma_disparity +
+                              options.texture_noise * m.variance);
     const Eigen::Matrix3d covariance = noise.triangulation_covariance(u, v, m.disparity);
     a.normalised += along * along / ray.dot(covariance * ray);
     ++a.right;

@@ -71,13 +71,18 @@ TEST(Track, IsObservedWithTheOffsetCorrected) {
   tracks[1].left = {10.0f, 20.0f};
   tracks[2].right = 7.0f;
   tracks[2].has_right = true;
+  tracks[2].disparity_variance = 0.07;
+  tracks[2].left_covariance << 0.4, 0.1, 0.1, 0.2;
+  tracks[2].right_variance = 0.3;
   const auto observed = observe_tracks(tracks, {0.1, 0.2, 0.3}, 0.5);
   EXPECT_EQ(observed.index, (std::vector<int>{1, 2}));
   EXPECT_FALSE(observed.seen[0].sees_right());
   EXPECT_EQ(observed.seen[0].left, Eigen::Vector2d(10.0, 20.0));
   EXPECT_NEAR(observed.seen[0].measured.z(), tracks[1].disparity + 0.5, 1e-12);
   EXPECT_NEAR(observed.seen[1].right, 6.5, 1e-12);
-  EXPECT_EQ(observed.seen[1].sigma, Vector3d(0.1, 0.2, 0.3));
+  EXPECT_LT((observed.seen[1].sigma - Vector3d(0.1, 0.2, 0.4)).norm(), 1e-12);
+  EXPECT_EQ(observed.seen[1].left_covariance, tracks[2].left_covariance);
+  EXPECT_EQ(observed.seen[1].right_variance, 0.3);
 }
 
 }  // namespace
