@@ -163,14 +163,21 @@ std::shared_ptr<World> tiled_room(double length, double width, double tile) {
 
 TEST_F(CameraSensorsTest, OnATiledFloorTheWheelsTellWhichTile) {
   Simulator simulator(tiled_room(9.0, 7.0, 0.15), small_cameras());
-  double worst = 0.0;
+  // Another tile than the right one is a jump of a tile, and stays; small images drift by a share
+  // of the way.
+  constexpr double kTile = 0.15;
+  double worst = 0.0, jump = 0.0, before = 0.0;
   for (int k = 0; k < 12; ++k) {
     simulator.apply(twist(0.5, k % 2 ? -0.6 : 0.6), 0.5);
-    worst = std::max(worst, simulator.localization_error());
+    const double error = simulator.localization_error();
+    worst = std::max(worst, error);
+    jump = std::max(jump, std::abs(error - before));
+    before = error;
   }
   std::printf("%.2f m: off by %.1f mm at most, %d losses\n", simulator.path_length(), 1e3 * worst,
               simulator.losses());
-  EXPECT_LT(worst, 0.03);
+  EXPECT_LT(jump, 0.1 * kTile);
+  EXPECT_LT(worst, 0.5 * kTile);
 }
 
 TEST_F(CameraSensorsTest, SameSeedSameBitsWithAnyNumberOfThreads) {

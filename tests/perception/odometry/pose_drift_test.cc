@@ -193,7 +193,7 @@ TEST(PoseDrift, AgreesWithSimulatedErrors) {
 TEST(PoseDrift, WhatAnAnchorMeasuredWrongIsTheSameInEveryFrame) {
   // Two poses that see one landmark alike: both are wrong by it, and the motion between is not. A
   // pose that sees another landmark is wrong by that.
-  PoseDrift::Sight sight{5, {}, {0.04, 0.04, 0.04}};
+  PoseDrift::Sight sight{5, PoseDrift::Sight().gain, {0.04, 0.04, 0.04}};
   sight.gain.topRows<3>().setIdentity();
   PoseDrift::Measurement m = measured({{1, Isometry3d::Identity(), Matrix6d::Identity()}},
                                       Vector6d::Zero(), Matrix6d::Zero());
