@@ -241,36 +241,7 @@ function seek(k) {
   drawPicture(step); drawPath(step);
 }
 
-let playing = false, playedTo = 0, lastFrame = 0;
-function frame(now) {
-  if (!playing) return;
-  playedTo += Math.min(0.2, (now - lastFrame) / 1000);
-  lastFrame = now;
-  let target = step;
-  while (target + 1 < n && column.time[target + 1] <= playedTo) ++target;
-  if (target !== step) seek(target);
-  if (step >= n - 1) play(false); else requestAnimationFrame(frame);
-}
-function play(on) {
-  if (on && step >= n - 1) seek(0);
-  playing = on && n > 1;
-  $("play").classList.toggle("playing", playing);
-  $("play").setAttribute("aria-label", playing ? "Pause" : "Play");
-  if (playing) { playedTo = column.time[step]; lastFrame = performance.now(); requestAnimationFrame(frame); }
-}
-$("play").addEventListener("click", () => play(!playing));
-$("slider").addEventListener("input", () => { play(false); seek(Number($("slider").value)); });
-addEventListener("keydown", (e) => {
-  if (e.ctrlKey || e.metaKey || e.altKey) return;
-  const jump = e.shiftKey ? 10 : 1;
-  const actions = {
-    " ": () => play(!playing), ArrowLeft: () => { play(false); seek(step - jump); }, ArrowRight: () => { play(false); seek(step + jump); },
-    Home: () => { play(false); seek(0); }, End: () => { play(false); seek(n - 1); },
-  };
-  if (!actions[e.key] || (e.key === " " && e.target.closest?.("button"))) return;
-  e.preventDefault();
-  actions[e.key]();
-});
+player({ time: column.time, seek, step: () => step });
 
 $("slider").max = n - 1;
 drawCalibration();
