@@ -5,16 +5,17 @@
 
 #include "adapters/datasets/odometry_calibration.h"
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
 #include <vector>
 
 #include "adapters/datasets/calibration_report.h"
+#include "benchmarks/program_options.h"
 #include "benchmarks/rendered_sequence.h"
 #include "perception/odometry/se3.h"
 
@@ -72,16 +73,17 @@ int run(int first, int sequences, int frames, double width, bool json) {
 }  // namespace prospect
 
 int main(int argc, char** argv) {
-  CLI::App app("The planner's predictions against the odometry, over rendered sequences");
+  prospect::ProgramOptions options(
+      "The planner's predictions against the odometry, over rendered sequences");
   int first = 0, sequences = 24, frames = 40;
   double width = 480.0;
   bool json = false;
-  app.add_option("--sequences", sequences, "How many")->check(CLI::Range(1, 10000));
-  app.add_option("--first", first, "Number of the first one")->check(CLI::Range(0, 1000000));
-  app.add_option("--frames", frames, "Of each")->check(CLI::Range(2, 10000));
-  app.add_option("--width", width, "Of the images [px]; the height is three quarters of it")
-      ->check(CLI::Range(160.0, 1920.0));
-  app.add_flag("--json", json, "Print JSON");
-  CLI11_PARSE(app, argc, argv);
+  options.add("--sequences", sequences, "how many", {.least = 1, .most = 10000});
+  options.add("--first", first, "number of the first one", {.least = 0, .most = 1000000});
+  options.add("--frames", frames, "of each", {.least = 2, .most = 10000});
+  options.add("--width", width, "of the images [px]; the height is three quarters of it",
+              {.least = 160.0, .most = 1920.0});
+  options.add("--json", json, "print JSON");
+  if (const std::optional<int> end = options.parse(argc, argv)) return *end;
   return prospect::run(first, sequences, frames, 4.0 * std::round(width / 4.0), json);
 }
