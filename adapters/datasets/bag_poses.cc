@@ -126,4 +126,28 @@ std::optional<BagPoses> find_bag_poses(const BagFile& bag, const std::string& pa
   return std::nullopt;
 }
 
+PosedStamps stamps_with_poses(const BagPoses& poses, const std::vector<double>& stamps,
+                              const std::string& what, const std::string& topic,
+                              const std::string& path, std::vector<std::string>& notes) {
+  PosedStamps posed;
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    const auto T = poses.at(stamps[i]);
+    if (!T) {
+      ++posed.without;
+      continue;
+    }
+    posed.order.push_back(i);
+    posed.poses.push_back(*T);
+  }
+  if (posed.order.empty()) {
+    throw InputError(path + ": no pose by " + poses.from() + " is at the time of any " + what +
+                     " of " + topic + "; expected them together");
+  }
+  if (posed.without > 0) {
+    notes.push_back(std::to_string(posed.without) + " " + what +
+                    "s without a pose at their time left out");
+  }
+  return posed;
+}
+
 }  // namespace prospect

@@ -62,4 +62,15 @@ std::optional<BagPoses> find_bag_poses(const BagFile& bag, const std::string& pa
                                        const BagPoseChoice& choice, const std::string& sensor,
                                        std::vector<std::string>& notes);
 
+/// Those of `stamps` at which a pose is known.
+struct PosedStamps {
+  std::vector<std::size_t> order;        ///< which they are
+  std::vector<Eigen::Isometry3d> poses;  ///< parallel
+  int without = 0;                       ///< how many have none, which `notes` say, too
+};
+/// `what` has them, of `topic`: "image", "scan". Throws InputError where none has a pose.
+PosedStamps stamps_with_poses(const BagPoses& poses, const std::vector<double>& stamps,
+                              const std::string& what, const std::string& topic,
+                              const std::string& path, std::vector<std::string>& notes);
+
 }  // namespace prospect

@@ -77,6 +77,15 @@ void add_missing(std::vector<std::string>& missing, const std::string& line) {
   if (std::find(missing.begin(), missing.end(), line) == missing.end()) missing.push_back(line);
 }
 
+/// What was noticed, what is missing, and the lines that would supply it.
+void add_remarks(Json& json, const std::vector<std::string>& notes,
+                 const std::vector<std::string>& missing,
+                 const std::vector<std::string>& supply = {}) {
+  json["notes"] = notes;
+  json["missing"] = missing;
+  json["supply"] = supply;
+}
+
 Json inspect_stereo(const std::string& path, const StereoDatasetOptions& options) {
   StereoSource source = open_stereo_source(path, options);
   std::vector<std::string> missing = source.missing, notes = source.notes;
@@ -112,9 +121,7 @@ Json inspect_stereo(const std::string& path, const StereoDatasetOptions& options
       add_missing(missing, error.lines()[0]);
     }
   }
-  json["notes"] = notes;
-  json["missing"] = missing;
-  json["supply"] = supply;
+  add_remarks(json, notes, missing, supply);
   return json;
 }
 
@@ -148,15 +155,13 @@ Json inspect_depth(const std::string& path, const DepthDatasetOptions& options) 
   if (source.poses.empty()) {
     notes.push_back("no poses: the ground is measured, nothing is mapped");
   }
-  json["notes"] = notes;
-  json["missing"] = missing;
-  json["supply"] = supply;
+  add_remarks(json, notes, missing, supply);
   return json;
 }
 
 Json inspect_scans(const std::string& path, const ScanOptions& options) {
   const ScanSource source = open_scan_source(path, options);
-  std::vector<std::string> missing = source.missing, notes = source.notes, supply;
+  std::vector<std::string> missing = source.missing, notes = source.notes;
   const bool any = !source.stamps.empty();
   Json json = {{"kind", source.planar ? "scans of one plane" : "clouds of points"},
                {"used_by", "prospect map"},
@@ -179,9 +184,7 @@ Json inspect_scans(const std::string& path, const ScanOptions& options) {
       add_missing(missing, error.lines()[0]);
     }
   }
-  json["notes"] = notes;
-  json["missing"] = missing;
-  json["supply"] = supply;
+  add_remarks(json, notes, missing);
   return json;
 }
 

@@ -205,29 +205,19 @@ DepthSource open_depth_bag(const std::string& path, const DepthDatasetOptions& o
       source.images = std::move(images);
       return;
     }
+    PosedStamps posed =
+        stamps_with_poses(*poses, images.stamps, "image", depth->name, path, source.notes);
+    source.without_pose = posed.without;
+    source.poses.assign(posed.poses.begin(), posed.poses.end());
     ImageStream kept;
     kept.name = images.name;
-    std::vector<std::size_t> order;
-    for (std::size_t i = 0; i < images.size(); ++i) {
-      const auto T = poses->at(images.stamps[i]);
-      if (!T) {
-        ++source.without_pose;
-        continue;
-      }
-      source.poses.push_back(*T);
+    for (const std::size_t i : posed.order) {
       kept.stamps.push_back(images.stamps[i]);
       kept.names.push_back(images.names[i]);
-      order.push_back(i);
     }
-    if (order.empty()) {
-      throw InputError(path + ": no pose of " + poses->from() + " is at the time of an image of " +
-                       depth->name + "; expected them together");
-    }
-    if (source.without_pose > 0) {
-      source.notes.push_back(std::to_string(source.without_pose) +
-                             " images without a pose at their time left out");
-    }
-    kept.read = [images, order](std::size_t i) { return images.read(order.at(i)); };
+    kept.read = [images, order = std::move(posed.order)](std::size_t i) {
+      return images.read(order.at(i));
+    };
     source.images = std::move(kept);
   });
   return source;

@@ -112,24 +112,15 @@ ScanSource open_scan_bag(const std::string& path, const ScanOptions& options) {
           "that it moves in, or a topic of Odometry or PoseStamped");
     }
     source.fixed = poses->from();
-    std::vector<std::size_t> order;
-    for (const auto& [stamp, i] : stamped) {
-      const auto T = poses->at(stamp);
-      if (!T) {
-        ++source.without_pose;
-        continue;
-      }
-      source.stamps.push_back(stamp);
-      source.poses.push_back(*T);
-      order.push_back(i);
-    }
-    if (order.empty()) {
-      throw InputError(path + ": no pose by " + poses->from() + " is at the time of a scan of " +
-                       topic->name + "; expected them together");
-    }
-    if (source.without_pose > 0) {
-      source.notes.push_back(std::to_string(source.without_pose) +
-                             " scans without a pose at their time left out");
+    std::vector<double> stamps;
+    for (const auto& message : stamped) stamps.push_back(message.first);
+    PosedStamps posed = stamps_with_poses(*poses, stamps, "scan", topic->name, path, source.notes);
+    source.without_pose = static_cast<std::size_t>(posed.without);
+    source.poses.assign(posed.poses.begin(), posed.poses.end());
+    std::vector<std::size_t> order;  // of the messages
+    for (const std::size_t k : posed.order) {
+      source.stamps.push_back(stamped[k].first);
+      order.push_back(stamped[k].second);
     }
     source.read = [bag, &topic = *topic, order, stamps = source.stamps, poses = *poses,
                    planar = source.planar](std::size_t k) {

@@ -22,10 +22,6 @@ constexpr double kMovedHeight = 0.015;  // [m]
 constexpr double kMovedTilt = 0.01;     // [rad]
 constexpr double kLow = 0.2;            // [m]
 
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
 /// A ground plane n . p + c = 0 in the recording's world, or in C without poses.
 struct Floor {
   Eigen::Vector3d normal;

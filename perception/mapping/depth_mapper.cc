@@ -12,10 +12,9 @@
 namespace prospect {
 namespace {
 
-constexpr int kCheckStride = 4;             // of the pixels that the image is judged by
-constexpr double kFarBelow = 0.2;           // [m]: no noise of a floor
-constexpr double kFarthestVoxel = 30000.0;  // [voxels]; octree addresses are of 16 bits
-constexpr double kJustBelow = 1e-6;         // [m]
+constexpr int kCheckStride = 4;      // of the pixels that the image is judged by
+constexpr double kFarBelow = 0.2;    // [m]: no noise of a floor
+constexpr double kJustBelow = 1e-6;  // [m]
 
 double gain(double prior, double measured, double least) {
   const double p = prior * prior;

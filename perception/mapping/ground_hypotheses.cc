@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "perception/mapping/pose_check.h"
+
 namespace prospect {
 namespace {
 
@@ -24,23 +26,6 @@ constexpr int kMostDoubts = 10;
 constexpr int kMostDrawsBeside = 3000;  // for planes beside the one taken: a sixth of the points
 constexpr double kWeightOfPrior = 0.5;  // of look_sigma against the spread of looks, in looks
 
-void tangents(const Eigen::Vector3d& n, Eigen::Vector3d& t1, Eigen::Vector3d& t2) {
-  t1 = Eigen::Vector3d::UnitX() - n.x() * n;
-  if (t1.squaredNorm() < 1e-6) t1 = Eigen::Vector3d::UnitZ() - n.z() * n;
-  t1.normalize();
-  t2 = n.cross(t1);
-}
-
-double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
-  return std::atan2(a.cross(b).norm(), a.dot(b));
-}
-
-bool is_pose(const Eigen::Isometry3d& T) {
-  const Eigen::Matrix3d R = T.linear();
-  return T.matrix().allFinite() &&
-         (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
-}
-
 std::string text(const char* format, double a, double b = 0.0, double c = 0.0) {
   char line[160];
   std::snprintf(line, sizeof line, format, a, b, c);
@@ -58,6 +43,13 @@ GroundHypotheses::GroundHypotheses(const PinholeCamera& camera,
 const GroundHypothesis* GroundHypotheses::taken() const {
   for (const GroundHypothesis& h : shown_) {
     if (h.taken) return &h;
+  }
+  return nullptr;
+}
+
+const GroundHypotheses::Plane* GroundHypotheses::plane_taken() const {
+  for (const Plane& plane : planes_) {
+    if (plane.state.number == taken_) return &plane;
   }
   return nullptr;
 }
@@ -136,7 +128,7 @@ int GroundHypotheses::enter(const Found& found, const std::vector<int>& seen,
     plane->state.number = next_++;
     plane->state.normal = look.normal;
     plane->state.offset = look.height - look.normal.dot(look.eye);
-    tangents(look.normal, plane->u, plane->v);
+    ground_tangents(look.normal, plane->u, plane->v);
   }
   ++plane->state.frames;
   for (const Eigen::Vector3d& p : points) {
@@ -165,7 +157,7 @@ void GroundHypotheses::estimate(Plane& plane) const {
   const Eigen::Vector3d n = h.normal, origin = first_.translation();
   const double height = n.dot(origin) + h.offset;
   Eigen::Vector3d t1, t2;
-  tangents(n, t1, t2);
+  ground_tangents(n, t1, t2);
   struct Row {
     Eigen::Matrix3d H, C;
     Eigen::Vector3d z;
@@ -178,7 +170,7 @@ void GroundHypotheses::estimate(Plane& plane) const {
     row.z << t1.dot(look.normal), t2.dot(look.normal), look.height - n.dot(away) - height;
     // Its covariance is in the tangents of its own normal as its camera saw it.
     Eigen::Vector3d c1, c2;
-    tangents(look.orientation.transpose() * look.normal, c1, c2);
+    ground_tangents(look.orientation.transpose() * look.normal, c1, c2);
     const Eigen::Vector3d d1 = look.orientation * c1, d2 = look.orientation * c2;
     Eigen::Matrix3d turn;
     turn << t1.dot(d1), t1.dot(d2), 0, t2.dot(d1), t2.dot(d2), 0, 0, 0, 1;
@@ -228,7 +220,7 @@ void GroundHypotheses::estimate(Plane& plane) const {
   first.normal = first_.linear().transpose() * h.normal;
   first.height = h.height;
   Eigen::Vector3d c1, c2;
-  tangents(first.normal, c1, c2);
+  ground_tangents(first.normal, c1, c2);
   const Eigen::Vector3d d1 = first_.linear() * c1, d2 = first_.linear() * c2;
   Eigen::Matrix3d turn;
   turn << d1.dot(t1), d1.dot(t2), 0, d2.dot(t1), d2.dot(t2), 0, 0, 0, 1;
@@ -387,11 +379,10 @@ std::vector<GroundHypotheses::Found> GroundHypotheses::look(const DepthImage& im
     }
   };
   bool known = false;
-  for (const Plane& taken : planes_) {
-    if (taken.state.number != taken_) continue;
+  if (const Plane* taken = plane_taken()) {
     GroundPlane expected;
-    expected.normal = T_DC.linear().transpose() * taken.state.normal;
-    expected.height = taken.state.normal.dot(T_DC.translation()) + taken.state.offset;
+    expected.normal = T_DC.linear().transpose() * taken->state.normal;
+    expected.height = taken->state.normal.dot(T_DC.translation()) + taken->state.offset;
     GroundPrior prior;
     prior.up = expected.normal;
     prior.height = expected.height;
@@ -458,10 +449,8 @@ GroundLook GroundHypotheses::add(const DepthImage& image, const Eigen::Isometry3
   const bool had = taken_ >= 0;
   out.changed = choose(options_.least_frames);
   if (out.changed) doubts_ = 0;
-  const auto taken = std::find_if(planes_.begin(), planes_.end(), [this](const Plane& plane) {
-    return plane.state.number == taken_;
-  });
-  if (had && !out.changed && taken != planes_.end() && doubts_ < kMostDoubts) {
+  const Plane* const taken = plane_taken();
+  if (had && !out.changed && taken != nullptr && doubts_ < kMostDoubts) {
     for (const Plane& plane : planes_) {
       const bool young = plane.state.number != taken_ &&
                          plane.state.frames < options_.least_frames && as_high_as_stated(plane) &&

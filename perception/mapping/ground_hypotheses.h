@@ -132,6 +132,7 @@ class GroundHypotheses {
     std::unordered_map<std::uint64_t, Sighting> cells;
   };
 
+  const Plane* plane_taken() const;  ///< null: none
   std::uint64_t cell_of(const Plane& plane, const Eigen::Vector3d& p) const;
   Plane* match(const Look& look, const Eigen::Vector3d& middle);
   /// What a look finds, and of which hypothesis it is known to be; -1: of the one it matches.

@@ -40,14 +40,6 @@ struct Sums {
   Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
 };
 
-/// t_1, t_2 of the header.
-void tangents(const Eigen::Vector3d& n, Eigen::Vector3d& t1, Eigen::Vector3d& t2) {
-  t1 = Eigen::Vector3d::UnitX() - n.x() * n;
-  if (t1.squaredNorm() < 1e-6) t1 = Eigen::Vector3d::UnitZ() - n.z() * n;
-  t1.normalize();
-  t2 = n.cross(t1);
-}
-
 class Search {
  public:
   Search(const GroundPrior& prior, const GroundPlaneOptions& options)
@@ -97,7 +89,7 @@ class Search {
       const Eigen::Vector3d step = -lu.solve(s.gradient);
       if (!step.allFinite()) return false;
       Eigen::Vector3d t1, t2;
-      tangents(plane.n, t1, t2);
+      ground_tangents(plane.n, t1, t2);
       plane.n = (plane.n + step[0] * t1 + step[1] * t2).normalized();
       plane.h += step[2];
       if (step.norm() < 1e-9) break;
@@ -109,7 +101,7 @@ class Search {
   template <typename Weight>
   Sums sums(const std::vector<Eigen::Vector3d>& points, const Plane& plane, Weight weight) const {
     Eigen::Vector3d t1, t2;
-    tangents(plane.n, t1, t2);
+    ground_tangents(plane.n, t1, t2);
     Sums s;
     for (const Eigen::Vector3d& p : points) {
       const double e = plane.n.dot(p) + plane.h;
@@ -215,7 +207,7 @@ Eigen::Matrix3d jackknife_covariance(const Cloud& cloud, const GroundPlane& plan
                                      const GroundPlaneOptions& options,
                                      const Eigen::Matrix3d& information) {
   Eigen::Vector3d t1, t2;
-  tangents(plane.normal, t1, t2);
+  ground_tangents(plane.normal, t1, t2);
   std::map<int, Sums> blocks;
   for (std::size_t i = 0; i < cloud.points.size(); ++i) {
     const Eigen::Vector3d& p = cloud.points[i];
@@ -339,6 +331,17 @@ bool fits(const PinholeCamera& camera, const DepthImage& image) {
 }
 
 }  // namespace
+
+void ground_tangents(const Eigen::Vector3d& n, Eigen::Vector3d& t1, Eigen::Vector3d& t2) {
+  t1 = Eigen::Vector3d::UnitX() - n.x() * n;
+  if (t1.squaredNorm() < 1e-6) t1 = Eigen::Vector3d::UnitZ() - n.z() * n;
+  t1.normalize();
+  t2 = n.cross(t1);
+}
+
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
 
 GroundPlane find_ground(const PinholeCamera& camera, const DepthImage& image,
                         const GroundPrior& prior, const GroundPlaneOptions& options) {

@@ -47,6 +47,12 @@ struct GroundPlaneOptions {
   std::uint64_t seed = 1;
 };
 
+/// The directions in which a unit normal n tips: t1 = the x axis made perpendicular to n (the z
+/// axis, where n is the x axis), t2 = n x t1.
+void ground_tangents(const Eigen::Vector3d& n, Eigen::Vector3d& t1, Eigen::Vector3d& t2);
+/// Between two directions, in [0, pi] [rad].
+double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b);
+
 struct GroundPlane {
   bool found = false;
   std::string reason;  ///< why it was not found
@@ -54,7 +60,7 @@ struct GroundPlane {
   Eigen::Vector3d normal = -Eigen::Vector3d::UnitY();
   double height = 0.0;
   /// Of (theta_1, theta_2, h): the normal tips by theta_1 towards t_1 and by theta_2 towards t_2
-  /// [rad; m], t_1 = C's x axis made perpendicular to n, t_2 = n x t_1.
+  /// [rad; m], both as ground_tangents() has them.
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
   int points = 0;   ///< that were looked at
   int inliers = 0;  ///< of them on the plane

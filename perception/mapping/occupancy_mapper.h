@@ -31,6 +31,9 @@ struct DepthScan {
 /// A scan given in B, in the frame of `pose`.
 DepthScan transform(const DepthScan& scan_B, const Pose& pose);
 
+/// As far from the origin as a map reaches [voxels]: octree addresses are of 16 bits.
+inline constexpr double kFarthestVoxel = 30000.0;
+
 struct OccupancyMapperOptions {
   double resolution = 0.1;  ///< r [m]
   double max_range = 4.0;   ///< [m]: nothing is learned farther from the origin than this

@@ -6,13 +6,13 @@ namespace {
 constexpr double kSlackPosition = 0.05;  // [m] of a pose, beside what the speed allows
 constexpr double kSlackRotation = 0.05;  // [rad]
 
+}  // namespace
+
 bool is_pose(const Eigen::Isometry3d& T) {
   const Eigen::Matrix3d R = T.linear();
   return T.matrix().allFinite() &&
          (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
 }
-
-}  // namespace
 
 const char* PoseCheck::problem(double stamp, const Eigen::Isometry3d& T) const {
   if (!is_pose(T)) return "the pose is no rotation and translation";

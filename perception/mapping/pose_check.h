@@ -4,6 +4,9 @@
 
 namespace prospect {
 
+/// Whether T is a rotation, to 1e-3, and a translation, both finite.
+bool is_pose(const Eigen::Isometry3d& T);
+
 /// How fast a sensor can be, and how far from the origin.
 struct PoseLimits {
   double max_speed = 3.0;      ///< [m/s]

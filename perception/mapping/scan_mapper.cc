@@ -6,34 +6,14 @@
 
 #include "engine/support/stopwatch.h"
 #include "models/parameter_check.h"
+#include "perception/odometry/lattice_cell.h"
 #include "perception/odometry/reason.h"
 
 namespace prospect {
 namespace {
 
-constexpr double kFarBelow = 0.2;           // [m]: no noise of a floor
-constexpr double kFarthestVoxel = 30000.0;  // [voxels]; octree addresses are of 16 bits
-constexpr double kJustBelow = 1e-6;         // [m]
-
-/// Cubes of space, each by one number: 21 bits a coordinate.
-class Cubes {
- public:
-  explicit Cubes(double size) : size_(size) {}
-  /// Whether p is the first in its cube.
-  bool first(const Eigen::Vector3d& p) {
-    std::uint64_t key = 0;
-    for (int i = 0; i < 3; ++i) {
-      key = key << 21 |
-            (static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(p[i] / size_))) &
-             0x1fffff);
-    }
-    return seen_.insert(key).second;
-  }
-
- private:
-  double size_;
-  std::unordered_set<std::uint64_t> seen_;
-};
+constexpr double kFarBelow = 0.2;    // [m]: no noise of a floor
+constexpr double kJustBelow = 1e-6;  // [m]
 
 }  // namespace
 
@@ -57,7 +37,10 @@ bool ScanMapper::make_scan(const DepthScan& scan_S, const Eigen::Isometry3d& T_W
   const Eigen::Vector3d t = T_WS.translation();
   const double reach = options_.map.max_range;
   scan.origin = t;
-  Cubes cubes(options_.point_spacing * options_.map.resolution);
+  std::unordered_set<std::uint64_t> cubes;
+  const auto first_in_its_cube = [&](const Eigen::Vector3d& p) {
+    return cubes.insert(lattice_cell(p, options_.point_spacing * options_.map.resolution)).second;
+  };
   int points = 0, far_below = 0;
   for (const Eigen::Vector3d& p : scan_S.hits) {
     if (!p.allFinite()) continue;
@@ -69,16 +52,16 @@ bool ScanMapper::make_scan(const DepthScan& scan_S, const Eigen::Isometry3d& T_W
     if (p_W.z() < -options_.floor_margin) continue;
     if (range > reach) {
       const Eigen::Vector3d seen = t + reach / range * (p_W - t);
-      if (!cubes.first(seen)) continue;
+      if (!first_in_its_cube(seen)) continue;
       scan.misses.push_back(p_W);
       ++frame.misses;
     } else if (p_W.z() <= options_.floor_margin) {
       const Eigen::Vector3d flat(p_W.x(), p_W.y(), -kJustBelow);
-      if (!cubes.first(flat)) continue;
+      if (!first_in_its_cube(flat)) continue;
       scan.hits.push_back(flat);
       ++frame.floor;
     } else {
-      if (!cubes.first(p_W)) continue;
+      if (!first_in_its_cube(p_W)) continue;
       scan.hits.push_back(p_W);
       ++frame.hits;
     }

@@ -162,13 +162,10 @@ struct StereoOdometry::Impl {
                                  static_cast<int>(camera.left.height), options.corners);
   }
 
-  std::vector<PointObservation> observations(const std::vector<Track>& points,
-                                             std::vector<int>& index) const {
-    TrackObservations observed = observe_tracks(
-        points, {options.sigma_corner, options.sigma_corner, options.sigma_disparity},
-        offset.value());
-    index = std::move(observed.index);
-    return std::move(observed.seen);
+  TrackObservations observations() const {
+    return observe_tracks(tracks,
+                          {options.sigma_corner, options.sigma_corner, options.sigma_disparity},
+                          offset.value());
   }
 
   /// Where the frame was taken: from where the robot should be by `motion` or as it moved before;
@@ -221,17 +218,14 @@ struct StereoOdometry::Impl {
 
   /// Covariance of a pose against the start.
   Matrix6d covariance_of(const PoseEstimate& pose) {
-    std::vector<int> index;
-    const auto seen = observations(tracks, index);
     noise.add(pose.chi2_per_dof, pose.degrees);
     return drift.measure(
-        drift_measurement(camera, tracks, {seen, index}, pose, options.pose, noise.variance()));
+        drift_measurement(camera, tracks, observations(), pose, options.pose, noise.variance()));
   }
 
   /// What the newest pose says about the disparity offset; then all landmarks move with it.
   void update_offset(const PoseEstimate& pose) {
-    std::vector<int> index;
-    const auto seen = observations(tracks, index);
+    const auto [seen, index] = observations();
     const Vector3d here = pose.T_CW.inverse().translation();
     std::vector<char> speaks(index.size(), 0);
     int speaking = 0;
