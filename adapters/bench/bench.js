@@ -15,7 +15,6 @@ $("rule").textContent = `Solved: feasible to ${compact(bench.feasibility_toleran
   ". Best: the best cost known, or found in this run if that is lower. “To target”: until the first such point, over all problems; – where more than the stated share was not solved.";
 
 // ---- Colours: one a back end, the same in all plots -----------------------------------------------
-const dark = matchMedia("(prefers-color-scheme: dark)");
 const hues = ["#2563eb", "#ea580c", "#0d9488", "#c026d3", "#ca8a04", "#dc2626", "#65a30d", "#0891b2", "#7c3aed", "#57534e",
   "#db2777", "#1e3a8a", "#9a3412", "#115e59", "#86198f", "#713f12", "#7f1d1d", "#3f6212"];
 const lightHues = ["#6ea0ff", "#fb923c", "#2dd4bf", "#e879f9", "#facc15", "#f87171", "#a3e635", "#22d3ee", "#a78bfa", "#a8a29e",
@@ -69,7 +68,6 @@ function fillSummary() {
 }
 
 // ---- Plots ----------------------------------------------------------------------------------------
-const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const power = (v) => {
   const x = 10 ** v;
   return x >= 1e-3 && x < 1e5 ? String(+x.toPrecision(2)) : `1e${Math.round(v)}`.replace("-", "−");

@@ -34,8 +34,6 @@ if (!scans) figure("of the frames show the ground", fixed(100 * s.ground_found /
 figure(scans ? "scans rejected" : "frames rejected", fixed(s.rejected, 0), "", s.rejected * 2 > s.frames);
 
 // ---- Colours ------------------------------------------------------------------------------------
-const dark = matchMedia("(prefers-color-scheme: dark)");
-const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const kRamp = ["#3b528b", "#21918c", "#5ec962", "#fde725"];
 const kOccupancy = ["#f2a65a", "#d9694f", "#a33b5c", "#4b2a63"];
 let step = -1;
@@ -322,65 +320,9 @@ function drawMaps() {
 }
 
 // ---- Plots --------------------------------------------------------------------------------------
-const plots = [];
-let aligning = false;
-function nearest(time) {
-  let best = 0;
-  for (let k = 1; k < n; ++k) if (Math.abs(column.time[k] - time) < Math.abs(column.time[best] - time)) best = k;
-  return best;
-}
-// Series with a sigma have a band of two of them.
-function addPlot(title, unit, series, format, options = {}) {
-  const labels = make("div", { class: "series" }), area = make("div"), cursor = make("div", { class: "cursor" });
-  $("plots").append(make("div", { class: "plot" }, make("h3", {}, make("span", {}, title, make("em", {}, unit)), labels), make("div", { class: "area" }, area, cursor)));
-  const values = series.map(({ name, color }) => {
-    const value = make("b");
-    labels.append(make("span", {}, make("i", { style: `background:var(${color})` }), name, value));
-    return value;
-  });
-  const entry = (one, k) => (isNumber(one.values[k]) ? [one.values[k], one.sigma && isNumber(one.sigma[k]) ? one.sigma[k] : 0] : [null, null]);
-  const data = Array.from({ length: n }, (_, k) => [column.time[k], ...series.map((one) => entry(one, k))]);
-  let graph = null;  // drawCallback already runs inside the constructor
-  function place() {
-    if (!graph || step < 0) return;
-    const at = graph.toDomXCoord(column.time[step]), box = graph.getArea();
-    cursor.style.display = at >= box.x - 1 && at <= box.x + box.w + 1 ? "" : "none";
-    cursor.style.transform = `translateX(${at.toFixed(1)}px)`;
-    cursor.style.top = `${box.y}px`; cursor.style.height = `${box.h}px`; cursor.style.bottom = "auto";
-  }
-  const show = (k) => series.forEach((one, i) => { values[i].textContent = format(one.values[k], one.sigma ? one.sigma[k] : NaN); });
-  const colors = () => series.map(({ color }) => css(color));
-  graph = new Dygraph(area, data, {
-    labels: ["time", ...series.map(({ name }) => name)], colors: colors(), strokeWidth: 1.5, legend: "never", labelsDiv: make("div"), errorBars: true, sigma: 2,
-    highlightCircleSize: 3, gridLineColor: css("--grid"), axisLineColor: css("--line"), axisLineWidth: 1, rightGap: 10, xRangePad: 2, yRangePad: 6,
-    xAxisHeight: 20, digitsAfterDecimal: 4, drawPoints: n < 3, drawGapEdgePoints: true, connectSeparatedPoints: false,
-    dateWindow: n === 1 ? [column.time[0] - 1, column.time[0] + 1] : null,  // one point alone spans nothing
-    axes: {
-      x: { drawGrid: false, pixelsPerLabel: 64, axisLabelFormatter: (v) => `${+v.toFixed(3)} s`, axisLabelWidth: 60 },
-      y: { pixelsPerLabel: 26, axisLabelWidth: 48, axisLabelFormatter: (v) => compact(v) },
-    },
-    underlayCallback: (context, chart, g) => {
-      for (let k = 0; k < n; ++k) {
-        if (!column.state[k]) continue;
-        const start = g.toDomXCoord(column.time[k]), end = k + 1 < n ? g.toDomXCoord(column.time[k + 1]) : start + 2;
-        context.fillStyle = css(column.state[k] === 1 ? "--shade-warn" : "--shade-bad");
-        context.fillRect(start, chart.y, Math.max(1, end - start), chart.h);
-      }
-    },
-    clickCallback: (e, time) => seek(nearest(time)),
-    highlightCallback: (e, time, points, row) => show(row),
-    unhighlightCallback: () => show(step),
-    drawCallback: (g, first) => {
-      if (first || aligning) { place(); return; }
-      aligning = true;
-      for (const other of plots) if (other.graph !== g) other.graph.updateOptions({ dateWindow: g.xAxisRange() });
-      aligning = false;
-      place();
-    },
-    ...options,
-  });
-  plots.push({ graph, place, show, cursor, recolor: () => graph.updateOptions({ colors: colors(), gridLineColor: css("--grid"), axisLineColor: css("--line") }) });
-}
+const { plots, add: addPlot } = recordingPlots({
+  column, step: () => step, seek, bands: true, all: { drawPoints: n < 3, drawGapEdgePoints: true, connectSeparatedPoints: false },
+});
 const within = (unit) => (v, sigma) => (isNumber(v) ? `${fixed(v, 2)}${isNumber(sigma) ? ` ± ${+(2 * sigma).toPrecision(2)}` : ""}${unit}` : "–");
 if (!scans) {
   addPlot("Camera above the ground", "m, band: two standard deviations", [{ name: "measured", color: "--accent", values: column.height, sigma: column.sigma_height },

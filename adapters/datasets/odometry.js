@@ -25,10 +25,6 @@ if (known) {
 }
 figure("losses", fixed(s.losses, 0), "", s.losses > 0);
 
-// ---- Colours ------------------------------------------------------------------------------------
-const dark = matchMedia("(prefers-color-scheme: dark)");
-const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
-
 // ---- Picture with landmarks ---------------------------------------------------------------------
 const canvas = $("picture");
 let drawn = null;  // what the picture shows, for the self-test
@@ -94,65 +90,8 @@ function drawPath(k) {
 $("true-legend").hidden = !column.true_x.some(isNumber);
 
 // ---- Plots --------------------------------------------------------------------------------------
-const plots = [];
-let aligning = false, step = -1;
-function nearest(time) {
-  let best = 0;
-  for (let k = 1; k < n; ++k) if (Math.abs(column.time[k] - time) < Math.abs(column.time[best] - time)) best = k;
-  return best;
-}
-function addPlot(title, unit, series, format) {
-  const labels = make("div", { class: "series" });
-  const area = make("div"), cursor = make("div", { class: "cursor" });
-  $("plots").append(make("div", { class: "plot" },
-    make("h3", {}, make("span", {}, title, make("em", {}, unit)), labels), make("div", { class: "area" }, area, cursor)));
-  const values = series.map(({ name, color }) => {
-    const value = make("b");
-    labels.append(make("span", {}, make("i", { style: `background:var(${color})` }), name, value));
-    return value;
-  });
-  const data = Array.from({ length: n }, (_, k) => [column.time[k], ...series.map((one) => (isNumber(one.values[k]) ? one.values[k] : null))]);
-  let graph = null;  // drawCallback already runs inside the constructor
-  function place() {
-    if (!graph || step < 0) return;
-    const at = graph.toDomXCoord(column.time[step]), box = graph.getArea();
-    cursor.style.display = at >= box.x - 1 && at <= box.x + box.w + 1 ? "" : "none";
-    cursor.style.transform = `translateX(${at.toFixed(1)}px)`;
-    cursor.style.top = `${box.y}px`; cursor.style.height = `${box.h}px`; cursor.style.bottom = "auto";
-  }
-  const show = (k) => series.forEach((one, i) => { values[i].textContent = format(one.values[k]); });
-  const colors = () => series.map(({ color }) => css(color));
-  graph = new Dygraph(area, data, {
-    labels: ["time", ...series.map(({ name }) => name)], colors: colors(), strokeWidth: 1.5, legend: "never", labelsDiv: make("div"),
-    highlightCircleSize: 3, gridLineColor: css("--grid"), axisLineColor: css("--line"), axisLineWidth: 1, rightGap: 10, xRangePad: 2, yRangePad: 6,
-    xAxisHeight: 20, digitsAfterDecimal: 4, valueRange: [0, null], drawPoints: n === 1,
-    dateWindow: n === 1 ? [column.time[0] - 1, column.time[0] + 1] : null,  // one point alone spans nothing
-    axes: {
-      x: { drawGrid: false, pixelsPerLabel: 64, axisLabelFormatter: (v) => `${+v.toFixed(3)} s`, axisLabelWidth: 60 },
-      y: { pixelsPerLabel: 26, axisLabelWidth: 48, axisLabelFormatter: (v) => compact(v) },
-    },
-    underlayCallback: (context, chart, g) => {
-      for (let k = 0; k < n; ++k) {
-        if (!column.state[k]) continue;
-        const start = g.toDomXCoord(column.time[k]);
-        const end = k + 1 < n ? g.toDomXCoord(column.time[k + 1]) : start + 2;
-        context.fillStyle = css(column.state[k] === 1 ? "--shade-warn" : "--shade-bad");
-        context.fillRect(start, chart.y, Math.max(1, end - start), chart.h);
-      }
-    },
-    clickCallback: (e, time) => seek(nearest(time)),
-    highlightCallback: (e, time, points, row) => show(row),
-    unhighlightCallback: () => show(step),
-    drawCallback: (g, first) => {
-      if (first || aligning) { place(); return; }
-      aligning = true;
-      for (const other of plots) if (other.graph !== g) other.graph.updateOptions({ dateWindow: g.xAxisRange() });
-      aligning = false;
-      place();
-    },
-  });
-  plots.push({ graph, place, show, cursor, recolor: () => graph.updateOptions({ colors: colors(), gridLineColor: css("--grid"), axisLineColor: css("--line") }) });
-}
+let step = -1;
+const { plots, add: addPlot } = recordingPlots({ column, step: () => step, seek, all: { valueRange: [0, null], drawPoints: n === 1 } });
 const metres = (v) => (isNumber(v) ? `${compact(v)} m` : "–"), degrees = (v) => (isNumber(v) ? `${compact(v)}°` : "–"), whole = (v) => fixed(v, 0);
 const one = (name, color, values) => ({ name, color, values });
 const errorOf = (name, values) => (values.some(isNumber) ? [one(name, "--bad", values)] : []);

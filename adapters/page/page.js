@@ -38,6 +38,82 @@ function compact(x) {
 }
 const plural = (count, what) => `${count} ${what}${count === 1 ? "" : "s"}`;
 
+// ---- Colours of the page's style ------------------------------------------------------------------
+const dark = matchMedia("(prefers-color-scheme: dark)");
+const css = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+// ---- Plots of a recording over time ---------------------------------------------------------------
+// Below each other in #plots, with one window of time; a click seeks. column.time [s] and column.state are of its
+// frames, of which those of state 1 and 2 are shaded. step() says which is shown, seek(k) shows one. `bands`: series
+// have a sigma, of which two make a band. `all`: options of Dygraphs for every plot. Returns the plots so far, and
+// add(title, unit, series, format, options), which draws one: a series is {name, color: "--name", values, sigma},
+// format(value, sigma) is what it says.
+function recordingPlots({ column, step, seek, bands = false, all = {} }) {
+  const n = column.time.length, plots = [];
+  let aligning = false;
+  function nearest(time) {
+    let best = 0;
+    for (let k = 1; k < n; ++k) if (Math.abs(column.time[k] - time) < Math.abs(column.time[best] - time)) best = k;
+    return best;
+  }
+  const entry = ({ values, sigma }, k) => {
+    if (!bands) return isNumber(values[k]) ? values[k] : null;
+    return isNumber(values[k]) ? [values[k], sigma && isNumber(sigma[k]) ? sigma[k] : 0] : [null, null];
+  };
+  function add(title, unit, series, format, options = {}) {
+    const labels = make("div", { class: "series" }), area = make("div"), cursor = make("div", { class: "cursor" });
+    $("plots").append(make("div", { class: "plot" },
+      make("h3", {}, make("span", {}, title, make("em", {}, unit)), labels), make("div", { class: "area" }, area, cursor)));
+    const values = series.map(({ name, color }) => {
+      const value = make("b");
+      labels.append(make("span", {}, make("i", { style: `background:var(${color})` }), name, value));
+      return value;
+    });
+    const data = Array.from({ length: n }, (_, k) => [column.time[k], ...series.map((one) => entry(one, k))]);
+    let graph = null;  // drawCallback already runs inside the constructor
+    function place() {
+      if (!graph || step() < 0) return;
+      const at = graph.toDomXCoord(column.time[step()]), box = graph.getArea();
+      cursor.style.display = at >= box.x - 1 && at <= box.x + box.w + 1 ? "" : "none";
+      cursor.style.transform = `translateX(${at.toFixed(1)}px)`;
+      cursor.style.top = `${box.y}px`; cursor.style.height = `${box.h}px`; cursor.style.bottom = "auto";
+    }
+    const show = (k) => series.forEach((one, i) => { values[i].textContent = format(one.values[k], one.sigma ? one.sigma[k] : NaN); });
+    const colors = () => series.map(({ color }) => css(color));
+    graph = new Dygraph(area, data, {
+      labels: ["time", ...series.map(({ name }) => name)], colors: colors(), strokeWidth: 1.5, legend: "never", labelsDiv: make("div"),
+      highlightCircleSize: 3, gridLineColor: css("--grid"), axisLineColor: css("--line"), axisLineWidth: 1, rightGap: 10, xRangePad: 2, yRangePad: 6,
+      xAxisHeight: 20, digitsAfterDecimal: 4, errorBars: bands, sigma: 2,
+      dateWindow: n === 1 ? [column.time[0] - 1, column.time[0] + 1] : null,  // one point alone spans nothing
+      axes: {
+        x: { drawGrid: false, pixelsPerLabel: 64, axisLabelFormatter: (v) => `${+v.toFixed(3)} s`, axisLabelWidth: 60 },
+        y: { pixelsPerLabel: 26, axisLabelWidth: 48, axisLabelFormatter: (v) => compact(v) },
+      },
+      underlayCallback: (context, chart, g) => {
+        for (let k = 0; k < n; ++k) {
+          if (!column.state[k]) continue;
+          const start = g.toDomXCoord(column.time[k]), end = k + 1 < n ? g.toDomXCoord(column.time[k + 1]) : start + 2;
+          context.fillStyle = css(column.state[k] === 1 ? "--shade-warn" : "--shade-bad");
+          context.fillRect(start, chart.y, Math.max(1, end - start), chart.h);
+        }
+      },
+      clickCallback: (e, time) => seek(nearest(time)),
+      highlightCallback: (e, time, points, row) => show(row),
+      unhighlightCallback: () => show(step()),
+      drawCallback: (g, first) => {
+        if (first || aligning) { place(); return; }
+        aligning = true;
+        for (const other of plots) if (other.graph !== g) other.graph.updateOptions({ dateWindow: g.xAxisRange() });
+        aligning = false;
+        place();
+      },
+      ...all, ...options,
+    });
+    plots.push({ graph, place, show, cursor, recolor: () => graph.updateOptions({ colors: colors(), gridLineColor: css("--grid"), axisLineColor: css("--line") }) });
+  }
+  return { plots, add };
+}
+
 // ---- Playing ------------------------------------------------------------------------------------
 // What moves through the steps of a run, whose times are `time` [s]: the button #play, the slider #slider and
 // the keyboard. seek(k) shows a step, step() says which one is shown, speed() is that of the clock. `keys`:
