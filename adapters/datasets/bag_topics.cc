@@ -1,5 +1,7 @@
 #include "adapters/datasets/bag_topics.h"
 
+#include <algorithm>
+
 #include "adapters/datasets/ros_messages.h"
 #include "adapters/files/input_error.h"
 
@@ -86,6 +88,37 @@ std::string frame_of(const BagFile& bag, const BagTopic& topic) {
   return topic.messages.empty()
              ? std::string()
              : read_ros_header(read_message(bag, topic, 0), message_name(topic, 0)).frame;
+}
+
+std::vector<std::pair<double, std::size_t>> stamped_messages(const BagFile& bag,
+                                                             const BagTopic& topic,
+                                                             const std::string& what,
+                                                             std::vector<std::string>& notes) {
+  std::vector<std::pair<double, std::size_t>> stamped;
+  std::size_t unset = 0;
+  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+    double stamp = read_ros_header(read_message(bag, topic, i), message_name(topic, i)).stamp;
+    if (stamp <= 0.0) {
+      stamp = static_cast<double>(topic.messages[i].time) * 1e-9;
+      ++unset;
+    }
+    stamped.emplace_back(stamp, i);
+  }
+  if (unset > 0) {
+    notes.push_back(topic.name + ": " + std::to_string(unset) + " " + what +
+                    " without a stamp: the time of recording stands for it");
+  }
+  std::stable_sort(stamped.begin(), stamped.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  const auto repeated =
+      std::unique(stamped.begin(), stamped.end(),
+                  [](const auto& a, const auto& b) { return a.first == b.first; });
+  if (repeated != stamped.end()) {
+    notes.push_back(topic.name + ": " + std::to_string(stamped.end() - repeated) + " " + what +
+                    " with the stamp of another left out");
+    stamped.erase(repeated, stamped.end());
+  }
+  return stamped;
 }
 
 }  // namespace prospect

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "adapters/datasets/bag_file.h"
 
@@ -42,5 +44,13 @@ std::string read_message(const BagFile& bag, const BagTopic& topic, std::size_t 
 
 /// The frame of the first message's header; empty if there is no message.
 std::string frame_of(const BagFile& bag, const BagTopic& topic);
+
+/// The stamps [s] of the headers, increasing, each with its message; where one is not set, the time
+/// of recording. `notes` say how many of `what`, "images", had none, and how many are left out for
+/// the stamp of another.
+std::vector<std::pair<double, std::size_t>> stamped_messages(const BagFile& bag,
+                                                             const BagTopic& topic,
+                                                             const std::string& what,
+                                                             std::vector<std::string>& notes);
 
 }  // namespace prospect

@@ -1,6 +1,5 @@
 // Bags of ROS 2: images, their camera_info, poses and static transforms, by topic.
 
-#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -31,34 +30,10 @@ ImageStream image_stream(const BagFile& bag, const BagTopic& topic,
   ImageStream stream;
   stream.name = topic.name;
   std::vector<std::size_t> order;
-  int unset = 0, repeated = 0;
-  std::vector<std::pair<double, std::size_t>> stamped;
-  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
-    double stamp = read_ros_header(read_message(bag, topic, i), message_name(topic, i)).stamp;
-    if (stamp <= 0.0) {
-      stamp = static_cast<double>(topic.messages[i].time) * 1e-9;
-      ++unset;
-    }
-    stamped.emplace_back(stamp, i);
-  }
-  std::stable_sort(stamped.begin(), stamped.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [stamp, i] : stamped) {
-    if (!stream.stamps.empty() && !(stamp > stream.stamps.back())) {
-      ++repeated;
-      continue;
-    }
+  for (const auto& [stamp, i] : stamped_messages(bag, topic, "images", notes)) {
     stream.stamps.push_back(stamp);
     stream.names.push_back(message_name(topic, i));
     order.push_back(i);
-  }
-  if (unset > 0) {
-    notes.push_back(topic.name + ": " + std::to_string(unset) +
-                    " images without a stamp: the time of recording stands for it");
-  }
-  if (repeated > 0) {
-    notes.push_back(topic.name + ": " + std::to_string(repeated) +
-                    " images with the stamp of another left out");
   }
   stream.read = [bag, &topic = *bag.find(topic.name), order](std::size_t i) {
     const std::string bytes = read_message(bag, topic, order.at(i));

@@ -1,6 +1,5 @@
 // Bags of ROS 2: scans of lidars and clouds of points, with poses from topics or TF.
 
-#include <algorithm>
 #include <memory>
 #include <utility>
 
@@ -43,37 +42,6 @@ Eigen::Isometry3d motion_during(const RosLaserScan& scan, double stamp, const Ba
   return T_begin->inverse() * *T_end;
 }
 
-/// The stamps of messages, with which each is; where a header's is not set, the time of recording.
-std::vector<std::pair<double, std::size_t>> stamped_messages(const BagFile& bag,
-                                                             const BagTopic& topic,
-                                                             std::vector<std::string>& notes) {
-  std::vector<std::pair<double, std::size_t>> stamped;
-  std::size_t unset = 0;
-  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
-    double stamp = read_ros_header(read_message(bag, topic, i), message_name(topic, i)).stamp;
-    if (stamp <= 0.0) {
-      stamp = static_cast<double>(topic.messages[i].time) * 1e-9;
-      ++unset;
-    }
-    stamped.emplace_back(stamp, i);
-  }
-  if (unset > 0) {
-    notes.push_back(topic.name + ": " + std::to_string(unset) +
-                    " scans without a stamp: the time of recording stands for it");
-  }
-  std::stable_sort(stamped.begin(), stamped.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  const auto repeated =
-      std::unique(stamped.begin(), stamped.end(),
-                  [](const auto& a, const auto& b) { return a.first == b.first; });
-  if (repeated != stamped.end()) {
-    notes.push_back(topic.name + ": " + std::to_string(stamped.end() - repeated) +
-                    " scans with the stamp of another left out");
-    stamped.erase(repeated, stamped.end());
-  }
-  return stamped;
-}
-
 }  // namespace
 
 ScanSource open_scan_bag(const std::string& path, const ScanOptions& options) {
@@ -90,7 +58,7 @@ ScanSource open_scan_bag(const std::string& path, const ScanOptions& options) {
     }
     source.from = topic->name;
     source.planar = is_laser_scan(*topic);
-    const auto stamped = stamped_messages(bag, *topic, source.notes);
+    const auto stamped = stamped_messages(bag, *topic, "scans", source.notes);
     source.scans = stamped.size();
     if (stamped.empty()) throw InputError(topic->name + ": holds no message; expected scans");
     const std::size_t first = stamped[0].second;
