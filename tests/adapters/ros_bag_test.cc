@@ -309,6 +309,14 @@ TEST_F(RosBag, Database) {
   follow(path);
   EXPECT_THAT(refusal(write("b.db3", "no database, but longer than its head would be")),
               HasSubstr("expected an intact database of rosbag2"));
+
+  // A refusal amid the rows closes the database as well.
+  ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+  run("DELETE FROM topics WHERE id = 0");
+  sqlite3_close(database);
+  const sqlite3_int64 in_use = sqlite3_memory_used();
+  EXPECT_THAT(refusal(path), HasSubstr("a message of no topic"));
+  EXPECT_EQ(sqlite3_memory_used(), in_use);
 }
 #endif
 
