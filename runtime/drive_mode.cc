@@ -1,6 +1,5 @@
 #include "runtime/drive_mode.h"
 
-
 namespace prospect {
 namespace {
 

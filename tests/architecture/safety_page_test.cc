@@ -65,9 +65,10 @@ TEST(SafetyPage, AWrongNameIsFound) {
                                   << "| h | r | `tests/a_test.cc` `A.IsNot` |\n"
                                   << "| h | r | `tests/b_test.cc` `A.IsThere` |\n"
                                   << "| h | r | |\n";
-  EXPECT_THAT(faults_of(root, root / "page.md"),
-              testing::ElementsAre("page.md:4: no test A.IsNot", "page.md:5: no file tests/b_test.cc",
-                                   "page.md:5: no test A.IsThere", "page.md:6: no test"));
+  EXPECT_THAT(
+      faults_of(root, root / "page.md"),
+      testing::ElementsAre("page.md:4: no test A.IsNot", "page.md:5: no file tests/b_test.cc",
+                           "page.md:5: no test A.IsThere", "page.md:6: no test"));
 }
 
 }  // namespace
