@@ -12,6 +12,7 @@ namespace prospect {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kFarthestStop = 1000.0;  // [m] beyond it a command is no command
 
 /// Where a point of B stands after `time` on the arc of a command, in B at its start.
 struct Arc {
@@ -129,14 +130,18 @@ RangeStopVerdict RangeStop::in_view(const RangeFrame& frame, const Twist& comman
     ++all[bin];
     valid[bin] += ray.kind != RangeRay::Kind::kInvalid;
   }
+  // Rays of a scan may be farther apart than a bin is wide: the bins beside count as well.
   int directions = 0, seen = 0, rays = 0, good = 0;
   for (std::size_t bin = 0; bin < counts.size(); ++bin) {
-    if (!counts[bin]) continue;
-    ++directions;
-    // Rays of a scan may be farther apart than a bin is wide.
-    seen += all[bin] > 0 || all[(bin + 1) % kBins] > 0 || all[(bin + kBins - 1) % kBins] > 0;
-    rays += all[bin];
-    good += valid[bin];
+    const std::size_t next = (bin + 1) % kBins, last = (bin + kBins - 1) % kBins;
+    if (counts[bin]) {
+      ++directions;
+      seen += all[bin] + all[next] + all[last] > 0;
+    }
+    if (counts[bin] || counts[next] || counts[last]) {
+      rays += all[bin];
+      good += valid[bin];
+    }
   }
   RangeStopVerdict clear;
   clear.share = 1.0;
@@ -175,11 +180,15 @@ RangeStopVerdict RangeStop::check(const RangeFrame& frame, const Twist& command,
   const double passed = std::max(age, 0.0);
   const double time = passed + o.reaction_time + 0.5 * stop;
 
-  RangeStopVerdict verdict = in_view(frame, command, time);
   // Poses so close that no point of the body moves by more than a centimetre, or a 200th of the
   // way.
   const double radius = std::hypot(std::max(o.front, o.rear), std::max(o.left, o.right));
   const double reach = (speed + std::abs(arc.w) * radius) * time;
+  if (!(reach <= kFarthestStop)) {
+    return stopped(0.0, RangeStopReason::kNonFinite, "the command needs more than %g m to stop",
+                   kFarthestStop);
+  }
+  RangeStopVerdict verdict = in_view(frame, command, time);
   const int steps = static_cast<int>(std::clamp(std::ceil(reach / 0.01), 1.0, 200.0));
   std::vector<Arc::Placed> poses;
   for (int n = 1; n <= steps; ++n) poses.push_back(arc.at(time * n / steps));
