@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "models/knobs.h"
-
 namespace prospect {
 namespace {
 
@@ -181,13 +179,6 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
   }
   bring_to_rest(robot, guard, previous);
   return result;
-}
-
-void describe(Knobs& knobs, MissionOptions& o) {
-  knobs.number("time_limit", o.time_limit, {1.0, 1e6}, "s", "of the robot's clock");
-  knobs.number("lost_limit", o.lost_limit, {0.0, 1e6}, "s",
-               "without localization that ends the mission");
-  knobs.boolean("return", o.return_when_done, "back to the start once the task is over");
 }
 
 }  // namespace prospect
