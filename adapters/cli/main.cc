@@ -433,8 +433,8 @@ int run(int argc, char** argv) {
 
   std::string what;
   bool list_json = false;
-  CLI::App* list_command =
-      app.add_subcommand("list", "What there is: solvers, worlds, terms, sets or modes");
+  CLI::App* list_command = app.add_subcommand(
+      "list", "What there is: solvers, worlds, terms, sets, modes or drive-modes");
   one_of(list_command->add_option("what", what, "Which of them, in full [all, in short]"),
          list_kinds());
   list_command->add_flag("--json", list_json, "Print JSON");

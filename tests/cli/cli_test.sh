@@ -260,6 +260,11 @@ for row in '| any | exhausted for look_around | done | explored |' '| retreat | 
 done
 succeeds "list modes as JSON" list modes --json
 grep -q '"cause": "localization lost"' out.txt || fail "list modes --json: no cause"
+succeeds "list drive-modes" list drive-modes
+grep -qF '| any | an emergency stop is asked for | stopping | emergency stop |' out.txt ||
+  fail "list drive-modes: no row of the emergency stop"
+succeeds "list drive-modes as JSON" list drive-modes --json
+grep -q '"cause": "source stale"' out.txt || fail "list drive-modes --json: no cause"
 succeeds "list terms" list terms
 named "list terms" control_effort obstacles visible_features exploration_gain cost_to_go clearance
 # The terms listed are those that problems have: of a base with speed in its inputs, and in its state.
@@ -285,14 +290,14 @@ done
 
 # All of it at once: names in short, or one document.
 succeeds "list" list
-for text in solvers worlds terms sets modes "  office office_bare corridor loop" nlopt:LD_SLSQP "look around"; do
+for text in solvers worlds terms sets modes drive-modes "  office office_bare corridor loop" nlopt:LD_SLSQP "look around"; do
   grep -qE "^$text|  ?$text" out.txt || fail "list: no '$text' in '$out'"
 done
 (($(wc -l <out.txt) < 25)) || fail "list: $(wc -l <out.txt) lines are not short"
 {
   echo "{"
   separator=""
-  for what in solvers worlds terms sets modes; do
+  for what in solvers worlds terms sets modes drive-modes; do
     printf '%s  "%s": ' "$separator" "$what"
     "$prospect" list "$what" --json | sed '2,$s/^/  /' | head -c -1
     separator=$',\n'
