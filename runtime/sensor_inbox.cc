@@ -12,8 +12,11 @@
 namespace prospect {
 namespace {
 
-// A stamp that is ahead of the clock by more than this [s] cannot be one of it.
-constexpr double kFuture = 0.02;
+ClockOffsetOptions clock_of(bool in_runtime_clock) {
+  ClockOffsetOptions options;
+  options.own_clock = !in_runtime_clock;
+  return options;
+}
 
 /// "1.25", for messages.
 std::string seconds(double value) {
@@ -78,8 +81,26 @@ InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame) {
 }
 
 SensorInbox::SensorInbox(const Clock& clock, const SensorInboxOptions& options)
-    : clock_(clock), options_(options) {
+    : clock_(clock),
+      options_(options),
+      cameras_(clock_of(options.cameras_in_runtime_clock)),
+      wheels_(clock_of(options.wheels_in_runtime_clock)),
+      depth_(clock_of(options.depth_in_runtime_clock)),
+      scan_(clock_of(options.scan_in_runtime_clock)) {
   check_knobs("sensor inbox", options_);
+}
+
+ClockOffset& SensorInbox::offset_of(SensorStream stream) {
+  switch (stream) {
+    case SensorStream::kWheels:
+      return wheels_;
+    case SensorStream::kDepth:
+      return depth_;
+    case SensorStream::kScan:
+      return scan_;
+    default:
+      return cameras_;
+  }
 }
 
 double SensorInbox::max_age(SensorStream stream) const {
@@ -103,18 +124,17 @@ void SensorInbox::drop(StreamCount& count, std::uint64_t StreamCount::*kind,
 std::optional<double> SensorInbox::shifted(SensorStream stream, double stamp) {
   StreamCount& count = at(stream).count;
   ++count.received;
-  const double now = clock_.now();
-  if (!std::isfinite(stamp)) {
-    drop(count, &StreamCount::refused, "its stamp is not finite");
-    return std::nullopt;
-  }
-  if (stamp > now + kFuture) {
+  ClockOffset& offset = offset_of(stream);
+  const StampReading reading = offset.add(stamp, clock_.now());
+  count.jumps = offset.jumps();
+  if (!reading.time) {
     drop(count, &StreamCount::refused,
-         "its stamp is " + seconds(stamp - now) + " s ahead of the clock");
+         "its stamp is " + std::string(to_string(reading.verdict)) +
+             (reading.text.empty() ? "" : ": " + reading.text));
     return std::nullopt;
   }
-  count.newest = std::max(count.newest.value_or(stamp), stamp);
-  return stamp;
+  count.newest = std::max(count.newest.value_or(*reading.time), *reading.time);
+  return reading.time;
 }
 
 void SensorInbox::put(SensorStream stream, SensorFrame frame) {
@@ -145,7 +165,10 @@ void SensorInbox::pair_up(SensorStream stream) {
   if (!partner) return;
   const Lone& left = is_left ? one : *partner;
   const Lone& right = is_left ? *partner : one;
-  const StereoFrame pair{left.stamp, right.stamp, left.image, right.image};
+  // How far they are apart their own clock knows best.
+  const StereoFrame pair{left.time, left.time + (right.stamp - left.stamp), left.image,
+                         right.image};
+  const double left_stamp = left.stamp, right_stamp = right.stamp;
   const auto take_up_to = [&](std::deque<Lone>& waiting, double stamp, SensorStream stream) {
     StreamCount& count = at(stream).count;
     ++count.taken;
@@ -154,8 +177,8 @@ void SensorInbox::pair_up(SensorStream stream) {
       return one.stamp <= stamp;
     });
   };
-  take_up_to(left_, pair.left_stamp, SensorStream::kLeft);
-  take_up_to(right_, pair.right_stamp, SensorStream::kRight);
+  take_up_to(left_, left_stamp, SensorStream::kLeft);
+  take_up_to(right_, right_stamp, SensorStream::kRight);
   StreamCount& count = at(SensorStream::kPair).count;
   ++count.received;
   count.newest = std::max(count.newest.value_or(pair.left_stamp), pair.left_stamp);
@@ -175,7 +198,7 @@ void SensorInbox::lone(SensorStream stream, double stamp, Image image) {
       waiting.pop_front();
       drop(count, &StreamCount::unpaired, "no partner of its stamp came");
     }
-    waiting.push_back({*at_capture, std::move(shared)});
+    waiting.push_back({stamp, *at_capture, std::move(shared)});
     pair_up(stream);
   }
   came_.notify_one();

@@ -20,6 +20,7 @@
 #include "perception/odometry/image.h"
 #include "perception/pipeline/perception_pipeline.h"
 #include "runtime/clock.h"
+#include "runtime/clock_offset.h"
 
 namespace prospect {
 
@@ -86,7 +87,8 @@ struct StreamCount {
   std::uint64_t overflown = 0;   ///< dropped: too many waited
   std::uint64_t too_old = 0;     ///< dropped: older than the limit when it was to be taken
   std::uint64_t unpaired = 0;    ///< dropped: an image whose partner did not come
-  std::uint64_t refused = 0;     ///< dropped: a stamp that is not finite, or an empty image
+  std::uint64_t refused = 0;     ///< dropped: a stamp that has no time, or an empty image
+  int jumps = 0;                 ///< of its clock, or of the runtime's against it
   std::optional<double> newest;  ///< stamp of the newest frame [s], in the runtime's clock
   std::string reason;            ///< why the newest that was dropped was
 };
@@ -103,7 +105,8 @@ struct StreamCount {
 /// perception takes inputs in any order among its sources.
 ///
 /// Clock. now() of the runtime's clock when a frame is put in is its arrival. A stream with a clock
-/// of its own is shifted by an estimate of the offset, from stamps and arrivals.
+/// of its own is shifted by an estimate of the offset, from stamps and arrivals (clock_offset.h);
+/// what comes before that has settled, or after a jump, has no time and is refused.
 ///
 /// Thread-safety: any thread, but take() and wait() are for one. No lock is held for longer than a
 /// frame is moved. Never throws after construction; the constructor throws std::invalid_argument on
@@ -133,8 +136,9 @@ class SensorInbox {
   std::string stale() const;
 
  private:
-  struct Lone {  // an image that waits for its partner
-    double stamp = 0.0;
+  struct Lone {          // an image that waits for its partner
+    double stamp = 0.0;  // [s] in the cameras' clock
+    double time = 0.0;   // [s] in the runtime's
     std::shared_ptr<const Image> image;
   };
   struct Stream {
@@ -150,6 +154,7 @@ class SensorInbox {
   /// Makes a pair of the newest image of a stream, if its partner is there.
   void pair_up(SensorStream stream);
   void put(SensorStream stream, SensorFrame frame);
+  ClockOffset& offset_of(SensorStream stream);
   static void drop(StreamCount& count, std::uint64_t StreamCount::*kind, const std::string& why);
 
   const Clock& clock_;
@@ -159,6 +164,8 @@ class SensorInbox {
   std::array<Stream, kSensorStreams> streams_;
   std::deque<Lone> left_, right_;  // in order of arrival
   NewestRanges ranges_;
+  // The cameras have one clock.
+  ClockOffset cameras_, wheels_, depth_, scan_;
 };
 
 }  // namespace prospect

@@ -55,6 +55,15 @@ timed_out "a start to the left of the origin" explore office --time-limit 1 --qu
 timed_out "a summary in words" explore office --time-limit 1 --quiet --out words
 ! grep -qiw nan out.txt || fail "the summary in words has a number that is none: '$out'"
 ! grep -qw nan words/summary.json || fail "summary.json has a number that is none"
+# In real time: the robot may not have moved on a machine that is busy, but everything is written.
+timed_out "a mission in real time" drive office --time-limit 1.5 --quiet --out live
+grep -q 'capture to command' out.txt || fail "a mission in real time: no latency in '$out'"
+[[ -s live/steps.csv && -s live/report.html && -s live/summary.json ]] ||
+  fail "a mission in real time: its run folder is not whole"
+refused "a base that there is not" --base "expected one of: simulator" drive office --base rover \
+  --out none
+refused "a fault that nobody implements" --fault "'depth:garbage'; expected a fault" drive office \
+  --fault depth:garbage --out none
 
 # --- Tasks: done or not, and why.
 succeeds "enough, and back" explore office --until 12m2 --return --quiet --out task

@@ -134,10 +134,53 @@ TEST(SensorInbox, WhatCannotBeUsedIsRefusedAndCounted) {
   in.box.pair(99.9, std::nan(""), {image(), image()});
   EXPECT_FALSE(in.box.take());
   EXPECT_EQ(in.box.count(SensorStream::kWheels).refused, 3u);
-  EXPECT_EQ(in.box.count(SensorStream::kWheels).reason, "its stamp is 1 s ahead of the clock");
+  EXPECT_EQ(in.box.count(SensorStream::kWheels).reason,
+            "its stamp is future: 1 s ahead of the runtime's clock");
   EXPECT_EQ(in.box.count(SensorStream::kLeft).refused, 1u);
   EXPECT_EQ(in.box.count(SensorStream::kDepth).refused, 1u);
   EXPECT_EQ(in.box.count(SensorStream::kPair).refused, 2u);
+}
+
+TEST(SensorInbox, AClockOfItsOwnIsShiftedIntoTheRuntimes) {
+  SensorInboxOptions options = in_one_clock();
+  options.wheels_in_runtime_clock = false;
+  Inbox in(options);
+  // 1000 s ahead, 10 ms under way.
+  for (int k = 0; k < 100; ++k) {
+    in.clock.set(kNow + 0.02 * k);
+    in.box.wheels(sample(kNow + 1000.0 + 0.02 * k - 0.01));
+  }
+  const StreamCount count = in.box.count(SensorStream::kWheels);
+  ASSERT_TRUE(count.newest);
+  EXPECT_NEAR(*count.newest, in.clock.now(), 1e-3);
+  EXPECT_GT(count.refused, 0u);  // until the offset had settled
+  EXPECT_LT(count.refused, 40u);
+  // A jump of its clock costs some samples, and is counted.
+  for (int k = 100; k < 200; ++k) {
+    in.clock.set(kNow + 0.02 * k);
+    in.box.wheels(sample(5.0 + 0.02 * k));
+  }
+  EXPECT_EQ(in.box.count(SensorStream::kWheels).jumps, 1);
+  EXPECT_NEAR(*in.box.count(SensorStream::kWheels).newest, in.clock.now(), 1e-3);
+}
+
+TEST(SensorInbox, ImagesArePairedByTheStampsOfTheirOwnClock) {
+  SensorInboxOptions options = in_one_clock();
+  options.cameras_in_runtime_clock = false;
+  Inbox in(options);
+  for (int k = 0; k < 40; ++k) {
+    in.clock.set(kNow + 0.05 * k);
+    in.box.left(7.0 + 0.05 * k, image());
+    // The right images take longer, now and then.
+    in.clock.advance(k % 3 == 0 ? 0.03 : 0.005);
+    in.box.right(7.001 + 0.05 * k, image());
+    while (const auto frame = in.box.take()) {
+      const auto& pair = std::get<StereoFrame>(*frame);
+      EXPECT_NEAR(pair.right_stamp - pair.left_stamp, 0.001, 1e-9);
+    }
+  }
+  EXPECT_GT(in.box.count(SensorStream::kPair).taken, 20u);
+  EXPECT_LE(in.box.count(SensorStream::kLeft).unpaired, 2u);
 }
 
 TEST(SensorInbox, TheNewestRangesAreThereAlsoAfterTheyWereTaken) {
