@@ -23,6 +23,8 @@ find_package(ZLIB REQUIRED)
 pkg_check_modules(LZ4 QUIET IMPORTED_TARGET liblz4)
 pkg_check_modules(ZSTD QUIET IMPORTED_TARGET libzstd)
 pkg_check_modules(SQLITE QUIET IMPORTED_TARGET sqlite3)
+# What the transport of Gazebo needs: without it such a robot cannot be driven, and it says so.
+find_package(Protobuf QUIET)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)
 
 # Debian's OpenCV module packages ship neither a CMake configuration nor a pkg-config file.

@@ -67,6 +67,15 @@ int report(const ReportArguments& arguments, const Registries& registries);
 /// What ReportArguments::color may be.
 std::vector<std::string> path_colors();
 
+struct ExportArguments {
+  std::string world = "office";
+  std::string sdf;                    ///< file
+  std::string configuration;          ///< file; empty: defaults
+  std::vector<std::string> settings;  ///< "robot.depth.max_range=6": above the file
+  std::uint64_t seed = 1;             ///< of the marks on surfaces, as in a mission
+};
+int export_world(const ExportArguments& arguments, const Registries& registries);
+
 struct SolveArguments {
   std::vector<std::string> problems;  ///< problem files, WORLD@STEP
   std::string configuration;          ///< of the missions of WORLD@STEP

@@ -262,6 +262,23 @@ int run(int argc, char** argv) {
   report_command->add_option("--out", report_arguments.out, "Folder to write to [that of the run]")
       ->type_name("DIR");
 
+  ExportArguments export_arguments;
+  CLI::App* export_command = app.add_subcommand(
+      "export", "A world of voxels with the robot in it, for Gazebo 11: SDF, surfaces, textures");
+  export_command->add_option("world", export_arguments.world, "As explore takes it, but no mesh")
+      ->type_name("WORLD")
+      ->capture_default_str();
+  export_command->add_option("--sdf", export_arguments.sdf, "File to write; others go beside it")
+      ->type_name("FILE")
+      ->required();
+  export_command
+      ->add_option("--config", export_arguments.configuration, "Configuration file (YAML)")
+      ->type_name("FILE");
+  add_set(export_command, export_arguments.settings);
+  export_command->add_option("--seed", export_arguments.seed, "Of the marks on surfaces")
+      ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
+
   SolveArguments solve_arguments;
   CLI::App* solve_command =
       app.add_subcommand("solve", "One planning problem, several back ends, side by side");
@@ -502,6 +519,7 @@ int run(int argc, char** argv) {
   if (*explore_command) return explore(explore_arguments, registries);
   if (*drive_command) return drive(drive_arguments, registries);
   if (*report_command) return report(report_arguments, registries);
+  if (*export_command) return export_world(export_arguments, registries);
   if (*solve_command) return solve(solve_arguments, registries);
   if (*bench_command) return bench(bench_arguments, registries);
   if (*inspect_command) return inspect(inspect_arguments);

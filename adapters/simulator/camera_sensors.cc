@@ -19,11 +19,7 @@ std::shared_ptr<const SceneRenderer> scene_of(const World& world, const Simulato
     as_read.texture_contrast = options.camera.texture_quality;
     return std::make_shared<const SceneRenderer>(*world.mesh, as_read);
   }
-  WorldMeshOptions mesh;
-  mesh.texture_quality = options.camera.texture_quality;
-  mesh.seed = stream_seed(options.seed, NoiseStream::kTexture);
-  return std::make_shared<const SceneRenderer>(
-      world_mesh(world, simulated_features(world, options.seed), mesh));
+  return std::make_shared<const SceneRenderer>(seen_mesh(world, options));
 }
 
 CameraRigOptions rig_of(const SimulatorOptions& options) {
@@ -63,6 +59,14 @@ PerceptionOptions perception_of(const SimulatorOptions& options,
 }
 
 }  // namespace
+
+TexturedMesh seen_mesh(const World& world, const SimulatorOptions& options) {
+  if (world.mesh) return *world.mesh;
+  WorldMeshOptions mesh;
+  mesh.texture_quality = options.camera.texture_quality;
+  mesh.seed = stream_seed(options.seed, NoiseStream::kTexture);
+  return world_mesh(world, simulated_features(world, options.seed), mesh);
+}
 
 CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options,
                              const OccupancyMapperOptions& mapping, const Pose& start,

@@ -10,6 +10,7 @@
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/sensors.h"
 #include "adapters/simulator/simulator_options.h"
+#include "adapters/worlds/textured_mesh.h"
 #include "adapters/worlds/world.h"
 #include "models/robot_shape.h"
 #include "perception/fusion/wheel_fusion.h"
@@ -18,6 +19,10 @@
 #include "perception/pipeline/perception_pipeline.h"
 
 namespace prospect {
+
+/// What the cameras of a simulation see of a world: its own mesh, else that of its voxels with the
+/// marks that belong to the seed. Throws as world_mesh().
+TexturedMesh seen_mesh(const World& world, const SimulatorOptions& options);
 
 /// Perception as it runs on a robot: rendered stereo pairs, rendered depth and what wheels measure
 /// through PerceptionPipeline. Nothing but the pose at the start is taken from the truth.

@@ -84,6 +84,11 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
        {{"models", "engine", "perception", "runtime", "adapters/files", "adapters/worlds"},
         {"Eigen", "octomap", "opencv2", "embree3"},
         eigen}},
+      {"adapters/gazebo",
+       {{"models", "engine", "perception", "runtime", "adapters/files", "adapters/worlds",
+         "adapters/simulator"},
+        {"Eigen", "opencv2"},
+        eigen}},
       // Of worlds and the simulator, a configuration sees the options.
       {"adapters/config",
        {{"models", "engine", "solvers", "runtime", "adapters/files",
@@ -142,7 +147,10 @@ inline std::string library_of(const std::string& header) {
   if (header.rfind("hdf5", 0) == 0 || header.rfind("H5", 0) == 0) return "hdf5";
   if (std::regex_match(header, std::regex("(coin/|coin-or/)?(Ip[A-Z].*)"))) return "Ipopt";
   // <vector>, <sys/ioctl.h>, <unistd.h>: no path or the system's own.
-  if (header.find('/') == std::string::npos || first == "sys") return "";
+  if (header.find('/') == std::string::npos || first == "sys" || first == "netinet" ||
+      first == "arpa") {
+    return "";
+  }
   return first;  // a library nobody has allowed
 }
 

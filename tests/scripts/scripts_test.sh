@@ -16,7 +16,7 @@ run() {
 }
 lines() { [[ -z "$1" ]] && echo 0 || wc -l <<<"$1"; }
 
-for script in "$root"/scripts/{setup,build,explore,test} "$root/.ci/run"; do
+for script in "$root"/scripts/{setup,build,explore,test,gazebo} "$root/.ci/run"; do
   [[ -x "$script" ]] || fail "$script is not executable"
   run bash -n "$script"
   ((code == 0)) || fail "$script does not parse: $err"
@@ -98,6 +98,78 @@ if ((complete)); then
 else
   echo "skipped on this machine: setup with nothing missing (something is)"
 fi
+
+# Gazebo's folder: what is asked of debootstrap and apt-get, and every reason not to begin, one line each.
+# `world` is a server that runs for as long as the test lets it; flock and realpath are the machine's own.
+gazebo_tools="$work/gazebo tools"
+gazebo_dir="$work/gazebo folder"
+mkdir -p "$gazebo_tools"
+cat >"$gazebo_tools/apt-get" <<'TOOL'
+#!/usr/bin/env bash
+[[ "$1" == indextargets ]] || exit 1
+[[ -z "$MIRROR" ]] || printf '%s\n' "http://security.test/ bookworm-security main" "$MIRROR bookworm contrib" "$MIRROR bookworm main"
+TOOL
+cat >"$gazebo_tools/debootstrap" <<'TOOL'
+#!/usr/bin/env bash
+echo "debootstrap $1 $2 $4" >>"$TOLD"
+[[ -z "$REFUSE" ]] || { echo "E: $REFUSE"; exit 1; }
+mkdir -p "$3/var/lib/dpkg"
+TOOL
+cat >"$gazebo_tools/dpkg-query" <<'TOOL'
+#!/usr/bin/env bash
+[[ -n "$HERE" ]] && printf 'install ok installed\ninstall ok installed\n'
+TOOL
+printf '#!/usr/bin/env bash\necho unshare >>"$TOLD"\n' >"$gazebo_tools/unshare"
+printf '#!/usr/bin/env bash\necho Avail\necho "$FREE"\n' >"$gazebo_tools/df"
+printf '#!/usr/bin/env bash\nexec "$@"\n' >"$gazebo_tools/sudo"
+chmod +x "$gazebo_tools"/*
+# The copy of setup stands for all scripts above; this one is as it is in the tree.
+gazebo() {
+  : >"$work/told"
+  run env PATH="$gazebo_tools:$PATH" TOLD="$work/told" MIRROR="${mirror-http://mirror.test/debian/}" REFUSE="${refuse:-}" \
+    HERE="${present:-}" FREE="${free:-5000}" GAZEBO_MASTER_URI="${address-}" "$here/scripts/gazebo" "$@"
+}
+one_line() { ((code == $1)) && [[ -z "$out" ]] && (("$(lines "$err")" == 1)) && [[ "$err" == *"$2"* ]] || fail "gazebo: $3: exit $code, '$out' '$err'"; }
+refuse=""
+gazebo
+one_line 2 "expected scripts/gazebo install" "no command"
+gazebo fly
+one_line 2 "'fly'" "an unknown command"
+mirror="" gazebo install "$gazebo_dir"
+one_line 1 "no Debian mirror" "no mirror"
+free=100 gazebo install "$gazebo_dir"
+one_line 1 "100 MB are free" "no space"
+refuse="Couldn't download packages" gazebo install "$gazebo_dir"
+((code == 1)) && [[ "$(tail -n 1 <<<"$err")" == *"Couldn't download packages" && ! -e "$gazebo_dir" ]] ||
+  fail "gazebo: debootstrap that fails: exit $code, '$err'"
+gazebo install "$gazebo_dir"
+((code == 0)) && [[ -d "$gazebo_dir/var/lib/dpkg" && ! -e "$gazebo_dir.part" ]] || fail "gazebo install: exit $code, '$err'"
+[[ "$(<"$work/told")" == $'debootstrap --variant=minbase bullseye http://mirror.test/debian/\nunshare' ]] ||
+  fail "gazebo install did: $(<"$work/told")"
+gazebo install "$gazebo_dir"
+one_line 1 "holds something else" "a folder that is not Gazebo's"
+present=yes gazebo install "$gazebo_dir"
+((code == 0)) && [[ -z "$out$err" && ! -s "$work/told" ]] || fail "gazebo install, cached: exit $code, '$out' '$err'"
+world="$work/a world.sdf"
+gazebo start "$world" "$gazebo_dir"
+one_line 2 "a world.sdf" "a world that is not there"
+echo '<sdf/>' >"$world"
+gazebo start "$world" "$gazebo_dir"
+one_line 1 "no Gazebo in" "start before install"
+present=yes address=elsewhere gazebo start "$world" "$gazebo_dir"
+one_line 2 "'elsewhere'" "an address that is none"
+gazebo stop "$gazebo_dir"
+one_line 1 "nothing to stop" "stop of nothing"
+mkdir -p "$gazebo_dir/run" "$gazebo_dir/var/log"
+present=yes address=http://127.0.0.1:9 gazebo start "$world" "$gazebo_dir"
+one_line 1 "the server ended" "a server that ends"
+# Who holds the lock runs.
+flock "$gazebo_dir/run/prospect-gazebo.lock" sleep 60 &
+holder=$!
+for ((i = 0; i < 50; ++i)); do flock -n "$gazebo_dir/run/prospect-gazebo.lock" true || break; sleep 0.02; done
+present=yes gazebo start "$world" "$gazebo_dir"
+one_line 1 "scripts/gazebo stop before" "a second one"
+kill "$holder" && wait "$holder" 2>/dev/null
 
 # explore and test are set up, build, run, in this order, with their arguments, wherever they stand. They
 # configure alike: with other flags the second would build anew what the first has built.

@@ -1,0 +1,74 @@
+#include <cstdio>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "adapters/cli/commands.h"
+#include "adapters/config/configuration.h"
+#include "adapters/files/input_error.h"
+#include "adapters/files/whole_file.h"
+#include "adapters/gazebo/gazebo_world_file.h"
+#include "adapters/run/exploration_run.h"
+#include "adapters/simulator/camera_sensors.h"
+#include "adapters/worlds/load_world.h"
+#include "models/range_text.h"
+
+namespace prospect {
+
+int export_world(const ExportArguments& arguments, const Registries& registries) {
+  namespace fs = std::filesystem;
+  const fs::path sdf = arguments.sdf;
+  const std::string name = sdf.stem().string();
+  if (sdf.extension() != ".sdf" || name.empty() ||
+      name.find_first_of(" \"<>&#") != std::string::npos) {
+    throw InputError("--sdf: '" + arguments.sdf +
+                     "'; expected a file .sdf with a name without blanks and quotes");
+  }
+  Configuration configuration =
+      read_configuration(arguments.configuration, registries, arguments.settings);
+  const World world = load_world(arguments.world, world_options_for(configuration));
+  tell_left_out(world);
+  if (world.mesh) {
+    throw InputError(arguments.world +
+                     ": read from a mesh; expected a world of voxels, as Gazebo shows meshes "
+                     "itself");
+  }
+  configuration.simulator.seed = arguments.seed;
+  const GazeboWorldOptions options;
+  std::vector<std::pair<std::string, std::string>> files;
+  try {
+    files = gazebo_world_files(world, seen_mesh(world, configuration.simulator),
+                               configuration.robot, options, name);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(arguments.world + ": " + error.what());
+  }
+  const fs::path folder = sdf.has_parent_path() ? sdf.parent_path() : fs::path(".");
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (!fs::is_directory(folder, error)) {
+    throw InputError(folder.string() + ": cannot be created; expected a folder to write to");
+  }
+  // The SDF comes last: where it is, all that it names is.
+  for (const auto& [file, content] : files) {
+    const std::string path = (folder / file).string();
+    const std::string wrong = write_whole_file(path, content);
+    if (!wrong.empty()) {
+      throw InputError(path + ": cannot be written (" + wrong + "); expected a writable folder");
+    }
+    std::printf("%s\n", path.c_str());
+  }
+  const StereoCamera& stereo = configuration.robot.stereo;
+  const StereoCamera rendered = gazebo_stereo(stereo);
+  if (stereo.left.cx != rendered.left.cx || stereo.left.cy != rendered.left.cy) {
+    std::printf(
+        "Its cameras have their principal point in the middle: --set robot.stereo.cx=%s "
+        "--set robot.stereo.cy=%s\n",
+        exact_text(rendered.left.cx).c_str(), exact_text(rendered.left.cy).c_str());
+  }
+  return kDone;
+}
+
+}  // namespace prospect

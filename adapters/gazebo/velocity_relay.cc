@@ -1,0 +1,218 @@
+#include "adapters/gazebo/velocity_relay.h"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+
+#include "adapters/files/input_error.h"
+#include "adapters/files/not_built_in.h"
+#include "adapters/gazebo/gazebo_messages.h"
+#include "runtime/clock.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kFarewell = 0.2;  // [s] of zero velocity when its owner has gone
+constexpr double kWord = 0.1;      // [s] between two reports
+constexpr double kSilence = 1.0;   // [s] without one that is a fault
+
+// What goes over the link, whole or not at all (SOCK_SEQPACKET).
+struct Command {
+  double speed = 0.0, yaw_rate = 0.0, expires = 0.0;
+};
+struct Word {
+  bool ready = false;   // false: it could not begin, for the reason
+  bool absent = false;  // as the transport is not built in
+  bool connected = false;
+  std::array<char, 240> fault{};
+
+  void say(const std::string& text) {
+    std::snprintf(fault.data(), fault.size(), "%s", text.c_str());
+  }
+};
+
+/// The relay's own loop.
+class Relay {
+ public:
+  Relay(const GazeboOptions& options, int link)
+      : options_(options), link_(link), node_(options.address) {
+    topic_ = "/gazebo/" + gazebo_world_name(options, node_) + "/" + options.model + "/vel_cmd";
+    node_.advertise(topic_, "gazebo.msgs.Pose");
+  }
+
+  void run() {
+    double told = -1e9, zero = -1e9;
+    bool owned = true;
+    double end = 0.0;
+    while (owned || clock_.now() < end) {
+      const bool held = clock_.now() < std::min(newest_ + options_.dead_man, expires_);
+      const double until =
+          held ? std::min(newest_ + options_.dead_man, expires_) - clock_.now() : options_.period;
+      // The link that has closed can be read for ever: its owner is gone.
+      node_.spin(std::min(std::max(until, 0.0), options_.period), owned ? link_ : -1);
+      if (owned && !take()) {
+        owned = false;
+        expires_ = 0.0;
+        end = clock_.now() + kFarewell;
+      }
+      const double now = clock_.now();
+      if (now >= std::min(newest_ + options_.dead_man, expires_) && now - zero >= options_.period) {
+        zero = now;
+        node_.publish(topic_, gazebo_velocity({}, options_.turned_yaw));
+      }
+      if (owned && now - told >= kWord) {
+        told = now;
+        tell();
+      }
+    }
+  }
+
+ private:
+  /// The commands that have come; false: the owner is gone.
+  bool take() {
+    for (;;) {
+      Command command;
+      const ssize_t came = ::recv(link_, &command, sizeof command, MSG_DONTWAIT);
+      if (came < 0 && errno == EINTR) continue;
+      if (came < 0) return errno == EAGAIN || errno == EWOULDBLOCK;
+      if (came != sizeof command) return false;
+      newest_ = clock_.now();
+      expires_ = command.expires;
+      if (newest_ >= expires_) continue;
+      const Twist twist{{command.speed, 0.0, 0.0}, command.yaw_rate};
+      node_.publish(topic_, gazebo_velocity(twist, options_.turned_yaw));
+    }
+  }
+
+  void tell() {
+    Word word;
+    word.ready = true;
+    word.connected = node_.connected() && node_.subscribers(topic_) > 0;
+    if (!node_.faults().empty()) word.say(node_.faults().back());
+    ::send(link_, &word, sizeof word, MSG_DONTWAIT | MSG_NOSIGNAL);
+  }
+
+  const GazeboOptions& options_;
+  int link_;
+  GazeboNode node_;
+  SteadyClock clock_;
+  std::string topic_;
+  double newest_ = -1e9, expires_ = -1e9;
+};
+
+[[noreturn]] void relay(const GazeboOptions& options, int link) noexcept {
+  for (const int signal : {SIGINT, SIGHUP, SIGTERM, SIGPIPE}) std::signal(signal, SIG_IGN);
+  ::setsid();
+  // Nothing of its owner's stays open through it: not a file, not a port.
+  constexpr int kLink = 3;
+  ::dup2(link, kLink);
+  ::close_range(kLink + 1, ~0U, 0);
+  int code = 0;
+  Word word;
+  try {
+    Relay(options, kLink).run();
+    ::_exit(0);
+  } catch (const NotBuiltIn& error) {
+    word.absent = true;
+    word.say(error.what());
+  } catch (const std::exception& error) {
+    word.say(error.what());
+  } catch (...) {
+    word.say("the relay failed");
+  }
+  code = 1;
+  ::send(kLink, &word, sizeof word, MSG_NOSIGNAL);
+  ::_exit(code);
+}
+
+}  // namespace
+
+VelocityRelay::VelocityRelay(const GazeboOptions& options) {
+  check(options);
+  std::array<int, 2> ends{};
+  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    fail("gazebo", std::string("no link to a relay: ") + std::strerror(errno));
+  }
+  process_ = ::fork();
+  if (process_ == 0) relay(options, ends[1]);
+  ::close(ends[1]);
+  link_ = ends[0];
+  Word word;
+  if (process_ > 0) {
+    pollfd waits{link_, POLLIN, 0};
+    const double patience = 2.0 * options.address.timeout + 1.0;
+    ::poll(&waits, 1, static_cast<int>(1e3 * patience));
+    if (::recv(link_, &word, sizeof word, MSG_DONTWAIT) != sizeof word) {
+      word.say("gazebo: the relay does not answer; expected it to run");
+    }
+  } else {
+    word.say(std::string("gazebo: no process for the relay: ") + std::strerror(errno));
+  }
+  if (!word.ready) {
+    ::close(link_);
+    if (process_ > 0) {
+      ::kill(process_, SIGKILL);
+      ::waitpid(process_, nullptr, 0);
+    }
+    if (word.absent) {
+      throw NotBuiltIn("the transport of Gazebo", "libprotobuf-dev and protobuf-compiler");
+    }
+    throw InputError(std::string(word.fault.data()));
+  }
+  heard_ = SteadyClock().now();
+  report_ = {word.connected, word.fault.data()};
+}
+
+VelocityRelay::~VelocityRelay() {
+  ::close(link_);
+  const SteadyClock clock;
+  const double end = clock.now() + 2.0;
+  int gone = 0;
+  while ((gone = ::waitpid(process_, nullptr, WNOHANG)) == 0 && clock.now() < end) {
+    ::usleep(5000);
+  }
+  if (gone == 0) {
+    ::kill(process_, SIGKILL);
+    ::waitpid(process_, nullptr, 0);
+  }
+}
+
+bool VelocityRelay::send(const Twist& velocity, double expires) noexcept {
+  Command command{velocity.linear.x(), velocity.yaw_rate, expires};
+  if (!std::isfinite(command.speed) || !std::isfinite(command.yaw_rate) ||
+      !std::isfinite(expires)) {
+    command = {};
+  }
+  return ::send(link_, &command, sizeof command, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof command;
+}
+
+VelocityRelay::Report VelocityRelay::state() noexcept {
+  const double now = SteadyClock().now();
+  for (;;) {
+    Word word;
+    const ssize_t came = ::recv(link_, &word, sizeof word, MSG_DONTWAIT);
+    if (came == sizeof word) {
+      heard_ = now;
+      report_ = {word.connected, word.fault.data()};
+      continue;
+    }
+    if (came == 0) report_ = {false, "the relay has ended: nothing stops the robot"};
+    break;
+  }
+  if (now - heard_ > kSilence && report_.fault.empty()) {
+    report_ = {false, "the relay is silent"};
+  }
+  return report_;
+}
+
+}  // namespace prospect
