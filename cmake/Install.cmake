@@ -10,7 +10,7 @@ foreach(room ${rooms})
   install(DIRECTORY ${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/${room}
     FILES_MATCHING PATTERN *.h)
 endforeach()
-install(TARGETS prospect_perception_knobs EXPORT prospect ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS prospect_perception_knobs prospect_runtime_knobs EXPORT prospect ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS prospect_problem_file EXPORT prospect ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(FILES adapters/problem_file/problem_file.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/adapters/problem_file)

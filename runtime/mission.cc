@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "models/knobs.h"
+#include "runtime/mission_progress.h"
 
 namespace prospect {
 namespace {
@@ -71,63 +71,18 @@ bool task_done(MissionEnd end) {
 
 namespace {
 
-MissionEnd end_for(Cause cause) {
-  switch (cause) {
-    case Cause::kUnreachable:
-      return MissionEnd::kUnreachable;
-    case Cause::kYieldTooLow:
-      return MissionEnd::kYieldTooLow;
-    case Cause::kGoalReached:
-      return MissionEnd::kGoalReached;
-    case Cause::kReturned:
-      return MissionEnd::kReturned;
-    case Cause::kGoalUnreachable:
-      return MissionEnd::kGoalUnreachable;
-    default:
-      return MissionEnd::kExplored;
-  }
-}
-
 /// The mission up to its last stop; `previous` is the command in force, also when `observe` throws.
 MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
                       const MissionOptions& options,
                       const std::function<void(const MissionStep&)>& observe,
                       const std::function<bool()>& cancelled, Twist& previous) {
-  MissionResult result;
-  const double start = robot.time();
-  double last_localized = start;
+  MissionProgress progress(options, robot.time());
+  MissionResult& result = progress.result;
   int guard_stops = 0;
   GuardReason guard_reason = GuardReason::kPassed;
-  // The mission is over. On the way back `end` stays that of the task.
-  const auto over = [&result](MissionEnd end, const std::string& detail) {
-    if (!result.back) {
-      result.end = end;
-      result.detail = detail;
-    } else if (end == MissionEnd::kReturned) {
-      result.back = true;
-      result.detail += " It is back where it began.";
-    } else {
-      result.detail += " It did not get back: " + detail;
-    }
-    return result;
-  };
   while (true) {
     const std::shared_ptr<const Belief> belief = robot.sense();
-    result.duration = robot.time() - start;
-    if (cancelled && cancelled()) {
-      return over(MissionEnd::kCancelled,
-                  "cancelled after " + std::to_string(result.duration) + " s");
-    }
-    if (result.duration >= options.time_limit) {
-      return over(MissionEnd::kTimeLimit,
-                  "the time limit of " + std::to_string(options.time_limit) + " s is reached");
-    }
-    if (belief->localization != Localization::kLost) {
-      last_localized = robot.time();
-    } else if (robot.time() - last_localized > options.lost_limit) {
-      return over(MissionEnd::kLost, "localization was lost and did not come back within " +
-                                         std::to_string(options.lost_limit) + " s");
-    }
+    if (progress.over_before(*belief, robot.time(), cancelled && cancelled())) return result;
 
     Belief commanded = *belief;
     commanded.command = previous;
@@ -136,19 +91,9 @@ MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
     const MissionStep step{result.steps,      result.duration, belief.get(), &plan,
                            global_plan.get(), guard_stops,     guard_reason};
     if (observe) observe(step);
-    ++result.steps;
     guard_stops = 0;
     guard_reason = GuardReason::kPassed;
-    if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
-    const bool done = plan.mode.kind == ModeKind::kDone;
-    if (done || (!result.back && options.enough && options.enough(step))) {
-      const MissionEnd end = done ? end_for(plan.mode.cause) : MissionEnd::kEnough;
-      over(end, done ? plan.why : "enough was seen.");
-      if (result.back || !options.return_when_done || end == MissionEnd::kReturned) return result;
-      result.back = false;
-      const std::string refused = planner.set_task(Task::return_to_start());
-      if (!refused.empty()) return over(MissionEnd::kGoalUnreachable, refused);
-    }
+    if (progress.over_after(step, planner)) return result;
 
     const int stages =
         std::max(1, std::min<int>(plan.committed, static_cast<int>(plan.commands.size())));
@@ -181,13 +126,6 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
   }
   bring_to_rest(robot, guard, previous);
   return result;
-}
-
-void describe(Knobs& knobs, MissionOptions& o) {
-  knobs.number("time_limit", o.time_limit, {1.0, 1e6}, "s", "of the robot's clock");
-  knobs.number("lost_limit", o.lost_limit, {0.0, 1e6}, "s",
-               "without localization that ends the mission");
-  knobs.boolean("return", o.return_when_done, "back to the start once the task is over");
 }
 
 }  // namespace prospect

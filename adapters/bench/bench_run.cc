@@ -7,7 +7,7 @@
 namespace prospect {
 namespace {
 
-using Clock = std::chrono::steady_clock;
+using WallClock = std::chrono::steady_clock;
 
 BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, double limit,
                     const BenchOptions& options) {
@@ -18,11 +18,11 @@ BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, dou
     if (info.name == "seed") given.emplace(info.name, options.seed);
     if (info.name == "trace") given[info.name] = 1;
   }
-  const auto begin = Clock::now();
+  const auto begin = WallClock::now();
   StopCondition stop = limit > 0.0 ? deadline(limit) : StopCondition();
   if (options.cancelled) stop = stop || cancelled_by(options.cancelled);
   Result result = choice.solver->solve(*problem.problem, problem.start, given, stop);
-  const double seconds = std::chrono::duration<double>(Clock::now() - begin).count();
+  const double seconds = std::chrono::duration<double>(WallClock::now() - begin).count();
 
   BenchRow row;
   row.deadline = limit;

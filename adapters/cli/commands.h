@@ -46,6 +46,13 @@ struct ExploreArguments {
   bool quiet = false;
 };
 int explore(const ExploreArguments& arguments, const Registries& registries);
+
+struct DriveArguments {
+  ExploreArguments mission;
+  std::string base = "simulator";
+  std::vector<std::string> faults;  ///< injected_fault.h
+};
+int drive(const DriveArguments& arguments, const Registries& registries);
 /// One line on standard error of what the world's source holds besides, if anything.
 void tell_left_out(const World& world);
 

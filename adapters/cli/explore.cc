@@ -1,8 +1,12 @@
+#include "adapters/cli/explore.h"
+
 #include <cmath>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "adapters/cli/absent_solver.h"
 #include "adapters/cli/commands.h"
@@ -72,6 +76,26 @@ void print_summary(const Summary& s) {
               tenths(s.plan_ms_max).c_str(), s.steps, s.fallbacks);
   std::printf("  wall clock    %6.1f s, %s times faster than real time\n", s.wall_s,
               tenths(s.duration_s / s.wall_s).c_str());
+}
+
+void print_driver(const ExplorationRunResult& result) {
+  const DriverStatus& driver = *result.driver;
+  std::printf("before the first motion\n%s", to_text(result.preflight).c_str());
+  std::printf("in real time\n");
+  std::printf("  capture to command  %s\n", driver.capture_to_command.to_text().c_str());
+  std::printf("  planning step       %s\n", driver.planning.to_text().c_str());
+  std::printf("  between commands    %s\n", driver.command_period.to_text().c_str());
+  std::printf("  drive               %s (%s); %d late plans, %d guard stops\n",
+              std::string(to_string(driver.mode.mode)).c_str(),
+              std::string(to_string(driver.mode.cause)).c_str(), driver.late_plans,
+              driver.guard_stops);
+}
+
+/// What was more than part of ordinary work.
+void tell_events(const std::vector<Event>& events) {
+  for (const Event& event : events) {
+    if (event.severity != Severity::kInfo) std::cerr << "prospect: " << to_text(event) << '\n';
+  }
 }
 
 /// "0.95": a share; "120m2": an area.
@@ -152,7 +176,8 @@ void tell_left_out(const World& world) {
   std::cerr << "prospect: " << world.name << ": read without: " << world.left_out.text() << '\n';
 }
 
-int explore(const ExploreArguments& arguments, const Registries& registries) {
+int simulated_mission(const ExploreArguments& arguments, const Registries& registries,
+                      const std::optional<RealTimeRun>& real_time) {
   Configuration configuration =
       read_configuration(arguments.configuration, registries, arguments.settings);
   if (!arguments.solver.empty()) {
@@ -189,6 +214,7 @@ int explore(const ExploreArguments& arguments, const Registries& registries) {
   ExplorationRunOptions options;
   options.seed = arguments.seed;
   options.solvers = &registries.solvers;
+  options.real_time = real_time;
 
   const std::string out = arguments.out.empty() ? "runs/" + file_name(world->name) + "_" +
                                                       file_name(configuration.solver) + "_" +
@@ -216,15 +242,21 @@ int explore(const ExploreArguments& arguments, const Registries& registries) {
   if (!folder->error().empty()) std::cerr << "prospect: " << folder->error() << '\n';
 
   if (!result.complaint.empty()) std::cerr << "prospect: sensors: " << result.complaint << '\n';
+  tell_events(result.events);
 
   const Summary& summary = result.record.summary;
   if (arguments.json) {
     std::cout << summary_json(summary);
   } else {
     print_summary(summary);
+    if (result.driver) print_driver(result);
     std::printf("  report        %s/report.html\n", folder->path().c_str());
   }
   return summary.done && summary.collisions == 0 && folder->error().empty() ? kDone : kFailed;
+}
+
+int explore(const ExploreArguments& arguments, const Registries& registries) {
+  return simulated_mission(arguments, registries, std::nullopt);
 }
 
 }  // namespace prospect

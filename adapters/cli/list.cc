@@ -13,6 +13,7 @@
 #include "adapters/worlds/builtin_worlds.h"
 #include "engine/behaviour/behaviour.h"
 #include "models/range_text.h"
+#include "runtime/drive_mode.h"
 #include "solvers/options.h"
 
 namespace prospect {
@@ -92,6 +93,13 @@ nlohmann::ordered_json as_json(const std::string& what, const Registries& regist
                      {"to", to_string(row.to)},
                      {"cause", row.cause ? to_string(*row.cause) : "as before"}});
     }
+  } else if (what == "drive-modes") {
+    for (const DriveModeRow& row : drive_mode_table()) {
+      out.push_back({{"from", to_string(row.from)},
+                     {"condition", row.condition},
+                     {"to", to_string(row.to)},
+                     {"cause", row.cause ? to_string(*row.cause) : "as before"}});
+    }
   } else if (what == "sets") {
     for (const std::string& name : builtin_set_names()) {
       out.push_back({{"name", name}, {"description", builtin_set_summary(name)}});
@@ -111,6 +119,10 @@ nlohmann::ordered_json as_json(const std::string& what, const Registries& regist
 void print_in_full(const std::string& what, const nlohmann::ordered_json& entries) {
   if (what == "modes") {
     std::cout << behaviour_tables();
+    return;
+  }
+  if (what == "drive-modes") {
+    std::cout << drive_mode_tables();
     return;
   }
   const int width = what == "solvers" ? 34 : what == "terms" ? 26 : 12;
@@ -134,7 +146,8 @@ void print_in_full(const std::string& what, const nlohmann::ordered_json& entrie
 std::vector<std::string> names_of(const std::string& what, const nlohmann::ordered_json& entries) {
   std::vector<std::string> names;
   for (const auto& entry : entries) {
-    const auto name = entry.at(what == "modes" ? "to" : "name").get<std::string>();
+    const bool table = what == "modes" || what == "drive-modes";
+    const auto name = entry.at(table ? "to" : "name").get<std::string>();
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
   return names;
@@ -142,7 +155,9 @@ std::vector<std::string> names_of(const std::string& what, const nlohmann::order
 
 }  // namespace
 
-std::vector<std::string> list_kinds() { return {"solvers", "worlds", "terms", "sets", "modes"}; }
+std::vector<std::string> list_kinds() {
+  return {"solvers", "worlds", "terms", "sets", "modes", "drive-modes"};
+}
 
 int list(const std::string& what, bool json, const Registries& registries) {
   if (!what.empty()) {
@@ -161,7 +176,7 @@ int list(const std::string& what, bool json, const Registries& registries) {
     return kDone;
   }
   for (const std::string& kind : list_kinds()) print_names(kind, names_of(kind, all.at(kind)));
-  std::printf("In full: prospect list %s\n", "solvers|worlds|terms|sets|modes");
+  std::printf("In full: prospect list %s\n", "solvers|worlds|terms|sets|modes|drive-modes");
   return kDone;
 }
 

@@ -141,6 +141,76 @@ void add_fixed_frame(CLI::App* command, std::string& frame) {
       ->type_name("FRAME");
 }
 
+/// What explore and drive take alike.
+void add_mission_options(CLI::App* command, prospect::ExploreArguments& arguments) {
+  using namespace prospect;
+  command
+      ->add_option("world", arguments.world,
+                   "Built-in name, world file, OctoMap (.bt .ot), ROS map (.yaml .pgm .png .bmp), "
+                   "mesh (.obj "
+                   ".dae .gltf .glb .stl .ply) or Gazebo world")
+      ->type_name("WORLD")
+      ->capture_default_str();
+  command->add_option("--config", arguments.configuration, "Configuration file (YAML)")
+      ->type_name("FILE");
+  add_set(command, arguments.settings);
+  command->add_option("--solver", arguments.solver, "Back end, see `prospect list solvers`")
+      ->type_name("SOLVER");
+  one_of(command->add_option("--sensors", arguments.sensors,
+                             "model: odometry as a model of its errors; camera: rendered "
+                             "images through perception"),
+         {"model", "camera"});
+  command->add_option("--seed", arguments.seed, "Seed of all noise")
+      ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
+  command->add_option("--out", arguments.out, "Run folder [runs/WORLD_SOLVER_SEED]")
+      ->type_name("DIR");
+  command->add_option("--time-limit", arguments.time_limit, "Of the robot's clock [s]")
+      ->check(number_within(1.0, 1e6));
+  command->add_option("--start", arguments.start, "Start x [m] y [m] yaw [deg]")
+      ->expected(3)
+      ->check(number_within(-1e6, 1e6));
+  command
+      ->add_option("--floor", arguments.floor,
+                   "Storey of an octree, mesh or Gazebo world, by the height of its ground in the "
+                   "file [m] [the lowest large one]")
+      ->check(number_within(-1e5, 1e5));
+  command
+      ->add_option("--resolution", arguments.resolution,
+                   "Of the world's voxels [m]; of an image without .yaml: of a pixel [0.1; of "
+                   "meshes 0.05]")
+      ->check(number_within(0.01, 10.0));
+  one_of(command->add_option("--unknown", arguments.unknown,
+                             "What the world's file does not know: solid or free [solid]"),
+         {"solid", "free"});
+  command
+      ->add_option("--ground", arguments.ground_margin,
+                   "How far the ground of a mesh or Gazebo world without end counts beyond what "
+                   "stands on it [m]")
+      ->check(number_within(0.0, 1000.0));
+  command
+      ->add_option("--go", arguments.go,
+                   "Go to x [m],y [m], or x,y,yaw [deg], instead of exploring")
+      ->delimiter(',')
+      ->expected(2, 3)
+      ->allow_extra_args(false)
+      ->check(number_within(-1e5, 1e5));
+  command->add_option("--until", arguments.until,
+                      "What is enough: a share of the reachable area (0.95) or an area "
+                      "(120m2)");
+  command->add_flag("--return", arguments.back, "Back to the start once the task is over");
+  command
+      ->add_option("--map", arguments.map,
+                   "OctoMap (.bt .ot) of the same world to begin with, such as the map.bt of a run")
+      ->type_name("FILE");
+  command
+      ->add_option("--save-problems", arguments.save_problems,
+                   "Write the planning problem of every Nth step into the run folder")
+      ->check(whole_number_within(1, 1000000));
+  command->add_flag("--json", arguments.json, "Print the summary as JSON");
+  command->add_flag("--quiet", arguments.quiet, "No progress line");
+}
+
 int run(int argc, char** argv) {
   using namespace prospect;
   CLI::App app{"Plans for robots that explore by sight.", "prospect"};
@@ -153,75 +223,21 @@ int run(int argc, char** argv) {
   ExploreArguments explore_arguments;
   CLI::App* explore_command =
       app.add_subcommand("explore", "A simulated mission until the reachable space is explored");
-  explore_command
-      ->add_option("world", explore_arguments.world,
-                   "Built-in name, world file, OctoMap (.bt .ot), ROS map (.yaml .pgm .png .bmp), "
-                   "mesh (.obj "
-                   ".dae .gltf .glb .stl .ply) or Gazebo world")
-      ->type_name("WORLD")
-      ->capture_default_str();
-  explore_command
-      ->add_option("--config", explore_arguments.configuration, "Configuration file (YAML)")
-      ->type_name("FILE");
-  add_set(explore_command, explore_arguments.settings);
-  explore_command
-      ->add_option("--solver", explore_arguments.solver, "Back end, see `prospect list solvers`")
-      ->type_name("SOLVER");
-  one_of(explore_command->add_option("--sensors", explore_arguments.sensors,
-                                     "model: odometry as a model of its errors; camera: rendered "
-                                     "images through perception"),
-         {"model", "camera"});
-  explore_command->add_option("--seed", explore_arguments.seed, "Seed of all noise")
-      ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
-      ->capture_default_str();
-  explore_command->add_option("--out", explore_arguments.out, "Run folder [runs/WORLD_SOLVER_SEED]")
-      ->type_name("DIR");
-  explore_command
-      ->add_option("--time-limit", explore_arguments.time_limit, "Of the robot's clock [s]")
-      ->check(number_within(1.0, 1e6));
-  explore_command->add_option("--start", explore_arguments.start, "Start x [m] y [m] yaw [deg]")
-      ->expected(3)
-      ->check(number_within(-1e6, 1e6));
-  explore_command
-      ->add_option("--floor", explore_arguments.floor,
-                   "Storey of an octree, mesh or Gazebo world, by the height of its ground in the "
-                   "file [m] [the lowest large one]")
-      ->check(number_within(-1e5, 1e5));
-  explore_command
-      ->add_option("--resolution", explore_arguments.resolution,
-                   "Of the world's voxels [m]; of an image without .yaml: of a pixel [0.1; of "
-                   "meshes 0.05]")
-      ->check(number_within(0.01, 10.0));
-  one_of(explore_command->add_option("--unknown", explore_arguments.unknown,
-                                     "What the world's file does not know: solid or free [solid]"),
-         {"solid", "free"});
-  explore_command
-      ->add_option("--ground", explore_arguments.ground_margin,
-                   "How far the ground of a mesh or Gazebo world without end counts beyond what "
-                   "stands on it [m]")
-      ->check(number_within(0.0, 1000.0));
-  explore_command
-      ->add_option("--go", explore_arguments.go,
-                   "Go to x [m],y [m], or x,y,yaw [deg], instead of exploring")
-      ->delimiter(',')
-      ->expected(2, 3)
-      ->allow_extra_args(false)
-      ->check(number_within(-1e5, 1e5));
-  explore_command->add_option("--until", explore_arguments.until,
-                              "What is enough: a share of the reachable area (0.95) or an area "
-                              "(120m2)");
-  explore_command->add_flag("--return", explore_arguments.back,
-                            "Back to the start once the task is over");
-  explore_command
-      ->add_option("--map", explore_arguments.map,
-                   "OctoMap (.bt .ot) of the same world to begin with, such as the map.bt of a run")
-      ->type_name("FILE");
-  explore_command
-      ->add_option("--save-problems", explore_arguments.save_problems,
-                   "Write the planning problem of every Nth step into the run folder")
-      ->check(whole_number_within(1, 1000000));
-  explore_command->add_flag("--json", explore_arguments.json, "Print the summary as JSON");
-  explore_command->add_flag("--quiet", explore_arguments.quiet, "No progress line");
+  add_mission_options(explore_command, explore_arguments);
+
+  DriveArguments drive_arguments;
+  CLI::App* drive_command = app.add_subcommand(
+      "drive", "The same mission in real time: threads for perception, plans and commands");
+  add_mission_options(drive_command, drive_arguments.mission);
+  one_of(drive_command->add_option("--base", drive_arguments.base,
+                                   "What is driven: the simulator as a robot with a clock"),
+         {"simulator"});
+  drive_command
+      ->add_option("--fault", drive_arguments.faults,
+                   "Break something of the simulated robot: SOURCE:VERB, from FROM s on, for FOR s "
+                   "(depth:off@10+2)")
+      ->type_name("FAULT")
+      ->allow_extra_args(false);
 
   ReportArguments report_arguments;
   CLI::App* report_command =
@@ -433,8 +449,8 @@ int run(int argc, char** argv) {
 
   std::string what;
   bool list_json = false;
-  CLI::App* list_command =
-      app.add_subcommand("list", "What there is: solvers, worlds, terms, sets or modes");
+  CLI::App* list_command = app.add_subcommand(
+      "list", "What there is: solvers, worlds, terms, sets, modes or drive-modes");
   one_of(list_command->add_option("what", what, "Which of them, in full [all, in short]"),
          list_kinds());
   list_command->add_flag("--json", list_json, "Print JSON");
@@ -484,6 +500,7 @@ int run(int argc, char** argv) {
     if (!warning.empty()) std::cerr << "prospect: " << warning << '\n';
   }
   if (*explore_command) return explore(explore_arguments, registries);
+  if (*drive_command) return drive(drive_arguments, registries);
   if (*report_command) return report(report_arguments, registries);
   if (*solve_command) return solve(solve_arguments, registries);
   if (*bench_command) return bench(bench_arguments, registries);

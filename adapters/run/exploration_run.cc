@@ -2,6 +2,8 @@
 
 #include <octomap/OcTree.h>
 
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <limits>
@@ -10,6 +12,8 @@
 
 #include "adapters/files/input_error.h"
 #include "adapters/run/summary.h"
+#include "adapters/simulator/faulty_replanner.h"
+#include "adapters/simulator/simulated_base.h"
 #include "adapters/simulator/simulator.h"
 #include "adapters/worlds/octree_file.h"
 #include "engine/planner/frontier_planner_options.h"
@@ -17,6 +21,7 @@
 #include "engine/planner/planner_guard.h"
 #include "engine/task/zone_map.h"
 #include "models/range_text.h"
+#include "runtime/clock.h"
 #include "runtime/mission.h"
 #include "solvers/registry.h"
 
@@ -178,6 +183,46 @@ std::unique_ptr<Replanner> planner_for(const Configuration& configuration,
                                    solvers.make(configuration.solver));
 }
 
+/// The streams of a simulated robot that stands, as they come for a little longer than they must
+/// have been live.
+std::vector<PreflightFacts::Stream> watched_streams(SimulatedBase& base, const Clock& clock,
+                                                    const Guard::Options& limits) {
+  const double begin = clock.now(), end = begin + 1.1 * PreflightOptions().live_time;
+  std::vector<PreflightFacts::Stream> streams = {{"cameras", 0.0, limits.max_pose_age},
+                                                 {"depth", 0.0, limits.max_ranges_age}};
+  std::array<double, 2> live_since = {begin, begin};
+  while (clock.now() < end) {
+    const std::shared_ptr<const Belief> belief = base.update({});
+    if (!belief) continue;
+    const double now = clock.now();
+    const std::array<double, 2> stamps = {belief->stamps.pose, belief->stamps.ranges};
+    for (std::size_t k = 0; k < streams.size(); ++k) {
+      streams[k].age = now - stamps[k];
+      if (!(streams[k].age <= streams[k].limit)) live_since[k] = now;
+      streams[k].live_for = now - live_since[k];
+    }
+  }
+  return streams;
+}
+
+/// What is known of the simulated robot before its first motion.
+PreflightFacts preflight_facts(const Configuration& c, SimulatedBase& base, const Clock& clock,
+                               const Guard::Options& limits_of_age, const RealTimeOptions& driver) {
+  PreflightFacts facts;
+  facts.body = c.robot.slice();
+  facts.resolution = c.simulator.mapping.resolution;
+  facts.streams = watched_streams(base, clock, limits_of_age);
+  facts.clocks = {{"simulator", 0.0, 0}};  // it is the runtime's
+  facts.dead_man = base.dead_man();
+  facts.longest_thread_limit =
+      std::max({driver.perception_limit, driver.planner_limit, driver.command_limit});
+  const BaseLimits limits = base.limits();
+  facts.speed = {limits.speed, c.robot.model->max_speed()};
+  facts.yaw_rate = {limits.yaw_rate, c.robot.model->max_yaw_rate()};
+  facts.deceleration = {limits.acceleration, c.robot.model->max_deceleration()};
+  return facts;
+}
+
 }  // namespace
 
 ReachableArea reachable_area(const World& world, const Configuration& c) {
@@ -271,13 +316,16 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   SparsePictures pictures;
   SparseCostsToGo costs_to_go;
   std::vector<StepRecord> steps;
+  const SteadyClock clock;
+  std::optional<SimulatedBase> base;  // in real time
   const auto observe = [&](const MissionStep& step) {
     const Plan& plan = *step.plan;
     const Belief& belief = *step.belief;
+    const SimulatedTruth truth = base ? base->truth() : truth_of(simulator);
     StepRecord r;
     r.step = step.index;
     r.time = step.time;
-    r.true_pose = simulator.true_pose();
+    r.true_pose = truth.pose;
     r.estimated_pose = belief.pose;
     if (!plan.commands.empty()) r.command = plan.commands.front();
     r.plan_kind = to_string(plan.kind);
@@ -299,11 +347,11 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     if (committed < plan.visible.size()) r.predicted_features = plan.visible[committed];
     r.tracked_features = belief.tracked_features;
     r.localization = to_string(belief.localization);
-    r.coverage = simulator.coverage();
-    r.area = simulator.seen_area();
-    r.localization_error = simulator.localization_error();
-    r.path_length = simulator.path_length();
-    r.collisions = simulator.collisions();
+    r.coverage = truth.coverage;
+    r.area = truth.seen_area;
+    r.localization_error = truth.localization_error;
+    r.path_length = truth.path_length;
+    r.collisions = truth.collisions;
     for (const TermValue& term : plan.explanation.terms) {
       if (term.name == "clearance") r.clearance = term.raw + configuration.planner.d_safe;
     }
@@ -352,7 +400,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
       }
     }
     r.map_changes = map_changes.since_last(*belief.ground);
-    if (options.keep_steps) pictures.add(r.step, simulator.picture());
+    if (options.keep_steps) pictures.add(r.step, truth.picture);
     if (options.on_step) options.on_step(r);
     if (options.on_plan && own_planner) options.on_plan(r, *own_planner);
     if (!options.keep_steps) {
@@ -369,13 +417,34 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   MissionOptions mission_options = configuration.mission;
   if (configuration.until_coverage > 0.0 || configuration.until_area > 0.0) {
     mission_options.enough = [&](const MissionStep&) {
+      const SimulatedTruth truth = base ? base->truth() : truth_of(simulator);
       return (configuration.until_coverage > 0.0 &&
-              simulator.coverage() >= configuration.until_coverage) ||
-             (configuration.until_area > 0.0 && simulator.seen_area() >= configuration.until_area);
+              truth.coverage >= configuration.until_coverage) ||
+             (configuration.until_area > 0.0 && truth.seen_area >= configuration.until_area);
     };
   }
-  const MissionResult mission =
-      run_mission(robot, *planner, guard, mission_options, observe, options.cancelled);
+  MissionResult mission;
+  if (options.real_time) {
+    base.emplace(simulator, clock, *configuration.robot.model, options.real_time->base);
+    FaultyReplanner replanner(*planner, clock, options.real_time->base.faults, clock.now());
+    result.preflight = checks_before_motion(
+        preflight_facts(configuration, *base, clock, limits, options.real_time->driver));
+    RealTimeDriver driver({.clock = clock,
+                           .base = *base,
+                           .beliefs = *base,
+                           .planner = replanner,
+                           .guard = guard,
+                           .model = configuration.robot.model,
+                           .failed_preflight = first_failed(result.preflight),
+                           // A simulated robot turns as it is told to.
+                           .yaw_checked = true},
+                          options.real_time->driver);
+    mission = driver.run(mission_options, observe, options.cancelled);
+    result.driver = driver.status();
+    result.events = driver.events().since(0).events;
+  } else {
+    mission = run_mission(robot, *planner, guard, mission_options, observe, options.cancelled);
+  }
 
   record.summary = summarize(steps);
   Summary& s = record.summary;

@@ -3,14 +3,20 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "adapters/config/configuration.h"
 #include "adapters/run/run_record.h"
+#include "adapters/simulator/simulated_base.h"
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/reachable_area.h"
 #include "adapters/worlds/world.h"
 #include "engine/planner/replanner.h"
+#include "runtime/event_log.h"
+#include "runtime/preflight.h"
+#include "runtime/real_time_driver.h"
 
 namespace octomap {
 class OcTree;
@@ -20,6 +26,12 @@ namespace prospect {
 
 class Planner;
 class SolverRegistry;
+
+/// A mission in real time, by threads, instead of in lockstep (real_time_driver.h).
+struct RealTimeRun {
+  RealTimeOptions driver;
+  SimulatedBaseOptions base;
+};
 
 /// One simulated mission: world, configuration and seed in, records out.
 struct ExplorationRunOptions {
@@ -37,12 +49,19 @@ struct ExplorationRunOptions {
   std::function<std::unique_ptr<Replanner>(const Configuration&)> make_planner;
   /// Where the configured solver is looked up; null: among those built in.
   const SolverRegistry* solvers = nullptr;
+  /// Empty: in lockstep, as fast as the machine is. Else on_step and on_plan are called on the
+  /// planner's thread, and nothing is reproducible.
+  std::optional<RealTimeRun> real_time;
 };
 
 struct ExplorationRunResult {
   RunRecord record;
   std::shared_ptr<const octomap::OcTree> map;  ///< as built, in the estimated frame
   std::string complaint;  ///< of the simulated sensors at the end: why they cannot be trusted
+  // Of a run in real time.
+  std::optional<DriverStatus> driver;  ///< at the end
+  std::vector<CheckResult> preflight;
+  std::vector<Event> events;
 };
 
 /// Where the robot of this configuration can stand and what it can see from there, in this world,
@@ -61,7 +80,7 @@ WorldOptions world_options_for(const Configuration& configuration);
 
 /// Runs one mission in the kinematic simulator, to its end. Throws InputError if the robot cannot
 /// start there, std::invalid_argument for an unknown solver or options out of range, both before
-/// on_start. Deterministic but for wall-clock times.
+/// on_start. In lockstep deterministic but for wall-clock times.
 ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                                      const Configuration& configuration,
                                      const ExplorationRunOptions& options);

@@ -2,6 +2,9 @@
 
 #include <string>
 
+#include "engine/safety/certificate.h"
+#include "models/limited_twist.h"
+
 namespace prospect {
 namespace {
 
@@ -17,8 +20,8 @@ Eigen::MatrixXd stage_inputs(const TrajectoryBatch& t, int stages) {
   return inputs;
 }
 
-/// States, inputs and the commands that they give.
-void fill(const TrajectoryBatch& t, const MotionModel& model, Plan& plan) {
+/// States, inputs, the commands that they give, and the stop after `committed` stages.
+void fill(const TrajectoryBatch& t, const MotionModel& model, int committed, Plan& plan) {
   const int N = t.horizon.N;
   const int nx = t.horizon.nx();
   const int nu = t.horizon.nu();
@@ -26,6 +29,7 @@ void fill(const TrajectoryBatch& t, const MotionModel& model, Plan& plan) {
   plan.states.clear();
   plan.inputs.clear();
   plan.commands.clear();
+  plan.tail.clear();
   for (int k = 0; k <= N; ++k) {
     plan.states.emplace_back(Eigen::Map<const Eigen::VectorXd>(t.states.data() + k * nx, nx));
     if (k < N) {
@@ -34,6 +38,18 @@ void fill(const TrajectoryBatch& t, const MotionModel& model, Plan& plan) {
   }
   for (std::size_t k = 0; k < plan.inputs.size(); ++k) {
     plan.commands.push_back(model.twist(plan.states[k + 1], plan.inputs[k]));
+  }
+  plan.committed = committed;
+  Eigen::VectorXd x = plan.states[static_cast<std::size_t>(committed)], next(nx);
+  const Eigen::MatrixXd stop =
+      stopping_tail(model, x, plan.inputs[static_cast<std::size_t>(committed) - 1], plan.dt);
+  for (Eigen::Index k = 0; k < stop.cols(); ++k) {
+    model.step(x, stop.col(k), plan.dt, next);
+    plan.tail.push_back(limited_twist(model, model.twist(next, stop.col(k))));
+    x.swap(next);
+  }
+  if (model.num_state_constraints() > 0) {
+    plan.ramp_from = model.twist(plan.states.front(), plan.inputs.front());
   }
 }
 
@@ -53,7 +69,9 @@ bool choose_certified(const std::vector<Candidate>& candidates, const ChoiceCont
   };
   int attempts = 0;
   for (const Candidate& c : candidates) {
-    if (plan.certified || (attempts >= kAttempts && c.name != "stop")) {
+    const bool enough =
+        attempts >= kAttempts || (attempts > 0 && context.stop() != StopRequest::kNone);
+    if (plan.certified || (enough && c.name != "stop")) {
       report(c, "not tried", false);
       continue;
     }
@@ -68,8 +86,7 @@ bool choose_certified(const std::vector<Candidate>& candidates, const ChoiceCont
       continue;
     }
     report(c, "executed", true);
-    fill(t, *d.model, plan);
-    plan.committed = context.committed;
+    fill(t, *d.model, context.committed, plan);
     plan.kind = c.result ? PlanKind::kOptimised : PlanKind::kSeed;
     plan.certified = true;
     plan.certificate = certificate.detail;

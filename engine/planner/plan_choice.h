@@ -8,6 +8,7 @@
 #include "engine/planner/candidate.h"
 #include "engine/planner/plan_certifier.h"
 #include "engine/problem/problem.h"
+#include "engine/problem/stop_condition.h"
 #include "engine/safety/plan.h"
 #include "engine/terms/visible_features.h"
 
@@ -22,6 +23,8 @@ struct ChoiceContext {
   const SurfaceDrift& drift;
   const VisibleFeatures& visible_features;  ///< says Plan::visible
   int committed;  ///< leading stages to certify, with the stop after them, 1 to N
+  /// Once it asks to stop, no further candidate is tried but "stop".
+  const StopCondition& stop;
 };
 
 /// Fills the plan with the first candidate, in the order given, that the exact certificate allows,

@@ -1,6 +1,7 @@
 #include "engine/planner/planner.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <memory>
@@ -73,6 +74,28 @@ std::shared_ptr<const Solver> required(std::shared_ptr<const Solver> solver) {
   return solver;
 }
 
+/// Whether most of the ground cells under the body's disc are unknown to the map.
+bool stands_on_unknown(const GroundMap& ground, const Eigen::Vector2d& p, double radius) {
+  const GridFrame& frame = ground.frame();
+  const auto reach = static_cast<int>(std::ceil(radius / frame.resolution));
+  const Cell at = frame.cell(p.x(), p.y());
+  int unknown = 0, cells = 0;
+  for (int j = -reach; j <= reach; ++j) {
+    for (int i = -reach; i <= reach; ++i) {
+      if (std::hypot(i, j) * frame.resolution > radius) continue;
+      ++cells;
+      if (!ground.explored({at.i + i, at.j + j})) ++unknown;
+    }
+  }
+  return 2 * unknown > cells;
+}
+
+/// Turns on the spot, or a stop.
+bool drives_nowhere(const Plan& plan) {
+  return std::all_of(plan.commands.begin(), plan.commands.end(),
+                     [](const Twist& c) { return c.linear.norm() < 1e-3; });
+}
+
 /// Why nothing can be planned from this belief; empty if something can.
 std::string unusable(const Belief& belief) {
   if (!belief.octree || !belief.voxels || !belief.ground ||
@@ -121,6 +144,21 @@ void sort_as(const std::vector<Seed>& seeds, std::vector<Candidate>& candidates)
                    [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
 }
 
+/// What the certificate of a step may take [s]: as much as any of the last ones did. It decides
+/// nothing but how long is polished before a deadline.
+class Reserve {
+ public:
+  void add(double seconds) {
+    last_[next_] = seconds;
+    next_ = (next_ + 1) % last_.size();
+  }
+  double value() const { return *std::max_element(last_.begin(), last_.end()); }
+
+ private:
+  std::array<double, 16> last_{};
+  std::size_t next_ = 0;
+};
+
 }  // namespace
 
 struct Planner::Impl {
@@ -142,6 +180,7 @@ struct Planner::Impl {
   Caution caution = Caution::kNormal;
   Eigen::MatrixXd last_inputs;  // nu x N of the last plan
   double last_stamp = 0.0;      // [s]
+  Reserve reserve;              // where there is a deadline
 
   // Of the last step.
   std::shared_ptr<const GlobalPlan> global_plan;
@@ -183,8 +222,12 @@ struct Planner::Impl {
 
 Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   Stopwatch total, watch;
-  const StopCondition stop =
-      parameters.deadline > 0.0 ? (deadline(parameters.deadline) || outer) : outer;
+  // Of all of the step; its polishing leaves time for what comes after it.
+  const StopCondition late =
+      parameters.deadline > 0.0 ? deadline(parameters.deadline) : StopCondition();
+  const StopCondition stop = parameters.deadline > 0.0
+                                 ? (deadline(parameters.deadline - reserve.value()) || outer)
+                                 : outer;
   problem = nullptr;
   specification = nullptr;
   seeds.clear();
@@ -256,14 +299,22 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   const int committed =
       std::min(parameters.N,
                std::max(1, static_cast<int>(std::lround(parameters.committed / parameters.dt))));
-  if (!choose_certified(
-          candidates,
-          {belief, *problem, certifier, caution, drift, *evaluators.visible_features, committed},
-          plan)) {
+  if (!choose_certified(candidates,
+                        {belief, *problem, certifier, caution, drift, *evaluators.visible_features,
+                         committed, late},
+                        plan)) {
     brake_instead(belief, plan);
+  }
+  if (parameters.unknown != UnknownPolicy::kFree && drives_nowhere(plan) &&
+      stands_on_unknown(*belief.ground, belief.pose.position.head<2>(),
+                        parameters.frontier_planner.traversability.hard_radius)) {
+    plan.why +=
+        " The map knows nothing of where the robot stands, and what is unknown is not entered: "
+        "enter the robot's place and the ring that its sensor does not see as free.";
   }
   tell(failed, plan);
   plan.times.certify = watch.lap();
+  reserve.add(1e-3 * plan.times.certify);
 
   remember(plan);
   plan.times.total = total.lap();
@@ -363,6 +414,8 @@ void Planner::Impl::brake_instead(const Belief& belief, Plan& plan) const {
   plan.states = halt.states;
   plan.inputs = halt.inputs;
   plan.commands = halt.commands;
+  plan.tail = halt.tail;
+  plan.ramp_from = halt.ramp_from;
   plan.committed = halt.committed;
   plan.certified = halt.certified;
   plan.detail = why;

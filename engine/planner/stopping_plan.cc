@@ -33,6 +33,7 @@ Plan stopping_plan(const Belief& belief, const MotionModel& model, double dt,
     plan.states.push_back(x);
   }
   plan.committed = static_cast<int>(tail.cols());
+  if (model.num_state_constraints() > 0) plan.ramp_from = twist;
   plan.certified = false;
   return plan;
 }

@@ -26,7 +26,8 @@ double largest_acceleration(const MotionModel& model, int j) {
 
 bool is_finite(const Pose& pose) { return pose.position.allFinite() && std::isfinite(pose.yaw); }
 
-constexpr double kFuture = 1e-6;  // [s] that a stamp may be ahead of the clock: rounding
+constexpr double kStepRounding = 1e-9;  // of a quotient of times
+constexpr double kFuture = 1e-6;        // [s] that a stamp may be ahead of the clock: rounding
 
 GuardReason reason_of(Certificate::Status status) {
   switch (status) {
@@ -120,7 +121,6 @@ bool Guard::brakes(const Twist& command, const Twist& previous, const Belief& ne
              options_.tolerance * model_->max_yaw_rate();
 }
 
-/// Which source is too old or from the future, and how old; empty if none is.
 std::string Guard::stale_source(const Belief& newest, double now) const {
   const SourceStamps& stamps = newest.stamps;
   struct Source {
@@ -160,6 +160,33 @@ bool Guard::within_rates(const Twist& command, const Twist& previous, double dt)
                                   slack * angular_acceleration_ * dt + options_.tolerance;
 }
 
+std::optional<Guard::Objection> Guard::objection(const Twist& command, const Twist& previous,
+                                                 const Belief& newest, double dt,
+                                                 double now) const {
+  if (!is_finite(command) || !is_finite(previous) || !is_finite(newest.twist) ||
+      !is_finite(newest.pose) || !std::isfinite(dt)) {
+    return Objection{GuardReason::kNonFinite,
+                     "the command, the pose, a velocity or the time step is not finite"};
+  }
+  if (!(dt >= Options::kMinStep && dt <= options_.max_step)) {
+    return Objection{GuardReason::kLimit, "the plan's time step is " + std::to_string(dt) +
+                                              " s; expected 0.001 to " +
+                                              std::to_string(options_.max_step) + " s"};
+  }
+  const double slack = 1.0 + options_.tolerance;
+  if (command.linear.norm() > slack * model_->max_speed() ||
+      std::abs(command.yaw_rate) > slack * model_->max_yaw_rate()) {
+    return Objection{GuardReason::kLimit, "the command is faster than the model allows"};
+  }
+  if (!within_rates(command, previous, dt)) {
+    return Objection{GuardReason::kRate, "the command changes faster than the model allows"};
+  }
+  if (std::string stale = stale_source(newest, now); !stale.empty()) {
+    return Objection{GuardReason::kStale, std::move(stale)};
+  }
+  return std::nullopt;
+}
+
 GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, const Belief& newest,
                           double now) const {
   const auto refuse = [&](GuardReason reason, const std::string& detail) {
@@ -169,28 +196,9 @@ GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, co
     if (stage < 0 || stage >= static_cast<int>(plan.commands.size())) {
       return refuse(GuardReason::kUncommitted, "the plan has no such stage");
     }
-    const auto at = static_cast<std::size_t>(stage);
-    const Twist& command = plan.commands[at];
-    if (!is_finite(command) || !is_finite(previous) || !is_finite(newest.twist) ||
-        !is_finite(newest.pose) || !std::isfinite(plan.dt)) {
-      return refuse(GuardReason::kNonFinite,
-                    "the command, the pose, a velocity or the time step is not finite");
-    }
-    if (!(plan.dt >= Options::kMinStep && plan.dt <= options_.max_step)) {
-      return refuse(GuardReason::kLimit, "the plan's time step is " + std::to_string(plan.dt) +
-                                             " s; expected 0.001 to " +
-                                             std::to_string(options_.max_step) + " s");
-    }
-    const double slack = 1.0 + options_.tolerance;
-    if (command.linear.norm() > slack * model_->max_speed() ||
-        std::abs(command.yaw_rate) > slack * model_->max_yaw_rate()) {
-      return refuse(GuardReason::kLimit, "the command is faster than the model allows");
-    }
-    if (!within_rates(command, previous, plan.dt)) {
-      return refuse(GuardReason::kRate, "the command changes faster than the model allows");
-    }
-    if (const std::string stale = stale_source(newest, now); !stale.empty()) {
-      return refuse(GuardReason::kStale, stale);
+    const Twist& command = plan.commands[static_cast<std::size_t>(stage)];
+    if (const auto wrong = objection(command, previous, newest, plan.dt, now)) {
+      return refuse(wrong->reason, wrong->detail);
     }
     const double plan_age = now - plan.stamp;
     if (!(plan_age <= plan.committed * plan.dt + options_.plan_slack) || !(plan_age >= -kFuture)) {
@@ -232,6 +240,68 @@ GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, co
         certifier_.certify(newest, *model_, x, model_->input(previous), remaining, plan.dt);
     if (!certificate.ok()) return refuse(reason_of(certificate.status), certificate.detail);
     return {command, plan.dt, GuardReason::kPassed, ""};
+  } catch (const std::exception& e) {
+    return refuse(GuardReason::kMap, std::string("checking failed: ") + e.what());
+  }
+}
+
+GuardVerdict Guard::check(const Plan& plan, const TimedCommand& asked, const Twist& previous,
+                          const Belief& newest, double now) const {
+  const auto refuse = [&](GuardReason reason, const std::string& detail) {
+    return stop(reason, detail, previous, newest, asked.step);
+  };
+  try {
+    if (asked.input.size() != model_->nu() || !asked.input.allFinite() || !is_finite(previous) ||
+        !is_finite(asked.pose) || !std::isfinite(asked.step) || !std::isfinite(asked.hold)) {
+      return refuse(GuardReason::kNonFinite,
+                    "the input, the pose, the command in force or a time is not finite");
+    }
+    if (!(asked.step >= Options::kMinStep && asked.step <= options_.max_step &&
+          asked.hold >= asked.step && asked.hold <= options_.max_step && asked.share >= 0.0 &&
+          asked.share <= 1.0)) {
+      return refuse(GuardReason::kLimit, "the command is held for " + std::to_string(asked.hold) +
+                                             " s, in steps of " + std::to_string(asked.step) +
+                                             " s; expected 0.001 to " +
+                                             std::to_string(options_.max_step) +
+                                             " s, no shorter than a step, and a share from 0 to 1");
+    }
+    const Eigen::VectorXd x = model_->state(asked.pose, previous);
+    Eigen::VectorXd next(model_->nx());
+    model_->step(x, asked.input, asked.step, next);
+    const Twist command = model_->twist(next, asked.input);
+    if (const auto wrong = objection(command, previous, newest, asked.step, now)) {
+      return refuse(wrong->reason, wrong->detail);
+    }
+    const PlanPhase phase = plan.phase_at(now);
+    if (phase != PlanPhase::kCommitted || plan.kind == PlanKind::kStoppingTail) {
+      if (!brakes(command, previous, newest, asked.step)) {
+        return refuse(GuardReason::kUncommitted,
+                      "past the committed part the command does not brake as hard as it can");
+      }
+      return {command, asked.step, GuardReason::kPassed, ""};
+    }
+    if (!plan.certified) return refuse(GuardReason::kUncommitted, "the plan is not certified");
+    Twist wanted = plan.command_at(plan.ramp_from ? now + asked.step : now);
+    wanted.linear *= asked.share;
+    wanted.yaw_rate *= asked.share;
+    if ((command.linear - wanted.linear).norm() >
+            (previous.linear - wanted.linear).norm() + options_.tolerance * model_->max_speed() ||
+        std::abs(command.yaw_rate - wanted.yaw_rate) >
+            std::abs(previous.yaw_rate - wanted.yaw_rate) +
+                options_.tolerance * model_->max_yaw_rate()) {
+      return refuse(GuardReason::kUncommitted, "the command does not lead to that of the plan");
+    }
+    const double steps = std::ceil(asked.hold / asked.step - kStepRounding);
+    if (!(steps <= certifier_.max_stages())) {
+      return refuse(GuardReason::kOverBudget, "the command is held for too many steps");
+    }
+    // What is held after the first step is the velocity.
+    Eigen::MatrixXd inputs = model_->input(command).replicate(1, static_cast<Eigen::Index>(steps));
+    inputs.col(0) = asked.input;
+    const Certificate certificate =
+        certifier_.certify(newest, *model_, x, model_->input(previous), inputs, asked.step);
+    if (!certificate.ok()) return refuse(reason_of(certificate.status), certificate.detail);
+    return {command, asked.step, GuardReason::kPassed, ""};
   } catch (const std::exception& e) {
     return refuse(GuardReason::kMap, std::string("checking failed: ") + e.what());
   }

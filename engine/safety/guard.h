@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -31,10 +33,24 @@ enum class GuardReason {
 
 std::string_view to_string(GuardReason reason);
 
+/// A command that is sent at any time of a plan, as a command thread does.
+struct TimedCommand {
+  /// Input of the model over the next `step`: the command is the body velocity that it leads to
+  /// from the command in force.
+  Eigen::VectorXd input;
+  double step = 0.05;  ///< [s] from one command to the next
+  /// How long it may stay in force [s], >= step: until the next one has come for certain, or the
+  /// base has stopped by itself.
+  double hold = 0.1;
+  double share = 1.0;  ///< of the plan's velocities that is to be driven, 0 to 1
+  Pose pose;           ///< where the robot is when the command begins to act, as predicted
+};
+
 /// What the motors get.
 struct GuardVerdict {
-  Twist command;           ///< finite and within limits, whatever was asked for
-  double duration = 0.25;  ///< [s] that it may be held: the plan's dt, if that is within bounds
+  Twist command;  ///< finite and within limits, whatever was asked for
+  /// [s] that it may be held: the plan's dt, or the step of a timed command, if within bounds.
+  double duration = 0.25;
   GuardReason reason = GuardReason::kPassed;
   std::string detail;
   bool passed() const { return reason == GuardReason::kPassed; }
@@ -57,6 +73,14 @@ struct GuardVerdict {
 /// all up to `tolerance`; m = mismatch for bases whose commanded velocity turns with the estimated
 /// yaw, else 0. So a command that stays as it is passes at rest only, and one that passes takes at
 /// least the share 1 - m of what can be taken from the speed, without turning aside.
+///
+/// Between stages (TimedCommand) what is certified does not rest on what the plan foresaw: the
+/// input for `step`, the velocity that it leads to up to `hold`, and then the hardest braking, step
+/// by step, from the pose that is predicted for when the command begins to act. If that is free on
+/// the newest map, then whatever comes after, nothing or another command, the robot can stop as
+/// certified. The command must lead from the command in force towards `share` of that of the plan
+/// at the end of `step`, not beyond it; past the committed part, and in a stopping tail, it must
+/// brake, by the rule above.
 ///
 /// Localization that is lost, or whose covariance is none: the certificate lets the robot drive
 /// only into what is in view (certificate.h). Bounded time: see there, too.
@@ -95,17 +119,31 @@ class Guard {
   /// Other zones from now on; null: none. Not while another thread checks.
   void set_zones(std::shared_ptr<const ZoneMap> zones) { certifier_.set_zones(std::move(zones)); }
 
+  /// Which source of the belief is older than its limit, or from the future, and by how much: "the
+  /// map is 1.4 s old; expected at most 1 s"; empty if none is.
+  std::string stale_source(const Belief& newest, double now) const;
+
   /// May plan.commands[stage] be sent at time `now` [s], given the newest belief and the command in
   /// force before it?
   GuardVerdict check(const Plan& plan, int stage, const Twist& previous, const Belief& newest,
                      double now) const;
+
+  /// May the command that asked.input leads to be sent at time `now` [s]?
+  GuardVerdict check(const Plan& plan, const TimedCommand& asked, const Twist& previous,
+                     const Belief& newest, double now) const;
 
  private:
   GuardVerdict stop(GuardReason reason, const std::string& detail, const Twist& previous,
                     const Belief& newest, double dt) const;
   Twist hardest_braking(const Twist& previous, const Belief& newest, double dt) const;
   bool brakes(const Twist& command, const Twist& previous, const Belief& newest, double dt) const;
-  std::string stale_source(const Belief& newest, double now) const;
+  struct Objection {
+    GuardReason reason;
+    std::string detail;
+  };
+  /// Against a command that follows another after dt [s], from these sources; none: passes so far.
+  std::optional<Objection> objection(const Twist& command, const Twist& previous,
+                                     const Belief& newest, double dt, double now) const;
   bool within_rates(const Twist& command, const Twist& previous, double dt) const;
 
   std::shared_ptr<const MotionModel> model_;

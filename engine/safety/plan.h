@@ -44,17 +44,34 @@ struct PlanCandidate {
   std::string verdict;  ///< "executed", "not tried", or why the certificate refused it
 };
 
+/// Where in a plan a time lies.
+enum class PlanPhase {
+  kBefore,     ///< it has not begun
+  kCommitted,  ///< in the certified part, or in a stopping tail
+  kTail,       ///< in the stop after it
+  kRest        ///< after all of it
+};
+
+std::string_view to_string(PlanPhase phase);
+
 /// One planning step's result. Always executable: `commands` are finite, within the model's limits
 /// and either certified or a stop.
 struct Plan {
   PlanKind kind = PlanKind::kStoppingTail;
-  double stamp = 0.0;                   ///< [s], of the belief it starts from
-  double dt = 0.25;                     ///< [s], duration of each command
+  double stamp = 0.0;  ///< [s], of the belief it starts from: its first stage begins then
+  double dt = 0.25;    ///< [s], duration of each command
   std::vector<Eigen::VectorXd> states;  ///< x_0 ... x_N
   std::vector<Eigen::VectorXd> inputs;  ///< u_0 ... u_{N-1}
   std::vector<Twist> commands;          ///< body velocity to hold over each stage
-  std::vector<double> visible;          ///< N_k predicted at k = 0 ... N; empty without landmarks
-  int committed = 0;  ///< leading stages that are certified, with the stop after them
+  /// The certified stop after the committed part: body velocities to hold for dt each, the last one
+  /// rest. Empty for a stopping tail, whose commands are the stop.
+  std::vector<Twist> tail;
+  /// Of a base that is controlled by acceleration, its velocity at `stamp`: from there on the
+  /// velocity changes linearly over each stage and arrives at the stage's command. None: it is the
+  /// stage's command from the stage's start on.
+  std::optional<Twist> ramp_from;
+  std::vector<double> visible;  ///< N_k predicted at k = 0 ... N; empty without landmarks
+  int committed = 0;            ///< leading stages that are certified, with the stop after them
 
   bool certified = false;
   std::string certificate;  ///< what the certificate said
@@ -82,6 +99,12 @@ struct Plan {
   /// landmark map, empty if there is none (usable_landmarks.h).
   int landmarks_dropped = 0;
   std::string landmark_fault;
+
+  PlanPhase phase_at(double t) const;
+  /// The body velocity at time t [s] of the clock of `stamp`: in the committed part that of the
+  /// stage, past it that of the stop, past that, before the plan has begun, and where t is not
+  /// finite, rest. So a plan that nobody replaces never drives on.
+  Twist command_at(double t) const;
 };
 
 }  // namespace prospect

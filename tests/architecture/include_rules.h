@@ -72,7 +72,7 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
        {{"models", "engine/support", "engine/maps", "engine/features", "perception"},
         {"Eigen", "octomap"},
         eigen}},
-      {"runtime", {{"models", "engine"}, eigen, eigen}},
+      {"runtime", {{"models", "engine", "perception"}, eigen, eigen}},
       {"adapters/files", {{"models"}, {"Eigen", "yaml-cpp"}, eigen}},
       {"adapters/page",
        {{"models", "perception", "adapters/files"}, {"Eigen", "opencv2", "nlohmann"}, json}},

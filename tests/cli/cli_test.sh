@@ -55,6 +55,15 @@ timed_out "a start to the left of the origin" explore office --time-limit 1 --qu
 timed_out "a summary in words" explore office --time-limit 1 --quiet --out words
 ! grep -qiw nan out.txt || fail "the summary in words has a number that is none: '$out'"
 ! grep -qw nan words/summary.json || fail "summary.json has a number that is none"
+# In real time: the robot may not have moved on a machine that is busy, but everything is written.
+timed_out "a mission in real time" drive office --time-limit 1.5 --quiet --out live
+grep -q 'capture to command' out.txt || fail "a mission in real time: no latency in '$out'"
+[[ -s live/steps.csv && -s live/report.html && -s live/summary.json ]] ||
+  fail "a mission in real time: its run folder is not whole"
+refused "a base that there is not" --base "expected one of: simulator" drive office --base rover \
+  --out none
+refused "a fault that nobody implements" --fault "'depth:garbage'; expected a fault" drive office \
+  --fault depth:garbage --out none
 
 # --- Tasks: done or not, and why.
 succeeds "enough, and back" explore office --until 12m2 --return --quiet --out task
@@ -260,6 +269,11 @@ for row in '| any | exhausted for look_around | done | explored |' '| retreat | 
 done
 succeeds "list modes as JSON" list modes --json
 grep -q '"cause": "localization lost"' out.txt || fail "list modes --json: no cause"
+succeeds "list drive-modes" list drive-modes
+grep -qF '| any | an emergency stop is asked for | stopping | emergency stop |' out.txt ||
+  fail "list drive-modes: no row of the emergency stop"
+succeeds "list drive-modes as JSON" list drive-modes --json
+grep -q '"cause": "source stale"' out.txt || fail "list drive-modes --json: no cause"
 succeeds "list terms" list terms
 named "list terms" control_effort obstacles visible_features exploration_gain cost_to_go clearance
 # The terms listed are those that problems have: of a base with speed in its inputs, and in its state.
@@ -285,14 +299,14 @@ done
 
 # All of it at once: names in short, or one document.
 succeeds "list" list
-for text in solvers worlds terms sets modes "  office office_bare corridor loop" nlopt:LD_SLSQP "look around"; do
+for text in solvers worlds terms sets modes drive-modes "  office office_bare corridor loop" nlopt:LD_SLSQP "look around"; do
   grep -qE "^$text|  ?$text" out.txt || fail "list: no '$text' in '$out'"
 done
 (($(wc -l <out.txt) < 25)) || fail "list: $(wc -l <out.txt) lines are not short"
 {
   echo "{"
   separator=""
-  for what in solvers worlds terms sets modes; do
+  for what in solvers worlds terms sets modes drive-modes; do
     printf '%s  "%s": ' "$separator" "$what"
     "$prospect" list "$what" --json | sed '2,$s/^/  /' | head -c -1
     separator=$',\n'

@@ -29,7 +29,7 @@ class PlanChoice : public ::testing::Test {
   bool choose(const std::vector<Candidate>& candidates, int committed, Plan& plan) {
     return choose_certified(candidates,
                             {scene_.belief, *scene_.problem, certifier_, Caution::kNormal, drift_,
-                             *evaluators_.visible_features, committed},
+                             *evaluators_.visible_features, committed, late_},
                             plan);
   }
 
@@ -39,6 +39,7 @@ class PlanChoice : public ::testing::Test {
   PlanCertifier certifier_{scene_.planner->robot(), scene_.planner->parameters(), zones_};
   SurfaceDrift drift_;
   Candidate fast_, stop_;
+  StopCondition late_;
 };
 
 TEST_F(PlanChoice, TheFirstCertifiedOneBecomesThePlan) {
@@ -80,6 +81,33 @@ TEST_F(PlanChoice, TenAreTriedAndStoppingWhateverItsRank) {
   candidates.back() = other;
   plan = {};
   EXPECT_FALSE(choose(candidates, 20, plan)) << "the eleventh and later ones";
+}
+
+TEST_F(PlanChoice, OnceItIsLateOneIsTriedAndTheStop) {
+  late_ = deadline(0.0);
+  Plan plan;
+  ASSERT_TRUE(choose({fast_, fast_, stop_}, 20, plan));
+  EXPECT_EQ(plan.seed, "stop");
+  ASSERT_EQ(plan.candidates.size(), 3u);
+  EXPECT_NE(plan.candidates[0].verdict, "not tried");
+  EXPECT_EQ(plan.candidates[1].verdict, "not tried");
+  Plan first;
+  ASSERT_TRUE(choose({stop_, fast_}, 20, first));
+  EXPECT_EQ(first.seed, "stop");
+}
+
+TEST_F(PlanChoice, ThePlanHoldsTheStopAfterItsCommittedPart) {
+  Plan plan;
+  ASSERT_TRUE(choose({fast_, stop_}, 1, plan));
+  ASSERT_EQ(plan.seed, "fast");
+  ASSERT_FALSE(plan.tail.empty());
+  EXPECT_EQ(plan.tail.back().linear.norm(), 0.0);
+  double speed = plan.commands[0].linear.norm();
+  for (const Twist& command : plan.tail) {
+    EXPECT_LT(command.linear.norm(), speed + 1e-12);
+    speed = command.linear.norm();
+  }
+  EXPECT_FALSE(plan.ramp_from);
 }
 
 }  // namespace

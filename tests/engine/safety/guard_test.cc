@@ -592,5 +592,144 @@ TEST_P(GuardOfEveryModel, TheVerdictIsAlwaysFiniteAndWithinLimits) {
 INSTANTIATE_TEST_SUITE_P(Models, GuardOfEveryModel, ::testing::ValuesIn(model_names()),
                          [](const auto& info) { return info.param; });
 
+/// The command in force is the plan's first; sent now, at any time within the plan.
+class TimedCommandTest : public GuardTest {
+ protected:
+  TimedCommand asked_;
+
+  void SetUp() override {
+    GuardTest::SetUp();
+    before_ = plan_.commands[0];
+    belief_.twist = before_;
+    asked_ = TimedCommand();
+    asked_.pose = belief_.pose;
+    ask(0.5, 0.3);
+    at(0.0);
+  }
+  void ask(double speed, double yaw_rate) { asked_.input = Eigen::Vector2d(speed, yaw_rate); }
+  void at(double since_start) {
+    now_ = 10.0 + since_start;
+    belief_.set_stamps(now_);
+  }
+  GuardVerdict check_timed() { return guard_.check(plan_, asked_, before_, belief_, now_); }
+};
+
+TEST_F(TimedCommandTest, PassesWithinAStage) {
+  at(0.1);
+  const GuardVerdict verdict = check_timed();
+  EXPECT_TRUE(verdict.passed()) << verdict.detail;
+  EXPECT_EQ(verdict.command.linear.x(), 0.5);
+  EXPECT_EQ(verdict.command.yaw_rate, 0.3);
+  EXPECT_EQ(verdict.duration, asked_.step);
+  // On the way to the second stage, which turns less.
+  at(0.25);
+  ask(0.5, 0.25);
+  EXPECT_TRUE(check_timed().passed()) << check_timed().detail;
+}
+
+TEST_F(TimedCommandTest, ASpeedIsHeldAndThenBrakedBeforeAnObstacle) {
+  // From 0.5 m/s held for 0.1 s, the stop takes 0.2 m; the wall is nearer or farther than that.
+  const auto with_wall_at = [&](double gap) {
+    ObstacleWorld world;
+    const int wall = static_cast<int>(std::ceil(10.0 * (CylinderShape{}.radius + gap)));
+    for (int j = -20; j < 20; ++j) world.occupy_column(wall, j);
+    const Belief mapped = world.belief();
+    belief_.voxels = mapped.voxels;
+    belief_.ground = mapped.ground;
+    return check_timed();
+  };
+  EXPECT_TRUE(with_wall_at(0.4).passed()) << with_wall_at(0.4).detail;
+  const GuardVerdict verdict = with_wall_at(0.1);
+  EXPECT_EQ(verdict.reason, GuardReason::kMap) << verdict.detail;
+  // The hardest braking over a step, not over a stage.
+  EXPECT_NEAR(verdict.command.linear.x(), 0.5 - 0.8 * 0.05, 1e-12);
+  EXPECT_NEAR(verdict.command.yaw_rate, 0.3 - 2.5 * 0.05, 1e-12);
+  // Held for longer, it needs more way.
+  asked_.hold = 1.0;
+  EXPECT_EQ(with_wall_at(0.4).reason, GuardReason::kMap);
+}
+
+TEST_F(TimedCommandTest, LeadsToTheCommandOfThePlanAndNotBeyond) {
+  ask(0.53, 0.3);
+  EXPECT_EQ(check_timed().reason, GuardReason::kUncommitted);
+  ask(0.5, 0.4);
+  EXPECT_EQ(check_timed().reason, GuardReason::kUncommitted);
+  before_.linear.x() = 0.47;
+  ask(0.5, 0.3);
+  EXPECT_TRUE(check_timed().passed()) << check_timed().detail;
+  ask(0.44, 0.3);  // away from it
+  EXPECT_EQ(check_timed().reason, GuardReason::kUncommitted);
+  // A share of the plan's velocities.
+  SetUp();
+  asked_.share = 0.5;
+  ask(0.47, 0.2);
+  EXPECT_TRUE(check_timed().passed()) << check_timed().detail;
+  ask(0.5, 0.3);
+  EXPECT_TRUE(check_timed().passed()) << check_timed().detail;
+  before_.linear.x() = 0.25;
+  ask(0.28, 0.3);
+  EXPECT_EQ(check_timed().reason, GuardReason::kUncommitted);
+}
+
+TEST_F(TimedCommandTest, PastTheCommittedPartItBrakes) {
+  at(0.55);
+  EXPECT_EQ(check_timed().reason, GuardReason::kUncommitted);
+  EXPECT_NEAR(check_timed().command.linear.x(), 0.5 - 0.8 * 0.05, 1e-12);
+  ask(0.5 - 0.8 * 0.05, 0.3 - 2.5 * 0.05);
+  EXPECT_TRUE(check_timed().passed()) << check_timed().detail;
+  at(100.0);  // however old the plan is
+  EXPECT_TRUE(check_timed().passed()) << check_timed().detail;
+  at(-0.1);  // before it begins
+  EXPECT_TRUE(check_timed().passed()) << check_timed().detail;
+  before_ = Twist{};
+  ask(0.0, 0.0);
+  EXPECT_TRUE(check_timed().passed()) << check_timed().detail;
+  ask(0.01, 0.0);
+  EXPECT_EQ(check_timed().reason, GuardReason::kUncommitted);
+}
+
+TEST_F(TimedCommandTest, WhatIsWrongWithItIsSaid) {
+  asked_.input[0] = kNan;
+  EXPECT_EQ(check_timed().reason, GuardReason::kNonFinite);
+  SetUp();
+  asked_.pose.yaw = kInfinity;
+  EXPECT_EQ(check_timed().reason, GuardReason::kNonFinite);
+  SetUp();
+  asked_.input.resize(1);
+  EXPECT_EQ(check_timed().reason, GuardReason::kNonFinite);
+  for (double TimedCommand::*time : {&TimedCommand::step, &TimedCommand::hold}) {
+    for (const double bad : {0.0, -1.0, 1e-4, 1e9}) {
+      SetUp();
+      asked_.*time = bad;
+      EXPECT_EQ(check_timed().reason, GuardReason::kLimit) << bad;
+    }
+  }
+  SetUp();
+  asked_.share = 1.1;
+  EXPECT_EQ(check_timed().reason, GuardReason::kLimit);
+  SetUp();
+  before_.linear.x() = 0.4;  // 0.1 m/s in 0.05 s
+  EXPECT_EQ(check_timed().reason, GuardReason::kRate);
+  SetUp();
+  belief_.stamps.map = now_ - 2.0;
+  EXPECT_EQ(check_timed().reason, GuardReason::kStale);
+  SetUp();
+  plan_.certified = false;
+  EXPECT_EQ(check_timed().reason, GuardReason::kUncommitted);
+}
+
+TEST_F(TimedCommandTest, OfABaseThatIsControlledByAcceleration) {
+  const std::shared_ptr<const MotionModel> model = make_model("unicycle_accel");
+  const Guard guard = make_guard(model);
+  before_ = {{0.2, 0.0, 0.0}, 0.0};
+  belief_.twist = before_;
+  plan_ = plan_of(*model, belief_, (Eigen::MatrixXd(2, 2) << 0.4, 0.4, 0.0, 0.0).finished());
+  plan_.ramp_from = before_;
+  asked_.input = Eigen::Vector2d(0.4, 0.0);
+  const GuardVerdict verdict = guard.check(plan_, asked_, before_, belief_, now_);
+  EXPECT_TRUE(verdict.passed()) << verdict.detail;
+  EXPECT_NEAR(verdict.command.linear.x(), 0.22, 1e-12);
+}
+
 }  // namespace
 }  // namespace prospect::guard_test

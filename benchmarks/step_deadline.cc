@@ -1,0 +1,139 @@
+// How well a planning step keeps its deadline, over the beliefs of a mission.
+//   step_deadline [WORLD] [--deadline MS] [--steps N] [--seed S] [--solver NAME]
+// Drives the mission in lockstep, each step with that deadline, and prints what the steps took, in
+// wall time and in processor time of the one thread, in all and by their parts, and by how much the
+// deadline was overrun; besides, what the guard's check of one command of each plan costs.
+// Processor time is what counts where others keep the machine busy; there the wall clock ends the
+// polishing earlier. The floor is what a step takes that has no time to polish
+// (--deadline 0.001).
+#include <algorithm>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adapters/config/configuration.h"
+#include "adapters/run/exploration_run.h"
+#include "adapters/worlds/load_world.h"
+#include "benchmarks/guarded_main.h"
+#include "benchmarks/program_options.h"
+#include "engine/planner/planner.h"
+#include "engine/support/quantile.h"
+#include "engine/support/stopwatch.h"
+#include "runtime/next_command.h"
+#include "solvers/registry.h"
+
+namespace prospect {
+namespace {
+
+/// Times each step of the planner that it stands for.
+class TimedPlanner final : public Replanner {
+ public:
+  TimedPlanner(std::unique_ptr<Planner> planner, std::vector<PlanTimes>& times,
+               std::vector<double>& processor, std::vector<double>& guard)
+      : planner_(std::move(planner)),
+        check_(planner_->make_guard()),
+        times_(times),
+        processor_(processor),
+        guard_(guard) {}
+  Plan plan(const Belief& belief) override {
+    ProcessorStopwatch watch;
+    Plan plan = planner_->plan(belief);
+    processor_.push_back(watch.lap());
+    times_.push_back(plan.times);
+    if (plan.certified) {
+      // As a command thread asks, at the plan's first stage.
+      const Twist previous = belief.command.value_or(belief.twist);
+      TimedCommand asked;
+      asked.hold = 0.15;
+      const NextCommand next = next_command(*planner_->robot().model, plan, 1.0, belief.pose,
+                                            previous, belief.stamp, asked.step);
+      asked.input = next.input;
+      asked.pose = belief.pose;
+      watch.lap();
+      check_.check(plan, asked, previous, belief, belief.stamp);
+      guard_.push_back(watch.lap());
+    }
+    return plan;
+  }
+  std::shared_ptr<const GlobalPlan> global_plan() const override { return planner_->global_plan(); }
+  std::string set_task(const Task& task) override { return planner_->set_task(task); }
+
+ private:
+  std::unique_ptr<Planner> planner_;
+  Guard check_;
+  std::vector<PlanTimes>& times_;
+  std::vector<double>&processor_, &guard_;
+};
+
+void print(const char* name, const std::vector<double>& ms) {
+  std::printf("  %-16s %8.2f %8.2f %8.2f %8.2f\n", name, quantile(ms, 0.5), quantile(ms, 0.95),
+              quantile(ms, 0.99), quantile(ms, 1.0));
+}
+
+int measure(int argc, char** argv) {
+  std::string world = "office", solver = "nlopt";
+  double deadline_ms = 20.0;
+  int steps = 300;
+  int seed = 1;
+  ProgramOptions program("How well a planning step keeps its deadline");
+  program.add("world", world, "Built-in name or file");
+  program.add("--deadline", deadline_ms, "Of a step [ms]", {.least = 1e-3, .most = 1e6});
+  program.add("--steps", steps, "Of the mission", {.least = 1});
+  program.add("--seed", seed, "Of all noise", {.least = 0});
+  program.add("--solver", solver, "Back end");
+  if (const std::optional<int> code = program.parse(argc, argv)) return *code;
+  Configuration configuration = read_configuration("");
+  configuration.solver = solver;
+  configuration.planner.deadline = 1e-3 * deadline_ms;
+  configuration.mission.time_limit = 1e6;
+  std::vector<PlanTimes> times;
+  std::vector<double> processor, guard;
+  ExplorationRunOptions options;
+  options.seed = static_cast<std::uint64_t>(seed);
+  options.keep_steps = false;
+  options.cancelled = [&] { return static_cast<int>(times.size()) >= steps; };
+  options.make_planner = [&](const Configuration& c) -> std::unique_ptr<Replanner> {
+    return std::make_unique<TimedPlanner>(
+        std::make_unique<Planner>(c.robot, c.planner, SolverRegistry().make(c.solver)), times,
+        processor, guard);
+  };
+  const auto loaded =
+      std::make_shared<const World>(load_world(world, world_options_for(configuration)));
+  run_exploration(loaded, configuration, options);
+
+  const auto part = [&](const auto& ms) {
+    std::vector<double> all;
+    for (const PlanTimes& t : times) all.push_back(ms(t));
+    return all;
+  };
+  std::printf("%s, seed %d, %s, deadline %g ms: %zu steps\n", world.c_str(), seed, solver.c_str(),
+              deadline_ms, times.size());
+  std::printf("  %-16s %8s %8s %8s %8s  [ms]\n", "", "p50", "p95", "p99", "max");
+  print("step, wall", part([](const PlanTimes& t) { return t.total; }));
+  print("step, processor", processor);
+  print("facts, frontiers", part([](const PlanTimes& t) { return t.frontier_planner; }));
+  print("clearance", part([](const PlanTimes& t) { return t.clearance; }));
+  print("views", part([](const PlanTimes& t) { return t.views; }));
+  print("seeds", part([](const PlanTimes& t) { return t.seeds; }));
+  print("polish", part([](const PlanTimes& t) { return t.polish; }));
+  print("certificate", part([](const PlanTimes& t) { return t.certify; }));
+  print("guard, proc.", guard);
+  const auto overrun = [&](std::vector<double> ms) {
+    for (double& t : ms) t = std::max(0.0, t - deadline_ms);
+    return ms;
+  };
+  print("overrun, wall", overrun(part([](const PlanTimes& t) { return t.total; })));
+  print("overrun, proc.", overrun(processor));
+  return 0;
+}
+
+}  // namespace
+}  // namespace prospect
+
+int main(int argc, char** argv) {
+  return prospect::guarded_main("step_deadline", prospect::measure, argc, argv);
+}

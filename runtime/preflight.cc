@@ -1,0 +1,228 @@
+#include "runtime/preflight.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/behaviour/formatted.h"
+#include "engine/maps/map_projection.h"
+#include "models/knobs.h"
+
+namespace prospect {
+namespace {
+
+using Verdict = CheckVerdict;
+
+CheckResult not_possible(const std::string& check, const std::string& why) {
+  return {check, Verdict::kNotPossible, why};
+}
+
+/// By how far a number is off; one that is not finite fails.
+Verdict graded(double off, double warn, double fail) {
+  if (!(std::abs(off) <= fail)) return Verdict::kFailed;
+  return std::abs(off) <= warn ? Verdict::kPassed : Verdict::kWarned;
+}
+
+CheckResult height_check(const PreflightFacts& facts, const PreflightOptions& o) {
+  if (!facts.floor) return not_possible("camera height", "no floor was seen");
+  const PreflightFacts::Floor& f = *facts.floor;
+  // What the measurement itself may be off by counts for the camera.
+  const double off = f.height - f.stated_height;
+  const double sure = std::max(0.0, std::abs(off) - 2.0 * f.sigma_height);
+  return {"camera height", graded(std::isfinite(off) ? sure : off, o.height_warn, o.height_fail),
+          formatted("%.3f m above the floor as seen (sigma %.3f), %.3f m as mounted; expected "
+                    "within %.3f m",
+                    f.height, f.sigma_height, f.stated_height, o.height_warn)};
+}
+
+CheckResult tilt_check(const PreflightFacts& facts, const PreflightOptions& o) {
+  if (!facts.floor) return not_possible("camera tilt", "no floor was seen");
+  const PreflightFacts::Floor& f = *facts.floor;
+  const double off = std::hypot(f.pitch - f.stated_pitch, f.roll - f.stated_roll);
+  const double sure = std::max(0.0, off - 2.0 * f.sigma_tilt);
+  return {"camera tilt", graded(std::isfinite(off) ? sure : off, o.tilt_warn, o.tilt_fail),
+          formatted("pitch %.3f and roll %.3f rad as seen (sigma %.3f), %.3f and %.3f as mounted; "
+                    "expected within %.3f rad",
+                    f.pitch, f.roll, f.sigma_tilt, f.stated_pitch, f.stated_roll, o.tilt_warn)};
+}
+
+CheckResult body_check(const PreflightFacts& facts, const PreflightOptions& o) {
+  const std::string name = "body above the floor";
+  if (!facts.body) return not_possible(name, "the body's heights are not known");
+  const VerticalExtent& body = *facts.body;
+  const double r = facts.resolution;
+  if (!std::isfinite(body.z_min) || !std::isfinite(body.z_max) || !(body.z_min < body.z_max) ||
+      !std::isfinite(r) || !(r > 0.0)) {
+    return {name, Verdict::kFailed,
+            formatted("the body reaches from %g to %g m, voxels are %g m; expected heights in "
+                      "order and a size",
+                      body.z_min, body.z_max, r)};
+  }
+  const double lowest = slice_layers({body.z_min, body.z_max, std::nullopt}, r).k_low * r;
+  const double seen = facts.floor ? facts.floor->stated_height - facts.floor->height : 0.0;
+  const double sure = facts.floor ? seen - 2.0 * facts.floor->sigma_height : 0.0;
+  const std::string where =
+      formatted("its lowest voxels begin at %.3f m, the floor is seen at %.3f m", lowest, seen);
+  // At exactly the height where voxels begin a surface is in them; the floor itself is at 0.
+  if (!std::isfinite(seen) || !std::isfinite(sure) || (sure > 0.0 && sure >= lowest - 1e-9)) {
+    return {name, Verdict::kFailed,
+            where +
+                ": it is an obstacle everywhere; expected it below (mount the camera as it is "
+                "stated, or raise the body's lower end)"};
+  }
+  if (seen + o.floor_noise >= lowest) {
+    return {name, Verdict::kWarned,
+            where + formatted("; expected %.3f m between them, or noise is an obstacle",
+                              o.floor_noise)};
+  }
+  if (!facts.floor) return not_possible(name, "no floor was seen; as mounted it is low enough");
+  return {name, Verdict::kPassed, where};
+}
+
+CheckResult stereo_check(const PreflightFacts& facts, const PreflightOptions& o) {
+  if (!facts.stereo_offset) return not_possible("cameras in step", "no pair of images was stamped");
+  return {"cameras in step", graded(*facts.stereo_offset, o.stereo_warn, o.stereo_fail),
+          formatted("right image %.2f ms after the left one; expected within %.2f ms",
+                    1e3 * *facts.stereo_offset, 1e3 * o.stereo_warn)};
+}
+
+CheckResult clock_check(const PreflightFacts::Clock& clock) {
+  const std::string name = "clock of " + clock.source;
+  if (!clock.offset) {
+    return {name, Verdict::kFailed, "its offset is not known yet; expected stamps that agree"};
+  }
+  if (!std::isfinite(*clock.offset)) {
+    return {name, Verdict::kFailed, formatted("offset %g; expected a number", *clock.offset)};
+  }
+  return {name, clock.jumps > 0 ? Verdict::kWarned : Verdict::kPassed,
+          formatted("offset %.6f s, jumped %d times", *clock.offset, clock.jumps)};
+}
+
+CheckResult stream_check(const PreflightFacts::Stream& s, const PreflightOptions& o) {
+  const bool live = s.age >= 0.0 && s.age <= s.limit && s.live_for >= o.live_time;
+  return {"stream of " + s.source, live ? Verdict::kPassed : Verdict::kFailed,
+          formatted("%.3f s old, within %.3f s for %.1f s; expected for %.1f s", s.age, s.limit,
+                    s.live_for, o.live_time)};
+}
+
+CheckResult dead_man_check(const PreflightFacts& facts, const PreflightOptions& o) {
+  if (!facts.dead_man) {
+    return {"dead-man", Verdict::kFailed,
+            "the base declares none; expected a base, or a relay, that stops by itself"};
+  }
+  const double time = *facts.dead_man;
+  if (!(time > 0.0 && time <= o.longest_dead_man)) {
+    return {"dead-man", Verdict::kFailed,
+            formatted("the base stops %g s after the last command; expected above 0, at most %g s",
+                      time, o.longest_dead_man)};
+  }
+  const std::string way =
+      formatted("the base stops %.2f s after the last command: %.2f m at full speed", time,
+                time * facts.speed.model);
+  if (!(facts.longest_thread_limit < time)) {
+    return {"dead-man", Verdict::kWarned,
+            way + formatted("; a thread may be silent for %.2f s, so that it trips first",
+                            facts.longest_thread_limit)};
+  }
+  return {"dead-man", Verdict::kPassed, way};
+}
+
+CheckResult limit_check(const std::string& name, const char* unit,
+                        const PreflightFacts::Limit& limit) {
+  if (!limit.base) return not_possible(name, "the base does not say");
+  const bool enough = std::isfinite(limit.model) && *limit.base >= limit.model * (1.0 - 1e-9);
+  return {name, enough ? Verdict::kPassed : Verdict::kFailed,
+          formatted("the base reaches %.3g %s, the model counts on %.3g; expected no less",
+                    *limit.base, unit, limit.model)};
+}
+
+CheckResult gain_check(const std::string& name, double from, const std::optional<double>& to,
+                       const char* missing, const PreflightOptions& o) {
+  if (!to) return not_possible(name, missing);
+  const std::string turned = formatted("%.3f rad of %.3f", *to, from);
+  const double gain = *to / from;
+  if (!std::isfinite(gain)) return {name, Verdict::kFailed, turned + "; expected numbers"};
+  if (std::abs(gain) < 0.25) return {name, Verdict::kFailed, turned + ": it does not turn"};
+  if (gain < 0.0) {
+    return {name, Verdict::kFailed,
+            turned + ": it turns the other way; expected positive to the left"};
+  }
+  return {name, graded(gain - 1.0, o.yaw_warn, o.yaw_fail),
+          turned + formatted(": gain %.2f; expected 1 within %.2f", gain, o.yaw_warn)};
+}
+
+}  // namespace
+
+std::string_view to_string(CheckVerdict verdict) {
+  switch (verdict) {
+    case Verdict::kPassed:
+      return "passed";
+    case Verdict::kWarned:
+      return "warned";
+    case Verdict::kFailed:
+      return "failed";
+    case Verdict::kNotPossible:
+      return "not possible";
+  }
+  return "?";
+}
+
+std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
+                                              const PreflightOptions& options) {
+  check_knobs("preflight", options);
+  std::vector<CheckResult> results = {height_check(facts, options), tilt_check(facts, options),
+                                      body_check(facts, options), stereo_check(facts, options)};
+  for (const PreflightFacts::Clock& clock : facts.clocks) results.push_back(clock_check(clock));
+  if (facts.clocks.empty()) results.push_back(not_possible("clocks", "no source was named"));
+  for (const PreflightFacts::Stream& stream : facts.streams) {
+    results.push_back(stream_check(stream, options));
+  }
+  // A robot without any stream sees nothing.
+  if (facts.streams.empty()) {
+    results.push_back({"streams", Verdict::kFailed, "no source was named; expected one or more"});
+  }
+  results.push_back(dead_man_check(facts, options));
+  results.push_back(limit_check("largest speed", "m/s", facts.speed));
+  results.push_back(limit_check("largest yaw rate", "rad/s", facts.yaw_rate));
+  results.push_back(limit_check("deceleration", "m/s^2", facts.deceleration));
+  return results;
+}
+
+std::vector<CheckResult> checks_of_turn(const YawTurn& turn, const PreflightOptions& options) {
+  check_knobs("preflight", options);
+  const std::vector<std::string> names = {"yaw of the wheels", "yaw of the cameras", "slip"};
+  if (!(std::abs(turn.commanded) >= options.least_turn)) {
+    std::vector<CheckResult> results;
+    for (const std::string& name : names) {
+      results.push_back(not_possible(name, formatted("%.3f rad were commanded; expected %.3f",
+                                                     turn.commanded, options.least_turn)));
+    }
+    return results;
+  }
+  const char* no_wheels = "the base reports no motion";
+  const char* no_cameras = "visual odometry has no motion";
+  return {gain_check(names[0], turn.commanded, turn.wheels, no_wheels, options),
+          gain_check(names[1], turn.commanded, turn.cameras, no_cameras, options),
+          turn.wheels ? gain_check(names[2], *turn.wheels, turn.cameras, no_cameras, options)
+                      : not_possible(names[2], no_wheels)};
+}
+
+std::string first_failed(const std::vector<CheckResult>& results) {
+  for (const CheckResult& result : results) {
+    if (result.verdict == Verdict::kFailed) return result.check;
+  }
+  return "";
+}
+
+std::string to_text(const std::vector<CheckResult>& results) {
+  std::size_t width = 0;
+  for (const CheckResult& result : results) width = std::max(width, result.check.size());
+  std::string text;
+  for (const CheckResult& result : results) {
+    text += result.check + std::string(width + 2 - result.check.size(), ' ');
+    const std::string verdict(to_string(result.verdict));
+    text += verdict + std::string(14 - verdict.size(), ' ') + result.why + '\n';
+  }
+  return text;
+}
+
+}  // namespace prospect

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "models/robot_shape.h"
+
+namespace prospect {
+
+class Knobs;
+
+enum class CheckVerdict {
+  kPassed,
+  kWarned,       ///< the robot may drive; a person should know
+  kFailed,       ///< it may not
+  kNotPossible,  ///< what is needed for the check was not there; it may drive
+};
+/// "passed", "warned", "failed", "not possible".
+std::string_view to_string(CheckVerdict verdict);
+
+struct CheckResult {
+  std::string check;
+  CheckVerdict verdict = CheckVerdict::kFailed;
+  std::string why;  ///< one sentence with the numbers
+};
+
+struct PreflightOptions {
+  // What is off by more is warned of, and fails.
+  double height_warn = 0.01, height_fail = 0.05;    ///< of the camera above the floor [m]
+  double tilt_warn = 0.01, tilt_fail = 0.05;        ///< of the camera [rad]
+  double stereo_warn = 0.001, stereo_fail = 0.005;  ///< of the cameras' captures [s]
+  double yaw_warn = 0.05, yaw_fail = 0.25;          ///< of the gain of yaw [1]
+  double floor_noise = 0.02;                        ///< [m] that points of the floor stand out
+  double longest_dead_man = 1.0;                    ///< [s]
+  double live_time = 1.0;   ///< [s] that a stream must have been within its limit
+  double least_turn = 0.1;  ///< [rad] commanded, for the check of yaw
+};
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, PreflightOptions& options);
+
+/// What is known before the first motion. What is not known stays empty: its check is then not
+/// possible, and says so.
+struct PreflightFacts {
+  /// A depth camera's pose against the floor, as mounted and as the depth images show it
+  /// (GroundPlane of perception/mapping).
+  struct Floor {
+    double stated_height = 0.0, height = 0.0;  ///< of the camera above the floor [m]
+    double stated_pitch = 0.0, pitch = 0.0;    ///< down [rad]
+    double stated_roll = 0.0, roll = 0.0;      ///< the image's right side down [rad]
+    double sigma_height = 0.0;                 ///< one standard deviation [m]
+    double sigma_tilt = 0.0;                   ///< [rad]
+  };
+  std::optional<Floor> floor{};
+  /// Heights in W that the body sweeps (RobotDescription::slice()) [m], and the map's resolution.
+  std::optional<VerticalExtent> body{};
+  double resolution = 0.1;  ///< [m]
+  /// Capture of the right image - capture of the left one [s].
+  std::optional<double> stereo_offset{};
+
+  struct Clock {
+    std::string source;
+    std::optional<double> offset;  ///< [s] (ClockOffset); none: not settled
+    int jumps = 0;
+  };
+  std::vector<Clock> clocks{};
+
+  struct Stream {
+    std::string source;
+    double age = 0.0, limit = 0.0;  ///< [s]
+    double live_for = 0.0;          ///< [s] that it has been within its limit
+  };
+  std::vector<Stream> streams{};
+
+  /// [s] of silence after which the base stops by itself; none: it declares no dead-man.
+  std::optional<double> dead_man{};
+  double longest_thread_limit = 0.0;  ///< [s] (Supervisor)
+  /// What the base says it can do, and what the motion model counts on.
+  struct Limit {
+    std::optional<double> base;
+    double model = 0.0;
+  };
+  Limit speed{}, yaw_rate{}, deceleration{};  ///< [m/s], [rad/s], [m/s^2]
+};
+
+/// Checks that need no motion, always the same ones in the same order, those of clocks and streams
+/// once for each:
+///   camera height, camera tilt   against the mount;
+///   body above the floor         the floor as it is seen must not reach the body's lowest layer of
+///                                voxels. A camera that is 2 cm lower than stated lifts the floor
+///                                by as much; under a body down to z = 0 it is an obstacle that is
+///                                everywhere, and the robot hardly moves and says nothing;
+///   cameras in step              |offset|;
+///   clock of SOURCE              settled; jumps are warned of;
+///   stream of SOURCE             within its limit for live_time;
+///   dead-man                     declared, and no longer than longest_dead_man; longer than the
+///                                slowest thread's limit, or it trips first: warned of;
+///   largest speed, largest yaw rate, deceleration: the base reaches what the model counts on.
+/// A number that is not finite fails. Pure.
+std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
+                                              const PreflightOptions& options = {});
+
+/// A turn on the spot, by 0.2 rad or so, as it was commanded and as it was measured, in the sense
+/// of B (positive: to the left) [rad].
+struct YawTurn {
+  double commanded = 0.0;
+  std::optional<double> wheels{};   ///< the base's own odometry
+  std::optional<double> cameras{};  ///< visual odometry
+};
+/// The checks that need motion: "yaw of the wheels", "yaw of the cameras", each against what was
+/// commanded, and "slip", cameras against wheels. A base that turns the other way, or not by a
+/// quarter of it, fails. Pure.
+std::vector<CheckResult> checks_of_turn(const YawTurn& turn, const PreflightOptions& options = {});
+
+/// Name of the first check that failed; empty: none did, the robot may drive.
+std::string first_failed(const std::vector<CheckResult>& results);
+
+/// One line a check: name, verdict, why; in columns.
+std::string to_text(const std::vector<CheckResult>& results);
+
+}  // namespace prospect

@@ -1,0 +1,65 @@
+#include "runtime/range_look.h"
+
+#include <algorithm>
+
+namespace prospect {
+
+RangeFrame range_frame(const DepthFrame& depth, const RangeCamera& c) {
+  RangeFrame frame;
+  frame.stamp = depth.stamp;
+  frame.origin = c.mount.T_BC.translation();
+  const DepthImage& image = *depth.image;
+  if (!image.whole() || image.width != c.camera.width || image.height != c.camera.height) {
+    return frame;
+  }
+  const int stride = std::max(1, c.stride);
+  for (int v = stride / 2; v < image.height; v += stride) {
+    for (int u = stride / 2; u < image.width; u += stride) {
+      const Eigen::Vector3d direction((u - c.camera.cx) / c.camera.fx,
+                                      (v - c.camera.cy) / c.camera.fy, 1.0);
+      const double z = image.at(u, v);
+      RangeRay ray;
+      if (c.range.holds(z)) {
+        ray.kind = RangeRay::Kind::kHit;
+      } else if (z > c.range.max) {
+        ray.kind = RangeRay::Kind::kClear;
+      }
+      const double along = ray.kind == RangeRay::Kind::kHit ? z : c.range.max;
+      ray.point = c.mount.T_BC * (along * direction);
+      frame.rays.push_back(ray);
+    }
+  }
+  return frame;
+}
+
+RangeFrame range_frame(const ScanFrame& scan) {
+  RangeFrame frame;
+  frame.stamp = scan.stamp;
+  frame.origin = scan.in_B->origin;
+  for (const Eigen::Vector3d& point : scan.in_B->hits) {
+    frame.rays.push_back({point, RangeRay::Kind::kHit});
+  }
+  for (const Eigen::Vector3d& point : scan.in_B->misses) {
+    frame.rays.push_back({point, RangeRay::Kind::kClear});
+  }
+  return frame;
+}
+
+std::function<RangeLook(const Twist&, double)> range_look(const SensorInbox& inbox,
+                                                          const RangeStop& stop,
+                                                          const RangeCamera& camera) {
+  return [&](const Twist& command, double now) {
+    const NewestRanges newest = inbox.ranges();
+    RangeLook look;
+    const auto ask = [&](const RangeFrame& frame) {
+      const RangeStopVerdict verdict = stop.check(frame, command, now);
+      look.share = std::min(look.share, verdict.share);
+      if (!verdict.may_go_on() && look.obstacle.empty()) look.obstacle = verdict.text;
+    };
+    if (newest.depth.image) ask(range_frame(newest.depth, camera));
+    if (newest.scan.in_B) ask(range_frame(newest.scan));
+    return look;
+  };
+}
+
+}  // namespace prospect

@@ -1,0 +1,318 @@
+#include "runtime/real_time_driver.h"
+
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "models/knobs.h"
+#include "runtime/mission_progress.h"
+#include "runtime/planning_latency.h"
+#include "runtime/predicted_belief.h"
+#include "runtime/supervisor.h"
+
+namespace prospect {
+namespace {
+
+enum SupervisedIndex { kPerception, kPlanner, kCommand };
+
+constexpr double kPoll = 0.02;         // [s] in which who waits for the end looks
+constexpr double kLongestStop = 10.0;  // [s] after which a base that does not stop is left alone
+
+std::vector<SupervisedThread> threads_of(const RealTimeOptions& o) {
+  return {{"perception", o.perception_limit},
+          {"planner", o.planner_limit},
+          {"command", o.command_limit}};
+}
+
+const RobotParts& checked(const RobotParts& parts) {
+  if (!parts.model) throw std::invalid_argument("driver: no motion model; expected one");
+  const std::optional<double> dead_man = parts.base.dead_man();
+  if (!dead_man || !(*dead_man > 0.0)) {
+    throw std::invalid_argument("base " + parts.base.name() +
+                                ": it declares no dead-man; expected a base that stops by itself "
+                                "when commands cease, or a relay beside it that does");
+  }
+  return parts;
+}
+
+const RealTimeOptions& checked(const RealTimeOptions& options) {
+  check_knobs("driver", options);
+  return options;
+}
+
+bool starts_at_rest(const Belief& belief) {
+  constexpr double kRest = 1e-3;  // [m/s], [rad/s]
+  return belief.twist.linear.norm() <= kRest && std::abs(belief.twist.yaw_rate) <= kRest;
+}
+
+/// The newest of something, handed from one thread to others.
+template <typename Value>
+class Newest {
+ public:
+  void set(Value value) {
+    const std::lock_guard lock(mutex_);
+    value_ = std::move(value);
+  }
+  Value get() const {
+    const std::lock_guard lock(mutex_);
+    return value_;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  Value value_{};
+};
+
+struct NewestPlan {
+  std::shared_ptr<const Plan> plan;
+  std::optional<double> from_rest;  // stamp of the newest one that starts at rest
+};
+
+/// [s] until the stop of a plan ends.
+double time_left(const Plan* plan, double now) {
+  if (!plan) return 0.0;
+  return plan->stamp + (plan->committed + static_cast<double>(plan->tail.size())) * plan->dt - now;
+}
+
+}  // namespace
+
+struct RealTimeDriver::Impl {
+  RobotParts parts;
+  RealTimeOptions options;
+  EventLog events;
+  Supervisor supervisor;
+
+  Newest<std::shared_ptr<const Belief>> belief;
+  Newest<NewestPlan> plan;
+  Newest<CommandState> command;
+  Newest<DriverStatus> status;
+
+  std::atomic<bool> emergency{false}, acknowledged{false}, told_to_drive{true};
+  std::atomic<bool> cancelled{false}, over{false};
+  std::atomic<bool> at_rest{false};  // after `over`
+  std::atomic<int> guard_stops{0};   // since the last planning step
+  std::atomic<GuardReason> guard_reason{GuardReason::kPassed};
+  std::exception_ptr thrown;  // by the planner's thread, read once it is joined
+  LatencyHistogram planning;  // the planner's thread's own, handed on by planning_seen
+  Newest<LatencyHistogram> planning_seen;
+
+  Impl(const RobotParts& p, const RealTimeOptions& o)
+      : parts(checked(p)), options(checked(o)), supervisor(threads_of(o), p.clock.now()) {}
+
+  double now() const { return parts.clock.now(); }
+  void perceive(const std::stop_token& stop);
+  void plan_on(const std::stop_token& stop, MissionProgress& progress,
+               const std::function<void(const MissionStep&)>& observe);
+  void send(const std::stop_token& stop);
+};
+
+void RealTimeDriver::Impl::perceive(const std::stop_token& stop) {
+  while (!stop.stop_requested()) {
+    supervisor.beat(kPerception, now());
+    if (std::shared_ptr<const Belief> newest = parts.beliefs.update(stop)) {
+      belief.set(std::move(newest));
+    }
+  }
+}
+
+void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress& progress,
+                                   const std::function<void(const MissionStep&)>& observe) {
+  const CommandLoopOptions& command_options = options.command;
+  PlanningLatency latency(options.least_latency, options.most_latency,
+                          2.0 * command_options.period);
+  double start = -std::numeric_limits<double>::infinity();  // of the newest plan
+  NewestPlan published;
+  while (!stop.stop_requested()) {
+    supervisor.beat(kPlanner, now());
+    std::shared_ptr<const Belief> newest = belief.get();
+    if (!newest) {
+      Belief nothing;
+      nothing.localization = Localization::kLost;
+      if (progress.over_before(nothing, now(), cancelled)) break;
+      parts.clock.wait_until(now() + kPoll, stop);
+      continue;
+    }
+    // Not before the plan before has begun: its successor is predicted through it.
+    const double lead = latency.value();
+    start = std::max(now() + lead, start + std::max(options.replan_period, lead));
+    if (!parts.clock.wait_until(start - lead, stop)) break;
+    newest = belief.get();
+    const double begun = now();
+    if (progress.over_before(*newest, begun, cancelled)) break;
+    const CommandState state = command.get();
+    const std::vector<SentCommand> commands =
+        commands_until(*parts.model, state, begun, start, command_options.period);
+    const Belief predicted = predicted_belief(*newest, commands, start, command_options.delay);
+    auto plan_made = std::make_shared<Plan>(parts.planner.plan(predicted));
+    // The plan begins when it was meant to, whatever the planner made of the stamp.
+    plan_made->stamp = predicted.stamp;
+    published.plan = plan_made;
+    if (starts_at_rest(predicted)) published.from_rest = predicted.stamp;
+    plan.set(published);
+    const double took = now() - begun;
+    latency.add(took);
+    planning.add(took);
+    planning_seen.set(planning);
+
+    const std::shared_ptr<const GlobalPlan> global_plan = parts.planner.global_plan();
+    const MissionStep step{progress.result.steps,
+                           progress.result.duration,
+                           newest.get(),
+                           published.plan.get(),
+                           global_plan.get(),
+                           guard_stops.exchange(0),
+                           guard_reason.exchange(GuardReason::kPassed)};
+    progress.result.guard_stops += step.guard_stops;
+    try {
+      if (observe) observe(step);
+      if (progress.over_after(step, parts.planner)) break;
+    } catch (...) {
+      thrown = std::current_exception();
+      break;
+    }
+  }
+  over = true;
+  // What is over is not late: it beats until it is joined.
+  while (!stop.stop_requested()) {
+    supervisor.beat(kPlanner, now());
+    parts.clock.wait_until(now() + kPoll, stop);
+  }
+}
+
+void RealTimeDriver::Impl::send(const std::stop_token& stop) {
+  CommandLoop loop(parts.model, parts.guard, options.command);
+  DriveWatch watch(options.watch);
+  DriveState mode;
+  DriverStatus seen;
+  mode.since = now();
+  double tick = now(), before = tick;
+  const double period = options.command.period;
+  while (!stop.stop_requested()) {
+    supervisor.beat(kCommand, now());
+    const BaseReport report = parts.base.report();
+    if (parts.inbox) {
+      for (const WheelSample& sample : report.wheels) parts.inbox->wheels(sample);
+    }
+    const std::shared_ptr<const Belief> newest = belief.get();
+    const NewestPlan newest_plan = plan.get();
+    const CommandState state = loop.state();
+    const double instant = now();  // after what was read, so that nothing is from the future
+    const RangeLook look = parts.ranges ? parts.ranges(state.command, instant) : RangeLook();
+
+    DriveObservation observation;
+    observation.now = instant;
+    observation.belief = newest.get();
+    if (newest) observation.stale_source = parts.guard.stale_source(*newest, instant);
+    observation.base = &report;
+    observation.sent = state.sent;
+    observation.threads = supervisor.report(instant);
+    observation.plan_from_rest = newest_plan.from_rest;
+    observation.plan_left = time_left(newest_plan.plan.get(), instant);
+    observation.obstacle = look.obstacle;
+    observation.told_to_drive = told_to_drive;
+    // Told once: the drive mode latches it.
+    observation.emergency_stop = emergency.exchange(false);
+    observation.acknowledged = acknowledged.exchange(false);
+    observation.task_over = over;
+    observation.failed_preflight = parts.failed_preflight;
+    observation.yaw_checked = parts.yaw_checked;
+    const DriveFacts facts = watch.facts(observation);
+    const DriveState next = decide(mode, facts, options.mode);
+    if (next.mode != mode.mode || next.cause != mode.cause) {
+      const bool bad = next.mode == DriveMode::kStopping || next.mode == DriveMode::kStopped;
+      events.add(instant,
+                 next.mode == DriveMode::kStopped    ? Severity::kFatal
+                 : bad && !over                      ? Severity::kError
+                 : next.mode == DriveMode::kDegraded ? Severity::kWarning
+                                                     : Severity::kInfo,
+                 "drive mode", to_string(next.cause), describe(next, facts));
+    }
+    mode = next;
+
+    const CommandStep step = loop.step(
+        {instant, newest_plan.plan, newest, report, drive_speed(mode, options.mode), look.share});
+    if (step.stop) {
+      parts.base.stop();
+    } else {
+      parts.base.send(step.command, step.expires);
+    }
+    command.set(loop.state());
+    if (step.reason == CommandReason::kGuard) {
+      ++guard_stops;
+      guard_reason = step.guard;
+      ++seen.guard_stops;
+      events.add(instant, Severity::kWarning, "guard", to_string(step.guard), step.detail);
+    }
+    if (loop.late_plans() > seen.late_plans) {
+      events.add(instant, Severity::kWarning, "planner", "late plan",
+                 "a plan came after its start and is not driven");
+    }
+    at_rest = over && facts.rest_for > 0.0 && step.command.linear.isZero(0.0) &&
+              step.command.yaw_rate == 0.0;
+
+    seen.mode = mode;
+    seen.why = describe(mode, facts);
+    seen.reason = step.reason;
+    seen.detail = step.detail;
+    seen.late_plans = loop.late_plans();
+    if (newest) seen.capture_to_command.add(std::max(0.0, now() - newest->stamps.pose));
+    seen.command_period.add(instant - before);
+    before = instant;
+    status.set(seen);
+
+    tick += period;
+    // A tick that was missed is left out: commands come no faster than the period.
+    if (now() > tick) tick = now();
+    parts.clock.wait_until(tick, stop);
+  }
+}
+
+RealTimeDriver::RealTimeDriver(const RobotParts& parts, const RealTimeOptions& options)
+    : impl_(std::make_unique<Impl>(parts, options)) {}
+RealTimeDriver::~RealTimeDriver() = default;
+
+MissionResult RealTimeDriver::run(const MissionOptions& mission,
+                                  const std::function<void(const MissionStep&)>& observe,
+                                  const std::function<bool()>& cancelled) {
+  Impl& s = *impl_;
+  MissionProgress progress(mission, s.now());
+  {
+    // In the order in which they are needed; the command thread ends last.
+    std::jthread command([&s](const std::stop_token& stop) { s.send(stop); });
+    std::jthread planner([&](const std::stop_token& stop) { s.plan_on(stop, progress, observe); });
+    std::jthread perception([&s](const std::stop_token& stop) { s.perceive(stop); });
+    const std::stop_token never;
+    while (!s.over) {
+      s.parts.clock.wait_until(s.now() + kPoll, never);
+      if (cancelled && cancelled()) s.cancelled = true;
+    }
+    const double end = s.now();
+    while (!s.at_rest && s.now() - end < kLongestStop) {
+      s.parts.clock.wait_until(s.now() + kPoll, never);
+    }
+  }
+  s.parts.base.stop();
+  if (s.thrown) std::rethrow_exception(s.thrown);
+  return progress.result;
+}
+
+void RealTimeDriver::emergency_stop() noexcept { impl_->emergency = true; }
+void RealTimeDriver::acknowledge() noexcept { impl_->acknowledged = true; }
+void RealTimeDriver::hold() noexcept { impl_->told_to_drive = false; }
+void RealTimeDriver::resume() noexcept { impl_->told_to_drive = true; }
+
+DriverStatus RealTimeDriver::status() const {
+  DriverStatus status = impl_->status.get();
+  status.planning = impl_->planning_seen.get();
+  return status;
+}
+const EventLog& RealTimeDriver::events() const { return impl_->events; }
+
+}  // namespace prospect

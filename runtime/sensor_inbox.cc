@@ -1,0 +1,336 @@
+#include "runtime/sensor_inbox.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <type_traits>
+#include <utility>
+
+#include "models/knobs.h"
+
+namespace prospect {
+namespace {
+
+ClockOffsetOptions clock_of(bool in_runtime_clock) {
+  ClockOffsetOptions options;
+  options.own_clock = !in_runtime_clock;
+  return options;
+}
+
+/// "1.25", for messages.
+std::string seconds(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
+}
+
+bool empty(const Image& image) {
+  return image.width <= 0 || image.height <= 0 ||
+         image.pixels.size() !=
+             static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
+}
+
+}  // namespace
+
+std::string_view to_string(SensorStream stream) {
+  switch (stream) {
+    case SensorStream::kLeft:
+      return "left image";
+    case SensorStream::kRight:
+      return "right image";
+    case SensorStream::kPair:
+      return "stereo pair";
+    case SensorStream::kWheels:
+      return "wheels";
+    case SensorStream::kDepth:
+      return "depth";
+    case SensorStream::kScan:
+      return "scan";
+  }
+  return "?";
+}
+
+double stamp_of(const SensorFrame& frame) {
+  return std::visit(
+      [](const auto& f) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(f)>, StereoFrame>) {
+          return f.left_stamp;
+        } else {
+          return f.stamp;
+        }
+      },
+      frame);
+}
+
+InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame) {
+  return std::visit(
+      [&](const auto& f) -> InputResult {
+        using Frame = std::decay_t<decltype(f)>;
+        if constexpr (std::is_same_v<Frame, StereoFrame>) {
+          return perception.stereo({f.left_stamp, f.right_stamp, f.left->view(), f.right->view()});
+        } else if constexpr (std::is_same_v<Frame, WheelSample>) {
+          return perception.wheels(f);
+        } else if constexpr (std::is_same_v<Frame, DepthFrame>) {
+          return perception.depth(f.stamp, *f.image);
+        } else {
+          return perception.scan(f.stamp, *f.in_B);
+        }
+      },
+      frame);
+}
+
+SensorInbox::SensorInbox(const Clock& clock, const SensorInboxOptions& options)
+    : clock_(clock),
+      options_(options),
+      cameras_(clock_of(options.cameras_in_runtime_clock)),
+      wheels_(clock_of(options.wheels_in_runtime_clock)),
+      depth_(clock_of(options.depth_in_runtime_clock)),
+      scan_(clock_of(options.scan_in_runtime_clock)) {
+  check_knobs("sensor inbox", options_);
+}
+
+ClockOffset& SensorInbox::offset_of(SensorStream stream) {
+  switch (stream) {
+    case SensorStream::kWheels:
+      return wheels_;
+    case SensorStream::kDepth:
+      return depth_;
+    case SensorStream::kScan:
+      return scan_;
+    default:
+      return cameras_;
+  }
+}
+
+double SensorInbox::max_age(SensorStream stream) const {
+  switch (stream) {
+    case SensorStream::kWheels:
+      return options_.max_wheel_age;
+    case SensorStream::kDepth:
+    case SensorStream::kScan:
+      return options_.max_range_age;
+    default:
+      return options_.max_image_age;
+  }
+}
+
+void SensorInbox::drop(StreamCount& count, std::uint64_t StreamCount::*kind,
+                       const std::string& why) {
+  ++(count.*kind);
+  count.reason = why;
+}
+
+std::optional<double> SensorInbox::shifted(SensorStream stream, double stamp) {
+  StreamCount& count = at(stream).count;
+  ++count.received;
+  ClockOffset& offset = offset_of(stream);
+  const StampReading reading = offset.add(stamp, clock_.now());
+  count.jumps = offset.jumps();
+  if (!reading.time) {
+    drop(count, &StreamCount::refused,
+         "its stamp is " + std::string(to_string(reading.verdict)) +
+             (reading.text.empty() ? "" : ": " + reading.text));
+    return std::nullopt;
+  }
+  count.newest = std::max(count.newest.value_or(*reading.time), *reading.time);
+  return reading.time;
+}
+
+void SensorInbox::put(SensorStream stream, SensorFrame frame) {
+  Stream& s = at(stream);
+  const auto capacity = static_cast<std::size_t>(
+      stream == SensorStream::kWheels ? options_.wheel_capacity : options_.capacity);
+  if (s.frames.size() >= capacity) {
+    const auto oldest =
+        std::min_element(s.frames.begin(), s.frames.end(),
+                         [](const auto& a, const auto& b) { return stamp_of(a) < stamp_of(b); });
+    s.frames.erase(oldest);
+    drop(s.count, &StreamCount::overflown, "more came than were taken");
+  }
+  s.frames.push_back(std::move(frame));
+}
+
+void SensorInbox::pair_up(SensorStream stream) {
+  const bool is_left = stream == SensorStream::kLeft;
+  const Lone& one = (is_left ? left_ : right_).back();
+  const Lone* partner = nullptr;
+  double nearest = options_.pair_tolerance;
+  for (const Lone& other : is_left ? right_ : left_) {
+    const double apart = std::abs(one.stamp - other.stamp);
+    if (apart > nearest || (partner && apart == nearest)) continue;
+    partner = &other;
+    nearest = apart;
+  }
+  if (!partner) return;
+  const Lone& left = is_left ? one : *partner;
+  const Lone& right = is_left ? *partner : one;
+  // How far they are apart their own clock knows best.
+  const StereoFrame pair{left.time, left.time + (right.stamp - left.stamp), left.image,
+                         right.image};
+  const double left_stamp = left.stamp, right_stamp = right.stamp;
+  const auto take_up_to = [&](std::deque<Lone>& waiting, double stamp, SensorStream stream) {
+    StreamCount& count = at(stream).count;
+    ++count.taken;
+    std::erase_if(waiting, [&](const Lone& one) {
+      if (one.stamp < stamp) drop(count, &StreamCount::unpaired, "no partner of its stamp came");
+      return one.stamp <= stamp;
+    });
+  };
+  take_up_to(left_, left_stamp, SensorStream::kLeft);
+  take_up_to(right_, right_stamp, SensorStream::kRight);
+  StreamCount& count = at(SensorStream::kPair).count;
+  ++count.received;
+  count.newest = std::max(count.newest.value_or(pair.left_stamp), pair.left_stamp);
+  put(SensorStream::kPair, pair);
+}
+
+void SensorInbox::lone(SensorStream stream, double stamp, Image image) {
+  auto shared = std::make_shared<const Image>(std::move(image));
+  {
+    const std::lock_guard lock(mutex_);
+    const std::optional<double> at_capture = shifted(stream, stamp);
+    if (!at_capture) return;
+    StreamCount& count = at(stream).count;
+    if (empty(*shared)) return drop(count, &StreamCount::refused, "the image is empty");
+    std::deque<Lone>& waiting = stream == SensorStream::kLeft ? left_ : right_;
+    if (waiting.size() >= static_cast<std::size_t>(options_.capacity)) {
+      waiting.pop_front();
+      drop(count, &StreamCount::unpaired, "no partner of its stamp came");
+    }
+    waiting.push_back({stamp, *at_capture, std::move(shared)});
+    pair_up(stream);
+  }
+  came_.notify_one();
+}
+
+void SensorInbox::left(double stamp, Image image) {
+  lone(SensorStream::kLeft, stamp, std::move(image));
+}
+
+void SensorInbox::right(double stamp, Image image) {
+  lone(SensorStream::kRight, stamp, std::move(image));
+}
+
+void SensorInbox::pair(double left_stamp, double right_stamp, ImagePair images) {
+  StereoFrame frame{left_stamp, right_stamp, std::make_shared<const Image>(std::move(images.left)),
+                    std::make_shared<const Image>(std::move(images.right))};
+  {
+    const std::lock_guard lock(mutex_);
+    const std::optional<double> at_capture = shifted(SensorStream::kPair, left_stamp);
+    if (!at_capture) return;
+    StreamCount& count = at(SensorStream::kPair).count;
+    if (empty(*frame.left) || empty(*frame.right) || !std::isfinite(right_stamp)) {
+      return drop(count, &StreamCount::refused,
+                  "an image is empty or the right one's stamp is not finite");
+    }
+    frame.right_stamp += *at_capture - left_stamp;
+    frame.left_stamp = *at_capture;
+    put(SensorStream::kPair, std::move(frame));
+  }
+  came_.notify_one();
+}
+
+void SensorInbox::wheels(const WheelSample& sample) {
+  {
+    const std::lock_guard lock(mutex_);
+    const std::optional<double> stamp = shifted(SensorStream::kWheels, sample.stamp);
+    if (!stamp) return;
+    WheelSample shifted_sample = sample;
+    shifted_sample.stamp = *stamp;
+    put(SensorStream::kWheels, shifted_sample);
+  }
+  came_.notify_one();
+}
+
+void SensorInbox::depth(double stamp, DepthImage image) {
+  auto shared = std::make_shared<const DepthImage>(std::move(image));
+  {
+    const std::lock_guard lock(mutex_);
+    const std::optional<double> at_capture = shifted(SensorStream::kDepth, stamp);
+    if (!at_capture) return;
+    if (!shared->whole()) {
+      return drop(at(SensorStream::kDepth).count, &StreamCount::refused, "the image is empty");
+    }
+    const DepthFrame frame{*at_capture, std::move(shared)};
+    if (!ranges_.depth.image || frame.stamp >= ranges_.depth.stamp) ranges_.depth = frame;
+    put(SensorStream::kDepth, frame);
+  }
+  came_.notify_one();
+}
+
+void SensorInbox::scan(double stamp, DepthScan in_B) {
+  auto shared = std::make_shared<const DepthScan>(std::move(in_B));
+  {
+    const std::lock_guard lock(mutex_);
+    const std::optional<double> at_capture = shifted(SensorStream::kScan, stamp);
+    if (!at_capture) return;
+    const ScanFrame frame{*at_capture, std::move(shared)};
+    if (!ranges_.scan.in_B || frame.stamp >= ranges_.scan.stamp) ranges_.scan = frame;
+    put(SensorStream::kScan, frame);
+  }
+  came_.notify_one();
+}
+
+std::optional<SensorFrame> SensorInbox::take() {
+  const std::lock_guard lock(mutex_);
+  while (true) {
+    Stream* from = nullptr;
+    std::deque<SensorFrame>::iterator oldest;
+    SensorStream which = SensorStream::kPair;
+    for (std::size_t k = 0; k < kSensorStreams; ++k) {
+      Stream& s = streams_[k];
+      for (auto frame = s.frames.begin(); frame != s.frames.end(); ++frame) {
+        if (from && !(stamp_of(*frame) < stamp_of(*oldest))) continue;
+        from = &s;
+        oldest = frame;
+        which = static_cast<SensorStream>(k);
+      }
+    }
+    if (!from) return std::nullopt;
+    SensorFrame frame = std::move(*oldest);
+    from->frames.erase(oldest);
+    const double age = clock_.now() - stamp_of(frame);
+    if (age > max_age(which)) {
+      drop(from->count, &StreamCount::too_old, "it was " + seconds(age) + " s old");
+      continue;
+    }
+    ++from->count.taken;
+    return frame;
+  }
+}
+
+bool SensorInbox::wait(double seconds, const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  const auto any = [&] {
+    return std::any_of(streams_.begin(), streams_.end(),
+                       [](const Stream& s) { return !s.frames.empty(); });
+  };
+  return came_.wait_for(lock, stop, std::chrono::duration<double>(std::clamp(seconds, 0.0, 1e6)),
+                        any);
+}
+
+NewestRanges SensorInbox::ranges() const {
+  const std::lock_guard lock(mutex_);
+  return ranges_;
+}
+
+StreamCount SensorInbox::count(SensorStream stream) const {
+  const std::lock_guard lock(mutex_);
+  return streams_[static_cast<std::size_t>(stream)].count;
+}
+
+std::string SensorInbox::stale() const {
+  const std::lock_guard lock(mutex_);
+  const double now = clock_.now();
+  for (std::size_t k = 0; k < kSensorStreams; ++k) {
+    const auto stream = static_cast<SensorStream>(k);
+    const std::optional<double>& newest = streams_[k].count.newest;
+    if (!newest || now - *newest <= max_age(stream)) continue;
+    return std::string(to_string(stream)) + ": the newest frame is " + seconds(now - *newest) +
+           " s old; at most " + seconds(max_age(stream)) + " s";
+  }
+  return "";
+}
+
+}  // namespace prospect

@@ -1,0 +1,171 @@
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stop_token>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "perception/fusion/wheel_fusion.h"
+#include "perception/mapping/depth_image.h"
+#include "perception/mapping/occupancy_mapper.h"
+#include "perception/odometry/image.h"
+#include "perception/pipeline/perception_pipeline.h"
+#include "runtime/clock.h"
+#include "runtime/clock_offset.h"
+
+namespace prospect {
+
+class Knobs;
+
+/// Where frames come from. Left and right are the images of a stereo camera that come one by one.
+enum class SensorStream { kLeft, kRight, kPair, kWheels, kDepth, kScan };
+inline constexpr std::size_t kSensorStreams = 6;
+std::string_view to_string(SensorStream stream);
+
+/// A stereo pair; the images are shared, not copied.
+struct StereoFrame {
+  double left_stamp = 0.0, right_stamp = 0.0;  ///< [s]
+  std::shared_ptr<const Image> left, right;
+};
+struct DepthFrame {
+  double stamp = 0.0;  ///< [s]
+  std::shared_ptr<const DepthImage> image;
+};
+struct ScanFrame {
+  double stamp = 0.0;                     ///< [s]
+  std::shared_ptr<const DepthScan> in_B;  ///< origin and points in B [m]
+};
+
+/// One input of perception. Stamps are in the runtime's clock.
+using SensorFrame = std::variant<StereoFrame, WheelSample, DepthFrame, ScanFrame>;
+/// Of the left image of a pair.
+double stamp_of(const SensorFrame& frame);
+/// Hands it to perception; the result is perception's.
+InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame);
+
+/// The newest raw ranges, for who looks at them without perception. Null: none has come so far.
+struct NewestRanges {
+  DepthFrame depth;
+  ScanFrame scan;
+};
+
+struct SensorInboxOptions {
+  double pair_tolerance = 0.005;  ///< [s] between the stamps of a left and a right image of a pair
+  /// Frames of each stream that wait; beyond, the oldest is dropped.
+  int capacity = 8;
+  int wheel_capacity = 200;
+  /// A frame that is older than this when it is taken, from capture on, is dropped, and a stream
+  /// whose newest frame is older is stale [s]. Infinite: any age.
+  double max_image_age = 0.5;
+  double max_wheel_age = 0.5;
+  double max_range_age = 1.0;  ///< of depth images and scans
+  /// Stamps are those of the runtime's clock already, as where the driver stamps what it receives
+  /// from the kernel; else they are the source's own and are shifted into it. One choice for the
+  /// cameras of a pair, whose clock must be one: images are paired by their own stamps.
+  bool cameras_in_runtime_clock = false;
+  bool wheels_in_runtime_clock = false;
+  bool depth_in_runtime_clock = false;
+  bool scan_in_runtime_clock = false;
+};
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, SensorInboxOptions& options);
+
+/// What became of the frames of a stream. All that came = waiting + taken + dropped of each kind.
+struct StreamCount {
+  std::uint64_t received = 0;
+  std::uint64_t taken = 0;       ///< by perception; a left or right image with its pair
+  std::uint64_t overflown = 0;   ///< dropped: too many waited
+  std::uint64_t too_old = 0;     ///< dropped: older than the limit when it was to be taken
+  std::uint64_t unpaired = 0;    ///< dropped: an image whose partner did not come
+  std::uint64_t refused = 0;     ///< dropped: a stamp that has no time, or an empty image
+  int jumps = 0;                 ///< of its clock, or of the runtime's against it
+  std::optional<double> newest;  ///< stamp of the newest frame [s], in the runtime's clock
+  std::string reason;            ///< why the newest that was dropped was
+};
+
+/// Where sensor adapters put what they receive, from any thread, and perception takes it from, in
+/// one. Bounded: whoever is slow, memory is not used up, and the newest is what is kept.
+///
+/// Stereo. Images that come one by one are paired by stamp, never by sequence: a left and a right
+/// image whose stamps differ by at most pair_tolerance; of several the nearest. What is older than
+/// a pair that was made has lost its partner and is dropped. A pair that comes whole is taken as it
+/// is; its two stamps stand in it, and perception judges them.
+///
+/// Order. take() gives the frame with the oldest stamp of those that wait. It waits for no stream:
+/// perception takes inputs in any order among its sources.
+///
+/// Clock. now() of the runtime's clock when a frame is put in is its arrival. A stream with a clock
+/// of its own is shifted by an estimate of the offset, from stamps and arrivals (clock_offset.h);
+/// what comes before that has settled, or after a jump, has no time and is refused.
+///
+/// Thread-safety: any thread, but take() and wait() are for one. No lock is held for longer than a
+/// frame is moved. Never throws after construction; the constructor throws std::invalid_argument on
+/// options out of range.
+class SensorInbox {
+ public:
+  SensorInbox(const Clock& clock, const SensorInboxOptions& options);
+
+  void left(double stamp, Image image);
+  void right(double stamp, Image image);
+  void pair(double left_stamp, double right_stamp, ImagePair images);
+  void wheels(const WheelSample& sample);
+  void depth(double stamp, DepthImage image);
+  void scan(double stamp, DepthScan in_B);
+
+  /// The oldest frame that waits and is not too old; none: nothing waits.
+  std::optional<SensorFrame> take();
+  /// Waits until a frame waits, at most for that many seconds of wall time. False: none came, or
+  /// `stop` was requested.
+  bool wait(double seconds, const std::stop_token& stop);
+
+  /// The newest ranges, whether taken by perception or not.
+  NewestRanges ranges() const;
+  StreamCount count(SensorStream stream) const;
+  /// Of streams that have delivered anything: the first whose newest frame is too old, "depth: the
+  /// newest frame is 1.2 s old; at most 1.0 s"; empty: none.
+  std::string stale() const;
+
+ private:
+  struct Lone {          // an image that waits for its partner
+    double stamp = 0.0;  // [s] in the cameras' clock
+    double time = 0.0;   // [s] in the runtime's
+    std::shared_ptr<const Image> image;
+  };
+  struct Stream {
+    StreamCount count;
+    std::deque<SensorFrame> frames;  // empty for kLeft and kRight
+  };
+
+  Stream& at(SensorStream stream) { return streams_[static_cast<std::size_t>(stream)]; }
+  double max_age(SensorStream stream) const;
+  /// The stamp in the runtime's clock; none, counted: it is not finite.
+  std::optional<double> shifted(SensorStream stream, double stamp);
+  void lone(SensorStream stream, double stamp, Image image);
+  /// Makes a pair of the newest image of a stream, if its partner is there.
+  void pair_up(SensorStream stream);
+  void put(SensorStream stream, SensorFrame frame);
+  ClockOffset& offset_of(SensorStream stream);
+  static void drop(StreamCount& count, std::uint64_t StreamCount::*kind, const std::string& why);
+
+  const Clock& clock_;
+  const SensorInboxOptions options_;
+  mutable std::mutex mutex_;
+  std::condition_variable_any came_;
+  std::array<Stream, kSensorStreams> streams_;
+  std::deque<Lone> left_, right_;  // in order of arrival
+  NewestRanges ranges_;
+  // The cameras have one clock.
+  ClockOffset cameras_, wheels_, depth_, scan_;
+};
+
+}  // namespace prospect

@@ -1,0 +1,30 @@
+#include <limits>
+
+#include "models/knobs.h"
+#include "runtime/sensor_inbox.h"
+
+namespace prospect {
+
+void describe(Knobs& knobs, SensorInboxOptions& o) {
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  knobs.number("pair_tolerance", o.pair_tolerance, {0.0, 1.0}, "s",
+               "between the stamps of the left and the right image of a pair");
+  knobs.integer("capacity", o.capacity, {1, 1000}, "1",
+                "images, depth images or scans of a source that wait");
+  knobs.integer("wheel_capacity", o.wheel_capacity, {1, 100000}, "1", "wheel samples that wait");
+  knobs.number("max_image_age", o.max_image_age, {0.0, kAny}, "s",
+               "oldest image taken, from capture on");
+  knobs.number("max_wheel_age", o.max_wheel_age, {0.0, kAny}, "s", "oldest wheel sample taken");
+  knobs.number("max_range_age", o.max_range_age, {0.0, kAny}, "s",
+               "oldest depth image or scan taken, from capture on");
+  knobs.boolean("cameras_in_runtime_clock", o.cameras_in_runtime_clock,
+                "images are stamped by the runtime's clock");
+  knobs.boolean("wheels_in_runtime_clock", o.wheels_in_runtime_clock,
+                "wheel samples are stamped by the runtime's clock");
+  knobs.boolean("depth_in_runtime_clock", o.depth_in_runtime_clock,
+                "depth images are stamped by the runtime's clock");
+  knobs.boolean("scan_in_runtime_clock", o.scan_in_runtime_clock,
+                "scans are stamped by the runtime's clock");
+}
+
+}  // namespace prospect

@@ -1,0 +1,83 @@
+#include "runtime/range_look.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <memory>
+
+namespace prospect::range_look_test {
+namespace {
+
+/// Looks ahead from 0.3 m above B's origin.
+RangeCamera ahead() {
+  RangeCamera c;
+  c.camera.width = 40;
+  c.camera.height = 20;
+  c.camera.fx = c.camera.fy = 20.0;
+  c.camera.cx = 19.5;
+  c.camera.cy = 9.5;
+  c.mount.T_BC = Eigen::Isometry3d::Identity();
+  c.mount.T_BC.linear() << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  c.mount.T_BC.translation() = Eigen::Vector3d(0.0, 0.0, 0.3);
+  c.range = {0.2, 4.0};
+  c.stride = 2;
+  return c;
+}
+
+DepthFrame wall_at(double z) {
+  return {10.0, std::make_shared<const DepthImage>(40, 20, static_cast<float>(z))};
+}
+
+TEST(RangeFrame, HasARayForEachPixelOfTheStride) {
+  const RangeFrame frame = range_frame(wall_at(2.0), ahead());
+  ASSERT_EQ(frame.rays.size(), 200u);
+  EXPECT_EQ(frame.stamp, 10.0);
+  EXPECT_EQ(frame.origin.z(), 0.3);
+  for (const RangeRay& ray : frame.rays) {
+    EXPECT_EQ(ray.kind, RangeRay::Kind::kHit);
+    EXPECT_NEAR(ray.point.x(), 2.0, 1e-6);
+  }
+  EXPECT_GT(frame.rays.front().point.y(), 1.0);  // up in the image and to the left
+  EXPECT_GT(frame.rays.front().point.z(), 0.3);
+}
+
+TEST(RangeFrame, BeyondTheRangeIsClearAndWhatIsNotMeasuredIsInvalid) {
+  EXPECT_EQ(range_frame(wall_at(9.0), ahead()).rays[0].kind, RangeRay::Kind::kClear);
+  EXPECT_NEAR(range_frame(wall_at(9.0), ahead()).rays[0].point.x(), 4.0, 1e-6);
+  for (const double z : {0.1, 0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_EQ(range_frame(wall_at(z), ahead()).rays[0].kind, RangeRay::Kind::kInvalid) << z;
+  }
+  RangeCamera other = ahead();
+  other.camera.width = 41;
+  EXPECT_TRUE(range_frame(wall_at(2.0), other).rays.empty());
+}
+
+TEST(RangeLook, AsksOfWhatIsInTheInbox) {
+  const ManualClock clock(10.0);
+  SensorInboxOptions options;
+  options.depth_in_runtime_clock = options.scan_in_runtime_clock = true;
+  SensorInbox inbox(clock, options);
+  const RangeStop stop;
+  const RangeCamera camera = ahead();
+  const auto look = range_look(inbox, stop, camera);
+  const Twist forward{{0.4, 0.0, 0.0}, 0.0};
+  EXPECT_EQ(look(forward, 10.0).share, 1.0);  // nothing to look at
+  inbox.depth(9.99, *wall_at(3.5).image);
+  EXPECT_EQ(look(forward, 10.0).share, 1.0) << look(forward, 10.0).obstacle;
+  inbox.depth(9.995, *wall_at(0.32).image);
+  EXPECT_LT(look(forward, 10.0).share, 0.5);
+  inbox.depth(10.0, DepthImage(40, 20));  // covered
+  EXPECT_EQ(look(forward, 10.0).share, 0.0);
+  EXPECT_FALSE(look(forward, 10.0).obstacle.empty());
+  // A scan that sees it where the depth image does not.
+  SensorInbox other(clock, options);
+  const auto look_at_scan = range_look(other, stop, camera);
+  DepthScan scan;
+  scan.origin = {0.0, 0.0, 0.3};
+  for (int k = -60; k <= 60; ++k) scan.hits.emplace_back(0.31, 0.005 * k, 0.3);
+  other.scan(10.0, scan);
+  EXPECT_LT(look_at_scan(forward, 10.0).share, 0.5);
+}
+
+}  // namespace
+}  // namespace prospect::range_look_test

@@ -1,0 +1,251 @@
+#include "runtime/real_time_driver.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "models/unicycle.h"
+#include "tests/engine/obstacle_worlds.h"
+#include "tests/runtime/fake_base.h"
+
+namespace prospect::real_time_driver_test {
+namespace {
+
+constexpr double kSpeed = 0.3;  // [m/s]
+
+/// Knows exactly where the base is, in an open world.
+class TrueBeliefs final : public BeliefSource {
+ public:
+  TrueBeliefs(const Clock& clock, test::FakeBase& base) : clock_(clock), base_(base) {}
+  std::shared_ptr<const Belief> update(const std::stop_token& stop) override {
+    clock_.wait_until(clock_.now() + 0.01, stop);
+    if (silent) return nullptr;
+    auto belief = std::make_shared<Belief>(world_);
+    belief->set_stamps(clock_.now());
+    belief->pose = base_.pose();
+    belief->twist = base_.velocity();
+    return belief;
+  }
+  std::atomic<bool> silent{false};
+
+ private:
+  const Clock& clock_;
+  test::FakeBase& base_;
+  const Belief world_ = test::ObstacleWorld().belief();
+};
+
+/// Drives on straight ahead, from whatever velocity it is given; done after `steps` plans.
+class StraightOn final : public Replanner {
+ public:
+  Plan plan(const Belief& belief) override {
+    ++plans;
+    if (on_plan) on_plan(plans);
+    const Unicycle model;
+    Plan plan;
+    plan.kind = PlanKind::kOptimised;
+    plan.stamp = belief.stamp;
+    plan.certified = true;
+    plan.committed = 2;
+    double v = belief.command->linear.x();
+    for (int k = 0; k < 4; ++k) {
+      v = std::min(kSpeed, v + 0.2);
+      plan.inputs.push_back(Eigen::Vector2d(v, 0.0));
+      plan.commands.push_back({{v, 0.0, 0.0}, 0.0});
+    }
+    for (double u = plan.commands[1].linear.x(); u > 0.0;) {
+      u = std::max(0.0, u - 0.2);
+      plan.tail.push_back({{u, 0.0, 0.0}, 0.0});
+    }
+    if (plans > steps) plan.mode = {ModeKind::kDone, Cause::kExplored, belief.stamp};
+    starts.push_back(belief.stamp);
+    predicted.push_back(belief.pose);
+    return plan;
+  }
+  std::shared_ptr<const GlobalPlan> global_plan() const override { return nullptr; }
+
+  int plans = 0;
+  int steps = 1000;
+  std::function<void(int)> on_plan;
+  std::vector<double> starts;
+  std::vector<Pose> predicted;
+};
+
+class RealTimeDriverTest : public ::testing::Test {
+ protected:
+  RealTimeDriverTest() {
+    options_.command.period = 0.02;
+    options_.command.hold = 0.1;
+    options_.mode.live_time = options_.mode.rest_time = 0.05;
+    options_.replan_period = 0.1;
+    // Tests share their machine.
+    options_.least_latency = 0.05;
+    options_.command_limit = 5.0;
+    options_.perception_limit = 5.0;
+    options_.planner_limit = 5.0;
+  }
+  RobotParts parts() {
+    return {.clock = clock_,
+            .base = base_,
+            .beliefs = beliefs_,
+            .planner = planner_,
+            .guard = guard_,
+            .model = model_,
+            .failed_preflight = "",
+            .yaw_checked = true};
+  }
+  /// The fastest command sent in that time.
+  double fastest(double from, double until) const {
+    double speed = 0.0;
+    for (const auto& [time, command] : base_.sent()) {
+      if (time >= from && time < until) speed = std::max(speed, command.linear.x());
+    }
+    return speed;
+  }
+
+  SteadyClock clock_;
+  test::FakeBase base_{clock_};
+  TrueBeliefs beliefs_{clock_, base_};
+  StraightOn planner_;
+  std::shared_ptr<const Unicycle> model_ = std::make_shared<const Unicycle>();
+  Guard guard_{model_, CylinderShape{},
+               [] {
+                 Certifier::Options options;
+                 options.slice = {0.1, 0.5};
+                 return options;
+               }(),
+               [] {
+                 Guard::Options options;
+                 options.max_belief_age = options.max_pose_age = options.max_map_age = 2.0;
+                 options.max_landmarks_age = options.max_ranges_age = 2.0;
+                 return options;
+               }()};
+  RealTimeOptions options_;
+};
+
+TEST_F(RealTimeDriverTest, DrivesUntilTheTaskIsOverAndStands) {
+  planner_.steps = 8;
+  RealTimeDriver driver(parts(), options_);
+  int observed = 0;
+  const MissionResult result = driver.run({}, [&](const MissionStep& step) {
+    EXPECT_EQ(step.index, observed++);
+    EXPECT_GT(step.plan->stamp, step.belief->stamp);
+  });
+  EXPECT_EQ(result.end, MissionEnd::kExplored);
+  EXPECT_EQ(result.steps, 9);
+  EXPECT_EQ(observed, 9);
+  EXPECT_GT(base_.pose().position.x(), 0.01);
+  EXPECT_EQ(base_.velocity().linear.norm(), 0.0);
+  EXPECT_GE(base_.stops(), 1);
+  const DriverStatus status = driver.status();
+  EXPECT_GT(status.capture_to_command.count(), 10u);
+  EXPECT_EQ(status.planning.count(), 9u);
+  // Each plan begins where the robot then is: the predictions follow each other.
+  for (std::size_t k = 1; k < planner_.predicted.size(); ++k) {
+    const double way = planner_.predicted[k].position.x() - planner_.predicted[k - 1].position.x();
+    EXPECT_LE(way, kSpeed * (planner_.starts[k] - planner_.starts[k - 1]) + 0.02);
+    EXPECT_GE(way, -1e-9);
+  }
+}
+
+TEST_F(RealTimeDriverTest, APlannerThatHangsLeavesTheRobotOnTheStopOfItsPlan) {
+  double hung = 0.0, back = 0.0;
+  planner_.steps = 7;
+  planner_.on_plan = [&](int plan) {
+    if (plan != 6) return;
+    hung = clock_.now();
+    clock_.wait_until(hung + 1.2, {});
+    back = clock_.now();
+  };
+  RealTimeDriver driver(parts(), options_);
+  const MissionResult result = driver.run({});
+  EXPECT_EQ(result.end, MissionEnd::kExplored);
+  // The plan before commits 0.5 s, and the stop from 0.3 m/s takes 0.4 s.
+  const double end = planner_.starts[4] + 0.5 + 0.4 + 0.06;
+  ASSERT_LT(end, back);
+  EXPECT_GT(fastest(hung, end), 0.0);
+  EXPECT_EQ(fastest(end, back), 0.0);
+}
+
+TEST_F(RealTimeDriverTest, AnEmergencyStopLatchesUntilItIsAcknowledged) {
+  RealTimeDriver driver(parts(), options_);
+  std::atomic<bool> cancelled = false;
+  double pressed = 0.0, released = 0.0;
+  std::jthread person([&] {
+    const auto wait_for = [&](const std::function<bool()>& so) {
+      const double end = clock_.now() + 10.0;
+      while (!so() && clock_.now() < end) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+      EXPECT_TRUE(so());
+    };
+    wait_for([&] { return base_.velocity().linear.x() > 0.1; });
+    pressed = clock_.now();
+    driver.emergency_stop();
+    wait_for([&] { return driver.status().mode.mode == DriveMode::kStopped; });
+    EXPECT_EQ(base_.velocity().linear.norm(), 0.0);
+    released = clock_.now();
+    driver.acknowledge();
+    wait_for([&] { return base_.velocity().linear.x() > 0.1; });
+    cancelled = true;
+  });
+  const MissionResult result = driver.run({}, {}, [&] { return cancelled.load(); });
+  EXPECT_EQ(result.end, MissionEnd::kCancelled);
+  EXPECT_EQ(base_.velocity().linear.norm(), 0.0);
+  // The command that is under way may still come; none after it.
+  EXPECT_EQ(fastest(pressed + 3.0 * options_.command.period, released), 0.0);
+  bool told = false;
+  for (const Event& event : driver.events().since(0).events) {
+    told = told || (event.source == "drive mode" && event.cause == "emergency stop");
+  }
+  EXPECT_TRUE(told);
+}
+
+TEST_F(RealTimeDriverTest, WhatAnObserverThrowsComesAfterTheRobotStands) {
+  RealTimeDriver driver(parts(), options_);
+  int observed = 0;
+  EXPECT_THROW(driver.run({},
+                          [&](const MissionStep&) {
+                            if (++observed == 5) throw std::runtime_error("full disk");
+                          }),
+               std::runtime_error);
+  EXPECT_EQ(base_.velocity().linear.norm(), 0.0);
+}
+
+TEST_F(RealTimeDriverTest, ABaseWithoutADeadManIsRefused) {
+  test::FakeBase base(clock_, std::nullopt);
+  const RobotParts without{.clock = clock_,
+                           .base = base,
+                           .beliefs = beliefs_,
+                           .planner = planner_,
+                           .guard = guard_,
+                           .model = model_};
+  try {
+    RealTimeDriver driver(without, options_);
+    FAIL() << "was taken";
+  } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("base fake: it declares no dead-man"), std::string::npos);
+  }
+}
+
+TEST_F(RealTimeDriverTest, WithoutPreflightItStands) {
+  RobotParts unchecked = parts();
+  unchecked.failed_preflight = "none was made";
+  RealTimeDriver driver(unchecked, options_);
+  MissionOptions mission;
+  mission.time_limit = 0.3;
+  const MissionResult result = driver.run(mission);
+  EXPECT_EQ(result.end, MissionEnd::kTimeLimit);
+  EXPECT_EQ(base_.pose().position.x(), 0.0);
+  EXPECT_EQ(driver.status().mode.cause, DriveCause::kPreflight);
+}
+
+}  // namespace
+}  // namespace prospect::real_time_driver_test

@@ -1,0 +1,254 @@
+#include "runtime/sensor_inbox.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+namespace prospect::sensor_inbox_test {
+namespace {
+
+constexpr double kNow = 100.0;
+
+SensorInboxOptions in_one_clock() {
+  SensorInboxOptions options;
+  options.cameras_in_runtime_clock = options.wheels_in_runtime_clock = true;
+  options.depth_in_runtime_clock = options.scan_in_runtime_clock = true;
+  return options;
+}
+
+Image image(std::uint8_t grey = 0) { return Image(2, 2, grey); }
+
+WheelSample sample(double stamp) {
+  WheelSample s;
+  s.stamp = stamp;
+  return s;
+}
+
+struct Inbox {
+  explicit Inbox(const SensorInboxOptions& options = in_one_clock()) : box(clock, options) {}
+  std::vector<double> taken_stamps() {
+    std::vector<double> stamps;
+    while (const auto frame = box.take()) stamps.push_back(stamp_of(*frame));
+    return stamps;
+  }
+  ManualClock clock{kNow};
+  SensorInbox box;
+};
+
+TEST(SensorInbox, GivesTheOldestStampFirstWhateverCameFirst) {
+  Inbox in;
+  in.box.depth(99.93, DepthImage(1, 1, 1.0f));
+  in.box.wheels(sample(99.95));
+  in.box.scan(99.91, {});
+  in.box.pair(99.92, 99.92, {image(), image()});
+  in.box.wheels(sample(99.90));
+  EXPECT_EQ(in.taken_stamps(), (std::vector<double>{99.90, 99.91, 99.92, 99.93, 99.95}));
+  EXPECT_FALSE(in.box.take());
+}
+
+TEST(SensorInbox, PairsByStampAndNotBySequence) {
+  Inbox in;
+  // The left image of 99.80 is lost, and the right ones come late.
+  in.box.left(99.90, image(1));
+  in.box.left(99.95, image(2));
+  in.box.right(99.802, image(10));
+  in.box.right(99.903, image(11));
+  in.box.right(99.947, image(12));
+  std::vector<std::pair<int, int>> pairs;
+  while (const auto frame = in.box.take()) {
+    const auto& pair = std::get<StereoFrame>(*frame);
+    pairs.emplace_back(pair.left->pixels[0], pair.right->pixels[0]);
+  }
+  EXPECT_EQ(pairs, (std::vector<std::pair<int, int>>{{1, 11}, {2, 12}}));
+  EXPECT_EQ(in.box.count(SensorStream::kRight).unpaired, 1u);
+  EXPECT_EQ(in.box.count(SensorStream::kRight).taken, 2u);
+  EXPECT_EQ(in.box.count(SensorStream::kLeft).unpaired, 0u);
+  EXPECT_EQ(in.box.count(SensorStream::kPair).received, 2u);
+}
+
+TEST(SensorInbox, TheNearestPartnerIsTaken) {
+  Inbox in;
+  in.box.right(99.900, image(1));
+  in.box.right(99.904, image(2));
+  in.box.left(99.9035, image(3));
+  const auto frame = in.box.take();
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(std::get<StereoFrame>(*frame).right->pixels[0], 2);
+  EXPECT_DOUBLE_EQ(std::get<StereoFrame>(*frame).right_stamp, 99.904);
+}
+
+TEST(SensorInbox, BeyondTheToleranceThereIsNoPair) {
+  Inbox in;
+  in.box.left(99.90, image());
+  in.box.right(99.9051, image());
+  EXPECT_FALSE(in.box.take());
+  EXPECT_EQ(in.box.count(SensorStream::kPair).received, 0u);
+}
+
+TEST(SensorInbox, IsBoundedAndDropsTheOldest) {
+  SensorInboxOptions options = in_one_clock();
+  options.capacity = 2;
+  Inbox in(options);
+  for (const double stamp : {99.7, 99.8, 99.9}) in.box.depth(stamp, DepthImage(1, 1, 1.0f));
+  for (const double stamp : {99.7, 99.8, 99.9}) in.box.left(stamp, image());
+  EXPECT_EQ(in.taken_stamps(), (std::vector<double>{99.8, 99.9}));
+  const StreamCount depth = in.box.count(SensorStream::kDepth);
+  EXPECT_EQ(depth.received, 3u);
+  EXPECT_EQ(depth.overflown, 1u);
+  EXPECT_EQ(depth.taken, 2u);
+  EXPECT_EQ(depth.reason, "more came than were taken");
+  EXPECT_EQ(in.box.count(SensorStream::kLeft).unpaired, 1u);
+}
+
+TEST(SensorInbox, WhatIsTooOldIsDroppedWhenItWouldBeTaken) {
+  Inbox in;
+  in.box.wheels(sample(99.9));
+  in.box.wheels(sample(100.0));
+  in.clock.set(100.45);
+  EXPECT_EQ(in.taken_stamps(), (std::vector<double>{100.0}));
+  EXPECT_EQ(in.box.count(SensorStream::kWheels).too_old, 1u);
+  EXPECT_EQ(in.box.count(SensorStream::kWheels).reason, "it was 0.55 s old");
+}
+
+TEST(SensorInbox, SaysWhichStreamIsStale) {
+  Inbox in;
+  EXPECT_EQ(in.box.stale(), "");
+  in.box.depth(99.9, DepthImage(1, 1, 1.0f));
+  EXPECT_EQ(in.box.stale(), "");
+  in.clock.set(101.0);
+  EXPECT_EQ(in.box.stale(), "depth: the newest frame is 1.1 s old; at most 1 s");
+}
+
+TEST(SensorInbox, WhatCannotBeUsedIsRefusedAndCounted) {
+  Inbox in;
+  in.box.wheels(sample(std::nan("")));
+  in.box.wheels(sample(std::numeric_limits<double>::infinity()));
+  in.box.wheels(sample(kNow + 1.0));
+  in.box.left(99.9, Image());
+  in.box.depth(99.9, DepthImage());
+  in.box.pair(99.9, 99.9, {image(), Image()});
+  in.box.pair(99.9, std::nan(""), {image(), image()});
+  EXPECT_FALSE(in.box.take());
+  EXPECT_EQ(in.box.count(SensorStream::kWheels).refused, 3u);
+  EXPECT_EQ(in.box.count(SensorStream::kWheels).reason,
+            "its stamp is future: 1 s ahead of the runtime's clock");
+  EXPECT_EQ(in.box.count(SensorStream::kLeft).refused, 1u);
+  EXPECT_EQ(in.box.count(SensorStream::kDepth).refused, 1u);
+  EXPECT_EQ(in.box.count(SensorStream::kPair).refused, 2u);
+}
+
+TEST(SensorInbox, AClockOfItsOwnIsShiftedIntoTheRuntimes) {
+  SensorInboxOptions options = in_one_clock();
+  options.wheels_in_runtime_clock = false;
+  Inbox in(options);
+  // 1000 s ahead, 10 ms under way.
+  for (int k = 0; k < 100; ++k) {
+    in.clock.set(kNow + 0.02 * k);
+    in.box.wheels(sample(kNow + 1000.0 + 0.02 * k - 0.01));
+  }
+  const StreamCount count = in.box.count(SensorStream::kWheels);
+  ASSERT_TRUE(count.newest);
+  EXPECT_NEAR(*count.newest, in.clock.now(), 1e-3);
+  EXPECT_GT(count.refused, 0u);  // until the offset had settled
+  EXPECT_LT(count.refused, 40u);
+  // A jump of its clock costs some samples, and is counted.
+  for (int k = 100; k < 200; ++k) {
+    in.clock.set(kNow + 0.02 * k);
+    in.box.wheels(sample(5.0 + 0.02 * k));
+  }
+  EXPECT_EQ(in.box.count(SensorStream::kWheels).jumps, 1);
+  EXPECT_NEAR(*in.box.count(SensorStream::kWheels).newest, in.clock.now(), 1e-3);
+}
+
+TEST(SensorInbox, ImagesArePairedByTheStampsOfTheirOwnClock) {
+  SensorInboxOptions options = in_one_clock();
+  options.cameras_in_runtime_clock = false;
+  Inbox in(options);
+  for (int k = 0; k < 40; ++k) {
+    in.clock.set(kNow + 0.05 * k);
+    in.box.left(7.0 + 0.05 * k, image());
+    // The right images take longer, now and then.
+    in.clock.advance(k % 3 == 0 ? 0.03 : 0.005);
+    in.box.right(7.001 + 0.05 * k, image());
+    while (const auto frame = in.box.take()) {
+      const auto& pair = std::get<StereoFrame>(*frame);
+      EXPECT_NEAR(pair.right_stamp - pair.left_stamp, 0.001, 1e-9);
+    }
+  }
+  EXPECT_GT(in.box.count(SensorStream::kPair).taken, 20u);
+  EXPECT_LE(in.box.count(SensorStream::kLeft).unpaired, 2u);
+}
+
+TEST(SensorInbox, TheNewestRangesAreThereAlsoAfterTheyWereTaken) {
+  Inbox in;
+  EXPECT_FALSE(in.box.ranges().depth.image);
+  in.box.depth(99.9, DepthImage(1, 1, 2.0f));
+  in.box.depth(99.8, DepthImage(1, 1, 1.0f));
+  while (in.box.take()) {
+  }
+  const NewestRanges ranges = in.box.ranges();
+  ASSERT_TRUE(ranges.depth.image);
+  EXPECT_EQ(ranges.depth.stamp, 99.9);
+  EXPECT_EQ(ranges.depth.image->at(0, 0), 2.0f);
+  EXPECT_FALSE(ranges.scan.in_B);
+}
+
+TEST(SensorInbox, OptionsOutOfRangeAreRefused) {
+  const ManualClock clock;
+  SensorInboxOptions options;
+  options.capacity = 0;
+  EXPECT_THROW(SensorInbox(clock, options), std::invalid_argument);
+  options = {};
+  options.max_image_age = -1.0;
+  EXPECT_THROW(SensorInbox(clock, options), std::invalid_argument);
+}
+
+TEST(SensorInbox, SeveralThreadsPutInAndOneTakes) {
+  const SteadyClock clock;
+  SensorInboxOptions options = in_one_clock();
+  options.capacity = options.wheel_capacity = 1000;
+  SensorInbox box(clock, options);
+  constexpr std::size_t kEach = 200;
+  std::size_t wheels = 0, pairs = 0;
+  {
+    const double start = clock.now();
+    std::jthread wheel_source([&] {
+      for (std::size_t k = 0; k < kEach; ++k) box.wheels(sample(start + 1e-6 * double(k)));
+    });
+    std::jthread left([&] {
+      for (std::size_t k = 0; k < kEach; ++k) box.left(start + 5e-5 * double(k), image());
+    });
+    std::jthread right([&] {
+      for (std::size_t k = 0; k < kEach; ++k) box.right(start + 5e-5 * double(k), image());
+    });
+    while (wheels < kEach && box.wait(10.0, {})) {
+      while (const auto frame = box.take()) {
+        (std::holds_alternative<WheelSample>(*frame) ? wheels : pairs) += 1;
+      }
+    }
+  }
+  while (box.take()) ++pairs;
+  EXPECT_EQ(wheels, kEach);
+  const StreamCount left = box.count(SensorStream::kLeft);
+  const StreamCount pair = box.count(SensorStream::kPair);
+  EXPECT_EQ(pair.taken, pairs);
+  EXPECT_EQ(left.taken, pairs);
+  EXPECT_LE(left.taken + left.unpaired, kEach);
+}
+
+TEST(SensorInbox, ARequestToStopEndsTheWait) {
+  const ManualClock clock;
+  SensorInbox box(clock, {});
+  bool came = true;
+  std::jthread waiter([&](const std::stop_token& stop) { came = box.wait(1e6, stop); });
+  waiter.request_stop();
+  waiter.join();
+  EXPECT_FALSE(came);
+}
+
+}  // namespace
+}  // namespace prospect::sensor_inbox_test
