@@ -15,6 +15,7 @@
 #include "perception/mapping/pose_check.h"
 #include "perception/odometry/body_pose.h"
 #include "perception/odometry/lattice_cell.h"
+#include "perception/odometry/median.h"
 #include "perception/odometry/reason.h"
 #include "perception/pipeline/depth_agreement.h"
 
@@ -331,16 +332,23 @@ void PerceptionPipeline::compare() {
   }
   const Eigen::Isometry3d T_CW = frame_.T_WC.inverse();
   std::vector<Eigen::Vector3d> points;
+  std::vector<double> far;  // how far away they are [m]
   const std::shared_ptr<const LandmarkMap> landmarks = odometry_->landmarks(0.0);
   for (const Landmark& l : landmarks->landmarks) {
-    if (tracked.count(l.id) > 0) points.push_back(T_CW * l.position);
+    if (tracked.count(l.id) == 0) continue;
+    points.push_back(T_CW * l.position);
+    far.push_back(points.back().z());
   }
+  if (points.empty()) return;
   const DepthCameraOnBody& camera = *options_.depth_camera;
   DepthAgreementOptions agreement;
   agreement.range = options_.mapping.range;
-  const ScaleAgreement found = depth_agreement(
-      points, frame_.disparity_offset_sigma / (camera_->left.fx * camera_->baseline), camera.camera,
-      options_.stereo_mount.T_BC.inverse() * camera.mount.T_BC, *depth_, agreement);
+  // Both are errors of the disparity, so their share grows with the depth.
+  const double by_zero = frame_.disparity_offset_sigma / (camera_->left.fx * camera_->baseline);
+  const double by_time = frame_.camera_time_offset_depth / std::max(0.1, median(far));
+  const ScaleAgreement found =
+      depth_agreement(points, std::hypot(by_zero, by_time), camera.camera,
+                      options_.stereo_mount.T_BC.inverse() * camera.mount.T_BC, *depth_, agreement);
   if (found.verdict != ScaleAgreement::Verdict::kUnknown) agreement_ = found;
 }
 
