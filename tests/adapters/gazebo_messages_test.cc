@@ -13,7 +13,7 @@
 
 #include "messages.pb.h"
 
-namespace prospect {
+namespace prospect::gazebo_messages_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -120,4 +120,4 @@ TEST(GazeboMessages, AVelocityIsAPoseWithTheYawTurned) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::gazebo_messages_test
