@@ -16,7 +16,9 @@ function(prospect_build_versions target)
       "NLopt|${NLopt_VERSION}|libnlopt|NLopt::nlopt" "Ipopt|${IPOPT_VERSION}|libipopt.so|PkgConfig::IPOPT"
       "Ceres|${Ceres_VERSION}|libceres.so|Ceres::ceres" "OpenCV|${opencv}|libopencv_core.so" "HDF5|${HDF5_VERSION}|libhdf5"
       "yaml-cpp|${yaml-cpp_VERSION}|libyaml-cpp.so" "Embree|${embree_VERSION}|libembree|embree"
-      "Assimp|${assimp_VERSION}|libassimp.so|assimp::assimp")
+      "Assimp|${assimp_VERSION}|libassimp.so|assimp::assimp"
+      "LZ4|${LZ4_VERSION}|liblz4.so|PkgConfig::LZ4" "Zstandard|${ZSTD_VERSION}|libzstd.so|PkgConfig::ZSTD"
+      "SQLite|${SQLITE_VERSION}|libsqlite3.so|PkgConfig::SQLITE")
     string(REPLACE "|" ";" library "${library}")
     list(POP_FRONT library name version file needs)
     if(NOT needs OR TARGET ${needs})

@@ -35,7 +35,7 @@ void describe(Knobs& knobs, CommandLoopOptions& options);
 enum class CommandReason {
   kBase,           ///< the base is not there, or reports a fault
   kEmergencyStop,  ///< the drive mode says so
-  kStand,          ///< likewise: zero velocity, or braking to it
+  kStand,          ///< likewise: zero velocity
   kComfortStop,    ///< likewise: braking
   kObstacle,       ///< ranges show what the map does not know
   kNoBelief,       ///< nothing is known of where the robot is

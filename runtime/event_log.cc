@@ -36,14 +36,6 @@ std::string to_text(const Event& event) {
   return text;
 }
 
-void describe(Knobs& knobs, EventLogOptions& o) {
-  knobs.integer("capacity", o.capacity, {16, 1000000}, "1", "events that are kept");
-  knobs.number("repeat_gap", o.repeat_gap, {0.0, 3600.0}, "s",
-               "an event that comes again within it is counted, not repeated");
-  knobs.integer("longest_text", o.longest_text, {16, 100000}, "1",
-                "characters of an event's text; what is longer is cut");
-}
-
 EventLog::EventLog(const EventLogOptions& options) : options_(options) {
   check_knobs("event log", options_);
 }

@@ -12,6 +12,7 @@ namespace prospect {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kFarthestStop = 1000.0;  // [m] beyond it a command is no command
 
 /// Where a point of B stands after `time` on the arc of a command, in B at its start.
 struct Arc {
@@ -66,34 +67,6 @@ std::string_view to_string(RangeStopReason reason) {
       return "non-finite";
   }
   return "?";
-}
-
-void describe(Knobs& knobs, RangeStopOptions& o) {
-  knobs.number("front", o.front, {0.01, 10.0}, "m", "of the body, ahead of B's origin");
-  knobs.number("rear", o.rear, {0.01, 10.0}, "m", "of the body, behind it");
-  knobs.number("left", o.left, {0.01, 10.0}, "m", "of the body, to its left");
-  knobs.number("right", o.right, {0.01, 10.0}, "m", "of the body, to its right");
-  knobs.number("corner_radius", o.corner_radius, {0.0, 10.0}, "m",
-               "of the body's outline; the half of its shorter side: a disc");
-  knobs.number("lowest", o.lowest, {-10.0, 10.0}, "m", "height in B below which all is floor");
-  knobs.number("highest", o.highest, {-10.0, 10.0}, "m",
-               "height in B above which the body passes under");
-  knobs.number("margin", o.margin, {0.0, 1.0}, "m", "kept from what is seen");
-  knobs.number("reaction_time", o.reaction_time, {0.0, 10.0}, "s",
-               "from a decision until the base brakes");
-  knobs.number("deceleration", o.deceleration, {0.01, 100.0}, "m/s^2", "that the base keeps");
-  knobs.number("yaw_deceleration", o.yaw_deceleration, {0.01, 100.0}, "rad/s^2",
-               "that the base keeps");
-  knobs.number("max_age", o.max_age, {0.0, 60.0}, "s", "of a frame");
-  knobs.integer("least_points", o.least_points, {1, 10000}, "1",
-                "in the way that are more than noise");
-  knobs.number("least_valid", o.least_valid, {0.0, 1.0}, "1",
-               "share of the rays in the driven direction that must be valid");
-  knobs.number("blind_speed", o.blind_speed, {0.0, 10.0}, "m/s",
-               "of the body's fastest point where no ray looks");
-  knobs.require(o.lowest < o.highest, "highest", "not above lowest; expected more");
-  knobs.require(2.0 * o.corner_radius <= std::min(o.front + o.rear, o.left + o.right) + 1e-9,
-                "corner_radius", "more than half of a side; expected at most that");
 }
 
 RangeStop::RangeStop(const RangeStopOptions& options) : options_(options) {
@@ -157,14 +130,18 @@ RangeStopVerdict RangeStop::in_view(const RangeFrame& frame, const Twist& comman
     ++all[bin];
     valid[bin] += ray.kind != RangeRay::Kind::kInvalid;
   }
+  // Rays of a scan may be farther apart than a bin is wide: the bins beside count as well.
   int directions = 0, seen = 0, rays = 0, good = 0;
   for (std::size_t bin = 0; bin < counts.size(); ++bin) {
-    if (!counts[bin]) continue;
-    ++directions;
-    // Rays of a scan may be farther apart than a bin is wide.
-    seen += all[bin] > 0 || all[(bin + 1) % kBins] > 0 || all[(bin + kBins - 1) % kBins] > 0;
-    rays += all[bin];
-    good += valid[bin];
+    const std::size_t next = (bin + 1) % kBins, last = (bin + kBins - 1) % kBins;
+    if (counts[bin]) {
+      ++directions;
+      seen += all[bin] + all[next] + all[last] > 0;
+    }
+    if (counts[bin] || counts[next] || counts[last]) {
+      rays += all[bin];
+      good += valid[bin];
+    }
   }
   RangeStopVerdict clear;
   clear.share = 1.0;
@@ -203,11 +180,15 @@ RangeStopVerdict RangeStop::check(const RangeFrame& frame, const Twist& command,
   const double passed = std::max(age, 0.0);
   const double time = passed + o.reaction_time + 0.5 * stop;
 
-  RangeStopVerdict verdict = in_view(frame, command, time);
   // Poses so close that no point of the body moves by more than a centimetre, or a 200th of the
   // way.
   const double radius = std::hypot(std::max(o.front, o.rear), std::max(o.left, o.right));
   const double reach = (speed + std::abs(arc.w) * radius) * time;
+  if (!(reach <= kFarthestStop)) {
+    return stopped(0.0, RangeStopReason::kNonFinite, "the command needs more than %g m to stop",
+                   kFarthestStop);
+  }
+  RangeStopVerdict verdict = in_view(frame, command, time);
   const int steps = static_cast<int>(std::clamp(std::ceil(reach / 0.01), 1.0, 200.0));
   std::vector<Arc::Placed> poses;
   for (int n = 1; n <= steps; ++n) poses.push_back(arc.at(time * n / steps));

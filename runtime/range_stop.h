@@ -56,7 +56,7 @@ enum class RangeStopReason {
   kTooFewRanges,  ///< the sensor looks there and measures too little: covered, glass, too near
   kOutOfView,     ///< the sensor does not look there
   kStale,         ///< the frame is too old, or from the future
-  kNonFinite      ///< the command or a time is no number
+  kNonFinite      ///< the command or a time is no number, or the command beyond all bounds
 };
 /// "clear", "obstacle", "too few ranges", "out of view", "stale", "non-finite".
 std::string_view to_string(RangeStopReason reason);
@@ -86,9 +86,10 @@ struct RangeStopVerdict {
 ///
 /// View. The directions that count are those of the points of the outline that go ahead: within 45
 /// degrees of their outward normal, and at T(1) outside of the outline at the start. Rays are
-/// sorted by azimuth into bins of 3 degrees, those that pass above `highest` or below `lowest` at
-/// the farthest of the points left out. No ray in more than half of the directions: kOutOfView,
-/// blind_speed. Else, if the share of valid rays in them is below least_valid: kTooFewRanges, 0.
+/// sorted by azimuth into bins of 3 degrees (the ones beside count as well), those that pass above
+/// `highest` or below `lowest` at the farthest of the points left out. No ray in more than half of
+/// the directions: kOutOfView, blind_speed. Else, if the share of valid rays in them is below
+/// least_valid: kTooFewRanges, 0.
 ///
 /// So a robot that is round may always turn on the spot, and one that stands may stand.
 ///

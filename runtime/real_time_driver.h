@@ -119,8 +119,8 @@ class RealTimeDriver {
                     const std::function<void(const MissionStep&)>& observe = {},
                     const std::function<bool()>& cancelled = {});
 
-  /// Latches: answered by the next command. acknowledge() takes it back and lets the robot go on
-  /// once it is at rest and nothing is wrong any more.
+  /// Latches: answered by the next command. Once the robot has stopped and nothing is wrong any
+  /// more, acknowledge() lets it go on; before that it has no effect.
   void emergency_stop() noexcept;
   void acknowledge() noexcept;
   /// Brakes and stands; drives on with a new plan.

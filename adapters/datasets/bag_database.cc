@@ -6,6 +6,7 @@
 #endif
 
 #include <map>
+#include <memory>
 
 #include "adapters/datasets/bag_file.h"
 #include "adapters/files/input_error.h"
@@ -29,15 +30,16 @@ namespace {
 /// Runs a query; `row` reads each of its rows.
 template <typename Row>
 void run_query(sqlite3* database, const std::string& path, const char* sql, const Row& row) {
-  sqlite3_stmt* statement = nullptr;
-  int result = sqlite3_prepare_v2(database, sql, -1, &statement, nullptr);
+  sqlite3_stmt* made = nullptr;
+  int result = sqlite3_prepare_v2(database, sql, -1, &made, nullptr);
+  // `row` may throw, and a database with a query that goes on does not close.
+  const std::unique_ptr<sqlite3_stmt, int (*)(sqlite3_stmt*)> statement(made, &sqlite3_finalize);
   while (result == SQLITE_OK || result == SQLITE_ROW) {
-    result = sqlite3_step(statement);
+    result = sqlite3_step(statement.get());
     if (result != SQLITE_ROW) break;
-    row(statement);
+    row(statement.get());
   }
   const std::string problem = sqlite3_errmsg(database);
-  sqlite3_finalize(statement);
   if (result != SQLITE_DONE) {
     throw InputError(path + ": " + problem + "; expected an intact database of rosbag2");
   }

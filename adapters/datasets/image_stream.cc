@@ -152,6 +152,17 @@ std::optional<StampUnit> stamp_unit(const std::vector<std::int64_t>& stamps, dou
   return std::nullopt;
 }
 
+std::optional<StampUnit> unit_instead_of_seconds(const std::vector<double>& stamps) {
+  if (!(median_step(stamps) > 5.0)) return std::nullopt;  // as in stamp_unit()
+  std::vector<std::int64_t> whole;
+  for (const double stamp : stamps) {
+    if (!(std::abs(stamp) < 9e18)) return std::nullopt;
+    whole.push_back(static_cast<std::int64_t>(std::llround(stamp)));
+  }
+  const auto unit = stamp_unit(whole);
+  return unit && unit->seconds != 1.0 ? unit : std::nullopt;
+}
+
 double median_step(const std::vector<double>& stamps) {
   if (stamps.size() < 2) return std::numeric_limits<double>::quiet_NaN();
   std::vector<double> steps;

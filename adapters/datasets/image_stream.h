@@ -56,6 +56,8 @@ bool counts_frames(const std::vector<std::int64_t>& numbers);
 /// where no unit gives such a rate, the one in which they are dates between 2001 and 2065. None if
 /// that fails, too.
 std::optional<StampUnit> stamp_unit(const std::vector<std::int64_t>& stamps, double rate = 0.0);
+/// The unit of increasing stamps that are s by rule, but come too rarely for it. None: they are s.
+std::optional<StampUnit> unit_instead_of_seconds(const std::vector<double>& stamps);
 
 /// The median of the steps between neighbours [s]; NaN for less than two.
 double median_step(const std::vector<double>& stamps);

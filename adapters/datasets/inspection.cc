@@ -11,6 +11,7 @@
 #include "adapters/datasets/depth_dataset.h"
 #include "adapters/datasets/frame_pairs.h"
 #include "adapters/datasets/numbered_files.h"
+#include "adapters/datasets/odometry_run.h"
 #include "adapters/datasets/rgbd_folder.h"
 #include "adapters/datasets/scan_run.h"
 #include "adapters/datasets/scan_source.h"
@@ -20,6 +21,12 @@ namespace prospect {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+// The odometry looks for the time offset of the cameras over so much of a recording,
+constexpr double kOffsetTime = 5.0;  // [s]
+constexpr int kOffsetFrames = 60;
+// and has found it where its deviation has become so much less than before the first image.
+constexpr double kOffsetLearned = 0.05;
 
 Json finite_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
@@ -86,6 +93,23 @@ void add_remarks(Json& json, const std::vector<std::string>& notes,
   json["supply"] = supply;
 }
 
+/// By how much later the right image is taken than the left one, as the odometry finds it over the
+/// first seconds; nulls where it does not.
+void add_time_offset(Json& json, const StereoDataset& dataset) {
+  int frames = 0;
+  while (frames < std::min(dataset.size(), kOffsetFrames) &&
+         dataset.stamp(frames) <= dataset.stamp(0) + kOffsetTime) {
+    ++frames;
+  }
+  const OdometrySummary s = summarize(run_odometry(dataset, {}, 0, frames));
+  const double prior = CameraTimeOffsetOptions().prior_sigma;
+  const bool known = s.camera_time_offset_sigma < kOffsetLearned * prior;
+  json["time_offset_s"] = known ? finite_or_null(s.camera_time_offset) : Json();
+  json["time_offset_sigma_s"] = known ? finite_or_null(s.camera_time_offset_sigma) : Json();
+  json["time_offset_frames"] = frames;
+  json["out_of_step"] = s.out_of_step.empty() ? Json() : Json(s.out_of_step);
+}
+
 Json inspect_stereo(const std::string& path, const StereoDatasetOptions& options) {
   StereoSource source = open_stereo_source(path, options);
   std::vector<std::string> missing = source.missing, notes = source.notes;
@@ -116,7 +140,9 @@ Json inspect_stereo(const std::string& path, const StereoDatasetOptions& options
   if (missing.empty()) {
     // What only the images themselves tell.
     try {
-      notes = StereoDataset::open(path, options).notes();
+      const StereoDataset dataset = StereoDataset::open(path, options);
+      notes = dataset.notes();
+      add_time_offset(json, dataset);
     } catch (const InputError& error) {
       add_missing(missing, error.lines()[0]);
     }
@@ -188,6 +214,20 @@ Json inspect_scans(const std::string& path, const ScanOptions& options) {
   return json;
 }
 
+/// Of a bag with depth images and scans `prospect map` uses one kind.
+void say_which_is_mapped(Json& recordings, bool scans) {
+  Json *depth_images = nullptr, *lidar = nullptr;
+  for (Json& r : recordings) {
+    if (r.contains("depth")) depth_images = &r;
+    if (r.contains("scans")) lidar = &r;
+  }
+  if (depth_images == nullptr || lidar == nullptr) return;
+  (scans ? *depth_images : *lidar)["used_by"] = nullptr;
+  (scans ? *depth_images : *lidar)["notes"].push_back(
+      scans ? "`prospect map` uses the scans, as --topics scan=TOPIC says; without it these"
+            : "`prospect map` uses the depth images; with --topics scan=TOPIC these");
+}
+
 struct OtherKind {
   const char* ending;
   const char* what;
@@ -253,8 +293,9 @@ std::string stream_line(const char* name, const Json& s) {
 }
 
 std::string recording_text(const Json& r) {
-  std::string text = r["layout"].get<std::string>() + ", " + r["kind"].get<std::string>() +
-                     ", for `" + r["used_by"].get<std::string>() + "`\n";
+  std::string text = r["layout"].get<std::string>() + ", " + r["kind"].get<std::string>();
+  if (r["used_by"].is_string()) text += ", for `" + r["used_by"].get<std::string>() + "`";
+  text += "\n";
   if (r.contains("left")) {
     text += stream_line("left         ", r["left"]) + stream_line("right        ", r["right"]);
     text += "pairs        " + r["pairs"].dump() + ", " + r["unpaired"].dump() + " images alone";
@@ -264,6 +305,22 @@ std::string recording_text(const Json& r) {
               formatted("%.3g ms at most", 1e3 * r["right_after_left_most_s"].get<double>());
     }
     text += "\n";
+    if (r.contains("time_offset_s")) {
+      const std::string over =
+          " by the odometry over " + r["time_offset_frames"].dump() + " frames";
+      text += "time offset  ";
+      if (r["time_offset_s"].is_number()) {
+        text += formatted("right image taken %.2g ms after the left, ",
+                          1e3 * r["time_offset_s"].get<double>()) +
+                formatted("known to %.2g ms,", 1e3 * r["time_offset_sigma_s"].get<double>()) +
+                over + "\n";
+      } else {
+        text += "not found" + over + ": it shows where the cameras turn\n";
+      }
+      if (r["out_of_step"].is_string()) {
+        text += "note         " + r["out_of_step"].get<std::string>() + "\n";
+      }
+    }
     const Json& c = r["calibration"];
     if (c.is_null()) {
       text += "calibration  none\n";
@@ -349,6 +406,7 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
     }
     recordings = kept;
   }
+  say_which_is_mapped(recordings, is_used_for_scans(path, depth.topics));
   found = Found::kUnknown;
   for (const Json& recording : recordings) {
     if (recording["missing"].empty()) found = Found::kUsable;

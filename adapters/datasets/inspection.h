@@ -8,9 +8,11 @@
 
 namespace prospect {
 
-/// What is at a path, found without running anything: recordings of a stereo pair, of depth
+/// What is at a path: recordings of a stereo pair, of depth
 /// images or of a lidar, with their layout, images, rates, gaps, pairs, calibration, ground truth,
-/// what was assumed and what is missing; of worlds, maps and run folders only what they are.
+/// what was assumed and what is missing. Of a stereo pair also the time offset of the cameras, by
+/// the odometry over its first 5 s, at most 60 frames; of worlds, maps and run folders only what
+/// they are.
 enum class Found {
   kUsable,      ///< known, and nothing is missing
   kIncomplete,  ///< known, and something is missing

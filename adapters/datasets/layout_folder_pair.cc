@@ -160,6 +160,15 @@ StereoSource open_folder_pair(const std::string& path, const StereoDatasetOption
   const bool timed = fs::exists(times_path);
   if (timed) {
     if (!source.attempt([&] { times = read_kitti_times(times_path); })) return source;
+    if (const auto unit = unit_instead_of_seconds(times)) {
+      source.notes.push_back("times.txt in " + std::string(unit->name) +
+                             ", by their rate; KITTI's are in s");
+      for (double& time : times) time *= unit->seconds;
+    }
+    if (static_cast<std::int64_t>(times.size()) > last + 1) {
+      source.notes.push_back("times.txt holds " + std::to_string(times.size()) +
+                             " times; the last image is number " + std::to_string(last));
+    }
   } else if (counted) {
     const double rate = options.rate.value_or(kKittiRate);
     source.times_assumed = !options.rate;

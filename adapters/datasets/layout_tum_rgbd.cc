@@ -54,19 +54,12 @@ std::vector<TumFrame> read_tum_list(const std::string& folder, const std::string
   return frames;
 }
 
-/// Stamps that say s by rule, but come too rarely or too often for it: another unit, by their rate.
+/// Seconds of the stamps' unit, which is said if it is another one.
 double tum_unit(const std::vector<TumFrame>& frames, DepthSource& source) {
-  std::vector<std::int64_t> stamps;
-  for (const TumFrame& frame : frames) {
-    if (!(std::abs(frame.stamp) < 9e18)) return 1.0;
-    stamps.push_back(static_cast<std::int64_t>(std::llround(frame.stamp)));
-  }
-  std::vector<double> seconds;
-  for (const TumFrame& frame : frames) seconds.push_back(frame.stamp);
-  const double step = median_step(seconds);
-  if (!(step > 5.0)) return 1.0;  // as in stamp_unit()
-  const auto unit = stamp_unit(stamps);
-  if (!unit || unit->seconds == 1.0) return 1.0;
+  std::vector<double> stamps;
+  for (const TumFrame& frame : frames) stamps.push_back(frame.stamp);
+  const auto unit = unit_instead_of_seconds(stamps);
+  if (!unit) return 1.0;
   source.notes.push_back("stamps in " + std::string(unit->name) +
                          ", by their rate; TUM's are in s");
   return unit->seconds;

@@ -7,6 +7,7 @@
 #include <opencv2/core.hpp>
 
 #include "adapters/datasets/degrees.h"
+#include "adapters/datasets/recording_pipeline.h"
 #include "adapters/datasets/recording_range.h"
 #include "adapters/files/csv.h"
 #include "adapters/files/input_error.h"
@@ -75,7 +76,10 @@ class FloorMap {
     prior_.height = floor_.normal.dot(pose.translation()) + floor_.c;
     if (!dataset.has_poses()) return;
     T_WD_ = level(floor_, pose);
-    mapper_ = std::make_unique<DepthMapper>(dataset.camera(), options.mapper);
+    PerceptionOptions perception = recording_options(T_WD_ * pose);
+    perception.depth_camera = {dataset.camera(), {Eigen::Isometry3d::Identity()}};
+    perception.mapping = options.mapper;
+    perception_.emplace(perception);
   }
 
   const Floor& floor() const { return floor_; }
@@ -86,13 +90,14 @@ class FloorMap {
   MapRunFrame enter(int i, const DepthImage& image) {
     MapRunFrame frame;
     MappedFrame& mapped = frame.mapped;
-    if (mapper_) {
+    if (perception_) {
       const Eigen::Isometry3d T_WC = T_WD_ * dataset_.pose(i);
-      mapped = mapper_->process(dataset_.stamp(i), image, T_WC);
+      const double stamp = dataset_.stamp(i);
+      mapped = map_at(*perception_, stamp, T_WC, [&] { return perception_->depth(stamp, image); });
       frame.up = T_WC.linear() * mapped.ground.normal;
       frame.height_error = mapped.ground.height - T_WC.translation().z();
       ProcessorStopwatch watch;
-      maps_ = mapper_->map().snapshot();
+      maps_ = perception_->map().snapshot();
       frame.snapshot = watch.lap();
       return frame;
     }
@@ -117,7 +122,7 @@ class FloorMap {
   Floor floor_;
   GroundPrior prior_;
   Eigen::Isometry3d T_WD_ = Eigen::Isometry3d::Identity();
-  std::unique_ptr<DepthMapper> mapper_;
+  std::optional<PerceptionPipeline> perception_;
   BeliefMaps maps_;
 };
 

@@ -5,8 +5,11 @@
 #include <cstdio>
 #include <limits>
 #include <map>
+#include <memory>
 #include <opencv2/core.hpp>
+#include <utility>
 
+#include "adapters/datasets/recording_pipeline.h"
 #include "adapters/datasets/recording_range.h"
 
 namespace prospect {
@@ -21,16 +24,29 @@ OdometryRun run_odometry(const StereoDataset& dataset, const StereoOdometryOptio
   if (n == 0) return run;
   const auto begin = associate({{dataset.stamp(first), start}}, dataset.ground_truth());
   if (!begin.empty()) start = begin[0].truth;
-  StereoOdometry odometry(dataset.camera(), options, start);
+  auto owned = std::make_unique<StereoOdometry>(dataset.camera(), options, start);
+  const StereoOdometry& odometry = *owned;
+  PerceptionPipeline perception(std::move(owned), dataset.camera(), recording_options(start));
   OdometryConsistency consistency;
   for (int i = first; i < first + n; ++i) {
     const StereoDataset::Pair pair = dataset.read(i);
-    run.frames.push_back(odometry.process(dataset.stamp(i), pair.left.view(), pair.right.view()));
+    const double stamp = dataset.stamp(i);
+    const InputResult result =
+        perception.stereo({stamp, stamp, pair.left.view(), pair.right.view()});
+    run.frames.push_back(perception.frame());
+    const bool processed = result.state == InputState::kTaken;
+    if (!processed) {
+      OdometryFrame left_out;
+      left_out.stamp = stamp;
+      left_out.reason = result.reason;
+      left_out.T_WC = run.frames.back().T_WC;
+      run.frames.back() = left_out;
+    }
     const OdometryFrame& frame = run.frames.back();
     if (frame.state != Localization::kLost) run.trajectory.push_back({frame.stamp, frame.T_WC});
     const auto associated = associate({{frame.stamp, frame.T_WC}}, dataset.ground_truth());
     const auto truth = associated.empty() ? std::nullopt : std::optional(associated[0].truth);
-    consistency.add(odometry, frame, truth);
+    if (processed) consistency.add(odometry, frame, truth);
     if (observe) observe({i - first + 1, frame, odometry, pair, truth});
   }
   run.consistency = consistency.result();

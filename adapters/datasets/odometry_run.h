@@ -14,7 +14,8 @@
 
 namespace prospect {
 
-/// What one pass of the odometry over a recording gives. Poses are causal: each as it was known at
+/// What one pass of the odometry (PerceptionPipeline, with a body that is free in space and is the
+/// left camera) over a recording gives. Poses are causal: each as it was known at
 /// its frame, nothing is changed afterwards.
 struct OdometryRun {
   std::vector<OdometryFrame> frames;

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <limits>
 
+#include "adapters/datasets/recording_pipeline.h"
 #include "adapters/datasets/recording_range.h"
 #include "engine/support/stopwatch.h"
 
@@ -60,14 +61,19 @@ MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement
     slice.z_min = std::min(slice.z_min, height);
     slice.z_max = std::max(slice.z_max, height);
   }
-  ScanMapper mapper(mapping);
+  PerceptionOptions options_of_all = recording_options();
+  options_of_all.mapping.map = mapping.map;
+  options_of_all.scans = mapping;
+  PerceptionPipeline perception(options_of_all);
   for (int i = first; i < first + n; ++i) {
     const auto k = static_cast<std::size_t>(i);
     MapRunFrame frame;
-    frame.mapped = mapper.process(source.stamps[k], source.read(k), run.T_WD * source.poses[k]);
+    const double stamp = source.stamps[k];
+    frame.mapped = map_at(perception, stamp, run.T_WD * source.poses[k],
+                          [&] { return perception.scan(stamp, source.read(k)); });
     frame.height_error = std::numeric_limits<double>::quiet_NaN();
     ProcessorStopwatch watch;
-    run.maps = mapper.map().snapshot();
+    run.maps = perception.map().snapshot();
     frame.snapshot = watch.lap();
     run.frames.push_back(frame);
     if (progress) progress(i - first + 1, frame);

@@ -41,7 +41,8 @@ class StereoDataset {
   const std::vector<std::string>& notes() const { return notes_; }
 
   using Pair = ImagePair;
-  /// Throws InputError if an image cannot be decoded or has another size than the first.
+  /// Throws InputError if an image cannot be decoded. One of another size than the first makes its
+  /// frame lost.
   Pair read(int i) const;
 
   /// Poses of the rectified left camera; empty: not known.

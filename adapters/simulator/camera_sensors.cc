@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "adapters/simulator/feature_field.h"
@@ -49,16 +48,13 @@ StereoCamera believed(const SimulatorOptions& options) {
 PerceptionOptions perception_of(const SimulatorOptions& options,
                                 const OccupancyMapperOptions& mapping,
                                 const PinholeCamera& depth_camera, const Pose& start) {
-  PerceptionOptions perception;
+  PerceptionOptions perception = options.camera.perception;
   perception.stereo_mount = options.stereo_mount;
   perception.depth_camera = {depth_camera, options.depth_mount};
   perception.mapping.map = mapping;
   perception.mapping.range = {options.depth.footprint.min_range, options.depth.footprint.max_range};
-  perception.wheels = options.camera.wheels;
-  perception.wheel_fusion = options.camera.wheel_fusion;
   perception.start = start;
   perception.max_age = std::min(perception.max_age, perception.wheel_fusion.max_wait);
-  perception.max_ahead = std::numeric_limits<double>::infinity();
   return perception;
 }
 
@@ -90,12 +86,12 @@ CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options
                                      mapping.slice.z_max - z);
   }
   std::normal_distribution<double> normal;
-  wheel_scale_ += options.camera.wheel_fusion.sigma_scale * normal(wheel_noise_);
-  turn_scale_ += options.camera.wheel_fusion.sigma_scale * normal(wheel_noise_);
+  wheel_scale_ += options.camera.perception.wheel_fusion.sigma_scale * normal(wheel_noise_);
+  turn_scale_ += options.camera.perception.wheel_fusion.sigma_scale * normal(wheel_noise_);
 }
 
 WheelSample CameraSensors::wheels(double stamp, const Pose& true_pose) {
-  const WheelFusionOptions& errors = options_.camera.wheel_fusion;
+  const WheelFusionOptions& errors = options_.camera.perception.wheel_fusion;
   const double dt = stamp - wheel_stamp_;
   const double turn = std::remainder(true_pose.yaw - wheel_pose_.yaw, 2.0 * M_PI);
   // p' = p + dt sinc(turn / 2) R(yaw + turn / 2) v
@@ -127,7 +123,7 @@ WheelSample CameraSensors::wheels(double stamp, const Pose& true_pose) {
 void CameraSensors::image(double stamp, const Pose& true_pose, const Twist& twist) {
   const bool was_lost = images_ > 0 && localization() == Localization::kLost;
   pair_ = rig_.stereo(true_pose, twist, images_++);
-  if (stamp > wheel_stamp_ && options_.camera.wheels) {
+  if (stamp > wheel_stamp_ && options_.camera.perception.wheels) {
     perception_.wheels(wheels(stamp, true_pose));
   }
   perception_.stereo({stamp, stamp, pair_.left.view(), pair_.right.view()});

@@ -109,8 +109,12 @@ void describe(Knobs& knobs, CameraSensorsOptions& o) {
   knobs.number("baseline_error", o.baseline_error, {-0.9, 9.0}, "1",
                "by which its baseline is believed too large");
   describe(knobs, o.rig);
-  knobs.boolean("wheels", o.wheels, "wheel odometry, fused with what the images say");
-  knobs.group("wheel_fusion", [&] { describe(knobs, o.wheel_fusion); });
+  // Of perception, what a simulation depends on: it has no lidar, and nothing comes late.
+  PerceptionOptions& p = o.perception;
+  knobs.boolean("wheels", p.wheels, "wheel odometry, fused with what the images say");
+  knobs.group("wheel_fusion", [&] { describe(knobs, p.wheel_fusion); });
+  knobs.group("depth_mapping", [&] { describe(knobs, p.mapping); });
+  knobs.group("feature_density", [&] { describe(knobs, p.feature_density); });
   knobs.group("odometry", [&] { describe(knobs, o.odometry); });
 }
 

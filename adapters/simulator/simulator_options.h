@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <string_view>
 
@@ -12,9 +13,9 @@
 #include "adapters/simulator/odometry_model.h"
 #include "models/camera.h"
 #include "models/robot_shape.h"
-#include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/odometry/stereo_odometry.h"
+#include "perception/pipeline/perception_options.h"
 
 namespace octomap {
 class OcTree;
@@ -45,15 +46,16 @@ struct CameraSensorsOptions {
   /// they are: a calibration that is wrong.
   double focal_error = 0.0, baseline_error = 0.0;
   StereoOdometryOptions odometry;
-  /// Wheels measure with these errors, and are fused knowing them: those of the reckoning in
-  /// OdometryOptions. A robot without wheels holds its pose while it is lost.
-  bool wheels = true;
-  WheelFusionOptions wheel_fusion = [] {
-    WheelFusionOptions wheels;
-    wheels.turn = 0.01;
-    wheels.heading = 0.005;
-    wheels.sigma_scale = 0.01;
-    return wheels;
+  /// Cameras, mounts, range, map and start are set from the simulator's. Inputs come at once, so
+  /// none waits. Wheels measure with the errors of wheel_fusion, and are fused knowing them: those
+  /// of the reckoning in OdometryOptions. A robot without wheels holds its pose while it is lost.
+  PerceptionOptions perception = [] {
+    PerceptionOptions perception;
+    perception.wheel_fusion.turn = 0.01;
+    perception.wheel_fusion.heading = 0.005;
+    perception.wheel_fusion.sigma_scale = 0.01;
+    perception.max_ahead = std::numeric_limits<double>::infinity();
+    return perception;
   }();
 };
 

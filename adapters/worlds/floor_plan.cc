@@ -30,9 +30,9 @@ constexpr int kWall = 2;
 
 class FloorPlan {
  public:
-  explicit FloorPlan(std::uint64_t seed) : generator_(seed) {
-    columns_ = draw(3, 4);
-    rows_ = draw(2, 3);
+  FloorPlan(std::uint64_t seed, const std::optional<FloorPlanSize>& size) : generator_(seed) {
+    columns_ = size ? size->columns : draw(3, 4);
+    rows_ = size ? size->rows : draw(2, 3);
     std::vector<int> x{0}, y{0};
     for (int i = 0; i < columns_; ++i) x.push_back(x.back() + draw(32, 58) + kWall);
     for (int j = 0; j < rows_; ++j) y.push_back(y.back() + draw(32, 48) + kWall);
@@ -45,8 +45,8 @@ class FloorPlan {
     for (const Box& room : rooms_) furnish(room);
   }
 
-  std::string yaml(std::uint64_t seed) {
-    std::string text = "name: plan:" + std::to_string(seed) +
+  std::string yaml(const std::string& name) {
+    std::string text = "name: " + name +
                        "\nresolution: 0.1\nwall_height: 2.5\nwall_thickness: 0.2\n"
                        "textures: {posters: 60, brick: 40, carpet: 35, wood: 25, plaster: 6, "
                        "tiles: 4, white: 0}\nrooms:\n";
@@ -146,6 +146,14 @@ class FloorPlan {
 
 }  // namespace
 
-std::string random_floor_plan(std::uint64_t seed) { return FloorPlan(seed).yaml(seed); }
+std::string random_floor_plan(std::uint64_t seed, const std::optional<FloorPlanSize>& size) {
+  return FloorPlan(seed, size).yaml(floor_plan_name(seed, size));
+}
+
+std::string floor_plan_name(std::uint64_t seed, const std::optional<FloorPlanSize>& size) {
+  std::string name = "plan:" + std::to_string(seed);
+  if (size) name += ":" + std::to_string(size->columns) + "x" + std::to_string(size->rows);
+  return name;
+}
 
 }  // namespace prospect

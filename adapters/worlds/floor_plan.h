@@ -1,14 +1,24 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace prospect {
 
-/// A floor plan drawn from a seed, as a world file (YAML, docs/reference/worlds.md): two or three
-/// rows of three or four rooms, doors along a random spanning tree and a few more, furniture along
-/// the walls that leaves doors free, textures from posters to white walls. The same seed gives the
-/// same text on every machine.
-std::string random_floor_plan(std::uint64_t seed);
+/// Rooms of a floor plan, 2 to 40 each.
+struct FloorPlanSize {
+  int columns = 0;
+  int rows = 0;
+};
+
+/// A floor plan drawn from a seed, as a world file (YAML, docs/reference/worlds.md): rows of rooms,
+/// three or four by two or three unless `size` says otherwise, doors along a random spanning tree
+/// and a few more, furniture along the walls that leaves doors free, textures from posters to white
+/// walls. The same seed and size give the same text on every machine.
+std::string random_floor_plan(std::uint64_t seed, const std::optional<FloorPlanSize>& size = {});
+
+/// "plan:SEED", or "plan:SEED:COLUMNSxROWS" where a size is given.
+std::string floor_plan_name(std::uint64_t seed, const std::optional<FloorPlanSize>& size = {});
 
 }  // namespace prospect

@@ -178,17 +178,41 @@ bool is_ros_map(const std::string& path) {
          (root.has("occupied_thresh") || root.has("free_thresh") || root.has("origin"));
 }
 
-/// The number of "plan:NUMBER".
-std::optional<std::uint64_t> plan_seed(const std::string& name) {
-  constexpr std::string_view kPlan = "plan:";
-  if (!name.starts_with(kPlan)) return std::nullopt;
+struct FloorPlanChoice {
   std::uint64_t seed = 0;
-  const char* last = name.data() + name.size();
-  const auto [end, wrong] = std::from_chars(name.data() + kPlan.size(), last, seed);
-  if (wrong != std::errc() || end != last) {
+  std::optional<FloorPlanSize> size;
+};
+
+/// Of "plan:SEED" or "plan:SEED:COLUMNSxROWS"; none: the name is none of a floor plan.
+std::optional<FloorPlanChoice> floor_plan_choice(const std::string& name) {
+  constexpr std::string_view kPlan = "plan:";
+  constexpr int kLeast = 2, kMost = 40;
+  if (!name.starts_with(kPlan)) return std::nullopt;
+  const char* at = name.data() + kPlan.size();
+  const char* const last = name.data() + name.size();
+  // Reads a number; false if there is none.
+  const auto number = [&](auto& value) {
+    const auto [end, wrong] = std::from_chars(at, last, value);
+    at = end;
+    return wrong == std::errc();
+  };
+  const auto passed = [&](char c) { return at != last && *at++ == c; };
+  FloorPlanChoice choice;
+  if (!number(choice.seed) || (at != last && *at != ':')) {
     throw InputError("world '" + name + "': no seed; expected plan:SEED, e.g. plan:7");
   }
-  return seed;
+  if (at == last) return choice;
+  FloorPlanSize size;
+  const bool given =
+      passed(':') && number(size.columns) && passed('x') && number(size.rows) && at == last;
+  if (!given || std::min(size.columns, size.rows) < kLeast ||
+      std::max(size.columns, size.rows) > kMost) {
+    throw InputError("world '" + name +
+                     "': no size; expected plan:SEED:COLUMNSxROWS of 2 to 40 rooms each, e.g. "
+                     "plan:7:8x6");
+  }
+  choice.size = size;
+  return choice;
 }
 
 bool is_one_of(const std::string& text, std::initializer_list<const char*> choices) {
@@ -266,14 +290,14 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
   std::error_code error;
   std::optional<World> world;
   if (std::find(names.begin(), names.end(), name_or_path) != names.end() ||
-      plan_seed(name_or_path)) {
+      floor_plan_choice(name_or_path)) {
     refuse_for_world_file(name_or_path, options);
   }
   if (std::find(names.begin(), names.end(), name_or_path) != names.end()) {
     world = world_from_yaml(builtin_world_text(name_or_path), "built-in " + name_or_path,
                             &states_start);
-  } else if (const std::optional<std::uint64_t> seed = plan_seed(name_or_path)) {
-    world = world_from_yaml(random_floor_plan(*seed), name_or_path, &states_start);
+  } else if (const std::optional<FloorPlanChoice> plan = floor_plan_choice(name_or_path)) {
+    world = world_from_yaml(random_floor_plan(plan->seed, plan->size), name_or_path, &states_start);
   } else {
     const fs::path path(name_or_path);
     const std::string extension = lower(path.extension().string());

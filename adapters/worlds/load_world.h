@@ -10,7 +10,7 @@
 namespace prospect {
 
 /// A world by name or path: a built-in name (builtin_world_names()), plan:SEED
-/// (random_floor_plan()), else by extension: .yaml/.yml
+/// or plan:SEED:COLUMNSxROWS (random_floor_plan()), else by extension: .yaml/.yml
 /// (a world file, or a ROS map if it has the key `image`), .bt/.ot (OctoMap), .pgm/.png/.bmp (bare
 /// map image), .map (MovingAI), .obj/.dae/.gltf/.glb/.stl/.ply (mesh_file.h), .world/.sdf
 /// (gazebo_world.h), both voxelised at 0.05 m (mesh_world.h). What a source holds that is not in

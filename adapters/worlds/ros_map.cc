@@ -518,6 +518,8 @@ double checked_pixel_size(const std::string& path, WorldOptions& options) {
   return size;
 }
 
+constexpr double kMostYaw = 8.0;  // [rad]: more is an angle in degrees
+
 }  // namespace
 
 World world_from_ros_map(const std::string& path, const WorldOptions& options) {
@@ -534,6 +536,9 @@ World world_from_ros_map(const std::string& path, const WorldOptions& options) {
   const double free = root.number("free_thresh", 0.196, 0.0, 1.0, "1", "free below");
   const std::string mode = root.loose_choice("mode", "trinary", {"trinary", "scale", "raw"},
                                              "meaning of values between the thresholds");
+  if (std::abs(origin[2]) > kMostYaw) {
+    root.problem("origin", "has a yaw of more than 8 rad; expected radians, not degrees");
+  }
   if (free > occupied) {
     root.problem("free_thresh", "above occupied_thresh; expected free_thresh <= occupied_thresh");
   }

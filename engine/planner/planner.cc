@@ -74,6 +74,28 @@ std::shared_ptr<const Solver> required(std::shared_ptr<const Solver> solver) {
   return solver;
 }
 
+/// Whether most of the ground cells under the body's disc are unknown to the map.
+bool stands_on_unknown(const GroundMap& ground, const Eigen::Vector2d& p, double radius) {
+  const GridFrame& frame = ground.frame();
+  const auto reach = static_cast<int>(std::ceil(radius / frame.resolution));
+  const Cell at = frame.cell(p.x(), p.y());
+  int unknown = 0, cells = 0;
+  for (int j = -reach; j <= reach; ++j) {
+    for (int i = -reach; i <= reach; ++i) {
+      if (std::hypot(i, j) * frame.resolution > radius) continue;
+      ++cells;
+      if (!ground.explored({at.i + i, at.j + j})) ++unknown;
+    }
+  }
+  return 2 * unknown > cells;
+}
+
+/// Turns on the spot, or a stop.
+bool drives_nowhere(const Plan& plan) {
+  return std::all_of(plan.commands.begin(), plan.commands.end(),
+                     [](const Twist& c) { return c.linear.norm() < 1e-3; });
+}
+
 /// Why nothing can be planned from this belief; empty if something can.
 std::string unusable(const Belief& belief) {
   if (!belief.octree || !belief.voxels || !belief.ground ||
@@ -282,6 +304,13 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
                          committed, late},
                         plan)) {
     brake_instead(belief, plan);
+  }
+  if (parameters.unknown != UnknownPolicy::kFree && drives_nowhere(plan) &&
+      stands_on_unknown(*belief.ground, belief.pose.position.head<2>(),
+                        parameters.frontier_planner.traversability.hard_radius)) {
+    plan.why +=
+        " The map knows nothing of where the robot stands, and what is unknown is not entered: "
+        "enter the robot's place and the ring that its sensor does not see as free.";
   }
   tell(failed, plan);
   plan.times.certify = watch.lap();

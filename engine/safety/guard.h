@@ -79,8 +79,8 @@ struct GuardVerdict {
 /// by step, from the pose that is predicted for when the command begins to act. If that is free on
 /// the newest map, then whatever comes after, nothing or another command, the robot can stop as
 /// certified. The command must lead from the command in force towards `share` of that of the plan
-/// at the end of `step`, not beyond it; past the committed part, and in a stopping tail, it must
-/// brake, by the rule above.
+/// at `now` (with Plan::ramp_from: at the end of `step`), not beyond it; past the committed part,
+/// and in a stopping tail, it must brake, by the rule above.
 ///
 /// Localization that is lost, or whose covariance is none: the certificate lets the robot drive
 /// only into what is in view (certificate.h). Bounded time: see there, too.

@@ -62,8 +62,7 @@ PlanPhase Plan::phase_at(double t) const {
 Twist Plan::command_at(double t) const {
   const PlanPhase phase = phase_at(t);
   if (phase == PlanPhase::kBefore || phase == PlanPhase::kRest) return {};
-  const double at = stage_at(*this, t);
-  const auto stage = static_cast<std::size_t>(at);
+  const auto stage = static_cast<std::size_t>(stage_at(*this, t));
   const std::size_t stages = driven(*this);
   const auto command = [&](std::size_t k) -> const Twist& {
     return k < stages ? commands[k] : tail[k - stages];
@@ -71,7 +70,7 @@ Twist Plan::command_at(double t) const {
   const Twist& end = command(stage);
   if (!ramp_from) return end;
   const Twist& begin = stage == 0 ? *ramp_from : command(stage - 1);
-  const double share = std::clamp(at - static_cast<double>(stage), 0.0, 1.0);
+  const double share = std::clamp((t - stamp) / dt - static_cast<double>(stage), 0.0, 1.0);
   return {begin.linear + share * (end.linear - begin.linear),
           begin.yaw_rate + share * (end.yaw_rate - begin.yaw_rate)};
 }

@@ -29,6 +29,7 @@ VisualMotion VisualMotionReader::read(const OdometryFrame& frame) {
   visual.stamp = frame.stamp;
   // Of a frozen image nothing is tracked, and the pose is the one before.
   visual.state = frame.tracked > 0 ? frame.state : Localization::kLost;
+  visual.scale_sigma = frame.camera_time_offset_depth;
   if (visual.state == Localization::kLost) return visual;
   visual.begins_map = frame.restarted || !has_reference_;
   if (visual.begins_map) {

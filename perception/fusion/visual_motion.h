@@ -16,6 +16,9 @@ struct VisualMotion {
   /// (x, y, yaw) of B now in B at the reference frame [m, m, rad]; not used if lost.
   Eigen::Vector3d motion = Eigen::Vector3d::Zero();
   Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  /// Standard deviation of what all lengths may be off by together, beside the calibration; share
+  /// of them. Cameras that are out of step, or may be.
+  double scale_sigma = 0.0;
   /// This frame, not lost, is the reference of those to come, as a keyframe is.
   bool becomes_reference = false;
   /// This frame is the first of a map: the reference of those to come, while `motion` says nothing.

@@ -222,6 +222,10 @@ void WheelFusion::add(const VisualMotion& visual) {
     left_out_ = "the time of a visual frame is not a number";
     return;
   }
+  if (!(visual.scale_sigma >= 0.0 && std::isfinite(visual.scale_sigma))) {
+    left_out_ = "the scale of visual odometry has no standard deviation";
+    return;
+  }
   if (has_visual_ && !(visual.stamp > newest_visual_)) {
     left_out_ = "the time of visual odometry does not increase";
     return;
@@ -258,6 +262,7 @@ void WheelFusion::compare(const VisualMotion& visual) {
   constexpr double kMostTurn = 1.5;  // [rad]: beyond, lines depend on how turns are measured
   constexpr double kNoScale = 5.0;
   piece_by_vision_ = composed(piece_by_vision_, visual.motion);
+  scale_sigma_ = visual.scale_sigma;
   const double by_wheels = piece_by_wheels_.head<2>().norm();
   const bool usable = piece_known_ && !visual.begins_map && piece_by_vision_.allFinite() &&
                       std::abs(piece_by_wheels_[2]) <= kMostTurn;
@@ -408,9 +413,9 @@ FusedOdometry WheelFusion::at(double stamp) const {
     out.state = Localization::kDegraded;
   }
   // Of a piece by the wheels: along sqrt(piece) of the piece.
-  out.agreement = scale_agreement({now.log_ratios_.begin(), now.log_ratios_.end()},
-                                  options_.along / std::sqrt(options_.piece), options_.sigma_scale,
-                                  options_.agreement);
+  out.agreement = scale_agreement(
+      {now.log_ratios_.begin(), now.log_ratios_.end()}, options_.along / std::sqrt(options_.piece),
+      std::hypot(options_.sigma_scale, now.scale_sigma_), options_.agreement);
   if (out.agreement.verdict == ScaleAgreement::Verdict::kDisagree) {
     add_reason(out.reason, to_string(out.agreement, "the way by vision is", "that by the wheels") +
                                ": one of them is calibrated wrongly");

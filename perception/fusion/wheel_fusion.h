@@ -93,9 +93,10 @@ struct FusedOdometry {
 /// Scale. What the gate lets through, and what is taken from vision after a slip, may still be of
 /// the wrong size: of each piece of the way, from one visual reference to another and turning by
 /// less than 1.5 rad, the ratio of the straight lines between its ends by vision and by the wheels
-/// alone (s = r = 1) is kept, and scale_agreement.h judges them. Pieces that vision calls less than
-/// a fifth or more than five times as long say nothing of a scale: the wheels have slipped, or
-/// vision is wrong.
+/// alone (s = r = 1) is kept, and scale_agreement.h judges them. As long as cameras may be out of
+/// step by enough to explain it (VisualMotion::scale_sigma), no scale is blamed. Pieces that vision
+/// calls less than a fifth or more than five times as long say nothing of a scale: the wheels have
+/// slipped, or vision is wrong.
 ///
 /// States. Ok: the newest visual frame was taken. Degraded: it was not, or was degraded itself, or
 /// wheels are missing: dead reckoning. Lost: dead reckoning beyond max_dead_reckoning, or nothing
@@ -166,6 +167,7 @@ class WheelFusion {
   Eigen::Vector3d piece_by_vision_ = Eigen::Vector3d::Zero();
   bool piece_known_ = false;
   std::deque<double> log_ratios_;
+  double scale_sigma_ = 0.0;  // of the newest frame
 };
 
 }  // namespace prospect

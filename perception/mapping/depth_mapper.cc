@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "engine/support/stopwatch.h"
+#include "models/knobs.h"
 #include "models/parameter_check.h"
 #include "perception/odometry/reason.h"
 #include "perception/odometry/rotation_between.h"
@@ -34,30 +36,18 @@ std::string_view to_string(Mapping state) {
   }
 }
 
-DepthMapper::DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& options)
+DepthMapper::DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& options,
+                         std::shared_ptr<OccupancyMapper> map)
     : camera_(camera),
       options_(options),
-      map_(options.map),
+      map_(map ? std::move(map) : std::make_shared<OccupancyMapper>(options.map)),
       poses_({options.max_speed, options.max_turn_rate, kFarthestVoxel * options.map.resolution}) {
   validate(camera);
   check_parameter(options.range.min > 0.0 && options.range.max > options.range.min &&
                       std::isfinite(options.range.max),
                   "depth mapper", "range", options.range.max,
                   "above its lower end, which is above 0 m");
-  check_parameter(options.tilt_tolerance > 0.0 && options.tilt_tolerance < 1.5, "depth mapper",
-                  "tilt_tolerance", options.tilt_tolerance, "0..1.5 rad");
-  check_parameter(options.height_tolerance > 0.0 && std::isfinite(options.height_tolerance),
-                  "depth mapper", "height_tolerance", options.height_tolerance, "above 0 m");
-  check_parameter(options.ray_spacing > 0.0 && options.ray_spacing <= 10.0, "depth mapper",
-                  "ray_spacing", options.ray_spacing, "0..10");
-  check_parameter(options.floor_margin >= 0.0 && options.most_margin >= options.floor_margin &&
-                      std::isfinite(options.most_margin),
-                  "depth mapper", "most_margin", options.most_margin,
-                  "at least floor_margin, which is at least 0 m");
-  check_parameter(options.max_speed > 0.0, "depth mapper", "max_speed", options.max_speed,
-                  "above 0 m/s");
-  check_parameter(options.max_turn_rate > 0.0, "depth mapper", "max_turn_rate",
-                  options.max_turn_rate, "above 0 rad/s");
+  check_knobs("depth mapper", options);
   const double spacing = options.ray_spacing * options.map.resolution *
                          std::min(camera.fx, camera.fy) / options.map.max_range;
   stride_ = static_cast<int>(std::clamp(std::floor(spacing), 1.0, 64.0));
@@ -215,9 +205,7 @@ MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
   const char* const problem = sound ? poses_.problem(stamp, T_WC) : nullptr;
   out.times.check = clock.lap();
   if (!sound || problem != nullptr) return reject(problem);
-  // What a wrong pose enters is not taken out again by a right one.
-  if (pose == Localization::kDegraded) return reject("the pose is degraded");
-  if (pose == Localization::kLost) return reject("the pose is lost");
+  if (const char* const why = not_mapped_at(pose)) return reject(why);
   if (gap) {
     add_reason(out.reason, "frames are missing");
     out.state = Mapping::kDegraded;
@@ -240,7 +228,7 @@ MappedFrame DepthMapper::process(double stamp, const DepthImage& image,
     return reject("too much lies below the floor");
   }
   poses_.accept(stamp, T_WC);
-  map_.insert(scan);
+  map_->insert(scan);
   out.times.insert = clock.lap();
   return out;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -12,6 +13,8 @@
 #include "perception/mapping/pose_check.h"
 
 namespace prospect {
+
+class Knobs;
 
 struct DepthMapperOptions {
   OccupancyMapperOptions map;
@@ -45,6 +48,9 @@ struct DepthMapperOptions {
   double max_turn_rate = 6.0;     ///< [rad/s]
   double max_gap = 2.6;           ///< of the usual time between frames; above: degraded
 };
+
+/// The knobs (models/knobs.h); range and map come from robot and map.
+void describe(Knobs& knobs, DepthMapperOptions& options);
 
 enum class Mapping { kOk = 0, kDegraded = 1, kRejected = 2 };
 std::string_view to_string(Mapping state);
@@ -100,13 +106,16 @@ struct MappedFrame {
 /// frames, same bits, but for `times`.
 class DepthMapper {
  public:
-  explicit DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& options = {});
+  /// `map`: the map that is extended, one that other mappers extend, too; null: one of its own, by
+  /// options.map.
+  explicit DepthMapper(const PinholeCamera& camera, const DepthMapperOptions& options = {},
+                       std::shared_ptr<OccupancyMapper> map = nullptr);
 
   /// `pose`: what the odometry says of T_WC.
   MappedFrame process(double stamp, const DepthImage& image, const Eigen::Isometry3d& T_WC,
                       Localization pose = Localization::kOk);
 
-  OccupancyMapper& map() { return map_; }
+  OccupancyMapper& map() { return *map_; }
   int stride() const { return stride_; }  ///< s
 
  private:
@@ -116,7 +125,7 @@ class DepthMapper {
 
   PinholeCamera camera_;
   DepthMapperOptions options_;
-  OccupancyMapper map_;
+  std::shared_ptr<OccupancyMapper> map_;
   int stride_ = 1;
   DepthImage last_image_;    // as received
   double last_stamp_ = 0.0;  // of the last frame with a sound time

@@ -27,6 +27,8 @@ GroundPrior ground_prior(double height, double pitch, double roll, double height
 GroundPrior ground_prior(const Eigen::Isometry3d& T_WC, double height_tolerance,
                          double tilt_tolerance);
 
+class Knobs;
+
 struct GroundPlaneOptions {
   DepthRange range{0.3, 5.0};  ///< of the depths used [m]
   int stride = 4;              ///< every so manyeth pixel along rows and columns is used
@@ -46,6 +48,9 @@ struct GroundPlaneOptions {
   double most_sigma_height = 0.035;  ///< [m]
   std::uint64_t seed = 1;
 };
+
+/// The knobs (models/knobs.h); the range comes from the robot.
+void describe(Knobs& knobs, GroundPlaneOptions& options);
 
 /// The directions in which a unit normal n tips: t1 = the x axis made perpendicular to n (the z
 /// axis, where n is the x axis), t2 = n x t1.

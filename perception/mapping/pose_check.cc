@@ -14,6 +14,12 @@ bool is_pose(const Eigen::Isometry3d& T) {
          (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
 }
 
+const char* not_mapped_at(Localization pose) {
+  // What a wrong pose enters is not taken out again by a right one.
+  if (pose == Localization::kDegraded) return "the pose is degraded";
+  return pose == Localization::kLost ? "the pose is lost" : nullptr;
+}
+
 const char* PoseCheck::problem(double stamp, const Eigen::Isometry3d& T) const {
   if (!is_pose(T)) return "the pose is no rotation and translation";
   // A wild pose must not become the one that others are held to.

@@ -3,9 +3,10 @@
 #include <cmath>
 #include <cstdint>
 #include <unordered_set>
+#include <utility>
 
 #include "engine/support/stopwatch.h"
-#include "models/parameter_check.h"
+#include "models/knobs.h"
 #include "perception/odometry/lattice_cell.h"
 #include "perception/odometry/reason.h"
 
@@ -17,18 +18,11 @@ constexpr double kJustBelow = 1e-6;  // [m]
 
 }  // namespace
 
-ScanMapper::ScanMapper(const ScanMapperOptions& options)
+ScanMapper::ScanMapper(const ScanMapperOptions& options, std::shared_ptr<OccupancyMapper> map)
     : options_(options),
-      map_(options.map),
+      map_(map ? std::move(map) : std::make_shared<OccupancyMapper>(options.map)),
       poses_({options.max_speed, options.max_turn_rate, kFarthestVoxel * options.map.resolution}) {
-  check_parameter(options.floor_margin >= 0.0 && options.floor_margin < 1.0, "scan mapper",
-                  "floor_margin", options.floor_margin, "0..1 m");
-  check_parameter(options.point_spacing > 0.0 && options.point_spacing <= 10.0, "scan mapper",
-                  "point_spacing", options.point_spacing, "0..10");
-  check_parameter(options.max_speed > 0.0, "scan mapper", "max_speed", options.max_speed,
-                  "above 0 m/s");
-  check_parameter(options.max_turn_rate > 0.0, "scan mapper", "max_turn_rate",
-                  options.max_turn_rate, "above 0 rad/s");
+  check_knobs("scan mapper", options);
 }
 
 /// False if too much lies below the floor.
@@ -75,7 +69,7 @@ bool ScanMapper::make_scan(const DepthScan& scan_S, const Eigen::Isometry3d& T_W
 }
 
 MappedFrame ScanMapper::process(double stamp, const DepthScan& scan_S,
-                                const Eigen::Isometry3d& T_WS) {
+                                const Eigen::Isometry3d& T_WS, Localization pose) {
   ProcessorStopwatch clock;
   MappedFrame out;
   out.stamp = stamp;
@@ -102,6 +96,7 @@ MappedFrame ScanMapper::process(double stamp, const DepthScan& scan_S,
       (T_WS.translation() - poses_.last().translation()).norm() > options_.map.resolution) {
     problem = "the scan is frozen";
   }
+  if (problem == nullptr) problem = not_mapped_at(pose);
   out.times.check = clock.lap();
   if (problem != nullptr) return reject(problem);
   DepthScan scan;
@@ -111,7 +106,7 @@ MappedFrame ScanMapper::process(double stamp, const DepthScan& scan_S,
   out.state = Mapping::kOk;
   out.T_WC = T_WS;
   poses_.accept(stamp, T_WS);
-  map_.insert(scan);
+  map_->insert(scan);
   out.times.insert = clock.lap();
   return out;
 }

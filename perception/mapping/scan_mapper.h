@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <memory>
 #include <vector>
 
 #include "perception/mapping/depth_mapper.h"
@@ -8,6 +9,8 @@
 #include "perception/mapping/pose_check.h"
 
 namespace prospect {
+
+class Knobs;
 
 struct ScanMapperOptions {
   OccupancyMapperOptions map;
@@ -20,6 +23,9 @@ struct ScanMapperOptions {
   double max_turn_rate = 6.0;     ///< [rad/s]
 };
 
+/// The knobs (models/knobs.h); the map comes from robot and map.
+void describe(Knobs& knobs, ScanMapperOptions& options);
+
 /// Maps scans of a lidar, of one plane or of many, and clouds of points from known poses: scan ->
 /// OccupancyMapper, which see. W: z up, the floor is z = 0. What DepthMapper is for depth images.
 ///
@@ -31,27 +37,32 @@ struct ScanMapperOptions {
 ///
 /// States. Ok. Rejected: nothing was entered; the scan has no ray, all its points are those of the
 /// scan before although the lidar has moved by a voxel (frozen); the time is no number or does not
-/// increase; the pose cannot be (PoseCheck); or too much lies below the floor.
+/// increase; the pose cannot be (PoseCheck) or is not ok by the odometry; or too much lies below
+/// the floor.
 ///
 /// Thread-safety: as OccupancyMapper. Errors: the constructor throws std::invalid_argument on
 /// options out of range; process() never throws for any scan, time or pose. Determinism: same
 /// scans, same bits, but for `times`.
 class ScanMapper {
  public:
-  explicit ScanMapper(const ScanMapperOptions& options = {});
+  /// `map`: as DepthMapper's.
+  explicit ScanMapper(const ScanMapperOptions& options = {},
+                      std::shared_ptr<OccupancyMapper> map = nullptr);
 
   /// A scan in the lidar's frame S, its rays from S's origin (scan_S.origin is not looked at), and
   /// S's pose. No ground is found in it; MappedFrame::valid is 1.
-  MappedFrame process(double stamp, const DepthScan& scan_S, const Eigen::Isometry3d& T_WS);
+  /// `pose`: what the odometry says of T_WS.
+  MappedFrame process(double stamp, const DepthScan& scan_S, const Eigen::Isometry3d& T_WS,
+                      Localization pose = Localization::kOk);
 
-  OccupancyMapper& map() { return map_; }
+  OccupancyMapper& map() { return *map_; }
 
  private:
   bool make_scan(const DepthScan& scan_S, const Eigen::Isometry3d& T_WS, MappedFrame& frame,
                  DepthScan& scan) const;
 
   ScanMapperOptions options_;
-  OccupancyMapper map_;
+  std::shared_ptr<OccupancyMapper> map_;
   PoseCheck poses_;
   std::vector<Eigen::Vector3d> last_hits_;  // as received
   double last_stamp_ = 0.0;

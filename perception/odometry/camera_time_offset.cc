@@ -71,6 +71,10 @@ double CameraTimeOffset::depth_error() const {
   return frames_ > 0.0 ? std::abs(value()) * flow_ / frames_ : 0.0;
 }
 
+double CameraTimeOffset::depth_sigma() const {
+  return frames_ > 0.0 ? std::hypot(value(), sigma()) * flow_ / frames_ : 0.0;
+}
+
 bool CameraTimeOffset::out_of_step() const {
   return estimated() && depth_error() > options_.max_error && std::abs(value()) > 4.0 * sigma();
 }

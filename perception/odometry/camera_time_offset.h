@@ -54,6 +54,9 @@ class CameraTimeOffset {
   /// What it costs: |tau| times the median flow along the rows, over the median disparity; of the
   /// frames that are remembered the mean. Share of the depth.
   double depth_error() const;
+  /// Standard deviation of what it costs, as far as it is known: sqrt(tau^2 + sigma^2) in place of
+  /// |tau|. Share of the depth, zero while the camera has not moved.
+  double depth_sigma() const;
   /// Whether it is known to cost more than max_error: four standard deviations from zero.
   bool out_of_step() const;
   /// "the right camera is 20 ms late"; where that is a whole number of `period`s [s] (0: not

@@ -50,6 +50,8 @@ struct OdometryFrame {
   /// corrected.
   double camera_time_offset = 0.0;
   double camera_time_offset_sigma = 0.0;
+  /// Standard deviation of what all depths may be wrong by, for it is not corrected; share of them.
+  double camera_time_offset_depth = 0.0;
   /// That it makes depths wrong by more than is to be borne, in words; empty: it does not.
   std::string out_of_step;
   OdometryTimes times;

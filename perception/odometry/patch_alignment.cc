@@ -9,6 +9,7 @@ namespace prospect {
 namespace {
 
 constexpr int kR = kPatchRadius;
+constexpr double kSlide = 0.01;  // s of Patch::Alignment [px]
 
 /// Bilinear sample; the caller has checked that 0 <= x < width - 1 and likewise y, to rounding: a
 /// corner of a patch, reached by other sums than the check's, may round to width - 1 itself.
@@ -92,7 +93,10 @@ std::optional<Patch> Patch::make(const PyramidLevel& level, const Eigen::Vector2
       half_trace - std::sqrt(std::max(0.0, half_trace * half_trace - position.determinant()));
   if (!(smaller >= min_eigenvalue) || !(smaller > 1e-6 * half_trace)) return std::nullopt;
   patch.inverse_ = H.inverse().cast<float>();
-  patch.spread_ = (w.squaredNorm() * position.inverse()).cast<float>();
+  const Eigen::Matrix2d inverse = position.inverse();
+  const double larger = 2.0 * half_trace - smaller;
+  patch.spread_ = (w.squaredNorm() * inverse).cast<float>();
+  patch.slide_ = (kSlide * kSlide * larger * larger * inverse * inverse).cast<float>();
   return made;
 }
 
@@ -135,7 +139,7 @@ Patch::Alignment Patch::align(const PyramidLevel& level, const Eigen::Vector2f& 
       const float total = w.dot((I - T_).cwiseProduct(I - T_));
       const float unexplained = std::max(0.0f, total - explained);
       result.agreement = 1.0f - unexplained / std::max(variance, 1e-3f);
-      result.covariance = unexplained / (result.gain * result.gain) * spread_;
+      result.covariance = unexplained / (result.gain * result.gain) * spread_ + slide_;
       result.converged = true;
       return result;
     }

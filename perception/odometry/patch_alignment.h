@@ -33,12 +33,16 @@ class Patch {
     float gain = 1.0f;                                   ///< 1 + alpha
     /// 1 - (weighted variance of the residual) / (that of the image's patch): 1 is a perfect match.
     float agreement = 0.0f;
-    /// Covariance of the position that the residual r of the grey levels gives [px^2]: least
-    /// squares with the normal equations N = sum w J J^T, sum w = 1, whose part for the position
-    /// is N', gain and offset taken out,
-    ///   (sum w r^2) (sum w^2) N'^-1.
-    /// It is long along an edge and short across it. Residuals of neighbouring pixels are taken to
-    /// be independent, which those of a surface that is seen otherwise are not.
+    /// Covariance of the position [px^2]. With the residual r of the grey levels, and the normal
+    /// equations N = sum w J J^T, sum w = 1, whose part for the position is N', gain and offset
+    /// taken out,
+    ///   (sum w r^2) (sum w^2) N'^-1  +  s^2 (lambda N'^-1)^2,
+    /// lambda the larger eigenvalue of N', s = 0.01 px.
+    /// The first part is that of least squares. Residuals of neighbouring pixels are taken to be
+    /// independent, which those of a surface that is seen otherwise are not.
+    /// The second part is how far the patch slides along an edge. The steps that pixels make of an
+    /// edge look like texture along it, but do not move with it: they hold the patch where it was
+    /// looked for, and the residual stays small. Their strength is a share of the edge's.
     Eigen::Matrix2f covariance = Eigen::Matrix2f::Zero();
     bool converged = false;
   };
@@ -59,8 +63,9 @@ class Patch {
   Samples T_;
   Samples wJ_[4];  // w J, zero in the padding
   Eigen::Matrix4f inverse_;
-  Eigen::Vector4f wJT_;     // sum of w J T
-  Eigen::Matrix2f spread_;  // N'^-1, see Alignment::covariance
+  Eigen::Vector4f wJT_;  // sum of w J T
+  // N'^-1 times sum w^2, and the second part of Alignment::covariance.
+  Eigen::Matrix2f spread_, slide_;
 };
 
 }  // namespace prospect

@@ -140,6 +140,7 @@ struct StereoOdometry::Impl {
     out.disparity_offset_sigma = offset.sigma();
     out.camera_time_offset = time_offset.value();
     out.camera_time_offset_sigma = time_offset.sigma();
+    out.camera_time_offset_depth = time_offset.depth_sigma();
     return out;
   }
 

@@ -17,13 +17,11 @@ BeliefBuilder::BeliefBuilder(const Isometry3d& T_BC, double max_age)
   validate(CameraMount{T_BC});
 }
 
-Belief BeliefBuilder::build(const OdometryFrame& frame, BeliefMaps maps, LandmarkMap landmarks) {
-  const Pose pose = body_pose(frame.T_WC * T_BC_.inverse());
-  const bool measured = frame.state != Localization::kLost && frame.tracked > 0;
-  if (measured && !(has_pose_ && frame.stamp == stamp_)) {
-    const double dt = frame.stamp - stamp_;
+void BeliefBuilder::move(double stamp, const Pose& pose, bool measured, bool restarted) {
+  if (measured && !(has_pose_ && stamp == stamp_)) {
+    const double dt = stamp - stamp_;
     twist_ = {};
-    if (has_pose_ && !frame.restarted && dt > 0.0 && dt <= max_age_) {
+    if (has_pose_ && !restarted && dt > 0.0 && dt <= max_age_) {
       const double turn = std::remainder(pose.yaw - pose_.yaw, 2.0 * M_PI);
       // In the body frame half way, in which an arc's velocity is straight ahead.
       twist_.linear = Eigen::AngleAxisd(-(pose_.yaw + 0.5 * turn), Eigen::Vector3d::UnitZ()) *
@@ -31,11 +29,32 @@ Belief BeliefBuilder::build(const OdometryFrame& frame, BeliefMaps maps, Landmar
       twist_.yaw_rate = turn / dt;
     }
     has_pose_ = true;
-    stamp_ = frame.stamp;
+    stamp_ = stamp;
     pose_ = pose;
-  } else if (!measured && !(frame.stamp - stamp_ <= max_age_)) {
+  } else if (!measured && !(stamp - stamp_ <= max_age_)) {
     twist_ = {};
   }
+}
+
+Belief BeliefBuilder::build(double stamp, const BodyPose& body, const Eigen::Matrix4d& covariance,
+                            BeliefMaps maps) {
+  move(stamp, body.pose, body.state != Localization::kLost, false);
+  Belief belief;
+  belief.stamp = belief.stamps.pose = belief.stamps.landmarks = stamp;
+  belief.pose = body.pose;
+  belief.covariance = covariance;
+  belief.twist = twist_;
+  belief.localization = body.state;
+  belief.localization_source = LocalizationSource::kExternal;
+  belief.octree = std::move(maps.octree);
+  belief.voxels = std::move(maps.voxels);
+  belief.ground = std::move(maps.ground);
+  return belief;
+}
+
+Belief BeliefBuilder::build(const OdometryFrame& frame, BeliefMaps maps, LandmarkMap landmarks) {
+  const Pose pose = body_pose(frame.T_WC * T_BC_.inverse());
+  move(frame.stamp, pose, frame.state != Localization::kLost && frame.tracked > 0, frame.restarted);
   Belief belief;
   belief.stamp = frame.stamp;
   belief.stamps.pose = belief.stamps.landmarks = frame.stamp;

@@ -8,6 +8,7 @@
 #include "engine/maps/map_projection.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/odometry/odometry.h"
+#include "perception/pipeline/pose_history.h"
 
 namespace prospect {
 
@@ -38,7 +39,15 @@ class BeliefBuilder {
   Belief build(const OdometryFrame& frame, const FusedOdometry& fused, BeliefMaps maps,
                LandmarkMap landmarks);
 
+  /// The same where the pose comes from outside: body measured at `stamp` [s], with the covariance
+  /// of (x, y, z, yaw). There are no landmarks.
+  Belief build(double stamp, const BodyPose& body, const Eigen::Matrix4d& covariance,
+               BeliefMaps maps);
+
  private:
+  /// Takes a pose for the twist, if it is one that was measured.
+  void move(double stamp, const Pose& pose, bool measured, bool restarted);
+
   Eigen::Isometry3d T_BC_;
   double max_age_;
   bool has_pose_ = false;

@@ -30,8 +30,8 @@ struct DepthAgreementOptions {
 /// and may be missed in a corridor.
 ///
 /// relative_sigma: standard deviation of what all stereo depths may be off by together, as a share
-/// of the depth at 1 m [1/m]: sigma_offset / (f b) for a disparity's zero (disparity_offset.h). No
-/// state; never throws; an image that is not whole gives no samples.
+/// of the depth at 1 m [1/m]: sigma / (f b) for errors of the disparity, of its zero or by cameras
+/// out of step. No state; never throws; an image that is not whole gives no samples.
 ScaleAgreement depth_agreement(const std::vector<Eigen::Vector3d>& points_in_C,
                                double relative_sigma, const PinholeCamera& depth_camera,
                                const Eigen::Isometry3d& T_CD, const DepthImage& depth,

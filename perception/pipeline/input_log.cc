@@ -7,8 +7,6 @@
 namespace prospect {
 namespace {
 
-constexpr double kLongest = 3600.0;  // [s]
-
 InputResult left_out(InputState state, const char* format, double seconds, double limit) {
   char text[96];
   std::snprintf(text, sizeof text, format, seconds, limit);
@@ -18,7 +16,7 @@ InputResult left_out(InputState state, const char* format, double seconds, doubl
 }  // namespace
 
 std::string_view to_string(InputSource source) {
-  constexpr std::string_view kNames[] = {"stereo pair", "wheels", "depth image", "scan"};
+  constexpr std::string_view kNames[] = {"stereo pair", "wheels", "depth image", "scan", "pose"};
   return kNames[static_cast<std::size_t>(source)];
 }
 
@@ -41,11 +39,11 @@ std::optional<InputResult> InputLog::objection(InputSource source, double stamp)
                                  "%.3f s older than the newest input; expected at most %g s",
                                  *newest_ - stamp, max_age_));
   }
-  if (newest_ && stamp > *newest_ + kLongest) {
+  if (newest_ && stamp > *newest_ + max_leap_) {
     return note(source,
                 left_out(InputState::kRefused,
                          "%.0f s ahead of the newest input; expected at most %g s, on one clock",
-                         stamp - *newest_, kLongest));
+                         stamp - *newest_, max_leap_));
   }
   own.newest = stamp;
   newest_ = std::max(newest_.value_or(stamp), stamp);

@@ -9,7 +9,7 @@
 
 namespace prospect {
 
-enum class InputSource { kStereo, kWheels, kDepth, kScan };
+enum class InputSource { kStereo, kWheels, kDepth, kScan, kPose };
 std::string_view to_string(InputSource source);
 
 /// What became of one input.
@@ -37,11 +37,13 @@ struct InputCount {
 /// Thread-safety: one thread. Never throws. Deterministic.
 class InputLog {
  public:
-  /// max_age [s]: of an input, behind the newest of all sources.
-  explicit InputLog(double max_age) : max_age_(max_age) {}
+  /// Of an input against the newest of all sources [s]: max_age, how far it may be behind, and
+  /// max_leap, how far ahead.
+  explicit InputLog(double max_age, double max_leap = 3600.0)
+      : max_age_(max_age), max_leap_(max_leap) {}
 
   /// Whether an input may be looked at: its stamp is finite, newer than the one before of its
-  /// source, not older than max_age and not an hour ahead of all sources. Then it is the newest of
+  /// source, and neither too old nor too far ahead. Then it is the newest of
   /// its source from now on. Otherwise it is counted as left out, and what to say is returned.
   std::optional<InputResult> objection(InputSource source, double stamp);
   /// Counts what became of an input; one that waits is counted again when it no longer does.
@@ -52,8 +54,8 @@ class InputLog {
  private:
   static std::size_t index(InputSource source) { return static_cast<std::size_t>(source); }
 
-  double max_age_;
-  std::array<InputCount, 4> counts_;
+  double max_age_, max_leap_;
+  std::array<InputCount, 5> counts_;
   std::optional<double> newest_;  // of all
 };
 

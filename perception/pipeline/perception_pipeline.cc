@@ -3,15 +3,19 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <limits>
 #include <stdexcept>
 #include <vector>
 
 #include "models/body_transform.h"
+#include "models/knobs.h"
 #include "models/parameter_check.h"
+#include "perception/mapping/pose_check.h"
 #include "perception/odometry/body_pose.h"
 #include "perception/odometry/lattice_cell.h"
+#include "perception/odometry/median.h"
 #include "perception/odometry/reason.h"
 #include "perception/pipeline/depth_agreement.h"
 
@@ -24,21 +28,38 @@ WheelFusionOptions fusion_of(const PerceptionOptions& options) {
   return fusion;
 }
 
+ScanMapperOptions scans_of(const PerceptionOptions& options) {
+  ScanMapperOptions scans = options.scans;
+  scans.map = options.mapping.map;
+  return scans;
+}
+
+std::size_t finite_rays(const DepthScan& scan) {
+  const auto finite = [](const std::vector<Eigen::Vector3d>& points) {
+    return std::count_if(points.begin(), points.end(),
+                         [](const Eigen::Vector3d& p) { return p.allFinite(); });
+  };
+  return scan.origin.allFinite() ? static_cast<std::size_t>(finite(scan.hits) + finite(scan.misses))
+                                 : 0;
+}
+
 std::unique_ptr<Odometry> not_null(std::unique_ptr<Odometry> odometry) {
   if (!odometry) throw std::invalid_argument("perception: expected an odometry, got none");
   return odometry;
 }
 
-void check(const PerceptionOptions& o) {
+void check(const PerceptionOptions& o, bool odometry) {
   constexpr std::string_view kOwner = "perception";
   check_parameter(o.start.position.allFinite() && std::isfinite(o.start.yaw), kOwner, "start",
                   o.start.yaw, "a finite pose");
-  check_not_negative(kOwner, "same_time", o.same_time);
-  check_positive(kOwner, "max_age", o.max_age);
-  check_parameter(!o.wheels || o.max_age <= o.wheel_fusion.max_wait, kOwner, "max_age", o.max_age,
-                  "at most wheel_fusion.max_wait, up to which the fusion can go back");
-  check_parameter(o.max_ahead >= 0.0, kOwner, "max_ahead", o.max_ahead, "at least 0 s");
-  check_parameter(o.most_waiting >= 0, kOwner, "most_waiting", o.most_waiting, "at least 0");
+  check_parameter(!o.start_in_space || is_pose(*o.start_in_space), kOwner, "start_in_space",
+                  o.start_in_space ? o.start_in_space->matrix().sum() : 0.0,
+                  "a rotation and translation, finite");
+  check_parameter(!o.wheels || !o.start_in_space, kOwner, "wheels", o.wheels,
+                  "off with start_in_space: they measure motion in the plane");
+  check_parameter(!o.wheels || odometry, kOwner, "wheels", o.wheels,
+                  "off without an odometry: poses come from outside");
+  check_knobs(kOwner, o);
 }
 
 }  // namespace
@@ -57,7 +78,7 @@ std::string_view to_string(MapState state) {
 }
 
 Eigen::Isometry3d PerceptionPipeline::start_pose(const PerceptionOptions& options) {
-  return body_transform(options.start) * options.stereo_mount.T_BC;
+  return options.start_in_space.value_or(body_transform(options.start)) * options.stereo_mount.T_BC;
 }
 
 PerceptionPipeline::PerceptionPipeline(const StereoCamera& camera, const PerceptionOptions& options,
@@ -67,29 +88,41 @@ PerceptionPipeline::PerceptionPipeline(const StereoCamera& camera, const Percept
 
 PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
                                        const StereoCamera& camera, const PerceptionOptions& options)
+    : PerceptionPipeline(not_null(std::move(odometry)), std::optional(camera), options) {}
+
+PerceptionPipeline::PerceptionPipeline(const PerceptionOptions& options)
+    : PerceptionPipeline(nullptr, std::nullopt, options) {}
+
+PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
+                                       const std::optional<StereoCamera>& camera,
+                                       const PerceptionOptions& options)
     : options_(options),
       camera_(camera),
-      odometry_(not_null(std::move(odometry))),
+      odometry_(std::move(odometry)),
       reader_(options.stereo_mount.T_BC),
       fusion_(fusion_of(options)),
+      map_(std::make_shared<OccupancyMapper>(options.mapping.map)),
+      scan_mapper_(scans_of(options), map_),
       builder_(options.stereo_mount.T_BC),
       density_(options.feature_density),
-      log_(options.max_age),
+      log_(options.max_age, options.max_leap),
       history_(options.max_age),
       pose_at_fix_(options.start) {
-  check(options);
-  validate(camera);
+  check(options, odometry_ != nullptr);
+  if (camera) validate(*camera);
   if (options.depth_camera) {
     validate(options.depth_camera->mount);
-    mapper_.emplace(options.depth_camera->camera, options.mapping);
-  } else {
-    scan_map_.emplace(options.mapping.map);
+    mapper_.emplace(options.depth_camera->camera, options.mapping, map_);
   }
   frame_.T_WC = start_pose(options);
 }
 
 InputResult PerceptionPipeline::stereo(const StampedPair& pair) {
   const double stamp = pair.left_stamp;
+  if (!odometry_) {
+    return log_.note(InputSource::kStereo,
+                     {InputState::kRefused, "there is no odometry: poses come from outside"});
+  }
   if (const auto objection = log_.objection(InputSource::kStereo, stamp)) return *objection;
   const double apart = std::abs(pair.right_stamp - stamp);
   if (!(apart <= options_.same_time)) {
@@ -112,7 +145,7 @@ InputResult PerceptionPipeline::stereo(const StampedPair& pair) {
   fusion_.add(reader_.read(frame_));
   if (measured) pose_at_fix_ = fusion_.at(stamp).pose;
   if (frame_.keyframe) count_landmarks();
-  history_.add(stamp, pose(stamp));
+  history_.add(stamp, body(stamp));
   enter_waiting();
   return {InputState::kTaken, frame_.reason};
 }
@@ -132,6 +165,22 @@ InputResult PerceptionPipeline::wheels(const WheelSample& sample) {
   return {};
 }
 
+InputResult PerceptionPipeline::external_pose(const ExternalPose& pose) {
+  if (odometry_) {
+    return log_.note(InputSource::kPose, {InputState::kRefused, "the odometry gives the poses"});
+  }
+  if (const auto objection = log_.objection(InputSource::kPose, pose.stamp)) return *objection;
+  if (!is_pose(pose.T_WB)) {
+    return log_.note(InputSource::kPose,
+                     {InputState::kRefused, "the pose is no rotation and translation"});
+  }
+  log_.note(InputSource::kPose, {});
+  external_ = pose;
+  history_.add(pose.stamp, body(pose.stamp));
+  enter_waiting();
+  return {};
+}
+
 InputResult PerceptionPipeline::depth(double stamp, DepthImage image) {
   if (!mapper_) {
     return log_.note(InputSource::kDepth,
@@ -145,6 +194,9 @@ InputResult PerceptionPipeline::depth(double stamp, DepthImage image) {
 
 InputResult PerceptionPipeline::scan(double stamp, DepthScan in_B) {
   if (const auto objection = log_.objection(InputSource::kScan, stamp)) return *objection;
+  if (finite_rays(in_B) == 0) {
+    return log_.note(InputSource::kScan, {InputState::kRefused, "no ray is finite"});
+  }
   return take({stamp, nullptr, std::move(in_B)});
 }
 
@@ -180,32 +232,45 @@ void PerceptionPipeline::enter_waiting() {
   }
 }
 
+MappedFrame PerceptionPipeline::enter_depth(const Waiting& input, const BodyPose& body) {
+  return mapper_->process(input.stamp, *input.depth, body.T_WB * options_.depth_camera->mount.T_BC,
+                          body.state);
+}
+
+MappedFrame PerceptionPipeline::enter_scan(const Waiting& input, const BodyPose& body) {
+  // S stands at the rays' origin, with the axes of B.
+  const Eigen::Vector3d& origin = input.scan.origin;
+  DepthScan scan_S = input.scan;
+  scan_S.origin.setZero();
+  for (Eigen::Vector3d& p : scan_S.hits) p -= origin;
+  for (Eigen::Vector3d& p : scan_S.misses) p -= origin;
+  return scan_mapper_.process(input.stamp, scan_S, body.T_WB * Eigen::Translation3d(origin),
+                              body.state);
+}
+
 InputResult PerceptionPipeline::enter(const Waiting& input) {
-  const std::optional<Pose> body = pose_at(input.stamp);
+  const std::optional<BodyPose> body = body_at(input.stamp);
   if (!body) return {InputState::kLate, "the pose of its time is not known any more"};
-  std::string reason;
-  if (input.depth) {
-    mapped_ = mapper_->process(input.stamp, *input.depth,
-                               body_transform(*body) * options_.depth_camera->mount.T_BC);
-    if (mapped_.state == Mapping::kRejected) return {InputState::kRefused, mapped_.reason};
-    reason = mapped_.reason;
-  } else {
-    const DepthScan& scan = input.scan;
-    const auto finite = [](const std::vector<Eigen::Vector3d>& points) {
-      return std::count_if(points.begin(), points.end(),
-                           [](const Eigen::Vector3d& p) { return p.allFinite(); });
-    };
-    const auto rays = static_cast<std::ptrdiff_t>(scan.hits.size() + scan.misses.size());
-    const std::ptrdiff_t sound =
-        scan.origin.allFinite() ? finite(scan.hits) + finite(scan.misses) : 0;
-    if (sound == 0) return {InputState::kRefused, "no ray is finite"};
-    if (sound < rays) {
-      reason = std::to_string(rays - sound) + " of " + std::to_string(rays) +
-               " rays are not finite: left out";
+  mapped_ = input.depth ? enter_depth(input, *body) : enter_scan(input, *body);
+  if (mapped_.state == Mapping::kRejected) {
+    // Held back for its pose alone, it says that mapping goes on: a guard that took the map for
+    // stale would keep a lost robot from turning until it is found.
+    const char* const held_back = not_mapped_at(body->state);
+    if (map_stamp_ && held_back != nullptr && mapped_.reason.ends_with(held_back)) {
+      map_stamp_ = std::max(*map_stamp_, input.stamp);
     }
-    map().insert(transform(scan, *body));
+    return {InputState::kRefused, mapped_.reason};
   }
   map_stamp_ = std::max(map_stamp_.value_or(input.stamp), input.stamp);
+  std::string reason = mapped_.reason;
+  if (!input.depth) {
+    const std::size_t rays = input.scan.hits.size() + input.scan.misses.size();
+    const std::size_t sound = finite_rays(input.scan);
+    if (sound < rays) {
+      add_reason(reason, std::to_string(rays - sound) + " of " + std::to_string(rays) +
+                             " rays are not finite: left out");
+    }
+  }
   return {InputState::kTaken, reason};
 }
 
@@ -217,16 +282,42 @@ std::optional<double> PerceptionPipeline::known_until() const {
   return known;
 }
 
-Pose PerceptionPipeline::pose(double stamp) const {
-  Pose pose = options_.wheels ? fusion_.at(stamp).pose
-                              : body_pose(frame_.T_WC * options_.stereo_mount.T_BC.inverse());
-  pose.position.z() = options_.start.position.z();
-  return pose;
+BodyPose PerceptionPipeline::body(double stamp) const {
+  BodyPose body;
+  if (options_.wheels) {
+    const FusedOdometry fused = fusion_.at(stamp);
+    body.pose = fused.pose;
+    body.state = std::max(frame_.state, fused.state);
+  } else if (odometry_) {
+    body.T_WB = frame_.T_WC * options_.stereo_mount.T_BC.inverse();
+    body.state = frame_.state;
+  } else if (external_) {
+    body.T_WB = external_->T_WB;
+    body.state = external_->state;
+  } else {
+    body.T_WB = options_.start_in_space.value_or(body_transform(options_.start));
+    body.state = Localization::kLost;
+  }
+  if (!options_.wheels) body.pose = body_pose(body.T_WB);
+  if (!options_.start_in_space) {
+    body.pose.position.z() = options_.start.position.z();
+    body.T_WB = body_transform(body.pose);
+  }
+  return body;
 }
 
-std::optional<Pose> PerceptionPipeline::pose_at(double stamp) const {
-  const std::optional<double> newest_pair = history_.newest();
-  return newest_pair && stamp < *newest_pair ? history_.at(stamp) : pose(stamp);
+std::optional<BodyPose> PerceptionPipeline::body_at(double stamp) const {
+  const std::optional<double> newest = history_.newest();
+  std::optional<BodyPose> body;
+  if (newest && stamp < *newest) {
+    body = history_.at(stamp);
+    if (body && !options_.start_in_space) body->T_WB = body_transform(body->pose);
+  } else {
+    body = this->body(stamp);
+    // Where it starts is known.
+    if (!known_until()) body->state = Localization::kOk;
+  }
+  return body;
 }
 
 void PerceptionPipeline::compare() {
@@ -241,16 +332,23 @@ void PerceptionPipeline::compare() {
   }
   const Eigen::Isometry3d T_CW = frame_.T_WC.inverse();
   std::vector<Eigen::Vector3d> points;
+  std::vector<double> far;  // how far away they are [m]
   const std::shared_ptr<const LandmarkMap> landmarks = odometry_->landmarks(0.0);
   for (const Landmark& l : landmarks->landmarks) {
-    if (tracked.count(l.id) > 0) points.push_back(T_CW * l.position);
+    if (tracked.count(l.id) == 0) continue;
+    points.push_back(T_CW * l.position);
+    far.push_back(points.back().z());
   }
+  if (points.empty()) return;
   const DepthCameraOnBody& camera = *options_.depth_camera;
   DepthAgreementOptions agreement;
   agreement.range = options_.mapping.range;
-  const ScaleAgreement found = depth_agreement(
-      points, frame_.disparity_offset_sigma / (camera_.left.fx * camera_.baseline), camera.camera,
-      options_.stereo_mount.T_BC.inverse() * camera.mount.T_BC, *depth_, agreement);
+  // Both are errors of the disparity, so their share grows with the depth.
+  const double by_zero = frame_.disparity_offset_sigma / (camera_->left.fx * camera_->baseline);
+  const double by_time = frame_.camera_time_offset_depth / std::max(0.1, median(far));
+  const ScaleAgreement found =
+      depth_agreement(points, std::hypot(by_zero, by_time), camera.camera,
+                      options_.stereo_mount.T_BC.inverse() * camera.mount.T_BC, *depth_, agreement);
   if (found.verdict != ScaleAgreement::Verdict::kUnknown) agreement_ = found;
 }
 
@@ -287,14 +385,21 @@ MapState PerceptionPipeline::map_state() const {
 }
 
 std::shared_ptr<const Belief> PerceptionPipeline::belief(double stamp) {
-  LandmarkMap landmarks = *odometry_->landmarks(0.0);
-  landmarks.feature_density = density_.value();
-  Belief belief = options_.wheels ? builder_.build(frame_, fusion_.at(stamp), map().snapshot(),
-                                                   std::move(landmarks))
-                                  : builder_.build(frame_, map().snapshot(), std::move(landmarks));
-  if (frame_.state != Localization::kLost) memory_.add(*belief.landmarks);
-  belief.landmarks = memory_.with_remembered(*belief.landmarks);
-  belief.pose.position.z() = options_.start.position.z();
+  Belief belief;
+  if (odometry_) {
+    LandmarkMap landmarks = *odometry_->landmarks(0.0);
+    landmarks.feature_density = density_.value();
+    belief = options_.wheels
+                 ? builder_.build(frame_, fusion_.at(stamp), map().snapshot(), std::move(landmarks))
+                 : builder_.build(frame_, map().snapshot(), std::move(landmarks));
+    if (frame_.state != Localization::kLost) memory_.add(*belief.landmarks);
+    belief.landmarks = memory_.with_remembered(*belief.landmarks);
+  } else {
+    const ExternalPose none{.stamp = stamp, .state = Localization::kLost};
+    const ExternalPose& newest = external_ ? *external_ : none;
+    belief = builder_.build(newest.stamp, body(stamp), newest.covariance, map().snapshot());
+  }
+  if (!options_.start_in_space) belief.pose.position.z() = options_.start.position.z();
   belief.stamps.map = map_stamp_.value_or(0.0);
   const std::optional<double> depth = log_.count(InputSource::kDepth).newest,
                               scan = log_.count(InputSource::kScan).newest;

@@ -1,12 +1,22 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <deque>
 #include <optional>
 #include <utility>
 
+#include "engine/maps/localization.h"
 #include "models/types.h"
 
 namespace prospect {
+
+/// Where a body is believed to be.
+struct BodyPose {
+  Pose pose;  ///< in the plane
+  /// T_WB in space; of a body that moves in the plane, that of `pose`.
+  Eigen::Isometry3d T_WB = Eigen::Isometry3d::Identity();
+  Localization state = Localization::kOk;
+};
 
 /// Where a body was of late, as it was believed then; nothing is corrected afterwards.
 /// Thread-safety: one thread. Never throws. Deterministic.
@@ -16,15 +26,15 @@ class PoseHistory {
   explicit PoseHistory(double span) : span_(span) {}
 
   /// Stamps are finite and increase [s].
-  void add(double stamp, const Pose& pose);
-  /// Between two poses straight on, the yaw the shorter way round; nothing before the first and
-  /// after the newest.
-  std::optional<Pose> at(double stamp) const;
+  void add(double stamp, const BodyPose& pose);
+  /// Between two poses: positions straight on, yaw and rotation each the shorter way round, the
+  /// worse state. Nothing before the first and after the newest.
+  std::optional<BodyPose> at(double stamp) const;
   std::optional<double> newest() const;
 
  private:
   double span_;
-  std::deque<std::pair<double, Pose>> poses_;
+  std::deque<std::pair<double, BodyPose>> poses_;
 };
 
 }  // namespace prospect

@@ -76,7 +76,9 @@ const std::vector<OptionInfo>& library_options() {
     std::vector<OptionInfo> all;
     const Ipopt::SmartPtr<Ipopt::IpoptApplication> application = new Ipopt::IpoptApplication(false);
     const std::vector<OptionInfo> own = own_options();
-    for (const auto& [name, option] : application->RegOptions()->RegisteredOptionsList()) {
+    for (const auto& entry : application->RegOptions()->RegisteredOptionsList()) {
+      const std::string& name = entry.first;
+      const Ipopt::SmartPtr<Ipopt::RegisteredOption>& option = entry.second;
       const bool listed = std::any_of(own.begin(), own.end(),
                                       [&](const OptionInfo& info) { return info.name == name; });
       if (listed || is_reserved(name)) continue;

@@ -200,7 +200,7 @@ TEST_F(CameraSensorsTest, WhiteWallsAreARealLossAndTheWayBackEndsIt) {
   const auto world = test::half_white_room(9.0, 4.0);
   for (const bool wheels : {true, false}) {
     SimulatorOptions options = small_cameras();
-    options.camera.wheels = wheels;
+    options.camera.perception.wheels = wheels;
     Simulator simulator(world, options);
     simulator.apply(twist(0.5, 0.0), 3.0);
     EXPECT_NE(simulator.sense()->localization, Localization::kLost);
@@ -310,7 +310,7 @@ TEST_F(CameraSensorsTest, RefusesOptionsOutOfRange) {
   options.camera.rig.exposure = -1.0;
   EXPECT_THROW(Simulator(room_with_an_opening(), options), std::invalid_argument);
   options = small_cameras();
-  options.camera.wheel_fusion.gate = 0.0;
+  options.camera.perception.wheel_fusion.gate = 0.0;
   EXPECT_THROW(Simulator(room_with_an_opening(), options), std::invalid_argument);
   options = small_cameras();
   options.camera.focal_error = -1.0;

@@ -35,8 +35,20 @@ TEST(FloorPlan, CanBeDrivenThroughFromAnyRoomToAnyOther) {
   }
 }
 
-TEST(FloorPlan, NeedsASeed) {
-  for (const char* name : {"plan:", "plan:x", "plan:-1", "plan:1.5"}) {
+TEST(FloorPlan, HasAsManyRoomsAsAreAskedFor) {
+  const World world = load_world("plan:3:5x2");
+  EXPECT_EQ(world.name, "plan:3:5x2");
+  EXPECT_EQ(world.voxels.data(), load_world("plan:3:5x2").voxels.data());
+  const std::string text = random_floor_plan(3, FloorPlanSize{5, 2});
+  int rooms = 0;
+  for (std::size_t at = 0; (at = text.find("walls:", at)) != std::string::npos; ++at) ++rooms;
+  EXPECT_EQ(rooms, 10);
+}
+
+TEST(FloorPlan, NeedsASeedAndIfAnyAWholeSize) {
+  for (const char* name : {"plan:", "plan:x", "plan:-1", "plan:1.5", "plan:1:", "plan:1:3",
+                           "plan:1:3x", "plan:1:3x3x", "plan:1:3x3 ", "plan:1:1x3", "plan:1:3x41",
+                           "plan:1:-3x4", "plan:1:3x99999999999999999999"}) {
     EXPECT_THROW(load_world(name), InputError) << name;
   }
 }

@@ -43,6 +43,7 @@
 #include "perception/odometry/stereo_odometry.h"
 #include "perception/odometry/track_survival.h"
 #include "perception/pipeline/feature_density.h"
+#include "perception/pipeline/perception_options.h"
 #include "runtime/mission.h"
 
 // Every number and switch of the structures that a mission is set by is a knob. The bindings name
@@ -359,6 +360,38 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
             &max_wheel_gap, &unknown_speed, &max_wait, &max_dead_reckoning, &piece, &pieces});
   }
   {
+    GroundPlaneOptions o;
+    auto& [range, stride, score_stride, noise_constant, noise_quadratic, unevenness, gate,
+           confidence, most_draws, patch, min_share, most_below, most_sigma_tilt, most_sigma_height,
+           seed] = o;
+    expect_reached(o, {&stride, &score_stride, &noise_constant, &noise_quadratic, &unevenness,
+                       &gate, &confidence, &most_draws, &patch, &min_share, &most_below,
+                       &most_sigma_tilt, &most_sigma_height});
+  }
+  {
+    DepthMapperOptions o;
+    auto& [map, range, ground, tilt_tolerance, height_tolerance, pose_sigma_tilt, pose_sigma_height,
+           plane_sigma_tilt, plane_sigma_height, floor_margin, most_margin, ray_spacing, edge,
+           least_valid, little_valid, most_rough, most_below_floor, max_speed, max_turn_rate,
+           max_gap] = o;
+    expect_reached(o, {&tilt_tolerance, &height_tolerance, &pose_sigma_tilt, &pose_sigma_height,
+                       &plane_sigma_tilt, &plane_sigma_height, &floor_margin, &most_margin,
+                       &ray_spacing, &edge, &least_valid, &little_valid, &most_rough,
+                       &most_below_floor, &max_speed, &max_turn_rate, &max_gap});
+  }
+  {
+    ScanMapperOptions o;
+    auto& [map, floor_margin, point_spacing, most_below_floor, max_speed, max_turn_rate] = o;
+    expect_reached(o,
+                   {&floor_margin, &point_spacing, &most_below_floor, &max_speed, &max_turn_rate});
+  }
+  {
+    PerceptionOptions o;
+    auto& [stereo_mount, depth_camera, mapping, scans, wheels, wheel_fusion, feature_density, start,
+           start_in_space, same_time, max_age, max_leap, max_ahead, most_waiting] = o;
+    expect_reached(o, {&wheels, &same_time, &max_age, &max_leap, &max_ahead, &most_waiting});
+  }
+  {
     FeatureDensityOptions o;
     auto& [quantile, area, window, initial] = o;
     expect_reached(o, {&quantile, &area, &window, &initial});
@@ -413,8 +446,8 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     CameraSensorsOptions o;
-    auto& [rig, texture_quality, focal_error, baseline_error, odometry, wheels, wheel_fusion] = o;
-    expect_reached(o, {&texture_quality, &focal_error, &baseline_error, &wheels});
+    auto& [rig, texture_quality, focal_error, baseline_error, odometry, perception] = o;
+    expect_reached(o, {&texture_quality, &focal_error, &baseline_error, &perception.wheels});
   }
   {
     SimulatorOptions o;

@@ -79,8 +79,8 @@ struct LidarRecording {
   }
 
   /// As a bag: /scan, /tf of odom to base_link half a step off the scans, /tf_static of the lidar.
-  /// The last beam is `during` steps after the first.
-  std::vector<BagMessage> messages(double during = 0.0) const {
+  /// The last beam is `during` steps after the first. With clouds: /points instead of /scan.
+  std::vector<BagMessage> messages(double during = 0.0, bool clouds = false) const {
     std::vector<BagMessage> out;
     const char* const tf = "tf2_msgs/msg/TFMessage";
     out.push_back(
@@ -89,11 +89,42 @@ struct LidarRecording {
       const std::int64_t t = kStart + kStep * k, half = t - kStep / 2;
       out.push_back({"/tf", tf, half, transform_message(half, "odom", "base_link", body(k - 0.5))});
       if (k == scans) break;
+      if (clouds) {
+        out.push_back({"/points", "sensor_msgs/msg/PointCloud2", t, cloud_message(t, k)});
+        continue;
+      }
       const auto increment = static_cast<float>(0.1 * during / (beams - 1));
       out.push_back(
           {"/scan", "sensor_msgs/msg/LaserScan", t, scan_message(t, ranges(k, during), increment)});
     }
     return out;
+  }
+
+  /// The walls of scan k as the points of many planes of rays, float32 x, y and z in the lidar's
+  /// frame.
+  std::string cloud_message(std::int64_t t, int k) const {
+    std::string data;
+    const std::vector<float> seen = ranges(k);
+    for (int i = 0; i < beams; ++i) {
+      const double angle = -M_PI + 2.0 * M_PI * i / beams;
+      const float r = seen[static_cast<std::size_t>(i)];
+      for (const double height : {0.0, 0.125, 0.325, 0.475}) {
+        for (const double v :
+             {r * std::cos(angle), r * std::sin(angle), height - T_BS.translation().z()}) {
+          const auto number = static_cast<float>(v);
+          data.append(reinterpret_cast<const char*>(&number), sizeof number);
+        }
+      }
+    }
+    const auto points = static_cast<std::uint32_t>(4 * beams);
+    CdrWriter w;
+    w.header(t, "laser").number(std::uint32_t{1}).number(points).number(std::uint32_t{3});
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      w.text(std::string(1, "xyz"[i])).number(4 * i).number(std::uint8_t{7});
+      w.number(std::uint32_t{1});
+    }
+    w.number(std::uint8_t{0}).number(std::uint32_t{12}).number(12 * points);
+    return w.bytes(data).number(std::uint8_t{1}).str();
   }
 
   /// As a log of CARMEN: FLASER lines over the half turn ahead of the lidar.

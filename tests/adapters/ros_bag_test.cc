@@ -27,6 +27,7 @@
 #include "adapters/datasets/ros_messages.h"
 #include "adapters/datasets/stereo_dataset.h"
 #include "adapters/files/input_error.h"
+#include "tests/adapters/lidar_recording.h"
 #include "tests/adapters/ros_bag_writer.h"
 #include "tests/perception/depth_recording.h"
 #include "tests/perception/rendered_room.h"
@@ -309,6 +310,14 @@ TEST_F(RosBag, Database) {
   follow(path);
   EXPECT_THAT(refusal(write("b.db3", "no database, but longer than its head would be")),
               HasSubstr("expected an intact database of rosbag2"));
+
+  // A refusal amid the rows closes the database as well.
+  ASSERT_EQ(sqlite3_open(path.c_str(), &database), SQLITE_OK);
+  run("DELETE FROM topics WHERE id = 0");
+  sqlite3_close(database);
+  const sqlite3_int64 in_use = sqlite3_memory_used();
+  EXPECT_THAT(refusal(path), HasSubstr("a message of no topic"));
+  EXPECT_EQ(sqlite3_memory_used(), in_use);
 }
 #endif
 
@@ -346,6 +355,23 @@ TEST_F(RosBag, DepthImagesWithPoses) {
   EXPECT_NEAR(dataset.read(1).at(160, 200),
               recording.scene.render(recording.camera, recording.pose(1), 0.0015, 101).at(160, 200),
               0.001);
+  // With a lidar in the bag, too, it is said which of the two is mapped.
+  const test::LidarRecording lidar;
+  for (const BagMessage& message : lidar.messages()) messages.push_back(message);
+  const std::string both = write("both.mcap", test::mcap_of(messages, 4, "", plain, checksum));
+  for (const bool scans : {false, true}) {
+    DepthDatasetOptions options;
+    if (scans) options.topics["scan"] = "/scan";
+    Found found = Found::kUnknown;
+    const auto json = inspect_path(both, {}, options, found);
+    ASSERT_EQ(json["recordings"].size(), 2U);
+    const auto& depth = json["recordings"][0];
+    EXPECT_EQ(depth["kind"], "depth images");
+    EXPECT_EQ(depth["used_by"].is_null(), scans);
+    EXPECT_EQ(json["recordings"][1]["used_by"].is_null(), !scans);
+    EXPECT_THAT(inspection_text(json), HasSubstr(scans ? "uses the scans, as --topics scan=TOPIC"
+                                                       : "uses the depth images; with --topics"));
+  }
 }
 
 TEST(RosMessages, ImagesOfOtherKinds) {

@@ -129,6 +129,27 @@ TEST_F(ScanRun, ABagWithMovingTransforms) {
               HasSubstr("scans        20, the first of 180 points, 10 Hz, to 12 m: /scan"));
 }
 
+TEST_F(ScanRun, ABagOfClouds) {
+  const LidarRecording recording;
+  const ScanSource source = open_scan_source(bag(recording.messages(0.0, true)));
+  ASSERT_THAT(source.missing, ::testing::IsEmpty());
+  EXPECT_FALSE(source.planar);
+  EXPECT_EQ(source.points, 720u);
+  EXPECT_THAT(source.notes, Contains(HasSubstr("topic scan=/points, by its type")));
+  const MapRun run = map(source, recording);
+  // Walls and box from the floor up to half a metre; what stands on z = 0 is the floor.
+  EXPECT_GT(run.frames[0].mapped.hits, run.frames[0].mapped.floor);
+  EXPECT_GT(run.frames[0].mapped.floor, 0);
+  const VoxelGrid& voxels = *run.maps.voxels;
+  const auto state = [&](double x, double y, double z) {
+    const Eigen::Vector3i v = voxels.voxel({x, y, z});
+    return voxels.state(v.x(), v.y(), v.z());
+  };
+  EXPECT_EQ(state(2.475, 0.02, 0.325), CellState::kOccupied);
+  EXPECT_EQ(state(1.025, 0.725, 0.325), CellState::kOccupied) << "the box";
+  EXPECT_EQ(state(0.02, 0.02, 0.175), CellState::kFree);
+}
+
 TEST_F(ScanRun, BeamsAreMovedToWhereTheLidarWasAtTheirTime) {
   LidarRecording recording;
   recording.scans = 18;

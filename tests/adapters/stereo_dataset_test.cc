@@ -25,6 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::RenderedRoom;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 
 constexpr int kFrames = 6;
@@ -187,6 +188,16 @@ TEST_F(StereoRecording, SaysWhatIsMissingOrMalformed) {
   EXPECT_THAT(refusal(), HasSubstr("holds 2 times"));
   write("times.txt", "0\n0.1\nx\n");
   EXPECT_THAT(refusal(), HasSubstr("times.txt:3: not an increasing time"));
+  std::string nanoseconds;
+  for (int i = 0; i <= kFrames; ++i)
+    nanoseconds += std::to_string(1'700'000'000'000'000'000 + i * 100'000'000LL) + "\n";
+  write("times.txt", nanoseconds);
+  {
+    const StereoDataset dataset = StereoDataset::open(folder_);
+    EXPECT_NEAR(dataset.stamp(1) - dataset.stamp(0), 0.1, 1e-6);
+    EXPECT_THAT(dataset.notes(), Contains("times.txt in ns, by their rate; KITTI's are in s"));
+    EXPECT_THAT(dataset.notes(), Contains(HasSubstr("; the last image is number")));
+  }
   fs::remove(folder_ + "/times.txt");
   EXPECT_TRUE(StereoDataset::open(folder_).times_assumed());
   write("poses.txt", "1 0 0 0 0 1 0 0 0 0 1 0\n");

@@ -628,6 +628,8 @@ TEST_F(Worlds, RotatedMapsAreTurned) {
   };
   const World straight = turned("0");
   const GridFrame& frame = straight.voxels.frame();
+  EXPECT_THAT(refusal(write("m.yaml", "image: map.pgm\nresolution: 0.1\norigin: [1, 2, 90]\n")),
+              HasSubstr("m.yaml:3: origin: has a yaw of more than 8 rad; expected radians"));
   for (const double yaw : {M_PI / 2, -M_PI / 2, M_PI, 0.5, -2.0, 7.0}) {
     const World world = turned(std::to_string(yaw));
     expect_sound(world);

@@ -3,8 +3,10 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <random>
 
 #include "models/camera.h"
@@ -19,7 +21,12 @@ class RenderedRoom {
   /// `period` [m], a multiple of 0.04: the texture repeats itself after it in x, y and z, as tiles
   /// do; 0: never.
   explicit RenderedRoom(double contrast = 70.0, double period = 0.0)
-      : contrast_(contrast), period_(period) {}
+      : contrast_(contrast), repeats_(period > 0.0) {
+    for (int octave = 0; octave < kOctaves; ++octave) {
+      points_[static_cast<std::size_t>(octave)] =
+          static_cast<int>(std::lround(std::ldexp(period / kSize, octave)));
+    }
+  }
 
   /// Depth along the optical axis of the surface that pixel (u, v) shows [m].
   double depth(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC, double u,
@@ -32,6 +39,7 @@ class RenderedRoom {
   Image render(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC, double noise,
                std::uint64_t seed) const {
     Image image(static_cast<int>(camera.width), static_cast<int>(camera.height));
+    Cells cells;
     std::mt19937 generator(static_cast<std::uint32_t>(seed * 2654435761u + 1));
     for (int v = 0; v < image.height; ++v) {
       for (int u = 0; u < image.width; ++u) {
@@ -40,7 +48,7 @@ class RenderedRoom {
         // Sum of four uniform numbers: near enough to Gaussian, and fast.
         const std::uint32_t a = generator();
         const double sum = (a & 255) + (a >> 8 & 255) + (a >> 16 & 255) + (a >> 24);
-        const double grey = 128.0 + texture(hit) + noise * (sum - 510.0) / 147.8;
+        const double grey = 128.0 + texture(hit, cells) + noise * (sum - 510.0) / 147.8;
         image.at(u, v) = static_cast<std::uint8_t>(std::clamp(std::lround(grey), 0L, 255L));
       }
     }
@@ -112,33 +120,49 @@ class RenderedRoom {
     return h / 4294967295.0 - 0.5;
   }
 
+  static constexpr int kOctaves = 4;
+  static constexpr double kSize = 0.32;  // [m], of the first octave's cells
+  /// The cell of the lattice that was last looked at, of each octave: neighbouring pixels mostly
+  /// show the same one, and making its corners is most of what an image costs.
+  struct Cell {
+    double x = std::numeric_limits<double>::infinity(), y = x, z = x;
+    std::array<double, 8> corners{};
+  };
+  using Cells = std::array<Cell, kOctaves>;
+
   /// Value noise of four octaves, in space.
-  double texture(const Eigen::Vector3d& p) const {
+  double texture(const Eigen::Vector3d& p, Cells& cells) const {
+    const auto smooth = [](double x) { return x * x * (3.0 - 2.0 * x); };
     double sum = 0.0;
-    double size = 0.32;
-    for (int octave = 0; octave < 4; ++octave, size *= 0.5) {
-      const int n = static_cast<int>(std::lround(period_ / size));  // points of the lattice
-      if (period_ > 0.0 && n == 0) continue;
-      const auto wrapped = [n](int i) { return n > 0 ? (i % n + n) % n : i; };
-      const Eigen::Vector3d q = p / size;
-      const Eigen::Vector3d f(std::floor(q.x()), std::floor(q.y()), std::floor(q.z()));
-      Eigen::Vector3d w = q - f;
-      for (double& x : w) x = x * x * (3.0 - 2.0 * x);
-      const int x = static_cast<int>(f.x()), y = static_cast<int>(f.y()),
-                z = static_cast<int>(f.z());
-      double value = 0.0;
-      for (int k = 0; k < 8; ++k) {
-        value += (k & 1 ? w.x() : 1 - w.x()) * (k & 2 ? w.y() : 1 - w.y()) *
-                 (k & 4 ? w.z() : 1 - w.z()) *
-                 lattice(wrapped(x + (k & 1)), wrapped(y + (k >> 1 & 1)), wrapped(z + (k >> 2 & 1)),
-                         octave);
+    // Numbers one by one: this is most of what an image costs, and tests are compiled with -O1.
+    double x = p.x() / kSize, y = p.y() / kSize, z = p.z() / kSize;
+    for (int octave = 0; octave < kOctaves; ++octave, x *= 2.0, y *= 2.0, z *= 2.0) {
+      const int n = points_[static_cast<std::size_t>(octave)];
+      if (repeats_ && n == 0) continue;
+      const double fx = std::floor(x), fy = std::floor(y), fz = std::floor(z);
+      Cell& cell = cells[static_cast<std::size_t>(octave)];
+      if (fx != cell.x || fy != cell.y || fz != cell.z) {
+        cell.x = fx, cell.y = fy, cell.z = fz;
+        const auto wrapped = [n](int i) { return n > 0 ? (i % n + n) % n : i; };
+        const int i = static_cast<int>(fx), j = static_cast<int>(fy), l = static_cast<int>(fz);
+        for (int k = 0; k < 8; ++k) {
+          cell.corners[static_cast<std::size_t>(k)] = lattice(
+              wrapped(i + (k & 1)), wrapped(j + (k >> 1 & 1)), wrapped(l + (k >> 2 & 1)), octave);
+        }
       }
-      sum += value;
+      const double wx = smooth(x - fx), wy = smooth(y - fy), wz = smooth(z - fz);
+      const double vx = 1 - wx, vy = 1 - wy, vz = 1 - wz;
+      const double* c = cell.corners.data();
+      const double a00 = vx * vy, a10 = wx * vy, a01 = vx * wy, a11 = wx * wy;
+      sum += a00 * vz * c[0] + a10 * vz * c[1] + a01 * vz * c[2] + a11 * vz * c[3] +
+             a00 * wz * c[4] + a10 * wz * c[5] + a01 * wz * c[6] + a11 * wz * c[7];
     }
     return contrast_ * sum;
   }
 
-  double contrast_, period_;
+  double contrast_;
+  bool repeats_;
+  std::array<int, kOctaves> points_{};  // of the lattice in a period
   // Not on the lattice of the texture.
   Box room_{{-3.03, -2.51, 0.013}, {5.07, 2.77, 2.61}};
   Box pillar_{{2.53, -0.71, 0.013}, {3.17, 0.11, 1.83}};

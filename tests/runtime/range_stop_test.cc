@@ -58,6 +58,14 @@ RangeFrame thinned(RangeFrame frame, std::size_t n) {
   return frame;
 }
 
+/// Every `n`th ray is there.
+RangeFrame every(const RangeFrame& frame, std::size_t n) {
+  RangeFrame coarse = frame;
+  coarse.rays.clear();
+  for (std::size_t k = 0; k < frame.rays.size(); k += n) coarse.rays.push_back(frame.rays[k]);
+  return coarse;
+}
+
 Twist twist(double v, double w = 0.0, double vy = 0.0) { return {{v, vy, 0.0}, w}; }
 
 const RangeFrame kOpen = scan_of_wall(100.0, 360.0);
@@ -115,6 +123,10 @@ TEST(RangeStop, TableOfLooks) {
            Case{"no rays", {10.0, {}, {}}, twist(0.5), R::kOutOfView, 0.199, 0.201},
            Case{"rays that are no numbers", nowhere, twist(0.5), R::kOutOfView, 0.199, 0.201},
            Case{"no command", kOpen, twist(std::nan("")), R::kNonFinite, 0, 0},
+           Case{"a command beyond all bounds", kOpen, twist(1e200), R::kNonFinite, 0, 0},
+           Case{"a coarse scan", every(kOpen, 5), twist(0.5), R::kClear, 1, 1},
+           Case{"a coarse scan, covered", thinned(every(kOpen, 5), 4), twist(0.5), R::kTooFewRanges,
+                0, 0},
            Case{"no yaw rate", kOpen, twist(0.5, INFINITY), R::kNonFinite, 0, 0},
            Case{"old", scan_of_wall(100.0, 360.0, 9.5), twist(0.5), R::kStale, 0, 0},
            Case{"old, standing", scan_of_wall(100.0, 360.0, 9.5), twist(0.0), R::kStale, 0, 0},

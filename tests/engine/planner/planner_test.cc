@@ -585,6 +585,31 @@ TEST_F(PlannerTest, AnEmptyMap) {
   }
 }
 
+TEST_F(PlannerTest, ARobotWhosePlaceNoSensorHasSeenSaysWhyItStands) {
+  Belief belief = Room{}.belief();
+  auto tree = std::make_shared<octomap::OcTree>(0.1);
+  for (int i = -10; i < 30; ++i) {
+    for (int j = -20; j < 20; ++j) {
+      if (std::hypot(i + 0.5, j + 0.5) < 3.5) continue;
+      for (int k = 0; k < 12; ++k) {
+        const octomap::point3d p((i + 0.5F) * 0.1F, (j + 0.5F) * 0.1F, (k + 0.5F) * 0.1F);
+        tree->updateNode(p, belief.octree->isNodeOccupied(belief.octree->search(p)));
+      }
+    }
+  }
+  const BeliefMaps maps = belief_maps(tree, {0.1, 0.5}, 0.0, 1.2);
+  const auto told = [&] {
+    const Plan plan = make().plan(belief);
+    expect_executable(plan, belief);
+    return plan.why.find("knows nothing of where the robot stands") != std::string::npos;
+  };
+  EXPECT_FALSE(told());
+  belief.octree = maps.octree;
+  belief.voxels = maps.voxels;
+  belief.ground = maps.ground;
+  EXPECT_TRUE(told());
+}
+
 TEST_F(PlannerTest, ARobotInsideAWall) {
   Planner planner = make();
   for (const double y : {-1.95, -1.85, 1.9}) {

@@ -318,6 +318,27 @@ TEST(WheelFusion, AVisionOfAnotherScaleIsLost) {
   }
 }
 
+TEST(WheelFusion, NoScaleIsBlamedWhileCamerasMayBeOutOfStep) {
+  for (const double sigma : {0.0, 0.1}) {
+    Drive d;
+    d.meddle = [&](int, VisualMotion& v) {
+      v.motion.head<2>() *= 1.3;
+      v.scale_sigma = sigma;
+    };
+    WheelFusion fusion(d.noise);
+    drive(d, fusion, 8.0, 7, [](int, const Vector3d&) {});
+    const ScaleAgreement found = fusion.at(8.0).agreement;
+    EXPECT_NEAR(found.ratio, 1.3, 0.06);
+    EXPECT_EQ(found.verdict == ScaleAgreement::Verdict::kDisagree, sigma == 0.0);
+    VisualMotion wrong;
+    wrong.stamp = 9.0;
+    wrong.scale_sigma = std::nan("");
+    fusion.add(wrong);
+    const std::string reason = fusion.at(8.0).reason;
+    EXPECT_NE(reason.find("no standard deviation"), std::string::npos) << reason;
+  }
+}
+
 TEST(WheelFusion, AScaleWithinWhatWheelsMayBeOffByIsNoDisagreement) {
   int judged = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {

@@ -88,6 +88,15 @@ TEST(CameraTimeOffset, IsNotKnownAtRest) {
   EXPECT_FALSE(offset.out_of_step());
 }
 
+TEST(CameraTimeOffset, WhatItMayCostFallsAsItIsKnown) {
+  EXPECT_EQ(CameraTimeOffset().depth_sigma(), 0.0);  // at rest it costs nothing
+  EXPECT_GT(after(turning(), 0.0, 1).depth_sigma(), after(turning(), 0.0, 20).depth_sigma());
+  EXPECT_LT(after(turning(), 0.0, 20).depth_sigma(), 0.01);
+  const CameraTimeOffset late = after(turning(), 0.02, 20);
+  EXPECT_GT(late.depth_sigma(), late.depth_error());
+  EXPECT_GT(late.depth_error(), 0.02);
+}
+
 TEST(CameraTimeOffset, NamesWholeFrames) {
   const CameraTimeOffset late = after(turning(), 0.1, 40);
   EXPECT_EQ(late.reason(0.1),

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <functional>
 #include <limits>
 #include <random>
@@ -101,6 +102,38 @@ TEST(PatchAlignment, TheWarpTakesOutAKnownChangeOfScaleAndRotation) {
   // Without the warp the match is far worse, or none.
   const auto plain = Patch::make(first.level(0), c.cast<float>(), kSame, 0.5f);
   EXPECT_LT(plain->align(second.level(0), c.cast<float>(), 6.0f).agreement, 0.9);
+}
+
+TEST(PatchAlignment, AnEdgeOfStepsHoldsThePatchAndTheCovarianceSaysSo) {
+  // The edge of something dark, coarsely sampled, moves by 2 px along itself: the image stays as it
+  // is, and so does the patch, without a residual.
+  const Eigen::Vector2f along = Eigen::Vector2f(1.0f, 0.4f).normalized();
+  const ImagePyramid edge(image_of([](double x, double y) {
+                            double sum = 0.0;
+                            for (const double dx : {-0.25, 0.25}) {
+                              for (const double dy : {-0.25, 0.25}) {
+                                sum += y + dy - 60.0 > 0.4 * (x + dx - 80.0) ? 15.0 : 50.0;
+                              }
+                            }
+                            return sum;
+                          }).view(),
+                          1);
+  const Eigen::Vector2f c(80, 60);
+  const auto on_edge = Patch::make(edge.level(0), c, kSame, 0.5f);
+  ASSERT_TRUE(on_edge.has_value());  // its steps look like texture
+  const auto held = on_edge->align(edge.level(0), c, 6.0f);
+  ASSERT_TRUE(held.converged);
+  EXPECT_GT((2.0f * along - (held.position - c)).norm(), 1.9f);
+  EXPECT_GT(along.dot(held.covariance * along), 0.01f);
+  // Texture in both directions is worth what it was.
+  const ImagePyramid rich(image_of(random_texture).view(), 1);
+  const auto on_texture = Patch::make(rich.level(0), c, kSame, 0.5f);
+  ASSERT_TRUE(on_texture.has_value());
+  const auto found = on_texture->align(rich.level(0), c, 6.0f);
+  ASSERT_TRUE(found.converged);
+  EXPECT_LT(found.covariance.trace(), 0.001f);
+  std::printf("variance along an edge %.4f px^2, of texture %.6f px^2 in all\n",
+              along.dot(held.covariance * along), found.covariance.trace());
 }
 
 TEST(PatchAlignment, TheCovarianceIsThatOfTheErrorsAndLongAlongAnEdge) {

@@ -289,6 +289,43 @@ TEST(StereoOdometry, AMiscalibratedDisparityIsFoundWhileMoving) {
   EXPECT_LT(error[1], 0.5 * error[0]);
 }
 
+TEST(StereoOdometry, CamerasOutOfStepSayWhatDepthsMayBeOffBy) {
+  // A turn of 0.4 rad/s at 0.5 m/s; the right image is taken tau later. Depths, and so the way, are
+  // wrong by a share that a wrong focal length would explain as well.
+  StereoCamera camera = small_camera();
+  camera.left = {165.0, 165.0, 120.0, 90.0, 240.0, 180.0};
+  const RenderedRoom room;
+  const auto at = [](double t) {
+    return RenderedRoom::looking(-1.6 + 0.5 * t, -0.6, 1.05, -0.3 + 0.4 * t);
+  };
+  for (const double tau : {0.0, 0.02}) {
+    StereoOdometry odometry(camera, {}, at(0.0));
+    OdometryFrame last;
+    for (int k = 0; k <= 10; ++k) {
+      const double t = kPeriod * k;
+      Isometry3d T_right = at(t + tau);
+      T_right.translation() += camera.baseline * T_right.linear().col(0);
+      const Image left = room.render(camera.left, at(t), 2.0, 700 + k);
+      const Image right = room.render(camera.left, T_right, 2.0, 800 + k);
+      last = odometry.process(t, left.view(), right.view());
+    }
+    const double way = (at(1.0).translation() - at(0.0).translation()).norm();
+    const double share = (last.T_WC.translation() - at(0.0).translation()).norm() / way - 1.0;
+    std::printf(
+        "right camera %.0f ms late: %.1f +- %.1f ms found, way off by %.1f %%, depths may be "
+        "by %.1f %%\n",
+        1e3 * tau, 1e3 * last.camera_time_offset, 1e3 * last.camera_time_offset_sigma,
+        100.0 * share, 100.0 * last.camera_time_offset_depth);
+    EXPECT_NEAR(last.camera_time_offset, tau, 0.005);
+    EXPECT_LT(std::abs(share), 0.01 + 4.0 * last.camera_time_offset_depth);
+    if (tau == 0.0) {
+      EXPECT_LT(last.camera_time_offset_depth, 0.02);
+    } else {
+      EXPECT_GT(last.camera_time_offset_depth, 0.02);
+    }
+  }
+}
+
 TEST(StereoOdometry, RefusesBadCamerasAndOptions) {
   StereoCamera camera = small_camera();
   camera.baseline = -0.1;

@@ -40,7 +40,7 @@ class KnowingOdometry final : public Odometry {
                         const std::optional<Isometry3d>& motion) override {
     OdometryFrame frame;
     frame.stamp = stamp;
-    frame.state = Localization::kOk;
+    frame.state = state;
     frame.T_WC = body_transform(truth(stamp)) * mount_.T_BC;
     frame.covariance = frame.covariance_since_keyframe =
         1e-6 * Eigen::Matrix<double, 6, 6>::Identity();
@@ -63,6 +63,7 @@ class KnowingOdometry final : public Odometry {
   const std::vector<std::uint64_t>& given_up() const override { return gone_; }
 
   bool told_motion = false;
+  Localization state = Localization::kOk;
 
  private:
   CameraMount mount_;
@@ -288,10 +289,15 @@ TEST(PerceptionPipeline, WhatCannotBeUsedIsLeftOutAndSaid) {
   EXPECT_EQ(after->localization, Localization::kDegraded);
   EXPECT_EQ(after->voxels, before->voxels);
   EXPECT_EQ(after->stamps.map, before->stamps.map);
+  // At a degraded pose nothing is mapped; with the next pair that agrees it is again.
+  EXPECT_EQ(perception.scan(now + 0.015, lidar()).reason, "the pose is degraded");
+  perception.wheels(wheels_at(now + 0.12));
+  perception.stereo(pair_at(now + 0.12));
+  EXPECT_EQ(perception.belief()->localization, Localization::kOk);
   // A part of a scan.
   DepthScan scan = lidar();
   scan.hits[7].z() = kNaN;
-  const InputResult partly = perception.scan(now + 0.015, scan);
+  const InputResult partly = perception.scan(now + 0.12, scan);
   EXPECT_EQ(partly.state, kTaken);
   EXPECT_EQ(partly.reason, "1 of 360 rays are not finite: left out");
 }
@@ -351,6 +357,111 @@ TEST(PerceptionPipeline, WhatWaitsInVainIsCounted) {
   EXPECT_EQ(count.taken, 1U);
 }
 
+TEST(PerceptionPipeline, DepthAtADegradedOrLostPoseIsNotMapped) {
+  auto odometry = std::make_unique<KnowingOdometry>(CameraMount());
+  KnowingOdometry& knowing = *odometry;
+  PerceptionPipeline perception(std::move(odometry), StereoCamera(), options_with(false, true));
+  double now = kBegin;
+  perception.stereo(pair_at(now));
+  EXPECT_EQ(perception.depth(now, depth_at(now)).state, InputState::kTaken);
+  const auto before = perception.belief();
+  for (const Localization state : {Localization::kDegraded, Localization::kLost}) {
+    knowing.state = state;
+    now += 0.1;
+    perception.stereo(pair_at(now));
+    const InputResult depth = perception.depth(now, depth_at(now));
+    EXPECT_EQ(depth.state, InputState::kRefused);
+    EXPECT_EQ(depth.reason, "the pose is " + std::string(to_string(state)));
+    const InputResult scan = perception.scan(now, lidar());
+    EXPECT_EQ(scan.state, InputState::kRefused);
+    EXPECT_EQ(scan.reason, "the pose is " + std::string(to_string(state)));
+    EXPECT_EQ(perception.belief()->voxels, before->voxels);
+    // Mapping goes on: a guard that took the map for stale would stop the search.
+    EXPECT_EQ(perception.belief()->stamps.map, now);
+    EXPECT_EQ(perception.belief()->stamps.ranges, now);
+  }
+  // One that is late has the worse of the poses about it.
+  knowing.state = Localization::kOk;
+  perception.stereo(pair_at(now + 0.1));
+  EXPECT_EQ(perception.depth(now + 0.05, depth_at(now + 0.05)).reason, "the pose is lost");
+  EXPECT_EQ(perception.depth(now + 0.1, depth_at(now + 0.1)).state, InputState::kTaken);
+}
+
+/// A body that rises and tilts.
+Isometry3d in_space(double stamp) {
+  const double t = stamp - kBegin;
+  Isometry3d T = Isometry3d::Identity();
+  T.translation() << 0.2 * t, 0.0, 0.1 * t;
+  T.linear() = (Eigen::AngleAxisd(0.3 * t, Vector3d::UnitZ()) *
+                Eigen::AngleAxisd(-0.1 * t, Vector3d::UnitY()))
+                   .toRotationMatrix();
+  return T;
+}
+
+TEST(PerceptionPipeline, ABodyThatIsFreeInSpaceByPosesFromOutside) {
+  PerceptionOptions options = options_with(false, true);
+  options.start_in_space = in_space(kBegin);
+  const auto drive = [&](bool late) {
+    PerceptionPipeline perception(options);
+    EXPECT_EQ(perception.belief()->localization, Localization::kLost);
+    const auto depth = [&](double stamp) {
+      const DepthImage image =
+          test::DepthScene().render(kDepthCamera.camera, in_space(stamp) * kDepthCamera.mount.T_BC);
+      return perception.depth(stamp, image).state;
+    };
+    // Poses at 10 Hz, depth at 4 Hz.
+    for (int k = 0; k <= 10; ++k) {
+      const double now = kBegin + 0.1 * k;
+      if (!late && k % 5 == 3) {
+        EXPECT_EQ(depth(now - 0.05), InputState::kWaiting);
+      }
+      EXPECT_EQ(perception.external_pose({.stamp = now, .T_WB = in_space(now)}).state,
+                InputState::kTaken);
+      if (k >= 9) perception.belief();  // of two poses, for the velocity
+      if (late && k % 5 == 3) {
+        EXPECT_EQ(depth(now - 0.05), InputState::kTaken);
+      }
+      if (k % 5 == 0) {
+        EXPECT_EQ(depth(now), InputState::kTaken);
+      }
+      if (k % 5 == 3) {
+        const Isometry3d T_WC = in_space(now - 0.05) * kDepthCamera.mount.T_BC;
+        EXPECT_LT((perception.mapped().T_WC.matrix() - T_WC.matrix()).norm(), 2e-3);
+      }
+    }
+    EXPECT_EQ(perception.input(InputSource::kDepth).taken, 5U);
+    EXPECT_EQ(perception.pose_in_space(0.0).matrix(), in_space(kBegin + 1.0).matrix());
+    return perception.belief();
+  };
+  const auto belief = drive(false);
+  EXPECT_EQ(belief->voxels->data(), drive(true)->voxels->data());
+  EXPECT_EQ(belief->localization, Localization::kOk);
+  EXPECT_EQ(belief->localization_source, LocalizationSource::kExternal);
+  EXPECT_EQ(belief->landmarks, nullptr);
+  EXPECT_EQ(belief->stamp, kBegin + 1.0);
+  EXPECT_EQ(belief->stamps.map, kBegin + 1.0);
+  EXPECT_NEAR(belief->pose.yaw, 0.3, 1e-12);
+  EXPECT_NEAR(belief->pose.position.z(), 0.1, 1e-12);
+  EXPECT_NEAR(belief->twist.yaw_rate, 0.3, 1e-6);
+  EXPECT_GT(belief->ground->free_cells(), 200);
+}
+
+TEST(PerceptionPipeline, PosesComeFromOneSource) {
+  PerceptionPipeline own = pipeline_with(options_with(false, false));
+  EXPECT_EQ(own.external_pose({.stamp = kBegin}).reason, "the odometry gives the poses");
+  PerceptionPipeline given(options_with(false, false));
+  EXPECT_EQ(given.stereo(pair_at(kBegin)).reason, "there is no odometry: poses come from outside");
+  ExternalPose pose{.stamp = kBegin};
+  pose.T_WB.linear() *= 2.0;
+  EXPECT_EQ(given.external_pose(pose).reason, "the pose is no rotation and translation");
+  pose = {.stamp = kBegin + 1.0, .T_WB = body_transform(truth(kBegin + 1.0))};
+  pose.covariance(0, 0) = 0.25;
+  EXPECT_EQ(given.external_pose(pose).state, InputState::kTaken);
+  EXPECT_EQ(given.external_pose(pose).state, InputState::kLate);
+  EXPECT_EQ(given.belief()->covariance(0, 0), 0.25);
+  EXPECT_EQ(given.belief()->pose.position, truth(kBegin + 1.0).position);
+}
+
 TEST(PerceptionPipeline, RefusesOptionsOutOfRange) {
   const auto refused = [](const std::function<void(PerceptionOptions&)>& spoil) {
     PerceptionOptions options = options_with(true, true);
@@ -362,6 +473,14 @@ TEST(PerceptionPipeline, RefusesOptionsOutOfRange) {
   refused([](PerceptionOptions& o) { o.max_age = 0.0; });
   refused([](PerceptionOptions& o) { o.max_age = 2.0 * o.wheel_fusion.max_wait; });
   refused([](PerceptionOptions& o) { o.max_ahead = kNaN; });
+  refused([](PerceptionOptions& o) { o.max_leap = 0.0; });
+  refused([](PerceptionOptions& o) { o.start_in_space = Isometry3d::Identity(); });  // wheels
+  refused([](PerceptionOptions& o) {
+    o.wheels = false;
+    o.start_in_space = Isometry3d::Identity();
+    o.start_in_space->linear() *= 2.0;
+  });
+  EXPECT_THROW(PerceptionPipeline(options_with(true, true)), std::invalid_argument) << "wheels";
   refused([](PerceptionOptions& o) { o.most_waiting = -1; });
   refused([](PerceptionOptions& o) { o.stereo_mount.T_BC.linear() *= 2.0; });
   refused([](PerceptionOptions& o) { o.depth_camera->mount.T_BC.linear() *= 2.0; });

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+
+#include "models/camera.h"
+#include "models/types.h"
+#include "perception/fusion/wheel_fusion.h"
+#include "perception/mapping/depth_mapper.h"
+#include "perception/mapping/scan_mapper.h"
+#include "perception/pipeline/feature_density.h"
+
+namespace prospect {
+
+class Knobs;
+
+/// A depth camera on the body.
+struct DepthCameraOnBody {
+  PinholeCamera camera;
+  CameraMount mount;
+};
+
+struct PerceptionOptions {
+  CameraMount stereo_mount;                       ///< of the left camera, if there is one
+  std::optional<DepthCameraOnBody> depth_camera;  ///< none: depth images are refused
+  DepthMapperOptions mapping;  ///< of depth images; its `map` is that of the one map
+  ScanMapperOptions scans;     ///< its `map` is not used
+  /// Wheels measure the motion. Without them poses are those of the odometry, held while it is
+  /// lost.
+  bool wheels = true;
+  WheelFusionOptions wheel_fusion;  ///< its `start` is not used
+  FeatureDensityOptions feature_density;
+  /// Of B in W, where the first pair is taken; z, the height of B's origin above the floor, is
+  /// kept.
+  Pose start;
+  /// T_WB where the first pair is taken, of a body that is free in space: carried, flying, on
+  /// uneven ground. Then `start` is not used, and wheels cannot measure the motion. None: the body
+  /// moves in the plane.
+  std::optional<Eigen::Isometry3d> start_in_space;
+
+  /// Stamps nearer than this are of one time [s]: of a left and a right image, of a stereo pair and
+  /// a depth image that are held against each other.
+  double same_time = 0.005;
+  /// What is older than the newest input of any source by more than this [s] is late and left out.
+  double max_age = 1.0;
+  /// What is newer than the newest input of any source by more than this [s] is of another clock,
+  /// and refused. Infinite: a recording may rest for as long as it likes.
+  double max_leap = 3600.0;
+  /// A depth image or scan that is newer than the newest pose by more than this [s] waits for it.
+  /// Up to then the robot is taken to go on as it does, or to stand if it has no wheels.
+  double max_ahead = 0.02;
+  int most_waiting = 8;  ///< depth images and scans that wait; beyond, the oldest is left out
+};
+
+/// The knobs (models/knobs.h). Cameras and their mounts, range and map are what the robot has; the
+/// start is where it stands.
+void describe(Knobs& knobs, PerceptionOptions& options);
+
+}  // namespace prospect

@@ -1,0 +1,36 @@
+#include <algorithm>
+
+#include "models/knobs.h"
+#include "runtime/range_stop.h"
+
+namespace prospect {
+
+void describe(Knobs& knobs, RangeStopOptions& o) {
+  knobs.number("front", o.front, {0.01, 10.0}, "m", "of the body, ahead of B's origin");
+  knobs.number("rear", o.rear, {0.01, 10.0}, "m", "of the body, behind it");
+  knobs.number("left", o.left, {0.01, 10.0}, "m", "of the body, to its left");
+  knobs.number("right", o.right, {0.01, 10.0}, "m", "of the body, to its right");
+  knobs.number("corner_radius", o.corner_radius, {0.0, 10.0}, "m",
+               "of the body's outline; the half of its shorter side: a disc");
+  knobs.number("lowest", o.lowest, {-10.0, 10.0}, "m", "height in B below which all is floor");
+  knobs.number("highest", o.highest, {-10.0, 10.0}, "m",
+               "height in B above which the body passes under");
+  knobs.number("margin", o.margin, {0.0, 1.0}, "m", "kept from what is seen");
+  knobs.number("reaction_time", o.reaction_time, {0.0, 10.0}, "s",
+               "from a decision until the base brakes");
+  knobs.number("deceleration", o.deceleration, {0.01, 100.0}, "m/s^2", "that the base keeps");
+  knobs.number("yaw_deceleration", o.yaw_deceleration, {0.01, 100.0}, "rad/s^2",
+               "that the base keeps");
+  knobs.number("max_age", o.max_age, {0.0, 60.0}, "s", "of a frame");
+  knobs.integer("least_points", o.least_points, {1, 10000}, "1",
+                "in the way that are more than noise");
+  knobs.number("least_valid", o.least_valid, {0.0, 1.0}, "1",
+               "share of the rays in the driven direction that must be valid");
+  knobs.number("blind_speed", o.blind_speed, {0.0, 10.0}, "m/s",
+               "of the body's fastest point where no ray looks");
+  knobs.require(o.lowest < o.highest, "highest", "not above lowest; expected more");
+  knobs.require(2.0 * o.corner_radius <= std::min(o.front + o.rear, o.left + o.right) + 1e-9,
+                "corner_radius", "more than half of a side; expected at most that");
+}
+
+}  // namespace prospect
