@@ -7,7 +7,6 @@
 // reachable area that the robot's map holds, the error of the pose against the truth, losses,
 // contacts, latencies, and seconds of simulation a second.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -83,29 +82,11 @@ double drive_by_hand(GazeboBase& base, SensorInbox& inbox, BeliefSource& beliefs
   return turned;
 }
 
-/// The streams of a robot that stands, once each has been live for as long as it must be, or after
-/// 20 s.
-std::vector<PreflightFacts::Stream> watched_streams(GazeboBase& base, SensorInbox& inbox,
-                                                    BeliefSource& beliefs, const Clock& clock,
-                                                    const Guard::Options& limits) {
-  constexpr double kLook = 0.5;  // [s]
-  std::vector<PreflightFacts::Stream> streams = {{"cameras", 0.0, limits.max_pose_age},
-                                                 {"depth", 0.0, limits.max_ranges_age},
-                                                 {"wheels", 0.0, limits.max_pose_age}};
-  constexpr std::array kStreams = {SensorStream::kPair, SensorStream::kDepth,
-                                   SensorStream::kWheels};
-  const double end = clock.now() + 20.0;
-  for (bool live = false; !live && clock.now() < end;) {
-    drive_by_hand(base, inbox, beliefs, clock, {}, kLook);
-    live = true;
-    for (std::size_t n = 0; n < streams.size(); ++n) {
-      PreflightFacts::Stream& stream = streams[n];
-      stream.age = clock.now() - inbox.count(kStreams[n]).newest.value_or(-1e9);
-      stream.live_for = stream.age <= stream.limit ? stream.live_for + kLook : 0.0;
-      live = live && stream.live_for > PreflightOptions().live_time;
-    }
-  }
-  return streams;
+PreflightFacts::Stream stream_of(const std::string& name, const SensorInbox& inbox,
+                                 SensorStream stream, double limit, double now, double watched) {
+  const StreamCount count = inbox.count(stream);
+  const double age = count.newest ? now - *count.newest : 1e9;
+  return {name, age, limit, age <= limit && count.taken > 0 ? watched : 0.0};
 }
 
 /// The pose at a time, between two of the truth; none: outside.
@@ -179,11 +160,17 @@ int run(int argc, char** argv) {
   const RealTimeOptions driving;
 
   // Before the first motion, and a turn by 0.2 rad.
+  constexpr double kWatched = 2.5;  // [s]
+  drive_by_hand(base, inbox, beliefs, clock, {}, kWatched);
+  const double now = clock.now();
   PreflightFacts facts;
   facts.body = c.robot.slice();
   facts.resolution = c.simulator.mapping.resolution;
   facts.stereo_offset = 0.0;  // a pair is one message of one instant
-  facts.streams = watched_streams(base, inbox, beliefs, clock, limits);
+  facts.streams = {
+      stream_of("cameras", inbox, SensorStream::kPair, limits.max_pose_age, now, kWatched),
+      stream_of("depth", inbox, SensorStream::kDepth, limits.max_ranges_age, now, kWatched),
+      stream_of("wheels", inbox, SensorStream::kWheels, limits.max_pose_age, now, kWatched)};
   facts.dead_man = base.dead_man();
   facts.longest_thread_limit =
       std::max({driving.perception_limit, driving.planner_limit, driving.command_limit});
