@@ -23,7 +23,7 @@ const GazeboPoses::Named* GazeboPoses::find(std::string_view name) const {
 #include <cstring>
 #include <stdexcept>
 
-#include "messages.pb.h"
+#include "adapters/gazebo/messages.pb.h"
 
 static_assert(std::endian::native == std::endian::little, "depths are taken as they come");
 

@@ -20,7 +20,7 @@
 
 #include "adapters/files/input_error.h"
 #include "adapters/gazebo/frame_stream.h"
-#include "messages.pb.h"
+#include "adapters/gazebo/messages.pb.h"
 
 namespace prospect {
 namespace {

@@ -186,8 +186,14 @@ std::string sensor_pose(const Eigen::Isometry3d& T_BC) {
   const Eigen::Matrix3d R = T_BC.linear() * R_CS;
   const Eigen::Vector3d p = T_BC.translation();
   std::ostringstream out = numbers();
-  out << p.x() << ' ' << p.y() << ' ' << p.z() << ' ' << std::atan2(R(2, 1), R(2, 2)) << ' '
-      << -std::asin(std::clamp(R(2, 0), -1.0, 1.0)) << ' ' << std::atan2(R(1, 0), R(0, 0));
+  const std::array<double, 6> numbers_of_pose = {p.x(),
+                                                 p.y(),
+                                                 p.z(),
+                                                 std::atan2(R(2, 1), R(2, 2)),
+                                                 -std::asin(std::clamp(R(2, 0), -1.0, 1.0)),
+                                                 std::atan2(R(1, 0), R(0, 0))};
+  // Without the sign of a zero.
+  for (std::size_t n = 0; n < 6; ++n) out << (n == 0 ? "" : " ") << numbers_of_pose[n] + 0.0;
   return out.str();
 }
 
@@ -225,7 +231,10 @@ std::string robot_model(const World& world, const RobotDescription& robot,
   const PinholeCamera& left = robot.stereo.left;
   std::ostringstream out = numbers();
   out << "<model name=\"" << names.model << "\">\n<pose>" << world.start.position.x() << ' '
-      << world.start.position.y() << " 0 0 0 " << world.start.yaw << "</pose>\n<link name=\""
+      << world.start.position.y() << " 0 0 0 " << world.start.yaw
+      << "</pose>\n"
+         // Of bodies that it puts to sleep Gazebo tells nothing, wheels at rest among them.
+         "<allow_auto_disable>0</allow_auto_disable>\n<link name=\""
       << names.link << "\">\n"
       << inertial(1.25 * r, 8.0, 0.08, 0.08, 0.12) << "\n<collision name=\"body\">"
       << body_geometry(robot.shape) << "</collision>\n";

@@ -23,7 +23,7 @@
 
 #include "adapters/gazebo/frame_stream.h"
 #include "adapters/gazebo/gazebo_options.h"
-#include "messages.pb.h"
+#include "adapters/gazebo/messages.pb.h"
 #include "models/types.h"
 
 namespace prospect::test {

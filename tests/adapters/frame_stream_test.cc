@@ -12,7 +12,7 @@
 
 #include "adapters/files/input_error.h"
 
-namespace prospect {
+namespace prospect::frame_stream_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -118,4 +118,4 @@ TEST(FrameStream, NamesTheAddressAtWhichNobodyListens) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::frame_stream_test

@@ -17,7 +17,7 @@
 #include "adapters/gazebo/velocity_relay.h"
 #include "tests/adapters/fake_gazebo.h"
 
-namespace prospect {
+namespace prospect::gazebo_base_test {
 namespace {
 
 using test::FakeGazebo;
@@ -172,4 +172,4 @@ TEST(VelocityRelay, SaysWhatItCannotReach) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::gazebo_base_test

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "messages.pb.h"
+#include "adapters/gazebo/messages.pb.h"
 
-namespace prospect {
+namespace prospect::gazebo_messages_test {
 namespace {
 
 using ::testing::ElementsAre;
@@ -120,4 +120,4 @@ TEST(GazeboMessages, AVelocityIsAPoseWithTheYawTurned) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::gazebo_messages_test

@@ -11,7 +11,7 @@
 #include "adapters/files/input_error.h"
 #include "tests/adapters/fake_gazebo.h"
 
-namespace prospect {
+namespace prospect::gazebo_node_test {
 namespace {
 
 using test::FakeGazebo;
@@ -99,4 +99,4 @@ TEST(GazeboNode, RefusesWhatDoesNotGreetAsAMaster) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::gazebo_node_test

@@ -3,14 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstring>
+#include <cmath>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "adapters/gazebo/gazebo_truth.h"
 #include "tests/adapters/fake_gazebo.h"
 
-namespace prospect {
+namespace prospect::gazebo_sensors_test {
 namespace {
 
 using test::FakeGazebo;
@@ -31,7 +32,11 @@ void fill(gazebo::msgs::Image* image, unsigned format, const std::string& data) 
 TEST(GazeboSensors, PutsPairsAndDepthsIntoTheInbox) {
   FakeGazebo gazebo;
   const SteadyClock clock;
-  SensorInbox inbox(clock, {});
+  // Stamps of the runtime's clock need not settle first.
+  SensorInboxOptions own_clock;
+  own_clock.cameras_in_runtime_clock = true;
+  own_clock.depth_in_runtime_clock = true;
+  SensorInbox inbox(clock, own_clock);
   const GazeboSensors sensors(gazebo.options(), inbox);
   ASSERT_TRUE(soon([&] {
     return gazebo.subscribers(kStereo) == 1 && gazebo.subscribers(kDepth) == 1 &&
@@ -91,4 +96,4 @@ TEST(GazeboTruth, GivesEachPoseOnce) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::gazebo_sensors_test

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <optional>
 
-namespace prospect {
+namespace prospect::wheel_encoder_test {
 namespace {
 
 /// Wheels that have turned by these angles, mounted with their own axes turned, on a body that lies
@@ -57,4 +57,4 @@ TEST(WheelEncoder, LeavesOutWhatSaysNothing) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::wheel_encoder_test

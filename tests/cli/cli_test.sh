@@ -173,7 +173,7 @@ done
 refused "unknown option" --bogus expected "${explore[@]}" office --bogus
 refused "unknown command" "'exlore'" "did you mean 'explore'?" exlore office
 # Every command names the nearest of its options, in one line, also where the stray value is taken for an argument.
-for typo in "explore --sede --seed" "report --figre --figure" "solve --sede --seed" "bench --sede --seed" \
+for typo in "explore --sede --seed" "export --sede --seed" "report --figre --figure" "solve --sede --seed" "bench --sede --seed" \
   "odometry --fromm --from" "map --rnge --range" "list --jsn --json" "config --sett --set"; do
   read -r command option nearest <<<"$typo"
   for call in "$command $option 3" "$command $option=3" "$command x $option"; do
@@ -586,6 +586,16 @@ refused "bench into a file" file "expected a new or empty folder" bench zoo --ou
 [[ "$(ls foreign)" == notes.txt && "$(<file)" == precious ]] || fail "bench touched a file of others"
 
 # --- Figures of a run.
+succeeds "a world for Gazebo" export corridor --sdf exported/corridor.sdf
+for file in corridor.sdf corridor.obj corridor.mtl corridor_0.png; do
+  [[ -s exported/$file ]] || fail "export wrote no $file"
+done
+[[ "$out" == *"--set robot.stereo.cx=319.5"* ]] || fail "export does not say where the principal point is: '$out'"
+refused "no name of a file" "--sdf: 'exported'" "expected a file .sdf" export corridor --sdf exported
+refused "pixels that are not square" "robot.stereo.fx is 450" "pixels of Gazebo are square" \
+  export corridor --sdf exported/no.sdf --set robot.stereo.fy=400
+[[ ! -e exported/no.sdf && ! -e exported/no.obj ]] || fail "a refused export wrote something"
+
 succeeds "report of a run" report first --figure path,map --out figures
 for file in path.png path.svg map.png map.svg; do
   [[ -s figures/$file ]] || fail "report wrote no $file"
