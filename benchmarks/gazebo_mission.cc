@@ -7,8 +7,10 @@
 // reachable area that the robot's map holds, the error of the pose against the truth, losses,
 // contacts, latencies, and seconds of simulation a second.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <stop_token>
@@ -60,16 +62,17 @@ PerceptionOptions perception_of(const Configuration& c, const PinholeCamera& dep
   return perception;
 }
 
-/// Drives at a velocity for so long; a thread feeds perception meanwhile. The turn by the wheels
-/// [rad].
+/// Drives at a velocity for so long, or until it is enough; a thread feeds perception meanwhile.
+/// The turn by the wheels [rad].
 double drive_by_hand(GazeboBase& base, SensorInbox& inbox, BeliefSource& beliefs,
-                     const Clock& clock, const Twist& command, double seconds) {
+                     const Clock& clock, const Twist& command, double seconds,
+                     const std::function<bool()>& enough = {}) {
   const std::jthread perceives([&](const std::stop_token& stop) {
     while (!stop.stop_requested()) beliefs.update(stop);
   });
   double turned = 0.0, before = 0.0;
   const double end = clock.now() + seconds;
-  while (clock.now() < end) {
+  while (clock.now() < end && !(enough && enough())) {
     base.send(command, clock.now() + 0.2);
     for (const WheelSample& sample : base.report().wheels) {
       inbox.wheels(sample);
@@ -82,11 +85,31 @@ double drive_by_hand(GazeboBase& base, SensorInbox& inbox, BeliefSource& beliefs
   return turned;
 }
 
-PreflightFacts::Stream stream_of(const std::string& name, const SensorInbox& inbox,
-                                 SensorStream stream, double limit, double now, double watched) {
-  const StreamCount count = inbox.count(stream);
-  const double age = count.newest ? now - *count.newest : 1e9;
-  return {name, age, limit, age <= limit && count.taken > 0 ? watched : 0.0};
+/// The streams of a robot that stands, once each has been live for as long as it must be, or after
+/// 20 s.
+std::vector<PreflightFacts::Stream> watched_streams(GazeboBase& base, SensorInbox& inbox,
+                                                    BeliefSource& beliefs, const Clock& clock,
+                                                    const Guard::Options& limits) {
+  std::vector<PreflightFacts::Stream> streams = {{"cameras", 0.0, limits.max_pose_age},
+                                                 {"depth", 0.0, limits.max_ranges_age},
+                                                 {"wheels", 0.0, limits.max_pose_age}};
+  constexpr std::array kStreams = {SensorStream::kPair, SensorStream::kDepth,
+                                   SensorStream::kWheels};
+  std::array<double, 3> live_since{};
+  live_since.fill(clock.now());
+  drive_by_hand(base, inbox, beliefs, clock, {}, 20.0, [&] {
+    const double now = clock.now();
+    bool live = true;
+    for (std::size_t n = 0; n < streams.size(); ++n) {
+      PreflightFacts::Stream& stream = streams[n];
+      stream.age = now - inbox.count(kStreams[n]).newest.value_or(-1e9);
+      if (!(stream.age <= stream.limit)) live_since[n] = now;
+      stream.live_for = now - live_since[n];
+      live = live && stream.live_for > PreflightOptions().live_time;
+    }
+    return live;
+  });
+  return streams;
 }
 
 /// The pose at a time, between two of the truth; none: outside.
@@ -134,7 +157,8 @@ int run(int argc, char** argv) {
   options.address.port = port;
   const SteadyClock clock;
   GazeboBase base(options, clock);  // before all threads, as it forks
-  SensorInbox inbox(clock, {});
+  // The simulation's time does not keep up with the wall clock while the machine is busy.
+  SensorInbox inbox(clock, {.clock_drift = 0.1});
   const GazeboSensors sensors(options, inbox);
   GazeboTruth truth(options);
 
@@ -160,17 +184,11 @@ int run(int argc, char** argv) {
   const RealTimeOptions driving;
 
   // Before the first motion, and a turn by 0.2 rad.
-  constexpr double kWatched = 2.5;  // [s]
-  drive_by_hand(base, inbox, beliefs, clock, {}, kWatched);
-  const double now = clock.now();
   PreflightFacts facts;
   facts.body = c.robot.slice();
   facts.resolution = c.simulator.mapping.resolution;
   facts.stereo_offset = 0.0;  // a pair is one message of one instant
-  facts.streams = {
-      stream_of("cameras", inbox, SensorStream::kPair, limits.max_pose_age, now, kWatched),
-      stream_of("depth", inbox, SensorStream::kDepth, limits.max_ranges_age, now, kWatched),
-      stream_of("wheels", inbox, SensorStream::kWheels, limits.max_pose_age, now, kWatched)};
+  facts.streams = watched_streams(base, inbox, beliefs, clock, limits);
   facts.dead_man = base.dead_man();
   facts.longest_thread_limit =
       std::max({driving.perception_limit, driving.planner_limit, driving.command_limit});

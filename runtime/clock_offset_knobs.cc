@@ -6,7 +6,7 @@ namespace prospect {
 void describe(Knobs& knobs, ClockOffsetOptions& o) {
   knobs.boolean("own_clock", o.own_clock,
                 "the source has a clock of its own; else its stamps are of the runtime's");
-  knobs.number("drift", o.drift, {0.0, 0.01}, "1",
+  knobs.number("drift", o.drift, {0.0, 0.2}, "1",
                "most that one clock runs faster than the other, seconds a second");
   knobs.number("jump", o.jump, {0.001, 10.0}, "s",
                "what a stamp is off by more is a jump of a clock");

@@ -12,9 +12,10 @@
 namespace prospect {
 namespace {
 
-ClockOffsetOptions clock_of(bool in_runtime_clock) {
+ClockOffsetOptions clock_of(bool in_runtime_clock, double drift) {
   ClockOffsetOptions options;
   options.own_clock = !in_runtime_clock;
+  options.drift = drift;
   return options;
 }
 
@@ -83,10 +84,10 @@ InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame) {
 SensorInbox::SensorInbox(const Clock& clock, const SensorInboxOptions& options)
     : clock_(clock),
       options_(options),
-      cameras_(clock_of(options.cameras_in_runtime_clock)),
-      wheels_(clock_of(options.wheels_in_runtime_clock)),
-      depth_(clock_of(options.depth_in_runtime_clock)),
-      scan_(clock_of(options.scan_in_runtime_clock)) {
+      cameras_(clock_of(options.cameras_in_runtime_clock, options.clock_drift)),
+      wheels_(clock_of(options.wheels_in_runtime_clock, options.clock_drift)),
+      depth_(clock_of(options.depth_in_runtime_clock, options.clock_drift)),
+      scan_(clock_of(options.scan_in_runtime_clock, options.clock_drift)) {
   check_knobs("sensor inbox", options_);
 }
 

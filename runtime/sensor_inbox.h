@@ -75,6 +75,10 @@ struct SensorInboxOptions {
   bool wheels_in_runtime_clock = false;
   bool depth_in_runtime_clock = false;
   bool scan_in_runtime_clock = false;
+  /// Most by which the clock of a source runs faster or slower than the runtime's [s/s]
+  /// (ClockOffsetOptions::drift). Clocks of hardware stay below the default; the time of a
+  /// simulator that does not keep up with the wall clock does not.
+  double clock_drift = 1e-4;
 };
 
 /// The knobs (models/knobs.h).

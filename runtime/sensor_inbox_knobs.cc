@@ -25,6 +25,8 @@ void describe(Knobs& knobs, SensorInboxOptions& o) {
                 "depth images are stamped by the runtime's clock");
   knobs.boolean("scan_in_runtime_clock", o.scan_in_runtime_clock,
                 "scans are stamped by the runtime's clock");
+  knobs.number("clock_drift", o.clock_drift, {0.0, 0.2}, "1",
+               "most by which a source's clock is faster or slower than the runtime's");
 }
 
 }  // namespace prospect

@@ -164,6 +164,22 @@ TEST(SensorInbox, AClockOfItsOwnIsShiftedIntoTheRuntimes) {
   EXPECT_NEAR(*in.box.count(SensorStream::kWheels).newest, in.clock.now(), 1e-3);
 }
 
+TEST(SensorInbox, AClockThatRunsSlowerIsFollowedAsFarAsItMay) {
+  // For 20 s, as of a simulation that makes 0.96 s of each second.
+  const auto oldest_at_the_end = [](double drift) {
+    SensorInboxOptions options;
+    options.clock_drift = drift;
+    Inbox in(options);
+    for (int k = 0; k < 300; ++k) {
+      in.clock.advance(1.0 / 15.0);
+      in.box.wheels(sample(0.96 * (in.clock.now() - kNow)));
+    }
+    return in.clock.now() - in.box.count(SensorStream::kWheels).newest.value_or(0.0);
+  };
+  EXPECT_LT(oldest_at_the_end(0.1), 0.01);
+  EXPECT_GT(oldest_at_the_end(1e-4), 0.7);
+}
+
 TEST(SensorInbox, ImagesArePairedByTheStampsOfTheirOwnClock) {
   SensorInboxOptions options = in_one_clock();
   options.cameras_in_runtime_clock = false;
