@@ -32,7 +32,7 @@ class Knobs;
 struct GroundPlaneOptions {
   DepthRange range{0.3, 5.0};  ///< of the depths used [m]
   int stride = 4;              ///< every so manyeth pixel along rows and columns is used
-  int score_stride = 8;        ///< likewise, to score hypotheses; a multiple of stride
+  int score_stride = 8;        ///< likewise, to score hypotheses; rounded down to a multiple
   /// Noise of a depth z, one standard deviation: noise_constant + noise_quadratic z^2 [m; 1/m], and
   /// of the floor itself [m]. Between those of a structured-light camera and of a stereo one.
   double noise_constant = 0.0015;

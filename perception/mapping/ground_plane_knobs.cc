@@ -6,9 +6,7 @@ namespace prospect {
 void describe(Knobs& knobs, GroundPlaneOptions& o) {
   knobs.integer("stride", o.stride, {1, 64}, "px", "between pixels that are used");
   knobs.integer("score_stride", o.score_stride, {1, 64}, "px",
-                "between pixels that score a plane, a multiple of stride");
-  knobs.require(o.stride < 1 || o.score_stride % o.stride == 0, "score_stride",
-                "score_stride is no multiple of stride; expected one");
+                "between pixels that score a plane, rounded down to a multiple of stride");
   knobs.number("noise_constant", o.noise_constant, {0.0, 1.0}, "m", "deviation of a depth");
   knobs.number("noise_quadratic", o.noise_quadratic, {0.0, 1.0}, "1/m",
                "the same, times the squared depth");
