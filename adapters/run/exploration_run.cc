@@ -336,7 +336,8 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     }
     r.mode = to_string(plan.mode.kind);
     r.cause = to_string(plan.mode.cause);
-    r.mode_since = step.time - (belief.stamp - plan.mode.since);
+    // The first mode holds from the start, whatever a running clock says then.
+    r.mode_since = std::max(0.0, step.time - (belief.stamp - plan.mode.since));
     r.caution = to_string(plan.caution);
     r.why = plan.why;
     r.seeds_scored = plan.seeds_scored;
