@@ -2,21 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
+#include "engine/behaviour/formatted.h"
 #include "models/knobs.h"
 
 namespace prospect {
 namespace {
 
 constexpr double kFuture = 1e-3;  // [s] that a stamp may be ahead of a clock that is read twice
-
-std::string with_number(const char* pattern, double value) {
-  char text[160];
-  std::snprintf(text, sizeof text, pattern, value);
-  return text;
-}
 
 }  // namespace
 
@@ -74,14 +68,14 @@ StampReading ClockOffset::refused(StampVerdict verdict, std::string text) {
 StampReading ClockOffset::add(double stamp, double arrival) {
   if (!std::isfinite(stamp) || !std::isfinite(arrival)) {
     return refused(StampVerdict::kInvalid,
-                   with_number("stamp %g is not finite", std::isfinite(stamp) ? arrival : stamp));
+                   formatted("stamp %g is not finite", std::isfinite(stamp) ? arrival : stamp));
   }
   const Sample sample{stamp, arrival};
   StampReading reading;
   if (!options_.own_clock) {
     if (sample.difference() < -kFuture) {
       return refused(StampVerdict::kFuture,
-                     with_number("%.3g s ahead of the runtime's clock", -sample.difference()));
+                     formatted("%.3g s ahead of the runtime's clock", -sample.difference()));
     }
     reading.verdict = StampVerdict::kGood;
     reading.time = std::min(stamp, arrival);
@@ -104,9 +98,9 @@ StampReading ClockOffset::add(double stamp, double arrival) {
       if (!agrees) {
         suspect_ = sample;
         return refused(StampVerdict::kSuspect,
-                       with_number(ahead > options_.jump ? "ahead of the stamps before by %.3g s"
-                                                         : "behind the stamps before by %.3g s",
-                                   std::abs(ahead)));
+                       formatted(ahead > options_.jump ? "ahead of the stamps before by %.3g s"
+                                                       : "behind the stamps before by %.3g s",
+                                 std::abs(ahead)));
       }
       const double least = std::min(sample.difference(), suspect_->difference());
       const double jump = offset_ - least;
@@ -118,9 +112,9 @@ StampReading ClockOffset::add(double stamp, double arrival) {
       ++jumps_;
       reading = refused(
           StampVerdict::kJumped,
-          with_number(jump > 0.0 ? "the source's clock went ahead by %.3g s against the runtime's"
-                                 : "the source's clock went back by %.3g s against the runtime's",
-                      std::abs(jump)));
+          formatted(jump > 0.0 ? "the source's clock went ahead by %.3g s against the runtime's"
+                               : "the source's clock went back by %.3g s against the runtime's",
+                    std::abs(jump)));
       reading.jump = jump;
       return reading;
     }
@@ -132,7 +126,7 @@ StampReading ClockOffset::add(double stamp, double arrival) {
   }
   if (!settled()) {
     reading.verdict = StampVerdict::kSettling;
-    reading.text = with_number("%.0f stamps since the estimate began", taken_);
+    reading.text = formatted("%d stamps since the estimate began", taken_);
     return reading;
   }
   // The minimum is for rounding: stamps of a calendar have a resolution of 0.2 us.
@@ -141,8 +135,8 @@ StampReading ClockOffset::add(double stamp, double arrival) {
   reading.verdict = StampVerdict::kGood;
   if (reading.delay - options_.least_delay > options_.jump) {
     reading.verdict = StampVerdict::kDelayed;
-    reading.text = with_number("%.3g s later than the quickest, or its clock was set back",
-                               reading.delay - options_.least_delay);
+    reading.text = formatted("%.3g s later than the quickest, or its clock was set back",
+                             reading.delay - options_.least_delay);
   }
   return reading;
 }

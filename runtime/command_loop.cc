@@ -7,16 +7,12 @@
 #include <utility>
 
 #include "models/knobs.h"
+#include "models/limited_twist.h"
 
 namespace prospect {
 namespace {
 
 constexpr double kRemembered = 3.0;  // [s] of commands sent: longer than a belief may be old
-constexpr double kRest = 1e-3;       // [m/s], [rad/s]
-
-bool at_rest(const Twist& twist) {
-  return twist.linear.norm() <= kRest && std::abs(twist.yaw_rate) <= kRest;
-}
 
 bool drives(DriveResponse response) {
   return response == DriveResponse::kFull || response == DriveResponse::kSlow;
@@ -83,7 +79,7 @@ void CommandLoop::give_up() {
 void CommandLoop::adopt(const std::shared_ptr<const Plan>& plan, double now) {
   if (plan && plan != seen_) {
     seen_ = plan;
-    if (now <= plan->stamp + options_.period || at_rest(previous_)) {
+    if (now <= plan->stamp + options_.period || is_at_rest(previous_)) {
       next_ = plan;
     } else {
       ++late_plans_;

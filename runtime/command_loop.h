@@ -111,7 +111,7 @@ class CommandLoop {
  private:
   void adopt(const std::shared_ptr<const Plan>& plan, double now);
   void give_up();
-  /// Drives what `drive` says; false: something forbids it, and `step` says what.
+  /// The plan's command, or the guard's braking where it refuses that one.
   void drive(const CommandInputs& inputs, const Pose& pose, CommandStep& step);
 
   std::shared_ptr<const MotionModel> model_;

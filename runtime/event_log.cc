@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
+#include "engine/behaviour/formatted.h"
 #include "models/knobs.h"
 
 namespace prospect {
@@ -24,15 +24,10 @@ std::string_view to_string(Severity severity) {
 }
 
 std::string to_text(const Event& event) {
-  char number[64];
-  std::snprintf(number, sizeof number, "%.3f ", event.stamp);
-  std::string text =
-      number + std::string(to_string(event.severity)) + ' ' + event.source + ": " + event.cause;
+  std::string text = formatted("%.3f ", event.stamp) + std::string(to_string(event.severity)) +
+                     ' ' + event.source + ": " + event.cause;
   if (!event.text.empty()) text += ": " + event.text;
-  if (event.count > 1) {
-    std::snprintf(number, sizeof number, " (%d times until %.3f)", event.count, event.last_stamp);
-    text += number;
-  }
+  if (event.count > 1) text += formatted(" (%d times until %.3f)", event.count, event.last_stamp);
   return text;
 }
 

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "models/knobs.h"
+#include "models/limited_twist.h"
 #include "runtime/mission_progress.h"
 #include "runtime/planning_latency.h"
 #include "runtime/predicted_belief.h"
@@ -45,11 +46,6 @@ const RobotParts& checked(const RobotParts& parts) {
 const RealTimeOptions& checked(const RealTimeOptions& options) {
   check_knobs("driver", options);
   return options;
-}
-
-bool starts_at_rest(const Belief& belief) {
-  constexpr double kRest = 1e-3;  // [m/s], [rad/s]
-  return belief.twist.linear.norm() <= kRest && std::abs(belief.twist.yaw_rate) <= kRest;
 }
 
 /// The newest of something, handed from one thread to others.
@@ -154,7 +150,7 @@ void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress&
     // The plan begins when it was meant to, whatever the planner made of the stamp.
     plan_made->stamp = predicted.stamp;
     published.plan = plan_made;
-    if (starts_at_rest(predicted)) published.from_rest = predicted.stamp;
+    if (is_at_rest(predicted.twist)) published.from_rest = predicted.stamp;
     plan.set(published);
     const double took = now() - begun;
     latency.add(took);

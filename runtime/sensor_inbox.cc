@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <type_traits>
 #include <utility>
 
+#include "engine/behaviour/formatted.h"
 #include "models/knobs.h"
 
 namespace prospect {
@@ -20,11 +20,7 @@ ClockOffsetOptions clock_of(bool in_runtime_clock, double drift) {
 }
 
 /// "1.25", for messages.
-std::string seconds(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+std::string seconds(double value) { return formatted("%.3g", value); }
 
 bool empty(const Image& image) {
   return image.width <= 0 || image.height <= 0 ||

@@ -22,11 +22,11 @@
 #include "engine/maps/shape_geometry.h"
 #include "engine/task/body_outline.h"
 #include "models/body_transform.h"
+#include "models/limited_twist.h"
 
 namespace prospect {
 namespace {
 
-constexpr double kRestSpeed = 1e-3;         // [m/s] and [rad/s]
 constexpr double kReducedTolerance = 1e-4;  // [m]
 constexpr double kUnmoved = 1e-6;           // [m]: a robot that turns on the spot
 constexpr double kSpeedTolerance = 1e-4;    // [m/s] above a slow zone's limit
@@ -52,10 +52,6 @@ class Budget {
  private:
   long long left_;
 };
-
-bool at_rest(const Twist& twist) {
-  return twist.linear.norm() <= kRestSpeed && std::abs(twist.yaw_rate) <= kRestSpeed;
-}
 
 /// A vertical run of voxels: column (i, j), layers low..high inclusive.
 struct Run {
@@ -547,7 +543,7 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
     inputs.push_back(u);
     model.step(state, u, dt, next);
     state.swap(next);
-  } while (!at_rest(model.twist(state, u)) && static_cast<int>(inputs.size()) < max_steps &&
+  } while (!is_at_rest(model.twist(state, u)) && static_cast<int>(inputs.size()) < max_steps &&
            state.allFinite());
   Eigen::MatrixXd tail(model.nu(), static_cast<Eigen::Index>(inputs.size()));
   for (std::size_t n = 0; n < inputs.size(); ++n)
@@ -874,7 +870,7 @@ Certificate Certifier::certify(const Belief& belief, const MotionModel& model,
       model.step(x, tail.col(n), dt, next);
       x.swap(next);
     }
-    if (!at_rest(model.twist(x, tail.col(tail.cols() - 1)))) {
+    if (!is_at_rest(model.twist(x, tail.col(tail.cols() - 1)))) {
       const bool cut = affordable < wanted;
       result.status = cut ? Certificate::Status::kOverBudget : Certificate::Status::kNotStopping;
       result.detail = cut ? over_budget(options_.max_checks)
