@@ -73,6 +73,7 @@ struct DdsBase::Impl {
   DdsNode& node;
   const Clock& clock;
   int stamped = -1, plain = -1;
+  std::vector<std::string> command_topics;
   mutable std::mutex mutex;
   ClockOffset offset;
   std::optional<double> heard;
@@ -93,17 +94,29 @@ DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const Clock& clock)
       impl->emergency = m.data;
     });
   }
-  if (!options.command.stamped.empty()) {
-    impl_->stamped = node.advertise<ros::TwistStamped>(options.command.stamped, kCommandQos);
+  const DdsOptions::Command& command = options.command;
+  if (!command.relay.empty()) {
+    impl_->stamped = node.advertise<ros::TwistStamped>(command.relay, kCommandQos);
+    impl_->command_topics = {command.relay};
+    return;
   }
-  if (!options.command.plain.empty()) {
-    impl_->plain = node.advertise<ros::Twist>(options.command.plain, kCommandQos);
+  if (!command.stamped.empty()) {
+    impl_->stamped = node.advertise<ros::TwistStamped>(command.stamped, kCommandQos);
+    impl_->command_topics.push_back(command.stamped);
+  }
+  if (!command.plain.empty()) {
+    impl_->plain = node.advertise<ros::Twist>(command.plain, kCommandQos);
+    impl_->command_topics.push_back(command.plain);
   }
 }
 DdsBase::~DdsBase() = default;
 
 std::string DdsBase::name() const noexcept { return "dds"; }
-std::optional<double> DdsBase::dead_man() const noexcept { return impl_->options.command.dead_man; }
+std::optional<double> DdsBase::dead_man() const noexcept {
+  const DdsOptions::Command& command = impl_->options.command;
+  // A relay sees it at the end of a period at the latest.
+  return command.dead_man + (command.relay.empty() ? 0.0 : command.relay_period);
+}
 BaseLimits DdsBase::limits() const noexcept { return impl_->options.command.limits; }
 
 void DdsBase::send(const Twist& command, double expires) noexcept {
@@ -130,12 +143,14 @@ BaseReport DdsBase::report() noexcept {
     const DdsOptions& o = impl_->options;
     const DdsNode& node = impl_->node;
     bool listens = false;
-    for (const std::string& topic : {o.command.stamped, o.command.plain}) {
-      listens = listens || (!topic.empty() && node.subscribers(topic) > 0);
+    std::vector<std::string> topics = {o.odometry};
+    if (!o.emergency_stop.empty()) topics.push_back(o.emergency_stop);
+    for (const std::string& topic : impl_->command_topics) {
+      listens = listens || node.subscribers(topic) > 0;
+      topics.push_back(topic);
     }
-    for (const std::string& topic :
-         {o.odometry, o.command.stamped, o.command.plain, o.emergency_stop}) {
-      const std::string fault = topic.empty() ? "" : node.fault(topic);
+    for (const std::string& topic : topics) {
+      const std::string fault = node.fault(topic);
       if (!fault.empty()) report.faults.push_back(fault);
     }
     const std::lock_guard lock(impl_->mutex);

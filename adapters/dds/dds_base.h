@@ -15,10 +15,11 @@ namespace prospect {
 
 /// A base behind topics of ROS 2: velocity commands go out, odometry comes in. Its dead-man is the
 /// one that its driver is set up with (DdsOptions::Command::dead_man): it is declared, and nothing
-/// here can see whether it is so; the pre-flight's report tells it.
+/// here can see whether it is so. Where the driver has none, commands go to a relay beside it
+/// (dds_relay.h), which is seen: without it the link does not stand.
 ///
-/// Commands: TwistStamped, stamped with the robot's clock, and Twist. One that has expired is not
-/// sent. Nothing is sent before the first send() or stop().
+/// Commands: TwistStamped, stamped with the robot's clock, and Twist; to a relay TwistStamped
+/// alone. One that has expired is not sent. Nothing is sent before the first send() or stop().
 ///
 /// Report: velocity and wheel motion of the odometry's twist, which is the body's. The link stands
 /// while odometry has come and somebody subscribes to commands. Faults: an emergency stop that is

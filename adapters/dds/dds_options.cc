@@ -116,6 +116,9 @@ DdsOptions read_dds_options(const std::string& path) {
   }
   c.dead_man = command.required_number("dead_man", 0.01, 10.0, "s",
                                        "silence after which the base's driver stops it by itself");
+  c.relay = topics.read(command, "relay", "", "TwistStamped to a relay", Empty::kAllowed);
+  c.relay_period = command.number("relay_period", c.relay_period, 0.005, 0.1, "s",
+                                  "in which the relay looks, and repeats a stop");
   c.limits.speed = limit(command, "speed", "m/s", "that the base reaches");
   c.limits.yaw_rate = limit(command, "yaw_rate", "rad/s", "that the base reaches");
   c.limits.acceleration = limit(command, "acceleration", "m/s^2", "that the base reaches");

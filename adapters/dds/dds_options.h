@@ -42,8 +42,12 @@ struct DdsOptions {
   struct Command {
     std::string stamped = "/cmd_vel";  ///< geometry_msgs/msg/TwistStamped
     std::string plain;                 ///< geometry_msgs/msg/Twist
-    /// [s] of silence after which the base stops by itself: as its driver is set up.
+    /// [s] of silence after which the base stops by itself: as its driver is set up, or as the
+    /// relay (dds_relay.h) does it.
     double dead_man = 0.0;
+    /// TwistStamped to a relay, which passes it on to the topics above; empty: there is none.
+    std::string relay;
+    double relay_period = 0.02;  ///< [s] > 0 in which it looks, and repeats a stop
     BaseLimits limits;
   } command;
 
