@@ -8,6 +8,11 @@
 namespace prospect {
 
 int drive(const DriveArguments& arguments, const Registries& registries) {
+  if (arguments.base == "dds") return drive_dds(arguments, registries);
+  if (!arguments.ros.empty()) {
+    throw InputError("--ros: given with --base " + arguments.base +
+                     "; expected it with --base dds");
+  }
   RealTimeRun run;
   for (const std::string& text : arguments.faults) {
     try {

@@ -230,14 +230,25 @@ int run(int argc, char** argv) {
       "drive", "The same mission in real time: threads for perception, plans and commands");
   add_mission_options(drive_command, drive_arguments.mission);
   one_of(drive_command->add_option("--base", drive_arguments.base,
-                                   "What is driven: the simulator as a robot with a clock"),
-         {"simulator"});
+                                   "What is driven: the simulator as a robot with a clock, or "
+                                   "a robot behind topics of ROS 2"),
+         {"simulator", "dds"});
+  drive_command
+      ->add_option("--ros", drive_arguments.ros, "With --base dds: the robot's topics (YAML)")
+      ->type_name("FILE");
   drive_command
       ->add_option("--fault", drive_arguments.faults,
                    "Break something of the simulated robot: SOURCE:VERB, from FROM s on, for FOR s "
                    "(depth:off@10+2)")
       ->type_name("FAULT")
       ->allow_extra_args(false);
+
+  std::string relay_topics;
+  CLI::App* relay_command = app.add_subcommand(
+      "relay", "The dead-man of a base behind topics of ROS 2, beside its motors");
+  relay_command->add_option("--ros", relay_topics, "The robot's topics (YAML)")
+      ->type_name("FILE")
+      ->required();
 
   ReportArguments report_arguments;
   CLI::App* report_command =
@@ -518,6 +529,7 @@ int run(int argc, char** argv) {
   }
   if (*explore_command) return explore(explore_arguments, registries);
   if (*drive_command) return drive(drive_arguments, registries);
+  if (*relay_command) return relay(relay_topics);
   if (*report_command) return report(report_arguments, registries);
   if (*export_command) return export_world(export_arguments, registries);
   if (*solve_command) return solve(solve_arguments, registries);

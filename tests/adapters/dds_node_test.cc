@@ -126,5 +126,12 @@ TEST(DdsNode, RefusesWhatCannotBe) {
   EXPECT_THROW(DdsNode{missing}, InputError);
 }
 
+TEST(DdsNode, TakesTheConfigurationOfTheSamplePackage) {
+  DdsAddress address = test::dds_test_address();
+  address.configuration =
+      std::string(PROSPECT_SOURCE_DIR) + "/docs/examples/ros2/prospect_robot/config/cyclonedds.xml";
+  EXPECT_NO_THROW(DdsNode{address});
+}
+
 }  // namespace
 }  // namespace prospect::dds_node_test

@@ -74,5 +74,13 @@ TEST(DdsOptions, NamesTheLineOfWhatIsWrong) {
   for (const Row& row : rows) EXPECT_THAT(refusal(row.text), HasSubstr(row.expected)) << row.text;
 }
 
+TEST(DdsOptions, OfTheSamplePackageAreRead) {
+  const std::string config =
+      std::string(PROSPECT_SOURCE_DIR) + "/docs/examples/ros2/prospect_robot/config/";
+  const DdsOptions o = read_dds_options(config + "robot.yaml");
+  EXPECT_EQ(o.command.relay, "/prospect/cmd_vel");
+  EXPECT_TRUE(o.mounts_from_tf);
+}
+
 }  // namespace
 }  // namespace prospect::dds_options_test
