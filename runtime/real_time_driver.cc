@@ -123,6 +123,7 @@ void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress&
   const CommandLoopOptions& command_options = options.command;
   PlanningLatency latency(options.least_latency, options.most_latency,
                           2.0 * command_options.period);
+  PlanningLatency preparation(0.0, options.most_latency, 0.0);
   double start = -std::numeric_limits<double>::infinity();  // of the newest plan
   NewestPlan published;
   while (!stop.stop_requested()) {
@@ -136,8 +137,13 @@ void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress&
       continue;
     }
     // Not before the plan before has begun: its successor is predicted through it.
-    const double lead = latency.value();
-    start = std::max(now() + lead, start + std::max(options.replan_period, lead));
+    const double lead = latency.value(), ahead = preparation.value();
+    start = std::max(now() + ahead + lead, start + std::max(options.replan_period, ahead + lead));
+    if (!parts.clock.wait_until(start - lead - ahead, stop)) break;
+    const double prepared = now();
+    parts.planner.prepare(*belief.get());
+    preparation.add(now() - prepared);
+    start = std::max(start, now() + lead);
     if (!parts.clock.wait_until(start - lead, stop)) break;
     newest = belief.get();
     const double begun = now();

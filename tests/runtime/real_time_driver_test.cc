@@ -46,8 +46,10 @@ class TrueBeliefs final : public BeliefSource {
 /// Drives on straight ahead, from whatever velocity it is given; done after `steps` plans.
 class StraightOn final : public Replanner {
  public:
+  void prepare(const Belief&) override { ++prepared; }
   Plan plan(const Belief& belief) override {
     ++plans;
+    EXPECT_EQ(prepared, plans);
     if (on_plan) on_plan(plans);
     const Unicycle model;
     Plan plan;
@@ -72,7 +74,7 @@ class StraightOn final : public Replanner {
   }
   std::shared_ptr<const GlobalPlan> global_plan() const override { return nullptr; }
 
-  int plans = 0;
+  int plans = 0, prepared = 0;
   int steps = 1000;
   std::function<void(int)> on_plan;
   std::vector<double> starts;
