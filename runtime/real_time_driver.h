@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "engine/maps/belief.h"
 #include "engine/planner/replanner.h"
@@ -15,10 +16,12 @@
 #include "runtime/drive_mode.h"
 #include "runtime/drive_watch.h"
 #include "runtime/event_log.h"
+#include "runtime/health_report.h"
 #include "runtime/latency_histogram.h"
 #include "runtime/mission.h"
 #include "runtime/range_look.h"
 #include "runtime/sensor_inbox.h"
+#include "runtime/watched_stream.h"
 
 namespace prospect {
 
@@ -54,6 +57,9 @@ struct RobotParts {
   /// The check before the first motion that failed (preflight.h); empty: all passed.
   std::string failed_preflight = "none was made";
   bool yaw_checked = false;
+  // What a health report tells of besides.
+  std::vector<WatchedStream> streams{};
+  std::vector<CheckResult> preflight{};
 };
 
 /// What has happened so far.
@@ -130,6 +136,8 @@ class RealTimeDriver {
   void resume() noexcept;
 
   DriverStatus status() const;
+  /// How the robot is, with its last ten events of warnings or worse.
+  HealthReport health() const;
   const EventLog& events() const;
 
  private:
