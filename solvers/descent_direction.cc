@@ -1,6 +1,7 @@
 #include "solvers/descent_direction.h"
 
 #include <Eigen/QR>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace prospect {
+namespace prospect::descent_direction_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -41,4 +41,4 @@ TEST(DescentDirection, IsZeroWhereMultipliersExist) {
 }
 
 }  // namespace
-}  // namespace prospect
+}  // namespace prospect::descent_direction_test
