@@ -49,14 +49,14 @@ int explore(const ExploreArguments& arguments, const Registries& registries);
 
 struct DriveArguments {
   ExploreArguments mission;
-  std::string base = "simulator";   ///< "simulator", "dds"
+  std::string base = "simulator";   ///< "simulator", "gazebo", "dds"
   std::string ros;                  ///< file of topics, of "dds"
   std::vector<std::string> faults;  ///< injected_fault.h
+  bool measure = false;             ///< Gazebo's truth measures, against mission.world
 };
 int drive(const DriveArguments& arguments, const Registries& registries);
-/// The robot behind topics of ROS 2.
-int drive_dds(const DriveArguments& arguments, const Registries& registries);
-/// The dead-man beside its motors, until it is interrupted. `ros`: file of topics.
+/// The dead-man beside the motors of a robot behind topics, until it is interrupted. `ros`: file of
+/// topics.
 int relay(const std::string& ros);
 /// One line on standard error of what the world's source holds besides, if anything.
 void tell_left_out(const World& world);

@@ -230,12 +230,15 @@ int run(int argc, char** argv) {
       "drive", "The same mission in real time: threads for perception, plans and commands");
   add_mission_options(drive_command, drive_arguments.mission);
   one_of(drive_command->add_option("--base", drive_arguments.base,
-                                   "What is driven: the simulator as a robot with a clock, or "
-                                   "a robot behind topics of ROS 2"),
-         {"simulator", "dds"});
+                                   "What is driven: the simulator as a robot with a clock, the "
+                                   "robot of the Gazebo that runs, or one behind topics of ROS 2"),
+         {"simulator", "gazebo", "dds"});
   drive_command
       ->add_option("--ros", drive_arguments.ros, "With --base dds: the robot's topics (YAML)")
       ->type_name("FILE");
+  drive_command->add_flag("--measure", drive_arguments.measure,
+                          "With --base gazebo: measure by Gazebo's truth, against WORLD, which it "
+                          "runs; nothing else is taken from it but the start");
   drive_command
       ->add_option("--fault", drive_arguments.faults,
                    "Break something of the simulated robot: SOURCE:VERB, from FROM s on, for FOR s "
@@ -478,7 +481,7 @@ int run(int argc, char** argv) {
   std::string what;
   bool list_json = false;
   CLI::App* list_command = app.add_subcommand(
-      "list", "What there is: solvers, worlds, terms, sets, modes or drive-modes");
+      "list", "What there is: solvers, worlds, terms, sets, modes, drive-modes or adapters");
   one_of(list_command->add_option("what", what, "Which of them, in full [all, in short]"),
          list_kinds());
   list_command->add_flag("--json", list_json, "Print JSON");

@@ -21,6 +21,7 @@ class FaultyReplanner final : public Replanner {
                   double start)
       : planner_(planner), clock_(clock), faults_(std::move(faults)), start_(start) {}
 
+  void prepare(const Belief& belief) override { planner_.prepare(belief); }
   Plan plan(const Belief& belief) override {
     constexpr double kLongest = 20.0, kSlower = 0.4;  // [s]
     const double now = clock_.now(), time = now - start_;
