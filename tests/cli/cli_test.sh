@@ -60,7 +60,7 @@ timed_out "a mission in real time" drive office --time-limit 1.5 --quiet --out l
 grep -q 'capture to command' out.txt || fail "a mission in real time: no latency in '$out'"
 [[ -s live/steps.csv && -s live/report.html && -s live/summary.json ]] ||
   fail "a mission in real time: its run folder is not whole"
-refused "a base that there is not" --base "expected one of: simulator, gazebo" drive office --base rover \
+refused "a base that there is not" --base "expected one of: simulator, gazebo, dds" drive office --base rover \
   --out none
 # Nobody listens at port 1.
 refused "a Gazebo that is not there" 127.0.0.1:1 "expected" drive --base gazebo \
@@ -69,6 +69,22 @@ refused "a fault in Gazebo" --fault "expected it with --base simulator" drive --
   --fault depth:off --out none
 refused "a measured simulator" --measure "expected it with --base gazebo" drive office --measure \
   --out none
+refused "no topics" --ros "expected the file" drive --base dds --out none
+refused "topics of a simulator" --ros "expected it with --base dds" drive office --ros robot.yaml --out none
+printf 'command: {dead_man: 0.5}\nodometri: /odom\n' >robot.yaml
+refused "a topic that there is not" "robot.yaml:2: unknown key 'odometri'" "odometry" drive --base dds --ros robot.yaml \
+  --out none
+printf 'command: {dead_man: 0.5}\n' >robot.yaml
+refused "no topic for the relay" command.relay "expected the topic" relay --ros robot.yaml
+# A robot that says nothing: each calibration that is missing is a line, and nothing has been sent.
+printf 'domain: 95\nloopback: true\ntimeout: 0.1\ncommand: {dead_man: 0.5}\n' >robot.yaml
+run drive --base dds --ros robot.yaml --out none
+if ((code != 3)); then  # built in
+  ((code == 2)) || fail "a robot that says nothing: exit $code, expected 2; '$err'"
+  [[ "$(grep -c 'camera_info: no message within 0.1 s; expected the' err.txt)" == 3 ]] ||
+    fail "a robot that says nothing: no line for each calibration in '$err'"
+  [[ ! -e none ]] || fail "a robot that says nothing: a run folder"
+fi
 refused "a fault that nobody implements" --fault "'depth:garbage'; expected a fault" drive office \
   --fault depth:garbage --out none
 
