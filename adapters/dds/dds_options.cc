@@ -58,9 +58,8 @@ DdsOptions read_dds_options(const std::string& path) {
       static_cast<int>(root.integer("domain", o.address.domain, 0, 232, "1", "as ROS_DOMAIN_ID"));
   o.address.node = root.text("node", o.address.node, "name of this node");
   o.address.loopback = root.boolean("loopback", o.address.loopback, "this machine alone");
-  if (root.has("configuration")) {
-    o.address.configuration = root.text("configuration", "", "file of CycloneDDS's XML");
-  }
+  o.address.configuration = root.text("configuration", "none", "file of CycloneDDS's XML");
+  if (o.address.configuration == "none") o.address.configuration.clear();
   o.timeout =
       root.number("timeout", o.timeout, 0.1, 600.0, "s", "to wait for calibrations and transforms");
 
