@@ -70,15 +70,15 @@ refused "a fault in Gazebo" --fault "expected it with --base simulator" drive --
 refused "a measured simulator" --measure "expected it with --base gazebo" drive office --measure \
   --out none
 refused "no topics" --ros "expected the file" drive --base dds --out none
-refused "topics of a simulator" --ros "expected it with --base dds" drive office --ros robot.yaml --out none
-printf 'command: {dead_man: 0.5}\nodometri: /odom\n' >robot.yaml
-refused "a topic that there is not" "robot.yaml:2: unknown key 'odometri'" "odometry" drive --base dds --ros robot.yaml \
+refused "topics of a simulator" --ros "expected it with --base dds" drive office --ros topics.yaml --out none
+printf 'command: {dead_man: 0.5}\nodometri: /odom\n' >topics.yaml
+refused "a topic that there is not" "topics.yaml:2: unknown key 'odometri'" "odometry" drive --base dds --ros topics.yaml \
   --out none
-printf 'command: {dead_man: 0.5}\n' >robot.yaml
-refused "no topic for the relay" command.relay "expected the topic" relay --ros robot.yaml
+printf 'command: {dead_man: 0.5}\n' >topics.yaml
+refused "no topic for the relay" command.relay "expected the topic" relay --ros topics.yaml
 # A robot that says nothing: each calibration that is missing is a line, and nothing has been sent.
-printf 'domain: 95\nloopback: true\ntimeout: 0.1\ncommand: {dead_man: 0.5}\n' >robot.yaml
-run drive --base dds --ros robot.yaml --out none
+printf 'domain: 95\nloopback: true\ntimeout: 0.1\ncommand: {dead_man: 0.5}\n' >topics.yaml
+run drive --base dds --ros topics.yaml --out none
 if ((code != 3)); then  # built in
   ((code == 2)) || fail "a robot that says nothing: exit $code, expected 2; '$err'"
   [[ "$(grep -c 'camera_info: no message within 0.1 s; expected the' err.txt)" == 3 ]] ||
