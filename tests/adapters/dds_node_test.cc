@@ -129,7 +129,7 @@ TEST(DdsNode, RefusesWhatCannotBe) {
 TEST(DdsNode, TakesTheConfigurationOfTheSamplePackage) {
   DdsAddress address = test::dds_test_address();
   address.configuration =
-      std::string(PROSPECT_SOURCE_DIR) + "/docs/examples/ros2/prospect_robot/config/cyclonedds.xml";
+      std::string(PROSPECT_SOURCE_DIR) + "/share/ros2/prospect_robot/config/cyclonedds.xml";
   EXPECT_NO_THROW(DdsNode{address});
 }
 

@@ -76,7 +76,7 @@ TEST(DdsOptions, NamesTheLineOfWhatIsWrong) {
 
 TEST(DdsOptions, OfTheSamplePackageAreRead) {
   const std::string config =
-      std::string(PROSPECT_SOURCE_DIR) + "/docs/examples/ros2/prospect_robot/config/";
+      std::string(PROSPECT_SOURCE_DIR) + "/share/ros2/prospect_robot/config/";
   const DdsOptions o = read_dds_options(config + "robot.yaml");
   EXPECT_EQ(o.command.relay, "/prospect/cmd_vel");
   EXPECT_TRUE(o.mounts_from_tf);
