@@ -28,12 +28,14 @@ void refuse_of_simulator(const DriveArguments& arguments) {
 }  // namespace
 
 int drive(const DriveArguments& arguments, const Registries& registries) {
+  ExploreArguments mission = arguments.mission;
+  mission.log = true;
   MissionBase base;
   base.gazebo = arguments.base == "gazebo";
   base.measure = arguments.measure;
   if (base.gazebo) {
     refuse_of_simulator(arguments);
-    return mission(arguments.mission, registries, base);
+    return prospect::mission(mission, registries, base);
   }
   if (arguments.measure) {
     throw InputError("--measure: the simulator always measures; expected it with --base gazebo");
@@ -46,7 +48,7 @@ int drive(const DriveArguments& arguments, const Registries& registries) {
       throw InputError(std::string("--fault: ") + e.what());
     }
   }
-  return mission(arguments.mission, registries, base);
+  return prospect::mission(mission, registries, base);
 }
 
 }  // namespace prospect
