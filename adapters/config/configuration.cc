@@ -168,7 +168,6 @@ void read_world(YamlMap map, WorldOptions& world) {
 }
 
 void read_drive(YamlMap map, Configuration& c) {
-  if (c.robot.model) c.drive.ranges = range_stop_options(c.robot);
   YamlKnobs knobs(map);
   describe(knobs, c.drive);
   c.simulated_base = read_knobs(map.map("simulator"), c.simulated_base);
@@ -280,6 +279,8 @@ Configuration read(StrictYaml yaml, const Registries& registries) {
   read_mission(root.map("mission"), c);
   read_task(root.map("task"), c);
   read_zones(root.map("zones"), c.planner.zones);
+  // A robot that is refused has no outline.
+  if (root.problem_count() == 0) c.drive.ranges = range_stop_options(c.robot);
   read_drive(root.map("drive"), c);
   read_gazebo(root.map("gazebo"), c.gazebo);
   if (root.problem_count() == 0) {
