@@ -113,6 +113,7 @@ void RealTimeDriver::Impl::perceive(const std::stop_token& stop) {
   while (!stop.stop_requested()) {
     supervisor.beat(kPerception, now());
     if (std::shared_ptr<const Belief> newest = parts.beliefs.update(stop)) {
+      if (parts.on_belief) parts.on_belief(*newest);
       belief.set(std::move(newest));
     }
   }
@@ -245,6 +246,7 @@ void RealTimeDriver::Impl::send(const std::stop_token& stop) {
     } else {
       parts.base.send(step.command, step.expires);
     }
+    if (parts.on_command) parts.on_command(instant, step.stop ? Twist{} : step.command);
     command.set(loop.state());
     if (step.reason == CommandReason::kGuard) {
       ++guard_stops;

@@ -60,6 +60,10 @@ struct RobotParts {
   // What a health report tells of besides.
   std::vector<WatchedStream> streams{};
   std::vector<CheckResult> preflight{};
+  // Who listens, such as a log; may be empty, must not wait and not throw.
+  std::function<void(const Belief&)> on_belief{};  ///< each new one, on the perception thread
+  /// Each command that is sent, and when [s], on the command thread; a stop is zero.
+  std::function<void(double, const Twist&)> on_command{};
 };
 
 /// What has happened so far.

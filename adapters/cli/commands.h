@@ -37,13 +37,16 @@ struct ExploreArguments {
   double resolution = 0.0;  ///< [m] WorldOptions::voxel_size; 0: as configured
   std::string unknown;      ///< "free", "solid"; empty: as configured
   std::optional<double> ground_margin;  ///< [m] WorldOptions::ground_margin; none: as configured
-  std::vector<double> go;  ///< x [m], y [m], and yaw [deg] if it matters; empty: as configured
-  std::string until;       ///< "0.95", "120m2"; empty: as configured
-  bool back = false;       ///< return to the start once the task is over
-  std::string map;         ///< OctoMap to begin with; empty: none
-  int save_problems = 0;   ///< write the problem of every so manyeth planning step; 0: none
+  std::vector<double> go;   ///< x [m], y [m], and yaw [deg] if it matters; empty: as configured
+  std::string until;        ///< "0.95", "120m2"; empty: as configured
+  bool back = false;        ///< return to the start once the task is over
+  std::string map;          ///< OctoMap to begin with; empty: none
+  bool log = false;         ///< mission.mcap in the run folder; drive always writes it
+  bool log_images = false;  ///< with the cameras' images in it
+  int save_problems = 0;    ///< write the problem of every so manyeth planning step; 0: none
   bool json = false;
   bool quiet = false;
+  std::string command_line;  ///< as typed, for the run folder
 };
 int explore(const ExploreArguments& arguments, const Registries& registries);
 
@@ -62,7 +65,7 @@ int relay(const std::string& ros);
 void tell_left_out(const World& world);
 
 struct ReportArguments {
-  std::string run;                   ///< folder
+  std::string run;                   ///< folder, or the log of a mission
   std::vector<std::string> figures;  ///< "path", "map"
   std::vector<std::string> formats = {"png", "svg"};
   std::string color;  ///< of the path; empty: plain

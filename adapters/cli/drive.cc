@@ -28,6 +28,8 @@ void refuse_of_simulator(const DriveArguments& arguments) {
 }  // namespace
 
 int drive(const DriveArguments& arguments, const Registries& registries) {
+  ExploreArguments mission = arguments.mission;
+  mission.log = true;
   MissionBase base;
   if (arguments.base == "dds") {
     refuse_of_simulator(arguments);
@@ -48,7 +50,7 @@ int drive(const DriveArguments& arguments, const Registries& registries) {
   base.measure = arguments.measure;
   if (base.gazebo) {
     refuse_of_simulator(arguments);
-    return mission(arguments.mission, registries, base);
+    return prospect::mission(mission, registries, base);
   }
   if (arguments.measure) {
     throw InputError("--measure: the simulator always measures; expected it with --base gazebo");
@@ -61,7 +63,7 @@ int drive(const DriveArguments& arguments, const Registries& registries) {
       throw InputError(std::string("--fault: ") + e.what());
     }
   }
-  return mission(arguments.mission, registries, base);
+  return prospect::mission(mission, registries, base);
 }
 
 }  // namespace prospect

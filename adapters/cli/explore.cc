@@ -1,6 +1,8 @@
 #include "adapters/cli/explore.h"
 
+#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <iostream>
 #include <memory>
@@ -9,6 +11,7 @@
 #include <vector>
 
 #include "adapters/cli/absent_solver.h"
+#include "adapters/cli/build_info.h"
 #include "adapters/cli/commands.h"
 #include "adapters/cli/interrupt.h"
 #include "adapters/cli/progress.h"
@@ -16,6 +19,7 @@
 #include "adapters/config/solver_options.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
+#include "adapters/log/mission_log.h"
 #include "adapters/report/progress_line.h"
 #include "adapters/report/report.h"
 #include "adapters/run/dds_run.h"
@@ -23,9 +27,11 @@
 #include "adapters/run/gazebo_run.h"
 #include "adapters/run/planned_problem.h"
 #include "adapters/run/run_folder.h"
+#include "adapters/simulator/camera_rig.h"
 #include "adapters/worlds/load_world.h"
 #include "engine/task/task.h"
 #include "models/range_text.h"
+#include "runtime/clock.h"
 
 namespace prospect {
 namespace {
@@ -176,6 +182,67 @@ void set_world(const ExploreArguments& arguments, Configuration& configuration) 
   }
 }
 
+RunStart start_of(const ExploreArguments& arguments, const Configuration& configuration,
+                  const std::string& world, const MissionBase& base) {
+  const BuildInfo build = build_info();
+  RunStart start;
+  start.world = world;
+  start.solver = configuration.solver;
+  start.seed = arguments.seed;
+  start.real_time = base.gazebo || base.real_time;
+  start.command_line = arguments.command_line;
+  start.version = build.version;
+  start.commit = build.commit;
+  start.commit_changed = build.commit_changed;
+  start.started = utc_now();
+  start.configuration = effective_yaml(configuration.entries);
+  return start;
+}
+
+/// What a mission's log is made with. In real time nothing waits for it, and its stamps are times
+/// of day, or Gazebo's; in lockstep they are the robot's clock, and nothing is dropped.
+MissionLogOptions log_options(const ExploreArguments& arguments, const Configuration& configuration,
+                              const MissionBase& base) {
+  MissionLogOptions options;
+  options.robot = configuration.robot;
+  const CameraRigOptions& rig = configuration.simulator.camera.rig;
+  options.depth_camera = depth_camera(configuration.robot.depth, rig.depth_width, rig.depth_height);
+  options.resolution = configuration.simulator.mapping.resolution;
+  options.dt = configuration.planner.dt;
+  options.images = arguments.log_images;
+  options.file.wait = !base.gazebo && !base.real_time;
+  if (base.real_time) {
+    using std::chrono::duration_cast;
+    const auto day = std::chrono::system_clock::now().time_since_epoch();
+    options.start = SteadyClock().now();
+    options.epoch =
+        duration_cast<std::chrono::nanoseconds>(day).count() - std::llround(1e9 * options.start);
+  }
+  return options;
+}
+
+/// Hands all that a mission tells to its log, which is there when it begins.
+ExplorationRunOptions::Taps taps_of(std::optional<MissionLog>& log) {
+  ExplorationRunOptions::Taps taps;
+  taps.belief = [&](const Belief& belief) { log->belief(belief); };
+  taps.command = [&](double time, const Twist& command) { log->command(time, command); };
+  taps.sensors.scan = [&](double time, const DepthScan& scan) { log->scan(time, scan); };
+  taps.sensors.pair = [&](double time, const ImagePair& pair) { log->pair(time, pair); };
+  taps.sensors.depth = [&](double time, const DepthImage& image) { log->depth(time, image); };
+  taps.sensors.wheels = [&](const WheelSample& wheels) { log->wheels(wheels); };
+  taps.driver = [&log, next = std::uint64_t{0}, told = 0.0](const RealTimeDriver& driver,
+                                                            double now) mutable {
+    const EventLog::Reading reading = driver.events().since(next);
+    next = reading.next;
+    log->events(reading.events);
+    constexpr double kEvery = 1.0;  // [s]
+    if (now - told < kEvery) return;
+    told = now;
+    log->status(now, driver.status());
+  };
+  return taps;
+}
+
 }  // namespace
 
 void tell_left_out(const World& world) {
@@ -238,10 +305,23 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
                                     "_" + std::to_string(arguments.seed)
                               : arguments.out;
   std::optional<RunFolder> folder;
-  options.on_start = [&] { folder.emplace(out); };  // not before: nothing is written for a refusal
+  const RunStart start = start_of(arguments, configuration, name, base);
+  // Not before: nothing is written for a refusal.
+  std::optional<MissionLog> log;
+  options.on_start = [&] {
+    folder.emplace(out, start);
+    if (!arguments.log) return;
+    const std::string file = folder->path() + "/mission.mcap";
+    log.emplace(file, start, log_options(arguments, configuration, base));
+    if (const std::string wrong = log->error(); !wrong.empty()) {
+      throw InputError(file + ": cannot be written (" + wrong + "); expected a writable folder");
+    }
+  };
+  if (arguments.log) options.taps = taps_of(log);
   options.cancelled = catch_interrupts();
   options.on_step = [&](const StepRecord& step) {
     folder->add(step);
+    if (log) log->step(step);
     progress.show(step, configuration.solver);
   };
   if (arguments.save_problems > 0) {
@@ -260,7 +340,11 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   }
   progress.finish();
   folder->finish(result.record, result.map.get(), render_report);
+  if (log) log->finish(result.record);
   if (!folder->error().empty()) std::cerr << "prospect: " << folder->error() << '\n';
+  if (log) {
+    for (const std::string& note : log->notes()) std::cerr << "prospect: " << note << '\n';
+  }
 
   if (!result.complaint.empty()) std::cerr << "prospect: sensors: " << result.complaint << '\n';
   tell_events(result.events);
@@ -272,12 +356,16 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     print_summary(summary);
     if (result.driver) print_driver(result);
     std::printf("  report        %s/report.html\n", folder->path().c_str());
+    if (log) std::printf("  log           %s/mission.mcap\n", folder->path().c_str());
   }
-  return summary.done && summary.collisions == 0 && folder->error().empty() ? kDone : kFailed;
+  const bool whole = folder->error().empty() && (!log || log->error().empty());
+  return summary.done && summary.collisions == 0 && whole ? kDone : kFailed;
 }
 
 int explore(const ExploreArguments& arguments, const Registries& registries) {
-  return mission(arguments, registries, {});
+  ExploreArguments logged = arguments;
+  logged.log = arguments.log || arguments.log_images;
+  return mission(logged, registries, {});
 }
 
 }  // namespace prospect

@@ -11,8 +11,10 @@ void interrupt(int) { interrupted = 1; }
 }  // namespace
 
 std::function<bool()> catch_interrupts() {
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    // Who started the program so that a signal is ignored (nohup, say) means it.
+    if (std::signal(signal, interrupt) == SIG_IGN) std::signal(signal, SIG_IGN);
+  }
   return [] { return interrupted != 0; };
 }
 

@@ -1,7 +1,12 @@
+#include <fcntl.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cstdint>
+#include <cstdio>
+#include <cstring>
 #include <exception>
 #include <iostream>
 #include <limits>
@@ -15,6 +20,7 @@
 #include "adapters/cli/command_line_files.h"
 #include "adapters/cli/commands.h"
 #include "adapters/cli/parse_command_line.h"
+#include "adapters/cli/shell_words.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/not_built_in.h"
 #include "models/nearest_name.h"
@@ -31,6 +37,21 @@ int refuse(const std::vector<std::string>& lines, int code) {
     std::cerr << "prospect: " << line << '\n';
   }
   return code;
+}
+
+/// A file that is opened must not become what was closed as standard output or error.
+void open_standard_files() {
+  for (int file = 0; file >= 0 && file <= 2;) file = open("/dev/null", O_RDWR);
+}
+
+/// The code, but for output that was not taken: one line, and kFailed where all else was done.
+int checked_output(int code) {
+  errno = 0;
+  const bool written = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good();
+  if (written) return code;
+  const std::string reason = errno != 0 ? std::string(" (") + std::strerror(errno) + ")" : "";
+  refuse({"standard output: cannot be written" + reason + "; expected room for it"}, code);
+  return code == prospect::kDone ? static_cast<int>(prospect::kFailed) : code;
 }
 
 /// The option takes one of these, or a list of them; its type says so: "model|camera".
@@ -207,6 +228,8 @@ void add_mission_options(CLI::App* command, prospect::ExploreArguments& argument
       ->add_option("--save-problems", arguments.save_problems,
                    "Write the planning problem of every Nth step into the run folder")
       ->check(whole_number_within(1, 1000000));
+  command->add_flag("--log-images", arguments.log_images,
+                    "Images of the cameras in the log, too (explore: implies --mcap)");
   command->add_flag("--json", arguments.json, "Print the summary as JSON");
   command->add_flag("--quiet", arguments.quiet, "No progress line");
 }
@@ -224,6 +247,8 @@ int run(int argc, char** argv) {
   CLI::App* explore_command =
       app.add_subcommand("explore", "A simulated mission until the reachable space is explored");
   add_mission_options(explore_command, explore_arguments);
+  explore_command->add_flag("--mcap", explore_arguments.log,
+                            "Log the mission to mission.mcap in the run folder, as drive does");
 
   DriveArguments drive_arguments;
   CLI::App* drive_command = app.add_subcommand(
@@ -254,10 +279,12 @@ int run(int argc, char** argv) {
       ->required();
 
   ReportArguments report_arguments;
-  CLI::App* report_command =
-      app.add_subcommand("report", "Figures of a run for print, as PNG and SVG");
-  report_command->add_option("run", report_arguments.run, "Folder that explore wrote")
-      ->type_name("DIR")
+  CLI::App* report_command = app.add_subcommand(
+      "report", "Figures of a run for print, as PNG and SVG; the page of a mission's log");
+  report_command
+      ->add_option("run", report_arguments.run,
+                   "Folder that explore wrote, or the log of a mission (.mcap)")
+      ->type_name("FILE")
       ->required();
   one_of(report_command->add_option(
              "--figure", report_arguments.figures,
@@ -273,7 +300,8 @@ int run(int argc, char** argv) {
   one_of(report_command->add_option("--colour", report_arguments.color,
                                     "What the path's colour says [plain]"),
          path_colors());
-  report_command->add_option("--out", report_arguments.out, "Folder to write to [that of the run]")
+  report_command
+      ->add_option("--out", report_arguments.out, "Folder to write to [that of the run or log]")
       ->type_name("DIR");
 
   ExportArguments export_arguments;
@@ -530,6 +558,11 @@ int run(int argc, char** argv) {
         load_plugin(path, {registries.solvers, registries.terms, registries.problems});
     if (!warning.empty()) std::cerr << "prospect: " << warning << '\n';
   }
+  for (ExploreArguments* mission : {&explore_arguments, &drive_arguments.mission}) {
+    for (int i = 0; i < argc; ++i) {
+      mission->command_line += (i > 0 ? " " : "") + shell_word(argv[i]);
+    }
+  }
   if (*explore_command) return explore(explore_arguments, registries);
   if (*drive_command) return drive(drive_arguments, registries);
   if (*relay_command) return relay(relay_topics);
@@ -548,8 +581,9 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  open_standard_files();
   try {
-    return run(argc, argv);
+    return checked_output(run(argc, argv));
   } catch (const prospect::InputError& error) {
     return refuse(error.lines(), prospect::kBadInput);
   } catch (const std::invalid_argument& error) {

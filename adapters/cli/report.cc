@@ -1,3 +1,5 @@
+#include "adapters/report/report.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -9,6 +11,7 @@
 #include "adapters/cli/commands.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
+#include "adapters/log/logged_run.h"
 #include "adapters/report/figure_source.h"
 
 namespace prospect {
@@ -18,12 +21,47 @@ bool has(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
+/// Makes the folder unless it is there.
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw InputError(folder.string() + ": cannot be created; expected a folder to write to");
+  }
+}
+
+void write(const std::string& file, const std::string& content) {
+  const std::string wrong = write_whole_file(file, content);
+  if (!wrong.empty()) {
+    throw InputError(file + ": cannot be written (" + wrong + "); expected a writable folder");
+  }
+  std::printf("%s\n", file.c_str());
+}
+
+/// The page of a mission's log, beside it: RUN.mcap gives RUN.html.
+int report_log(const ReportArguments& arguments, const Registries& registries) {
+  const std::filesystem::path path = arguments.run;
+  if (!arguments.figures.empty() || !arguments.color.empty()) {
+    throw InputError("--figure and --colour are of a run's folder; " + arguments.run +
+                     " is a log, expected it alone");
+  }
+  const LoggedRun run = read_logged_run(arguments.run, registries);
+  const std::string page = render_report(run.record);
+  const std::filesystem::path out =
+      arguments.out.empty() ? path.parent_path() : std::filesystem::path(arguments.out);
+  if (!out.empty()) make_folder(out);
+  write((out / path.stem()).string() + ".html", page);
+  for (const std::string& note : run.notes) std::printf("%s\n", note.c_str());
+  return kDone;
+}
+
 }  // namespace
 
 std::vector<std::string> path_colors() { return {"plain", "features", "error", "speed", "mode"}; }
 
 int report(const ReportArguments& arguments, const Registries& registries) {
   namespace fs = std::filesystem;
+  if (fs::path(arguments.run).extension() == ".mcap") return report_log(arguments, registries);
   if (arguments.figures.empty()) {
     throw InputError("report: no figure named; expected --figure path, map or path,map (" +
                      (fs::path(arguments.run) / "report.html").string() +
@@ -50,19 +88,8 @@ int report(const ReportArguments& arguments, const Registries& registries) {
   if (map) add("map", map_figure(*source.map));
 
   const fs::path out = arguments.out.empty() ? arguments.run : arguments.out;
-  std::error_code error;
-  fs::create_directories(out, error);
-  if (!fs::is_directory(out, error)) {
-    throw InputError(out.string() + ": cannot be created; expected a folder to write to");
-  }
-  for (const auto& [name, content] : files) {
-    const std::string file = (out / name).string();
-    const std::string wrong = write_whole_file(file, content);
-    if (!wrong.empty()) {
-      throw InputError(file + ": cannot be written (" + wrong + "); expected a writable folder");
-    }
-    std::printf("%s\n", file.c_str());
-  }
+  make_folder(out);
+  for (const auto& [name, content] : files) write((out / name).string(), content);
   if (path && !source.map) {
     std::printf("without the map: the run did not come to its end, so there is no map.bt\n");
   }

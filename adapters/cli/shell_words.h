@@ -21,4 +21,12 @@ inline std::string shell_quoted(const std::string& text) {
   return out + "'";
 }
 
+/// As typed: quoted only where a shell would read it in another way.
+inline std::string shell_word(const std::string& text) {
+  constexpr const char* kPlain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_@%+=:,./-";
+  return !text.empty() && text.find_first_not_of(kPlain) == std::string::npos ? text
+                                                                              : shell_quoted(text);
+}
+
 }  // namespace prospect

@@ -81,6 +81,15 @@ const BagTopic* BagFile::find(const std::string& name) const {
   return nullptr;
 }
 
+const BagFile::Fields* BagFile::metadata(const std::string& name) const {
+  for (auto file = impl_->files.rbegin(); file != impl_->files.rend(); ++file) {
+    if (!file->mcap) continue;
+    const auto found = file->mcap->metadata().find(name);
+    if (found != file->mcap->metadata().end()) return &found->second;
+  }
+  return nullptr;
+}
+
 std::string BagFile::read(const BagTopic::Message& message) const {
   Impl::File& file = impl_->files[message.file];
   return file.mcap ? file.mcap->read(message) : file.database->read(message);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -39,6 +40,9 @@ class BagFile {
   std::string read(const BagTopic::Message& message) const;
   /// What is to be said of the files, one line each.
   const std::vector<std::string>& notes() const;
+  /// The fields of a metadata record of an MCAP file, the last of that name; null: there is none.
+  using Fields = std::map<std::string, std::string>;
+  const Fields* metadata(const std::string& name) const;
 
  private:
   struct Impl;
@@ -51,10 +55,12 @@ class McapFile {
   McapFile(const std::string& path, std::size_t file, std::vector<BagTopic>& topics,
            std::vector<std::string>& notes);
   std::string read(const BagTopic::Message& message);
+  const std::map<std::string, BagFile::Fields>& metadata() const { return metadata_; }
 
  private:
   std::string chunk(std::uint64_t offset);
   std::string path_;
+  std::map<std::string, BagFile::Fields> metadata_;
   std::uint64_t cached_ = 0;  ///< offset of the chunk that is at hand; 0: none
   std::string cache_;
 };

@@ -10,6 +10,7 @@
 #include "adapters/datasets/bag_file.h"
 #include "adapters/datasets/depth_dataset.h"
 #include "adapters/datasets/frame_pairs.h"
+#include "adapters/datasets/mission_topics.h"
 #include "adapters/datasets/numbered_files.h"
 #include "adapters/datasets/odometry_run.h"
 #include "adapters/datasets/rgbd_folder.h"
@@ -365,6 +366,21 @@ std::string recording_text(const Json& r) {
   return text;
 }
 
+/// Of a mission's log what it says of itself; null: it is none.
+Json mission_json(const BagFile& bag) {
+  const BagTopic* steps = bag.find(topic::kStep);
+  const BagFile::Fields* run = bag.metadata(topic::kRun);
+  if (!steps || !run) return nullptr;
+  Json json;
+  for (const char* name : {"world", "seed", "started", "version", "commit", "command_line"}) {
+    const auto found = run->find(name);
+    json[name] = found == run->end() ? "" : found->second;
+  }
+  json["steps"] = steps->messages.size();
+  json["whole"] = bag.notes().empty() && bag.metadata(topic::kSummary) != nullptr;
+  return json;
+}
+
 }  // namespace
 
 Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
@@ -374,7 +390,7 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
     throw InputError(path + ": nothing is there; expected a recording, map or world");
   }
   Json json = {{"path", path}, {"found", ""}, {"recordings", Json::array()}};
-  Json& recordings = json["recordings"];
+  Json recordings = Json::array();
   if (find_stereo_layout(path) != nullptr) recordings.push_back(inspect_stereo(path, stereo));
   if (find_depth_layout(path) != nullptr) recordings.push_back(inspect_depth(path, depth));
   if (is_bag(path)) {
@@ -385,6 +401,7 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
         topics.push_back(
             {{"name", topic.name}, {"type", topic.type}, {"messages", topic.messages.size()}});
       }
+      json["mission"] = mission_json(bag);
     } catch (const InputError&) {
       // Each recording says so.
     }
@@ -407,10 +424,12 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
     recordings = kept;
   }
   say_which_is_mapped(recordings, is_used_for_scans(path, depth.topics));
+  json["recordings"] = recordings;
   found = Found::kUnknown;
   for (const Json& recording : recordings) {
     if (recording["missing"].empty()) found = Found::kUsable;
   }
+  if (json.contains("mission") && !json["mission"].is_null()) found = Found::kUsable;
   if (!recordings.empty() && found == Found::kUnknown) found = Found::kIncomplete;
   if (recordings.empty()) {
     const Json other = name_other(path);
@@ -441,6 +460,15 @@ std::string inspection_text(const Json& inspection) {
             " of " + topic["type"].get<std::string>() + "\n";
   }
   for (const Json& recording : inspection["recordings"]) text += recording_text(recording);
+  if (inspection.contains("mission") && !inspection["mission"].is_null()) {
+    const Json& m = inspection["mission"];
+    text += "log of a mission, for `prospect report`\n";
+    text += "mission      " + m["world"].get<std::string>() + ", seed " +
+            m["seed"].get<std::string>() + ", " + m["steps"].dump() + " steps, " +
+            (m["whole"].get<bool>() ? "whole" : "ends early") + "\n";
+    text += "begun        " + m["started"].get<std::string>() + " by version " +
+            m["version"].get<std::string>() + ": " + m["command_line"].get<std::string>() + "\n";
+  }
   if (inspection.contains("what")) {
     text += inspection["what"].get<std::string>() + ", for `" +
             inspection["used_by"].get<std::string>() + "`\n";

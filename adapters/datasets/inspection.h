@@ -20,8 +20,9 @@ enum class Found {
 };
 
 /// As JSON: "path", "found" (usable, incomplete, unknown) and "recordings", a list with an object
-/// each, for a bag "topics", or "what" and "used_by" of anything else; numbers that do not exist
-/// are null. Throws InputError if there is nothing at the path.
+/// each, for a bag "topics" and "mission" (null: no log of a mission), or "what" and "used_by" of
+/// anything else; numbers that do not exist are null. Throws InputError if there is nothing at the
+/// path.
 nlohmann::ordered_json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
                                     const DepthDatasetOptions& depth, Found& found);
 

@@ -29,6 +29,7 @@ enum McapRecord : unsigned char {
   kMcapChannel = 4,
   kMcapMessage = 5,
   kMcapChunk = 6,
+  kMcapMetadata = 12,
   kMcapDataEnd = 15
 };
 
@@ -164,6 +165,16 @@ McapFile::McapFile(const std::string& path, std::size_t file, std::vector<BagTop
                   channel->second.encoding)
           .messages.push_back({time, file, chunk, base + r.at, content.size() - r.at});
       return;
+    } else if (kind == kMcapMetadata) {
+      const std::string name = r.text();
+      McapReader fields{r.take(r.number(4))};
+      BagFile::Fields& entries = metadata_[name];
+      entries.clear();
+      while (fields.good && fields.at < fields.bytes.size()) {
+        const std::string key = fields.text();
+        entries[key] = fields.text();
+      }
+      r.good = r.good && fields.good;
     } else {
       return;
     }
@@ -182,7 +193,8 @@ McapFile::McapFile(const std::string& path, std::size_t file, std::vector<BagTop
     const std::uint64_t content = at + 9;
     at = content + size;
     ended = kind == kMcapDataEnd;
-    if (kind != kMcapSchema && kind != kMcapChannel && kind != kMcapMessage && kind != kMcapChunk) {
+    if (kind != kMcapSchema && kind != kMcapChannel && kind != kMcapMessage && kind != kMcapChunk &&
+        kind != kMcapMetadata) {
       continue;
     }
     if (size > kLargestChunk) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "adapters/files/input_error.h"
 #include "adapters/run/live_mission.h"
@@ -28,16 +30,39 @@ namespace {
 /// The simulator as a robot: commands in, beliefs out.
 class SimulatedRobot final : public Robot {
  public:
-  explicit SimulatedRobot(Simulator& simulator) : simulator_(simulator) {}
+  SimulatedRobot(Simulator& simulator, std::function<void(double, const Twist&)> on_command)
+      : simulator_(simulator), on_command_(std::move(on_command)) {}
   std::shared_ptr<const Belief> sense() override { return simulator_.sense(); }
   void apply(const Twist& command, double duration) override {
-    if (duration > 0.0) simulator_.apply(command, duration);
+    if (!(duration > 0.0)) return;
+    if (on_command_) on_command_(simulator_.time(), command);
+    simulator_.apply(command, duration);
   }
   double time() const override { return simulator_.time(); }
 
  private:
   Simulator& simulator_;
+  std::function<void(double, const Twist&)> on_command_;
 };
+
+/// The same at times that are `epoch` [s] later.
+SensorTap later(const SensorTap& tap, double epoch) {
+  const auto shifted = [epoch](const auto& listener) {
+    using Listener = std::decay_t<decltype(listener)>;
+    if (!listener) return Listener();
+    return Listener([epoch, listener](double stamp, const auto& measured) {
+      listener(epoch + stamp, measured);
+    });
+  };
+  SensorTap out{shifted(tap.scan), shifted(tap.pair), shifted(tap.depth), {}};
+  if (tap.wheels) {
+    out.wheels = [epoch, listener = tap.wheels](WheelSample sample) {
+      sample.stamp += epoch;
+      listener(sample);
+    };
+  }
+  return out;
+}
 
 std::shared_ptr<const octomap::OcTree> map_to_begin_with(const Configuration& configuration) {
   std::shared_ptr<const octomap::OcTree> map = read_octree(configuration.map);
@@ -111,7 +136,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   if (!configuration.map.empty()) simulator_options.map = map_to_begin_with(configuration);
   Simulator simulator(world, simulator_options);
   simulator.set_reachable(reachable.cells);
-  SimulatedRobot robot(simulator);
+  SimulatedRobot robot(simulator, options.taps.command);
 
   // A sensor that delivers seldom is not dead: two of its periods may pass.
   Guard::Options limits = configuration.guard;
@@ -127,7 +152,10 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   const SteadyClock clock;
   std::optional<SimulatedBase> base;  // in real time
   const auto truth = [&] { return base ? base->truth() : truth_of(simulator); };
-  const auto observe = [&](const MissionStep& step) { recorder.add(step, truth()); };
+  const auto observe = [&](const MissionStep& step) {
+    if (options.taps.belief && !base) options.taps.belief(*step.belief);
+    recorder.add(step, truth());
+  };
   if (options.on_start) options.on_start();
   const MissionOptions mission_options = mission_options_for(configuration, truth);
   MissionResult mission;
@@ -135,6 +163,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     SimulatedBaseOptions base_options = configuration.simulated_base;
     base_options.faults = options.real_time->faults;
     base.emplace(simulator, clock, *configuration.robot.model, base_options);
+    simulator.set_tap(later(options.taps.sensors, base->epoch()));
     FaultyReplanner replanner(*planner, clock, base_options.faults, clock.now());
     const auto stamp = [](double SourceStamps::*of) {
       return [of](const Belief* newest) {
@@ -150,6 +179,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                                {"depth", limits.max_ranges_age, stamp(&SourceStamps::ranges)}}};
     mission = live_mission(live, configuration, mission_options, observe, options, result);
   } else {
+    simulator.set_tap(options.taps.sensors);
     mission = run_mission(robot, *planner, guard, mission_options, observe, options.cancelled);
   }
   SimulatedTruth at_end = truth_of(simulator);

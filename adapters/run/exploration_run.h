@@ -10,10 +10,13 @@
 #include "adapters/config/configuration.h"
 #include "adapters/run/run_record.h"
 #include "adapters/simulator/injected_fault.h"
+#include "adapters/simulator/sensor_tap.h"
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/reachable_area.h"
 #include "adapters/worlds/world.h"
+#include "engine/maps/belief.h"
 #include "engine/planner/replanner.h"
+#include "models/types.h"
 #include "runtime/event_log.h"
 #include "runtime/health_report.h"
 #include "runtime/preflight.h"
@@ -36,6 +39,16 @@ struct RealTimeRun {
 
 /// One simulated mission: world, configuration and seed in, records out.
 struct ExplorationRunOptions {
+  /// Who listens, such as a log. Each may be empty; none may wait or throw. Stamps are those of
+  /// beliefs.
+  struct Taps {
+    std::function<void(const Belief&)> belief;  ///< each new one; in lockstep before on_step
+    std::function<void(double stamp, const Twist&)> command;  ///< each one that is sent
+    SensorTap sensors;
+    /// In real time, again and again, on the thread that called, with the runtime's time [s].
+    std::function<void(const RealTimeDriver&, double)> driver;
+  };
+
   std::uint64_t seed = 1;
   bool keep_steps = true;  ///< keep every StepRecord in the result, for the report
   /// Once, when all that the input could be refused for has been made, before the first step. What
@@ -46,6 +59,7 @@ struct ExplorationRunOptions {
   /// another.
   std::function<void(const StepRecord&, const Planner&)> on_plan;
   std::function<bool()> cancelled;
+  Taps taps;
   /// Makes the planner; empty: the Planner of this project with the configured solver.
   std::function<std::unique_ptr<Replanner>(const Configuration&)> make_planner;
   /// Where the configured solver is looked up; null: among those built in.

@@ -42,11 +42,17 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& c,
                          .failed_preflight = failed,
                          .yaw_checked = preflight.yaw_checked,
                          .streams = robot.streams,
-                         .preflight = preflight.checks},
+                         .preflight = preflight.checks,
+                         .on_belief = options.taps.belief,
+                         .on_command = options.taps.command},
                         c.drive.driver);
   MissionResult end;
   if (failed.empty()) {
-    end = driver.run(mission, observe, options.cancelled);
+    end = driver.run(mission, observe, [&] {
+      if (options.taps.driver) options.taps.driver(driver, robot.clock.now());
+      return options.cancelled && options.cancelled();
+    });
+    if (options.taps.driver) options.taps.driver(driver, robot.clock.now());
   } else {
     end.end =
         options.cancelled && options.cancelled() ? MissionEnd::kCancelled : MissionEnd::kNotFit;

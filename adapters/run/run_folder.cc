@@ -142,7 +142,7 @@ std::string timing_row(const StepRecord& s) {
 
 }  // namespace
 
-RunFolder::RunFolder(const std::string& path) : path_(path) {
+RunFolder::RunFolder(const std::string& path, const RunStart& start) : path_(path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (fs::exists(status)) {
@@ -162,22 +162,35 @@ RunFolder::RunFolder(const std::string& path) : path_(path) {
     throw InputError(path + ": cannot be created (" + error.message() +
                      "); expected a writable place");
   }
+  const auto unwritable = [&](const std::string& name, const std::string& reason) {
+    return InputError(path + "/" + name + ": cannot be written (" + reason +
+                      "); expected a writable folder");
+  };
+  lock_ = FileLock(path + "/steps.csv");
+  if (lock_.busy()) {
+    throw InputError(path + ": another run writes to it; expected a folder of its own (--out)");
+  }
+  if (!lock_.held()) throw unwritable("steps.csv", lock_.reason());
   const auto open = [&](RowFile& file, const char* name) {
     file = RowFile(path + "/" + name);
-    if (!file.is_open()) {
-      throw InputError(path + "/" + name + ": cannot be written (" + std::strerror(errno) +
-                       "); expected a writable folder");
-    }
+    if (!file.is_open()) throw unwritable(name, std::strerror(errno));
   };
   open(steps_, "steps.csv");
   open(timing_, "timing.csv");
   open(estimated_, "trajectory_estimated.tum");
   open(true_, "trajectory_true.tum");
-  for (const char* name : {"summary.json", "config.yaml", "map.bt", "report.html", "path.png",
-                           "path.svg", "map.png", "map.svg"}) {
+  for (const char* name :
+       {"summary.json", "config.yaml", "run.json", "map.bt", "report.html", "mission.mcap",
+        "mission.html", "path.png", "path.svg", "map.png", "map.svg"}) {
     fs::remove(fs::path(path) / name, error);
   }
   remove_problems(fs::path(path) / kProblems);
+  const auto begin_with = [&](const char* name, const std::string& content) {
+    const std::string wrong = write_whole_file(path + "/" + name, content);
+    if (!wrong.empty()) throw unwritable(name, wrong);
+  };
+  begin_with("config.yaml", start.configuration);
+  begin_with("run.json", start_json(start));
   append(timing_, "timing.csv",
          "step,plan_ms,frontiers_ms,clearance_ms,views_ms,seeds_ms,polish_ms,certify_ms\n");
 }
@@ -229,7 +242,6 @@ void RunFolder::write_whole(const std::string& name, const std::string& content)
 
 void RunFolder::finish(const RunRecord& record, const octomap::OcTree* map, const Page& page) {
   write_waiting();
-  write_whole("config.yaml", record.configuration);
   try {
     if (map) write_octree(*map, (fs::path(path_) / "map.bt").string());
   } catch (const std::exception& e) {

@@ -4,8 +4,10 @@
 #include <string>
 #include <vector>
 
+#include "adapters/files/file_lock.h"
 #include "adapters/files/row_file.h"
 #include "adapters/run/run_record.h"
+#include "adapters/run/run_start.h"
 #include "adapters/run/summary.h"
 
 namespace octomap {
@@ -17,22 +19,25 @@ namespace prospect {
 struct SavedProblem;
 
 /// The folder that a mission writes (docs/reference/report.md describes every file and column):
+///   config.yaml, run.json       what it was started with, from the first second
 ///   steps.csv                   one row a planning step; the same bytes for the same seed
 ///   timing.csv                  wall-clock milliseconds of each step, kept apart for that reason
 ///   trajectory_estimated.tum, trajectory_true.tum
 ///   problems/step_000040.h5     the problem of a planning step, if asked for
-///   summary.json, config.yaml, map.bt, report.html     at the end
+///   summary.json, map.bt, report.html     at the end
 ///
 /// Rows are handed to the operating system one by one, so a kill at any moment leaves whole rows
 /// only (see RowFile); the files at the end appear whole or not at all, summary.json last. The
 /// first write that fails (disk full, say) is remembered in error(); writing goes on where it can,
-/// and nothing throws after construction. Not thread-safe.
+/// and nothing throws after construction. One run at a time: the folder is locked (steps.csv is)
+/// until this object is gone. Not thread-safe.
 class RunFolder {
  public:
   /// Creates the folder. An existing folder is taken only if it is empty or holds a run (a regular
-  /// file steps.csv), whose files are then replaced. Throws InputError otherwise, before anything
-  /// is written.
-  explicit RunFolder(const std::string& path);
+  /// file steps.csv), whose files are then replaced. Throws InputError otherwise, and where
+  /// another run writes to it, before anything is written; and where config.yaml or run.json cannot
+  /// be written.
+  RunFolder(const std::string& path, const RunStart& start);
 
   /// The columns of steps.csv are the terms of the first step that has any; rows before it wait
   /// for them. A term that first appears later has no column.
@@ -57,6 +62,7 @@ class RunFolder {
 
   std::string path_;
   std::string error_;
+  FileLock lock_;
   std::vector<std::string> terms_;   // columns, from the first step that has a plan
   std::vector<StepRecord> waiting_;  // rows before the columns are known
   bool header_written_ = false;

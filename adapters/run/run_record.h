@@ -40,6 +40,9 @@ struct CandidateRecord {
   std::vector<Eigen::Vector2f> path;  ///< positions over the horizon, estimated frame [m]
 };
 
+/// Ground cells along a side of a cell of a CostToGoPicture.
+inline constexpr int kCostToGoCoarser = 2;
+
 /// The cost-to-go around the robot.
 struct CostToGoPicture {
   GridFrame frame;
@@ -49,7 +52,8 @@ struct CostToGoPicture {
 /// Everything recorded at one planning step. All numbers but those in `wall` are reproducible.
 struct StepRecord {
   int step = 0;
-  double time = 0.0;  ///< [s] of the robot's clock since the start
+  double time = 0.0;   ///< [s] of the robot's clock since the start
+  double stamp = 0.0;  ///< [s] of the clock of beliefs
   Pose true_pose, estimated_pose;
   Twist command;                    ///< the first one of the plan
   std::string plan_kind;            ///< to_string(PlanKind)

@@ -6,9 +6,9 @@
 #include <limits>
 #include <utility>
 
+#include "adapters/run/configured_record.h"
 #include "adapters/run/summary.h"
 #include "engine/planner/planner.h"
-#include "models/robot_shape.h"
 
 namespace prospect {
 namespace {
@@ -93,13 +93,12 @@ class SparseCostsToGo {
 
  private:
   static constexpr int kMost = 150;
-  static constexpr int kCoarser = 2;
 
   /// Every other cell; those that were not reached say nothing.
   static CostToGoPicture picture(const CostToGo& cost_to_go) {
     const GridFrame& fine = cost_to_go.frame();
     CostToGoPicture coarse;
-    coarse.frame = frame_of_blocks(fine, kCoarser);
+    coarse.frame = frame_of_blocks(fine, kCostToGoCoarser);
     for (int k = 0; k < coarse.frame.size(); ++k) {
       const Eigen::Vector2d center = coarse.frame.center(coarse.frame.at(k));
       const Cell c = fine.cell(center.x(), center.y());
@@ -161,6 +160,7 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
   StepRecord r;
   r.step = step.index;
   r.time = step.time;
+  r.stamp = belief.stamp;
   r.true_pose = truth.pose;
   r.estimated_pose = belief.pose;
   if (!plan.commands.empty()) r.command = plan.commands.front();
@@ -252,14 +252,7 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
 
 RunRecord RunRecorder::Impl::finish(const MissionResult& mission, const std::string& world,
                                     const SimulatedTruth& truth, const ReachableArea* reachable) {
-  RunRecord record;
-  record.resolution = configuration.simulator.mapping.resolution;
-  record.robot_radius = circumscribed_radius(configuration.robot.shape);
-  record.sensor_range = configuration.robot.depth.max_range;
-  record.sensor_fov = configuration.robot.depth.horizontal_fov;
-  record.configuration = effective_yaml(configuration.entries);
-  record.zones = configuration.planner.zones;
-  record.area = configuration.planner.task.area;
+  RunRecord record = configured_record(configuration);
   record.summary = summarize(steps);
   Summary& s = record.summary;
   s.world = world;

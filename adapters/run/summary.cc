@@ -3,7 +3,10 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 #include <tuple>
+#include <type_traits>
 #include <utility>
 
 #include "engine/support/quantile.h"
@@ -25,6 +28,46 @@ std::pair<double, double> reach(const std::vector<StepRecord>& steps, double sha
     return {a.time + s * (b.time - a.time), a.path_length + s * (b.path_length - a.path_length)};
   }
   return {kNever, kNever};
+}
+
+/// Told of each entry in the order of the file; the percentiles are a group of their own.
+template <class S, class Visit, class VisitPlanMs>
+void summary_entries(S& s, const Visit& visit, const VisitPlanMs& plan_ms) {
+  visit("world", s.world);
+  visit("solver", s.solver);
+  visit("seed", s.seed);
+  visit("task", s.task);
+  visit("done", s.done);
+  visit("reason", s.reason);
+  visit("detail", s.detail);
+  visit("coverage", s.coverage);
+  visit("area_m2", s.area_m2);
+  visit("reachable_area_m2", s.reachable_area_m2);
+  visit("too_long_for_m2", s.too_long_for_m2);
+  visit("collisions", s.collisions);
+  visit("losses", s.losses);
+  visit("duration_s", s.duration_s);
+  visit("wall_s", s.wall_s);
+  visit("path_length_m", s.path_length_m);
+  visit("time_to_90_s", s.time_to_90_s);
+  visit("time_to_95_s", s.time_to_95_s);
+  visit("time_to_99_s", s.time_to_99_s);
+  visit("path_to_90_m", s.path_to_90_m);
+  visit("path_to_95_m", s.path_to_95_m);
+  visit("path_to_99_m", s.path_to_99_m);
+  visit("localization_rmse_m", s.localization_rmse_m);
+  visit("localization_final_m", s.localization_final_m);
+  visit("drift_percent", s.drift_percent);
+  plan_ms("p50", s.plan_ms_p50);
+  plan_ms("p95", s.plan_ms_p95);
+  plan_ms("p99", s.plan_ms_p99);
+  plan_ms("max", s.plan_ms_max);
+  visit("deadline_misses", s.deadline_misses);
+  visit("fallbacks", s.fallbacks);
+  visit("guard_stops", s.guard_stops);
+  visit("steps", s.steps);
+  visit("floor_share", s.floor_share);
+  visit("read_without", s.read_without);
 }
 
 }  // namespace
@@ -65,48 +108,49 @@ Summary summarize(const std::vector<StepRecord>& steps) {
   return s;
 }
 
-std::string summary_json(const Summary& s) {
-  const nlohmann::ordered_json collisions =
-      s.measured ? nlohmann::ordered_json(s.collisions) : nullptr;
+std::string summary_json(const Summary& summary) {
+  nlohmann::ordered_json json;
   // Numbers that are not finite become null.
-  const nlohmann::ordered_json json = {{"world", s.world},
-                                       {"solver", s.solver},
-                                       {"seed", s.seed},
-                                       {"task", s.task},
-                                       {"done", s.done},
-                                       {"reason", s.reason},
-                                       {"detail", s.detail},
-                                       {"coverage", s.coverage},
-                                       {"area_m2", s.area_m2},
-                                       {"reachable_area_m2", s.reachable_area_m2},
-                                       {"too_long_for_m2", s.too_long_for_m2},
-                                       {"collisions", collisions},
-                                       {"losses", s.losses},
-                                       {"duration_s", s.duration_s},
-                                       {"wall_s", s.wall_s},
-                                       {"path_length_m", s.path_length_m},
-                                       {"time_to_90_s", s.time_to_90_s},
-                                       {"time_to_95_s", s.time_to_95_s},
-                                       {"time_to_99_s", s.time_to_99_s},
-                                       {"path_to_90_m", s.path_to_90_m},
-                                       {"path_to_95_m", s.path_to_95_m},
-                                       {"path_to_99_m", s.path_to_99_m},
-                                       {"localization_rmse_m", s.localization_rmse_m},
-                                       {"localization_final_m", s.localization_final_m},
-                                       {"drift_percent", s.drift_percent},
-                                       {"plan_ms",
-                                        {{"p50", s.plan_ms_p50},
-                                         {"p95", s.plan_ms_p95},
-                                         {"p99", s.plan_ms_p99},
-                                         {"max", s.plan_ms_max}}},
-                                       {"deadline_misses", s.deadline_misses},
-                                       {"fallbacks", s.fallbacks},
-                                       {"guard_stops", s.guard_stops},
-                                       {"steps", s.steps},
-                                       {"floor_share", s.floor_share},
-                                       {"read_without", s.read_without}};
+  summary_entries(
+      summary, [&](const char* name, const auto& value) { json[name] = value; },
+      [&](const char* name, const auto& value) { json["plan_ms"][name] = value; });
+  if (!summary.measured) json["collisions"] = nullptr;
   // A world may be named after a file whose name is no UTF-8.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
+}
+
+std::optional<Summary> summary_from_json(const std::string& text) {
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+  if (!json.is_object()) return std::nullopt;
+  Summary summary;
+  bool sound = true;
+  const auto reader = [&](const nlohmann::json& from) {
+    return [&](const char* name, auto& value) {
+      const auto found = from.find(name);
+      if (found == from.end()) return;
+      using Value = std::decay_t<decltype(value)>;
+      if constexpr (std::is_same_v<Value, std::string>) {
+        sound = sound && found->is_string();
+        if (found->is_string()) value = found->get<std::string>();
+      } else if constexpr (std::is_same_v<Value, bool>) {
+        sound = sound && found->is_boolean();
+        if (found->is_boolean()) value = found->get<bool>();
+      } else if (std::is_floating_point_v<Value> && found->is_null()) {
+        value = std::numeric_limits<Value>::quiet_NaN();
+      } else if (std::is_same_v<Value, int> && found->is_null()) {
+        summary.measured = false;  // collisions that nobody has counted
+      } else {
+        sound = sound && found->is_number();
+        if (found->is_number()) value = found->get<Value>();
+      }
+    };
+  };
+  const nlohmann::json plan_ms = json.value("plan_ms", nlohmann::json::object());
+  sound = plan_ms.is_object();
+  summary_entries(summary, reader(json),
+                  reader(plan_ms.is_object() ? plan_ms : nlohmann::json::object()));
+  if (!sound) return std::nullopt;
+  return summary;
 }
 
 }  // namespace prospect

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,5 +18,9 @@ Summary summarize(const std::vector<StepRecord>& steps);
 /// summary.json: the names of Summary as they are, the planning time percentiles under plan_ms;
 /// numbers that are not finite are null; text that is not UTF-8 has replacement characters.
 std::string summary_json(const Summary& summary);
+
+/// The summary that summary_json() has written; what is not there keeps its default. None: the text
+/// is none.
+std::optional<Summary> summary_from_json(const std::string& text);
 
 }  // namespace prospect

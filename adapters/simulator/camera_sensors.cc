@@ -123,8 +123,11 @@ WheelSample CameraSensors::wheels(double stamp, const Pose& true_pose) {
 void CameraSensors::image(double stamp, const Pose& true_pose, const Twist& twist) {
   const bool was_lost = images_ > 0 && localization() == Localization::kLost;
   pair_ = rig_.stereo(true_pose, twist, images_++);
+  if (tap_.pair) tap_.pair(stamp, pair_);
   if (stamp > wheel_stamp_ && options_.camera.perception.wheels) {
-    perception_.wheels(wheels(stamp, true_pose));
+    const WheelSample sample = wheels(stamp, true_pose);
+    if (tap_.wheels) tap_.wheels(sample);
+    perception_.wheels(sample);
   }
   perception_.stereo({stamp, stamp, pair_.left.view(), pair_.right.view()});
   losses_ += localization() == Localization::kLost && !was_lost;
@@ -134,7 +137,9 @@ Pose CameraSensors::estimate(double stamp, const Pose&) const { return perceptio
 
 void CameraSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   seen.look(looking_, true_pose);
-  perception_.depth(stamp, rig_.depth(true_pose, scans_++));
+  DepthImage image = rig_.depth(true_pose, scans_++);
+  if (tap_.depth) tap_.depth(stamp, image);
+  perception_.depth(stamp, std::move(image));
 }
 
 std::shared_ptr<const Belief> CameraSensors::belief(double stamp, const Pose&, const Twist&) {

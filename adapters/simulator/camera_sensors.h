@@ -48,6 +48,7 @@ class CameraSensors final : public SimulatedSensors {
                                        const Twist& commanded) override;
   Pose estimate(double stamp, const Pose& true_pose) const override;
   Localization localization() const override { return perception_.frame().state; }
+  void set_tap(SensorTap tap) override { tap_ = std::move(tap); }
   int losses() const override { return losses_; }
   std::string complaint() const override { return perception_.complaint(); }
   CameraPicture picture() const override;
@@ -59,6 +60,7 @@ class CameraSensors final : public SimulatedSensors {
   CameraRig rig_;
   DepthCamera looking_;  ///< what the depth camera's rays pass in truth, for evaluation
   PerceptionPipeline perception_;
+  SensorTap tap_;
 
   std::uint64_t images_ = 0, scans_ = 0;
   ImagePair pair_;

@@ -31,7 +31,9 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
 
 void FeatureSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   scan_stamp_ = stamp;
-  mapper_.insert(transform(seen.look(depth_, true_pose), odometry_.estimate(true_pose)));
+  const DepthScan in_B = seen.look(depth_, true_pose);
+  if (tap_.scan) tap_.scan(stamp, in_B);
+  mapper_.insert(transform(in_B, odometry_.estimate(true_pose)));
 }
 
 void FeatureSensors::image(double stamp, const Pose& pose, const Twist&) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "adapters/simulator/seen_area.h"
+#include "adapters/simulator/sensor_tap.h"
 #include "engine/maps/belief.h"
 #include "models/types.h"
 #include "perception/odometry/image.h"
@@ -45,6 +46,9 @@ class SimulatedSensors {
   /// Why the sensors cannot be trusted, e.g. a calibration that is wrong; empty: nothing is known
   /// against them.
   virtual std::string complaint() const { return {}; }
+  /// From now on, who listens to what is measured.
+  virtual void set_tap(SensorTap tap) = 0;
+
   /// The newest left image; empty where there is none.
   virtual CameraPicture picture() const { return {}; }
 };

@@ -59,6 +59,8 @@ class SimulatedBase final : public Base, public BeliefSource {
   std::shared_ptr<const Belief> update(const std::stop_token& stop) override;
 
   SimulatedTruth truth() const;
+  /// The runtime's time at which the simulator's was 0 [s].
+  double epoch() const { return epoch_; }
 
  private:
   struct Order {

@@ -127,6 +127,7 @@ void Simulator::apply(const Twist& twist, double duration) {
   s.time = end;
 }
 
+void Simulator::set_tap(SensorTap tap) { impl_->sensors->set_tap(std::move(tap)); }
 double Simulator::time() const { return impl_->time; }
 const World& Simulator::world() const { return *impl_->world; }
 const SimulatorOptions& Simulator::options() const { return impl_->options; }

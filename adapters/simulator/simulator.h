@@ -41,6 +41,9 @@ class Simulator {
   /// [s], taking images and scans on the way. On contact the robot stands still for the rest of it.
   void apply(const Twist& twist, double duration);
 
+  /// Who listens to the sensors from now on, on the thread of apply().
+  void set_tap(SensorTap tap);
+
   double time() const;  ///< [s] since the start
   const World& world() const;
   const SimulatorOptions& options() const;

@@ -85,9 +85,21 @@ std::vector<std::string> fields(const std::string& line) {
   return result;
 }
 
+RunStart begun() {
+  RunStart start;
+  start.world = "office";
+  start.solver = "nlopt";
+  start.seed = 18446744073709551615ULL;
+  start.command_line = "prospect explore \xff";
+  start.version = "1.2.3";
+  start.started = "2026-11-26T17:02:11Z";
+  start.configuration = "robot:\n  model: unicycle\n";
+  return start;
+}
+
 std::string refusal(const std::string& path) {
   try {
-    RunFolder folder(path);
+    RunFolder folder(path, begun());
   } catch (const InputError& error) {
     EXPECT_EQ(error.lines().size(), 1U);
     EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
@@ -143,7 +155,7 @@ StepRecord plain_step() {
 
 TEST_F(RunFolderTest, WritesAStepByHand) {
   {
-    RunFolder folder(path("run"));
+    RunFolder folder(path("run"), begun());
     folder.add(plain_step());
     EXPECT_EQ(folder.error(), "");
   }
@@ -174,7 +186,7 @@ TEST_F(RunFolderTest, WritesAStepByHand) {
 TEST_F(RunFolderTest, StepsAreTheSameBytesWhateverTheClockSays) {
   RunRecord run = synthetic_run(40);
   const auto write = [&](const std::string& name) {
-    RunFolder folder(path(name));
+    RunFolder folder(path(name), begun());
     for (const StepRecord& s : run.steps) folder.add(s);
     folder.finish(run, nullptr, render_report);
     EXPECT_EQ(folder.error(), "");
@@ -200,7 +212,7 @@ TEST_F(RunFolderTest, EveryRowHasEveryColumn) {
   run.steps[73].explanation.terms.push_back(run.steps[73].explanation.terms[0]);
   run.steps[74].predicted_features = std::nan("");
   run.steps[75].clearance = std::numeric_limits<double>::infinity();
-  RunFolder folder(path("run"));
+  RunFolder folder(path("run"), begun());
   folder.add(run.steps[0]);
   folder.add(run.steps[1]);
   EXPECT_EQ(content(path("run/steps.csv")), "");
@@ -232,7 +244,7 @@ TEST_F(RunFolderTest, AKillLeavesWholeRows) {
   const RunRecord run = synthetic_run(30);
   const pid_t child = fork();
   if (child == 0) {
-    RunFolder folder(path("run"));
+    RunFolder folder(path("run"), begun());
     for (;;) {
       for (const StepRecord& s : run.steps) folder.add(s);
     }
@@ -260,16 +272,15 @@ TEST_F(RunFolderTest, FinishWritesTheRest) {
   const RunRecord run = synthetic_run(20);
   octomap::OcTree map(0.1);
   map.updateNode(octomap::point3d(1.0F, 2.0F, 0.5F), true);
-  RunFolder folder(path("deep/er/run"));
+  RunFolder folder(path("deep/er/run"), begun());
   for (const StepRecord& s : run.steps) folder.add(s);
   folder.finish(run, &map, render_report);
   EXPECT_EQ(folder.error(), "");
   std::vector<std::string> names;
   for (const auto& [name, bytes] : tree(path("deep/er/run"))) names.push_back(name);
-  EXPECT_THAT(names, testing::ElementsAre("config.yaml", "map.bt", "report.html", "steps.csv",
-                                          "summary.json", "timing.csv", "trajectory_estimated.tum",
-                                          "trajectory_true.tum"));
-  EXPECT_EQ(content(path("deep/er/run/config.yaml")), run.configuration);
+  EXPECT_THAT(names, testing::ElementsAre("config.yaml", "map.bt", "report.html", "run.json",
+                                          "steps.csv", "summary.json", "timing.csv",
+                                          "trajectory_estimated.tum", "trajectory_true.tum"));
   const auto summary = nlohmann::json::parse(content(path("deep/er/run/summary.json")));
   EXPECT_EQ(summary["steps"], 20);
   const auto again = read_octree(path("deep/er/run/map.bt"));
@@ -281,7 +292,7 @@ TEST_F(RunFolderTest, AMissionWithoutAPlanStillHasItsRows) {
   RunRecord run;
   run.steps.resize(2);
   run.steps[1].step = 1;
-  RunFolder folder(path("run"));
+  RunFolder folder(path("run"), begun());
   for (const StepRecord& s : run.steps) folder.add(s);
   folder.finish(run, nullptr, render_report);
   EXPECT_EQ(lines(content(path("run/steps.csv"))).size(), 3U);
@@ -291,12 +302,12 @@ TEST_F(RunFolderTest, AMissionWithoutAPlanStillHasItsRows) {
 TEST_F(RunFolderTest, TakesTheFolderOfAnEarlierRun) {
   const RunRecord run = synthetic_run(5);
   {
-    RunFolder folder(path("run"));
+    RunFolder folder(path("run"), begun());
     for (const StepRecord& s : run.steps) folder.add(s);
     folder.finish(run, nullptr, render_report);
   }
   std::ofstream(path("run/notes.txt")) << "mine";
-  RunFolder folder(path("run"));
+  RunFolder folder(path("run"), begun());
   folder.add(run.steps[0]);
   EXPECT_EQ(lines(content(path("run/steps.csv"))).size(), 2U);
   EXPECT_FALSE(fs::exists(path("run/summary.json"))) << "the old one belongs to another run";
@@ -341,7 +352,7 @@ TEST_F(RunFolderTest, AFullDiskIsReportedOnceAndTheRestIsWritten) {
   fs::create_symlink("/dev/full", path("run/timing.csv"));
   fs::create_symlink("/dev/full", path("run/trajectory_true.tum"));
   const RunRecord run = synthetic_run(10);
-  RunFolder folder(path("run"));
+  RunFolder folder(path("run"), begun());
   for (const StepRecord& s : run.steps) folder.add(s);
   folder.finish(run, nullptr, render_report);
   EXPECT_EQ(folder.error(), path("run/timing.csv") + ": writing failed (No space left on device)");
@@ -352,7 +363,7 @@ TEST_F(RunFolderTest, AFullDiskIsReportedOnceAndTheRestIsWritten) {
 TEST_F(RunFolderTest, AFileAtTheEndAppearsWholeOrNotAtAll) {
   const RunRecord run = synthetic_run(3);
   {
-    RunFolder folder(path("run"));
+    RunFolder folder(path("run"), begun());
     fs::create_directories(path("run/report.html/in the way"));
     folder.finish(run, nullptr, render_report);
     EXPECT_THAT(folder.error(), AllOf(StartsWith(path("run/report.html") + ": writing failed ("),
@@ -361,14 +372,48 @@ TEST_F(RunFolderTest, AFileAtTheEndAppearsWholeOrNotAtAll) {
     EXPECT_FALSE(fs::exists(path("run/report.html.part")));
   }
   {
-    RunFolder folder(path("full"));
-    fs::create_symlink("/dev/full", path("full/config.yaml.part"));
+    RunFolder folder(path("full"), begun());
+    fs::create_symlink("/dev/full", path("full/summary.json.part"));
     folder.finish(run, nullptr, render_report);
     EXPECT_EQ(folder.error(),
-              path("full/config.yaml") + ": writing failed (No space left on device)");
-    EXPECT_FALSE(fs::exists(path("full/config.yaml")));
-    EXPECT_FALSE(fs::is_symlink(path("full/config.yaml.part")));
+              path("full/summary.json") + ": writing failed (No space left on device)");
+    EXPECT_FALSE(fs::exists(path("full/summary.json")));
+    EXPECT_FALSE(fs::is_symlink(path("full/summary.json.part")));
   }
+}
+
+TEST_F(RunFolderTest, WhatItWasStartedWithIsThereFromTheStart) {
+  const RunFolder folder(path("run"), begun());
+  EXPECT_EQ(content(path("run/config.yaml")), begun().configuration);
+  const auto start = nlohmann::json::parse(content(path("run/run.json")));
+  EXPECT_EQ(start["world"], "office");
+  EXPECT_EQ(start["seed"], 18446744073709551615ULL);
+  EXPECT_EQ(start["command_line"], "prospect explore \xef\xbf\xbd");
+  EXPECT_EQ(start["version"], "1.2.3");
+  EXPECT_EQ(start["real_time"], false);
+  EXPECT_EQ(utc_now().size(), begun().started.size());
+}
+
+TEST_F(RunFolderTest, AFullDiskAtTheStartIsRefused) {
+  fs::create_directories(path("run"));
+  std::ofstream(path("run/steps.csv")) << "";
+  fs::create_symlink("/dev/full", path("run/run.json.part"));
+  EXPECT_EQ(refusal(path("run")), path("run/run.json") +
+                                      ": cannot be written (No space left on device); expected a "
+                                      "writable folder");
+  EXPECT_FALSE(fs::exists(path("run/run.json")));
+}
+
+TEST_F(RunFolderTest, OneRunAtATime) {
+  {
+    RunFolder folder(path("run"), begun());
+    folder.add(plain_step());
+    const auto before = tree(root_);
+    EXPECT_EQ(refusal(path("run")),
+              path("run") + ": another run writes to it; expected a folder of its own (--out)");
+    EXPECT_EQ(tree(root_), before);
+  }
+  EXPECT_EQ(refusal(path("run")), "") << "the lock ends with the run";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
 namespace prospect::summary_test {
@@ -135,6 +136,27 @@ TEST(SummaryJson, TakesTextThatIsNoUtf8) {
   Summary s;
   s.world = "caf\xe9.bt";
   EXPECT_EQ(nlohmann::json::parse(summary_json(s))["world"], "caf\xEF\xBF\xBD.bt");
+}
+
+TEST(Summary, IsReadBackFromItsText) {
+  Summary summary = summarize({});
+  summary.world = "eight \"rooms\"";
+  summary.seed = 18446744073709551615ULL;
+  summary.done = true;
+  summary.collisions = 3;
+  summary.coverage = 1.0 / 3.0;
+  summary.plan_ms_p95 = 12.5;
+  const std::optional<Summary> read = summary_from_json(summary_json(summary));
+  ASSERT_TRUE(read.has_value());
+  EXPECT_EQ(summary_json(*read), summary_json(summary)) << "each entry, those that are null, too";
+  EXPECT_EQ(read->coverage, 1.0 / 3.0);
+  EXPECT_TRUE(read->measured);
+  summary.measured = false;
+  EXPECT_FALSE(summary_from_json(summary_json(summary))->measured);
+  for (const char* none : {"", "{", "[]", R"({"steps": "many"})", R"({"plan_ms": 3})"}) {
+    EXPECT_FALSE(summary_from_json(none).has_value()) << none;
+  }
+  EXPECT_EQ(summary_from_json(R"({"steps": 4})")->steps, 4) << "of an older program: what is there";
 }
 
 }  // namespace

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "adapters/log/map_messages.h"
+#include "adapters/log/mcap_log.h"
+#include "adapters/ros/sensor_msgs.h"
+#include "adapters/run/run_record.h"
+#include "adapters/run/run_start.h"
+#include "engine/maps/belief.h"
+#include "models/robot_description.h"
+#include "perception/fusion/wheel_fusion.h"
+#include "perception/mapping/depth_image.h"
+#include "perception/mapping/occupancy_mapper.h"
+#include "perception/odometry/image.h"
+#include "runtime/event_log.h"
+#include "runtime/real_time_driver.h"
+
+namespace prospect {
+
+struct MissionLogOptions {
+  RobotDescription robot;
+  PinholeCamera depth_camera;  ///< of depth images
+  double resolution = 0.1;     ///< of the ground cells [m]
+  double dt = 0.25;            ///< of the planned poses [s]
+  double start = 0.0;          ///< [s] of the clock of all stamps that are given: now
+  std::int64_t epoch = 0;      ///< [ns] since 1970 at which that clock was 0
+  bool images = false;         ///< of cameras, too
+  McapLogOptions file;
+};
+
+/// A mission as a bag of ROS 2 in one MCAP file, docs/reference/log.md: what came in, what was
+/// believed, planned and commanded, what happened, and what it takes to make the run again. A kill
+/// leaves all that was written so far readable.
+///
+/// Thread-safety: each function may be called by one thread at a time, different ones at the same
+/// time. None waits for the disk unless the options say so (McapLogOptions::wait). Nothing throws.
+class MissionLog {
+ public:
+  MissionLog(const std::string& path, const RunStart& start, const MissionLogOptions& options);
+
+  void belief(const Belief& belief);
+  void command(double time, const Twist& command);
+  void step(const StepRecord& step);
+  void events(const std::vector<Event>& events);
+  void status(double time, const DriverStatus& status);
+  void scan(double time, const DepthScan& in_B);
+  void wheels(const WheelSample& wheels);
+  void pair(double time, const ImagePair& pair);     ///< nothing without `images`
+  void depth(double time, const DepthImage& image);  ///< likewise
+
+  /// The results, and the end of the file.
+  void finish(const RunRecord& record);
+
+  /// What is to be told of it, a line each: what was dropped, why it is not whole.
+  std::vector<std::string> notes() const;
+  /// Why the file is not whole; empty: it is.
+  std::string error() const { return log_.error(); }
+
+ private:
+  std::int64_t ns(double time) const;
+
+  const MissionLogOptions options_;
+  const std::string path_;
+  McapLog log_;
+  LoggedMap map_;
+};
+
+/// A scan as beams of a plane lidar at its origin with the axes of B: of its rays those that are
+/// nearest to level, in order of azimuth, the nearest of each. Infinite: a ray that met nothing;
+/// NaN: nothing is known.
+ros::LaserScan level_scan(const DepthScan& in_B, double range_max);
+
+}  // namespace prospect
