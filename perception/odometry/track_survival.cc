@@ -40,6 +40,10 @@ void TrackSurvival::forget() {
 }
 
 TrackSurvival::Fit TrackSurvival::fit() const {
+  if (std::all_of(views_.begin(), views_.end(), [](double x) { return x <= 0.0; })) {
+    return {options_.prior_loss, options_.prior_views,
+            (1.0 + found_again_) / (2.0 + missed_views_)};
+  }
   std::array<double, kAges> views = views_, lost = lost_;
   views[0] += options_.prior_views;
   lost[0] += options_.prior_views * options_.prior_loss;
@@ -80,7 +84,7 @@ TrackSurvival::Fit TrackSurvival::fit() const {
     }
     const double loss = 0.5 * (low + high);
     const double value = likelihood(loss, strength);
-    // Among equals the stronger one: without evidence, landmarks are alike.
+    // Among equals the stronger one: without evidence that they are not, landmarks are alike.
     if (value >= highest) {
       highest = value;
       best.loss = loss;

@@ -21,7 +21,10 @@ class Knobs;
 /// longer in the map.
 ///
 /// (a, b) is the most probable pair given the views of all landmarks, dead ones included, counted
-/// by n; older views count less and less. Before there are any, `prior_loss` at a view.
+/// by n; older views count less and less. Before there are any, what is not known is where the
+/// robot is: in a room next to nothing is lost, on a road a fifth at every view. The loss of a
+/// place is then itself Beta distributed, with mean `prior_loss` and strength `prior_views`, and so
+/// is what the first image's landmarks are given.
 ///
 /// A landmark that was missed at the newest view is found again with a probability that is learned
 /// likewise, as one share for all.
@@ -30,9 +33,9 @@ class Knobs;
 class TrackSurvival {
  public:
   struct Options {
-    double prior_loss = 0.01;   ///< at a view: one in ten over ten views
-    double prior_views = 20.0;  ///< that this counts for
-    double memory = 300.0;      ///< [frames] after which a view counts for 1/e
+    double prior_loss = 0.07;  ///< at a view, mean over places
+    double prior_views = 4.0;  ///< that this counts for: the less, the more places differ
+    double memory = 300.0;     ///< [frames] after which a view counts for 1/e
   };
   struct Fit {
     double loss = 0.0;      ///< b / (a + b): mean probability to be lost at the first view

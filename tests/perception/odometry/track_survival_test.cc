@@ -77,7 +77,10 @@ TEST(TrackSurvival, WhereAllAreAlikeAgeDoesNotMatter) {
 
 TEST(TrackSurvival, BeforeAnyViewItIsThePrior) {
   const TrackSurvival::Fit fit = TrackSurvival().fit();
-  EXPECT_NEAR(TrackSurvival::probability(fit, 0, false, 1), 0.99, 1e-3);
+  EXPECT_NEAR(TrackSurvival::probability(fit, 0, false, 1), 0.93, 1e-12);
+  // Five views of one place: its loss is one number, not a new one at each view.
+  EXPECT_NEAR(TrackSurvival::probability(fit, 0, false, 5),
+              3.72 / 4 * 4.72 / 5 * 5.72 / 6 * 6.72 / 7 * 7.72 / 8, 1e-12);
   EXPECT_NEAR(TrackSurvival::probability(fit, 0, true, 1), 0.5, 1e-12);
 }
 
