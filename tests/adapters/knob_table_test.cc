@@ -155,17 +155,14 @@ std::vector<Part> parts() {
        {},
        [](Knobs& k, Configuration& c) { describe(k, c.simulator); },
        make_simulator},
-      // Odometry and perception are those of the simulator.
+      // Odometry and perception are those of the simulator; the outline of drive.ranges is that of
+      // the robot.
       {"drive", {}, [](Knobs& k, Configuration& c) { describe(k, c.drive.driver); }, {}},
       {"drive.preflight",
        {},
        [](Knobs& k, Configuration& c) { describe(k, c.drive.preflight); },
        {}},
       {"drive.inbox", {}, [](Knobs& k, Configuration& c) { describe(k, c.drive.inbox); }, {}},
-      {"drive.ranges",
-       {},
-       [](Knobs& k, Configuration& c) { describe(k, c.drive.ranges); },
-       [](const Configuration& c) { RangeStop{c.drive.ranges}; }},
       {"drive.simulator",
        {},
        [](Knobs& k, Configuration& c) { describe(k, c.simulated_base); },
