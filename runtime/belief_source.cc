@@ -10,6 +10,7 @@ std::shared_ptr<const Belief> PipelineBeliefs::update(const std::stop_token& sto
   for (int k = 0; k < kAtOnce; ++k) {
     const std::optional<SensorFrame> frame = inbox_.take();
     if (!frame) break;
+    if (on_frame_) on_frame_(*frame);
     feed(perception_, *frame);
     any = true;
   }

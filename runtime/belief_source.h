@@ -1,7 +1,9 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <stop_token>
+#include <utility>
 
 #include "engine/maps/belief.h"
 #include "perception/pipeline/perception_pipeline.h"
@@ -22,13 +24,17 @@ class BeliefSource {
 /// What comes through an inbox, by a perception pipeline; both outlive it.
 class PipelineBeliefs final : public BeliefSource {
  public:
-  PipelineBeliefs(SensorInbox& inbox, PerceptionPipeline& perception)
-      : inbox_(inbox), perception_(perception) {}
+  /// on_frame: each frame before perception takes it, on the thread of update(); must not throw.
+  /// May be empty.
+  PipelineBeliefs(SensorInbox& inbox, PerceptionPipeline& perception,
+                  std::function<void(const SensorFrame&)> on_frame = {})
+      : inbox_(inbox), perception_(perception), on_frame_(std::move(on_frame)) {}
   std::shared_ptr<const Belief> update(const std::stop_token& stop) override;
 
  private:
   SensorInbox& inbox_;
   PerceptionPipeline& perception_;
+  std::function<void(const SensorFrame&)> on_frame_;
 };
 
 }  // namespace prospect

@@ -28,8 +28,8 @@ void refuse_of_simulator(const DriveArguments& arguments) {
 }  // namespace
 
 int drive(const DriveArguments& arguments, const Registries& registries) {
-  ExploreArguments mission = arguments.mission;
-  mission.log = true;
+  ExploreArguments logged = arguments.mission;
+  logged.log = true;
   MissionBase base;
   if (arguments.base == "dds") {
     refuse_of_simulator(arguments);
@@ -40,7 +40,7 @@ int drive(const DriveArguments& arguments, const Registries& registries) {
       throw InputError("--base dds: no --ros; expected the file of the robot's topics");
     }
     base.dds = read_dds_options(arguments.ros);
-    return mission(arguments.mission, registries, base);
+    return mission(logged, registries, base);
   }
   if (!arguments.ros.empty()) {
     throw InputError("--ros: given with --base " + arguments.base +
@@ -50,7 +50,7 @@ int drive(const DriveArguments& arguments, const Registries& registries) {
   base.measure = arguments.measure;
   if (base.gazebo) {
     refuse_of_simulator(arguments);
-    return prospect::mission(mission, registries, base);
+    return mission(logged, registries, base);
   }
   if (arguments.measure) {
     throw InputError("--measure: the simulator always measures; expected it with --base gazebo");
@@ -63,7 +63,7 @@ int drive(const DriveArguments& arguments, const Registries& registries) {
       throw InputError(std::string("--fault: ") + e.what());
     }
   }
-  return prospect::mission(mission, registries, base);
+  return mission(logged, registries, base);
 }
 
 }  // namespace prospect

@@ -65,7 +65,7 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
   }
   PerceptionPipeline perception(c.robot.stereo, live_perception(c, depth, start), c.drive.odometry);
   clear_start(perception.map(), c, start);
-  PipelineBeliefs beliefs(inbox, perception);
+  PipelineBeliefs beliefs(inbox, perception, frames_to(options.taps.sensors));
   const Guard guard = guard_for(c.robot, c.planner, c.guard);
   const RangeStop stop(c.drive.ranges);
 

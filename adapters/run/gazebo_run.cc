@@ -89,7 +89,7 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
                           {c.robot.depth.min_range, c.robot.depth.max_range}};
   PerceptionPipeline perception(c.robot.stereo, live_perception(c, depth, start), c.drive.odometry);
   clear_start(perception.map(), c, start);
-  PipelineBeliefs beliefs(inbox, perception);
+  PipelineBeliefs beliefs(inbox, perception, frames_to(options.taps.sensors));
   const Guard guard = guard_for(c.robot, c.planner, c.guard);
   const RangeStop stop(c.drive.ranges);
 

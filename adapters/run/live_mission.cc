@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <variant>
 
 #include "engine/planner/planner.h"
 #include "runtime/preflight_run.h"
@@ -65,6 +67,27 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& c,
   result.health = driver.health();
   result.events = driver.events().since(0).events;
   return end;
+}
+
+std::function<void(const SensorFrame&)> frames_to(SensorTap tap) {
+  struct Hand {
+    SensorTap tap;
+    void operator()(const StereoFrame& frame) const {
+      if (tap.pair && frame.left && frame.right) {
+        tap.pair(frame.left_stamp, {*frame.left, *frame.right});
+      }
+    }
+    void operator()(const WheelSample& sample) const {
+      if (tap.wheels) tap.wheels(sample);
+    }
+    void operator()(const DepthFrame& frame) const {
+      if (tap.depth && frame.image) tap.depth(frame.stamp, *frame.image);
+    }
+    void operator()(const ScanFrame& frame) const {
+      if (tap.scan && frame.in_B) tap.scan(frame.stamp, *frame.in_B);
+    }
+  };
+  return [hand = Hand{std::move(tap)}](const SensorFrame& frame) { std::visit(hand, frame); };
 }
 
 MissionOptions mission_options_for(const Configuration& c,

@@ -7,6 +7,7 @@
 
 #include "adapters/config/configuration.h"
 #include "adapters/run/exploration_run.h"
+#include "adapters/simulator/sensor_tap.h"
 #include "adapters/simulator/simulated_base.h"
 #include "engine/planner/replanner.h"
 #include "engine/safety/guard.h"
@@ -44,6 +45,9 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& configur
                            const MissionOptions& mission,
                            const std::function<void(const MissionStep&)>& observe,
                            const ExplorationRunOptions& options, ExplorationRunResult& result);
+
+/// What hands a frame of an inbox to a tap, which is copied.
+std::function<void(const SensorFrame&)> frames_to(SensorTap tap);
 
 /// Those of the configuration, with what is enough by what is true.
 MissionOptions mission_options_for(const Configuration& configuration,

@@ -139,7 +139,7 @@ TEST(SummaryJson, TakesTextThatIsNoUtf8) {
 }
 
 TEST(Summary, IsReadBackFromItsText) {
-  Summary summary = summarize({});
+  Summary summary = summarize(std::vector<StepRecord>());
   summary.world = "eight \"rooms\"";
   summary.seed = 18446744073709551615ULL;
   summary.done = true;
