@@ -40,7 +40,7 @@ int drive(const DriveArguments& arguments, const Registries& registries) {
       throw InputError("--base dds: no --ros; expected the file of the robot's topics");
     }
     base.dds = read_dds_options(arguments.ros);
-    return mission(arguments.mission, registries, base);
+    return prospect::mission(mission, registries, base);
   }
   if (!arguments.ros.empty()) {
     throw InputError("--ros: given with --base " + arguments.base +
