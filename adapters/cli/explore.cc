@@ -189,7 +189,7 @@ RunStart start_of(const ExploreArguments& arguments, const Configuration& config
   start.world = world;
   start.solver = configuration.solver;
   start.seed = arguments.seed;
-  start.real_time = base.gazebo || base.dds || base.real_time;
+  start.real_time = base.in_real_time();
   start.command_line = arguments.command_line;
   start.version = build.version;
   start.commit = build.commit;
@@ -210,9 +210,8 @@ MissionLogOptions log_options(const ExploreArguments& arguments, const Configura
   options.resolution = configuration.simulator.mapping.resolution;
   options.dt = configuration.planner.dt;
   options.images = arguments.log_images;
-  const bool by_the_day = base.real_time || base.dds;
-  options.file.wait = !base.gazebo && !by_the_day;
-  if (by_the_day) {
+  options.file.wait = !base.in_real_time();
+  if (base.in_real_time() && !base.gazebo) {
     using std::chrono::duration_cast;
     const auto day = std::chrono::system_clock::now().time_since_epoch();
     options.start = SteadyClock().now();

@@ -15,6 +15,8 @@ struct MissionBase {
   std::optional<DdsOptions> dds;  ///< a robot behind topics of ROS 2, in real time
   /// The simulator, in real time; none: in lockstep.
   std::optional<RealTimeRun> real_time;
+
+  bool in_real_time() const { return gazebo || dds || real_time; }
 };
 
 /// A mission, its run folder and summary. Returns the exit code.
