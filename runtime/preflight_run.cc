@@ -32,9 +32,7 @@ std::optional<Plan> turning_plan(const MotionModel& model, const Pose& pose, dou
   Eigen::VectorXd x = model.state(pose, before), next(model.nx());
   plan.states.push_back(x);
   const int most = static_cast<int>(std::ceil(4.0 * angle / (rate * kStep))) + 10;
-  // What braking adds counts.
-  double turned = 0.0, added = 0.0;
-  while (turned + added < angle - 1e-9) {
+  for (double turned = 0.0; turned < angle - 1e-9; turned += before.yaw_rate * kStep) {
     if (static_cast<int>(plan.inputs.size()) == most) return std::nullopt;
     Eigen::VectorXd input = tracking_input(model, x, model.input(before), wanted, kStep);
     model.step(x, input, kStep, next);
@@ -43,17 +41,13 @@ std::optional<Plan> turning_plan(const MotionModel& model, const Pose& pose, dou
     plan.inputs.push_back(std::move(input));
     plan.states.push_back(x);
     plan.commands.push_back(before);
-    turned += before.yaw_rate * kStep;
-    added = 0.0;
-    plan.tail.clear();
-    Twist braked = before;
-    for (int k = 0; k < most && !is_at_rest(braked); ++k) {
-      braked = braking_command(model, pose, braked, kStep).command;
-      plan.tail.push_back(braked);
-      added += braked.yaw_rate * kStep;
-    }
   }
   plan.committed = static_cast<int>(plan.commands.size());
+  // Braking adds to the angle: a base that starts more slowly than it stops loses less of it so.
+  for (int k = 0; k < most && !is_at_rest(before); ++k) {
+    before = braking_command(model, pose, before, kStep).command;
+    plan.tail.push_back(before);
+  }
   return plan;
 }
 
@@ -134,7 +128,8 @@ class Run {
       for (std::size_t k = 0; k < parts_.streams.size(); ++k) {
         watch.look(k, parts_.streams[k].stamp(belief.get()), now);
       }
-      if ((belief && watch.live_for(options_.checks.live_time)) || now >= end || is_cancelled()) {
+      const bool located = belief && belief->localization != Localization::kLost;
+      if ((located && watch.live_for(options_.checks.live_time)) || now >= end || is_cancelled()) {
         break;
       }
       parts_.base.send({}, now + command_.hold);

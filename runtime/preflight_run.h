@@ -54,9 +54,9 @@ struct PreflightResult {
 };
 
 /// Makes the checks of preflight.h on a robot: it stands until its streams have been live for
-/// checks.live_time, or `patience` is over; then checks_before_motion(). If none fails it turns on
-/// the spot by `turn`, and checks_of_turn() compares. The base's own odometry is its wheels, the
-/// pose of the belief the cameras.
+/// checks.live_time and it knows where it is, or `patience` is over; then checks_before_motion().
+/// If none fails it turns by `turn` and what braking adds; checks_of_turn() compares. The base's
+/// own odometry is its wheels, the pose of the belief the cameras.
 ///
 /// The turn goes through a CommandLoop: it ramps within the model's rates, and the guard must pass
 /// each of its commands on the newest map, as must `ranges`. If they do not, a model that cannot

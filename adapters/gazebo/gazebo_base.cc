@@ -34,7 +34,9 @@ struct GazeboBase::Impl {
     velocity = {{sample->velocity.x(), 0.0, 0.0}, sample->yaw_rate};
   }
 
-  static constexpr double kSilence = 0.5;  // [s] of the wheels that is a fault
+  // [s] of the machine without wheels that are a fault. A simulation that stands for less takes the
+  // robot with it, and the relay has stopped it.
+  static constexpr double kSilence = 1.0;
   static constexpr std::size_t kMost = 10000;
   GazeboOptions options;
   SimulationClock& clock;

@@ -120,6 +120,7 @@ TEST_F(PreflightRun, WhatCannotBeCheckedSaysWhy) {
   EXPECT_NE(check(result, "slip").why.find("a wall"), std::string::npos);
   EXPECT_EQ(base_.pose().yaw, 0.0);
   beliefs_.lost = true;
+  options_.patience = 0.1;
   EXPECT_NE(check(make(), "slip").why.find("lost"), std::string::npos);
   EXPECT_EQ(base_.pose().yaw, 0.0);
 }
