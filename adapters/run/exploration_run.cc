@@ -12,7 +12,9 @@
 
 #include "adapters/files/input_error.h"
 #include "adapters/run/summary.h"
+#include "adapters/simulator/faulty_disk.h"
 #include "adapters/simulator/faulty_replanner.h"
+#include "adapters/simulator/faulty_scan.h"
 #include "adapters/simulator/simulated_base.h"
 #include "adapters/simulator/simulator.h"
 #include "adapters/worlds/octree_file.h"
@@ -142,6 +144,36 @@ class SparseCostsToGo {
   int count_ = 0;
 };
 
+/// Plans in full (horizon, candidates, landmarks) of at most kMost steps, evenly spread, so that a
+/// mission of hours needs no more memory for them than one of minutes: as SparseCostsToGo.
+class SparsePlans {
+ public:
+  void add(std::vector<StepRecord>& steps, StepRecord& now) {
+    if (now.step % every_ == 0 && count_ == kMost) {
+      every_ *= 2;
+      for (StepRecord& step : steps) {
+        if (step.step % every_ == 0 || step.step % (every_ / 2) != 0) continue;
+        forget(step);
+        --count_;
+      }
+    }
+    if (now.step % every_ != 0) return forget(now);
+    ++count_;
+  }
+
+ private:
+  static constexpr int kMost = 4000;
+
+  static void forget(StepRecord& step) {
+    step.horizon = {};
+    step.candidates = {};
+    step.landmarks = {};
+  }
+
+  int every_ = 1;
+  int count_ = 0;
+};
+
 std::vector<CandidateRecord> candidate_records(const Plan& plan, const Problem* problem,
                                                const MotionModel& model) {
   std::vector<CandidateRecord> records;
@@ -223,6 +255,21 @@ PreflightFacts preflight_facts(const Configuration& c, SimulatedBase& base, cons
   return facts;
 }
 
+/// What faults make of scans, up to the sensor's range [m]. Throws std::invalid_argument for
+/// sensors that cannot do it.
+std::function<void(double, DepthScan&)> scan_faults(const SimulatorOptions& simulator,
+                                                    const std::vector<InjectedFault>& faults,
+                                                    double range, std::uint64_t seed) {
+  constexpr double kNearest = 0.3;  // [m]
+  auto distort = faulty_scans(faults, kNearest, range, seed);
+  if (distort && simulator.sensors == Sensors::kCamera) {
+    throw std::invalid_argument(
+        "--fault: depth:garbage and depth:wrong; expected another fault with sensors that are "
+        "cameras, or simulator.sensors: model");
+  }
+  return distort;
+}
+
 }  // namespace
 
 ReachableArea reachable_area(const World& world, const Configuration& c) {
@@ -288,6 +335,10 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
 
   SimulatorOptions simulator_options = configuration.simulator;
   simulator_options.seed = options.seed;
+  if (options.real_time) {
+    simulator_options.distort_scan = scan_faults(simulator_options, options.real_time->base.faults,
+                                                 configuration.robot.depth.max_range, options.seed);
+  }
   if (!configuration.map.empty()) simulator_options.map = map_to_begin_with(configuration);
   Simulator simulator(world, simulator_options);
   simulator.set_reachable(reachable.cells);
@@ -315,9 +366,11 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   MapChanges map_changes;
   SparsePictures pictures;
   SparseCostsToGo costs_to_go;
+  SparsePlans plans;
   std::vector<StepRecord> steps;
   const SteadyClock clock;
   std::optional<SimulatedBase> base;  // in real time
+  std::optional<FaultyDisk> disk;     // likewise
   const auto observe = [&](const MissionStep& step) {
     const Plan& plan = *step.plan;
     const Belief& belief = *step.belief;
@@ -402,6 +455,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     }
     r.map_changes = map_changes.since_last(*belief.ground);
     if (options.keep_steps) pictures.add(r.step, truth.picture);
+    if (disk) disk->write();
     if (options.on_step) options.on_step(r);
     if (options.on_plan && own_planner) options.on_plan(r, *own_planner);
     if (!options.keep_steps) {
@@ -410,6 +464,8 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
       r.landmarks.clear();
       r.map_changes.clear();
       r.candidates.clear();
+    } else {
+      plans.add(steps, r);
     }
     steps.push_back(std::move(r));
   };
@@ -427,7 +483,9 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   MissionResult mission;
   if (options.real_time) {
     base.emplace(simulator, clock, *configuration.robot.model, options.real_time->base);
-    FaultyReplanner replanner(*planner, clock, options.real_time->base.faults, clock.now());
+    const std::vector<InjectedFault>& faults = options.real_time->base.faults;
+    FaultyReplanner replanner(*planner, *configuration.robot.model, clock, faults, base->start());
+    disk.emplace(clock, faults, base->start());
     result.preflight = checks_before_motion(
         preflight_facts(configuration, *base, clock, limits, options.real_time->driver));
     RealTimeDriver driver({.clock = clock,
@@ -436,6 +494,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                            .planner = replanner,
                            .guard = guard,
                            .model = configuration.robot.model,
+                           .inbox = &base->sensors(),
                            .failed_preflight = first_failed(result.preflight),
                            // A simulated robot turns as it is told to.
                            .yaw_checked = true},
