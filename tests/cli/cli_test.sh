@@ -62,8 +62,8 @@ grep -q 'capture to command' out.txt || fail "a mission in real time: no latency
   fail "a mission in real time: its run folder is not whole"
 refused "a base that there is not" --base "expected one of: simulator" drive office --base rover \
   --out none
-refused "a fault that nobody implements" --fault "'depth:garbage'; expected a fault" drive office \
-  --fault depth:garbage --out none
+refused "a fault that nobody knows" --fault "'depth:broken'; expected a verb: off, stuck" drive office \
+  --fault depth:broken --out none
 
 # --- Tasks: done or not, and why.
 succeeds "enough, and back" explore office --until 12m2 --return --quiet --out task
