@@ -1,8 +1,9 @@
 // How well a planning step keeps its deadline, over the beliefs of a mission.
 //   step_deadline [WORLD] [--deadline MS] [--steps N] [--seed S] [--solver NAME]
-// Drives the mission in lockstep, each step with that deadline, and prints what the steps took, in
-// wall time and in processor time of the one thread, in all and by their parts, and by how much the
-// deadline was overrun; besides, what the guard's check of one command of each plan costs.
+// Drives the mission in lockstep, each step with that deadline and prepared as the real-time driver
+// does, and prints what preparing and the steps took, in wall time and in processor time of the one
+// thread, in all and by their parts, and by how much the deadline was overrun; besides, what the
+// guard's check of one command of each plan costs.
 // Processor time is what counts where others keep the machine busy; there the wall clock ends the
 // polishing earlier. The floor is what a step takes that has no time to polish
 // (--deadline 0.001).
@@ -33,14 +34,18 @@ namespace {
 class TimedPlanner final : public Replanner {
  public:
   TimedPlanner(std::unique_ptr<Planner> planner, std::vector<PlanTimes>& times,
-               std::vector<double>& processor, std::vector<double>& guard)
+               std::vector<double>& prepared, std::vector<double>& processor,
+               std::vector<double>& guard)
       : planner_(std::move(planner)),
         check_(planner_->make_guard()),
         times_(times),
+        prepared_(prepared),
         processor_(processor),
         guard_(guard) {}
   Plan plan(const Belief& belief) override {
     ProcessorStopwatch watch;
+    planner_->prepare(belief);
+    prepared_.push_back(watch.lap());
     Plan plan = planner_->plan(belief);
     processor_.push_back(watch.lap());
     times_.push_back(plan.times);
@@ -66,7 +71,7 @@ class TimedPlanner final : public Replanner {
   std::unique_ptr<Planner> planner_;
   Guard check_;
   std::vector<PlanTimes>& times_;
-  std::vector<double>&processor_, &guard_;
+  std::vector<double>&prepared_, &processor_, &guard_;
 };
 
 void print(const char* name, const std::vector<double>& ms) {
@@ -91,7 +96,7 @@ int measure(int argc, char** argv) {
   configuration.planner.deadline = 1e-3 * deadline_ms;
   configuration.mission.time_limit = 1e6;
   std::vector<PlanTimes> times;
-  std::vector<double> processor, guard;
+  std::vector<double> prepared, processor, guard;
   ExplorationRunOptions options;
   options.seed = static_cast<std::uint64_t>(seed);
   options.keep_steps = false;
@@ -99,7 +104,7 @@ int measure(int argc, char** argv) {
   options.make_planner = [&](const Configuration& c) -> std::unique_ptr<Replanner> {
     return std::make_unique<TimedPlanner>(
         std::make_unique<Planner>(c.robot, c.planner, SolverRegistry().make(c.solver)), times,
-        processor, guard);
+        prepared, processor, guard);
   };
   const auto loaded =
       std::make_shared<const World>(load_world(world, world_options_for(configuration)));
@@ -113,9 +118,10 @@ int measure(int argc, char** argv) {
   std::printf("%s, seed %d, %s, deadline %g ms: %zu steps\n", world.c_str(), seed, solver.c_str(),
               deadline_ms, times.size());
   std::printf("  %-16s %8s %8s %8s %8s  [ms]\n", "", "p50", "p95", "p99", "max");
+  print("prepare, proc.", prepared);
   print("step, wall", part([](const PlanTimes& t) { return t.total; }));
   print("step, processor", processor);
-  print("facts, frontiers", part([](const PlanTimes& t) { return t.frontier_planner; }));
+  print("facts", part([](const PlanTimes& t) { return t.frontier_planner; }));
   print("clearance", part([](const PlanTimes& t) { return t.clearance; }));
   print("views", part([](const PlanTimes& t) { return t.views; }));
   print("seeds", part([](const PlanTimes& t) { return t.seeds; }));

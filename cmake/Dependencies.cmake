@@ -25,6 +25,9 @@ pkg_check_modules(ZSTD QUIET IMPORTED_TARGET libzstd)
 pkg_check_modules(SQLITE QUIET IMPORTED_TARGET sqlite3)
 # What the transport of Gazebo needs: without it such a robot cannot be driven, and it says so.
 find_package(Protobuf QUIET)
+# What topics of ROS 2 need: without it such a robot cannot be driven, and it says so.
+find_package(CycloneDDS CONFIG QUIET)
+find_package(OpenSSL QUIET COMPONENTS Crypto)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)
 
 # Debian's OpenCV module packages ship neither a CMake configuration nor a pkg-config file.

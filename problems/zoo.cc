@@ -224,6 +224,39 @@ FunctionProblem camel() {
   return p;
 }
 
+FunctionProblem pressure() {
+  FunctionProblem p{"pressure", vec({1e4, 0}), vec({1e6, 5}), vec({1e5, 0.3})};
+  p.f = [](const Vector& x) {
+    return std::pow(x[0] / 1e5 - 3, 2) + 100 * std::pow(x[1] - x[0] / 4e5, 2);
+  };
+  p.g = [](const Vector& x) {
+    const double r = x[1] - x[0] / 4e5;
+    return vec({2e-5 * (x[0] / 1e5 - 3) - 5e-4 * r, 200 * r});
+  };
+  p.residuals = {0.0, 2,
+                 [](const Vector& x) {
+                   return Vector(std::sqrt(2.0) * vec({x[0] / 1e5 - 3, 10 * (x[1] - x[0] / 4e5)}));
+                 },
+                 [](const Vector&) {
+                   Matrix J(2, 2);
+                   J << 1e-5, 0, -2.5e-5, 10;
+                   return Matrix(std::sqrt(2.0) * J);
+                 }};
+  return p;
+}
+
+FunctionProblem cargo() {
+  FunctionProblem p{"cargo", vec({0.4, 4e4, 9e3}), vec({1.8, 2.2e5, 9e4}), vec({0.6, 6e4, 1.2e4})};
+  p.f = [](const Vector& x) { return -0.4 * (x[1] + x[2] - 1.5e5) * std::pow(x[0] + 1, 2); };
+  p.g = [](const Vector& x) {
+    const double s = -0.4 * std::pow(x[0] + 1, 2);
+    return vec({-0.8 * (x[1] + x[2] - 1.5e5) * (x[0] + 1), s, s});
+  };
+  p.optimum = -501760;
+  p.residuals = FunctionResiduals{p.optimum};
+  return p;
+}
+
 std::vector<FunctionProblem> all() {
   return {rosenbrock(), bounded_quadratic(), hs12(), hs21(), hs22(), hs29(), hs35(), hs43(), hs76(),
           camel()};

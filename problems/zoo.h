@@ -26,4 +26,12 @@ FunctionProblem camel();
 
 std::vector<FunctionProblem> all();
 
+// Variables in units far apart, wide bounds, no constraints: what a method takes for a small step
+// is one in the largest unit alone.
+
+/// A curved valley: (x/1e5 - 3)^2 + 100 (y - x/4e5)^2.
+FunctionProblem pressure();
+/// The largest product of a load and a speed, in a corner of the bounds.
+FunctionProblem cargo();
+
 }  // namespace prospect::zoo

@@ -47,6 +47,8 @@ std::string_view to_string(MissionEnd end) {
       return "localization lost";
     case MissionEnd::kCancelled:
       return "cancelled";
+    case MissionEnd::kNotFit:
+      return "not fit to drive";
   }
   return "?";
 }
@@ -64,6 +66,7 @@ bool task_done(MissionEnd end) {
     case MissionEnd::kTimeLimit:
     case MissionEnd::kLost:
     case MissionEnd::kCancelled:
+    case MissionEnd::kNotFit:
       break;
   }
   return false;

@@ -23,7 +23,8 @@ enum class MissionEnd {
   kGoalUnreachable,  ///< no way leads to the goal, or back
   kTimeLimit,
   kLost,  ///< localization was lost and did not come back
-  kCancelled
+  kCancelled,
+  kNotFit  ///< a check before the first motion has failed (preflight.h)
 };
 
 std::string_view to_string(MissionEnd end);

@@ -118,10 +118,16 @@ CheckResult dead_man_check(const PreflightFacts& facts, const PreflightOptions& 
   const std::string way =
       formatted("the base stops %.2f s after the last command: %.2f m at full speed", time,
                 time * facts.speed.model);
-  if (!(facts.longest_thread_limit < time)) {
-    return {"dead-man", Verdict::kWarned,
-            way + formatted("; a thread may be silent for %.2f s, so that it trips first",
-                            facts.longest_thread_limit)};
+  const double period = facts.command_period;
+  if (!(period < time)) {
+    return {"dead-man", Verdict::kFailed,
+            way + formatted("; commands come every %g s, so that it trips between two of them",
+                            period)};
+  }
+  if (2.0 * period > time) {
+    return {
+        "dead-man", Verdict::kWarned,
+        way + formatted("; commands come every %.2f s, so that one late command trips it", period)};
   }
   return {"dead-man", Verdict::kPassed, way};
 }

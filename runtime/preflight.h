@@ -75,7 +75,8 @@ struct PreflightFacts {
 
   /// [s] of silence after which the base stops by itself; none: it declares no dead-man.
   std::optional<double> dead_man{};
-  double longest_thread_limit = 0.0;  ///< [s] (Supervisor)
+  /// [s] from one command to the next. The command thread alone keeps the dead-man from acting.
+  double command_period = 0.0;
   /// What the base says it can do, and what the motion model counts on.
   struct Limit {
     std::optional<double> base;
@@ -94,8 +95,10 @@ struct PreflightFacts {
 ///   cameras in step              |offset|;
 ///   clock of SOURCE              settled; jumps are warned of;
 ///   stream of SOURCE             within its limit for live_time;
-///   dead-man                     declared, and no longer than longest_dead_man; longer than the
-///                                slowest thread's limit, or it trips first: warned of;
+///   dead-man                     declared, no longer than longest_dead_man, and longer than a
+///                                period of commands; shorter than two, so that one late command
+///                                trips it: warned of. What other threads need does not count: they
+///                                send nothing, and a supervisor watches them;
 ///   largest speed, largest yaw rate, deceleration: the base reaches what the model counts on.
 /// A number that is not finite fails. Pure.
 std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,

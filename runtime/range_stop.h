@@ -10,6 +10,7 @@
 namespace prospect {
 
 class Knobs;
+struct RobotDescription;
 
 /// A ray of a depth image or a scan, in B as it was at the capture.
 struct RangeRay {
@@ -49,6 +50,9 @@ struct RangeStopOptions {
 };
 /// The knobs (models/knobs.h).
 void describe(Knobs& knobs, RangeStopOptions& options);
+/// What they are if nobody has measured the robot: the rectangle around the body's outline, a disc
+/// for one that is round; its heights, from 5 cm above the floor on; the model's deceleration.
+RangeStopOptions range_stop_options(const RobotDescription& robot);
 
 enum class RangeStopReason {
   kClear,         ///< it may go on

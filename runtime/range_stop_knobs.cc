@@ -1,6 +1,8 @@
 #include <algorithm>
 
 #include "models/knobs.h"
+#include "models/robot_description.h"
+#include "models/robot_shape.h"
 #include "runtime/range_stop.h"
 
 namespace prospect {
@@ -31,6 +33,32 @@ void describe(Knobs& knobs, RangeStopOptions& o) {
   knobs.require(o.lowest < o.highest, "highest", "not above lowest; expected more");
   knobs.require(2.0 * o.corner_radius <= std::min(o.front + o.rear, o.left + o.right) + 1e-9,
                 "corner_radius", "more than half of a side; expected at most that");
+}
+
+RangeStopOptions range_stop_options(const RobotDescription& robot) {
+  constexpr double kFloor = 0.05, kLeast = 0.01;  // [m]
+  RangeStopOptions options;
+  if (is_round(robot.shape)) {
+    const double radius = std::max(kLeast, circumscribed_radius(robot.shape));
+    options.front = options.rear = options.left = options.right = options.corner_radius = radius;
+  } else {
+    options.front = options.rear = options.left = options.right = kLeast;
+    options.corner_radius = 0.0;
+    for (const OutlinePart& part : ground_outline(robot.shape)) {
+      for (const Eigen::Vector2d& corner : part.corners) {
+        options.front = std::max(options.front, corner.x() + part.radius);
+        options.rear = std::max(options.rear, part.radius - corner.x());
+        options.left = std::max(options.left, corner.y() + part.radius);
+        options.right = std::max(options.right, part.radius - corner.y());
+      }
+    }
+  }
+  const VerticalExtent slice = robot.slice();
+  const double base = robot.base_height();
+  options.lowest = std::max(slice.z_min, kFloor) - base;
+  options.highest = std::max(slice.z_max - base, options.lowest + kLeast);
+  options.deceleration = robot.model->max_deceleration();
+  return options;
 }
 
 }  // namespace prospect

@@ -165,6 +165,7 @@ void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress&
   const CommandLoopOptions& command_options = options.command;
   PlanningLatency latency(options.least_latency, options.most_latency,
                           2.0 * command_options.period);
+  PlanningLatency preparation(0.0, options.most_latency, 0.0);
   double start = -std::numeric_limits<double>::infinity();  // of the newest plan
   NewestPlan published;
   while (!stop.stop_requested()) {
@@ -178,8 +179,13 @@ void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress&
       continue;
     }
     // Not before the plan before has begun: its successor is predicted through it.
-    const double lead = latency.value();
-    start = std::max(now() + lead, start + std::max(options.replan_period, lead));
+    const double lead = latency.value(), ahead = preparation.value();
+    start = std::max(now() + ahead + lead, start + std::max(options.replan_period, ahead + lead));
+    if (!parts.clock.wait_until(start - lead - ahead, stop)) break;
+    const double prepared = now();
+    parts.planner.prepare(*belief.get());
+    preparation.add(now() - prepared);
+    start = std::max(start, now() + lead);
     if (!parts.clock.wait_until(start - lead, stop)) break;
     newest = belief.get();
     const double begun = now();
@@ -379,6 +385,43 @@ DriverStatus RealTimeDriver::status() const {
   status.planning = impl_->planning_seen.get();
   return status;
 }
+HealthReport RealTimeDriver::health() const {
+  constexpr std::size_t kShown = 10;
+  const Impl& s = *impl_;
+  const DriverStatus seen = status();
+  const std::shared_ptr<const Belief> belief = s.belief.get();
+  HealthReport report;
+  report.stamp = s.now();
+  report.drive = seen.mode;
+  report.speed = drive_speed(seen.mode, s.options.mode);
+  report.why = seen.why;
+  for (const WatchedStream& stream : s.parts.streams) {
+    const std::optional<double> newest = stream.stamp(belief.get());
+    SourceHealth source;
+    source.name = stream.source;
+    source.age = newest ? report.stamp - *newest : std::numeric_limits<double>::infinity();
+    source.limit = stream.limit;
+    if (stream.count) {
+      const StreamCount count = stream.count();
+      source.received = count.received;
+      source.dropped = count.overflown + count.too_old + count.unpaired + count.refused;
+    }
+    report.sources.push_back(std::move(source));
+  }
+  report.threads = s.supervisor.report(report.stamp);
+  report.latencies = {{"capture to command", seen.capture_to_command},
+                      {"planning step", seen.planning},
+                      {"between commands", seen.command_period}};
+  report.events = s.events.totals();
+  for (const Event& event : s.events.since(0).events) {
+    if (event.severity >= Severity::kWarning) report.newest.push_back(event);
+  }
+  if (report.newest.size() > kShown)
+    report.newest.erase(report.newest.begin(), report.newest.end() - kShown);
+  report.preflight = s.parts.preflight;
+  return report;
+}
+
 const EventLog& RealTimeDriver::events() const { return impl_->events; }
 
 }  // namespace prospect

@@ -3,6 +3,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "engine/maps/belief.h"
 #include "engine/planner/replanner.h"
@@ -15,10 +16,12 @@
 #include "runtime/drive_mode.h"
 #include "runtime/drive_watch.h"
 #include "runtime/event_log.h"
+#include "runtime/health_report.h"
 #include "runtime/latency_histogram.h"
 #include "runtime/mission.h"
 #include "runtime/range_look.h"
 #include "runtime/sensor_inbox.h"
+#include "runtime/watched_stream.h"
 
 namespace prospect {
 
@@ -54,6 +57,9 @@ struct RobotParts {
   /// The check before the first motion that failed (preflight.h); empty: all passed.
   std::string failed_preflight = "none was made";
   bool yaw_checked = false;
+  // What a health report tells of besides.
+  std::vector<WatchedStream> streams{};
+  std::vector<CheckResult> preflight{};
 };
 
 /// What has happened so far.
@@ -72,15 +78,17 @@ struct DriverStatus {
 /// A mission on a robot in real time, by three threads that never wait for each other:
 ///
 ///   perception  BeliefSource::update() -> newest belief
-///   planner     predicted belief -> plan, which takes effect at its stamp
+///   planner     newest belief -> Replanner::prepare(), then predicted belief -> plan, which takes
+///               effect at its stamp
 ///   command     every period: base report -> facts -> drive mode -> command -> base
 ///
 /// The newest of each is handed on by a pointer under a lock that is held for its copy. What is
 /// done when something is wrong stands in one table, drive_mode.h; the order in which a command is
 /// decided, in command_loop.h. The calling thread waits for the end.
 ///
-/// Latency. With t_k the start of plan k, L how long a step may take (PlanningLatency), T the
-/// replan_period, C = committed dt, and B the time that the stop takes:
+/// Latency. With t_k the start of plan k, L how long Replanner::plan() may take (PlanningLatency;
+/// prepare() comes before it, while plan k-1 is driven), T the replan_period, C = committed dt, and
+/// B the time that the stop takes:
 ///
 ///     t_k - L      t_k                  t_k + T             t_k + C      t_k + C + B
 ///        |----------|---------------------|-------------------|------------|
@@ -132,6 +140,8 @@ class RealTimeDriver {
   void resume() noexcept;
 
   DriverStatus status() const;
+  /// How the robot is, with its last ten events of warnings or worse.
+  HealthReport health() const;
   const EventLog& events() const;
 
  private:

@@ -124,6 +124,7 @@ std::optional<double> SensorInbox::shifted(SensorStream stream, double stamp) {
   ClockOffset& offset = offset_of(stream);
   const StampReading reading = offset.add(stamp, clock_.now());
   count.jumps = offset.jumps();
+  count.offset = offset.offset();
   if (!reading.time) {
     drop(count, &StreamCount::refused,
          "its stamp is " + std::string(to_string(reading.verdict)) +
@@ -179,6 +180,8 @@ void SensorInbox::pair_up(SensorStream stream) {
   StreamCount& count = at(SensorStream::kPair).count;
   ++count.received;
   count.newest = std::max(count.newest.value_or(pair.left_stamp), pair.left_stamp);
+  count.offset = cameras_.offset();
+  pair_offset_ = pair.right_stamp - pair.left_stamp;
   put(SensorStream::kPair, pair);
 }
 
@@ -221,6 +224,7 @@ void SensorInbox::pair(double left_stamp, double right_stamp, ImagePair images) 
       return drop(count, &StreamCount::refused,
                   "an image is empty or the right one's stamp is not finite");
     }
+    pair_offset_ = right_stamp - left_stamp;
     frame.right_stamp += *at_capture - left_stamp;
     frame.left_stamp = *at_capture;
     put(SensorStream::kPair, std::move(frame));
@@ -310,6 +314,11 @@ bool SensorInbox::wait(double seconds, const std::stop_token& stop) {
 NewestRanges SensorInbox::ranges() const {
   const std::lock_guard lock(mutex_);
   return ranges_;
+}
+
+std::optional<double> SensorInbox::pair_offset() const {
+  const std::lock_guard lock(mutex_);
+  return pair_offset_;
 }
 
 StreamCount SensorInbox::count(SensorStream stream) const {

@@ -94,7 +94,9 @@ struct StreamCount {
   std::uint64_t refused = 0;     ///< dropped: a stamp that has no time, or an empty image
   int jumps = 0;                 ///< of its clock, or of the runtime's against it
   std::optional<double> newest;  ///< stamp of the newest frame [s], in the runtime's clock
-  std::string reason;            ///< why the newest that was dropped was
+  /// [s] that the runtime's clock is ahead of the stream's (ClockOffset); none: not settled.
+  std::optional<double> offset;
+  std::string reason;  ///< why the newest that was dropped was
 };
 
 /// Where sensor adapters put what they receive, from any thread, and perception takes it from, in
@@ -134,6 +136,8 @@ class SensorInbox {
 
   /// The newest ranges, whether taken by perception or not.
   NewestRanges ranges() const;
+  /// Capture of the right image - capture of the left one of the newest pair [s]; none so far.
+  std::optional<double> pair_offset() const;
   StreamCount count(SensorStream stream) const;
   /// Of streams that have delivered anything: the first whose newest frame is too old, "depth: the
   /// newest frame is 1.2 s old; at most 1.0 s"; empty: none.
@@ -168,6 +172,7 @@ class SensorInbox {
   std::array<Stream, kSensorStreams> streams_;
   std::deque<Lone> left_, right_;  // in order of arrival
   NewestRanges ranges_;
+  std::optional<double> pair_offset_;
   // The cameras have one clock.
   ClockOffset cameras_, wheels_, depth_, scan_;
 };

@@ -9,6 +9,8 @@
 #include <mutex>
 #include <random>
 
+#include "solvers/descent_direction.h"
+
 namespace prospect {
 namespace {
 
@@ -438,7 +440,61 @@ Outcome Evaluator::evaluate_start(const WarmStart& warm_start, Evaluate what, Ei
   return outcome;
 }
 
+bool Evaluator::evaluate_uncounted(const Eigen::VectorXd& x, Evaluate what, Evaluation& e) {
+  try {
+    if (stop_() != StopRequest::kNone) return false;
+    problem_.evaluate(expand(x), what, workspace(), e);
+  } catch (...) {
+    store_exception();
+    return false;
+  }
+  return e.valid[0] && std::isfinite(e.cost[0]) && e.constraints.allFinite() &&
+         (what < Evaluate::kGradient || (e.gradient.allFinite() && e.jacobian.allFinite()));
+}
+
+bool Evaluator::can_descend() {
+  if (stopped_ || !incumbent_feasible() || !problem_.has_gradient() || free_.empty()) return false;
+  const Eigen::VectorXd from = incumbent_;
+  if (cannot_descend_from_.size() == from.size() && cannot_descend_from_ == from) return false;
+  // Not the one that evaluate() remembers its last point in.
+  Evaluation e;
+  if (!evaluate_uncounted(from, Evaluate::kGradient, e)) return false;
+
+  const Eigen::VectorXd width = upper_ - lower_;
+  std::vector<int> active;
+  for (int r = 0; r < num_constraints(); ++r) {
+    if (e.constraints(r, 0) <= 10.0 * options_.feasibility_tolerance) active.push_back(r);
+  }
+  const Eigen::VectorXd g = e.gradient(free_).cwiseProduct(width);
+  const Eigen::MatrixXd A = e.jacobian(active, free_) * width.asDiagonal();
+  const Eigen::VectorXd d = descent_direction(g, A, (from - lower_).cwiseQuotient(width));
+
+  const double cost = incumbent_cost_;
+  const double wanted = 10.0 * std::max(options_.tolerance, 1e-9) * std::max(1.0, std::abs(cost));
+  const double longest = d.lpNorm<Eigen::Infinity>();
+  // Shares of the widths, from far to near: where the cost is curved much, only a short step gains.
+  for (double step = 0.1; longest > 0.0 && step > 1e-6 && !stopped_; step *= 0.2) {
+    const double along = step / longest;
+    // To first order that is all it gains.
+    if (-along * g.dot(d) < wanted) break;
+    const Eigen::VectorXd x =
+        (from + along * d.cwiseProduct(width)).cwiseMax(lower_).cwiseMin(upper_);
+    if (!evaluate_uncounted(x, Evaluate::kValue, e)) continue;
+    const double violated = violation(e.constraints.col(0));
+    if (!(cost - e.cost[0] > wanted) || violated > options_.feasibility_tolerance) continue;
+    consider(x, e.cost[0], violated, e.constraints.col(0));
+    return true;
+  }
+  cannot_descend_from_ = from;
+  return false;
+}
+
 Result Evaluator::finish(StopReason reason, bool optimum, std::string detail, WarmStart next) {
+  // Of a solve within another one, the outer one asks.
+  if (reason == StopReason::kConverged && optimum && !outer_ && !beside() && can_descend()) {
+    reason = StopReason::kNumericalTrouble;
+    detail += ", but a step down the cost gains more";
+  }
   Result result;
   result.stop = stopped_ ? stop_reason_ : reason;
   result.detail = stopped_ ? stop_detail_ : std::move(detail);

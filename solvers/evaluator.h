@@ -160,9 +160,18 @@ class Evaluator {
     if (outer_) outer_->count_iteration();
   }
 
+  /// Whether a step from the feasible incumbent down the cost gains more than ten times the
+  /// tolerance: then it is no optimum. The steps go along descent_direction() in variables scaled
+  /// by their bounds, whose widths say what is near; the better point becomes the incumbent. False
+  /// where nothing is known: no incumbent or an infeasible one, no gradient, a solve that is over.
+  /// The evaluations are not counted, as that of the explanation is not: a solve whose claim stands
+  /// is the same with and without. The stop condition is asked before each, and ends only this.
+  bool can_descend();
+
   /// The result of the solve. What ended it here (deadline, cancellation, evaluations used up, an
   /// exception) goes before what the back end says. `optimum`: the back end's own test of
-  /// optimality holds at the incumbent. Adds the explanation of x, which costs one more evaluation,
+  /// optimality holds at the incumbent. An optimum from which can_descend() is none: the result
+  /// says numerical trouble instead. Adds the explanation of x, which costs one more evaluation,
   /// the only one after a stop.
   Result finish(StopReason reason, bool optimum, std::string detail, WarmStart next);
 
@@ -176,6 +185,8 @@ class Evaluator {
   /// The same, here or outside.
   bool improves_any(double cost, double violation) const;
   void note_cost(double cost);
+  /// False where x is not evaluable or the stop condition says yes.
+  bool evaluate_uncounted(const Eigen::VectorXd& x, Evaluate what, Evaluation& e);
   /// Without `budget`, evaluations that are used up are no reason to stop.
   bool should_stop(bool budget);
   void count_evaluations(int count, bool gradient);
@@ -238,6 +249,7 @@ class Evaluator {
   double incumbent_cost_ = Problem::kRejectedCost;
   double incumbent_violation_ = 0.0;
   double worst_cost_ = 0.0;
+  Eigen::VectorXd cannot_descend_from_;  // a point where can_descend() found nothing
 
   bool stopped_ = false;
   StopReason stop_reason_ = StopReason::kConverged;

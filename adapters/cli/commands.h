@@ -49,8 +49,9 @@ int explore(const ExploreArguments& arguments, const Registries& registries);
 
 struct DriveArguments {
   ExploreArguments mission;
-  std::string base = "simulator";
+  std::string base = "simulator";   ///< "simulator", "gazebo"
   std::vector<std::string> faults;  ///< injected_fault.h
+  bool measure = false;             ///< Gazebo's truth measures, against mission.world
 };
 int drive(const DriveArguments& arguments, const Registries& registries);
 /// One line on standard error of what the world's source holds besides, if anything.

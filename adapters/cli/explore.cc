@@ -19,6 +19,7 @@
 #include "adapters/report/progress_line.h"
 #include "adapters/report/report.h"
 #include "adapters/run/exploration_run.h"
+#include "adapters/run/gazebo_run.h"
 #include "adapters/run/planned_problem.h"
 #include "adapters/run/run_folder.h"
 #include "adapters/worlds/load_world.h"
@@ -52,8 +53,10 @@ void print_summary(const Summary& s) {
               s.solver.c_str(), s.reason.c_str());
   std::printf("  task          %s, %s: %s\n", s.task.c_str(), s.done ? "done" : "not done",
               s.detail.c_str());
-  std::printf("  coverage      %6s %% of %.1f m2 reachable\n", tenths(100.0 * s.coverage).c_str(),
-              s.reachable_area_m2);
+  if (s.measured) {
+    std::printf("  coverage      %6s %% of %.1f m2 reachable\n", tenths(100.0 * s.coverage).c_str(),
+                s.reachable_area_m2);
+  }
   if (s.too_long_for_m2 > 0.0) {
     std::printf("  left out      %6.1f m2 that its length keeps the robot from\n",
                 s.too_long_for_m2);
@@ -63,14 +66,20 @@ void print_summary(const Summary& s) {
                 tenths(100.0 * s.floor_share).c_str());
   }
   if (!s.read_without.empty()) std::printf("  read without  %s\n", s.read_without.c_str());
-  std::printf("  time          %6.1f s; to 90 / 95 / 99 %%: %s / %s / %s s\n", s.duration_s,
-              tenths(s.time_to_90_s).c_str(), tenths(s.time_to_95_s).c_str(),
-              tenths(s.time_to_99_s).c_str());
-  std::printf("  path          %6.1f m\n", s.path_length_m);
-  std::printf("  collisions    %6d    losses of localization %d\n", s.collisions, s.losses);
-  std::printf("  localization  %6s m final, %s m RMS, %s %% of the path\n",
-              decimals(s.localization_final_m, 3).c_str(),
-              decimals(s.localization_rmse_m, 3).c_str(), decimals(s.drift_percent, 2).c_str());
+  if (s.measured) {
+    std::printf("  time          %6.1f s; to 90 / 95 / 99 %%: %s / %s / %s s\n", s.duration_s,
+                tenths(s.time_to_90_s).c_str(), tenths(s.time_to_95_s).c_str(),
+                tenths(s.time_to_99_s).c_str());
+    std::printf("  path          %6.1f m\n", s.path_length_m);
+    std::printf("  collisions    %6d    losses of localization %d\n", s.collisions, s.losses);
+    std::printf("  localization  %6s m final, %s m RMS, %s %% of the path\n",
+                decimals(s.localization_final_m, 3).c_str(),
+                decimals(s.localization_rmse_m, 3).c_str(), decimals(s.drift_percent, 2).c_str());
+  } else {
+    std::printf("  time          %6.1f s\n", s.duration_s);
+    std::printf("  path          %6.1f m, as estimated\n", s.path_length_m);
+    std::printf("  not measured  area, collisions, error; losses of localization %d\n", s.losses);
+  }
   std::printf("  planning      %6s ms p50, %s p95, %s max; %d steps, %d fallbacks\n",
               tenths(s.plan_ms_p50).c_str(), tenths(s.plan_ms_p95).c_str(),
               tenths(s.plan_ms_max).c_str(), s.steps, s.fallbacks);
@@ -81,14 +90,11 @@ void print_summary(const Summary& s) {
 void print_driver(const ExplorationRunResult& result) {
   const DriverStatus& driver = *result.driver;
   std::printf("before the first motion\n%s", to_text(result.preflight).c_str());
-  std::printf("in real time\n");
-  std::printf("  capture to command  %s\n", driver.capture_to_command.to_text().c_str());
-  std::printf("  planning step       %s\n", driver.planning.to_text().c_str());
-  std::printf("  between commands    %s\n", driver.command_period.to_text().c_str());
-  std::printf("  drive               %s (%s); %d late plans, %d guard stops\n",
-              std::string(to_string(driver.mode.mode)).c_str(),
-              std::string(to_string(driver.mode.cause)).c_str(), driver.late_plans,
-              driver.guard_stops);
+  std::printf("in real time\n  commands      %d late plans, %d guard stops\n%s", driver.late_plans,
+              driver.guard_stops, to_text(*result.health).c_str());
+  if (result.real_time_factor) {
+    std::printf("  simulated     %.2f s a second\n", *result.real_time_factor);
+  }
 }
 
 /// What was more than part of ordinary work.
@@ -176,8 +182,8 @@ void tell_left_out(const World& world) {
   std::cerr << "prospect: " << world.name << ": read without: " << world.left_out.text() << '\n';
 }
 
-int simulated_mission(const ExploreArguments& arguments, const Registries& registries,
-                      const std::optional<RealTimeRun>& real_time) {
+int mission(const ExploreArguments& arguments, const Registries& registries,
+            const MissionBase& base) {
   Configuration configuration =
       read_configuration(arguments.configuration, registries, arguments.settings);
   if (!arguments.solver.empty()) {
@@ -204,22 +210,32 @@ int simulated_mission(const ExploreArguments& arguments, const Registries& regis
   }
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
   set_world(arguments, configuration);
+  if (base.gazebo && !base.measure &&
+      (configuration.until_coverage > 0.0 || configuration.until_area > 0.0)) {
+    throw InputError(
+        "--until, mission.until: nobody measures what was seen; expected --measure beside --base "
+        "gazebo");
+  }
   Progress progress(arguments.quiet);
-  WorldOptions world_options = world_options_for(configuration);
-  world_options.progress = [&](const std::string& what) { progress.show(what); };
-  const auto world = std::make_shared<const World>(load_world(arguments.world, world_options));
-  progress.finish();
-  tell_left_out(*world);
+  std::shared_ptr<const World> world;
+  if (!base.gazebo || base.measure) {
+    WorldOptions world_options = world_options_for(configuration);
+    world_options.progress = [&](const std::string& what) { progress.show(what); };
+    world = std::make_shared<const World>(load_world(arguments.world, world_options));
+    progress.finish();
+    tell_left_out(*world);
+  }
 
   ExplorationRunOptions options;
   options.seed = arguments.seed;
   options.solvers = &registries.solvers;
-  options.real_time = real_time;
+  options.real_time = base.real_time;
 
-  const std::string out = arguments.out.empty() ? "runs/" + file_name(world->name) + "_" +
-                                                      file_name(configuration.solver) + "_" +
-                                                      std::to_string(arguments.seed)
-                                                : arguments.out;
+  const std::string name = world ? world->name : "gazebo";
+  const std::string out = arguments.out.empty()
+                              ? "runs/" + file_name(name) + "_" + file_name(configuration.solver) +
+                                    "_" + std::to_string(arguments.seed)
+                              : arguments.out;
   std::optional<RunFolder> folder;
   options.on_start = [&] { folder.emplace(out); };  // not before: nothing is written for a refusal
   options.cancelled = catch_interrupts();
@@ -230,13 +246,16 @@ int simulated_mission(const ExploreArguments& arguments, const Registries& regis
   if (arguments.save_problems > 0) {
     options.on_plan = [&](const StepRecord& step, const Planner& planner) {
       if (step.step % arguments.save_problems != 0) return;
-      const auto saved = planned_problem(planner, step, world->name, arguments.seed);
+      const auto saved = planned_problem(planner, step, name, arguments.seed);
       if (saved) folder->add(*saved);
     };
   }
-  ExplorationRunResult result = run_exploration(world, configuration, options);
-  result.record.summary.read_without = world->left_out.text();
-  result.record.summary.floor_share = world->floor_share;
+  ExplorationRunResult result = base.gazebo ? explore_gazebo(configuration, world, options)
+                                            : run_exploration(world, configuration, options);
+  if (world) {
+    result.record.summary.read_without = world->left_out.text();
+    result.record.summary.floor_share = world->floor_share;
+  }
   progress.finish();
   folder->finish(result.record, result.map.get(), render_report);
   if (!folder->error().empty()) std::cerr << "prospect: " << folder->error() << '\n';
@@ -256,7 +275,7 @@ int simulated_mission(const ExploreArguments& arguments, const Registries& regis
 }
 
 int explore(const ExploreArguments& arguments, const Registries& registries) {
-  return simulated_mission(arguments, registries, std::nullopt);
+  return mission(arguments, registries, {});
 }
 
 }  // namespace prospect

@@ -7,9 +7,16 @@
 
 namespace prospect {
 
-/// A mission in the simulator, its run folder and summary; in lockstep without `real_time`. Returns
-/// the exit code.
-int simulated_mission(const ExploreArguments& arguments, const Registries& registries,
-                      const std::optional<RealTimeRun>& real_time);
+/// What drives the robot of a mission.
+struct MissionBase {
+  bool gazebo = false;   ///< the Gazebo that runs, in real time; else the simulator
+  bool measure = false;  ///< Gazebo's truth measures, against arguments.world
+  /// The simulator, in real time; none: in lockstep.
+  std::optional<RealTimeRun> real_time;
+};
+
+/// A mission, its run folder and summary. Returns the exit code.
+int mission(const ExploreArguments& arguments, const Registries& registries,
+            const MissionBase& base);
 
 }  // namespace prospect

@@ -37,7 +37,8 @@ int export_world(const ExportArguments& arguments, const Registries& registries)
                      "itself");
   }
   configuration.simulator.seed = arguments.seed;
-  const GazeboWorldOptions options;
+  GazeboWorldOptions options;
+  options.robot = configuration.gazebo;
   std::vector<std::pair<std::string, std::string>> files;
   try {
     files = gazebo_world_files(world, seen_mesh(world, configuration.simulator),

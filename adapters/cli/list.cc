@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "adapters/bench/problem_set.h"
+#include "adapters/cli/adapter_table.h"
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/configuration_reference.h"
@@ -100,6 +101,13 @@ nlohmann::ordered_json as_json(const std::string& what, const Registries& regist
                      {"to", to_string(row.to)},
                      {"cause", row.cause ? to_string(*row.cause) : "as before"}});
     }
+  } else if (what == "adapters") {
+    for (const Adapter& a : adapters()) {
+      out.push_back({{"name", a.name},
+                     {"available", a.built_in()},
+                     {"needs", a.built_in() ? a.needs : a.missing},
+                     {"description", a.description}});
+    }
   } else if (what == "sets") {
     for (const std::string& name : builtin_set_names()) {
       out.push_back({{"name", name}, {"description", builtin_set_summary(name)}});
@@ -131,7 +139,7 @@ void print_in_full(const std::string& what, const nlohmann::ordered_json& entrie
     std::printf("%-*s ", width, text("name").c_str());
     if (what == "terms") std::printf("%-6s ", text("weight").c_str());
     std::printf("%s", text("description").c_str());
-    if (what == "solvers" && !entry.at("available").get<bool>()) {
+    if (entry.contains("available") && !entry.at("available").get<bool>()) {
       std::printf(" [not built in: needs %s]", text("needs").c_str());
     }
     std::printf("\n");
@@ -156,7 +164,7 @@ std::vector<std::string> names_of(const std::string& what, const nlohmann::order
 }  // namespace
 
 std::vector<std::string> list_kinds() {
-  return {"solvers", "worlds", "terms", "sets", "modes", "drive-modes"};
+  return {"solvers", "worlds", "terms", "sets", "modes", "drive-modes", "adapters"};
 }
 
 int list(const std::string& what, bool json, const Registries& registries) {
@@ -176,7 +184,8 @@ int list(const std::string& what, bool json, const Registries& registries) {
     return kDone;
   }
   for (const std::string& kind : list_kinds()) print_names(kind, names_of(kind, all.at(kind)));
-  std::printf("In full: prospect list %s\n", "solvers|worlds|terms|sets|modes|drive-modes");
+  std::printf("In full: prospect list %s\n",
+              "solvers|worlds|terms|sets|modes|drive-modes|adapters");
   return kDone;
 }
 

@@ -230,8 +230,12 @@ int run(int argc, char** argv) {
       "drive", "The same mission in real time: threads for perception, plans and commands");
   add_mission_options(drive_command, drive_arguments.mission);
   one_of(drive_command->add_option("--base", drive_arguments.base,
-                                   "What is driven: the simulator as a robot with a clock"),
-         {"simulator"});
+                                   "What is driven: the simulator as a robot with a clock, or the "
+                                   "robot of the Gazebo that runs"),
+         {"simulator", "gazebo"});
+  drive_command->add_flag("--measure", drive_arguments.measure,
+                          "With --base gazebo: measure by Gazebo's truth, against WORLD, which it "
+                          "runs; nothing else is taken from it but the start");
   drive_command
       ->add_option("--fault", drive_arguments.faults,
                    "Break something of the simulated robot: SOURCE:VERB, from FROM s on, for FOR s "
@@ -467,7 +471,7 @@ int run(int argc, char** argv) {
   std::string what;
   bool list_json = false;
   CLI::App* list_command = app.add_subcommand(
-      "list", "What there is: solvers, worlds, terms, sets, modes or drive-modes");
+      "list", "What there is: solvers, worlds, terms, sets, modes, drive-modes or adapters");
   one_of(list_command->add_option("what", what, "Which of them, in full [all, in short]"),
          list_kinds());
   list_command->add_flag("--json", list_json, "Print JSON");

@@ -167,6 +167,26 @@ void read_world(YamlMap map, WorldOptions& world) {
   }
 }
 
+void read_drive(YamlMap map, Configuration& c) {
+  YamlKnobs knobs(map);
+  describe(knobs, c.drive);
+  c.simulated_base = read_knobs(map.map("simulator"), c.simulated_base);
+}
+
+void read_gazebo(YamlMap map, GazeboOptions& gazebo) {
+  gazebo.address.host = map.text("host", gazebo.address.host, "of Gazebo's master");
+  gazebo = read_knobs(map, gazebo);
+  const std::string world = map.text("world", "running", "its name; running: the one that runs");
+  gazebo.world = world == "running" ? "" : world;
+  gazebo.model = map.text("model", gazebo.model, "the robot, with the plug-in DiffDrivePlugin");
+  gazebo.link = map.text("link", gazebo.link, "of the model, which bears the sensors");
+  gazebo.stereo = map.text("stereo", gazebo.stereo, "sensor multicamera: left, then right");
+  const std::string depth = map.text("depth", gazebo.depth, "sensor depth; none: there is none");
+  gazebo.depth = depth == "none" ? "" : depth;
+  gazebo.left_wheel = map.text("left_wheel", gazebo.left_wheel, "link of the model");
+  gazebo.right_wheel = map.text("right_wheel", gazebo.right_wheel, "link of the model");
+}
+
 /// x, y of each corner in turn.
 Polygon polygon_of(const std::vector<double>& numbers) {
   Polygon polygon;
@@ -259,6 +279,10 @@ Configuration read(StrictYaml yaml, const Registries& registries) {
   read_mission(root.map("mission"), c);
   read_task(root.map("task"), c);
   read_zones(root.map("zones"), c.planner.zones);
+  // A robot that is refused has no outline.
+  if (root.problem_count() == 0) c.drive.ranges = range_stop_options(c.robot);
+  read_drive(root.map("drive"), c);
+  read_gazebo(root.map("gazebo"), c.gazebo);
   if (root.problem_count() == 0) {
     if (const std::string fault = task_problem(c); !fault.empty())
       root.map("task").problem("", fault);

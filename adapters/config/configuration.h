@@ -6,9 +6,12 @@
 
 #include "adapters/config/registries.h"
 #include "adapters/files/strict_yaml.h"
+#include "adapters/gazebo/gazebo_options.h"
+#include "adapters/simulator/simulated_base_options.h"
 #include "adapters/simulator/simulator_options.h"
 #include "adapters/worlds/world_options.h"
 #include "engine/planner/planner.h"
+#include "runtime/drive_options.h"
 #include "runtime/mission.h"
 #include "solvers/registry.h"
 
@@ -23,6 +26,9 @@ struct Configuration {
   /// How the world is read; slice and what no key names are left to world_options_for().
   WorldOptions world;
   Guard::Options guard;
+  DriveOptions drive;                   ///< in real time
+  SimulatedBaseOptions simulated_base;  ///< the simulator, in real time
+  GazeboOptions gazebo;
   /// What ends the task as seen: a share of the reachable area, or an area [m^2], as the simulator
   /// really measures them; 0: neither.
   double until_coverage = 0.0, until_area = 0.0;

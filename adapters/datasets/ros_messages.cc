@@ -5,9 +5,15 @@
 #include <cstring>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
+#include <span>
 
-#include "adapters/datasets/cdr_reader.h"
 #include "adapters/files/input_error.h"
+#include "adapters/ros/cdr.h"
+#include "adapters/ros/geometry_msgs.h"
+#include "adapters/ros/nav_msgs.h"
+#include "adapters/ros/sensor_msgs.h"
+#include "adapters/ros/std_msgs.h"
+#include "adapters/ros/tf2_msgs.h"
 
 namespace prospect {
 namespace {
@@ -40,18 +46,42 @@ constexpr RosEncoding kRosEncodings[] = {
     {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2},
     {"yuyv", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}};
 
+Eigen::Isometry3d isometry_of(const Eigen::Vector3d& position, const ros::Quaternion& orientation,
+                              const std::string& name) {
+  const Eigen::Quaterniond q(orientation.w, orientation.x, orientation.y, orientation.z);
+  if (!(std::abs(q.norm() - 1.0) < 0.01) || !position.allFinite()) {
+    throw InputError(name + ": not a pose; expected finite numbers and a unit quaternion");
+  }
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = q.normalized().toRotationMatrix();
+  T.translation() = position;
+  return T;
+}
+Eigen::Isometry3d isometry_of(const ros::Pose& pose, const std::string& name) {
+  return isometry_of({pose.position.x, pose.position.y, pose.position.z}, pose.orientation, name);
+}
+RosTransform transform_of(const ros::TransformStamped& m, const std::string& name) {
+  const ros::Vector3& at = m.transform.translation;
+  return {ros::seconds(m.header.stamp), m.header.frame_id, m.child_frame_id,
+          isometry_of({at.x, at.y, at.z}, m.transform.rotation, name)};
+}
+
+std::string_view view_of(std::span<const std::uint8_t> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
 }  // namespace
 
 RosHeader read_ros_header(std::string_view cdr, const std::string& name) {
-  return CdrReader(cdr, name).header();
+  const auto header = ros::from_cdr<ros::Header>(cdr, name);
+  return {ros::seconds(header.stamp), header.frame_id};
 }
 
 RawImage read_ros_image(std::string_view cdr, bool compressed, const std::string& name) {
-  CdrReader r(cdr, name);
-  r.header();
   if (compressed) {
-    const std::string format = r.text();
-    std::string_view data = r.bytes();
+    const auto message = ros::from_cdr<ros::CompressedImage>(cdr, name);
+    const std::string& format = message.format;
+    std::string_view data = view_of(message.data);
     // compressed_depth_image_transport puts a head of twelve bytes before the PNG.
     if (format.find("compressedDepth") != std::string::npos) {
       if (format.find("rvl") != std::string::npos) {
@@ -64,11 +94,11 @@ RawImage read_ros_image(std::string_view cdr, bool compressed, const std::string
     }
     return decode_image(data, name);
   }
-  const auto height = r.number<std::uint32_t>(), width = r.number<std::uint32_t>();
-  const std::string encoding = r.text();
-  const bool big_endian = r.number<std::uint8_t>() != 0;
-  const auto step = r.number<std::uint32_t>();
-  const std::string_view data = r.bytes();
+  const auto message = ros::from_cdr<ros::Image>(cdr, name);
+  const auto height = message.height, width = message.width, step = message.step;
+  const std::string& encoding = message.encoding;
+  const bool big_endian = message.is_bigendian != 0;
+  const std::string_view data = view_of(message.data);
   const RosEncoding* known = nullptr;
   std::string names;
   for (const RosEncoding& one : kRosEncodings) {
@@ -115,16 +145,15 @@ RawImage read_ros_image(std::string_view cdr, bool compressed, const std::string
 }
 
 CameraInfo read_ros_camera_info(std::string_view cdr, const std::string& name) {
-  CdrReader r(cdr, name);
-  r.header();
+  const auto message = ros::from_cdr<ros::CameraInfo>(cdr, name);
   CameraInfo info;
-  info.height = r.number<std::uint32_t>();
-  info.width = r.number<std::uint32_t>();
-  info.model = r.text();
-  info.D = r.doubles(r.count());
-  info.K = r.doubles(9);
-  info.R = r.doubles(9);
-  info.P = r.doubles(12);
+  info.height = message.height;
+  info.width = message.width;
+  info.model = message.distortion_model;
+  info.D = message.d;
+  info.K.assign(message.k.begin(), message.k.end());
+  info.R.assign(message.r.begin(), message.r.end());
+  info.P.assign(message.p.begin(), message.p.end());
   for (const auto* numbers : {&info.D, &info.K, &info.R, &info.P}) {
     for (const double value : *numbers) {
       if (!std::isfinite(value)) {
@@ -136,16 +165,9 @@ CameraInfo read_ros_camera_info(std::string_view cdr, const std::string& name) {
 }
 
 std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::string& name) {
-  CdrReader r(cdr, name);
   std::vector<RosTransform> out;
-  for (std::uint32_t left = r.count(); left > 0; --left) {
-    const RosHeader header = r.header();
-    RosTransform transform;
-    transform.stamp = header.stamp;
-    transform.parent = header.frame;
-    transform.child = r.text();
-    transform.T = r.pose();
-    out.push_back(transform);
+  for (const ros::TransformStamped& one : ros::from_cdr<ros::TFMessage>(cdr, name).transforms) {
+    out.push_back(transform_of(one, name));
   }
   return out;
 }
@@ -156,14 +178,16 @@ bool is_ros_pose(const std::string& type) {
 }
 
 RosTransform read_ros_pose(std::string_view cdr, const std::string& type, const std::string& name) {
-  CdrReader r(cdr, name);
-  const RosHeader header = r.header();
-  RosTransform out;
-  out.stamp = header.stamp;
-  out.parent = header.frame;
-  if (type != "geometry_msgs/msg/PoseStamped") out.child = r.text();
-  out.T = r.pose();
-  return out;
+  if (type == ros::TransformStamped::kType) {
+    return transform_of(ros::from_cdr<ros::TransformStamped>(cdr, name), name);
+  }
+  if (type == ros::PoseStamped::kType) {
+    const auto m = ros::from_cdr<ros::PoseStamped>(cdr, name);
+    return {ros::seconds(m.header.stamp), m.header.frame_id, "", isometry_of(m.pose, name)};
+  }
+  const auto m = ros::from_cdr<ros::Odometry>(cdr, name);
+  return {ros::seconds(m.header.stamp), m.header.frame_id, m.child_frame_id,
+          isometry_of(m.pose.pose, name)};
 }
 
 }  // namespace prospect

@@ -5,26 +5,29 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <span>
+#include <utility>
 
-#include "adapters/datasets/cdr_reader.h"
 #include "adapters/datasets/number_text.h"
+#include "adapters/files/input_error.h"
+#include "adapters/ros/cdr.h"
+#include "adapters/ros/sensor_msgs.h"
 
 namespace prospect {
 namespace {
 
-constexpr double kAtTheEnd = 1e-3;                  // [m]
-constexpr double kAtTheOrigin = 1e-6;               // [m]
-constexpr std::uint8_t kFloat32 = 7, kFloat64 = 8;  // of sensor_msgs/msg/PointField
+constexpr double kAtTheEnd = 1e-3;     // [m]
+constexpr double kAtTheOrigin = 1e-6;  // [m]
 
 struct Field {
   std::uint32_t offset = 0;
   std::uint8_t type = 0;
   bool there = false;
-  std::size_t size() const { return type == kFloat64 ? 8 : 4; }
+  std::size_t size() const { return type == ros::PointField::kFloat64 ? 8 : 4; }
 };
 
-double coordinate(const char* at, std::uint8_t type) {
-  if (type == kFloat64) {
+double coordinate(const std::uint8_t* at, std::uint8_t type) {
+  if (type == ros::PointField::kFloat64) {
     double value;
     std::memcpy(&value, at, sizeof value);
     return value;
@@ -37,18 +40,15 @@ double coordinate(const char* at, std::uint8_t type) {
 }  // namespace
 
 RosLaserScan read_ros_laser_scan(std::string_view cdr, const std::string& name) {
-  CdrReader r(cdr, name);
-  r.header();
+  auto message = ros::from_cdr<ros::LaserScan>(cdr, name);
   RosLaserScan scan;
-  scan.angle_min = r.number<float>();
-  r.number<float>();  // the last beam's angle, which follows from the others
-  scan.angle_increment = r.number<float>();
-  scan.time_increment = r.number<float>();
-  r.number<float>();  // time between scans
-  scan.range_min = r.number<float>();
-  scan.range_max = r.number<float>();
-  const std::size_t beams = r.count();
-  scan.ranges = r.floats(beams);
+  scan.angle_min = message.angle_min;
+  scan.angle_increment = message.angle_increment;
+  scan.time_increment = message.time_increment;
+  scan.range_min = message.range_min;
+  scan.range_max = message.range_max;
+  scan.ranges = std::move(message.ranges);
+  const std::size_t beams = scan.ranges.size();
   if (!std::isfinite(scan.angle_min) || !std::isfinite(scan.angle_increment) ||
       (beams > 1 && scan.angle_increment == 0.0) ||
       std::abs(scan.angle_increment) * static_cast<double>(beams) > 4.0 * M_PI) {
@@ -66,27 +66,19 @@ RosLaserScan read_ros_laser_scan(std::string_view cdr, const std::string& name) 
 
 std::vector<Eigen::Vector3d> read_ros_point_cloud(std::string_view cdr, const std::string& name) {
   static_assert(std::endian::native == std::endian::little);
-  CdrReader r(cdr, name);
-  r.header();
-  const std::uint64_t height = r.number<std::uint32_t>(), width = r.number<std::uint32_t>();
+  const auto message = ros::from_cdr<ros::PointCloud2>(cdr, name);
+  const std::uint64_t height = message.height, width = message.width;
   std::array<Field, 3> fields;
   std::string names;
-  for (std::uint32_t left = r.count(); left > 0; --left) {
-    const std::string field = r.text();
-    Field read;
-    read.offset = r.number<std::uint32_t>();
-    read.type = r.number<std::uint8_t>();
-    r.number<std::uint32_t>();  // how many numbers
-    read.there = true;
-    names += (names.empty() ? "" : ", ") + field;
-    if (field.size() == 1 && field[0] >= 'x' && field[0] <= 'z') {
-      fields[static_cast<std::size_t>(field[0] - 'x')] = read;
+  for (const ros::PointField& field : message.point_fields) {
+    names += (names.empty() ? "" : ", ") + field.name;
+    if (field.name.size() == 1 && field.name[0] >= 'x' && field.name[0] <= 'z') {
+      fields[static_cast<std::size_t>(field.name[0] - 'x')] = {field.offset, field.datatype, true};
     }
   }
-  const bool big_endian = r.number<std::uint8_t>() != 0;
-  const std::uint64_t point_step = r.number<std::uint32_t>();
-  const std::uint64_t row_step = r.number<std::uint32_t>();
-  const std::string_view data = r.bytes();
+  const bool big_endian = message.is_bigendian;
+  const std::uint64_t point_step = message.point_step, row_step = message.row_step;
+  const std::span<const std::uint8_t> data = message.data;
   std::vector<Eigen::Vector3d> points;
   if (height == 0 || width == 0) return points;
   if (big_endian) {
@@ -98,7 +90,8 @@ std::vector<Eigen::Vector3d> read_ros_point_cloud(std::string_view cdr, const st
       throw InputError(name + ": fields " + (names.empty() ? "none" : names) +
                        "; expected x, y and z");
     }
-    if (fields[i].type != kFloat32 && fields[i].type != kFloat64) {
+    if (fields[i].type != ros::PointField::kFloat32 &&
+        fields[i].type != ros::PointField::kFloat64) {
       throw InputError(name + ": field " + axis + " is of type " + std::to_string(fields[i].type) +
                        "; expected FLOAT32 (7) or FLOAT64 (8)");
     }
@@ -118,7 +111,7 @@ std::vector<Eigen::Vector3d> read_ros_point_cloud(std::string_view cdr, const st
   points.reserve(static_cast<std::size_t>(width * height));
   for (std::uint64_t v = 0; v < height; ++v) {
     for (std::uint64_t u = 0; u < width; ++u) {
-      const char* at = data.data() + v * row_step + u * point_step;
+      const std::uint8_t* at = data.data() + v * row_step + u * point_step;
       Eigen::Vector3d p;
       for (std::size_t i = 0; i < 3; ++i) {
         p[static_cast<Eigen::Index>(i)] = coordinate(at + fields[i].offset, fields[i].type);

@@ -1,71 +1,55 @@
 #include "adapters/gazebo/gazebo_base.h"
 
+#include <deque>
 #include <mutex>
-#include <stop_token>
 #include <string>
-#include <thread>
 #include <utility>
 #include <vector>
 
 #include "adapters/gazebo/gazebo_messages.h"
+#include "adapters/gazebo/gazebo_receiver.h"
 #include "adapters/gazebo/velocity_relay.h"
 #include "adapters/gazebo/wheel_encoder.h"
 
 namespace prospect {
 
 struct GazeboBase::Impl {
-  Impl(const GazeboOptions& given, const SteadyClock& its_clock)
-      : options(given), clock(its_clock), relay(given), node(given.address), encoder(given) {
-    poses = "/gazebo/" + gazebo_world_name(options, node) + "/pose/info";
-    node.subscribe(poses, "gazebo.msgs.PosesStamped",
-                   [this](std::string_view message) { add(message); });
-    thread = std::jthread([this](const std::stop_token& stop) { run(stop); });
+  Impl(const GazeboOptions& given, SimulationClock& its_clock)
+      : options(given), clock(its_clock), relay(given), encoder(given), receiver(given) {
+    receiver.subscribe("pose/info", "gazebo.msgs.PosesStamped",
+                       [this](std::string_view message) { add(message); });
+    receiver.start();
   }
 
   void add(std::string_view message) {
-    const std::optional<WheelSample> sample = encoder.add(read_gazebo_poses(message));
+    const GazeboPoses poses = read_gazebo_poses(message);
+    clock.tick(poses.stamp);
+    const std::optional<WheelSample> sample = encoder.add(poses);
     if (!sample) return;
     const std::lock_guard lock(mutex);
     heard = clock.now();
-    if (wheels.size() == kMost) wheels.erase(wheels.begin());
+    heard_by_machine = machine.now();
+    if (wheels.size() == kMost) wheels.pop_front();
     wheels.push_back(*sample);
     velocity = {{sample->velocity.x(), 0.0, 0.0}, sample->yaw_rate};
   }
 
-  void run(const std::stop_token& stop) noexcept {
-    try {
-      while (!stop.stop_requested()) {
-        node.spin(kPeriod);
-        const std::lock_guard lock(mutex);
-        stands = node.connected() && node.publishers(poses) > 0;
-        faults = node.faults();
-      }
-    } catch (...) {
-      // Memory is used up.
-      const std::lock_guard lock(mutex);
-      stands = false;
-    }
-  }
-
-  static constexpr double kPeriod = 0.02;  // [s]
   static constexpr double kSilence = 0.5;  // [s] of the wheels that is a fault
   static constexpr std::size_t kMost = 10000;
   GazeboOptions options;
-  const SteadyClock& clock;
-  VelocityRelay relay;  // before the thread
-  GazeboNode node;      // of the thread, as the encoder
-  WheelEncoder encoder;
-  std::string poses;
+  SimulationClock& clock;
+  SteadyClock machine;   // the relay's
+  VelocityRelay relay;   // before threads
+  WheelEncoder encoder;  // of the receiver's thread
   std::mutex mutex;
-  bool stands = false;
-  std::optional<double> heard;
+  std::optional<double> heard;  // in the simulation's time
+  double heard_by_machine = 0.0;
   Twist velocity;
-  std::vector<WheelSample> wheels;
-  std::vector<std::string> faults;
-  std::jthread thread;  // ends first
+  std::deque<WheelSample> wheels;
+  GazeboReceiver receiver;  // its thread ends first
 };
 
-GazeboBase::GazeboBase(const GazeboOptions& options, const SteadyClock& clock) {
+GazeboBase::GazeboBase(const GazeboOptions& options, SimulationClock& clock) {
   check(options);
   impl_ = std::make_unique<Impl>(options, clock);
 }
@@ -79,7 +63,7 @@ std::optional<double> GazeboBase::dead_man() const noexcept {
 }
 
 void GazeboBase::send(const Twist& command, double expires) noexcept {
-  impl_->relay.send(command, expires);
+  impl_->relay.send(command, impl_->machine.now() + (expires - impl_->clock.now()));
 }
 
 void GazeboBase::stop() noexcept { impl_->relay.send({}, 0.0); }
@@ -88,14 +72,16 @@ BaseReport GazeboBase::report() noexcept {
   BaseReport report;
   try {
     const VelocityRelay::Report relay = impl_->relay.state();
+    const bool connected = impl_->receiver.connected();
+    report.faults = impl_->receiver.faults();
     const std::lock_guard lock(impl_->mutex);
-    report.connected = relay.connected && impl_->stands && impl_->heard.has_value();
+    report.connected = relay.connected && connected && impl_->heard.has_value();
     report.stamp = impl_->heard.value_or(0.0);
     report.velocity = impl_->velocity;
-    report.wheels = std::exchange(impl_->wheels, {});
-    report.faults = impl_->faults;
+    report.wheels.assign(impl_->wheels.begin(), impl_->wheels.end());
+    impl_->wheels.clear();
     if (!relay.fault.empty()) report.faults.push_back("relay: " + relay.fault);
-    if (impl_->heard && impl_->clock.now() - *impl_->heard > Impl::kSilence) {
+    if (impl_->heard && impl_->machine.now() - impl_->heard_by_machine > Impl::kSilence) {
       report.faults.emplace_back("the wheels are silent");
     }
   } catch (...) {
@@ -104,6 +90,8 @@ BaseReport GazeboBase::report() noexcept {
   }
   return report;
 }
+
+const std::string& GazeboBase::world() const { return impl_->receiver.world(); }
 
 int GazeboBase::relay_process() const { return impl_->relay.process(); }
 

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "adapters/gazebo/gazebo_options.h"
 #include "runtime/base.h"
-#include "runtime/clock.h"
+#include "runtime/simulation_clock.h"
 
 namespace prospect {
 
@@ -18,9 +19,9 @@ namespace prospect {
 /// report(), and so are wheels that say nothing for half a second.
 class GazeboBase final : public Base {
  public:
-  /// The clock is that of commands' expiry, and must outlive this: a SteadyClock, which the relay
-  /// reads as well.
-  GazeboBase(const GazeboOptions& options, const SteadyClock& clock);
+  /// The clock is that of commands' expiry, and must outlive this; it is set by what comes. The
+  /// relay counts in seconds of the machine: how long a command is still good for stays the same.
+  GazeboBase(const GazeboOptions& options, SimulationClock& clock);
   ~GazeboBase() override;
 
   std::string name() const noexcept override;
@@ -29,6 +30,8 @@ class GazeboBase final : public Base {
   void stop() noexcept override;
   BaseReport report() noexcept override;
 
+  /// The name of the world.
+  const std::string& world() const;
   /// Of the relay.
   int relay_process() const;
 

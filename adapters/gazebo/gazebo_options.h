@@ -7,6 +7,8 @@
 
 namespace prospect {
 
+class Knobs;
+
 /// Of a differential drive in a Gazebo world: its names there, and what its wheels are. The
 /// defaults are those of the robot that write_gazebo_world() puts into a world.
 struct GazeboOptions {
@@ -18,14 +20,18 @@ struct GazeboOptions {
   std::string depth = "depth";              ///< sensor depth; empty: none
   std::string left_wheel = "left_wheel";    ///< link
   std::string right_wheel = "right_wheel";  ///< link
+  int depth_width = 320;                    ///< [px]; the height follows from the field of view
   double wheel_radius = 0.08;               ///< [m]
   double wheel_separation = 0.32;           ///< [m] between the wheels' middles
   /// The plug-in turns to the right for a positive yaw rate, as it came with version 11.
   bool turned_yaw = true;
   double dead_man = 0.3;                 ///< [s] > 0 of silence after which the relay stops
   double period = 0.02;                  ///< [s] > 0 in which the relay looks, and repeats a stop
-  DepthRange depth_range = {0.2, 10.0};  ///< [m]
+  DepthRange depth_range = {0.2, 10.0};  ///< [m] outside of which a depth image says nothing
 };
+
+/// The knobs (models/knobs.h): numbers and switches. Names are texts.
+void describe(Knobs& knobs, GazeboOptions& options);
 
 /// "/gazebo/WORLD/MODEL/..." of the options, with the world that the node knows if they name none.
 /// Throws InputError if there is none.

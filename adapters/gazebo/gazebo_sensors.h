@@ -7,18 +7,19 @@
 
 #include "adapters/gazebo/gazebo_options.h"
 #include "runtime/sensor_inbox.h"
+#include "runtime/simulation_clock.h"
 
 namespace prospect {
 
 /// Cameras of a robot in Gazebo: its stereo pairs and depth images go into a SensorInbox as they
-/// come, stamped with the simulation's time, which the inbox shifts into the runtime's clock. A
-/// thread of its own receives them until the object ends; the inbox must live longer.
+/// come, stamped with the simulation's time, to which they set the clock before. A thread of its
+/// own receives them until the object ends; clock and inbox must live longer.
 ///
-/// Thread-safety: any thread. Errors: the constructor throws as GazeboNode does, and InputError on
-/// options out of range. Later nothing throws: see faults().
+/// Thread-safety: any thread. Errors: the constructor throws as GazeboReceiver does. Later nothing
+/// throws: see faults().
 class GazeboSensors {
  public:
-  GazeboSensors(const GazeboOptions& options, SensorInbox& inbox);
+  GazeboSensors(const GazeboOptions& options, SimulationClock& clock, SensorInbox& inbox);
   ~GazeboSensors();
   GazeboSensors(const GazeboSensors&) = delete;
   GazeboSensors& operator=(const GazeboSensors&) = delete;

@@ -263,11 +263,11 @@ std::string robot_model(const World& world, const RobotDescription& robot,
   if (!names.depth.empty()) {
     const double wide = std::tan(0.5 * robot.depth.horizontal_fov);
     const double high = std::tan(0.5 * robot.depth.vertical_fov);
-    const double height = std::max(1.0, std::round(options.depth_width * high / wide));
+    const double height = std::max(1.0, std::round(options.robot.depth_width * high / wide));
     out << "<sensor name=\"" << names.depth << "\" type=\"depth\"><always_on>1</always_on>"
         << "<update_rate>" << options.depth_rate << "</update_rate><pose>"
         << sensor_pose(robot.depth_mount.T_BC) << "</pose><camera name=\"depth\">"
-        << camera(robot.depth.horizontal_fov, options.depth_width, height, 0.05,
+        << camera(robot.depth.horizontal_fov, options.robot.depth_width, height, 0.05,
                   names.depth_range.max + 1.0)
         << "</camera></sensor>\n";
   }
@@ -333,7 +333,7 @@ std::vector<std::pair<std::string, std::string>> gazebo_world_files(
   };
   positive("image_rate", options.image_rate);
   positive("depth_rate", options.depth_rate);
-  positive("depth_width", options.depth_width);
+  positive("depth_width", options.robot.depth_width);
   positive("wall_height", options.wall_height);
   positive("light", options.light.norm());
   if (!(options.ambient >= 0.0 && options.ambient <= 1.0)) refuse("ambient; expected 0..1");

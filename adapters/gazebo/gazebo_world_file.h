@@ -15,7 +15,6 @@ struct GazeboWorldOptions {
   GazeboOptions robot;       ///< names, and what the wheels are
   double image_rate = 15.0;  ///< [Hz] of stereo pairs
   double depth_rate = 10.0;  ///< [Hz]
-  int depth_width = 320;     ///< [px]; the height follows from the field of view
   double wall_height = 1.0;  ///< [m] of what a robot runs into, at least the body's
   double ambient = 0.6;      ///< of the light, as in SceneRendererOptions
   Eigen::Vector3d light = {0.35, 0.2, 0.9};

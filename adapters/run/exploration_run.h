@@ -9,12 +9,13 @@
 
 #include "adapters/config/configuration.h"
 #include "adapters/run/run_record.h"
-#include "adapters/simulator/simulated_base.h"
+#include "adapters/simulator/injected_fault.h"
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/reachable_area.h"
 #include "adapters/worlds/world.h"
 #include "engine/planner/replanner.h"
 #include "runtime/event_log.h"
+#include "runtime/health_report.h"
 #include "runtime/preflight.h"
 #include "runtime/real_time_driver.h"
 
@@ -27,10 +28,10 @@ namespace prospect {
 class Planner;
 class SolverRegistry;
 
-/// A mission in real time, by threads, instead of in lockstep (real_time_driver.h).
+/// A mission in real time, by threads, instead of in lockstep (real_time_driver.h), driven by
+/// Configuration::drive.
 struct RealTimeRun {
-  RealTimeOptions driver;
-  SimulatedBaseOptions base;
+  std::vector<InjectedFault> faults;  ///< of the simulated robot
 };
 
 /// One simulated mission: world, configuration and seed in, records out.
@@ -60,6 +61,9 @@ struct ExplorationRunResult {
   std::string complaint;  ///< of the simulated sensors at the end: why they cannot be trusted
   // Of a run in real time.
   std::optional<DriverStatus> driver;  ///< at the end
+  std::optional<HealthReport> health;  ///< at the end
+  /// Of a simulation that somebody else runs: its seconds in one of the machine.
+  std::optional<double> real_time_factor;
   std::vector<CheckResult> preflight;
   std::vector<Event> events;
 };

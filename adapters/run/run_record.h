@@ -118,6 +118,7 @@ struct Summary {
   double area_m2 = 0.0;  ///< of the reachable area seen
   double reachable_area_m2 = 0.0;
   double too_long_for_m2 = 0.0;  ///< ReachableArea::too_long_for
+  bool measured = true;          ///< somebody knew what is true; else collisions say nothing
   int collisions = 0;
   int losses = 0;
   double duration_s = 0.0;

@@ -66,6 +66,8 @@ Summary summarize(const std::vector<StepRecord>& steps) {
 }
 
 std::string summary_json(const Summary& s) {
+  const nlohmann::ordered_json collisions =
+      s.measured ? nlohmann::ordered_json(s.collisions) : nullptr;
   // Numbers that are not finite become null.
   const nlohmann::ordered_json json = {{"world", s.world},
                                        {"solver", s.solver},
@@ -78,7 +80,7 @@ std::string summary_json(const Summary& s) {
                                        {"area_m2", s.area_m2},
                                        {"reachable_area_m2", s.reachable_area_m2},
                                        {"too_long_for_m2", s.too_long_for_m2},
-                                       {"collisions", s.collisions},
+                                       {"collisions", collisions},
                                        {"losses", s.losses},
                                        {"duration_s", s.duration_s},
                                        {"wall_s", s.wall_s},

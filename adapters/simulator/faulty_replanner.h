@@ -20,6 +20,7 @@ class FaultyReplanner final : public Replanner {
   FaultyReplanner(Replanner& planner, const MotionModel& model, const Clock& clock,
                   std::vector<InjectedFault> faults, double start);
 
+  void prepare(const Belief& belief) override { planner_.prepare(belief); }
   Plan plan(const Belief& belief) override;
   std::shared_ptr<const GlobalPlan> global_plan() const override { return planner_.global_plan(); }
   std::string set_task(const Task& task) override { return planner_.set_task(task); }

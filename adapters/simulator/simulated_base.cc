@@ -5,7 +5,7 @@
 #include <limits>
 #include <utility>
 
-#include "models/parameter_check.h"
+#include "models/knobs.h"
 
 namespace prospect {
 namespace {
@@ -32,14 +32,7 @@ SimulatedBase::SimulatedBase(Simulator& simulator, const Clock& clock, const Mot
       options_(options),
       epoch_(clock.now()),
       streams_(clock, options.faults, epoch_) {
-  const auto within = [](bool so, const char* name, double value, const char* expected) {
-    check_parameter(so, "simulated base", name, value, expected);
-  };
-  within(options.dead_man > 0.0 && options.dead_man <= 10.0, "dead_man", options.dead_man,
-         "0 to 10 s, more than 0");
-  within(options.delay >= 0.0 && options.delay <= 2.0, "delay", options.delay, "0 to 2 s");
-  within(options.belief_period > 0.0 && options.belief_period <= 1.0, "belief_period",
-         options.belief_period, "0 to 1 s, more than 0");
+  check_knobs("simulated base", options_);
   limits_.speed = model.max_speed();
   limits_.yaw_rate = model.max_yaw_rate();
   limits_.acceleration = model.max_deceleration();

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/simulator/injected_fault.h"
+#include "adapters/simulator/simulated_base_options.h"
 #include "adapters/simulator/simulated_streams.h"
 #include "adapters/simulator/simulator.h"
 #include "engine/maps/belief.h"
@@ -17,13 +17,6 @@
 #include "runtime/clock.h"
 
 namespace prospect {
-
-struct SimulatedBaseOptions {
-  double dead_man = 0.4;        ///< [s] after which it stops by itself, > 0
-  double delay = 0.0;           ///< [s] from a command to when it acts, >= 0
-  double belief_period = 0.05;  ///< [s] from one belief to the next, > 0
-  std::vector<InjectedFault> faults;
-};
 
 /// What is true of a simulated robot, for evaluation.
 struct SimulatedTruth {

@@ -7,6 +7,7 @@
 #include "adapters/simulator/kinematic_robot.h"
 #include "adapters/simulator/landmark_builder.h"
 #include "adapters/simulator/odometry_model.h"
+#include "adapters/simulator/simulated_base_options.h"
 #include "adapters/simulator/simulator_options.h"
 #include "models/knobs.h"
 
@@ -132,6 +133,13 @@ void describe(Knobs& knobs, SimulatorOptions& o) {
   knobs.group("landmarks", [&] { describe(knobs, o.landmarks); });
   knobs.group("mapping", [&] { describe(knobs, o.mapping); });
   knobs.group("camera", [&] { describe(knobs, o.camera); });
+}
+
+void describe(Knobs& knobs, SimulatedBaseOptions& o) {
+  knobs.number("dead_man", o.dead_man, {0.01, 10.0}, "s",
+               "of silence after which the base stops by itself");
+  knobs.number("delay", o.delay, {0.0, 2.0}, "s", "from a command to when it acts");
+  knobs.number("belief_period", o.belief_period, {0.01, 1.0}, "s", "from one belief to the next");
 }
 
 }  // namespace prospect

@@ -7,7 +7,7 @@
 namespace prospect {
 
 std::vector<Candidate> evaluate(std::vector<Candidate> candidates, Evaluate what,
-                                const CandidateEvaluation& with) {
+                                const CandidateEvaluation& with, const StopCondition& stop) {
   if (candidates.empty()) return candidates;
   const Problem& problem = with.problem;
   Eigen::MatrixXd X(problem.num_variables(), static_cast<Eigen::Index>(candidates.size()));
@@ -15,16 +15,21 @@ std::vector<Candidate> evaluate(std::vector<Candidate> candidates, Evaluate what
     X.col(static_cast<Eigen::Index>(i)) = candidates[i].z;
   }
   // Whole registers of floats, several to each thread, as the first ones have rays to cast.
-  const Eigen::Index portion = with.threads > 1 ? 8 : X.cols();
+  const bool may_end = stop.latest() != StopCondition::Clock::time_point::max();
+  const StopCondition asked = one_at_a_time(stop);
+  const Eigen::Index portion = with.threads > 1 || may_end ? 8 : X.cols();
   const auto portions = static_cast<int>((X.cols() + portion - 1) / portion);
   std::vector<Evaluation> evaluations(static_cast<std::size_t>(portions));
   const auto evaluate_all = [&] {
     std::atomic<bool> all_valid = true;
     with.workers.run(portions, [&](int k) {
+      Evaluation& evaluation = evaluations[static_cast<std::size_t>(k)];
+      evaluation = {};
+      if (may_end && k > 0 && asked() != StopRequest::kNone) return;
       Workspace workspace = problem.make_workspace();
       const Eigen::Index first = k * portion;
       if (!problem.evaluate(X.middleCols(first, std::min(portion, X.cols() - first)), what,
-                            workspace, evaluations[static_cast<std::size_t>(k)])) {
+                            workspace, evaluation)) {
         all_valid = false;
       }
     });
@@ -44,7 +49,7 @@ std::vector<Candidate> evaluate(std::vector<Candidate> candidates, Evaluate what
     const auto at = static_cast<Eigen::Index>(i);
     const Evaluation& evaluation = evaluations[static_cast<std::size_t>(at / portion)];
     const Eigen::Index b = at % portion;
-    if (!evaluation.valid[b]) continue;
+    if (evaluation.valid.size() == 0 || !evaluation.valid[b]) continue;  // the first: not begun
     candidates[i].cost = evaluation.cost[b];
     candidates[i].violation = violation(evaluation.constraints.col(b));
     candidates[i].error = evaluation.cost_error[b];

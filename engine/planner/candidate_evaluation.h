@@ -4,6 +4,7 @@
 
 #include "engine/planner/candidate.h"
 #include "engine/problem/problem.h"
+#include "engine/problem/stop_condition.h"
 #include "engine/support/worker_threads.h"
 
 namespace prospect {
@@ -18,9 +19,10 @@ struct CandidateEvaluation {
 
 /// Those candidates that can be evaluated, with their costs, best first (Candidate::operator<,
 /// equal ones in the order given). Scores choose among seeds, the exact value tells what a plan
-/// costs: where a score cannot be evaluated in single precision, all values are exact. Passes on
-/// what a term throws. Thread-safety: that of the workers.
+/// costs: where a score cannot be evaluated in single precision, all values are exact. Once a
+/// deadline in `stop` has passed, only the first eight are evaluated, and those that have been
+/// begun; the rest are left out. Passes on what a term throws. Thread-safety: that of the workers.
 std::vector<Candidate> evaluate(std::vector<Candidate> candidates, Evaluate what,
-                                const CandidateEvaluation& with);
+                                const CandidateEvaluation& with, const StopCondition& stop = {});
 
 }  // namespace prospect

@@ -127,6 +127,12 @@ Belief with_usable_landmarks(Belief belief, Plan& plan) {
   return belief;
 }
 
+/// Of what is seen nearby; none where the localization does not rest on it.
+std::optional<LocalTexture> texture_around(const Belief& belief) {
+  if (!rests_on_features(belief)) return std::nullopt;
+  return LocalTexture(*belief.ground, *belief.landmarks, belief.pose.position.head<2>());
+}
+
 std::vector<Candidate> candidates_of(const std::vector<Seed>& seeds) {
   std::vector<Candidate> candidates;
   for (const Seed& seed : seeds) candidates.push_back({seed.name, seed.z, 0.0, 0.0});
@@ -181,6 +187,8 @@ struct Planner::Impl {
   Eigen::MatrixXd last_inputs;  // nu x N of the last plan
   double last_stamp = 0.0;      // [s]
   Reserve reserve;              // where there is a deadline
+  FrontierAttention attention;
+  std::shared_ptr<const GlobalPlan> prepared;  // since the last step; null: to be made in the step
 
   // Of the last step.
   std::shared_ptr<const GlobalPlan> global_plan;
@@ -201,6 +209,7 @@ struct Planner::Impl {
         polish_options{parameters.polished, parameters.polish_evaluations,
                        parameters.solver_options, shares_threads(*solver)} {}
 
+  void prepare(const Belief& given);
   Plan plan(const Belief& given, const StopCondition& stop);
   /// The mode whose policy this step follows; task, mode and caution of the plan.
   ModeKind update_mode(const Belief& belief, const LocalTexture* texture, Plan& plan);
@@ -219,6 +228,17 @@ struct Planner::Impl {
   void use_zones(const Zones& given);
   void use_task(const Task& task);
 };
+
+void Planner::Impl::prepare(const Belief& given) {
+  prepared = nullptr;
+  if (parameters.task.kind != TaskKind::kExplore || !unusable(given).empty()) return;
+  Plan unused;
+  const Belief belief = with_usable_landmarks(given, unused);
+  const std::optional<LocalTexture> texture = texture_around(belief);
+  Facts facts;
+  prepared = global_planner.update(belief, parameters, belief.stamp - clock.away(), attention,
+                                   texture ? &*texture : nullptr, workers, facts);
+}
 
 Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   Stopwatch total, watch;
@@ -240,10 +260,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
 
   // Belief.
   const Belief belief = with_usable_landmarks(given, plan);
-  std::optional<LocalTexture> texture;
-  if (rests_on_features(belief)) {
-    texture.emplace(*belief.ground, *belief.landmarks, belief.pose.position.head<2>());
-  }
+  const std::optional<LocalTexture> texture = texture_around(belief);
   drift.update(belief, robot);
 
   // Mode.
@@ -271,13 +288,14 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
     failed.insert(failed.end(), more.begin(), more.end());
     problem = assemble_problem(*specification, evaluators);
   }
-  std::vector<Candidate> candidates = evaluate(candidates_of(made), Evaluate::kScore, evaluation());
+  std::vector<Candidate> candidates =
+      evaluate(candidates_of(made), Evaluate::kScore, evaluation(), stop);
   if (mode == ModeKind::kExplore && belief.localization != Localization::kLost) {
     bound_features(candidates);
   }
   for (const Candidate& c : candidates) seeds.push_back({c.name, c.z});
   plan.features_weight = specification->weights.visible_features;
-  plan.seeds_scored = static_cast<int>(made.size());
+  plan.seeds_scored = static_cast<int>(candidates.size());
   plan.counters.cost_evaluations = plan.seeds_scored;
   plan.times.seeds = watch.lap();
 
@@ -329,12 +347,17 @@ ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* te
   const ModeKind before_frontiers = decide(behaviour, facts, parameters.behaviour).mode.kind;
   const bool pursues = policy(before_frontiers).pursues;
   facts.stuck = monitors.update_stuck(belief, pursues);
-  global_plan = global_planner.update(belief, parameters, belief.stamp - clock.away(),
-                                      {.looked = belief.localization != Localization::kLost,
-                                       .pursued = pursues,
-                                       .got_lost = monitors.got_lost(),
-                                       .blocked = monitors.blocked()},
-                                      texture, workers, facts);
+  attention = {.looked = belief.localization != Localization::kLost,
+               .pursued = pursues,
+               .got_lost = monitors.got_lost(),
+               .blocked = monitors.blocked()};
+  if (prepared) {
+    global_plan = std::exchange(prepared, nullptr);
+    facts.frontiers = global_plan->facts;
+  } else {
+    global_plan = global_planner.update(belief, parameters, belief.stamp - clock.away(), attention,
+                                        texture, workers, facts);
+  }
   behaviour = decide(behaviour, facts, parameters.behaviour);
   caution = caution_for(facts, parameters.lost_margin > 0.0);
   plan.task = task;
@@ -426,6 +449,7 @@ void Planner::Impl::use_zones(const Zones& given) {
   parameters.zones = given;
   zones = zone_map_of(given);
   certifier.set_zones(zones);
+  prepared = nullptr;
   parameters.frontier_planner.traversability.zones = zones;
   global_planner.restart(parameters.frontier_planner);
 }
@@ -434,6 +458,7 @@ void Planner::Impl::use_task(const Task& task) {
   const bool other_area =
       task.kind == TaskKind::kExplore && task.area != parameters.frontier_planner.area;
   parameters.task = task;
+  prepared = nullptr;
   clock.restart();
   global_planner.restart_task();
   if (!other_area) return;
@@ -445,6 +470,15 @@ Planner::Planner(RobotDescription robot, PlannerParameters parameters,
                  std::shared_ptr<const Solver> solver)
     : impl_(std::make_unique<Impl>(std::move(robot), std::move(parameters), std::move(solver))) {}
 Planner::~Planner() = default;
+
+void Planner::prepare(const Belief& belief) {
+  try {
+    impl_->prepare(belief);
+  } catch (...) {
+    // plan() meets the same and tells it.
+    impl_->prepared = nullptr;
+  }
+}
 
 Plan Planner::plan(const Belief& belief, const StopCondition& stop) {
   try {

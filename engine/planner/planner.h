@@ -147,10 +147,20 @@ void describe(Knobs& knobs, PlannerParameters& parameters);
 /// speed within what is allowed; the cost-to-go leads round; the clearance terms count forbidden
 /// parts as obstacles; frontiers in them are no targets.
 ///
+/// Ahead of the step. prepare() looks for the frontiers and the way to them, which takes about half
+/// of a step. The plan() after it takes them as they are: they are of prepare()'s belief, and of
+/// what the robot was doing at the plan before. The mode, the obstacles, the views, the problem and
+/// the certificate are of plan()'s own belief always. The way to a goal is never prepared: the
+/// arrival is judged where the robot is. Another task or other zones drop what was prepared.
+///
+/// Deadline. PlannerParameters::deadline is that of plan(). The seeds are scored in portions of
+/// eight, the shifted previous plan in the first, until the time is up that is left beside the
+/// certificate; then polishing ends; then one candidate is certified.
+///
 /// Terms from outside (PlannerParameters::terms) are made and tried at each step; one that cannot
 /// be made, or evaluated at any seed, is left out of the step, and the plan's `detail` says so.
 ///
-/// Determinism: with deadline = 0, the same sequence of beliefs gives the same bits.
+/// Determinism: with deadline = 0, the same sequence of calls and beliefs gives the same bits.
 /// Thread-safety: one thread a planner. Source: formulation, sections 4 to 8.
 class Planner final : public Replanner {
  public:
@@ -162,8 +172,9 @@ class Planner final : public Replanner {
   Planner(const Planner&) = delete;
   Planner& operator=(const Planner&) = delete;
 
+  void prepare(const Belief& belief) override;
   Plan plan(const Belief& belief) override { return plan(belief, {}); }
-  /// The same; polishing also ends when `stop` says so.
+  /// The same; polishing also ends when `stop` says so, and by a deadline in it scoring.
   Plan plan(const Belief& belief, const StopCondition& stop);
 
   /// "" if the task is taken, else its first fault (task.h).

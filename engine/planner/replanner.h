@@ -13,10 +13,15 @@ namespace prospect {
 /// What a mission asks at each step: a plan from a belief. Planner is the one of this project; the
 /// frontier planners it is measured against are others.
 ///
-/// plan() never throws and always returns an executable plan. Thread-safety: one thread.
+/// plan() and prepare() never throw, and plan() always returns an executable plan. Thread-safety:
+/// one thread.
 class Replanner {
  public:
   virtual ~Replanner() = default;
+  /// Does the part of the next plan() that need not wait for its belief, from an earlier one, as
+  /// new as there is. A robot that is driving calls it while the plan before is still being driven;
+  /// then the next plan is there sooner. Nobody has to call it.
+  virtual void prepare(const Belief& /*belief*/) {}
   virtual Plan plan(const Belief& belief) = 0;
   /// The frontiers at the last plan(); null before the first.
   virtual std::shared_ptr<const GlobalPlan> global_plan() const = 0;

@@ -81,7 +81,7 @@ struct Plan {
   Quality quality = Quality::kNone;
   Explanation explanation;  ///< every term, raw and weighted
   Counters counters;
-  int seeds_scored = 0;
+  int seeds_scored = 0;          ///< that could be evaluated before the deadline
   double features_weight = 0.0;  ///< w_l in this step (feature_weight.h)
   PlanTimes times;
 

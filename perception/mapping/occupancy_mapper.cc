@@ -13,6 +13,7 @@
 #include <stdexcept>
 #include <string>
 #include <unordered_map>
+#include <utility>
 
 #include "models/knobs.h"
 #include "models/parameter_check.h"
@@ -70,6 +71,48 @@ std::uint64_t pack(int x, int y, int z) {
 bool in_range(double v, double low, double high) {
   return std::isfinite(v) && v >= low && v <= high;
 }
+
+// Rays that are walked in turn, a voxel each. A step waits for the one before it; those of other
+// rays fill the time. Marks are only ever set, so their order does not matter.
+constexpr int kAbreast = 4;
+
+// A ray on its way from voxel to voxel.
+struct Walk {
+  double next[3];   // where it leaves v along each axis, of the ray
+  double delta[3];  // how far apart such places are
+  int v[3], last[3], step[3];
+  std::ptrdiff_t stride[3];
+  std::ptrdiff_t index = 0;  // of v's mark
+  Eigen::Vector3d along;
+  int remaining = 0;         // steps
+  bool include_end = false;  // the last voxel is passed, too
+
+  void advance() {
+    int axis = next[0] < next[1] ? 0 : 1;
+    if (next[2] < next[axis]) axis = 2;
+    v[axis] += step[axis];
+    index += stride[axis];
+    next[axis] =
+        v[axis] == last[axis] ? std::numeric_limits<double>::infinity() : next[axis] + delta[axis];
+  }
+};
+
+// Where a scan is marked.
+struct Marking {
+  Eigen::Vector3d from;
+  double r, core_squared;
+  std::uint8_t* marks;
+
+  // Marks the voxel that the ray is in if the ray passes its middle. Without a branch: which ones
+  // it passes cannot be foreseen.
+  void mark(const Walk& w) const {
+    const Eigen::Vector3d middle(r * (w.v[0] + 0.5) - from.x(), r * (w.v[1] + 0.5) - from.y(),
+                                 r * (w.v[2] + 0.5) - from.z());
+    const double ahead = middle.dot(w.along);
+    marks[w.index] |=
+        static_cast<std::uint8_t>(middle.squaredNorm() - ahead * ahead <= core_squared);
+  }
+};
 
 // True if nobody else holds the object, so that it may be written. The fence pairs with the release
 // by which the last other holder let go of it.
@@ -132,6 +175,8 @@ struct OccupancyMapper::Impl {
   std::vector<std::uint8_t> marks;
   int box[3] = {0, 0, 0};   // lowest address, a multiple of 8
   int size[3] = {0, 0, 0};  // multiples of 8
+  Walk abreast[kAbreast];   // the first `walks` of them are to be marked yet
+  int walks = 0;
 
   explicit Impl(const OccupancyMapperOptions& o);
 
@@ -140,7 +185,15 @@ struct OccupancyMapper::Impl {
   void set_value(Brick& b, std::uint32_t index, int m, std::uint32_t column, float value);
   void flush_ground();
   GroundMap& writable_ground();
+  Walk begin_walk(const Eigen::Vector3d& from, const Eigen::Vector3d& to, bool include_end) const;
+  Marking marking_from(const Eigen::Vector3d& from) {
+    const double core = options.core * options.resolution;
+    return {from, options.resolution, core * core, marks.data()};
+  }
+  /// Marks the voxels whose middle the segment passes as free, the one that holds `to` only if
+  /// include_end: at once, or abreast with the next rays, which have the same origin.
   void mark_ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to, bool include_end);
+  void mark_abreast(const Eigen::Vector3d& from);
   void apply_marks();
 
   void sync();
@@ -298,70 +351,75 @@ GroundMap& OccupancyMapper::Impl::writable_ground() {
   return *ground[ground_current].map;
 }
 
-// Marks the voxels whose middle the segment passes as free, the one that holds `to` only if
-// include_end.
+Walk OccupancyMapper::Impl::begin_walk(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+                                       bool include_end) const {
+  const double r = options.resolution;
+  const std::ptrdiff_t strides[3] = {static_cast<std::ptrdiff_t>(size[1]) * size[2], size[2], 1};
+  Walk w;
+  w.include_end = include_end;
+  for (int a = 0; a < 3; ++a) {
+    w.v[a] = static_cast<int>(std::floor(from[a] / r));
+    w.last[a] = static_cast<int>(std::floor(to[a] / r));
+    const double d = to[a] - from[a];
+    w.step[a] = w.last[a] > w.v[a] ? 1 : -1;
+    w.stride[a] = w.step[a] * strides[a];
+    w.remaining += std::abs(w.last[a] - w.v[a]);
+    if (w.last[a] == w.v[a]) {
+      w.next[a] = w.delta[a] = std::numeric_limits<double>::infinity();
+    } else {
+      w.next[a] = ((w.v[a] + (w.step[a] > 0 ? 1 : 0)) * r - from[a]) / d;
+      w.delta[a] = r / std::abs(d);
+    }
+    w.index += (w.v[a] - box[a]) * strides[a];
+  }
+  const Eigen::Vector3d ray = to - from;
+  w.along = ray / std::max(ray.norm(), 1e-300);
+  return w;
+}
+
 void OccupancyMapper::Impl::mark_ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                                      bool include_end) {
-  const double r = options.resolution;
-  int v[3], last[3], step[3];
-  double next[3], delta[3];
-  std::ptrdiff_t stride[3];
-  const std::ptrdiff_t strides[3] = {static_cast<std::ptrdiff_t>(size[1]) * size[2], size[2], 1};
-  int remaining = 0;
-  for (int a = 0; a < 3; ++a) {
-    v[a] = static_cast<int>(std::floor(from[a] / r));
-    last[a] = static_cast<int>(std::floor(to[a] / r));
-    const double d = to[a] - from[a];
-    step[a] = last[a] > v[a] ? 1 : -1;
-    stride[a] = step[a] * strides[a];
-    remaining += std::abs(last[a] - v[a]);
-    if (last[a] == v[a]) {
-      next[a] = delta[a] = std::numeric_limits<double>::infinity();
-    } else {
-      next[a] = ((v[a] + (step[a] > 0 ? 1 : 0)) * r - from[a]) / d;
-      delta[a] = r / std::abs(d);
-    }
-  }
-  std::ptrdiff_t index =
-      (v[0] - box[0]) * strides[0] + (v[1] - box[1]) * strides[1] + (v[2] - box[2]);
-  const Eigen::Vector3d ray = to - from;
-  const Eigen::Vector3d along = ray / std::max(ray.norm(), 1e-300);
-  const double core_squared = (options.core * r) * (options.core * r);
-  // Whether the ray passes the middle of the voxel it is in.
-  const auto pass = [&] {
-    const Eigen::Vector3d middle(r * (v[0] + 0.5) - from.x(), r * (v[1] + 0.5) - from.y(),
-                                 r * (v[2] + 0.5) - from.z());
-    const double ahead = middle.dot(along);
-    if (middle.squaredNorm() - ahead * ahead <= core_squared) {
-      marks[static_cast<std::size_t>(index)] |= 1U;
-    }
-  };
+  const Walk walk = begin_walk(from, to, include_end);
+  const auto inside = [&](int k) { return k >= box[2] && k < box[2] + size[2]; };
   // All x and y of the segment lie inside the box; heights may leave it.
-  const bool level =
-      v[2] >= box[2] && v[2] < box[2] + size[2] && last[2] >= box[2] && last[2] < box[2] + size[2];
-  if (level) {
-    for (; remaining > 0; --remaining) {
-      pass();
-      int axis = next[0] < next[1] ? 0 : 1;
-      if (next[2] < next[axis]) axis = 2;
-      v[axis] += step[axis];
-      index += stride[axis];
-      next[axis] = v[axis] == last[axis] ? std::numeric_limits<double>::infinity()
-                                         : next[axis] + delta[axis];
-    }
-    if (include_end) pass();
+  if (inside(walk.v[2]) && inside(walk.last[2])) {
+    abreast[walks++] = walk;
+    if (walks == kAbreast) mark_abreast(from);
     return;
   }
-  for (;; --remaining) {
-    if (remaining == 0 && !include_end) break;
-    if (v[2] >= box[2] && v[2] < box[2] + size[2]) pass();
-    if (remaining == 0) break;
-    int axis = next[0] < next[1] ? 0 : 1;
-    if (next[2] < next[axis]) axis = 2;
-    v[axis] += step[axis];
-    index += stride[axis];
-    next[axis] =
-        v[axis] == last[axis] ? std::numeric_limits<double>::infinity() : next[axis] + delta[axis];
+  const Marking marking = marking_from(from);
+  for (Walk w = walk;; --w.remaining) {
+    if (w.remaining == 0 && !include_end) break;
+    if (inside(w.v[2])) marking.mark(w);
+    if (w.remaining == 0) break;
+    w.advance();
+  }
+}
+
+void OccupancyMapper::Impl::mark_abreast(const Eigen::Vector3d& from) {
+  const Marking marking = marking_from(from);
+  // Copies: a byte that is written could be one of a member.
+  Walk ray[kAbreast];
+  const int count = std::exchange(walks, 0);
+  std::copy(abreast, abreast + count, ray);
+  if (count == kAbreast) {
+    int together = ray[0].remaining;
+    for (const Walk& w : ray) together = std::min(together, w.remaining);
+    for (int i = 0; i < together; ++i) {
+      for (Walk& w : ray) {
+        marking.mark(w);
+        w.advance();
+      }
+    }
+    for (Walk& w : ray) w.remaining -= together;
+  }
+  for (int k = 0; k < count; ++k) {
+    Walk w = ray[k];
+    for (; w.remaining > 0; --w.remaining) {
+      marking.mark(w);
+      w.advance();
+    }
+    if (w.include_end) marking.mark(w);
   }
 }
 
@@ -613,6 +671,7 @@ void OccupancyMapper::insert(const DepthScan& scan) {
     if (!std::isfinite(range) || range < 1e-9) continue;
     walk_miss(ray / range);
   }
+  m.mark_abreast(scan.origin);
   m.apply_marks();
   m.flush_ground();
 }

@@ -28,15 +28,25 @@ struct Callback {
   const AugmentedLagrangian* merit = nullptr;  ///< null: constraints are native or there are none
   double penalty = 0.0;                        ///< > 0: static penalty
   double margin = 0.0;
+  bool scaled = false;  ///< NLopt's variables are shares of the widths of the bounds
   double last_value = 0.0;
   double largest_addition = 0.0;  ///< of merit over cost, so that a rejected point stays the worst
   bool not_finite = false;        ///< the algorithm asked for a point that is not a number
+
+  Eigen::VectorXd width() const { return evaluator.upper() - evaluator.lower(); }
+  Eigen::VectorXd to_nlopt(const Eigen::VectorXd& x) const {
+    return scaled ? Eigen::VectorXd((x - evaluator.lower()).cwiseQuotient(width())) : x;
+  }
+  Eigen::VectorXd from_nlopt(const Eigen::Ref<const Eigen::VectorXd>& y) const {
+    return scaled ? Eigen::VectorXd(evaluator.lower() + width().cwiseProduct(y))
+                  : Eigen::VectorXd(y);
+  }
 };
 
 // The callbacks are called from C. The evaluator lets no exception out; nothing else here throws.
 double objective(unsigned n, const double* x, double* gradient, void* data) noexcept {
   Callback& c = *static_cast<Callback*>(data);
-  const Eigen::Map<const Eigen::VectorXd> point(x, n);
+  const Eigen::VectorXd point = c.from_nlopt(Eigen::Map<const Eigen::VectorXd>(x, n));
   Eigen::Map<Eigen::VectorXd> g(gradient, gradient ? n : 0);
   Outcome outcome = Outcome::kStopped;
   if (point.allFinite()) {
@@ -66,6 +76,7 @@ double objective(unsigned n, const double* x, double* gradient, void* data) noex
     c.largest_addition = std::max(c.largest_addition, addition);
     value += addition;
   }
+  if (gradient && c.scaled) g = g.cwiseProduct(c.width()).eval();
   c.last_value = value;
   return value;
 }
@@ -74,7 +85,7 @@ double objective(unsigned n, const double* x, double* gradient, void* data) noex
 void native_constraints(unsigned m, double* result, unsigned n, const double* x, double* gradient,
                         void* data) noexcept {
   Callback& c = *static_cast<Callback*>(data);
-  const Eigen::Map<const Eigen::VectorXd> point(x, n);
+  const Eigen::VectorXd point = c.from_nlopt(Eigen::Map<const Eigen::VectorXd>(x, n));
   Outcome outcome = Outcome::kStopped;
   if (point.allFinite()) {
     outcome = c.evaluator.evaluate(point, gradient ? Evaluate::kGradient : Evaluate::kValue);
@@ -84,8 +95,10 @@ void native_constraints(unsigned m, double* result, unsigned n, const double* x,
   if (outcome == Outcome::kStopped) nlopt_force_stop(c.handle);
   Eigen::Map<Eigen::ArrayXd>(result, m) = c.margin - c.evaluator.constraints().array();
   if (!gradient) return;
-  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-      gradient, m, n) = -c.evaluator.jacobian();
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J(gradient, m,
+                                                                                       n);
+  J = -c.evaluator.jacobian();
+  if (c.scaled) J = J * c.width().asDiagonal();
 }
 
 class NloptSolver final : public SolverFrame {
@@ -151,7 +164,7 @@ class NloptSolver final : public SolverFrame {
   };
 
   /// One nlopt_optimize() from x, whose last point is left in x. `step`: fraction of the range of
-  /// each variable, 0: NLopt's choice.
+  /// each variable, 0: NLopt's choice; not with scaled variables.
   Inner optimize(Evaluator& evaluator, const OptionSet& options, Callback& callback,
                  double tolerance, double step, Eigen::VectorXd& x) const {
     const auto n = static_cast<unsigned>(evaluator.num_variables());
@@ -167,8 +180,10 @@ class NloptSolver final : public SolverFrame {
       }
     };
     check(nlopt_set_min_objective(opt, &objective, &callback), "nlopt_set_min_objective");
-    check(nlopt_set_lower_bounds(opt, evaluator.lower().data()), "nlopt_set_lower_bounds");
-    check(nlopt_set_upper_bounds(opt, evaluator.upper().data()), "nlopt_set_upper_bounds");
+    const Eigen::VectorXd lower = callback.to_nlopt(evaluator.lower());
+    const Eigen::VectorXd upper = callback.to_nlopt(evaluator.upper());
+    check(nlopt_set_lower_bounds(opt, lower.data()), "nlopt_set_lower_bounds");
+    check(nlopt_set_upper_bounds(opt, upper.data()), "nlopt_set_upper_bounds");
     const int m = evaluator.num_constraints();
     if (m > 0 && algorithm_.constraints == Constraints::kNative) {
       // Together with the margin, what NLopt takes for feasible is feasible.
@@ -217,7 +232,9 @@ class NloptSolver final : public SolverFrame {
     double value = 0.0;
     Inner inner;
     callback.not_finite = false;
-    inner.code = nlopt_optimize(opt, x.data(), &value);
+    Eigen::VectorXd y = callback.to_nlopt(x).cwiseMax(lower).cwiseMin(upper);
+    inner.code = nlopt_optimize(opt, y.data(), &value);
+    x = callback.from_nlopt(y);
     inner.not_finite = callback.not_finite;
     if (!x.allFinite()) {
       x = before;
@@ -279,6 +296,13 @@ class NloptSolver final : public SolverFrame {
           evaluator.incumbent_violation() <
               violation_before - evaluator.options().feasibility_tolerance;
       if (!gained && attempt > 0) {
+        // Where one variable is metres and another millimetres, SLSQP's first step is too short in
+        // one to change the cost, and it takes that for its end.
+        if (!callback.scaled && algorithm_.gradient && evaluator.can_descend()) {
+          callback.scaled = true;
+          x = evaluator.incumbent();
+          continue;
+        }
         if (!inner.not_finite && !converged(inner.code)) inner.code = NLOPT_FTOL_REACHED;
         break;
       }

@@ -60,7 +60,8 @@ struct Driven {
     });
   }
   FakeGazebo gazebo;
-  SteadyClock clock;
+  SteadyClock machine;
+  SimulationClock clock{machine};
   std::unique_ptr<GazeboBase> base;
   double stamp = 0.0;
   bool connected = false;

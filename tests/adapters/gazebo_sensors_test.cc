@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <deque>
 #include <string>
 #include <variant>
-#include <vector>
 
 #include "adapters/gazebo/gazebo_truth.h"
 #include "tests/adapters/fake_gazebo.h"
@@ -31,19 +31,19 @@ void fill(gazebo::msgs::Image* image, unsigned format, const std::string& data) 
 
 TEST(GazeboSensors, PutsPairsAndDepthsIntoTheInbox) {
   FakeGazebo gazebo;
-  const SteadyClock clock;
-  // Stamps of the runtime's clock need not settle first.
+  const SteadyClock machine;
+  SimulationClock clock(machine);
   SensorInboxOptions own_clock;
   own_clock.cameras_in_runtime_clock = true;
   own_clock.depth_in_runtime_clock = true;
   SensorInbox inbox(clock, own_clock);
-  const GazeboSensors sensors(gazebo.options(), inbox);
+  const GazeboSensors sensors(gazebo.options(), clock, inbox);
   ASSERT_TRUE(soon([&] {
     return gazebo.subscribers(kStereo) == 1 && gazebo.subscribers(kDepth) == 1 &&
            sensors.connected();
   }));
   gazebo::msgs::ImagesStamped pair;
-  FakeGazebo::stamp(pair, clock.now());
+  FakeGazebo::stamp(pair, 1000.0);
   fill(pair.add_image(), 1, "ab");
   fill(pair.add_image(), 1, "cd");
   gazebo.publish(kStereo, pair);
@@ -56,11 +56,13 @@ TEST(GazeboSensors, PutsPairsAndDepthsIntoTheInbox) {
 
   const float metres[] = {1.0f, 2.0f};
   gazebo::msgs::ImageStamped depth;
-  FakeGazebo::stamp(depth, clock.now());
+  FakeGazebo::stamp(depth, 1000.05);
   fill(depth.mutable_image(), 3, std::string(reinterpret_cast<const char*>(metres), 8));
   gazebo.publish(kDepth, depth);
   ASSERT_TRUE(soon([&] { return inbox.ranges().depth.image != nullptr; }));
   EXPECT_EQ(inbox.ranges().depth.image->at(1, 0), 2.0f);
+  EXPECT_EQ(inbox.ranges().depth.stamp, 1000.05);  // the simulation's time is the runtime's
+  EXPECT_GE(clock.now(), 1000.05);
   EXPECT_TRUE(sensors.faults().empty());
 
   gazebo.publish(kDepth, std::string("no image"));
@@ -87,7 +89,7 @@ TEST(GazeboTruth, GivesEachPoseOnce) {
   pose->mutable_orientation()->set_z(std::sin(0.25));
   pose->mutable_orientation()->set_w(std::cos(0.25));
   gazebo.publish(topic, message);
-  std::vector<GazeboTruth::Stamped> poses;
+  std::deque<GazeboTruth::Stamped> poses;
   ASSERT_TRUE(soon([&] { return !(poses = truth.take()).empty(); }));
   EXPECT_EQ(poses.front().stamp, 3.5);
   EXPECT_EQ(poses.front().pose.position.y(), -2.0);

@@ -4,12 +4,14 @@
 #include <set>
 #include <typeinfo>
 
+#include "adapters/gazebo/gazebo_options.h"
 #include "adapters/simulator/camera_rig.h"
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/feature_camera.h"
 #include "adapters/simulator/kinematic_robot.h"
 #include "adapters/simulator/landmark_builder.h"
 #include "adapters/simulator/odometry_model.h"
+#include "adapters/simulator/simulated_base_options.h"
 #include "adapters/simulator/simulator_options.h"
 #include "engine/behaviour/behaviour.h"
 #include "engine/behaviour/monitors/progress_monitor.h"
@@ -44,6 +46,7 @@
 #include "perception/odometry/track_survival.h"
 #include "perception/pipeline/feature_density.h"
 #include "perception/pipeline/perception_options.h"
+#include "runtime/drive_options.h"
 #include "runtime/mission.h"
 
 // Every number and switch of the structures that a mission is set by is a knob. The bindings name
@@ -455,6 +458,84 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
            stereo_mount, features, image_rate, odometry, landmarks, mapping, map, camera,
            distort_scan] = o;
     expect_reached(o, {&depth_rate, &image_rate});
+  }
+}
+
+TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
+  {
+    CommandLoopOptions o;
+    auto& [period, hold, delay] = o;
+    expect_reached(o, {&period, &hold, &delay.linear, &delay.angular});
+  }
+  {
+    DriveModeOptions o;
+    auto& [live_time, rest_time, recover_time, stop_time, degraded_share, lost_share,
+           unchecked_share] = o;
+    expect_reached(o, {&live_time, &rest_time, &recover_time, &stop_time, &degraded_share,
+                       &lost_share, &unchecked_share});
+  }
+  {
+    DriveWatchOptions o;
+    auto& [max_silence, rest_speed, rest_rate, stray_speed, stray_rate, stray_time, settle_time] =
+        o;
+    expect_reached(o, {&max_silence, &rest_speed, &rest_rate, &stray_speed, &stray_rate,
+                       &stray_time, &settle_time});
+  }
+  {
+    RealTimeOptions o;
+    auto& [command, mode, watch, replan_period, least_latency, most_latency, perception_limit,
+           planner_limit, command_limit] = o;
+    expect_reached(
+        o, {&command.period, &mode.live_time, &watch.max_silence, &replan_period, &least_latency,
+            &most_latency, &perception_limit, &planner_limit, &command_limit});
+  }
+  {
+    PreflightOptions o;
+    auto& [height_warn, height_fail, tilt_warn, tilt_fail, stereo_warn, stereo_fail, yaw_warn,
+           yaw_fail, floor_noise, longest_dead_man, live_time, least_turn] = o;
+    expect_reached(
+        o, {&height_warn, &height_fail, &tilt_warn, &tilt_fail, &stereo_warn, &stereo_fail,
+            &yaw_warn, &yaw_fail, &floor_noise, &longest_dead_man, &live_time, &least_turn});
+  }
+  {
+    PreflightRunOptions o;
+    auto& [checks, patience, turn, turn_rate, settle] = o;
+    expect_reached(o, {&checks.live_time, &patience, &turn, &turn_rate, &settle});
+  }
+  {
+    SensorInboxOptions o;
+    auto& [pair_tolerance, capacity, wheel_capacity, max_image_age, max_wheel_age, max_range_age,
+           cameras_own, wheels_own, depth_own, scan_own, clock_drift] = o;
+    expect_reached(
+        o, {&pair_tolerance, &capacity, &wheel_capacity, &max_image_age, &max_wheel_age,
+            &max_range_age, &cameras_own, &wheels_own, &depth_own, &scan_own, &clock_drift});
+  }
+  {
+    RangeStopOptions o;
+    auto& [front, rear, left, right, corner_radius, lowest, highest, margin, reaction_time,
+           deceleration, yaw_deceleration, max_age, least_points, least_valid, blind_speed] = o;
+    expect_reached(o, {&front, &rear, &left, &right, &corner_radius, &lowest, &highest, &margin,
+                       &reaction_time, &deceleration, &yaw_deceleration, &max_age, &least_points,
+                       &least_valid, &blind_speed});
+  }
+  {
+    DriveOptions o;
+    auto& [driver, preflight, inbox, ranges, odometry, perception] = o;
+    expect_reached(o, {&driver.replan_period, &preflight.turn, &inbox.capacity, &ranges.margin,
+                       &perception.wheels});
+    EXPECT_NE(&odometry, nullptr);
+  }
+  {
+    SimulatedBaseOptions o;
+    auto& [dead_man, delay, belief_period, faults] = o;
+    expect_reached(o, {&dead_man, &delay, &belief_period});
+  }
+  {
+    GazeboOptions o;
+    auto& [address, world, model, link, stereo, depth, left_wheel, right_wheel, depth_width,
+           wheel_radius, wheel_separation, turned_yaw, dead_man, period, depth_range] = o;
+    expect_reached(o, {&address.port, &address.timeout, &depth_width, &wheel_radius,
+                       &wheel_separation, &turned_yaw, &dead_man, &period});
   }
 }
 

@@ -155,6 +155,22 @@ std::vector<Part> parts() {
        {},
        [](Knobs& k, Configuration& c) { describe(k, c.simulator); },
        make_simulator},
+      // Odometry and perception are those of the simulator.
+      {"drive", {}, [](Knobs& k, Configuration& c) { describe(k, c.drive.driver); }, {}},
+      {"drive.preflight",
+       {},
+       [](Knobs& k, Configuration& c) { describe(k, c.drive.preflight); },
+       {}},
+      {"drive.inbox", {}, [](Knobs& k, Configuration& c) { describe(k, c.drive.inbox); }, {}},
+      {"drive.ranges",
+       {},
+       [](Knobs& k, Configuration& c) { describe(k, c.drive.ranges); },
+       [](const Configuration& c) { RangeStop{c.drive.ranges}; }},
+      {"drive.simulator",
+       {},
+       [](Knobs& k, Configuration& c) { describe(k, c.simulated_base); },
+       {}},
+      {"gazebo", {}, [](Knobs& k, Configuration& c) { describe(k, c.gazebo); }, {}},
       {"robot.stereo",
        {},
        [](Knobs& k, Configuration& c) { describe(k, c.robot.stereo); },
@@ -357,7 +373,13 @@ TEST(KnobTable, EachReachesItsMember) {
         const double scale = std::max(std::abs(knob.value), 1e-3);
         double step = room > 0.0 ? std::min(0.5 * room, 0.01 * scale) : -0.01 * scale;
         if (knob.kind == Kind::kInteger) step = room > 0.0 ? 1.0 : -1.0;
-        value = knob.value + step;
+        // The other way where another knob's default bounds it.
+        const auto taken = [&](double v) {
+          return knob.count > 1 || refusal([&] {
+                                     configuration_of(part, {knob.path + "=" + exact_text(v)});
+                                   }).empty();
+        };
+        value = taken(knob.value + step) ? knob.value + step : knob.value - step;
         text = exact_text(value);
         if (knob.kind == Kind::kNumbers) {
           text = "[" + text;

@@ -73,7 +73,8 @@ std::string info_message(std::int64_t t, double tx, double f, int width, int hei
   w.text("plumb_bob").number(std::uint32_t{5}).doubles({0, 0, 0, 0, 0});
   w.doubles({f, 0, cx, 0, f, cy, 0, 0, 1}).doubles({1, 0, 0, 0, 1, 0, 0, 0, 1});
   w.doubles({f, 0, cx, tx, 0, f, cy, 0, 0, 0, 1, 0});
-  return w.str();
+  for (int k = 0; k < 6; ++k) w.number(std::uint32_t{0});  // binning, region of interest
+  return w.number(std::uint8_t{0}).str();
 }
 
 std::string text_of(const Image& image) { return {image.pixels.begin(), image.pixels.end()}; }

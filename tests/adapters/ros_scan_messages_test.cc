@@ -73,7 +73,7 @@ TEST(RosScanMessages, ScansThatCannotBe) {
   CdrWriter w;
   w.header(5, "laser");
   for (const float v : {0.0F, 0.0F, 0.0F, 0.0F, 0.0F, 0.1F, 9.0F}) w.number(v);
-  w.number(std::uint32_t{2}).number(1.0F).number(1.0F);
+  w.number(std::uint32_t{2}).number(1.0F).number(1.0F).number(std::uint32_t{0});
   EXPECT_THAT(refusal([&] { read_ros_laser_scan(w.str(), "m"); }), HasSubstr("angles of a scan"));
 }
 

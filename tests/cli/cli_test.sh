@@ -60,7 +60,14 @@ timed_out "a mission in real time" drive office --time-limit 1.5 --quiet --out l
 grep -q 'capture to command' out.txt || fail "a mission in real time: no latency in '$out'"
 [[ -s live/steps.csv && -s live/report.html && -s live/summary.json ]] ||
   fail "a mission in real time: its run folder is not whole"
-refused "a base that there is not" --base "expected one of: simulator" drive office --base rover \
+refused "a base that there is not" --base "expected one of: simulator, gazebo" drive office --base rover \
+  --out none
+# Nobody listens at port 1.
+refused "a Gazebo that is not there" 127.0.0.1:1 "expected" drive --base gazebo \
+  --set gazebo.port=1 --out none
+refused "a fault in Gazebo" --fault "expected it with --base simulator" drive --base gazebo \
+  --fault depth:off --out none
+refused "a measured simulator" --measure "expected it with --base gazebo" drive office --measure \
   --out none
 refused "a fault that nobody knows" --fault "'depth:broken'; expected a verb: off, stuck" drive office \
   --fault depth:broken --out none
@@ -274,6 +281,8 @@ grep -qF '| any | an emergency stop is asked for | stopping | emergency stop |' 
   fail "list drive-modes: no row of the emergency stop"
 succeeds "list drive-modes as JSON" list drive-modes --json
 grep -q '"cause": "source stale"' out.txt || fail "list drive-modes --json: no cause"
+succeeds "list adapters" list adapters
+named "list adapters" gazebo cameras meshes sqlite
 succeeds "list terms" list terms
 named "list terms" control_effort obstacles visible_features exploration_gain cost_to_go clearance
 # The terms listed are those that problems have: of a base with speed in its inputs, and in its state.
@@ -299,14 +308,14 @@ done
 
 # All of it at once: names in short, or one document.
 succeeds "list" list
-for text in solvers worlds terms sets modes drive-modes "  office office_bare corridor loop" nlopt:LD_SLSQP "look around"; do
+for text in solvers worlds terms sets modes drive-modes adapters "  office office_bare corridor loop" nlopt:LD_SLSQP "look around"; do
   grep -qE "^$text|  ?$text" out.txt || fail "list: no '$text' in '$out'"
 done
 (($(wc -l <out.txt) < 25)) || fail "list: $(wc -l <out.txt) lines are not short"
 {
   echo "{"
   separator=""
-  for what in solvers worlds terms sets modes drive-modes; do
+  for what in solvers worlds terms sets modes drive-modes adapters; do
     printf '%s  "%s": ' "$separator" "$what"
     "$prospect" list "$what" --json | sed '2,$s/^/  /' | head -c -1
     separator=$',\n'

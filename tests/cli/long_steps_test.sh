@@ -108,8 +108,10 @@ if command -v script >/dev/null; then
     "odometry stereo|12 of 12 frames  [0-9]* points" "map depth/posed|5 of 5 frames  ground found" \
     "explore hut.stl --time-limit 1 --out told|voxels of hut.stl: 0 of 4 triangles" \
     "explore office --time-limit 1 --out told|[0-9] features"; do
-    run explore hut.stl --time-limit 1 --quiet --out told
-    if ((code == 3)) && [[ $call == *hut.stl* ]]; then continue; fi  # meshes are not built in
+    if [[ $call == *hut.stl* ]]; then
+      run explore hut.stl --time-limit 1 --quiet --out told
+      if ((code == 3)); then continue; fi  # meshes are not built in
+    fi
     on_terminal "${call%%|*}"
     grep -q "^${call#*|}\|${call#*|}" shown.txt || fail "${call%%|*}: no progress like '${call#*|}' in '$(<shown.txt)'"
     rm -rf shown_set

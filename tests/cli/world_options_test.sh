@@ -45,7 +45,7 @@ box() {
 } >two_storeys.stl
 {
   echo solid hut
-  box -60 -60 -0.2 60 60 0
+  box -20 -20 -0.2 20 20 0
   box 0 0 0 4 0.2 2
   box 0 0 0 0.2 4 2
   echo endsolid hut
@@ -73,7 +73,7 @@ read_as "--resolution of a map" "resolution: 0.2" first/map.bt --resolution 0.2
 read_as "--unknown of a map" "unknown: free" first/map.bt --unknown free
 read_as "--resolution of a mesh" "resolution: 0.1" two_storeys.stl --resolution 0.1
 read_as "--floor of a mesh" 'floor: "3"' two_storeys.stl --floor 3
-read_as "--ground of a mesh" "ground: 6.5" hut.stl --ground 6.5
+read_as "--ground of a mesh" "ground: 1.5" hut.stl --ground 1.5
 printf 'world: {floor: 3}\n' >upstairs.yaml
 run explore two_storeys.stl --config upstairs.yaml --floor 0 --time-limit 1 --quiet --out told
 if ((code != 3)); then

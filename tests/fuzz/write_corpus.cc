@@ -138,7 +138,8 @@ std::string camera_info() {
   info.text("plumb_bob").number(std::uint32_t{5}).doubles({0.1, 0, 0, 0, 0});
   info.doubles({400, 0, 320, 0, 400, 240, 0, 0, 1}).doubles({1, 0, 0, 0, 1, 0, 0, 0, 1});
   info.doubles({400, 0, 320, 0, 0, 400, 240, 0, 0, 0, 1, 0});
-  return info.str();
+  for (int k = 0; k < 6; ++k) info.number(std::uint32_t{0});  // binning, region of interest
+  return info.number(std::uint8_t{0}).str();
 }
 
 std::string ros_image(std::int64_t time) {

@@ -29,7 +29,7 @@ Facts well() {
   f.clocks = {{"cameras", -1.7e9, 0}};
   f.streams = {{"cameras", 0.05, 0.3, 4.0}, {"depth", 0.1, 0.5, 4.0}};
   f.dead_man = 0.5;
-  f.longest_thread_limit = 0.3;
+  f.command_period = 0.05;
   f.speed = {0.8, 0.7};
   f.yaw_rate = {1.5, 1.2};
   f.deceleration = {0.6, 0.5};
@@ -122,7 +122,9 @@ TEST(Preflight, TableOfFaults) {
            {"never", [](Facts& f) { f.dead_man = INFINITY; }, "dead-man", kFailed},
            {"too late", [](Facts& f) { f.dead_man = 1.5; }, "dead-man", kFailed},
            {"at once", [](Facts& f) { f.dead_man = 0.0; }, "dead-man", kFailed},
-           {"trips first", [](Facts& f) { f.longest_thread_limit = 0.5; }, "dead-man", kWarned},
+           {"one late command", [](Facts& f) { f.command_period = 0.3; }, "dead-man", kWarned},
+           {"trips between two", [](Facts& f) { f.command_period = 0.5; }, "dead-man", kFailed},
+           {"no period", [](Facts& f) { f.command_period = kNan; }, "dead-man", kFailed},
            {"slower", [](Facts& f) { f.speed.base = 0.5; }, "largest speed", kFailed},
            {"as fast", [](Facts& f) { f.speed.base = 0.7; }, "largest speed", kPassed},
            {"turns slower", [](Facts& f) { f.yaw_rate.base = 1.0; }, "largest yaw rate", kFailed},

@@ -7,9 +7,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "models/robot_description.h"
+#include "models/unicycle.h"
 
 namespace prospect::range_stop_test {
 namespace {
@@ -254,6 +258,30 @@ TEST(RangeStop, RefusesOptionsThatDoNotFit) {
       EXPECT_THAT(error.what(), HasSubstr(c.message));
     }
   }
+}
+
+// What it knows of a robot that nobody has measured.
+TEST(RangeStopOptions, AreTheBodysOutline) {
+  RobotDescription robot;
+  robot.model = std::make_shared<const Unicycle>();
+  robot.shape = CylinderShape{};
+  const RangeStopOptions round = range_stop_options(robot);
+  const double radius = circumscribed_radius(robot.shape);
+  for (const double side :
+       {round.front, round.rear, round.left, round.right, round.corner_radius}) {
+    EXPECT_EQ(side, radius);
+  }
+  EXPECT_EQ(round.highest, robot.slice().z_max);
+  EXPECT_GE(round.lowest, 0.05);
+  EXPECT_EQ(round.deceleration, robot.model->max_deceleration());
+  robot.shape = BoxShape{{0.1, 0.0, 0.3}, {0.6, 0.4, 0.6}};
+  const RangeStopOptions box = range_stop_options(robot);
+  EXPECT_NEAR(box.front, 0.4, 1e-12);
+  EXPECT_NEAR(box.rear, 0.2, 1e-12);
+  EXPECT_NEAR(box.left, 0.2, 1e-12);
+  EXPECT_EQ(box.corner_radius, 0.0);
+  EXPECT_NO_THROW(RangeStop{round});
+  EXPECT_NO_THROW(RangeStop{box});
 }
 
 }  // namespace

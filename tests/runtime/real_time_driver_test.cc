@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <thread>
@@ -45,8 +46,10 @@ class TrueBeliefs final : public BeliefSource {
 /// Drives on straight ahead, from whatever velocity it is given; done after `steps` plans.
 class StraightOn final : public Replanner {
  public:
+  void prepare(const Belief&) override { ++prepared; }
   Plan plan(const Belief& belief) override {
     ++plans;
+    EXPECT_EQ(prepared, plans);
     if (on_plan) on_plan(plans);
     const Unicycle model;
     Plan plan;
@@ -71,7 +74,7 @@ class StraightOn final : public Replanner {
   }
   std::shared_ptr<const GlobalPlan> global_plan() const override { return nullptr; }
 
-  int plans = 0;
+  int plans = 0, prepared = 0;
   int steps = 1000;
   std::function<void(int)> on_plan;
   std::vector<double> starts;
@@ -132,7 +135,12 @@ class RealTimeDriverTest : public ::testing::Test {
 
 TEST_F(RealTimeDriverTest, DrivesUntilTheTaskIsOverAndStands) {
   planner_.steps = 8;
-  RealTimeDriver driver(parts(), options_);
+  RobotParts robot = parts();
+  robot.streams = {{"truth", 0.5, [](const Belief* newest) {
+                      return newest ? std::optional(newest->stamps.pose) : std::nullopt;
+                    }}};
+  robot.preflight = {{"floor", CheckVerdict::kPassed, "0.45 m"}};
+  RealTimeDriver driver(robot, options_);
   int observed = 0;
   const MissionResult result = driver.run({}, [&](const MissionStep& step) {
     EXPECT_EQ(step.index, observed++);
@@ -153,6 +161,15 @@ TEST_F(RealTimeDriverTest, DrivesUntilTheTaskIsOverAndStands) {
     EXPECT_LE(way, kSpeed * (planner_.starts[k] - planner_.starts[k - 1]) + 0.02);
     EXPECT_GE(way, -1e-9);
   }
+
+  const HealthReport health = driver.health();
+  EXPECT_EQ(health.threads.size(), 3u);
+  EXPECT_EQ(health.drive.mode, driver.status().mode.mode);
+  EXPECT_EQ(health.preflight.size(), 1u);
+  ASSERT_EQ(health.sources.size(), 1u);
+  EXPECT_EQ(health.sources[0].name, "truth");
+  EXPECT_LT(health.sources[0].age, 60.0);
+  EXPECT_GT(health.latencies.at(0).histogram.count(), 0u);
 }
 
 TEST_F(RealTimeDriverTest, APlannerThatHangsLeavesTheRobotOnTheStopOfItsPlan) {

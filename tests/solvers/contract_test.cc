@@ -134,6 +134,22 @@ TEST_P(EverySolver, FindsTheOptimaOfTheZoo) {
   }
 }
 
+TEST_P(EverySolver, ClaimsNoOptimumThatAStepDownTheCostRefutes) {
+  for (const Case& c : {zoo::pressure(), zoo::cargo()}) {
+    SCOPED_TRACE(c.name);
+    const Problem problem = c.problem();
+    const Result r = solver_->solve(problem, from(c.start), {{"max_evaluations", 2000}}, {});
+    expect_sound(r, problem);
+    EXPECT_LE(r.cost, c.f(c.start));
+    if (r.quality == Quality::kFeasibleOptimum) {
+      EXPECT_LE(r.cost, c.optimum + 1e-4 * std::max(1.0, std::abs(c.optimum))) << r.detail;
+    }
+    if (GetParam() == "nlopt") {
+      EXPECT_EQ(r.quality, Quality::kFeasibleOptimum) << r.detail;
+    }
+  }
+}
+
 TEST_P(EverySolver, FindsTheInputsBehindAPathPastADisc) {
   const PathProblem path = path_problem();
   const Result r = solver_->solve(path.problem, from(Vector::Zero(20)), {}, {});

@@ -6,7 +6,7 @@
 #include "engine/planner/planner.h"
 #include "models/unicycle.h"
 #include "pretended_lidar.h"
-#include "runtime/preflight.h"
+#include "runtime/preflight_run.h"
 #include "runtime/real_time_driver.h"
 #include "solvers/registry.h"
 
@@ -15,7 +15,9 @@ using namespace prospect;
 class MyRobot final : public Base, public BeliefSource {
  public:
   MyRobot(const Clock& clock, SensorInbox& inbox, const PerceptionOptions& options)
-      : clock_(clock), inbox_(inbox), perception_(options), moved_(clock.now()) {}
+      : clock_(clock), inbox_(inbox), perception_(options), moved_(clock.now()) {
+    perception_.map().clear_cylinder({0, 0, 0}, 0.4, 0.6);  // where it stands is free
+  }
 
   // Called by the command thread. A real driver talks to its motors; these do as they are told
   // until a command expires or their dead-man's time is over.
@@ -86,8 +88,7 @@ int main() {
   const SteadyClock clock;
   SensorInbox inbox(clock, {.scan_in_runtime_clock = true});
   PerceptionOptions perceives;
-  perceives.wheels = false;
-  perceives.mapping.map.max_range = description.depth.max_range;
+  perceives.wheels = false, perceives.mapping.map.max_range = kLidarRange;
   perceives.mapping.map.slice = height_slice(description);
   MyRobot robot(clock, inbox, perceives);
   std::jthread lidar([&](const std::stop_token& stop) {
@@ -95,17 +96,17 @@ int main() {
     while (clock.wait_until(clock.now() + 0.1, stop));
   });
 
-  PreflightFacts facts;
-  facts.body = description.slice(), facts.dead_man = robot.dead_man();
-  const std::vector<CheckResult> checks = checks_before_motion(facts);
   const RangeStop by_ranges;  // stops before what the map does not know
+  PreflightParts preflight{clock, robot, robot, guard, description.model, &inbox};
+  preflight.ranges = range_look(inbox, by_ranges, {});
+  preflight.streams = {watched(inbox, SensorStream::kScan, "lidar", 1.0)};
+  preflight.known.body = description.slice();
+  const PreflightResult checked = run_preflight(preflight, {}, {});  // and a small turn
   RobotParts parts{clock, robot, robot, planner, guard, description.model, &inbox};
-  parts.ranges = range_look(inbox, by_ranges, {});
-  parts.failed_preflight = first_failed(checks);
-  parts.yaw_checked = true;  // it turns as it is told to
+  parts.ranges = preflight.ranges;
+  parts.failed_preflight = first_failed(checked.checks), parts.yaw_checked = checked.yaw_checked;
   RealTimeDriver driver(parts, {});
-  MissionOptions mission;
-  mission.time_limit = 20.0;
+  MissionOptions mission{.time_limit = 20.0};
   mission.enough = [](const MissionStep& step) { return step.global_plan->explored_area > 33.0; };
   const MissionResult result = driver.run(mission, [](const MissionStep& step) {
     const Twist v = step.plan->command_at(step.plan->stamp);
@@ -113,6 +114,6 @@ int main() {
                 step.global_plan->explored_area, v.linear.x(), v.yaw_rate,
                 to_string(step.guard_reason).data(), step.plan->why.c_str());
   });
-  std::printf("%s%s\ncapture to command: %s\n", to_text(checks).c_str(), result.detail.c_str(),
-              driver.status().capture_to_command.to_text().c_str());
+  std::printf("%s%s\ncapture to command: %s\n", to_text(checked.checks).c_str(),
+              result.detail.c_str(), driver.status().capture_to_command.to_text().c_str());
 }

@@ -19,10 +19,10 @@ inline Eigen::Isometry3d in_space(const prospect::Pose& pose) {
          Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ());
 }
 
-// One turn, 0.3 m above the floor, in the frame of the body that is at `pose`.
+// One turn, 0.25 m above the floor, in the frame of the body that is at `pose`.
 inline prospect::DepthScan turn_of_lidar(const prospect::Pose& pose) {
   prospect::DepthScan scan;
-  scan.origin = {0.0, 0.0, 0.3};
+  scan.origin = {0.0, 0.0, 0.25};
   for (double angle = 0.0; angle < 2.0 * M_PI; angle += 0.01) {
     const Eigen::Vector3d ray(std::cos(angle), std::sin(angle), 0.0);
     const Eigen::Vector3d ray_W = in_space(pose).rotation() * ray;

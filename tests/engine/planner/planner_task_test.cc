@@ -67,6 +67,52 @@ class PlannerTask : public ::testing::Test {
   std::vector<double> speeds_;
 };
 
+TEST_F(PlannerTask, TakesTheFrontiersThatWerePrepared) {
+  belief_ = Room{.seen = 3.0, .landmarks_per_wall = 20}.belief();
+  make();
+  belief_.set_stamps(1.0);
+  planner_->prepare(belief_);
+  belief_.set_stamps(1.2);
+  Plan plan = step();
+  EXPECT_EQ(plan.stamp, 1.2);
+  EXPECT_TRUE(plan.certified) << plan.detail;
+  EXPECT_TRUE(plan.has_active_frontier) << plan.why;
+  EXPECT_EQ(planner_->global_plan()->stamp, 1.0);
+  const double next = belief_.stamp;
+  step();
+  EXPECT_EQ(planner_->global_plan()->stamp, next) << "each is taken once";
+}
+
+TEST_F(PlannerTask, FromTheSameBeliefAPreparedStepIsThatOfAnother) {
+  belief_ = Room{.seen = 3.0, .landmarks_per_wall = 20}.belief();
+  belief_.command = belief_.twist;
+  make();
+  const Plan expected = planner_->plan(belief_);
+  make();
+  planner_->prepare(belief_);
+  const Plan plan = planner_->plan(belief_);
+  ASSERT_EQ(plan.inputs.size(), expected.inputs.size());
+  for (std::size_t k = 0; k < plan.inputs.size(); ++k)
+    EXPECT_EQ(plan.inputs[k], expected.inputs[k]);
+  EXPECT_EQ(plan.why, expected.why);
+}
+
+TEST_F(PlannerTask, WhatWasPreparedForAnotherTaskIsDropped) {
+  belief_ = Room{.seen = 3.0, .landmarks_per_wall = 20}.belief();
+  make();
+  belief_.set_stamps(1.0);
+  planner_->prepare(belief_);
+  EXPECT_EQ(planner_->set_task(Task::go_to({2.0, 0.5}, 0.0)), "");
+  belief_.set_stamps(1.2);
+  planner_->prepare(belief_);
+  belief_.set_stamps(1.4);
+  EXPECT_TRUE(step().goal);
+  EXPECT_EQ(planner_->global_plan()->stamp, 1.4) << "the arrival is judged where the robot is";
+  planner_->prepare(Belief());
+  belief_.set_stamps(1.6);
+  EXPECT_TRUE(step().certified) << "a belief that lacks a map prepares nothing";
+}
+
 TEST_F(PlannerTask, GoesToAPoseAndReturns) {
   parameters_.task = Task::go_to({4.5, 0.8}, -1.2);
   make();

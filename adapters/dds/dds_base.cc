@@ -1,0 +1,185 @@
+#include "adapters/dds/dds_base.h"
+
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "adapters/files/input_error.h"
+#include "adapters/ros/geometry_msgs.h"
+#include "adapters/ros/nav_msgs.h"
+#include "runtime/clock_offset.h"
+
+namespace prospect {
+
+struct DdsBase::Impl {
+  Impl(const DdsOptions& given, DdsNode& its_node, const Clock& its_clock)
+      : options(given), node(its_node), clock(its_clock) {}
+
+  void add(const ros::Odometry& m) {
+    if (m.child_frame_id != options.frames.base) {
+      throw InputError(options.odometry + ": child_frame_id is '" + m.child_frame_id +
+                       "'; expected '" + options.frames.base + "' (frames.base)");
+    }
+    const ros::Twist& twist = m.twist.twist;
+    const ros::Point& p = m.pose.pose.position;
+    const ros::Quaternion& r = m.pose.pose.orientation;
+    const Eigen::Quaterniond q(r.w, r.x, r.y, r.z);
+    const WheelSample sample{
+        ros::seconds(m.header.stamp), {twist.linear.x, twist.linear.y}, twist.angular.z};
+    if (!sample.velocity.allFinite() || !std::isfinite(sample.yaw_rate) ||
+        !std::isfinite(p.x + p.y + p.z) || !(std::abs(q.norm() - 1.0) < 0.01)) {
+      throw InputError(options.odometry +
+                       ": not a motion; expected finite numbers and a unit quaternion");
+    }
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = q.normalized().toRotationMatrix();
+    T.translation() << p.x, p.y, p.z;
+    const std::lock_guard lock(mutex);
+    heard = clock.now();
+    offset.add(sample.stamp, *heard);
+    velocity = {{twist.linear.x, twist.linear.y, 0.0}, twist.angular.z};
+    if (wheels.size() == kMost) wheels.erase(wheels.begin());
+    wheels.push_back(sample);
+    poses.emplace_back(sample.stamp, T);
+    while (poses.size() > kMost || poses.back().first - poses.front().first > kKept) {
+      poses.pop_front();
+    }
+  }
+
+  void publish(const Twist& command) {
+    ros::TwistStamped message;
+    message.header = {stamp(clock.now()), options.frames.base};
+    message.twist.linear = {command.linear.x(), command.linear.y(), 0.0};
+    message.twist.angular.z = command.yaw_rate;
+    if (stamped >= 0) node.publish(stamped, message);
+    if (plain >= 0) node.publish(plain, message.twist);
+  }
+
+  ros::Time stamp(double time) const {
+    const std::lock_guard lock(mutex);
+    if (const std::optional<double> known = offset.offset()) return ros::time_of(time - *known);
+    const double day =
+        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    return ros::time_of(day + (time - clock.now()));
+  }
+
+  static constexpr double kSilence = 0.5;  // [s] of odometry that is a fault
+  static constexpr double kKept = 2.0;     // [s] of poses
+  static constexpr std::size_t kMost = 2000;
+  const DdsOptions options;
+  DdsNode& node;
+  const Clock& clock;
+  int stamped = -1, plain = -1;
+  std::vector<std::string> command_topics;
+  mutable std::mutex mutex;
+  ClockOffset offset;
+  std::optional<double> heard;
+  Twist velocity;
+  std::vector<WheelSample> wheels;
+  std::deque<std::pair<double, Eigen::Isometry3d>> poses;  // by the robot's stamps
+  bool emergency = false;
+};
+
+DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const Clock& clock)
+    : impl_(std::make_shared<Impl>(options, node, clock)) {
+  const auto impl = impl_;
+  node.subscribe<ros::Odometry>(options.odometry, DdsQos{false, false, 50},
+                                [impl](const ros::Odometry& m) { impl->add(m); });
+  if (!options.emergency_stop.empty()) {
+    node.subscribe<ros::Bool>(options.emergency_stop, kReliableQos, [impl](const ros::Bool& m) {
+      const std::lock_guard lock(impl->mutex);
+      impl->emergency = m.data;
+    });
+  }
+  const DdsOptions::Command& command = options.command;
+  if (!command.relay.empty()) {
+    impl_->stamped = node.advertise<ros::TwistStamped>(command.relay, kCommandQos);
+    impl_->command_topics = {command.relay};
+    return;
+  }
+  if (!command.stamped.empty()) {
+    impl_->stamped = node.advertise<ros::TwistStamped>(command.stamped, kCommandQos);
+    impl_->command_topics.push_back(command.stamped);
+  }
+  if (!command.plain.empty()) {
+    impl_->plain = node.advertise<ros::Twist>(command.plain, kCommandQos);
+    impl_->command_topics.push_back(command.plain);
+  }
+}
+DdsBase::~DdsBase() = default;
+
+std::string DdsBase::name() const noexcept { return "dds"; }
+std::optional<double> DdsBase::dead_man() const noexcept {
+  const DdsOptions::Command& command = impl_->options.command;
+  // A relay sees it at the end of a period at the latest.
+  return command.dead_man + (command.relay.empty() ? 0.0 : command.relay_period);
+}
+BaseLimits DdsBase::limits() const noexcept { return impl_->options.command.limits; }
+
+void DdsBase::send(const Twist& command, double expires) noexcept {
+  if (!(impl_->clock.now() < expires)) return;
+  if (!command.linear.allFinite() || !std::isfinite(command.yaw_rate)) return stop();
+  try {
+    impl_->publish(command);
+  } catch (...) {
+    // Memory is used up: silence, which the dead-man ends.
+  }
+}
+
+void DdsBase::stop() noexcept {
+  try {
+    impl_->publish({});
+  } catch (...) {
+    // As in send().
+  }
+}
+
+BaseReport DdsBase::report() noexcept {
+  BaseReport report;
+  try {
+    const DdsOptions& o = impl_->options;
+    const DdsNode& node = impl_->node;
+    bool listens = false;
+    std::vector<std::string> topics = {o.odometry};
+    if (!o.emergency_stop.empty()) topics.push_back(o.emergency_stop);
+    for (const std::string& topic : impl_->command_topics) {
+      listens = listens || node.subscribers(topic) > 0;
+      topics.push_back(topic);
+    }
+    for (const std::string& topic : topics) {
+      const std::string fault = node.fault(topic);
+      if (!fault.empty()) report.faults.push_back(fault);
+    }
+    const std::lock_guard lock(impl_->mutex);
+    report.connected = listens && impl_->heard.has_value();
+    report.stamp = impl_->heard.value_or(0.0);
+    report.velocity = impl_->velocity;
+    report.wheels = std::exchange(impl_->wheels, {});
+    if (impl_->emergency) report.faults.push_back(o.emergency_stop + ": emergency stop");
+    if (impl_->heard && impl_->clock.now() - *impl_->heard > Impl::kSilence) {
+      report.faults.push_back(o.odometry + ": odometry is silent");
+    }
+  } catch (...) {
+    // Memory is used up: no word is a link that is down.
+    report.connected = false;
+  }
+  return report;
+}
+
+ros::Time DdsBase::ros_time(double time) const { return impl_->stamp(time); }
+
+std::optional<Eigen::Isometry3d> DdsBase::odometry(double time) const {
+  const std::lock_guard lock(impl_->mutex);
+  if (impl_->poses.empty()) return std::nullopt;
+  const double at = time - impl_->offset.offset().value_or(0.0);
+  const auto* nearest = &impl_->poses.back();
+  for (const auto& pose : impl_->poses) {
+    if (std::abs(pose.first - at) < std::abs(nearest->first - at)) nearest = &pose;
+  }
+  return nearest->second;
+}
+
+}  // namespace prospect

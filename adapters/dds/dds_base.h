@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "adapters/dds/dds_node.h"
+#include "adapters/dds/dds_options.h"
+#include "adapters/ros/std_msgs.h"
+#include "runtime/base.h"
+#include "runtime/clock.h"
+
+namespace prospect {
+
+/// A base behind topics of ROS 2: velocity commands go out, odometry comes in. Its dead-man is the
+/// one that its driver is set up with (DdsOptions::Command::dead_man): it is declared, and nothing
+/// here can see whether it is so. Where the driver has none, commands go to a relay beside it
+/// (dds_relay.h), which is seen: without it the link does not stand.
+///
+/// Commands: TwistStamped, stamped with the robot's clock, and Twist; to a relay TwistStamped
+/// alone. One that has expired is not sent. Nothing is sent before the first send() or stop().
+///
+/// Report: velocity and wheel motion of the odometry's twist, which is the body's. The link stands
+/// while odometry has come and somebody subscribes to commands. Faults: an emergency stop that is
+/// pressed, odometry that is silent for half a second, and what is wrong with those topics
+/// (DdsNode::fault()).
+///
+/// Clocks: the offset between the robot's clock and the runtime's is estimated from the odometry's
+/// stamps (ClockOffset).
+///
+/// Declares its topics on the node: make it before DdsNode::start(). The clock must outlive the
+/// node. Thread-safety: as Base; ros_time() and odometry() any thread.
+class DdsBase final : public Base {
+ public:
+  DdsBase(const DdsOptions& options, DdsNode& node, const Clock& clock);
+  ~DdsBase() override;
+
+  std::string name() const noexcept override;
+  std::optional<double> dead_man() const noexcept override;
+  BaseLimits limits() const noexcept override;
+  void send(const Twist& command, double expires) noexcept override;
+  void stop() noexcept override;
+  BaseReport report() noexcept override;
+
+  /// `time` [s] of the runtime's clock as a stamp of the robot's. Before the offset has settled,
+  /// of this machine's time of day.
+  ros::Time ros_time(double time) const;
+  /// Pose of the base in the frame odom by its odometry at `time` [s] of the runtime's clock: the
+  /// one whose stamp is nearest, of the newest 2 s. None: none has come.
+  std::optional<Eigen::Isometry3d> odometry(double time) const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;  // shared with the handlers
+};
+
+}  // namespace prospect

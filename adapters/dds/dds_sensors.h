@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/dds/dds_node.h"
+#include "adapters/dds/dds_options.h"
+#include "models/camera.h"
+#include "runtime/sensor_inbox.h"
+
+namespace prospect {
+
+/// What the robot's topics say of its cameras.
+struct DdsCameras {
+  StereoCamera stereo;                 ///< as the inbox gets the images: rectified
+  std::optional<PinholeCamera> depth;  ///< none: no depth images
+  /// In frames.base by tf_static; none: the robot's description says where they are.
+  std::optional<CameraMount> stereo_mount, depth_mount;
+};
+
+/// The sensors of a robot behind topics of ROS 2: images become grey and rectified, depths metres,
+/// scans and clouds rays in B, and all goes into a SensorInbox with the stamps of its headers.
+///
+/// A message that does not fit (encoding, size other than its camera_info's, bytes that end early,
+/// a lidar whose frame tf_static does not know) is left out, and is a fault of its topic
+/// (DdsNode::fault()) until a good one comes.
+///
+/// Declares its topics on the node: make it before DdsNode::start(). Inbox and node must outlive
+/// it, and the inbox the node's thread. Thread-safety: any thread.
+class DdsSensors {
+ public:
+  DdsSensors(const DdsOptions& options, DdsNode& node, SensorInbox& inbox);
+  ~DdsSensors();
+
+  /// Waits until calibrations, and the transforms that are asked for, have come; images count from
+  /// then on. Throws InputError, a line for each that did not come within options.timeout, or that
+  /// cannot be.
+  DdsCameras wait() const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;  // shared with the handlers
+};
+
+}  // namespace prospect

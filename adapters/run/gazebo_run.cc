@@ -1,0 +1,189 @@
+#include "adapters/run/gazebo_run.h"
+
+#include <octomap/OcTree.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "adapters/files/input_error.h"
+#include "adapters/gazebo/gazebo_base.h"
+#include "adapters/gazebo/gazebo_sensors.h"
+#include "adapters/gazebo/gazebo_truth.h"
+#include "adapters/gazebo/gazebo_world_file.h"
+#include "adapters/run/live_mission.h"
+#include "adapters/run/run_recorder.h"
+#include "adapters/run/true_run.h"
+#include "adapters/simulator/camera_rig.h"
+#include "engine/planner/planner.h"
+#include "engine/planner/planner_guard.h"
+#include "models/robot_shape.h"
+#include "perception/pipeline/perception_pipeline.h"
+#include "runtime/range_look.h"
+#include "runtime/range_stop.h"
+#include "runtime/seen_floor.h"
+#include "runtime/simulation_clock.h"
+
+namespace prospect {
+namespace {
+
+/// The first pose that Gazebo tells. Throws InputError if none comes.
+Pose first_pose(GazeboTruth& truth, const GazeboOptions& options) {
+  const SteadyClock clock;
+  const double end = clock.now() + options.address.timeout;
+  while (clock.now() < end) {
+    const auto poses = truth.take();
+    if (!poses.empty()) return poses.front().pose;
+    clock.wait_until(clock.now() + 0.01, {});
+  }
+  throw InputError("gazebo.model: no pose of '" + options.model + "' within " +
+                   std::to_string(static_cast<int>(std::lround(options.address.timeout))) +
+                   " s; expected a model of that name in a world that runs");
+}
+
+/// As Gazebo renders it: square pixels, the principal point in the middle.
+PinholeCamera depth_camera_of(const RobotDescription& robot, const GazeboOptions& options) {
+  const int width = options.depth_width;
+  const int height = static_cast<int>(std::lround(width * std::tan(0.5 * robot.depth.vertical_fov) /
+                                                  std::tan(0.5 * robot.depth.horizontal_fov)));
+  PinholeCamera camera = depth_camera(robot.depth, width, std::max(1, height));
+  camera.fy = camera.fx;
+  return camera;
+}
+
+PerceptionOptions perception_of(const Configuration& c, const RangeCamera& depth,
+                                const Pose& start) {
+  PerceptionOptions perception = c.drive.perception;
+  perception.stereo_mount = c.robot.stereo_mount;
+  perception.depth_camera = {depth.camera, depth.mount};
+  perception.mapping.map = c.simulator.mapping;
+  const VerticalExtent slice = c.robot.slice();
+  perception.mapping.map.slice.z_min = slice.z_min;
+  perception.mapping.map.slice.z_max = slice.z_max;
+  perception.mapping.map.slice.sight = c.robot.base_height() + depth.mount.T_BC.translation().z();
+  perception.mapping.map.max_range = depth.range.max;
+  perception.mapping.range = depth.range;
+  perception.start = start;
+  return perception;
+}
+
+/// Of a world that nobody measures: the way by the estimate, all else unknown.
+class Unmeasured {
+ public:
+  SimulatedTruth at(const MissionStep& step) {
+    const Belief& belief = *step.belief;
+    if (before_) way_ += (belief.pose.position - *before_).head<2>().norm();
+    before_ = belief.pose.position;
+    return truth();
+  }
+  SimulatedTruth truth() const {
+    constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+    SimulatedTruth truth;
+    truth.pose = {Eigen::Vector3d::Constant(kUnknown), kUnknown};
+    truth.coverage = truth.seen_area = truth.localization_error = kUnknown;
+    truth.path_length = way_;
+    return truth;
+  }
+
+ private:
+  std::optional<Eigen::Vector3d> before_;
+  double way_ = 0.0;
+};
+
+}  // namespace
+
+ExplorationRunResult explore_gazebo(const Configuration& given,
+                                    const std::shared_ptr<const World>& measured,
+                                    const ExplorationRunOptions& options) {
+  Configuration c = given;
+  c.robot.stereo = gazebo_stereo(c.robot.stereo);
+  check_drives(c);
+  const SteadyClock machine;
+  SimulationClock clock(machine);
+  GazeboBase base(c.gazebo, clock);  // before threads, as it forks
+  const std::unique_ptr<Replanner> planner = planner_for(c, options);
+
+  SensorInboxOptions inbox_options = c.drive.inbox;
+  inbox_options.cameras_in_runtime_clock = inbox_options.wheels_in_runtime_clock =
+      inbox_options.depth_in_runtime_clock = true;
+  SensorInbox inbox(clock, inbox_options);
+  const GazeboSensors sensors(c.gazebo, clock, inbox);
+  std::optional<GazeboTruth> truth(std::in_place, c.gazebo);
+  Pose start = first_pose(*truth, c.gazebo);
+  start.position.z() = c.robot.base_height();
+  if (!measured) truth.reset();
+  // What can be reached is reached from there.
+  std::optional<World> world;
+  if (measured) {
+    world.emplace(*measured).start = start;
+    world->start.position.z() = measured->start.position.z();
+  }
+
+  const RangeCamera depth{depth_camera_of(c.robot, c.gazebo),
+                          c.robot.depth_mount,
+                          {c.robot.depth.min_range, c.robot.depth.max_range}};
+  const PerceptionOptions perceiving = perception_of(c, depth, start);
+  PerceptionPipeline perception(c.robot.stereo, perceiving, c.drive.odometry);
+  const OccupancyMapperOptions& mapping = perceiving.mapping.map;
+  perception.map().clear_cylinder(start.position,
+                                  circumscribed_radius(c.robot.shape) + 0.75 * mapping.resolution,
+                                  mapping.slice.z_max - start.position.z());
+  PipelineBeliefs beliefs(inbox, perception);
+  const Guard guard = guard_for(c.robot, c.planner, c.guard);
+  const RangeStop stop(c.drive.ranges);
+
+  std::optional<TrueRun> true_run;
+  if (world) true_run.emplace(*world, c, std::move(*truth));
+  Unmeasured unmeasured;
+  const auto known = [&] { return true_run ? true_run->truth() : unmeasured.truth(); };
+
+  LiveRobot robot{
+      .clock = clock,
+      .base = base,
+      .beliefs = beliefs,
+      .planner = *planner,
+      .guard = guard,
+      .inbox = &inbox,
+      .streams = {watched(inbox, SensorStream::kPair, "cameras", c.guard.max_pose_age),
+                  watched(inbox, SensorStream::kDepth, "depth", c.guard.max_ranges_age),
+                  watched(inbox, SensorStream::kWheels, "wheels", c.guard.max_pose_age)},
+      .ranges = range_look(inbox, stop, depth),
+      .floor = [&]() -> std::optional<PreflightFacts::Floor> {
+        const DepthFrame newest = inbox.ranges().depth;
+        if (!newest.image) return std::nullopt;
+        return seen_floor(*newest.image, depth.camera, depth.mount, c.robot.base_height(),
+                          depth.range);
+      }};
+  if (options.on_start) options.on_start();
+  ExplorationRunResult result;
+  RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));
+  int losses = 0;
+  bool lost = false;
+  const auto observe = [&](const MissionStep& step) {
+    const bool lost_now = step.belief->localization == Localization::kLost;
+    losses += lost_now && !lost;
+    lost = lost_now;
+    recorder.add(step, true_run ? true_run->at(*step.belief) : unmeasured.at(step));
+  };
+  const double begun = clock.now(), begun_by_machine = machine.now();
+  const MissionResult mission =
+      live_mission(robot, c, mission_options_for(c, known), observe, options, result);
+  result.real_time_factor = (clock.now() - begun) / (machine.now() - begun_by_machine);
+  SimulatedTruth at_end = known();
+  at_end.losses = losses;
+  result.record = recorder.finish(mission, measured ? measured->name : base.world(), at_end,
+                                  true_run ? &true_run->reachable() : nullptr);
+  result.record.summary.measured = measured != nullptr;
+  result.map = perception.belief()->octree;
+  result.complaint = perception.complaint();
+  for (const std::string& fault : sensors.faults()) {
+    result.complaint += (result.complaint.empty() ? "" : "; ") + fault;
+  }
+  return result;
+}
+
+}  // namespace prospect

@@ -1,0 +1,95 @@
+#include "adapters/run/live_mission.h"
+
+#include <stdexcept>
+#include <string>
+
+#include "engine/planner/planner.h"
+#include "runtime/preflight_run.h"
+#include "runtime/real_time_driver.h"
+#include "solvers/registry.h"
+
+namespace prospect {
+
+MissionResult live_mission(const LiveRobot& robot, const Configuration& c,
+                           const MissionOptions& mission,
+                           const std::function<void(const MissionStep&)>& observe,
+                           const ExplorationRunOptions& options, ExplorationRunResult& result) {
+  PreflightFacts known;
+  known.body = c.robot.slice();
+  known.resolution = c.simulator.mapping.resolution;
+  const PreflightParts checked{.clock = robot.clock,
+                               .base = robot.base,
+                               .beliefs = robot.beliefs,
+                               .guard = robot.guard,
+                               .model = c.robot.model,
+                               .inbox = robot.inbox,
+                               .ranges = robot.ranges,
+                               .streams = robot.streams,
+                               .known = known,
+                               .floor = robot.floor};
+  const PreflightResult preflight =
+      run_preflight(checked, c.drive.preflight, c.drive.driver.command, options.cancelled);
+  result.preflight = preflight.checks;
+  const std::string failed = first_failed(preflight.checks);
+  RealTimeDriver driver({.clock = robot.clock,
+                         .base = robot.base,
+                         .beliefs = robot.beliefs,
+                         .planner = robot.planner,
+                         .guard = robot.guard,
+                         .model = c.robot.model,
+                         .inbox = robot.inbox,
+                         .ranges = robot.ranges,
+                         .failed_preflight = failed,
+                         .yaw_checked = preflight.yaw_checked,
+                         .streams = robot.streams,
+                         .preflight = preflight.checks},
+                        c.drive.driver);
+  MissionResult end;
+  if (failed.empty()) {
+    end = driver.run(mission, observe, options.cancelled);
+  } else {
+    end.end =
+        options.cancelled && options.cancelled() ? MissionEnd::kCancelled : MissionEnd::kNotFit;
+    for (const CheckResult& check : preflight.checks) {
+      if (check.check == failed)
+        end.detail = "before the first motion: " + failed + ": " + check.why;
+    }
+  }
+  result.driver = driver.status();
+  result.health = driver.health();
+  result.events = driver.events().since(0).events;
+  return end;
+}
+
+MissionOptions mission_options_for(const Configuration& c,
+                                   const std::function<SimulatedTruth()>& truth) {
+  MissionOptions options = c.mission;
+  const double coverage = c.until_coverage, area = c.until_area;
+  if (coverage > 0.0 || area > 0.0) {
+    options.enough = [truth, coverage, area](const MissionStep&) {
+      const SimulatedTruth now = truth();
+      return (coverage > 0.0 && now.coverage >= coverage) || (area > 0.0 && now.seen_area >= area);
+    };
+  }
+  return options;
+}
+
+std::unique_ptr<Replanner> planner_for(const Configuration& configuration,
+                                       const ExplorationRunOptions& options) {
+  if (options.make_planner) return options.make_planner(configuration);
+  const SolverRegistry builtin;
+  const SolverRegistry& solvers = options.solvers ? *options.solvers : builtin;
+  return std::make_unique<Planner>(configuration.robot, configuration.planner,
+                                   solvers.make(configuration.solver));
+}
+
+void check_drives(const Configuration& configuration) {
+  if (configuration.robot.model && configuration.robot.model->pose_layout().pz >= 0) {
+    throw std::invalid_argument("robot.model is '" +
+                                std::string(configuration.robot.model->name()) +
+                                "', which flies; expected a model that drives, as frontiers and "
+                                "the simulator are planar");
+  }
+}
+
+}  // namespace prospect

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "adapters/config/configuration.h"
+#include "adapters/run/exploration_run.h"
+#include "adapters/simulator/simulated_base.h"
+#include "engine/planner/replanner.h"
+#include "engine/safety/guard.h"
+#include "perception/mapping/depth_image.h"
+#include "runtime/base.h"
+#include "runtime/belief_source.h"
+#include "runtime/clock.h"
+#include "runtime/mission.h"
+#include "runtime/preflight.h"
+#include "runtime/range_look.h"
+#include "runtime/sensor_inbox.h"
+#include "runtime/watched_stream.h"
+
+namespace prospect {
+
+/// A robot that is driven in real time, whatever its base; all of it outlives the mission.
+struct LiveRobot {
+  const Clock& clock;
+  Base& base;
+  BeliefSource& beliefs;
+  Replanner& planner;
+  const Guard& guard;
+  SensorInbox* inbox = nullptr;        ///< gets the wheel motion that the base reports
+  std::vector<WatchedStream> streams;  ///< without which it does not drive
+  std::function<RangeLook(const Twist&, double)> ranges{};
+  std::function<std::optional<PreflightFacts::Floor>()> floor{};  ///< as seen at the start
+};
+
+/// Pre-flight (run_preflight()), then a mission by a RealTimeDriver, with the options of
+/// configuration.drive. Fills in what `result` holds of a run in real time. A robot that fails a
+/// check does not move: the mission ends as MissionEnd::kNotFit, and says which check.
+/// observe and options.cancelled: as RealTimeDriver::run(). Throws what that and the constructors
+/// throw.
+MissionResult live_mission(const LiveRobot& robot, const Configuration& configuration,
+                           const MissionOptions& mission,
+                           const std::function<void(const MissionStep&)>& observe,
+                           const ExplorationRunOptions& options, ExplorationRunResult& result);
+
+/// Those of the configuration, with what is enough by what is true.
+MissionOptions mission_options_for(const Configuration& configuration,
+                                   const std::function<SimulatedTruth()>& truth);
+
+/// The planner that the options make, or ours with the configured solver. Throws
+/// std::invalid_argument for an unknown solver.
+std::unique_ptr<Replanner> planner_for(const Configuration& configuration,
+                                       const ExplorationRunOptions& options);
+
+/// Throws std::invalid_argument unless the model drives on the ground.
+void check_drives(const Configuration& configuration);
+
+}  // namespace prospect

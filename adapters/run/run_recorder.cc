@@ -1,0 +1,342 @@
+#include "adapters/run/run_recorder.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "adapters/run/summary.h"
+#include "engine/planner/planner.h"
+#include "models/robot_shape.h"
+
+namespace prospect {
+namespace {
+
+/// Cells whose state differs from what was last recorded.
+class MapChanges {
+ public:
+  std::vector<std::pair<Cell, CellState>> since_last(const GroundMap& ground) {
+    std::vector<std::pair<Cell, CellState>> changes;
+    const GridFrame& frame = ground.frame();
+    if (!(frame == shown_.frame)) {
+      Grid<CellState> wider(frame, CellState::kUnknown);
+      for (int i = 0; i < shown_.frame.size(); ++i) {
+        const Cell c = shown_.frame.at(i);
+        if (frame.contains(c)) wider[c] = shown_[c];
+      }
+      shown_ = std::move(wider);
+    }
+    for (int ty = 0; ty < ground.tiles_y(); ++ty) {
+      for (int tx = 0; tx < ground.tiles_x(); ++tx) {
+        if (ground.tile_revision(tx, ty) <= revision_) continue;
+        const GridFrame tile = ground.tile_frame(tx, ty);
+        for (int i = 0; i < tile.size(); ++i) {
+          const Cell c = tile.at(i);
+          const CellState state = ground.state(c);
+          if (shown_[c] == state) continue;
+          shown_[c] = state;
+          changes.emplace_back(c, state);
+        }
+      }
+    }
+    revision_ = ground.revision();
+    return changes;
+  }
+
+ private:
+  Grid<CellState> shown_{GridFrame{0.1, 0, 0, 0, 0}, CellState::kUnknown};
+  std::uint64_t revision_ = 0;
+};
+
+/// Pictures of a run whose length is not known before: at most kMost, at steps that are multiples
+/// of a power of two.
+class SparsePictures {
+ public:
+  void add(int step, const CameraPicture& shown) {
+    if (shown.image.pixels.empty() || step % every_ != 0) return;
+    if (pictures_.size() == kMost) {
+      every_ *= 2;
+      std::erase_if(pictures_, [&](const LandmarkPicture& p) { return p.frame % every_ != 0; });
+      if (step % every_ != 0) return;
+    }
+    pictures_.push_back(landmark_picture(step, shown.image, shown.sightings, kWidth));
+  }
+  std::vector<LandmarkPicture> take() { return std::move(pictures_); }
+
+ private:
+  static constexpr std::size_t kMost = 300;
+  static constexpr int kWidth = 360;  // [px]
+  int every_ = 1;
+  std::vector<LandmarkPicture> pictures_;
+};
+
+/// At most kMost pictures of the cost-to-go, evenly spread, of a run whose length is not known
+/// before: at steps that are multiples of a power of two.
+class SparseCostsToGo {
+ public:
+  void add(std::vector<StepRecord>& steps, StepRecord& now, const CostToGo& cost_to_go) {
+    if (now.step % every_ != 0) return;
+    if (count_ == kMost) {
+      every_ *= 2;
+      for (StepRecord& step : steps) {
+        if (step.cost_to_go && step.step % every_ != 0) {
+          step.cost_to_go.reset();
+          --count_;
+        }
+      }
+      if (now.step % every_ != 0) return;
+    }
+    ++count_;
+    now.cost_to_go = picture(cost_to_go);
+  }
+
+ private:
+  static constexpr int kMost = 150;
+  static constexpr int kCoarser = 2;
+
+  /// Every other cell; those that were not reached say nothing.
+  static CostToGoPicture picture(const CostToGo& cost_to_go) {
+    const GridFrame& fine = cost_to_go.frame();
+    CostToGoPicture coarse;
+    coarse.frame = frame_of_blocks(fine, kCoarser);
+    for (int k = 0; k < coarse.frame.size(); ++k) {
+      const Eigen::Vector2d center = coarse.frame.center(coarse.frame.at(k));
+      const Cell c = fine.cell(center.x(), center.y());
+      coarse.seconds.push_back(cost_to_go.reached(c) ? static_cast<float>(cost_to_go.cells()[c])
+                                                     : std::numeric_limits<float>::quiet_NaN());
+    }
+    return coarse;
+  }
+
+  int every_ = 1;
+  int count_ = 0;
+};
+
+/// Plans in full (horizon, candidates, landmarks) of at most kMost steps, evenly spread, so that a
+/// mission of hours needs no more memory for them than one of minutes: as SparseCostsToGo.
+class SparsePlans {
+ public:
+  void add(std::vector<StepRecord>& steps, StepRecord& now) {
+    if (now.step % every_ == 0 && count_ == kMost) {
+      every_ *= 2;
+      for (StepRecord& step : steps) {
+        if (step.step % every_ == 0 || step.step % (every_ / 2) != 0) continue;
+        forget(step);
+        --count_;
+      }
+    }
+    if (now.step % every_ != 0) return forget(now);
+    ++count_;
+  }
+
+ private:
+  static constexpr int kMost = 4000;
+
+  static void forget(StepRecord& step) {
+    step.horizon = {};
+    step.candidates = {};
+    step.landmarks = {};
+  }
+
+  int every_ = 1;
+  int count_ = 0;
+};
+
+std::vector<CandidateRecord> candidate_records(const Plan& plan, const Problem* problem,
+                                               const MotionModel& model) {
+  std::vector<CandidateRecord> records;
+  for (const PlanCandidate& c : plan.candidates) {
+    CandidateRecord record{c.name, c.polished, c.verdict, {}, {}};
+    record.explanation.cost = c.cost;
+    record.explanation.violation = c.violation;
+    if (problem != nullptr) {
+      record.explanation = c.verdict == "executed" ? plan.explanation : problem->explain(c.z);
+      const TrajectoryBatch t = problem->rollout(c.z);
+      const int nx = t.horizon.nx();
+      for (int k = 0; k <= t.horizon.N; ++k) {
+        const Pose pose =
+            model.pose(Eigen::Map<const Eigen::VectorXd>(t.states.data() + k * nx, nx));
+        record.path.push_back(pose.position.head<2>().cast<float>());
+      }
+    }
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+}  // namespace
+
+struct RunRecorder::Impl {
+  Impl(const Configuration& c, const ExplorationRunOptions& o, const Planner* p)
+      : configuration(c), options(o), planner(p) {}
+
+  const Configuration& configuration;
+  const ExplorationRunOptions& options;
+  const Planner* planner;
+  const std::chrono::steady_clock::time_point begun = std::chrono::steady_clock::now();
+  MapChanges map_changes;
+  SparsePictures pictures;
+  SparseCostsToGo costs_to_go;
+  SparsePlans plans;
+  std::vector<StepRecord> steps;
+
+  void add(const MissionStep& step, const SimulatedTruth& truth);
+  RunRecord finish(const MissionResult& mission, const std::string& world,
+                   const SimulatedTruth& truth, const ReachableArea* reachable);
+};
+
+void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth) {
+  const Plan& plan = *step.plan;
+  const Belief& belief = *step.belief;
+  StepRecord r;
+  r.step = step.index;
+  r.time = step.time;
+  r.true_pose = truth.pose;
+  r.estimated_pose = belief.pose;
+  if (!plan.commands.empty()) r.command = plan.commands.front();
+  r.plan_kind = to_string(plan.kind);
+  r.task = to_string(plan.task);
+  if (plan.goal) {
+    r.goal = plan.goal->position;
+    r.goal_yaw = plan.goal->yaw;
+  }
+  r.mode = to_string(plan.mode.kind);
+  r.cause = to_string(plan.mode.cause);
+  // The first mode holds from the start, whatever a running clock says then.
+  r.mode_since = std::max(0.0, step.time - (belief.stamp - plan.mode.since));
+  r.caution = to_string(plan.caution);
+  r.why = plan.why;
+  r.seeds_scored = plan.seeds_scored;
+  r.features_weight = plan.features_weight;
+  r.seed = plan.seed;
+  r.explanation = plan.explanation;
+  const auto committed = static_cast<std::size_t>(std::max(0, plan.committed));
+  if (committed < plan.visible.size()) r.predicted_features = plan.visible[committed];
+  r.tracked_features = belief.tracked_features;
+  r.localization = to_string(belief.localization);
+  r.coverage = truth.coverage;
+  r.area = truth.seen_area;
+  r.localization_error = truth.localization_error;
+  r.path_length = truth.path_length;
+  r.collisions = truth.collisions;
+  for (const TermValue& term : plan.explanation.terms) {
+    if (term.name == "clearance") r.clearance = term.raw + configuration.planner.d_safe;
+  }
+  r.cost_evaluations = plan.counters.cost_evaluations;
+  r.gradient_evaluations = plan.counters.gradient_evaluations;
+  r.stop_reason = to_string(plan.stop);
+  r.quality = to_string(plan.quality);
+  r.certified = plan.certified;
+  r.certificate = plan.certified ? plan.certificate : plan.detail;
+  r.guard_stops = step.guard_stops;
+  if (step.guard_stops > 0) r.guard_reason = to_string(step.guard_reason);
+  r.wall = {plan.times.total, plan.times.frontier_planner, plan.times.clearance, plan.times.views,
+            plan.times.seeds, plan.times.polish,           plan.times.certify};
+  if (step.global_plan) {
+    for (const Frontier& f : step.global_plan->frontiers) {
+      if (!f.active) continue;
+      ++r.active_frontiers;
+      for (const Cell& cell : f.cells) {
+        r.frontier_cells.push_back(belief.ground->frame().center(cell).cast<float>());
+      }
+    }
+  }
+  for (const Eigen::VectorXd& x : plan.states) {
+    r.horizon.push_back(configuration.robot.model->pose(x));
+  }
+  if (step.global_plan) {
+    const GlobalPlan& global_plan = *step.global_plan;
+    r.target_change = to_string(global_plan.facts.changed);
+    if (global_plan.target) {
+      r.target = TargetRecord{global_plan.target->viewpoint, global_plan.target->looks_at,
+                              global_plan.facts.target_length, global_plan.facts.target_area,
+                              global_plan.facts.way_left};
+    }
+    if (options.keep_steps) costs_to_go.add(steps, r, *global_plan.cost_to_go);
+  }
+  r.candidates =
+      candidate_records(plan, planner && options.keep_steps ? planner->problem().get() : nullptr,
+                        *configuration.robot.model);
+  if (planner) {
+    const std::vector<Landmark>& landmarks = planner->landmarks();
+    const Eigen::VectorXd& visibility = planner->landmark_visibility();
+    for (std::size_t i = 0; i < landmarks.size(); ++i) {
+      r.landmarks.push_back({static_cast<float>(landmarks[i].position.x()),
+                             static_cast<float>(landmarks[i].position.y()),
+                             static_cast<float>(visibility[static_cast<Eigen::Index>(i)])});
+    }
+  }
+  r.map_changes = map_changes.since_last(*belief.ground);
+  if (options.keep_steps) pictures.add(r.step, truth.picture);
+  if (options.on_step) options.on_step(r);
+  if (options.on_plan && planner) options.on_plan(r, *planner);
+  if (!options.keep_steps) {
+    r.horizon.clear();
+    r.frontier_cells.clear();
+    r.landmarks.clear();
+    r.map_changes.clear();
+    r.candidates.clear();
+  } else {
+    plans.add(steps, r);
+  }
+  steps.push_back(std::move(r));
+}
+
+RunRecord RunRecorder::Impl::finish(const MissionResult& mission, const std::string& world,
+                                    const SimulatedTruth& truth, const ReachableArea* reachable) {
+  RunRecord record;
+  record.resolution = configuration.simulator.mapping.resolution;
+  record.robot_radius = circumscribed_radius(configuration.robot.shape);
+  record.sensor_range = configuration.robot.depth.max_range;
+  record.sensor_fov = configuration.robot.depth.horizontal_fov;
+  record.configuration = effective_yaml(configuration.entries);
+  record.zones = configuration.planner.zones;
+  record.area = configuration.planner.task.area;
+  record.summary = summarize(steps);
+  Summary& s = record.summary;
+  s.world = world;
+  s.solver = configuration.solver;
+  s.seed = options.seed;
+  s.task = to_string(configuration.planner.task.kind);
+  s.reason = to_string(mission.end);
+  s.done = mission.done();
+  s.detail = mission.detail;
+  s.coverage = truth.coverage;
+  s.area_m2 = truth.seen_area;
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  s.reachable_area_m2 = reachable ? reachable->area : kUnknown;
+  s.too_long_for_m2 = reachable ? reachable->too_long_for : kUnknown;
+  s.collisions = truth.collisions;
+  s.losses = truth.losses;
+  s.duration_s = mission.duration;
+  s.path_length_m = truth.path_length;
+  s.fallbacks = mission.fallbacks;
+  s.guard_stops = mission.guard_stops;
+  s.steps = mission.steps;
+  if (configuration.planner.deadline > 0.0) {
+    for (const StepRecord& step : steps) {
+      s.deadline_misses += step.wall.plan > 1e3 * configuration.planner.deadline;
+    }
+  }
+  if (options.keep_steps) record.steps = std::move(steps);
+  record.pictures = pictures.take();
+  s.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  return record;
+}
+
+RunRecorder::RunRecorder(const Configuration& configuration, const ExplorationRunOptions& options,
+                         const Planner* planner)
+    : impl_(std::make_unique<Impl>(configuration, options, planner)) {}
+RunRecorder::~RunRecorder() = default;
+
+void RunRecorder::add(const MissionStep& step, const SimulatedTruth& truth) {
+  impl_->add(step, truth);
+}
+
+RunRecord RunRecorder::finish(const MissionResult& mission, const std::string& world,
+                              const SimulatedTruth& truth, const ReachableArea* reachable) {
+  return impl_->finish(mission, world, truth, reachable);
+}
+
+}  // namespace prospect

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "engine/maps/belief.h"
+#include "engine/safety/guard.h"
+#include "models/motion_model.h"
+#include "runtime/base.h"
+#include "runtime/belief_source.h"
+#include "runtime/clock.h"
+#include "runtime/command_loop.h"
+#include "runtime/preflight.h"
+#include "runtime/range_look.h"
+#include "runtime/sensor_inbox.h"
+#include "runtime/watched_stream.h"
+
+namespace prospect {
+
+class Knobs;
+
+struct PreflightRunOptions {
+  PreflightOptions checks;
+  double patience = 20.0;  ///< [s] that streams may take to become live
+  double turn = 0.2;       ///< [rad] to turn on the spot, to the left; 0: no turn
+  double turn_rate = 0.4;  ///< [rad/s], at most half of what the model allows
+  double settle = 0.5;     ///< [s] of rest after the turn, until what was measured has come
+};
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, PreflightRunOptions& options);
+
+/// What is checked; all of it outlives the checks.
+struct PreflightParts {
+  const Clock& clock;
+  Base& base;
+  BeliefSource& beliefs;
+  const Guard& guard;
+  std::shared_ptr<const MotionModel> model;
+  SensorInbox* inbox = nullptr;  ///< gets the wheel motion that the base reports
+  /// As of RobotParts.
+  std::function<RangeLook(const Twist&, double)> ranges{};
+  std::vector<WatchedStream> streams{};
+  /// What is known beforehand: heights of the body, resolution, and what else no stream tells.
+  PreflightFacts known{};
+  /// Asked once the streams are live; empty: nothing sees the floor.
+  std::function<std::optional<PreflightFacts::Floor>()> floor{};
+};
+
+struct PreflightResult {
+  std::vector<CheckResult> checks;  ///< all of preflight.h, in its order
+  bool yaw_checked = false;         ///< the turn was made, and measured by wheels or cameras
+};
+
+/// Makes the checks of preflight.h on a robot: it stands until its streams have been live for
+/// checks.live_time, or `patience` is over; then checks_before_motion(). If none fails it turns on
+/// the spot by `turn`, and checks_of_turn() compares. The base's own odometry is its wheels, the
+/// pose of the belief the cameras.
+///
+/// The turn goes through a CommandLoop: it ramps within the model's rates, and the guard must pass
+/// each of its commands on the newest map, as must `ranges`. If they do not, a model that cannot
+/// turn on the spot, or a belief that is lost, the checks of the turn are not possible and say why.
+/// Nothing is left out.
+///
+/// A thread of its own asks for beliefs meanwhile. cancelled: asked at each period; the base is
+/// stopped, and what was not made has failed. Errors: throws std::invalid_argument on options out
+/// of range, before anything else.
+PreflightResult run_preflight(const PreflightParts& parts, const PreflightRunOptions& options,
+                              const CommandLoopOptions& command,
+                              const std::function<bool()>& cancelled = {});
+
+}  // namespace prospect

@@ -1,0 +1,135 @@
+#include "adapters/dds/dds_base.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "adapters/ros/geometry_msgs.h"
+#include "adapters/ros/nav_msgs.h"
+#include "tests/adapters/dds_pair.h"
+
+namespace prospect::dds_base_test {
+namespace {
+
+using test::kPatience;
+using test::within;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr double kRobotsClock = 1000.0;  // [s] ahead of ours
+
+/// The driver of a base at the other end.
+class Driver {
+ public:
+  explicit Driver(const DdsOptions& options) : node_(test::dds_test_address("driver")) {
+    odometry_ = node_.advertise<ros::Odometry>(options.odometry, kReliableQos);
+    stop_ = node_.advertise<ros::Bool>(options.emergency_stop, kReliableQos);
+    node_.subscribe<ros::TwistStamped>(options.command.stamped, kCommandQos,
+                                       [this](const ros::TwistStamped& m) {
+                                         const std::lock_guard lock(mutex_);
+                                         commands_.push_back(m);
+                                       });
+    node_.start();
+  }
+  void odometry(double speed, double x, const std::string& child = "base_link") {
+    ros::Odometry m;
+    m.header = {ros::time_of(clock_.now() + kRobotsClock), "odom"};
+    m.child_frame_id = child;
+    m.pose.pose.position.x = x;
+    m.twist.twist.linear.x = speed;
+    m.twist.twist.angular.z = 0.5;
+    node_.publish(odometry_, m);
+  }
+  void press(bool pressed) { node_.publish(stop_, ros::Bool{pressed}); }
+  bool ready(const DdsOptions& o) const {
+    return node_.subscribers(o.odometry) > 0 && node_.subscribers(o.emergency_stop) > 0 &&
+           node_.publishers(o.command.stamped) > 0;
+  }
+  std::vector<ros::TwistStamped> commands() {
+    const std::lock_guard lock(mutex_);
+    return commands_;
+  }
+
+ private:
+  SteadyClock clock_;
+  DdsNode node_;
+  int odometry_ = -1, stop_ = -1;
+  std::mutex mutex_;
+  std::vector<ros::TwistStamped> commands_;
+};
+
+TEST(DdsBase, DrivesAndHearsABaseBehindTopics) {
+  DdsOptions options;
+  options.emergency_stop = "/emergency_stop";
+  options.command.dead_man = 0.5;
+  options.command.limits.speed = 0.6;
+  const SteadyClock clock;
+  DdsNode node(test::dds_test_address("prospect"));
+  DdsBase base(options, node, clock);
+  node.start();
+  EXPECT_EQ(base.dead_man(), 0.5);
+  EXPECT_EQ(base.limits().speed, 0.6);
+  EXPECT_FALSE(base.report().connected);
+
+  Driver driver(options);
+  ASSERT_TRUE(within(kPatience, [&] { return driver.ready(options); }));
+  EXPECT_TRUE(driver.commands().empty()) << "nothing is sent unasked";
+
+  // Odometry until the robot's clock is known, 0.5 s.
+  BaseReport heard;
+  const double begin = clock.now();
+  int came = 0;
+  ASSERT_TRUE(within(
+      kPatience,
+      [&] {
+        const BaseReport report = base.report();
+        came += static_cast<int>(report.wheels.size());
+        if (report.connected) heard = report;
+        return report.connected && clock.now() > begin + 0.8 && came > 5;
+      },
+      [&] { driver.odometry(0.25, 3.0); }));
+  EXPECT_EQ(heard.velocity.linear.x(), 0.25);
+  EXPECT_EQ(heard.velocity.yaw_rate, 0.5);
+  EXPECT_TRUE(heard.faults.empty());
+  EXPECT_NEAR(ros::seconds(base.ros_time(clock.now())), clock.now() + kRobotsClock, 0.2);
+  EXPECT_EQ(base.odometry(clock.now())->translation().x(), 3.0);
+
+  base.send({{0.2, 0.0, 0.0}, -0.3}, clock.now() + 1.0);
+  ASSERT_TRUE(within(kPatience, [&] { return driver.commands().size() == 1; }));
+  EXPECT_EQ(driver.commands()[0].twist.linear.x, 0.2);
+  EXPECT_EQ(driver.commands()[0].twist.angular.z, -0.3);
+  EXPECT_EQ(driver.commands()[0].header.frame_id, "base_link");
+  base.send({{0.9, 0.0, 0.0}, 0.0}, clock.now() - 0.1);  // has expired
+  base.send({{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}, 0.0}, clock.now() + 1.0);
+  ASSERT_TRUE(within(kPatience, [&] { return driver.commands().size() == 2; }));
+  EXPECT_EQ(driver.commands()[1].twist.linear.x, 0.0) << "no number is a stop";
+
+  driver.press(true);
+  const std::string pressed = "/emergency_stop: emergency stop";
+  EXPECT_TRUE(within(kPatience, [&] {
+    const auto faults = base.report().faults;
+    return std::find(faults.begin(), faults.end(), pressed) != faults.end();
+  }));
+  driver.press(false);
+  EXPECT_TRUE(within(kPatience, [&] {
+    const auto faults = base.report().faults;
+    return std::find(faults.begin(), faults.end(), pressed) == faults.end();
+  }));
+
+  driver.odometry(0.25, 3.0, "wheel");
+  EXPECT_TRUE(within(kPatience, [&] { return !node.fault("/odom").empty(); }));
+  EXPECT_THAT(base.report().faults,
+              Contains(HasSubstr("/odom: child_frame_id is 'wheel'; expected 'base_link'")));
+  EXPECT_TRUE(within(kPatience, [&] {
+    const auto faults = base.report().faults;
+    return std::find(faults.begin(), faults.end(), "/odom: odometry is silent") != faults.end();
+  }));
+}
+
+}  // namespace
+}  // namespace prospect::dds_base_test

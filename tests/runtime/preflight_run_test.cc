@@ -1,0 +1,143 @@
+#include "runtime/preflight_run.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "models/unicycle.h"
+#include "tests/engine/obstacle_worlds.h"
+#include "tests/runtime/fake_base.h"
+
+namespace prospect::preflight_run_test {
+namespace {
+
+using Verdict = CheckVerdict;
+
+/// Knows where the base is, up to a gain of its yaw, in a given world.
+class Beliefs final : public BeliefSource {
+ public:
+  Beliefs(const Clock& clock, test::FakeBase& base) : clock_(clock), base_(base) {}
+  std::shared_ptr<const Belief> update(const std::stop_token& stop) override {
+    clock_.wait_until(clock_.now() + 0.005, stop);
+    auto belief = std::make_shared<Belief>(world);
+    belief->set_stamps(silent ? 0.0 : clock_.now());
+    belief->pose = base_.pose();
+    belief->pose.yaw *= gain;
+    belief->localization = lost ? Localization::kLost : Localization::kOk;
+    return belief;
+  }
+  Belief world = test::ObstacleWorld().belief();
+  double gain = 1.0;
+  bool lost = false;
+  std::atomic<bool> silent{false};
+
+ private:
+  const Clock& clock_;
+  test::FakeBase& base_;
+};
+
+class PreflightRun : public ::testing::Test {
+ protected:
+  PreflightRun() {
+    options_.checks.live_time = 0.05;
+    options_.patience = 2.0;
+    options_.turn = 0.12;
+    options_.turn_rate = 0.6;
+    options_.settle = 0.1;
+    command_.period = 0.02;
+  }
+  PreflightResult make() {
+    PreflightParts parts{.clock = clock_,
+                         .base = base_,
+                         .beliefs = beliefs_,
+                         .guard = guard_,
+                         .model = model_,
+                         .ranges = ranges_,
+                         .streams = {{"cameras", 0.5, [](const Belief* newest) {
+                                        return newest ? std::optional(newest->stamps.pose)
+                                                      : std::nullopt;
+                                      }}}};
+    return run_preflight(parts, options_, command_, cancelled_);
+  }
+  static CheckResult check(const PreflightResult& result, const std::string& name) {
+    for (const CheckResult& c : result.checks) {
+      if (c.check == name) return c;
+    }
+    ADD_FAILURE() << "no check '" << name << "'";
+    return {};
+  }
+
+  SteadyClock clock_;
+  test::FakeBase base_{clock_};
+  Beliefs beliefs_{clock_, base_};
+  std::shared_ptr<const Unicycle> model_ = std::make_shared<const Unicycle>();
+  Guard guard_{model_, CylinderShape{},
+               [] {
+                 Certifier::Options options;
+                 options.slice = {0.1, 0.5};
+                 return options;
+               }(),
+               [] {
+                 Guard::Options options;
+                 options.max_belief_age = options.max_pose_age = options.max_map_age = 2.0;
+                 options.max_landmarks_age = options.max_ranges_age = 2.0;
+                 return options;
+               }()};
+  std::function<RangeLook(const Twist&, double)> ranges_;
+  std::function<bool()> cancelled_;
+  PreflightRunOptions options_;
+  CommandLoopOptions command_;
+};
+
+TEST_F(PreflightRun, TurnsAndCompares) {
+  const PreflightResult result = make();
+  EXPECT_TRUE(result.yaw_checked);
+  EXPECT_EQ(first_failed(result.checks), "") << to_text(result.checks);
+  for (const char* name : {"yaw of the wheels", "yaw of the cameras", "slip"}) {
+    EXPECT_NE(check(result, name).verdict, Verdict::kNotPossible) << check(result, name).why;
+  }
+  EXPECT_GT(base_.pose().yaw, 0.1);
+  EXPECT_NEAR(base_.velocity().yaw_rate, 0.0, 1e-9);
+}
+
+TEST_F(PreflightRun, CamerasThatTurnTheOtherWayFail) {
+  beliefs_.gain = -1.0;
+  const PreflightResult result = make();
+  EXPECT_EQ(first_failed(result.checks), "yaw of the cameras") << to_text(result.checks);
+  EXPECT_EQ(check(result, "yaw of the wheels").verdict == Verdict::kFailed, false);
+}
+
+TEST_F(PreflightRun, WhatCannotBeCheckedSaysWhy) {
+  ranges_ = [](const Twist&, double) { return RangeLook{0.0, "a wall"}; };
+  const PreflightResult result = make();
+  EXPECT_FALSE(result.yaw_checked);
+  EXPECT_EQ(check(result, "slip").verdict, Verdict::kNotPossible);
+  EXPECT_NE(check(result, "slip").why.find("a wall"), std::string::npos);
+  EXPECT_EQ(base_.pose().yaw, 0.0);
+  beliefs_.lost = true;
+  EXPECT_NE(check(make(), "slip").why.find("lost"), std::string::npos);
+  EXPECT_EQ(base_.pose().yaw, 0.0);
+}
+
+TEST_F(PreflightRun, AStreamThatIsDeadFailsAndNothingMoves) {
+  beliefs_.silent = true;
+  options_.patience = 0.1;
+  const PreflightResult result = make();
+  EXPECT_EQ(first_failed(result.checks), "stream of cameras");
+  EXPECT_EQ(base_.pose().yaw, 0.0);
+  EXPECT_EQ(check(result, "slip").verdict, Verdict::kNotPossible);
+}
+
+TEST_F(PreflightRun, CancelledIsNotFit) {
+  cancelled_ = [] { return true; };
+  EXPECT_NE(first_failed(make().checks), "");
+  EXPECT_EQ(base_.pose().yaw, 0.0);
+}
+
+}  // namespace
+}  // namespace prospect::preflight_run_test

@@ -1,0 +1,75 @@
+#include "runtime/simulation_clock.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <thread>
+
+namespace prospect::simulation_clock_test {
+namespace {
+
+TEST(SimulationClock, GoesOnFromTickToTick) {
+  ManualClock machine(1000.0);
+  SimulationClock clock(machine);
+  EXPECT_EQ(clock.now(), 0.0);
+  clock.tick(50.0);
+  EXPECT_EQ(clock.now(), 50.0);
+  // A second of the world takes 4 of the machine: once the rate is known, the clock goes on evenly.
+  for (int k = 1; k <= 100; ++k) {
+    machine.advance(0.02);
+    const double before = clock.now();
+    machine.advance(0.02);
+    const double now = clock.now();
+    clock.tick(50.0 + 0.01 * k);
+    EXPECT_GE(clock.now(), 50.0 + 0.01 * k);
+    EXPECT_LE(clock.now(), 50.0 + 0.01 * k + 0.03);
+    if (k > 30) {
+      EXPECT_NEAR(now - before, 0.005, 1e-6) << k;
+    }
+  }
+}
+
+TEST(SimulationClock, StandsWithTheSimulationAndGoesOnOnceItIsLost) {
+  ManualClock machine(1000.0);
+  SimulationClock clock(machine);
+  clock.tick(50.0);
+  machine.advance(0.05);
+  EXPECT_NEAR(clock.now(), 50.05, 1e-9);
+  machine.advance(0.4);
+  EXPECT_NEAR(clock.now(), 50.0 + SimulationClock::kAhead, 1e-9);
+  machine.advance(10.05);
+  EXPECT_NEAR(clock.now(), 60.1, 1e-9);
+  // It is back: time stands until ticks have caught up, and never goes back.
+  clock.tick(50.2);
+  EXPECT_NEAR(clock.now(), 60.1, 1e-9);
+  clock.tick(61.0);
+  EXPECT_NEAR(clock.now(), 61.0, 1e-9);
+}
+
+TEST(SimulationClock, TakesNoTimeThatIsNone) {
+  ManualClock machine(1000.0);
+  SimulationClock clock(machine);
+  clock.tick(std::nan(""));
+  clock.tick(std::numeric_limits<double>::infinity());
+  machine.advance(3.0);
+  EXPECT_NEAR(clock.now(), 3.0, 1e-9);  // nothing has ticked
+  clock.tick(7.0);
+  clock.tick(6.0);
+  EXPECT_EQ(clock.now(), 7.0);
+}
+
+TEST(SimulationClock, WaitsForItsOwnTime) {
+  const SteadyClock machine;
+  SimulationClock clock(machine);
+  clock.tick(100.0);
+  std::stop_source stop;
+  std::jthread ticks([&] { clock.tick(200.0); });
+  EXPECT_TRUE(clock.wait_until(150.0, stop.get_token()));
+  EXPECT_GE(clock.now(), 200.0);
+  stop.request_stop();
+  EXPECT_FALSE(clock.wait_until(1e9, stop.get_token()));
+}
+
+}  // namespace
+}  // namespace prospect::simulation_clock_test
