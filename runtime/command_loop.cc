@@ -77,6 +77,13 @@ void CommandLoop::give_up() {
 }
 
 void CommandLoop::adopt(const std::shared_ptr<const Plan>& plan, double now) {
+  // A period that is only just begun counts: who waits for a time may wake a little early.
+  constexpr double kEarly = 1e-6;
+  const auto begin_next = [&] {
+    if (next_ && now + kEarly >= next_->stamp) current_ = std::move(next_);
+  };
+  // Before its successor takes its place: a quick planner makes that one as soon as it has begun.
+  begin_next();
   if (plan && plan != seen_) {
     seen_ = plan;
     if (now <= plan->stamp + options_.period || is_at_rest(previous_)) {
@@ -85,9 +92,7 @@ void CommandLoop::adopt(const std::shared_ptr<const Plan>& plan, double now) {
       ++late_plans_;
     }
   }
-  // A period that is only just begun counts: who waits for a time may wake a little early.
-  constexpr double kEarly = 1e-6;
-  if (next_ && now + kEarly >= next_->stamp) current_ = std::move(next_);
+  begin_next();
 }
 
 void CommandLoop::drive(const CommandInputs& in, const Pose& pose, CommandStep& step) {

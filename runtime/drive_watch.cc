@@ -38,6 +38,7 @@ DriveFacts DriveWatch::facts(const DriveObservation& seen) {
   facts.plan_from_rest = seen.plan_from_rest;
   facts.plan_left = seen.plan_left;
   facts.obstacle = seen.obstacle;
+  facts.jumped_clock = seen.jumped_clock;
 
   facts.base_silent = !base.connected || !(now - base.stamp <= options_.max_silence);
   if (!base.faults.empty()) facts.base_fault = base.faults.front();

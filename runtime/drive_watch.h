@@ -39,6 +39,7 @@ struct DriveObservation {
   std::optional<double> plan_from_rest;  ///< DriveFacts
   double plan_left = 0.0;                ///< DriveFacts
   std::string obstacle;                  ///< DriveFacts
+  std::string jumped_clock;              ///< DriveFacts
   bool told_to_drive = false, emergency_stop = false, acknowledged = false, task_over = false;
   std::string failed_preflight;
   bool yaw_checked = false;

@@ -1,5 +1,6 @@
 #include "runtime/real_time_driver.h"
 
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <exception>
@@ -77,6 +78,44 @@ double time_left(const Plan* plan, double now) {
   return plan->stamp + (plan->committed + static_cast<double>(plan->tail.size())) * plan->dt - now;
 }
 
+/// Tells which stream's clock has jumped since it was asked the last time.
+class ClockJumps {
+ public:
+  /// Name of the stream; empty: none has.
+  std::string since_last(const SensorInbox* inbox) {
+    std::string jumped;
+    for (std::size_t k = 0; inbox && k < kSensorStreams; ++k) {
+      const auto stream = static_cast<SensorStream>(k);
+      const int jumps = inbox->count(stream).jumps;
+      if (jumps > seen_[k]) jumped = to_string(stream);
+      seen_[k] = jumps;
+    }
+    return jumped;
+  }
+
+ private:
+  std::array<int, kSensorStreams> seen_{};
+};
+
+/// Tells of a robot that is told to drive and stands.
+class Standstill {
+ public:
+  explicit Standstill(double now) : moved_(now) {}
+  /// Whether it has stood for so long, once each time.
+  bool is_long(double now, bool stands) {
+    constexpr double kLong = 10.0;  // [s]
+    if (!stands) {
+      moved_ = now;
+      told_ = false;
+    }
+    return now - moved_ >= kLong && !std::exchange(told_, true);
+  }
+
+ private:
+  double moved_;  // [s] when it last did
+  bool told_ = false;
+};
+
 }  // namespace
 
 struct RealTimeDriver::Impl {
@@ -107,6 +146,9 @@ struct RealTimeDriver::Impl {
   void plan_on(const std::stop_token& stop, MissionProgress& progress,
                const std::function<void(const MissionStep&)>& observe);
   void send(const std::stop_token& stop);
+  /// Of the command thread, which cannot say itself that it hangs: the base's dead-man is what is
+  /// left then.
+  void watch_command_thread(bool& late);
 };
 
 void RealTimeDriver::Impl::perceive(const std::stop_token& stop) {
@@ -194,6 +236,8 @@ void RealTimeDriver::Impl::send(const std::stop_token& stop) {
   DriveWatch watch(options.watch);
   DriveState mode;
   DriverStatus seen;
+  ClockJumps jumps;
+  Standstill standstill(now());
   mode.since = now();
   double tick = now(), before = tick;
   const double period = options.command.period;
@@ -219,6 +263,7 @@ void RealTimeDriver::Impl::send(const std::stop_token& stop) {
     observation.plan_from_rest = newest_plan.from_rest;
     observation.plan_left = time_left(newest_plan.plan.get(), instant);
     observation.obstacle = look.obstacle;
+    observation.jumped_clock = jumps.since_last(parts.inbox);
     observation.told_to_drive = told_to_drive;
     // Told once: the drive mode latches it.
     observation.emergency_stop = emergency.exchange(false);
@@ -261,6 +306,15 @@ void RealTimeDriver::Impl::send(const std::stop_token& stop) {
     at_rest = over && facts.rest_for > 0.0 && step.command.linear.isZero(0.0) &&
               step.command.yaw_rate == 0.0;
 
+    const bool stands = is_at_rest(step.command) || facts.rest_for > 0.0;
+    if (standstill.is_long(instant, told_to_drive && !over && stands)) {
+      std::string why = describe(mode, facts);
+      if (!step.detail.empty()) why += " " + step.detail + ".";
+      if (newest_plan.plan) why += " The planner: " + newest_plan.plan->why;
+      events.add(instant, Severity::kWarning, "drive", "standstill",
+                 "stands for 10 s: " + std::string(to_string(step.reason)) + ". " + why);
+    }
+
     seen.mode = mode;
     seen.why = describe(mode, facts);
     seen.reason = step.reason;
@@ -278,6 +332,20 @@ void RealTimeDriver::Impl::send(const std::stop_token& stop) {
   }
 }
 
+void RealTimeDriver::Impl::watch_command_thread(bool& late) {
+  const double time = now();
+  const ThreadReport command_thread = supervisor.report(time)[kCommand];
+  const bool is_late = command_thread.state != ThreadState::kOnTime &&
+                       command_thread.state != ThreadState::kStarting;
+  if (is_late && !late) {
+    events.add(
+        time, Severity::kError, "supervisor", "thread late",
+        "the command thread does not answer: " + std::string(to_string(command_thread.state)) +
+            "; the base's dead-man is what stops the robot");
+  }
+  late = is_late;
+}
+
 RealTimeDriver::RealTimeDriver(const RobotParts& parts, const RealTimeOptions& options)
     : impl_(std::make_unique<Impl>(parts, options)) {}
 RealTimeDriver::~RealTimeDriver() = default;
@@ -293,8 +361,10 @@ MissionResult RealTimeDriver::run(const MissionOptions& mission,
     std::jthread planner([&](const std::stop_token& stop) { s.plan_on(stop, progress, observe); });
     std::jthread perception([&s](const std::stop_token& stop) { s.perceive(stop); });
     const std::stop_token never;
+    bool late = false;
     while (!s.over) {
       s.parts.clock.wait_until(s.now() + kPoll, never);
+      s.watch_command_thread(late);
       if (cancelled && cancelled()) s.cancelled = true;
     }
     const double end = s.now();

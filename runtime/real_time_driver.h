@@ -112,6 +112,10 @@ struct DriverStatus {
 ///   * If the command thread itself stops, the base goes on for no longer than its dead-man's time,
 ///     and brakes: up to (dead_man) v + v^2 / (2 a) that no certificate covers.
 ///
+/// What it says by itself, in the events: each change of the drive mode, each refusal of the guard,
+/// late plans; why the robot stands when it is told to drive and has been at rest for 10 s; and,
+/// from the thread that called run(), that the command thread does not answer.
+///
 /// It ends as run_mission() does: the task is over, enough is seen, the time limit, localization
 /// lost for too long, or cancelled; then the robot brakes, and all threads are joined. An emergency
 /// stop or a fault of the base does not end it: it latches until it is acknowledged.

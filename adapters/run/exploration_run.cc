@@ -11,7 +11,9 @@
 #include "adapters/files/input_error.h"
 #include "adapters/run/live_mission.h"
 #include "adapters/run/run_recorder.h"
+#include "adapters/simulator/faulty_disk.h"
 #include "adapters/simulator/faulty_replanner.h"
+#include "adapters/simulator/faulty_scan.h"
 #include "adapters/simulator/simulated_base.h"
 #include "adapters/simulator/simulator.h"
 #include "adapters/worlds/octree_file.h"
@@ -74,6 +76,21 @@ std::shared_ptr<const octomap::OcTree> map_to_begin_with(const Configuration& co
   return map;
 }
 
+/// What faults make of scans, up to the sensor's range [m]. Throws std::invalid_argument for
+/// sensors that cannot do it.
+std::function<void(double, DepthScan&)> scan_faults(const SimulatorOptions& simulator,
+                                                    const std::vector<InjectedFault>& faults,
+                                                    double range, std::uint64_t seed) {
+  constexpr double kNearest = 0.3;  // [m]
+  auto distort = faulty_scans(faults, kNearest, range, seed);
+  if (distort && simulator.sensors == Sensors::kCamera) {
+    throw std::invalid_argument(
+        "--fault: depth:garbage and depth:wrong; expected another fault with sensors that are "
+        "cameras, or simulator.sensors: model");
+  }
+  return distort;
+}
+
 }  // namespace
 
 ReachableArea reachable_area(const World& world, const Configuration& c) {
@@ -133,6 +150,10 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
 
   SimulatorOptions simulator_options = configuration.simulator;
   simulator_options.seed = options.seed;
+  if (options.real_time) {
+    simulator_options.distort_scan = scan_faults(simulator_options, options.real_time->faults,
+                                                 configuration.robot.depth.max_range, options.seed);
+  }
   if (!configuration.map.empty()) simulator_options.map = map_to_begin_with(configuration);
   Simulator simulator(world, simulator_options);
   simulator.set_reachable(reachable.cells);
@@ -151,9 +172,11 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   RunRecorder recorder(configuration, options, own_planner);
   const SteadyClock clock;
   std::optional<SimulatedBase> base;  // in real time
+  std::optional<FaultyDisk> disk;     // likewise
   const auto truth = [&] { return base ? base->truth() : truth_of(simulator); };
   const auto observe = [&](const MissionStep& step) {
     if (options.taps.belief && !base) options.taps.belief(*step.belief);
+    if (disk) disk->write();
     recorder.add(step, truth());
   };
   if (options.on_start) options.on_start();
@@ -163,8 +186,10 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     SimulatedBaseOptions base_options = configuration.simulated_base;
     base_options.faults = options.real_time->faults;
     base.emplace(simulator, clock, *configuration.robot.model, base_options);
-    simulator.set_tap(later(options.taps.sensors, base->epoch()));
-    FaultyReplanner replanner(*planner, clock, base_options.faults, clock.now());
+    simulator.set_tap(later(options.taps.sensors, base->start()));
+    FaultyReplanner replanner(*planner, *configuration.robot.model, clock, base_options.faults,
+                              base->start());
+    disk.emplace(clock, base_options.faults, base->start());
     const auto stamp = [](double SourceStamps::*of) {
       return [of](const Belief* newest) {
         return newest ? std::optional(newest->stamps.*of) : std::nullopt;
@@ -175,6 +200,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                    .beliefs = *base,
                    .planner = replanner,
                    .guard = guard,
+                   .inbox = &base->sensors(),
                    .streams = {{"cameras", limits.max_pose_age, stamp(&SourceStamps::pose)},
                                {"depth", limits.max_ranges_age, stamp(&SourceStamps::ranges)}}};
     mission = live_mission(live, configuration, mission_options, observe, options, result);

@@ -112,6 +112,36 @@ class SparseCostsToGo {
   int count_ = 0;
 };
 
+/// Plans in full (horizon, candidates, landmarks) of at most kMost steps, evenly spread, so that a
+/// mission of hours needs no more memory for them than one of minutes: as SparseCostsToGo.
+class SparsePlans {
+ public:
+  void add(std::vector<StepRecord>& steps, StepRecord& now) {
+    if (now.step % every_ == 0 && count_ == kMost) {
+      every_ *= 2;
+      for (StepRecord& step : steps) {
+        if (step.step % every_ == 0 || step.step % (every_ / 2) != 0) continue;
+        forget(step);
+        --count_;
+      }
+    }
+    if (now.step % every_ != 0) return forget(now);
+    ++count_;
+  }
+
+ private:
+  static constexpr int kMost = 4000;
+
+  static void forget(StepRecord& step) {
+    step.horizon = {};
+    step.candidates = {};
+    step.landmarks = {};
+  }
+
+  int every_ = 1;
+  int count_ = 0;
+};
+
 std::vector<CandidateRecord> candidate_records(const Plan& plan, const Problem* problem,
                                                const MotionModel& model) {
   std::vector<CandidateRecord> records;
@@ -147,6 +177,7 @@ struct RunRecorder::Impl {
   MapChanges map_changes;
   SparsePictures pictures;
   SparseCostsToGo costs_to_go;
+  SparsePlans plans;
   std::vector<StepRecord> steps;
 
   void add(const MissionStep& step, const SimulatedTruth& truth);
@@ -246,6 +277,8 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
     r.landmarks.clear();
     r.map_changes.clear();
     r.candidates.clear();
+  } else {
+    plans.add(steps, r);
   }
   steps.push_back(std::move(r));
 }

@@ -21,7 +21,8 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
       odometry_(options.odometry, options.features.stereo, options.stereo_mount, start,
                 stream_seed(options.seed, NoiseStream::kOdometry)),
       landmarks_(options.landmarks, options.features, options.stereo_mount),
-      mapper_(mapping) {
+      mapper_(mapping),
+      distort_scan_(options.distort_scan) {
   if (options.map) mapper_.load(*options.map);
   const double z = start.position.z();
   for (const Disc& d : known_free) {
@@ -31,9 +32,10 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
 
 void FeatureSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   scan_stamp_ = stamp;
-  const DepthScan in_B = seen.look(depth_, true_pose);
-  if (tap_.scan) tap_.scan(stamp, in_B);
-  mapper_.insert(transform(in_B, odometry_.estimate(true_pose)));
+  DepthScan scan = seen.look(depth_, true_pose);
+  if (distort_scan_) distort_scan_(stamp, scan);
+  if (tap_.scan) tap_.scan(stamp, scan);
+  mapper_.insert(transform(scan, odometry_.estimate(true_pose)));
 }
 
 void FeatureSensors::image(double stamp, const Pose& pose, const Twist&) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -49,6 +50,7 @@ class FeatureSensors final : public SimulatedSensors {
   OdometryModel odometry_;
   LandmarkBuilder landmarks_;
   OccupancyMapper mapper_;
+  const std::function<void(double, DepthScan&)> distort_scan_;
   SensorTap tap_;
 
   double scan_stamp_ = 0.0, image_stamp_ = 0.0;  // [s], of the newest

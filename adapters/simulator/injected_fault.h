@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,18 +13,21 @@ namespace prospect {
 enum class FaultSource {
   kLeftCamera,
   kRightCamera,
-  kCameras,
+  kCameras,  ///< both
   kDepth,
-  kWheels,
-  kClock,
-  kPlanner,
-  kCommand,
-  kLink
+  kWheels,   ///< the encoders, by which the base measures its velocity
+  kClock,    ///< of the sensors
+  kPlanner,  ///< its thread
+  kCommand,  ///< likewise
+  kLink,     ///< to the base
+  kDisk      ///< to which the planner's thread writes each step
 };
+inline constexpr int kFaultSources = static_cast<int>(FaultSource::kDisk) + 1;
 /// How.
 enum class FaultVerb { kOff, kStuck, kGarbage, kWrong, kSlow, kDelayed, kIntermittent };
+inline constexpr int kFaultVerbs = static_cast<int>(FaultVerb::kIntermittent) + 1;
 /// "left-camera", "right-camera", "cameras", "depth", "wheels", "clock", "planner", "command",
-/// "link".
+/// "link", "disk".
 std::string_view to_string(FaultSource source);
 /// "off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent".
 std::string_view to_string(FaultVerb verb);
@@ -37,29 +41,45 @@ struct InjectedFault {
 
   bool holds(double time) const { return time >= from && time < from + duration; }
 };
+/// "depth:off".
+std::string name_of(const InjectedFault& fault);
 
-/// What this simulator can do, and what happens then:
-///   cameras, depth  off           nothing more comes: what they measure and its stamps stay
-///                   intermittent  nothing comes in every other second
-///                   delayed       what comes is 0.3 s older
-///   link            off           neither commands nor reports pass: the base's dead-man stops it
-///                   intermittent  they pass in every other half second
-///                   delayed       commands come 0.3 s later
-///   planner         stuck         a step does not end before the fault does
-///                   slow          a step takes 0.4 s longer
-struct ImplementedFault {
+// Sizes of what is broken.
+inline constexpr double kFaultDelay = 0.3;         ///< [s] by which what is delayed is older
+inline constexpr double kSlowFrames = 1.2;         ///< [s] from one frame or report to the next
+inline constexpr double kOnOff = 1.0;              ///< [s] that what fails at times is off, and on
+inline constexpr double kLinkOnOff = 0.5;          ///< [s] likewise of a link
+inline constexpr double kSlowLink = 0.4;           ///< [s] from one command that passes to the next
+inline constexpr double kCameraSkew = 0.02;        ///< [s] of the wrong stamps of one camera
+inline constexpr double kDepthScale = 1.1;         ///< of depths that are too long
+inline constexpr double kClockStep = 5.0;          ///< [s]
+inline constexpr double kClockRate = 0.8;          ///< of a clock that is slow
+inline constexpr double kSlowPlanner = 0.4;        ///< [s] that a step takes longer
+inline constexpr double kSlowCommand = 0.3;        ///< [s] likewise of a command
+inline constexpr double kLongestThreadSleep = 20;  ///< [s], so that a mission ends
+
+/// One source and one verb: what happens, or why it has no meaning of its own.
+struct FaultKind {
   FaultSource source;
   FaultVerb verb;
+  bool implemented;
+  std::string_view text;
 };
-std::span<const ImplementedFault> implemented_faults();
-inline constexpr double kFaultDelay = 0.3;  ///< [s]
+/// Each source with each verb, in this order.
+std::span<const FaultKind> fault_kinds();
+const FaultKind& fault_kind(FaultSource source, FaultVerb verb);
+/// All of them as a table, Markdown.
+std::string fault_table();
 
 /// "depth:off", "planner:stuck@10+2": from 10 s on, for 2 s. Throws std::invalid_argument for what
-/// cannot be read, and for a combination that is not implemented, naming those that are.
+/// cannot be read, and for a pair that has no meaning, with the reason.
 InjectedFault parse_fault(const std::string& text);
 
-/// Whether a fault of that source and verb holds at a time; null: none does.
+/// The fault of that source and verb that holds at a time; null: none does.
 const InjectedFault* fault_at(const std::vector<InjectedFault>& faults, FaultSource source,
                               FaultVerb verb, double time);
+/// Whether it holds, and what fails at times is off then.
+bool off_at_times(const std::vector<InjectedFault>& faults, FaultSource source, double on_off,
+                  double time);
 
 }  // namespace prospect

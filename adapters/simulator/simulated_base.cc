@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "models/knobs.h"
@@ -9,37 +10,12 @@
 namespace prospect {
 namespace {
 
-constexpr double kOnOff = 1.0;      // [s] that a sensor which fails at times is on, and off
-constexpr double kLinkOnOff = 0.5;  // [s] likewise of the link
-
-/// In every other interval of that length.
-bool off_now(double since, double length) { return std::fmod(since, 2.0 * length) < length; }
-
 void shift(Belief& belief, double by) {
   belief.stamp += by;
   belief.stamps.pose += by;
   belief.stamps.map += by;
   belief.stamps.landmarks += by;
   belief.stamps.ranges += by;
-}
-
-void take_cameras(const Belief& from, Belief& to) {
-  to.pose = from.pose;
-  to.covariance = from.covariance;
-  to.twist = from.twist;
-  to.localization = from.localization;
-  to.tracked_features = from.tracked_features;
-  to.landmarks = from.landmarks;
-  to.stamps.pose = from.stamps.pose;
-  to.stamps.landmarks = from.stamps.landmarks;
-}
-
-void take_depth(const Belief& from, Belief& to) {
-  to.octree = from.octree;
-  to.voxels = from.voxels;
-  to.ground = from.ground;
-  to.stamps.map = from.stamps.map;
-  to.stamps.ranges = from.stamps.ranges;
 }
 
 }  // namespace
@@ -51,21 +27,22 @@ SimulatedTruth truth_of(const Simulator& s) {
 
 SimulatedBase::SimulatedBase(Simulator& simulator, const Clock& clock, const MotionModel& model,
                              const SimulatedBaseOptions& options)
-    : simulator_(simulator), clock_(clock), options_(options), epoch_(clock.now()) {
+    : simulator_(simulator),
+      clock_(clock),
+      options_(options),
+      epoch_(clock.now()),
+      streams_(clock, options.faults, epoch_) {
   check_knobs("simulated base", options_);
   limits_.speed = model.max_speed();
   limits_.yaw_rate = model.max_yaw_rate();
   limits_.acceleration = model.max_deceleration();
   truth_ = truth_of(simulator_);
-  last_report_ = updated_ = epoch_;
+  last_report_ = last_passed_ = updated_ = epoch_;
 }
 
 bool SimulatedBase::link_passes(double now) const {
-  const double time = now - epoch_;
-  if (fault_at(options_.faults, FaultSource::kLink, FaultVerb::kOff, time)) return false;
-  const InjectedFault* at_times =
-      fault_at(options_.faults, FaultSource::kLink, FaultVerb::kIntermittent, time);
-  return !at_times || !off_now(time - at_times->from, kLinkOnOff);
+  return !holds(FaultSource::kLink, FaultVerb::kOff, now) &&
+         !off_at_times(options_.faults, FaultSource::kLink, kLinkOnOff, now - epoch_);
 }
 
 Twist SimulatedBase::acting(double time) const {
@@ -80,8 +57,11 @@ Twist SimulatedBase::acting(double time) const {
 void SimulatedBase::send(const Twist& command, double expires) noexcept {
   const double now = clock_.now();
   if (!link_passes(now) || !(expires > now)) return;
-  const bool late =
-      fault_at(options_.faults, FaultSource::kLink, FaultVerb::kDelayed, now - epoch_) != nullptr;
+  if (holds(FaultSource::kLink, FaultVerb::kSlow, now)) {
+    if (now - last_passed_ < kSlowLink) return;
+    last_passed_ = now;
+  }
+  const bool late = holds(FaultSource::kLink, FaultVerb::kDelayed, now);
   const double comes = now + (late ? kFaultDelay : 0.0);
   // One that comes when it has expired is not executed.
   if (!(expires > comes)) return;
@@ -100,14 +80,57 @@ void SimulatedBase::stop() noexcept {
   orders_.push_back({now, now, Twist{}});
 }
 
+Twist SimulatedBase::measured(double now) {
+  const auto has = [&](FaultVerb verb) { return holds(FaultSource::kWheels, verb, now); };
+  Twist velocity = acting(has(FaultVerb::kDelayed) ? last_report_ - kFaultDelay : last_report_);
+  if (!has(FaultVerb::kStuck)) {
+    stuck_velocity_.reset();
+  } else {
+    velocity = stuck_velocity_ ? *stuck_velocity_ : velocity;
+    stuck_velocity_ = velocity;
+  }
+  if (has(FaultVerb::kWrong)) {
+    velocity.linear *= 2.0;
+    velocity.yaw_rate *= 2.0;
+  }
+  if (off_at_times(options_.faults, FaultSource::kWheels, kLinkOnOff, now - epoch_)) velocity = {};
+  if (has(FaultVerb::kGarbage)) {
+    velocity.linear.setConstant(std::numeric_limits<double>::quiet_NaN());
+    velocity.yaw_rate = std::numeric_limits<double>::quiet_NaN();
+  }
+  return velocity;
+}
+
+void SimulatedBase::sleep_as_faults_say() const {
+  const double now = clock_.now(), time = now - epoch_;
+  double sleep = 0.0;
+  if (const InjectedFault* stuck =
+          fault_at(options_.faults, FaultSource::kCommand, FaultVerb::kStuck, time)) {
+    sleep = std::min(stuck->from + stuck->duration - time, kLongestThreadSleep);
+  } else if (off_at_times(options_.faults, FaultSource::kCommand, kOnOff, time)) {
+    sleep = kOnOff;
+  } else if (holds(FaultSource::kCommand, FaultVerb::kSlow, now)) {
+    sleep = kSlowCommand;
+  }
+  if (sleep > 0.0) clock_.wait_until(now + sleep, {});
+}
+
 BaseReport SimulatedBase::report() noexcept {
+  sleep_as_faults_say();
   const double now = clock_.now();
   const std::lock_guard lock(mutex_);
-  if (link_passes(now)) last_report_ = now;
+  const bool stays =
+      holds(FaultSource::kLink, FaultVerb::kStuck, now) ||
+      (holds(FaultSource::kWheels, FaultVerb::kSlow, now) && now - last_report_ < kSlowFrames);
+  if (link_passes(now) && !stays) last_report_ = now;
   BaseReport report;
   report.connected = true;
   report.stamp = last_report_;
-  report.velocity = acting(last_report_);
+  report.velocity = measured(now);
+  if (holds(FaultSource::kWheels, FaultVerb::kOff, now)) {
+    report.velocity = {};
+    report.faults = {"the wheels' encoders do not answer"};
+  }
   return report;
 }
 
@@ -128,30 +151,14 @@ void SimulatedBase::advance(double now) {
       pieces.emplace_back(change, acting(at));
       at = change;
     }
-    while (orders_.size() > 1 && orders_[1].acts <= now) orders_.pop_front();
+    // Those of the last seconds are asked for by encoders that are late.
+    while (orders_.size() > 1 && orders_[1].acts <= now - kFaultDelay) {
+      orders_.pop_front();
+    }
   }
   for (const auto& [end, command] : pieces) {
     simulator_.apply(command, end - (epoch_ + simulator_.time()));
   }
-}
-
-std::shared_ptr<const Belief> SimulatedBase::as_faults_say(Belief belief, double now) {
-  const double time = now - epoch_;
-  before_.push_back(belief);
-  while (before_.size() > 2 && before_[1].stamp <= now - kFaultDelay) before_.pop_front();
-  const auto source = [&](FaultSource which, std::optional<Belief>& newest, const auto& take) {
-    const bool off = fault_at(options_.faults, which, FaultVerb::kOff, time) != nullptr;
-    const InjectedFault* at_times =
-        fault_at(options_.faults, which, FaultVerb::kIntermittent, time);
-    if (!off && !(at_times && off_now(time - at_times->from, kOnOff))) {
-      const bool late = fault_at(options_.faults, which, FaultVerb::kDelayed, time) != nullptr;
-      newest = late ? before_.front() : belief;
-    }
-    if (newest) take(*newest, belief);
-  };
-  source(FaultSource::kCameras, of_cameras_, take_cameras);
-  source(FaultSource::kDepth, of_depth_, take_depth);
-  return std::make_shared<const Belief>(std::move(belief));
 }
 
 std::shared_ptr<const Belief> SimulatedBase::update(const std::stop_token& stop) {
@@ -166,7 +173,16 @@ std::shared_ptr<const Belief> SimulatedBase::update(const std::stop_token& stop)
     const std::lock_guard lock(mutex_);
     truth_ = std::move(truth);
   }
-  return as_faults_say(std::move(belief), now);
+  std::optional<Belief> known = streams_.through(std::move(belief));
+  if (!known) return nullptr;
+  return std::make_shared<const Belief>(std::move(*known));
+}
+
+bool SimulatedBase::holds_command() const {
+  const double now = clock_.now();
+  const std::lock_guard lock(mutex_);
+  return std::any_of(orders_.begin(), orders_.end(),
+                     [&](const Order& order) { return order.acts <= now && now < order.ends; });
 }
 
 SimulatedTruth SimulatedBase::truth() const {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "adapters/simulator/simulated_base_options.h"
+#include "adapters/simulator/simulated_streams.h"
 #include "adapters/simulator/simulator.h"
 #include "engine/maps/belief.h"
 #include "models/motion_model.h"
@@ -39,10 +40,15 @@ SimulatedTruth truth_of(const Simulator& simulator);
 /// a belief is asked for, along the commands that acted since, each for its time; so what a belief
 /// costs to make does not change where the robot drives.
 ///
+/// Faults (injected_fault.h). Those of sensors and their clock act in SimulatedStreams, those of
+/// link and wheels here, as does that of the command thread: report() makes it wait. Faults of the
+/// planner and the disk are FaultyReplanner's and FaultyDisk's, what a scan holds is
+/// faulty_scans()'.
+///
 /// Thread-safety: send(), stop() and report() from one thread, update() from another; truth() from
 /// any. The simulator belongs to update() until all threads have ended. send(), stop() and report()
-/// never wait for the simulator. Errors: the constructor throws std::invalid_argument on options
-/// out of range.
+/// never wait for the simulator. sensors() and holds_command() are for any thread. Errors: the
+/// constructor throws std::invalid_argument on options out of range.
 class SimulatedBase final : public Base, public BeliefSource {
  public:
   /// simulator and clock outlive it.
@@ -59,8 +65,11 @@ class SimulatedBase final : public Base, public BeliefSource {
   std::shared_ptr<const Belief> update(const std::stop_token& stop) override;
 
   SimulatedTruth truth() const;
-  /// The runtime's time at which the simulator's was 0 [s].
-  double epoch() const { return epoch_; }
+  /// Whether a command is in force; else it has expired, or there was none.
+  bool holds_command() const;
+  /// What the sensors' frames go through.
+  SensorInbox& sensors() { return streams_.inbox(); }
+  double start() const { return epoch_; }  ///< [s] of the clock, where the time of faults begins
 
  private:
   struct Order {
@@ -71,7 +80,13 @@ class SimulatedBase final : public Base, public BeliefSource {
   /// What acts at a time. Under the lock.
   Twist acting(double time) const;
   void advance(double now);
-  std::shared_ptr<const Belief> as_faults_say(Belief belief, double now);
+  bool holds(FaultSource source, FaultVerb verb, double now) const {
+    return fault_at(options_.faults, source, verb, now - epoch_) != nullptr;
+  }
+  /// What the encoders measure. Under the lock.
+  Twist measured(double now);
+  /// The command thread's sleep, if a fault says so.
+  void sleep_as_faults_say() const;
 
   Simulator& simulator_;
   const Clock& clock_;
@@ -81,11 +96,11 @@ class SimulatedBase final : public Base, public BeliefSource {
   mutable std::mutex mutex_;  // orders_, truth_
   std::deque<Order> orders_;  // in order of time
   SimulatedTruth truth_;
-  double last_report_ = 0.0;
+  double last_report_ = 0.0, last_passed_ = 0.0;
+  std::optional<Twist> stuck_velocity_;
   // Of update().
   double updated_ = 0.0;
-  std::deque<Belief> before_;                    // the newest ones, for what is delayed
-  std::optional<Belief> of_cameras_, of_depth_;  // the newest that came through
+  SimulatedStreams streams_;
 };
 
 }  // namespace prospect

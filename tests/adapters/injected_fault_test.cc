@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace prospect::injected_fault_test {
 namespace {
@@ -31,26 +35,41 @@ TEST(InjectedFault, IsReadWithItsTimes) {
   EXPECT_FALSE(for_a_while.holds(12.5));
 }
 
-TEST(InjectedFault, AllThatAreImplementedCanBeAskedFor) {
-  for (const ImplementedFault& one : implemented_faults()) {
-    const std::string text =
-        std::string(to_string(one.source)) + ':' + std::string(to_string(one.verb));
-    EXPECT_EQ(parse_fault(text).source, one.source) << text;
-    EXPECT_EQ(parse_fault(text).verb, one.verb) << text;
+TEST(InjectedFault, EachSourceAndVerbHasAMeaningOrAReason) {
+  ASSERT_EQ(fault_kinds().size(), static_cast<std::size_t>(kFaultSources * kFaultVerbs));
+  for (int s = 0; s < kFaultSources; ++s) {
+    for (int v = 0; v < kFaultVerbs; ++v) {
+      const FaultKind& kind = fault_kind(static_cast<FaultSource>(s), static_cast<FaultVerb>(v));
+      EXPECT_EQ(static_cast<int>(kind.source), s);
+      EXPECT_EQ(static_cast<int>(kind.verb), v);
+      EXPECT_FALSE(kind.text.empty());
+      const std::string text = name_of({kind.source, kind.verb});
+      if (kind.implemented) {
+        EXPECT_EQ(name_of(parse_fault(text)), text);
+      } else {
+        EXPECT_EQ(refusal(text),
+                  "'" + text + "'; expected a fault that has a meaning; " + std::string(kind.text));
+      }
+    }
   }
 }
 
-TEST(InjectedFault, WhatNobodyImplementsIsRefusedByName) {
-  const std::string message = refusal("depth:garbage");
-  EXPECT_EQ(message.find("'depth:garbage'; expected a fault that is implemented: "), 0u) << message;
-  EXPECT_NE(message.find("depth:off"), std::string::npos);
-  for (const char* text : {"wheels:off", "left-camera:off", "sonar:off", "depth:broken", ":", ""}) {
+TEST(InjectedFault, WhatNobodyKnowsIsRefusedByName) {
+  EXPECT_EQ(refusal("sonar:off").find("'sonar:off'; expected a source: left-camera, "), 0u);
+  EXPECT_EQ(refusal("depth:broken").find("'depth:broken'; expected a verb: off, stuck, "), 0u);
+  for (const char* text :
+       {":", "", "depth", "depth:", ":off", "depth:off@", "depth:off@x", "depth:off@-1",
+        "depth:off@1+", "depth:off@1+0", "depth:off@nan", "depth:off@1+2+3", "depth@3:off"}) {
     EXPECT_NE(refusal(text), "") << text;
   }
-  for (const char* text : {"depth:off@", "depth:off@x", "depth:off@-1", "depth:off@1+",
-                           "depth:off@1+0", "depth:off@nan", "depth:off@1+2+3", "depth@3:off"}) {
-    EXPECT_NE(refusal(text), "") << text;
-  }
+}
+
+// The page of the runtime is that text.
+TEST(InjectedFault, TheDocumentationHasTheTable) {
+  std::ifstream file(std::string(PROSPECT_SOURCE_DIR) + "/docs/reference/runtime.md");
+  std::stringstream page;
+  page << file.rdbuf();
+  EXPECT_NE(page.str().find(fault_table()), std::string::npos) << fault_table();
 }
 
 TEST(InjectedFault, IsFoundByItsTime) {
@@ -61,6 +80,11 @@ TEST(InjectedFault, IsFoundByItsTime) {
   EXPECT_FALSE(fault_at(faults, FaultSource::kDepth, FaultVerb::kOff, 7.0));
   EXPECT_TRUE(fault_at(faults, FaultSource::kDepth, FaultVerb::kOff, 9.0));
   EXPECT_FALSE(fault_at(faults, FaultSource::kCameras, FaultVerb::kOff, 9.0));
+  const std::vector<InjectedFault> at_times = {parse_fault("link:intermittent@1+3")};
+  for (const auto& [time, off] :
+       {std::pair{0.9, false}, {1.1, true}, {1.6, false}, {2.1, true}, {3.1, true}, {4.1, false}}) {
+    EXPECT_EQ(off_at_times(at_times, FaultSource::kLink, 0.5, time), off) << time;
+  }
 }
 
 }  // namespace

@@ -455,7 +455,8 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   {
     SimulatorOptions o;
     auto& [seed, sensors, shape, base_height, actuation, depth_mount, depth, depth_rate,
-           stereo_mount, features, image_rate, odometry, landmarks, mapping, map, camera] = o;
+           stereo_mount, features, image_rate, odometry, landmarks, mapping, map, camera,
+           distort_scan] = o;
     expect_reached(o, {&depth_rate, &image_rate});
   }
 }

@@ -126,8 +126,43 @@ TEST_F(SimulatedBaseTest, OfASensorThatIsOffTheStampsStay) {
   clock_.set(51.5);
   base_->send(forward(0.3), 51.6);
   driven();
-  EXPECT_NEAR(last_->stamp, 51.5, 1e-9);
   EXPECT_NEAR(last_->stamps.pose, 50.9, 1e-9);
+  EXPECT_EQ(last_->stamp, last_->stamps.pose);
+}
+
+TEST_F(SimulatedBaseTest, WhatTheWheelsMeasureIsWrongAsFaultsSay) {
+  SimulatedBaseOptions options;
+  options.faults = {parse_fault("wheels:wrong@0+1"), parse_fault("wheels:garbage@1+1"),
+                    parse_fault("wheels:off@2+1"), parse_fault("wheels:delayed@3+1")};
+  make(options);
+  const auto at = [&](double time) {
+    clock_.set(50.0 + time - 0.01);
+    base_->send(forward(0.4), 60.0);
+    clock_.set(50.0 + time);
+    return base_->report();
+  };
+  EXPECT_EQ(at(0.5).velocity.linear.x(), 0.8);
+  EXPECT_TRUE(std::isnan(at(1.5).velocity.linear.x()));
+  EXPECT_EQ(at(2.5).faults.size(), 1u);
+  const BaseReport late = at(3.5);  // told to drive 0.01 s ago: it stood 0.3 s before
+  EXPECT_TRUE(late.faults.empty());
+  EXPECT_EQ(late.velocity.linear.x(), 0.0);
+  clock_.set(53.82);
+  EXPECT_EQ(base_->report().velocity.linear.x(), 0.4);
+}
+
+TEST_F(SimulatedBaseTest, OfALinkThatIsStuckTheReportStays) {
+  SimulatedBaseOptions options;
+  options.faults = {parse_fault("link:stuck@1+1")};
+  make(options);
+  clock_.set(50.9);
+  base_->report();
+  clock_.set(51.5);
+  base_->send(forward(0.4), 51.6);
+  EXPECT_EQ(base_->report().stamp, 50.9);
+  clock_.set(52.1);
+  EXPECT_EQ(base_->report().stamp, 52.1);
+  EXPECT_NEAR(driven(), 0.4 * 0.1, 1e-9);
 }
 
 TEST_F(SimulatedBaseTest, OptionsOutOfRangeAreRefused) {

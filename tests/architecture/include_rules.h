@@ -90,6 +90,7 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
          "adapters/simulator"},
         {"Eigen", "opencv2"},
         eigen}},
+      {"adapters/serial", {{"models", "perception", "runtime", "adapters/files"}, {"Eigen"}, eigen}},
       // Of worlds and the simulator, a configuration sees the options.
       {"adapters/config",
        {{"models", "engine", "solvers", "runtime", "adapters/files",

@@ -85,8 +85,8 @@ if ((code != 3)); then  # built in
     fail "a robot that says nothing: no line for each calibration in '$err'"
   [[ ! -e none ]] || fail "a robot that says nothing: a run folder"
 fi
-refused "a fault that nobody implements" --fault "'depth:garbage'; expected a fault" drive office \
-  --fault depth:garbage --out none
+refused "a fault that nobody knows" --fault "'depth:broken'; expected a verb: off, stuck" drive office \
+  --fault depth:broken --out none
 
 # --- Tasks: done or not, and why.
 succeeds "enough, and back" explore office --until 12m2 --return --quiet --out task

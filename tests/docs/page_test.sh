@@ -9,7 +9,8 @@
 #   python         run if python3 has h5py and numpy, else skipped and said to be
 #   text           not run: what needs root, a network or another machine
 # Blocks after a line "<!-- needs ../shared -->" are skipped, and said to be, where that is absent.
-# All commands of a page run in one shell, in a folder that has docs/, build/ and nothing else.
+# All commands of a page run in one shell, in a folder that has docs/, adapters/ (whose code a page shows),
+# build/ and nothing else.
 set -uo pipefail
 page="$(realpath "$1")"
 build="$(realpath "$2")"
@@ -19,6 +20,7 @@ work="$(mktemp -d "$(realpath "$3")/page.XXXXXX")"
 trap 'rm -rf "$work"' EXIT
 mkdir "$work/prospect"
 ln -s "$root/docs" "$work/prospect/docs"
+ln -s "$root/adapters" "$work/prospect/adapters"
 ln -s "$build" "$work/prospect/build"
 [[ ! -d "$root/../shared" ]] || ln -s "$(realpath "$root/../shared")" "$work/shared"
 cd "$work/prospect" || exit 1

@@ -88,11 +88,11 @@ foreach(list ${examples})
       message(STATUS "${program}:\n${output}")
       set(ran TRUE)
       if(program STREQUAL "controller")
-        # A robot at rest before unknown space drives, and says why.
+        # A robot at rest before unknown space drives, and says why, in real time.
         if(NOT output MATCHES "0\\.[1-9][0-9]* m/s" OR NOT output MATCHES "guard passed")
           message(FATAL_ERROR "the controller did not drive:\n${output}")
         endif()
-        # Its map is projected anew at each step: what the planner knows grows with it to the end.
+        # Its map grows while it drives: what the planner knows grows with it to the end.
         string(REGEX MATCHALL "knows [0-9.]+" known "${output}")
         list(TRANSFORM known REPLACE "knows " "")
         list(LENGTH known steps)

@@ -135,6 +135,17 @@ TEST_F(CommandLoopTest, DrivesSlowerThatIsAShareOfThePlan) {
   EXPECT_NEAR(speeds(10).back(), 0.2, 1e-9);
 }
 
+// Plans that are made as early as they may be: each comes as the one before it begins.
+TEST_F(CommandLoopTest, APlanThatBeginsIsNotLostToItsSuccessor) {
+  in_.plan = plan_from(10.5);
+  speeds(10);
+  for (int k = 1; k <= 4; ++k) {
+    in_.plan = plan_from(10.5 + 0.5 * k);
+    for (int i = 0; i < 10; ++i) EXPECT_EQ(step().reason, CommandReason::kPlan) << in_.now;
+  }
+  EXPECT_GT(loop_.state().command.linear.x(), 0.3);
+}
+
 TEST_F(CommandLoopTest, APlanTakesEffectAtItsStamp) {
   in_.plan = plan_from(10.0);
   speeds(6);  // until 10.3

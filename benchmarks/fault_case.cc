@@ -1,0 +1,195 @@
+#include "benchmarks/fault_case.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+#include "adapters/run/exploration_run.h"
+#include "adapters/simulator/faulty_disk.h"
+#include "adapters/simulator/faulty_replanner.h"
+#include "adapters/simulator/faulty_scan.h"
+#include "adapters/simulator/simulated_base.h"
+#include "adapters/simulator/simulated_clock.h"
+#include "adapters/simulator/simulator.h"
+#include "engine/planner/planner.h"
+#include "engine/planner/planner_guard.h"
+#include "runtime/real_time_driver.h"
+#include "solvers/registry.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kStart = 100.0;  // [s] of the clock
+constexpr int kThreads = 4;       // of a driver, with the caller of run()
+
+struct Sample {
+  double time = 0.0;  // [s] since the start
+  double path = 0.0, speed = 0.0;
+  bool stands = true;
+  bool commanded = false;  // the base holds a command
+  std::string cause;       // of the drive mode or the command; empty: the plan's command
+};
+
+/// What a person sees who looks at the robot whenever it makes a belief, and acknowledges.
+class Watched final : public BeliefSource {
+ public:
+  Watched(SimulatedBase& base, const Clock& clock, const FaultCase& one)
+      : base_(base), clock_(clock), one_(one) {}
+
+  std::shared_ptr<const Belief> update(const std::stop_token& stop) override {
+    std::shared_ptr<const Belief> belief = base_.update(stop);
+    const double time = clock_.now() - kStart;
+    RealTimeDriver* driver = driver_;
+    if (!driver || (!samples_.empty() && time <= samples_.back().time)) return belief;
+    const DriverStatus status = driver->status();
+    Sample sample;
+    sample.time = time;
+    sample.path = base_.truth().path_length;
+    if (!samples_.empty()) {
+      const Sample& before = samples_.back();
+      sample.speed = (sample.path - before.path) / (time - before.time);
+    }
+    sample.stands = !(sample.speed > 0.01) && !turns();
+    const bool drives =
+        status.mode.mode == DriveMode::kActive || status.mode.mode == DriveMode::kDegraded;
+    sample.commanded = base_.holds_command();
+    if (!drives) {
+      sample.cause = to_string(status.mode.cause);
+    } else if (status.reason != CommandReason::kPlan) {
+      sample.cause = to_string(status.reason);
+    }
+    samples_.push_back(sample);
+    const double end = one_.fault.from + one_.fault.duration;
+    if (status.mode.mode == DriveMode::kStopped && time > end + one_.patience) {
+      driver->acknowledge();
+      acknowledged_ = true;
+    }
+    return belief;
+  }
+
+  void look_at(RealTimeDriver& driver) { driver_ = &driver; }
+  const std::vector<Sample>& samples() const { return samples_; }
+  bool acknowledged() const { return acknowledged_; }
+
+ private:
+  /// Whether it has turned since the last time.
+  bool turns() {
+    const double yaw = base_.truth().pose.yaw;
+    return std::abs(std::exchange(yaw_, yaw) - yaw) > 0.001;
+  }
+
+  SimulatedBase& base_;
+  const Clock& clock_;
+  const FaultCase one_;
+  std::atomic<RealTimeDriver*> driver_{nullptr};
+  std::vector<Sample> samples_;
+  double yaw_ = 0.0;
+  bool acknowledged_ = false;
+};
+
+void judge(const std::vector<Sample>& samples, const FaultCase& one, FaultOutcome& outcome) {
+  constexpr double kAfter = 2.0, kAtEnd = 3.0;  // [s]
+  const double from = one.fault.from, end = from + one.fault.duration;
+  double path = 0.0, stood_since = -1.0;
+  bool stood_at_end = false;
+  for (const Sample& sample : samples) {
+    if (sample.time <= from) {
+      path = sample.path;
+      outcome.speed = sample.speed;
+      continue;
+    }
+    // What comes first is why it stands.
+    if (!outcome.stop_time && outcome.cause.empty()) outcome.cause = sample.cause;
+    if (sample.stands && !outcome.stop_time && sample.time <= end + kAfter) {
+      outcome.stop_time = sample.time - from;
+      outcome.stop_distance = sample.path - path;
+      if (outcome.cause.empty()) outcome.cause = sample.commanded ? "plan" : "expiry";
+    }
+    if (sample.time <= end) stood_at_end = sample.stands;
+    if (sample.time > end && stood_at_end && !sample.stands && !outcome.recovery) {
+      outcome.recovery = sample.time - end;
+    }
+    if (!sample.stands) {
+      stood_since = -1.0;
+      outcome.drives_at_end = outcome.drives_at_end || sample.time > one.length - kAtEnd;
+    } else {
+      if (stood_since < 0.0) stood_since = sample.time;
+      outcome.longest_stand = std::max(outcome.longest_stand, sample.time - stood_since);
+    }
+  }
+}
+
+}  // namespace
+
+Configuration fault_drive_configuration() {
+  return read_configuration("", {},
+                            {"task.kind=go", "task.goal=[12, 0]", "simulator.odometry.perfect=true",
+                             "planner.weights.w_l=0", "planner.polished=1",
+                             "planner.polish_evaluations=6", "planner.N=12", "planner.M=6"});
+}
+
+FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
+                              const Configuration& configuration, const FaultCase& one) {
+  const SimulatedClock clock(kThreads, kStart);
+  const std::vector<InjectedFault> faults = {one.fault};
+  SimulatorOptions simulator_options = configuration.simulator;
+  simulator_options.distort_scan =
+      faulty_scans(faults, 0.3, configuration.robot.depth.max_range, simulator_options.seed);
+  Simulator simulator(world, simulator_options);
+  SimulatedBaseOptions base_options;
+  base_options.faults = faults;
+  SimulatedBase base(simulator, clock, *configuration.robot.model, base_options);
+  Watched watched(base, clock, one);
+  Planner planner(configuration.robot, configuration.planner,
+                  SolverRegistry().make(configuration.solver));
+  FaultyReplanner faulty(planner, *configuration.robot.model, clock, faults, kStart);
+  const FaultyDisk disk(clock, faults, kStart);
+  const Guard guard = guard_for(configuration.robot, configuration.planner, configuration.guard);
+  RealTimeDriver driver({.clock = clock,
+                         .base = base,
+                         .beliefs = watched,
+                         .planner = faulty,
+                         .guard = guard,
+                         .model = configuration.robot.model,
+                         .inbox = &base.sensors(),
+                         .failed_preflight = "",
+                         .yaw_checked = true},
+                        RealTimeOptions());
+  watched.look_at(driver);
+  MissionOptions mission = configuration.mission;
+  mission.time_limit = one.length;
+  driver.run(mission, [&](const MissionStep&) { disk.write(); });
+
+  FaultOutcome outcome;
+  judge(watched.samples(), one, outcome);
+  outcome.acknowledged = watched.acknowledged();
+  outcome.contacts = simulator.collisions();
+  for (const Event& event : driver.events().since(0).events) {
+    if (event.severity != Severity::kInfo) outcome.events.push_back(to_text(event));
+  }
+  return outcome;
+}
+
+std::string to_text(const FaultOutcome& o) {
+  char text[200];
+  std::string line;
+  if (o.stop_time) {
+    std::snprintf(text, sizeof text, "stopped by %s after %.2f s and %.2f m", o.cause.c_str(),
+                  *o.stop_time, *o.stop_distance);
+  } else {
+    std::snprintf(text, sizeof text, "drove on, from %.2f m/s", o.speed);
+  }
+  line = text;
+  if (o.recovery) {
+    std::snprintf(text, sizeof text, "; drove again %.2f s after the fault", *o.recovery);
+    line += text;
+  }
+  if (o.acknowledged) line += ", once acknowledged";
+  if (!o.drives_at_end) line += "; stood at the end";
+  if (o.contacts > 0) line += "; " + std::to_string(o.contacts) + " contacts";
+  return line;
+}
+
+}  // namespace prospect

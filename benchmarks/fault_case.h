@@ -1,0 +1,55 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/config/configuration.h"
+#include "adapters/simulator/injected_fault.h"
+#include "adapters/worlds/world.h"
+
+namespace prospect {
+
+/// A drive with one fault.
+struct FaultCase {
+  InjectedFault fault;
+  double length = 13.0;  ///< [s] of the whole drive
+  /// [s] after the fault is over until a person acknowledges a stop that latches.
+  double patience = 1.0;
+};
+
+/// What became of it. Times and places are of the true robot, every 0.05 s.
+struct FaultOutcome {
+  double speed = 0.0;  ///< [m/s] when the fault began
+  /// [s] and [m] from then until the robot stood, for the first time while the fault held or within
+  /// 2 s after it; none: it drove on.
+  std::optional<double> stop_time, stop_distance;
+  /// Why: what the drive mode or the command thread said first from then on; "plan": nothing, the
+  /// plan itself stops; "expiry": nothing, the base stopped as commands ceased.
+  std::string cause;
+  /// [s] from the end of the fault until it drove again, if it stood then; none: it did not, or
+  /// there was no need to.
+  std::optional<double> recovery;
+  bool acknowledged = false;   ///< a person had to
+  bool drives_at_end = false;  ///< it has driven in the last 3 s
+  int contacts = 0;
+  double longest_stand = 0.0;         ///< [s] since the fault began
+  std::vector<std::string> events{};  ///< one line each, but for what is ordinary
+};
+
+/// A drive along the world `corridor` that is at full speed, 0.6 m/s, from 3 s on, with a planner
+/// that does little: what is looked at is what is around it.
+Configuration fault_drive_configuration();
+
+/// Drives the simulated robot in real time's way, by threads, on a SimulatedClock, with the
+/// configured planner. Deterministic but for the order in which threads begin. Throws as Simulator
+/// and RealTimeDriver do.
+FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
+                              const Configuration& configuration, const FaultCase& one);
+
+/// One line of words: "stopped by source stale after 0.55 s and 0.21 m; drove on 1.3 s after the
+/// fault".
+std::string to_text(const FaultOutcome& outcome);
+
+}  // namespace prospect

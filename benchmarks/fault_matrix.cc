@@ -1,0 +1,113 @@
+// Each fault of the simulated robot, one drive each, as a table (Markdown).
+//   fault_matrix [WORLD] [--fault SOURCE:VERB...] [--from S] [--for S] [--length S] [--jobs N]
+//   [--events]
+// Without --fault: all of them. Drives are of threads on a simulated clock (fault_case.h). "Drives
+// again" counts from the end of the fault. Exit code 1: a contact.
+#include <atomic>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "adapters/config/configuration.h"
+#include "adapters/files/input_error.h"
+#include "adapters/run/exploration_run.h"
+#include "adapters/worlds/load_world.h"
+#include "benchmarks/fault_case.h"
+#include "benchmarks/guarded_main.h"
+#include "benchmarks/program_options.h"
+
+namespace prospect {
+namespace {
+
+std::string number(const std::optional<double>& value) {
+  if (!value) return "-";
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", *value);
+  return text;
+}
+
+void print_row(const FaultCase& one, const FaultOutcome& o) {
+  std::printf("| `%s` | %.2f | %s | %s | %s | %s | %s | %d |\n", name_of(one.fault).c_str(),
+              o.speed, o.stop_time ? o.cause.c_str() : "drives on", number(o.stop_time).c_str(),
+              number(o.stop_distance).c_str(), number(o.recovery).c_str(),
+              o.acknowledged ? "acknowledged" : (o.drives_at_end ? "by itself" : "stands"),
+              o.contacts);
+}
+
+/// Of several threads, each takes the next one.
+std::vector<FaultOutcome> drive_all(const std::shared_ptr<const World>& world,
+                                    const Configuration& configuration,
+                                    const std::vector<FaultCase>& cases, int jobs) {
+  std::vector<FaultOutcome> outcomes(cases.size());
+  std::atomic<std::size_t> next{0};
+  std::vector<std::jthread> threads;
+  for (int k = 0; k < jobs; ++k) {
+    threads.emplace_back([&] {
+      for (std::size_t i = next++; i < cases.size(); i = next++) {
+        outcomes[i] = drive_with_fault(world, configuration, cases[i]);
+      }
+    });
+  }
+  threads.clear();
+  return outcomes;
+}
+
+int fault_matrix(int argc, char** argv) {
+  std::string world_name = "corridor";
+  std::vector<std::string> faults;
+  bool events = false;
+  int jobs = 2;
+  double from = 5.0, duration = 3.0, length = 13.0;
+  ProgramOptions program("Faults of the simulated robot, one drive each, as a table");
+  program.add("world", world_name, "Built-in name or file");
+  program.add("--fault", faults, "SOURCE:VERB; without it all of them");
+  program.add("--from", from, "When a fault begins [s]", {.least = 0.0});
+  program.add("--for", duration, "How long it holds [s]", {.least = 0.05});
+  program.add("--length", length, "Of a drive [s]", {.least = 1.0});
+  program.add("--jobs", jobs, "Drives at a time", {.least = 1});
+  program.add("--events", events, "Print what the robot said");
+  if (const std::optional<int> code = program.parse(argc, argv)) return *code;
+  std::vector<FaultCase> cases;
+  const auto add = [&](InjectedFault fault) {
+    fault.from = from;
+    fault.duration = duration;
+    cases.push_back({fault, length});
+  };
+  for (const std::string& text : faults) {
+    try {
+      add(parse_fault(text));
+    } catch (const std::invalid_argument& e) {
+      throw InputError(std::string("--fault: ") + e.what());
+    }
+  }
+  for (const FaultKind& kind : fault_kinds()) {
+    if (faults.empty() && kind.implemented) add({kind.source, kind.verb});
+  }
+  const Configuration configuration = fault_drive_configuration();
+  const auto world =
+      std::make_shared<const World>(load_world(world_name, world_options_for(configuration)));
+  const std::vector<FaultOutcome> outcomes = drive_all(world, configuration, cases, jobs);
+  std::printf(
+      "| fault | speed [m/s] | stopped by | after [s] | after [m] | drives again [s] | how | "
+      "contacts |\n|---|---|---|---|---|---|---|---|\n");
+  int contacts = 0;
+  for (std::size_t i = 0; i < cases.size(); ++i) {
+    print_row(cases[i], outcomes[i]);
+    contacts += outcomes[i].contacts;
+    for (const std::string& event : outcomes[i].events) {
+      if (events) std::printf("    %s\n", event.c_str());
+    }
+  }
+  return contacts > 0 ? 1 : 0;
+}
+
+}  // namespace
+}  // namespace prospect
+
+int main(int argc, char** argv) {
+  return prospect::guarded_main("fault_matrix", prospect::fault_matrix, argc, argv);
+}
