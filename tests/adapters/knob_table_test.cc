@@ -155,13 +155,13 @@ std::vector<Part> parts() {
        {},
        [](Knobs& k, Configuration& c) { describe(k, c.simulator); },
        make_simulator},
-      // Odometry and perception are those of the simulator; the outline of drive.ranges is that of
-      // the robot.
+      // Odometry and perception are those of the simulator.
       {"drive", {}, [](Knobs& k, Configuration& c) { describe(k, c.drive.driver); }, {}},
       {"drive.preflight",
        {},
        [](Knobs& k, Configuration& c) { describe(k, c.drive.preflight); },
        {}},
+      {"drive.ranges", {}, [](Knobs& k, Configuration& c) { describe(k, c.drive.ranges); }, {}},
       {"drive.inbox", {}, [](Knobs& k, Configuration& c) { describe(k, c.drive.inbox); }, {}},
       {"drive.simulator",
        {},

@@ -12,8 +12,8 @@ skip() { echo "skipped: $*"; exit 77; }
 command -v node >/dev/null && command -v npm >/dev/null || skip "no Node.js with npm here"
 modules="$scratch/node_modules"
 if [[ ! -d $modules/@mcap/core || ! -d $modules/@foxglove/rosmsg2-serialization ]]; then
-  timeout 120 npm install --prefix "$scratch" --no-audit --no-fund --silent @mcap/core @mcap/support @foxglove/rosmsg \
-    @foxglove/rosmsg2-serialization >/dev/null 2>&1 || skip "npm cannot install @mcap/core"
+  timeout 120 npm install --prefix "$scratch" --no-audit --no-fund --silent @mcap/core@2.2.2 @mcap/support@1.1.0 \
+    @foxglove/rosmsg@5.0.5 @foxglove/rosmsg2-serialization@3.1.0 >/dev/null 2>&1 || skip "npm cannot install @mcap/core"
 fi
 work="$(mktemp -d "$scratch/log.XXXXXX")"
 trap 'rm -rf "$work"' EXIT
