@@ -20,7 +20,6 @@
 #include "perception/pipeline/perception_pipeline.h"
 #include "runtime/range_look.h"
 #include "runtime/range_stop.h"
-#include "runtime/seen_floor.h"
 
 namespace prospect {
 namespace {
@@ -82,14 +81,7 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
                   watched(inbox, SensorStream::kWheels, "wheels", c.guard.max_pose_age)},
       // Without a depth camera there are no depth images, and its numbers are not looked at.
       .ranges = range_look(inbox, stop, depth.value_or(RangeCamera{}))};
-  if (depth) {
-    robot.floor = [&]() -> std::optional<PreflightFacts::Floor> {
-      const DepthFrame newest = inbox.ranges().depth;
-      if (!newest.image) return std::nullopt;
-      return seen_floor(*newest.image, depth->camera, depth->mount, c.robot.base_height(),
-                        depth->range);
-    };
-  }
+  if (depth) robot.floor = newest_floor(inbox, *depth, c.robot.base_height());
   if (options.on_start) options.on_start();
   ExplorationRunResult result;
   RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));

@@ -25,7 +25,6 @@
 #include "perception/pipeline/perception_pipeline.h"
 #include "runtime/range_look.h"
 #include "runtime/range_stop.h"
-#include "runtime/seen_floor.h"
 #include "runtime/simulation_clock.h"
 
 namespace prospect {
@@ -109,12 +108,7 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
                   watched(inbox, SensorStream::kDepth, "depth", c.guard.max_ranges_age),
                   watched(inbox, SensorStream::kWheels, "wheels", c.guard.max_pose_age)},
       .ranges = range_look(inbox, stop, depth),
-      .floor = [&]() -> std::optional<PreflightFacts::Floor> {
-        const DepthFrame newest = inbox.ranges().depth;
-        if (!newest.image) return std::nullopt;
-        return seen_floor(*newest.image, depth.camera, depth.mount, c.robot.base_height(),
-                          depth.range);
-      }};
+      .floor = newest_floor(inbox, depth, c.robot.base_height())};
   if (options.on_start) options.on_start();
   ExplorationRunResult result;
   RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));

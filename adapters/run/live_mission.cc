@@ -8,6 +8,7 @@
 #include "engine/planner/planner.h"
 #include "runtime/preflight_run.h"
 #include "runtime/real_time_driver.h"
+#include "runtime/seen_floor.h"
 #include "solvers/registry.h"
 
 namespace prospect {
@@ -88,6 +89,16 @@ std::function<void(const SensorFrame&)> frames_to(SensorTap tap) {
     }
   };
   return [hand = Hand{std::move(tap)}](const SensorFrame& frame) { std::visit(hand, frame); };
+}
+
+std::function<std::optional<PreflightFacts::Floor>()> newest_floor(const SensorInbox& inbox,
+                                                                   const RangeCamera& depth,
+                                                                   double base_height) {
+  return [&inbox, depth, base_height]() -> std::optional<PreflightFacts::Floor> {
+    const DepthFrame newest = inbox.ranges().depth;
+    if (!newest.image) return std::nullopt;
+    return seen_floor(*newest.image, depth.camera, depth.mount, base_height, depth.range);
+  };
 }
 
 MissionOptions mission_options_for(const Configuration& c,

@@ -49,6 +49,12 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& configur
 /// What hands a frame of an inbox to a tap, which is copied.
 std::function<void(const SensorFrame&)> frames_to(SensorTap tap);
 
+/// LiveRobot::floor: that in the newest depth image of the inbox, which outlives it; none before
+/// one has come. base_height [m]: of B above the floor.
+std::function<std::optional<PreflightFacts::Floor>()> newest_floor(const SensorInbox& inbox,
+                                                                   const RangeCamera& depth,
+                                                                   double base_height);
+
 /// Those of the configuration, with what is enough by what is true.
 MissionOptions mission_options_for(const Configuration& configuration,
                                    const std::function<SimulatedTruth()>& truth);
