@@ -11,10 +11,10 @@ void interrupt(int) { interrupted = 1; }
 }  // namespace
 
 std::function<bool()> catch_interrupts() {
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
-    // Who started the program so that a signal is ignored (nohup, say) means it.
-    if (std::signal(signal, interrupt) == SIG_IGN) std::signal(signal, SIG_IGN);
-  }
+  std::signal(SIGINT, interrupt);  // a shell that starts it in the background ignores this one
+  std::signal(SIGTERM, interrupt);
+  // Who started the program so that it outlives its terminal (nohup) means it.
+  if (std::signal(SIGHUP, interrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
   return [] { return interrupted != 0; };
 }
 

@@ -100,7 +100,7 @@ offers "worlds in files" "with space.bt world.bt"
 tab explore --config fol
 offers "files" "folder folder.yaml"
 tab report fol
-offers "folders" folder
+offers "folders and logs" "folder folder.yaml"
 tab solve corr
 offers "a world at a step" corridor@
 tab explore --set planner.weights.w_d
