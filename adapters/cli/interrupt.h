@@ -5,7 +5,7 @@
 namespace prospect {
 
 /// From now on SIGINT, SIGTERM and SIGHUP no longer end the program; the function returned tells
-/// whether one of them came. One that was ignored when the program started stays ignored. Call
+/// whether one of them came. A SIGHUP that was ignored when the program started stays ignored. Call
 /// before what is to be interrupted, once in a program.
 std::function<bool()> catch_interrupts();
 
