@@ -27,7 +27,7 @@ std::optional<Plan> turning_plan(const MotionModel& model, const Pose& pose, dou
   plan.stamp = stamp;
   plan.dt = kStep;
   plan.certified = true;
-  const Twist wanted{{}, rate};
+  const Twist wanted{Eigen::Vector3d::Zero(), rate};
   Twist before;
   Eigen::VectorXd x = model.state(pose, before), next(model.nx());
   plan.states.push_back(x);
