@@ -81,6 +81,11 @@ function(prospect_flags target)
     if(PROSPECT_SANITIZE MATCHES "address.*undefined")
       target_compile_options(${target} PRIVATE -fno-sanitize=null,alignment,object-size,pointer-overflow,vptr)
     endif()
+    # A third of the time to compile, as Eigen's expressions are all temporaries. -Wdangling-pointer, in
+    # -Wall, sees what is used after its scope within a function.
+    if(PROSPECT_SANITIZE MATCHES "address")
+      target_compile_options(${target} PRIVATE -fno-sanitize-address-use-after-scope)
+    endif()
     target_link_options(${target} PUBLIC -fsanitize=${PROSPECT_SANITIZE})
   endif()
 endfunction()
