@@ -1,21 +1,14 @@
 #include "adapters/gazebo/velocity_relay.h"
 
-#include <poll.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
-#include <csignal>
 #include <cstdio>
-#include <cstring>
 #include <exception>
 
 #include "adapters/files/input_error.h"
 #include "adapters/files/not_built_in.h"
+#include "adapters/files/relay_process.h"
 #include "adapters/gazebo/gazebo_messages.h"
 #include "runtime/clock.h"
 
@@ -26,7 +19,7 @@ constexpr double kFarewell = 0.2;  // [s] of zero velocity when its owner has go
 constexpr double kWord = 0.1;      // [s] between two reports
 constexpr double kSilence = 1.0;   // [s] without one that is a fault
 
-// What goes over the link, whole or not at all (SOCK_SEQPACKET).
+// What goes over the link.
 struct Command {
   double speed = 0.0, yaw_rate = 0.0, expires = 0.0;
 };
@@ -82,10 +75,8 @@ class Relay {
   bool take() {
     for (;;) {
       Command command;
-      const ssize_t came = ::recv(link_, &command, sizeof command, MSG_DONTWAIT);
-      if (came < 0 && errno == EINTR) continue;
-      if (came < 0) return errno == EAGAIN || errno == EWOULDBLOCK;
-      if (came != sizeof command) return false;
+      const LinkRead read = receive_on(link_, command);
+      if (read != LinkRead::kMessage) return read == LinkRead::kNothing;
       newest_ = clock_.now();
       expires_ = command.expires;
       if (newest_ >= expires_) continue;
@@ -99,7 +90,7 @@ class Relay {
     word.ready = true;
     word.connected = node_.connected() && node_.subscribers(topic_) > 0;
     if (!node_.faults().empty()) word.say(node_.faults().back());
-    ::send(link_, &word, sizeof word, MSG_DONTWAIT | MSG_NOSIGNAL);
+    send_on(link_, word);
   }
 
   const GazeboOptions& options_;
@@ -110,18 +101,11 @@ class Relay {
   double newest_ = -1e9, expires_ = -1e9;
 };
 
-[[noreturn]] void relay(const GazeboOptions& options, int link) noexcept {
-  for (const int signal : {SIGINT, SIGHUP, SIGTERM, SIGPIPE}) std::signal(signal, SIG_IGN);
-  ::setsid();
-  // Nothing of its owner's stays open through it: not a file, not a port.
-  constexpr int kLink = 3;
-  ::dup2(link, kLink);
-  ::close_range(kLink + 1, ~0U, 0);
-  int code = 0;
+void relay(const GazeboOptions& options, int link) noexcept {
   Word word;
   try {
-    Relay(options, kLink).run();
-    ::_exit(0);
+    Relay(options, link).run();
+    return;
   } catch (const NotBuiltIn& error) {
     word.absent = true;
     word.say(error.what());
@@ -130,40 +114,21 @@ class Relay {
   } catch (...) {
     word.say("the relay failed");
   }
-  code = 1;
-  ::send(kLink, &word, sizeof word, MSG_NOSIGNAL);
-  ::_exit(code);
+  send_on(link, word);
 }
 
 }  // namespace
 
 VelocityRelay::VelocityRelay(const GazeboOptions& options) {
   check(options);
-  std::array<int, 2> ends{};
-  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    fail("gazebo", std::string("no link to a relay: ") + std::strerror(errno));
-  }
-  process_ = ::fork();
-  if (process_ == 0) relay(options, ends[1]);
-  ::close(ends[1]);
-  link_ = ends[0];
+  process_.emplace("gazebo", std::vector<int>(), [&](int link) { relay(options, link); });
   Word word;
-  if (process_ > 0) {
-    pollfd waits{link_, POLLIN, 0};
-    const double patience = 2.0 * options.address.timeout + 1.0;
-    ::poll(&waits, 1, static_cast<int>(1e3 * patience));
-    if (::recv(link_, &word, sizeof word, MSG_DONTWAIT) != sizeof word) {
-      word.say("gazebo: the relay does not answer; expected it to run");
-    }
-  } else {
-    word.say(std::string("gazebo: no process for the relay: ") + std::strerror(errno));
+  process_->wait(2.0 * options.address.timeout + 1.0);
+  if (receive_on(process_->link(), word) != LinkRead::kMessage) {
+    word.say("gazebo: the relay does not answer; expected it to run");
   }
   if (!word.ready) {
-    ::close(link_);
-    if (process_ > 0) {
-      ::kill(process_, SIGKILL);
-      ::waitpid(process_, nullptr, 0);
-    }
+    process_->kill();
     if (word.absent) {
       throw NotBuiltIn("the transport of Gazebo", "libprotobuf-dev and protobuf-compiler");
     }
@@ -173,42 +138,24 @@ VelocityRelay::VelocityRelay(const GazeboOptions& options) {
   report_ = {word.connected, word.fault.data()};
 }
 
-VelocityRelay::~VelocityRelay() {
-  ::close(link_);
-  const SteadyClock clock;
-  const double end = clock.now() + 2.0;
-  int gone = 0;
-  while ((gone = ::waitpid(process_, nullptr, WNOHANG)) == 0 && clock.now() < end) {
-    ::usleep(5000);
-  }
-  if (gone == 0) {
-    ::kill(process_, SIGKILL);
-    ::waitpid(process_, nullptr, 0);
-  }
-}
-
 bool VelocityRelay::send(const Twist& velocity, double expires) noexcept {
   Command command{velocity.linear.x(), velocity.yaw_rate, expires};
   if (!std::isfinite(command.speed) || !std::isfinite(command.yaw_rate) ||
       !std::isfinite(expires)) {
     command = {};
   }
-  return ::send(link_, &command, sizeof command, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof command;
+  return send_on(process_->link(), command);
 }
 
 VelocityRelay::Report VelocityRelay::state() noexcept {
   const double now = SteadyClock().now();
-  for (;;) {
-    Word word;
-    const ssize_t came = ::recv(link_, &word, sizeof word, MSG_DONTWAIT);
-    if (came == sizeof word) {
-      heard_ = now;
-      report_ = {word.connected, word.fault.data()};
-      continue;
-    }
-    if (came == 0) report_ = {false, "the relay has ended: nothing stops the robot"};
-    break;
+  Word word;
+  LinkRead read;
+  while ((read = receive_on(process_->link(), word)) == LinkRead::kMessage) {
+    heard_ = now;
+    report_ = {word.connected, word.fault.data()};
   }
+  if (read == LinkRead::kEnded) report_ = {false, "the relay has ended: nothing stops the robot"};
   if (now - heard_ > kSilence && report_.fault.empty()) {
     report_ = {false, "the relay is silent"};
   }

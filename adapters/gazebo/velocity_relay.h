@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/files/relay_process.h"
 #include "adapters/gazebo/gazebo_options.h"
 #include "models/types.h"
 
@@ -13,11 +14,10 @@ namespace prospect {
 /// process of its own between us and the plug-in. It passes on each command that has not expired.
 /// When the newest one is expired, or older than its dead-man's time, it sends zero velocity, and
 /// again with every period. When who started it ends, in whatever way, it sends zero velocity for
-/// 0.2 s and ends. It does not heed Ctrl-C, nor a terminal that closes.
+/// 0.2 s and ends.
 ///
-/// It is a copy of the process that starts it (fork), so it is started before threads are. What it
-/// cannot do: stop the robot after it was killed itself, or when its own link to Gazebo breaks;
-/// state() shows either.
+/// What it cannot do: stop the robot after it was killed itself, or when its own link to Gazebo
+/// breaks; state() shows either. As any RelayProcess it is started before threads are.
 ///
 /// Thread-safety: one thread at a time; send() and state() return at once.
 class VelocityRelay {
@@ -30,10 +30,6 @@ class VelocityRelay {
   /// Waits until it runs. Throws InputError with what it says if it cannot reach Gazebo,
   /// NotBuiltIn.
   explicit VelocityRelay(const GazeboOptions& options);
-  /// Waits until it has ended, at most 2 s.
-  ~VelocityRelay();
-  VelocityRelay(const VelocityRelay&) = delete;
-  VelocityRelay& operator=(const VelocityRelay&) = delete;
 
   /// `expires` [s] of SteadyClock. A velocity that is not finite is a stop. False: it was not
   /// taken.
@@ -41,12 +37,11 @@ class VelocityRelay {
   /// Its newest word; a fault if it is silent for a second or has ended.
   Report state() noexcept;
 
-  int process() const { return process_; }
+  int process() const { return process_->process(); }
 
  private:
-  int process_ = -1;
-  int link_ = -1;
-  double heard_ = 0.0;  // [s] of SteadyClock
+  std::optional<RelayProcess> process_;  // from the constructor on
+  double heard_ = 0.0;                   // [s] of SteadyClock
   Report report_;
 };
 

@@ -1,17 +1,13 @@
 #include "adapters/serial/create2_relay.h"
 
 #include <poll.h>
-#include <sys/socket.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <csignal>
-#include <cstring>
 
 #include "adapters/files/input_error.h"
+#include "adapters/files/relay_process.h"
 #include "adapters/serial/serial_port.h"
 #include "models/parameter_check.h"
 #include "runtime/clock.h"
@@ -21,7 +17,7 @@ namespace {
 
 constexpr double kRetry = 0.5;  // [s] from one try to enter the safe mode to the next
 
-// What goes over the link, whole or not at all (SOCK_SEQPACKET).
+// What goes over the link.
 struct Command {
   double speed, yaw_rate, expires;
 };
@@ -62,10 +58,8 @@ class Relay {
   bool take() {
     for (;;) {
       Command command;
-      const ssize_t came = ::recv(link_, &command, sizeof command, MSG_DONTWAIT);
-      if (came < 0 && errno == EINTR) continue;
-      if (came < 0) return errno == EAGAIN || errno == EWOULDBLOCK;
-      if (came != sizeof command) return false;
+      const LinkRead read = receive_on(link_, command);
+      if (read != LinkRead::kMessage) return read == LinkRead::kNothing;
       const double now = clock_.now();
       // One that the line does not take is followed by the next, or by the stop when it is due.
       if (now < command.expires &&
@@ -91,9 +85,7 @@ class Relay {
     }
   }
 
-  void tell(const Create2Relay::Word& word) const {
-    ::send(link_, &word, sizeof word, MSG_DONTWAIT | MSG_NOSIGNAL);
-  }
+  void tell(const Create2Relay::Word& word) const { send_on(link_, word); }
 
   void wait(double seconds) const {
     std::array<pollfd, 2> waits = {pollfd{port_.descriptor(), POLLIN, 0}, pollfd{link_, POLLIN, 0}};
@@ -118,19 +110,6 @@ class Relay {
   double newest_ = -1e9, expires_ = -1e9, zero_ = -1e9, tried_ = -1e9;  // [s]
 };
 
-[[noreturn]] void relay(const Create2Options& options, SerialPort& port, int link) noexcept {
-  for (const int signal : {SIGINT, SIGHUP, SIGTERM, SIGPIPE}) std::signal(signal, SIG_IGN);
-  ::setsid();
-  // Nothing else of its owner's stays open through it: not a file, not a port.
-  const auto low = static_cast<unsigned>(std::min(port.descriptor(), link));
-  const auto high = static_cast<unsigned>(std::max(port.descriptor(), link));
-  if (low > 3) ::close_range(3, low - 1, 0);
-  if (high > low + 1) ::close_range(low + 1, high - 1, 0);
-  ::close_range(high + 1, ~0U, 0);
-  Relay(options, port, link).run();
-  ::_exit(0);
-}
-
 }  // namespace
 
 Create2Relay::Create2Relay(const Create2Options& options) {
@@ -143,32 +122,16 @@ Create2Relay::Create2Relay(const Create2Options& options) {
   within(options.patience > 0.0 && options.patience <= 60.0, "patience", options.patience,
          "0 to 60 s, more than 0");
   SerialPort port(options.device, options.rate);
-  std::array<int, 2> ends{};
-  if (::socketpair(AF_UNIX, SOCK_SEQPACKET | SOCK_CLOEXEC, 0, ends.data()) != 0) {
-    throw InputError(options.device + ": no link to a relay: " + std::strerror(errno));
-  }
-  process_ = ::fork();
-  if (process_ == 0) {
-    ::close(ends[0]);
-    relay(options, port, ends[1]);
-  }
-  ::close(ends[1]);
-  link_ = ends[0];
-  if (process_ < 0) {
-    const std::string why = std::strerror(errno);
-    ::close(link_);
-    throw InputError(options.device + ": no process for the relay: " + why);
-  }
+  process_.emplace(options.device, std::vector{port.descriptor()},
+                   [&](int link) { Relay(options, port, link).run(); });
   const SteadyClock clock;
   for (const double until = clock.now() + options.patience; first_.empty() && !ended_;) {
     const double left = until - clock.now();
     if (!(left > 0.0)) break;
-    pollfd waits{link_, POLLIN, 0};
-    ::poll(&waits, 1, static_cast<int>(1e3 * left) + 1);
+    process_->wait(left);
     first_ = newest();
   }
   if (first_.empty() || first_.front().unplugged) {
-    end();
     throw InputError(options.device +
                      ": nothing that can be understood comes; expected a Create 2 that is switched "
                      "on, at " +
@@ -176,41 +139,18 @@ Create2Relay::Create2Relay(const Create2Options& options) {
   }
 }
 
-Create2Relay::~Create2Relay() { end(); }
-
-void Create2Relay::end() noexcept {
-  ::close(link_);
-  const SteadyClock clock;
-  const double until = clock.now() + 2.0;
-  int gone = 0;
-  while ((gone = ::waitpid(process_, nullptr, WNOHANG)) == 0 && clock.now() < until) {
-    ::usleep(2000);
-  }
-  if (gone == 0) {
-    ::kill(process_, SIGKILL);
-    ::waitpid(process_, nullptr, 0);
-  }
-}
-
 bool Create2Relay::send(const Twist& velocity, double expires) noexcept {
-  const Command command{velocity.linear.x(), velocity.yaw_rate, expires};
-  return ::send(link_, &command, sizeof command, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof command;
+  return send_on(process_->link(), Command{velocity.linear.x(), velocity.yaw_rate, expires});
 }
 
 std::vector<Create2Relay::Word> Create2Relay::newest() noexcept {
   std::vector<Word> words = std::move(first_);
   first_.clear();
-  for (;;) {
-    Word word;
-    const ssize_t came = ::recv(link_, &word, sizeof word, MSG_DONTWAIT);
-    if (came < 0 && errno == EINTR) continue;
-    if (came == sizeof word) {
-      words.push_back(word);
-      continue;
-    }
-    ended_ = ended_ || !(came < 0 && (errno == EAGAIN || errno == EWOULDBLOCK));
-    return words;
-  }
+  Word word;
+  LinkRead read;
+  while ((read = receive_on(process_->link(), word)) == LinkRead::kMessage) words.push_back(word);
+  ended_ = ended_ || read == LinkRead::kEnded;
+  return words;
 }
 
 }  // namespace prospect

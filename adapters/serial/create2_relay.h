@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "adapters/files/relay_process.h"
 #include "adapters/serial/create2_protocol.h"
 #include "models/types.h"
 
@@ -20,15 +22,15 @@ struct Create2Options {
 /// that alone talks to it. It passes on each command that has not expired. When the newest one is
 /// expired, or older than its dead-man's time, it sends zero velocity, and again with every period.
 /// When who started it ends, in whatever way, it sends zero velocity, leaves the base's interface,
-/// which switches the motors off, and ends. It does not heed Ctrl-C, nor a terminal that closes. A
-/// base that has left its safe mode is put back into it, once nothing keeps it from it.
+/// which switches the motors off, and ends. A base that has left its safe mode is put back into it,
+/// once nothing keeps it from it.
 ///
 /// It stands on the computer's side of the cable. So it holds against threads and programs that
 /// hang or die. A cable that is pulled, or a computer that stops, it cannot help: the base then
 /// drives on until its own bumper, cliff or wheel sensors stop it.
 ///
-/// It is a copy of the process that starts it (fork), so it is started before threads are.
-/// Thread-safety: one thread at a time; send() and newest() return at once.
+/// As any RelayProcess it is started before threads are. Thread-safety: one thread at a time;
+/// send() and newest() return at once.
 class Create2Relay {
  public:
   /// One packet of the base.
@@ -41,10 +43,6 @@ class Create2Relay {
   /// Waits until the base speaks. Throws InputError if the line cannot be opened, or nothing that
   /// can be understood comes within the patience.
   explicit Create2Relay(const Create2Options& options);
-  /// Waits until it has ended, at most 2 s.
-  ~Create2Relay();
-  Create2Relay(const Create2Relay&) = delete;
-  Create2Relay& operator=(const Create2Relay&) = delete;
 
   /// `expires` [s] of SteadyClock. False: it was not taken.
   bool send(const Twist& velocity, double expires) noexcept;
@@ -52,13 +50,10 @@ class Create2Relay {
   std::vector<Word> newest() noexcept;
   bool ended() const { return ended_; }  ///< the process: nothing stops the base any more
 
-  int process() const { return process_; }
+  int process() const { return process_->process(); }
 
  private:
-  void end() noexcept;
-
-  int process_ = -1;
-  int link_ = -1;
+  std::optional<RelayProcess> process_;  // from the constructor on
   bool ended_ = false;
   std::vector<Word> first_;  // what came while it was waited for
 };
