@@ -7,6 +7,7 @@
 #include "adapters/dds/dds_node.h"
 #include "adapters/files/input_error.h"
 #include "adapters/ros/geometry_msgs.h"
+#include "perception/odometry/reason.h"
 #include "runtime/clock.h"
 
 namespace prospect {
@@ -68,9 +69,7 @@ void DdsRelay::run(const std::function<bool()>& ended,
   while (!ended()) {
     impl_->stop_after(command.dead_man);
     std::string wrong;
-    for (const std::string& fault : impl_->node.faults()) {
-      wrong += (wrong.empty() ? "" : "; ") + fault;
-    }
+    for (const std::string& fault : impl_->node.faults()) add_reason(wrong, fault);
     if (wrong != told) tell(wrong.empty() ? "all topics fit" : wrong);
     told = wrong;
     clock.wait_until(clock.now() + command.relay_period, {});

@@ -17,6 +17,7 @@
 #include "adapters/run/unmeasured.h"
 #include "engine/planner/planner.h"
 #include "engine/planner/planner_guard.h"
+#include "perception/odometry/reason.h"
 #include "perception/pipeline/perception_pipeline.h"
 #include "runtime/range_look.h"
 #include "runtime/range_stop.h"
@@ -97,9 +98,7 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
   result.record.summary.measured = false;
   result.map = perception.belief()->octree;
   result.complaint = perception.complaint();
-  for (const std::string& fault : node.faults()) {
-    result.complaint += (result.complaint.empty() ? "" : "; ") + fault;
-  }
+  for (const std::string& fault : node.faults()) add_reason(result.complaint, fault);
   return result;
 }
 

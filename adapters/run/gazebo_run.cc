@@ -22,6 +22,7 @@
 #include "adapters/simulator/camera_rig.h"
 #include "engine/planner/planner.h"
 #include "engine/planner/planner_guard.h"
+#include "perception/odometry/reason.h"
 #include "perception/pipeline/perception_pipeline.h"
 #include "runtime/range_look.h"
 #include "runtime/range_stop.h"
@@ -127,9 +128,7 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
   result.record.summary.measured = measured != nullptr;
   result.map = perception.belief()->octree;
   result.complaint = perception.complaint();
-  for (const std::string& fault : sensors.faults()) {
-    result.complaint += (result.complaint.empty() ? "" : "; ") + fault;
-  }
+  for (const std::string& fault : sensors.faults()) add_reason(result.complaint, fault);
   return result;
 }
 

@@ -49,51 +49,69 @@ class MapChanges {
   std::uint64_t revision_ = 0;
 };
 
-/// Pictures of a run whose length is not known before: at most kMost, at steps that are multiples
-/// of a power of two.
+/// Chooses at most `most` steps of a run whose length is not known before, evenly spread: those
+/// that are multiples of a power of two.
+class EvenlySpread {
+ public:
+  explicit EvenlySpread(int most) : most_(most) {}
+  /// Whether a step is chosen. thin(others) first lets go of those chosen before of which
+  /// others(step) holds, and gives how many are left.
+  template <class Thin>
+  bool chooses(int step, const Thin& thin) {
+    const auto others = [this](int n) { return n % every_ != 0; };
+    if (others(step)) return false;
+    if (count_ == most_) {
+      every_ *= 2;
+      count_ = thin(others);
+      if (others(step)) return false;
+    }
+    ++count_;
+    return true;
+  }
+
+ private:
+  const int most_;
+  int every_ = 1;
+  int count_ = 0;
+};
+
+/// Pictures of the camera, of some steps that have one.
 class SparsePictures {
  public:
   void add(int step, const CameraPicture& shown) {
-    if (shown.image.pixels.empty() || step % every_ != 0) return;
-    if (pictures_.size() == kMost) {
-      every_ *= 2;
-      std::erase_if(pictures_, [&](const LandmarkPicture& p) { return p.frame % every_ != 0; });
-      if (step % every_ != 0) return;
+    if (shown.image.pixels.empty()) return;
+    const bool chosen = steps_.chooses(step, [this](const auto& others) {
+      std::erase_if(pictures_, [&](const LandmarkPicture& p) { return others(p.frame); });
+      return static_cast<int>(pictures_.size());
+    });
+    if (chosen) {
+      pictures_.push_back(landmark_picture(step, shown.image, shown.sightings, kWidth));
     }
-    pictures_.push_back(landmark_picture(step, shown.image, shown.sightings, kWidth));
   }
   std::vector<LandmarkPicture> take() { return std::move(pictures_); }
 
  private:
-  static constexpr std::size_t kMost = 300;
   static constexpr int kWidth = 360;  // [px]
-  int every_ = 1;
+  EvenlySpread steps_{300};
   std::vector<LandmarkPicture> pictures_;
 };
 
-/// At most kMost pictures of the cost-to-go, evenly spread, of a run whose length is not known
-/// before: at steps that are multiples of a power of two.
+/// Pictures of the cost-to-go, of some steps.
 class SparseCostsToGo {
  public:
   void add(std::vector<StepRecord>& steps, StepRecord& now, const CostToGo& cost_to_go) {
-    if (now.step % every_ != 0) return;
-    if (count_ == kMost) {
-      every_ *= 2;
+    const bool chosen = steps_.chooses(now.step, [&](const auto& others) {
+      int left = 0;
       for (StepRecord& step : steps) {
-        if (step.cost_to_go && step.step % every_ != 0) {
-          step.cost_to_go.reset();
-          --count_;
-        }
+        if (others(step.step)) step.cost_to_go.reset();
+        left += step.cost_to_go.has_value();
       }
-      if (now.step % every_ != 0) return;
-    }
-    ++count_;
-    now.cost_to_go = picture(cost_to_go);
+      return left;
+    });
+    if (chosen) now.cost_to_go = picture(cost_to_go);
   }
 
  private:
-  static constexpr int kMost = 150;
-
   /// Every other cell; those that were not reached say nothing.
   static CostToGoPicture picture(const CostToGo& cost_to_go) {
     const GridFrame& fine = cost_to_go.frame();
@@ -108,38 +126,36 @@ class SparseCostsToGo {
     return coarse;
   }
 
-  int every_ = 1;
-  int count_ = 0;
+  EvenlySpread steps_{150};
 };
 
-/// Plans in full (horizon, candidates, landmarks) of at most kMost steps, evenly spread, so that a
-/// mission of hours needs no more memory for them than one of minutes: as SparseCostsToGo.
+/// Plans in full (horizon, candidates, landmarks), of some steps, so that a mission of hours needs
+/// no more memory for them than one of minutes.
 class SparsePlans {
  public:
   void add(std::vector<StepRecord>& steps, StepRecord& now) {
-    if (now.step % every_ == 0 && count_ == kMost) {
-      every_ *= 2;
+    const bool chosen = steps_.chooses(now.step, [&](const auto& others) {
+      int left = 0;
       for (StepRecord& step : steps) {
-        if (step.step % every_ == 0 || step.step % (every_ / 2) != 0) continue;
-        forget(step);
-        --count_;
+        if (others(step.step)) {
+          forget(step);
+        } else {
+          ++left;
+        }
       }
-    }
-    if (now.step % every_ != 0) return forget(now);
-    ++count_;
+      return left;
+    });
+    if (!chosen) forget(now);
   }
 
  private:
-  static constexpr int kMost = 4000;
-
   static void forget(StepRecord& step) {
     step.horizon = {};
     step.candidates = {};
     step.landmarks = {};
   }
 
-  int every_ = 1;
-  int count_ = 0;
+  EvenlySpread steps_{4000};
 };
 
 std::vector<CandidateRecord> candidate_records(const Plan& plan, const Problem* problem,
