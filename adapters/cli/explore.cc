@@ -222,13 +222,15 @@ MissionLogOptions log_options(const ExploreArguments& arguments, const Configura
 }
 
 /// Hands all that a mission tells to its log, which is there when it begins.
-ExplorationRunOptions::Taps taps_of(std::optional<MissionLog>& log) {
+ExplorationRunOptions::Taps taps_of(std::optional<MissionLog>& log, bool images) {
   ExplorationRunOptions::Taps taps;
   taps.belief = [&](const Belief& belief) { log->belief(belief); };
   taps.command = [&](double time, const Twist& command) { log->command(time, command); };
   taps.sensors.scan = [&](double time, const DepthScan& scan) { log->scan(time, scan); };
-  taps.sensors.pair = [&](double time, const ImagePair& pair) { log->pair(time, pair); };
-  taps.sensors.depth = [&](double time, const DepthImage& image) { log->depth(time, image); };
+  if (images) {
+    taps.sensors.pair = [&](double time, const ImagePair& pair) { log->pair(time, pair); };
+    taps.sensors.depth = [&](double time, const DepthImage& image) { log->depth(time, image); };
+  }
   taps.sensors.wheels = [&](const WheelSample& wheels) { log->wheels(wheels); };
   taps.driver = [&log, next = std::uint64_t{0}, told = 0.0](const RealTimeDriver& driver,
                                                             double now) mutable {
@@ -317,7 +319,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
       throw InputError(file + ": cannot be written (" + wrong + "); expected a writable folder");
     }
   };
-  if (arguments.log) options.taps = taps_of(log);
+  if (arguments.log) options.taps = taps_of(log, arguments.log_images);
   options.cancelled = catch_interrupts();
   options.on_step = [&](const StepRecord& step) {
     folder->add(step);

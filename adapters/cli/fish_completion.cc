@@ -9,7 +9,10 @@ namespace {
 /// Between single quotes, as fish reads them.
 std::string fish_quoted(const std::string& text) {
   std::string out = "'";
-  for (const char c : text) out += (c == '\'' || c == '\\' ? "\\" : "") + std::string(1, c);
+  for (const char c : text) {
+    if (c == '\'' || c == '\\') out += '\\';
+    out += c;
+  }
   return out + "'";
 }
 

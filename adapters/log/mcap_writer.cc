@@ -109,14 +109,14 @@ bool McapWriter::append(std::string_view bytes) {
 }
 
 std::uint16_t McapWriter::add_channel(const std::string& topic, const std::string& type,
-                                      const std::string& definition, const Fields& fields) {
+                                      const std::string& definition) {
   const auto id = static_cast<std::uint16_t>(channels_.size());
   // One schema a channel: it is what a chunk of its own needs, and costs nothing once compressed.
   const std::uint16_t schema = id + 1;  // 0 means none
   Channel channel;
   channel.schema = record(kSchema, Bytes().u16(schema).text(type).text("ros2msg").text(definition));
   channel.channel =
-      record(kChannel, Bytes().u16(id).u16(schema).text(topic).text("cdr").fields(fields));
+      record(kChannel, Bytes().u16(id).u16(schema).text(topic).text("cdr").fields({}));
   channels_.push_back(std::move(channel));
   return id;
 }

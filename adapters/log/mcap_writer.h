@@ -35,7 +35,7 @@ class McapWriter {
   /// A channel of messages in CDR. Its type is described by the text of a ROS 2 .msg file, with the
   /// definitions of the types that it is made of. At most 65535 channels.
   std::uint16_t add_channel(const std::string& topic, const std::string& type,
-                            const std::string& definition, const Fields& fields = {});
+                            const std::string& definition);
   /// At once, before the messages that follow.
   void metadata(const std::string& name, const Fields& fields);
   /// Times since the epoch of the log [ns]. `channel` is one of add_channel(). False: not kept.

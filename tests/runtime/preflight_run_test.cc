@@ -12,6 +12,7 @@
 #include "models/unicycle.h"
 #include "tests/engine/obstacle_worlds.h"
 #include "tests/runtime/fake_base.h"
+#include "tests/runtime/patient_guard.h"
 
 namespace prospect::preflight_run_test {
 namespace {
@@ -76,18 +77,7 @@ class PreflightRun : public ::testing::Test {
   test::FakeBase base_{clock_};
   Beliefs beliefs_{clock_, base_};
   std::shared_ptr<const Unicycle> model_ = std::make_shared<const Unicycle>();
-  Guard guard_{model_, CylinderShape{},
-               [] {
-                 Certifier::Options options;
-                 options.slice = {0.1, 0.5};
-                 return options;
-               }(),
-               [] {
-                 Guard::Options options;
-                 options.max_belief_age = options.max_pose_age = options.max_map_age = 2.0;
-                 options.max_landmarks_age = options.max_ranges_age = 2.0;
-                 return options;
-               }()};
+  Guard guard_ = test::patient_guard(model_);
   std::function<RangeLook(const Twist&, double)> ranges_;
   std::function<bool()> cancelled_;
   PreflightRunOptions options_;

@@ -16,6 +16,7 @@
 #include "models/unicycle.h"
 #include "tests/engine/obstacle_worlds.h"
 #include "tests/runtime/fake_base.h"
+#include "tests/runtime/patient_guard.h"
 
 namespace prospect::real_time_driver_test {
 namespace {
@@ -118,18 +119,7 @@ class RealTimeDriverTest : public ::testing::Test {
   TrueBeliefs beliefs_{clock_, base_};
   StraightOn planner_;
   std::shared_ptr<const Unicycle> model_ = std::make_shared<const Unicycle>();
-  Guard guard_{model_, CylinderShape{},
-               [] {
-                 Certifier::Options options;
-                 options.slice = {0.1, 0.5};
-                 return options;
-               }(),
-               [] {
-                 Guard::Options options;
-                 options.max_belief_age = options.max_pose_age = options.max_map_age = 2.0;
-                 options.max_landmarks_age = options.max_ranges_age = 2.0;
-                 return options;
-               }()};
+  Guard guard_ = test::patient_guard(model_);
   RealTimeOptions options_;
 };
 
