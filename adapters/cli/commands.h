@@ -43,7 +43,9 @@ struct ExploreArguments {
   std::string map;          ///< OctoMap to begin with; empty: none
   bool log = false;         ///< mission.mcap in the run folder; drive always writes it
   bool log_images = false;  ///< with the cameras' images in it
-  int save_problems = 0;    ///< write the problem of every so manyeth planning step; 0: none
+  std::optional<int> live;  ///< port of the live view; none: there is none
+  std::string live_host = "127.0.0.1", live_token;  ///< LiveOptions
+  int save_problems = 0;  ///< write the problem of every so manyeth planning step; 0: none
   bool json = false;
   bool quiet = false;
   std::string command_line;  ///< as typed, for the run folder

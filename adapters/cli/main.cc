@@ -230,8 +230,40 @@ void add_mission_options(CLI::App* command, prospect::ExploreArguments& argument
       ->check(whole_number_within(1, 1000000));
   command->add_flag("--log-images", arguments.log_images,
                     "Images of the cameras in the log, too (explore: implies --mcap)");
+  CLI::Option* live =
+      command
+          ->add_option("--live", arguments.live,
+                       "Serve the mission's page, live, on this port; 0: a free one")
+          ->type_name("PORT")
+          ->check(whole_number_within(0, 65535));
+  command
+      ->add_option("--live-host", arguments.live_host,
+                   "With --live: address of the interface; 0.0.0.0: all")
+      ->type_name("ADDRESS")
+      ->capture_default_str()
+      ->needs(live);
+  command
+      ->add_option("--live-token", arguments.live_token,
+                   "With --live: what allows to command, 16 or more letters and digits [random]")
+      ->type_name("TOKEN")
+      ->needs(live);
   command->add_flag("--json", arguments.json, "Print the summary as JSON");
   command->add_flag("--quiet", arguments.quiet, "No progress line");
+}
+
+/// The command line as typed, but for the token, which is nobody's to read in a run folder.
+std::string typed_line(int argc, char** argv) {
+  std::string line;
+  bool token = false;
+  for (int i = 0; i < argc; ++i) {
+    const std::string word = argv[i];
+    constexpr std::string_view kOption = "--live-token";
+    const bool holds = word.starts_with(std::string(kOption) + "=");
+    line += i > 0 ? " " : "";
+    line += token ? "..." : holds ? std::string(kOption) + "=..." : prospect::shell_word(word);
+    token = word == kOption;
+  }
+  return line;
 }
 
 int run(int argc, char** argv) {
@@ -559,9 +591,7 @@ int run(int argc, char** argv) {
     if (!warning.empty()) std::cerr << "prospect: " << warning << '\n';
   }
   for (ExploreArguments* mission : {&explore_arguments, &drive_arguments.mission}) {
-    for (int i = 0; i < argc; ++i) {
-      mission->command_line += (i > 0 ? " " : "") + shell_word(argv[i]);
-    }
+    mission->command_line = typed_line(argc, argv);
   }
   if (*explore_command) return explore(explore_arguments, registries);
   if (*drive_command) return drive(drive_arguments, registries);

@@ -206,7 +206,8 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     mission = live_mission(live, configuration, mission_options, observe, options, result);
   } else {
     simulator.set_tap(options.taps.sensors);
-    mission = run_mission(robot, *planner, guard, mission_options, observe, options.cancelled);
+    mission = run_mission(robot, *planner, guard, mission_options, observe, options.cancelled,
+                          options.requests);
   }
   SimulatedTruth at_end = truth_of(simulator);
   result.record = recorder.finish(mission, world->name, at_end, &reachable);

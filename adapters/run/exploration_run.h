@@ -17,6 +17,9 @@
 #include "engine/maps/belief.h"
 #include "engine/planner/replanner.h"
 #include "models/types.h"
+#include "perception/odometry/image.h"
+#include "perception/odometry/odometry.h"
+#include "runtime/drive_requests.h"
 #include "runtime/event_log.h"
 #include "runtime/health_report.h"
 #include "runtime/preflight.h"
@@ -45,6 +48,9 @@ struct ExplorationRunOptions {
     std::function<void(const Belief&)> belief;  ///< each new one; in lockstep before on_step
     std::function<void(double stamp, const Twist&)> command;  ///< each one that is sent
     SensorTap sensors;
+    /// The newest left image with the landmarks that were to be seen in it, where the robot has
+    /// cameras and somebody looks for landmarks in them: after each planning step.
+    std::function<void(const Image&, const std::vector<LandmarkSighting>&)> picture;
     /// In real time, again and again, on the thread that called, with the runtime's time [s].
     std::function<void(const RealTimeDriver&, double)> driver;
   };
@@ -59,6 +65,7 @@ struct ExplorationRunOptions {
   /// another.
   std::function<void(const StepRecord&, const Planner&)> on_plan;
   std::function<bool()> cancelled;
+  DriveRequests* requests = nullptr;  ///< what people ask of the mission; null: nobody
   Taps taps;
   /// Makes the planner; empty: the Planner of this project with the configured solver.
   std::function<std::unique_ptr<Replanner>(const Configuration&)> make_planner;
