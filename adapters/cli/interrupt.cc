@@ -5,7 +5,8 @@
 namespace prospect {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+volatile std::sig_atomic_t interrupted = 0, acknowledged = 0;
+void acknowledge(int) { acknowledged = 1; }
 void interrupt(int) { interrupted = 1; }
 
 }  // namespace
@@ -16,6 +17,15 @@ std::function<bool()> catch_interrupts() {
   // Who started the program so that it outlives its terminal (nohup) means it.
   if (std::signal(SIGHUP, interrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
   return [] { return interrupted != 0; };
+}
+
+std::function<bool()> catch_acknowledgements() {
+  std::signal(SIGUSR1, acknowledge);
+  return [] {
+    if (acknowledged == 0) return false;
+    acknowledged = 0;
+    return true;
+  };
 }
 
 }  // namespace prospect

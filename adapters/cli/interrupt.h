@@ -9,4 +9,8 @@ namespace prospect {
 /// before what is to be interrupted, once in a program.
 std::function<bool()> catch_interrupts();
 
+/// From now on SIGUSR1 is a person who acknowledges a stop that latches; the function returned
+/// tells whether one has come since the call before.
+std::function<bool()> catch_acknowledgements();
+
 }  // namespace prospect

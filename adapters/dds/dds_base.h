@@ -7,6 +7,7 @@
 
 #include "adapters/dds/dds_node.h"
 #include "adapters/dds/dds_options.h"
+#include "adapters/dds/dds_transforms.h"
 #include "adapters/ros/std_msgs.h"
 #include "runtime/base.h"
 #include "runtime/clock.h"
@@ -21,19 +22,21 @@ namespace prospect {
 /// Commands: TwistStamped, stamped with the robot's clock, and Twist; to a relay TwistStamped
 /// alone. One that has expired is not sent. Nothing is sent before the first send() or stop().
 ///
-/// Report: velocity and wheel motion of the odometry's twist, which is the body's. The link stands
-/// while odometry has come and somebody subscribes to commands. Faults: an emergency stop that is
-/// pressed, odometry that is silent for half a second, and what is wrong with those topics
-/// (DdsNode::fault()).
+/// Report: velocity and wheel motion of the odometry's twist, which is the body's: of frames.base,
+/// or with odometry_by_tf of another frame that is fixed to it, and is carried over. The link
+/// stands while odometry has come and somebody subscribes to commands. Faults: an emergency stop
+/// that is pressed, odometry that is silent for half a second, a camera that moves
+/// (DdsTransforms::moved()), and what is wrong with those topics (DdsNode::fault()).
 ///
 /// Clocks: the offset between the robot's clock and the runtime's is estimated from the odometry's
 /// stamps (ClockOffset).
 ///
-/// Declares its topics on the node: make it before DdsNode::start(). The clock must outlive the
-/// node. Thread-safety: as Base; ros_time() and odometry() any thread.
+/// Declares its topics on the node: make it before DdsNode::start(). Clock and transforms must
+/// outlive the node. Thread-safety: as Base; the rest any thread.
 class DdsBase final : public Base {
  public:
-  DdsBase(const DdsOptions& options, DdsNode& node, const Clock& clock);
+  DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& transforms,
+          const Clock& clock);
   ~DdsBase() override;
 
   std::string name() const noexcept override;
@@ -43,6 +46,8 @@ class DdsBase final : public Base {
   void stop() noexcept override;
   BaseReport report() noexcept override;
 
+  /// Whether a person has acknowledged a stop since the call before (DdsOptions::acknowledge).
+  bool acknowledged() noexcept;
   /// `time` [s] of the runtime's clock as a stamp of the robot's. Before the offset has settled,
   /// of this machine's time of day.
   ros::Time ros_time(double time) const;

@@ -47,8 +47,9 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
   const SteadyClock clock;
   SensorInbox inbox(clock, c.drive.inbox);
   DdsNode node(topics.address);
-  DdsBase base(topics, node, clock);
-  const DdsSensors sensors(topics, node, inbox);
+  DdsTransforms transforms(node);
+  DdsBase base(topics, node, transforms, clock);
+  const DdsSensors sensors(topics, node, transforms, inbox);
   DdsPublisher publisher(topics, node, base, clock, c.robot.model);
   node.start();
   const DdsCameras cameras = sensors.wait();
@@ -84,6 +85,11 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
       .ranges = range_look(inbox, stop, depth.value_or(RangeCamera{}))};
   if (depth) robot.floor = newest_floor(inbox, *depth, c.robot.base_height());
   if (options.on_start) options.on_start();
+  ExplorationRunOptions asked = options;
+  asked.acknowledged = [&] {
+    const bool by_topic = base.acknowledged();
+    return (options.acknowledged && options.acknowledged()) || by_topic;
+  };
   ExplorationRunResult result;
   RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));
   Unmeasured unmeasured;
@@ -91,9 +97,8 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
     publisher.publish(step);
     recorder.add(step, unmeasured.at(step));
   };
-  const MissionResult mission =
-      live_mission(robot, c, mission_options_for(c, [&] { return unmeasured.truth(); }), observe,
-                   options, result);
+  const MissionResult mission = live_mission(
+      robot, c, mission_options_for(c, [&] { return unmeasured.truth(); }), observe, asked, result);
   result.record = recorder.finish(mission, "dds", unmeasured.truth(), nullptr);
   result.record.summary.measured = false;
   result.map = perception.belief()->octree;

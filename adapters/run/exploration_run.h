@@ -34,7 +34,7 @@ class SolverRegistry;
 /// A mission in real time, by threads, instead of in lockstep (real_time_driver.h), driven by
 /// Configuration::drive.
 struct RealTimeRun {
-  std::vector<InjectedFault> faults;  ///< of the simulated robot
+  std::vector<InjectedFault> faults;  ///< of the robot, of the simulator or Gazebo
 };
 
 /// One simulated mission: world, configuration and seed in, records out.
@@ -59,6 +59,8 @@ struct ExplorationRunOptions {
   /// another.
   std::function<void(const StepRecord&, const Planner&)> on_plan;
   std::function<bool()> cancelled;
+  /// In real time: whether a person has acknowledged a stop that latches since the call before.
+  std::function<bool()> acknowledged;
   Taps taps;
   /// Makes the planner; empty: the Planner of this project with the configured solver.
   std::function<std::unique_ptr<Replanner>(const Configuration&)> make_planner;
@@ -78,6 +80,8 @@ struct ExplorationRunResult {
   std::optional<HealthReport> health;  ///< at the end
   /// Of a simulation that somebody else runs: its seconds in one of the machine.
   std::optional<double> real_time_factor;
+  /// [s] of the runtime's clock from which the times of injected faults count, of Gazebo.
+  std::optional<double> faults_start;
   std::vector<CheckResult> preflight;
   std::vector<Event> events;
 };

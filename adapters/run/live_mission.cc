@@ -53,6 +53,7 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& c,
   if (failed.empty()) {
     end = driver.run(mission, observe, [&] {
       if (options.taps.driver) options.taps.driver(driver, robot.clock.now());
+      if (options.acknowledged && options.acknowledged()) driver.acknowledge();
       return options.cancelled && options.cancelled();
     });
     if (options.taps.driver) options.taps.driver(driver, robot.clock.now());
