@@ -103,6 +103,9 @@ void print_driver(const ExplorationRunResult& result) {
   std::printf("before the first motion\n%s", to_text(result.preflight).c_str());
   std::printf("in real time\n  commands      %d late plans, %d guard stops\n%s", driver.late_plans,
               driver.guard_stops, to_text(*result.health).c_str());
+  if (result.faults_start) {
+    std::printf("  faults        their times count from %.3f s\n", *result.faults_start);
+  }
   if (result.real_time_factor) {
     std::printf("  simulated     %.2f s a second\n", *result.real_time_factor);
   }
@@ -154,35 +157,6 @@ void set_task(const ExploreArguments& arguments, Configuration& configuration) {
   override_entry(configuration, "task.goal", "[" + goal + "]");
   if (const std::string wrong = task_problem(configuration); !wrong.empty()) {
     throw InputError("--go: " + wrong);
-  }
-}
-
-/// What the command line says of how the world is read.
-void set_world(const ExploreArguments& arguments, Configuration& configuration) {
-  WorldOptions& world = configuration.world;
-  if (!arguments.start.empty()) {
-    const std::vector<double>& s = arguments.start;
-    world.start = Pose{{s[0], s[1], 0.0}, s[2] * M_PI / 180.0};
-    override_entry(
-        configuration, "world.start",
-        "[" + exact_text(s[0]) + ", " + exact_text(s[1]) + ", " + exact_text(s[2]) + "]");
-  }
-  if (arguments.floor) {
-    world.floor = arguments.floor;
-    // A text, which may be "lowest".
-    override_entry(configuration, "world.floor", '"' + exact_text(*arguments.floor) + '"');
-  }
-  if (arguments.resolution > 0.0) {
-    world.voxel_size = arguments.resolution;
-    override_entry(configuration, "world.resolution", exact_text(arguments.resolution));
-  }
-  if (!arguments.unknown.empty()) {
-    world.unknown_is_free = arguments.unknown == "free";
-    override_entry(configuration, "world.unknown", arguments.unknown);
-  }
-  if (arguments.ground_margin) {
-    world.ground_margin = *arguments.ground_margin;
-    override_entry(configuration, "world.ground", exact_text(*arguments.ground_margin));
   }
 }
 
@@ -303,7 +277,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     override_entry(configuration, "simulator.map", arguments.map);
   }
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
-  set_world(arguments, configuration);
+  set_world(arguments.reading, configuration);
   const bool unknown_world = base.dds || (base.gazebo && !base.measure);
   if (unknown_world && (configuration.until_coverage > 0.0 || configuration.until_area > 0.0)) {
     throw InputError(
@@ -336,6 +310,9 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   std::optional<MissionLog> log;
   LiveFeed feed;
   DriveRequests requests;
+  options.requests = &requests;
+  std::optional<AcknowledgementBySignal> by_signal;
+  if (base.in_real_time()) by_signal.emplace(requests);
   std::optional<LiveServer> live;
   options.on_start = [&] {
     if (arguments.live) {
@@ -363,7 +340,6 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   };
   if (arguments.log) options.taps = taps_of(log, arguments.log_images);
   if (arguments.live) {
-    options.requests = &requests;
     auto& taps = options.taps;
     taps.belief = both(taps.belief, std::function([&](const Belief& b) { feed.belief(b); }));
     taps.driver = both(taps.driver, std::function([&](const RealTimeDriver& driver, double now) {

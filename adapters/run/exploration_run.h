@@ -37,7 +37,7 @@ class SolverRegistry;
 /// A mission in real time, by threads, instead of in lockstep (real_time_driver.h), driven by
 /// Configuration::drive.
 struct RealTimeRun {
-  std::vector<InjectedFault> faults;  ///< of the simulated robot
+  std::vector<InjectedFault> faults;  ///< of the robot, of the simulator or Gazebo
 };
 
 /// One simulated mission: world, configuration and seed in, records out.
@@ -85,6 +85,8 @@ struct ExplorationRunResult {
   std::optional<HealthReport> health;  ///< at the end
   /// Of a simulation that somebody else runs: its seconds in one of the machine.
   std::optional<double> real_time_factor;
+  /// [s] of the runtime's clock from which the times of injected faults count, of Gazebo.
+  std::optional<double> faults_start;
   std::vector<CheckResult> preflight;
   std::vector<Event> events;
 };
