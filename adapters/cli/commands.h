@@ -115,6 +115,33 @@ struct BenchArguments {
 };
 int bench(const BenchArguments& arguments, const Registries& registries);
 
+struct ReplayArguments {
+  static constexpr int kToTheEnd = 2147483647;
+  std::string run;                    ///< folder, or the log of a mission
+  std::vector<std::string> settings;  ///< "planner.N=12"
+  std::string solver;                 ///< empty: as recorded
+  std::string world;                  ///< empty: as recorded
+  int from = 0, to = kToTheEnd;       ///< planning steps
+  std::string out;                    ///< folder; empty: RUN/replay
+  bool quiet = false;
+  std::vector<std::string> plugins;  ///< files, as given
+};
+int replay(const ReplayArguments& arguments, const Registries& registries);
+
+struct StudyArguments {
+  std::string file;  ///< study (YAML)
+  std::string out;   ///< folder; empty: runs/NAME
+  int jobs = 1;
+  std::string shard = "1/1";
+  bool dry_run = false;
+  bool retry_failed = false;
+  bool gather = false;
+  bool steps = false;  ///< with gather: steps.h5, too
+  bool quiet = false;
+  std::vector<std::string> plugins;  ///< files, as given
+};
+int study(const StudyArguments& arguments, const Registries& registries);
+
 struct OdometryArguments {
   std::string dataset;  ///< a recording
   StereoDatasetOptions options;

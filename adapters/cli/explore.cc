@@ -19,6 +19,7 @@
 #include "adapters/cli/progress.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/solver_options.h"
+#include "adapters/files/content_hash.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
 #include "adapters/live/live_server.h"
@@ -33,6 +34,7 @@
 #include "adapters/run/run_folder.h"
 #include "adapters/simulator/camera_rig.h"
 #include "adapters/worlds/load_world.h"
+#include "adapters/worlds/world_hash.h"
 #include "engine/task/task.h"
 #include "models/range_text.h"
 #include "runtime/clock.h"
@@ -161,10 +163,14 @@ void set_task(const ExploreArguments& arguments, Configuration& configuration) {
 }
 
 RunStart start_of(const ExploreArguments& arguments, const Configuration& configuration,
-                  const std::string& world, const MissionBase& base) {
+                  const std::string& name, const World* world, const MissionBase& base) {
   const BuildInfo build = build_info();
   RunStart start;
-  start.world = world;
+  start.world = name;
+  if (world) {
+    start.world_source = arguments.world;
+    start.world_hash = hash_text(world_hash(*world));
+  }
   start.solver = configuration.solver;
   start.seed = arguments.seed;
   start.real_time = base.in_real_time();
@@ -305,7 +311,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
                                     "_" + std::to_string(arguments.seed)
                               : arguments.out;
   std::optional<RunFolder> folder;
-  const RunStart start = start_of(arguments, configuration, name, base);
+  const RunStart start = start_of(arguments, configuration, name, world.get(), base);
   // Not before: nothing is written for a refusal.
   std::optional<MissionLog> log;
   LiveFeed feed;

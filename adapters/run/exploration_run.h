@@ -33,6 +33,8 @@ namespace prospect {
 
 class Planner;
 class SolverRegistry;
+struct MissionStep;
+struct SimulatedTruth;
 
 /// A mission in real time, by threads, instead of in lockstep (real_time_driver.h), driven by
 /// Configuration::drive.
@@ -64,6 +66,10 @@ struct ExplorationRunOptions {
   /// After on_step, with the Planner that made the step; never called if make_planner makes
   /// another.
   std::function<void(const StepRecord&, const Planner&)> on_plan;
+  /// In lockstep: another planner that is asked at each step with the same belief, and told the
+  /// same tasks; its plans are not driven. on_beside is shown them, before on_step.
+  Replanner* beside = nullptr;
+  std::function<void(const MissionStep&, const SimulatedTruth&)> on_beside;
   std::function<bool()> cancelled;
   DriveRequests* requests = nullptr;  ///< what people ask of the mission; null: nobody
   Taps taps;
