@@ -7,6 +7,7 @@
 
 #include "engine/features/visibility_kernel.h"
 #include "engine/maps/landmark_map.h"
+#include "engine/maps/odometry_noise.h"
 #include "engine/problem/term.h"
 #include "engine/problem/trajectory.h"
 #include "models/camera.h"
@@ -16,24 +17,6 @@ namespace prospect {
 class Knobs;
 
 class OcclusionTable;
-
-/// Noise of the odometry, a random walk in distance and angle (our choice of shape):
-///   Var position (each axis) = position_per_metre^2 s + position_per_radian^2 a   [m^2]
-///   Var yaw                  = yaw_per_metre^2 s      + yaw_per_radian^2 a        [rad^2]
-/// after s metres travelled and a radians turned with `reference_count` points in view. With N
-/// points both variances grow by (reference_count + floor_count) / (N + floor_count): about 1/N, as
-/// the covariance of a least-squares pose does, and bounded at N = 0.
-struct OdometryNoise {
-  double position_per_metre = 0.002;   ///< [m / sqrt(m)]
-  double position_per_radian = 0.002;  ///< [m / sqrt(rad)]
-  double yaw_per_metre = 0.0005;       ///< [rad / sqrt(m)]
-  double yaw_per_radian = 0.001;       ///< [rad / sqrt(rad)]
-  double reference_count = 200.0;      ///< points at which the values above hold
-  double floor_count = 2.0;            ///< > 0
-};
-
-/// The knobs (models/knobs.h).
-void describe(Knobs& knobs, OdometryNoise& options);
 
 /// What decides whether a point is seen. Widths are those of logistic functions: 0.5 at the limit,
 /// 0.73 one width inside, 0.95 three widths inside.
@@ -127,9 +110,9 @@ class VisibilityPrediction {
   /// N_k without prior, k = 0..N, of candidate b. Allocates; for reports.
   std::vector<double> visible(const TrajectoryBatch& trajectories, int b) const;
 
-  /// Sigma_rel,k, k = 0..N, of candidate b. Allocates; for reports.
-  std::vector<Eigen::Matrix4d> relative_covariances(const TrajectoryBatch& trajectories,
-                                                    int b) const;
+  /// Sigma_rel,k, k = 0..N, of candidate b; prior_count as of propagate(). Allocates; for reports.
+  std::vector<Eigen::Matrix4d> relative_covariances(const TrajectoryBatch& trajectories, int b,
+                                                    const double* prior_count = nullptr) const;
 
   /// What a pass along one trajectory leaves behind. All arrays have N + 1 entries.
   struct Stages {
