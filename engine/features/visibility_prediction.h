@@ -52,12 +52,14 @@ VisibilityParameters with_redetected_landmarks(VisibilityParameters parameters =
 ///   diag(w_p, w_p, w_z, w_yaw),  w from OdometryNoise with
 ///         s = sqrt(|p_{k+1} - p_k|^2 + e^2) - e,  a = sqrt(dyaw^2 + e^2) - e,  e = 1 mm, 1 mrad
 ///         w_z = w_p for bases that move in 3-D, 0 for a base on the plane (its height is known)
-///   S_ik = H_x Sigma_rel,k H_x^T + H_l Sigma_i H_l^T + sigma_px^2 I                      [px^2]
+///   Sigma_k = Sigma_rel,k + scale^2 d_k d_k^T,  d_k = p_k - p_0: an error of the scale is the same
+///         at all stages, so it does not add up like noise
+///   S_ik = H_x Sigma_k H_x^T + H_l Sigma_i H_l^T + sigma_px^2 I                      [px^2]
 ///   pi_ik = tau_i P_fov P_range P_view P_unoccluded P_cell
 ///   N_k = sum_i mu_i pi_ik (+ prior),   Var N_k = sum_i mu_i pi_ik (1 - pi_ik) (+ prior),
 ///   mu_i the landmarks that i stands for (Landmark::multiplicity)
 ///
-/// Sigma_rel is the uncertainty of the pose at stage k relative to the pose now: the map drifts
+/// Sigma_k is the uncertainty of the pose at stage k relative to the pose now: the map drifts
 /// with the odometry's frame, so the present pose is exact with respect to it. F_k is the Jacobian
 /// of compounding a displacement measured in the body frame; for every motion model of this project
 /// it is A_k restricted to the pose.
@@ -110,7 +112,7 @@ class VisibilityPrediction {
   /// N_k without prior, k = 0..N, of candidate b. Allocates; for reports.
   std::vector<double> visible(const TrajectoryBatch& trajectories, int b) const;
 
-  /// Sigma_rel,k, k = 0..N, of candidate b; prior_count as of propagate(). Allocates; for reports.
+  /// Sigma_k, k = 0..N, of candidate b; prior_count as of propagate(). Allocates; for reports.
   std::vector<Eigen::Matrix4d> relative_covariances(const TrajectoryBatch& trajectories, int b,
                                                     const double* prior_count = nullptr) const;
 
@@ -163,6 +165,8 @@ class VisibilityPrediction {
 
  private:
   class Scratch;
+  /// Sigma_k of Sigma_rel,k and d_k.
+  Eigen::Matrix4d with_scale(const Eigen::Matrix4d& sigma, const Eigen::Vector3d& d) const;
   VisibilityKernelStage stage_inputs(const Pose& pose, const Eigen::Matrix4d& sigma) const;
   void unoccluded(const Eigen::Vector3d& sensor, bool gradient, Scratch& scratch) const;
   /// information: null, or 6 x 6, without the prior.

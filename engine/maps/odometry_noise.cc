@@ -4,7 +4,7 @@
 
 namespace prospect {
 
-void describe(Knobs& knobs, OdometryNoise& o) {
+void describe_random_walk(Knobs& knobs, OdometryNoise& o) {
   knobs.number("position_per_metre", o.position_per_metre, {0.0, 1000.0}, "m/sqrt(m)",
                "error of the position from driving");
   knobs.number("position_per_radian", o.position_per_radian, {0.0, 1000.0}, "m/sqrt(rad)",
@@ -17,6 +17,12 @@ void describe(Knobs& knobs, OdometryNoise& o) {
                "points in view at which these errors hold");
   knobs.number("floor_count", o.floor_count, {0.001, 1e6}, "1",
                "points that are added to both counts: bounds the errors where none is in view");
+}
+
+void describe(Knobs& knobs, OdometryNoise& o) {
+  describe_random_walk(knobs, o);
+  knobs.number("scale", o.scale, {0.0, 10.0}, "1",
+               "error of the scale, which is the same on the whole way");
 }
 
 }  // namespace prospect

@@ -118,7 +118,7 @@ std::size_t specify_visible_features(const StepContext& c, ProblemSpecification&
   if (!p.feature_covariance) {
     OdometryNoise& noise = s.visibility.odometry;
     noise.position_per_metre = noise.position_per_radian = 0.0;
-    noise.yaw_per_metre = noise.yaw_per_radian = 0.0;
+    noise.yaw_per_metre = noise.yaw_per_radian = noise.scale = 0.0;
     for (Landmark& landmark : s.landmarks) landmark.covariance.setZero();
   }
   if (c.belief.localization != Localization::kLost) calibrate(c, s);

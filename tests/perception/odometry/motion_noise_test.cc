@@ -16,11 +16,13 @@ namespace {
 using Eigen::Isometry3d;
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
 
-/// Claims of a camera that sits on the body's origin and looks ahead.
+/// Claims of a camera that sits on the body's origin and looks ahead, which it drives.
 class ClaimingOdometry final : public Odometry {
  public:
   using Variances = std::function<std::pair<double, double>(int frames)>;  // position, yaw
-  explicit ClaimingOdometry(Variances variances) : variances_(std::move(variances)) {}
+  /// `ahead`: what the variance along the camera's axis has besides [m^2].
+  explicit ClaimingOdometry(Variances variances, std::function<double(int frames)> ahead = {})
+      : variances_(std::move(variances)), ahead_(std::move(ahead)) {}
   OdometryFrame process(double, const ImageView&, const ImageView&,
                         const std::optional<Isometry3d>&) override {
     return {};
@@ -32,27 +34,30 @@ class ClaimingOdometry final : public Odometry {
     const auto [position, yaw] = variances_(frames);
     Matrix6d C = Matrix6d::Zero();
     C.diagonal() << position, position, position, yaw, yaw, yaw;
+    if (ahead_) C(2, 2) += ahead_(frames);
     return C;
   }
 
  private:
   Variances variances_;
+  std::function<double(int)> ahead_;
   std::vector<LandmarkSighting> none_;
   std::vector<std::uint64_t> gone_;
 };
 
 const Isometry3d kMount = CameraMount::forward_facing(Eigen::Vector3d::Zero());
 
-/// Frames along an arc: `step` [m] and `turn` [rad] each.
+/// Frames along an arc: `step` [m] and `turn` [rad] each, `aside` [rad] of where the camera looks.
 void drive(MotionNoise& noise, const Odometry& odometry, int frames, double step, double turn,
-           int tracked, Pose& pose) {
+           int tracked, Pose& pose, double aside = 0.0) {
   for (int k = 0; k < frames; ++k) {
     OdometryFrame frame;
     frame.state = Localization::kOk;
     frame.tracked = tracked;
     frame.T_WC = body_transform(pose) * kMount;
     noise.add(frame, odometry);
-    pose.position += step * Eigen::Vector3d(std::cos(pose.yaw), std::sin(pose.yaw), 0.0);
+    const double way = pose.yaw + aside;
+    pose.position += step * Eigen::Vector3d(std::cos(way), std::sin(way), 0.0);
     pose.yaw += turn;
   }
 }
@@ -90,7 +95,29 @@ TEST(MotionNoise, FindsARandomWalkOfMetresAndRadians) {
   EXPECT_LT(found.position_per_radian, 0.003);
   EXPECT_LT(found.yaw_per_metre, 0.0011);
   EXPECT_NEAR(found.yaw_per_radian, truth.yaw_per_radian, 0.1 * truth.yaw_per_radian);
+  // A tenth of the variance over a metre at most: what the prior pulls away is not seen across.
+  EXPECT_LT(found.scale, 0.3 * truth.position_per_metre);
   EXPECT_EQ(found.reference_count, OdometryNoise().reference_count);
+}
+
+TEST(MotionNoise, TellsAnErrorOfTheScaleFromARandomWalk) {
+  constexpr double kStep = 0.05, kScale = 0.008, kPerMetre = 0.003;
+  const ClaimingOdometry odometry(
+      [&](int frames) {
+        return std::pair(kPerMetre * kPerMetre * kStep * frames, 0.25e-6 * kStep * frames);
+      },
+      [&](int frames) { return std::pow(kScale * kStep * frames, 2); });
+  MotionNoise noise(kMount);
+  Pose pose;
+  pose.yaw = 0.7;
+  drive(noise, odometry, 40, kStep, 0.0, 200, pose);
+  ASSERT_TRUE(noise.noise());
+  EXPECT_NEAR(noise.noise()->scale, kScale, 0.02 * kScale);
+  EXPECT_NEAR(noise.noise()->position_per_metre, kPerMetre, 0.02 * kPerMetre);
+  // The same variances, of one that drives sideways: what grows across the way is not the scale's.
+  MotionNoise sideways(kMount);
+  drive(sideways, odometry, 40, kStep, 0.0, 200, pose, M_PI_2);
+  EXPECT_LT(sideways.noise()->scale, 0.2 * kScale);
 }
 
 TEST(MotionNoise, WhatWasNotDrivenStaysInTheRatioThatIsAssumed) {
@@ -105,6 +132,7 @@ TEST(MotionNoise, WhatWasNotDrivenStaysInTheRatioThatIsAssumed) {
   EXPECT_NEAR(found.position_per_radian, 2.0 * assumed.position_per_radian, 1e-9);
   EXPECT_NEAR(found.yaw_per_metre, 0.5 * assumed.yaw_per_metre, 1e-9);
   EXPECT_NEAR(found.yaw_per_radian, 0.5 * assumed.yaw_per_radian, 1e-9);
+  EXPECT_LT(found.scale, 1e-6);
 }
 
 TEST(MotionNoise, SaysNothingWithoutMotionOrClaims) {
