@@ -167,7 +167,7 @@ LoggedRun read_logged_run(const std::string& path, const Registries& registries)
   }
   const BagFile bag = BagFile::open(path);
   const BagTopic* steps_topic = bag.find(topic::kStep);
-  if (!steps_topic) {
+  if (!steps_topic || steps_topic->messages.empty()) {
     throw InputError(path + ": no " + topic::kStep +
                      "; expected the log of a mission (prospect drive, explore --mcap)");
   }
