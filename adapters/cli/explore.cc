@@ -19,6 +19,7 @@
 #include "adapters/cli/progress.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/solver_options.h"
+#include "adapters/files/content_hash.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
 #include "adapters/live/live_server.h"
@@ -33,6 +34,7 @@
 #include "adapters/run/run_folder.h"
 #include "adapters/simulator/camera_rig.h"
 #include "adapters/worlds/load_world.h"
+#include "adapters/worlds/world_hash.h"
 #include "engine/task/task.h"
 #include "models/range_text.h"
 #include "runtime/clock.h"
@@ -103,6 +105,9 @@ void print_driver(const ExplorationRunResult& result) {
   std::printf("before the first motion\n%s", to_text(result.preflight).c_str());
   std::printf("in real time\n  commands      %d late plans, %d guard stops\n%s", driver.late_plans,
               driver.guard_stops, to_text(*result.health).c_str());
+  if (result.faults_start) {
+    std::printf("  faults        their times count from %.3f s\n", *result.faults_start);
+  }
   if (result.real_time_factor) {
     std::printf("  simulated     %.2f s a second\n", *result.real_time_factor);
   }
@@ -157,40 +162,15 @@ void set_task(const ExploreArguments& arguments, Configuration& configuration) {
   }
 }
 
-/// What the command line says of how the world is read.
-void set_world(const ExploreArguments& arguments, Configuration& configuration) {
-  WorldOptions& world = configuration.world;
-  if (!arguments.start.empty()) {
-    const std::vector<double>& s = arguments.start;
-    world.start = Pose{{s[0], s[1], 0.0}, s[2] * M_PI / 180.0};
-    override_entry(
-        configuration, "world.start",
-        "[" + exact_text(s[0]) + ", " + exact_text(s[1]) + ", " + exact_text(s[2]) + "]");
-  }
-  if (arguments.floor) {
-    world.floor = arguments.floor;
-    // A text, which may be "lowest".
-    override_entry(configuration, "world.floor", '"' + exact_text(*arguments.floor) + '"');
-  }
-  if (arguments.resolution > 0.0) {
-    world.voxel_size = arguments.resolution;
-    override_entry(configuration, "world.resolution", exact_text(arguments.resolution));
-  }
-  if (!arguments.unknown.empty()) {
-    world.unknown_is_free = arguments.unknown == "free";
-    override_entry(configuration, "world.unknown", arguments.unknown);
-  }
-  if (arguments.ground_margin) {
-    world.ground_margin = *arguments.ground_margin;
-    override_entry(configuration, "world.ground", exact_text(*arguments.ground_margin));
-  }
-}
-
 RunStart start_of(const ExploreArguments& arguments, const Configuration& configuration,
-                  const std::string& world, const MissionBase& base) {
+                  const std::string& name, const World* world, const MissionBase& base) {
   const BuildInfo build = build_info();
   RunStart start;
-  start.world = world;
+  start.world = name;
+  if (world) {
+    start.world_source = arguments.world;
+    start.world_hash = hash_text(world_hash(*world));
+  }
   start.solver = configuration.solver;
   start.seed = arguments.seed;
   start.real_time = base.in_real_time();
@@ -303,7 +283,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     override_entry(configuration, "simulator.map", arguments.map);
   }
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
-  set_world(arguments, configuration);
+  set_world(arguments.reading, configuration);
   const bool unknown_world = base.dds || (base.gazebo && !base.measure);
   if (unknown_world && (configuration.until_coverage > 0.0 || configuration.until_area > 0.0)) {
     throw InputError(
@@ -331,11 +311,14 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
                                     "_" + std::to_string(arguments.seed)
                               : arguments.out;
   std::optional<RunFolder> folder;
-  const RunStart start = start_of(arguments, configuration, name, base);
+  const RunStart start = start_of(arguments, configuration, name, world.get(), base);
   // Not before: nothing is written for a refusal.
   std::optional<MissionLog> log;
   LiveFeed feed;
   DriveRequests requests;
+  options.requests = &requests;
+  std::optional<AcknowledgementBySignal> by_signal;
+  if (base.in_real_time()) by_signal.emplace(requests);
   std::optional<LiveServer> live;
   options.on_start = [&] {
     if (arguments.live) {
@@ -363,7 +346,6 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   };
   if (arguments.log) options.taps = taps_of(log, arguments.log_images);
   if (arguments.live) {
-    options.requests = &requests;
     auto& taps = options.taps;
     taps.belief = both(taps.belief, std::function([&](const Belief& b) { feed.belief(b); }));
     taps.driver = both(taps.driver, std::function([&](const RealTimeDriver& driver, double now) {

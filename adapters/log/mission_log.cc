@@ -10,6 +10,8 @@ namespace {
 
 McapWriter::Fields fields_of(const RunStart& s) {
   return {{"world", s.world},
+          {"world_source", s.world_source},
+          {"world_hash", s.world_hash},
           {"solver", s.solver},
           {"seed", std::to_string(s.seed)},
           {"real_time", s.real_time ? "1" : "0"},

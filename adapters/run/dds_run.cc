@@ -47,8 +47,9 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
   const SteadyClock clock;
   SensorInbox inbox(clock, c.drive.inbox);
   DdsNode node(topics.address);
-  DdsBase base(topics, node, clock);
-  const DdsSensors sensors(topics, node, inbox);
+  DdsTransforms transforms(node);
+  DdsBase base(topics, node, transforms, clock, options.requests);
+  const DdsSensors sensors(topics, node, transforms, inbox);
   DdsPublisher publisher(topics, node, base, clock, c.robot.model);
   node.start();
   const DdsCameras cameras = sensors.wait();

@@ -33,11 +33,13 @@ namespace prospect {
 
 class Planner;
 class SolverRegistry;
+struct MissionStep;
+struct SimulatedTruth;
 
 /// A mission in real time, by threads, instead of in lockstep (real_time_driver.h), driven by
 /// Configuration::drive.
 struct RealTimeRun {
-  std::vector<InjectedFault> faults;  ///< of the simulated robot
+  std::vector<InjectedFault> faults;  ///< of the robot, of the simulator or Gazebo
 };
 
 /// One simulated mission: world, configuration and seed in, records out.
@@ -64,6 +66,10 @@ struct ExplorationRunOptions {
   /// After on_step, with the Planner that made the step; never called if make_planner makes
   /// another.
   std::function<void(const StepRecord&, const Planner&)> on_plan;
+  /// In lockstep: another planner that is asked at each step with the same belief, and told the
+  /// same tasks; its plans are not driven. on_beside is shown them, before on_step.
+  Replanner* beside = nullptr;
+  std::function<void(const MissionStep&, const SimulatedTruth&)> on_beside;
   std::function<bool()> cancelled;
   DriveRequests* requests = nullptr;  ///< what people ask of the mission; null: nobody
   Taps taps;
@@ -85,6 +91,8 @@ struct ExplorationRunResult {
   std::optional<HealthReport> health;  ///< at the end
   /// Of a simulation that somebody else runs: its seconds in one of the machine.
   std::optional<double> real_time_factor;
+  /// [s] of the runtime's clock from which the times of injected faults count, of Gazebo.
+  std::optional<double> faults_start;
   std::vector<CheckResult> preflight;
   std::vector<Event> events;
 };

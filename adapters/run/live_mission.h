@@ -42,8 +42,8 @@ struct LiveRobot {
 /// Pre-flight (run_preflight()), then a mission by a RealTimeDriver, with the options of
 /// configuration.drive. Fills in what `result` holds of a run in real time. A robot that fails a
 /// check does not move: the mission ends as MissionEnd::kNotFit, and says which check.
-/// observe and options.cancelled: as RealTimeDriver::run(). Throws what that and the constructors
-/// throw.
+/// observe and options.cancelled: as RealTimeDriver::run().
+/// Throws what that and the constructors throw.
 MissionResult live_mission(const LiveRobot& robot, const Configuration& configuration,
                            const MissionOptions& mission,
                            const std::function<void(const MissionStep&)>& observe,

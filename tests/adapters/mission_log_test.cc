@@ -219,6 +219,21 @@ TEST_F(MissionLogTest, WhatIsNoLogIsRefusedInOneLine) {
   EXPECT_THAT(refusal(), HasSubstr("no /plan/step; expected the log of a mission"));
 }
 
+TEST_F(MissionLogTest, AMissionThatWasNotFitToDriveSaysWhy) {
+  RunRecord record = run(1);
+  record.steps.clear();
+  record.summary.reason = "not fit to drive";
+  record.summary.detail = "before the first motion: camera height: 0.1 m off";
+  {
+    MissionLog log(path_, start_, options_);
+    log.finish(record);
+  }
+  const LoggedRun read = read_logged_run(path_);
+  EXPECT_TRUE(read.record.steps.empty());
+  EXPECT_EQ(read.record.summary.reason, record.summary.reason);
+  EXPECT_EQ(read.record.summary.detail, record.summary.detail);
+}
+
 TEST_F(MissionLogTest, AConfigurationThatCannotBeReadCostsTheRobotOnly) {
   start_.configuration = "planner: {terms: {of_a_plugin: {}}}\n";
   {

@@ -79,7 +79,7 @@ refused "a base that there is not" --base "expected one of: simulator, gazebo, d
 # Nobody listens at port 1.
 refused "a Gazebo that is not there" 127.0.0.1:1 "expected" drive --base gazebo \
   --set gazebo.port=1 --out none
-refused "a fault in Gazebo" --fault "expected it with --base simulator" drive --base gazebo \
+refused "a fault over DDS" --fault "expected it with --base simulator|gazebo" drive --base dds \
   --fault depth:off --out none
 refused "a measured simulator" --measure "expected it with --base gazebo" drive office --measure \
   --out none
@@ -634,6 +634,14 @@ refused "no name of a file" "--sdf: 'exported'" "expected a file .sdf" export co
 refused "pixels that are not square" "robot.stereo.fx is 450" "pixels of Gazebo are square" \
   export corridor --sdf exported/no.sdf --set robot.stereo.fy=400
 [[ ! -e exported/no.sdf && ! -e exported/no.obj ]] || fail "a refused export wrote something"
+
+cat >field.world <<'SDF'
+<sdf version="1.6"><world name="field"><model name="m"><link name="l"><visual name="v"><geometry><plane><size>8 6</size></plane></geometry></visual>
+</link></model></world></sdf>
+SDF
+succeeds "a Gazebo world with the robot" export field.world --sdf exported/field.sdf --start 1 2 90
+[[ "$(<exported/field.sdf)" == *"<size>8 6</size>"*"<model name=\"robot\">"*"<pose>1 2 0 0 0 1.5707"* ]] || fail "no robot in field.sdf"
+refused "a robot that is there" "field.sdf:" "expected a world without the robot" export exported/field.sdf --sdf exported/no.sdf
 
 succeeds "report of a run" report first --figure path,map --out figures
 for file in path.png path.svg map.png map.svg; do
