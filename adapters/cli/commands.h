@@ -39,7 +39,9 @@ struct ExploreArguments {
   std::string map;          ///< OctoMap to begin with; empty: none
   bool log = false;         ///< mission.mcap in the run folder; drive always writes it
   bool log_images = false;  ///< with the cameras' images in it
-  int save_problems = 0;    ///< write the problem of every so manyeth planning step; 0: none
+  std::optional<int> live;  ///< port of the live view; none: there is none
+  std::string live_host = "127.0.0.1", live_token;  ///< LiveOptions
+  int save_problems = 0;  ///< write the problem of every so manyeth planning step; 0: none
   bool json = false;
   bool quiet = false;
   std::string command_line;  ///< as typed, for the run folder
@@ -112,6 +114,33 @@ struct BenchArguments {
   bool quiet = false;
 };
 int bench(const BenchArguments& arguments, const Registries& registries);
+
+struct ReplayArguments {
+  static constexpr int kToTheEnd = 2147483647;
+  std::string run;                    ///< folder, or the log of a mission
+  std::vector<std::string> settings;  ///< "planner.N=12"
+  std::string solver;                 ///< empty: as recorded
+  std::string world;                  ///< empty: as recorded
+  int from = 0, to = kToTheEnd;       ///< planning steps
+  std::string out;                    ///< folder; empty: RUN/replay
+  bool quiet = false;
+  std::vector<std::string> plugins;  ///< files, as given
+};
+int replay(const ReplayArguments& arguments, const Registries& registries);
+
+struct StudyArguments {
+  std::string file;  ///< study (YAML)
+  std::string out;   ///< folder; empty: runs/NAME
+  int jobs = 1;
+  std::string shard = "1/1";
+  bool dry_run = false;
+  bool retry_failed = false;
+  bool gather = false;
+  bool steps = false;  ///< with gather: steps.h5, too
+  bool quiet = false;
+  std::vector<std::string> plugins;  ///< files, as given
+};
+int study(const StudyArguments& arguments, const Registries& registries);
 
 struct OdometryArguments {
   std::string dataset;  ///< a recording

@@ -1,12 +1,17 @@
 #include "adapters/cli/interrupt.h"
 
+#include <atomic>
 #include <csignal>
 
 namespace prospect {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0, acknowledged = 0;
-void acknowledge(int) { acknowledged = 1; }
+volatile std::sig_atomic_t interrupted = 0;
+std::atomic<DriveRequests*> asked = nullptr;
+static_assert(std::atomic<DriveRequests*>::is_always_lock_free);
+void acknowledge(int) {
+  if (DriveRequests* const requests = asked) requests->acknowledge();
+}
 void interrupt(int) { interrupted = 1; }
 
 }  // namespace
@@ -19,13 +24,11 @@ std::function<bool()> catch_interrupts() {
   return [] { return interrupted != 0; };
 }
 
-std::function<bool()> catch_acknowledgements() {
+AcknowledgementBySignal::AcknowledgementBySignal(DriveRequests& requests) {
+  asked = &requests;
   std::signal(SIGUSR1, acknowledge);
-  return [] {
-    if (acknowledged == 0) return false;
-    acknowledged = 0;
-    return true;
-  };
 }
+
+AcknowledgementBySignal::~AcknowledgementBySignal() { asked = nullptr; }
 
 }  // namespace prospect

@@ -236,8 +236,40 @@ void add_mission_options(CLI::App* command, prospect::ExploreArguments& argument
       ->check(whole_number_within(1, 1000000));
   command->add_flag("--log-images", arguments.log_images,
                     "Images of the cameras in the log, too (explore: implies --mcap)");
+  CLI::Option* live =
+      command
+          ->add_option("--live", arguments.live,
+                       "Serve the mission's page, live, on this port; 0: a free one")
+          ->type_name("PORT")
+          ->check(whole_number_within(0, 65535));
+  command
+      ->add_option("--live-host", arguments.live_host,
+                   "With --live: address of the interface; 0.0.0.0: all")
+      ->type_name("ADDRESS")
+      ->capture_default_str()
+      ->needs(live);
+  command
+      ->add_option("--live-token", arguments.live_token,
+                   "With --live: what allows to command, 16 or more letters and digits [random]")
+      ->type_name("TOKEN")
+      ->needs(live);
   command->add_flag("--json", arguments.json, "Print the summary as JSON");
   command->add_flag("--quiet", arguments.quiet, "No progress line");
+}
+
+/// The command line as typed, but for the token, which is nobody's to read in a run folder.
+std::string typed_line(int argc, char** argv) {
+  std::string line;
+  bool token = false;
+  for (int i = 0; i < argc; ++i) {
+    const std::string word = argv[i];
+    constexpr std::string_view kOption = "--live-token";
+    const bool holds = word.starts_with(std::string(kOption) + "=");
+    line += i > 0 ? " " : "";
+    line += token ? "..." : holds ? std::string(kOption) + "=..." : prospect::shell_word(word);
+    token = word == kOption;
+  }
+  return line;
 }
 
 int run(int argc, char** argv) {
@@ -415,6 +447,66 @@ int run(int argc, char** argv) {
   bench_command->add_flag("--json", bench_arguments.json, "Print JSON");
   bench_command->add_flag("--quiet", bench_arguments.quiet, "No progress line");
 
+  ReplayArguments replay_arguments;
+  CLI::App* replay_command = app.add_subcommand(
+      "replay", "A recorded mission again, bit for bit; or other plans along its beliefs");
+  replay_command
+      ->add_option("run", replay_arguments.run,
+                   "Folder that explore wrote, or the log of a mission (.mcap)")
+      ->type_name("FILE")
+      ->required();
+  add_set(replay_command, replay_arguments.settings);
+  replay_command
+      ->add_option("--solver", replay_arguments.solver,
+                   "Back end of the other plans, see `prospect list solvers`")
+      ->type_name("SOLVER");
+  replay_command
+      ->add_option("--from", replay_arguments.from, "First planning step that is reported [0]")
+      ->check(whole_number_within(0, 1000000000));
+  replay_command
+      ->add_option("--to", replay_arguments.to,
+                   "The last one, where the mission is ended [its end]")
+      ->check(whole_number_within(0, 1000000000));
+  replay_command
+      ->add_option("--world", replay_arguments.world, "Where the world of the run is [as recorded]")
+      ->type_name("WORLD");
+  replay_command
+      ->add_option("--out", replay_arguments.out,
+                   "Folder for table and page [replay in that of the run]")
+      ->type_name("DIR");
+  replay_command->add_flag("--quiet", replay_arguments.quiet, "No progress line");
+
+  StudyArguments study_arguments;
+  CLI::App* study_command = app.add_subcommand(
+      "study", "Missions over worlds, seeds, conditions and a grid of values, and what they show");
+  study_command->add_option("study", study_arguments.file, "Study file (YAML)")
+      ->type_name("FILE")
+      ->required();
+  study_command
+      ->add_option("--out", study_arguments.out,
+                   "Folder of the study; what it holds is not run again [runs/NAME]")
+      ->type_name("DIR");
+  study_command->add_option("--jobs", study_arguments.jobs, "Missions at a time")
+      ->check(whole_number_within(1, 4096))
+      ->capture_default_str();
+  study_command
+      ->add_option("--shard", study_arguments.shard,
+                   "Only the I-th of N parts of the cells, for one of N workers: I/N")
+      ->type_name("I/N")
+      ->capture_default_str();
+  study_command->add_flag("--dry-run", study_arguments.dry_run,
+                          "Say what would be run, and how long it takes");
+  study_command->add_flag("--retry-failed", study_arguments.retry_failed,
+                          "Run cells again that failed");
+  CLI::Option* gather =
+      study_command->add_flag("--gather", study_arguments.gather,
+                              "Run nothing: results.csv, study.html and figures of what is there");
+  study_command
+      ->add_flag("--steps", study_arguments.steps,
+                 "With --gather: steps.h5, too, with every column of every run")
+      ->needs(gather);
+  study_command->add_flag("--quiet", study_arguments.quiet, "No progress line");
+
   InspectArguments inspect_arguments;
   CLI::App* inspect_command = app.add_subcommand(
       "inspect", "What a recording holds, and what is missing to use it; names maps and worlds");
@@ -568,9 +660,7 @@ int run(int argc, char** argv) {
     if (!warning.empty()) std::cerr << "prospect: " << warning << '\n';
   }
   for (ExploreArguments* mission : {&explore_arguments, &drive_arguments.mission}) {
-    for (int i = 0; i < argc; ++i) {
-      mission->command_line += (i > 0 ? " " : "") + shell_word(argv[i]);
-    }
+    mission->command_line = typed_line(argc, argv);
   }
   if (*explore_command) return explore(explore_arguments, registries);
   if (*drive_command) return drive(drive_arguments, registries);
@@ -579,6 +669,14 @@ int run(int argc, char** argv) {
   if (*export_command) return export_world(export_arguments, registries);
   if (*solve_command) return solve(solve_arguments, registries);
   if (*bench_command) return bench(bench_arguments, registries);
+  if (*replay_command) {
+    replay_arguments.plugins = plugins;
+    return replay(replay_arguments, registries);
+  }
+  if (*study_command) {
+    study_arguments.plugins = plugins;
+    return study(study_arguments, registries);
+  }
   if (*inspect_command) return inspect(inspect_arguments);
   if (*odometry_command) return odometry(odometry_arguments);
   if (*map_command) return map(map_arguments);

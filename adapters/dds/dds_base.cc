@@ -100,11 +100,11 @@ struct DdsBase::Impl {
   Twist velocity;
   std::vector<WheelSample> wheels;
   std::deque<std::pair<double, Eigen::Isometry3d>> poses;  // by the robot's stamps
-  bool emergency = false, acknowledged = false;
+  bool emergency = false;
 };
 
 DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& transforms,
-                 const Clock& clock)
+                 const Clock& clock, DriveRequests* requests)
     : impl_(std::make_shared<Impl>(options, node, transforms, clock)) {
   const auto impl = impl_;
   node.subscribe<ros::Odometry>(options.odometry, DdsQos{false, false, 50},
@@ -115,10 +115,9 @@ DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& 
       impl->emergency = m.data;
     });
   }
-  if (!options.acknowledge.empty()) {
-    node.subscribe<ros::Bool>(options.acknowledge, kReliableQos, [impl](const ros::Bool& m) {
-      const std::lock_guard lock(impl->mutex);
-      impl->acknowledged = impl->acknowledged || m.data;
+  if (requests && !options.acknowledge.empty()) {
+    node.subscribe<ros::Bool>(options.acknowledge, kReliableQos, [requests](const ros::Bool& m) {
+      if (m.data) requests->acknowledge();
     });
   }
   const DdsOptions::Command& command = options.command;
@@ -197,11 +196,6 @@ BaseReport DdsBase::report() noexcept {
     report.connected = false;
   }
   return report;
-}
-
-bool DdsBase::acknowledged() noexcept {
-  const std::lock_guard lock(impl_->mutex);
-  return std::exchange(impl_->acknowledged, false);
 }
 
 ros::Time DdsBase::ros_time(double time) const { return impl_->stamp(time); }

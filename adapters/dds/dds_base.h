@@ -11,6 +11,7 @@
 #include "adapters/ros/std_msgs.h"
 #include "runtime/base.h"
 #include "runtime/clock.h"
+#include "runtime/drive_requests.h"
 
 namespace prospect {
 
@@ -31,12 +32,14 @@ namespace prospect {
 /// Clocks: the offset between the robot's clock and the runtime's is estimated from the odometry's
 /// stamps (ClockOffset).
 ///
-/// Declares its topics on the node: make it before DdsNode::start(). Clock and transforms must
-/// outlive the node. Thread-safety: as Base; the rest any thread.
+/// Who acknowledges a stop by topic (DdsOptions::acknowledge) asks so of `requests`; null: nobody.
+///
+/// Declares its topics on the node: make it before DdsNode::start(). Clock, transforms and requests
+/// must outlive the node. Thread-safety: as Base; the rest any thread.
 class DdsBase final : public Base {
  public:
   DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& transforms,
-          const Clock& clock);
+          const Clock& clock, DriveRequests* requests = nullptr);
   ~DdsBase() override;
 
   std::string name() const noexcept override;
@@ -46,8 +49,6 @@ class DdsBase final : public Base {
   void stop() noexcept override;
   BaseReport report() noexcept override;
 
-  /// Whether a person has acknowledged a stop since the call before (DdsOptions::acknowledge).
-  bool acknowledged() noexcept;
   /// `time` [s] of the runtime's clock as a stamp of the robot's. Before the offset has settled,
   /// of this machine's time of day.
   ros::Time ros_time(double time) const;

@@ -48,7 +48,7 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
   SensorInbox inbox(clock, c.drive.inbox);
   DdsNode node(topics.address);
   DdsTransforms transforms(node);
-  DdsBase base(topics, node, transforms, clock);
+  DdsBase base(topics, node, transforms, clock, options.requests);
   const DdsSensors sensors(topics, node, transforms, inbox);
   DdsPublisher publisher(topics, node, base, clock, c.robot.model);
   node.start();
@@ -66,7 +66,8 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
   }
   PerceptionPipeline perception(c.robot.stereo, live_perception(c, depth, start), c.drive.odometry);
   clear_start(perception.map(), c, start);
-  PipelineBeliefs beliefs(inbox, perception, frames_to(options.taps.sensors));
+  PictureTap pictures(options.taps, perception);
+  PipelineBeliefs beliefs(inbox, perception, pictures.frames());
   const Guard guard = guard_for(c.robot, c.planner, c.guard);
   const RangeStop stop(c.drive.ranges);
 
@@ -82,14 +83,10 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
                         : watched(inbox, SensorStream::kScan, "scan", c.guard.max_ranges_age),
                   watched(inbox, SensorStream::kWheels, "wheels", c.guard.max_pose_age)},
       // Without a depth camera there are no depth images, and its numbers are not looked at.
-      .ranges = range_look(inbox, stop, depth.value_or(RangeCamera{}))};
+      .ranges = range_look(inbox, stop, depth.value_or(RangeCamera{})),
+      .on_perceived = pictures.perceived()};
   if (depth) robot.floor = newest_floor(inbox, *depth, c.robot.base_height());
   if (options.on_start) options.on_start();
-  ExplorationRunOptions asked = options;
-  asked.acknowledged = [&] {
-    const bool by_topic = base.acknowledged();
-    return (options.acknowledged && options.acknowledged()) || by_topic;
-  };
   ExplorationRunResult result;
   RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));
   Unmeasured unmeasured;
@@ -97,8 +94,9 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
     publisher.publish(step);
     recorder.add(step, unmeasured.at(step));
   };
-  const MissionResult mission = live_mission(
-      robot, c, mission_options_for(c, [&] { return unmeasured.truth(); }), observe, asked, result);
+  const MissionResult mission =
+      live_mission(robot, c, mission_options_for(c, [&] { return unmeasured.truth(); }), observe,
+                   options, result);
   result.record = recorder.finish(mission, "dds", unmeasured.truth(), nullptr);
   result.record.summary.measured = false;
   result.map = perception.belief()->octree;

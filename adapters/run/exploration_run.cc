@@ -55,6 +55,27 @@ class SimulatedRobot final : public Robot {
   std::function<void(double, const Twist&)> on_command_;
 };
 
+/// A planner that drives, and beside it one that is asked the same.
+class ReplannerPair final : public Replanner {
+ public:
+  ReplannerPair(Replanner& drives, Replanner* beside) : drives_(drives), beside_(beside) {}
+  Plan plan(const Belief& belief) override {
+    if (beside_) beside_plan_ = beside_->plan(belief);
+    return drives_.plan(belief);
+  }
+  std::shared_ptr<const GlobalPlan> global_plan() const override { return drives_.global_plan(); }
+  std::string set_task(const Task& task) override {
+    if (beside_) beside_->set_task(task);
+    return drives_.set_task(task);
+  }
+  const Plan& beside_plan() const { return beside_plan_; }
+
+ private:
+  Replanner& drives_;
+  Replanner* beside_;
+  Plan beside_plan_;
+};
+
 /// The same at times that are `epoch` [s] later.
 SensorTap later(const SensorTap& tap, double epoch) {
   const auto shifted = [epoch](const auto& listener) {
@@ -224,6 +245,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   at_least(limits.max_landmarks_age, simulator_options.image_rate);
   const Guard guard = guard_for(configuration.robot, configuration.planner, limits);
 
+  ReplannerPair pair(*planner, options.real_time ? nullptr : options.beside);
   ExplorationRunResult result;
   RunRecorder recorder(configuration, options, own_planner);
   const SteadyClock clock;
@@ -233,6 +255,13 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   const auto observe = [&](const MissionStep& step) {
     if (options.taps.belief && !base) options.taps.belief(*step.belief);
     if (disk) disk->write();
+    if (options.beside && options.on_beside) {
+      MissionStep beside = step;
+      const std::shared_ptr<const GlobalPlan> global_plan = options.beside->global_plan();
+      beside.plan = &pair.beside_plan();
+      beside.global_plan = global_plan.get();
+      options.on_beside(beside, truth());
+    }
     recorder.add(step, truth());
   };
   if (options.on_start) options.on_start();
@@ -282,7 +311,8 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     mission = live_mission(live, configuration, mission_options, observe, options, result);
   } else {
     simulator.set_tap(options.taps.sensors);
-    mission = run_mission(robot, *planner, guard, mission_options, observe, options.cancelled);
+    mission = run_mission(robot, pair, guard, mission_options, observe, options.cancelled,
+                          options.requests);
   }
   SimulatedTruth at_end = truth_of(simulator);
   result.record = recorder.finish(mission, world->name, at_end, &reachable);

@@ -17,6 +17,9 @@
 #include "engine/maps/belief.h"
 #include "engine/planner/replanner.h"
 #include "models/types.h"
+#include "perception/odometry/image.h"
+#include "perception/odometry/odometry.h"
+#include "runtime/drive_requests.h"
 #include "runtime/event_log.h"
 #include "runtime/health_report.h"
 #include "runtime/preflight.h"
@@ -30,6 +33,8 @@ namespace prospect {
 
 class Planner;
 class SolverRegistry;
+struct MissionStep;
+struct SimulatedTruth;
 
 /// A mission in real time, by threads, instead of in lockstep (real_time_driver.h), driven by
 /// Configuration::drive.
@@ -45,6 +50,9 @@ struct ExplorationRunOptions {
     std::function<void(const Belief&)> belief;  ///< each new one; in lockstep before on_step
     std::function<void(double stamp, const Twist&)> command;  ///< each one that is sent
     SensorTap sensors;
+    /// The newest left image with the landmarks that were to be seen in it, where the robot has
+    /// cameras and somebody looks for landmarks in them: after each planning step.
+    std::function<void(const Image&, const std::vector<LandmarkSighting>&)> picture;
     /// In real time, again and again, on the thread that called, with the runtime's time [s].
     std::function<void(const RealTimeDriver&, double)> driver;
   };
@@ -58,9 +66,12 @@ struct ExplorationRunOptions {
   /// After on_step, with the Planner that made the step; never called if make_planner makes
   /// another.
   std::function<void(const StepRecord&, const Planner&)> on_plan;
+  /// In lockstep: another planner that is asked at each step with the same belief, and told the
+  /// same tasks; its plans are not driven. on_beside is shown them, before on_step.
+  Replanner* beside = nullptr;
+  std::function<void(const MissionStep&, const SimulatedTruth&)> on_beside;
   std::function<bool()> cancelled;
-  /// In real time: whether a person has acknowledged a stop that latches since the call before.
-  std::function<bool()> acknowledged;
+  DriveRequests* requests = nullptr;  ///< what people ask of the mission; null: nobody
   Taps taps;
   /// Makes the planner; empty: the Planner of this project with the configured solver.
   std::function<std::unique_ptr<Replanner>(const Configuration&)> make_planner;

@@ -104,7 +104,8 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
                           {c.robot.depth.min_range, c.robot.depth.max_range}};
   PerceptionPipeline perception(c.robot.stereo, live_perception(c, depth, start), c.drive.odometry);
   clear_start(perception.map(), c, start);
-  PipelineBeliefs beliefs(inbox, perception, frames_to(options.taps.sensors));
+  PictureTap pictures(options.taps, perception);
+  PipelineBeliefs beliefs(inbox, perception, pictures.frames());
   const Guard guard = guard_for(c.robot, c.planner, c.guard);
   const RangeStop stop(c.drive.ranges);
 
@@ -124,7 +125,8 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
                   watched(inbox, SensorStream::kDepth, "depth", c.guard.max_ranges_age),
                   watched(inbox, SensorStream::kWheels, "wheels", c.guard.max_pose_age)},
       .ranges = range_look(inbox, stop, depth),
-      .floor = newest_floor(inbox, depth, c.robot.base_height())};
+      .floor = newest_floor(inbox, depth, c.robot.base_height()),
+      .on_perceived = pictures.perceived()};
   if (options.on_start) options.on_start();
   ExplorationRunResult result;
   RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));

@@ -41,7 +41,7 @@ class MissionLogTest : public testing::Test {
     start_.command_line = "prospect drive";
     start_.version = "1.2.3";
     start_.configuration = effective_yaml(configuration_.entries);
-    options_.robot = configuration_.robot;
+    options_.messages.robot = configuration_.robot;
     options_.file.wait = true;
   }
   void TearDown() override { fs::remove(path_); }
@@ -121,9 +121,9 @@ TEST_F(MissionLogTest, AKilledOneHasTheStepsThatCame) {
 
 TEST_F(MissionLogTest, EveryTopicHasItsMessage) {
   options_.images = true;
-  options_.epoch = 1'000'000'000'000'000'000;  // in 2001
-  options_.depth_camera.width = 4.0;
-  options_.depth_camera.height = 3.0;
+  options_.messages.epoch = 1'000'000'000'000'000'000;  // in 2001
+  options_.messages.depth_camera.width = 4.0;
+  options_.messages.depth_camera.height = 3.0;
   {
     MissionLog log(path_, start_, options_);
     Belief belief;

@@ -60,6 +60,20 @@ timed_out "a mission in real time" drive office --time-limit 1.5 --quiet --out l
 grep -q 'capture to command' out.txt || fail "a mission in real time: no latency in '$out'"
 [[ -s live/steps.csv && -s live/report.html && -s live/summary.json ]] ||
   fail "a mission in real time: its run folder is not whole"
+# The live view says where it is, and keeps its token out of the run folder. Without its library it says so.
+succeeds "list adapters" list adapters
+if grep -q '^live .*not built in' out.txt; then
+  run explore office --time-limit 1 --live 0 --quiet --out seen
+  ((code == 3)) || fail "a live view that is not built in: exit $code, expected 3"
+else
+  timed_out "a mission that is shown" explore office --time-limit 1 --live 0 --live-token 0123456789abcdef --quiet --out seen
+  grep -q '^prospect: live view: http://127.0.0.1:[0-9]*/?token=0123456789abcdef$' err.txt || fail "a mission that is shown: where? '$err'"
+  ! grep -rq 0123456789abcdef seen || fail "the token of the live view is in the run folder"
+  refused "a host that there is not" --live-host "expected the address" explore office --live 0 --live-host nowhere --out none
+  refused "a short token" --live-token "16 to 128" explore office --live 0 --live-token short --out none
+fi
+refused "a port that there is not" --live "whole number from 0 to 65535" drive office --live 70000 --out none
+refused "a host of nothing" --live-host "--live" drive office --live-host 127.0.0.1 --out none
 refused "a base that there is not" --base "expected one of: simulator, gazebo, dds" drive office --base rover \
   --out none
 # Nobody listens at port 1.
