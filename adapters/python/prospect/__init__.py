@@ -5,11 +5,18 @@ is a ValueError whose lines say what, where (file:line or key) and what was expe
 """
 
 from prospect._core import (
+    Belief,
     CallbackError,
+    Configuration,
     Evaluation,
     Evaluator,
     Explanation,
+    Landmarks,
+    Maps,
     MotionModel,
+    Plan,
+    Planner,
+    PlanningContext,
     Problem,
     Quality,
     Registries,
@@ -26,3 +33,30 @@ from prospect._core import (
     solve,
 )
 from prospect.extensions import Solver, Term
+
+# Loaded when they are asked for: numpy and the simulator take as long as all else.
+_LATER = {
+    "Simulation": "prospect._program",
+    "main": "prospect.program",
+    "Bench": "prospect.results",
+    "Columns": "prospect.results",
+    "Run": "prospect.results",
+    "load_bench": "prospect.results",
+    "load_run": "prospect.results",
+    "load_study": "prospect.results",
+    "load_table": "prospect.results",
+}
+
+__all__ = sorted([name for name in globals() if not name.startswith("_")] + list(_LATER))
+
+
+def __getattr__(name):
+    if name in _LATER:
+        import importlib
+
+        return getattr(importlib.import_module(_LATER[name]), name)
+    raise AttributeError(f"module 'prospect' has no attribute '{name}'")
+
+
+def __dir__():
+    return __all__
