@@ -151,6 +151,10 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
        {{"models", "engine", "solvers", "problems", "perception", "runtime", "adapters"},
         {"Eigen", "octomap", "nlohmann", "CLI"},
         json}},
+      {"adapters/python",
+       {{"models", "engine", "solvers", "problems", "perception", "runtime", "adapters"},
+        {"Eigen", "octomap", "pybind11"},
+        {"Eigen", "pybind11"}}},
   };
 }
 
