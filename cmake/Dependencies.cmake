@@ -28,6 +28,8 @@ find_package(Protobuf QUIET)
 # What topics of ROS 2 need: without it such a robot cannot be driven, and it says so.
 find_package(CycloneDDS CONFIG QUIET)
 find_package(OpenSSL QUIET COMPONENTS Crypto)
+# What the live view needs: without it --live is refused, and says so.
+find_package(Boost 1.74 CONFIG QUIET)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)
 
 # Debian's OpenCV module packages ship neither a CMake configuration nor a pkg-config file.
