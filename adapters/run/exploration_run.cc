@@ -118,9 +118,11 @@ std::optional<RangeCamera> range_camera(const Configuration& configuration) {
   const SimulatorOptions& simulator = configuration.simulator;
   const CameraRigOptions& rig = simulator.camera.rig;
   const bool images = simulator.sensors == Sensors::kCamera;
+  // Rays of a scan lie between pixels, by less in a finer image.
+  constexpr int kFiner = 4;
   RangeCamera camera;
-  camera.camera = depth_camera(seen, images ? rig.depth_width : simulator.depth.columns,
-                               images ? rig.depth_height : simulator.depth.rows);
+  camera.camera = depth_camera(seen, images ? rig.depth_width : kFiner * simulator.depth.columns,
+                               images ? rig.depth_height : kFiner * simulator.depth.rows);
   camera.mount = configuration.robot.depth_mount;
   camera.range = {seen.min_range, seen.max_range};
   return camera;
@@ -215,6 +217,24 @@ WorldOptions world_options_for(const Configuration& c) {
   return options;
 }
 
+SimulatorOptions simulator_options_for(const Configuration& configuration, std::uint64_t seed) {
+  SimulatorOptions options = configuration.simulator;
+  options.seed = seed;
+  if (!configuration.map.empty()) options.map = map_to_begin_with(configuration);
+  return options;
+}
+
+Guard::Options guard_limits_for(const Configuration& configuration) {
+  Guard::Options limits = configuration.guard;
+  const SimulatorOptions& simulator = configuration.simulator;
+  const auto at_least = [](double& limit, double rate) { limit = std::max(limit, 2.0 / rate); };
+  at_least(limits.max_map_age, simulator.depth_rate);
+  at_least(limits.max_ranges_age, simulator.depth_rate);
+  at_least(limits.max_pose_age, simulator.image_rate);
+  at_least(limits.max_landmarks_age, simulator.image_rate);
+  return limits;
+}
+
 ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                                      const Configuration& configuration,
                                      const ExplorationRunOptions& options) {
@@ -223,24 +243,16 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   const Planner* own_planner = dynamic_cast<const Planner*>(planner.get());
   const ReachableArea reachable = told_area(reachable_area(*world, configuration), configuration);
 
-  SimulatorOptions simulator_options = configuration.simulator;
-  simulator_options.seed = options.seed;
+  SimulatorOptions simulator_options = simulator_options_for(configuration, options.seed);
   if (options.real_time) {
     simulator_options.distort_scan = scan_faults(simulator_options, options.real_time->faults,
                                                  configuration.robot.depth.max_range, options.seed);
   }
-  if (!configuration.map.empty()) simulator_options.map = map_to_begin_with(configuration);
   Simulator simulator(world, simulator_options);
   simulator.set_reachable(reachable.cells);
   SimulatedRobot robot(simulator, options.taps.command);
 
-  // A sensor that delivers seldom is not dead: two of its periods may pass.
-  Guard::Options limits = configuration.guard;
-  const auto at_least = [](double& limit, double rate) { limit = std::max(limit, 2.0 / rate); };
-  at_least(limits.max_map_age, simulator_options.depth_rate);
-  at_least(limits.max_ranges_age, simulator_options.depth_rate);
-  at_least(limits.max_pose_age, simulator_options.image_rate);
-  at_least(limits.max_landmarks_age, simulator_options.image_rate);
+  const Guard::Options limits = guard_limits_for(configuration);
   const Guard guard = guard_for(configuration.robot, configuration.planner, limits);
 
   ReplannerPair pair(*planner, options.real_time ? nullptr : options.beside);

@@ -11,11 +11,13 @@
 #include "adapters/run/run_record.h"
 #include "adapters/simulator/injected_fault.h"
 #include "adapters/simulator/sensor_tap.h"
+#include "adapters/simulator/simulator_options.h"
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/reachable_area.h"
 #include "adapters/worlds/world.h"
 #include "engine/maps/belief.h"
 #include "engine/planner/replanner.h"
+#include "engine/safety/guard.h"
 #include "models/types.h"
 #include "perception/odometry/image.h"
 #include "perception/odometry/odometry.h"
@@ -110,6 +112,14 @@ ReachableArea told_area(ReachableArea reachable, const Configuration& configurat
 
 /// How load_world() must look for a start that this configuration's robot can take.
 WorldOptions world_options_for(const Configuration& configuration);
+
+/// The simulator's options for a mission with this seed, with the map it begins with. Throws
+/// InputError for a map that cannot be read or has another resolution.
+SimulatorOptions simulator_options_for(const Configuration& configuration, std::uint64_t seed);
+
+/// The limits of the guard of a simulated mission. A sensor that delivers seldom is not dead: two
+/// of its periods may pass.
+Guard::Options guard_limits_for(const Configuration& configuration);
 
 /// Runs one mission in the kinematic simulator, to its end. Throws InputError if the robot cannot
 /// start there, std::invalid_argument for an unknown solver, options out of range, or faults that

@@ -132,7 +132,8 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
         eigen}},
       {"adapters/bench",
        {{"models", "engine", "solvers", "problems", "adapters/files", "adapters/page",
-         "adapters/worlds", "adapters/config", "adapters/problem_file", "adapters/run"},
+         "adapters/worlds", "adapters/config", "adapters/problem_file", "adapters/run",
+         "adapters/report"},
         {"Eigen", "nlohmann"},
         json}},
       {"adapters/study",
@@ -151,6 +152,10 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
        {{"models", "engine", "solvers", "problems", "perception", "runtime", "adapters"},
         {"Eigen", "octomap", "nlohmann", "CLI"},
         json}},
+      {"adapters/python",
+       {{"models", "engine", "solvers", "problems", "perception", "runtime", "adapters"},
+        {"Eigen", "octomap", "pybind11"},
+        {"Eigen", "pybind11"}}},
   };
 }
 

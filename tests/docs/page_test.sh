@@ -6,6 +6,7 @@
 #   console        "$ COMMAND", then lines of its output, which must come in that order; "..." stands for
 #                  anything. A command that ends "# exit code N" must end with N, else with 0
 #   LANGUAGE FILE  yaml, json: written to FILE; cpp, cmake: these lines must stand in FILE, one after another
+#   python FILE    written to FILE; in docs/: these lines must stand in FILE, one after another
 #   python         run if python3 has h5py and numpy, else skipped and said to be
 #   text           not run: what needs root, a network or another machine
 # Blocks after a line "<!-- needs ../shared -->" are skipped, and said to be, where that is absent.
@@ -25,6 +26,10 @@ ln -s "$build" "$work/prospect/build"
 [[ ! -d "$root/../shared" ]] || ln -s "$(realpath "$root/../shared")" "$work/shared"
 cd "$work/prospect" || exit 1
 export PATH="$build:$PATH"
+# Debian's interpreter, whatever else is in PATH: the package is made for it.
+mkdir "$work/bin"
+[[ ! -x /usr/bin/python3 ]] || ln -s /usr/bin/python3 "$work/bin/python3"
+export PATH="$work/bin:$PATH" PYTHONPATH="$build/python" PYTHONDONTWRITEBYTECODE=1
 export CMAKE_BUILD_PARALLEL_LEVEL="${CMAKE_BUILD_PARALLEL_LEVEL:-2}"
 
 name="${page#"$root/"}"
@@ -81,6 +86,21 @@ begin=0   # its first line
 body=()
 skipped=0 # whether blocks are, until the next heading
 
+# The block's lines must stand in the file that it names.
+check_code() {
+  if [[ -z "$file" ]]; then
+    fail "$begin: code without the file that holds it"
+  elif [[ ! -f "$file" ]]; then
+    fail "$begin: no file $file"
+  else
+    local page_code file_code
+    page_code="$(printf '%s\n' "${body[@]}" | tr -s '[:space:]' ' ')"
+    file_code="$(tr -s '[:space:]' ' ' <"$file")"
+    ran=$((ran + 1))
+    [[ "$file_code" == *"${page_code% }"* ]] || fail "$begin: $file does not hold this code"
+  fi
+}
+
 close_block() {
   local command="" index line
   local -a expected=()
@@ -114,21 +134,13 @@ close_block() {
     yaml | json)
       [[ -z "$file" ]] || printf '%s\n' "${body[@]}" >"$file"
       ;;
-    cpp | cmake)
-      if [[ -z "$file" ]]; then
-        fail "$begin: code without the file that holds it"
-      elif [[ ! -f "$file" ]]; then
-        fail "$begin: no file $file"
-      else
-        local page_code file_code
-        page_code="$(printf '%s\n' "${body[@]}" | tr -s '[:space:]' ' ')"
-        file_code="$(tr -s '[:space:]' ' ' <"$file")"
-        ran=$((ran + 1))
-        [[ "$file_code" == *"${page_code% }"* ]] || fail "$begin: $file does not hold this code"
-      fi
-      ;;
+    cpp | cmake) check_code ;;
     python)
-      if python3 -c "import h5py, numpy" 2>/dev/null; then
+      if [[ "$file" == docs/* ]]; then
+        check_code
+      elif [[ -n "$file" ]]; then
+        printf '%s\n' "${body[@]}" >"$file"
+      elif python3 -c "import h5py, numpy" 2>/dev/null; then
         printf '%s\n' "${body[@]}" >"$work/block.py"
         run "$begin" "python3 '$work/block.py'"
       else

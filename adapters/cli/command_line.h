@@ -1,0 +1,18 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "solvers/load_plugin.h"
+
+namespace prospect {
+
+/// Adds what the file of a --plugin offers to the registries; "" or a warning in one line. Throws
+/// std::invalid_argument as load_plugin().
+using LoadPlugin = std::function<std::string(const std::string& path, const PluginTargets&)>;
+
+/// The program: does what its command line says and returns its exit code. Throws nothing: what is
+/// wrong is a line on standard error.
+int run_command_line(int argc, char** argv, const LoadPlugin& load);
+
+}  // namespace prospect

@@ -1,0 +1,152 @@
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "adapters/cli/command_line.h"
+#include "adapters/config/registries.h"
+#include "adapters/python/callback.h"
+#include "adapters/python/motion_arrays.h"
+#include "adapters/python/simulation.h"
+#include "engine/maps/map_projection.h"
+
+namespace prospect::python {
+namespace {
+
+/// Adds what a file of Python offers: its function prospect_plugin(registries). All or nothing.
+std::string load_python(const std::string& path, const PluginTargets& targets,
+                        const py::object& run_file) {
+  auto registries = std::make_shared<Registries>(targets.solvers);
+  registries->terms = targets.terms;
+  registries->problems = targets.problems;
+  try {
+    Callback(run_file, "prospect_plugin")("",
+                                          [&](const py::object& run) { run(path, registries); });
+  } catch (const std::exception& e) {
+    throw std::invalid_argument("plug-in '" + path + "': " + e.what());
+  }
+  targets.solvers = registries->solvers;
+  targets.terms = registries->terms;
+  targets.problems = registries->problems;
+  return "";
+}
+
+int run_program(const std::vector<std::string>& arguments, const py::object& run_file) {
+  std::vector<std::string> words = {"prospect"};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  const py::gil_scoped_release release;
+  return run_command_line(static_cast<int>(words.size()), argv.data(),
+                          [&](const std::string& path, const PluginTargets& targets) {
+                            return path.ends_with(".py") ? load_python(path, targets, run_file)
+                                                         : load_plugin(path, targets);
+                          });
+}
+
+py::tuple ground_of(const Simulation& s) {
+  const GroundMap ground = project(s.world().voxels, height_slice(s.configuration().robot));
+  const GridFrame& f = ground.frame();
+  py::array_t<std::uint8_t> array(std::vector<py::ssize_t>{f.height, f.width});
+  std::transform(ground.cells().data.begin(), ground.cells().data.end(), array.mutable_data(),
+                 [](CellState c) { return static_cast<std::uint8_t>(c); });
+  return py::make_tuple(array,
+                        py::make_tuple(f.i0 * f.resolution, (f.i0 + f.width) * f.resolution,
+                                       f.j0 * f.resolution, (f.j0 + f.height) * f.resolution));
+}
+
+}  // namespace
+}  // namespace prospect::python
+
+PYBIND11_MODULE(_program, m) {
+  using namespace prospect;
+  using namespace prospect::python;
+  m.doc() = "The simulator and the command line of Prospect.";
+  py::module_::import("prospect._core");  // the classes that are handed over
+
+  const auto truth = [](auto member) {
+    return [member](const Simulation& s) { return (s.truth().*member)(); };
+  };
+  py::class_<Simulation>(m, "Simulation",
+                         "A simulated robot that is driven step by step, as fast as the machine "
+                         "is. The planner sees belief() alone; the truth is for evaluation.")
+      .def(py::init([](const std::string& world, const std::shared_ptr<Configuration>& given,
+                       std::uint64_t seed) {
+             const Configuration configuration = given ? *given : read_configuration("");
+             const py::gil_scoped_release release;
+             return std::make_unique<Simulation>(world, configuration, seed);
+           }),
+           py::arg("world") = "office", py::arg("configuration") = py::none(), py::arg("seed") = 1,
+           "world: a built-in name or a file, as `prospect explore` takes it. seed: of all noise.")
+      .def("reset", &Simulation::reset, py::arg("seed") = 1,
+           py::call_guard<py::gil_scoped_release>(),
+           "Everything from the start. A planner knows nothing of it: make a new one.")
+      .def("belief", &Simulation::belief, py::call_guard<py::gil_scoped_release>(),
+           "The Belief now, with the command in force. No time passes.")
+      .def(
+          "apply",
+          [](Simulation& s, const Numbers& command, double duration) {
+            const Twist twist = twist_of(command, "command");
+            if (!(duration >= 0.0 && duration <= 3600.0)) {
+              throw std::invalid_argument("duration: is " + std::to_string(duration) +
+                                          " s; expected 0 to 3600 s");
+            }
+            const py::gil_scoped_release release;
+            s.apply(twist, duration);
+          },
+          py::arg("command"), py::arg("duration"),
+          "Executes a body velocity (4,), vx, vy, vz [m/s], yaw rate [rad/s], for duration [s], "
+          "without a guard. vz counts for nothing. A command that is not finite is a stop.")
+      .def(
+          "drive",
+          [](Simulation& s, const Plan& plan) {
+            GuardVerdict verdict;
+            {
+              const py::gil_scoped_release release;
+              verdict = s.drive(plan);
+            }
+            return verdict.passed() ? std::string() : std::string(verdict.detail);
+          },
+          py::arg("plan"),
+          "Executes the committed stages of a Plan, each past the guard. '' or why the guard "
+          "braked instead.")
+      .def_property_readonly("time", truth(&Simulator::time), "[s] since the start.")
+      .def_property_readonly(
+          "true_pose", [](const Simulation& s) { return array_of(s.truth().true_pose()); },
+          "(4,): x, y, z [m], yaw [rad], in the true world.")
+      .def_property_readonly(
+          "estimated_pose",
+          [](const Simulation& s) { return array_of(s.truth().estimated_pose()); },
+          "(4,): what belief() says.")
+      .def_property_readonly("localization_error", truth(&Simulator::localization_error),
+                             "Distance between the two [m].")
+      .def_property_readonly("coverage", truth(&Simulator::coverage),
+                             "Share of the reachable area that has been seen.")
+      .def_property_readonly("seen_area", truth(&Simulator::seen_area), "[m^2]")
+      .def_property_readonly("path_length", truth(&Simulator::path_length), "Driven so far [m].")
+      .def_property_readonly("collisions", truth(&Simulator::collisions), "Contacts so far.")
+      .def_property_readonly("losses", truth(&Simulator::losses),
+                             "How often localization was lost.")
+      .def_property_readonly(
+          "true_ground", &ground_of,
+          "(ny, nx) uint8 (0 unknown, 1 free, 2 occupied) of the true world over the heights of "
+          "the body, and its (left, right, bottom, top) [m].")
+      .def_property_readonly(
+          "configuration",
+          [](const Simulation& s) { return std::make_shared<Configuration>(s.configuration()); })
+      .def("__repr__", [](const Simulation& s) {
+        return "Simulation('" + s.world().name + "', time=" + std::to_string(s.truth().time()) +
+               ")";
+      });
+
+  m.def("run_program", &run_program, py::arg("arguments"), py::arg("run_file"),
+        "The command line: gives its exit code. run_file(path, registries) runs a plug-in in "
+        "Python.");
+}

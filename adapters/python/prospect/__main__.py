@@ -1,0 +1,5 @@
+import sys
+
+from prospect.program import main
+
+sys.exit(main())
