@@ -103,7 +103,8 @@ void receive(const Setting& s) {
   options.capacity = 64;
   SensorInbox inbox(clock, options);
   DdsNode node(s.dds.address);
-  const DdsSensors sensors(s.dds, node, inbox);
+  DdsTransforms transforms(node);
+  const DdsSensors sensors(s.dds, node, transforms, inbox);
   node.start();
   sensors.wait();
   LatencyHistogram pairs;

@@ -19,7 +19,7 @@
 #include "adapters/files/input_error.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
-#include "benchmarks/experiments/mission_start.h"
+#include "adapters/study/mission_start.h"
 #include "benchmarks/program_options.h"
 #include "engine/planner/planner.h"
 

@@ -35,6 +35,8 @@ if(NOT DEFINED Python_EXECUTABLE AND EXISTS /usr/bin/python3)
 endif()
 find_package(Python QUIET COMPONENTS Interpreter Development.Module)
 find_package(pybind11 CONFIG QUIET)
+# What the live view needs: without it --live is refused, and says so.
+find_package(Boost 1.74 CONFIG QUIET)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)
 
 # Debian's OpenCV module packages ship neither a CMake configuration nor a pkg-config file.

@@ -1,6 +1,8 @@
 #include "runtime/mission.h"
 
 #include <algorithm>
+#include <chrono>
+#include <thread>
 
 #include "runtime/mission_progress.h"
 
@@ -74,18 +76,34 @@ bool task_done(MissionEnd end) {
 
 namespace {
 
+/// Waits as long as people want it to. Returns whether the mission is cancelled meanwhile.
+bool wait_for(DriveRequests& requests, MissionProgress& progress, Replanner& planner,
+              const std::function<bool()>& cancelled) {
+  for (;;) {
+    if (requests.take_emergency_stop()) requests.set_stopped(true);
+    if (requests.take_acknowledgement()) requests.set_stopped(false);
+    progress.take_detour(requests, planner);
+    if (cancelled && cancelled()) return true;
+    if (requests.told_to_drive() && !requests.stopped()) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+}
+
 /// The mission up to its last stop; `previous` is the command in force, also when `observe` throws.
 MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
                       const MissionOptions& options,
                       const std::function<void(const MissionStep&)>& observe,
-                      const std::function<bool()>& cancelled, Twist& previous) {
+                      const std::function<bool()>& cancelled, DriveRequests* requests,
+                      Twist& previous) {
   MissionProgress progress(options, robot.time());
   MissionResult& result = progress.result;
   int guard_stops = 0;
   GuardReason guard_reason = GuardReason::kPassed;
   while (true) {
+    const bool is_cancelled =
+        requests ? wait_for(*requests, progress, planner, cancelled) : cancelled && cancelled();
     const std::shared_ptr<const Belief> belief = robot.sense();
-    if (progress.over_before(*belief, robot.time(), cancelled && cancelled())) return result;
+    if (progress.over_before(*belief, robot.time(), is_cancelled)) return result;
 
     Belief commanded = *belief;
     commanded.command = previous;
@@ -118,11 +136,11 @@ MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
 MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
                           const MissionOptions& options,
                           const std::function<void(const MissionStep&)>& observe,
-                          const std::function<bool()>& cancelled) {
+                          const std::function<bool()>& cancelled, DriveRequests* requests) {
   Twist previous = robot.sense()->twist;
   MissionResult result;
   try {
-    result = explore(robot, planner, guard, options, observe, cancelled, previous);
+    result = explore(robot, planner, guard, options, observe, cancelled, requests, previous);
   } catch (...) {
     bring_to_rest(robot, guard, previous);
     throw;

@@ -7,6 +7,8 @@
 
 #include "engine/planner/replanner.h"
 #include "engine/safety/guard.h"
+#include "engine/task/task.h"
+#include "runtime/drive_requests.h"
 #include "runtime/robot.h"
 
 namespace prospect {
@@ -41,6 +43,8 @@ struct MissionOptions {
   std::function<bool(const MissionStep&)> enough{};
   /// Once the task is over (not: time is up, lost, cancelled), back to where the mission began.
   bool return_when_done = false;
+  /// That the planner was given: what it goes on with after a detour.
+  Task task{};
 };
 
 /// The knobs (models/knobs.h).
@@ -79,11 +83,16 @@ struct MissionResult {
 /// (at most 100 commands; then a base that cannot stop is left as it is). `observe` (may be empty)
 /// is called after each planning step; `cancelled` (may be empty) is asked before each.
 ///
+/// requests (may be null): what people ask of it. It is asked before each planning step: while the
+/// robot is to stand, or a stop is latched, the mission waits, and with it the robot's clock if
+/// that is a simulation's.
+///
 /// Does not throw, unless `observe` or `cancelled` does: then the robot is brought to rest first,
 /// in the same way, and the exception passed on.
 MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
                           const MissionOptions& options,
                           const std::function<void(const MissionStep&)>& observe = {},
-                          const std::function<bool()>& cancelled = {});
+                          const std::function<bool()>& cancelled = {},
+                          DriveRequests* requests = nullptr);
 
 }  // namespace prospect

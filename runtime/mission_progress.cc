@@ -1,5 +1,7 @@
 #include "runtime/mission_progress.h"
 
+#include <utility>
+
 namespace prospect {
 namespace {
 
@@ -63,6 +65,13 @@ bool MissionProgress::over_after(const MissionStep& step, Replanner& planner) {
   ++result.steps;
   if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
   const bool done = plan.mode.kind == ModeKind::kDone;
+  if (done && detour_) {
+    detour_->hold();
+    detour_->tell(plan.why);
+    detour_ = nullptr;
+    planner.set_task(result.back ? Task::return_to_start() : options_.task);
+    return false;
+  }
   if (!done && (result.back || !options_.enough || !options_.enough(step))) return false;
   const MissionEnd end = done ? end_for(plan.mode.cause) : MissionEnd::kEnough;
   over(end, done ? plan.why : "enough was seen.");
@@ -70,6 +79,18 @@ bool MissionProgress::over_after(const MissionStep& step, Replanner& planner) {
   result.back = false;
   const std::string refused = planner.set_task(Task::return_to_start());
   return !refused.empty() && over(MissionEnd::kGoalUnreachable, refused);
+}
+
+void MissionProgress::take_detour(DriveRequests& requests, Replanner& planner) {
+  const std::optional<Eigen::Vector2d> place = requests.take_place();
+  if (!place) return;
+  std::string refused = planner.set_task(Task::go_to(*place));
+  if (refused.empty()) {
+    detour_ = &requests;
+    requests.resume();
+  } else {
+    requests.tell(std::move(refused));
+  }
 }
 
 }  // namespace prospect

@@ -4,6 +4,7 @@
 
 #include "engine/maps/belief.h"
 #include "engine/planner/replanner.h"
+#include "runtime/drive_requests.h"
 #include "runtime/mission.h"
 
 namespace prospect {
@@ -23,12 +24,18 @@ class MissionProgress {
   /// robot is to return then, `planner` is told to, once, and it is not over yet.
   bool over_after(const MissionStep& step, Replanner& planner);
 
+  /// Takes the place that people have asked for since the call before, if any: the planner is told
+  /// to go there, and the robot to drive. At the end of that way over_after() tells it to stand and
+  /// the planner to go on with the task.
+  void take_detour(DriveRequests& requests, Replanner& planner);
+
   MissionResult result;
 
  private:
   bool over(MissionEnd end, const std::string& detail);
 
   const MissionOptions& options_;
+  DriveRequests* detour_ = nullptr;  // whose way the robot is on; null: nobody's
   double start_;
   double last_localized_;
 };

@@ -178,6 +178,10 @@ class Run {
       last = now;
       if (now >= end + options_.settle) break;
       if (is_cancelled()) return "it was cancelled";
+      if (parts_.requests &&
+          (!parts_.requests->told_to_drive() || parts_.requests->emergency_stop_waits())) {
+        return "it was told to stand";
+      }
       const RangeLook look = parts_.ranges ? parts_.ranges(in_force, now) : RangeLook();
       const CommandStep step = loop.step(
           {now, shared, newest(), told, DriveSpeed{DriveResponse::kFull, 1.0}, look.share});

@@ -12,6 +12,7 @@
 #include "runtime/belief_source.h"
 #include "runtime/clock.h"
 #include "runtime/command_loop.h"
+#include "runtime/drive_requests.h"
 #include "runtime/preflight.h"
 #include "runtime/range_look.h"
 #include "runtime/sensor_inbox.h"
@@ -46,6 +47,8 @@ struct PreflightParts {
   PreflightFacts known{};
   /// Asked once the streams are live; empty: nothing sees the floor.
   std::function<std::optional<PreflightFacts::Floor>()> floor{};
+  /// What people ask of it; null: nobody. Who has it stand or stop has it not turn.
+  const DriveRequests* requests = nullptr;
 };
 
 struct PreflightResult {

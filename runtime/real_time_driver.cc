@@ -129,7 +129,8 @@ struct RealTimeDriver::Impl {
   Newest<CommandState> command;
   Newest<DriverStatus> status;
 
-  std::atomic<bool> emergency{false}, acknowledged{false}, told_to_drive{true};
+  DriveRequests own_requests;
+  DriveRequests& requests;
   std::atomic<bool> cancelled{false}, over{false};
   std::atomic<bool> at_rest{false};  // after `over`
   std::atomic<int> guard_stops{0};   // since the last planning step
@@ -139,7 +140,10 @@ struct RealTimeDriver::Impl {
   Newest<LatencyHistogram> planning_seen;
 
   Impl(const RobotParts& p, const RealTimeOptions& o)
-      : parts(checked(p)), options(checked(o)), supervisor(threads_of(o), p.clock.now()) {}
+      : parts(checked(p)),
+        options(checked(o)),
+        supervisor(threads_of(o), p.clock.now()),
+        requests(p.requests ? *p.requests : own_requests) {}
 
   double now() const { return parts.clock.now(); }
   void perceive(const std::stop_token& stop);
@@ -191,6 +195,7 @@ void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress&
     newest = belief.get();
     const double begun = now();
     if (progress.over_before(*newest, begun, cancelled)) break;
+    progress.take_detour(requests, parts.planner);
     const CommandState state = command.get();
     const std::vector<SentCommand> commands =
         commands_until(*parts.model, state, begun, start, command_options.period);
@@ -264,10 +269,10 @@ void RealTimeDriver::Impl::send(const std::stop_token& stop) {
     observation.plan_left = time_left(newest_plan.plan.get(), instant);
     observation.obstacle = look.obstacle;
     observation.jumped_clock = jumps.since_last(parts.inbox);
-    observation.told_to_drive = told_to_drive;
+    observation.told_to_drive = requests.told_to_drive();
     // Told once: the drive mode latches it.
-    observation.emergency_stop = emergency.exchange(false);
-    observation.acknowledged = acknowledged.exchange(false);
+    observation.emergency_stop = requests.take_emergency_stop();
+    observation.acknowledged = requests.take_acknowledgement();
     observation.task_over = over;
     observation.failed_preflight = parts.failed_preflight;
     observation.yaw_checked = parts.yaw_checked;
@@ -283,6 +288,7 @@ void RealTimeDriver::Impl::send(const std::stop_token& stop) {
                  "drive mode", to_string(next.cause), describe(next, facts));
     }
     mode = next;
+    requests.set_stopped(mode.mode == DriveMode::kStopped);
 
     const CommandStep step = loop.step(
         {instant, newest_plan.plan, newest, report, drive_speed(mode, options.mode), look.share});
@@ -307,7 +313,7 @@ void RealTimeDriver::Impl::send(const std::stop_token& stop) {
               step.command.yaw_rate == 0.0;
 
     const bool stands = is_at_rest(step.command) || facts.rest_for > 0.0;
-    if (standstill.is_long(instant, told_to_drive && !over && stands)) {
+    if (standstill.is_long(instant, observation.told_to_drive && !over && stands)) {
       std::string why = describe(mode, facts);
       if (!step.detail.empty()) why += " " + step.detail + ".";
       if (newest_plan.plan) why += " The planner: " + newest_plan.plan->why;
@@ -377,10 +383,10 @@ MissionResult RealTimeDriver::run(const MissionOptions& mission,
   return progress.result;
 }
 
-void RealTimeDriver::emergency_stop() noexcept { impl_->emergency = true; }
-void RealTimeDriver::acknowledge() noexcept { impl_->acknowledged = true; }
-void RealTimeDriver::hold() noexcept { impl_->told_to_drive = false; }
-void RealTimeDriver::resume() noexcept { impl_->told_to_drive = true; }
+void RealTimeDriver::emergency_stop() noexcept { impl_->requests.emergency_stop(); }
+void RealTimeDriver::acknowledge() noexcept { impl_->requests.acknowledge(); }
+void RealTimeDriver::hold() noexcept { impl_->requests.hold(); }
+void RealTimeDriver::resume() noexcept { impl_->requests.resume(); }
 
 DriverStatus RealTimeDriver::status() const {
   DriverStatus status = impl_->status.get();

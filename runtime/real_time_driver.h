@@ -14,6 +14,7 @@
 #include "runtime/clock.h"
 #include "runtime/command_loop.h"
 #include "runtime/drive_mode.h"
+#include "runtime/drive_requests.h"
 #include "runtime/drive_watch.h"
 #include "runtime/event_log.h"
 #include "runtime/health_report.h"
@@ -64,6 +65,8 @@ struct RobotParts {
   std::function<void(const Belief&)> on_belief{};  ///< each new one, on the perception thread
   /// Each command that is sent, and when [s], on the command thread; a stop is zero.
   std::function<void(double, const Twist&)> on_command{};
+  /// What people ask of it, also before it drives; null: nobody but by the driver's own functions.
+  DriveRequests* requests = nullptr;
 };
 
 /// What has happened so far.
@@ -135,11 +138,9 @@ class RealTimeDriver {
                     const std::function<void(const MissionStep&)>& observe = {},
                     const std::function<bool()>& cancelled = {});
 
-  /// Latches: answered by the next command. Once the robot has stopped and nothing is wrong any
-  /// more, acknowledge() lets it go on; before that it has no effect.
+  // As DriveRequests.
   void emergency_stop() noexcept;
   void acknowledge() noexcept;
-  /// Brakes and stands; drives on with a new plan.
   void hold() noexcept;
   void resume() noexcept;
 

@@ -163,6 +163,32 @@ void add_fixed_frame(CLI::App* command, std::string& frame) {
       ->type_name("FRAME");
 }
 
+/// How a world is read.
+void add_world_options(CLI::App* command, prospect::WorldArguments& arguments) {
+  using namespace prospect;
+  command->add_option("--start", arguments.start, "Start x [m] y [m] yaw [deg]")
+      ->expected(3)
+      ->check(number_within(-1e6, 1e6));
+  command
+      ->add_option("--floor", arguments.floor,
+                   "Storey of an octree, mesh or Gazebo world, by the height of its ground in the "
+                   "file [m] [the lowest large one]")
+      ->check(number_within(-1e5, 1e5));
+  command
+      ->add_option("--resolution", arguments.resolution,
+                   "Of the world's voxels [m]; of an image without .yaml: of a pixel [0.1; of "
+                   "meshes 0.05]")
+      ->check(number_within(0.01, 10.0));
+  one_of(command->add_option("--unknown", arguments.unknown,
+                             "What the world's file does not know: solid or free [solid]"),
+         {"solid", "free"});
+  command
+      ->add_option("--ground", arguments.ground_margin,
+                   "How far the ground of a mesh or Gazebo world without end counts beyond what "
+                   "stands on it [m]")
+      ->check(number_within(0.0, 1000.0));
+}
+
 /// What explore and drive take alike.
 void add_mission_options(CLI::App* command, prospect::ExploreArguments& arguments) {
   using namespace prospect;
@@ -189,27 +215,7 @@ void add_mission_options(CLI::App* command, prospect::ExploreArguments& argument
       ->type_name("DIR");
   command->add_option("--time-limit", arguments.time_limit, "Of the robot's clock [s]")
       ->check(number_within(1.0, 1e6));
-  command->add_option("--start", arguments.start, "Start x [m] y [m] yaw [deg]")
-      ->expected(3)
-      ->check(number_within(-1e6, 1e6));
-  command
-      ->add_option("--floor", arguments.floor,
-                   "Storey of an octree, mesh or Gazebo world, by the height of its ground in the "
-                   "file [m] [the lowest large one]")
-      ->check(number_within(-1e5, 1e5));
-  command
-      ->add_option("--resolution", arguments.resolution,
-                   "Of the world's voxels [m]; of an image without .yaml: of a pixel [0.1; of "
-                   "meshes 0.05]")
-      ->check(number_within(0.01, 10.0));
-  one_of(command->add_option("--unknown", arguments.unknown,
-                             "What the world's file does not know: solid or free [solid]"),
-         {"solid", "free"});
-  command
-      ->add_option("--ground", arguments.ground_margin,
-                   "How far the ground of a mesh or Gazebo world without end counts beyond what "
-                   "stands on it [m]")
-      ->check(number_within(0.0, 1000.0));
+  add_world_options(command, arguments.reading);
   command
       ->add_option("--go", arguments.go,
                    "Go to x [m],y [m], or x,y,yaw [deg], instead of exploring")
@@ -231,8 +237,40 @@ void add_mission_options(CLI::App* command, prospect::ExploreArguments& argument
       ->check(whole_number_within(1, 1000000));
   command->add_flag("--log-images", arguments.log_images,
                     "Images of the cameras in the log, too (explore: implies --mcap)");
+  CLI::Option* live =
+      command
+          ->add_option("--live", arguments.live,
+                       "Serve the mission's page, live, on this port; 0: a free one")
+          ->type_name("PORT")
+          ->check(whole_number_within(0, 65535));
+  command
+      ->add_option("--live-host", arguments.live_host,
+                   "With --live: address of the interface; 0.0.0.0: all")
+      ->type_name("ADDRESS")
+      ->capture_default_str()
+      ->needs(live);
+  command
+      ->add_option("--live-token", arguments.live_token,
+                   "With --live: what allows to command, 16 or more letters and digits [random]")
+      ->type_name("TOKEN")
+      ->needs(live);
   command->add_flag("--json", arguments.json, "Print the summary as JSON");
   command->add_flag("--quiet", arguments.quiet, "No progress line");
+}
+
+/// The command line as typed, but for the token, which is nobody's to read in a run folder.
+std::string typed_line(int argc, char** argv) {
+  std::string line;
+  bool token = false;
+  for (int i = 0; i < argc; ++i) {
+    const std::string word = argv[i];
+    constexpr std::string_view kOption = "--live-token";
+    const bool holds = word.starts_with(std::string(kOption) + "=");
+    line += i > 0 ? " " : "";
+    line += token ? "..." : holds ? std::string(kOption) + "=..." : prospect::shell_word(word);
+    token = word == kOption;
+  }
+  return line;
 }
 
 int run(int argc, char** argv, const prospect::LoadPlugin& load) {
@@ -267,7 +305,8 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
                           "runs; nothing else is taken from it but the start");
   drive_command
       ->add_option("--fault", drive_arguments.faults,
-                   "Break something of the simulated robot: SOURCE:VERB, from FROM s on, for FOR s "
+                   "Break something of the simulated robot, or of Gazebo's: SOURCE:VERB, from FROM "
+                   "s on, for FOR s "
                    "(depth:off@10+2)")
       ->type_name("FAULT")
       ->allow_extra_args(false);
@@ -307,8 +346,9 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
 
   ExportArguments export_arguments;
   CLI::App* export_command = app.add_subcommand(
-      "export", "A world of voxels with the robot in it, for Gazebo 11: SDF, surfaces, textures");
-  export_command->add_option("world", export_arguments.world, "As explore takes it, but no mesh")
+      "export", "A world with the robot in it, for Gazebo 11: SDF, surfaces, textures");
+  export_command
+      ->add_option("world", export_arguments.world, "As explore takes it, but no mesh file")
       ->type_name("WORLD")
       ->capture_default_str();
   export_command->add_option("--sdf", export_arguments.sdf, "File to write; others go beside it")
@@ -318,6 +358,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
       ->add_option("--config", export_arguments.configuration, "Configuration file (YAML)")
       ->type_name("FILE");
   add_set(export_command, export_arguments.settings);
+  add_world_options(export_command, export_arguments.reading);
   export_command->add_option("--seed", export_arguments.seed, "Of the marks on surfaces")
       ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
       ->capture_default_str();
@@ -406,6 +447,66 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
                           "Keep the best costs found in best_known.json of the set's folder");
   bench_command->add_flag("--json", bench_arguments.json, "Print JSON");
   bench_command->add_flag("--quiet", bench_arguments.quiet, "No progress line");
+
+  ReplayArguments replay_arguments;
+  CLI::App* replay_command = app.add_subcommand(
+      "replay", "A recorded mission again, bit for bit; or other plans along its beliefs");
+  replay_command
+      ->add_option("run", replay_arguments.run,
+                   "Folder that explore wrote, or the log of a mission (.mcap)")
+      ->type_name("FILE")
+      ->required();
+  add_set(replay_command, replay_arguments.settings);
+  replay_command
+      ->add_option("--solver", replay_arguments.solver,
+                   "Back end of the other plans, see `prospect list solvers`")
+      ->type_name("SOLVER");
+  replay_command
+      ->add_option("--from", replay_arguments.from, "First planning step that is reported [0]")
+      ->check(whole_number_within(0, 1000000000));
+  replay_command
+      ->add_option("--to", replay_arguments.to,
+                   "The last one, where the mission is ended [its end]")
+      ->check(whole_number_within(0, 1000000000));
+  replay_command
+      ->add_option("--world", replay_arguments.world, "Where the world of the run is [as recorded]")
+      ->type_name("WORLD");
+  replay_command
+      ->add_option("--out", replay_arguments.out,
+                   "Folder for table and page [replay in that of the run]")
+      ->type_name("DIR");
+  replay_command->add_flag("--quiet", replay_arguments.quiet, "No progress line");
+
+  StudyArguments study_arguments;
+  CLI::App* study_command = app.add_subcommand(
+      "study", "Missions over worlds, seeds, conditions and a grid of values, and what they show");
+  study_command->add_option("study", study_arguments.file, "Study file (YAML)")
+      ->type_name("FILE")
+      ->required();
+  study_command
+      ->add_option("--out", study_arguments.out,
+                   "Folder of the study; what it holds is not run again [runs/NAME]")
+      ->type_name("DIR");
+  study_command->add_option("--jobs", study_arguments.jobs, "Missions at a time")
+      ->check(whole_number_within(1, 4096))
+      ->capture_default_str();
+  study_command
+      ->add_option("--shard", study_arguments.shard,
+                   "Only the I-th of N parts of the cells, for one of N workers: I/N")
+      ->type_name("I/N")
+      ->capture_default_str();
+  study_command->add_flag("--dry-run", study_arguments.dry_run,
+                          "Say what would be run, and how long it takes");
+  study_command->add_flag("--retry-failed", study_arguments.retry_failed,
+                          "Run cells again that failed");
+  CLI::Option* gather =
+      study_command->add_flag("--gather", study_arguments.gather,
+                              "Run nothing: results.csv, study.html and figures of what is there");
+  study_command
+      ->add_flag("--steps", study_arguments.steps,
+                 "With --gather: steps.h5, too, with every column of every run")
+      ->needs(gather);
+  study_command->add_flag("--quiet", study_arguments.quiet, "No progress line");
 
   InspectArguments inspect_arguments;
   CLI::App* inspect_command = app.add_subcommand(
@@ -560,9 +661,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
     if (!warning.empty()) std::cerr << "prospect: " << warning << '\n';
   }
   for (ExploreArguments* mission : {&explore_arguments, &drive_arguments.mission}) {
-    for (int i = 0; i < argc; ++i) {
-      mission->command_line += (i > 0 ? " " : "") + shell_word(argv[i]);
-    }
+    mission->command_line = typed_line(argc, argv);
   }
   if (*explore_command) return explore(explore_arguments, registries);
   if (*drive_command) return drive(drive_arguments, registries);
@@ -571,6 +670,14 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
   if (*export_command) return export_world(export_arguments, registries);
   if (*solve_command) return solve(solve_arguments, registries);
   if (*bench_command) return bench(bench_arguments, registries);
+  if (*replay_command) {
+    replay_arguments.plugins = plugins;
+    return replay(replay_arguments, registries);
+  }
+  if (*study_command) {
+    study_arguments.plugins = plugins;
+    return study(study_arguments, registries);
+  }
   if (*inspect_command) return inspect(inspect_arguments);
   if (*odometry_command) return odometry(odometry_arguments);
   if (*map_command) return map(map_arguments);

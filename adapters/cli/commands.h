@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/cli/world_arguments.h"
 #include "adapters/config/registries.h"
 #include "adapters/datasets/depth_source.h"
 #include "adapters/datasets/stereo_source.h"
@@ -29,21 +30,18 @@ struct ExploreArguments {
   std::string solver;                 ///< empty: as configured
   std::string sensors;                ///< "model", "camera"; empty: as configured
   std::uint64_t seed = 1;
-  std::string out;            ///< run folder; empty: runs/WORLD_SOLVER_SEED
-  double time_limit = 0.0;    ///< [s]; 0: as configured
-  std::vector<double> start;  ///< x [m], y [m], yaw [deg]; empty: as configured
-  std::optional<double>
-      floor;                ///< [m] height of the storey in the world's file; none: as configured
-  double resolution = 0.0;  ///< [m] WorldOptions::voxel_size; 0: as configured
-  std::string unknown;      ///< "free", "solid"; empty: as configured
-  std::optional<double> ground_margin;  ///< [m] WorldOptions::ground_margin; none: as configured
+  std::string out;          ///< run folder; empty: runs/WORLD_SOLVER_SEED
+  double time_limit = 0.0;  ///< [s]; 0: as configured
+  WorldArguments reading;
   std::vector<double> go;   ///< x [m], y [m], and yaw [deg] if it matters; empty: as configured
   std::string until;        ///< "0.95", "120m2"; empty: as configured
   bool back = false;        ///< return to the start once the task is over
   std::string map;          ///< OctoMap to begin with; empty: none
   bool log = false;         ///< mission.mcap in the run folder; drive always writes it
   bool log_images = false;  ///< with the cameras' images in it
-  int save_problems = 0;    ///< write the problem of every so manyeth planning step; 0: none
+  std::optional<int> live;  ///< port of the live view; none: there is none
+  std::string live_host = "127.0.0.1", live_token;  ///< LiveOptions
+  int save_problems = 0;  ///< write the problem of every so manyeth planning step; 0: none
   bool json = false;
   bool quiet = false;
   std::string command_line;  ///< as typed, for the run folder
@@ -77,7 +75,8 @@ std::vector<std::string> path_colors();
 
 struct ExportArguments {
   std::string world = "office";
-  std::string sdf;                    ///< file
+  std::string sdf;  ///< file
+  WorldArguments reading;
   std::string configuration;          ///< file; empty: defaults
   std::vector<std::string> settings;  ///< "robot.depth.max_range=6": above the file
   std::uint64_t seed = 1;             ///< of the marks on surfaces, as in a mission
@@ -115,6 +114,33 @@ struct BenchArguments {
   bool quiet = false;
 };
 int bench(const BenchArguments& arguments, const Registries& registries);
+
+struct ReplayArguments {
+  static constexpr int kToTheEnd = 2147483647;
+  std::string run;                    ///< folder, or the log of a mission
+  std::vector<std::string> settings;  ///< "planner.N=12"
+  std::string solver;                 ///< empty: as recorded
+  std::string world;                  ///< empty: as recorded
+  int from = 0, to = kToTheEnd;       ///< planning steps
+  std::string out;                    ///< folder; empty: RUN/replay
+  bool quiet = false;
+  std::vector<std::string> plugins;  ///< files, as given
+};
+int replay(const ReplayArguments& arguments, const Registries& registries);
+
+struct StudyArguments {
+  std::string file;  ///< study (YAML)
+  std::string out;   ///< folder; empty: runs/NAME
+  int jobs = 1;
+  std::string shard = "1/1";
+  bool dry_run = false;
+  bool retry_failed = false;
+  bool gather = false;
+  bool steps = false;  ///< with gather: steps.h5, too
+  bool quiet = false;
+  std::vector<std::string> plugins;  ///< files, as given
+};
+int study(const StudyArguments& arguments, const Registries& registries);
 
 struct OdometryArguments {
   std::string dataset;  ///< a recording

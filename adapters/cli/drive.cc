@@ -1,5 +1,6 @@
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "adapters/cli/commands.h"
 #include "adapters/cli/explore.h"
@@ -19,10 +20,9 @@ void refuse_of_simulator(const DriveArguments& arguments) {
                        "--base simulator");
     }
   };
-  refuse(!arguments.faults.empty(), "--fault");
   refuse(!mission.sensors.empty(), "--sensors");
   refuse(!mission.map.empty(), "--map");
-  refuse(!mission.start.empty(), "--start");
+  refuse(!mission.reading.start.empty(), "--start");
 }
 
 }  // namespace
@@ -31,8 +31,19 @@ int drive(const DriveArguments& arguments, const Registries& registries) {
   ExploreArguments logged = arguments.mission;
   logged.log = true;
   MissionBase base;
+  std::vector<InjectedFault> faults;
+  for (const std::string& text : arguments.faults) {
+    try {
+      faults.push_back(parse_fault(text));
+    } catch (const std::invalid_argument& e) {
+      throw InputError(std::string("--fault: ") + e.what());
+    }
+  }
   if (arguments.base == "dds") {
     refuse_of_simulator(arguments);
+    if (!faults.empty()) {
+      throw InputError("--fault: nothing stands between; expected it with --base simulator|gazebo");
+    }
     if (arguments.measure) {
       throw InputError("--measure: nobody knows what is true; expected it with --base gazebo");
     }
@@ -48,20 +59,13 @@ int drive(const DriveArguments& arguments, const Registries& registries) {
   }
   base.gazebo = arguments.base == "gazebo";
   base.measure = arguments.measure;
+  base.real_time.emplace(RealTimeRun{faults});
   if (base.gazebo) {
     refuse_of_simulator(arguments);
     return mission(logged, registries, base);
   }
   if (arguments.measure) {
     throw InputError("--measure: the simulator always measures; expected it with --base gazebo");
-  }
-  base.real_time.emplace();
-  for (const std::string& text : arguments.faults) {
-    try {
-      base.real_time->faults.push_back(parse_fault(text));
-    } catch (const std::invalid_argument& e) {
-      throw InputError(std::string("--fault: ") + e.what());
-    }
   }
   return mission(logged, registries, base);
 }

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "adapters/cli/absent_solver.h"
@@ -17,11 +19,14 @@
 #include "adapters/cli/progress.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/solver_options.h"
+#include "adapters/files/content_hash.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
+#include "adapters/live/live_server.h"
 #include "adapters/log/mission_log.h"
 #include "adapters/report/progress_line.h"
 #include "adapters/report/report.h"
+#include "adapters/run/configured_record.h"
 #include "adapters/run/dds_run.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/run/gazebo_run.h"
@@ -29,6 +34,7 @@
 #include "adapters/run/run_folder.h"
 #include "adapters/simulator/camera_rig.h"
 #include "adapters/worlds/load_world.h"
+#include "adapters/worlds/world_hash.h"
 #include "engine/task/task.h"
 #include "models/range_text.h"
 #include "runtime/clock.h"
@@ -99,6 +105,9 @@ void print_driver(const ExplorationRunResult& result) {
   std::printf("before the first motion\n%s", to_text(result.preflight).c_str());
   std::printf("in real time\n  commands      %d late plans, %d guard stops\n%s", driver.late_plans,
               driver.guard_stops, to_text(*result.health).c_str());
+  if (result.faults_start) {
+    std::printf("  faults        their times count from %.3f s\n", *result.faults_start);
+  }
   if (result.real_time_factor) {
     std::printf("  simulated     %.2f s a second\n", *result.real_time_factor);
   }
@@ -153,40 +162,15 @@ void set_task(const ExploreArguments& arguments, Configuration& configuration) {
   }
 }
 
-/// What the command line says of how the world is read.
-void set_world(const ExploreArguments& arguments, Configuration& configuration) {
-  WorldOptions& world = configuration.world;
-  if (!arguments.start.empty()) {
-    const std::vector<double>& s = arguments.start;
-    world.start = Pose{{s[0], s[1], 0.0}, s[2] * M_PI / 180.0};
-    override_entry(
-        configuration, "world.start",
-        "[" + exact_text(s[0]) + ", " + exact_text(s[1]) + ", " + exact_text(s[2]) + "]");
-  }
-  if (arguments.floor) {
-    world.floor = arguments.floor;
-    // A text, which may be "lowest".
-    override_entry(configuration, "world.floor", '"' + exact_text(*arguments.floor) + '"');
-  }
-  if (arguments.resolution > 0.0) {
-    world.voxel_size = arguments.resolution;
-    override_entry(configuration, "world.resolution", exact_text(arguments.resolution));
-  }
-  if (!arguments.unknown.empty()) {
-    world.unknown_is_free = arguments.unknown == "free";
-    override_entry(configuration, "world.unknown", arguments.unknown);
-  }
-  if (arguments.ground_margin) {
-    world.ground_margin = *arguments.ground_margin;
-    override_entry(configuration, "world.ground", exact_text(*arguments.ground_margin));
-  }
-}
-
 RunStart start_of(const ExploreArguments& arguments, const Configuration& configuration,
-                  const std::string& world, const MissionBase& base) {
+                  const std::string& name, const World* world, const MissionBase& base) {
   const BuildInfo build = build_info();
   RunStart start;
-  start.world = world;
+  start.world = name;
+  if (world) {
+    start.world_source = arguments.world;
+    start.world_hash = hash_text(world_hash(*world));
+  }
   start.solver = configuration.solver;
   start.seed = arguments.seed;
   start.real_time = base.in_real_time();
@@ -199,18 +183,15 @@ RunStart start_of(const ExploreArguments& arguments, const Configuration& config
   return start;
 }
 
-/// What a mission's log is made with. In real time nothing waits for it, and its stamps are times
-/// of day, or Gazebo's; in lockstep they are the robot's clock, and nothing is dropped.
-MissionLogOptions log_options(const ExploreArguments& arguments, const Configuration& configuration,
-                              const MissionBase& base) {
-  MissionLogOptions options;
+/// What a mission's messages are made with. In real time their stamps are times of day, or
+/// Gazebo's; in lockstep they are the robot's clock.
+MissionMessageOptions message_options(const Configuration& configuration, const MissionBase& base) {
+  MissionMessageOptions options;
   options.robot = configuration.robot;
   const CameraRigOptions& rig = configuration.simulator.camera.rig;
   options.depth_camera = depth_camera(configuration.robot.depth, rig.depth_width, rig.depth_height);
   options.resolution = configuration.simulator.mapping.resolution;
   options.dt = configuration.planner.dt;
-  options.images = arguments.log_images;
-  options.file.wait = !base.in_real_time();
   if (base.in_real_time() && !base.gazebo) {
     using std::chrono::duration_cast;
     const auto day = std::chrono::system_clock::now().time_since_epoch();
@@ -219,6 +200,29 @@ MissionLogOptions log_options(const ExploreArguments& arguments, const Configura
         duration_cast<std::chrono::nanoseconds>(day).count() - std::llround(1e9 * options.start);
   }
   return options;
+}
+
+/// Calls both; either may be empty.
+template <typename... Values>
+std::function<void(Values...)> both(std::function<void(Values...)> first,
+                                    std::function<void(Values...)> second) {
+  if (!first) return second;
+  if (!second) return first;
+  return [first = std::move(first), second = std::move(second)](Values... values) {
+    first(values...);
+    second(values...);
+  };
+}
+
+/// Where the live view is, and who may reach it, on standard error.
+void tell_live(const LiveServer& live, const ExploreArguments& arguments) {
+  std::cerr << "prospect: live view: " << live.url() << '\n';
+  const std::string& host = arguments.live_host;
+  if (host != "localhost" && host != "::1" && !host.starts_with("127.")) {
+    std::cerr << "prospect: live view: on " << host
+              << ", not encrypted: whoever reaches it can watch, and read the token of who "
+                 "commands\n";
+  }
 }
 
 /// Hands all that a mission tells to its log, which is there when it begins.
@@ -279,7 +283,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     override_entry(configuration, "simulator.map", arguments.map);
   }
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
-  set_world(arguments, configuration);
+  set_world(arguments.reading, configuration);
   const bool unknown_world = base.dds || (base.gazebo && !base.measure);
   if (unknown_world && (configuration.until_coverage > 0.0 || configuration.until_area > 0.0)) {
     throw InputError(
@@ -307,23 +311,55 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
                                     "_" + std::to_string(arguments.seed)
                               : arguments.out;
   std::optional<RunFolder> folder;
-  const RunStart start = start_of(arguments, configuration, name, base);
+  const RunStart start = start_of(arguments, configuration, name, world.get(), base);
   // Not before: nothing is written for a refusal.
   std::optional<MissionLog> log;
+  LiveFeed feed;
+  DriveRequests requests;
+  options.requests = &requests;
+  std::optional<AcknowledgementBySignal> by_signal;
+  if (base.in_real_time()) by_signal.emplace(requests);
+  std::optional<LiveServer> live;
   options.on_start = [&] {
+    if (arguments.live) {
+      LiveMission shown{configured_record(configuration), base.in_real_time(),
+                        message_options(configuration, base)};
+      shown.start.summary.world = name;
+      shown.start.summary.solver = configuration.solver;
+      shown.start.summary.seed = arguments.seed;
+      live.emplace(
+          LiveOptions{
+              .port = *arguments.live, .host = arguments.live_host, .token = arguments.live_token},
+          shown, feed, requests);
+      tell_live(*live, arguments);
+    }
     folder.emplace(out, start);
     if (!arguments.log) return;
     const std::string file = folder->path() + "/mission.mcap";
-    log.emplace(file, start, log_options(arguments, configuration, base));
+    MissionLogOptions log_options{message_options(configuration, base), arguments.log_images, {}};
+    // In real time nothing waits for the log; in lockstep nothing is dropped.
+    log_options.file.wait = !base.in_real_time();
+    log.emplace(file, start, log_options);
     if (const std::string wrong = log->error(); !wrong.empty()) {
       throw InputError(file + ": cannot be written (" + wrong + "); expected a writable folder");
     }
   };
   if (arguments.log) options.taps = taps_of(log, arguments.log_images);
+  if (arguments.live) {
+    auto& taps = options.taps;
+    taps.belief = both(taps.belief, std::function([&](const Belief& b) { feed.belief(b); }));
+    taps.driver = both(taps.driver, std::function([&](const RealTimeDriver& driver, double now) {
+                         feed.driver(driver, now);
+                       }));
+    taps.picture = [&](const Image& left, const std::vector<LandmarkSighting>& sightings) {
+      feed.picture(left, sightings);
+    };
+  }
   options.cancelled = catch_interrupts();
   options.on_step = [&](const StepRecord& step) {
     folder->add(step);
     if (log) log->step(step);
+    if (live) feed.step(step);
     progress.show(step, configuration.solver);
   };
   if (arguments.save_problems > 0) {
@@ -341,6 +377,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     result.record.summary.floor_share = world->floor_share;
   }
   progress.finish();
+  if (live) feed.end(result.record.summary);
   folder->finish(result.record, result.map.get(), render_report);
   if (log) log->finish(result.record);
   if (!folder->error().empty()) std::cerr << "prospect: " << folder->error() << '\n';

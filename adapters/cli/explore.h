@@ -13,7 +13,7 @@ struct MissionBase {
   bool gazebo = false;            ///< the Gazebo that runs, in real time; else the simulator
   bool measure = false;           ///< Gazebo's truth measures, against arguments.world
   std::optional<DdsOptions> dds;  ///< a robot behind topics of ROS 2, in real time
-  /// The simulator, in real time; none: in lockstep.
+  /// Faults of the simulator or Gazebo, in real time; none: the simulator in lockstep.
   std::optional<RealTimeRun> real_time;
 
   bool in_real_time() const { return gazebo || dds || real_time; }

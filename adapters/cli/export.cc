@@ -11,15 +11,54 @@
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
 #include "adapters/gazebo/gazebo_world_file.h"
+#include "adapters/gazebo/robot_in_world.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/simulator/camera_sensors.h"
 #include "adapters/worlds/load_world.h"
 #include "models/range_text.h"
 
 namespace prospect {
+namespace {
+
+namespace fs = std::filesystem;
+using Files = std::vector<std::pair<std::string, std::string>>;  // name and content
+
+GazeboRobotOptions robot_options(const Configuration& configuration) {
+  GazeboRobotOptions options;
+  options.names = configuration.gazebo;
+  return options;
+}
+
+Files files_of(const World& world, const Configuration& configuration, const std::string& name) {
+  GazeboWorldOptions options;
+  options.robot = robot_options(configuration);
+  return gazebo_world_files(world, seen_mesh(world, configuration.simulator), configuration.robot,
+                            options, name);
+}
+
+/// A world of Gazebo, as it is, with the robot on the floor that is explored.
+Files with_robot(const std::string& path, const World& world, const Configuration& configuration,
+                 const fs::path& sdf) {
+  const std::string extension = fs::path(path).extension().string();
+  if (extension != ".world" && extension != ".sdf") {
+    throw InputError(path +
+                     ": a mesh; expected a Gazebo world that shows it, or a world of voxels");
+  }
+  std::error_code error;
+  if (fs::equivalent(path, sdf, error)) {
+    throw InputError("--sdf: '" + sdf.string() + "' is the world itself; expected another name");
+  }
+  Pose start = world.start;
+  start.position.z() = world.source_floor_height;
+  const std::string model =
+      gazebo_robot_model(configuration.robot, robot_options(configuration), start);
+  const fs::path folder = sdf.has_parent_path() ? sdf.parent_path() : fs::path(".");
+  return {{sdf.filename().string(), gazebo_world_with_robot(path, model, folder.string())}};
+}
+
+}  // namespace
 
 int export_world(const ExportArguments& arguments, const Registries& registries) {
-  namespace fs = std::filesystem;
   const fs::path sdf = arguments.sdf;
   const std::string name = sdf.stem().string();
   if (sdf.extension() != ".sdf" || name.empty() ||
@@ -29,24 +68,18 @@ int export_world(const ExportArguments& arguments, const Registries& registries)
   }
   Configuration configuration =
       read_configuration(arguments.configuration, registries, arguments.settings);
+  set_world(arguments.reading, configuration);
   const World world = load_world(arguments.world, world_options_for(configuration));
   tell_left_out(world);
-  if (world.mesh) {
-    throw InputError(arguments.world +
-                     ": read from a mesh; expected a world of voxels, as Gazebo shows meshes "
-                     "itself");
-  }
   configuration.simulator.seed = arguments.seed;
-  GazeboWorldOptions options;
-  options.robot = configuration.gazebo;
-  std::vector<std::pair<std::string, std::string>> files;
+  const fs::path folder = sdf.has_parent_path() ? sdf.parent_path() : fs::path(".");
+  Files files;
   try {
-    files = gazebo_world_files(world, seen_mesh(world, configuration.simulator),
-                               configuration.robot, options, name);
+    files = world.mesh ? with_robot(arguments.world, world, configuration, sdf)
+                       : files_of(world, configuration, name);
   } catch (const std::invalid_argument& error) {
     throw InputError(arguments.world + ": " + error.what());
   }
-  const fs::path folder = sdf.has_parent_path() ? sdf.parent_path() : fs::path(".");
   std::error_code error;
   fs::create_directories(folder, error);
   if (!fs::is_directory(folder, error)) {

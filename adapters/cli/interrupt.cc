@@ -1,11 +1,17 @@
 #include "adapters/cli/interrupt.h"
 
+#include <atomic>
 #include <csignal>
 
 namespace prospect {
 namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
+std::atomic<DriveRequests*> asked = nullptr;
+static_assert(std::atomic<DriveRequests*>::is_always_lock_free);
+void acknowledge(int) {
+  if (DriveRequests* const requests = asked) requests->acknowledge();
+}
 void interrupt(int) { interrupted = 1; }
 
 }  // namespace
@@ -17,5 +23,12 @@ std::function<bool()> catch_interrupts() {
   if (std::signal(SIGHUP, interrupt) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
   return [] { return interrupted != 0; };
 }
+
+AcknowledgementBySignal::AcknowledgementBySignal(DriveRequests& requests) {
+  asked = &requests;
+  std::signal(SIGUSR1, acknowledge);
+}
+
+AcknowledgementBySignal::~AcknowledgementBySignal() { asked = nullptr; }
 
 }  // namespace prospect

@@ -1,6 +1,7 @@
 #include "adapters/datasets/transform_tree.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace prospect {
 namespace {
@@ -68,12 +69,14 @@ bool TransformTree::moves_below(const std::string& above, std::string frame) con
   return false;
 }
 
+/// at(poses): of a link that moves.
+template <typename At>
 std::optional<Eigen::Isometry3d> TransformTree::up_to(const std::string& above, std::string frame,
-                                                      double stamp) const {
+                                                      const At& at) const {
   Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
   while (frame != above) {
     const Link& link = links_.at(frame);
-    const auto step = link.fixed ? link.fixed : pose_at(link.poses, stamp, max_gap_);
+    const auto step = link.fixed ? link.fixed : at(link.poses);
     if (!step) return std::nullopt;
     T = *step * T;
     frame = link.parent;
@@ -81,14 +84,44 @@ std::optional<Eigen::Isometry3d> TransformTree::up_to(const std::string& above, 
   return T;
 }
 
-std::optional<Eigen::Isometry3d> TransformTree::find(const std::string& to, const std::string& from,
-                                                     double stamp) const {
+template <typename At>
+std::optional<Eigen::Isometry3d> TransformTree::between(const std::string& to,
+                                                        const std::string& from,
+                                                        const At& at) const {
   const std::string above = meeting(to, from);
   if (above.empty()) return std::nullopt;
-  const auto T_from = up_to(above, without_slash(from), stamp);
-  const auto T_to = up_to(above, without_slash(to), stamp);
+  const auto T_from = up_to(above, without_slash(from), at);
+  const auto T_to = up_to(above, without_slash(to), at);
   if (!T_from || !T_to) return std::nullopt;
   return T_to->inverse() * *T_from;
+}
+
+std::optional<Eigen::Isometry3d> TransformTree::find(const std::string& to, const std::string& from,
+                                                     double stamp) const {
+  return between(to, from,
+                 [&](const Trajectory& poses) { return pose_at(poses, stamp, max_gap_); });
+}
+
+std::optional<Eigen::Isometry3d> TransformTree::nearest(const std::string& to,
+                                                        const std::string& from, double stamp,
+                                                        double reach) const {
+  return between(to, from, [&](const Trajectory& poses) -> std::optional<Eigen::Isometry3d> {
+    const auto off = [&](const TimedPose& pose) { return std::abs(pose.stamp - stamp); };
+    const auto best =
+        std::min_element(poses.begin(), poses.end(),
+                         [&](const TimedPose& a, const TimedPose& b) { return off(a) < off(b); });
+    if (best == poses.end() || off(*best) > reach) return std::nullopt;
+    return best->T;
+  });
+}
+
+void TransformTree::forget_before(double stamp) {
+  for (auto& [child, link] : links_) {
+    if (link.poses.empty()) continue;
+    const auto first = std::find_if(link.poses.begin(), link.poses.end() - 1,
+                                    [&](const TimedPose& pose) { return pose.stamp >= stamp; });
+    link.poses.erase(link.poses.begin(), first);
+  }
 }
 
 bool TransformTree::connected(const std::string& to, const std::string& from) const {

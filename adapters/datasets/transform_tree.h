@@ -31,6 +31,12 @@ class TransformTree {
   /// transform between them is not known at that time. A frame to itself is the identity.
   std::optional<Eigen::Isometry3d> find(const std::string& to, const std::string& from,
                                         double stamp) const;
+  /// The same where transforms that move are held, for what is told while it happens: of each the
+  /// one nearest in time, at most `reach` [s] off.
+  std::optional<Eigen::Isometry3d> nearest(const std::string& to, const std::string& from,
+                                           double stamp, double reach) const;
+  /// Drops what moves and is older than `stamp` [s], but for the newest of each.
+  void forget_before(double stamp);
   /// Whether they hang together, at whatever time.
   bool connected(const std::string& to, const std::string& from) const;
   /// Whether they hang together by a transform that is not static.
@@ -50,8 +56,12 @@ class TransformTree {
   bool is_above(const std::string& frame, std::string other) const;
   std::string meeting(const std::string& to, const std::string& from) const;
   bool moves_below(const std::string& above, std::string frame) const;
+  template <typename At>
   std::optional<Eigen::Isometry3d> up_to(const std::string& above, std::string frame,
-                                         double stamp) const;
+                                         const At& at) const;
+  template <typename At>
+  std::optional<Eigen::Isometry3d> between(const std::string& to, const std::string& from,
+                                           const At& at) const;
 
   double max_gap_;
   std::map<std::string, Link> links_;  // by child

@@ -15,20 +15,38 @@
 namespace prospect {
 
 struct DdsBase::Impl {
-  Impl(const DdsOptions& given, DdsNode& its_node, const Clock& its_clock)
-      : options(given), node(its_node), clock(its_clock) {}
+  Impl(const DdsOptions& given, DdsNode& its_node, const DdsTransforms& its_transforms,
+       const Clock& its_clock)
+      : options(given), node(its_node), transforms(its_transforms), clock(its_clock) {}
+
+  /// Where the frame of the odometry is in B, which it must be or be fixed to.
+  Eigen::Isometry3d odometry_frame(const std::string& child) const {
+    if (child == options.frames.base) return Eigen::Isometry3d::Identity();
+    if (!options.odometry_by_tf) {
+      throw InputError(options.odometry + ": child_frame_id is '" + child + "'; expected '" +
+                       options.frames.base + "' (frames.base), or odometry_frame: tf");
+    }
+    const auto T = transforms.newest(options.frames.base, child);
+    if (!T) {
+      throw InputError(options.odometry + ": no transform from its child_frame_id '" + child +
+                       "' to '" + options.frames.base + "'; expected it on /tf_static or /tf");
+    }
+    return *T;
+  }
 
   void add(const ros::Odometry& m) {
-    if (m.child_frame_id != options.frames.base) {
-      throw InputError(options.odometry + ": child_frame_id is '" + m.child_frame_id +
-                       "'; expected '" + options.frames.base + "' (frames.base)");
-    }
-    const ros::Twist& twist = m.twist.twist;
+    const Eigen::Isometry3d T_BO = odometry_frame(m.child_frame_id);
+    // The twist of a rigid body in B: turned, and less what turning adds at the frame's place.
+    const ros::Twist& told = m.twist.twist;
+    const Eigen::Vector3d turning =
+        T_BO.linear() * Eigen::Vector3d(told.angular.x, told.angular.y, told.angular.z);
+    const Eigen::Vector3d moving =
+        T_BO.linear() * Eigen::Vector3d(told.linear.x, told.linear.y, told.linear.z) -
+        turning.cross(Eigen::Vector3d(T_BO.translation()));
     const ros::Point& p = m.pose.pose.position;
     const ros::Quaternion& r = m.pose.pose.orientation;
     const Eigen::Quaterniond q(r.w, r.x, r.y, r.z);
-    const WheelSample sample{
-        ros::seconds(m.header.stamp), {twist.linear.x, twist.linear.y}, twist.angular.z};
+    const WheelSample sample{ros::seconds(m.header.stamp), moving.head<2>(), turning.z()};
     if (!sample.velocity.allFinite() || !std::isfinite(sample.yaw_rate) ||
         !std::isfinite(p.x + p.y + p.z) || !(std::abs(q.norm() - 1.0) < 0.01)) {
       throw InputError(options.odometry +
@@ -37,10 +55,11 @@ struct DdsBase::Impl {
     Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
     T.linear() = q.normalized().toRotationMatrix();
     T.translation() << p.x, p.y, p.z;
+    T = T * T_BO.inverse();
     const std::lock_guard lock(mutex);
     heard = clock.now();
     offset.add(sample.stamp, *heard);
-    velocity = {{twist.linear.x, twist.linear.y, 0.0}, twist.angular.z};
+    velocity = {{moving.x(), moving.y(), 0.0}, turning.z()};
     if (wheels.size() == kMost) wheels.erase(wheels.begin());
     wheels.push_back(sample);
     poses.emplace_back(sample.stamp, T);
@@ -71,6 +90,7 @@ struct DdsBase::Impl {
   static constexpr std::size_t kMost = 2000;
   const DdsOptions options;
   DdsNode& node;
+  const DdsTransforms& transforms;
   const Clock& clock;
   int stamped = -1, plain = -1;
   std::vector<std::string> command_topics;
@@ -83,8 +103,9 @@ struct DdsBase::Impl {
   bool emergency = false;
 };
 
-DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const Clock& clock)
-    : impl_(std::make_shared<Impl>(options, node, clock)) {
+DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& transforms,
+                 const Clock& clock, DriveRequests* requests)
+    : impl_(std::make_shared<Impl>(options, node, transforms, clock)) {
   const auto impl = impl_;
   node.subscribe<ros::Odometry>(options.odometry, DdsQos{false, false, 50},
                                 [impl](const ros::Odometry& m) { impl->add(m); });
@@ -92,6 +113,11 @@ DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const Clock& clock)
     node.subscribe<ros::Bool>(options.emergency_stop, kReliableQos, [impl](const ros::Bool& m) {
       const std::lock_guard lock(impl->mutex);
       impl->emergency = m.data;
+    });
+  }
+  if (requests && !options.acknowledge.empty()) {
+    node.subscribe<ros::Bool>(options.acknowledge, kReliableQos, [requests](const ros::Bool& m) {
+      if (m.data) requests->acknowledge();
     });
   }
   const DdsOptions::Command& command = options.command;
@@ -152,6 +178,9 @@ BaseReport DdsBase::report() noexcept {
     for (const std::string& topic : topics) {
       const std::string fault = node.fault(topic);
       if (!fault.empty()) report.faults.push_back(fault);
+    }
+    if (const std::string moved = impl_->transforms.moved(); !moved.empty()) {
+      report.faults.push_back(moved);
     }
     const std::lock_guard lock(impl_->mutex);
     report.connected = listens && impl_->heard.has_value();

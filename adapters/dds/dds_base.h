@@ -7,9 +7,11 @@
 
 #include "adapters/dds/dds_node.h"
 #include "adapters/dds/dds_options.h"
+#include "adapters/dds/dds_transforms.h"
 #include "adapters/ros/std_msgs.h"
 #include "runtime/base.h"
 #include "runtime/clock.h"
+#include "runtime/drive_requests.h"
 
 namespace prospect {
 
@@ -21,19 +23,23 @@ namespace prospect {
 /// Commands: TwistStamped, stamped with the robot's clock, and Twist; to a relay TwistStamped
 /// alone. One that has expired is not sent. Nothing is sent before the first send() or stop().
 ///
-/// Report: velocity and wheel motion of the odometry's twist, which is the body's. The link stands
-/// while odometry has come and somebody subscribes to commands. Faults: an emergency stop that is
-/// pressed, odometry that is silent for half a second, and what is wrong with those topics
-/// (DdsNode::fault()).
+/// Report: velocity and wheel motion of the odometry's twist, which is the body's: of frames.base,
+/// or with odometry_by_tf of another frame that is fixed to it, and is carried over. The link
+/// stands while odometry has come and somebody subscribes to commands. Faults: an emergency stop
+/// that is pressed, odometry that is silent for half a second, a camera that moves
+/// (DdsTransforms::moved()), and what is wrong with those topics (DdsNode::fault()).
 ///
 /// Clocks: the offset between the robot's clock and the runtime's is estimated from the odometry's
 /// stamps (ClockOffset).
 ///
-/// Declares its topics on the node: make it before DdsNode::start(). The clock must outlive the
-/// node. Thread-safety: as Base; ros_time() and odometry() any thread.
+/// Who acknowledges a stop by topic (DdsOptions::acknowledge) asks so of `requests`; null: nobody.
+///
+/// Declares its topics on the node: make it before DdsNode::start(). Clock, transforms and requests
+/// must outlive the node. Thread-safety: as Base; the rest any thread.
 class DdsBase final : public Base {
  public:
-  DdsBase(const DdsOptions& options, DdsNode& node, const Clock& clock);
+  DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& transforms,
+          const Clock& clock, DriveRequests* requests = nullptr);
   ~DdsBase() override;
 
   std::string name() const noexcept override;

@@ -99,12 +99,16 @@ DdsOptions read_dds_options(const std::string& path) {
   if (d.image.empty() && o.scan.empty() && o.point_cloud.empty()) {
     root.problem("depth", "nothing measures ranges; expected depth.image, scan or point_cloud");
   }
-  o.mounts_from_tf =
-      root.choice("mounts", o.mounts_from_tf ? "tf" : "robot", {"robot", "tf"},
-                  "where cameras are: the robot's description, or tf_static") == "tf";
+  o.mounts_from_tf = root.choice("mounts", o.mounts_from_tf ? "tf" : "robot", {"robot", "tf"},
+                                 "where cameras are: the robot's description, or tf") == "tf";
   o.odometry = topics.read(root, "odometry", o.odometry, "nav_msgs/msg/Odometry", Empty::kRefused);
+  o.odometry_by_tf = root.choice("odometry_frame", o.odometry_by_tf ? "tf" : "base", {"base", "tf"},
+                                 "its child_frame_id: frames.base, or what tf fixes to it") == "tf";
   o.emergency_stop =
       topics.read(root, "emergency_stop", "", "std_msgs/msg/Bool, true stops", Empty::kAllowed);
+
+  o.acknowledge = topics.read(root, "acknowledge", "",
+                              "std_msgs/msg/Bool, true acknowledges a stop", Empty::kAllowed);
 
   YamlMap command = root.map("command");
   auto& c = o.command;

@@ -33,11 +33,14 @@ struct DdsOptions {
     double min_range = 0.3, max_range = 8.0;  ///< [m]
   } depth;
   std::string scan, point_cloud;
-  /// Cameras are where tf_static says, in frames.base; else where the robot's description says.
+  /// Cameras are where tf says, in frames.base; else where the robot's description says.
   bool mounts_from_tf = false;
 
   std::string odometry = "/odom";  ///< its velocity; the pose only for transforms
-  std::string emergency_stop;      ///< std_msgs/msg/Bool: true stops
+  /// Its child_frame_id may be a frame that tf knows to be fixed to frames.base; else it is that.
+  bool odometry_by_tf = false;
+  std::string emergency_stop;  ///< std_msgs/msg/Bool: true stops
+  std::string acknowledge;     ///< std_msgs/msg/Bool: true acknowledges a stop that latches
 
   struct Command {
     std::string stamped = "/cmd_vel";  ///< geometry_msgs/msg/TwistStamped

@@ -14,10 +14,8 @@
 #include "adapters/datasets/ros_messages.h"
 #include "adapters/datasets/ros_scan_messages.h"
 #include "adapters/datasets/stereo_calibration.h"
-#include "adapters/datasets/transform_tree.h"
 #include "adapters/files/input_error.h"
 #include "adapters/ros/sensor_msgs.h"
-#include "adapters/ros/tf2_msgs.h"
 #include "perception/odometry/rectification.h"
 
 namespace prospect {
@@ -44,8 +42,9 @@ std::string size_text(double width, double height) {
 }  // namespace
 
 struct DdsSensors::Impl {
-  Impl(const DdsOptions& given, DdsNode& its_node, SensorInbox& its_inbox)
-      : options(given), node(its_node), inbox(its_inbox) {}
+  Impl(const DdsOptions& given, DdsNode& its_node, DdsTransforms& its_transforms,
+       SensorInbox& its_inbox)
+      : options(given), node(its_node), transforms(its_transforms), inbox(its_inbox) {}
 
   std::shared_ptr<const Reading> reading() const {
     const std::lock_guard lock(mutex);
@@ -87,26 +86,12 @@ struct DdsSensors::Impl {
                           : inbox.right(stamp, std::move(grey));
   }
 
-  void take_transforms(std::string_view cdr, const std::string& name) {
-    const std::vector<RosTransform> transforms = read_ros_transforms(cdr, name);
-    const std::lock_guard lock(mutex);
-    for (const RosTransform& t : transforms) {
-      if (++transforms_heard > kMostTransforms) {
-        throw InputError(name + ": more than " + std::to_string(kMostTransforms) +
-                         " transforms; expected those of one robot");
-      }
-      tree.add_static(t.parent, t.child, t.T);
-    }
-    came.notify_all();
-  }
-
-  /// Of a sensor's frame in B. Throws InputError if tf_static does not connect them.
-  Eigen::Isometry3d in_base(const std::string& frame, const std::string& name) const {
-    const std::lock_guard lock(mutex);
-    const auto T = tree.find(options.frames.base, frame, 0.0);
+  /// Of a sensor's frame in B. Throws InputError if tf does not connect them then.
+  Eigen::Isometry3d in_base(const RosHeader& header, const std::string& name) const {
+    const auto T = transforms.find(options.frames.base, header.frame, header.stamp);
     if (!T) {
-      throw InputError(name + ": no static transform from '" + frame + "' to '" +
-                       options.frames.base + "'; expected it on /tf_static");
+      throw InputError(name + ": no transform from '" + header.frame + "' to '" +
+                       options.frames.base + "' at its stamp; expected it on /tf_static or /tf");
     }
     return *T;
   }
@@ -137,10 +122,10 @@ struct DdsSensors::Impl {
     if (!lines.empty() || !options.mounts_from_tf) return lines;
     for (const Camera camera : {kLeftCamera, kDepthCamera}) {
       if (wanted[camera].first.empty() ||
-          tree.find(options.frames.base, infos[camera]->frame, 0.0)) {
+          transforms.newest(options.frames.base, infos[camera]->frame)) {
         continue;
       }
-      lines.push_back("/tf_static: no transform from '" + infos[camera]->frame + "' to '" +
+      lines.push_back("/tf_static, /tf: no transform from '" + infos[camera]->frame + "' to '" +
                       options.frames.base + "' within " + number_text(options.timeout) +
                       " s; expected where the camera is (or mounts: robot)");
     }
@@ -196,7 +181,8 @@ struct DdsSensors::Impl {
     }
     if (options.mounts_from_tf) {
       const auto mount = [&](Camera camera) {
-        return *tree.find(options.frames.base, infos[camera]->frame, 0.0);
+        transforms.hold(options.frames.base, infos[camera]->frame);
+        return *transforms.newest(options.frames.base, infos[camera]->frame);
       };
       out.cameras.stereo_mount = CameraMount{mount(kLeftCamera) * T_left};
       if (out.cameras.depth) out.cameras.depth_mount = CameraMount{mount(kDepthCamera)};
@@ -204,20 +190,19 @@ struct DdsSensors::Impl {
     return out;
   }
 
-  static constexpr int kMostTransforms = 100'000;
   const DdsOptions options;
   DdsNode& node;
+  DdsTransforms& transforms;
   SensorInbox& inbox;
   mutable std::mutex mutex;
   mutable std::condition_variable came;
   std::array<std::optional<ReceivedInfo>, kCameras> infos;
-  TransformTree tree;
-  int transforms_heard = 0;
   mutable std::shared_ptr<const Reading> known;
 };
 
-DdsSensors::DdsSensors(const DdsOptions& options, DdsNode& node, SensorInbox& inbox)
-    : impl_(std::make_shared<Impl>(options, node, inbox)) {
+DdsSensors::DdsSensors(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms,
+                       SensorInbox& inbox)
+    : impl_(std::make_shared<Impl>(options, node, transforms, inbox)) {
   const auto impl = impl_;
   const auto info = [&](const std::string& topic, Camera camera) {
     if (topic.empty()) return;
@@ -241,15 +226,12 @@ DdsSensors::DdsSensors(const DdsOptions& options, DdsNode& node, SensorInbox& in
   images(options.stereo.left, options.stereo.compressed, kLeftCamera);
   images(options.stereo.right, options.stereo.compressed, kRightCamera);
   images(options.depth.image, options.depth.compressed, kDepthCamera);
-  node.subscribe(
-      "/tf_static", ros::definition_of<ros::TFMessage>(), kStaticTransformQos,
-      [impl](std::string_view cdr, const std::string& name) { impl->take_transforms(cdr, name); });
   if (!options.scan.empty()) {
     node.subscribe(options.scan, ros::definition_of<ros::LaserScan>(), kSensorQos,
                    [impl](std::string_view cdr, const std::string& name) {
                      const RosHeader header = read_ros_header(cdr, name);
                      impl->take_rays(rays_of(read_ros_laser_scan(cdr, name)), header.stamp,
-                                     impl->in_base(header.frame, name));
+                                     impl->in_base(header, name));
                    });
   }
   if (!options.point_cloud.empty()) {
@@ -258,8 +240,7 @@ DdsSensors::DdsSensors(const DdsOptions& options, DdsNode& node, SensorInbox& in
                      const RosHeader header = read_ros_header(cdr, name);
                      DepthScan rays;
                      rays.hits = read_ros_point_cloud(cdr, name);
-                     impl->take_rays(std::move(rays), header.stamp,
-                                     impl->in_base(header.frame, name));
+                     impl->take_rays(std::move(rays), header.stamp, impl->in_base(header, name));
                    });
   }
 }
@@ -267,9 +248,15 @@ DdsSensors::~DdsSensors() = default;
 
 DdsCameras DdsSensors::wait() const {
   std::unique_lock lock(impl_->mutex);
-  impl_->came.wait_for(lock, std::chrono::duration<double>(impl_->options.timeout),
-                       [&] { return impl_->missing().empty(); });
-  const std::vector<std::string> missing = impl_->missing();
+  // What tf tells is looked for again and again.
+  constexpr std::chrono::milliseconds kLook(20);
+  const auto end =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(impl_->options.timeout);
+  std::vector<std::string> missing = impl_->missing();
+  while (!missing.empty() && std::chrono::steady_clock::now() < end) {
+    impl_->came.wait_for(lock, kLook);
+    missing = impl_->missing();
+  }
   if (!missing.empty()) throw InputError(missing);
   impl_->known = std::make_shared<const Reading>(impl_->make_reading());
   return impl_->known->cameras;

@@ -7,6 +7,7 @@
 
 #include "adapters/dds/dds_node.h"
 #include "adapters/dds/dds_options.h"
+#include "adapters/dds/dds_transforms.h"
 #include "models/camera.h"
 #include "runtime/sensor_inbox.h"
 
@@ -16,7 +17,7 @@ namespace prospect {
 struct DdsCameras {
   StereoCamera stereo;                 ///< as the inbox gets the images: rectified
   std::optional<PinholeCamera> depth;  ///< none: no depth images
-  /// In frames.base by tf_static; none: the robot's description says where they are.
+  /// In frames.base by tf; none: the robot's description says where they are.
   std::optional<CameraMount> stereo_mount, depth_mount;
 };
 
@@ -24,19 +25,20 @@ struct DdsCameras {
 /// scans and clouds rays in B, and all goes into a SensorInbox with the stamps of its headers.
 ///
 /// A message that does not fit (encoding, size other than its camera_info's, bytes that end early,
-/// a lidar whose frame tf_static does not know) is left out, and is a fault of its topic
-/// (DdsNode::fault()) until a good one comes.
+/// a lidar whose frame tf does not know at the scan's stamp) is left out, and is a fault of its
+/// topic (DdsNode::fault()) until a good one comes.
 ///
-/// Declares its topics on the node: make it before DdsNode::start(). Inbox and node must outlive
-/// it, and the inbox the node's thread. Thread-safety: any thread.
+/// Declares its topics on the node: make it before DdsNode::start(). Inbox, transforms and node
+/// must outlive it, and inbox and transforms the node's thread. Thread-safety: any thread.
 class DdsSensors {
  public:
-  DdsSensors(const DdsOptions& options, DdsNode& node, SensorInbox& inbox);
+  DdsSensors(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms,
+             SensorInbox& inbox);
   ~DdsSensors();
 
   /// Waits until calibrations, and the transforms that are asked for, have come; images count from
-  /// then on. Throws InputError, a line for each that did not come within options.timeout, or that
-  /// cannot be.
+  /// then on, and cameras that tf tells of must stay where they are (DdsTransforms::hold()). Throws
+  /// InputError, a line for each that did not come within options.timeout, or that cannot be.
   DdsCameras wait() const;
 
  private:

@@ -16,6 +16,8 @@ class FileLock {
   FileLock& operator=(FileLock&& other) noexcept;
 
   bool held() const { return descriptor_ >= 0; }
+  /// Of the file, closed by exec(): a process that is to hold it, too, keeps its copy open.
+  int descriptor() const { return descriptor_; }
   /// Another process, or another object of this one, holds it.
   bool busy() const { return busy_; }
   /// Why it is not held, in words.

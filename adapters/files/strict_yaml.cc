@@ -821,6 +821,65 @@ std::vector<std::string> YamlMap::texts(const std::string& key,
   return value;
 }
 
+namespace {
+
+template <typename Node>
+std::string on_one_line(const Node& node) {
+  std::string out;
+  switch (node.kind) {
+    case Node::Kind::kNull:
+      return "~";
+    case Node::Kind::kList:
+      for (const auto& item : node.items) out += (out.empty() ? "" : ", ") + on_one_line(*item);
+      return "[" + out + "]";
+    case Node::Kind::kMap:
+      for (const auto& entry : node.entries) {
+        out +=
+            (out.empty() ? "" : ", ") + format_text(entry.key) + ": " + on_one_line(*entry.value);
+      }
+      return "{" + out + "}";
+    default:
+      break;
+  }
+  // Plain scalars such as -1.5 and true mean something else in quotes.
+  const bool plain = !node.scalar.empty() && !node.quoted &&
+                     std::all_of(node.scalar.begin(), node.scalar.end(), [](char c) {
+                       return std::isalnum(static_cast<unsigned char>(c)) ||
+                              std::string_view("_./+-").find(c) != std::string::npos;
+                     });
+  return plain ? node.scalar : format_text(node.scalar);
+}
+
+}  // namespace
+
+YamlValue YamlMap::value_of(const Node& node) const {
+  const bool scalar = node.kind == Node::Kind::kScalar;
+  return {on_one_line(node), scalar ? node.scalar : "", state_->at(node.line), scalar};
+}
+
+std::optional<YamlValue> YamlMap::value(const std::string& key, const std::string& description) {
+  const Node* node = find(key);
+  if (node == nullptr || node->kind == Node::Kind::kNull) return std::nullopt;
+  YamlValue value = value_of(*node);
+  record(key, value.yaml, "", "", "any value", description);
+  return value;
+}
+
+std::vector<YamlValue> YamlMap::values(const std::string& key, const std::string& description) {
+  std::vector<YamlValue> out;
+  const Node* node = find(key);
+  if (node == nullptr || node->kind == Node::Kind::kNull) return out;
+  if (node->kind == Node::Kind::kList) {
+    for (const auto& item : node->items) out.push_back(value_of(*item));
+  } else {
+    out.push_back(value_of(*node));
+  }
+  std::string list;
+  for (const YamlValue& value : out) list += (list.empty() ? "" : ", ") + value.yaml;
+  record(key, "[" + list + "]", "", "", "any values", description);
+  return out;
+}
+
 YamlMap YamlMap::map(const std::string& key) {
   Node* node = find(key);
   if (node != nullptr && node->kind != Node::Kind::kMap && node->kind != Node::Kind::kNull) {

@@ -27,6 +27,14 @@ std::string effective_yaml(const std::vector<ConfigEntry>& entries);
 
 class StrictYaml;
 
+/// A value of any kind, as a document holds it.
+struct YamlValue {
+  std::string yaml;   ///< on one line, as StrictYaml::set() takes it
+  std::string text;   ///< of a scalar; "" of a list or mapping
+  std::string where;  ///< file:line
+  bool is_scalar = false;
+};
+
 /// A view of one mapping of a document. Every key must be asked for: what finish() of the document
 /// finds unread is unknown and an error. A reader never throws: each problem is recorded
 /// (`file:line: what; expected what`), the default is returned in its place (the lower end of the
@@ -81,6 +89,12 @@ class YamlMap {
                                  const std::vector<std::string>& default_value,
                                  const std::string& description);
 
+  /// A value of any kind, for who hands it on; none if it is absent or "key:" has nothing behind
+  /// it.
+  std::optional<YamlValue> value(const std::string& key, const std::string& description);
+  /// The entries of a list of them; a value that is no list counts as the only entry.
+  std::vector<YamlValue> values(const std::string& key, const std::string& description);
+
   /// The mapping under the key; empty if absent.
   YamlMap map(const std::string& key);
   /// The same where the keys are free names, for the reader to ask for: an empty one is an entry.
@@ -113,6 +127,7 @@ class YamlMap {
                           const std::vector<std::string>& choices, const std::string& description,
                           char (*as_read)(char));
   void missing(const std::string& key, const std::string& expected);
+  YamlValue value_of(const Node& node) const;
   std::string child_path(const std::string& key) const;
   void record(const std::string& key, const std::string& value, const std::string& default_value,
               const std::string& unit, const std::string& range, const std::string& description);

@@ -40,7 +40,7 @@ struct GazeboBase::Impl {
   static constexpr std::size_t kMost = 10000;
   GazeboOptions options;
   SimulationClock& clock;
-  SteadyClock machine;   // the relay's
+  SteadyClock machine;
   VelocityRelay relay;   // before threads
   WheelEncoder encoder;  // of the receiver's thread
   std::mutex mutex;
@@ -65,7 +65,11 @@ std::optional<double> GazeboBase::dead_man() const noexcept {
 }
 
 void GazeboBase::send(const Twist& command, double expires) noexcept {
-  impl_->relay.send(command, impl_->machine.now() + (expires - impl_->clock.now()));
+  if (expires > impl_->clock.now()) {
+    impl_->relay.send(command, expires);
+  } else {
+    stop();
+  }
 }
 
 void GazeboBase::stop() noexcept { impl_->relay.send({}, 0.0); }

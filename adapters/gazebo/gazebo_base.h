@@ -20,7 +20,7 @@ namespace prospect {
 class GazeboBase final : public Base {
  public:
   /// The clock is that of commands' expiry, and must outlive this; it is set by what comes. The
-  /// relay counts in seconds of the machine: how long a command is still good for stays the same.
+  /// relay has one of its own, set by the same.
   GazeboBase(const GazeboOptions& options, SimulationClock& clock);
   ~GazeboBase() override;
 

@@ -8,32 +8,38 @@
 namespace prospect {
 
 struct GazeboSensors::Impl {
-  Impl(const GazeboOptions& options, SimulationClock& clock, SensorInbox& inbox)
-      : receiver(options) {
+  Impl(const GazeboOptions& options, SimulationClock& clock, GazeboFrames its_frames)
+      : frames(std::move(its_frames)), receiver(options) {
     const std::string prefix = options.model + "/" + options.link + "/";
     receiver.subscribe(prefix + options.stereo + "/images", "gazebo.msgs.ImagesStamped",
-                       [&clock, &inbox](std::string_view message) {
+                       [this, &clock](std::string_view message) {
                          GazeboPair pair = read_gazebo_pair(message);
                          clock.tick(pair.stamp);
-                         inbox.pair(pair.stamp, pair.stamp, std::move(pair.images));
+                         frames.pair(pair.stamp, std::move(pair.images));
                        });
     if (!options.depth.empty()) {
       receiver.subscribe(prefix + options.depth + "/image", "gazebo.msgs.ImageStamped",
-                         [&clock, &inbox, range = options.depth_range](std::string_view message) {
+                         [this, &clock, range = options.depth_range](std::string_view message) {
                            GazeboDepth image = read_gazebo_depth(message, range);
                            clock.tick(image.stamp);
-                           inbox.depth(image.stamp, std::move(image.image));
+                           frames.depth(image.stamp, std::move(image.image));
                          });
     }
     receiver.start();
   }
 
-  GazeboReceiver receiver;
+  const GazeboFrames frames;
+  GazeboReceiver receiver;  // its thread ends first
 };
 
+GazeboFrames frames_into(SensorInbox& inbox) {
+  return {[&inbox](double stamp, ImagePair images) { inbox.pair(stamp, stamp, std::move(images)); },
+          [&inbox](double stamp, DepthImage image) { inbox.depth(stamp, std::move(image)); }};
+}
+
 GazeboSensors::GazeboSensors(const GazeboOptions& options, SimulationClock& clock,
-                             SensorInbox& inbox)
-    : impl_(std::make_unique<Impl>(options, clock, inbox)) {}
+                             GazeboFrames frames)
+    : impl_(std::make_unique<Impl>(options, clock, std::move(frames))) {}
 GazeboSensors::~GazeboSensors() = default;
 
 bool GazeboSensors::connected() const { return impl_->receiver.connected(); }

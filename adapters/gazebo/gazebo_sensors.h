@@ -1,6 +1,6 @@
 #pragma once
 
-#include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,15 +11,24 @@
 
 namespace prospect {
 
-/// Cameras of a robot in Gazebo: its stereo pairs and depth images go into a SensorInbox as they
-/// come, stamped with the simulation's time, to which they set the clock before. A thread of its
-/// own receives them until the object ends; clock and inbox must live longer.
+/// Who gets what the cameras see, stamped with the simulation's time [s]: an inbox, or what stands
+/// before it. Both are called by one thread.
+struct GazeboFrames {
+  std::function<void(double stamp, ImagePair)> pair;
+  std::function<void(double stamp, DepthImage)> depth;
+};
+/// Into that inbox, which outlives them.
+GazeboFrames frames_into(SensorInbox& inbox);
+
+/// Cameras of a robot in Gazebo: its stereo pairs and depth images are handed on as they come. They
+/// set the clock to their time before. A thread of its own receives them until the object ends;
+/// clock and receivers of frames must live longer.
 ///
 /// Thread-safety: any thread. Errors: the constructor throws as GazeboReceiver does. Later nothing
 /// throws: see faults().
 class GazeboSensors {
  public:
-  GazeboSensors(const GazeboOptions& options, SimulationClock& clock, SensorInbox& inbox);
+  GazeboSensors(const GazeboOptions& options, SimulationClock& clock, GazeboFrames frames);
   ~GazeboSensors();
   GazeboSensors(const GazeboSensors&) = delete;
   GazeboSensors& operator=(const GazeboSensors&) = delete;

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <string_view>
 
 #include "adapters/files/input_error.h"
 #include "adapters/files/not_built_in.h"
 #include "adapters/files/relay_process.h"
 #include "adapters/gazebo/gazebo_messages.h"
 #include "runtime/clock.h"
+#include "runtime/simulation_clock.h"
 
 namespace prospect {
 namespace {
@@ -41,13 +43,16 @@ class Relay {
       : options_(options), link_(link), node_(options.address) {
     topic_ = "/gazebo/" + gazebo_world_name(options, node_) + "/" + options.model + "/vel_cmd";
     node_.advertise(topic_, "gazebo.msgs.Pose");
+    node_.subscribe(
+        "/gazebo/" + gazebo_world_name(options, node_) + "/pose/info", "gazebo.msgs.PosesStamped",
+        [this](std::string_view message) { clock_.tick(read_gazebo_poses(message).stamp); });
   }
 
   void run() {
     double told = -1e9, zero = -1e9;
     bool owned = true;
     double end = 0.0;
-    while (owned || clock_.now() < end) {
+    while (owned || machine_.now() < end) {
       const bool held = clock_.now() < std::min(newest_ + options_.dead_man, expires_);
       const double until =
           held ? std::min(newest_ + options_.dead_man, expires_) - clock_.now() : options_.period;
@@ -56,10 +61,11 @@ class Relay {
       if (owned && !take()) {
         owned = false;
         expires_ = 0.0;
-        end = clock_.now() + kFarewell;
+        end = machine_.now() + kFarewell;
       }
-      const double now = clock_.now();
-      if (now >= std::min(newest_ + options_.dead_man, expires_) && now - zero >= options_.period) {
+      const double now = machine_.now();
+      if (clock_.now() >= std::min(newest_ + options_.dead_man, expires_) &&
+          now - zero >= options_.period) {
         zero = now;
         node_.publish(topic_, gazebo_velocity({}, options_.turned_yaw));
       }
@@ -96,7 +102,8 @@ class Relay {
   const GazeboOptions& options_;
   int link_;
   GazeboNode node_;
-  SteadyClock clock_;
+  SteadyClock machine_;
+  SimulationClock clock_{machine_};
   std::string topic_;
   double newest_ = -1e9, expires_ = -1e9;
 };

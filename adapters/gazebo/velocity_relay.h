@@ -16,6 +16,10 @@ namespace prospect {
 /// again with every period. When who started it ends, in whatever way, it sends zero velocity for
 /// 0.2 s and ends.
 ///
+/// It counts in the simulation's time, as SimulationClock tells it: a simulation that makes less
+/// than a second in one of the machine makes no command older. Of one that says nothing time goes
+/// on with the machine's clock.
+///
 /// What it cannot do: stop the robot after it was killed itself, or when its own link to Gazebo
 /// breaks; state() shows either. As any RelayProcess it is started before threads are.
 ///
@@ -31,7 +35,7 @@ class VelocityRelay {
   /// NotBuiltIn.
   explicit VelocityRelay(const GazeboOptions& options);
 
-  /// `expires` [s] of SteadyClock. A velocity that is not finite is a stop. False: it was not
+  /// `expires` [s] of the simulation. A velocity that is not finite is a stop. False: it was not
   /// taken.
   bool send(const Twist& velocity, double expires) noexcept;
   /// Its newest word; a fault if it is silent for a second or has ended.

@@ -166,8 +166,8 @@ LoggedRun read_logged_run(const std::string& path, const Registries& registries)
     throw InputError(path + ": no such file; expected the log of a mission, a .mcap file");
   }
   const BagFile bag = BagFile::open(path);
-  const BagTopic* steps_topic = bag.find(topic::kStep);
-  if (!steps_topic) {
+  // A robot that was not fit to drive has made no step; the summary says why.
+  if (!bag.find(topic::kStep) && entry(bag.metadata(topic::kSummary), "json").empty()) {
     throw InputError(path + ": no " + topic::kStep +
                      "; expected the log of a mission (prospect drive, explore --mcap)");
   }

@@ -17,7 +17,8 @@ struct LoggedRun {
 };
 
 /// Reads what MissionLog wrote, docs/reference/log.md, also a file that ends early, as of a program
-/// that was killed: its summary is then made of the steps that are there. Throws InputError, one
+/// that was killed: its summary is then made of the steps that are there. A mission that ended
+/// before its first step is one without steps, whose summary says why. Throws InputError, one
 /// line: no such file, no log of a mission, damaged; NotBuiltIn where the library for its
 /// compression was absent at build time. `registries`: of the terms and back ends that its
 /// configuration may name; one that cannot be read is noted, and robot and zones are then those of

@@ -50,7 +50,7 @@ std::optional<LoggedMap::Messages> LoggedMap::change(
     double time, double resolution, const std::vector<std::pair<Cell, CellState>>& changes) {
   if (changes.empty()) return std::nullopt;
   const GridFrame changed = frame_of(changes, resolution);
-  bool whole = !map_ || time - whole_at_ >= kWholeEvery;
+  bool whole = !map_ || time - whole_at_ >= whole_every_;
   if (!map_ || !holds(map_->frame, changed)) {
     GridFrame wider = changed;
     if (map_) {

@@ -15,6 +15,9 @@ namespace prospect {
 /// that has changed.
 class LoggedMap {
  public:
+  /// whole_every [s]: below.
+  explicit LoggedMap(double whole_every = 10.0) : whole_every_(whole_every) {}
+
   /// The cells of a map, [-1 unknown, 0 free, 100 occupied] by rows.
   struct Cells {
     GridFrame frame;
@@ -30,9 +33,8 @@ class LoggedMap {
   std::optional<Messages> change(double time, double resolution,
                                  const std::vector<std::pair<Cell, CellState>>& changes);
 
-  static constexpr double kWholeEvery = 10.0;  ///< [s]
-
  private:
+  double whole_every_;
   std::optional<Grid<CellState>> map_;
   double whole_at_ = 0.0;
 };

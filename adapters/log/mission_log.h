@@ -1,16 +1,13 @@
 #pragma once
 
-#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "adapters/log/map_messages.h"
 #include "adapters/log/mcap_log.h"
-#include "adapters/ros/sensor_msgs.h"
+#include "adapters/log/mission_messages.h"
 #include "adapters/run/run_record.h"
 #include "adapters/run/run_start.h"
 #include "engine/maps/belief.h"
-#include "models/robot_description.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/depth_image.h"
 #include "perception/mapping/occupancy_mapper.h"
@@ -21,13 +18,8 @@
 namespace prospect {
 
 struct MissionLogOptions {
-  RobotDescription robot;
-  PinholeCamera depth_camera;  ///< of depth images
-  double resolution = 0.1;     ///< of the ground cells [m]
-  double dt = 0.25;            ///< of the planned poses [s]
-  double start = 0.0;          ///< [s] of the clock of all stamps that are given: now
-  std::int64_t epoch = 0;      ///< [ns] since 1970 at which that clock was 0
-  bool images = false;         ///< of cameras, too
+  MissionMessageOptions messages;
+  bool images = false;  ///< of cameras, too
   McapLogOptions file;
 };
 
@@ -60,17 +52,10 @@ class MissionLog {
   std::string error() const { return log_.error(); }
 
  private:
-  std::int64_t ns(double time) const;
-
-  const MissionLogOptions options_;
+  const bool images_;
   const std::string path_;
   McapLog log_;
-  LoggedMap map_;
+  MissionMessages messages_;
 };
-
-/// A scan as beams of a plane lidar at its origin with the axes of B: of its rays those that are
-/// nearest to level, in order of azimuth, the nearest of each. Infinite: a ray that met nothing;
-/// NaN: nothing is known.
-ros::LaserScan level_scan(const DepthScan& in_B, double range_max);
 
 }  // namespace prospect

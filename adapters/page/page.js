@@ -115,25 +115,24 @@ function recordingPlots({ column, step, seek, bands = false, all = {} }) {
 }
 
 // ---- Playing ------------------------------------------------------------------------------------
-// What moves through the steps of a run, whose times are `time` [s]: the button #play, the slider #slider and
+// What moves through the steps of a run, whose times are `time` [s], and which may become more: the button #play, the slider #slider and
 // the keyboard. seek(k) shows a step, step() says which one is shown, speed() is that of the clock. `keys`:
 // further ones, by name. `spare` and `spaced`: elements that keep all of their keys, or the space bar.
 // Returns play(on).
 function player({ time, seek, step, speed = () => 1, keys = {}, spare = "select", spaced = "button" }) {
-  const n = time.length;
   let playing = false, playedTo = 0, lastFrame = 0;
   function frame(now) {
     if (!playing) return;
     playedTo += Math.min(0.2, (now - lastFrame) / 1000) * speed();
     lastFrame = now;
     let target = step();
-    while (target + 1 < n && time[target + 1] <= playedTo) ++target;
+    while (target + 1 < time.length && time[target + 1] <= playedTo) ++target;
     if (target !== step()) seek(target);
-    if (step() >= n - 1) play(false); else requestAnimationFrame(frame);
+    if (step() >= time.length - 1) play(false); else requestAnimationFrame(frame);
   }
   function play(on) {
-    if (on && step() >= n - 1) seek(0);
-    playing = on && n > 1;
+    if (on && step() >= time.length - 1) seek(0);
+    playing = on && time.length > 1;
     $("play").classList.toggle("playing", playing);
     $("play").setAttribute("aria-label", playing ? "Pause" : "Play");
     if (playing) { playedTo = time[step()]; lastFrame = performance.now(); requestAnimationFrame(frame); }
@@ -142,11 +141,11 @@ function player({ time, seek, step, speed = () => 1, keys = {}, spare = "select"
   $("play").addEventListener("click", () => play(!playing));
   $("slider").addEventListener("input", () => go(Number($("slider").value)));
   addEventListener("keydown", (e) => {
-    if (e.ctrlKey || e.metaKey || e.altKey || n === 0 || e.target.closest?.(spare)) return;
+    if (e.ctrlKey || e.metaKey || e.altKey || time.length === 0 || e.target.closest?.(spare)) return;
     const jump = e.shiftKey ? 10 : 1;
     const actions = {
       " ": () => play(!playing), ArrowLeft: () => go(step() - jump), ArrowRight: () => go(step() + jump),
-      Home: () => go(0), End: () => go(n - 1), ...keys,
+      Home: () => go(0), End: () => go(time.length - 1), ...keys,
     };
     if (!actions[e.key] || (e.key === " " && e.target.closest?.(spaced))) return;
     e.preventDefault();

@@ -4,6 +4,7 @@
 #include <climits>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -23,6 +24,8 @@ namespace prospect {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+using Steps = std::vector<std::reference_wrapper<const StepRecord>>;
 
 /// The rectangle of cells that a run ever touches. A cell is stored as its row-major index there.
 struct Extent {
@@ -56,7 +59,7 @@ std::vector<Cell> frontier_cells(const StepRecord& step, double resolution) {
 
 /// Each step: how many runs of equal state, then for each the gap since the last run's end and
 /// 4 length + state.
-std::string map_text(const std::vector<StepRecord>& steps, const Extent& extent) {
+std::string map_text(const Steps& steps, const Extent& extent) {
   BinaryText text;
   for (const StepRecord& step : steps) {
     std::map<std::int64_t, CellState> cells;  // the last change of a cell counts
@@ -89,8 +92,7 @@ std::string map_text(const std::vector<StepRecord>& steps, const Extent& extent)
 /// Each step: how many cells became or ceased to be frontier since the step before, then their
 /// indices, ascending, each as its distance from the one before. As the same list leads back, the
 /// page can walk both ways.
-std::string frontier_text(const std::vector<StepRecord>& steps, double resolution,
-                          const Extent& extent) {
+std::string frontier_text(const Steps& steps, double resolution, const Extent& extent) {
   BinaryText text;
   std::vector<std::int64_t> before, now, toggled;
   for (const StepRecord& step : steps) {
@@ -115,7 +117,7 @@ std::string frontier_text(const std::vector<StepRecord>& steps, double resolutio
 /// A landmark appears in many steps and moves little: positions are kept once, to the centimetre
 /// (finer than a screen shows), and each step names its landmarks by index. Each step: how many,
 /// then for each the distance from the index before and its visibility in 1/127.
-Json landmark_json(const std::vector<StepRecord>& steps) {
+Json landmark_json(const Steps& steps) {
   BinaryText positions, text;
   std::map<std::pair<std::int32_t, std::int32_t>, std::uint64_t> known;
   std::vector<std::pair<std::uint64_t, std::uint64_t>> row;
@@ -146,7 +148,7 @@ Json landmark_json(const std::vector<StepRecord>& steps) {
   return {{"positions", positions.base64()}, {"steps", text.base64()}};
 }
 
-Json horizon_json(const std::vector<StepRecord>& steps) {
+Json horizon_json(const Steps& steps) {
   BinaryText counts, poses;
   for (const StepRecord& step : steps) {
     counts.add_varint(step.horizon.size());
@@ -178,7 +180,7 @@ double cost_term(const Explanation& explanation, const std::string& name) {
 }
 
 /// Every cost term that any step has, weighted; NaN at the steps that lack it.
-Json term_json(const std::vector<StepRecord>& steps) {
+Json term_json(const Steps& steps) {
   std::vector<std::string> names;
   for (const StepRecord& step : steps) add_cost_terms(step.explanation, names);
   Json terms = Json::array();
@@ -209,7 +211,7 @@ class WordList {
 /// for each: name, verdict, 1 if polished, how many points its path has, and these in cm, the first
 /// from the origin, each further one from the one before it (signed). `values`: for each its cost,
 /// then each term of `terms`, NaN where it lacks that.
-Json candidate_json(const std::vector<StepRecord>& steps) {
+Json candidate_json(const Steps& steps) {
   std::vector<std::string> terms;
   for (const StepRecord& step : steps) {
     for (const CandidateRecord& c : step.candidates) add_cost_terms(c.explanation, terms);
@@ -247,11 +249,12 @@ Json candidate_json(const std::vector<StepRecord>& steps) {
           {"values", values.base64()}};
 }
 
-Json cost_to_go_json(const std::vector<StepRecord>& steps) {
+Json cost_to_go_json(const Steps& steps) {
   Json pictures = Json::array();
   for (std::size_t k = 0; k < steps.size(); ++k) {
-    if (!steps[k].cost_to_go) continue;
-    const FieldPicture field = field_picture(*steps[k].cost_to_go);
+    const std::optional<CostToGoPicture>& picture = steps[k].get().cost_to_go;
+    if (!picture) continue;
+    const FieldPicture field = field_picture(*picture);
     if (field.png.empty()) continue;
     BinaryText png;
     png.add_bytes(field.png);
@@ -269,7 +272,7 @@ Json cost_to_go_json(const std::vector<StepRecord>& steps) {
 }
 
 template <typename Get>
-std::string column(const std::vector<StepRecord>& steps, Get get) {
+std::string column(const Steps& steps, Get get) {
   BinaryText text;
   for (const StepRecord& step : steps) text.add_float(get(step));
   return text.base64();
@@ -277,7 +280,7 @@ std::string column(const std::vector<StepRecord>& steps, Get get) {
 
 /// A column of words: the distinct ones, and for each step which.
 template <typename Get>
-Json word_column(const std::vector<StepRecord>& steps, Get get) {
+Json word_column(const Steps& steps, Get get) {
   WordList words;
   BinaryText text;
   for (const StepRecord& step : steps) text.add_varint(words.number(get(step)));
@@ -285,7 +288,7 @@ Json word_column(const std::vector<StepRecord>& steps, Get get) {
 }
 
 /// Colours: of each mode by name, and the scale of quantities.
-Json palette_json(const std::vector<StepRecord>& steps) {
+Json palette_json(const Steps& steps) {
   WordList modes;
   for (const StepRecord& step : steps) modes.number(step.mode);
   const std::vector<Color> colors = mode_colors(modes.words());
@@ -297,7 +300,7 @@ Json palette_json(const std::vector<StepRecord>& steps) {
 
 /// A number of the target; NaN at the steps that have none.
 template <typename Get>
-std::string target_column(const std::vector<StepRecord>& steps, Get get) {
+std::string target_column(const Steps& steps, Get get) {
   return column(steps,
                 [&](const StepRecord& s) { return s.target ? get(*s.target) : std::nan(""); });
 }
@@ -326,12 +329,11 @@ Json zones_json(const RunRecord& record) {
           {"slow", std::move(slow)}};
 }
 
-Json run_json(const RunRecord& record) {
-  const std::vector<StepRecord>& steps = record.steps;
+Json steps_json(const Steps& steps, double resolution) {
   Extent extent;
   for (const StepRecord& step : steps) {
     for (const auto& [cell, state] : step.map_changes) extent.add(cell);
-    for (const Cell& cell : frontier_cells(step, record.resolution)) extent.add(cell);
+    for (const Cell& cell : frontier_cells(step, resolution)) extent.add(cell);
   }
   using S = const StepRecord&;
   using T = const TargetRecord&;
@@ -394,45 +396,69 @@ Json run_json(const RunRecord& record) {
       {"why", word_column(steps, [](S s) { return s.why; })},
   };
   return {
-      {"summary", Json::parse(summary_json(record.summary))},
       {"steps", steps.size()},
-      {"resolution", record.resolution},
-      {"robot_radius", record.robot_radius},
-      {"sensor_range", record.sensor_range},
-      {"sensor_fov", record.sensor_fov},
       {"extent",
        {{"i0", extent.empty() ? 0 : extent.i0},
         {"j0", extent.empty() ? 0 : extent.j0},
         {"width", extent.width()},
         {"height", extent.height()}}},
-      {"zones", zones_json(record)},
       {"columns", std::move(columns)},
       {"words", std::move(words)},
       {"terms", term_json(steps)},
       {"map", map_text(steps, extent)},
-      {"frontiers", frontier_text(steps, record.resolution, extent)},
+      {"frontiers", frontier_text(steps, resolution, extent)},
       {"landmarks", landmark_json(steps)},
       {"horizon", horizon_json(steps)},
       {"candidates", candidate_json(steps)},
       {"cost_to_go", cost_to_go_json(steps)},
       {"palette", palette_json(steps)},
-      {"pictures", pictures_json(record.pictures)},
-      {"configuration", record.configuration},
   };
+}
+
+/// What does not change from step to step.
+Json start_json(const RunRecord& record) {
+  return {{"summary", Json::parse(summary_json(record.summary))},
+          {"resolution", record.resolution},
+          {"robot_radius", record.robot_radius},
+          {"sensor_range", record.sensor_range},
+          {"sensor_fov", record.sensor_fov},
+          {"zones", zones_json(record)},
+          {"configuration", record.configuration}};
 }
 
 }  // namespace
 
 std::string render_report(const RunRecord& record) {
-  const Json run = run_json(record);
-  const std::string title = run["summary"]["world"].get<std::string>();
+  Json run = start_json(record);
+  run.update(steps_json(Steps(record.steps.begin(), record.steps.end()), record.resolution));
+  run["pictures"] = pictures_json(record.pictures);
+  ReportPage page;
+  page.title = record.summary.world;
+  page.run = json_text(run);
+  return render_page(page);
+}
+
+std::string report_start(const RunRecord& record) { return json_text(start_json(record)); }
+
+std::string report_steps(const std::vector<std::shared_ptr<const StepRecord>>& steps,
+                         double resolution) {
+  Steps part;
+  for (const auto& step : steps) part.push_back(*step);
+  return json_text(steps_json(part, resolution));
+}
+
+std::string render_page(const ReportPage& page) {
   return fill_page(report_assets::page(),
-                   {{"{{title}}", escape_html(title)},
+                   {{"{{title}}", escape_html(page.title)},
+                    {"{{kicker}}", escape_html(page.kicker)},
+                    {"{{connect}}", escape_html(page.connect)},
                     {"{{library style}}", library_text(page_assets::dygraph_style())},
-                    {"{{style}}", std::string(page_assets::style())},
-                    {"{{run}}", json_text(run)},
+                    {"{{style}}", std::string(page_assets::style()) + std::string(page.style)},
+                    {"{{controls}}", std::string(page.controls)},
+                    {"{{run}}", page.run},
                     {"{{library}}", script_text(page_assets::dygraph_script())},
-                    {"{{script}}", page_script(report_assets::script())}});
+                    {"{{script}}", page_script(std::string(report_assets::script()) +
+                                               std::string(page.script))}});
 }
 
 }  // namespace prospect

@@ -1,7 +1,8 @@
-(() => {
+const page = (() => {
 // ---- Data -------------------------------------------------------------------------------------
+// Steps come in parts, by append(): all of them at once in a report, a few at a time of a mission that goes on.
 const run = JSON.parse($("run").textContent);
-const n = run.steps;
+let n = 0;
 
 function varints(base64) {
   const data = bytes(base64);
@@ -16,78 +17,136 @@ function varints(base64) {
     }
   };
 }
+const push = (list, values) => { for (const value of values) list.push(value); };
 
-const column = {};
-for (const [name, text] of Object.entries(run.columns)) column[name] = floats(text);
-const word = {};
-for (const [name, { words, steps }] of Object.entries(run.words)) {
-  const next = varints(steps);
-  word[name] = Array.from({ length: n }, () => words[next()]);
-}
-const terms = run.terms.map(({ name, values }) => ({ name, values: floats(values) }));
+const column = new Proxy({}, { get: (all, name) => (all[name] ||= []) });
+const word = new Proxy({}, { get: (all, name) => (all[name] ||= []) });
+const terms = [];              // of the cost, by step: {name, values}
+const candidateTerms = [];     // their names
+const candidates = [];         // at each step: how many seeds were scored, and the best candidates
+const landmarkPositions = [], landmarks = [];
+const horizons = [];           // at each step: [x, y, yaw] of the predicted poses
+const fields = [];             // the cost-to-go at some of the steps
+const pictures = [];           // what the robot's left camera showed at some of the steps, where it has one
+const modeColors = {};
+let scale = [];
+let hasModes = false;          // a run of an older program has none
 
-const { i0, j0, width, height } = run.extent;
 const r = run.resolution;
+// Ground cells: a cell is one number, the same for good; the rectangle that holds all of them grows.
+const half = 32768;
+const cellAt = (i, j) => (j + half) * 65536 + i + half;
+const columnOf = (cell) => cell % 65536 - half, rowOf = (cell) => Math.floor(cell / 65536) - half;
+let i0 = 0, j0 = 0, width = 0, height = 0;
+let newest = new Uint8Array(0), ground = new Uint8Array(0);  // the map at the last step; at the one that is shown
+const indexOf = (cell) => (rowOf(cell) - j0) * width + columnOf(cell) - i0;
 // Changes of the map at each step, with the state before, so that time can run backwards.
-const changes = (() => {
-  const next = varints(run.map);
-  const state = new Uint8Array(width * height);
-  return Array.from({ length: n }, () => {
-    const cells = [], now = [], before = [];
-    for (let runs = next(), at = 0; runs > 0; --runs) {
-      at += next();
-      const code = next(), value = code % 4;
-      for (const end = at + (code - value) / 4; at < end; ++at) {
-        cells.push(at); now.push(value); before.push(state[at]);
-        state[at] = value;
+const changes = [];
+// Cells that became or ceased to be frontier at each step, and the frontier at the last one.
+const frontierToggles = [];
+let newestFrontier = new Set();
+
+function grow(extent) {
+  if (extent.width === 0) return;
+  const left = width ? Math.min(i0, extent.i0) : extent.i0, low = width ? Math.min(j0, extent.j0) : extent.j0;
+  const wide = Math.max(width ? i0 + width : left, extent.i0 + extent.width) - left;
+  const high = Math.max(width ? j0 + height : low, extent.j0 + extent.height) - low;
+  if (left === i0 && low === j0 && wide === width && high === height) return;
+  const moved = (cells) => {
+    const wider = new Uint8Array(wide * high);
+    for (let j = 0; j < height; ++j) wider.set(cells.subarray(j * width, (j + 1) * width), (j + j0 - low) * wide + i0 - left);
+    return wider;
+  };
+  newest = moved(newest);
+  ground = moved(ground);
+  i0 = left; j0 = low; width = wide; height = high;
+}
+
+function decode(part) {
+  const count = part.steps, first = n;
+  for (const [name, text] of Object.entries(part.columns)) push(column[name], floats(text));
+  for (const [name, { words, steps }] of Object.entries(part.words)) {
+    const next = varints(steps);
+    for (let k = 0; k < count; ++k) word[name].push(words[next()]);
+  }
+  for (const { name, values } of part.terms) {
+    let term = terms.find((known) => known.name === name);
+    if (!term) terms.push(term = { name, values: Array(first).fill(NaN) });
+    push(term.values, floats(values));
+  }
+  for (const { values } of terms) while (values.length < first + count) values.push(NaN);
+
+  grow(part.extent);
+  const { i0: left, j0: low, width: wide } = part.extent;
+  const cellOf = (index) => cellAt(left + index % wide, low + Math.floor(index / wide));
+  {
+    const next = varints(part.map);
+    for (let k = 0; k < count; ++k) {
+      const cells = [], now = [], before = [];
+      for (let runs = next(), at = 0; runs > 0; --runs) {
+        at += next();
+        const code = next(), value = code % 4;
+        for (const end = at + (code - value) / 4; at < end; ++at) {
+          const cell = cellOf(at), index = indexOf(cell);
+          cells.push(cell); now.push(value); before.push(newest[index]);
+          newest[index] = value;
+        }
       }
+      changes.push({ cells, now, before });
     }
-    return { cells, now, before };
-  });
-})();
-const frontierToggles = (() => {
-  const next = varints(run.frontiers);
-  return Array.from({ length: n }, () => {
-    const cells = [];
-    for (let count = next(), at = 0; count > 0; --count) cells.push(at += next());
-    return cells;
-  });
-})();
-const landmarkPositions = floats(run.landmarks.positions);
-const landmarks = (() => {
-  const next = varints(run.landmarks.steps);
-  return Array.from({ length: n }, () => {
-    const count = next();
-    const index = new Uint32Array(count), visibility = new Uint8Array(count);
-    for (let i = 0, at = 0; i < count; ++i) { index[i] = at += next(); visibility[i] = next(); }
-    return { index, visibility };
-  });
-})();
-// At each step: how many seeds were scored, and the best candidates.
-const candidates = (() => {
-  const { names, verdicts, terms, steps, values } = run.candidates;
-  const next = varints(steps), numbers = floats(values);
-  const signed = () => { const z = next(); return z % 2 ? -(z + 1) / 2 : z / 2; };
-  let at = 0;
-  return Array.from({ length: n }, () => {
-    const scored = next();
-    const list = Array.from({ length: next() }, () => {
-      const c = { name: names[next()], verdict: verdicts[next()], polished: next() === 1, path: [] };
-      for (let count = next(), x = 0, y = 0; count > 0; --count) c.path.push([0.01 * (x += signed()), 0.01 * (y += signed())]);
-      c.cost = numbers[at++];
-      c.terms = terms.map(() => numbers[at++]);
-      return c;
-    });
-    return { scored, list };
-  });
-})();
-const horizonPoses = floats(run.horizon.poses);
-const horizonStart = (() => {
-  const next = varints(run.horizon.counts);
-  const start = [0];
-  for (let k = 0; k < n; ++k) start.push(start[k] + next());
-  return start;
-})();
+  }
+  {
+    const next = varints(part.frontiers);
+    let frontier = new Set();
+    for (let k = 0; k < count; ++k) {
+      const toggled = [];
+      for (let left = next(), at = 0; left > 0; --left) toggled.push(cellOf(at += next()));
+      for (const cell of toggled) if (!frontier.delete(cell)) frontier.add(cell);
+      // A part begins without a frontier, a run that goes on does not.
+      frontierToggles.push(k > 0 ? toggled : [...frontier].filter((cell) => !newestFrontier.has(cell)).concat([...newestFrontier].filter((cell) => !frontier.has(cell))));
+    }
+    if (count > 0) newestFrontier = frontier;
+  }
+  {
+    const next = varints(part.landmarks.steps), offset = landmarkPositions.length / 2;
+    push(landmarkPositions, floats(part.landmarks.positions));
+    for (let k = 0; k < count; ++k) {
+      const seen = next(), index = new Uint32Array(seen), visibility = new Uint8Array(seen);
+      for (let i = 0, at = 0; i < seen; ++i) { index[i] = offset + (at += next()); visibility[i] = next(); }
+      landmarks.push({ index, visibility });
+    }
+  }
+  {
+    const { names, verdicts, terms: own, steps, values } = part.candidates;
+    const next = varints(steps), numbers = floats(values);
+    const signed = () => { const z = next(); return z % 2 ? -(z + 1) / 2 : z / 2; };
+    for (const name of own) if (!candidateTerms.includes(name)) candidateTerms.push(name);
+    const places = own.map((name) => candidateTerms.indexOf(name));
+    let at = 0;
+    for (let k = 0; k < count; ++k) {
+      const scored = next();
+      const list = Array.from({ length: next() }, () => {
+        const c = { name: names[next()], verdict: verdicts[next()], polished: next() === 1, path: [], terms: [] };
+        for (let left = next(), x = 0, y = 0; left > 0; --left) c.path.push([0.01 * (x += signed()), 0.01 * (y += signed())]);
+        c.cost = numbers[at++];
+        for (const place of places) c.terms[place] = numbers[at++];
+        return c;
+      });
+      candidates.push({ scored, list });
+    }
+  }
+  {
+    const next = varints(part.horizon.counts), poses = floats(part.horizon.poses);
+    for (let k = 0, at = 0; k < count; ++k) horizons.push(Array.from({ length: next() }, () => [poses[at++], poses[at++], poses[at++]]));
+  }
+  for (const field of part.cost_to_go) fields.push({ ...field, step: first + field.step });
+  for (const picture of loadPictures(part.pictures || [])) pictures.push({ ...picture, frame: first + picture.frame });
+  Object.assign(modeColors, part.palette.modes);
+  scale = part.palette.scale;
+  n += count;
+  hasModes ||= word.mode.slice(first).some((mode) => mode !== "");
+}
+if (run.steps > 0) decode(run);
 
 // ---- Numbers as text --------------------------------------------------------------------------
 const percent = (x, digits = 1) => fixed(isNumber(x) ? 100 * x : x, digits);
@@ -99,11 +158,12 @@ function rounded(x) {
   if (size >= 1e5) return x.toExponential(1).replace(/-/g, "−");
   return fixed(x, size < 1 ? 3 : size < 100 ? 2 : size < 1000 ? 1 : 0);
 }
+const ascending = (values) => values.filter(isNumber).sort((a, b) => a - b);
 const readable = (name) => name.replace(/_/g, " ");
 
 // ---- Head and summary -------------------------------------------------------------------------
 const s = run.summary;
-{
+if (run.steps !== undefined) {  // a run that goes on has no summary yet
   const end = s.done ? "good" : { explored: "good", "localization lost": "bad" }[s.reason] || "warn";
   $("facts").append(make("span", { class: `end ${end}` }, s.reason || "–"),
     ` · ${s.solver} · seed ${s.seed} · ${s.steps} planning steps`);
@@ -156,12 +216,12 @@ const s = run.summary;
     ["Stopping tails", fixed(s.fallbacks, 0), ""],
     ["Guard stops", fixed(s.guard_stops, 0), ""],
     ["Wall clock", fixed(s.wall_s, 1), "s"]]);
-  if (n > 0) {
+  if (run.steps > 0) {
     const body = make("tbody");
     const rank = (sorted, p) => sorted[Math.max(0, Math.ceil(p * sorted.length / 100) - 1)];
     for (const [label, name] of [["GlobalPlan", "frontiers_ms"], ["Clearance field", "clearance_ms"],
       ["Visible landmarks", "views_ms"], ["Seeds", "seeds_ms"], ["Optimisation", "polish_ms"], ["Certificate", "certify_ms"]]) {
-      const sorted = column[name].slice().sort();
+      const sorted = ascending(column[name]);
       body.append(make("tr", {}, make("th", { scope: "row" }, label),
         cell(fixed(rank(sorted, 50), 1), "ms"), cell(fixed(rank(sorted, 95), 1), "ms")));
     }
@@ -180,15 +240,13 @@ for (const line of run.configuration.split("\n")) {
 
 // ---- State ------------------------------------------------------------------------------------
 let step = -1;                   // shown now
-const ground = new Uint8Array(width * height);
 const frontier = new Set();
 let colors = {};
 let dark = false;
-const hasModes = word.mode.some((mode) => mode !== "");  // a run of an older program has none
-const modeColor = (mode) => run.palette.modes[mode] || "#64748b";
+const modeColor = (mode) => modeColors[mode] || "#64748b";
 // The scale of quantities at a share in [0, 1]: without the end that is too near the page's own colour.
 function scaleColor(share) {
-  const scale = run.palette.scale, [low, high] = dark ? [0.25, 1] : [0, 0.8];
+  const [low, high] = dark ? [0.25, 1] : [0, 0.8];
   const at = (low + (high - low) * Math.min(1, Math.max(0, share || 0))) * (scale.length - 1), i = Math.min(scale.length - 2, Math.floor(at));
   const a = rgb(scale[i]), b = rgb(scale[i + 1]);
   return a.map((c, m) => Math.round(c + (b[m] - c) * (at - i)));
@@ -200,12 +258,19 @@ const drawn = {};                // what the last drawing really used, for the s
 // ---- Map --------------------------------------------------------------------------------------
 const canvas = $("map"), pen = canvas.getContext("2d");
 const picture = make("canvas");  // one pixel a cell, y down
-picture.width = Math.max(1, width); picture.height = Math.max(1, height);
 const picturePen = picture.getContext("2d");
-const pixels = picturePen.createImageData(picture.width, picture.height);
-const pixels32 = new Uint32Array(pixels.data.buffer);
+let pixels, pixels32;
 let palette = new Uint32Array(3);
-const pixelOf = (cell) => (height - 1 - Math.floor(cell / width)) * width + cell % width;
+const pixelOf = (index) => (height - 1 - Math.floor(index / width)) * width + index % width;
+function paintGround() {
+  if (picture.width !== Math.max(1, width) || picture.height !== Math.max(1, height) || !pixels) {
+    picture.width = Math.max(1, width); picture.height = Math.max(1, height);
+    pixels = picturePen.createImageData(picture.width, picture.height);
+    pixels32 = new Uint32Array(pixels.data.buffer);
+  }
+  for (let index = 0; index < ground.length; ++index) pixels32[pixelOf(index)] = palette[ground[index]];
+  picturePen.putImageData(pixels, 0, 0);
+}
 
 function rgb(text) {
   const value = parseInt(text.slice(1), 16);
@@ -225,31 +290,35 @@ function readColors() {
   const low = rgb(colors["seen-low"]), high = rgb(colors["seen-high"]);
   colors.visibility = Array.from({ length: 128 }, (_, i) =>
     `rgb(${low.map((c, m) => Math.round(c + (high[m] - c) * i / 127)).join(",")})`);
-  for (let cell = 0; cell < ground.length; ++cell) pixels32[pixelOf(cell)] = palette[ground[cell]];
-  picturePen.putImageData(pixels, 0, 0);
+  paintGround();
 }
 
 const zones = run.zones;
-const hasZones = Boolean(zones.bound || zones.area || zones.keep_out.length || zones.slow.length || column.goal_x.some(isNumber));
-const layers = {};
-for (const [name, label, mark, style, on, there] of [
-  ["estimated", "estimated path", "", "background:var(--estimated)", true, true],
-  ["true", "true path", "", "background:var(--true)", true, true],
-  ["horizon", "plan", "", "background:var(--horizon)", true, true],
-  ["target", "target", "ring", "border-color:var(--target)", true, column.way_left.some(isNumber)],
+const hasZones = () => Boolean(zones.bound || zones.area || zones.keep_out.length || zones.slow.length || column.goal_x.some(isNumber));
+// A layer is there once there is something to be seen in it.
+const layerList = [
+  ["estimated", "estimated path", "", "background:var(--estimated)", true, () => true],
+  ["true", "true path", "", "background:var(--true)", true, () => true],
+  ["horizon", "plan", "", "background:var(--horizon)", true, () => true],
+  ["target", "target", "ring", "border-color:var(--target)", true, () => column.way_left.some(isNumber)],
   ["zones", "zones and goal", "cell", "background:rgba(var(--keep-out),.3)", true, hasZones],
-  ["view", "field of view", "cell", "background:rgba(var(--view),.3)", true, true],
-  ["frontiers", "frontiers", "cell", "background:var(--frontier)", true, true],
-  ["landmarks", "landmarks, by visibility", "ramp", "", true, true],
-  ["candidates", "other candidates", "", "background:var(--ink-3)", false, candidates.some(({ list }) => list.length > 0)],
-  ["cost-to-go", "time to the target", "scale", "", false, run.cost_to_go.length > 0]]) {
-  layers[name] = on && there;
-  if (!there) continue;
-  const box = make("input", { type: "checkbox", id: `layer-${name}` });
-  box.checked = on;
-  box.addEventListener("change", () => { layers[name] = box.checked; draw(); });
-  $("layers").append(make("label", {}, box, make("i", { class: mark, style }), label));
+  ["view", "field of view", "cell", "background:rgba(var(--view),.3)", true, () => true],
+  ["frontiers", "frontiers", "cell", "background:var(--frontier)", true, () => true],
+  ["landmarks", "landmarks, by visibility", "ramp", "", true, () => true],
+  ["candidates", "other candidates", "", "background:var(--ink-3)", false, () => candidates.some(({ list }) => list.length > 0)],
+  ["cost-to-go", "time to the target", "scale", "", false, () => fields.length > 0]];
+const layers = Object.fromEntries(layerList.map(([name]) => [name, false]));
+function addLayers() {
+  for (const [name, label, mark, style, on, there] of layerList) {
+    if ($(`layer-${name}`) || !there()) continue;
+    layers[name] = on;
+    const box = make("input", { type: "checkbox", id: `layer-${name}` });
+    box.checked = on;
+    box.addEventListener("change", () => { layers[name] = box.checked; draw(); });
+    $("layers").append(make("label", {}, box, make("i", { class: mark, style }), label));
+  }
 }
+addLayers();
 
 // What the path can be coloured by: a quantity at each step, or the mode.
 const pathColors = {
@@ -259,21 +328,24 @@ const pathColors = {
   speed: { label: "speed", values: column.speed, text: (v) => `${fixed(v, 2)} m/s` },
   mode: { label: "mode" },
 };
-for (const by of Object.values(pathColors)) {
-  if (!by?.values) continue;
-  const sorted = by.values.filter(isNumber).sort();
-  by.end = sorted.length ? sorted[Math.ceil(0.98 * sorted.length) - 1] : 1;  // one peak does not flatten the rest
-  if (!(by.end > 0)) by.end = 1;
-  by.open = sorted.length > 0 && sorted[sorted.length - 1] > by.end;
+function measureColors() {
+  for (const by of Object.values(pathColors)) {
+    if (!by?.values) continue;
+    const sorted = ascending(by.values);
+    by.end = sorted.length ? sorted[Math.ceil(0.98 * sorted.length) - 1] : 1;  // one peak does not flatten the rest
+    if (!(by.end > 0)) by.end = 1;
+    by.open = sorted.length > 0 && sorted[sorted.length - 1] > by.end;
+  }
+  for (const name of Object.keys(pathColors)) {
+    if ((name === "mode" && !hasModes) || [...pathColor.options].some(({ value }) => value === name)) continue;
+    pathColor.append(make("option", { value: name }, name === "plain" ? "path: plain" : `path by ${name}`));
+  }
 }
 const pathColor = $("path-color");
-for (const name of Object.keys(pathColors)) {
-  if (name !== "mode" || hasModes) pathColor.append(make("option", { value: name }, name === "plain" ? "path: plain" : `path by ${name}`));
-}
+measureColors();
 pathColor.addEventListener("change", () => draw());
 
 // The cost-to-go at some of the steps. An image is decoded when it is first wanted.
-const fields = run.cost_to_go;
 let tinted = { field: null, dark: null, canvas: make("canvas") };
 function fieldAt(k) {
   let best = null;
@@ -522,9 +594,11 @@ function scaleBar() {
   pen.fillStyle = colors["ink-2"]; pen.fillText(label, x + 6, y - 6);
 }
 
+let pose = null;                 // where the robot is by now, which a mission that goes on says between two steps
 function draw() {
   if (step < 0 || !boxWidth) return;
-  const x = column.x[step], y = column.y[step], yaw = column.yaw[step];
+  const at = pose && step === n - 1 ? pose : { x: column.x[step], y: column.y[step], yaw: column.yaw[step] };
+  const { x, y, yaw } = at;
   if (view.follow) { view.x = x; view.y = y; }
   const density = devicePixelRatio || 1;
   pen.setTransform(density, 0, 0, density, 0, 0);
@@ -555,7 +629,7 @@ function draw() {
     pen.fillStyle = colors.frontier;
     const size = Math.max(2.5, r * view.scale), inset = (r * view.scale - size) / 2;
     for (const cell of frontier) {
-      const [sx, sy] = toScreen((i0 + cell % width) * r, (j0 + Math.floor(cell / width) + 1) * r);
+      const [sx, sy] = toScreen(columnOf(cell) * r, (rowOf(cell) + 1) * r);
       pen.fillRect(sx + inset, sy + inset, size, size);
     }
   }
@@ -578,10 +652,7 @@ function draw() {
   const goal = layers.zones && drawGoal();
   if (layers.candidates) for (const c of candidates[step].list) if (c.verdict !== "executed") drawCandidate(c, colors["ink-3"], 1.25);
   if (layers.horizon) {
-    const points = [];
-    for (let i = horizonStart[step]; i < horizonStart[step + 1]; ++i) {
-      if (isNumber(horizonPoses[3 * i]) && isNumber(horizonPoses[3 * i + 1])) points.push([horizonPoses[3 * i], horizonPoses[3 * i + 1], horizonPoses[3 * i + 2]]);
-    }
+    const points = horizons[step].filter(([px, py]) => isNumber(px) && isNumber(py));
     trace(points);
     pen.strokeStyle = colors.halo; pen.lineWidth = 5; pen.stroke();
     pen.strokeStyle = colors.horizon; pen.lineWidth = 2.5; pen.stroke();
@@ -620,7 +691,7 @@ function draw() {
   }
   pen.closePath(); pen.fillStyle = colors.halo; pen.fill();
   scaleBar();
-  Object.assign(drawn, { target, goal, field: tint ? field.step : null, x, y, yaw, sx, sy, radius, frontiers: frontier.size, landmarks: landmarks[step].index.length, horizon: horizonStart[step + 1] - horizonStart[step] });
+  Object.assign(drawn, { target, goal, field: tint ? field.step : null, x, y, yaw, sx, sy, radius, frontiers: frontier.size, landmarks: landmarks[step].index.length, horizon: horizons[step].length });
 }
 
 function resize() {
@@ -674,11 +745,11 @@ $("follow").addEventListener("click", () => { setFollow(!view.follow); view.touc
 const plots = [];
 let sharedWindow = null, aligning = false;
 
-function addPlot(title, unit, series, { format = rounded, low = null, high = null, shade = null, fill = false, small = false, last = true } = {}) {
-  const labels = make("div", { class: "series" });
+function addPlot(title, unit, series, { format = rounded, low = null, high = null, range = null, shade = null, fill = false, small = false, last = true } = {}) {
+  const labels = make("div", { class: "series" }), note = make("em", {}, unit);
   const area = make("div"), cursor = make("div", { class: "cursor" });
   const box = make("div", { class: small ? `plot small${last ? " last" : ""}` : "plot" },
-    make("h3", {}, make("span", {}, title, make("em", {}, unit)), labels), make("div", { class: "area" }, area, cursor));
+    make("h3", {}, make("span", {}, title, note), labels), make("div", { class: "area" }, area, cursor));
   $("plots").append(box);
   const values = series.map(({ name, color }) => {
     const value = make("b");
@@ -687,15 +758,22 @@ function addPlot(title, unit, series, { format = rounded, low = null, high = nul
     return { value, label };
   });
   const resolved = () => series.map(({ color }) => (color.startsWith("var(") ? getComputedStyle(document.documentElement).getPropertyValue(color.slice(4, -1)).trim() : color));
-  const data = Array.from({ length: n }, (_, k) => [column.time[k], ...series.map(({ values }) => (isNumber(values[k]) ? values[k] : null))]);
+  const data = [];
+  const fillData = () => { for (let k = data.length; k < n; ++k) data.push([column.time[k], ...series.map(({ values }) => (isNumber(values[k]) ? values[k] : null))]); };
+  // What depends on all values: the range that is shown, one point alone, which spans nothing, and what is said of peaks.
+  const bounds = () => {
+    const limits = range ? range() : { low, high, peak: unit };
+    note.textContent = limits.peak;
+    return { valueRange: [limits.low, limits.high], dateWindow: sharedWindow || (n === 1 ? [column.time[0] - 1, column.time[0] + 1] : null) };
+  };
+  fillData();
   let graph = null;  // drawCallback already runs inside the constructor
   graph = new Dygraph(area, data, {
     labels: ["time", ...series.map(({ name }) => name)],
     colors: resolved(), strokeWidth: 1.5, fillGraph: fill, fillAlpha: 0.1,
     legend: "never", labelsDiv: make("div"), highlightCircleSize: 3, gridLineColor: colors.grid, axisLineColor: colors.line, axisLineWidth: 1,
     rightGap: 10, xRangePad: 2, yRangePad: small ? 3 : 6, xAxisHeight: last ? 20 : 2, digitsAfterDecimal: 4,
-    valueRange: [low, high],
-    dateWindow: n === 1 ? [column.time[0] - 1, column.time[0] + 1] : null,  // one point alone spans nothing
+    ...bounds(),
     axes: {
       x: { drawGrid: false, drawAxis: last, pixelsPerLabel: 64, axisLabelFormatter: (v) => `${+v.toFixed(3)} s`, axisLabelWidth: 60 },
       y: { pixelsPerLabel: small ? 16 : 22, axisLabelWidth: 44, axisLabelFormatter: (v) => (Math.abs(v) >= 1e5 ? v.toExponential(0) : String(+v.toPrecision(6))).replace("-", "−") },
@@ -717,8 +795,10 @@ function addPlot(title, unit, series, { format = rounded, low = null, high = nul
       if (graph === plots[0]?.graph) drawStrip();
       if (first || aligning) { place(); return; }
       aligning = true;
-      sharedWindow = g.xAxisRange();
-      for (const other of plots) if (other.graph !== g) other.graph.updateOptions({ dateWindow: sharedWindow });
+      const [from, to] = g.xAxisRange();
+      // All of it stays all of it as the mission goes on.
+      sharedWindow = from <= column.time[0] && to >= column.time[n - 1] ? null : [from, to];
+      for (const other of plots) if (other.graph !== g) other.graph.updateOptions({ dateWindow: [from, to] });
       aligning = false;
       place();
     },
@@ -732,11 +812,17 @@ function addPlot(title, unit, series, { format = rounded, low = null, high = nul
     cursor.style.top = `${plotArea.y}px`; cursor.style.height = `${plotArea.h}px`; cursor.style.bottom = "auto";
   }
   function show(k) { series.forEach(({ values: column }, i) => { values[i].value.textContent = format(column[k]); }); }
-  plots.push({ graph, place, show, cursor, recolor: () => graph.updateOptions({ colors: resolved(), gridLineColor: colors.grid, axisLineColor: colors.line }) });
+  function extend() {
+    fillData();
+    aligning = true;
+    graph.updateOptions({ file: data, ...bounds() });
+    aligning = false;
+  }
+  plots.push({ graph, place, show, cursor, extend, recolor: () => graph.updateOptions({ colors: resolved(), gridLineColor: colors.grid, axisLineColor: colors.line }) });
 }
 // The range of a term without its peaks, and what to say of them.
 function withoutPeaks(values) {
-  const sorted = values.filter(isNumber).sort();
+  const sorted = ascending(values);
   if (!sorted.length) return { low: null, high: null, peak: "" };
   const rank = (share) => sorted[Math.max(0, Math.ceil(share * sorted.length) - 1)];
   const low = rank(0.02), high = rank(0.98), room = (high - low) || Math.abs(high) || 1;
@@ -751,24 +837,31 @@ function withoutPeaks(values) {
 // ---- Modes over time --------------------------------------------------------------------------
 // Stretches of steps in one mode with one cause.
 const stretches = [];
-for (let k = 0; k < n && hasModes; ++k) {
-  const current = stretches[stretches.length - 1];
-  if (current && current.mode === word.mode[k] && current.cause === word.cause[k] && current.caution === word.caution[k]) current.end = k;
-  else stretches.push({ mode: word.mode[k], cause: word.cause[k], caution: word.caution[k], start: k, end: k });
+function addStretches() {
+  if (!hasModes) return;
+  for (let k = stretches.length ? stretches[stretches.length - 1].end + 1 : 0; k < n; ++k) {
+    const current = stretches[stretches.length - 1];
+    if (current && current.mode === word.mode[k] && current.cause === word.cause[k] && current.caution === word.caution[k]) current.end = k;
+    else stretches.push({ mode: word.mode[k], cause: word.cause[k], caution: word.caution[k], start: k, end: k });
+  }
 }
 const careful = (caution) => caution !== "" && caution !== "normal";
 const stretchEnd = (stretch) => column.time[Math.min(n - 1, stretch.end + 1)];
-const strip = (() => {
-  if (!hasModes) return null;
-  const share = new Map();
-  for (let k = 0; k < n; ++k) share.set(word.mode[k], (share.get(word.mode[k]) || 0) + 1);
-  const keys = [...share].sort((a, b) => b[1] - a[1]).map(([mode, count]) =>
-    make("span", {}, make("i", { style: `background:${modeColor(mode)}` }), `${mode || "none"} ${n ? Math.max(1, Math.round(100 * count / n)) : 0} %`));
+let strip = null;
+function makeStrip() {
+  if (!hasModes || strip) return;
+  const keys = make("div", { class: "series" });
+  const share = () => {
+    const counts = new Map();
+    for (let k = 0; k < n; ++k) counts.set(word.mode[k], (counts.get(word.mode[k]) || 0) + 1);
+    keys.replaceChildren(...[...counts].sort((a, b) => b[1] - a[1]).map(([mode, count]) =>
+      make("span", {}, make("i", { style: `background:${modeColor(mode)}` }), `${mode || "none"} ${Math.max(1, Math.round(100 * count / n))} %`)));
+  };
   const sheet = make("canvas", { role: "img", "aria-label": "Modes over time" });
   const cursor = make("div", { class: "cursor" }), note = make("div", { class: "note" });
   note.hidden = true;
   const box = make("div", { class: "area" }, sheet, cursor, note);
-  $("plots").append(make("div", { class: "plot modes" }, make("h3", {}, make("span", {}, "What the robot does", make("em", {}, "mode, share of the time")), make("div", { class: "series" }, ...keys)), box));
+  $("plots").append(make("div", { class: "plot modes" }, make("h3", {}, make("span", {}, "What the robot does", make("em", {}, "mode, share of the time")), keys), box));
   // The stretch at the pointer, and its time there.
   const at = (e) => {
     const time = plots[0].graph.toDataXCoord(e.clientX - box.getBoundingClientRect().left);
@@ -785,8 +878,9 @@ const strip = (() => {
     note.style.left = `${Math.max(0, Math.min(room, e.clientX - box.getBoundingClientRect().left - note.offsetWidth / 2))}px`;
   });
   box.addEventListener("pointerleave", () => { note.hidden = true; });
-  return { box, sheet, cursor };
-})();
+  strip = { box, sheet, cursor, share };
+  share();
+}
 function drawStrip() {
   if (!strip || !plots.length) return;
   const { graph } = plots[0], density = devicePixelRatio || 1;
@@ -834,28 +928,31 @@ function nearest(time) {
 // ---- The step that is shown -------------------------------------------------------------------
 const nowFields = (() => {
   const fields = [];
-  const add = (label, text, options = {}) => {
-    const dd = make("dd");
-    $("now").append(make("div", options.full ? { class: "full" } : options.wide ? { class: "wide" } : {}, make("dt", {}, label), dd));
-    fields.push((k) => { dd.textContent = dd.title = text(k); dd.className = options.tone ? options.tone(k) : ""; });
+  // A field is there where there is something to say.
+  const add = (label, text, { there = () => true, full, wide, tone } = {}) => {
+    const dd = make("dd"), box = make("div", full ? { class: "full" } : wide ? { class: "wide" } : {}, make("dt", {}, label), dd);
+    $("now").append(box);
+    fields.push((k) => {
+      box.hidden = !there();
+      if (box.hidden) return;
+      dd.textContent = dd.title = text(k); dd.className = tone ? tone(k) : "";
+    });
   };
-  if (hasModes) {
-    add("Mode", (k) => {
-      const since = column.mode_since[k], cause = word.cause[k];
-      return `${word.mode[k] || "–"}${isNumber(since) ? ` since ${fixed(since, 1)} s` : ""}${cause ? `: ${cause}` : ""}`;
-    }, { wide: true, tone: (k) => (word.mode[k] === "retreat" ? "warn" : "") });
-    if (word.task.some((task) => task && task !== "explore")) {
-      add("Task", (k) => word.task[k] + (isNumber(column.goal_x[k]) ? ` (${fixed(column.goal_x[k], 2)}, ${fixed(column.goal_y[k], 2)})` : ""));
-    }
-    add("Target", (k) => {
-      if (!isNumber(column.target_x[k])) return "none";
-      if (isNumber(column.goal_x[k])) return isNumber(column.way_left[k]) ? `${fixed(column.way_left[k], 1)} m of way` : "no way known";
-      const way = isNumber(column.way_left[k]) ? `${fixed(column.way_left[k], 1)} m away` : "no way known";
-      const change = word.target_change[k] ? `; new: ${word.target_change[k]}` : "";
-      return `${way}, frontier of ${fixed(column.target_length[k], 1)} m, promises ${fixed(column.target_area[k], 1)} m²${change}`;
-    }, { wide: true });
-    add("Caution", (k) => word.caution[k] || "–", { tone: (k) => (careful(word.caution[k]) ? "warn" : "") });
-  }
+  const modes = () => hasModes;
+  add("Mode", (k) => {
+    const since = column.mode_since[k], cause = word.cause[k];
+    return `${word.mode[k] || "–"}${isNumber(since) ? ` since ${fixed(since, 1)} s` : ""}${cause ? `: ${cause}` : ""}`;
+  }, { there: modes, wide: true, tone: (k) => (word.mode[k] === "retreat" ? "warn" : "") });
+  add("Task", (k) => word.task[k] + (isNumber(column.goal_x[k]) ? ` (${fixed(column.goal_x[k], 2)}, ${fixed(column.goal_y[k], 2)})` : ""),
+    { there: () => hasModes && word.task.some((task) => task && task !== "explore") });
+  add("Target", (k) => {
+    if (!isNumber(column.target_x[k])) return "none";
+    if (isNumber(column.goal_x[k])) return isNumber(column.way_left[k]) ? `${fixed(column.way_left[k], 1)} m of way` : "no way known";
+    const way = isNumber(column.way_left[k]) ? `${fixed(column.way_left[k], 1)} m away` : "no way known";
+    const change = word.target_change[k] ? `; new: ${word.target_change[k]}` : "";
+    return `${way}, frontier of ${fixed(column.target_length[k], 1)} m, promises ${fixed(column.target_area[k], 1)} m²${change}`;
+  }, { there: modes, wide: true });
+  add("Caution", (k) => word.caution[k] || "–", { there: modes, tone: (k) => (careful(word.caution[k]) ? "warn" : "") });
   add("Coverage", (k) => `${percent(column.coverage[k])} %, ${fixed(column.area[k], 1)} m²`);
   add("Path", (k) => `${fixed(column.path[k], 1)} m`);
   add("Command", (k) => `${fixed(column.speed[k], 2)} m/s, ${fixed(column.yaw_rate[k], 2)} rad/s`);
@@ -871,18 +968,16 @@ const nowFields = (() => {
   const stops = { "iteration limit": "budget used", deadline: "time budget used" };
   add("Solver", (k) => [stops[word.stop[k]] || word.stop[k], word.quality[k], `${fixed(column.evaluations[k], 0)} evaluations`].filter(Boolean).join(", "),
     { wide: true, tone: (k) => (["numerical trouble", "error"].includes(word.stop[k]) || word.quality[k] === "infeasible" ? "warn" : "") });
-  if (column.guard_stops.some((count) => count > 0)) {
-    add("Guard", (k) => (column.guard_stops[k] > 0 ? `${plural(column.guard_stops[k], "stop")}${word.guard[k] ? `: ${word.guard[k]}` : ""}` : "no stop"),
-      { tone: (k) => (column.guard_stops[k] > 0 ? "warn" : "") });
-  }
+  add("Guard", (k) => (column.guard_stops[k] > 0 ? `${plural(column.guard_stops[k], "stop")}${word.guard[k] ? `: ${word.guard[k]}` : ""}` : "no stop"),
+    { there: () => column.guard_stops.some((count) => count > 0), tone: (k) => (column.guard_stops[k] > 0 ? "warn" : "") });
   add("Certificate", (k) => [word.certified[k] === "yes" ? "held" : "not held", word.certificate[k]].filter(Boolean).join(": "),
     { full: true, tone: (k) => (word.certified[k] === "yes" ? "" : "warn") });
   return fields;
 })();
 
 // What the robot does and why, in one sentence.
-$("why-box").hidden = !hasModes;
 function showWhy() {
+  $("why-box").hidden = !hasModes;
   if (!hasModes) return;
   const mode = word.mode[step];
   $("mode").textContent = mode || "no plan";
@@ -890,12 +985,18 @@ function showWhy() {
   $("why").textContent = word.why[step] || word.cause[step] || "–";
 }
 // The best candidates of the step, with what makes up their cost.
-const mostCandidates = candidates.reduce((most, { list }) => Math.max(most, list.length), 0);
-$("candidates-box").hidden = mostCandidates === 0;
+let mostCandidates = 0;
+function measureCandidates() {
+  mostCandidates = candidates.reduce((most, { list }) => Math.max(most, list.length), 0);
+  $("candidates-box").hidden = mostCandidates === 0;
+  $("candidates-head").replaceChildren(make("th", { scope: "col" }, "seed"), make("th", { scope: "col", class: "verdict" }, "verdict"), make("th", { scope: "col", class: "sum" }, "cost"),
+    ...candidateTerms.map((name) => make("th", { scope: "col" }, readable(name))));
+}
+measureCandidates();
 function point(i) { if (pointed !== i) { pointed = i; draw(); } }
 function showCandidates() {
   if ($("candidates-box").hidden) return;
-  const { scored, list } = candidates[step], { terms } = run.candidates;
+  const { scored, list } = candidates[step];
   $("candidates-title").textContent = list.length ? `the best ${list.length}${scored > 0 ? ` of ${plural(scored, "seed")}` : ""} at ${fixed(column.time[step], 1)} s` : `none at ${fixed(column.time[step], 1)} s`;
   // One scale for all bars: a long one is much of the cost.
   const most = Math.max(...list.flatMap((c) => c.terms.map((value) => Math.abs(value) || 0)));
@@ -903,12 +1004,12 @@ function showCandidates() {
     const verdict = make("td", { class: c.verdict === "executed" ? "verdict chosen" : "verdict", title: c.verdict }, c.verdict || "–");
     const row = make("tr", { tabindex: "0" }, make("th", { scope: "row", title: readable(c.name) }, readable(c.name), ...(c.polished ? [make("small", {}, "optimised")] : [])), verdict,
       make("td", { class: "sum" }, rounded(c.cost)),
-      ...c.terms.map((value) => make("td", { class: value < 0 ? "reward" : "" }, make("span", {}, rounded(value)),
+      ...candidateTerms.map((_, i) => c.terms[i]).map((value) => make("td", { class: value < 0 ? "reward" : "" }, make("span", {}, rounded(value)),
         make("i", { style: `width:${most > 0 && isNumber(value) ? (100 * Math.abs(value) / most).toFixed(0) : 0}%` }))));
     return row;
   });
   // The table keeps its height, so that the page does not jump while the mission plays.
-  while (rows.length < mostCandidates) rows.push(make("tr", { class: "blank" }, make("th", {}, "\u00a0"), ...Array.from({ length: terms.length + 2 }, () => make("td"))));
+  while (rows.length < mostCandidates) rows.push(make("tr", { class: "blank" }, make("th", {}, "\u00a0"), ...Array.from({ length: candidateTerms.length + 2 }, () => make("td"))));
   $("candidates").replaceChildren(...rows);
 }
 for (const [type, leaves] of [["pointerover", false], ["focusin", false], ["pointerleave", true], ["focusout", true]]) {
@@ -917,26 +1018,20 @@ for (const [type, leaves] of [["pointerover", false], ["focusin", false], ["poin
     point(leaves || !row ? null : [...$("candidates").children].indexOf(row));
   });
 }
-if (!$("candidates-box").hidden) {
-  $("candidates-head").replaceChildren(make("th", { scope: "col" }, "seed"), make("th", { scope: "col", class: "verdict" }, "verdict"), make("th", { scope: "col", class: "sum" }, "cost"),
-    ...run.candidates.terms.map((name) => make("th", { scope: "col" }, readable(name))));
-}
 
 function apply(change, states) {
   for (let i = 0; i < change.cells.length; ++i) {
-    const cell = change.cells[i];
-    ground[cell] = states[i];
-    pixels32[pixelOf(cell)] = palette[states[i]];
+    const index = indexOf(change.cells[i]);
+    ground[index] = states[i];
+    pixels32[pixelOf(index)] = palette[states[i]];
   }
 }
 function toggle(cells) {
   for (const cell of cells) if (!frontier.delete(cell)) frontier.add(cell);
 }
-// What the robot's left camera showed, where it has one.
-const pictures = loadPictures(run.pictures);
-$("sight").hidden = pictures.length === 0;
 let sight = null;  // what is drawn, for the self-test
 function drawSight() {
+  $("sight").hidden = pictures.length === 0;
   if (pictures.length === 0) return;
   const p = pictureAt(pictures, step);
   sight = drawLandmarks($("picture"), p, () => { if (pictureAt(pictures, step) === p) drawSight(); });
@@ -971,34 +1066,78 @@ player({
 });
 
 // ---- Start ------------------------------------------------------------------------------------
-if (n === 0) {
-  $("stage").hidden = true; $("stage").style.display = "none";
-  $("empty").hidden = false;
-} else {
+function start() {
   readColors();
-  $("slider").max = n - 1;
   const ill = (k) => ({ degraded: "shade-warn", lost: "shade-bad" })[word.localization[k]];
-  addPlot("Coverage", "% of the reachable area", [{ name: "coverage", color: "var(--accent)", values: column.coverage.map((v) => 100 * v) }],
+  makeStrip();
+  const share = [];  // of the reachable area [%]
+  const shares = () => { for (let k = share.length; k < n; ++k) share.push(100 * column.coverage[k]); return share; };
+  addPlot("Coverage", "% of the reachable area", [{ name: "coverage", color: "var(--accent)", get values() { return shares(); } }],
     { format: (v) => `${fixed(v, 1)} %`, low: 0, high: 104, fill: true });
   addPlot("Localization error", "m", [{ name: "error", color: "var(--bad)", values: column.error }], { format: (v) => `${fixed(v, 3)} m`, low: 0, shade: ill });
   addPlot("Visible features", "", [{ name: "tracked", color: "var(--seen-high)", values: column.tracked }, { name: "predicted", color: "var(--horizon)", values: column.predicted }],
     { format: (v) => fixed(v, 0), low: 0, shade: ill });
   addPlot("Planning time", "ms", [{ name: "time", color: "var(--frontier)", values: column.plan_ms }],
     { format: (v) => `${fixed(v, 1)} ms`, low: 0, shade: (k) => (word.plan[k] === "stopping tail" ? "shade-warn" : null) });
-  if (terms.length) {
-    $("plots").append(make("h3", { class: "group" }, "Cost terms", make("em", {}, "weighted, each on a scale of its own")));
-    terms.forEach(({ name, values }, i) => {
-      const { low, high, peak } = withoutPeaks(values);
-      addPlot(readable(name), peak, [{ name: readable(name), color: "var(--accent)", values }],
-        { low, high, small: true, last: i === terms.length - 1 });
-    });
-  }
+  addTermPlots();
   drawStrip();
   new ResizeObserver(resize).observe($("map-box"));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => {
     readColors(); for (const plot of plots) plot.recolor(); drawStrip(); draw(); drawSight();
   });
   resize();
+}
+let plottedTerms = 0;
+function addTermPlots() {
+  if (terms.length === plottedTerms) return;
+  if (plottedTerms === 0) $("plots").append(make("h3", { class: "group" }, "Cost terms", make("em", {}, "weighted, each on a scale of its own")));
+  for (; plottedTerms < terms.length; ++plottedTerms) {
+    const { name, values } = terms[plottedTerms];
+    addPlot(readable(name), "", [{ name: readable(name), color: "var(--accent)", values }],
+      { range: () => withoutPeaks(values), small: true, last: plottedTerms === terms.length - 1 });
+  }
+}
+function showStage() {
+  $("stage").hidden = n === 0; $("stage").style.display = n === 0 ? "none" : "";
+  $("empty").hidden = n > 0;
+}
+// What is shown of all steps so far, when more have come.
+function extendPlots() {
+  addStretches();
+  makeStrip();
+  strip?.share();
+  measureColors();
+  addTermPlots();
+  for (const plot of plots) plot.extend();
+  drawStrip();
+}
+// Further steps, from which the page goes on; who looks at the newest step goes on looking at the newest.
+// `plots`: also in the plots, which takes a while.
+function append(part, { withPlots = true } = {}) {
+  const first = n === 0, follows = step === n - 1;
+  decode(part);
+  if (n === 0) return;
+  pose = null;
+  addLayers();
+  measureCandidates();
+  $("slider").max = n - 1;
+  showStage();
+  if (first) {
+    addStretches();
+    measureColors();
+    start();
+  } else {
+    paintGround();
+    if (withPlots) extendPlots();
+  }
+  if (!view.touched && !view.kept) fit();
+  if (first || follows) seek(n - 1); else seek(step);
+}
+showStage();
+if (n > 0) {
+  addStretches();
+  $("slider").max = n - 1;
+  start();
   // #step=N opens at that planning step; otherwise the whole mission shows.
   const wanted = location.hash.match(/step=(\d+)/);
   seek(wanted ? Number(wanted[1]) : n - 1);
@@ -1111,4 +1250,14 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
   } catch (e) { errors.push(String(e.stack || e)); }
   showSelftest(lines, failures);
 });
+
+return {
+  append, extendPlots, seek, draw, drawSight, pictures, canvas, drawn,
+  column, word, steps: () => n, step: () => step,
+  // Whether the map stays where it is as it grows.
+  keepView(on) { view.kept = on; },
+  // Where the robot is by now.
+  setPose(now) { pose = now; if (step === n - 1) draw(); },
+  toWorld: (sx, sy) => [view.x + (sx - boxWidth / 2) / view.scale, view.y + (boxHeight / 2 - sy) / view.scale],
+};
 })();

@@ -17,6 +17,8 @@ class StepTable {
 
   std::size_t rows() const { return rows_.size(); }
   bool has(const std::string& column) const;
+  /// All of them, in their order.
+  const std::vector<std::string>& columns() const { return header_; }
   /// Each row's number; NaN where the field is empty or "nan". Throws InputError if there is no
   /// such column or a field holds anything else.
   std::vector<double> numbers(const std::string& column) const;

@@ -47,8 +47,9 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
   const SteadyClock clock;
   SensorInbox inbox(clock, c.drive.inbox);
   DdsNode node(topics.address);
-  DdsBase base(topics, node, clock);
-  const DdsSensors sensors(topics, node, inbox);
+  DdsTransforms transforms(node);
+  DdsBase base(topics, node, transforms, clock, options.requests);
+  const DdsSensors sensors(topics, node, transforms, inbox);
   DdsPublisher publisher(topics, node, base, clock, c.robot.model);
   node.start();
   const DdsCameras cameras = sensors.wait();
@@ -65,7 +66,8 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
   }
   PerceptionPipeline perception(c.robot.stereo, live_perception(c, depth, start), c.drive.odometry);
   clear_start(perception.map(), c, start);
-  PipelineBeliefs beliefs(inbox, perception, frames_to(options.taps.sensors));
+  PictureTap pictures(options.taps, perception);
+  PipelineBeliefs beliefs(inbox, perception, pictures.frames());
   const Guard guard = guard_for(c.robot, c.planner, c.guard);
   const RangeStop stop(c.drive.ranges);
 
@@ -81,7 +83,8 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
                         : watched(inbox, SensorStream::kScan, "scan", c.guard.max_ranges_age),
                   watched(inbox, SensorStream::kWheels, "wheels", c.guard.max_pose_age)},
       // Without a depth camera there are no depth images, and its numbers are not looked at.
-      .ranges = range_look(inbox, stop, depth.value_or(RangeCamera{}))};
+      .ranges = range_look(inbox, stop, depth.value_or(RangeCamera{})),
+      .on_perceived = pictures.perceived()};
   if (depth) robot.floor = newest_floor(inbox, *depth, c.robot.base_height());
   if (options.on_start) options.on_start();
   ExplorationRunResult result;

@@ -3,6 +3,8 @@
 #include <octomap/OcTree.h>
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
@@ -11,7 +13,9 @@
 #include "adapters/files/input_error.h"
 #include "adapters/run/live_mission.h"
 #include "adapters/run/run_recorder.h"
+#include "adapters/simulator/camera_rig.h"
 #include "adapters/simulator/faulty_disk.h"
+#include "adapters/simulator/faulty_frames.h"
 #include "adapters/simulator/faulty_replanner.h"
 #include "adapters/simulator/faulty_scan.h"
 #include "adapters/simulator/simulated_base.h"
@@ -24,6 +28,10 @@
 #include "models/range_text.h"
 #include "runtime/clock.h"
 #include "runtime/mission.h"
+#include "runtime/range_look.h"
+#include "runtime/range_stop.h"
+#include "runtime/seen_floor.h"
+#include "runtime/sensor_inbox.h"
 #include "solvers/registry.h"
 
 namespace prospect {
@@ -47,6 +55,27 @@ class SimulatedRobot final : public Robot {
   std::function<void(double, const Twist&)> on_command_;
 };
 
+/// A planner that drives, and beside it one that is asked the same.
+class ReplannerPair final : public Replanner {
+ public:
+  ReplannerPair(Replanner& drives, Replanner* beside) : drives_(drives), beside_(beside) {}
+  Plan plan(const Belief& belief) override {
+    if (beside_) beside_plan_ = beside_->plan(belief);
+    return drives_.plan(belief);
+  }
+  std::shared_ptr<const GlobalPlan> global_plan() const override { return drives_.global_plan(); }
+  std::string set_task(const Task& task) override {
+    if (beside_) beside_->set_task(task);
+    return drives_.set_task(task);
+  }
+  const Plan& beside_plan() const { return beside_plan_; }
+
+ private:
+  Replanner& drives_;
+  Replanner* beside_;
+  Plan beside_plan_;
+};
+
 /// The same at times that are `epoch` [s] later.
 SensorTap later(const SensorTap& tap, double epoch) {
   const auto shifted = [epoch](const auto& listener) {
@@ -64,6 +93,52 @@ SensorTap later(const SensorTap& tap, double epoch) {
     };
   }
   return out;
+}
+
+/// What the depth sensor measures into `frames`, too.
+SensorTap into(FaultyFrames& frames, SensorTap tap) {
+  const auto both = [](auto first, auto second) {
+    return [first, second](double stamp, const auto& measured) {
+      first(stamp, measured);
+      if (second) second(stamp, measured);
+    };
+  };
+  tap.scan = both([&frames](double stamp, const DepthScan& in_B) { frames.scan(stamp, in_B); },
+                  std::move(tap.scan));
+  tap.depth = both([&frames](double stamp, const DepthImage& image) { frames.depth(stamp, image); },
+                   std::move(tap.depth));
+  return tap;
+}
+
+/// The depth camera of the tier: that of the images, or one for the rays of a scan. None: what it
+/// sees is no image in perspective.
+std::optional<RangeCamera> range_camera(const Configuration& configuration) {
+  const RgbdFootprint& seen = configuration.robot.depth;
+  if (std::max(seen.horizontal_fov, seen.vertical_fov) >= M_PI) return std::nullopt;
+  const SimulatorOptions& simulator = configuration.simulator;
+  const CameraRigOptions& rig = simulator.camera.rig;
+  const bool images = simulator.sensors == Sensors::kCamera;
+  RangeCamera camera;
+  camera.camera = depth_camera(seen, images ? rig.depth_width : simulator.depth.columns,
+                               images ? rig.depth_height : simulator.depth.rows);
+  camera.mount = configuration.robot.depth_mount;
+  camera.range = {seen.min_range, seen.max_range};
+  return camera;
+}
+
+/// The hits of a scan as the camera would see them.
+DepthImage depth_image(const DepthScan& in_B, const RangeCamera& c) {
+  DepthImage image(static_cast<int>(c.camera.width), static_cast<int>(c.camera.height));
+  const Eigen::Isometry3d T_CB = c.mount.T_BC.inverse();
+  for (const Eigen::Vector3d& hit : in_B.hits) {
+    const Eigen::Vector3d p = T_CB * hit;
+    if (!(p.z() > 0.0)) continue;
+    const int u = static_cast<int>(std::lround(c.camera.cx + c.camera.fx * p.x() / p.z()));
+    const int v = static_cast<int>(std::lround(c.camera.cy + c.camera.fy * p.y() / p.z()));
+    if (u < 0 || u >= image.width || v < 0 || v >= image.height) continue;
+    image.at(u, v) = static_cast<float>(p.z());
+  }
+  return image;
 }
 
 std::shared_ptr<const octomap::OcTree> map_to_begin_with(const Configuration& configuration) {
@@ -178,6 +253,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   const Guard::Options limits = guard_limits_for(configuration);
   const Guard guard = guard_for(configuration.robot, configuration.planner, limits);
 
+  ReplannerPair pair(*planner, options.real_time ? nullptr : options.beside);
   ExplorationRunResult result;
   RunRecorder recorder(configuration, options, own_planner);
   const SteadyClock clock;
@@ -187,6 +263,13 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   const auto observe = [&](const MissionStep& step) {
     if (options.taps.belief && !base) options.taps.belief(*step.belief);
     if (disk) disk->write();
+    if (options.beside && options.on_beside) {
+      MissionStep beside = step;
+      const std::shared_ptr<const GlobalPlan> global_plan = options.beside->global_plan();
+      beside.plan = &pair.beside_plan();
+      beside.global_plan = global_plan.get();
+      options.on_beside(beside, truth());
+    }
     recorder.add(step, truth());
   };
   if (options.on_start) options.on_start();
@@ -196,10 +279,28 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     SimulatedBaseOptions base_options = configuration.simulated_base;
     base_options.faults = options.real_time->faults;
     base.emplace(simulator, clock, *configuration.robot.model, base_options);
-    simulator.set_tap(later(options.taps.sensors, base->start()));
+    // What the depth sensor measures, apart from what comes of it, for who looks at it without
+    // maps.
+    SensorInboxOptions raw_options;
+    raw_options.depth_in_runtime_clock = raw_options.scan_in_runtime_clock = true;
+    SensorInbox raw(clock, FaultyFrames::inbox_options(raw_options, base_options.faults));
+    FaultyFrames frames(clock, raw, base_options.faults, base->start(), {});
+    simulator.set_tap(later(into(frames, options.taps.sensors), base->start()));
+    const std::optional<RangeCamera> camera = range_camera(configuration);
+    const RangeStop range_stop(configuration.drive.ranges);
     FaultyReplanner replanner(*planner, *configuration.robot.model, clock, base_options.faults,
                               base->start());
     disk.emplace(clock, base_options.faults, base->start());
+    // Without one there are no images, and its numbers are not looked at.
+    const RangeCamera looking = camera.value_or(RangeCamera{});
+    const double base_height = configuration.robot.base_height();
+    const auto floor = [&]() -> std::optional<PreflightFacts::Floor> {
+      const NewestRanges newest = raw.ranges();
+      if (!camera || (!newest.depth.image && !newest.scan.in_B)) return std::nullopt;
+      return seen_floor(
+          newest.depth.image ? *newest.depth.image : depth_image(*newest.scan.in_B, *camera),
+          camera->camera, camera->mount, base_height, camera->range);
+    };
     const auto stamp = [](double SourceStamps::*of) {
       return [of](const Belief* newest) {
         return newest ? std::optional(newest->stamps.*of) : std::nullopt;
@@ -212,11 +313,14 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                    .guard = guard,
                    .inbox = &base->sensors(),
                    .streams = {{"cameras", limits.max_pose_age, stamp(&SourceStamps::pose)},
-                               {"depth", limits.max_ranges_age, stamp(&SourceStamps::ranges)}}};
+                               {"depth", limits.max_ranges_age, stamp(&SourceStamps::ranges)}},
+                   .ranges = range_look(raw, range_stop, looking),
+                   .floor = floor};
     mission = live_mission(live, configuration, mission_options, observe, options, result);
   } else {
     simulator.set_tap(options.taps.sensors);
-    mission = run_mission(robot, *planner, guard, mission_options, observe, options.cancelled);
+    mission = run_mission(robot, pair, guard, mission_options, observe, options.cancelled,
+                          options.requests);
   }
   SimulatedTruth at_end = truth_of(simulator);
   result.record = recorder.finish(mission, world->name, at_end, &reachable);

@@ -19,6 +19,9 @@
 #include "engine/planner/replanner.h"
 #include "engine/safety/guard.h"
 #include "models/types.h"
+#include "perception/odometry/image.h"
+#include "perception/odometry/odometry.h"
+#include "runtime/drive_requests.h"
 #include "runtime/event_log.h"
 #include "runtime/health_report.h"
 #include "runtime/preflight.h"
@@ -32,11 +35,13 @@ namespace prospect {
 
 class Planner;
 class SolverRegistry;
+struct MissionStep;
+struct SimulatedTruth;
 
 /// A mission in real time, by threads, instead of in lockstep (real_time_driver.h), driven by
 /// Configuration::drive.
 struct RealTimeRun {
-  std::vector<InjectedFault> faults;  ///< of the simulated robot
+  std::vector<InjectedFault> faults;  ///< of the robot, of the simulator or Gazebo
 };
 
 /// One simulated mission: world, configuration and seed in, records out.
@@ -47,6 +52,9 @@ struct ExplorationRunOptions {
     std::function<void(const Belief&)> belief;  ///< each new one; in lockstep before on_step
     std::function<void(double stamp, const Twist&)> command;  ///< each one that is sent
     SensorTap sensors;
+    /// The newest left image with the landmarks that were to be seen in it, where the robot has
+    /// cameras and somebody looks for landmarks in them: after each planning step.
+    std::function<void(const Image&, const std::vector<LandmarkSighting>&)> picture;
     /// In real time, again and again, on the thread that called, with the runtime's time [s].
     std::function<void(const RealTimeDriver&, double)> driver;
   };
@@ -60,7 +68,12 @@ struct ExplorationRunOptions {
   /// After on_step, with the Planner that made the step; never called if make_planner makes
   /// another.
   std::function<void(const StepRecord&, const Planner&)> on_plan;
+  /// In lockstep: another planner that is asked at each step with the same belief, and told the
+  /// same tasks; its plans are not driven. on_beside is shown them, before on_step.
+  Replanner* beside = nullptr;
+  std::function<void(const MissionStep&, const SimulatedTruth&)> on_beside;
   std::function<bool()> cancelled;
+  DriveRequests* requests = nullptr;  ///< what people ask of the mission; null: nobody
   Taps taps;
   /// Makes the planner; empty: the Planner of this project with the configured solver.
   std::function<std::unique_ptr<Replanner>(const Configuration&)> make_planner;
@@ -80,6 +93,8 @@ struct ExplorationRunResult {
   std::optional<HealthReport> health;  ///< at the end
   /// Of a simulation that somebody else runs: its seconds in one of the machine.
   std::optional<double> real_time_factor;
+  /// [s] of the runtime's clock from which the times of injected faults count, of Gazebo.
+  std::optional<double> faults_start;
   std::vector<CheckResult> preflight;
   std::vector<Event> events;
 };

@@ -8,18 +8,23 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "adapters/files/input_error.h"
 #include "adapters/gazebo/gazebo_base.h"
+#include "adapters/gazebo/gazebo_robot_model.h"
 #include "adapters/gazebo/gazebo_sensors.h"
 #include "adapters/gazebo/gazebo_truth.h"
-#include "adapters/gazebo/gazebo_world_file.h"
 #include "adapters/run/live_mission.h"
 #include "adapters/run/live_perception.h"
 #include "adapters/run/run_recorder.h"
 #include "adapters/run/true_run.h"
 #include "adapters/run/unmeasured.h"
 #include "adapters/simulator/camera_rig.h"
+#include "adapters/simulator/faulty_base.h"
+#include "adapters/simulator/faulty_disk.h"
+#include "adapters/simulator/faulty_frames.h"
+#include "adapters/simulator/faulty_replanner.h"
 #include "engine/planner/planner.h"
 #include "engine/planner/planner_guard.h"
 #include "perception/odometry/reason.h"
@@ -32,12 +37,12 @@ namespace prospect {
 namespace {
 
 /// The first pose that Gazebo tells. Throws InputError if none comes.
-Pose first_pose(GazeboTruth& truth, const GazeboOptions& options) {
+GazeboTruth::Stamped first_pose(GazeboTruth& truth, const GazeboOptions& options) {
   const SteadyClock clock;
   const double end = clock.now() + options.address.timeout;
   while (clock.now() < end) {
     const auto poses = truth.take();
-    if (!poses.empty()) return poses.front().pose;
+    if (!poses.empty()) return poses.front();
     clock.wait_until(clock.now() + 0.01, {});
   }
   throw InputError("gazebo.model: no pose of '" + options.model + "' within " +
@@ -68,13 +73,23 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
   GazeboBase base(c.gazebo, clock);  // before threads, as it forks
   const std::unique_ptr<Replanner> planner = planner_for(c, options);
 
+  std::optional<GazeboTruth> truth(std::in_place, c.gazebo);
+  const GazeboTruth::Stamped first = first_pose(*truth, c.gazebo);
+  const std::vector<InjectedFault> faults =
+      options.real_time ? options.real_time->faults : std::vector<InjectedFault>();
+  FaultyBase faulty_base(base, clock, faults, first.stamp);
+  const FaultyDisk disk(clock, faults, first.stamp);
+  FaultyReplanner faulty_planner(*planner, *c.robot.model, clock, faults, first.stamp);
   SensorInboxOptions inbox_options = c.drive.inbox;
   inbox_options.cameras_in_runtime_clock = inbox_options.wheels_in_runtime_clock =
       inbox_options.depth_in_runtime_clock = true;
-  SensorInbox inbox(clock, inbox_options);
-  const GazeboSensors sensors(c.gazebo, clock, inbox);
-  std::optional<GazeboTruth> truth(std::in_place, c.gazebo);
-  Pose start = first_pose(*truth, c.gazebo);
+  SensorInbox inbox(clock, FaultyFrames::inbox_options(inbox_options, faults));
+  FaultyFrames frames(clock, inbox, faults, first.stamp, c.gazebo.depth_range);
+  const GazeboSensors sensors(
+      c.gazebo, clock,
+      {[&](double stamp, ImagePair images) { frames.pair(stamp, std::move(images)); },
+       [&](double stamp, DepthImage image) { frames.depth(stamp, std::move(image)); }});
+  Pose start = first.pose;
   start.position.z() = c.robot.base_height();
   if (!measured) truth.reset();
   // What can be reached is reached from there.
@@ -89,7 +104,8 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
                           {c.robot.depth.min_range, c.robot.depth.max_range}};
   PerceptionPipeline perception(c.robot.stereo, live_perception(c, depth, start), c.drive.odometry);
   clear_start(perception.map(), c, start);
-  PipelineBeliefs beliefs(inbox, perception, frames_to(options.taps.sensors));
+  PictureTap pictures(options.taps, perception);
+  PipelineBeliefs beliefs(inbox, perception, pictures.frames());
   const Guard guard = guard_for(c.robot, c.planner, c.guard);
   const RangeStop stop(c.drive.ranges);
 
@@ -100,26 +116,29 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
 
   LiveRobot robot{
       .clock = clock,
-      .base = base,
+      .base = faulty_base,
       .beliefs = beliefs,
-      .planner = *planner,
+      .planner = faulty_planner,
       .guard = guard,
       .inbox = &inbox,
       .streams = {watched(inbox, SensorStream::kPair, "cameras", c.guard.max_pose_age),
                   watched(inbox, SensorStream::kDepth, "depth", c.guard.max_ranges_age),
                   watched(inbox, SensorStream::kWheels, "wheels", c.guard.max_pose_age)},
       .ranges = range_look(inbox, stop, depth),
-      .floor = newest_floor(inbox, depth, c.robot.base_height())};
+      .floor = newest_floor(inbox, depth, c.robot.base_height()),
+      .on_perceived = pictures.perceived()};
   if (options.on_start) options.on_start();
   ExplorationRunResult result;
   RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));
   const auto observe = [&](const MissionStep& step) {
+    disk.write();
     const SimulatedTruth estimated = unmeasured.at(step);
     recorder.add(step, true_run ? true_run->at(*step.belief) : estimated);
   };
   const double begun = clock.now(), begun_by_machine = machine.now();
   const MissionResult mission =
       live_mission(robot, c, mission_options_for(c, known), observe, options, result);
+  if (!faults.empty()) result.faults_start = first.stamp;
   result.real_time_factor = (clock.now() - begun) / (machine.now() - begun_by_machine);
   SimulatedTruth at_end = known();
   at_end.losses = unmeasured.truth().losses;

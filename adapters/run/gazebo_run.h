@@ -20,7 +20,8 @@ namespace prospect {
 /// Time is that of the simulation (SimulationClock). Throws before on_start: InputError, one line,
 /// if no Gazebo answers, it has no such robot, or says nothing of it; NotBuiltIn;
 /// std::invalid_argument for an unknown solver or options out of range. The robot has not moved
-/// then. options.real_time is not looked at.
+/// then. Faults of options.real_time are injected, in the
+/// time since then.
 ExplorationRunResult explore_gazebo(const Configuration& configuration,
                                     const std::shared_ptr<const World>& measured,
                                     const ExplorationRunOptions& options);

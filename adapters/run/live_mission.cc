@@ -29,7 +29,8 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& c,
                                .ranges = robot.ranges,
                                .streams = robot.streams,
                                .known = known,
-                               .floor = robot.floor};
+                               .floor = robot.floor,
+                               .requests = options.requests};
   const PreflightResult preflight =
       run_preflight(checked, c.drive.preflight, c.drive.driver.command, options.cancelled);
   result.preflight = preflight.checks;
@@ -46,8 +47,13 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& c,
                          .yaw_checked = preflight.yaw_checked,
                          .streams = robot.streams,
                          .preflight = preflight.checks,
-                         .on_belief = options.taps.belief,
-                         .on_command = options.taps.command},
+                         .on_belief =
+                             [&](const Belief& belief) {
+                               if (robot.on_perceived) robot.on_perceived();
+                               if (options.taps.belief) options.taps.belief(belief);
+                             },
+                         .on_command = options.taps.command,
+                         .requests = options.requests},
                         c.drive.driver);
   MissionResult end;
   if (failed.empty()) {
@@ -91,6 +97,20 @@ std::function<void(const SensorFrame&)> frames_to(SensorTap tap) {
   return [hand = Hand{std::move(tap)}](const SensorFrame& frame) { std::visit(hand, frame); };
 }
 
+std::function<void(const SensorFrame&)> PictureTap::frames() {
+  return [this, hand = frames_to(taps_.sensors)](const SensorFrame& frame) {
+    hand(frame);
+    if (const auto* pair = std::get_if<StereoFrame>(&frame); pair && pair->left) left_ = pair->left;
+  };
+}
+
+std::function<void()> PictureTap::perceived() {
+  return [this] {
+    if (left_ && taps_.picture) taps_.picture(*left_, perception_.odometry().sightings());
+    left_.reset();
+  };
+}
+
 std::function<std::optional<PreflightFacts::Floor>()> newest_floor(const SensorInbox& inbox,
                                                                    const RangeCamera& depth,
                                                                    double base_height) {
@@ -104,6 +124,7 @@ std::function<std::optional<PreflightFacts::Floor>()> newest_floor(const SensorI
 MissionOptions mission_options_for(const Configuration& c,
                                    const std::function<SimulatedTruth()>& truth) {
   MissionOptions options = c.mission;
+  options.task = c.planner.task;
   const double coverage = c.until_coverage, area = c.until_area;
   if (coverage > 0.0 || area > 0.0) {
     options.enough = [truth, coverage, area](const MissionStep&) {

@@ -12,6 +12,8 @@
 #include "engine/planner/replanner.h"
 #include "engine/safety/guard.h"
 #include "perception/mapping/depth_image.h"
+#include "perception/odometry/image.h"
+#include "perception/pipeline/perception_pipeline.h"
 #include "runtime/base.h"
 #include "runtime/belief_source.h"
 #include "runtime/clock.h"
@@ -34,13 +36,14 @@ struct LiveRobot {
   std::vector<WatchedStream> streams;  ///< without which it does not drive
   std::function<RangeLook(const Twist&, double)> ranges{};
   std::function<std::optional<PreflightFacts::Floor>()> floor{};  ///< as seen at the start
+  std::function<void()> on_perceived{};  ///< on the perception thread, before each new belief
 };
 
 /// Pre-flight (run_preflight()), then a mission by a RealTimeDriver, with the options of
 /// configuration.drive. Fills in what `result` holds of a run in real time. A robot that fails a
 /// check does not move: the mission ends as MissionEnd::kNotFit, and says which check.
-/// observe and options.cancelled: as RealTimeDriver::run(). Throws what that and the constructors
-/// throw.
+/// observe and options.cancelled: as RealTimeDriver::run().
+/// Throws what that and the constructors throw.
 MissionResult live_mission(const LiveRobot& robot, const Configuration& configuration,
                            const MissionOptions& mission,
                            const std::function<void(const MissionStep&)>& observe,
@@ -48,6 +51,23 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& configur
 
 /// What hands a frame of an inbox to a tap, which is copied.
 std::function<void(const SensorFrame&)> frames_to(SensorTap tap);
+
+/// What the left camera showed, and what perception saw in it.
+class PictureTap {
+ public:
+  /// tap: as of ExplorationRunOptions; all of it outlives this.
+  PictureTap(const ExplorationRunOptions::Taps& taps, const PerceptionPipeline& perception)
+      : taps_(taps), perception_(perception) {}
+  /// Each frame, before perception takes it; handed on to Taps::sensors.
+  std::function<void(const SensorFrame&)> frames();
+  /// LiveRobot::on_perceived.
+  std::function<void()> perceived();
+
+ private:
+  const ExplorationRunOptions::Taps& taps_;
+  const PerceptionPipeline& perception_;
+  std::shared_ptr<const Image> left_;  // newest that perception has not told of
+};
 
 /// LiveRobot::floor: that in the newest depth image of the inbox, which outlives it; none before
 /// one has come. base_height [m]: of B above the floor.

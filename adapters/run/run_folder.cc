@@ -9,10 +9,10 @@
 #include <system_error>
 #include <utility>
 
-#include "adapters/files/csv.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
 #include "adapters/problem_file/problem_file.h"
+#include "adapters/run/step_row.h"
 #include "adapters/worlds/octree_file.h"
 #include "models/range_text.h"
 
@@ -21,89 +21,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-using csv::field;
-
 std::string tum(double time, const Pose& p) {
   const double half = 0.5 * p.yaw;
   return exact_text(time) + ' ' + exact_text(p.position.x()) + ' ' + exact_text(p.position.y()) +
          ' ' + exact_text(p.position.z()) + " 0 0 " + exact_text(std::sin(half)) + ' ' +
          exact_text(std::cos(half)) + '\n';
-}
-
-std::string header(const std::vector<std::string>& terms) {
-  std::string row =
-      "step,time,true_x,true_y,true_yaw,estimated_x,estimated_y,estimated_yaw,"
-      "command_v,command_vy,command_omega,plan_kind,seed,cost,violation";
-  for (const std::string& t : terms) row += ',' + field("term_" + t);
-  return row +
-         ",predicted_features,tracked_features,localization,localization_error,coverage,area,"
-         "path_length,collisions,clearance,cost_evaluations,gradient_evaluations,stop_reason,"
-         "quality,certified,certificate,active_frontiers,guard_stops,guard_reason,task,goal_x,goal_"
-         "y,"
-         "goal_yaw,mode,cause,mode_since,caution,target_change,target_x,target_y,looks_x,looks_y,"
-         "target_length,target_area,way_left,seeds_scored,features_weight,rejected,why\n";
-}
-
-/// The best candidates that were not executed: name, cost, and whether the certificate refused it.
-std::string rejected(const StepRecord& s) {
-  std::string list;
-  for (const CandidateRecord& c : s.candidates) {
-    if (c.verdict == "executed") continue;
-    if (!list.empty()) list += "; ";
-    char cost[32];
-    std::snprintf(cost, sizeof cost, " %.4g", c.explanation.cost);
-    list += c.name + cost + (c.verdict == "not tried" ? " not tried" : " refused");
-  }
-  return list;
-}
-
-/// The columns from `task` on.
-std::string reasons(const StepRecord& s) {
-  std::string row = ',' + field(s.task);
-  row += s.goal ? ',' + exact_text(s.goal->x()) + ',' + exact_text(s.goal->y()) : ",,";
-  row += ',' + (s.goal_yaw ? exact_text(*s.goal_yaw) : "");
-  row += ',' + field(s.mode) + ',' + field(s.cause) + ',' + exact_text(s.mode_since) + ',' +
-         field(s.caution) + ',' + field(s.target_change);
-  if (s.target) {
-    const TargetRecord& t = *s.target;
-    for (const double value : {t.viewpoint.x(), t.viewpoint.y(), t.looks_at.x(), t.looks_at.y(),
-                               t.length, t.area, t.way_left}) {
-      row += ',' + exact_text(value);
-    }
-  } else {
-    row += ",,,,,,,";
-  }
-  return row + ',' + std::to_string(s.seeds_scored) + ',' + exact_text(s.features_weight) + ',' +
-         field(rejected(s)) + ',' + field(s.why);
-}
-
-std::string step_row(const StepRecord& s, const std::vector<std::string>& terms) {
-  std::string row = std::to_string(s.step) + ',' + exact_text(s.time);
-  for (const Pose* p : {&s.true_pose, &s.estimated_pose}) {
-    row += ',' + exact_text(p->position.x()) + ',' + exact_text(p->position.y()) + ',' +
-           exact_text(p->yaw);
-  }
-  row += ',' + exact_text(s.command.linear.x()) + ',' + exact_text(s.command.linear.y()) + ',' +
-         exact_text(s.command.yaw_rate) + ',' + field(s.plan_kind) + ',' + field(s.seed);
-  const bool explained = !s.explanation.terms.empty();
-  row += ',' + (explained ? exact_text(s.explanation.cost) : "") + ',' +
-         (explained ? exact_text(s.explanation.violation) : "");
-  for (const std::string& name : terms) {
-    row += ',';
-    for (const TermValue& t : s.explanation.terms) {
-      if (t.name != name) continue;
-      row += exact_text(t.raw);
-      break;
-    }
-  }
-  return row + ',' + exact_text(s.predicted_features) + ',' + std::to_string(s.tracked_features) +
-         ',' + field(s.localization) + ',' + exact_text(s.localization_error) + ',' +
-         exact_text(s.coverage) + ',' + exact_text(s.area) + ',' + exact_text(s.path_length) + ',' +
-         std::to_string(s.collisions) + ',' + exact_text(s.clearance) + ',' +
-         std::to_string(s.cost_evaluations) + ',' + std::to_string(s.gradient_evaluations) + ',' +
-         field(s.stop_reason) + ',' + field(s.quality) + ',' + (s.certified ? "1" : "0") + ',' +
-         field(s.certificate) + ',' + std::to_string(s.active_frontiers) + ',' +
-         std::to_string(s.guard_stops) + ',' + s.guard_reason + reasons(s) + '\n';
 }
 
 constexpr const char* kProblems = "problems";
@@ -228,7 +150,7 @@ void RunFolder::write_waiting() {
       if (!terms_.empty()) break;
       for (const TermValue& t : s.explanation.terms) terms_.push_back(t.name);
     }
-    append(steps_, "steps.csv", header(terms_));
+    append(steps_, "steps.csv", step_header(terms_));
     header_written_ = true;
   }
   for (const StepRecord& s : waiting_) append(steps_, "steps.csv", step_row(s, terms_));

@@ -285,6 +285,9 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
   }
   r.map_changes = map_changes.since_last(*belief.ground);
   if (options.keep_steps) pictures.add(r.step, truth.picture);
+  if (options.taps.picture && !truth.picture.image.pixels.empty()) {
+    options.taps.picture(truth.picture.image, truth.picture.sightings);
+  }
   if (options.on_step) options.on_step(r);
   if (options.on_plan && planner) options.on_plan(r, *planner);
   if (!options.keep_steps) {

@@ -7,6 +7,8 @@ namespace prospect {
 
 std::string start_json(const RunStart& s) {
   const nlohmann::ordered_json json = {{"world", s.world},
+                                       {"world_source", s.world_source},
+                                       {"world_hash", s.world_hash},
                                        {"solver", s.solver},
                                        {"seed", s.seed},
                                        {"real_time", s.real_time},

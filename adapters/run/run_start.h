@@ -9,6 +9,9 @@ namespace prospect {
 /// It stands in the run folder and in the log from the first second.
 struct RunStart {
   std::string world, solver;
+  /// World as explore was given it: a name, or a file; and world_hash() of it, as hash_text(). Both
+  /// "" where nobody knows the world.
+  std::string world_source, world_hash;
   std::uint64_t seed = 0;
   bool real_time = false;       ///< by threads on a clock; else in lockstep
   std::string command_line;     ///< as a shell reads it

@@ -1,7 +1,9 @@
 #include "adapters/simulator/injected_fault.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "adapters/files/parse_number.h"
@@ -262,6 +264,45 @@ bool off_at_times(const std::vector<InjectedFault>& faults, FaultSource source, 
                   double time) {
   const InjectedFault* fault = fault_at(faults, source, FaultVerb::kIntermittent, time);
   return fault && std::fmod(time - fault->from, 2.0 * on_off) < on_off;
+}
+
+double command_sleep(const std::vector<InjectedFault>& faults, double time) {
+  if (const InjectedFault* stuck =
+          fault_at(faults, FaultSource::kCommand, FaultVerb::kStuck, time)) {
+    return std::min(stuck->from + stuck->duration - time, kLongestThreadSleep);
+  }
+  if (off_at_times(faults, FaultSource::kCommand, kOnOff, time)) return kOnOff;
+  if (fault_at(faults, FaultSource::kCommand, FaultVerb::kSlow, time) != nullptr) {
+    return kSlowCommand;
+  }
+  return 0.0;
+}
+
+bool has_sensors_clock(const std::vector<InjectedFault>& faults) {
+  return std::any_of(faults.begin(), faults.end(),
+                     [](const InjectedFault& f) { return f.source == FaultSource::kClock; });
+}
+
+double sensors_clock(const std::vector<InjectedFault>& faults, double start, double at,
+                     double time) {
+  // [s] of the sensors' own clock against the runtime's.
+  constexpr double kZeroOfSensors = -1234.5;
+  if (!has_sensors_clock(faults)) return at;
+  double clock = at + kZeroOfSensors;
+  for (const InjectedFault& fault : faults) {
+    if (fault.source != FaultSource::kClock || time < fault.from) continue;
+    // What a slow clock has lost it does not get back.
+    if (fault.verb == FaultVerb::kSlow) {
+      clock -= (1.0 - kClockRate) * std::min(time - fault.from, fault.duration);
+    }
+    if (!fault.holds(time)) continue;
+    if (fault.verb == FaultVerb::kStuck)
+      clock = std::min(clock, start + fault.from + kZeroOfSensors);
+    if (fault.verb == FaultVerb::kWrong) clock += kClockStep;
+    if (fault.verb == FaultVerb::kGarbage) clock = std::numeric_limits<double>::quiet_NaN();
+  }
+  if (off_at_times(faults, FaultSource::kClock, kOnOff, time)) clock += kClockStep;
+  return clock;
 }
 
 }  // namespace prospect

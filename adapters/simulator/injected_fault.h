@@ -81,5 +81,13 @@ const InjectedFault* fault_at(const std::vector<InjectedFault>& faults, FaultSou
 /// Whether it holds, and what fails at times is off then.
 bool off_at_times(const std::vector<InjectedFault>& faults, FaultSource source, double on_off,
                   double time);
+/// [s] that the command thread sleeps at a time.
+double command_sleep(const std::vector<InjectedFault>& faults, double time);
+
+/// Whether the sensors have a clock of their own: one of its faults is among them.
+bool has_sensors_clock(const std::vector<InjectedFault>& faults);
+/// `at` [s] in the runtime's clock, in the sensors' clock as it is `time` [s] after `start`.
+double sensors_clock(const std::vector<InjectedFault>& faults, double start, double at,
+                     double time);
 
 }  // namespace prospect

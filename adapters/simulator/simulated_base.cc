@@ -102,16 +102,7 @@ Twist SimulatedBase::measured(double now) {
 }
 
 void SimulatedBase::sleep_as_faults_say() const {
-  const double now = clock_.now(), time = now - epoch_;
-  double sleep = 0.0;
-  if (const InjectedFault* stuck =
-          fault_at(options_.faults, FaultSource::kCommand, FaultVerb::kStuck, time)) {
-    sleep = std::min(stuck->from + stuck->duration - time, kLongestThreadSleep);
-  } else if (off_at_times(options_.faults, FaultSource::kCommand, kOnOff, time)) {
-    sleep = kOnOff;
-  } else if (holds(FaultSource::kCommand, FaultVerb::kSlow, now)) {
-    sleep = kSlowCommand;
-  }
+  const double now = clock_.now(), sleep = command_sleep(options_.faults, now - epoch_);
   if (sleep > 0.0) clock_.wait_until(now + sleep, {});
 }
 

@@ -10,17 +10,10 @@ namespace prospect {
 namespace {
 
 constexpr double kRemembered = 2.0 * kFaultDelay;  // [s] of beliefs
-// [s] of the sensors' own clock, where they have one, against the runtime's.
-constexpr double kZeroOfSensors = -1234.5;
-
-bool own_clock(const std::vector<InjectedFault>& faults) {
-  return std::any_of(faults.begin(), faults.end(),
-                     [](const InjectedFault& f) { return f.source == FaultSource::kClock; });
-}
 
 SensorInboxOptions inbox_options(const std::vector<InjectedFault>& faults) {
   SensorInboxOptions options;
-  options.cameras_in_runtime_clock = options.depth_in_runtime_clock = !own_clock(faults);
+  options.cameras_in_runtime_clock = options.depth_in_runtime_clock = !has_sensors_clock(faults);
   return options;
 }
 
@@ -64,25 +57,6 @@ SimulatedStreams::SimulatedStreams(const Clock& clock, std::vector<InjectedFault
       start_(start),
       inbox_(clock, inbox_options(faults_)) {}
 
-double SimulatedStreams::sensors_clock(double at, double time) const {
-  if (!own_clock(faults_)) return at;
-  double clock = at + kZeroOfSensors;
-  for (const InjectedFault& fault : faults_) {
-    if (fault.source != FaultSource::kClock || time < fault.from) continue;
-    // What a slow clock has lost it does not get back.
-    if (fault.verb == FaultVerb::kSlow) {
-      clock -= (1.0 - kClockRate) * std::min(time - fault.from, fault.duration);
-    }
-    if (!fault.holds(time)) continue;
-    if (fault.verb == FaultVerb::kStuck)
-      clock = std::min(clock, start_ + fault.from + kZeroOfSensors);
-    if (fault.verb == FaultVerb::kWrong) clock += kClockStep;
-    if (fault.verb == FaultVerb::kGarbage) clock = std::numeric_limits<double>::quiet_NaN();
-  }
-  if (off_at_times(faults_, FaultSource::kClock, kOnOff, time)) clock += kClockStep;
-  return clock;
-}
-
 std::optional<SimulatedStreams::Frame> SimulatedStreams::next(Stream& stream, FaultSource source,
                                                               double now, double time,
                                                               double SourceStamps::*capture) const {
@@ -99,14 +73,15 @@ std::optional<SimulatedStreams::Frame> SimulatedStreams::next(Stream& stream, Fa
     // One camera that hangs gives its newest image once more; two, or a depth sensor, whose driver
     // stamps what it reads, give old data with new stamps.
     const bool old_stamp = camera && !holds(FaultSource::kCameras, FaultVerb::kStuck, time);
-    return Frame{*stream.newest, old_stamp ? stream.stamp : sensors_clock(now, time)};
+    return Frame{*stream.newest,
+                 old_stamp ? stream.stamp : sensors_clock(faults_, start_, now, time)};
   }
   const Made* newest = nullptr;
   for (const Made& one : made_) {
     if (!has(FaultVerb::kDelayed) || one.belief.stamp <= now - kFaultDelay) newest = &one;
   }
   if (!newest) return std::nullopt;
-  const double stamp = sensors_clock(newest->belief.stamps.*capture, time);
+  const double stamp = sensors_clock(faults_, start_, newest->belief.stamps.*capture, time);
   // A scan is there once; images come with each belief.
   if (!camera && stream.newest && stamp == stream.stamp) return std::nullopt;
   return Frame{newest->number, stamp};

@@ -50,8 +50,6 @@ class SimulatedStreams {
   bool holds(FaultSource source, FaultVerb verb, double time) const {
     return fault_at(faults_, source, verb, time) != nullptr;
   }
-  /// A time of the runtime's clock in the sensors' clock; faults by the time `time`.
-  double sensors_clock(double at, double time) const;
   /// What is to be sent of a stream now; none: nothing. With the number of a belief and its stamp.
   struct Frame {
     std::uint32_t number;

@@ -29,6 +29,7 @@
 
 #include "adapters/files/input_error.h"
 #include "adapters/worlds/mesh_file.h"
+#include "adapters/worlds/sdf_file.h"
 #include "perception/odometry/rotation_between.h"
 
 namespace prospect {
@@ -160,10 +161,7 @@ class Reader {
         throw InputError(path + ": cannot be read; expected a readable file");
       }
       auto read = std::make_unique<tinyxml2::XMLDocument>();
-      if (read->LoadFile(path.c_str()) != tinyxml2::XML_SUCCESS) {
-        throw InputError(path + ":" + std::to_string(read->ErrorLineNum()) + ": no whole XML (" +
-                         read->ErrorName() + "); expected a Gazebo world or model");
-      }
+      read_sdf(path, *read);
       known = std::move(read);
     }
     const XMLElement* sdf = known->FirstChildElement("sdf");

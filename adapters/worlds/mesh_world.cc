@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -49,6 +50,19 @@ struct MeshFloor {
   double share = 0.0;   ///< World::floor_share
 };
 
+/// Of the box about all triangles that are steeper than 45 degrees [m^2]; infinite if there is
+/// none.
+double walled_area(const TexturedMesh& mesh) {
+  Eigen::AlignedBox2d box;
+  for (const auto& triangle : mesh.triangles) {
+    const Corners c = corners_of(mesh, triangle);
+    const Vector3d normal = (c[1] - c[0]).cross(c[2] - c[0]);
+    if (std::abs(normal.z()) > normal.head<2>().norm()) continue;
+    for (const Vector3d& p : c) box.extend(Eigen::Vector2d(p.head<2>()));
+  }
+  return box.isEmpty() ? std::numeric_limits<double>::infinity() : box.sizes().prod();
+}
+
 /// The floor, as world_from_mesh() says.
 MeshFloor mesh_floor(const TexturedMesh& mesh, const std::string& name,
                      const std::optional<double>& wanted) {
@@ -59,6 +73,7 @@ MeshFloor mesh_floor(const TexturedMesh& mesh, const std::string& name,
     double area = 0.0, moment = 0.0;  // moment: area times height
     double height() const { return moment / area; }
   };
+  const double walled = walled_area(mesh);
   for (const double side : {1.0, -1.0}) {
     std::map<int, Layer> layers, all;
     for (const auto& triangle : mesh.triangles) {
@@ -80,15 +95,18 @@ MeshFloor mesh_floor(const TexturedMesh& mesh, const std::string& name,
     const Layer* floor = nullptr;
     if (wanted) {
       constexpr double kFarthest = 0.5;  // [m]
-      double largest = 0.05 * most;
+      // Of a plane without end under a building no more counts than lies about the building.
+      const auto counted = [&](const Layer& layer) { return std::min(layer.area, walled); };
+      const double least = 0.05 * std::min(most, walled);
+      double largest = least;
       for (const auto& [step, layer] : layers) {
         const bool near = std::abs(layer.height() - *wanted) <= kFarthest;
-        if (near) largest = std::max(largest, layer.area);
+        if (near) largest = std::max(largest, counted(layer));
       }
       double nearest = kFarthest;
       for (const auto& [step, layer] : layers) {
         const double off = std::abs(layer.height() - *wanted);
-        if (off > nearest || layer.area < std::max(0.5 * largest, 0.05 * most)) continue;
+        if (off > nearest || counted(layer) < std::max(0.5 * largest, least)) continue;
         nearest = off;
         floor = &layer;
       }

@@ -31,7 +31,8 @@ struct MeshWorldOptions {
 /// Floor: the lowest height at which triangles that face upwards (within 10 degrees) have at least
 /// half as much area as at the height with most of them, heights taken in steps of 5 cm; or the one
 /// nearest to options.ground, at most half a metre off, of those with at least half as much area as
-/// any so near, and a twentieth of that of the height with most. Where no triangle faces upwards,
+/// any so near, and a twentieth of that of the height with most, where an area counts up to that of
+/// the box about all that is steeper than 45 degrees. Where no triangle faces upwards,
 /// those that face down count. World::floor_share is the share of the area that faces upwards
 /// (within 45 degrees) at most 0.1 m off that height. Ground that is not flat is refused unless a
 /// height is given: where of that area within 1 m of the floor's height less than a third is the

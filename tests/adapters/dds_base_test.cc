@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <mutex>
 #include <string>
@@ -11,6 +12,7 @@
 
 #include "adapters/ros/geometry_msgs.h"
 #include "adapters/ros/nav_msgs.h"
+#include "adapters/ros/tf2_msgs.h"
 #include "tests/adapters/dds_pair.h"
 
 namespace prospect::dds_base_test {
@@ -29,6 +31,8 @@ class Driver {
   explicit Driver(const DdsOptions& options) : node_(test::dds_test_address("driver")) {
     odometry_ = node_.advertise<ros::Odometry>(options.odometry, kReliableQos);
     stop_ = node_.advertise<ros::Bool>(options.emergency_stop, kReliableQos);
+    acknowledge_ = node_.advertise<ros::Bool>(options.acknowledge, kReliableQos);
+    transforms_ = node_.advertise<ros::TFMessage>("/tf_static", kStaticTransformQos);
     node_.subscribe<ros::TwistStamped>(options.command.stamped, kCommandQos,
                                        [this](const ros::TwistStamped& m) {
                                          const std::lock_guard lock(mutex_);
@@ -46,9 +50,19 @@ class Driver {
     node_.publish(odometry_, m);
   }
   void press(bool pressed) { node_.publish(stop_, ros::Bool{pressed}); }
+  void acknowledge(bool yes) { node_.publish(acknowledge_, ros::Bool{yes}); }
+  /// `child` lies ahead of `parent`, and is turned to the left by a right angle.
+  void mount(const std::string& parent, const std::string& child, double ahead) {
+    ros::TransformStamped t;
+    t.header.frame_id = parent;
+    t.child_frame_id = child;
+    t.transform.translation.x = ahead;
+    t.transform.rotation.z = t.transform.rotation.w = std::sqrt(0.5);
+    node_.publish(transforms_, ros::TFMessage{{t}});
+  }
   bool ready(const DdsOptions& o) const {
     return node_.subscribers(o.odometry) > 0 && node_.subscribers(o.emergency_stop) > 0 &&
-           node_.publishers(o.command.stamped) > 0;
+           node_.subscribers(o.acknowledge) > 0 && node_.publishers(o.command.stamped) > 0;
   }
   std::vector<ros::TwistStamped> commands() {
     const std::lock_guard lock(mutex_);
@@ -58,7 +72,7 @@ class Driver {
  private:
   SteadyClock clock_;
   DdsNode node_;
-  int odometry_ = -1, stop_ = -1;
+  int odometry_ = -1, stop_ = -1, acknowledge_ = -1, transforms_ = -1;
   std::mutex mutex_;
   std::vector<ros::TwistStamped> commands_;
 };
@@ -66,11 +80,14 @@ class Driver {
 TEST(DdsBase, DrivesAndHearsABaseBehindTopics) {
   DdsOptions options;
   options.emergency_stop = "/emergency_stop";
+  options.acknowledge = "/acknowledge";
   options.command.dead_man = 0.5;
   options.command.limits.speed = 0.6;
   const SteadyClock clock;
   DdsNode node(test::dds_test_address("prospect"));
-  DdsBase base(options, node, clock);
+  const DdsTransforms transforms(node);
+  DriveRequests requests;
+  DdsBase base(options, node, transforms, clock, &requests);
   node.start();
   EXPECT_EQ(base.dead_man(), 0.5);
   EXPECT_EQ(base.limits().speed, 0.6);
@@ -121,6 +138,11 @@ TEST(DdsBase, DrivesAndHearsABaseBehindTopics) {
     return std::find(faults.begin(), faults.end(), pressed) == faults.end();
   }));
 
+  EXPECT_FALSE(requests.take_acknowledgement());
+  driver.acknowledge(false);
+  driver.acknowledge(true);
+  EXPECT_TRUE(within(kPatience, [&] { return requests.take_acknowledgement(); }));
+
   driver.odometry(0.25, 3.0, "wheel");
   EXPECT_TRUE(within(kPatience, [&] { return !node.fault("/odom").empty(); }));
   EXPECT_THAT(base.report().faults,
@@ -129,6 +151,46 @@ TEST(DdsBase, DrivesAndHearsABaseBehindTopics) {
     const auto faults = base.report().faults;
     return std::find(faults.begin(), faults.end(), "/odom: odometry is silent") != faults.end();
   }));
+}
+
+TEST(DdsBase, CarriesTheMotionOfAFrameThatTfKnowsOverToTheBody) {
+  DdsOptions options;
+  options.emergency_stop = "/emergency_stop";
+  options.acknowledge = "/acknowledge";
+  options.odometry_by_tf = true;
+  options.command.dead_man = 0.5;
+  const SteadyClock clock;
+  DdsNode node(test::dds_test_address("prospect"));
+  const DdsTransforms transforms(node);
+  DdsBase base(options, node, transforms, clock);
+  node.start();
+  Driver driver(options);
+  ASSERT_TRUE(within(kPatience, [&] { return driver.ready(options); }));
+
+  driver.odometry(0.25, 3.0, "wheel");
+  EXPECT_TRUE(within(kPatience, [&] { return !node.fault("/odom").empty(); }));
+  EXPECT_THAT(node.fault("/odom"), HasSubstr("no transform from its child_frame_id 'wheel'"));
+  // 0.4 m ahead of the body, looking left: it moves by 0.25 m/s that way while the body turns by
+  // 0.5 rad/s, which by itself moves it by 0.2 m/s.
+  BaseReport heard;
+  ASSERT_TRUE(within(
+      kPatience,
+      [&] {
+        const BaseReport report = base.report();
+        if (!report.wheels.empty()) heard = report;
+        return !heard.wheels.empty();
+      },
+      [&] {
+        driver.mount("base_link", "wheel", 0.4);
+        driver.odometry(0.25, 3.0, "wheel");
+      }));
+  EXPECT_NEAR(heard.wheels.back().velocity.x(), 0.0, 1e-12);
+  EXPECT_NEAR(heard.wheels.back().velocity.y(), 0.05, 1e-12);
+  EXPECT_NEAR(heard.wheels.back().yaw_rate, 0.5, 1e-12);
+  // The body is 0.4 m to the right of the frame, which is not turned against odom.
+  const Eigen::Isometry3d T = *base.odometry(clock.now());
+  EXPECT_NEAR(T.translation().x(), 3.0, 1e-9);
+  EXPECT_NEAR(std::abs(T.translation().y()), 0.4, 1e-9);
 }
 
 }  // namespace

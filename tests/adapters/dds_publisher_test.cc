@@ -82,7 +82,8 @@ TEST(DdsPublisher, TellsTheOtherNodesWhatTheMissionDoes) {
   options.output.odom_transform = true;
   const SteadyClock clock;
   DdsNode node(test::dds_test_address("prospect"));
-  const DdsBase base(options, node, clock);
+  const DdsTransforms transforms(node);
+  const DdsBase base(options, node, transforms, clock);
   const auto model = std::make_shared<const Unicycle>();
   DdsPublisher publisher(options, node, base, clock, model);
   node.start();

@@ -41,7 +41,8 @@ TEST(DdsRelay, PassesCommandsOnAndStopsTheRobotWhenTheyCease) {
     relay.run([&] { return ended.load(); }, [&](const std::string& line) { told = line; });
   });
   DdsNode node(test::dds_test_address("prospect"));
-  DdsBase base(options, node, clock);
+  const DdsTransforms transforms(node);
+  DdsBase base(options, node, transforms, clock);
   node.start();
   EXPECT_NEAR(*base.dead_man(), 0.12, 1e-12);
   EXPECT_TRUE(within(kPatience, [&] {

@@ -107,7 +107,8 @@ TEST(DdsSensors, WithoutCalibrationNothingBeginsAndALineSaysWhatIsMissing) {
   const SteadyClock clock;
   SensorInbox inbox(clock, same_clock());
   DdsNode node(test::dds_test_address("prospect"));
-  const DdsSensors sensors(o, node, inbox);
+  DdsTransforms transforms(node);
+  const DdsSensors sensors(o, node, transforms, inbox);
   node.start();
   try {
     sensors.wait();
@@ -125,7 +126,8 @@ TEST(DdsSensors, ImagesDepthsAndScansGoIntoTheInbox) {
   const SteadyClock clock;
   SensorInbox inbox(clock, same_clock());
   DdsNode node(test::dds_test_address("prospect"));
-  const DdsSensors sensors(o, node, inbox);
+  DdsTransforms transforms(node);
+  const DdsSensors sensors(o, node, transforms, inbox);
   node.start();
   Robot robot(o);
   robot.publish_transforms();
@@ -196,7 +198,7 @@ TEST(DdsSensors, ImagesDepthsAndScansGoIntoTheInbox) {
   scan.header.frame_id = "sonar";
   robot.node.publish(robot.scan, scan);
   EXPECT_TRUE(within(kPatience, [&] { return !node.fault(o.scan).empty(); }));
-  EXPECT_THAT(node.fault(o.scan), HasSubstr("no static transform from 'sonar' to 'base_link'"));
+  EXPECT_THAT(node.fault(o.scan), HasSubstr("no transform from 'sonar' to 'base_link'"));
   EXPECT_EQ(inbox.count(SensorStream::kLeft).received, 1u);
 }
 

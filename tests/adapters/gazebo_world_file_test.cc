@@ -145,7 +145,7 @@ TEST(GazeboWorldFile, RefusesWhatGazeboCannotShow) {
   slanted.vertices.front().y() += 0.3f;
   EXPECT_THROW(gazebo_world_files(e.world, slanted, robot(), {}, "box"), std::invalid_argument);
   GazeboWorldOptions still;
-  still.image_rate = 0.0;
+  still.robot.image_rate = 0.0;
   EXPECT_THROW(gazebo_world_files(e.world, e.mesh, robot(), still, "box"), std::invalid_argument);
 }
 

@@ -63,6 +63,18 @@ TEST(GazeboWorld, PosesAreInsideEachOther) {
   EXPECT_NEAR(volume, 2 * 0.2 * 0.4, 1e-4);
 }
 
+TEST(GazeboWorld, ACommentMayComeBeforeTheDeclaration) {
+  const test::Folder folder("gazebo comment");
+  const std::string whole =
+      sdf("<world name='w'><model name='m'>" + visual(box("1 1 1")) + "</model></world>");
+  const TexturedMesh mesh =
+      read_gazebo_world(folder.write("a.world", "<!-- Usage:\n none -->\n" + whole));
+  EXPECT_EQ(mesh.triangles.size(), 12u);
+  // Lines are still those of the file.
+  const std::string torn = folder.write("b.world", "<!-- -->\n" + whole.substr(0, 60) + "<");
+  EXPECT_NE(problem(torn).find("b.world:4: no whole XML"), std::string::npos) << problem(torn);
+}
+
 TEST(GazeboWorld, IncludesModelsWithMeshesAndScales) {
   const test::Folder folder("gazebo include");
   folder.write("models/room/meshes/room.obj", test::room_obj(4, 3, 2));

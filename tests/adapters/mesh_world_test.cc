@@ -213,6 +213,22 @@ TEST(MeshWorld, TheStoreyThatIsAskedFor) {
       << problem(path, options);
 }
 
+TEST(MeshWorld, AFloorOnAPlaneWithoutEndCanBeAskedFor) {
+  const test::Folder folder("mesh world plane");
+  std::string text = room();
+  text.insert(text.find("<model"), "<include><uri>model://ground_plane</uri></include>");
+  const std::string path = folder.write("plane.sdf", text);
+  WorldOptions options;
+  options.ground_margin = 5.0;
+  EXPECT_NEAR(load_world(path, options).source_floor_height, 0.0, 1e-3);
+  for (const double asked : {0.3, 0.2}) {
+    options.floor = asked;
+    const World world = load_world(path, options);
+    EXPECT_NEAR(world.source_floor_height, 0.3, 1e-3) << asked;
+    EXPECT_NEAR(reachable_area(world).area, 6.0 * 4.0 - 1.0, 3.0);
+  }
+}
+
 TEST(MeshWorld, GroundThatIsNotFlatIsRefused) {
   const test::Folder folder("mesh world hill");
   // A hill 1.5 m high over 12 m; a ramp; steps of 20 cm.

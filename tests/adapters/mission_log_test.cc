@@ -41,7 +41,7 @@ class MissionLogTest : public testing::Test {
     start_.command_line = "prospect drive";
     start_.version = "1.2.3";
     start_.configuration = effective_yaml(configuration_.entries);
-    options_.robot = configuration_.robot;
+    options_.messages.robot = configuration_.robot;
     options_.file.wait = true;
   }
   void TearDown() override { fs::remove(path_); }
@@ -121,9 +121,9 @@ TEST_F(MissionLogTest, AKilledOneHasTheStepsThatCame) {
 
 TEST_F(MissionLogTest, EveryTopicHasItsMessage) {
   options_.images = true;
-  options_.epoch = 1'000'000'000'000'000'000;  // in 2001
-  options_.depth_camera.width = 4.0;
-  options_.depth_camera.height = 3.0;
+  options_.messages.epoch = 1'000'000'000'000'000'000;  // in 2001
+  options_.messages.depth_camera.width = 4.0;
+  options_.messages.depth_camera.height = 3.0;
   {
     MissionLog log(path_, start_, options_);
     Belief belief;
@@ -217,6 +217,21 @@ TEST_F(MissionLogTest, WhatIsNoLogIsRefusedInOneLine) {
     other.close();
   }
   EXPECT_THAT(refusal(), HasSubstr("no /plan/step; expected the log of a mission"));
+}
+
+TEST_F(MissionLogTest, AMissionThatWasNotFitToDriveSaysWhy) {
+  RunRecord record = run(1);
+  record.steps.clear();
+  record.summary.reason = "not fit to drive";
+  record.summary.detail = "before the first motion: camera height: 0.1 m off";
+  {
+    MissionLog log(path_, start_, options_);
+    log.finish(record);
+  }
+  const LoggedRun read = read_logged_run(path_);
+  EXPECT_TRUE(read.record.steps.empty());
+  EXPECT_EQ(read.record.summary.reason, record.summary.reason);
+  EXPECT_EQ(read.record.summary.detail, record.summary.detail);
 }
 
 TEST_F(MissionLogTest, AConfigurationThatCannotBeReadCostsTheRobotOnly) {

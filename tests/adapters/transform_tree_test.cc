@@ -51,6 +51,23 @@ TEST(TransformTree, UpDownAndAcross) {
   EXPECT_FALSE(tree.moves("camera", "elsewhere"));
 }
 
+TEST(TransformTree, TheNearestInTimeIsHeld) {
+  TransformTree tree;
+  tree.add_static("base", "camera", at(0.2, 0.0, 0.0));
+  for (int k = 0; k <= 10; ++k) tree.add("odom", "base", k, at(2.0 * k, 0.0, 0.0));
+  EXPECT_NEAR(tree.nearest("odom", "camera", 3.4, 0.5)->translation().x(), 6.2, 1e-12);
+  EXPECT_NEAR(tree.nearest("odom", "camera", 10.3, 0.5)->translation().x(), 20.2, 1e-12);
+  EXPECT_FALSE(tree.nearest("odom", "camera", 10.7, 0.5));
+  EXPECT_FALSE(tree.nearest("odom", "elsewhere", 3.0, 0.5));
+  tree.forget_before(4.5);
+  EXPECT_FALSE(tree.nearest("odom", "base", 4.0, 0.5));
+  EXPECT_NEAR(tree.nearest("odom", "base", 5.0, 0.5)->translation().x(), 10.0, 1e-12);
+  tree.forget_before(100.0);
+  EXPECT_NEAR(tree.nearest("odom", "base", 10.0, 0.5)->translation().x(), 20.0, 1e-12)
+      << "the newest stays";
+  EXPECT_TRUE(tree.nearest("base", "camera", -5.0, 0.0));
+}
+
 TEST(TransformTree, NothingIsKnownOutsideOrInALongGap) {
   TransformTree tree(1.0);
   for (const double t : {0.0, 0.9, 3.0, 3.5, 2.0}) tree.add("odom", "base", t, at(t, 0.0, 0.0));

@@ -60,12 +60,26 @@ timed_out "a mission in real time" drive office --time-limit 1.5 --quiet --out l
 grep -q 'capture to command' out.txt || fail "a mission in real time: no latency in '$out'"
 [[ -s live/steps.csv && -s live/report.html && -s live/summary.json ]] ||
   fail "a mission in real time: its run folder is not whole"
+# The live view says where it is, and keeps its token out of the run folder. Without its library it says so.
+succeeds "list adapters" list adapters
+if grep -q '^live .*not built in' out.txt; then
+  run explore office --time-limit 1 --live 0 --quiet --out seen
+  ((code == 3)) || fail "a live view that is not built in: exit $code, expected 3"
+else
+  timed_out "a mission that is shown" explore office --time-limit 1 --live 0 --live-token 0123456789abcdef --quiet --out seen
+  grep -q '^prospect: live view: http://127.0.0.1:[0-9]*/?token=0123456789abcdef$' err.txt || fail "a mission that is shown: where? '$err'"
+  ! grep -rq 0123456789abcdef seen || fail "the token of the live view is in the run folder"
+  refused "a host that there is not" --live-host "expected the address" explore office --live 0 --live-host nowhere --out none
+  refused "a short token" --live-token "16 to 128" explore office --live 0 --live-token short --out none
+fi
+refused "a port that there is not" --live "whole number from 0 to 65535" drive office --live 70000 --out none
+refused "a host of nothing" --live-host "--live" drive office --live-host 127.0.0.1 --out none
 refused "a base that there is not" --base "expected one of: simulator, gazebo, dds" drive office --base rover \
   --out none
 # Nobody listens at port 1.
 refused "a Gazebo that is not there" 127.0.0.1:1 "expected" drive --base gazebo \
   --set gazebo.port=1 --out none
-refused "a fault in Gazebo" --fault "expected it with --base simulator" drive --base gazebo \
+refused "a fault over DDS" --fault "expected it with --base simulator|gazebo" drive --base dds \
   --fault depth:off --out none
 refused "a measured simulator" --measure "expected it with --base gazebo" drive office --measure \
   --out none
@@ -620,6 +634,14 @@ refused "no name of a file" "--sdf: 'exported'" "expected a file .sdf" export co
 refused "pixels that are not square" "robot.stereo.fx is 450" "pixels of Gazebo are square" \
   export corridor --sdf exported/no.sdf --set robot.stereo.fy=400
 [[ ! -e exported/no.sdf && ! -e exported/no.obj ]] || fail "a refused export wrote something"
+
+cat >field.world <<'SDF'
+<sdf version="1.6"><world name="field"><model name="m"><link name="l"><visual name="v"><geometry><plane><size>8 6</size></plane></geometry></visual>
+</link></model></world></sdf>
+SDF
+succeeds "a Gazebo world with the robot" export field.world --sdf exported/field.sdf --start 1 2 90
+[[ "$(<exported/field.sdf)" == *"<size>8 6</size>"*"<model name=\"robot\">"*"<pose>1 2 0 0 0 1.5707"* ]] || fail "no robot in field.sdf"
+refused "a robot that is there" "field.sdf:" "expected a world without the robot" export exported/field.sdf --sdf exported/no.sdf
 
 succeeds "report of a run" report first --figure path,map --out figures
 for file in path.png path.svg map.png map.svg; do

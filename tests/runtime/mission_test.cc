@@ -80,6 +80,10 @@ class FakeReplanner final : public Replanner {
       if (--steps_back <= 0) plan.mode = {ModeKind::kDone, cause_back, belief.stamp};
       plan.why = "back";
     }
+    if (told_to_go && --steps_there <= 0) {
+      plan.mode = {ModeKind::kDone, Cause::kGoalReached, belief.stamp};
+      plan.why = "there";
+    }
     if (plan.why.empty()) plan.why = "why";
     return plan;
   }
@@ -87,11 +91,13 @@ class FakeReplanner final : public Replanner {
   std::string set_task(const Task& task) override {
     if (!takes_tasks) return Replanner::set_task(task);
     told_to_return = task.kind == TaskKind::kReturn;
+    told_to_go = task.kind == TaskKind::kGoTo;
     return "";
   }
 
   bool takes_tasks = true;
-  bool told_to_return = false;
+  bool told_to_return = false, told_to_go = false;
+  int steps_there = 2;
   int steps_back = 2;
   Cause cause_back = Cause::kReturned;
   double speed = 0.2;
@@ -303,6 +309,41 @@ TEST_F(Mission, EndsWhenCancelled) {
   FakeRobot another(model_);
   EXPECT_EQ(run_mission(another, planner_, guard_, options_, {}, [] { return true; }).steps, 0);
   EXPECT_EQ(another.commands.size(), 1u);
+}
+
+TEST_F(Mission, WaitsForPeopleAndGoesOnWithItsTaskAfterADetour) {
+  DriveRequests requests;
+  int steps = 0;
+  double held_at = -1.0;
+  const auto person = [&] {  // asked again and again, also while it is held
+    if (requests.told_to_drive() && !requests.stopped()) return false;
+    if (held_at < 0.0) held_at = robot_.time();
+    EXPECT_EQ(robot_.time(), held_at) << "a simulation's clock stands with it";
+    if (requests.stopped()) {
+      requests.acknowledge();
+    } else {
+      requests.resume();
+      held_at = -1.0;
+    }
+    return false;
+  };
+  const MissionResult result = run_mission(
+      robot_, planner_, guard_, options_,
+      [&](const MissionStep& step) {
+        ++steps;
+        if (step.index == 1) requests.hold();
+        if (step.index == 3) requests.emergency_stop();
+        if (step.index == 5) requests.go_to({1.0, 0.0});
+        if (step.index == 6) EXPECT_TRUE(planner_.told_to_go);
+        if (step.index == 9) planner_.steps = 0;
+      },
+      person, &requests);
+  EXPECT_EQ(result.end, MissionEnd::kExplored);
+  EXPECT_EQ(steps, result.steps);
+  EXPECT_EQ(requests.told(), "there");
+  EXPECT_FALSE(planner_.told_to_go) << "with its task again";
+  EXPECT_FALSE(requests.stopped());
+  expect_stopped();
 }
 
 TEST_F(Mission, AGuardStopBreaksTheCommittedPart) {

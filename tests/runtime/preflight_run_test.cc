@@ -59,10 +59,12 @@ class PreflightRun : public ::testing::Test {
                          .guard = guard_,
                          .model = model_,
                          .ranges = ranges_,
-                         .streams = {{"cameras", 0.5, [](const Belief* newest) {
+                         .streams = {{"cameras", 0.5,
+                                      [](const Belief* newest) {
                                         return newest ? std::optional(newest->stamps.pose)
                                                       : std::nullopt;
-                                      }}}};
+                                      }}},
+                         .requests = requests_};
     return run_preflight(parts, options_, command_, cancelled_);
   }
   static CheckResult check(const PreflightResult& result, const std::string& name) {
@@ -80,6 +82,7 @@ class PreflightRun : public ::testing::Test {
   Guard guard_ = test::patient_guard(model_);
   std::function<RangeLook(const Twist&, double)> ranges_;
   std::function<bool()> cancelled_;
+  const DriveRequests* requests_ = nullptr;
   PreflightRunOptions options_;
   CommandLoopOptions command_;
 };
@@ -122,6 +125,20 @@ TEST_F(PreflightRun, AStreamThatIsDeadFailsAndNothingMoves) {
   EXPECT_EQ(first_failed(result.checks), "stream of cameras");
   EXPECT_EQ(base_.pose().yaw, 0.0);
   EXPECT_EQ(check(result, "slip").verdict, Verdict::kNotPossible);
+}
+
+TEST_F(PreflightRun, WhoeverHoldsOrStopsItKeepsItFromTurning) {
+  DriveRequests held, stopped;
+  held.hold();
+  stopped.emergency_stop();
+  for (const DriveRequests* requests : {&held, &stopped}) {
+    requests_ = requests;
+    const PreflightResult result = make();
+    EXPECT_FALSE(result.yaw_checked);
+    EXPECT_NE(check(result, "slip").why.find("told to stand"), std::string::npos);
+    EXPECT_EQ(base_.pose().yaw, 0.0);
+  }
+  EXPECT_TRUE(stopped.emergency_stop_waits()) << "the driver answers it";
 }
 
 TEST_F(PreflightRun, CancelledIsNotFit) {

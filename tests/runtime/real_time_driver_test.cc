@@ -69,14 +69,26 @@ class StraightOn final : public Replanner {
       plan.tail.push_back({{u, 0.0, 0.0}, 0.0});
     }
     if (plans > steps) plan.mode = {ModeKind::kDone, Cause::kExplored, belief.stamp};
+    if (task == TaskKind::kGoTo && --plans_to_goal <= 0) {
+      plan.mode = {ModeKind::kDone, Cause::kGoalReached, belief.stamp};
+      plan.why = "It is there.";
+    }
     starts.push_back(belief.stamp);
     predicted.push_back(belief.pose);
     return plan;
   }
   std::shared_ptr<const GlobalPlan> global_plan() const override { return nullptr; }
 
+  std::string set_task(const Task& told) override {
+    if (told.kind == TaskKind::kGoTo && told.goal.position.x() < 0.0) return "in a keep-out";
+    task = told.kind;
+    return "";
+  }
+
   int plans = 0, prepared = 0;
   int steps = 1000;
+  std::atomic<TaskKind> task = TaskKind::kExplore;
+  int plans_to_goal = 3;
   std::function<void(int)> on_plan;
   std::vector<double> starts;
   std::vector<Pose> predicted;
@@ -213,6 +225,63 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopLatchesUntilItIsAcknowledged) {
     told = told || (event.source == "drive mode" && event.cause == "emergency stop");
   }
   EXPECT_TRUE(told);
+}
+
+TEST_F(RealTimeDriverTest, PeopleHoldStopAndSendItByRequestsOfTheirOwn) {
+  DriveRequests requests;
+  RobotParts robot = parts();
+  robot.requests = &requests;
+  RealTimeDriver driver(robot, options_);
+  std::atomic<bool> cancelled = false;
+  // The speed that is sent is `slower` at the latest with the second command after a time: that
+  // under way was decided before.
+  const auto expect_slower_after = [&](double pressed) {
+    std::vector<double> after;
+    for (const auto& [time, command] : base_.sent()) {
+      if (time > pressed) after.push_back(command.linear.x());
+    }
+    ASSERT_GE(after.size(), 2U);
+    EXPECT_LT(after[1], kSpeed);
+    for (std::size_t k = 1; k < after.size(); ++k) EXPECT_LE(after[k], after[k - 1]);
+  };
+  std::jthread person([&] {
+    const auto wait_for = [&](const char* what, const std::function<bool()>& so) {
+      const double end = clock_.now() + 20.0;
+      while (!so() && clock_.now() < end) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+      EXPECT_TRUE(so()) << what;
+    };
+    const auto at_full_speed = [&] { return base_.velocity().linear.x() > 0.99 * kSpeed; };
+    const auto stands = [&] { return base_.velocity().linear.norm() == 0.0; };
+    const auto is = [&](DriveMode mode) { return driver.status().mode.mode == mode; };
+    wait_for("full speed", at_full_speed);
+    double pressed = clock_.now();
+    requests.hold();
+    wait_for("held", [&] { return stands() && is(DriveMode::kReady); });
+    expect_slower_after(pressed);
+    requests.resume();
+    wait_for("resumed", at_full_speed);
+
+    requests.go_to({1.0, 0.0});
+    wait_for("sent", [&] { return planner_.task == TaskKind::kGoTo; });
+    wait_for("there, and with its task again",
+             [&] { return planner_.task == TaskKind::kExplore && !requests.told_to_drive(); });
+    EXPECT_EQ(requests.told(), "It is there.");
+    wait_for("held there", stands);
+    requests.go_to({-1.0, 0.0});
+    wait_for("refused", [&] { return requests.told() == "in a keep-out"; });
+    EXPECT_FALSE(requests.told_to_drive()) << "what is refused starts nothing";
+    requests.resume();
+    wait_for("full speed again", at_full_speed);
+
+    pressed = clock_.now();
+    requests.emergency_stop();
+    wait_for("stopped", [&] { return requests.stopped(); });
+    expect_slower_after(pressed);
+    cancelled = true;
+  });
+  EXPECT_EQ(driver.run({}, {}, [&] { return cancelled.load(); }).end, MissionEnd::kCancelled);
 }
 
 TEST_F(RealTimeDriverTest, WhatAnObserverThrowsComesAfterTheRobotStands) {

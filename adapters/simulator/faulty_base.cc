@@ -1,0 +1,109 @@
+#include "adapters/simulator/faulty_base.h"
+
+#include <limits>
+
+namespace prospect {
+
+FaultyBase::FaultyBase(Base& base, const Clock& clock, std::vector<InjectedFault> faults,
+                       double start)
+    : base_(base), clock_(clock), faults_(std::move(faults)), start_(start) {}
+
+bool FaultyBase::link_passes(double now) const {
+  return !holds(FaultSource::kLink, FaultVerb::kOff, now) &&
+         !off_at_times(faults_, FaultSource::kLink, kLinkOnOff, now - start_);
+}
+
+void FaultyBase::pass_late(double now) noexcept {
+  while (!late_.empty() && late_.front().comes <= now) {
+    // One that comes when it has expired is not executed.
+    if (late_.front().expires > now) base_.send(late_.front().twist, late_.front().expires);
+    late_.pop_front();
+  }
+}
+
+void FaultyBase::send(const Twist& command, double expires) noexcept {
+  const double now = clock_.now();
+  pass_late(now);
+  if (!link_passes(now)) return;
+  if (holds(FaultSource::kLink, FaultVerb::kSlow, now)) {
+    if (now - last_sent_ < kSlowLink) return;
+    last_sent_ = now;
+  }
+  if (holds(FaultSource::kLink, FaultVerb::kDelayed, now)) {
+    constexpr std::size_t kMost = 1000;
+    if (late_.size() < kMost) late_.push_back({now + kFaultDelay, expires, command});
+    return;
+  }
+  base_.send(command, expires);
+}
+
+void FaultyBase::stop() noexcept {
+  if (!link_passes(clock_.now())) return;
+  late_.clear();
+  base_.stop();
+}
+
+Twist FaultyBase::measured(Twist velocity, double now) {
+  const auto has = [&](FaultVerb verb) { return holds(FaultSource::kWheels, verb, now); };
+  if (!has(FaultVerb::kStuck)) {
+    stuck_.reset();
+  } else {
+    if (!stuck_) stuck_ = velocity;
+    velocity = *stuck_;
+  }
+  if (has(FaultVerb::kWrong)) {
+    velocity.linear *= 2.0;
+    velocity.yaw_rate *= 2.0;
+  }
+  if (off_at_times(faults_, FaultSource::kWheels, kLinkOnOff, now - start_)) velocity = {};
+  if (has(FaultVerb::kGarbage)) {
+    velocity.linear.setConstant(std::numeric_limits<double>::quiet_NaN());
+    velocity.yaw_rate = std::numeric_limits<double>::quiet_NaN();
+  }
+  return velocity;
+}
+
+BaseReport FaultyBase::report() noexcept {
+  const double sleep = command_sleep(faults_, clock_.now() - start_);
+  if (sleep > 0.0) clock_.wait_until(clock_.now() + sleep, {});
+  const double now = clock_.now();
+  pass_late(now);
+  BaseReport fresh = base_.report();
+  const auto has = [&](FaultVerb verb) { return holds(FaultSource::kWheels, verb, now); };
+  constexpr std::size_t kMost = 10'000;
+  const double late = has(FaultVerb::kDelayed) ? kFaultDelay : 0.0;
+  for (const WheelSample& sample : fresh.wheels) {
+    const Twist twist =
+        measured({{sample.velocity.x(), sample.velocity.y(), 0.0}, sample.yaw_rate}, now);
+    if (waiting_.size() == kMost) waiting_.pop_front();
+    waiting_.push_back(
+        {now + late, {sample.stamp, Eigen::Vector2d(twist.linear.head<2>()), twist.yaw_rate}});
+  }
+  fresh.wheels.clear();
+  const bool stays = holds(FaultSource::kLink, FaultVerb::kStuck, now) || !link_passes(now) ||
+                     (has(FaultVerb::kSlow) && now - last_told_ < kSlowFrames);
+  if (stays) return told_;
+  last_told_ = now;
+  const Twist before = told_.velocity;
+  told_ = fresh;
+  told_.velocity = measured(fresh.velocity, now);
+  if (late > 0.0) told_.velocity = before;
+  BaseReport report = told_;
+  while (!waiting_.empty() && waiting_.front().first <= now) {
+    report.wheels.push_back(waiting_.front().second);
+    if (late > 0.0) {
+      const WheelSample& sample = waiting_.front().second;
+      told_.velocity =
+          report.velocity = {{sample.velocity.x(), sample.velocity.y(), 0.0}, sample.yaw_rate};
+    }
+    waiting_.pop_front();
+  }
+  if (has(FaultVerb::kOff)) {
+    report.velocity = {};
+    report.wheels.clear();
+    report.faults.emplace_back("the wheels' encoders do not answer");
+  }
+  return report;
+}
+
+}  // namespace prospect

@@ -1,0 +1,172 @@
+#include "adapters/study/mission_numbers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <fstream>
+#include <iterator>
+#include <optional>
+
+#include "adapters/datasets/trajectory_error.h"
+#include "adapters/files/input_error.h"
+#include "adapters/report/step_table.h"
+#include "adapters/run/summary.h"
+
+namespace prospect {
+namespace {
+
+/// At the first step of which `number` is more than `limit`; if there is none, at the end.
+double coverage_past(const std::vector<StepRecord>& steps, double StepRecord::*number, double limit,
+                     double at_end) {
+  for (const StepRecord& step : steps) {
+    if (step.*number > limit) return step.coverage;
+  }
+  return at_end;
+}
+
+Eigen::Isometry3d in_plane(const Pose& pose) {
+  return Eigen::Translation3d(pose.position.x(), pose.position.y(), 0.0) *
+         Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ());
+}
+
+double relative_pose_error(const std::vector<StepRecord>& steps) {
+  std::vector<PosePair> pairs;
+  pairs.reserve(steps.size());
+  for (const StepRecord& step : steps) {
+    pairs.push_back({step.time, in_plane(step.estimated_pose), in_plane(step.true_pose)});
+  }
+  const RelativeError error = relative_error(pairs, 10.0);
+  return error.segments > 0 ? error.translation : MissionNumbers::kNone;
+}
+
+}  // namespace
+
+const std::vector<MissionNumber>& mission_number_list() {
+  using M = MissionNumbers;
+  static const std::vector<MissionNumber> numbers = {
+      {"losses", "losses of localization", &M::losses, 1.0, 1, true, false},
+      {"few_share", "time with fewer than N_min features [%]", &M::few_share, 100.0, 1, true,
+       false},
+      {"error_rms_m", "position error, RMS [m]", &M::error_rms_m, 1.0, 3, true, false},
+      {"error_final_m", "position error, final [m]", &M::error_final_m, 1.0, 3, true, false},
+      {"error_max_m", "position error, largest [m]", &M::error_max_m, 1.0, 3, true, false},
+      {"error_at_80_m", "position error at 80 % coverage [m]", &M::error_at_80_m, 1.0, 3, true,
+       false},
+      {"drift_m_per_m", "drift [mm/m]", &M::drift_m_per_m, 1000.0, 1, true, false},
+      {"rpe_10_m_per_m", "relative pose error over 10 m [mm/m]", &M::rpe_10_m_per_m, 1000.0, 1,
+       true, false},
+      {"coverage_at_10_cm", "coverage when the error passes 0.1 m [%]", &M::coverage_at_10_cm,
+       100.0, 1, true, false},
+      {"coverage_at_25_cm", "coverage when it passes 0.25 m [%]", &M::coverage_at_25_cm, 100.0, 1,
+       true, false},
+      {"coverage_at_50_cm", "coverage when it passes 0.5 m [%]", &M::coverage_at_50_cm, 100.0, 1,
+       true, false},
+      {"coverage_at_60_s", "coverage after 60 s [%]", &M::coverage_at_60_s, 100.0, 1, true, false},
+      {"coverage_at_120_s", "coverage after 120 s [%]", &M::coverage_at_120_s, 100.0, 1, true,
+       false},
+      {"coverage_at_20_m", "coverage after 20 m [%]", &M::coverage_at_20_m, 100.0, 1, true, false},
+      {"coverage_at_40_m", "coverage after 40 m [%]", &M::coverage_at_40_m, 100.0, 1, true, false},
+      {"coverage", "coverage at the end [%]", &M::coverage, 100.0, 1, true, false},
+      {"time_to_90_s", "time to 90 % [s]", &M::time_to_90_s, 1.0, 0, true, false},
+      {"duration_s", "duration [s]", &M::duration_s, 1.0, 0, true, false},
+      {"path_length_m", "path [m]", &M::path_length_m, 1.0, 1, true, false},
+      {"collisions", "collisions", &M::collisions, 1.0, 1, true, false},
+      {"prediction_error", "predicted features, relative error", &M::prediction_error, 1.0, 3, true,
+       false},
+      {"prediction_bias", "predicted features, relative bias", &M::prediction_bias, 1.0, 3, false,
+       false},
+      {"plan_ms_p50", "replanning, median [ms]", &M::plan_ms_p50, 1.0, 1, true, true},
+      {"wall_s", "wall clock [s]", &M::wall_s, 1.0, 1, true, true},
+  };
+  return numbers;
+}
+
+MissionNumbers mission_numbers(const Summary& s, const std::vector<StepRecord>& steps,
+                               double N_min) {
+  MissionNumbers row;
+  row.duration_s = s.duration_s;
+  row.coverage = s.coverage;
+  row.path_length_m = s.path_length_m;
+  row.error_final_m = s.localization_final_m;
+  row.error_rms_m = s.localization_rmse_m;
+  if (s.path_length_m >= 1.0) row.drift_m_per_m = s.localization_final_m / s.path_length_m;
+  row.losses = s.losses;
+  row.time_to_90_s = s.time_to_90_s;
+  row.collisions = s.collisions;
+  row.plan_ms_p50 = s.plan_ms_p50;
+  row.wall_s = s.wall_s;
+  if (steps.empty()) return row;
+
+  row.error_max_m = 0.0;
+  double time = 0.0, few = 0.0, magnitude = 0.0, sum = 0.0;
+  int predictions = 0;
+  bool predicts = false;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    const StepRecord& step = steps[i];
+    row.error_max_m = std::max(row.error_max_m, step.localization_error);
+    if (std::isnan(row.error_at_80_m) && step.coverage >= 0.8) {
+      row.error_at_80_m = step.localization_error;
+    }
+    const bool last = i + 1 == steps.size();
+    const double length =
+        (last ? std::max(s.duration_s, step.time) : steps[i + 1].time) - step.time;
+    time += length;
+    if (step.tracked_features < N_min) few += length;
+    if (last || step.plan_kind == "stopping tail") continue;
+    const double tracked = steps[i + 1].tracked_features;
+    const double e = (step.predicted_features - tracked) / std::max(tracked, N_min);
+    magnitude += std::abs(e);
+    sum += e;
+    ++predictions;
+    predicts = predicts || step.predicted_features > 0.0;
+  }
+  if (time > 0.0) row.few_share = few / time;
+  if (predicts) {
+    row.prediction_error = magnitude / predictions;
+    row.prediction_bias = sum / predictions;
+  }
+  const auto when = [&](double StepRecord::*number, double limit) {
+    return coverage_past(steps, number, limit, s.coverage);
+  };
+  row.coverage_at_10_cm = when(&StepRecord::localization_error, 0.10);
+  row.coverage_at_25_cm = when(&StepRecord::localization_error, 0.25);
+  row.coverage_at_50_cm = when(&StepRecord::localization_error, 0.50);
+  row.coverage_at_60_s = when(&StepRecord::time, 60.0);
+  row.coverage_at_120_s = when(&StepRecord::time, 120.0);
+  row.coverage_at_20_m = when(&StepRecord::path_length, 20.0);
+  row.coverage_at_40_m = when(&StepRecord::path_length, 40.0);
+  row.rpe_10_m_per_m = relative_pose_error(steps);
+  return row;
+}
+
+MissionNumbers mission_numbers_of_run(const std::string& folder, double N_min) {
+  const std::string file = folder + "/summary.json";
+  std::ifstream in(file, std::ios::binary);
+  const std::string text(std::istreambuf_iterator<char>(in), {});
+  const std::optional<Summary> summary = summary_from_json(text);
+  if (!summary) fail(file, "no summary of a run; expected one that explore wrote");
+  const StepTable table = StepTable::read(folder + "/steps.csv");
+  std::vector<StepRecord> steps(table.rows());
+  const auto numbers = [&](const char* column, const auto& set) {
+    const std::vector<double> values = table.numbers(column);
+    for (std::size_t i = 0; i < values.size(); ++i) set(steps[i], values[i]);
+  };
+  numbers("time", [](StepRecord& s, double v) { s.time = v; });
+  numbers("true_x", [](StepRecord& s, double v) { s.true_pose.position.x() = v; });
+  numbers("true_y", [](StepRecord& s, double v) { s.true_pose.position.y() = v; });
+  numbers("true_yaw", [](StepRecord& s, double v) { s.true_pose.yaw = v; });
+  numbers("estimated_x", [](StepRecord& s, double v) { s.estimated_pose.position.x() = v; });
+  numbers("estimated_y", [](StepRecord& s, double v) { s.estimated_pose.position.y() = v; });
+  numbers("estimated_yaw", [](StepRecord& s, double v) { s.estimated_pose.yaw = v; });
+  numbers("coverage", [](StepRecord& s, double v) { s.coverage = v; });
+  numbers("localization_error", [](StepRecord& s, double v) { s.localization_error = v; });
+  numbers("path_length", [](StepRecord& s, double v) { s.path_length = v; });
+  numbers("predicted_features", [](StepRecord& s, double v) { s.predicted_features = v; });
+  numbers("tracked_features",
+          [](StepRecord& s, double v) { s.tracked_features = static_cast<int>(v); });
+  const std::vector<std::string> kinds = table.words("plan_kind");
+  for (std::size_t i = 0; i < kinds.size(); ++i) steps[i].plan_kind = kinds[i];
+  return mission_numbers(*summary, steps, N_min);
+}
+
+}  // namespace prospect

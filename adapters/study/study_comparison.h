@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adapters/study/mission_numbers.h"
+#include "adapters/study/paired_bootstrap.h"
+#include "adapters/study/study_results.h"
+
+namespace prospect {
+
+/// One number of a setup against that of its reference. A pair lacks it if either mission does.
+struct NumberComparison {
+  const MissionNumber* number = nullptr;
+  int pairs = 0, only_reference = 0, only_other = 0;
+  // As shown (MissionNumber::scale); NaN where there is none.
+  double median_reference = MissionNumbers::kNone, median_other = MissionNumbers::kNone;
+  double difference = MissionNumbers::kNone;  ///< mean of other - reference
+  double ratio = MissionNumbers::kNone;       ///< of the means, other over reference
+  /// 95 % (paired_bootstrap.h).
+  Interval difference_interval{MissionNumbers::kNone, MissionNumbers::kNone};
+  Interval ratio_interval{MissionNumbers::kNone, MissionNumbers::kNone};
+  /// Of the signed-rank test (signed_rank_test.h), not corrected for the number of numbers.
+  double p = MissionNumbers::kNone;
+};
+
+/// A setup against another one that differs from it in one thing, paired by world and seed.
+struct StudyComparison {
+  std::size_t reference = 0, other = 0;  ///< StudyPlan::setups
+  std::string label;                     ///< "without / with", "planner.N=20 / planner.N=12"
+  std::string among;                     ///< what both have besides: "planner.solver=nlopt"; ""
+  std::string world;                     ///< ""; all
+  std::vector<std::pair<const StudyRow*, const StudyRow*>> pairs;  ///< reference first; both done
+  std::vector<NumberComparison> numbers;                           ///< mission_number_list()
+};
+
+/// Every setup against the one with the first condition, and for each axis against the one with its
+/// first value, all else alike; over all worlds. Those without a pair are left out.
+std::vector<StudyComparison> compare_setups(const StudyPlan& plan,
+                                            const std::vector<StudyRow>& rows);
+
+/// The same comparison in each of its worlds; none if there is only one.
+std::vector<StudyComparison> by_world(const StudyPlan& plan, const StudyComparison& comparison);
+
+}  // namespace prospect

@@ -1,0 +1,52 @@
+#include "adapters/study/study_files.h"
+
+#include <filesystem>
+#include <system_error>
+
+#include "adapters/files/input_error.h"
+#include "adapters/files/whole_file.h"
+#include "adapters/study/steps_file.h"
+#include "adapters/study/study_comparison.h"
+#include "adapters/study/study_figures.h"
+#include "adapters/study/study_page.h"
+#include "adapters/study/study_results.h"
+
+namespace prospect {
+
+StudyFiles write_study(const StudyPlan& plan, const CellStore& store, const Registries& registries,
+                       bool steps) {
+  namespace fs = std::filesystem;
+  StudyFiles result;
+  const auto write = [&](const fs::path& name, const std::string& content) {
+    const fs::path file = fs::path(store.folder()) / name;
+    std::error_code error;
+    fs::create_directories(file.parent_path(), error);
+    const std::string wrong = write_whole_file(file.string(), content);
+    if (!wrong.empty()) {
+      fail(file.string(), "cannot be written (" + wrong + "); expected a writable folder");
+    }
+    result.files.push_back(file.string());
+  };
+  const std::vector<StudyRow> rows = read_rows(plan, store);
+  for (const StudyRow& row : rows) {
+    result.done += row.record.status == CellRecord::Status::kDone;
+    result.failed += row.record.status == CellRecord::Status::kFailed;
+    result.missing += row.record.status == CellRecord::Status::kMissing;
+  }
+  write("results.csv", results_csv(plan, rows));
+  const std::vector<StudyComparison> comparisons = compare_setups(plan, rows);
+  const std::vector<StudyFigure> figures =
+      study_figures(plan, store, rows, comparisons, registries);
+  for (const StudyFigure& figure : figures) {
+    write(fs::path("figures") / (figure.name + ".svg"), figure.drawing.svg());
+    write(fs::path("figures") / (figure.name + ".png"), figure.drawing.png());
+  }
+  write("study.html", study_page(plan, rows, comparisons, figures));
+  if (steps) {
+    result.files.push_back((fs::path(store.folder()) / "steps.h5").string());
+    write_steps(plan, store, rows, result.files.back());
+  }
+  return result;
+}
+
+}  // namespace prospect

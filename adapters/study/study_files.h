@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "adapters/config/registries.h"
+#include "adapters/study/cell_store.h"
+#include "adapters/study/study_plan.h"
+
+namespace prospect {
+
+/// What gathering wrote, and how many rows of results.csv there are of each kind.
+struct StudyFiles {
+  std::vector<std::string> files;
+  std::size_t done = 0, failed = 0, missing = 0;
+};
+
+/// Writes what the cells of a study show into its folder: results.csv, study.html,
+/// figures/NAME.svg and .png; with `steps` also steps.h5, every column of every run's steps.csv
+/// (write_steps()). Each file appears whole or not at all. Throws InputError.
+StudyFiles write_study(const StudyPlan& plan, const CellStore& store, const Registries& registries,
+                       bool steps);
+
+}  // namespace prospect

@@ -1,0 +1,215 @@
+#include "adapters/study/study_plan.h"
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <set>
+#include <utility>
+
+#include "adapters/files/content_hash.h"
+#include "adapters/files/input_error.h"
+#include "adapters/run/exploration_run.h"
+#include "adapters/study/mission_start.h"
+#include "adapters/worlds/load_world.h"
+#include "adapters/worlds/world_hash.h"
+#include "models/range_text.h"
+
+namespace prospect {
+namespace {
+
+/// Messages about a setting stand where the study has it.
+std::string located(const std::string& line, const std::vector<StudySetting>& settings) {
+  for (const StudySetting& s : settings) {
+    const std::string as_set = "--set " + s.key + "=" + s.value + ": ";
+    if (line.starts_with(as_set)) return s.where + ": " + line.substr(as_set.size());
+  }
+  return line;
+}
+
+/// Every combination of one value an axis, the last axis innermost.
+std::vector<std::vector<std::size_t>> grid_points(const std::vector<StudyAxis>& grid) {
+  std::vector<std::vector<std::size_t>> points = {{}};
+  for (const StudyAxis& axis : grid) {
+    std::vector<std::vector<std::size_t>> longer;
+    for (const std::vector<std::size_t>& point : points) {
+      for (std::size_t n = 0; n < axis.values.size(); ++n) {
+        longer.push_back(point);
+        longer.back().push_back(n);
+      }
+    }
+    points = std::move(longer);
+  }
+  return points;
+}
+
+/// What of a configuration says how a world is read.
+std::string world_settings(const Configuration& configuration) {
+  std::string text;
+  for (const ConfigEntry& entry : configuration.entries) {
+    for (const char* part : {"robot.", "world.", "simulator."}) {
+      if (entry.path.starts_with(part)) text += entry.path + '=' + entry.value + '\n';
+    }
+  }
+  return text;
+}
+
+/// "[x, y, yaw]" in m and degrees, as the key world.start.
+std::string start_text(const Pose& start) {
+  std::string text = "[";
+  text += exact_text(start.position.x());
+  text += ", ";
+  text += exact_text(start.position.y());
+  text += ", ";
+  text += exact_text(start.yaw * 180.0 / M_PI);
+  text += ']';
+  return text;
+}
+
+std::vector<ConfigEntry> with_start(std::vector<ConfigEntry> entries,
+                                    const std::optional<Pose>& start) {
+  if (!start) return entries;
+  for (ConfigEntry& entry : entries) {
+    if (entry.path == "world.start") entry.value = start_text(*start);
+  }
+  return entries;
+}
+
+/// Worlds as the ways to run missions read them, each read once.
+class StudyWorlds {
+ public:
+  struct Read {
+    std::uint64_t hash = 0;
+    Pose start;
+    Grid<std::uint8_t> roomy;  ///< of drawn starts
+  };
+
+  StudyWorlds(bool draws, const std::function<void(const std::string&)>& progress)
+      : draws_(draws), progress_(progress) {}
+
+  const Read& read(const StudyWorld& world, const Configuration& configuration) {
+    const auto key = std::make_pair(world.path, world_settings(configuration));
+    const auto found = known_.find(key);
+    if (found != known_.end()) return found->second;
+    WorldOptions options = world_options_for(configuration);
+    if (progress_) {
+      progress_("reading " + world.name);
+      options.progress = [&](const std::string& what) { progress_(world.name + ": " + what); };
+    }
+    World loaded = load(world, options);
+    Read read{world_hash(loaded), loaded.start, {}};
+    if (draws_) read.roomy = roomy_columns(loaded, configuration);
+    return known_.emplace(key, std::move(read)).first->second;
+  }
+
+ private:
+  static World load(const StudyWorld& world, const WorldOptions& options) {
+    try {
+      return load_world(world.path, options);
+    } catch (const InputError& error) {
+      std::vector<std::string> lines;
+      for (const std::string& line : error.lines()) {
+        lines.push_back(world.where + ": worlds: " + line);
+      }
+      throw InputError(lines);
+    }
+  }
+
+  bool draws_;
+  const std::function<void(const std::string&)>& progress_;
+  std::map<std::pair<std::string, std::string>, Read> known_;
+};
+
+std::vector<StudySetup> read_setups(const Study& study, const Registries& registries) {
+  std::vector<StudySetup> setups;
+  std::vector<std::string> problems;
+  std::set<std::string> told;
+  for (std::size_t c = 0; c < study.conditions.size(); ++c) {
+    for (const std::vector<std::size_t>& point : grid_points(study.grid)) {
+      std::vector<StudySetting> settings = study.mission;
+      const std::vector<StudySetting>& own = study.conditions[c].settings;
+      settings.insert(settings.end(), own.begin(), own.end());
+      for (std::size_t a = 0; a < point.size(); ++a) {
+        settings.push_back(study.grid[a].values[point[a]]);
+      }
+      std::vector<std::string> texts;
+      for (const StudySetting& s : settings) texts.push_back(s.key + "=" + s.value);
+      try {
+        setups.push_back({c, point, read_configuration(study.base, registries, texts)});
+      } catch (const InputError& error) {
+        for (const std::string& line : error.lines()) {
+          const std::string at = located(line, settings);
+          if (told.insert(at).second) problems.push_back(at);
+        }
+      }
+    }
+  }
+  if (!problems.empty()) throw InputError(problems);
+  return setups;
+}
+
+/// What a mission depends on, but for world and seed.
+ContentHash hash_of(const Configuration& configuration, const std::optional<Pose>& start,
+                    const std::string& program) {
+  ContentHash hash;
+  hash.add(std::string_view("prospect study cell 1")).add(program);
+  for (const ConfigEntry& entry : with_start(configuration.entries, start)) {
+    // A map is what it holds, wherever it lies.
+    if (entry.path == "simulator.map" && !configuration.map.empty()) continue;
+    hash.add(entry.path).add(entry.value);
+  }
+  return hash;
+}
+
+}  // namespace
+
+std::vector<std::string> StudyPlan::values(const StudySetup& setup) const {
+  std::vector<std::string> out;
+  for (std::size_t a = 0; a < setup.values.size(); ++a) {
+    out.push_back(study.grid[a].values[setup.values[a]].value);
+  }
+  return out;
+}
+
+std::string StudyPlan::label(const StudySetup& setup) const {
+  std::string text = condition(setup).name;
+  const std::vector<std::string> chosen = values(setup);
+  for (std::size_t a = 0; a < chosen.size(); ++a) {
+    text += (text.empty() ? "" : ", ") + study.grid[a].key + "=" + chosen[a];
+  }
+  return text.empty() ? "all" : text;
+}
+
+StudyPlan plan_study(const Study& study, const Registries& registries, const std::string& program,
+                     const std::function<void(const std::string&)>& progress) {
+  StudyPlan plan{study, read_setups(study, registries), {}};
+  StudyWorlds worlds(study.drawn_starts, progress);
+  std::map<std::string, std::uint64_t> maps;
+  for (const StudySetup& setup : plan.setups) {
+    const std::string& file = setup.configuration.map;
+    if (file.empty() || maps.count(file)) continue;
+    maps[file] = file_hash(file);
+  }
+  for (const std::uint64_t seed : study.seeds) {
+    for (std::size_t w = 0; w < study.worlds.size(); ++w) {
+      for (std::size_t s = 0; s < plan.setups.size(); ++s) {
+        const Configuration& configuration = plan.setups[s].configuration;
+        const StudyWorlds::Read& world = worlds.read(study.worlds[w], configuration);
+        StudyCell cell{"", s, w, seed, std::nullopt};
+        if (study.drawn_starts && seed != 1) {
+          cell.start = mission_start(world.start, world.roomy, seed);
+        }
+        ContentHash hash = hash_of(configuration, cell.start, program);
+        if (!configuration.map.empty()) hash.add(maps.at(configuration.map));
+        cell.id = hash.add(world.hash).add(seed).text();
+        plan.cells.push_back(std::move(cell));
+      }
+    }
+  }
+  return plan;
+}
+
+std::string cell_configuration(const StudyPlan& plan, const StudyCell& cell) {
+  return effective_yaml(with_start(plan.setup(cell).configuration.entries, cell.start));
+}
+
+}  // namespace prospect

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/config/configuration.h"
+#include "adapters/study/study.h"
+#include "models/types.h"
+
+namespace prospect {
+
+/// A condition at a point of the grid: a way to run missions.
+struct StudySetup {
+  std::size_t condition = 0;        ///< Study::conditions
+  std::vector<std::size_t> values;  ///< by axis: which of its values
+  Configuration configuration;
+};
+
+/// A mission: a way to run it, a world, a seed.
+struct StudyCell {
+  /// 16 hexadecimal digits: hash of the effective configuration, of what the world holds, of the
+  /// seed and of the program. Cells with the same name are the same mission.
+  std::string id;
+  std::size_t setup = 0;  ///< StudyPlan::setups
+  std::size_t world = 0;  ///< Study::worlds
+  std::uint64_t seed = 0;
+  std::optional<Pose> start;  ///< of Study::drawn_starts
+};
+
+struct StudyPlan {
+  Study study;
+  std::vector<StudySetup> setups;  ///< conditions outermost, the last axis innermost
+  /// Seeds outermost, setups innermost: a study that is broken off holds whole pairs.
+  std::vector<StudyCell> cells;
+
+  const StudySetup& setup(const StudyCell& cell) const { return setups[cell.setup]; }
+  const StudyCondition& condition(const StudySetup& setup) const {
+    return study.conditions[setup.condition];
+  }
+  /// The values of the grid's keys, as YAML.
+  std::vector<std::string> values(const StudySetup& setup) const;
+  /// "without, planner.N=20": the condition, and the values of the grid's keys.
+  std::string label(const StudySetup& setup) const;
+};
+
+/// All cells of a study. `program` is what its results depend on besides: version, commit,
+/// plug-ins. `progress` (may be empty) is told what is being read. Throws InputError for a key or
+/// value that the configuration does not take (`file:line` of the study), and for worlds that
+/// cannot be read or hold no place for the robot.
+StudyPlan plan_study(const Study& study, const Registries& registries, const std::string& program,
+                     const std::function<void(const std::string&)>& progress = {});
+
+/// The effective configuration of a cell, as config.yaml.
+std::string cell_configuration(const StudyPlan& plan, const StudyCell& cell);
+
+}  // namespace prospect

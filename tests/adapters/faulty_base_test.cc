@@ -1,0 +1,126 @@
+#include "adapters/simulator/faulty_base.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace prospect::faulty_base_test {
+namespace {
+
+class Hand final : public Clock {
+ public:
+  double now() const noexcept override { return time; }
+  bool wait_until(double until, const std::stop_token&) const noexcept override {
+    time = std::max(time, until);
+    return true;
+  }
+  mutable double time = 100.0;  // [s]
+};
+
+/// Drives as it was told last.
+class Plain final : public Base {
+ public:
+  explicit Plain(const Clock& clock) : clock_(clock) {}
+  std::string name() const noexcept override { return "plain"; }
+  std::optional<double> dead_man() const noexcept override { return 0.4; }
+  void send(const Twist& command, double) noexcept override { sent.push_back(command.linear.x()); }
+  void stop() noexcept override { ++stops; }
+  BaseReport report() noexcept override {
+    BaseReport report;
+    report.connected = true;
+    report.stamp = clock_.now();
+    report.velocity = {{speed, 0.0, 0.0}, 0.0};
+    report.wheels = {{clock_.now(), {speed, 0.0}, 0.0}};
+    return report;
+  }
+  std::vector<double> sent;
+  int stops = 0;
+  double speed = 0.5;  // [m/s]
+
+ private:
+  const Clock& clock_;
+};
+
+struct Broken {
+  explicit Broken(const std::string& fault)
+      : plain(clock), base(plain, clock, {parse_fault(fault + "@1+2")}, clock.now()) {}
+  /// Reports and sends each 0.1 s until so many seconds after the start.
+  std::vector<BaseReport> until(double end) {
+    std::vector<BaseReport> reports;
+    for (; (clock.time = 100.05 + 0.1 * tick) < 100.0 + end; ++tick) {
+      reports.push_back(base.report());
+      base.send({{clock.time - 100.0, 0.0, 0.0}, 0.0}, clock.time + 0.15);
+    }
+    return reports;
+  }
+  int tick = 0;
+  Hand clock;
+  Plain plain;
+  FaultyBase base;
+};
+
+TEST(FaultyBase, ALinkThatIsOffCarriesNothing) {
+  Broken b("link:off");
+  b.until(1.0);
+  EXPECT_EQ(b.plain.sent.size(), 10U);
+  const auto reports = b.until(2.0);
+  EXPECT_EQ(b.plain.sent.size(), 10U);
+  EXPECT_NEAR(reports.back().stamp, 100.95, 1e-9) << "the newest that passed";
+  b.base.stop();
+  EXPECT_EQ(b.plain.stops, 0);
+  b.until(3.0);
+  // What the wheels measured meanwhile is told when the link is back.
+  EXPECT_GT(b.until(3.1).back().wheels.size(), 15U);
+  EXPECT_EQ(b.plain.sent.size(), 11U);
+}
+
+TEST(FaultyBase, CommandsThatComeLateHaveExpired) {
+  Broken late("link:delayed");
+  late.until(3.0);
+  EXPECT_EQ(late.plain.sent.size(), 10U);
+  Broken slow("link:slow");
+  slow.until(3.0);
+  EXPECT_NEAR(static_cast<double>(slow.plain.sent.size()), 10.0 + 2.0 / kSlowLink, 1.0);
+}
+
+TEST(FaultyBase, EncodersThatLie) {
+  const auto velocity = [](const char* fault, double at) {
+    Broken b(fault);
+    b.until(1.0);
+    b.plain.speed = 0.25;
+    return b.until(at).back();
+  };
+  EXPECT_EQ(velocity("wheels:wrong", 2.0).velocity.linear.x(), 0.5);
+  EXPECT_EQ(velocity("wheels:wrong", 2.0).wheels.back().velocity.x(), 0.5);
+  EXPECT_EQ(velocity("wheels:wrong", 3.5).velocity.linear.x(), 0.25) << "it is over";
+  EXPECT_TRUE(std::isnan(velocity("wheels:garbage", 2.0).velocity.linear.x()));
+  EXPECT_EQ(velocity("wheels:off", 2.0).faults.size(), 1U);
+  EXPECT_TRUE(velocity("wheels:off", 2.0).wheels.empty());
+  EXPECT_EQ(velocity("wheels:intermittent", 1.5).velocity.linear.x(), 0.0);
+  EXPECT_EQ(velocity("wheels:intermittent", 2.0).velocity.linear.x(), 0.25);
+  // Each 1.2 s, with all that was measured meanwhile.
+  EXPECT_NEAR(velocity("wheels:slow", 2.0).stamp, 100.95, 1e-9);
+  // What was measured as it stuck is told again.
+  Broken stuck("wheels:stuck");
+  stuck.until(1.2);
+  stuck.plain.speed = 0.0;
+  EXPECT_EQ(stuck.until(2.0).back().velocity.linear.x(), 0.5);
+  EXPECT_EQ(stuck.until(3.5).back().velocity.linear.x(), 0.0);
+  Broken late("wheels:delayed");
+  late.until(2.0);
+  late.plain.speed = 0.0;
+  EXPECT_EQ(late.until(2.2).back().velocity.linear.x(), 0.5);
+  EXPECT_EQ(late.until(2.8).back().velocity.linear.x(), 0.0);
+}
+
+TEST(FaultyBase, ACommandThreadThatSleeps) {
+  Broken b("command:stuck");
+  b.until(1.0);
+  b.base.report();
+  EXPECT_NEAR(b.clock.time, 103.0, 1e-9);
+}
+
+}  // namespace
+}  // namespace prospect::faulty_base_test

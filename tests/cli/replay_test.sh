@@ -1,0 +1,64 @@
+#!/usr/bin/env bash
+# A recorded mission driven again: the same bits, of a folder and of a log; the first step that differs; other plans
+# beside its own.
+#   replay_test.sh <prospect> <scratch directory>
+set -uo pipefail
+tests="$(dirname "$(realpath "$0")")"
+prospect="$(realpath "$1")"
+mkdir -p "$2"
+work="$(mktemp -d "$2/replay.XXXXXX")"
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+# shellcheck source=tests/cli/checks.sh
+source "$tests/checks.sh"
+
+timed_out "a mission" explore corridor --time-limit 4 --seed 3 --set planner.weights.w_l=1 --mcap --quiet --out mission
+rows=$(($(wc -l <mission/steps.csv) - 1))
+
+# --- Unchanged.
+succeeds "a replay" replay mission --quiet
+grep -qF "mission: $rows steps, the same bits" out.txt || fail "a replay: '$out'"
+succeeds "a replay of a log" replay mission/mission.mcap --quiet
+grep -qF "mission/mission.mcap: $rows steps, the same bits" out.txt || fail "a replay of a log: '$out'"
+[[ ! -e mission/replay ]] || fail "an unchanged replay has written something"
+
+# --- A digit of one step, and a seed, that are not those of the mission.
+cp -r mission other
+sed -i '4s/^\(2,[^,]*,\)[^,]*/\10.125/' other/steps.csv
+run replay other --quiet
+((code == 1)) && grep -qE "step 2 differs: true_x: 0.125 recorded, [-0-9.e]+ now" out.txt || fail "a changed row: exit $code, '$out'"
+cp -r mission seed
+sed -i 's/"seed": 3/"seed": 4/' seed/run.json
+run replay seed --quiet
+((code == 1)) && grep -q "differs" out.txt || fail "another seed: exit $code, '$out'"
+# A mission that was killed is compared as far as it went.
+cp -r mission killed
+rm killed/summary.json
+sed -i '5,$d' killed/steps.csv
+succeeds "a killed mission" replay killed --quiet
+grep -qF "killed: 3 steps, the same bits; the mission was broken off there" out.txt || fail "a killed mission: '$out'"
+
+# --- Planned anew.
+succeeds "other plans" replay mission --set planner.N=12 --solver sampling --from 2 --to 5 --quiet --out beside
+grep -qF "4 steps planned anew with planner.N=12, solver sampling: open loop" out.txt || fail "other plans: '$out'"
+(($(wc -l <beside/replay.csv) == 5)) || fail "not a row a step: $(<beside/replay.csv)"
+head -n 1 beside/replay.csv | grep -q '^step,time,open_loop,recorded_cost,recorded_term_' || fail "columns: $(head -n 1 beside/replay.csv)"
+grep -q 'open loop' beside/replay.html || fail "the page does not say that it is open loop"
+# Other plans of the same planner are the plans that drove.
+succeeds "the same planner beside" replay mission --to 3 --quiet --out same
+awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) { name[i] = $i; at[$i] = i } next }
+  { for (i = 1; i <= NF; ++i) if (name[i] ~ /^recorded_/ && name[i] !~ /_ms$/) {
+      other = name[i]; sub(/^recorded_/, "other_", other); ++compared
+      if ($i != $(at[other])) { print "step " $1 ": " name[i] ": " $i ", " $(at[other]); bad = 1 } } }
+  END { exit bad || compared < 40 }' same/replay.csv || fail "the same planner makes other plans from the same beliefs"
+
+# --- Refused.
+refused "no run" "nothing: no run" "expected the folder of one" replay nothing
+refused "a key of the robot" "--set robot.depth.max_range=6" "expected planner.KEY=VALUE" replay mission --set robot.depth.max_range=6
+refused "a wrong key" "planner.K" "expected one of" replay mission --set planner.K=6
+refused "steps that end before they begin" "--from, --to: 5 comes after 2" "expected the first step" replay mission --from 5 --to 2
+refused "another world" "office: holds another world" "expected the same" replay mission --world office
+sed -i 's/"real_time": false/"real_time": true/' seed/run.json
+refused "real time" "seed: was driven in real time" "expected a run of explore" replay seed
+
+finish

@@ -1,0 +1,79 @@
+#!/usr/bin/env bash
+# A study by the program itself: what is refused, and that kills and resuming give the table of an unbroken run.
+#   study_test.sh <prospect> <scratch directory>
+set -uo pipefail
+tests="$(dirname "$(realpath "$0")")"
+prospect="$(realpath "$1")"
+mkdir -p "$2"
+work="$(mktemp -d "$2/study.XXXXXX")"
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+# shellcheck source=tests/cli/checks.sh
+source "$tests/checks.sh"
+
+cat >study.yaml <<'END'
+study: little
+worlds: [office, corridor]
+seeds: 1..2
+starts: drawn
+conditions: {with: {}, without: {planner.weights.w_l: 0}}
+mission: {time_limit: 2}
+END
+
+# --- What is wrong is said where it stands, before anything is run.
+sed 's/w_l/w_m/' study.yaml >typo.yaml
+refused "a key that is none" "typo.yaml:5: unknown key 'planner.weights.w_m'" "expected one of" study typo.yaml
+sed 's/worlds/wrlds/' study.yaml >typo.yaml
+refused "a key of no study" "typo.yaml:2: unknown key 'wrlds' (did you mean 'worlds'?)" "expected" study typo.yaml
+refused "no study" "none.yaml: no such file" "expected a YAML file" study none.yaml
+refused "no shard" "--shard: '3/2'" "expected I/N" study study.yaml --shard 3/2
+[[ ! -e runs ]] || fail "a refusal has made a folder"
+
+succeeds "a dry run" study study.yaml --dry-run --jobs 2
+grep -qF "8 cells: 0 done, 0 failed, 8 to run; expected time unknown with 2 jobs" out.txt || fail "a dry run: '$out'"
+[[ ! -e runs ]] || fail "a dry run has made a folder"
+
+# --- Unbroken, and once more.
+succeeds "a study" study study.yaml --jobs 2 --quiet --out whole
+grep -qF "8 cells: 0 there before, 8 run, 0 failed" out.txt || fail "a study: '$out'"
+succeeds "a study that is there" study study.yaml --jobs 2 --quiet --out whole
+grep -qF "8 cells: 8 there before, 0 run, 0 failed" out.txt || fail "a study that is there: '$out'"
+
+# --- Killed three times, the third time by a signal that it may answer, then by two shards at once.
+for wait in 1 2 1; do
+  "$prospect" study study.yaml --jobs 2 --quiet --out broken >broken.txt 2>&1 &
+  process=$!
+  sleep "$wait"
+  ((wait == 2)) && kill -INT $process 2>/dev/null || kill -KILL $process 2>/dev/null
+  wait $process 2>/dev/null
+done
+"$prospect" study study.yaml --quiet --out broken --shard 1/2 >shard1.txt 2>&1 &
+"$prospect" study study.yaml --quiet --out broken --shard 2/2 >shard2.txt 2>&1 &
+wait
+succeeds "a study that was killed" study study.yaml --jobs 2 --quiet --out broken
+grep -qF "8 cells: 8 there before, 0 run, 0 failed" out.txt || fail "shards: '$(cat shard1.txt shard2.txt)' '$out'"
+
+# --- The same tables, but for what is of the machine.
+for folder in whole broken; do
+  succeeds "gathering" study study.yaml --gather --steps --out $folder
+  sed 's/,[^,]*,[^,]*,[^,]*,[^,]*,[^,]*,[^,]*$//' $folder/results.csv >$folder.csv
+  for file in study.html steps.h5 figures/ratios.svg figures/boxes.png figures/error_path.svg; do
+    [[ -s $folder/$file ]] || fail "gathering: no $file"
+  done
+done
+cmp whole.csv broken.csv || fail "the table of a broken study is another one"
+(($(wc -l <whole.csv) == 9)) || fail "not a row a run: $(<whole.csv)"
+for cell in whole/cells/*/; do
+  cmp "$cell/steps.csv" "broken/cells/$(basename "$cell")/steps.csv" || fail "$cell differs"
+done
+for figure in whole/figures/*; do
+  cmp -s "$figure" "broken/figures/$(basename "$figure")" || [[ $figure == *ratios* || $figure == *boxes* ]] ||
+    fail "$figure differs"
+done
+
+# --- A study grows: only what is new is run.
+sed -i 's/1..2/1..3/' study.yaml
+succeeds "a study that has grown" study study.yaml --jobs 2 --quiet --out whole
+grep -qF "12 cells: 8 there before, 4 run, 0 failed" out.txt || fail "a study that has grown: '$out'"
+
+finish
