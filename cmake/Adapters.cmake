@@ -4,7 +4,7 @@
 set(prospect_adapter_rows
   "gazebo|drives a robot in Gazebo 11: prospect drive --base gazebo|protobuf::libprotobuf=libprotobuf-dev,protobuf::protoc=protobuf-compiler"
   "dds|drives a robot behind topics of ROS 2: prospect drive --base dds|CycloneDDS::ddsc=cyclonedds-dev,OpenSSL::Crypto=libssl-dev"
-  "live|a mission in the browser, live: prospect explore|drive --live PORT|Boost::headers=libboost-dev"
+  "live|a mission in the browser, live: prospect explore or drive --live PORT|Boost::headers=libboost-dev"
   "cameras|images of the simulator's robot: prospect explore --sensors camera|embree=libembree-dev"
   "meshes|worlds from mesh files|assimp::assimp=libassimp-dev,PkgConfig::TINYXML2=libtinyxml2-dev"
   "python|the package for Python: import prospect|Python::Module=python3-dev,pybind11::module=pybind11-dev"

@@ -28,6 +28,8 @@ find_package(Protobuf QUIET)
 # What topics of ROS 2 need: without it such a robot cannot be driven, and it says so.
 find_package(CycloneDDS CONFIG QUIET)
 find_package(OpenSSL QUIET COMPONENTS Crypto)
+# What the live view needs: without it --live is refused, and says so.
+find_package(Boost 1.74 CONFIG QUIET)
 # What the Python package needs: without it it is left out. Debian's interpreter, not another one that
 # happens to be first in PATH: Debian's packages belong to it.
 if(NOT DEFINED Python_EXECUTABLE AND EXISTS /usr/bin/python3)
@@ -35,8 +37,6 @@ if(NOT DEFINED Python_EXECUTABLE AND EXISTS /usr/bin/python3)
 endif()
 find_package(Python QUIET COMPONENTS Interpreter Development.Module)
 find_package(pybind11 CONFIG QUIET)
-# What the live view needs: without it --live is refused, and says so.
-find_package(Boost 1.74 CONFIG QUIET)
 pkg_check_modules(HDF5 REQUIRED IMPORTED_TARGET hdf5)
 
 # Debian's OpenCV module packages ship neither a CMake configuration nor a pkg-config file.

@@ -5,14 +5,16 @@ const percent = (share) => `${compact(100 * share)} %`;
 
 // ---- Head ---------------------------------------------------------------------------------------
 const problems = bench.sets.reduce((sum, set) => sum + set.problems.length, 0);
-const build = bench.build || {};
+const found = bench.sets.reduce((sum, set) => sum + set.problems.filter((p) => p.best_known_by && p.best_known_by !== "stored").length, 0);
+const environment = bench.environments[0] || {};
+const build = environment.build || {};
 const commit = build.commit ? `commit ${build.commit.slice(0, 10)}${build.commit_changed ? ", with changes" : ""}` : "";
-$("facts").textContent = [bench.program, commit, build.compiler, build.build_type, build.processor,
+$("facts").textContent = [bench.program, commit, build.compiler, build.build_type, environment.processor,
   bench.cancelled ? "cancelled before all problems were done" : "", plural(problems, "problem"), plural(bench.solvers.length, "back end"),
-  plural(bench.repeats, "repeat"), `at most ${bench.max_evaluations} evaluations`, `seed ${bench.seed}`].filter(Boolean).join(" · ");
+  plural(bench.repeats, "repeat"), `at most ${bench.max_evaluations} evaluations`, `${bench.seeds.length > 1 ? "seeds" : "seed"} ${bench.seeds.join(", ")}`].filter(Boolean).join(" · ");
 $("rule").textContent = `Solved: feasible to ${compact(bench.feasibility_tolerance)} and a cost of at most best + max(${bench.relative_tolerance} |best|, a), ` +
   bench.sets.map((set) => `a = ${set.absolute_tolerance} in ${set.name}`).join(", ") +
-  ". Best: the best cost known, or found in this run if that is lower. “To target”: until the first such point, over all problems; – where more than the stated share was not solved.";
+  `. Best: the best cost known, or found in this run where none is known or that is lower (${found} of ${plural(problems, "problem")}). Optimum: claimed by the back end, and the first-order residual, measured here alike for all, is at most ${bench.optimality_tolerance}. “To target”: until the first such point, over all problems; – where more than the stated share was not solved. Geometric means and ranks: with 95 % intervals over the problems (hover).`;
 
 // ---- Colours: one a back end, the same in all plots -----------------------------------------------
 const hues = ["#2563eb", "#ea580c", "#0d9488", "#c026d3", "#ca8a04", "#dc2626", "#65a30d", "#0891b2", "#7c3aed", "#57534e",
@@ -33,8 +35,11 @@ const group = () => bench.summary.find((g) => g.set === $("set").value && g.dead
 function fillSummary() {
   const g = group();
   const withDeadline = g.deadline_s > 0;
-  // [head, unit, value of a row, how to print it, whether less is better]
+  // [head, unit, value of a row, interval]
   const columns = [
+    ["optima", "verified", (s) => s.optima], ["geometric mean", "ms", (s) => s.geometric_ms.mean, (s) => s.geometric_ms],
+    ["", "evaluations", (s) => s.geometric_evaluations.mean, (s) => s.geometric_evaluations],
+    ["rank", "by time", (s) => s.rank_by_time.mean, (s) => s.rank_by_time], ["", "by evaluations", (s) => s.rank_by_evaluations.mean, (s) => s.rank_by_evaluations],
     ["to target", "ms, median", (s) => s.ms_to_target.median], ["", "p90", (s) => s.ms_to_target.p90], ["", "p99", (s) => s.ms_to_target.p99],
     ["", "evaluations", (s) => s.evaluations_to_target_median],
     ["whole solve", "ms, median", (s) => s.ms.median], ["", "p90", (s) => s.ms.p90], ["", "p99", (s) => s.ms.p99],
@@ -58,9 +63,11 @@ function fillSummary() {
     const notes = [s.refused && `${s.refused} refused`, s.errors && `${s.errors} errors`].filter(Boolean).join(", ");
     const row = make("tr", hidden.has(k) ? { class: "off" } : {}, name,
       make("td", { class: s.solved === most ? "share best" : "share", title: notes }, make("span", { class: "bar" }, bar), `${s.solved} of ${s.problems}${notes ? "*" : ""}`));
-    columns.forEach(([what, , value], c) => {
+    columns.forEach(([, , value, interval], c) => {
       const x = value(s);
-      row.append(make("td", isNumber(x) && x === best[c] && c < 4 ? { class: "best" } : {}, compact(x)));
+      const shown = isNumber(x) && c > 0 && c < 9 && x === best[c] ? { class: "best" } : {};
+      if (interval) shown.title = `${compact(interval(s).low)} to ${compact(interval(s).high)}`;
+      row.append(make("td", shown, compact(x)));
     });
     body.append(row);
   });
@@ -138,6 +145,21 @@ function curveData(g, key, axis, unit) {
   } };
 }
 
+// Share of pairs with its interval.
+function targetData(g, key, axis, unit) {
+  const at = (g.solvers.find((s) => s[key][axis].length) || { [key]: { [axis]: [] } })[key][axis];
+  const rows = at.map((x, i) => [Math.log10(unit * x), ...g.solvers.map((s) => {
+    const c = s[key];
+    return isNumber(c.share[i]) ? [c.low[i], c.share[i], c.high[i]] : [null, null, null];
+  })]);
+  return { rows, options: {
+    customBars: true, fillAlpha: g.solvers.length - hidden.size > 4 ? 0.05 : 0.12, strokeWidth: 1.8, valueRange: [0, 1.03],
+    axes: { x: logAxis({ axisLabelWidth: 46 }), y: { axisLabelFormatter: (v) => `${Math.round(100 * v)} %`, axisLabelWidth: 44, pixelsPerLabel: 40 } },
+  } };
+}
+
+addPlot("Targets reached, by time", "ms; share of (problem, target) pairs, gaps from 1 to 1e-6; 95 %", (g) => targetData(g, "targets_over_time", "seconds", 1000));
+addPlot("Targets reached, by evaluations", "share of (problem, target) pairs; 95 %", (g) => targetData(g, "targets_over_evaluations", "evaluations", 1));
 addPlot("Performance profile, by time", "share solved within a factor of the fastest", (g) => profileData(g, "profile_by_time"));
 addPlot("Performance profile, by evaluations", "share solved within a factor of the fewest evaluations", (g) => profileData(g, "profile_by_evaluations"));
 addPlot("Gap against time", "ms; median and quartiles over the problems; dashed: solved", (g) => curveData(g, "gap_over_time", "seconds", 1000));
@@ -163,7 +185,10 @@ function fillCells() {
   const g = group();
   const of = new Map();
   for (const row of bench.rows) {
-    if (row.deadline_s === g.deadline_s) of.set(`${row.set}\n${row.problem}\n${row.solver}`, row);
+    if (row.deadline_s !== g.deadline_s) continue;
+    const key = `${row.set}\n${row.problem}\n${row.solver}`;
+    if (!of.has(key)) of.set(key, []);
+    of.get(key).push(row);
   }
   const body = make("tbody");
   for (const set of bench.sets) {
@@ -172,11 +197,14 @@ function fillCells() {
       const line = make("tr", {}, make("th", { scope: "row", title: `best known: ${compact(problem.best_known)} (${problem.best_known_by || "none"}); ${plural(problem.variables, "variable")}, ${plural(problem.constraints, "constraint")}` },
         g.set === "all" ? `${set.name}: ${problem.name}` : problem.name), make("td", {}, isNumber(problem.best_known) ? String(+problem.best_known.toPrecision(6)).replace("-", "−") : "–"));
       for (const solver of bench.solvers) {
-        const row = of.get(`${set.name}\n${problem.name}\n${solver}`);
-        if (!row) { line.append(make("td", { class: "none" }, "–")); continue; }
+        const runs = of.get(`${set.name}\n${problem.name}\n${solver}`);
+        if (!runs) { line.append(make("td", { class: "none" }, "–")); continue; }
+        // Of several seeds the one of median gap.
+        const byGap = [...runs].sort((a, b) => (isNumber(a.gap) ? a.gap : Infinity) - (isNumber(b.gap) ? b.gap : Infinity));
+        const row = byGap[Math.floor(byGap.length / 2)];
         const refused = row.stop_reason === "not supported";
         const kind = row.solved ? "solved" : refused ? "none" : isNumber(row.gap) ? "" : "infeasible";
-        const title = refused ? row.detail : `${solver}: cost ${row.cost}, violation ${compact(row.violation)}, ${compact(row.wall_ms)} ms, ${row.cost_evaluations} evaluations, ${row.stop_reason}: ${row.detail}`;
+        const title = refused ? row.detail : `${solver}: cost ${row.cost}, violation ${compact(row.violation)}, ${compact(row.wall_ms)} ms, ${row.cost_evaluations} evaluations, ${row.quality}, first-order residual ${compact(row.optimality)}, ${row.stop_reason}: ${row.detail}${runs.length > 1 ? ` (seed ${row.seed}, of median gap of ${runs.length})` : ""}`;
         line.append(make("td", { class: kind, title }, refused ? "–" : isNumber(row.gap) ? compact(row.gap) : "✕"));
       }
       body.append(line);
@@ -185,10 +213,32 @@ function fillCells() {
   $("cells").replaceChildren(make("thead", {}, make("tr", {}, make("th", {}, "problem"), make("th", {}, "best"), ...bench.solvers.map((s) => make("th", {}, s.replace("nlopt:", ""))))), body);
 }
 
+// ---- What measured --------------------------------------------------------------------------------
+function fillEnvironments() {
+  const body = make("tbody");
+  const line = (name, value) => body.append(make("tr", {}, make("th", { scope: "row" }, name), make("td", {}, value)));
+  const word = (x) => (x === null || x === undefined || x === "" ? "–" : String(x));
+  bench.environments.forEach((e, i) => {
+    const b = e.build || {};
+    if (bench.environments.length > 1) line("environment", `${i + 1}, ${plural(bench.rows.filter((r) => r.environment === i).length, "row")}`);
+    line("processor", `${word(e.processor)}, ${plural(e.cores || 0, "core")}, ${word(e.memory_mb)} MB`);
+    line("system", `${word(e.system)}, ${word(e.kernel)}`);
+    const loads = bench.rows.filter((r) => r.environment === i && isNumber(r.load)).map((r) => r.load);
+    line("load", loads.length ? `${compact(Math.min(...loads))} to ${compact(Math.max(...loads))} while it ran` : "–");
+    line("commit", `${word(b.commit)}${b.commit_changed ? ", with changes" : ""}`);
+    line("compiler", `${word(b.compiler)}, ${word(b.build_type)}, ${word(b.flags)}`);
+    line("libraries", (b.libraries || []).map((l) => `${l.name} ${l.built_with}${l.runs_with ? ` (${l.runs_with})` : ""}`).join(", ") || "–");
+    line("threads", Object.entries(e.threads || {}).map(([k, v]) => `${k}=${v === null ? "not set" : v}`).join(", ") || "–");
+    line("started", `${word(e.started)} UTC`);
+  });
+  $("environments").replaceChildren(body);
+}
+
 function show() { fillSummary(); drawAll(); fillCells(); }
 $("set").addEventListener("change", show);
 $("deadline").addEventListener("change", show);
 dark.addEventListener("change", show);
+fillEnvironments();
 show();
 
 // ---- Self-test: bench.html#selftest ---------------------------------------------------------------

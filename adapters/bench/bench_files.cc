@@ -8,12 +8,16 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "adapters/bench/bench_curves.h"
 #include "adapters/bench/bench_page.h"
+#include "adapters/bench/bench_rows.h"
+#include "adapters/bench/planner_arena_log.h"
 #include "adapters/files/csv.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
 #include "models/range_text.h"
 #include "models/version.h"
+#include "solvers/first_order_residual.h"
 
 namespace prospect {
 namespace {
@@ -21,25 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// JSON has no infinity: null.
-
 std::string text(double value) { return std::isfinite(value) ? exact_text(value) : std::string(); }
-
-const BestKnown& best_of(const BenchTable& table, const BenchRow& row) {
-  return table.best[static_cast<std::size_t>(row.set)][static_cast<std::size_t>(row.problem)];
-}
-
-const ProblemSet& set_of(const BenchTable& table, const BenchRow& row) {
-  return table.sets[static_cast<std::size_t>(row.set)];
-}
-
-const BenchProblem& problem_of(const BenchTable& table, const BenchRow& row) {
-  return set_of(table, row).problems[static_cast<std::size_t>(row.problem)];
-}
-
-const std::string& solver_of(const BenchTable& table, const BenchRow& row) {
-  return table.solvers[static_cast<std::size_t>(row.solver)];
-}
 
 bool ended_somewhere(const BenchRow& row) { return row.supported && row.quality != Quality::kNone; }
 
@@ -93,11 +79,27 @@ Json curve_json(const GapCurve& curve, const char* axis) {
   return {{axis, at}, {"lower", lower}, {"median", median}, {"upper", upper}};
 }
 
+Json targets_json(const TargetCurve& curve, const char* axis) {
+  Json at = Json::array(), share = Json::array(), low = Json::array(), high = Json::array();
+  for (const TargetCurve::Point& point : curve.points) {
+    at.push_back(point.at);
+    share.push_back(point.share.mean);
+    low.push_back(point.share.low);
+    high.push_back(point.share.high);
+  }
+  return {{axis, at}, {"share", share}, {"low", low}, {"high", high}};
+}
+
+Json interval_json(const MeanInterval& interval) {
+  return {{"mean", interval.mean}, {"low", interval.low}, {"high", interval.high}};
+}
+
 Json summary_json(const SolverSummary& s) {
   return {{"solver", s.solver},
           {"problems", s.problems},
           {"solved", s.solved},
           {"feasible", s.feasible},
+          {"optima", s.optima},
           {"refused", s.refused},
           {"errors", s.errors},
           {"ms_to_target",
@@ -111,6 +113,13 @@ Json summary_json(const SolverSummary& s) {
           {"gap_median", s.gap_median},
           {"overrun_ms",
            {{"p50", s.overrun_ms_p50}, {"p99", s.overrun_ms_p99}, {"max", s.overrun_ms_max}}},
+          {"solved_share", interval_json(s.solved_share)},
+          {"geometric_ms", interval_json(s.geometric_ms)},
+          {"geometric_evaluations", interval_json(s.geometric_evaluations)},
+          {"rank_by_time", interval_json(s.rank_by_time)},
+          {"rank_by_evaluations", interval_json(s.rank_by_evaluations)},
+          {"targets_over_time", targets_json(s.targets_over_time, "seconds")},
+          {"targets_over_evaluations", targets_json(s.targets_over_evaluations, "evaluations")},
           {"profile_by_time", profile_json(s.by_time)},
           {"profile_by_evaluations", profile_json(s.by_evaluations)},
           {"gap_over_time", curve_json(s.over_time, "seconds")},
@@ -119,9 +128,9 @@ Json summary_json(const SolverSummary& s) {
 
 Json row_json(const BenchTable& table, const BenchRow& row, bool traces) {
   const bool there = ended_somewhere(row);
-  Json json = {{"set", set_of(table, row).name},
-               {"problem", problem_of(table, row).name},
-               {"solver", solver_of(table, row)},
+  Json json = {{"set", table.set_of(row).name},
+               {"problem", table.problem_of(row).name},
+               {"solver", table.solver_of(row)},
                {"deadline_s", row.deadline},
                {"cost", there ? Json(row.cost) : Json(nullptr)},
                {"violation", there ? Json(row.violation) : Json(nullptr)},
@@ -136,12 +145,20 @@ Json row_json(const BenchTable& table, const BenchRow& row, bool traces) {
                {"iterations", row.counters.iterations},
                {"stop_reason", stop_of(row)},
                {"quality", to_string(row.quality)},
+               {"claimed", to_string(row.claimed)},
+               {"optimality", row.optimality},
+               {"seed", row.seed},
+               {"environment", row.environment},
+               {"load", row.load},
                {"detail", row.detail}};
-  if (traces) json["trace"] = trace_json(row);
+  if (traces) {
+    json["x"] = std::vector<double>(row.x.begin(), row.x.end());
+    json["trace"] = trace_json(row);
+  }
   return json;
 }
 
-/// "12.3", "–" for what is not there.
+/// "12.3", "-" for what is not there.
 std::string cell(double value, const char* format) {
   if (!std::isfinite(value)) return "-";
   char buffer[64];
@@ -155,39 +172,40 @@ std::string bench_csv(const BenchTable& table) {
   std::string csv =
       "set,problem,variables,constraints,solver,deadline_s,cost,violation,best_known,gap,solved,"
       "ms_to_target,evaluations_to_target,wall_ms,overrun_ms,cost_evaluations,"
-      "gradient_evaluations,iterations,stop_reason,quality,detail\n";
+      "gradient_evaluations,iterations,stop_reason,quality,seed,optimality,load,detail\n";
   for (const BenchRow& row : table.rows) {
-    const BenchProblem& problem = problem_of(table, row);
+    const ProblemFacts& problem = table.problem_of(row);
     const bool there = ended_somewhere(row);
-    csv += csv::field(set_of(table, row).name) + ',' + csv::field(problem.name) + ',' +
-           std::to_string(problem.problem->num_variables()) + ',' +
-           std::to_string(problem.problem->num_constraints()) + ',' +
-           csv::field(solver_of(table, row)) + ',' +
+    csv += csv::field(table.set_of(row).name) + ',' + csv::field(problem.name) + ',' +
+           std::to_string(problem.variables) + ',' + std::to_string(problem.constraints) + ',' +
+           csv::field(table.solver_of(row)) + ',' +
            (row.deadline > 0.0 ? exact_text(row.deadline) : std::string()) + ',' +
            (there ? text(row.cost) : "") + ',' + (there ? text(row.violation) : "") + ',' +
-           text(best_of(table, row).cost) + ',' + text(row.gap) + ',' + (row.solved ? "1," : "0,") +
+           text(table.best_of(row).cost) + ',' + text(row.gap) + ',' + (row.solved ? "1," : "0,") +
            text(1e3 * row.seconds_to_target) + ',' + text(row.evaluations_to_target) + ',' +
            (there ? text(1e3 * row.seconds) : "") + ',' +
            (row.deadline > 0.0 && there ? text(1e3 * row.overrun) : "") + ',' +
            std::to_string(row.counters.cost_evaluations) + ',' +
            std::to_string(row.counters.gradient_evaluations) + ',' +
            std::to_string(row.counters.iterations) + ',' + stop_of(row) + ',' +
-           std::string(to_string(row.quality)) + ',' + csv::field(row.detail) + '\n';
+           std::string(to_string(row.quality)) + ',' + std::to_string(row.seed) + ',' +
+           (there ? text(row.optimality) : "") + ',' + text(row.load) + ',' +
+           csv::field(row.detail) + '\n';
   }
   return csv;
 }
 
-Json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups, bool traces,
-                const Json& made_by) {
+Json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups, bool traces) {
   Json sets = Json::array();
   for (std::size_t s = 0; s < table.sets.size(); ++s) {
-    const ProblemSet& set = table.sets[s];
+    const ProblemSetFacts& set = table.sets[s];
     Json problems = Json::array();
     for (std::size_t p = 0; p < set.problems.size(); ++p) {
-      const BenchProblem& problem = set.problems[p];
+      const ProblemFacts& problem = set.problems[p];
       problems.push_back({{"name", problem.name},
-                          {"variables", problem.problem->num_variables()},
-                          {"constraints", problem.problem->num_constraints()},
+                          {"variables", problem.variables},
+                          {"constraints", problem.constraints},
+                          {"fingerprint", problem.fingerprint},
                           {"best_known", table.best[s][p].cost},
                           {"best_known_by", table.best[s][p].found_by}});
     }
@@ -208,14 +226,15 @@ Json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups
                        {"solvers", solvers}});
   }
   return {{"program", std::string("prospect ") + kVersion},
-          {"build", made_by},
+          {"environments", table.environments},
           {"cancelled", table.cancelled},
-          {"relative_tolerance", table.options.relative_tolerance},
+          {"relative_tolerance", table.relative_tolerance},
           {"feasibility_tolerance", kFeasible},
-          {"repeats", table.options.repeats},
-          {"max_evaluations", table.options.max_evaluations},
-          {"seed", table.options.seed},
-          {"deadlines_s", table.options.deadlines},
+          {"optimality_tolerance", kOptimalityTolerance},
+          {"repeats", table.repeats},
+          {"max_evaluations", table.max_evaluations},
+          {"seeds", table.seeds},
+          {"deadlines_s", table.deadlines},
           {"solvers", table.solvers},
           {"sets", sets},
           {"summary", summary},
@@ -227,7 +246,7 @@ std::string bench_text(const BenchTable& table, const GroupSummary& group) {
   std::string out = group.set + ", " + std::to_string(group.problems) + " problems, ";
   out += group.deadline > 0.0 ? "deadline " + exact_text(1e3 * group.deadline) + " ms"
                               : std::string("no deadline");
-  out += ", at most " + std::to_string(table.options.max_evaluations) + " evaluations\n";
+  out += ", at most " + std::to_string(table.max_evaluations) + " evaluations\n";
   int width = 10;
   for (const SolverSummary& s : group.solvers) {
     width = std::max(width, static_cast<int>(s.solver.size()));
@@ -257,30 +276,113 @@ std::string bench_text(const BenchTable& table, const GroupSummary& group) {
   return out;
 }
 
-void open_bench_folder(const std::string& path) {
+void open_bench_folder(const std::string& path, bool resume) {
   std::error_code error;
   const char* const expected = "; expected a new or empty folder, or one of an earlier bench";
   fs::create_directories(path, error);
   if (error)
     throw InputError("--out " + path + ": cannot be made (" + error.message() + ")" + expected);
   if (!fs::is_directory(path)) throw InputError("--out " + path + ": is a file" + expected);
-  if (!fs::is_empty(path, error) && !fs::is_regular_file(fs::path(path) / "bench.json")) {
+  const bool ended = fs::is_regular_file(fs::path(path) / "bench.json");
+  const bool begun = fs::is_regular_file(fs::path(path) / kBenchRows);
+  if (!fs::is_empty(path, error) && !ended && !begun) {
     throw InputError("--out " + path + ": holds other files" + expected);
+  }
+  if (begun && !ended && !resume) {
+    throw InputError("--out " + path +
+                     ": holds a bench that was broken off; expected --resume, or another folder");
   }
 }
 
+void clear_bench_folder(const std::string& path) {
+  std::error_code ignored;
+  const fs::path folder(path);
+  // First the one by which a bench counts as ended.
+  for (const char* name : {"bench.json", "bench.html", "bench.csv", "summary.csv", "curves.csv"}) {
+    fs::remove(folder / name, ignored);
+  }
+  const std::pair<const char*, const char*> kinds[] = {{"figures", ".svg"},
+                                                       {"planner_arena", ".log"}};
+  for (const auto& [name, extension] : kinds) {
+    std::vector<fs::path> files;
+    for (fs::directory_iterator entry(folder / name, ignored), end; entry != end; ++entry) {
+      if (entry->path().extension() == extension) files.push_back(entry->path());
+    }
+    for (const fs::path& file : files) fs::remove(file, ignored);
+    fs::remove(folder / name, ignored);  // if it is empty
+  }
+}
+
+std::string summary_csv(const std::vector<GroupSummary>& groups) {
+  std::string csv =
+      "set,deadline_s,solver,problems,solved,feasible,optima,refused,errors,ms_to_target_median,"
+      "evaluations_to_target_median,ms_median,evaluations_median,gap_median";
+  const std::pair<const char*, MeanInterval SolverSummary::*> intervals[] = {
+      {"solved_share", &SolverSummary::solved_share},
+      {"geometric_ms", &SolverSummary::geometric_ms},
+      {"geometric_evaluations", &SolverSummary::geometric_evaluations},
+      {"rank_by_time", &SolverSummary::rank_by_time},
+      {"rank_by_evaluations", &SolverSummary::rank_by_evaluations}};
+  for (const auto& [name, member] : intervals) {
+    csv += std::string(",") + name + ',' + name + "_low," + name + "_high";
+  }
+  csv += '\n';
+  for (const GroupSummary& group : groups) {
+    for (const SolverSummary& s : group.solvers) {
+      csv += csv::field(group.set) + ',' +
+             (group.deadline > 0.0 ? exact_text(group.deadline) : std::string()) + ',' +
+             csv::field(s.solver);
+      for (const int count : {s.problems, s.solved, s.feasible, s.optima, s.refused, s.errors}) {
+        csv += ',' + std::to_string(count);
+      }
+      for (const double value : {s.ms_to_target_median, s.evaluations_to_target_median, s.ms_median,
+                                 s.evaluations_median, s.gap_median}) {
+        csv += ',' + text(value);
+      }
+      for (const auto& [name, member] : intervals) {
+        const MeanInterval& interval = s.*member;
+        csv += ',' + text(interval.mean) + ',' + text(interval.low) + ',' + text(interval.high);
+      }
+      csv += '\n';
+    }
+  }
+  return csv;
+}
+
 void write_bench_folder(const std::string& path, const BenchTable& table,
-                        const std::vector<GroupSummary>& groups, const Json& made_by) {
-  const Json json = bench_json(table, groups, true, made_by);
-  const std::pair<const char*, std::string> files[] = {
-      {"bench.csv", bench_csv(table)},
-      {"bench.html", bench_page(bench_json(table, groups, false, made_by))},
-      {"bench.json", json.dump(1, ' ', false, Json::error_handler_t::replace) + '\n'}};
-  for (const auto& [name, content] : files) {
+                        const std::vector<GroupSummary>& groups) {
+  const auto write = [&](const std::string& name, const std::string& content) {
     const std::string file = (fs::path(path) / name).string();
     const std::string wrong = write_whole_file(file, content);
     if (!wrong.empty()) throw std::runtime_error(file + ": cannot be written (" + wrong + ")");
+  };
+  const auto make = [&](const char* name) {
+    std::error_code error;
+    fs::create_directories(fs::path(path) / name, error);
+    if (error) {
+      throw std::runtime_error((fs::path(path) / name).string() + ": cannot be made (" +
+                               error.message() + ")");
+    }
+  };
+  const std::vector<CurveSheet> sheets = curve_sheets(groups);
+  make("figures");
+  for (const CurveSheet& sheet : sheets) {
+    write("figures/" + group_file_name(sheet.set, sheet.deadline) + '_' + sheet.name + ".svg",
+          curve_svg(sheet));
   }
+  make("planner_arena");
+  for (std::size_t s = 0; s < table.sets.size(); ++s) {
+    for (const double deadline : table.deadlines) {
+      write("planner_arena/" + group_file_name(table.sets[s].name, deadline) + ".log",
+            planner_arena_log(table, static_cast<int>(s), deadline));
+    }
+  }
+  write("curves.csv", curves_csv(sheets));
+  write("summary.csv", summary_csv(groups));
+  write("bench.csv", bench_csv(table));
+  write("bench.html", bench_page(bench_json(table, groups, false)));
+  write("bench.json",
+        bench_json(table, groups, true).dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
 }
 
 }  // namespace prospect

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "adapters/bench/bench_run.h"
 #include "adapters/bench/bench_summary.h"
+#include "adapters/bench/bench_table.h"
 
 namespace prospect {
 
@@ -13,24 +13,30 @@ namespace prospect {
 /// number.
 std::string bench_csv(const BenchTable& table);
 
-/// Everything: problems with their best known costs, rows, summaries with profiles and curves; and
-/// `made_by`, an object that says what program and machine measured, as "build".
-/// `traces`: with the improvements of every row, less those that gain under a twentieth of what was
-/// still to gain.
+/// Everything: problems with their best known costs, rows, summaries with profiles and curves, and
+/// what measured. `traces`: with the solution of every row and its improvements, less those that
+/// gain under a twentieth of what was still to gain.
 nlohmann::ordered_json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups,
-                                  bool traces, const nlohmann::ordered_json& made_by);
+                                  bool traces);
 
 /// The table of one group for a terminal.
 std::string bench_text(const BenchTable& table, const GroupSummary& group);
 
-/// The folder that bench.csv, bench.json and bench.html go to: made if it is not there. Throws
-/// InputError, before anything is measured, if it is a file, cannot be made, or holds something but
-/// no earlier bench.json.
-void open_bench_folder(const std::string& path);
+/// The folder of a bench: made if it is not there. Throws InputError, before anything is measured,
+/// if it is a file, cannot be made, or holds something but no bench; unless `resume`, also if it
+/// holds one that was broken off before its files were written.
+void open_bench_folder(const std::string& path, bool resume);
 
-/// Writes the three files, each whole or not at all, bench.json last. Throws std::runtime_error.
+/// Removes what write_bench_folder() has written to the folder, and nothing else.
+void clear_bench_folder(const std::string& path);
+
+/// A row for each back end in each group: counts, medians, and what has an interval.
+std::string summary_csv(const std::vector<GroupSummary>& groups);
+
+/// Writes figures/ (every curve as SVG, bench_curves.h), planner_arena/ (planner_arena_log.h),
+/// curves.csv, summary.csv, bench.csv, bench.html and bench.json, each whole or not at all,
+/// bench.json last. Throws std::runtime_error.
 void write_bench_folder(const std::string& path, const BenchTable& table,
-                        const std::vector<GroupSummary>& groups,
-                        const nlohmann::ordered_json& made_by);
+                        const std::vector<GroupSummary>& groups);
 
 }  // namespace prospect

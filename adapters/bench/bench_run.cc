@@ -1,21 +1,52 @@
 #include "adapters/bench/bench_run.h"
 
+#include <stdlib.h>
+
 #include <algorithm>
 #include <chrono>
+#include <limits>
+#include <map>
+#include <tuple>
 #include <utility>
+
+#include "solvers/first_order_residual.h"
 
 namespace prospect {
 namespace {
 
 using WallClock = std::chrono::steady_clock;
 
-BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, double limit,
+double machine_load() {
+  double load = 0.0;
+  return getloadavg(&load, 1) == 1 ? load : std::numeric_limits<double>::quiet_NaN();
+}
+
+/// Of x, by us; NaN where a term throws.
+double measured_residual(const Problem& problem, const Eigen::VectorXd& x) {
+  try {
+    return first_order_residual(problem, x, kFeasible);
+  } catch (...) {
+    // A term that throws here has thrown in the solve, which says so.
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+}
+
+/// So that the first back end does not pay for what the caches lack.
+void fill_caches(const BenchProblem& problem) {
+  try {
+    if (problem.start.x.size() > 0) problem.problem->explain(problem.start.x);
+  } catch (...) {
+    // A term that throws: each back end says so.
+  }
+}
+
+BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, double limit, int seed,
                     const BenchOptions& options) {
   // A back end from elsewhere may lack an option that all of ours have.
   Options given = choice.options;
   for (const OptionInfo& info : choice.solver->options()) {
     if (info.name == "max_evaluations") given.emplace(info.name, options.max_evaluations);
-    if (info.name == "seed") given.emplace(info.name, options.seed);
+    if (info.name == "seed") given.emplace(info.name, seed);
     if (info.name == "trace") given[info.name] = 1;
   }
   const auto begin = WallClock::now();
@@ -26,8 +57,14 @@ BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, dou
 
   BenchRow row;
   row.deadline = limit;
+  row.seed = seed;
   row.stop = result.stop;
-  row.quality = result.quality;
+  row.claimed = row.quality = result.quality;
+  if (result.quality != Quality::kNone) {
+    row.optimality = measured_residual(*problem.problem, result.x);
+    row.quality = verified_quality(result.quality, row.optimality);
+    row.x = std::move(result.x);
+  }
   row.cost = result.cost;
   row.violation = result.violation;
   row.counters = result.counters;
@@ -45,8 +82,6 @@ bool usable(const BenchRow& row) {
   return row.supported && row.stop != StopReason::kError && row.quality != Quality::kNone;
 }
 
-bool feasible(const BenchRow& row) { return usable(row) && row.violation <= kFeasible; }
-
 bool better(const BenchRow& a, const BenchRow& b) {
   if (usable(a) != usable(b)) return usable(a);
   if (feasible(a) != feasible(b)) return feasible(a);
@@ -56,7 +91,11 @@ bool better(const BenchRow& a, const BenchRow& b) {
 /// The row that stands for the repeats, see BenchRow.
 BenchRow representative(std::vector<BenchRow> repeats) {
   double overrun = 0.0;
-  for (const BenchRow& row : repeats) overrun = std::max(overrun, row.overrun);
+  std::vector<double> seconds;
+  for (const BenchRow& row : repeats) {
+    overrun = std::max(overrun, row.overrun);
+    seconds.push_back(row.seconds);
+  }
   if (repeats.front().deadline > 0.0) {
     std::stable_sort(repeats.begin(), repeats.end(), better);
   } else {
@@ -66,6 +105,7 @@ BenchRow representative(std::vector<BenchRow> repeats) {
   const std::size_t chosen = repeats.front().deadline > 0.0 ? repeats.size() / 2 : 0;
   BenchRow row = std::move(repeats[chosen]);
   row.overrun = overrun;
+  row.repeat_seconds = std::move(seconds);
   return row;
 }
 
@@ -73,10 +113,10 @@ BenchRow representative(std::vector<BenchRow> repeats) {
 void keep_done(BenchTable& table, std::size_t set, std::size_t problem) {
   table.cancelled = true;
   std::erase_if(table.rows, [&](const BenchRow& row) {
-    return static_cast<std::size_t>(row.set) == set &&
-           static_cast<std::size_t>(row.problem) == problem;
+    const auto s = static_cast<std::size_t>(row.set), p = static_cast<std::size_t>(row.problem);
+    return s > set || (s == set && p >= problem);
   });
-  std::vector<BenchProblem>& problems = table.sets[set].problems;
+  std::vector<ProblemFacts>& problems = table.sets[set].problems;
   problems.erase(problems.begin() + static_cast<std::ptrdiff_t>(problem), problems.end());
   const std::size_t whole = set + (problem > 0 ? 1 : 0);
   table.sets.erase(table.sets.begin() + static_cast<std::ptrdiff_t>(whole), table.sets.end());
@@ -84,88 +124,100 @@ void keep_done(BenchTable& table, std::size_t set, std::size_t problem) {
 
 }  // namespace
 
-BenchTable run_bench(std::vector<ProblemSet> sets, const std::vector<SolverChoice>& solvers,
-                     const BenchOptions& options) {
+BenchTable empty_bench(const std::vector<ProblemSet>& sets,
+                       const std::vector<SolverChoice>& solvers, const BenchOptions& options) {
   BenchTable table;
-  table.options = options;
-  table.sets = std::move(sets);
+  for (const ProblemSet& set : sets) {
+    ProblemSetFacts facts{set.name, set.best_known_source, set.absolute_tolerance, {}};
+    for (const BenchProblem& problem : set.problems) {
+      facts.problems.push_back({problem.name, problem.problem->num_variables(),
+                                problem.problem->num_constraints(), problem_fingerprint(problem),
+                                problem.best_known});
+    }
+    table.sets.push_back(std::move(facts));
+  }
   for (const SolverChoice& choice : solvers) table.solvers.push_back(choice.label);
+  table.deadlines = options.deadlines;
+  table.seeds = options.seeds;
+  table.repeats = options.repeats;
+  table.max_evaluations = options.max_evaluations;
+  table.relative_tolerance = options.relative_tolerance;
+  table.environments = {options.environment};
+  return table;
+}
+
+BenchTable run_bench(const std::vector<ProblemSet>& sets, const std::vector<SolverChoice>& solvers,
+                     const BenchOptions& options, BenchTable table) {
+  using Key = std::tuple<int, int, double, int, int>;
+  const auto key_of = [](const BenchRow& row) {
+    return Key(row.set, row.problem, row.deadline, row.seed, row.solver);
+  };
+  std::map<Key, bool> there;
+  for (const BenchRow& row : table.rows) there[key_of(row)] = true;
+
+  const int environment = environment_index(table, options.environment);
   std::size_t problems = 0;
-  for (const ProblemSet& set : table.sets) problems += set.problems.size();
-  const int all =
-      static_cast<int>(problems * solvers.size() * options.deadlines.size()) * options.repeats;
+  for (const ProblemSet& set : sets) problems += set.problems.size();
+  const std::size_t cells =
+      problems * solvers.size() * options.deadlines.size() * options.seeds.size();
+  const int all = static_cast<int>(cells - table.rows.size()) * options.repeats;
   int done = 0;
   const auto cancelled = [&] { return options.cancelled && options.cancelled(); };
 
-  for (std::size_t s = 0; s < table.sets.size(); ++s) {
-    for (std::size_t p = 0; p < table.sets[s].problems.size(); ++p) {
-      const BenchProblem& problem = table.sets[s].problems[p];
-      // So that the first back end does not pay for what the caches lack.
-      if (problem.start.x.size() > 0) problem.problem->explain(problem.start.x);
+  for (std::size_t s = 0; s < sets.size(); ++s) {
+    for (std::size_t p = 0; p < sets[s].problems.size(); ++p) {
+      const BenchProblem& problem = sets[s].problems[p];
+      fill_caches(problem);
       for (const double limit : options.deadlines) {
-        for (std::size_t k = 0; k < solvers.size(); ++k) {
-          BenchRow row;
-          row.detail = solvers[k].solver->explain_unsupported(*problem.problem);
-          row.supported = row.detail.empty();
-          row.deadline = limit;
-          if (row.supported) {
-            std::vector<BenchRow> repeats;
-            for (int i = 0; i < options.repeats; ++i) {
-              if (cancelled()) break;
-              repeats.push_back(solve_once(problem, solvers[k], limit, options));
-              if (options.on_solve) options.on_solve(++done, all);
+        for (const int seed : options.seeds) {
+          for (std::size_t k = 0; k < solvers.size(); ++k) {
+            BenchRow row;
+            row.set = static_cast<int>(s);
+            row.problem = static_cast<int>(p);
+            row.solver = static_cast<int>(k);
+            row.deadline = limit;
+            row.seed = seed;
+            if (there.contains(key_of(row))) continue;
+            row.detail = solvers[k].solver->explain_unsupported(*problem.problem);
+            row.supported = row.detail.empty();
+            if (row.supported) {
+              std::vector<BenchRow> repeats;
+              for (int i = 0; i < options.repeats; ++i) {
+                if (cancelled()) break;
+                repeats.push_back(solve_once(problem, solvers[k], limit, seed, options));
+                if (options.on_solve) options.on_solve(++done, all);
+              }
+              if (cancelled()) {
+                keep_done(table, s, p);
+                sort_rows(table);
+                judge(table);
+                return table;
+              }
+              BenchRow chosen = representative(std::move(repeats));
+              chosen.set = row.set;
+              chosen.problem = row.problem;
+              chosen.solver = row.solver;
+              row = std::move(chosen);
+            } else {
+              done += options.repeats;
             }
-            if (cancelled()) {
-              keep_done(table, s, p);
-              judge(table);
-              return table;
-            }
-            row = representative(std::move(repeats));
-          } else {
-            done += options.repeats;
+            row.environment = environment;
+            row.load = machine_load();
+            table.rows.push_back(std::move(row));
+            if (options.on_row) options.on_row(table, table.rows.back());
           }
-          row.set = static_cast<int>(s);
-          row.problem = static_cast<int>(p);
-          row.solver = static_cast<int>(k);
-          table.rows.push_back(std::move(row));
         }
       }
     }
   }
+  sort_rows(table);
   judge(table);
   return table;
 }
 
-void judge(BenchTable& table) {
-  table.best.clear();
-  for (const ProblemSet& set : table.sets) {
-    std::vector<BestKnown> best(set.problems.size());
-    for (std::size_t p = 0; p < best.size(); ++p) {
-      if (set.problems[p].best_known) best[p] = {*set.problems[p].best_known, "stored"};
-    }
-    table.best.push_back(std::move(best));
-  }
-  const auto best_of = [&](const BenchRow& row) -> BestKnown& {
-    return table.best[static_cast<std::size_t>(row.set)][static_cast<std::size_t>(row.problem)];
-  };
-  for (const BenchRow& row : table.rows) {
-    if (feasible(row) && row.cost < best_of(row).cost) {
-      best_of(row) = {row.cost, table.solvers[static_cast<std::size_t>(row.solver)]};
-    }
-  }
-  for (BenchRow& row : table.rows) {
-    if (!feasible(row)) continue;
-    const double best = best_of(row).cost;
-    const SolvedRule rule = table.rule(row.set);
-    row.solved = rule.solved(row.cost, row.violation, best);
-    row.gap = rule.gap(row.cost, best);
-    for (const Improvement& i : row.trace) {
-      if (!rule.solved(i.cost, i.violation, best)) continue;
-      row.seconds_to_target = i.seconds;
-      row.evaluations_to_target = i.evaluations;
-      break;
-    }
-  }
+BenchTable run_bench(const std::vector<ProblemSet>& sets, const std::vector<SolverChoice>& solvers,
+                     const BenchOptions& options) {
+  return run_bench(sets, solvers, options, empty_bench(sets, solvers, options));
 }
 
 }  // namespace prospect

@@ -28,6 +28,7 @@ SolverSummary summary_of(const std::string& solver, const Rows& rows) {
   for (const BenchRow* row : rows) {
     s.solved += row->solved;
     s.feasible += std::isfinite(row->gap);
+    s.optima += row->supported && row->quality == Quality::kFeasibleOptimum;
     s.refused += !row->supported;
     s.errors += row->supported && row->stop == StopReason::kError;
     if (row->supported) taken.push_back(row);
@@ -57,6 +58,29 @@ SolverSummary summary_of(const std::string& solver, const Rows& rows) {
   return s;
 }
 
+/// Mean ranks of equal values: measures by back end, problem -> the same shape.
+std::vector<std::vector<double>> ranks_of(const std::vector<std::vector<double>>& measures) {
+  std::vector<std::vector<double>> ranks = measures;
+  for (std::size_t p = 0; !measures.empty() && p < measures.front().size(); ++p) {
+    for (std::size_t k = 0; k < measures.size(); ++k) {
+      int before = 0, equal = 0;
+      for (const std::vector<double>& other : measures) {
+        before += other[p] < measures[k][p];
+        equal += other[p] == measures[k][p];
+      }
+      ranks[k][p] = before + 0.5 * (equal + 1);
+    }
+  }
+  return ranks;
+}
+
+MeanInterval shifted_geometric(const Rows& rows, std::vector<double> values, double unsolved,
+                               double shift, const ResampledMeans& means) {
+  for (double& value : values) value = std::log((std::isfinite(value) ? value : unsolved) + shift);
+  const MeanInterval logs = means.interval(by_problem(rows, values));
+  return {std::exp(logs.mean) - shift, std::exp(logs.low) - shift, std::exp(logs.high) - shift};
+}
+
 GroupSummary group_of(const BenchTable& table, const std::string& name, double deadline,
                       const std::vector<Rows>& by_solver) {
   GroupSummary group;
@@ -82,14 +106,34 @@ GroupSummary group_of(const BenchTable& table, const std::string& name, double d
   }
   const auto by_time = performance_profiles(times);
   const auto by_evaluations = performance_profiles(evaluations);
+  const auto time_ranks = ranks_of(times), evaluation_ranks = ranks_of(evaluations);
+  const std::vector<double> ones(by_solver.front().size(), 1.0);
+  const ResampledMeans means(static_cast<int>(by_problem(by_solver.front(), ones).size()));
+  const double longest_ms = 1e3 * std::max(last_s, deadline);
   for (std::size_t k = 0; k < by_solver.size(); ++k) {
     SolverSummary& s = group.solvers[k];
+    const Rows& rows = by_solver[k];
+    const auto mean_of = [&](const std::vector<double>& values) {
+      return means.interval(by_problem(rows, values));
+    };
+    s.solved_share = mean_of(column(rows, [](auto& r) { return r.solved ? 1.0 : 0.0; }));
+    s.geometric_ms =
+        shifted_geometric(rows, column(rows, [](auto& r) { return 1e3 * r.seconds_to_target; }),
+                          longest_ms, 1.0, means);
+    s.geometric_evaluations = shifted_geometric(
+        rows, column(rows, [](auto& r) { return r.evaluations_to_target; }), last_e, 10.0, means);
+    s.rank_by_time = mean_of(time_ranks[k]);
+    s.rank_by_evaluations = mean_of(evaluation_ranks[k]);
     s.by_time = by_time[k];
     s.by_evaluations = by_evaluations[k];
     if (!std::isfinite(first_s)) continue;
     s.over_time = gap_curve(table, by_solver[k], GapAxis::kSeconds, first_s, last_s, kCurvePoints);
     s.over_evaluations =
         gap_curve(table, by_solver[k], GapAxis::kEvaluations, 1.0, last_e, kCurvePoints);
+    s.targets_over_time =
+        target_curve(table, rows, GapAxis::kSeconds, first_s, last_s, kCurvePoints, means);
+    s.targets_over_evaluations =
+        target_curve(table, rows, GapAxis::kEvaluations, 1.0, last_e, kCurvePoints, means);
   }
   return group;
 }
@@ -101,7 +145,7 @@ std::vector<GroupSummary> summarize(const BenchTable& table) {
   const int sets = static_cast<int>(table.sets.size());
   // -1: all sets together.
   for (int set = sets > 1 ? -1 : 0; set < sets; ++set) {
-    for (const double deadline : table.options.deadlines) {
+    for (const double deadline : table.deadlines) {
       std::vector<Rows> by_solver(table.solvers.size());
       for (const BenchRow& row : table.rows) {
         if ((set >= 0 && row.set != set) || row.deadline != deadline) continue;

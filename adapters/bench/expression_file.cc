@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <system_error>
@@ -51,6 +52,12 @@ class Entry {
       fail(std::string(key) + " is no number", "a finite number");
     }
     return value.get<double>();
+  }
+  /// None if it is absent or null.
+  std::optional<double> number_if_known(const char* key) const {
+    const auto found = json_.find(key);
+    if (found == json_.end() || found->is_null()) return std::nullopt;
+    return number(key);
   }
   /// n numbers; null becomes `instead`.
   Eigen::VectorXd numbers(const char* key, int n, double instead, bool may_be_null) const {
@@ -102,8 +109,8 @@ struct Row {
   double sign, shift;
 };
 
-FunctionProblem read_function_problem(const std::string& path, std::size_t index,
-                                      const UnorderedJson& json) {
+BenchProblem read_function_problem(const std::string& path, std::size_t index,
+                                   const UnorderedJson& json) {
   Entry entry(path + ": problem " + std::to_string(index + 1), json);
   FunctionProblem p;
   p.name = entry.text("name");
@@ -122,7 +129,6 @@ FunctionProblem read_function_problem(const std::string& path, std::size_t index
       entry.fail("lower[" + std::to_string(i) + "] is above upper", "lower <= upper");
     }
   }
-  p.optimum = entry.number("f_opt");
   const Expression f = entry.expression("objective", entry.text("objective"), n);
   p.f = [f](const Eigen::VectorXd& x) { return f.value(x); };
   p.g = [f](const Eigen::VectorXd& x) { return f.gradient(x); };
@@ -149,7 +155,7 @@ FunctionProblem read_function_problem(const std::string& path, std::size_t index
     }
     return J;
   };
-  return p;
+  return started(p.name, p.problem(), p.start, entry.number_if_known("f_opt"));
 }
 
 }  // namespace
@@ -167,14 +173,15 @@ ProblemSet read_expression_file(const std::string& path) {
   }
   ProblemSet set;
   set.name = fs::path(path).stem().string();
-  set.best_known_source = "known optima";
   std::set<std::string> names;
   for (std::size_t i = 0; i < list->size(); ++i) {
-    const FunctionProblem p = read_function_problem(path, i, (*list)[i]);
-    if (!names.insert(p.name).second) {
-      throw InputError(path + ": problem '" + p.name + "' is there twice; expected each once");
+    BenchProblem problem = read_function_problem(path, i, (*list)[i]);
+    if (!names.insert(problem.name).second) {
+      throw InputError(path + ": problem '" + problem.name +
+                       "' is there twice; expected each once");
     }
-    set.problems.push_back(started(p.name, p.problem(), p.start, p.optimum));
+    if (problem.best_known) set.best_known_source = "known optima";
+    set.problems.push_back(std::move(problem));
   }
   return set;
 }

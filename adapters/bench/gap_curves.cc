@@ -7,14 +7,21 @@
 #include "engine/support/quantile.h"
 
 namespace prospect {
-namespace {
 
-/// The gap of the last improvement at or before `at`.
+std::vector<double> curve_places(double first, double last, int count) {
+  std::vector<double> places;
+  if (!(first > 0.0) || last < first) return places;
+  for (int i = 0; i < count; ++i) {
+    const double share = count > 1 ? static_cast<double>(i) / (count - 1) : 1.0;
+    places.push_back(i + 1 == count ? last : first * std::pow(last / first, share));
+  }
+  return places;
+}
+
 double gap_at(const BenchTable& table, const BenchRow& row, GapAxis axis, double at) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
   if (row.stop == StopReason::kError) return kFar;
-  const double best =
-      table.best[static_cast<std::size_t>(row.set)][static_cast<std::size_t>(row.problem)].cost;
+  const double best = table.best_of(row).cost;
   const Improvement* last = nullptr;
   for (const Improvement& i : row.trace) {
     if ((axis == GapAxis::kSeconds ? i.seconds : i.evaluations) > at) break;
@@ -24,16 +31,13 @@ double gap_at(const BenchTable& table, const BenchRow& row, GapAxis axis, double
   return table.rule(row.set).gap(last->cost, best);
 }
 
-}  // namespace
-
 GapCurve gap_curve(const BenchTable& table, const std::vector<const BenchRow*>& rows, GapAxis axis,
                    double first, double last, int count) {
   GapCurve curve;
-  if (rows.empty() || !(first > 0.0) || last < first) return curve;
-  for (int i = 0; i < count; ++i) {
-    const double share = count > 1 ? static_cast<double>(i) / (count - 1) : 1.0;
+  if (rows.empty()) return curve;
+  for (const double at : curve_places(first, last, count)) {
     GapCurve::Point point;
-    point.at = i + 1 == count ? last : first * std::pow(last / first, share);
+    point.at = at;
     std::vector<double> gaps;
     for (const BenchRow* row : rows) gaps.push_back(gap_at(table, *row, axis, point.at));
     point.lower = quantile(gaps, 0.25);

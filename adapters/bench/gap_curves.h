@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "adapters/bench/bench_run.h"
+#include "adapters/bench/bench_table.h"
 
 namespace prospect {
 
@@ -19,9 +19,16 @@ struct GapCurve {
 
 enum class GapAxis { kSeconds, kEvaluations };
 
-/// The curve of rows of one back end (of one deadline; one or several sets), at `count` places that
-/// are evenly spread in logarithm from `first` to `last`. A row that has ended keeps its last
-/// incumbent; one that cannot solve its problem is infinitely far. No points without rows.
+/// `count` places that are evenly spread in logarithm from `first` to `last`, both included; none
+/// unless 0 < first <= last.
+std::vector<double> curve_places(double first, double last, int count);
+
+/// SolvedRule::gap of the incumbent of a row at that time, or after so many evaluations. A row that
+/// has ended keeps its last one. Infinite without a feasible point, or if the back end failed.
+double gap_at(const BenchTable& table, const BenchRow& row, GapAxis axis, double at);
+
+/// The curve of rows of one back end (of one deadline; one or several sets) at curve_places(). No
+/// points without rows.
 GapCurve gap_curve(const BenchTable& table, const std::vector<const BenchRow*>& rows, GapAxis axis,
                    double first, double last, int count);
 

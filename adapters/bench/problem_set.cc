@@ -1,7 +1,10 @@
 #include "adapters/bench/problem_set.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -180,13 +183,49 @@ constexpr BuiltinSet kBuiltinSets[] = {
 }  // namespace
 
 BenchProblem started(std::string name, Problem problem, const Eigen::VectorXd& x,
-                     double best_known) {
+                     std::optional<double> best_known) {
   BenchProblem made;
   made.name = std::move(name);
   made.problem = std::make_shared<const Problem>(std::move(problem));
   made.start.x = x;
   made.best_known = best_known;
   return made;
+}
+
+std::string problem_fingerprint(const BenchProblem& problem) {
+  // Fowler, Noll and Vo's FNV-1a.
+  std::uint64_t hash = 14695981039346656037U;
+  const auto add = [&](const double* numbers, Eigen::Index count) {
+    for (Eigen::Index i = 0; i < count; ++i) {
+      for (std::uint64_t bits = std::bit_cast<std::uint64_t>(numbers[i]), byte = 0; byte < 8;
+           ++byte) {
+        hash = (hash ^ ((bits >> (8 * byte)) & 0xffU)) * 1099511628211U;
+      }
+    }
+  };
+  const Problem& p = *problem.problem;
+  const Eigen::VectorXd middle = 0.5 * (p.lower() + p.upper());
+  const double size = p.num_constraints();
+  add(&size, 1);
+  add(p.lower().data(), p.lower().size());
+  add(p.upper().data(), p.upper().size());
+  add(problem.start.x.data(), problem.start.x.size());
+  add(problem.start.seeds.data(), problem.start.seeds.size());
+  Workspace workspace = p.make_workspace();
+  Evaluation e;
+  for (const Eigen::VectorXd& x : {problem.start.x, middle}) {
+    if (x.size() != p.num_variables()) continue;
+    try {
+      p.evaluate(x, Evaluate::kValue, workspace, e);
+    } catch (...) {
+      continue;
+    }
+    add(e.cost.data(), e.cost.size());
+    add(e.constraints.data(), e.constraints.size());
+  }
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash));
+  return text;
 }
 
 std::vector<std::string> builtin_set_names() {

@@ -24,13 +24,18 @@ struct BenchProblem {
 
 /// A problem that starts at x.
 BenchProblem started(std::string name, Problem problem, const Eigen::VectorXd& x,
-                     double best_known);
+                     std::optional<double> best_known);
+
+/// 16 hexadecimal digits of the bounds, of where back ends start, and of cost and constraints there
+/// and in the middle of the bounds, each by its bits: by this, results of two runs are of the same
+/// problem. A problem that throws there has one, too. Not against forgery.
+std::string problem_fingerprint(const BenchProblem& problem);
 
 /// Problems that are reported together.
 struct ProblemSet {
   std::string name;
   std::string best_known_source;  ///< where best_known is from, in words; empty: from nowhere
-  /// What counts as the same cost where the best known is near 0: solved_target() of solved_rule.h.
+  /// What counts as the same cost where the best known is near 0: SolvedRule.
   double absolute_tolerance = 1e-3;
   std::vector<BenchProblem> problems;
   std::string folder;  ///< that the problems are from, to keep best costs in; or ""

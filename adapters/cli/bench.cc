@@ -12,15 +12,18 @@
 #include <utility>
 #include <vector>
 
+#include "adapters/bench/bench_compare.h"
 #include "adapters/bench/bench_files.h"
+#include "adapters/bench/bench_merge.h"
+#include "adapters/bench/bench_rows.h"
 #include "adapters/bench/bench_run.h"
 #include "adapters/bench/bench_summary.h"
 #include "adapters/bench/mission_set.h"
 #include "adapters/bench/problem_set.h"
 #include "adapters/bench/solver_choice.h"
 #include "adapters/cli/absent_solver.h"
-#include "adapters/cli/build_info.h"
 #include "adapters/cli/commands.h"
+#include "adapters/cli/environment.h"
 #include "adapters/cli/interrupt.h"
 #include "adapters/cli/progress.h"
 #include "adapters/config/configuration.h"
@@ -83,9 +86,90 @@ int capture(const BenchArguments& arguments, const Configuration& configuration,
   return kFailed;
 }
 
+/// The rows of the bench that the folder holds, if it holds one.
+void take_earlier(BenchTable& table, const std::string& folder) {
+  namespace fs = std::filesystem;
+  if (!fs::exists(fs::path(folder) / kBenchRows)) return;
+  const BenchTable earlier = read_bench_rows(folder);
+  if (const std::string why = differs_from(earlier, table); !why.empty()) {
+    throw InputError("--resume " + folder + ": " + why + "; expected the command that began it");
+  }
+  take_rows(table, earlier);
+}
+
+/// Of `bench merge` and `bench compare`: the folders. Throws InputError for what has no effect
+/// there.
+std::vector<std::string> folders_of(const BenchArguments& arguments, bool compare) {
+  const std::string call = "bench " + arguments.sets.front();
+  const bool other = !arguments.solvers.empty() || !arguments.deadlines.empty() ||
+                     !arguments.seeds.empty() || !arguments.settings.empty() ||
+                     !arguments.configuration.empty() || !arguments.capture.empty() ||
+                     arguments.repeats > 0 || arguments.quick || arguments.keep_best ||
+                     arguments.resume || (compare && !arguments.out.empty());
+  if (other) {
+    throw InputError(
+        call + ": an option of a measurement; expected " +
+        (compare ? "--tolerance or --json only" : "--out, --tolerance or --json only"));
+  }
+  const std::vector<std::string> folders(arguments.sets.begin() + 1, arguments.sets.end());
+  if (compare ? folders.size() != 2 : folders.size() < 2) {
+    throw InputError(call + ": " + std::to_string(folders.size()) + " folders; expected " +
+                     (compare ? "two" : "two or more"));
+  }
+  return folders;
+}
+
+void print_tables(const BenchTable& table, const std::vector<GroupSummary>& groups, bool json,
+                  const std::string& out) {
+  if (json) {
+    std::cout << bench_json(table, groups, false)
+                     .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+              << '\n';
+    return;
+  }
+  for (const GroupSummary& group : groups) std::printf("%s\n", bench_text(table, group).c_str());
+  std::printf("%s/bench.html\n", out.c_str());
+}
+
+int merge(const BenchArguments& arguments) {
+  const std::vector<std::string> folders = folders_of(arguments, false);
+  BenchTable table = merge_benches(folders);
+  table.relative_tolerance = arguments.tolerance;
+  judge(table);
+  const std::string out = arguments.out.empty() ? "runs/bench" : arguments.out;
+  for (const std::string& folder : folders) {
+    std::error_code ignored;
+    if (std::filesystem::equivalent(folder, out, ignored)) {
+      throw InputError("bench merge: --out is '" + folder + "'; expected a folder of its own");
+    }
+  }
+  open_bench_folder(out, false);
+  const BenchRowFile rows(out, table);
+  clear_bench_folder(out);
+  const std::vector<GroupSummary> groups = summarize(table);
+  write_bench_folder(out, table, groups);
+  print_tables(table, groups, arguments.json, out);
+  return kDone;
+}
+
+int compare(const BenchArguments& arguments) {
+  const std::vector<std::string> folders = folders_of(arguments, true);
+  const BenchComparison comparison = compare_benches(folders[0], folders[1], arguments.tolerance);
+  if (arguments.json) {
+    std::cout << comparison_json(comparison)
+                     .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
+              << '\n';
+  } else {
+    std::fputs(comparison_text(comparison).c_str(), stdout);
+  }
+  return kDone;
+}
+
 }  // namespace
 
 int bench(const BenchArguments& arguments, const Registries& registries) {
+  if (!arguments.sets.empty() && arguments.sets.front() == "merge") return merge(arguments);
+  if (!arguments.sets.empty() && arguments.sets.front() == "compare") return compare(arguments);
   const Configuration configuration =
       read_configuration(arguments.configuration, registries, arguments.settings);
   if (!arguments.capture.empty()) return capture(arguments, configuration, registries);
@@ -137,30 +221,37 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
   }
   options.repeats = arguments.repeats > 0 ? arguments.repeats : (arguments.quick ? 1 : 3);
   options.max_evaluations = arguments.max_evaluations;
-  options.seed = arguments.seed;
+  options.seeds = arguments.seeds.empty() ? std::vector<int>{1} : arguments.seeds;
+  if (std::set<int>(options.seeds.begin(), options.seeds.end()).size() != options.seeds.size()) {
+    throw InputError("--seed: the same twice; expected each once");
+  }
   options.relative_tolerance = arguments.tolerance;
+  options.environment = environment();
   const std::string out = arguments.out.empty() ? "runs/bench" : arguments.out;
-  open_bench_folder(out);
+  open_bench_folder(out, arguments.resume);
+  BenchTable table = empty_bench(sets, solvers, options);
+  if (arguments.resume) take_earlier(table, out);
+  BenchRowFile rows(out, table);
+  clear_bench_folder(out);
 
+  options.on_row = [&](const BenchTable& of, const BenchRow& row) { rows.append(of, row); };
   options.on_solve = [&](int done, int all) {
     progress.show(std::to_string(done) + " of " + std::to_string(all) + " solves");
   };
-  const BenchTable table = run_bench(sets, solvers, options);
+  table = run_bench(sets, solvers, options, std::move(table));
   progress.finish();
-  const auto count = [](const std::vector<ProblemSet>& of) {
+  const auto count = [](const auto& of) {
     std::size_t problems = 0;
-    for (const ProblemSet& set : of) problems += set.problems.size();
+    for (const auto& set : of) problems += set.problems.size();
     return problems;
   };
   if (table.cancelled && count(table.sets) == 0) {
-    std::cerr << "prospect: cancelled before the first problem was done; nothing is written\n";
+    std::cerr << "prospect: cancelled before the first problem was done; --resume goes on\n";
     return kFailed;
   }
 
   const std::vector<GroupSummary> groups = summarize(table);
-  nlohmann::ordered_json made_by = to_json(build_info());
-  made_by["processor"] = processor_name();
-  write_bench_folder(out, table, groups, made_by);
+  write_bench_folder(out, table, groups);
   if (arguments.keep_best) {
     for (std::size_t s = 0; s < table.sets.size(); ++s) {
       ProblemSet set = sets[s];  // whole, if the run was cancelled
@@ -172,24 +263,17 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
     }
   }
 
-  if (arguments.json) {
-    std::cout << bench_json(table, groups, false, made_by)
-                     .dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)
-              << '\n';
-  } else {
-    for (const GroupSummary& group : groups) std::printf("%s\n", bench_text(table, group).c_str());
-    std::printf("%s/bench.html\n", out.c_str());
-  }
+  print_tables(table, groups, arguments.json, out);
   if (table.cancelled) {
     std::cerr << "prospect: cancelled; " << count(table.sets) << " of " << count(sets)
-              << " problems are in " << out << '\n';
+              << " problems are in " << out << "; --resume goes on\n";
     return kFailed;
   }
   std::set<std::string> told;
   bool any = false;
   for (const BenchRow& row : table.rows) {
     any |= row.solved;
-    const std::string& solver = table.solvers[static_cast<std::size_t>(row.solver)];
+    const std::string& solver = table.solver_of(row);
     if (row.supported && row.stop == StopReason::kError && told.insert(solver).second) {
       std::cerr << "prospect: " << solver << ": " << row.detail << '\n';
     }

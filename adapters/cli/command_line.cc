@@ -399,7 +399,8 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
   bench_command
       ->add_option("set", bench_arguments.sets,
                    "Built-in set (see `prospect list sets`), folder of problem files, "
-                   "problem file, file of problems as expressions (.json) [all built-in sets]")
+                   "problem file, file of problems as expressions (.json) [all built-in sets]; "
+                   "or `merge` or `compare` and the folders of benches")
       ->type_name("SET");
   bench_command
       ->add_option("--config", bench_arguments.configuration,
@@ -430,12 +431,16 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
                    "Share of the best known cost within which a problem is solved")
       ->check(number_within(1e-9, 1.0))
       ->capture_default_str();
-  bench_command->add_option("--seed", bench_arguments.seed, "Of the back ends")
-      ->check(whole_number_within(0, std::numeric_limits<int>::max()))
-      ->capture_default_str();
+  bench_command
+      ->add_option(
+          "--seed", bench_arguments.seeds,
+          "Of the back ends; several, separated by commas: each problem once with each [1]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(whole_number_within(0, std::numeric_limits<int>::max()));
   bench_command
       ->add_option("--out", bench_arguments.out,
-                   "Folder of bench.html, bench.csv and bench.json [runs/bench]")
+                   "Folder of the results: bench.html, bench.csv and others [runs/bench]")
       ->type_name("DIR");
   bench_command
       ->add_option("--capture", bench_arguments.capture,
@@ -445,6 +450,8 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
                           "A share of each built-in set, few back ends: less than a minute");
   bench_command->add_flag("--keep-best", bench_arguments.keep_best,
                           "Keep the best costs found in best_known.json of the set's folder");
+  bench_command->add_flag("--resume", bench_arguments.resume,
+                          "Go on with the bench in that folder: what it holds is not solved again");
   bench_command->add_flag("--json", bench_arguments.json, "Print JSON");
   bench_command->add_flag("--quiet", bench_arguments.quiet, "No progress line");
 

@@ -97,19 +97,21 @@ struct SolveArguments {
 int solve(const SolveArguments& arguments, const Registries& registries);
 
 struct BenchArguments {
-  std::vector<std::string> sets;      ///< empty: all built-in ones
+  /// Empty: all built-in ones; or "merge" or "compare" and the folders of benches.
+  std::vector<std::string> sets;
   std::string configuration;          ///< file, of the missions that are driven for a set
   std::vector<std::string> settings;  ///< "planner.weights.w_l=0": above the file
   std::vector<std::string> solvers;   ///< names, each followed by its options; empty: one of a kind
   std::vector<double> deadlines;      ///< [s], 0: none; empty: as the help says
   int repeats = 0;                    ///< 0: as the help says
   int max_evaluations = 10000;
-  int seed = 1;
+  std::vector<int> seeds;  ///< of the back ends; empty: 1
   double tolerance = 0.01;
   std::string out;      ///< folder; empty: runs/bench
   std::string capture;  ///< folder to write the problems of `missions` to, instead of a bench
   bool quick = false;
   bool keep_best = false;
+  bool resume = false;
   bool json = false;
   bool quiet = false;
 };

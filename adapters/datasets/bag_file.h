@@ -18,7 +18,7 @@ struct BagTopic {
     std::int64_t time = 0;  ///< when it was recorded [ns]
     std::size_t file = 0, chunk = 0, begin = 0, size = 0;
   };
-  std::vector<Message> messages;  ///< in the order of their times
+  std::vector<Message> messages;  ///< in the order of their times; none: nothing was recorded
 };
 
 /// Whether a path is a bag by its name: a .mcap or .db3 file, or a folder that holds such files.

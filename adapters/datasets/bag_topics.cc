@@ -29,6 +29,10 @@ const BagTopic* given_topic(const BagFile& bag, const std::string& path, const T
     throw InputError(path + ": topic " + topic->name + " is of type " + topic->type +
                      "; expected one that can be " + use);
   }
+  if (topic->messages.empty()) {
+    throw InputError(path + ": topic " + topic->name +
+                     " holds no message; expected one of: " + topic_list(bag));
+  }
   return topic;
 }
 

@@ -17,8 +17,8 @@ using TopicChoice = std::map<std::string, std::string>;  ///< of a use, such as 
 /// Every topic with type and number of messages, for messages to people.
 std::string topic_list(const BagFile& bag);
 
-/// The topic that was chosen for a use; null if none was. Throws InputError where it is absent or
-/// of another type.
+/// The topic that was chosen for a use; null if none was. Throws InputError where it is absent, of
+/// another type, or holds no message.
 const BagTopic* given_topic(const BagFile& bag, const std::string& path, const TopicChoice& chosen,
                             const std::string& use, bool (*fits)(const BagTopic&));
 

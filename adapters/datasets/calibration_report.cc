@@ -97,6 +97,7 @@ std::string calibration_text(const OdometryCalibrationResult& r) {
     }
     for (std::size_t h = 0; h < r.motion.size(); ++h) {
       text += row(line("planner, %d frames", r.online[h].horizon).c_str(), r.motion[h]);
+      text += row("  with assumed noise", r.motion_assumed[h]);
     }
   }
   return text;
@@ -108,7 +109,8 @@ nlohmann::ordered_json calibration_json(const OdometryCalibrationResult& r) {
     horizons.push_back({{"horizon_frames", r.online[h].horizon},
                         {"learned", as_json(r.online[h])},
                         {"constant", as_json(r.constant[h])},
-                        {"planner_consistency", as_json(r.motion[h])}});
+                        {"planner_consistency", as_json(r.motion[h])},
+                        {"planner_consistency_assumed", as_json(r.motion_assumed[h])}});
   }
   return {{"predictions", r.predictions},
           {"given_up", r.given_up},

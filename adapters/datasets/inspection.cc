@@ -370,7 +370,7 @@ std::string recording_text(const Json& r) {
 Json mission_json(const BagFile& bag) {
   const BagTopic* steps = bag.find(topic::kStep);
   const BagFile::Fields* run = bag.metadata(topic::kRun);
-  if (!steps || !run) return nullptr;
+  if (!steps || steps->messages.empty() || !run) return nullptr;
   Json json;
   for (const char* name : {"world", "seed", "started", "version", "commit", "command_line"}) {
     const auto found = run->find(name);

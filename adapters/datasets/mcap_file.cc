@@ -151,7 +151,9 @@ McapFile::McapFile(const std::string& path, std::size_t file, std::vector<BagTop
     } else if (kind == kMcapChannel) {
       const std::uint64_t id = r.number(2), schema = r.number(2);
       const std::string topic = r.text();
-      channels[id] = {topic, schemas[schema], r.text()};
+      const Channel& channel = channels[id] = {topic, schemas[schema], r.text()};
+      // Also one that nothing was recorded of: who asks for it is told so.
+      if (r.good) topic_named(topics, path, channel.topic, channel.type, channel.encoding);
     } else if (kind == kMcapMessage) {
       const std::uint64_t id = r.number(2);
       r.number(4);

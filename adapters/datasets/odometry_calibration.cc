@@ -17,8 +17,8 @@ using Eigen::Matrix4d;
 using Eigen::Vector3d;
 
 /// Sigma_rel at the end of a path of levelled poses, by the recursion of the prediction.
-Matrix4d relative_covariance(const VisibilityPrediction& prediction,
-                             const std::vector<Pose>& path) {
+Matrix4d relative_covariance(const VisibilityPrediction& prediction, const std::vector<Pose>& path,
+                             const double* prior_count = nullptr) {
   static const Multirotor model;  // the motion model whose pose has all of x, y, z and yaw
   TrajectoryBatch trajectory;
   trajectory.horizon = {&model, static_cast<int>(path.size()) - 1, 1.0};
@@ -29,7 +29,33 @@ Matrix4d relative_covariance(const VisibilityPrediction& prediction,
     trajectory.states.block(static_cast<Eigen::Index>(k) * nx, 0, nx, 1) =
         model.state(path[k], Twist{}).array();
   }
-  return prediction.relative_covariances(trajectory, 0).back();
+  return prediction.relative_covariances(trajectory, 0, prior_count).back();
+}
+
+/// L, levelled, to a camera that looks along its x axis.
+Isometry3d level_mount() { return CameraMount::forward_facing(Vector3d::Zero()); }
+
+/// The path in L of its first pose.
+std::vector<Pose> levelled(const std::vector<Isometry3d>& path) {
+  if (path.size() < 2) {
+    throw std::invalid_argument("visibility forecast: a path of " + std::to_string(path.size()) +
+                                " poses; expected two at least");
+  }
+  std::vector<Pose> poses;
+  for (const Isometry3d& T_WC : path) {
+    const Eigen::Vector4d motion = level_motion(path.front().inverse() * T_WC);
+    double yaw = motion[3];
+    if (!poses.empty()) yaw = poses.back().yaw + std::remainder(yaw - poses.back().yaw, 2.0 * M_PI);
+    poses.push_back({motion.head<3>(), yaw});
+  }
+  return poses;
+}
+
+/// It looks ahead in L. What one image shows counts, whether or not the other one shows it, too.
+VisibilityPrediction level_prediction(const std::vector<Landmark>& landmarks, StereoCamera camera,
+                                      const VisibilityParameters& parameters) {
+  camera.baseline = 0.0;
+  return {landmarks, camera, CameraMount{level_mount()}, nullptr, parameters};
 }
 
 VisibilityAgreement agreement(int horizon, const std::vector<double>& expected,
@@ -75,34 +101,19 @@ VisibilityForecast forecast_visibility(const std::vector<Landmark>& landmarks,
                                        const StereoCamera& camera,
                                        const std::vector<Isometry3d>& path,
                                        const VisibilityParameters& parameters) {
-  if (path.size() < 2) {
-    throw std::invalid_argument("visibility forecast: a path of " + std::to_string(path.size()) +
-                                " poses; expected two at least");
-  }
   // A frame L in which the first camera is level and looks along x: the planner's prediction turns
   // about the z axis.
   const Matrix3d R_LC = CameraMount::forward_facing(Vector3d::Zero()).linear();
   const Matrix3d R_LW = R_LC * path.front().linear().transpose();
   const Vector3d origin = path.front().translation();
-  std::vector<Landmark> levelled = landmarks;
-  for (Landmark& l : levelled) {
+  std::vector<Landmark> levelled_landmarks = landmarks;
+  for (Landmark& l : levelled_landmarks) {
     l.position = R_LW * (l.position - origin);
     l.creation_direction = R_LW * l.creation_direction;
     l.covariance = R_LW * l.covariance * R_LW.transpose();
   }
-  std::vector<Pose> poses;
-  for (const Isometry3d& T_WC : path) {
-    const Eigen::Vector4d motion = level_motion(path.front().inverse() * T_WC);
-    double yaw = motion[3];
-    if (!poses.empty()) yaw = poses.back().yaw + std::remainder(yaw - poses.back().yaw, 2.0 * M_PI);
-    poses.push_back({motion.head<3>(), yaw});
-  }
-  // A landmark counts that is found in the left image, whether or not the right one shows it, too.
-  StereoCamera one = camera;
-  one.baseline = 0.0;
-  const VisibilityPrediction level(levelled, one,
-                                   CameraMount{CameraMount::forward_facing(Vector3d::Zero())},
-                                   nullptr, parameters);
+  const std::vector<Pose> poses = levelled(path);
+  const VisibilityPrediction level = level_prediction(levelled_landmarks, camera, parameters);
   const Matrix4d sigma = relative_covariance(level, poses);
   // What is left of the last orientation besides its heading goes into the mount.
   const Pose& end = poses.back();
@@ -110,8 +121,23 @@ VisibilityForecast forecast_visibility(const std::vector<Landmark>& landmarks,
   mount.T_BC.setIdentity();
   mount.T_BC.linear() = Eigen::AngleAxisd(-end.yaw, Vector3d::UnitZ()).toRotationMatrix() * R_LW *
                         path.back().linear();
-  return {VisibilityPrediction(levelled, one, mount, nullptr, parameters).probabilities(end, sigma),
+  StereoCamera one = camera;
+  one.baseline = 0.0;
+  return {VisibilityPrediction(levelled_landmarks, one, mount, nullptr, parameters)
+              .probabilities(end, sigma),
           sigma};
+}
+
+Matrix4d forecast_motion(const StereoCamera& camera, const std::vector<Isometry3d>& path,
+                         const VisibilityParameters& parameters,
+                         const std::vector<double>& tracked) {
+  if (tracked.size() != path.size()) {
+    throw std::invalid_argument("motion forecast: " + std::to_string(tracked.size()) +
+                                " counts for " + std::to_string(path.size()) +
+                                " poses; expected one each");
+  }
+  return relative_covariance(level_prediction({}, camera, parameters), levelled(path),
+                             tracked.data());
 }
 
 OdometryCalibration::OdometryCalibration(const StereoCamera& camera,
@@ -120,6 +146,7 @@ OdometryCalibration::OdometryCalibration(const StereoCamera& camera,
     : camera_(camera),
       parameters_(odometry_visibility(camera, odometry_options)),
       options_(options),
+      noise_(level_mount()),
       scores_(options.horizons.size()) {
   if (options.stride < 1) {
     throw std::invalid_argument("odometry calibration: stride is " +
@@ -140,12 +167,15 @@ void OdometryCalibration::add(const StereoOdometry& odometry, const OdometryFram
   estimates_.push_back(frame.T_WC);
   truths_.push_back(true_T_WC);
   lost_.push_back(frame.state == Localization::kLost);
+  tracked_.push_back(frame.tracked);
   while (static_cast<int>(estimates_.size()) > longest_ + 1) {
     estimates_.pop_front();
     truths_.pop_front();
     lost_.pop_front();
+    tracked_.pop_front();
   }
   consistency_.add(odometry, frame, true_T_WC);
+  noise_.add(frame, odometry);
   std::unordered_set<std::uint64_t> tracked;
   for (const LandmarkSighting& sighting : odometry.sightings()) {
     if (sighting.tracked) tracked.insert(sighting.id);
@@ -163,7 +193,7 @@ void OdometryCalibration::add(const StereoOdometry& odometry, const OdometryFram
   if (now % options_.stride == 0 && frame.state != Localization::kLost) {
     // The first frame does not tell what the next ones will be apart: as most recordings.
     const double period = now > 0 ? frame.stamp - last_stamp_ : 0.1;
-    Origin origin{now, {}, {}};
+    Origin origin{now, {}, noise_.noise().value_or(parameters_.odometry), {}};
     for (const int horizon : options_.horizons) {
       origin.maps.push_back(odometry.landmarks(horizon * period));
     }
@@ -187,8 +217,10 @@ void OdometryCalibration::compare(const Origin& origin, std::size_t h,
   std::erase_if(landmarks, [&](const Landmark& l) { return origin.given_up.contains(l.id); });
   given_up_ += static_cast<int>(origin.maps[h]->landmarks.size() - landmarks.size());
   if (landmarks.empty()) return;
-  const VisibilityForecast forecast = forecast_visibility(landmarks, camera_, path, parameters_);
-  const Eigen::VectorXd& online = forecast.probability;
+  VisibilityParameters measured = parameters_;
+  measured.odometry = origin.noise;
+  const Eigen::VectorXd online =
+      forecast_visibility(landmarks, camera_, path, measured).probability;
   for (Landmark& l : landmarks) l.survival = options_.constant_survival;
   const Eigen::VectorXd constant =
       forecast_visibility(landmarks, camera_, path, parameters_).probability;
@@ -197,7 +229,13 @@ void OdometryCalibration::compare(const Origin& origin, std::size_t h,
     Eigen::Vector4d error = level_motion(estimates_[from].inverse() * estimates_.back()) -
                             level_motion(truths_[from]->inverse() * *truths_.back());
     error[3] = std::remainder(error[3], 2.0 * M_PI);
-    s.motion.push_back(normalised_error_squared(error, forecast.covariance));
+    const std::vector<double> counts(tracked_.end() - static_cast<std::ptrdiff_t>(path.size()),
+                                     tracked_.end());
+    const auto nees = [&](const VisibilityParameters& parameters) {
+      return normalised_error_squared(error, forecast_motion(camera_, path, parameters, counts));
+    };
+    s.motion.push_back(nees(measured));
+    s.motion_assumed.push_back(nees(parameters_));
   }
   double count = 0.0;
   for (Eigen::Index i = 0; i < online.size(); ++i) {
@@ -218,7 +256,9 @@ void OdometryCalibration::begin_recording() {
   estimates_.clear();
   truths_.clear();
   lost_.clear();
+  tracked_.clear();
   consistency_.begin_recording();
+  noise_ = MotionNoise(level_mount());
 }
 
 OdometryCalibrationResult OdometryCalibration::result() const {
@@ -231,6 +271,7 @@ OdometryCalibrationResult OdometryCalibration::result() const {
     result.constant.push_back(
         agreement(horizon, s.expected_count_constant, s.count, s.probability_constant, s.tracked));
     result.motion.push_back(pose_consistency(s.motion, 4));
+    result.motion_assumed.push_back(pose_consistency(s.motion_assumed, 4));
     result.predictions += static_cast<int>(s.tracked.size());
   }
   result.consistency = consistency_.result();

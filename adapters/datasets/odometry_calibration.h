@@ -14,6 +14,7 @@
 #include "engine/features/visibility_prediction.h"
 #include "engine/maps/landmark_map.h"
 #include "models/camera.h"
+#include "perception/odometry/motion_noise.h"
 #include "perception/odometry/stereo_odometry.h"
 
 namespace prospect {
@@ -42,6 +43,13 @@ VisibilityForecast forecast_visibility(const std::vector<Landmark>& landmarks,
                                        const std::vector<Eigen::Isometry3d>& path,
                                        const VisibilityParameters& parameters);
 
+/// The same covariance, with `tracked` points in view at each pose of the path. Throws
+/// std::invalid_argument for a shorter path and for another number of counts.
+Eigen::Matrix4d forecast_motion(const StereoCamera& camera,
+                                const std::vector<Eigen::Isometry3d>& path,
+                                const VisibilityParameters& parameters,
+                                const std::vector<double>& tracked);
+
 /// A motion of the left camera as (x, y, z, yaw) in L.
 Eigen::Vector4d level_motion(const Eigen::Isometry3d& T_C0C1);
 
@@ -60,10 +68,12 @@ struct VisibilityAgreement {
 
 struct OdometryCalibrationResult {
   std::vector<VisibilityAgreement> online;    ///< with the survival that landmarks() gives
-  std::vector<VisibilityAgreement> constant;  ///< with constant_survival
+  std::vector<VisibilityAgreement> constant;  ///< with constant_survival and the noise assumed
   /// Sigma_rel against the error of the odometry's motion over each horizon, where the true motion
-  /// is known.
-  std::vector<PoseConsistency> motion;
+  /// is known, with as many points in view as were tracked on the way: with the noise that the
+  /// odometry had measured when the prediction was made (motion_noise.h), and with the one that the
+  /// planner assumes.
+  std::vector<PoseConsistency> motion, motion_assumed;
   ConsistencyResult consistency;  ///< of the odometry's own covariances
   int predictions = 0;            ///< of one landmark at one horizon
   /// Landmarks that the odometry gave up for another in the same image cell before their time came,
@@ -100,13 +110,14 @@ class OdometryCalibration {
   struct Origin {
     int frame;
     std::vector<std::shared_ptr<const LandmarkMap>> maps;  ///< for each horizon
+    OdometryNoise noise;
     std::unordered_set<std::uint64_t> given_up;
   };
   struct Scores {
     std::vector<double> expected_count, expected_count_constant, count;
     std::vector<double> probability, probability_constant;
     std::vector<char> tracked;
-    std::vector<double> motion;
+    std::vector<double> motion, motion_assumed;
   };
   void compare(const Origin& origin, std::size_t horizon,
                const std::unordered_set<std::uint64_t>& tracked);
@@ -121,7 +132,9 @@ class OdometryCalibration {
   std::deque<Eigen::Isometry3d> estimates_;              ///< the newest longest_ + 1
   std::deque<std::optional<Eigen::Isometry3d>> truths_;  ///< parallel
   std::deque<char> lost_;                                ///< parallel
+  std::deque<double> tracked_;                           ///< parallel: points
   OdometryConsistency consistency_;
+  MotionNoise noise_;
   std::vector<Scores> scores_;  ///< one a horizon
   int given_up_ = 0;
 };

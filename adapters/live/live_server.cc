@@ -293,15 +293,17 @@ class Request : public std::enable_shared_from_this<Request> {
   http::response<http::string_body> response_;
 };
 
+[[noreturn]] void refuse_host(const std::string& host) {
+  throw InputError("--live-host: '" + host +
+                   "'; expected the address of an interface of this machine, such as 127.0.0.1, "
+                   "or 0.0.0.0 for all");
+}
+
 net::ip::address address_of(const std::string& host) {
   ErrorCode error;
   const net::ip::address address =
       host == "localhost" ? net::ip::make_address("127.0.0.1") : net::ip::make_address(host, error);
-  if (error) {
-    throw InputError("--live-host: '" + host +
-                     "'; expected the address of an interface of this machine, such as 127.0.0.1, "
-                     "or 0.0.0.0 for all");
-  }
+  if (error) refuse_host(host);
   return address;
 }
 
@@ -341,6 +343,7 @@ struct LiveServer::Impl {
     if (!error) acceptor.set_option(net::socket_base::reuse_address(true), error);
     if (!error) acceptor.bind(endpoint, error);
     if (!error) acceptor.listen(net::socket_base::max_listen_connections, error);
+    if (error == boost::system::errc::address_not_available) refuse_host(server.options.host);
     if (error) {
       throw InputError("--live " + std::to_string(server.options.port) + ": " +
                        server.options.host + " cannot be listened on (" + error.message() +

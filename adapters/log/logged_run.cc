@@ -167,7 +167,9 @@ LoggedRun read_logged_run(const std::string& path, const Registries& registries)
   }
   const BagFile bag = BagFile::open(path);
   // A robot that was not fit to drive has made no step; the summary says why.
-  if (!bag.find(topic::kStep) && entry(bag.metadata(topic::kSummary), "json").empty()) {
+  const BagTopic* steps_topic = bag.find(topic::kStep);
+  if ((!steps_topic || steps_topic->messages.empty()) &&
+      entry(bag.metadata(topic::kSummary), "json").empty()) {
     throw InputError(path + ": no " + topic::kStep +
                      "; expected the log of a mission (prospect drive, explore --mcap)");
   }

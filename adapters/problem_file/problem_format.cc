@@ -26,6 +26,7 @@ constexpr int kMostZones = 1000;            // of a kind
 constexpr std::size_t kMostTerms = 1000;
 constexpr int kVersionWithoutZones = 2;
 constexpr int kVersionWithoutAddedTerms = 3;
+constexpr int kVersionWithoutScale = 4;
 constexpr double kMostFieldNodes = 25e6;
 constexpr double kMostTableEntries = 50e6;
 constexpr double kMostRaySteps = 5e9;
@@ -334,7 +335,14 @@ void visible_features(Archive& a, int version, ProblemSpecification& r) {
     a.number("chance_weight", f.chance_weight);
     a.number("rho", f.rho);
     knobs.group("visibility", [&] { describe(knobs, r.visibility); });
-    knobs.group("odometry", [&] { describe(knobs, r.visibility.odometry); });
+    knobs.group("odometry", [&] {
+      OdometryNoise& odometry = r.visibility.odometry;
+      if (version > kVersionWithoutScale) {
+        describe(knobs, odometry);
+      } else {
+        describe_random_walk(knobs, odometry);
+      }
+    });
     landmarks(a, version, r.landmarks);
     occlusion(a, r.landmark_lattice, r.landmark_occlusion, r.landmarks.size(),
               r.voxels->resolution());
@@ -566,9 +574,10 @@ void transfer_problem(Archive& a, SavedProblem& problem, const TermRegistry& reg
   }
   // The least that says it all: who knows no zones may read what has none.
   const ProblemSpecification& s = problem.specification;
-  int version = !s.added_terms.empty() || !s.terms_left_out.empty() ? kProblemFileVersion
-                : s.zones                                           ? kVersionWithoutAddedTerms
-                                                                    : kVersionWithoutZones;
+  int version = s.visibility.odometry.scale > 0.0                     ? kProblemFileVersion
+                : !s.added_terms.empty() || !s.terms_left_out.empty() ? kVersionWithoutScale
+                : s.zones                                             ? kVersionWithoutAddedTerms
+                                                                      : kVersionWithoutZones;
   a.integer("version", version, 1, std::numeric_limits<int>::max());
   if (version > kProblemFileVersion) {
     a.refuse("version", "is " + std::to_string(version),

@@ -677,7 +677,7 @@ function draw() {
   }
   // The robot: a ring where it is, a disc with its heading where it believes to be.
   const radius = Math.max(6, run.robot_radius * view.scale);
-  if (layers.true) {
+  if (layers.true && at !== pose) {  // what is true is known at steps alone
     const [sx, sy] = toScreen(column.true_x[step], column.true_y[step]);
     pen.beginPath(); pen.arc(sx, sy, radius, 0, 2 * Math.PI);
     pen.strokeStyle = colors.true; pen.lineWidth = 1.5; pen.stroke();

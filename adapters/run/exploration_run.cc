@@ -118,9 +118,11 @@ std::optional<RangeCamera> range_camera(const Configuration& configuration) {
   const SimulatorOptions& simulator = configuration.simulator;
   const CameraRigOptions& rig = simulator.camera.rig;
   const bool images = simulator.sensors == Sensors::kCamera;
+  // Rays of a scan lie between pixels, by less in a finer image.
+  constexpr int kFiner = 4;
   RangeCamera camera;
-  camera.camera = depth_camera(seen, images ? rig.depth_width : simulator.depth.columns,
-                               images ? rig.depth_height : simulator.depth.rows);
+  camera.camera = depth_camera(seen, images ? rig.depth_width : kFiner * simulator.depth.columns,
+                               images ? rig.depth_height : kFiner * simulator.depth.rows);
   camera.mount = configuration.robot.depth_mount;
   camera.range = {seen.min_range, seen.max_range};
   return camera;

@@ -218,6 +218,14 @@ Eigen::Vector3d VisibilityPrediction::sensor_position(const Pose& pose) const {
   return pose.position + Vector3d(cy * t.x() - sy * t.y(), sy * t.x() + cy * t.y(), t.z());
 }
 
+Matrix4d VisibilityPrediction::with_scale(const Matrix4d& sigma, const Vector3d& d) const {
+  const double scale = parameters_.odometry.scale;
+  if (!(scale > 0.0)) return sigma;
+  Matrix4d sum = sigma;
+  sum.topLeftCorner<3, 3>() += scale * scale * d * d.transpose();
+  return sum;
+}
+
 VisibilityKernelStage VisibilityPrediction::stage_inputs(const Pose& pose,
                                                          const Matrix4d& sigma) const {
   VisibilityKernelStage s;
@@ -289,7 +297,7 @@ bool VisibilityPrediction::propagate(const TrajectoryBatch& t, int b, const Requ
     const Matrix4d& sigma = scratch.sigma[n];
     VisibilityKernelStage& stage = scratch.inputs[n];
     VisibilitySums& sums = scratch.sums[n];
-    stage = stage_inputs(pose, sigma);
+    stage = stage_inputs(pose, with_scale(sigma, pose.position - scratch.poses[0].position));
     Matrix6d I;
     const bool scored = request.score && !request.gradient;
     if (scored) {
@@ -357,6 +365,7 @@ void VisibilityPrediction::pull_back(const TrajectoryBatch& t, int b, TermScratc
   const double ppr2 = noise.position_per_radian * noise.position_per_radian;
   const double ypm2 = noise.yaw_per_metre * noise.yaw_per_metre;
   const double ypr2 = noise.yaw_per_radian * noise.yaw_per_radian;
+  const double scale2 = noise.scale * noise.scale;
   Matrix3d turn_rate;  // dR_CW/dyaw = turn_rate R_CW: v -> v x up
   turn_rate << 0.0, constants_.up[2], -constants_.up[1], -constants_.up[2], 0.0, constants_.up[0],
       constants_.up[1], -constants_.up[0], 0.0;
@@ -421,7 +430,14 @@ void VisibilityPrediction::pull_back(const TrajectoryBatch& t, int b, TermScratc
     d_yaw += 2.0 * d_M.cwiseProduct(turn_rate * M).sum() + d_c.dot(turn_rate * c);
     out.add_pose_gradient(t, k, b, d_position.x(), d_position.y(), d_position.z(), d_yaw);
 
-    adjoint.topLeftCorner<3, 3>() += R.transpose() * d_M * R;
+    const Matrix3d d_position_covariance = R.transpose() * d_M * R;
+    if (scale2 > 0.0) {
+      const Vector3d d =
+          2.0 * scale2 * (d_position_covariance * (pose.position - scratch.poses[0].position));
+      out.add_pose_gradient(t, k, b, d.x(), d.y(), d.z(), 0.0);
+      out.add_pose_gradient(t, 0, b, -d.x(), -d.y(), -d.z(), 0.0);
+    }
+    adjoint.topLeftCorner<3, 3>() += d_position_covariance;
     const Vector3d cross = -0.5 * (R.transpose() * d_c);
     adjoint.topRightCorner<3, 1>() += cross;
     adjoint.bottomLeftCorner<1, 3>() += cross.transpose();
@@ -457,31 +473,20 @@ std::vector<double> VisibilityPrediction::visible(const TrajectoryBatch& t, int 
   return stages(*scratch).count;
 }
 
-std::vector<Matrix4d> VisibilityPrediction::relative_covariances(const TrajectoryBatch& t,
-                                                                 int b) const {
+std::vector<Matrix4d> VisibilityPrediction::relative_covariances(const TrajectoryBatch& t, int b,
+                                                                 const double* prior_count) const {
   const auto scratch = make_scratch(t.horizon);
-  const bool ok = propagate(t, b, Request{}, nullptr, *scratch);
+  const bool ok = propagate(t, b, Request{}, prior_count, *scratch);
   const auto& stored = static_cast<const Scratch&>(*scratch).sigma;
   std::vector<Matrix4d> sigma(stored.begin(), stored.end());
+  for (std::size_t k = 0; k < sigma.size(); ++k) {
+    sigma[k] =
+        with_scale(sigma[k], t.pose(static_cast<int>(k), b).position - t.pose(0, b).position);
+  }
   if (!ok) {
     for (Matrix4d& s : sigma) s.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
   return sigma;
-}
-
-void describe(Knobs& knobs, OdometryNoise& o) {
-  knobs.number("position_per_metre", o.position_per_metre, {0.0, 1000.0}, "m/sqrt(m)",
-               "error of the position from driving");
-  knobs.number("position_per_radian", o.position_per_radian, {0.0, 1000.0}, "m/sqrt(rad)",
-               "error of the position from turning");
-  knobs.number("yaw_per_metre", o.yaw_per_metre, {0.0, 1000.0}, "rad/sqrt(m)",
-               "error of the heading from driving");
-  knobs.number("yaw_per_radian", o.yaw_per_radian, {0.0, 1000.0}, "rad/sqrt(rad)",
-               "error of the heading from turning");
-  knobs.number("reference_count", o.reference_count, {0.0, 1e6}, "1",
-               "points in view at which these errors hold");
-  knobs.number("floor_count", o.floor_count, {0.001, 1e6}, "1",
-               "points that are added to both counts: bounds the errors where none is in view");
 }
 
 void describe(Knobs& knobs, VisibilityParameters& p) {

@@ -7,6 +7,7 @@
 
 #include "engine/features/visibility_kernel.h"
 #include "engine/maps/landmark_map.h"
+#include "engine/maps/odometry_noise.h"
 #include "engine/problem/term.h"
 #include "engine/problem/trajectory.h"
 #include "models/camera.h"
@@ -16,24 +17,6 @@ namespace prospect {
 class Knobs;
 
 class OcclusionTable;
-
-/// Noise of the odometry, a random walk in distance and angle (our choice of shape):
-///   Var position (each axis) = position_per_metre^2 s + position_per_radian^2 a   [m^2]
-///   Var yaw                  = yaw_per_metre^2 s      + yaw_per_radian^2 a        [rad^2]
-/// after s metres travelled and a radians turned with `reference_count` points in view. With N
-/// points both variances grow by (reference_count + floor_count) / (N + floor_count): about 1/N, as
-/// the covariance of a least-squares pose does, and bounded at N = 0.
-struct OdometryNoise {
-  double position_per_metre = 0.002;   ///< [m / sqrt(m)]
-  double position_per_radian = 0.002;  ///< [m / sqrt(rad)]
-  double yaw_per_metre = 0.0005;       ///< [rad / sqrt(m)]
-  double yaw_per_radian = 0.001;       ///< [rad / sqrt(rad)]
-  double reference_count = 200.0;      ///< points at which the values above hold
-  double floor_count = 2.0;            ///< > 0
-};
-
-/// The knobs (models/knobs.h).
-void describe(Knobs& knobs, OdometryNoise& options);
 
 /// What decides whether a point is seen. Widths are those of logistic functions: 0.5 at the limit,
 /// 0.73 one width inside, 0.95 three widths inside.
@@ -69,12 +52,14 @@ VisibilityParameters with_redetected_landmarks(VisibilityParameters parameters =
 ///   diag(w_p, w_p, w_z, w_yaw),  w from OdometryNoise with
 ///         s = sqrt(|p_{k+1} - p_k|^2 + e^2) - e,  a = sqrt(dyaw^2 + e^2) - e,  e = 1 mm, 1 mrad
 ///         w_z = w_p for bases that move in 3-D, 0 for a base on the plane (its height is known)
-///   S_ik = H_x Sigma_rel,k H_x^T + H_l Sigma_i H_l^T + sigma_px^2 I                      [px^2]
+///   Sigma_k = Sigma_rel,k + scale^2 d_k d_k^T,  d_k = p_k - p_0: an error of the scale is the same
+///         at all stages, so it does not add up like noise
+///   S_ik = H_x Sigma_k H_x^T + H_l Sigma_i H_l^T + sigma_px^2 I                      [px^2]
 ///   pi_ik = tau_i P_fov P_range P_view P_unoccluded P_cell
 ///   N_k = sum_i mu_i pi_ik (+ prior),   Var N_k = sum_i mu_i pi_ik (1 - pi_ik) (+ prior),
 ///   mu_i the landmarks that i stands for (Landmark::multiplicity)
 ///
-/// Sigma_rel is the uncertainty of the pose at stage k relative to the pose now: the map drifts
+/// Sigma_k is the uncertainty of the pose at stage k relative to the pose now: the map drifts
 /// with the odometry's frame, so the present pose is exact with respect to it. F_k is the Jacobian
 /// of compounding a displacement measured in the body frame; for every motion model of this project
 /// it is A_k restricted to the pose.
@@ -127,9 +112,9 @@ class VisibilityPrediction {
   /// N_k without prior, k = 0..N, of candidate b. Allocates; for reports.
   std::vector<double> visible(const TrajectoryBatch& trajectories, int b) const;
 
-  /// Sigma_rel,k, k = 0..N, of candidate b. Allocates; for reports.
-  std::vector<Eigen::Matrix4d> relative_covariances(const TrajectoryBatch& trajectories,
-                                                    int b) const;
+  /// Sigma_k, k = 0..N, of candidate b; prior_count as of propagate(). Allocates; for reports.
+  std::vector<Eigen::Matrix4d> relative_covariances(const TrajectoryBatch& trajectories, int b,
+                                                    const double* prior_count = nullptr) const;
 
   /// What a pass along one trajectory leaves behind. All arrays have N + 1 entries.
   struct Stages {
@@ -180,6 +165,8 @@ class VisibilityPrediction {
 
  private:
   class Scratch;
+  /// Sigma_k of Sigma_rel,k and d_k.
+  Eigen::Matrix4d with_scale(const Eigen::Matrix4d& sigma, const Eigen::Vector3d& d) const;
   VisibilityKernelStage stage_inputs(const Pose& pose, const Eigen::Matrix4d& sigma) const;
   void unoccluded(const Eigen::Vector3d& sensor, bool gradient, Scratch& scratch) const;
   /// information: null, or 6 x 6, without the prior.

@@ -2,7 +2,10 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
+
+#include "engine/maps/odometry_noise.h"
 
 namespace prospect {
 
@@ -25,7 +28,8 @@ struct Landmark {
   double per_cell = 0.0;
 };
 
-/// Landmarks known to the planner, and what has been learned of texture in general.
+/// Landmarks known to the planner, and what has been learned of texture in general and of the
+/// odometry that tracks them.
 struct LandmarkMap {
   std::vector<Landmark> landmarks;
   /// rho: pessimistic quantile of new features per newly seen surface [1/m^2].
@@ -33,6 +37,8 @@ struct LandmarkMap {
   /// Side of the image cells of which the tracker keeps one landmark each, over the focal length
   /// [-]; 0: there are none, or the landmarks' survival accounts for them.
   double image_cell = 0.0;
+  /// How the odometry's motions err, as it measured it of late; none: the planner's parameters say.
+  std::optional<OdometryNoise> odometry_noise{};
 };
 
 }  // namespace prospect

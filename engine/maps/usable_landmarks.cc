@@ -4,7 +4,10 @@
 #include <algorithm>
 #include <cmath>
 #include <sstream>
+#include <stdexcept>
 #include <utility>
+
+#include "models/knobs.h"
 
 namespace prospect {
 namespace {
@@ -82,6 +85,7 @@ UsableLandmarks usable_landmarks(std::shared_ptr<const LandmarkMap> map) {
     copy = std::make_shared<LandmarkMap>();
     copy->feature_density = map->feature_density;
     copy->image_cell = map->image_cell;
+    copy->odometry_noise = map->odometry_noise;
     copy->landmarks.assign(map->landmarks.begin(),
                            map->landmarks.begin() + static_cast<std::ptrdiff_t>(i));
   }
@@ -95,6 +99,13 @@ UsableLandmarks usable_landmarks(std::shared_ptr<const LandmarkMap> map) {
   };
   check(&LandmarkMap::feature_density, kMostDensity, "feature_density");
   check(&LandmarkMap::image_cell, kMostImageCell, "image_cell");
+  try {
+    if (map->odometry_noise) check_knobs("odometry_noise", *map->odometry_noise);
+  } catch (const std::invalid_argument& e) {
+    note(std::string(e.what()) + "; left out");
+    if (!copy) copy = std::make_shared<LandmarkMap>(*map);
+    copy->odometry_noise.reset();
+  }
   result.map = copy ? std::move(copy) : std::move(map);
   return result;
 }

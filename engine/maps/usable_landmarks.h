@@ -24,7 +24,7 @@ struct UsableLandmarks {
   int dropped = 0;                         ///< landmarks left out
   /// The first fault: "landmark 7: survival is 1.5; expected 0 to 1". Not of a landmark left out
   /// only if feature_density or image_cell is out of its range (0 to 10^5 / m^2, 0 to 1), which
-  /// then counts as 0.
+  /// then counts as 0, or odometry_noise is out of that of its knobs, which is then left out.
   std::string fault;
 };
 

@@ -101,6 +101,7 @@ std::size_t specify_visible_features(const StepContext& c, ProblemSpecification&
   s.landmark_occlusion.max_range = p.visibility.r_max + 1.0;
   if (!p.feature_occlusion) s.landmark_occlusion.trim = s.landmark_occlusion.max_range;
   s.visibility = p.visibility;
+  s.visibility.odometry = c.belief.landmarks->odometry_noise.value_or(p.visibility.odometry);
   UnseenFeatureOptions unseen;
   unseen.density = p.feature_prior ? c.belief.landmarks->feature_density : 0.0;
   unseen.range = reach(c) + p.visibility.r_max;
@@ -117,7 +118,7 @@ std::size_t specify_visible_features(const StepContext& c, ProblemSpecification&
   if (!p.feature_covariance) {
     OdometryNoise& noise = s.visibility.odometry;
     noise.position_per_metre = noise.position_per_radian = 0.0;
-    noise.yaw_per_metre = noise.yaw_per_radian = 0.0;
+    noise.yaw_per_metre = noise.yaw_per_radian = noise.scale = 0.0;
     for (Landmark& landmark : s.landmarks) landmark.covariance.setZero();
   }
   if (c.belief.localization != Localization::kLost) calibrate(c, s);

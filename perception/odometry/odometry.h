@@ -93,6 +93,14 @@ class Odometry {
   /// Those of them, all tracked, that are given up from now on: another, older one stands in the
   /// same image cell.
   virtual const std::vector<std::uint64_t>& given_up() const = 0;
+
+  /// Covariance of the motion since the frame that was processed `frames` before the newest, of
+  /// e = (t, omega) in C with T_CC' <- exp(e) T_CC', C' the camera then. What both poses owe to the
+  /// same landmarks does not count. Nothing where it is not known.
+  virtual std::optional<Eigen::Matrix<double, 6, 6>> covariance_since(int frames) const {
+    (void)frames;
+    return std::nullopt;
+  }
 };
 
 }  // namespace prospect

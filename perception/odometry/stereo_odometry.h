@@ -50,11 +50,9 @@ class StereoOdometry final : public Odometry {
   const std::vector<LandmarkSighting>& sightings() const override;
   const std::vector<std::uint64_t>& given_up() const override;
 
-  /// Covariance of the motion since the frame that was processed `frames` before the newest, of
-  /// e = (t, omega) in C with T_CC' <- exp(e) T_CC', C' the camera then. What both poses owe to the
-  /// same landmarks does not count. Nothing where either pose was not measured, after a new map, or
-  /// if it is longer ago than 20 frames.
-  std::optional<Eigen::Matrix<double, 6, 6>> covariance_since(int frames) const;
+  /// Nothing where either pose was not measured, after a new map, or if it is longer ago than 20
+  /// frames.
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance_since(int frames) const override;
 
  private:
   struct Impl;

@@ -99,6 +99,7 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
     : options_(options),
       camera_(camera),
       odometry_(std::move(odometry)),
+      motion_noise_(options.stereo_mount.T_BC),
       reader_(options.stereo_mount.T_BC),
       fusion_(fusion_of(options)),
       map_(std::make_shared<OccupancyMapper>(options.mapping.map)),
@@ -135,6 +136,7 @@ InputResult PerceptionPipeline::stereo(const StampedPair& pair) {
   if (options_.wheels) motion = reader_.camera_motion(pose_at_fix_, fusion_.at(stamp).pose);
   frame_ = odometry_->process(stamp, pair.left, pair.right, motion);
   const bool measured = frame_.tracked > 0 && frame_.state != Localization::kLost;
+  motion_noise_.add(frame_, *odometry_);
   log_.note(InputSource::kStereo, {});
   compare();
   const std::string why = disagreement();
@@ -389,6 +391,7 @@ std::shared_ptr<const Belief> PerceptionPipeline::belief(double stamp) {
   if (odometry_) {
     LandmarkMap landmarks = *odometry_->landmarks(0.0);
     landmarks.feature_density = density_.value();
+    landmarks.odometry_noise = motion_noise_.noise();
     belief = options_.wheels
                  ? builder_.build(frame_, fusion_.at(stamp), map().snapshot(), std::move(landmarks))
                  : builder_.build(frame_, map().snapshot(), std::move(landmarks));

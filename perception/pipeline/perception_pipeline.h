@@ -18,6 +18,7 @@
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/depth_mapper.h"
 #include "perception/mapping/scan_mapper.h"
+#include "perception/odometry/motion_noise.h"
 #include "perception/odometry/stereo_odometry.h"
 #include "perception/pipeline/belief_builder.h"
 #include "perception/pipeline/feature_density.h"
@@ -84,6 +85,9 @@ struct ExternalPose {
 /// Sensors against each other. Depths of the stereo pair are compared with those of the depth
 /// camera where both look at the same time (depth_agreement.h), lengths by vision with those by
 /// wheels (WheelFusion). While they disagree localization is lost, and complaint() says why.
+///
+/// Noise. How the odometry's motions err is measured on the way (MotionNoise) and stands in the
+/// belief's landmarks, for the planner to count on.
 ///
 /// No map is copied for a belief: OccupancyMapper shares its snapshots, so hold on to as few
 /// beliefs as are needed. Landmarks are made anew for each belief.
@@ -169,6 +173,7 @@ class PerceptionPipeline {
   PerceptionOptions options_;
   std::optional<StereoCamera> camera_;
   std::unique_ptr<Odometry> odometry_;  // null: poses come from outside
+  MotionNoise motion_noise_;
   VisualMotionReader reader_;
   WheelFusion fusion_;
   std::shared_ptr<OccupancyMapper> map_;

@@ -112,6 +112,55 @@ TEST(BenchRun, TakesAFeasibleResultBelowTheStoredOneForTheBest) {
   EXPECT_EQ(t.best[0][0].found_by, "good");
 }
 
+/// A back end that calls every start an optimum.
+class Boaster final : public Solver {
+ public:
+  std::string name() const override { return "boaster"; }
+  std::vector<OptionInfo> options() const override { return {}; }
+  std::string explain_unsupported(const Problem&) const override { return ""; }
+  Result solve(const Problem& problem, const WarmStart& start, const Options&,
+               const StopCondition&) const override {
+    Result r;
+    r.stop = StopReason::kConverged;
+    r.quality = Quality::kFeasibleOptimum;
+    r.x = start.x;
+    r.cost = problem.explain(start.x).cost;
+    return r;
+  }
+};
+
+TEST(BenchRun, VerifiesAClaimedOptimumOfEveryBackEnd) {
+  ProblemSet set;
+  set.name = "claims";
+  const FunctionProblem cargo = zoo::cargo(), hs43 = zoo::hs43();
+  set.problems.push_back(started("false", cargo.problem(), cargo.start, cargo.optimum));
+  set.problems.push_back(started("true", hs43.problem(), vec({0, 1, 2, -1}), hs43.optimum));
+  const BenchTable t = run_bench({set}, {{"boaster", std::make_shared<Boaster>(), {}}}, {});
+  EXPECT_EQ(t.rows[0].claimed, Quality::kFeasibleOptimum);
+  EXPECT_EQ(t.rows[0].quality, Quality::kFeasible);
+  EXPECT_GT(t.rows[0].optimality, 0.1);
+  EXPECT_EQ(t.rows[1].quality, Quality::kFeasibleOptimum);
+  EXPECT_LT(t.rows[1].optimality, 1e-9);
+  EXPECT_EQ(t.rows[1].x, vec({0, 1, 2, -1}));
+}
+
+TEST(BenchRun, SolvesOnceWithEachSeed) {
+  BenchOptions options;
+  options.seeds = {3, 5};
+  int rows = 0;
+  options.on_row = [&](const BenchTable& of, const BenchRow& row) {
+    ++rows;
+    EXPECT_EQ(&of.rows.back(), &row);
+  };
+  const BenchTable t = run_bench({two_problems()}, {scripted("good", kGood)}, options);
+  EXPECT_EQ(rows, 4);
+  ASSERT_EQ(t.rows.size(), 4U);
+  EXPECT_EQ(t.rows[0].seed, 3);
+  EXPECT_EQ(t.rows[1].seed, 5);
+  EXPECT_EQ(t.rows[1].problem, 0);
+  EXPECT_EQ(summarize(t)[0].problems, 4);  // each problem with each seed
+}
+
 TEST(BenchRun, SummarizesByHandComputedNumbers) {
   const auto groups = summarize(table());
   ASSERT_EQ(groups.size(), 1U);
@@ -222,7 +271,7 @@ TEST(BenchRun, KeepsTheProblemsThatAllWereDoneWithWhenItIsCancelled) {
     EXPECT_TRUE(t.cancelled);
     const int whole = last / 2;
     int problems = 0;
-    for (const ProblemSet& set : t.sets) {
+    for (const ProblemSetFacts& set : t.sets) {
       EXPECT_FALSE(set.problems.empty());
       problems += static_cast<int>(set.problems.size());
     }
@@ -233,7 +282,7 @@ TEST(BenchRun, KeepsTheProblemsThatAllWereDoneWithWhenItIsCancelled) {
     if (whole > 0) {
       EXPECT_EQ(groups.front().problems, whole);
     }
-    EXPECT_TRUE(bench_json(t, groups, true, {}).at("cancelled").get<bool>());
+    EXPECT_TRUE(bench_json(t, groups, true).at("cancelled").get<bool>());
   }
 }
 
@@ -254,11 +303,11 @@ TEST(BenchFiles, HaveARowForEveryCellAndAsManyFieldsAsTheHead) {
 }
 
 TEST(BenchFiles, HaveJsonThatReadsBackWithWhatTheTableSays) {
-  const BenchTable t = table();
+  BenchTable t = table();
+  t.environments = {{{"processor", "abacus"}}};
   const auto groups = summarize(t);
-  const auto json =
-      nlohmann::ordered_json::parse(bench_json(t, groups, true, {{"processor", "abacus"}}).dump());
-  EXPECT_EQ(json["build"]["processor"], "abacus");
+  const auto json = nlohmann::ordered_json::parse(bench_json(t, groups, true).dump());
+  EXPECT_EQ(json["environments"][0]["processor"], "abacus");
   EXPECT_EQ(json["cancelled"], false);
   EXPECT_EQ(json["rows"].size(), 6U);
   EXPECT_EQ(json["rows"][0]["cost"], 10.05);
@@ -274,7 +323,7 @@ TEST(BenchFiles, HaveJsonThatReadsBackWithWhatTheTableSays) {
 TEST(BenchPage, HoldsTheDataAndLeavesNoPlaceUnfilled) {
   BenchTable t = table();
   t.sets[0].name = "</script><b>";
-  const std::string page = bench_page(bench_json(t, summarize(t), false, {}));
+  const std::string page = bench_page(bench_json(t, summarize(t), false));
   for (const char* place : {"{{title}}", "{{style}}", "{{bench}}", "{{library", "{{script}}"}) {
     EXPECT_EQ(page.find(place), std::string::npos) << place;
   }

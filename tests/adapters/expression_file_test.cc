@@ -86,6 +86,14 @@ TEST_F(ExpressionFile, StatesBoundsAndEqualitiesAsAProblemCan) {
   expect_derivatives(*p.problem, Eigen::Vector2d(0.3, -1.2));
 }
 
+TEST_F(ExpressionFile, MayLackItsOptimum) {
+  for (const char* unknown : {"\"f_opt\": null", "\"note 2\": 1"}) {
+    const ProblemSet set = read_expression_file(write(hs14("\"f_opt\": 1.3934646209", unknown)));
+    EXPECT_FALSE(set.problems[0].best_known.has_value());
+    EXPECT_EQ(set.best_known_source, "");
+  }
+}
+
 TEST_F(ExpressionFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(refusal(""), HasSubstr("is no JSON; expected"));
   EXPECT_THAT(refusal("{}"), HasSubstr("has no problems; expected"));
@@ -98,7 +106,8 @@ TEST_F(ExpressionFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(refusal(hs14("[null, -3]", "[null, \"a\"]")), HasSubstr("lower[1] is no number"));
   EXPECT_THAT(refusal(hs14("[null, -3]", "[200, -3]")), HasSubstr("lower[0] is above upper"));
   EXPECT_THAT(refusal(hs14("x2+1", "x3+1")), HasSubstr("equalities_zero 'x1-2*x3+1', at 6: "));
-  EXPECT_THAT(refusal(hs14("\"f_opt\": 1.39", "\"f\": 1.39")), HasSubstr("has no f_opt; expected"));
+  EXPECT_THAT(refusal(hs14("\"f_opt\": 1.3934646209", "\"f_opt\": \"low\"")),
+              HasSubstr("f_opt is no number; expected"));
   EXPECT_THAT(refusal(hs14("\"(x1-2)^2+(x2-1)^2\"", "7")), HasSubstr("objective is no text"));
   const std::string one = hs14(),
                     twice = one.substr(0, one.size() - 2) + "," + one.substr(one.find("[{") + 1);

@@ -145,9 +145,9 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   {
     OdometryNoise o;
     auto& [position_per_metre, position_per_radian, yaw_per_metre, yaw_per_radian, reference_count,
-           floor_count] = o;
+           floor_count, scale] = o;
     expect_reached(o, {&position_per_metre, &position_per_radian, &yaw_per_metre, &yaw_per_radian,
-                       &reference_count, &floor_count});
+                       &reference_count, &floor_count, &scale});
   }
   {
     VisibilityParameters o;

@@ -113,7 +113,9 @@ TEST_F(LiveServerTest, TheTokenMakesTheDifferenceBetweenWatchingAndCommanding) {
   commander.say(R"({"op":"command","name":"hold"})");
   EXPECT_EQ(next(commander, "answer")["refused"], "");
   EXPECT_FALSE(requests_.told_to_drive());
-  EXPECT_EQ(next(watcher, "status")["told_to_drive"], false);
+  json status = next(watcher, "status");  // the first may be of before
+  while (!status.is_null() && status["told_to_drive"] == true) status = next(watcher, "status");
+  EXPECT_FALSE(status.is_null());
 }
 
 TEST_F(LiveServerTest, WhatTheRobotTellsReachesItsViewers) {
@@ -148,10 +150,10 @@ TEST_F(LiveServerTest, AViewerThatReadsNothingCostsTheOthersNothingAndIsGivenUp)
   WebClient sleeper = viewer(), reader = viewer();
   const RunRecord run = synthetic_run(1);
   StepRecord big = run.steps[0];
-  big.why.assign(200000, 'x');
+  big.why.assign(500000, 'x');
   const auto begun = std::chrono::steady_clock::now();
   std::chrono::duration<double> longest{};
-  for (int k = 0; k < 100; ++k) {
+  for (int k = 0; k < 40; ++k) {
     big.step = k;
     const auto before = std::chrono::steady_clock::now();
     feed_.step(big);
@@ -164,6 +166,7 @@ TEST_F(LiveServerTest, AViewerThatReadsNothingCostsTheOthersNothingAndIsGivenUp)
   EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count(), 60.0);
   bool alone = false;
   for (int k = 0; k < 100 && !alone; ++k) {
+    requests_.tell(std::to_string(k));  // so that there is a status to be told
     const json status = next(reader, "status");
     if (status.is_null()) break;
     alone = status["viewers"] == 1;
@@ -257,14 +260,15 @@ TEST_F(LiveServerTest, WhatCannotBeUsedIsRefusedInOneLine) {
                                                      HasSubstr("expected a free port")));
   EXPECT_THAT(said({.host = "nowhere"}),
               testing::AllOf(StartsWith("--live-host"), HasSubstr("expected")));
-  EXPECT_THAT(said({.host = "192.0.2.1"}), HasSubstr("expected"));
+  EXPECT_THAT(said({.host = "192.0.2.1"}), StartsWith("--live-host"));
   EXPECT_THAT(said({.token = "short"}),
               testing::AllOf(StartsWith("--live-token"), HasSubstr("16")));
   EXPECT_EQ(said({.host = "localhost"}), "");
 }
 
 TEST_F(LiveServerTest, ItsAddressHoldsTheToken) {
-  EXPECT_EQ(serve().url(), "http://127.0.0.1:" + std::to_string(port()) + "/?token=" + kToken);
+  serve();
+  EXPECT_EQ(server_->url(), "http://127.0.0.1:" + std::to_string(port()) + "/?token=" + kToken);
   server_.reset();
   serve({.host = "0.0.0.0"});
   EXPECT_THAT(server_->url(), StartsWith("http://127.0.0.1:"));

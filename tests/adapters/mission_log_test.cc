@@ -213,6 +213,7 @@ TEST_F(MissionLogTest, WhatIsNoLogIsRefusedInOneLine) {
   {
     McapWriter other(path_);
     const std::uint16_t channel = other.add_channel("/a", "std_msgs/msg/String", "string data\n");
+    other.add_channel("/plan/step", "diagnostic_msgs/msg/DiagnosticArray", "");  // and no step
     other.message(channel, 0, "xxxx");
     other.close();
   }

@@ -416,8 +416,8 @@ TEST_F(ProblemFileTest, SaysWhichEntryIsNoneOfAProblemWhateverItClaims) {
             "/format: missing; expected a text of a fixed length, at most 4096 bytes");
   EXPECT_EQ(after([](hid_t f) { set_text(f, "/", "format", "prospect map"); }),
             "/format: is 'prospect map'; expected 'prospect problem'");
-  EXPECT_EQ(after([](hid_t f) { set_integer(f, "/", "version", 5); }),
-            "/version: is 5; expected 1 to 4, those that this program knows");
+  EXPECT_EQ(after([](hid_t f) { set_integer(f, "/", "version", 6); }),
+            "/version: is 6; expected 1 to 5, those that this program knows");
   EXPECT_THAT(after([](hid_t f) { set_integer(f, "/", "version", -1); }),
               StartsWith("/version: is -1; expected"));
   EXPECT_THAT(
@@ -714,6 +714,18 @@ TEST_F(ProblemFileTest, KeepsZonesToTheBit) {
   EXPECT_THAT(refused(path("three.h5")), StartsWith("/zones: slow 1: max_speed is -1"));
 }
 
+// An error of the odometry's scale is what version 5 has.
+TEST_F(ProblemFileTest, KeepsTheErrorOfTheScale) {
+  SavedProblem problem = small_problem();
+  problem.specification.visibility.odometry.scale = 0.1 / 3.0;
+  write_problem(path("five.h5"), problem);
+  const ReadProblem read = read_problem(path("five.h5"));
+  EXPECT_EQ(read.saved.specification.visibility.odometry.scale, 0.1 / 3.0);
+  expect_same_problem(*make_problem(problem.specification), *read.problem);
+  edit(path("five.h5"), [](hid_t f) { set_integer(f, "/", "version", 4); });
+  EXPECT_EQ(read_problem(path("five.h5")).saved.specification.visibility.odometry.scale, 0.0);
+}
+
 TEST_F(ProblemFileTest, LeavesTheSettingsOfHdf5AsTheyWere) {
   static int printed = 0;
   const auto print = [](hid_t, void*) -> herr_t {
@@ -822,6 +834,7 @@ TEST_F(ProblemFileTest, TheDocumentationDescribesEveryEntryAndNoOther) {
   terms.add(entry);
   SavedProblem added = small_problem();
   added.specification.added_terms = {terms.use("mine")};
+  added.specification.visibility.odometry.scale = 0.01;
   write_problem(path("a.h5"), added);
   written.merge(entries(path("a.h5")));
   EXPECT_EQ(written.erase("/terms/added/terms/1/options/option"), 1U) << "named by the term";

@@ -10,6 +10,7 @@
 #include "adapters/bench/mission_set.h"
 #include "adapters/files/input_error.h"
 #include "problems/r1.h"
+#include "problems/zoo.h"
 
 namespace prospect::problem_set_test {
 namespace {
@@ -122,6 +123,24 @@ TEST_F(Missions, KeepTheirBestCosts) {
 TEST_F(Missions, AreRefusedAsAWholeIfOneFileIsDamaged) {
   std::ofstream(folder_ / "zzz.h5") << "no problem";
   EXPECT_THAT(refusal(folder_.string()), HasSubstr("zzz.h5: no HDF5 file; expected a problem"));
+}
+
+TEST(ProblemFingerprint, IsThatOfTheProblemAndItsStart) {
+  const auto of = [](const FunctionProblem& p) {
+    return problem_fingerprint(started(p.name, p.problem(), p.start, std::nullopt));
+  };
+  const FunctionProblem hs35 = zoo::hs35();
+  EXPECT_EQ(of(hs35).size(), 16U);
+  EXPECT_EQ(of(hs35), of(zoo::hs35()));
+  FunctionProblem other = hs35;
+  other.start[1] += 1e-15;
+  EXPECT_NE(of(other), of(hs35));
+  other = hs35;
+  other.upper[0] *= 2.0;
+  EXPECT_NE(of(other), of(hs35));
+  other = hs35;
+  other.f = [&](const Eigen::VectorXd& u) { return hs35.f(u) + 1e-12; };
+  EXPECT_NE(of(other), of(hs35));
 }
 
 }  // namespace

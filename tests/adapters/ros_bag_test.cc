@@ -276,6 +276,38 @@ TEST_F(RosBag, TopicsThatAreGivenOrMissing) {
   EXPECT_EQ(good["recordings"].size(), 1u);
 }
 
+TEST_F(RosBag, TopicsThatNothingWasRecordedOf) {
+  // As a recorder writes what it listened to in vain: a schema and a channel, and no message.
+  std::string bytes = test::mcap_of(stereo_messages(), 7, "", plain, checksum);
+  const std::size_t after_head =
+      8 + test::mcap_record(1, test::mcap_text("ros2") + test::mcap_text("test")).size();
+  const auto insert = [&](int id, const std::string& topic, const std::string& type) {
+    bytes.insert(
+        after_head,
+        test::mcap_record(3, test::le(id, 2) + test::mcap_text(type) + test::mcap_text("ros2msg") +
+                                 test::mcap_text("")) +
+            test::mcap_record(4, test::le(id, 2) + test::le(id, 2) + test::mcap_text(topic) +
+                                     test::mcap_text("cdr") + test::le(0, 4)));
+  };
+  insert(900, "/rect/left/image", "sensor_msgs/msg/Image");
+  insert(901, "/rect/right/image", "sensor_msgs/msg/Image");
+  insert(902, "/rect/left/camera_info", "sensor_msgs/msg/CameraInfo");
+  const std::string path = write("a.mcap", bytes);
+  follow(path);
+  StereoDatasetOptions options;
+  options.topics = {{"left", "/rect/left/image"}, {"right", "/rect/right/image"}};
+  EXPECT_THAT(refusal(path, options),
+              HasSubstr("topic /rect/left/image holds no message; expected one of: "));
+  options.topics = {{"left", "/stereo/left/image_raw"},
+                    {"right", "/stereo/right/image_raw"},
+                    {"left_info", "/rect/left/camera_info"}};
+  EXPECT_THAT(refusal(path, options), HasSubstr("topic /rect/left/camera_info holds no message"));
+  Found found = Found::kUnknown;
+  EXPECT_THAT(inspection_text(inspect_path(path, {}, {}, found)),
+              HasSubstr("/rect/left/image, 0 "));
+  EXPECT_EQ(found, Found::kUsable);
+}
+
 #ifdef PROSPECT_WITH_SQLITE
 TEST_F(RosBag, Database) {
   const std::string path = folder_ + "/a.db3";

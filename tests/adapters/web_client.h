@@ -92,7 +92,9 @@ class WebClient {
   };
   /// The next message; none: the other side has closed, or says nothing. Pings are answered.
   std::optional<Frame> frame() {
-    for (;;) {
+    // Pings alone keep nobody waiting for ever.
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (std::chrono::steady_clock::now() < end) {
       std::size_t size = 0, head = 2;
       if (!have(2)) return std::nullopt;
       const auto byte = [this](std::size_t i) { return static_cast<std::uint8_t>(in_[i]); };
@@ -108,6 +110,7 @@ class WebClient {
       if (frame.opcode != 9) return frame;
       say(frame.bytes, 10);
     }
+    return std::nullopt;
   }
   /// Masked, as a client's frames are; `opcode` as above.
   bool say(std::string_view bytes, int opcode = 1) {

@@ -548,7 +548,13 @@ for text in "all, 14 problems, no deadline" "zoo, 11 problems, deadline 50 ms" \
   grep -qF "$text" out.txt || fail "bench: no '$text' in '$out'"
 done
 named bench solver nlopt:LD_SLSQP sampling,max_evaluations=200
-[[ "$(ls bench | tr '\n' ' ')" == "bench.csv bench.html bench.json " ]] || fail "bench: $(ls bench)"
+[[ "$(ls bench | tr '\n' ' ')" == "bench.csv bench.html bench.json curves.csv figures planner_arena rows.jsonl summary.csv " ]] ||
+  fail "bench: $(ls bench)"
+[[ "$(ls bench/planner_arena | tr '\n' ' ')" == "problems.log problems_50ms.log zoo.log zoo_50ms.log " ]] ||
+  fail "bench/planner_arena: $(ls bench/planner_arena)"
+for name in all_50ms_targets_over_time zoo_profile_by_evaluations problems_gap_over_time; do
+  grep -q '</svg>' "bench/figures/$name.svg" || fail "bench has no figure $name"
+done
 (($(wc -l <bench/bench.csv) == 1 + 14 * 2 * 2)) || fail "bench.csv has $(wc -l <bench/bench.csv) lines"
 # What no clock decides repeats exactly: costs, counts, who solves what.
 counted() { grep ',nlopt:LD_SLSQP,,' "$1/bench.csv" | cut -d, -f1-8,11,16-20; }
@@ -564,6 +570,36 @@ grep -q '"step_000008": -\?[0-9]' saved/problems/best_known.json || fail "no bes
 succeeds "bench with best costs known" bench saved/problems --solver nlopt --deadline 0 --repeat 1 \
   --out bench_kept
 grep -q '"best_known_by": "stored"' bench_kept/bench.json || fail "best_known.json is not read"
+# A bench that was broken off: without its tables, with half of its rows and one that is cut off.
+succeeds "a whole bench" bench zoo --solver nlopt,sampling --deadline 0 --repeat 1 --seed 1,2 --max-evaluations 300 --out whole
+succeeds "half of it" bench zoo --solver nlopt --deadline 0 --repeat 1 --seed 1,2 --max-evaluations 300 --out half
+cp -r half other_half
+mkdir broken
+head -c -20 half/rows.jsonl >broken/rows.jsonl
+refused "a bench over one that was broken off" "--out broken" "expected --resume, or another folder" \
+  bench zoo --solver nlopt,sampling --out broken
+refused "a bench resumed with other evaluations" "--resume broken: evaluations at most: 300 there" \
+  "expected the command that began it" bench zoo --solver nlopt,sampling --deadline 0 --repeat 1 --seed 1,2 --resume --out broken
+refused "a bench resumed without its back end" "back end 'nlopt' is there, not asked for" "expected the command" \
+  bench zoo --solver sampling --deadline 0 --repeat 1 --seed 1,2 --max-evaluations 300 --resume --out broken
+succeeds "a bench resumed" bench zoo --solver nlopt,sampling --deadline 0 --repeat 1 --seed 1,2 --max-evaluations 300 \
+  --resume --out broken
+# What no clock and no load decides: all but the columns of time and load.
+timeless() { cut -d, -f1-11,13,16-22,24- "$1/bench.csv"; }
+diff <(timeless whole) <(timeless broken) || fail "a resumed bench is another one"
+(($(grep -c '"environment":' broken/rows.jsonl) == 2)) || fail "a resumed bench has not two environments"
+succeeds "the other half" bench zoo --solver sampling --deadline 0 --repeat 1 --seed 1,2 --max-evaluations 300 --out other_half
+succeeds "bench merge" bench merge half other_half --out merged
+diff <(timeless whole) <(timeless merged) || fail "a merged bench is another one"
+succeeds "bench compare" bench compare whole merged
+[[ "$(grep -c 'the same costs and counts' out.txt)" == 2 ]] || fail "bench compare: '$out'"
+refused "bench merge of a bench with itself" "is in another bench, too" "expected each row once" \
+  bench merge half half --out run
+refused "bench merge into one of them" "--out is 'half'" "expected a folder of its own" bench merge half other_half --out half
+refused "bench compare of one" "1 folders" "expected two" bench compare half
+refused "bench compare with an option of a measurement" "bench compare: an option of a measurement" "expected --tolerance" \
+  bench compare half merged --solver nlopt
+refused "bench with a seed twice" "--seed: the same twice" "expected each once" bench zoo --seed 1,1
 cp -r saved/problems some_damaged
 cp truncated.h5 some_damaged/step_000009.h5
 cp -r saved/problems bad_best
@@ -601,13 +637,18 @@ cat >hs35.json <<'JSON'
 JSON
 succeeds "bench of expressions" bench hs35.json --solver nlopt --deadline 0 --out bench_hs35
 grep -q '^nlopt  *1/1 ' out.txt || fail "bench of expressions: not solved: '$out'"
+sed 's/"f_opt": 0.1111111111111111,//' hs35.json >unknown.json
+succeeds "bench of an unknown optimum" bench unknown.json --solver nlopt --deadline 0 --repeat 1 --out bench_unknown
+grep -q '"best_known_by": "nlopt"' bench_unknown/bench.json || fail "bench does not say who found the best known cost"
+grep -q ',feasible optimum,' bench_unknown/bench.csv || fail "bench: a true optimum is not called one"
 sed 's/x1-x2-2/x1-x2 2/' hs35.json >misspelt.json
 refused "bench of a misspelt expression" "misspelt.json: problem 1 'HS35'" \
   "expected an operator" "${bench[@]}" misspelt.json
 succeeds "bench that captures missions" bench --capture captured --quick
 [[ "$(ls captured | wc -l)" == 9 && -s captured/plan-1_000022.h5 ]] || fail "captured: $(ls captured)"
 # What measured stands in the results, and nothing of this machine's names.
-for key in build processor commit commit_changed compiler flags build_type libraries runs_with cancelled; do
+for key in build processor cores system kernel load commit commit_changed compiler flags build_type libraries runs_with \
+  cancelled optimality x trace; do
   grep -q "\"$key\": " bench_again/bench.json || fail "bench.json has no '$key'"
 done
 ! grep -qF -e "$work" -e "$HOME/" bench_again/bench.json || fail "bench.json has a path of this machine"

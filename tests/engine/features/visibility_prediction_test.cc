@@ -233,6 +233,7 @@ TEST(VisibilityPrediction, RelativeCovarianceAgreesWithNoisyOdometry) {
     const TrajectoryBatch t = visibility_scene::walks(rng, *model, N, 0.5, 1, 0.8, 0.6);
     VisibilityParameters p;
     p.odometry.yaw_per_metre = 0.003;
+    p.odometry.scale = 0.05;
     const VisibilityPrediction prediction({}, {}, {}, nullptr, p);
     const auto sigma = prediction.relative_covariances(t, 0);
     ASSERT_EQ(sigma.size(), static_cast<std::size_t>(N + 1));
@@ -245,6 +246,7 @@ TEST(VisibilityPrediction, RelativeCovarianceAgreesWithNoisyOdometry) {
     std::vector<Matrix4d> scatter(static_cast<std::size_t>(N + 1), Matrix4d::Zero());
     for (int s = 0; s < samples; ++s) {
       Pose real = t.pose(0, 0);
+      const double stretch = p.odometry.scale * n(rng);  // the same at all stages
       for (int k = 0; k < N; ++k) {
         const Pose a = t.pose(k, 0), b = t.pose(k + 1, 0);
         const double metres = std::sqrt((b.position - a.position).squaredNorm() + 1e-6) - 1e-3;
@@ -260,7 +262,8 @@ TEST(VisibilityPrediction, RelativeCovarianceAgreesWithNoisyOdometry) {
         real.position += Eigen::AngleAxisd(real.yaw, Vector3d::UnitZ()) * body + noise;
         real.yaw += b.yaw - a.yaw + std::sqrt(wy) * n(rng);
         Vector4d e;
-        e << real.position - b.position, real.yaw - b.yaw;
+        e << real.position - b.position + stretch * (b.position - t.pose(0, 0).position),
+            real.yaw - b.yaw;
         scatter[static_cast<std::size_t>(k + 1)] += e * e.transpose() / samples;
       }
     }

@@ -76,6 +76,18 @@ TEST(UsableLandmarks, WhatTheMapSaysOfTextureCountsOnlyIfItCanBe) {
   }
 }
 
+TEST(UsableLandmarks, ANoiseOfTheOdometryThatCannotBeIsLeftOut) {
+  auto map = sound_map(3);
+  map->odometry_noise.emplace().yaw_per_metre = std::nan("");
+  const UsableLandmarks usable = usable_landmarks(map);
+  EXPECT_EQ(usable.dropped, 0);
+  EXPECT_THAT(usable.fault, testing::HasSubstr("odometry_noise: yaw_per_metre is nan"));
+  EXPECT_FALSE(usable.map->odometry_noise);
+  EXPECT_EQ(usable.map->landmarks.size(), 3u);
+  map->odometry_noise.emplace().yaw_per_metre = 0.01;
+  EXPECT_EQ(usable_landmarks(map).map, map);
+}
+
 // Semi-definite ones are sound, however thin.
 TEST(UsableLandmarks, CovariancesAreSoundUpToRounding) {
   std::mt19937_64 random(3);

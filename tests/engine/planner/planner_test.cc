@@ -1197,6 +1197,12 @@ TEST_F(PlannerTest, OcclusionAndCovarianceCanBeLeftOutOfThePrediction) {
   EXPECT_GT(specification.landmarks.front().covariance.trace(), 0.0);
   const OcclusionTable::Options of_targets = specification.target_occlusion;
 
+  // What the odometry has measured of itself goes before what is assumed of it.
+  map.odometry_noise.emplace().position_per_metre = 0.0123;
+  belief.landmarks = std::make_shared<const LandmarkMap>(map);
+  line_of_sight(specification);
+  EXPECT_EQ(specification.visibility.odometry.position_per_metre, 0.0123);
+
   parameters_.feature_occlusion = false;
   EXPECT_NEAR(line_of_sight(specification), 1.0, 1e-6);
   EXPECT_EQ(specification.target_occlusion, of_targets) << "the exploration gain keeps its own";

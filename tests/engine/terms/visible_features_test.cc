@@ -139,7 +139,7 @@ TEST(VisibleFeatures, GradientIsExactForEveryModelAndCriterion) {
       VisibilityParameters p;
       p.border_sigma_px = trial % 2 ? 8.0 : 2.0;
       // Large noise, so that the recursion and its dependence on the counts weigh in.
-      p.odometry = {0.02, 0.02, 0.01, 0.02, 200.0, 2.0};
+      p.odometry = {0.02, 0.02, 0.01, 0.02, 200.0, 2.0, trial % 2 ? 0.2 : 0.0};
       VisibleFeaturesParameters f;
       f.criterion = trial % 4 < 2 ? VisibilityCriterion::kCount : VisibilityCriterion::kInformation;
       f.chance_weight = trial % 5 == 0 ? 0.7 : 0.0;
@@ -263,7 +263,7 @@ TEST(VisibleFeatures, InformationEqualsDirectComputation) {
   CameraMount mount;
   mount.T_BC = CameraMount::forward_facing({0.1, -0.2, 0.3}, 0.4, 0.2);
   VisibilityParameters p;
-  p.odometry = {0.02, 0.02, 0.01, 0.02, 200.0, 2.0};
+  p.odometry = {0.02, 0.02, 0.01, 0.02, 200.0, 2.0, 0.1};
   const StereoCamera camera;
   const VisibilityPrediction prediction(landmarks, camera, mount, nullptr, p);
   const TrajectoryBatch t = walks(rng, *model, 6, 0.3, 1);

@@ -61,6 +61,9 @@ class KnowingOdometry final : public Odometry {
   }
   const std::vector<LandmarkSighting>& sightings() const override { return none_; }
   const std::vector<std::uint64_t>& given_up() const override { return gone_; }
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance_since(int) const override {
+    return 1e-6 * Eigen::Matrix<double, 6, 6>::Identity();
+  }
 
   bool told_motion = false;
   Localization state = Localization::kOk;
@@ -146,6 +149,10 @@ TEST(PerceptionPipeline, MakesABeliefOfAllSources) {
   EXPECT_EQ(belief->landmarks->landmarks.size(), 11U);
   EXPECT_GT(belief->ground->free_cells(), 200);
   EXPECT_GT(belief->covariance(0, 0), 0.0);
+  // Motions over 5 to 10 frames, 1 mm each.
+  ASSERT_TRUE(belief->landmarks->odometry_noise);
+  EXPECT_GT(belief->landmarks->odometry_noise->position_per_metre, 0.0);
+  EXPECT_LT(belief->landmarks->odometry_noise->position_per_metre, 0.005);
   // Without news the maps are the same objects.
   const std::shared_ptr<const Belief> again = perception.belief();
   EXPECT_EQ(again->octree, belief->octree);
