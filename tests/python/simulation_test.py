@@ -133,6 +133,12 @@ class ProgramTest(unittest.TestCase):
                 self.assertRegex(done.stderr, rf"^prospect: plug-in '{name}': .*{text}")
                 self.assertEqual(done.stderr.count("\n"), 1)
 
+    def test_what_starts_the_program_again_is_refused(self):
+        for command in ["study", "replay"]:
+            done = self.run_program(command, "x")
+            self.assertEqual(done.returncode, 2)
+            self.assertRegex(done.stderr, f"^prospect: {command}: cannot be run by Python; expected")
+
     def test_the_program_is_the_same(self):
         ours = self.run_program("list", "terms", "--json").stdout
         theirs = subprocess.run(

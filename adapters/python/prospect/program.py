@@ -30,5 +30,13 @@ def main(arguments=None):
     """
     from prospect import _program
 
+    arguments = sys.argv[1:] if arguments is None else list(arguments)
+    if arguments and arguments[0] in ("study", "replay"):
+        # They start missions as processes of their own, by the path of the program that runs.
+        print(
+            f"prospect: {arguments[0]}: cannot be run by Python; expected the program `prospect`",
+            file=sys.stderr,
+        )
+        return 2
     sys.stdout.flush()
-    return _program.run_program(sys.argv[1:] if arguments is None else list(arguments), run_plugin)
+    return _program.run_program(arguments, run_plugin)
