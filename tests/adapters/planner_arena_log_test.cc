@@ -74,7 +74,7 @@ TEST(PlannerArenaLog, HasAsManyLinesAsItsCountsSay) {
 TEST(PlannerArenaLog, LeavesEmptyWhatThereIsNot) {
   const std::string log = planner_arena_log(test::bench_example(1), 0, 0.0);
   // "slow" does not solve the problem: no time and no evaluations to target.
-  EXPECT_NE(log.find("\n0; 1; 0; 0; 0.1; ; 1.5; 0.5; 0.0001; 200; ; 200; \n"), std::string::npos)
+  EXPECT_NE(log.find("\n0; 1; 0; 0; 0.1; ; 1.5; 0.5; 1e-04; 200; ; 200; \n"), std::string::npos)
       << log;
 }
 
