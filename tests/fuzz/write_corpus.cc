@@ -7,12 +7,15 @@
 #include <sqlite3.h>
 #endif
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
@@ -20,11 +23,25 @@
 #include <vector>
 
 #include "adapters/config/configuration.h"
+#include "adapters/datasets/bag_file.h"
+#include "adapters/datasets/mission_topics.h"
 #include "adapters/files/strict_yaml.h"
+#include "adapters/log/mission_log.h"
 #include "adapters/problem_file/problem_file.h"
+#include "adapters/ros/diagnostic_msgs.h"
+#include "adapters/ros/geometry_msgs.h"
+#include "adapters/ros/map_msgs.h"
+#include "adapters/ros/nav_msgs.h"
+#include "adapters/ros/octomap_msgs.h"
+#include "adapters/ros/rcl_interfaces.h"
+#include "adapters/ros/sensor_msgs.h"
+#include "adapters/ros/tf2_msgs.h"
+#include "adapters/ros/visualization_msgs.h"
 #include "adapters/worlds/builtin_worlds.h"
+#include "tests/adapters/filled_message.h"
 #include "tests/adapters/mesh_files.h"
 #include "tests/adapters/ros_bag_writer.h"
+#include "tests/adapters/synthetic_run.h"
 #include "tests/engine/problem_specifications.h"
 
 using namespace prospect;
@@ -217,6 +234,86 @@ std::string problem_file(const std::string& path) {
   return content(path);
 }
 
+ros::LaserScan laser_scan() {
+  ros::LaserScan scan;
+  scan.angle_min = -1.0F;
+  scan.angle_max = 1.0F;
+  scan.angle_increment = 0.5F;
+  scan.range_min = 0.1F;
+  scan.range_max = 8.0F;
+  scan.ranges = {1.0F, 2.0F, HUGE_VALF, 8.0F, 0.0F};
+  return scan;
+}
+
+std::string point_cloud() {
+  const float points[] = {1.0F, 2.0F, 0.5F, 3.0F, 4.0F, 0.5F};
+  ros::PointCloud2 cloud;
+  cloud.height = 1;
+  cloud.width = 2;
+  for (const char* axis : {"x", "y", "z"}) {
+    const auto offset = static_cast<std::uint32_t>(4 * cloud.point_fields.size());
+    cloud.point_fields.push_back({axis, offset, ros::PointField::kFloat32, 1});
+  }
+  cloud.point_step = 12;
+  cloud.row_step = 24;
+  cloud.data = {reinterpret_cast<const std::uint8_t*>(points), sizeof points};
+  return ros::to_cdr(cloud);
+}
+
+/// One message of each type, in the order of cdr_fuzz.cc.
+template <ros::Message... T>
+std::vector<std::string> filled_messages() {
+  return {ros::to_cdr(test::filled<T>())...};
+}
+
+/// A short run with little in each step, as a log.
+std::string mission_log(const std::string& path) {
+  RunRecord run = synthetic_run(11);
+  {
+    const Configuration defaults = configuration_from_text("", "defaults");
+    RunStart start;
+    start.world = "rooms";
+    start.configuration = effective_yaml(defaults.entries);
+    MissionLogOptions options;
+    options.messages.robot = defaults.robot;
+    options.images = true;
+    options.file.wait = true;
+    MissionLog log(path, start, options);
+    for (StepRecord& step : run.steps) {
+      step.stamp = step.time;
+      step.map_changes.resize(std::min<std::size_t>(step.map_changes.size(), 20));
+      step.frontier_cells.resize(std::min<std::size_t>(step.frontier_cells.size(), 5));
+      step.landmarks.resize(std::min<std::size_t>(step.landmarks.size(), 5));
+      if (step.step % 10 == 0) log.step(step);
+    }
+    log.finish(run);
+  }
+  return content(path);
+}
+
+/// Its messages, as logged_run_fuzz.cc takes them.
+std::string messages_of_log(const std::string& path) {
+  const BagFile bag = BagFile::open(path);
+  const char* const topics[] = {
+      topic::kStep, topic::kPlan,       topic::kMarkers,  topic::kCostToGo,
+      topic::kMap,  topic::kMapUpdates, topic::kPictures, topic::kPictureFeatures};
+  std::map<std::int64_t, std::string> by_time;
+  for (std::size_t i = 0; i < std::size(topics); ++i) {
+    const BagTopic* topic = bag.find(topics[i]);
+    if (!topic) continue;
+    for (const BagTopic::Message& message : topic->messages) {
+      const std::string bytes = bag.read(message);
+      std::string& at = by_time[message.time];
+      at += static_cast<char>(i);
+      at += at.size() == 1 ? '\1' : '\0';
+      at += test::le(bytes.size(), 2) + bytes;
+    }
+  }
+  std::string all;
+  for (const auto& [time, bytes] : by_time) all += bytes;
+  return all;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -323,6 +420,26 @@ int main(int argc, char** argv) {
   write("ros_message", "transforms", kind(3) + transforms());
   write("ros_message", "odometry", kind(4) + odometry_message());
   write("ros_message", "header", kind(5) + camera_info());
+  int type = 0;
+  for (const std::string& message :
+       filled_messages<ros::Bool, ros::String, ros::Twist, ros::TwistStamped, ros::TransformStamped,
+                       ros::PoseStamped, ros::Image, ros::CompressedImage, ros::CameraInfo,
+                       ros::LaserScan, ros::PointCloud2, ros::Odometry, ros::Path,
+                       ros::OccupancyGrid, ros::OccupancyGridUpdate, ros::TFMessage,
+                       ros::DiagnosticArray, ros::Octomap, ros::Log, ros::MarkerArray>()) {
+    write("cdr", std::to_string(type), kind(type) + message);
+    ++type;
+  }
+  write("cdr", "scan", kind(type) + ros::to_cdr(laser_scan()));
+  write("cdr", "cloud", kind(type + 1) + point_cloud());
+  write("dds_options", "short",
+        "scan: /scan\ndepth: {image: none}\ncommand: {dead_man: 0.5, speed: 0.6}\n");
+  write("dds_options", "long",
+        content((fs::path(PROSPECT_SOURCE_DIR) / "share/ros2/prospect_robot/config/robot.yaml")
+                    .string()));
+  write("logged_run", "file", kind(0) + mission_log(scratch + ".mcap"));
+  write("logged_run", "messages", kind(1) + messages_of_log(scratch + ".mcap"));
+  fs::remove(scratch + ".mcap");
   write("image", "pgm", pgm);
   write("image", "png", image(".png", CV_16UC1));
   write("image", "colour", image(".png", CV_8UC3));
