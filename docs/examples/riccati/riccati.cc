@@ -74,9 +74,9 @@ prospect::Problem make_problem() {
   return prospect::Problem(std::move(d));
 }
 
-/// The Gauss-Newton step of the inputs, with `damping` added to their curvature.
-VectorXd riccati_step(const prospect::Problem& problem, const prospect::StageStructure& chain,
-                      double damping) {
+/// The Gauss-Newton step of the inputs z, with `damping` added to their curvature.
+VectorXd riccati_step(const prospect::Problem& problem, const VectorXd& z,
+                      const prospect::StageStructure& chain, double damping) {
   const int N = problem.horizon().N, nu = problem.horizon().nu();
   const Eigen::Index ns = chain.stages.front().gradient_s.size();
   struct Policy {
@@ -99,11 +99,22 @@ VectorXd riccati_step(const prospect::Problem& problem, const prospect::StageStr
     Q += s.A.transpose() * P * s.A;
     q += s.A.transpose() * next;
     if (s.decides) {
-      const MatrixXd R = s.residuals_v.transpose() * s.residuals_v + s.B.transpose() * P * s.B +
-                         damping * MatrixXd::Identity(nu, nu);
-      const MatrixXd S = s.residuals_v.transpose() * s.residuals_s + s.B.transpose() * P * s.A;
-      const VectorXd r =
-          s.residuals_v.transpose() * s.residuals + s.gradient_v + s.B.transpose() * next;
+      MatrixXd R = s.residuals_v.transpose() * s.residuals_v + s.B.transpose() * P * s.B +
+                   damping * MatrixXd::Identity(nu, nu);
+      MatrixXd S = s.residuals_v.transpose() * s.residuals_s + s.B.transpose() * P * s.A;
+      VectorXd r = s.residuals_v.transpose() * s.residuals + s.gradient_v + s.B.transpose() * next;
+      // An input at its bound that the cost pushes outwards stays there.
+      for (int j = 0; j < nu; ++j) {
+        const int i = problem.knot(k) * nu + j;
+        const bool held = (z[i] <= problem.lower()[i] && r[j] > 0.0) ||
+                          (z[i] >= problem.upper()[i] && r[j] < 0.0);
+        if (!held) continue;
+        R.row(j).setZero();
+        R.col(j).setZero();
+        R(j, j) = 1.0;
+        S.row(j).setZero();
+        r[j] = 0.0;
+      }
       const Eigen::LDLT<MatrixXd> factor(R);
       Policy& policy = policies[static_cast<std::size_t>(k)];
       policy.K = -factor.solve(S);
@@ -139,8 +150,7 @@ int main() {
   double damping = 1e-3;
   int steps = 0;
   for (int tries = 0; tries < 100 && damping < 1e6; ++tries) {
-    // Bounds are kept by projection: good where few of them are active.
-    const VectorXd to = (z + riccati_step(problem, chain, damping))
+    const VectorXd to = (z + riccati_step(problem, z, chain, damping))
                             .cwiseMax(problem.lower())
                             .cwiseMin(problem.upper());
     prospect::StageStructure there = prospect::stage_structure(problem, to);
