@@ -217,7 +217,7 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     MissionOptions o;
-    auto& [time_limit, lost_limit, enough, return_when_done] = o;
+    auto& [time_limit, lost_limit, enough, return_when_done, task] = o;
     expect_reached(o, {&time_limit, &lost_limit, &return_when_done});
   }
   {

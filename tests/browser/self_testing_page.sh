@@ -6,7 +6,7 @@ for name in chromium chromium-browser google-chrome; do
   if command -v "$name" >/dev/null; then browser="$name"; break; fi
 done
 if [[ -z "$browser" ]]; then
-  echo "skipped: no Chromium here; scripts/setup --browser installs it"
+  echo "skipped: no Chromium here; scripts/setup --tests installs it"
   exit 77
 fi
 folder="$(mktemp -d)"

@@ -9,7 +9,8 @@
 #   python FILE    written to FILE; in docs/: these lines must stand in FILE, one after another
 #   python         run if python3 has h5py and numpy, else skipped and said to be
 #   text           not run: what needs root, a network or another machine
-# Blocks after a line "<!-- needs ../shared -->" are skipped, and said to be, where that is absent.
+# Blocks after a line "<!-- needs ../shared -->" or "<!-- needs python3-scipy -->" are skipped, and said to
+# be, where that is absent.
 # All commands of a page run in one shell, in a folder that has docs/, adapters/ (whose code a page shows),
 # build/ and nothing else.
 set -uo pipefail
@@ -162,6 +163,9 @@ while IFS= read -r line || [[ -n "$line" ]]; do
       body=()
     elif [[ "$line" == '<!-- needs ../shared -->' && ! -d "$work/shared" ]]; then
       echo "$name:$number: skipped to the next heading: there is no ../shared"
+      skipped=1
+    elif [[ "$line" == '<!-- needs python3-scipy -->' ]] && ! python3 -c "import scipy" 2>/dev/null; then
+      echo "$name:$number: skipped to the next heading: there is no python3-scipy"
       skipped=1
     elif [[ "$line" == '#'* ]]; then
       skipped=0

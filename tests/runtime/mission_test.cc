@@ -334,7 +334,9 @@ TEST_F(Mission, WaitsForPeopleAndGoesOnWithItsTaskAfterADetour) {
         if (step.index == 1) requests.hold();
         if (step.index == 3) requests.emergency_stop();
         if (step.index == 5) requests.go_to({1.0, 0.0});
-        if (step.index == 6) EXPECT_TRUE(planner_.told_to_go);
+        if (step.index == 6) {
+          EXPECT_TRUE(planner_.told_to_go);
+        }
         if (step.index == 9) planner_.steps = 0;
       },
       person, &requests);

@@ -31,7 +31,7 @@ run "$here/scripts/setup" --help
 ((code == 0)) && [[ "$out" == usage:* ]] || fail "setup --help: exit $code, '$out' '$err'"
 run "$here/scripts/setup" --brwoser
 ((code == 2)) || fail "unknown argument: exit $code, expected 2"
-[[ -z "$out" ]] && (("$(lines "$err")" == 1)) && [[ "$err" == *"--brwoser"*"--browser"* ]] ||
+[[ -z "$out" ]] && (("$(lines "$err")" == 1)) && [[ "$err" == *"--brwoser"*"--tests"* ]] ||
   fail "unknown argument: expected one line that names it and what was expected, got '$out' '$err'"
 
 # Stand-ins for the package tools show what setup asks for. dpkg-query says "installed" to all but
@@ -68,9 +68,9 @@ setup
 expected="$(grep -v '^#' "$root/scripts/packages" | sed 's/ *#.*//' | grep -v '^ *$')"
 [[ "$(<"$work/asked")" == "$expected" ]] || fail "packages asked for: $(tr '\n' ' ' <"$work/asked")"
 grep -qx libeigen3-dev "$work/asked" || fail "libeigen3-dev was not asked for"
-grep -q chromium "$work/asked" && fail "the browser was asked for without --browser"
-setup --browser
-grep -qx chromium "$work/asked" || fail "--browser did not ask for the browser"
+grep -q chromium "$work/asked" && fail "the browser was asked for without --tests"
+setup --tests
+grep -qx chromium "$work/asked" || fail "--tests did not ask for the browser"
 
 absent="libfcl-dev liboctomap-dev"
 setup
