@@ -3,36 +3,26 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
+#include <stdexcept>
 #include <string>
 
-#include "adapters/bench/bench_rows.h"
 #include "adapters/files/input_error.h"
 #include "tests/adapters/bench_example.h"
+#include "tests/adapters/bench_folders.h"
 
 namespace prospect::bench_compare_test {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-class BenchCompare : public ::testing::Test {
+class BenchCompare : public test::BenchFolders {
  protected:
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string write(const std::string& name, const BenchTable& table) const {
-    const std::string path = folder_ + "/" + name;
-    fs::create_directories(path);
-    const BenchRowFile rows(path, table);
-    return path;
-  }
   static const PairedNumber& number(const SolverComparison& c, const std::string& name) {
     for (const PairedNumber& n : c.numbers) {
       if (n.name == name) return n;
     }
     throw std::out_of_range(name);
   }
-  const std::string folder_ = ::testing::TempDir() + "bench_compare_" +
-                              ::testing::UnitTest::GetInstance()->current_test_info()->name();
 };
 
 TEST_F(BenchCompare, ABenchAgainstItselfIsWithinNoise) {

@@ -3,30 +3,21 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
 #include "adapters/bench/bench_files.h"
-#include "adapters/bench/bench_rows.h"
 #include "adapters/files/input_error.h"
 #include "tests/adapters/bench_example.h"
+#include "tests/adapters/bench_folders.h"
 
 namespace prospect::bench_merge_test {
 namespace {
 
-namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-class BenchMerge : public ::testing::Test {
+class BenchMerge : public test::BenchFolders {
  protected:
-  void TearDown() override { fs::remove_all(folder_); }
-  std::string write(const std::string& name, const BenchTable& table) const {
-    const std::string path = folder_ + "/" + name;
-    fs::create_directories(path);
-    const BenchRowFile rows(path, table);
-    return path;
-  }
   static std::string refusal(const std::vector<std::string>& folders) {
     try {
       merge_benches(folders);
@@ -43,8 +34,6 @@ class BenchMerge : public ::testing::Test {
     t.solvers = {t.solvers[static_cast<std::size_t>(solver)]};
     return t;
   }
-  const std::string folder_ = ::testing::TempDir() + "bench_merge_" +
-                              ::testing::UnitTest::GetInstance()->current_test_info()->name();
 };
 
 TEST_F(BenchMerge, PartsByBackEndMakeTheWhole) {

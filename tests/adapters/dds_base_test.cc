@@ -162,7 +162,8 @@ TEST(DdsBase, CarriesTheMotionOfAFrameThatTfKnowsOverToTheBody) {
   const SteadyClock clock;
   DdsNode node(test::dds_test_address("prospect"));
   const DdsTransforms transforms(node);
-  DdsBase base(options, node, transforms, clock);
+  DriveRequests requests;
+  DdsBase base(options, node, transforms, clock, &requests);
   node.start();
   Driver driver(options);
   ASSERT_TRUE(within(kPatience, [&] { return driver.ready(options); }));

