@@ -86,6 +86,8 @@ function(prospect_flags target)
     if(PROSPECT_SANITIZE MATCHES "address")
       target_compile_options(${target} PRIVATE -fno-sanitize-address-use-after-scope)
     endif()
+    # No sanitizer here sees a value that nobody has set. Eigen's own are not a number until somebody does.
+    target_compile_definitions(${target} PRIVATE EIGEN_INITIALIZE_MATRICES_BY_NAN)
     target_link_options(${target} PUBLIC -fsanitize=${PROSPECT_SANITIZE})
   endif()
 endfunction()

@@ -59,7 +59,7 @@ target_link_libraries(all_headers PRIVATE prospect::models prospect::engine pros
   prospect::problem_file)
 ]])
 set(consumer -G ${GENERATOR} "-DCMAKE_PREFIX_PATH=${prefix}" "-DCMAKE_CXX_COMPILER=${COMPILER}"
-  "-DCMAKE_CXX_FLAGS=${FLAGS}" -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
+  "-DCMAKE_CXX_FLAGS=${FLAGS}" "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG" -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
 run(${CMAKE_COMMAND} -S "${WORK}/all headers" -B "${WORK}/all headers built" ${consumer})
 run(${CMAKE_COMMAND} --build "${WORK}/all headers built")
 
