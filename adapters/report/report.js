@@ -858,7 +858,7 @@ function makeStrip() {
       make("span", {}, make("i", { style: `background:${modeColor(mode)}` }), `${mode || "none"} ${Math.max(1, Math.round(100 * count / n))} %`)));
   };
   const sheet = make("canvas", { role: "img", "aria-label": "Modes over time" });
-  const cursor = make("div", { class: "cursor" }), note = make("div", { class: "note" });
+  const cursor = make("div", { class: "cursor" }), note = make("div", { class: "tip" });
   note.hidden = true;
   const box = make("div", { class: "area" }, sheet, cursor, note);
   $("plots").append(make("div", { class: "plot modes" }, make("h3", {}, make("span", {}, "What the robot does", make("em", {}, "mode, share of the time")), keys), box));
@@ -1242,7 +1242,7 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
           expect(`a click on the strip leads to step ${k}`, Math.abs(step - k) <= Math.ceil(n / 200));
         }
         strip.box.dispatchEvent(new PointerEvent("pointermove", { clientX: box.left + plots[0].graph.toDomXCoord(column.time[0]) + 1, bubbles: true }));
-        lines.push(`strip ${strip.box.querySelector(".note").innerText.split("\n")[0]}`);
+        lines.push(`strip ${strip.box.querySelector(".tip").innerText.split("\n")[0]}`);
       }
     }
     dispatchEvent(new KeyboardEvent("keydown", { key: "End", bubbles: true }));

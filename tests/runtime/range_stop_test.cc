@@ -88,6 +88,8 @@ TEST(RangeStop, TableOfLooks) {
   RangeFrame nowhere = kOpen;
   for (RangeRay& ray : nowhere.rays) ray.point.x() = std::nan("");
   const RangeFrame narrow = scan_of_wall(100.0, 70.0);
+  RangeFrame without_rays;
+  without_rays.stamp = 10.0;
   // At 0.5 m/s: 0.1 s age, 0.15 s reaction, 0.5 s half of the stop: 0.375 m; body 0.25, margin
   // 0.05.
   for (const Case& c : {
@@ -99,7 +101,7 @@ TEST(RangeStop, TableOfLooks) {
            Case{"the same, away from it", scan_of_wall(0.31, 360.0), twist(-0.5), R::kClear, 1, 1},
            Case{"the same, on the spot", scan_of_wall(0.31), twist(0.0, 1.0), R::kClear, 1, 1},
            Case{"standing", scan_of_wall(0.26), twist(0.0), R::kClear, 1, 1},
-           Case{"standing, blind", {10.0, {}, {}}, twist(0.0), R::kClear, 1, 1},
+           Case{"standing, blind", without_rays, twist(0.0), R::kClear, 1, 1},
            Case{"a post", with_points(kOpen, three(0.5, 0.1)), twist(0.5), R::kObstacle, 0.3, 0.7},
            Case{"a post beside the way", with_points(kOpen, three(0.5, 0.31)), twist(0.5),
                 R::kClear, 1, 1},
@@ -124,7 +126,7 @@ TEST(RangeStop, TableOfLooks) {
            Case{"a camera ahead, slowly", narrow, twist(0.05), R::kClear, 1, 1},
            Case{"a camera ahead, backwards", narrow, twist(-0.5), R::kOutOfView, 0.199, 0.201},
            Case{"backwards as slowly as may be", narrow, twist(-0.1), R::kOutOfView, 1, 1},
-           Case{"no rays", {10.0, {}, {}}, twist(0.5), R::kOutOfView, 0.199, 0.201},
+           Case{"no rays", without_rays, twist(0.5), R::kOutOfView, 0.199, 0.201},
            Case{"rays that are no numbers", nowhere, twist(0.5), R::kOutOfView, 0.199, 0.201},
            Case{"no command", kOpen, twist(std::nan("")), R::kNonFinite, 0, 0},
            Case{"a command beyond all bounds", kOpen, twist(1e200), R::kNonFinite, 0, 0},
