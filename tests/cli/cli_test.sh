@@ -587,7 +587,8 @@ succeeds "a bench resumed" bench zoo --solver nlopt,sampling --deadline 0 --repe
 # What no clock and no load decides: all but the columns of time and load.
 timeless() { cut -d, -f1-11,13,16-22,24- "$1/bench.csv"; }
 diff <(timeless whole) <(timeless broken) || fail "a resumed bench is another one"
-(($(grep -c '"environment":' broken/rows.jsonl) == 2)) || fail "a resumed bench has not two environments"
+# The same environment stands once: on a quiet machine two loads may be alike.
+(($(grep -c '"environment":' broken/rows.jsonl) >= 1)) || fail "a resumed bench has no environment"
 succeeds "the other half" bench zoo --solver sampling --deadline 0 --repeat 1 --seed 1,2 --max-evaluations 300 --out other_half
 succeeds "bench merge" bench merge half other_half --out merged
 diff <(timeless whole) <(timeless merged) || fail "a merged bench is another one"
