@@ -35,10 +35,13 @@ struct Sample {
 /// What a person sees who looks at the robot whenever it makes a belief, and acknowledges.
 class Watched final : public BeliefSource {
  public:
-  Watched(SimulatedBase& base, const Clock& clock, const FaultCase& one)
+  Watched(SimulatedBase& base, const SimulatedClock& clock, const FaultCase& one)
       : base_(base), clock_(clock), one_(one) {}
 
   std::shared_ptr<const Belief> update(const std::stop_token& stop) override {
+    // Beliefs and commands are due at the same instants: commands first, in each drive.
+    if (!begun_) clock_.until_waited_for(kThreads - 1);
+    begun_ = true;
     std::shared_ptr<const Belief> belief = base_.update(stop);
     const double time = clock_.now() - kStart;
     RealTimeDriver* driver = driver_;
@@ -81,12 +84,12 @@ class Watched final : public BeliefSource {
   }
 
   SimulatedBase& base_;
-  const Clock& clock_;
+  const SimulatedClock& clock_;
   const FaultCase one_;
   std::atomic<RealTimeDriver*> driver_{nullptr};
   std::vector<Sample> samples_;
   double yaw_ = 0.0;
-  bool acknowledged_ = false;
+  bool begun_ = false, acknowledged_ = false;
 };
 
 void judge(const std::vector<Sample>& samples, const FaultCase& one, FaultOutcome& outcome) {

@@ -43,8 +43,7 @@ struct FaultOutcome {
 Configuration fault_drive_configuration();
 
 /// Drives the simulated robot in real time's way, by threads, on a SimulatedClock, with the
-/// configured planner. Deterministic but for the order in which threads begin. Throws as Simulator
-/// and RealTimeDriver do.
+/// configured planner. Deterministic. Throws as Simulator and RealTimeDriver do.
 FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
                               const Configuration& configuration, const FaultCase& one);
 

@@ -229,7 +229,7 @@ function fillEnvironments() {
     line("compiler", `${word(b.compiler)}, ${word(b.build_type)}, ${word(b.flags)}`);
     line("libraries", (b.libraries || []).map((l) => `${l.name} ${l.built_with}${l.runs_with ? ` (${l.runs_with})` : ""}`).join(", ") || "–");
     line("threads", Object.entries(e.threads || {}).map(([k, v]) => `${k}=${v === null ? "not set" : v}`).join(", ") || "–");
-    line("started", `${word(e.started)} UTC`);
+    line("started", word(e.started));
   });
   $("environments").replaceChildren(body);
 }

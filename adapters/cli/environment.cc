@@ -5,12 +5,12 @@
 #include <sys/utsname.h>
 #include <unistd.h>
 
-#include <ctime>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "adapters/cli/build_info.h"
+#include "adapters/run/run_start.h"
 
 namespace prospect {
 namespace {
@@ -56,16 +56,6 @@ Json load() {
   return {means[0], means[1], means[2]};
 }
 
-/// UTC.
-Json started() {
-  const std::time_t now = std::time(nullptr);
-  std::tm parts;
-  char text[32];
-  if (gmtime_r(&now, &parts) == nullptr) return nullptr;
-  if (std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts) == 0) return nullptr;
-  return text;
-}
-
 }  // namespace
 
 Json environment() {
@@ -82,7 +72,7 @@ Json environment() {
           {"system", operating_system()},
           {"kernel", kernel()},
           {"threads", threads},
-          {"started", started()},
+          {"started", utc_now()},
           {"load", load()}};
 }
 

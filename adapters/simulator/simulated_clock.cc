@@ -27,10 +27,16 @@ bool SimulatedClock::wait_until(double time, const std::stop_token& stop) const 
   if (!(time > now_)) return true;
   Waiter own{time};
   waiting_.push_back(&own);
+  woken_.notify_all();
   go_on();
   if (woken_.wait(lock, stop, [&] { return own.woken; })) return true;
   waiting_.remove(&own);
   return false;
+}
+
+void SimulatedClock::until_waited_for(int threads) const noexcept {
+  std::unique_lock lock(mutex_);
+  woken_.wait(lock, [&] { return static_cast<int>(waiting_.size()) >= threads; });
 }
 
 }  // namespace prospect

@@ -14,7 +14,8 @@ namespace prospect {
 /// they compute takes no time, and a minute passes as fast as the machine computes it.
 ///
 /// One thread is woken at a time; of those that wait for the same time, the one that began to wait
-/// first. So from the first time that all wait, their order is always the same.
+/// first. So from the first time that all wait, their order is always the same; which one that is,
+/// until_waited_for() lets a thread decide that begins after others.
 ///
 /// A thread that waits for anything else than this clock holds it up. Thread-safety: any thread,
 /// but at most `threads` of them wait at once.
@@ -24,6 +25,9 @@ class SimulatedClock final : public Clock {
   explicit SimulatedClock(int threads, double start = 0.0) : threads_(threads), now_(start) {}
   double now() const noexcept override;
   bool wait_until(double time, const std::stop_token& stop) const noexcept override;
+  /// Returns once that many threads wait on it, fewer than all: who waits afterwards comes after
+  /// them. Takes no time of this clock.
+  void until_waited_for(int threads) const noexcept;
 
  private:
   struct Waiter {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -42,6 +43,35 @@ TEST(SimulatedClock, ThreadsTakeTurnsInOrderOfTheirTimes) {
     while (came().size() < 9) std::this_thread::yield();
   }
   EXPECT_EQ(order, "qqsqqsqqs");  // at 5 s slow has waited for longer
+}
+
+TEST(SimulatedClock, WhoBeginsOnceOthersWaitComesAfterThem) {
+  const SimulatedClock clock(2);
+  std::mutex mutex;
+  std::string order;
+  const auto comes = [&](char name, const std::stop_token& stop) {
+    for (double time = 1.0; time <= 3.0; time += 1.0) {
+      clock.wait_until(time, {});
+      const std::lock_guard lock(mutex);
+      order += name;
+    }
+    clock.wait_until(100.0, stop);
+  };
+  {
+    std::jthread second([&](const std::stop_token& stop) {
+      clock.until_waited_for(1);
+      comes('b', stop);
+    });
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));  // it would be there first
+    EXPECT_EQ(clock.now(), 0.0);
+    std::jthread first([&](const std::stop_token& stop) { comes('a', stop); });
+    const auto all_came = [&] {
+      const std::lock_guard lock(mutex);
+      return order.size() == 6;
+    };
+    while (!all_came()) std::this_thread::yield();
+  }
+  EXPECT_EQ(order, "ababab");
 }
 
 TEST(SimulatedClock, AStopRequestEndsAWaitThatNothingElseEnds) {
