@@ -12,10 +12,11 @@ namespace prospect {
 ///
 /// tick() tells the simulation's time, whenever a message bears it. In between time goes on at the
 /// rate of the last half second, never faster than the machine's clock, and for 0.1 s at most: a
-/// simulation that stands stops the clock. One that has said nothing for 0.5 s is lost, and time
-/// goes on with the machine's clock from then on, so that ages grow and waits end. Time never goes
-/// back: where a tick is behind, the clock stands until ticks have caught up. Before the first tick
-/// it begins at zero, with the machine's clock.
+/// simulation that stands stops the clock. One that has said nothing for 5 s is lost, and time goes
+/// on with the machine's clock from then on, so that ages grow and waits end. A world that waits
+/// for a busy machine to render its images stands for more than a second at a time
+/// (docs/results/gazebo.md). Time never goes back: where a tick is behind, the clock stands until
+/// ticks have caught up. Before the first tick it begins at zero, with the machine's clock.
 ///
 /// After tick(s), now() >= s. Thread-safety: any thread. Nothing here throws.
 class SimulationClock final : public Clock {
@@ -30,7 +31,7 @@ class SimulationClock final : public Clock {
   bool wait_until(double time, const std::stop_token& stop) const noexcept override;
 
   static constexpr double kAhead = 0.1;  ///< [s] that time goes on after a tick
-  static constexpr double kLost = 0.5;   ///< [s] without a tick after which it goes on again
+  static constexpr double kLost = 5.0;   ///< [s] without a tick after which it goes on again
 
  private:
   const Clock& machine_;

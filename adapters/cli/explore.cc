@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <cstdlib>
 #include <functional>
 #include <iostream>
 #include <memory>
@@ -22,6 +23,7 @@
 #include "adapters/files/content_hash.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
+#include "adapters/gazebo/master_uri.h"
 #include "adapters/live/live_server.h"
 #include "adapters/log/mission_log.h"
 #include "adapters/report/progress_line.h"
@@ -249,6 +251,19 @@ ExplorationRunOptions::Taps taps_of(std::optional<MissionLog>& log, bool images)
   return taps;
 }
 
+/// Gazebo's master is where $GAZEBO_MASTER_URI says, unless the configuration tells it.
+void set_gazebo_address(Configuration& configuration) {
+  const char* const uri = std::getenv("GAZEBO_MASTER_URI");
+  if (uri == nullptr || *uri == '\0') return;
+  for (const ConfigEntry& entry : configuration.entries) {
+    if (entry.from_file && (entry.path == "gazebo.host" || entry.path == "gazebo.port")) return;
+  }
+  GazeboAddress& address = configuration.gazebo.address;
+  address = with_master_uri(address, uri);
+  override_entry(configuration, "gazebo.host", '"' + address.host + '"');
+  override_entry(configuration, "gazebo.port", std::to_string(address.port));
+}
+
 }  // namespace
 
 void tell_left_out(const World& world) {
@@ -284,6 +299,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   }
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
   set_world(arguments.reading, configuration);
+  if (base.gazebo) set_gazebo_address(configuration);
   const bool unknown_world = base.dds || (base.gazebo && !base.measure);
   if (unknown_world && (configuration.until_coverage > 0.0 || configuration.until_area > 0.0)) {
     throw InputError(

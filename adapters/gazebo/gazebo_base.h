@@ -16,7 +16,7 @@ namespace prospect {
 ///
 /// It starts a process and a thread: make it before other threads. Errors: the constructor throws
 /// as VelocityRelay does. Later, links that break and messages that cannot be read are faults in
-/// report(), and so are wheels that say nothing for a second.
+/// report(); wheels that say nothing show in its stamp.
 class GazeboBase final : public Base {
  public:
   /// The clock is that of commands' expiry, and must outlive this; it is set by what comes. The

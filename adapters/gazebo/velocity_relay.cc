@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kFarewell = 0.2;  // [s] of zero velocity when its owner has gone
 constexpr double kWord = 0.1;      // [s] between two reports
-constexpr double kSilence = 1.0;   // [s] without one that is a fault
+constexpr double kSilence = 1.0;   // [s] of the simulation without one that is a fault
 
 // What goes over the link.
 struct Command {
@@ -141,7 +141,6 @@ VelocityRelay::VelocityRelay(const GazeboOptions& options) {
     }
     throw InputError(std::string(word.fault.data()));
   }
-  heard_ = SteadyClock().now();
   report_ = {word.connected, word.fault.data()};
 }
 
@@ -154,16 +153,17 @@ bool VelocityRelay::send(const Twist& velocity, double expires) noexcept {
   return send_on(process_->link(), command);
 }
 
-VelocityRelay::Report VelocityRelay::state() noexcept {
-  const double now = SteadyClock().now();
+VelocityRelay::Report VelocityRelay::state(double now) noexcept {
+  silent_ += std::clamp(now - asked_, 0.0, kWord);
+  asked_ = now;
   Word word;
   LinkRead read;
   while ((read = receive_on(process_->link(), word)) == LinkRead::kMessage) {
-    heard_ = now;
+    silent_ = 0.0;
     report_ = {word.connected, word.fault.data()};
   }
   if (read == LinkRead::kEnded) report_ = {false, "the relay has ended: nothing stops the robot"};
-  if (now - heard_ > kSilence && report_.fault.empty()) {
+  if (silent_ > kSilence && report_.fault.empty()) {
     report_ = {false, "the relay is silent"};
   }
   return report_;

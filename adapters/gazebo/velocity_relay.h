@@ -38,14 +38,17 @@ class VelocityRelay {
   /// `expires` [s] of the simulation. A velocity that is not finite is a stop. False: it was not
   /// taken.
   bool send(const Twist& velocity, double expires) noexcept;
-  /// Its newest word; a fault if it is silent for a second or has ended.
-  Report state() noexcept;
+  /// Its newest word; a fault if it has ended, or was silent for a second of the simulation: a
+  /// machine that gives it no time slows the simulation, too. Time in which nobody has asked counts
+  /// for 0.1 s at most, as the relay may have stood with who asks.
+  /// now [s] of the simulation.
+  Report state(double now) noexcept;
 
   int process() const { return process_->process(); }
 
  private:
   std::optional<RelayProcess> process_;  // from the constructor on
-  double heard_ = 0.0;                   // [s] of SteadyClock
+  double asked_ = 0.0, silent_ = 0.0;    // [s] of the simulation: when, and for how long
   Report report_;
 };
 

@@ -91,15 +91,17 @@ std::string map_text(const Steps& steps, const Extent& extent) {
 
 /// Each step: how many cells became or ceased to be frontier since the step before, then their
 /// indices, ascending, each as its distance from the one before. As the same list leads back, the
-/// page can walk both ways.
+/// page can walk both ways. A step whose cells were not kept shows those of the step before.
 std::string frontier_text(const Steps& steps, double resolution, const Extent& extent) {
   BinaryText text;
   std::vector<std::int64_t> before, now, toggled;
   for (const StepRecord& step : steps) {
-    now.clear();
-    for (const Cell& cell : frontier_cells(step, resolution)) now.push_back(extent.index(cell));
-    std::sort(now.begin(), now.end());
-    now.erase(std::unique(now.begin(), now.end()), now.end());
+    if (step.active_frontiers == 0 || !step.frontier_cells.empty()) {
+      now.clear();
+      for (const Cell& cell : frontier_cells(step, resolution)) now.push_back(extent.index(cell));
+      std::sort(now.begin(), now.end());
+      now.erase(std::unique(now.begin(), now.end()), now.end());
+    }
     toggled.clear();
     std::set_symmetric_difference(before.begin(), before.end(), now.begin(), now.end(),
                                   std::back_inserter(toggled));
@@ -109,7 +111,7 @@ std::string frontier_text(const Steps& steps, double resolution, const Extent& e
       text.add_varint(static_cast<std::uint64_t>(index - last));
       last = index;
     }
-    std::swap(before, now);
+    before = now;
   }
   return text.base64();
 }

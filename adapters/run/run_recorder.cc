@@ -129,8 +129,8 @@ class SparseCostsToGo {
   EvenlySpread steps_{150};
 };
 
-/// Plans in full (horizon, candidates, landmarks), of some steps, so that a mission of hours needs
-/// no more memory for them than one of minutes.
+/// Plans in full (horizon, candidates, landmarks, frontier cells), of some steps, so that a mission
+/// of hours needs no more memory for them than one of minutes.
 class SparsePlans {
  public:
   void add(std::vector<StepRecord>& steps, StepRecord& now) {
@@ -153,6 +153,7 @@ class SparsePlans {
     step.horizon = {};
     step.candidates = {};
     step.landmarks = {};
+    step.frontier_cells = {};
   }
 
   EvenlySpread steps_{4000};
@@ -250,6 +251,9 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
   r.wall = {plan.times.total, plan.times.frontier_planner, plan.times.clearance, plan.times.views,
             plan.times.seeds, plan.times.polish,           plan.times.certify};
   if (step.global_plan) {
+    std::size_t cells = 0;
+    for (const Frontier& f : step.global_plan->frontiers) cells += f.active ? f.cells.size() : 0;
+    r.frontier_cells.reserve(cells);
     for (const Frontier& f : step.global_plan->frontiers) {
       if (!f.active) continue;
       ++r.active_frontiers;
@@ -277,6 +281,7 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
   if (planner) {
     const std::vector<Landmark>& landmarks = planner->landmarks();
     const Eigen::VectorXd& visibility = planner->landmark_visibility();
+    r.landmarks.reserve(landmarks.size());
     for (std::size_t i = 0; i < landmarks.size(); ++i) {
       r.landmarks.push_back({static_cast<float>(landmarks[i].position.x()),
                              static_cast<float>(landmarks[i].position.y()),

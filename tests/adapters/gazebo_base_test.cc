@@ -137,6 +137,31 @@ TEST(GazeboBase, ARelayThatEndsIsAFault) {
   EXPECT_THAT(report.faults, Contains(HasSubstr("relay has ended")));
 }
 
+TEST(GazeboBase, ASilentRelayIsAFaultByTheTimeOfTheSimulation) {
+  Driven d;
+  ASSERT_TRUE(d.connected);
+  const auto looks = [&](double step) {
+    d.gazebo.publish(kPoses, wheels_at(d.stamp += step, 0.0));
+    EXPECT_TRUE(soon([&] { return d.clock.now() >= d.stamp; }));
+    return d.base->report();
+  };
+  ::kill(d.base->relay_process(), SIGSTOP);
+  // The machine has no time for the relay and little for the world.
+  for (int k = 0; k < 13; ++k) {
+    ::usleep(100000);
+    const BaseReport report = looks(0.01);
+    EXPECT_TRUE(report.connected);
+    EXPECT_TRUE(report.faults.empty()) << report.faults.front();
+    EXPECT_LE(d.clock.now() - report.stamp, 0.5) << "the wheels are no older than the world";
+  }
+  BaseReport report;
+  for (int k = 0; k < 40 && report.faults.empty(); ++k) report = looks(0.05);
+  EXPECT_FALSE(report.connected);
+  EXPECT_THAT(report.faults, Contains(HasSubstr("relay is silent")));
+  ::kill(d.base->relay_process(), SIGCONT);
+  EXPECT_TRUE(soon([&] { return d.base->report().faults.empty(); }));
+}
+
 TEST(VelocityRelay, StopsTheRobotOfAnOwnerWhoWasKilled) {
   FakeGazebo gazebo;
   GazeboOptions options = gazebo.options();
@@ -144,7 +169,7 @@ TEST(VelocityRelay, StopsTheRobotOfAnOwnerWhoWasKilled) {
   const int owner = ::fork();
   if (owner == 0) {
     VelocityRelay relay(options);
-    for (int n = 0; n < 500 && !relay.state().connected; ++n) ::usleep(10000);
+    for (int n = 0; n < 500 && !relay.state(0.0).connected; ++n) ::usleep(10000);
     relay.send({{0.5, 0.0, 0.0}, 0.0}, SteadyClock().now() + 100.0);
     for (;;) ::pause();
   }

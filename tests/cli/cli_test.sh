@@ -79,6 +79,12 @@ refused "a base that there is not" --base "expected one of: simulator, gazebo, d
 # Nobody listens at port 1.
 refused "a Gazebo that is not there" 127.0.0.1:1 "expected" drive --base gazebo \
   --set gazebo.port=1 --out none
+GAZEBO_MASTER_URI=http://127.0.0.1:1/ refused "the Gazebo that the environment names" 127.0.0.1:1 "expected" drive \
+  --base gazebo --out none
+GAZEBO_MASTER_URI=http://127.0.0.2:2 refused "a Gazebo that the configuration names" 127.0.0.1:1 "expected" drive \
+  --base gazebo --set gazebo.port=1 --out none
+GAZEBO_MASTER_URI=127.0.0.1:1 refused "an address of Gazebo that is none" GAZEBO_MASTER_URI "expected http://ADDRESS:PORT" \
+  drive --base gazebo --out none
 refused "a fault over DDS" --fault "expected it with --base simulator|gazebo" drive --base dds \
   --fault depth:off --out none
 refused "a measured simulator" --measure "expected it with --base gazebo" drive office --measure \

@@ -36,13 +36,14 @@ TEST(SimulationClock, StandsWithTheSimulationAndGoesOnOnceItIsLost) {
   clock.tick(50.0);
   machine.advance(0.05);
   EXPECT_NEAR(clock.now(), 50.05, 1e-9);
-  machine.advance(0.4);
+  // As a world that waits for its images on a machine with other work.
+  machine.advance(1.4);
   EXPECT_NEAR(clock.now(), 50.0 + SimulationClock::kAhead, 1e-9);
-  machine.advance(10.05);
-  EXPECT_NEAR(clock.now(), 60.1, 1e-9);
+  machine.advance(8.55);
+  EXPECT_NEAR(clock.now(), 55.1, 1e-9);
   // It is back: time stands until ticks have caught up, and never goes back.
   clock.tick(50.2);
-  EXPECT_NEAR(clock.now(), 60.1, 1e-9);
+  EXPECT_NEAR(clock.now(), 55.1, 1e-9);
   clock.tick(61.0);
   EXPECT_NEAR(clock.now(), 61.0, 1e-9);
 }
