@@ -28,8 +28,6 @@ std::vector<Eigen::Vector2f> detect_corners(const ImageView& image,
   if (image.empty()) throw std::invalid_argument("corner detector: the image is empty");
   const cv::Mat grey(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.data),
                      static_cast<std::size_t>(image.stride));
-  cv::Mat strength;
-  cv::cornerMinEigenVal(grey, strength, kBlock, 3);
   // OpenCV's gradients of 8-bit images are 2/255 times grey levels a pixel (Sobel gain 8, divided
   // by 4 and 255), and its block is a sum divided by its size.
   const float floor = static_cast<float>(options.min_strength * 4.0 / (255.0 * 255.0));
@@ -65,26 +63,40 @@ std::vector<Eigen::Vector2f> detect_corners(const ImageView& image,
   std::vector<Eigen::Vector2f> corners;
   std::vector<Candidate> candidates;
   const int border = std::max(1, options.border);
+  const auto first_pixel = [&](int n) { return static_cast<int>(std::ceil(n * cell)); };
   for (int row = 0; row < rows; ++row) {
+    const int v0 = std::max(border, first_pixel(row));
+    const int v1 = std::min(image.height - border, first_pixel(row + 1));
+    if (v0 >= v1) continue;
+    int strong_until = 0;  // the column of cells up to which the row's strength is known
+    cv::Mat strength;
+    cv::Rect part;
     for (int column = 0; column < columns; ++column) {
       if (full[row * columns + column]) continue;
-      const int u0 = std::max(border, static_cast<int>(std::ceil(column * cell)));
-      const int v0 = std::max(border, static_cast<int>(std::ceil(row * cell)));
-      const int u1 =
-          std::min(image.width - border, static_cast<int>(std::ceil((column + 1) * cell)));
-      const int v1 = std::min(image.height - border, static_cast<int>(std::ceil((row + 1) * cell)));
+      if (column >= strong_until) {
+        strong_until = column + 1;
+        while (strong_until < columns && !full[row * columns + strong_until]) ++strong_until;
+        // Local maxima look one pixel farther, and blocks half their side.
+        constexpr int kMargin = 1 + kBlock / 2;
+        const int u0 = first_pixel(column), u1 = first_pixel(strong_until);
+        part = cv::Rect(u0 - kMargin, v0 - kMargin, u1 - u0 + 2 * kMargin, v1 - v0 + 2 * kMargin) &
+               cv::Rect(0, 0, image.width, image.height);
+        cv::cornerMinEigenVal(grey(part), strength, kBlock, 3);
+      }
+      const int u0 = std::max(border, first_pixel(column));
+      const int u1 = std::min(image.width - border, first_pixel(column + 1));
       candidates.clear();
       for (int v = v0; v < v1; ++v) {
-        const float* above = strength.ptr<float>(v - 1);
-        const float* here = strength.ptr<float>(v);
-        const float* below = strength.ptr<float>(v + 1);
-        for (int u = u0; u < u1; ++u) {
-          const float s = here[u];
+        const float* above = strength.ptr<float>(v - 1 - part.y);
+        const float* here = strength.ptr<float>(v - part.y);
+        const float* below = strength.ptr<float>(v + 1 - part.y);
+        for (int x = u0 - part.x; x < u1 - part.x; ++x) {
+          const float s = here[x];
           if (!(s >= floor)) continue;
-          if (s < here[u - 1] || s < here[u + 1] || s < above[u] || s < below[u]) continue;
-          if (s < above[u - 1] || s < above[u + 1] || s < below[u - 1] || s < below[u + 1])
+          if (s < here[x - 1] || s < here[x + 1] || s < above[x] || s < below[x]) continue;
+          if (s < above[x - 1] || s < above[x + 1] || s < below[x - 1] || s < below[x + 1])
             continue;
-          candidates.push_back({s, u, v});
+          candidates.push_back({s, x + part.x, v});
         }
       }
       std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {

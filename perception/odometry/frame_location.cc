@@ -27,7 +27,7 @@ FrameLocation FrameLocator::locate(std::vector<Track>& tracks, const Isometry3d&
   level_1.sigma_left = 2.0 * options_.pose.sigma_left + 0.3;  // pixels of that level, and its blur
   const int deep = options_.pyramid_levels - 1;
   for (int top : {trust_prior ? std::min(2, deep) : deep, deep}) {
-    track_coarse(tracks, prior, left_, top, camera_.left, options_);
+    track_coarse(tracks, prior, left_, top, camera_, options_);
     const auto in_view =
         std::count_if(tracks.begin(), tracks.end(), [](const Track& t) { return t.in_view; });
     times_.tracking += watch.lap();

@@ -11,17 +11,6 @@ namespace {
 constexpr int kR = kPatchRadius;
 constexpr double kSlide = 0.01;  // s of Patch::Alignment [px]
 
-/// Bilinear sample; the caller has checked that 0 <= x < width - 1 and likewise y, to rounding: a
-/// corner of a patch, reached by other sums than the check's, may round to width - 1 itself.
-inline float sample(const PyramidLevel& level, float x, float y) {
-  const int u = std::min(static_cast<int>(x), level.width - 2);
-  const int v = std::min(static_cast<int>(y), level.height - 2);
-  const float a = x - u, b = y - v;
-  const float* top = level.row(v) + u;
-  const float* bottom = top + level.width;
-  return (1 - b) * ((1 - a) * top[0] + a * top[1]) + b * ((1 - a) * bottom[0] + a * bottom[1]);
-}
-
 }  // namespace
 
 const Patch::Samples& Patch::weights() {
@@ -29,8 +18,7 @@ const Patch::Samples& Patch::weights() {
     Samples w = Samples::Zero();
     for (int y = -kR; y <= kR; ++y) {
       for (int x = -kR; x <= kR; ++x) {
-        const float s = 1.0f - (x * x + y * y) / (2.0f * (kR + 1) * (kR + 1));
-        w[(y + kR) * kWidth + x + kR] = s * s;
+        w[(y + kR) * kWidth + x + kR] = patch_weight(x, y);
       }
     }
     return Samples(w / w.sum());
@@ -53,8 +41,8 @@ std::optional<Patch> Patch::make(const PyramidLevel& level, const Eigen::Vector2
   float raw[kSide][kSide];
   for (int y = -kBorder; y <= kBorder; ++y) {
     for (int x = -kBorder; x <= kBorder; ++x) {
-      raw[y + kBorder][x + kBorder] = sample(level, centre.x() + A(0, 0) * x + A(0, 1) * y,
-                                             centre.y() + A(1, 0) * x + A(1, 1) * y);
+      raw[y + kBorder][x + kBorder] = bilinear(level, centre.x() + A(0, 0) * x + A(0, 1) * y,
+                                               centre.y() + A(1, 0) * x + A(1, 1) * y);
     }
   }
   std::optional<Patch> made(std::in_place);
@@ -139,6 +127,7 @@ Patch::Alignment Patch::align(const PyramidLevel& level, const Eigen::Vector2f& 
       const float total = w.dot((I - T_).cwiseProduct(I - T_));
       const float unexplained = std::max(0.0f, total - explained);
       result.agreement = 1.0f - unexplained / std::max(variance, 1e-3f);
+      result.residual = unexplained;
       result.covariance = unexplained / (result.gain * result.gain) * spread_ + slide_;
       result.converged = true;
       return result;

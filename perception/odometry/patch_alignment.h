@@ -4,21 +4,18 @@
 #include <optional>
 
 #include "perception/odometry/image_pyramid.h"
+#include "perception/odometry/patch_samples.h"
 
 namespace prospect {
-
-/// Half width r of the square patches that are aligned: 15 x 15 samples.
-inline constexpr int kPatchRadius = 7;
 
 /// A patch of an image, prepared for alignment: the samples T(x) of the image around a centre c,
 /// taken at c + A x for the integer offsets x of the patch, and what the normal equations need.
 ///
 /// Model of what another image I shows of it, with the same brightness up to gain and offset:
-///   I(p + x) = (1 + alpha) T(x + delta) + beta,   weights w(x) = (1 - |x|^2 / (2 (r + 1)^2))^2
-/// (w falls to the border, where a patch is more likely to lie on another surface). Linear in
-/// (delta, alpha, beta), with J = [dT/dx, dT/dy, T - mean T, 1] the same in every iteration, so one
-/// iteration is one resampling and four dot products (inverse compositional alignment: Baker and
-/// Matthews 2004, Lucas and Kanade 1981).
+///   I(p + x) = (1 + alpha) T(x + delta) + beta,   weights w (patch_weight()).
+/// Linear in (delta, alpha, beta), with J = [dT/dx, dT/dy, T - mean T, 1] the same in every
+/// iteration, so one iteration is one resampling and four dot products (inverse compositional
+/// alignment: Baker and Matthews 2004, Lucas and Kanade 1981).
 class Patch {
  public:
   /// The patch of `level` around `centre` [px of that level], sampled through the 2 x 2 matrix A.
@@ -44,6 +41,7 @@ class Patch {
     /// edge look like texture along it, but do not move with it: they hold the patch where it was
     /// looked for, and the residual stays small. Their strength is a share of the edge's.
     Eigen::Matrix2f covariance = Eigen::Matrix2f::Zero();
+    float residual = 0.0f;  ///< sum w r^2 [grey^2]
     bool converged = false;
   };
   /// Aligns the patch with `level`, from `start`: Gauss-Newton until a step is shorter than

@@ -67,8 +67,9 @@ TrackResult track_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
 }
 
 StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
-                                     const Eigen::Matrix2f& A, const ImagePyramid& left,
-                                     const Eigen::Vector2f& start_left, const ImagePyramid& right,
+                                     const Eigen::Matrix2f& A_left, const ImagePyramid& left,
+                                     const Eigen::Vector2f& start_left,
+                                     const Eigen::Matrix2f& A_right, const ImagePyramid& right,
                                      const Eigen::Vector2f& start_right,
                                      const PatchTrackerOptions& options) {
   StereoTrackResult result;
@@ -76,7 +77,8 @@ StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vect
     result.left.outcome = TrackOutcome::kNotInView;
     return result;
   }
-  const auto patch = Patch::make(from.level(0), point, A, static_cast<float>(options.min_texture));
+  const float texture = static_cast<float>(options.min_texture);
+  const auto patch = Patch::make(from.level(0), point, A_left, texture);
   if (!patch) {
     result.left.outcome = TrackOutcome::kNoTexture;
     return result;
@@ -84,7 +86,7 @@ StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vect
   const Patch::Alignment found =
       patch->align(left.level(0), start_left, static_cast<float>(options.shift_per_level));
   if (!found.converged || found.agreement < options.min_agreement) return result;
-  if (!returns(from.level(0), point, A, left.level(0), found.position, options)) {
+  if (!returns(from.level(0), point, A_left, left.level(0), found.position, options)) {
     result.left.outcome = TrackOutcome::kNotConsistent;
     return result;
   }
@@ -92,8 +94,10 @@ StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vect
   // What moved the left track from its start moves the right one, too.
   const Eigen::Vector2f start = start_right + found.position - start_left;
   if (!inside(right.level(0), start)) return result;
+  const auto right_patch = Patch::make(from.level(0), point, A_right, texture);
+  if (!right_patch) return result;
   const Patch::Alignment other =
-      patch->align(right.level(0), start, static_cast<float>(options.shift_per_level));
+      right_patch->align(right.level(0), start, static_cast<float>(options.shift_per_level));
   result.in_right = other.converged && other.agreement >= options.min_agreement;
   result.right = other.position;
   result.right_covariance = other.covariance;

@@ -49,11 +49,12 @@ struct StereoTrackResult {
 };
 
 /// The same in both images of a pair, from starts that are good to a few pixels: level 0 only, with
-/// one patch for both, and with the check of return in the left image. The right image is searched
-/// only if the left one shows the patch.
+/// a warp for each, as a slanted surface looks otherwise to either camera, and with the check of
+/// return in the left image. The right image is searched only if the left one shows the patch.
 StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
-                                     const Eigen::Matrix2f& A, const ImagePyramid& left,
-                                     const Eigen::Vector2f& start_left, const ImagePyramid& right,
+                                     const Eigen::Matrix2f& A_left, const ImagePyramid& left,
+                                     const Eigen::Vector2f& start_left,
+                                     const Eigen::Matrix2f& A_right, const ImagePyramid& right,
                                      const Eigen::Vector2f& start_right,
                                      const PatchTrackerOptions& options = {});
 

@@ -1,9 +1,11 @@
 #include "perception/odometry/stereo_matcher.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "perception/odometry/patch_alignment.h"
+#include "perception/odometry/patch_slope.h"
 
 namespace prospect {
 namespace {
@@ -100,13 +102,20 @@ std::vector<StereoMatch> match_stereo(const ImagePyramid& left, const ImagePyram
     if (std::abs(back_first + static_cast<int>(back - backward.values.begin()) - u) > 1) continue;
 
     const Eigen::Vector2f centre = points[i];
-    const Eigen::Matrix2f A = Eigen::Matrix2f::Identity();
-    const auto patch = Patch::make(L, centre, A, 0.5f);
+    const auto patch = Patch::make(L, centre, Eigen::Matrix2f::Identity(), 0.5f);
     if (!patch) continue;
     const Eigen::Vector2f start(static_cast<float>(x) + centre.x() - u, centre.y());
-    const Patch::Alignment found = patch->align(R, start, 2.5f);
+    const Patch::Alignment facing = patch->align(R, start, 2.5f);
+    if (!facing.converged) continue;
+    const SlantedPatch slanted =
+        align_slanted(L, centre, R, facing.position, facing.residual, 2.5f)
+            .value_or(SlantedPatch{facing.position, Eigen::Vector2f::Zero()});
+    const Eigen::Matrix2f M = SlantedPatch::shear(slanted.slope);
+    const auto warped = Patch::make(L, centre, M.inverse(), 0.5f);
+    if (!warped) continue;
+    const Patch::Alignment found = warped->align(R, slanted.right, 2.5f);
     if (!found.converged || found.agreement < 0.6f) continue;
-    const auto reverse = Patch::make(R, found.position, A, 0.5f);
+    const auto reverse = Patch::make(R, found.position, M, 0.5f);
     if (!reverse) continue;
     const Patch::Alignment returned = reverse->align(L, centre, 2.5f);
     if (!returned.converged) continue;
@@ -116,6 +125,7 @@ std::vector<StereoMatch> match_stereo(const ImagePyramid& left, const ImagePyram
     match.disparity = static_cast<double>(centre.x()) - found.position.x();
     match.row_error = static_cast<double>(found.position.y()) - centre.y();
     match.variance = static_cast<double>(found.covariance(0, 0));
+    match.slope = slanted.slope;
     if (match.disparity < options.min_disparity) continue;
     if (std::abs(match.row_error) > options.max_row_error) continue;
     matches.push_back(match);

@@ -28,7 +28,8 @@ struct StereoMatch {
   double disparity = 0.0;  ///< d = u_left - u_right [px]
   /// v_right - v_left [px]: zero but for noise where the pair is rectified.
   double row_error = 0.0;
-  double variance = 0.0;  ///< of the disparity [px^2], see Patch::Alignment
+  double variance = 0.0;  ///< of the disparity [px^2], at this slope; see Patch::Alignment
+  Eigen::Vector2f slope = Eigen::Vector2f::Zero();  ///< of the disparity [px/px], see SlantedPatch
 };
 
 /// Sub-pixel correspondences, in the right image of a rectified pair, of points of the left one.
@@ -36,8 +37,10 @@ struct StereoMatch {
 /// 1. Zero-mean normalised cross-correlation of 11 x 11 patches along the row, over all
 /// disparities;
 ///    the best must be good enough and distinct, and searching back from it must come back.
-/// 2. Alignment of the 15 x 15 patch in both coordinates (patch_alignment.h); the row error is the
-///    vertical part. Then the same from right to left, which must return to the point.
+/// 2. Alignment of the 15 x 15 patch in both coordinates, first as if it faced the cameras
+///    (patch_alignment.h), then with its slope (patch_slope.h), and once more with that slope held;
+///    the row error is the vertical part. Then the last from right to left, which must return to
+///    the point.
 /// Points without a match are left out; order as given. Deterministic; no state.
 std::vector<StereoMatch> match_stereo(const ImagePyramid& left, const ImagePyramid& right,
                                       const std::vector<Eigen::Vector2f>& points,

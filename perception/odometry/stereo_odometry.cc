@@ -265,7 +265,7 @@ struct StereoOdometry::Impl {
       } else if (Y.z() > 0.0) {
         sightings.push_back({t.id, camera.left.project(Y), false, false});
       }
-      if (in_full_view(t, trusted.T_CW, camera.left, options.max_scale)) {
+      if (in_full_view(t, trusted.T_CW, camera, options.max_scale)) {
         if (t.misses == 0) {
           survival.add(t.found, t.inlier);
         } else {
@@ -323,6 +323,7 @@ struct StereoOdometry::Impl {
       t.anchor = done.anchor();
       t.pixel = found.corners[m.index];
       t.disparity = m.disparity;
+      t.slope = m.slope.cast<double>();
       t.disparity_variance = options.texture_noise * m.variance;
       place_track(t, camera, offset.value());
       t.left = t.pixel;

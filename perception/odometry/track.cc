@@ -14,7 +14,8 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 std::optional<TrackPrediction> predict_track(const Track& track, const Isometry3d& T_CW,
-                                             const PinholeCamera& camera, double max_scale) {
+                                             const StereoCamera& stereo, double max_scale) {
+  const PinholeCamera& camera = stereo.left;
   const Vector3d Y = T_CW * track.position;
   if (!(Y.z() > 0.1)) return {};
   const Vector2d p = camera.project(Y);
@@ -22,27 +23,32 @@ std::optional<TrackPrediction> predict_track(const Track& track, const Isometry3
     return {};
   }
   const Matrix3d R = (T_CW * track.anchor->T_CW.inverse()).linear();
-  const Eigen::Matrix<double, 2, 3> P = camera.projection_jacobian(Y);
-  const double z = track.in_anchor.z();
-  Matrix2d B;
-  B.col(0) = P * R.col(0) * (z / camera.fx);
-  B.col(1) = P * R.col(1) * (z / camera.fy);
+  const Vector3d& X = track.in_anchor;
+  const Vector2d slope = track.slope * X.z() / (camera.fx * stereo.baseline);  // g / d
+  Eigen::Matrix<double, 3, 2> tangents;
+  tangents.col(0) = R * (X.z() / camera.fx * Vector3d::UnitX() - slope.x() * X);
+  tangents.col(1) = R * (X.z() / camera.fy * Vector3d::UnitY() - slope.y() * X);
+  const Matrix2d B = camera.projection_jacobian(Y) * tangents;
+  const Matrix2d B_right =
+      camera.projection_jacobian(Y - stereo.baseline * Vector3d::UnitX()) * tangents;
   const double determinant = B.determinant();
   const double limit = max_scale * max_scale;
   if (!(determinant < limit && determinant > 1.0 / limit)) return {};
-  return TrackPrediction{p.cast<float>(), B.inverse().cast<float>()};
+  return TrackPrediction{p.cast<float>(), B.inverse().cast<float>(),
+                         B_right.inverse().cast<float>()};
 }
 
-bool in_full_view(const Track& track, const Isometry3d& T_CW, const PinholeCamera& camera,
+bool in_full_view(const Track& track, const Isometry3d& T_CW, const StereoCamera& stereo,
                   double max_scale) {
   constexpr double kBorder = 12.0;  // [px]: half a patch, its gradient, and what it may move
   const double limit = 0.875 * max_scale;
-  const auto predicted = predict_track(track, T_CW, camera, max_scale);
+  const auto predicted = predict_track(track, T_CW, stereo, max_scale);
   if (!predicted) return false;
   const double scale = std::sqrt(1.0 / predicted->A.determinant());
   return scale < limit && scale > 1.0 / limit && predicted->pixel.x() >= kBorder &&
-         predicted->pixel.y() >= kBorder && predicted->pixel.x() <= camera.width - 1 - kBorder &&
-         predicted->pixel.y() <= camera.height - 1 - kBorder;
+         predicted->pixel.y() >= kBorder &&
+         predicted->pixel.x() <= stereo.left.width - 1 - kBorder &&
+         predicted->pixel.y() <= stereo.left.height - 1 - kBorder;
 }
 
 void place_track(Track& track, const StereoCamera& camera, double offset) {

@@ -27,6 +27,7 @@ struct Track {
   std::shared_ptr<const Anchor> anchor;
   Eigen::Vector2f pixel = Eigen::Vector2f::Zero();  ///< in the anchor's left image
   double disparity = 0.0;                           ///< measured there, before correction [px]
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();  ///< of the disparity there, see SlantedPatch
   /// What the patch's texture adds to the variance of the disparity [px^2].
   double disparity_variance = 0.0;
   Eigen::Vector3d in_anchor = Eigen::Vector3d::Zero();   ///< [m], in the anchor's camera frame
@@ -53,21 +54,25 @@ struct Track {
   double right_variance = 0.0;
 };
 
-/// Where a left image shows a landmark, and how its patch is warped there: A of patch_tracker.h.
+/// Where a left image shows a landmark, and how its patch is warped there and in the right image: A
+/// of patch_tracker.h for both.
 struct TrackPrediction {
   Eigen::Vector2f pixel;  ///< [px]
-  Eigen::Matrix2f A;
+  Eigen::Matrix2f A, A_right;
 };
 
-/// Prediction at the pose T_CW; the patch is taken for a piece of a plane that faced the anchor's
-/// camera. Empty if the landmark is out of view, or seen by more than the factor max_scale nearer
-/// or farther than at its anchor.
+/// Prediction at the pose T_CW. The patch is taken for a piece of a plane, the one that the slope
+/// of its disparity says: with the anchor's point X at depth z and disparity d, and the slope g, X
+/// changes over the anchor's image by
+///   dX/du = (z/fx) e_x - (g_u/d) X,   dX/dv = (z/fy) e_y - (g_v/d) X.
+/// Empty if the landmark is out of view, or seen by more than the factor max_scale nearer or
+/// farther than at its anchor.
 std::optional<TrackPrediction> predict_track(const Track& track, const Eigen::Isometry3d& T_CW,
-                                             const PinholeCamera& camera, double max_scale);
+                                             const StereoCamera& camera, double max_scale);
 
 /// Whether nothing but chance can keep the landmark from being tracked at T_CW: its patch is well
 /// within the image, at a scale well within the limits.
-bool in_full_view(const Track& track, const Eigen::Isometry3d& T_CW, const PinholeCamera& camera,
+bool in_full_view(const Track& track, const Eigen::Isometry3d& T_CW, const StereoCamera& camera,
                   double max_scale);
 
 /// Position and covariance from what was measured at the anchor, eqs. (1) and (2), with the

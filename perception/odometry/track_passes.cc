@@ -10,7 +10,7 @@ namespace prospect {
 namespace {
 
 std::optional<TrackPrediction> begin_tracking(Track& t, const Eigen::Isometry3d& T_CW,
-                                              const PinholeCamera& camera, double max_scale) {
+                                              const StereoCamera& camera, double max_scale) {
   const auto predicted = predict_track(t, T_CW, camera, max_scale);
   t.tracked = t.has_right = t.in_right = false;
   t.in_view = predicted.has_value();
@@ -20,7 +20,7 @@ std::optional<TrackPrediction> begin_tracking(Track& t, const Eigen::Isometry3d&
 }  // namespace
 
 void track_coarse(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW,
-                  const ImagePyramid& left, int top, const PinholeCamera& camera,
+                  const ImagePyramid& left, int top, const StereoCamera& camera,
                   const StereoOdometryOptions& options) {
   for (Track& t : tracks) {
     const auto start = begin_tracking(t, T_CW, camera, options.max_scale);
@@ -38,13 +38,13 @@ void track_fine(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW, const
                 const ImagePyramid& right, const StereoCamera& camera, double offset,
                 const StereoOdometryOptions& options) {
   for (Track& t : tracks) {
-    const auto start = begin_tracking(t, T_CW, camera.left, options.max_scale);
+    const auto start = begin_tracking(t, T_CW, camera, options.max_scale);
     if (!start) continue;
     const double depth = (T_CW * t.position).z();
     const float disparity = static_cast<float>(camera.left.fx * camera.baseline / depth - offset);
-    const StereoTrackResult result =
-        track_stereo_patch(t.anchor->left, t.pixel, start->A, left, start->pixel, right,
-                           start->pixel - Eigen::Vector2f(disparity, 0.0f), options.tracking);
+    const StereoTrackResult result = track_stereo_patch(
+        t.anchor->left, t.pixel, start->A, left, start->pixel, start->A_right, right,
+        start->pixel - Eigen::Vector2f(disparity, 0.0f), options.tracking);
     t.tracked = result.left.outcome == TrackOutcome::kTracked;
     if (!t.tracked) continue;
     t.left = result.left.position;

@@ -17,7 +17,7 @@ namespace prospect {
 /// First pass: the left image only, from level `top` of the pyramid down to level 1. Some of what
 /// it finds is wrong.
 void track_coarse(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW,
-                  const ImagePyramid& left, int top, const PinholeCamera& camera,
+                  const ImagePyramid& left, int top, const StereoCamera& camera,
                   const StereoOdometryOptions& options);
 
 /// Second pass: both images at full size, from a pose that is good to about a pixel. Sets right,

@@ -163,8 +163,8 @@ std::shared_ptr<World> tiled_room(double length, double width, double tile) {
 
 TEST_F(CameraSensorsTest, OnATiledFloorTheWheelsTellWhichTile) {
   Simulator simulator(tiled_room(9.0, 7.0, 0.15), small_cameras());
-  // Another tile than the right one is a jump of a tile, and stays; small images drift by a share
-  // of the way.
+  // Another tile than the right one is a jump of a tile, and stays. A floor is seen at a slant, and
+  // every tile has the same corners: what that does to one is done to all, and drifts.
   constexpr double kTile = 0.15;
   double worst = 0.0, jump = 0.0, before = 0.0;
   for (int k = 0; k < 12; ++k) {
@@ -177,7 +177,7 @@ TEST_F(CameraSensorsTest, OnATiledFloorTheWheelsTellWhichTile) {
   std::printf("%.2f m: off by %.1f mm at most, %d losses\n", simulator.path_length(), 1e3 * worst,
               simulator.losses());
   EXPECT_LT(jump, 0.1 * kTile);
-  EXPECT_LT(worst, 0.5 * kTile);
+  EXPECT_LT(worst, 0.03);
 }
 
 TEST_F(CameraSensorsTest, SameSeedSameBitsWithAnyNumberOfThreads) {

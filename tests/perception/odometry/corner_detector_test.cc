@@ -83,5 +83,29 @@ TEST(CornerDetector, OneACellFarFromWhatIsThere) {
   EXPECT_THROW(detect_corners(ImageView{}), std::invalid_argument);
 }
 
+TEST(CornerDetector, ACornerIsTheSameWhateverOtherCellsHold) {
+  // Strength is looked at where cells are free: the edge of such a part is none of the image.
+  Image image(320, 240);
+  std::mt19937 generator(5);
+  for (auto& p : image.pixels) p = static_cast<std::uint8_t>(generator() >> 24);
+  CornerDetectorOptions options;
+  options.cells = 48;
+  const auto all = detect_corners(image.view(), {}, options);
+  const auto cell = static_cast<float>(corner_cell(320, 240, options));
+  int compared = 0;
+  for (const Eigen::Vector2f& c : all) {
+    // Every cell but that of this corner is full, by a point as far from it as can be.
+    std::vector<Eigen::Vector2f> others;
+    for (const Eigen::Vector2f& o : all) {
+      const bool same = std::floor(o.x() / cell) == std::floor(c.x() / cell) &&
+                        std::floor(o.y() / cell) == std::floor(c.y() / cell);
+      if (!same) others.push_back(o);
+    }
+    const auto alone = detect_corners(image.view(), others, options);
+    for (const Eigen::Vector2f& found : alone) compared += found == c;
+  }
+  EXPECT_EQ(compared, static_cast<int>(all.size()));
+}
+
 }  // namespace
 }  // namespace prospect::corner_detector_test

@@ -225,7 +225,7 @@ TEST(PatchTracker, OnePatchForBothImages) {
     return ImagePyramid(
         image_of([=](double x, double y) { return texture(x - dx, y - dy); }).view(), 1);
   };
-  const auto result = track_stereo_patch(first, {80, 60}, kSame, moved(1.3, 0.4), {80, 60},
+  const auto result = track_stereo_patch(first, {80, 60}, kSame, moved(1.3, 0.4), {80, 60}, kSame,
                                          moved(-10.6, 0.4), {68, 60});
   ASSERT_EQ(result.left.outcome, TrackOutcome::kTracked);
   EXPECT_NEAR(result.left.position.x(), 81.3, 0.03);
@@ -235,7 +235,7 @@ TEST(PatchTracker, OnePatchForBothImages) {
   // A right image without it.
   const ImagePyramid blank(Image(160, 120, 9).view(), 1);
   EXPECT_FALSE(
-      track_stereo_patch(first, {80, 60}, kSame, moved(1.3, 0.4), {80, 60}, blank, {68, 60})
+      track_stereo_patch(first, {80, 60}, kSame, moved(1.3, 0.4), {80, 60}, kSame, blank, {68, 60})
           .in_right);
 }
 
