@@ -251,45 +251,50 @@ void Evaluator::consider(const Eigen::Ref<const Eigen::VectorXd>& x, double cost
   }
 }
 
-Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate what) {
+bool Evaluator::take(Evaluate what) {
   const bool gradient = what >= Evaluate::kGradient;
+  const bool valid =
+      evaluation_.valid[0] && std::isfinite(evaluation_.cost[0]) &&
+      evaluation_.constraints.allFinite() &&
+      (!gradient || (evaluation_.gradient.allFinite() && evaluation_.jacobian.allFinite()));
+  if (!valid) return false;
+  cost_ = evaluation_.cost[0];
+  constraints_ = evaluation_.constraints.col(0);
+  if (gradient) {
+    for (int i = 0; i < num_variables(); ++i) {
+      const int j = free_[static_cast<std::size_t>(i)];
+      gradient_[i] = evaluation_.gradient[j];
+      jacobian_.col(i) = evaluation_.jacobian.col(j);
+    }
+  }
+  if (what == Evaluate::kResiduals) {
+    residual_jacobian_.resize(evaluation_.residuals.size(), num_variables());
+    for (int i = 0; i < num_variables(); ++i) {
+      residual_jacobian_.col(i) =
+          evaluation_.residual_jacobian.col(free_[static_cast<std::size_t>(i)]);
+    }
+  }
+  return true;
+}
+
+Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate what) {
   if (stopped_) return Outcome::kStopped;
-  if (!differs_from_last(x) && what <= last_what_) return last_outcome_;
+  const bool included = what <= last_what_ && (what != Evaluate::kStages || last_what_ == what ||
+                                               last_outcome_ == Outcome::kRejected);
+  if (!differs_from_last(x) && included) return last_outcome_;
   if (should_stop()) return Outcome::kStopped;
 
   clamp_to_z(x);
   last_known_ = false;
-  bool valid = false;
   try {
     problem_.evaluate(z_, what, workspace(), evaluation_);
-    valid = evaluation_.valid[0];
   } catch (...) {
     store_exception();
     return Outcome::kStopped;
   }
-  count_evaluations(1, gradient);
-  valid = valid && std::isfinite(evaluation_.cost[0]) && evaluation_.constraints.allFinite();
-  if (valid && gradient) {
-    valid = evaluation_.gradient.allFinite() && evaluation_.jacobian.allFinite();
-  }
-
+  count_evaluations(1, what >= Evaluate::kGradient);
+  const bool valid = take(what);
   if (valid) {
-    cost_ = evaluation_.cost[0];
-    constraints_ = evaluation_.constraints.col(0);
-    if (gradient) {
-      for (int i = 0; i < num_variables(); ++i) {
-        const int j = free_[static_cast<std::size_t>(i)];
-        gradient_[i] = evaluation_.gradient[j];
-        jacobian_.col(i) = evaluation_.jacobian.col(j);
-      }
-    }
-    if (what == Evaluate::kResiduals) {
-      residual_jacobian_.resize(evaluation_.residuals.size(), num_variables());
-      for (int i = 0; i < num_variables(); ++i) {
-        residual_jacobian_.col(i) =
-            evaluation_.residual_jacobian.col(free_[static_cast<std::size_t>(i)]);
-      }
-    }
     consider(last_x_, cost_, violation(constraints_), constraints_);
   } else {
     cost_ = rejected_cost(last_x_, &gradient_);
@@ -300,6 +305,21 @@ Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate
   last_what_ = valid ? what : Evaluate::kResiduals;  // a rejected point has all there is
   last_outcome_ = valid ? Outcome::kEvaluated : Outcome::kRejected;
   return last_outcome_;
+}
+
+Outcome Evaluator::evaluate_states(const Eigen::Ref<const Eigen::VectorXd>& x,
+                                   const Eigen::Ref<const Eigen::MatrixXd>& states) {
+  if (should_stop()) return Outcome::kStopped;
+  clamp_to_z(x);
+  last_known_ = false;
+  try {
+    problem_.evaluate_states(z_.col(0), states, workspace(), evaluation_);
+  } catch (...) {
+    store_exception();
+    return Outcome::kStopped;
+  }
+  count_evaluations(1, true);
+  return take(Evaluate::kStages) ? Outcome::kEvaluated : Outcome::kRejected;
 }
 
 double Evaluator::rejected_cost(const Eigen::Ref<const Eigen::VectorXd>& x,

@@ -101,6 +101,10 @@ class Evaluator {
 
   /// Value (and gradient) at x.
   Outcome evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate what);
+  /// kStages at inputs x and states of one's own (nx x (N+1)), which are no rollout: it counts as
+  /// an evaluation, and is never the incumbent.
+  Outcome evaluate_states(const Eigen::Ref<const Eigen::VectorXd>& x,
+                          const Eigen::Ref<const Eigen::MatrixXd>& states);
   /// Of the last point that evaluate() did not refuse with kStopped. The cost of a rejected point
   /// is that of rejected_cost(), its constraints are those of the incumbent, its derivatives
   /// likewise.
@@ -108,6 +112,8 @@ class Evaluator {
   const Eigen::VectorXd& constraints() const { return constraints_; }  ///< m
   const Eigen::VectorXd& gradient() const { return gradient_; }        ///< free variables
   const Eigen::MatrixXd& jacobian() const { return jacobian_; }        ///< m x free variables
+  /// With kStages, where the point was not rejected. Of all variables, also the fixed ones.
+  const StageDerivatives& stages() const { return evaluation_.stages; }
   /// With kResiduals, where the point was not rejected: see Evaluation.
   const Eigen::VectorXd& residuals() const { return evaluation_.residuals; }
   const ResidualJacobian& residual_jacobian() const {  ///< rows x free variables
@@ -176,6 +182,8 @@ class Evaluator {
   Result finish(StopReason reason, bool optimum, std::string detail, WarmStart next);
 
  private:
+  /// Takes over cost, constraints and derivatives of `evaluation_`; false if they are not finite.
+  bool take(Evaluate what);
   void clamp_to_z(const Eigen::Ref<const Eigen::VectorXd>& x);
   bool differs_from_last(const Eigen::Ref<const Eigen::VectorXd>& x) const;
   void consider(const Eigen::Ref<const Eigen::VectorXd>& x, double cost, double violation,

@@ -10,6 +10,7 @@
 #include "solvers/nlopt_algorithms.h"
 #include "solvers/options.h"
 #include "solvers/sampling/sampling_solver.h"
+#include "solvers/sqp/sqp_solver.h"
 #ifdef PROSPECT_WITH_CERES
 #include "solvers/ceres/ceres_solver.h"
 #endif
@@ -91,6 +92,8 @@ std::vector<Entry> entries() {
            "model predictive path integral control on the knots");
   sampling("sampling:search", SamplingMethod::kSearch,
            "systematic search over constant and two-segment inputs, then pattern search");
+  all.push_back(
+      {"sqp", "sequential quadratic programming with curvature by stage", "", &make_sqp_solver});
   all.push_back({"hybrid",
                  "many seeds scored in one batch, the best of different basins polished with "
                  "derivatives",

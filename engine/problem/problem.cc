@@ -101,7 +101,7 @@ Problem::Problem(ProblemDefinition definition) : definition_(std::move(definitio
     has_gradient_ = has_gradient_ && traits.has_gradient;
     has_scores_ = has_scores_ || traits.scores;
     const bool is_constraint = traits.kind == TermKind::kConstraint;
-    TermLayout layout{is_constraint, traits.scores && !is_constraint, 1, {}};
+    TermLayout layout{is_constraint, traits.scores && !is_constraint, 1, {}, {}, {}, 0};
     if (layout.constraint) {
       layout.blocks = term->jacobian_pattern(horizon_);
       const int rows = layout.rows = term->rows(horizon_);
@@ -114,6 +114,25 @@ Problem::Problem(ProblemDefinition definition) : definition_(std::move(definitio
       num_constraints_ += rows;
     } else if (!std::isfinite(weight)) {
       refuse("the weight of term '" + name + "' is not finite", "a finite weight");
+    } else if (weight != 0.0) {
+      const auto form = term->residual_form(horizon_, weight > 0.0 ? 1 : -1);
+      const auto of_inputs = [](const JacobianBlock& block) { return block.input; };
+      if (form && form->rows > 0 &&
+          std::all_of(form->pattern.begin(), form->pattern.end(), of_inputs)) {
+        layout.input_rows = form->rows;
+        layout.input_blocks = form->pattern;
+        const int blocks = static_cast<int>(form->pattern.size());
+        std::vector<std::vector<int>> by_row(static_cast<std::size_t>(form->rows));
+        for (int b = 0; b < blocks; ++b) {
+          by_row[static_cast<std::size_t>(form->pattern[static_cast<std::size_t>(b)].row)]
+              .push_back(b);
+        }
+        for (const std::vector<int>& row : by_row) {
+          for (const int a : row) {
+            for (const int b : row) layout.input_pairs.emplace_back(a, b);
+          }
+        }
+      }
     }
     layouts_.push_back(std::move(layout));
   }
@@ -150,6 +169,9 @@ Workspace Problem::make_workspace() const {
     if (!layouts_[t].constraint) {
       out.state_gradient.resize((definition_.N + 1) * nx, 1);
       out.input_gradient.resize(definition_.N * nu, 1);
+      out.residuals.resize(layouts_[t].input_rows);
+      out.jacobian.resize(std::max(nx, nu),
+                          static_cast<Eigen::Index>(layouts_[t].input_blocks.size()));
     } else {
       out.jacobian.resize(std::max(nx, nu), static_cast<Eigen::Index>(layouts_[t].blocks.size()));
     }
@@ -163,15 +185,22 @@ Workspace Problem::make_workspace() const {
   return workspace;
 }
 
+void Problem::set_inputs(const Eigen::Ref<const Eigen::MatrixXd>& X, TrajectoryBatch& t) const {
+  const int nu = horizon_.nu();
+  t.inputs.resize(definition_.N * nu, X.cols());
+  for (int k = 0; k < definition_.N; ++k) {
+    t.inputs.middleRows(k * nu, nu) = X.middleRows(knot(k) * nu, nu).array();
+  }
+}
+
 void Problem::roll(const Eigen::Ref<const Eigen::MatrixXd>& X, TrajectoryBatch& t) const {
   const int nx = horizon_.nx();
   const int nu = horizon_.nu();
   const Eigen::Index B = X.cols();
   t.states.resize((definition_.N + 1) * nx, B);
-  t.inputs.resize(definition_.N * nu, B);
+  set_inputs(X, t);
   for (int i = 0; i < nx; ++i) t.states.row(i).setConstant(definition_.x0[i]);
   for (int k = 0; k < definition_.N; ++k) {
-    t.inputs.middleRows(k * nu, nu) = X.middleRows(knot(k) * nu, nu).array();
     definition_.model->step_batch(t.states.middleRows(k * nx, nx), t.inputs.middleRows(k * nu, nu),
                                   definition_.dt, t.states.middleRows((k + 1) * nx, nx));
   }
@@ -200,6 +229,52 @@ void Problem::linearise(const TrajectoryBatch& t, bool sensitivities, Workspace&
     w.sensitivity[s + 1].setZero();
     w.sensitivity[s + 1].leftCols(columns).noalias() = w.A[s] * w.sensitivity[s].leftCols(columns);
     w.sensitivity[s + 1].middleCols(knot(k) * nu, nu) += w.B[s];
+  }
+}
+
+void Problem::begin_stages(const TrajectoryBatch& t, Workspace& workspace,
+                           StageDerivatives& stages) const {
+  const Workspace::Impl& w = *workspace.impl_;
+  const int nx = horizon_.nx();
+  const int nu = horizon_.nu();
+  const int N = definition_.N;
+  stages.states = Eigen::MatrixXd::Map(t.states.data(), nx, N + 1);
+  stages.state_gradient.setZero(nx, N + 1);
+  stages.sensitivity = w.sensitivity;
+  stages.drift.setZero(nx, N + 1);
+  stages.gap = 0.0;
+  for (int k = 0; k < N; ++k) {
+    // A gap is kept in the next column until the drift takes its place.
+    auto next = stages.drift.col(k + 1);
+    definition_.model->step(stages.states.col(k),
+                            Eigen::VectorXd::Map(t.inputs.data() + k * nu, nu), definition_.dt,
+                            next);
+    next -= stages.states.col(k + 1);
+    stages.gap = std::max(stages.gap, next.lpNorm<Eigen::Infinity>());
+    next.noalias() += w.A[static_cast<std::size_t>(k)] * stages.drift.col(k);
+  }
+  stages.constraint_drift.setZero(num_constraints_);
+  stages.input_hessian.setZero(num_variables(), num_variables());
+}
+
+void Problem::evaluate_input_term(std::size_t term_index, const TrajectoryBatch& t, TermOutput& o,
+                                  Workspace& workspace, Eigen::MatrixXd& hessian) const {
+  Workspace::Impl& w = *workspace.impl_;
+  const int nu = horizon_.nu();
+  const TermLayout& layout = layouts_[term_index];
+  const auto& [term, weight] = definition_.terms[term_index];
+  term->evaluate(t, {.residuals = weight > 0.0 ? 1 : -1}, w.scratch[term_index].get(), o);
+  const double scale = std::abs(weight);
+  for (std::size_t b = 0; b < layout.input_blocks.size(); ++b) {
+    const JacobianBlock& block = layout.input_blocks[b];
+    w.input_gradient.col(0).matrix().segment(block.stage * nu, nu) +=
+        (scale * o.residuals[block.row]) * o.jacobian.col(static_cast<Eigen::Index>(b)).head(nu);
+  }
+  for (const auto& [a, b] : layout.input_pairs) {
+    const int row = knot(layout.input_blocks[static_cast<std::size_t>(a)].stage) * nu;
+    const int column = knot(layout.input_blocks[static_cast<std::size_t>(b)].stage) * nu;
+    hessian.block(row, column, nu, nu).noalias() +=
+        (scale * o.jacobian.col(a).head(nu)) * o.jacobian.col(b).head(nu).transpose();
   }
 }
 
@@ -328,12 +403,8 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
                        Workspace& workspace, Evaluation& out) const {
   Workspace::Impl& w = *workspace.impl_;
   const int n = num_variables();
-  const int nx = horizon_.nx();
-  const int nu = horizon_.nu();
   const int B = static_cast<int>(X.cols());
-  const bool residuals = what == Evaluate::kResiduals;
   const bool gradient = what >= Evaluate::kGradient;
-  const bool score = what == Evaluate::kScore;
   if (X.rows() != n || B < 1 || (gradient && B != 1)) {
     refuse("a batch of " + std::to_string(X.rows()) + " x " + std::to_string(B),
            std::to_string(n) + " rows and at least one column, exactly one with the gradient");
@@ -341,11 +412,42 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
   if (gradient && !has_gradient_)
     refuse("a gradient is asked for", "terms that all have gradients");
 
+  roll(X, w.batch(B).trajectories);
+  return evaluate_trajectories(B, what, workspace, out);
+}
+
+bool Problem::evaluate_states(const Eigen::Ref<const Eigen::VectorXd>& z,
+                              const Eigen::Ref<const Eigen::MatrixXd>& states, Workspace& workspace,
+                              Evaluation& out) const {
+  if (z.size() != num_variables() || states.rows() != horizon_.nx() ||
+      states.cols() != horizon_.N + 1) {
+    refuse(std::to_string(z.size()) + " variables and " + std::to_string(states.rows()) + " x " +
+               std::to_string(states.cols()) + " states",
+           std::to_string(num_variables()) + " and " + std::to_string(horizon_.nx()) + " x " +
+               std::to_string(horizon_.N + 1));
+  }
+  if (!has_gradient_) refuse("a gradient is asked for", "terms that all have gradients");
+  TrajectoryBatch& t = workspace.impl_->batch(1).trajectories;
+  set_inputs(z, t);
+  t.states.resize(states.size(), 1);
+  t.states.col(0).matrix() = states.reshaped();
+  return evaluate_trajectories(1, Evaluate::kStages, workspace, out);
+}
+
+bool Problem::evaluate_trajectories(int B, Evaluate what, Workspace& workspace,
+                                    Evaluation& out) const {
+  Workspace::Impl& w = *workspace.impl_;
+  const int n = num_variables();
+  const int nx = horizon_.nx();
+  const int nu = horizon_.nu();
+  const bool residuals = what == Evaluate::kResiduals;
+  const bool stages = what == Evaluate::kStages;
+  const bool gradient = what >= Evaluate::kGradient;
+  const bool score = what == Evaluate::kScore;
   if (residuals && w.residuals.empty()) prepare_residuals(workspace);
 
   Workspace::Impl::Batch& batch = w.batch(B);
   TrajectoryBatch& t = batch.trajectories;
-  roll(X, t);
   w.shared.begin(t, {.gradient = gradient, .score = score});
   if (B > w.scratch_batch) {
     for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
@@ -364,8 +466,9 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
     out.jacobian.setZero(num_constraints_, n);
     w.state_gradient.setZero();
     w.input_gradient.setZero();
-    linearise(t, residuals || num_constraints_ > 0, workspace);
+    linearise(t, residuals || stages || num_constraints_ > 0, workspace);
   }
+  if (stages) begin_stages(t, workspace, out.stages);
   if (residuals) {
     out.residual_offset = w.residual_offset;
     out.residuals.setZero(w.num_residuals);
@@ -375,11 +478,20 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
   int first_row = 0;
   for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
     const auto& [term, weight] = definition_.terms[i];
-    const auto& [constraint, scores, rows, blocks] = layouts_[i];
+    const TermLayout& layout = layouts_[i];
+    const bool constraint = layout.constraint, scores = layout.scores;
+    const int rows = layout.rows;
+    const std::vector<JacobianBlock>& blocks = layout.blocks;
     TermOutput& o = batch.outputs[i];
     o.value.resize(rows, B);
     if (residuals && !constraint) {
       evaluate_residuals(i, t, o, workspace, out);
+      out.terms.row(static_cast<Eigen::Index>(i)) = o.value.row(0);
+      out.cost += weight * o.value.row(0).transpose();
+      continue;
+    }
+    if (stages && !layout.input_blocks.empty()) {
+      evaluate_input_term(i, t, o, workspace, out.stages.input_hessian);
       out.terms.row(static_cast<Eigen::Index>(i)) = o.value.row(0);
       out.cost += weight * o.value.row(0).transpose();
       continue;
@@ -395,6 +507,12 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
         for (std::size_t b = 0; b < blocks.size(); ++b) {
           chain(blocks[b], o.jacobian.col(static_cast<Eigen::Index>(b)), workspace,
                 out.jacobian.row(first_row + blocks[b].row));
+          if (stages && !blocks[b].input) {
+            out.stages.constraint_drift[first_row + blocks[b].row] +=
+                o.jacobian.col(static_cast<Eigen::Index>(b))
+                    .head(nx)
+                    .dot(out.stages.drift.col(blocks[b].stage));
+          }
         }
       }
       first_row += rows;
@@ -409,6 +527,7 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
         w.state_gradient += weight * o.state_gradient;
         w.input_gradient += weight * o.input_gradient;
       }
+      if (stages) out.stages.state_gradient.reshaped() += weight * o.state_gradient.col(0).matrix();
     }
   }
 
@@ -423,6 +542,7 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
   for (int b = 0; b < B; ++b) {
     bool ok = std::isfinite(out.cost[b]) && out.constraints.col(b).allFinite();
     if (gradient) ok = ok && out.gradient.allFinite() && out.jacobian.allFinite();
+    if (stages) ok = ok && out.stages.state_gradient.allFinite();
     if (residuals) ok = ok && out.residuals.allFinite() && out.residual_jacobian.allFinite();
     if (ok) continue;
     all_valid = false;
@@ -435,6 +555,11 @@ bool Problem::evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what
     if (gradient) {
       out.gradient.setZero();
       out.jacobian.setZero();
+    }
+    if (stages) {
+      out.stages.state_gradient.setZero();
+      out.stages.constraint_drift.setZero();
+      out.stages.input_hessian.setZero();
     }
     if (residuals) {
       out.residuals.setZero();

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/problem/term.h"
@@ -43,12 +44,35 @@ struct ProblemDefinition {
   std::shared_ptr<const ZoneMap> zones{};
 };
 
-/// What is to be evaluated; each includes what the ones before it give. A score is a value for
-/// comparing candidates: the constraints are exact, the cost is within Evaluation::cost_error, and
-/// terms that can are computed in single precision, at about half the time.
-enum class Evaluate { kScore, kValue, kGradient, kResiduals };
+/// What is to be evaluated; each includes what the ones before it give, but kResiduals not kStages.
+/// A score is a value for comparing candidates: the constraints are exact, the cost is within
+/// Evaluation::cost_error, and terms that can are computed in single precision, at about half the
+/// time.
+enum class Evaluate { kScore, kValue, kGradient, kStages, kResiduals };
 
 using ResidualJacobian = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// A trajectory and its derivatives stage by stage, for methods that use that structure. The states
+/// X are those of the inputs (Problem::evaluate) or some of one's own, which do not follow the
+/// dynamics (Problem::evaluate_states). To first order, a change dz of the variables moves them by
+///
+///   dx_k = S_k dz + e_k,   S_{k+1} = A_k S_k + B_k du_k/dz,   S_0 = 0,
+///                          e_{k+1} = A_k e_k + f(x_k, u_k) - x_{k+1},   e_0 = 0:
+///
+/// e_k is what it takes to follow the dynamics. It is zero where the states are those of the
+/// inputs.
+struct StageDerivatives {
+  Eigen::MatrixXd states;  ///< X, nx x (N+1)
+  /// Derivatives of the cost by x_k, nx x (N+1); without the terms of input_hessian.
+  Eigen::MatrixXd state_gradient;
+  std::vector<Eigen::MatrixXd> sensitivity;  ///< S_k, by node: nx x n
+  Eigen::MatrixXd drift;                     ///< e_k, nx x (N+1)
+  double gap = 0.0;                          ///< largest |f(x_k, u_k) - x_{k+1}|, in their units
+  Eigen::VectorXd constraint_drift;          ///< m: change of the constraints by e alone
+  /// J^T J of the residuals of all costs whose residuals depend on inputs alone, n x n: their whole
+  /// Hessian where these are linear.
+  Eigen::MatrixXd input_hessian;
+};
 
 /// Result of an evaluation. Shapes: B candidates, n variables, m constraints.
 struct Evaluation {
@@ -62,6 +86,7 @@ struct Evaluation {
   Eigen::Array<bool, Eigen::Dynamic, 1> valid;  ///< B; false: some term was not evaluable there
   Eigen::VectorXd gradient;                     ///< n; with kGradient (B = 1)
   Eigen::MatrixXd jacobian;  ///< m x n, dense, zero outside the pattern; with kGradient
+  StageDerivatives stages;   ///< with kStages
   /// With kResiduals: cost = residual_offset + 1/2 |residuals|^2, to rounding; the cost itself has
   /// the same bits whatever is evaluated. gradient = residual_jacobian^T residuals.
   double residual_offset = 0.0;
@@ -139,6 +164,12 @@ class Problem {
   bool evaluate(const Eigen::Ref<const Eigen::MatrixXd>& X, Evaluate what, Workspace& workspace,
                 Evaluation& out) const;
 
+  /// Evaluates kStages at inputs z and states of one's own (nx x (N+1), column 0 is x0). Gradient
+  /// and Jacobian are those of dx_k = S_k dz: see StageDerivatives. As evaluate() otherwise.
+  bool evaluate_states(const Eigen::Ref<const Eigen::VectorXd>& z,
+                       const Eigen::Ref<const Eigen::MatrixXd>& states, Workspace& workspace,
+                       Evaluation& out) const;
+
   /// Every term raw and weighted, at one point (allocates; for reports).
   Explanation explain(const Eigen::Ref<const Eigen::VectorXd>& z) const;
 
@@ -155,7 +186,16 @@ class Problem {
  private:
   using RowRef = Eigen::Ref<Eigen::RowVectorXd, 0, Eigen::InnerStride<>>;
   using GradientRef = Eigen::Ref<const Eigen::VectorXd, 0, Eigen::InnerStride<>>;
+  void set_inputs(const Eigen::Ref<const Eigen::MatrixXd>& X, TrajectoryBatch& t) const;
   void roll(const Eigen::Ref<const Eigen::MatrixXd>& X, TrajectoryBatch& t) const;
+  /// Evaluates the trajectories of the workspace's batch of that size.
+  bool evaluate_trajectories(int B, Evaluate what, Workspace& workspace, Evaluation& out) const;
+  /// Fills in what is of the dynamics; the rest is zero then.
+  void begin_stages(const TrajectoryBatch& t, Workspace& workspace, StageDerivatives& stages) const;
+  /// Evaluates a cost of StageDerivatives::input_hessian by its residuals r and their Jacobian J:
+  /// adds J^T r to the gradient by inputs and J^T J to the Hessian.
+  void evaluate_input_term(std::size_t term, const TrajectoryBatch& t, TermOutput& o,
+                           Workspace& workspace, Eigen::MatrixXd& hessian) const;
   void linearise(const TrajectoryBatch& t, bool sensitivities, Workspace& workspace) const;
   /// Adds the derivative by z of what depends through `block` on x or u to `row` (1 x n).
   void chain(const JacobianBlock& block, const Eigen::Ref<const Eigen::VectorXd>& derivative,
@@ -178,6 +218,11 @@ class Problem {
     bool scores;
     int rows;
     std::vector<JacobianBlock> blocks;
+    /// Of a cost that is a sum of squares of what depends on inputs alone, else empty: the nonzero
+    /// blocks of its residuals, and which two of them are of one row.
+    std::vector<JacobianBlock> input_blocks;
+    std::vector<std::pair<int, int>> input_pairs;
+    int input_rows = 0;
   };
   std::vector<TermLayout> layouts_;  // by term
   Smoothness smoothness_ = Smoothness::kSmooth;

@@ -41,6 +41,9 @@ struct WarmStart {
   Eigen::VectorXd z_lower, z_upper;  ///< n, multipliers of the bounds (>= 0)
   double mu = 0.0;                   ///< barrier parameter, 0 = unknown
   double time = 0.0;                 ///< [s], start of the horizon x belongs to
+  /// nx x (N+1) nx, node after node: second derivatives of the cost by the states at x, as far as
+  /// the back end knows them.
+  Eigen::MatrixXd stage_hessians;
   Eigen::MatrixXd seeds;  ///< n x S: further points to start from, the likely best first, for back
                           ///< ends that compare starts
 };

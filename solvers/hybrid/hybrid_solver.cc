@@ -42,7 +42,8 @@ StopCondition::Clock::time_point part_way(StopCondition::Clock::time_point lates
 struct Basin {
   Eigen::VectorXd x;  ///< free variables
   double cost = 0.0, violation = 0.0;
-  bool settled = false;  ///< its polish found nothing more to gain at the loose tolerance
+  Eigen::MatrixXd stage_hessians;  ///< WarmStart::stage_hessians, of the polish
+  bool settled = false;            ///< its polish found nothing more to gain at the loose tolerance
 };
 
 class HybridSolver final : public SolverFrame {
@@ -153,6 +154,7 @@ class HybridSolver final : public SolverFrame {
         if (basin.settled) continue;
         open.push_back(&basin);
         starts.emplace_back().x = evaluator.expand(basin.x);
+        starts.back().stage_hessians = basin.stage_hessians;
       }
       const auto results = polish.solve_within(evaluator, starts, coarse, end);
       for (std::size_t b = 0; b < open.size(); ++b) {
@@ -162,6 +164,7 @@ class HybridSolver final : public SolverFrame {
         basin.x = evaluator.reduce(r->x);
         basin.cost = r->cost;
         basin.violation = r->violation;
+        basin.stage_hessians = r->next.stage_hessians;
         basin.settled = r->stop == StopReason::kConverged;
       }
       rank(evaluator, basins);
@@ -170,6 +173,7 @@ class HybridSolver final : public SolverFrame {
     }
     WarmStart next = warm_start;
     next.x = evaluator.expand(evaluator.incumbent());
+    next.stage_hessians = basins.front().stage_hessians;
     Options fine = coarse;
     fine["tolerance"] = evaluator.options().tolerance;
     fine["max_evaluations"] = std::max(1, evaluator.evaluations_left());
@@ -207,7 +211,7 @@ class HybridSolver final : public SolverFrame {
     }
     // The start is evaluated already, and the incumbent until the batch is.
     std::vector<Basin> seeds = {
-        {start, evaluator.incumbent_cost(), evaluator.incumbent_violation(), false}};
+        {start, evaluator.incumbent_cost(), evaluator.incumbent_violation(), {}, false}};
     const auto total = static_cast<int>(X.cols());
     const bool hurried = own == 0 && evaluator.latest() != StopCondition::Clock::time_point::max();
     const StopCondition::Clock::time_point end = part_way(evaluator.latest(), kScoringShare);
@@ -219,7 +223,7 @@ class HybridSolver final : public SolverFrame {
       const int done = evaluator.evaluate_batch(batch, cost, violation, Evaluate::kScore);
       for (int s = 0; s < done; ++s) {
         if (std::isfinite(violation[s])) {
-          seeds.push_back({batch.col(s), cost[s], violation[s], false});
+          seeds.push_back({batch.col(s), cost[s], violation[s], {}, false});
         }
       }
     }

@@ -51,7 +51,7 @@ TEST(Registry, ListsWhatItMakes) {
   }
   for (const char* required : {"ipopt", "nlopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "nlopt:LD_MMA",
                                "nlopt:LN_BOBYQA", "hybrid", "nlopt:GN_DIRECT_L", "sampling",
-                               "sampling:cem", "sampling:mppi", "sampling:search"}) {
+                               "sampling:cem", "sampling:mppi", "sampling:search", "sqp"}) {
     EXPECT_TRUE(names.contains(required)) << required;
   }
 }
@@ -71,6 +71,8 @@ TEST(Registry, RefusesOptionsOfOthers) {
   EXPECT_THAT(detail("sampling", {{"sigma", 0.0}}), testing::HasSubstr("above 0"));
   EXPECT_THAT(detail("sampling", {{"temperature", -1.0}}), testing::HasSubstr("above 0"));
   EXPECT_THAT(detail("sampling:search", {{"candidates", 0}}), testing::HasSubstr("1 to"));
+  EXPECT_THAT(detail("sqp", {{"lifted", -1}}), testing::HasSubstr("0 to 1000"));
+  EXPECT_THAT(detail("sqp", {{"least_eigenvalue", 0.0}}), testing::HasSubstr("above 0"));
   EXPECT_THAT(detail("nlopt:LD_SLSQP", {{"population", 10}}), testing::HasSubstr("unknown"));
   EXPECT_THAT(detail("nlopt:GN_ISRES", {{"population", -1}}), testing::HasSubstr("negative"));
   EXPECT_THAT(detail("nlopt:LN_BOBYQA", {{"initial_step", 2.0}}), testing::HasSubstr("0 to 1"));

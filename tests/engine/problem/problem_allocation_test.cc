@@ -95,11 +95,12 @@ TEST(ProblemAllocation, NoneAfterTheFirstEvaluationOfEachBatchSize) {
     std::mt19937_64 random(2);
     const Eigen::MatrixXd X = scene.points(30, random);
     Workspace workspace = problem.make_workspace();
-    Evaluation single, gradient, residuals, batch, scores;
+    Evaluation single, gradient, stages, residuals, batch, scores;
     const long before_first = allocations;
     problem.evaluate(X.col(0), Evaluate::kValue, workspace, single);
     EXPECT_GT(allocations, before_first) << "the counter does not count";
     problem.evaluate(X.col(0), Evaluate::kGradient, workspace, gradient);
+    problem.evaluate(X.col(0), Evaluate::kStages, workspace, stages);
     problem.evaluate(X.col(0), Evaluate::kResiduals, workspace, residuals);
     problem.evaluate(X, Evaluate::kValue, workspace, batch);
     problem.evaluate(X, Evaluate::kScore, workspace, scores);
@@ -112,6 +113,9 @@ TEST(ProblemAllocation, NoneAfterTheFirstEvaluationOfEachBatchSize) {
       const long value = allocations;
       problem.evaluate(X.col(b), Evaluate::kGradient, workspace, gradient);
       const long with_gradient = allocations;
+      problem.evaluate(X.col(b), Evaluate::kStages, workspace, stages);
+      problem.evaluate_states(X.col(b), stages.stages.states, workspace, stages);
+      const long with_stages = allocations;
       problem.evaluate(X.col(b), Evaluate::kResiduals, workspace, residuals);
       const long with_residuals = allocations;
       problem.evaluate(X, Evaluate::kValue, workspace, batch);
@@ -120,7 +124,8 @@ TEST(ProblemAllocation, NoneAfterTheFirstEvaluationOfEachBatchSize) {
       const long with_scores = allocations;
       ASSERT_EQ(value - before, 0) << c.name << ", value";
       ASSERT_EQ(with_gradient - value, 0) << c.name << ", gradient";
-      ASSERT_EQ(with_residuals - with_gradient, 0) << c.name << ", residuals";
+      ASSERT_EQ(with_stages - with_gradient, 0) << c.name << ", stages";
+      ASSERT_EQ(with_residuals - with_stages, 0) << c.name << ", residuals";
       ASSERT_EQ(with_batch - with_residuals, 0) << c.name << ", batch";
       ASSERT_EQ(with_scores - with_batch, 0) << c.name << ", scores";
       ASSERT_EQ(single.cost[0], batch.cost[b]) << c.name;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <random>
 
 namespace prospect::problem_test {
@@ -199,6 +200,141 @@ TEST(Problem, GradientAndJacobianMatchFiniteDifferences) {
       }
     }
   }
+}
+
+/// A cost of inputs alone with linear residuals that couple neighbours:
+/// 1/2 sum_k (u_k[0] - 2 u_{k-1}[1])^2 + 1/2 u_0[0]^2.
+class Neighbours : public Term {
+ public:
+  std::string_view name() const override { return "neighbours"; }
+  TermTraits traits() const override { return {}; }
+  std::optional<ResidualForm> residual_form(const Horizon& h, int sign) const override {
+    if (sign < 0) return std::nullopt;
+    ResidualForm form{0.0, h.N, {{0, 0, true}}};
+    for (int k = 1; k < h.N; ++k) {
+      form.pattern.push_back({k, k, true});
+      form.pattern.push_back({k, k - 1, true});
+    }
+    return form;
+  }
+  void evaluate(const TrajectoryBatch& t, const TermRequest& request, TermScratch*,
+                TermOutput& out) const override {
+    out.value.setZero();
+    for (int b = 0; b < t.batch(); ++b) {
+      for (int k = 0; k < t.horizon.N; ++k) {
+        const double r = t.u(k, 0, b) - (k > 0 ? 2.0 * t.u(k - 1, 1, b) : 0.0);
+        out.value(0, b) += 0.5 * r * r;
+        if (request.gradient) {
+          out.input_gradient(2 * k, b) += r;
+          if (k > 0) out.input_gradient(2 * k - 1, b) -= 2.0 * r;
+        }
+        if (request.residuals == 0) continue;
+        out.residuals[k] = r;
+        const int first = k == 0 ? 0 : 2 * k - 1;
+        out.jacobian.col(first) << 1.0, 0.0, 0.0;
+        if (k > 0) out.jacobian.col(first + 1) << 0.0, -2.0, 0.0;
+      }
+    }
+  }
+};
+
+TEST(Problem, StagesOfARolloutAreThoseOfItsGradient) {
+  for (const auto& [N, M] : {std::pair{1, 1}, {12, 5}, {20, 20}}) {
+    ProblemDefinition d = definition(N, M);
+    d.terms.push_back({std::make_shared<Neighbours>(), 3.0});
+    const Problem problem(d);
+    Workspace workspace = problem.make_workspace();
+    const Eigen::VectorXd z = random_points(problem, 1, 5);
+    Evaluation gradient, out, own;
+    ASSERT_TRUE(problem.evaluate(z, Evaluate::kGradient, workspace, gradient));
+    ASSERT_TRUE(problem.evaluate(z, Evaluate::kStages, workspace, out));
+    EXPECT_EQ(out.cost[0], gradient.cost[0]);
+    // Neighbours gives its gradient by its residuals: to rounding.
+    EXPECT_LT((out.gradient - gradient.gradient).norm(), 1e-12 * (1.0 + gradient.gradient.norm()));
+    EXPECT_EQ(out.jacobian, gradient.jacobian);
+    EXPECT_EQ(out.stages.gap, 0.0);
+    EXPECT_TRUE(out.stages.drift.isZero(0.0));
+    EXPECT_TRUE(out.stages.constraint_drift.isZero(0.0));
+    ASSERT_TRUE(problem.evaluate_states(z, out.stages.states, workspace, own));
+    EXPECT_EQ(own.cost[0], out.cost[0]);
+    EXPECT_EQ(own.gradient, out.gradient);
+  }
+}
+
+TEST(Problem, StagesAtStatesOfOnesOwnMatchFiniteDifferences) {
+  const double h = 1e-6;
+  for (const auto& [N, M] : {std::pair{1, 1}, {12, 5}, {9, 9}}) {
+    ProblemDefinition d = definition(N, M);
+    d.terms.push_back({std::make_shared<Neighbours>(), 3.0});
+    const Problem problem(d);
+    Workspace workspace = problem.make_workspace();
+    std::mt19937_64 generator(7);
+    std::normal_distribution<double> normal(0.0, 0.3);
+    for (int b = 0; b < 5; ++b) {
+      const Eigen::VectorXd z = random_points(problem, 1, 6 + static_cast<unsigned>(b));
+      Eigen::MatrixXd X = d.x0.replicate(1, N + 1);
+      for (double& x : X.rightCols(N).reshaped()) x += normal(generator);
+      Evaluation at, moved;
+      ASSERT_TRUE(problem.evaluate_states(z, X, workspace, at));
+      const StageDerivatives& stages = at.stages;
+      EXPECT_EQ(stages.states, X);
+      EXPECT_GT(stages.gap, 0.01);
+      const auto value = [&](const Eigen::VectorXd& dz, const Eigen::MatrixXd& dX) {
+        EXPECT_TRUE(problem.evaluate_states(z + dz, X + dX, workspace, moved));
+        return moved.cost[0];
+      };
+      const Eigen::VectorXd still = Eigen::VectorXd::Zero(z.size());
+      // The states move with the variables as S_k says.
+      for (Eigen::Index i = 0; i < z.size(); ++i) {
+        Eigen::MatrixXd dX(3, N + 1);
+        for (int k = 0; k <= N; ++k)
+          dX.col(k) = h * stages.sensitivity[static_cast<std::size_t>(k)].col(i);
+        const Eigen::VectorXd dz = h * Eigen::VectorXd::Unit(z.size(), i);
+        const double plus = value(dz, dX);
+        const Eigen::VectorXd c_plus = moved.constraints;
+        const double minus = value(-dz, -dX);
+        const Eigen::VectorXd c_minus = moved.constraints;
+        EXPECT_NEAR(at.gradient[i], (plus - minus) / (2.0 * h), 1e-5 * (1.0 + at.gradient.norm()));
+        EXPECT_LT((at.jacobian.col(i) - (c_plus - c_minus) / (2.0 * h)).cwiseAbs().maxCoeff(),
+                  1e-6);
+      }
+      // A state moves by itself. Neighbours does not know.
+      for (Eigen::Index i = 0; i < X.size(); ++i) {
+        Eigen::MatrixXd dX = Eigen::MatrixXd::Zero(3, N + 1);
+        dX.reshaped()[i] = h;
+        const double difference = value(still, dX) - value(still, -dX);
+        EXPECT_NEAR(stages.state_gradient.reshaped()[i], difference / (2.0 * h), 1e-5);
+      }
+      // The drift closes the gaps to first order.
+      const auto gap = [&](double share) {
+        value(still, share * stages.drift);
+        return moved.stages.gap;
+      };
+      EXPECT_NEAR((gap(h) - gap(-h)) / (2.0 * h), -stages.gap, 1e-5 * (1.0 + stages.gap));
+      value(still, h * stages.drift);
+      const Eigen::VectorXd c_plus = moved.constraints;
+      value(still, -h * stages.drift);
+      const Eigen::VectorXd slope = (c_plus - moved.constraints.col(0)) / (2.0 * h);
+      EXPECT_LT((slope - stages.constraint_drift).cwiseAbs().maxCoeff(), 1e-5);
+    }
+  }
+}
+
+TEST(Problem, InputHessianIsThatOfCostsOfInputsAlone) {
+  ProblemDefinition d = definition(12, 5);
+  d.terms = {{std::make_shared<Neighbours>(), 3.0}};
+  const Problem problem(d);
+  Workspace workspace = problem.make_workspace();
+  const Eigen::VectorXd z = random_points(problem, 1, 8);
+  Evaluation at, moved;
+  ASSERT_TRUE(problem.evaluate(z, Evaluate::kStages, workspace, at));
+  EXPECT_TRUE(at.stages.state_gradient.isZero(0.0));
+  // The cost is quadratic: differences of the gradient are exact.
+  for (Eigen::Index i = 0; i < z.size(); ++i) {
+    problem.evaluate(z + Eigen::VectorXd::Unit(z.size(), i), Evaluate::kGradient, workspace, moved);
+    EXPECT_LT((moved.gradient - at.gradient - at.stages.input_hessian.col(i)).norm(), 1e-9);
+  }
+  EXPECT_GT(at.stages.input_hessian.norm(), 1.0);
 }
 
 TEST(Problem, ABatchEqualsItsColumnsBitForBit) {

@@ -1,0 +1,67 @@
+#include "solvers/sqp/stage_curvature.h"
+
+#include <cmath>
+#include <cstddef>
+
+namespace prospect {
+namespace {
+
+// The formula divides by residual^T s: not where that is a smaller share of both lengths.
+constexpr double kLeastCosine = 0.1;
+// A shorter way tells rounding. [unit of the states]
+constexpr double kLeastWay = 1e-6;
+
+}  // namespace
+
+void StageCurvature::reset(int nx, int nodes) {
+  nx_ = nx;
+  H_.setZero(nx, nx * nodes);
+  P_.resize(nx, nx);
+  residual_.resize(nx);
+  eigen_ = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(nx);
+}
+
+void StageCurvature::difference(int i, double step, const Eigen::Ref<const Eigen::MatrixXd>& here,
+                                const Eigen::Ref<const Eigen::MatrixXd>& moved) {
+  for (Eigen::Index k = 0; k < here.cols(); ++k) {
+    H_.col(k * nx_ + i) = (moved.col(k) - here.col(k)) / step;
+  }
+}
+
+void StageCurvature::symmetrise() {
+  for (Eigen::Index first = 0; first < H_.cols(); first += nx_) {
+    P_ = H_.middleCols(first, nx_);
+    H_.middleCols(first, nx_) = 0.5 * (P_ + P_.transpose());
+  }
+}
+
+void StageCurvature::update(const Eigen::Ref<const Eigen::MatrixXd>& s,
+                            const Eigen::Ref<const Eigen::MatrixXd>& y) {
+  for (Eigen::Index k = 1; k < s.cols(); ++k) {
+    auto H = H_.middleCols(k * nx_, nx_);
+    residual_ = y.col(k);
+    residual_.noalias() -= H * s.col(k);
+    const double way = s.col(k).norm();
+    const double along = residual_.dot(s.col(k));
+    if (way < kLeastWay || !(std::abs(along) > kLeastCosine * residual_.norm() * way)) continue;
+    H.noalias() += residual_ * residual_.transpose() / along;
+  }
+}
+
+void StageCurvature::condense(double least, const std::vector<Eigen::MatrixXd>& sensitivity,
+                              const Eigen::Ref<const Eigen::MatrixXd>& drift,
+                              Eigen::MatrixXd& hessian, Eigen::VectorXd& gradient) {
+  for (std::size_t k = 1; k < sensitivity.size(); ++k) {
+    const auto node = static_cast<Eigen::Index>(k);
+    const auto H = H_.middleCols(node * nx_, nx_);
+    if (H.isZero(0.0)) continue;
+    eigen_.compute(H);
+    P_.noalias() = eigen_.eigenvectors() * eigen_.eigenvalues().cwiseMax(least).asDiagonal() *
+                   eigen_.eigenvectors().transpose();
+    PS_.noalias() = P_ * sensitivity[k];
+    hessian.noalias() += sensitivity[k].transpose() * PS_;
+    gradient.noalias() += PS_.transpose() * drift.col(node);
+  }
+}
+
+}  // namespace prospect
