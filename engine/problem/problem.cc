@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "engine/problem/shared_results.h"
 
@@ -57,6 +59,14 @@ struct Workspace::Impl {
   std::vector<Residuals> residuals;  // by term
   int num_residuals = 0;
   double residual_offset = 0.0;  // of all
+  // A cost that is a sum of squares of what depends on inputs alone: the nonzero blocks of its
+  // residuals, and which two of them are of one row. Empty for others; made at the first evaluation
+  // that asks for stages.
+  struct InputResiduals {
+    std::vector<JacobianBlock> blocks;
+    std::vector<std::pair<int, int>> pairs;
+  };
+  std::vector<InputResiduals> input_residuals;  // by term
   Eigen::VectorXd row;
   Eigen::VectorXd lambda, lambda_next;
   BatchArray state_gradient, input_gradient;  // weighted sums
@@ -101,7 +111,7 @@ Problem::Problem(ProblemDefinition definition) : definition_(std::move(definitio
     has_gradient_ = has_gradient_ && traits.has_gradient;
     has_scores_ = has_scores_ || traits.scores;
     const bool is_constraint = traits.kind == TermKind::kConstraint;
-    TermLayout layout{is_constraint, traits.scores && !is_constraint, 1, {}, {}, {}, 0};
+    TermLayout layout{is_constraint, traits.scores && !is_constraint, 1, {}};
     if (layout.constraint) {
       layout.blocks = term->jacobian_pattern(horizon_);
       const int rows = layout.rows = term->rows(horizon_);
@@ -114,25 +124,6 @@ Problem::Problem(ProblemDefinition definition) : definition_(std::move(definitio
       num_constraints_ += rows;
     } else if (!std::isfinite(weight)) {
       refuse("the weight of term '" + name + "' is not finite", "a finite weight");
-    } else if (weight != 0.0) {
-      const auto form = term->residual_form(horizon_, weight > 0.0 ? 1 : -1);
-      const auto of_inputs = [](const JacobianBlock& block) { return block.input; };
-      if (form && form->rows > 0 &&
-          std::all_of(form->pattern.begin(), form->pattern.end(), of_inputs)) {
-        layout.input_rows = form->rows;
-        layout.input_blocks = form->pattern;
-        const int blocks = static_cast<int>(form->pattern.size());
-        std::vector<std::vector<int>> by_row(static_cast<std::size_t>(form->rows));
-        for (int b = 0; b < blocks; ++b) {
-          by_row[static_cast<std::size_t>(form->pattern[static_cast<std::size_t>(b)].row)]
-              .push_back(b);
-        }
-        for (const std::vector<int>& row : by_row) {
-          for (const int a : row) {
-            for (const int b : row) layout.input_pairs.emplace_back(a, b);
-          }
-        }
-      }
     }
     layouts_.push_back(std::move(layout));
   }
@@ -169,9 +160,6 @@ Workspace Problem::make_workspace() const {
     if (!layouts_[t].constraint) {
       out.state_gradient.resize((definition_.N + 1) * nx, 1);
       out.input_gradient.resize(definition_.N * nu, 1);
-      out.residuals.resize(layouts_[t].input_rows);
-      out.jacobian.resize(std::max(nx, nu),
-                          static_cast<Eigen::Index>(layouts_[t].input_blocks.size()));
     } else {
       out.jacobian.resize(std::max(nx, nu), static_cast<Eigen::Index>(layouts_[t].blocks.size()));
     }
@@ -257,22 +245,53 @@ void Problem::begin_stages(const TrajectoryBatch& t, Workspace& workspace,
   stages.input_hessian.setZero(num_variables(), num_variables());
 }
 
+void Problem::prepare_stages(Workspace& workspace) const {
+  Workspace::Impl& w = *workspace.impl_;
+  std::vector<Workspace::Impl::InputResiduals> all(definition_.terms.size());
+  TermOutput* const outputs = w.batch(1).outputs.data();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto& [term, weight] = definition_.terms[i];
+    if (layouts_[i].constraint || weight == 0.0) continue;
+    const auto form = term->residual_form(horizon_, weight > 0.0 ? 1 : -1);
+    if (!form || form->rows == 0) continue;
+    const auto of_inputs = [&](const JacobianBlock& block) {
+      return block.input && block.row >= 0 && block.row < form->rows && block.stage >= 0 &&
+             block.stage < definition_.N;
+    };
+    if (!std::all_of(form->pattern.begin(), form->pattern.end(), of_inputs)) continue;
+    std::vector<std::vector<int>> by_row(static_cast<std::size_t>(form->rows));
+    for (std::size_t b = 0; b < form->pattern.size(); ++b) {
+      by_row[static_cast<std::size_t>(form->pattern[b].row)].push_back(static_cast<int>(b));
+    }
+    for (const std::vector<int>& row : by_row) {
+      for (const int a : row) {
+        for (const int b : row) all[i].pairs.emplace_back(a, b);
+      }
+    }
+    all[i].blocks = form->pattern;
+    outputs[i].residuals.resize(form->rows);
+    outputs[i].jacobian.resize(std::max(horizon_.nx(), horizon_.nu()),
+                               static_cast<Eigen::Index>(form->pattern.size()));
+  }
+  w.input_residuals = std::move(all);
+}
+
 void Problem::evaluate_input_term(std::size_t term_index, const TrajectoryBatch& t, TermOutput& o,
                                   Workspace& workspace, Eigen::MatrixXd& hessian) const {
   Workspace::Impl& w = *workspace.impl_;
   const int nu = horizon_.nu();
-  const TermLayout& layout = layouts_[term_index];
+  const auto& [blocks, pairs] = w.input_residuals[term_index];
   const auto& [term, weight] = definition_.terms[term_index];
   term->evaluate(t, {.residuals = weight > 0.0 ? 1 : -1}, w.scratch[term_index].get(), o);
   const double scale = std::abs(weight);
-  for (std::size_t b = 0; b < layout.input_blocks.size(); ++b) {
-    const JacobianBlock& block = layout.input_blocks[b];
+  for (std::size_t b = 0; b < blocks.size(); ++b) {
+    const JacobianBlock& block = blocks[b];
     w.input_gradient.col(0).matrix().segment(block.stage * nu, nu) +=
         (scale * o.residuals[block.row]) * o.jacobian.col(static_cast<Eigen::Index>(b)).head(nu);
   }
-  for (const auto& [a, b] : layout.input_pairs) {
-    const int row = knot(layout.input_blocks[static_cast<std::size_t>(a)].stage) * nu;
-    const int column = knot(layout.input_blocks[static_cast<std::size_t>(b)].stage) * nu;
+  for (const auto& [a, b] : pairs) {
+    const int row = knot(blocks[static_cast<std::size_t>(a)].stage) * nu;
+    const int column = knot(blocks[static_cast<std::size_t>(b)].stage) * nu;
     hessian.block(row, column, nu, nu).noalias() +=
         (scale * o.jacobian.col(a).head(nu)) * o.jacobian.col(b).head(nu).transpose();
   }
@@ -445,6 +464,7 @@ bool Problem::evaluate_trajectories(int B, Evaluate what, Workspace& workspace,
   const bool gradient = what >= Evaluate::kGradient;
   const bool score = what == Evaluate::kScore;
   if (residuals && w.residuals.empty()) prepare_residuals(workspace);
+  if (stages && w.input_residuals.empty()) prepare_stages(workspace);
 
   Workspace::Impl::Batch& batch = w.batch(B);
   TrajectoryBatch& t = batch.trajectories;
@@ -478,10 +498,7 @@ bool Problem::evaluate_trajectories(int B, Evaluate what, Workspace& workspace,
   int first_row = 0;
   for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
     const auto& [term, weight] = definition_.terms[i];
-    const TermLayout& layout = layouts_[i];
-    const bool constraint = layout.constraint, scores = layout.scores;
-    const int rows = layout.rows;
-    const std::vector<JacobianBlock>& blocks = layout.blocks;
+    const auto& [constraint, scores, rows, blocks] = layouts_[i];
     TermOutput& o = batch.outputs[i];
     o.value.resize(rows, B);
     if (residuals && !constraint) {
@@ -490,7 +507,7 @@ bool Problem::evaluate_trajectories(int B, Evaluate what, Workspace& workspace,
       out.cost += weight * o.value.row(0).transpose();
       continue;
     }
-    if (stages && !layout.input_blocks.empty()) {
+    if (stages && !w.input_residuals[i].blocks.empty()) {
       evaluate_input_term(i, t, o, workspace, out.stages.input_hessian);
       out.terms.row(static_cast<Eigen::Index>(i)) = o.value.row(0);
       out.cost += weight * o.value.row(0).transpose();

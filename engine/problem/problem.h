@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "engine/problem/term.h"
@@ -190,6 +189,7 @@ class Problem {
   void roll(const Eigen::Ref<const Eigen::MatrixXd>& X, TrajectoryBatch& t) const;
   /// Evaluates the trajectories of the workspace's batch of that size.
   bool evaluate_trajectories(int B, Evaluate what, Workspace& workspace, Evaluation& out) const;
+  void prepare_stages(Workspace& workspace) const;
   /// Fills in what is of the dynamics; the rest is zero then.
   void begin_stages(const TrajectoryBatch& t, Workspace& workspace, StageDerivatives& stages) const;
   /// Evaluates a cost of StageDerivatives::input_hessian by its residuals r and their Jacobian J:
@@ -218,11 +218,6 @@ class Problem {
     bool scores;
     int rows;
     std::vector<JacobianBlock> blocks;
-    /// Of a cost that is a sum of squares of what depends on inputs alone, else empty: the nonzero
-    /// blocks of its residuals, and which two of them are of one row.
-    std::vector<JacobianBlock> input_blocks;
-    std::vector<std::pair<int, int>> input_pairs;
-    int input_rows = 0;
   };
   std::vector<TermLayout> layouts_;  // by term
   Smoothness smoothness_ = Smoothness::kSmooth;

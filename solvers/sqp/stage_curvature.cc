@@ -51,6 +51,7 @@ void StageCurvature::update(const Eigen::Ref<const Eigen::MatrixXd>& s,
 void StageCurvature::condense(double least, const std::vector<Eigen::MatrixXd>& sensitivity,
                               const Eigen::Ref<const Eigen::MatrixXd>& drift,
                               Eigen::MatrixXd& hessian, Eigen::VectorXd& gradient) {
+  PS_.resize(nx_, gradient.size());
   for (std::size_t k = 1; k < sensitivity.size(); ++k) {
     const auto node = static_cast<Eigen::Index>(k);
     const auto H = H_.middleCols(node * nx_, nx_);
@@ -58,9 +59,14 @@ void StageCurvature::condense(double least, const std::vector<Eigen::MatrixXd>& 
     eigen_.compute(H);
     P_.noalias() = eigen_.eigenvectors() * eigen_.eigenvalues().cwiseMax(least).asDiagonal() *
                    eigen_.eigenvectors().transpose();
-    PS_.noalias() = P_ * sensitivity[k];
-    hessian.noalias() += sensitivity[k].transpose() * PS_;
-    gradient.noalias() += PS_.transpose() * drift.col(node);
+    // Inputs after node k do not move it: the last columns are zero.
+    const Eigen::MatrixXd& S = sensitivity[k];
+    Eigen::Index columns = S.cols();
+    while (columns > 0 && S.col(columns - 1).isZero(0.0)) --columns;
+    PS_.leftCols(columns).noalias() = P_ * S.leftCols(columns);
+    hessian.topLeftCorner(columns, columns).noalias() +=
+        S.leftCols(columns).transpose() * PS_.leftCols(columns);
+    gradient.head(columns).noalias() += PS_.leftCols(columns).transpose() * drift.col(node);
   }
 }
 
