@@ -88,12 +88,12 @@ void describe(Knobs& knobs, SensorInboxOptions& options);
 /// What became of the frames of a stream. All that came = waiting + taken + dropped of each kind.
 struct StreamCount {
   std::uint64_t received = 0;
-  std::uint64_t taken = 0;      ///< by perception; a left or right image with its pair
-  std::uint64_t overflown = 0;  ///< dropped: too many waited
-  std::uint64_t too_old = 0;   ///< dropped: older than the limit when it was to be taken; no wheels
-  std::uint64_t unpaired = 0;  ///< dropped: an image whose partner did not come
-  std::uint64_t refused = 0;   ///< dropped: a stamp that has no time, or an empty image
-  int jumps = 0;               ///< of its clock, or of the runtime's against it
+  std::uint64_t taken = 0;       ///< by perception; a left or right image with its pair
+  std::uint64_t overflown = 0;   ///< dropped: too many waited
+  std::uint64_t too_old = 0;     ///< dropped: older than the limit when it was to be taken
+  std::uint64_t unpaired = 0;    ///< dropped: an image whose partner did not come
+  std::uint64_t refused = 0;     ///< dropped: a stamp that has no time, or an empty image
+  int jumps = 0;                 ///< of its clock, or of the runtime's against it
   std::optional<double> newest;  ///< stamp of the newest frame [s], in the runtime's clock
   /// [s] that the runtime's clock is ahead of the stream's (ClockOffset); none: not settled.
   std::optional<double> offset;
