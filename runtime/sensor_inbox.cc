@@ -292,7 +292,7 @@ std::optional<SensorFrame> SensorInbox::take() {
     SensorFrame frame = std::move(*oldest);
     from->frames.erase(oldest);
     const double age = clock_.now() - stamp_of(frame);
-    if (age > max_age(which)) {
+    if (which != SensorStream::kWheels && age > max_age(which)) {
       drop(from->count, &StreamCount::too_old, "it was " + seconds(age) + " s old");
       continue;
     }

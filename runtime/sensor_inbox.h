@@ -64,7 +64,8 @@ struct SensorInboxOptions {
   int capacity = 8;
   int wheel_capacity = 200;
   /// A frame that is older than this when it is taken, from capture on, is dropped, and a stream
-  /// whose newest frame is older is stale [s]. Infinite: any age.
+  /// whose newest frame is older is stale [s]. Infinite: any age. Wheel samples are taken at any
+  /// age: without one of them the way that it tells of is missing from the pose.
   double max_image_age = 0.5;
   double max_wheel_age = 0.5;
   double max_range_age = 1.0;  ///< of depth images and scans

@@ -14,7 +14,8 @@ void describe(Knobs& knobs, SensorInboxOptions& o) {
   knobs.integer("wheel_capacity", o.wheel_capacity, {1, 100000}, "1", "wheel samples that wait");
   knobs.number("max_image_age", o.max_image_age, {0.0, kAny}, "s",
                "oldest image taken, from capture on");
-  knobs.number("max_wheel_age", o.max_wheel_age, {0.0, kAny}, "s", "oldest wheel sample taken");
+  knobs.number("max_wheel_age", o.max_wheel_age, {0.0, kAny}, "s",
+               "of the newest wheel sample, beyond which wheels are stale");
   knobs.number("max_range_age", o.max_range_age, {0.0, kAny}, "s",
                "oldest depth image or scan taken, from capture on");
   knobs.boolean("cameras_in_runtime_clock", o.cameras_in_runtime_clock,

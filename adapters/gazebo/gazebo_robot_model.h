@@ -13,6 +13,9 @@ struct GazeboRobotOptions {
   GazeboOptions names;       ///< and what the wheels are
   double image_rate = 15.0;  ///< [Hz] of stereo pairs
   double depth_rate = 10.0;  ///< [Hz]
+  /// Of the stereo pair, one standard deviation [share of the brightest]. Not zero: to the odometry
+  /// two images with the same bytes are one image that came twice.
+  double image_noise = 0.006;
 };
 
 /// The robot as a <model> of SDF 1.5 or newer: a differential drive with DiffDrivePlugin, whose

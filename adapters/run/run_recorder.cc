@@ -129,6 +129,20 @@ class SparseCostsToGo {
   EvenlySpread steps_{150};
 };
 
+/// Its memory, too: to assign {} would keep that.
+template <class Value>
+void release(std::vector<Value>& values) {
+  values = std::vector<Value>();
+}
+
+/// All of a plan that a report can do without.
+void forget(StepRecord& step) {
+  release(step.horizon);
+  release(step.candidates);
+  release(step.landmarks);
+  release(step.frontier_cells);
+}
+
 /// Plans in full (horizon, candidates, landmarks, frontier cells), of some steps, so that a mission
 /// of hours needs no more memory for them than one of minutes.
 class SparsePlans {
@@ -149,13 +163,6 @@ class SparsePlans {
   }
 
  private:
-  static void forget(StepRecord& step) {
-    step.horizon = {};
-    step.candidates = {};
-    step.landmarks = {};
-    step.frontier_cells = {};
-  }
-
   EvenlySpread steps_{4000};
 };
 
@@ -296,11 +303,8 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
   if (options.on_step) options.on_step(r);
   if (options.on_plan && planner) options.on_plan(r, *planner);
   if (!options.keep_steps) {
-    r.horizon.clear();
-    r.frontier_cells.clear();
-    r.landmarks.clear();
-    r.map_changes.clear();
-    r.candidates.clear();
+    forget(r);
+    release(r.map_changes);
   } else {
     plans.add(steps, r);
   }

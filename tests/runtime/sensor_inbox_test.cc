@@ -106,12 +106,24 @@ TEST(SensorInbox, IsBoundedAndDropsTheOldest) {
 
 TEST(SensorInbox, WhatIsTooOldIsDroppedWhenItWouldBeTaken) {
   Inbox in;
-  in.box.wheels(sample(99.9));
-  in.box.wheels(sample(100.0));
+  in.box.pair(99.9, 99.9, {image(), image()});
+  in.box.pair(100.0, 100.0, {image(), image()});
   in.clock.set(100.45);
   EXPECT_EQ(in.taken_stamps(), (std::vector<double>{100.0}));
-  EXPECT_EQ(in.box.count(SensorStream::kWheels).too_old, 1u);
-  EXPECT_EQ(in.box.count(SensorStream::kWheels).reason, "it was 0.55 s old");
+  EXPECT_EQ(in.box.count(SensorStream::kPair).too_old, 1u);
+  EXPECT_EQ(in.box.count(SensorStream::kPair).reason, "it was 0.55 s old");
+}
+
+TEST(SensorInbox, NoWayThatWheelsTellOfIsLostByAPause) {
+  Inbox in;
+  std::vector<double> stamps;
+  for (int k = 0; k < 100; ++k) {
+    stamps.push_back(98.0 + 0.02 * k);
+    in.box.wheels(sample(stamps.back()));
+  }
+  in.clock.set(102.0);
+  EXPECT_EQ(in.taken_stamps(), stamps);
+  EXPECT_EQ(in.box.count(SensorStream::kWheels).too_old, 0u);
 }
 
 TEST(SensorInbox, SaysWhichStreamIsStale) {
