@@ -273,7 +273,8 @@ std::string typed_line(int argc, char** argv) {
   return line;
 }
 
-int run(int argc, char** argv, const prospect::LoadPlugin& load) {
+int run(int argc, char** argv, const prospect::LoadPlugin& load,
+        const std::vector<std::string>& program) {
   using namespace prospect;
   CLI::App app{"Plans for robots that explore by sight.", "prospect"};
   app.require_subcommand(0, 1);
@@ -679,10 +680,12 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
   if (*bench_command) return bench(bench_arguments, registries);
   if (*replay_command) {
     replay_arguments.plugins = plugins;
+    replay_arguments.program = program;
     return replay(replay_arguments, registries);
   }
   if (*study_command) {
     study_arguments.plugins = plugins;
+    study_arguments.program = program;
     return study(study_arguments, registries);
   }
   if (*inspect_command) return inspect(inspect_arguments);
@@ -695,10 +698,11 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
 
 }  // namespace
 
-int prospect::run_command_line(int argc, char** argv, const LoadPlugin& load) {
+int prospect::run_command_line(int argc, char** argv, const LoadPlugin& load,
+                               const std::vector<std::string>& program) {
   open_standard_files();
   try {
-    return checked_output(run(argc, argv, load));
+    return checked_output(run(argc, argv, load, program));
   } catch (const InputError& error) {
     return refuse(error.lines(), kBadInput);
   } catch (const std::invalid_argument& error) {

@@ -127,6 +127,7 @@ struct ReplayArguments {
   std::string out;                    ///< folder; empty: RUN/replay
   bool quiet = false;
   std::vector<std::string> plugins;  ///< files, as given
+  std::vector<std::string> program;  ///< words that start this program anew
 };
 int replay(const ReplayArguments& arguments, const Registries& registries);
 
@@ -141,6 +142,7 @@ struct StudyArguments {
   bool steps = false;  ///< with gather: steps.h5, too
   bool quiet = false;
   std::vector<std::string> plugins;  ///< files, as given
+  std::vector<std::string> program;  ///< words that start this program anew
 };
 int study(const StudyArguments& arguments, const Registries& registries);
 

@@ -11,7 +11,6 @@
 #include "adapters/cli/commands.h"
 #include "adapters/cli/interrupt.h"
 #include "adapters/cli/progress.h"
-#include "adapters/files/child_process.h"
 #include "adapters/files/content_hash.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
@@ -133,7 +132,7 @@ int study(const StudyArguments& arguments, const Registries& registries) {
   options.shard = shard;
   options.jobs = arguments.jobs;
   options.retry_failed = arguments.retry_failed;
-  options.program = own_program();
+  options.program = arguments.program;
   options.plugins = arguments.plugins;
   options.version = build.version + (build.commit.empty() ? "" : "+" + build.commit.substr(0, 12)) +
                     (build.commit_changed ? "-changed" : "");
