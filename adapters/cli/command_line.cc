@@ -511,6 +511,11 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
       study_command->add_flag("--gather", study_arguments.gather,
                               "Run nothing: results.csv, study.html and figures of what is there");
   study_command
+      ->add_flag("--any-version", study_arguments.any_version,
+                 "With --gather: what this version has not run is taken from the newest run of the "
+                 "same mission by another one")
+      ->needs(gather);
+  study_command
       ->add_flag("--steps", study_arguments.steps,
                  "With --gather: steps.h5, too, with every column of every run")
       ->needs(gather);

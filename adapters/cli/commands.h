@@ -139,7 +139,8 @@ struct StudyArguments {
   bool dry_run = false;
   bool retry_failed = false;
   bool gather = false;
-  bool steps = false;  ///< with gather: steps.h5, too
+  bool steps = false;        ///< with gather: steps.h5, too
+  bool any_version = false;  ///< with gather: other versions' missions for what is missing
   bool quiet = false;
   std::vector<std::string> plugins;  ///< files, as given
   std::vector<std::string> program;  ///< words that start this program anew
