@@ -257,9 +257,11 @@ FunctionProblem cargo() {
   return p;
 }
 
-std::vector<FunctionProblem> all() {
+std::vector<FunctionProblem> well_scaled() {
   return {rosenbrock(), bounded_quadratic(), hs12(), hs21(), hs22(), hs29(), hs35(), hs43(), hs76(),
           camel()};
 }
+
+std::vector<FunctionProblem> badly_scaled() { return {pressure(), cargo()}; }
 
 }  // namespace prospect::zoo

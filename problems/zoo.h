@@ -4,7 +4,7 @@
 
 #include "problems/function_problem.h"
 
-/// Ten small problems with known optima, with and without constraints.
+/// Twelve small problems with known optima, with and without constraints.
 namespace prospect::zoo {
 
 FunctionProblem rosenbrock();
@@ -24,7 +24,7 @@ FunctionProblem hs76();
 /// Six-hump camel back: two of its six minima are global.
 FunctionProblem camel();
 
-std::vector<FunctionProblem> all();
+std::vector<FunctionProblem> well_scaled();
 
 // Variables in units far apart, wide bounds, no constraints: what a method takes for a small step
 // is one in the largest unit alone.
@@ -33,5 +33,7 @@ std::vector<FunctionProblem> all();
 FunctionProblem pressure();
 /// The largest product of a load and a speed, in a corner of the bounds.
 FunctionProblem cargo();
+
+std::vector<FunctionProblem> badly_scaled();
 
 }  // namespace prospect::zoo

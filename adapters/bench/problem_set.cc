@@ -32,8 +32,10 @@ constexpr const char* kBestFile = "best_known.json";
 
 ProblemSet zoo_set() {
   ProblemSet set{"zoo", "known optima", 1e-3, {}, ""};
-  for (const FunctionProblem& p : zoo::all()) {
-    set.problems.push_back(started(p.name, p.problem(), p.start, p.optimum));
+  for (const auto& problems : {zoo::well_scaled(), zoo::badly_scaled()}) {
+    for (const FunctionProblem& p : problems) {
+      set.problems.push_back(started(p.name, p.problem(), p.start, p.optimum));
+    }
   }
   PathProblem path = path_problem();
   const Eigen::VectorXd at_rest = Eigen::VectorXd::Zero(path.problem.num_variables());
@@ -175,7 +177,8 @@ struct BuiltinSet {
   const char* summary;
 };
 constexpr BuiltinSet kBuiltinSets[] = {
-    {"zoo", "eleven small problems with known optima, with and without constraints"},
+    {"zoo",
+     "thirteen small problems with known optima, with and without constraints, two badly scaled"},
     {"s30", "R1, an exploration problem of 40 variables with many basins, from thirty starts"},
     {"missions", "112 planning problems of missions on eight maps, driven first: takes minutes"},
 };

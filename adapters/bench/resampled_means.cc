@@ -1,41 +1,60 @@
 #include "adapters/bench/resampled_means.h"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <random>
 
 #include "engine/support/quantile.h"
 
 namespace prospect {
+namespace {
 
-ResampledMeans::ResampledMeans(int problems, int resamples, std::uint64_t seed)
-    : weights_(Eigen::MatrixXd::Zero(resamples, problems)) {
-  if (problems < 1) return;
-  // The remainder favours no problem by more than problems / 2^64.
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// The percentiles of those that are finite.
+MeanInterval within(double value, const Eigen::VectorXd& resampled) {
+  std::vector<double> all;
+  std::copy_if(resampled.begin(), resampled.end(), std::back_inserter(all),
+               [](double v) { return std::isfinite(v); });
+  if (all.empty()) return {value, kNone, kNone};
+  return {value, quantile(all, 0.025), quantile(all, 0.975)};
+}
+
+}  // namespace
+
+ResampledMeans::ResampledMeans(int samples, int resamples, std::uint64_t seed)
+    : weights_(Eigen::MatrixXd::Zero(resamples, samples)) {
+  if (samples < 1) return;
+  // The remainder favours no sample by more than samples / 2^64.
   std::mt19937_64 draw(seed);
   for (int r = 0; r < resamples; ++r) {
-    for (int i = 0; i < problems; ++i) {
-      weights_(r, static_cast<Eigen::Index>(draw() % static_cast<std::uint64_t>(problems))) +=
-          1.0 / problems;
+    for (int i = 0; i < samples; ++i) {
+      weights_(r, static_cast<Eigen::Index>(draw() % static_cast<std::uint64_t>(samples))) +=
+          1.0 / samples;
     }
   }
 }
 
 std::vector<MeanInterval> ResampledMeans::intervals(const Eigen::MatrixXd& values) const {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   std::vector<MeanInterval> found(static_cast<std::size_t>(values.cols()), {kNone, kNone, kNone});
   if (weights_.cols() == 0) return found;
   const Eigen::MatrixXd means = weights_ * values;
   for (Eigen::Index c = 0; c < values.cols(); ++c) {
-    const std::vector<double> all(means.col(c).begin(), means.col(c).end());
-    found[static_cast<std::size_t>(c)] = {values.col(c).mean(), quantile(all, 0.025),
-                                          quantile(all, 0.975)};
+    found[static_cast<std::size_t>(c)] = within(values.col(c).mean(), means.col(c));
   }
   return found;
 }
 
 MeanInterval ResampledMeans::interval(const Eigen::VectorXd& values) const {
   return intervals(values).front();
+}
+
+MeanInterval ResampledMeans::ratio(const Eigen::VectorXd& first,
+                                   const Eigen::VectorXd& second) const {
+  if (weights_.cols() == 0) return {kNone, kNone, kNone};
+  return within(second.sum() / first.sum(), (weights_ * second).cwiseQuotient(weights_ * first));
 }
 
 double sign_flip_p(const Eigen::VectorXd& differences, int flips, std::uint64_t seed) {

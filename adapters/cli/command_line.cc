@@ -273,7 +273,8 @@ std::string typed_line(int argc, char** argv) {
   return line;
 }
 
-int run(int argc, char** argv, const prospect::LoadPlugin& load) {
+int run(int argc, char** argv, const prospect::LoadPlugin& load,
+        const std::vector<std::string>& program) {
   using namespace prospect;
   CLI::App app{"Plans for robots that explore by sight.", "prospect"};
   app.require_subcommand(0, 1);
@@ -510,6 +511,11 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
       study_command->add_flag("--gather", study_arguments.gather,
                               "Run nothing: results.csv, study.html and figures of what is there");
   study_command
+      ->add_flag("--any-version", study_arguments.any_version,
+                 "With --gather: what this version has not run is taken from the newest run of the "
+                 "same mission by another one")
+      ->needs(gather);
+  study_command
       ->add_flag("--steps", study_arguments.steps,
                  "With --gather: steps.h5, too, with every column of every run")
       ->needs(gather);
@@ -679,10 +685,12 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
   if (*bench_command) return bench(bench_arguments, registries);
   if (*replay_command) {
     replay_arguments.plugins = plugins;
+    replay_arguments.program = program;
     return replay(replay_arguments, registries);
   }
   if (*study_command) {
     study_arguments.plugins = plugins;
+    study_arguments.program = program;
     return study(study_arguments, registries);
   }
   if (*inspect_command) return inspect(inspect_arguments);
@@ -695,10 +703,11 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load) {
 
 }  // namespace
 
-int prospect::run_command_line(int argc, char** argv, const LoadPlugin& load) {
+int prospect::run_command_line(int argc, char** argv, const LoadPlugin& load,
+                               const std::vector<std::string>& program) {
   open_standard_files();
   try {
-    return checked_output(run(argc, argv, load));
+    return checked_output(run(argc, argv, load, program));
   } catch (const InputError& error) {
     return refuse(error.lines(), kBadInput);
   } catch (const std::invalid_argument& error) {

@@ -127,6 +127,7 @@ struct ReplayArguments {
   std::string out;                    ///< folder; empty: RUN/replay
   bool quiet = false;
   std::vector<std::string> plugins;  ///< files, as given
+  std::vector<std::string> program;  ///< words that start this program anew
 };
 int replay(const ReplayArguments& arguments, const Registries& registries);
 
@@ -138,9 +139,11 @@ struct StudyArguments {
   bool dry_run = false;
   bool retry_failed = false;
   bool gather = false;
-  bool steps = false;  ///< with gather: steps.h5, too
+  bool steps = false;        ///< with gather: steps.h5, too
+  bool any_version = false;  ///< with gather: other versions' missions for what is missing
   bool quiet = false;
   std::vector<std::string> plugins;  ///< files, as given
+  std::vector<std::string> program;  ///< words that start this program anew
 };
 int study(const StudyArguments& arguments, const Registries& registries);
 

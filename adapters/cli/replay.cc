@@ -78,16 +78,9 @@ int replay_unchanged(const RecordedRun& run, const std::string& world,
                     log = folder.file("log.txt");
   const std::string wrong = write_whole_file(configuration, run.configuration);
   if (!wrong.empty()) fail(configuration, "cannot be written (" + wrong + "); expected room");
-  std::vector<std::string> words = {own_program(),
-                                    "explore",
-                                    world,
-                                    "--config",
-                                    configuration,
-                                    "--seed",
-                                    std::to_string(run.seed),
-                                    "--out",
-                                    out,
-                                    "--quiet"};
+  std::vector<std::string> words = arguments.program;
+  words.insert(words.end(), {"explore", world, "--config", configuration, "--seed",
+                             std::to_string(run.seed), "--out", out, "--quiet"});
   if (run.is_log) words.push_back("--mcap");
   for (const std::string& plugin : arguments.plugins)
     words.insert(words.end(), {"--plugin", plugin});

@@ -11,7 +11,6 @@
 #include "adapters/cli/commands.h"
 #include "adapters/cli/interrupt.h"
 #include "adapters/cli/progress.h"
-#include "adapters/files/child_process.h"
 #include "adapters/files/content_hash.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
@@ -95,10 +94,14 @@ int print_dry_run(const StudyPlan& plan, const CellStore& store, const StudyShar
 }
 
 int gather(const StudyPlan& plan, const CellStore& store, const Registries& registries,
-           bool steps) {
-  const StudyFiles written = write_study(plan, store, registries, steps);
+           const StudyGathering& gathering) {
+  const StudyFiles written = write_study(plan, store, registries, gathering);
   for (const std::string& file : written.files) std::printf("%s\n", file.c_str());
-  std::printf("%zu runs, %zu failed, %zu missing\n", written.done, written.failed, written.missing);
+  std::printf("%zu runs, %zu failed, %zu missing", written.done, written.failed, written.missing);
+  if (written.of_other_versions > 0) {
+    std::printf(", %zu by other versions", written.of_other_versions);
+  }
+  std::printf("\n");
   return written.failed == 0 && written.missing == 0 ? kDone : kFailed;
 }
 
@@ -128,12 +131,14 @@ int study(const StudyArguments& arguments, const Registries& registries) {
                  "builds count as the same\n";
   }
   const CellStore store(folder);
-  if (arguments.gather) return gather(plan, store, registries, arguments.steps);
+  if (arguments.gather) {
+    return gather(plan, store, registries, {arguments.steps, arguments.any_version});
+  }
   StudyRunOptions options;
   options.shard = shard;
   options.jobs = arguments.jobs;
   options.retry_failed = arguments.retry_failed;
-  options.program = own_program();
+  options.program = arguments.program;
   options.plugins = arguments.plugins;
   options.version = build.version + (build.commit.empty() ? "" : "+" + build.commit.substr(0, 12)) +
                     (build.commit_changed ? "-changed" : "");

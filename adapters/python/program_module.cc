@@ -12,6 +12,8 @@
 #include "adapters/cli/command_line.h"
 #include "adapters/config/registries.h"
 #include "adapters/python/callback.h"
+#include "adapters/python/ground_arrays.h"
+#include "adapters/python/logged_run_arrays.h"
 #include "adapters/python/motion_arrays.h"
 #include "adapters/python/simulation.h"
 #include "engine/maps/map_projection.h"
@@ -37,29 +39,21 @@ std::string load_python(const std::string& path, const PluginTargets& targets,
   return "";
 }
 
-int run_program(const std::vector<std::string>& arguments, const py::object& run_file) {
+int run_program(const std::vector<std::string>& arguments, const py::object& run_file,
+                const std::vector<std::string>& program) {
   std::vector<std::string> words = {"prospect"};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   const py::gil_scoped_release release;
-  return run_command_line(static_cast<int>(words.size()), argv.data(),
-                          [&](const std::string& path, const PluginTargets& targets) {
-                            return path.ends_with(".py") ? load_python(path, targets, run_file)
-                                                         : load_plugin(path, targets);
-                          });
-}
-
-py::tuple ground_of(const Simulation& s) {
-  const GroundMap ground = project(s.world().voxels, height_slice(s.configuration().robot));
-  const GridFrame& f = ground.frame();
-  py::array_t<std::uint8_t> array(std::vector<py::ssize_t>{f.height, f.width});
-  std::transform(ground.cells().data.begin(), ground.cells().data.end(), array.mutable_data(),
-                 [](CellState c) { return static_cast<std::uint8_t>(c); });
-  return py::make_tuple(array,
-                        py::make_tuple(f.i0 * f.resolution, (f.i0 + f.width) * f.resolution,
-                                       f.j0 * f.resolution, (f.j0 + f.height) * f.resolution));
+  return run_command_line(
+      static_cast<int>(words.size()), argv.data(),
+      [&](const std::string& path, const PluginTargets& targets) {
+        return path.ends_with(".py") ? load_python(path, targets, run_file)
+                                     : load_plugin(path, targets);
+      },
+      program);
 }
 
 }  // namespace
@@ -135,7 +129,10 @@ PYBIND11_MODULE(_program, m) {
       .def_property_readonly("losses", truth(&Simulator::losses),
                              "How often localization was lost.")
       .def_property_readonly(
-          "true_ground", &ground_of,
+          "true_ground",
+          [](const Simulation& s) {
+            return ground_arrays(project(s.world().voxels, height_slice(s.configuration().robot)));
+          },
           "(ny, nx) uint8 (0 unknown, 1 free, 2 occupied) of the true world over the heights of "
           "the body, and its (left, right, bottom, top) [m].")
       .def_property_readonly(
@@ -146,7 +143,9 @@ PYBIND11_MODULE(_program, m) {
                ")";
       });
 
-  m.def("run_program", &run_program, py::arg("arguments"), py::arg("run_file"),
+  m.def("read_log", &logged_run_arrays, py::arg("path"),
+        "The log of a mission (.mcap): what prospect.Log is made of.");
+  m.def("run_program", &run_program, py::arg("arguments"), py::arg("run_file"), py::arg("program"),
         "The command line: gives its exit code. run_file(path, registries) runs a plug-in in "
-        "Python.");
+        "Python. program: the words that start it anew, for missions of studies and replays.");
 }

@@ -151,11 +151,7 @@ RecordedRun read_recorded_run(const std::string& path, const Registries& registr
 
 LogRows rows_of_log(const std::string& path, const Registries& registries) {
   const LoggedRun logged = read_logged_run(path, registries);
-  std::vector<std::string> terms;
-  for (const StepRecord& step : logged.record.steps) {
-    if (!terms.empty()) break;
-    for (const TermValue& term : step.explanation.terms) terms.push_back(term.name);
-  }
+  const std::vector<std::string> terms = term_columns(logged.record.steps);
   LogRows out;
   out.header = step_header(terms);
   out.header.pop_back();

@@ -51,17 +51,6 @@ void remove_problems(const fs::path& folder) {
   if (fs::is_directory(folder, error) && fs::is_empty(folder, error)) fs::remove(folder, error);
 }
 
-std::string timing_row(const StepRecord& s) {
-  std::string row = std::to_string(s.step);
-  for (const double ms : {s.wall.plan, s.wall.frontier_planner, s.wall.clearance, s.wall.views,
-                          s.wall.seeds, s.wall.polish, s.wall.certify}) {
-    char buffer[64];
-    std::snprintf(buffer, sizeof buffer, ",%.3f", ms);
-    row += buffer;
-  }
-  return row + '\n';
-}
-
 }  // namespace
 
 RunFolder::RunFolder(const std::string& path, const RunStart& start) : path_(path) {
@@ -113,8 +102,7 @@ RunFolder::RunFolder(const std::string& path, const RunStart& start) : path_(pat
   };
   begin_with("config.yaml", start.configuration);
   begin_with("run.json", start_json(start));
-  append(timing_, "timing.csv",
-         "step,plan_ms,frontiers_ms,clearance_ms,views_ms,seeds_ms,polish_ms,certify_ms\n");
+  append(timing_, "timing.csv", timing_header());
 }
 
 void RunFolder::fail(const std::string& name, const std::string& reason) {
@@ -146,10 +134,7 @@ void RunFolder::add(const SavedProblem& saved) {
 
 void RunFolder::write_waiting() {
   if (!header_written_) {
-    for (const StepRecord& s : waiting_) {
-      if (!terms_.empty()) break;
-      for (const TermValue& t : s.explanation.terms) terms_.push_back(t.name);
-    }
+    terms_ = term_columns(waiting_);
     append(steps_, "steps.csv", step_header(terms_));
     header_written_ = true;
   }

@@ -45,6 +45,15 @@ std::string reasons(const StepRecord& s) {
 
 }  // namespace
 
+std::vector<std::string> term_columns(const std::vector<StepRecord>& steps) {
+  std::vector<std::string> names;
+  for (const StepRecord& step : steps) {
+    if (!names.empty()) break;
+    for (const TermValue& term : step.explanation.terms) names.push_back(term.name);
+  }
+  return names;
+}
+
 std::string step_header(const std::vector<std::string>& terms) {
   std::string row =
       "step,time,true_x,true_y,true_yaw,estimated_x,estimated_y,estimated_yaw,"
@@ -86,6 +95,21 @@ std::string step_row(const StepRecord& s, const std::vector<std::string>& terms)
          field(s.stop_reason) + ',' + field(s.quality) + ',' + (s.certified ? "1" : "0") + ',' +
          field(s.certificate) + ',' + std::to_string(s.active_frontiers) + ',' +
          std::to_string(s.guard_stops) + ',' + s.guard_reason + reasons(s) + '\n';
+}
+
+std::string timing_header() {
+  return "step,plan_ms,frontiers_ms,clearance_ms,views_ms,seeds_ms,polish_ms,certify_ms\n";
+}
+
+std::string timing_row(const StepRecord& s) {
+  std::string row = std::to_string(s.step);
+  for (const double ms : {s.wall.plan, s.wall.frontier_planner, s.wall.clearance, s.wall.views,
+                          s.wall.seeds, s.wall.polish, s.wall.certify}) {
+    char buffer[64];
+    std::snprintf(buffer, sizeof buffer, ",%.3f", ms);
+    row += buffer;
+  }
+  return row + '\n';
 }
 
 }  // namespace prospect

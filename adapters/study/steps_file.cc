@@ -92,11 +92,11 @@ void write_steps(const StudyPlan& plan, const CellStore& store, const std::vecto
     std::set<std::string> written;
     for (const StudyRow& row : rows) {
       const StudyCell& cell = *row.cell;
-      if (row.record.status != CellRecord::Status::kDone || !written.insert(cell.id).second) {
+      if (row.record.status != CellRecord::Status::kDone || !written.insert(row.id).second) {
         continue;
       }
-      const StepTable table = StepTable::read(store.run_folder(cell.id) + "/steps.csv");
-      const Handle group(H5Gcreate2(file, cell.id.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+      const StepTable table = StepTable::read(store.run_folder(row.id) + "/steps.csv");
+      const Handle group(H5Gcreate2(file, row.id.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
                          H5Gclose, path);
       RunWriter writer(group, path);
       writer.attribute("condition", plan.condition(plan.setup(cell)).name);

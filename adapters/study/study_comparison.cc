@@ -38,12 +38,12 @@ NumberComparison compare(const std::vector<std::pair<const StudyRow*, const Stud
   if (first.empty()) return c;
   c.median_reference = median(first);
   c.median_other = median(second);
-  c.difference = mean_difference(first, second);
-  c.difference_interval = paired_bootstrap(first, second, mean_difference);
-  if (number.ratio) {
-    c.ratio = ratio_of_means(first, second);
-    c.ratio_interval = paired_bootstrap(first, second, ratio_of_means);
-  }
+  const auto vector = [&](const std::vector<double>& values) {
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), c.pairs);
+  };
+  const ResampledMeans means(c.pairs, 4000);
+  c.difference = means.interval(vector(difference));
+  if (number.ratio) c.ratio = means.ratio(vector(first), vector(second));
   c.p = signed_rank_test(difference).p;
   return c;
 }

@@ -118,10 +118,10 @@ Drawing ratio_figure(const std::vector<StudyComparison>& comparisons) {
     bool any = false;
     for (const StudyComparison& c : comparisons) {
       const NumberComparison& n = c.numbers[k];
-      if (!(n.ratio > 0.0) || !std::isfinite(n.ratio)) continue;
+      if (!(n.ratio.mean > 0.0) || !std::isfinite(n.ratio.mean)) continue;
       any = true;
-      least = std::min(least, std::max(0.05, n.ratio_interval.low));
-      most = std::max(most, std::min(20.0, n.ratio_interval.high));
+      least = std::min(least, std::max(0.05, n.ratio.low));
+      most = std::max(most, std::min(20.0, n.ratio.high));
     }
     if (any) numbers.push_back(k);
   }
@@ -146,11 +146,10 @@ Drawing ratio_figure(const std::vector<StudyComparison>& comparisons) {
                  {kLeft - 6.0, top + 0.5 * block}, kFont, kText, Drawing::Anchor::kRight);
     for (std::size_t i = 0; i < comparisons.size(); ++i) {
       const NumberComparison& n = comparisons[i].numbers[numbers[row]];
-      if (!(n.ratio > 0.0) || !std::isfinite(n.ratio)) continue;
+      if (!(n.ratio.mean > 0.0) || !std::isfinite(n.ratio.mean)) continue;
       const double y = top + kRow * (static_cast<double>(i) + 0.5);
-      drawing.line({{x_of(n.ratio_interval.low), y}, {x_of(n.ratio_interval.high), y}},
-                   setup_color(i), 1.1);
-      drawing.circle({x_of(n.ratio), y}, 1.9, setup_color(i), kWhite, 0.4);
+      drawing.line({{x_of(n.ratio.low), y}, {x_of(n.ratio.high), y}}, setup_color(i), 1.1);
+      drawing.circle({x_of(n.ratio.mean), y}, 1.9, setup_color(i), kWhite, 0.4);
     }
   }
   for (std::size_t i = 0; i < comparisons.size(); ++i) {
@@ -346,7 +345,7 @@ std::vector<StudyFigure> study_figures(const StudyPlan& plan, const CellStore& s
   std::vector<std::vector<const MissionCurve*>> by_setup(plan.setups.size());
   for (const StudyRow& row : rows) {
     if (!is_done(row)) continue;
-    curves.push_back(read_curve(store.run_folder(row.cell->id)));
+    curves.push_back(read_curve(store.run_folder(row.id)));
     by_setup[row.cell->setup].push_back(&curves.back());
   }
   using C = MissionCurve;
@@ -366,7 +365,7 @@ std::vector<StudyFigure> study_figures(const StudyPlan& plan, const CellStore& s
     if (!is_done(row) || paths == most_paths) continue;
     if (!drawn.emplace(row.cell->world, row.cell->setup).second) continue;
     const FigureSource source =
-        read_figure_source(store.run_folder(row.cell->id), PathColor::kFeatures, false, registries);
+        read_figure_source(store.run_folder(row.id), PathColor::kFeatures, false, registries);
     const std::string world = plan.study.worlds[row.cell->world].name;
     const std::string label = plan.label(plan.setup(*row.cell));
     ++paths;

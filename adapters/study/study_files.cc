@@ -1,10 +1,12 @@
 #include "adapters/study/study_files.h"
 
 #include <filesystem>
+#include <map>
 #include <system_error>
 
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
+#include "adapters/study/other_versions.h"
 #include "adapters/study/steps_file.h"
 #include "adapters/study/study_comparison.h"
 #include "adapters/study/study_figures.h"
@@ -14,7 +16,7 @@
 namespace prospect {
 
 StudyFiles write_study(const StudyPlan& plan, const CellStore& store, const Registries& registries,
-                       bool steps) {
+                       const StudyGathering& gathering) {
   namespace fs = std::filesystem;
   StudyFiles result;
   const auto write = [&](const fs::path& name, const std::string& content) {
@@ -27,9 +29,13 @@ StudyFiles write_study(const StudyPlan& plan, const CellStore& store, const Regi
     }
     result.files.push_back(file.string());
   };
-  const std::vector<StudyRow> rows = read_rows(plan, store);
+  const std::vector<StudyRow> rows =
+      read_rows(plan, store,
+                gathering.any_version ? other_versions(plan, store, registries)
+                                      : std::map<std::string, std::string>{});
   for (const StudyRow& row : rows) {
     result.done += row.record.status == CellRecord::Status::kDone;
+    result.of_other_versions += row.id != row.cell->id;
     result.failed += row.record.status == CellRecord::Status::kFailed;
     result.missing += row.record.status == CellRecord::Status::kMissing;
   }
@@ -42,7 +48,7 @@ StudyFiles write_study(const StudyPlan& plan, const CellStore& store, const Regi
     write(fs::path("figures") / (figure.name + ".png"), figure.drawing.png());
   }
   write("study.html", study_page(plan, rows, comparisons, figures));
-  if (steps) {
+  if (gathering.steps) {
     result.files.push_back((fs::path(store.folder()) / "steps.h5").string());
     write_steps(plan, store, rows, result.files.back());
   }

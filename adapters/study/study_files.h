@@ -13,12 +13,17 @@ namespace prospect {
 struct StudyFiles {
   std::vector<std::string> files;
   std::size_t done = 0, failed = 0, missing = 0;
+  std::size_t of_other_versions = 0;  ///< of `done`
+};
+
+struct StudyGathering {
+  bool steps = false;        ///< steps.h5, too: every column of every run's steps.csv
+  bool any_version = false;  ///< other versions' missions stand for cells that are not done
 };
 
 /// Writes what the cells of a study show into its folder: results.csv, study.html,
-/// figures/NAME.svg and .png; with `steps` also steps.h5, every column of every run's steps.csv
-/// (write_steps()). Each file appears whole or not at all. Throws InputError.
+/// figures/NAME.svg and .png. Each file appears whole or not at all. Throws InputError.
 StudyFiles write_study(const StudyPlan& plan, const CellStore& store, const Registries& registries,
-                       bool steps);
+                       const StudyGathering& gathering);
 
 }  // namespace prospect

@@ -20,9 +20,9 @@ std::string fixed(double value, int digits) {
   return buffer.data();
 }
 
-std::string with_interval(double value, const Interval& i, int digits) {
-  if (!std::isfinite(value)) return "&ndash;";
-  return fixed(value, digits) + " <small>[" + fixed(i.low, digits) + ", " + fixed(i.high, digits) +
+std::string with_interval(const MeanInterval& i, int digits) {
+  if (!std::isfinite(i.mean)) return "&ndash;";
+  return fixed(i.mean, digits) + " <small>[" + fixed(i.low, digits) + ", " + fixed(i.high, digits) +
          "]</small>";
 }
 
@@ -52,8 +52,8 @@ std::string comparison_table(const StudyComparison& c) {
       html += " <small>(one side only: " + std::to_string(n.only_reference) + " / " +
               std::to_string(n.only_other) + ")</small>";
     }
-    html += "</td><td>" + with_interval(n.difference, n.difference_interval, digits) + "</td><td>" +
-            with_interval(n.ratio, n.ratio_interval, 2) + "</td><td>" + p_text(n.p) + "</td></tr>";
+    html += "</td><td>" + with_interval(n.difference, digits) + "</td><td>" +
+            with_interval(n.ratio, 2) + "</td><td>" + p_text(n.p) + "</td></tr>";
   }
   return html + "</tbody></table></div>";
 }
@@ -75,7 +75,7 @@ std::string world_table(const std::vector<StudyComparison>& worlds) {
         "<tr><th>" + escape_html(c.world) + "</th><td>" + std::to_string(c.pairs.size()) + "</td>";
     for (const NumberComparison& n : c.numbers) {
       if (!chief.count(n.number->name)) continue;
-      html += "<td>" + with_interval(n.ratio, n.ratio_interval, 2) + "</td>";
+      html += "<td>" + with_interval(n.ratio, 2) + "</td>";
     }
     html += "</tr>";
   }
@@ -124,7 +124,7 @@ std::string failures(const StudyPlan& plan, const std::vector<StudyRow>& rows) {
   std::string html;
   for (const StudyRow& row : rows) {
     if (row.record.status != CellRecord::Status::kFailed) continue;
-    html += "<tr><th>" + row.cell->id + "</th><td class=\"text\">" +
+    html += "<tr><th>" + row.id + "</th><td class=\"text\">" +
             escape_html(plan.study.worlds[row.cell->world].name) + ", seed " +
             std::to_string(row.cell->seed) + ", " + escape_html(plan.label(plan.setup(*row.cell))) +
             "</td><td class=\"text\">" + escape_html(row.reason) + "</td></tr>";

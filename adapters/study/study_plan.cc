@@ -147,9 +147,10 @@ std::vector<StudySetup> read_setups(const Study& study, const Registries& regist
   return setups;
 }
 
-/// What a mission depends on, but for world and seed.
-ContentHash hash_of(const Configuration& configuration, const std::optional<Pose>& start,
-                    const std::string& program) {
+}  // namespace
+
+std::string cell_name(const Configuration& configuration, const std::optional<Pose>& start,
+                      std::uint64_t world_hash, std::uint64_t seed, const std::string& program) {
   ContentHash hash;
   hash.add(std::string_view("prospect study cell 1")).add(program);
   for (const ConfigEntry& entry : with_start(configuration.entries, start)) {
@@ -157,10 +158,9 @@ ContentHash hash_of(const Configuration& configuration, const std::optional<Pose
     if (entry.path == "simulator.map" && !configuration.map.empty()) continue;
     hash.add(entry.path).add(entry.value);
   }
-  return hash;
+  if (!configuration.map.empty()) hash.add(file_hash(configuration.map));
+  return hash.add(world_hash).add(seed).text();
 }
-
-}  // namespace
 
 std::vector<std::string> StudyPlan::values(const StudySetup& setup) const {
   std::vector<std::string> out;
@@ -181,14 +181,8 @@ std::string StudyPlan::label(const StudySetup& setup) const {
 
 StudyPlan plan_study(const Study& study, const Registries& registries, const std::string& program,
                      const std::function<void(const std::string&)>& progress) {
-  StudyPlan plan{study, read_setups(study, registries), {}};
+  StudyPlan plan{study, read_setups(study, registries), {}, program};
   StudyWorlds worlds(study.drawn_starts, progress);
-  std::map<std::string, std::uint64_t> maps;
-  for (const StudySetup& setup : plan.setups) {
-    const std::string& file = setup.configuration.map;
-    if (file.empty() || maps.count(file)) continue;
-    maps[file] = file_hash(file);
-  }
   for (const std::uint64_t seed : study.seeds) {
     for (std::size_t w = 0; w < study.worlds.size(); ++w) {
       for (std::size_t s = 0; s < plan.setups.size(); ++s) {
@@ -198,9 +192,7 @@ StudyPlan plan_study(const Study& study, const Registries& registries, const std
         if (study.drawn_starts && seed != 1) {
           cell.start = mission_start(world.start, world.roomy, seed);
         }
-        ContentHash hash = hash_of(configuration, cell.start, program);
-        if (!configuration.map.empty()) hash.add(maps.at(configuration.map));
-        cell.id = hash.add(world.hash).add(seed).text();
+        cell.id = cell_name(configuration, cell.start, world.hash, seed, program);
         plan.cells.push_back(std::move(cell));
       }
     }

@@ -36,6 +36,7 @@ struct StudyPlan {
   std::vector<StudySetup> setups;  ///< conditions outermost, the last axis innermost
   /// Seeds outermost, setups innermost: a study that is broken off holds whole pairs.
   std::vector<StudyCell> cells;
+  std::string program;  ///< that cells are named by: plan_study()
 
   const StudySetup& setup(const StudyCell& cell) const { return setups[cell.setup]; }
   const StudyCondition& condition(const StudySetup& setup) const {
@@ -53,6 +54,11 @@ struct StudyPlan {
 /// cannot be read or hold no place for the robot.
 StudyPlan plan_study(const Study& study, const Registries& registries, const std::string& program,
                      const std::function<void(const std::string&)>& progress = {});
+
+/// The name of a mission of that program: StudyCell::id. `start`: of Study::drawn_starts, where the
+/// configuration has none of its own.
+std::string cell_name(const Configuration& configuration, const std::optional<Pose>& start,
+                      std::uint64_t world_hash, std::uint64_t seed, const std::string& program);
 
 /// The effective configuration of a cell, as config.yaml.
 std::string cell_configuration(const StudyPlan& plan, const StudyCell& cell);

@@ -17,13 +17,21 @@ std::string number_field(double value) { return std::isfinite(value) ? exact_tex
 
 }  // namespace
 
-std::vector<StudyRow> read_rows(const StudyPlan& plan, const CellStore& store) {
+std::vector<StudyRow> read_rows(const StudyPlan& plan, const CellStore& store,
+                                const std::map<std::string, std::string>& other_versions) {
   std::vector<StudyRow> rows;
   for (const StudyCell& cell : plan.cells) {
-    StudyRow row{&cell, store.record(cell.id), "", {}};
+    StudyRow row{&cell, cell.id, store.record(cell.id), "", {}};
+    if (row.record.status != CellRecord::Status::kDone) {
+      const auto other = other_versions.find(cell.id);
+      if (other != other_versions.end()) {
+        row.id = other->second;
+        row.record = store.record(row.id);
+      }
+    }
     row.reason = row.record.why;
     if (row.record.status == CellRecord::Status::kDone) {
-      const std::string folder = store.run_folder(cell.id);
+      const std::string folder = store.run_folder(row.id);
       std::ifstream in(folder + "/summary.json", std::ios::binary);
       const std::optional<Summary> summary =
           summary_from_json(std::string(std::istreambuf_iterator<char>(in), {}));
@@ -53,7 +61,7 @@ std::string results_csv(const StudyPlan& plan, const std::vector<StudyRow>& rows
   table += '\n';
   for (const StudyRow& row : rows) {
     const StudySetup& setup = plan.setup(*row.cell);
-    table += row.cell->id + ',' + csv::field(plan.condition(setup).name) + ',' +
+    table += row.id + ',' + csv::field(plan.condition(setup).name) + ',' +
              csv::field(plan.study.worlds[row.cell->world].name) + ',' +
              std::to_string(row.cell->seed);
     for (const std::string& value : plan.values(setup)) table += ',' + csv::field(value);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -12,13 +13,16 @@ namespace prospect {
 /// A cell and what came of it.
 struct StudyRow {
   const StudyCell* cell = nullptr;
+  std::string id;  ///< of what is told: the cell's, or that of the same mission by another version
   CellRecord record;
   std::string reason;      ///< why the mission ended; why the cell failed
   MissionNumbers numbers;  ///< none of a cell that is not done
 };
 
-/// A row for each cell of the plan, in its order, which it must outlive.
-std::vector<StudyRow> read_rows(const StudyPlan& plan, const CellStore& store);
+/// A row for each cell of the plan, in its order, which it must outlive. `other_versions`: what
+/// stands for a cell that is not done (other_versions.h).
+std::vector<StudyRow> read_rows(const StudyPlan& plan, const CellStore& store,
+                                const std::map<std::string, std::string>& other_versions = {});
 
 /// The tidy table: a row a run; its columns id, condition, world, seed, the keys of the grid,
 /// status, reason, the numbers of MissionNumbers; and, as they differ between two runs of one

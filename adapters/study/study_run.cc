@@ -135,16 +135,10 @@ class StudyRunner {
     if (!wrong.empty()) {
       fail(configuration, "cannot be written (" + wrong + "); expected a writable folder");
     }
-    std::vector<std::string> words = {options_.program,
-                                      "explore",
-                                      plan_.study.worlds[cell.world].path,
-                                      "--config",
-                                      configuration,
-                                      "--seed",
-                                      std::to_string(cell.seed),
-                                      "--out",
-                                      store_.run_folder(cell.id),
-                                      "--quiet"};
+    std::vector<std::string> words = options_.program;
+    words.insert(words.end(), {"explore", plan_.study.worlds[cell.world].path, "--config",
+                               configuration, "--seed", std::to_string(cell.seed), "--out",
+                               store_.run_folder(cell.id), "--quiet"});
     for (const std::string& plugin : options_.plugins) {
       words.insert(words.end(), {"--plugin", plugin});
     }

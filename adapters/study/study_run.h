@@ -51,7 +51,7 @@ struct StudyRunOptions {
   StudyShard shard;
   int jobs = 1;
   bool retry_failed = false;
-  std::string program;               ///< path of `prospect`
+  std::vector<std::string> program;  ///< words that start `prospect`; arguments follow
   std::vector<std::string> plugins;  ///< that it is to load
   std::string version;               ///< for records
   std::function<bool()> cancelled;

@@ -33,7 +33,7 @@ double cost(const BenchProblem& problem, const Eigen::VectorXd& z) {
 
 TEST(ProblemSet, ZooStartsAboveItsKnownOptima) {
   const ProblemSet zoo = make_problem_set("zoo", {}, {}, false);
-  EXPECT_EQ(zoo.problems.size(), 11U);
+  EXPECT_EQ(zoo.problems.size(), 13U);
   for (const BenchProblem& p : zoo.problems) {
     SCOPED_TRACE(p.name);
     ASSERT_EQ(p.start.x.size(), p.problem->num_variables());

@@ -44,6 +44,38 @@ TEST(ResampledMeans, ColumnsShareTheirResamples) {
   EXPECT_NEAR(intervals[1].high, 2.0 * intervals[0].high + 1.0, 1e-12);
 }
 
+// Two samples: the mean of a resample is 0, 1 or 2 with 1/4, 1/2, 1/4.
+TEST(ResampledMeans, DrawSamplesAlike) {
+  const Eigen::Vector2d values(0.0, 2.0);
+  const MeanInterval i = ResampledMeans(2, 4000).interval(values);
+  EXPECT_EQ(i.low, 0.0);
+  EXPECT_EQ(i.high, 2.0);
+  int middle = 0;
+  for (std::uint64_t seed = 1; seed <= 400; ++seed) {
+    middle += ResampledMeans(2, 1, seed).interval(values).low == 1.0;
+  }
+  EXPECT_NEAR(middle, 200, 40);  // four standard deviations
+}
+
+TEST(ResampledMeans, PairsStayTogetherInARatio) {
+  const Eigen::Vector3d first(1.0, 2.0, 8.0);
+  const MeanInterval i = ResampledMeans(3, 4000).ratio(first, 2.0 * first);
+  EXPECT_EQ(i.mean, 2.0);
+  EXPECT_EQ(i.low, 2.0);
+  EXPECT_EQ(i.high, 2.0);
+}
+
+TEST(ResampledMeans, ZerosMakeNoRatioOnlyIfAllAreZero) {
+  const Eigen::Vector2d second(1.0, 2.0);
+  const MeanInterval some = ResampledMeans(2, 4000).ratio(Eigen::Vector2d(0.0, 2.0), second);
+  EXPECT_EQ(some.mean, 1.5);
+  EXPECT_EQ(some.low, 1.0);   // twice the second
+  EXPECT_EQ(some.high, 1.5);  // one of each; twice the first makes none
+  const MeanInterval none = ResampledMeans(2, 4000).ratio(Eigen::Vector2d::Zero(), second);
+  EXPECT_TRUE(std::isnan(none.low) && std::isnan(none.high));
+  EXPECT_TRUE(std::isnan(ResampledMeans(0).ratio(Eigen::VectorXd(0), Eigen::VectorXd(0)).mean));
+}
+
 TEST(ResampledMeans, OfOneProblemAndOfNone) {
   const MeanInterval one = ResampledMeans(1).interval(Eigen::VectorXd::Constant(1, 4.0));
   EXPECT_EQ(one.low, 4.0);

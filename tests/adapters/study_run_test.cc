@@ -26,7 +26,7 @@ class StudyRun : public ::testing::Test {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     plan_ = plan_study(study_from_text("worlds: office\nseeds: 1..8\n", "s.yaml"), {}, "1");
-    options_.program = folder_ + "/program";
+    options_.program = {folder_ + "/program"};
     options_.version = "1";
     options_.jobs = 3;
   }
@@ -34,11 +34,11 @@ class StudyRun : public ::testing::Test {
 
   /// `what` sees $seed, and $out, the run folder, which is there.
   void program(const std::string& what) {
-    std::ofstream(options_.program)
+    std::ofstream(options_.program.front())
         << "#!/bin/bash\nwhile (($#)); do\n  case $1 in --seed) seed=$2;; --out) out=$2;; esac\n"
            "  shift\ndone\necho run >> " +
                folder_ + "/runs\nmkdir -p \"$out\"\n" + what + '\n';
-    fs::permissions(options_.program, fs::perms::owner_all);
+    fs::permissions(options_.program.front(), fs::perms::owner_all);
   }
   static std::string whole(const std::string& reason = "time limit") {
     return "printf 'step,time\\n0,0\\n1,1\\n' > $out/steps.csv\n"

@@ -139,7 +139,7 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
       {"adapters/study",
        {{"models", "engine", "solvers", "perception", "runtime", "adapters/files", "adapters/page",
          "adapters/worlds", "adapters/datasets", "adapters/config", "adapters/run",
-         "adapters/report"},
+         "adapters/report", "adapters/bench"},
         {"Eigen", "nlohmann", "hdf5"},
         json}},
       {"adapters/replay",

@@ -76,4 +76,16 @@ sed -i 's/1..2/1..3/' study.yaml
 succeeds "a study that has grown" study study.yaml --jobs 2 --quiet --out whole
 grep -qF "12 cells: 8 there before, 4 run, 0 failed" out.txt || fail "a study that has grown: '$out'"
 
+# --- Cells of another version are taken when that is asked for: here those of two other names.
+for cell in $(ls whole/cells | grep -v '\.' | head -n 2); do
+  mv "whole/cells/$cell" "whole/cells/${cell:1}0"
+  sed 's/"version": "/&older-/' "whole/cells/$cell.json" >"whole/cells/${cell:1}0.json"
+  rm "whole/cells/$cell.json"
+done
+"$prospect" study study.yaml --gather --out whole >out.txt 2>&1 && fail "gathering with two cells missing: exit 0"
+grep -qF "10 runs, 0 failed, 2 missing" out.txt || fail "two cells of another version: '$(<out.txt)'"
+succeeds "gathering any version" study study.yaml --gather --any-version --out whole
+grep -qF "12 runs, 0 failed, 0 missing, 2 by other versions" out.txt || fail "gathering any version: '$out'"
+(($(grep -c ',older-' whole/results.csv) == 2)) || fail "rows of another version: $(<whole/results.csv)"
+
 finish

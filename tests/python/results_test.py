@@ -1,6 +1,7 @@
 """Tables of the program as arrays."""
 
 import os
+import subprocess
 import tempfile
 import unittest
 
@@ -47,6 +48,34 @@ class ResultsTest(unittest.TestCase):
         self.write("results.csv", "condition,seed,coverage\na,1,0.5\nb,2,0.75\n")
         np.testing.assert_array_equal(prospect.load_study(self.folder)["coverage"], [0.5, 0.75])
 
+    def test_a_log_tells_what_the_run_folder_does(self):
+        done = subprocess.run(
+            [os.environ["PROSPECT"], "explore", "corridor", "--time-limit", "2", "--mcap", "--quiet",
+             "--out", self.folder + "/run"],
+            capture_output=True, text=True,
+        )
+        self.assertEqual(done.returncode, 1, done.stderr)  # at the limit
+        run = prospect.load_run(self.folder + "/run")
+        log = prospect.load_log(self.folder + "/run/mission.mcap")
+        self.assertEqual(log.notes, [])
+        for name in ["world", "commit", "world_hash"]:
+            self.assertEqual(log.info[name], run.info[name])
+        self.assertEqual(log.summary, run.summary)
+        for told, written in [(log.steps, run.steps), (log.timing, run.timing)]:
+            self.assertEqual(list(told), list(written))
+            self.assertGreater(told.rows, 3)
+        for name in run.steps:
+            np.testing.assert_array_equal(log.steps[name], run.steps[name], name)
+        np.testing.assert_array_equal(log.true, run.true)
+        np.testing.assert_array_equal(log.estimated, run.estimated)
+        self.assertEqual([plan.shape for plan in log.plans], [(21, 4)] * log.steps.rows)
+        np.testing.assert_allclose(log.plans[0][0, :3], log.estimated[0, 1:4], atol=1e-12)
+        # It has seen the ground on which it stood.
+        left, right, bottom, top = log.extent
+        row = (log.estimated[:, 2] - bottom) / (top - bottom) * log.ground.shape[0]
+        column = (log.estimated[:, 1] - left) / (right - left) * log.ground.shape[1]
+        np.testing.assert_array_equal(log.ground[row.astype(int), column.astype(int)], 1)
+
     def test_what_is_wrong_has_file_and_line(self):
         cases = [
             (lambda: prospect.load_table(self.write("a.csv", "x,y\n1,2\n3\n")), "a.csv:3: has 1 fields; expected 2"),
@@ -56,6 +85,8 @@ class ResultsTest(unittest.TestCase):
             (lambda: prospect.load_run(self.folder + "/absent"), "absent: no such folder"),
             (lambda: prospect.load_run(self.folder), "run.json: no such file"),
             (lambda: prospect.load_bench(self.folder), "bench.csv: No such file"),
+            (lambda: prospect.load_log(self.folder + "/absent.mcap"), "absent.mcap: no such file"),
+            (lambda: prospect.load_log(self.write("c.mcap", "text")), "c.mcap: "),
         ]
         for call, text in cases:
             with self.subTest(text), self.assertRaisesRegex(ValueError, text):

@@ -9,6 +9,14 @@ import unittest
 import numpy as np
 import prospect
 
+NOTEBOOKS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs", "notebooks")
+STUDY = """
+worlds: corridor
+seeds: 1
+conditions:
+  near: {planner.terms: {keep_distance: {weight: 2, x: 3, y: 2, radius: 0.8}}}
+mission: {time_limit: 1}
+"""
 PLUGIN = '''
 import numpy as np
 import prospect
@@ -133,11 +141,18 @@ class ProgramTest(unittest.TestCase):
                 self.assertRegex(done.stderr, rf"^prospect: plug-in '{name}': .*{text}")
                 self.assertEqual(done.stderr.count("\n"), 1)
 
-    def test_what_starts_the_program_again_is_refused(self):
-        for command in ["study", "replay"]:
-            done = self.run_program(command, "x")
-            self.assertEqual(done.returncode, 2)
-            self.assertRegex(done.stderr, f"^prospect: {command}: cannot be run by Python; expected")
+    def test_missions_of_a_study_and_a_replay_run_by_this_interpreter(self):
+        # The program knows no plug-in in Python.
+        plugin = os.path.join(NOTEBOOKS, "keep_distance.py")
+        self.write("near.yaml", STUDY)
+        done = self.run_program("study", "near.yaml", "--plugin", plugin, "--quiet")
+        self.assertIn("1 cells: 0 there before, 1 run, 0 failed", done.stdout, done.stderr)
+        cells = os.path.join(self.folder.name, "runs", "near", "cells")
+        (cell,) = [name for name in os.listdir(cells) if "." not in name]
+        run = prospect.load_run(os.path.join(cells, cell))
+        self.assertIn("term_keep_distance", run.steps)
+        done = self.run_program("replay", run.folder, "--plugin", plugin, "--quiet")
+        self.assertIn(f"{run.steps.rows} steps, the same bits", done.stdout, done.stderr)
 
     def test_the_program_is_the_same(self):
         ours = self.run_program("list", "terms", "--json").stdout

@@ -62,7 +62,7 @@ TEST(FirstOrderResidual, IsUnknownWithoutAGradientAndForAPointOfAnotherSize) {
 }
 
 TEST(FirstOrderResidual, SeesAFalseOptimumOfUnitsFarApart) {
-  for (const FunctionProblem& p : {zoo::pressure(), zoo::cargo()}) {
+  for (const FunctionProblem& p : zoo::badly_scaled()) {
     EXPECT_GT(first_order_residual(p.problem(), p.start, kFeasible), 0.1) << p.name;
   }
 }

@@ -43,6 +43,9 @@ class Simulation:
     @property
     def configuration(self) -> Configuration: ...
 
+def read_log(path: str) -> dict[str, Any]: ...
 def run_program(
-    arguments: list[str], run_file: Callable[[str, Registries], None]
+    arguments: list[str],
+    run_file: Callable[[str, Registries], None],
+    program: list[str],
 ) -> int: ...

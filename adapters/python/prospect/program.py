@@ -25,18 +25,14 @@ def run_plugin(path, registries):
 def main(arguments=None):
     """Runs `prospect ARGUMENTS...` (list of str) in this process and gives its exit code.
 
-    As the program does, but --plugin takes files of Python, too. Signals are the program's from
+    As the program does, but --plugin takes files of Python, too. Missions of studies and replays
+    are processes of their own, each by this interpreter. Signals are the program's from
     then on: Ctrl-C ends a mission with its files.
     """
     from prospect import _program
 
     arguments = sys.argv[1:] if arguments is None else list(arguments)
-    if arguments and arguments[0] in ("study", "replay"):
-        # They start missions as processes of their own, by the path of the program that runs.
-        print(
-            f"prospect: {arguments[0]}: cannot be run by Python; expected the program `prospect`",
-            file=sys.stderr,
-        )
-        return 2
+    # Missions of studies and replays: the same interpreter, which finds the same modules.
+    again = f"import sys; sys.path[:] = {sys.path!r}; from prospect.program import main; sys.exit(main())"
     sys.stdout.flush()
-    return _program.run_program(arguments, run_plugin)
+    return _program.run_program(arguments, run_plugin, [sys.executable, "-c", again])

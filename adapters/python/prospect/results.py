@@ -1,6 +1,7 @@
 """What the program wrote, as arrays: runs, benches, studies."""
 
 import csv
+import io
 import json
 import os
 
@@ -43,28 +44,33 @@ def _column(fields):
     return np.array(fields, dtype=str)
 
 
-def load_table(path):
-    """The Columns of a CSV file with a header. ValueError, "FILE:LINE: ...", for one that is none."""
-    path = os.fspath(path)
+def _table(file, path):
+    reader = csv.reader(file, strict=True)
     try:
-        with open(path, newline="", encoding="utf-8") as file:
-            reader = csv.reader(file, strict=True)
-            header, rows = next(reader, []), []
-            if not header or len(set(header)) != len(header) or "" in header:
-                raise ValueError(f"{path}:1: no header; expected names of columns, each once")
-            for row in reader:
-                if len(row) != len(header):
-                    raise ValueError(
-                        f"{path}:{reader.line_num}: has {len(row)} fields; expected {len(header)}"
-                    )
-                rows.append(row)
-    except OSError as error:
-        raise ValueError(f"{path}: {error.strerror}; expected a CSV file") from None
+        header, rows = next(reader, []), []
+        if not header or len(set(header)) != len(header) or "" in header:
+            raise ValueError(f"{path}:1: no header; expected names of columns, each once")
+        for row in reader:
+            if len(row) != len(header):
+                raise ValueError(
+                    f"{path}:{reader.line_num}: has {len(row)} fields; expected {len(header)}"
+                )
+            rows.append(row)
     except UnicodeDecodeError:
         raise ValueError(f"{path}: no text; expected a CSV file") from None
     except csv.Error as error:
         raise ValueError(f"{path}:{reader.line_num}: {error}; expected a CSV file") from None
     return Columns((name, _column([row[n] for row in rows])) for n, name in enumerate(header))
+
+
+def load_table(path):
+    """The Columns of a CSV file with a header. ValueError, "FILE:LINE: ...", for one that is none."""
+    path = os.fspath(path)
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            return _table(file, path)
+    except OSError as error:
+        raise ValueError(f"{path}: {error.strerror}; expected a CSV file") from None
 
 
 def _json(path, absent_ok=False):
@@ -134,6 +140,40 @@ class Run:
         return f"Run('{self.folder}', {self.steps.rows} steps)"
 
 
+class Log:
+    """A mission by its log, mission.mcap (docs/reference/log.md): as Run, and what it planned."""
+
+    def __init__(self, path):
+        from prospect import _program
+
+        self.path = os.fspath(path)
+        """The path."""
+        read = _program.read_log(self.path)
+        self.info = read["info"]
+        """dict of str: what it was started with, and the whole configuration."""
+        self.summary = json.loads(read["summary"]) if read["summary"] else None
+        """dict: the results in numbers; None of a log that ends early."""
+        self.steps = _table(io.StringIO(read["steps"]), self.path)
+        """Columns: a row a planning step."""
+        self.timing = _table(io.StringIO(read["timing"]), self.path)
+        """Columns: wall-clock times of each step [ms]."""
+        self.true = read["true"]
+        """(K, 8): time [s], x, y, z [m], qx, qy, qz, qw of the true pose."""
+        self.estimated = read["estimated"]
+        """(K, 8): the same of the estimate."""
+        self.plans = read["plans"]
+        """K arrays (N+1, 4): x, y, z [m], yaw [rad] that each step predicted."""
+        self.ground = read["ground"]
+        """(ny, nx) uint8: 0 unknown, 1 free, 2 occupied, as the last step knew it; row j at y."""
+        self.extent = read["extent"]
+        """left, right, bottom, top [m] of the ground."""
+        self.notes = read["notes"]
+        """list of str: what the log has to do without, such as its end."""
+
+    def __repr__(self):
+        return f"Log('{self.path}', {self.steps.rows} steps)"
+
+
 class Bench:
     """What `prospect bench` measured (docs/reference/bench.md)."""
 
@@ -155,6 +195,11 @@ class Bench:
 def load_run(folder):
     """The Run in a folder. ValueError, one line with file and line, for one that is none."""
     return Run(folder)
+
+
+def load_log(path):
+    """The Log in a file mission.mcap. ValueError likewise."""
+    return Log(path)
 
 
 def load_bench(folder):
