@@ -73,7 +73,7 @@ interrupted 2 solve corridor@99999 --solver sampling
 [[ "$err" == "prospect: cancelled; nothing is solved" && -z "$out" ]] || fail "solve, interrupted: '$out' '$err'"
 endless=(--solver nlopt:GN_ISRES,tolerance=0 --max-evaluations 100000000 --repeat 1)
 interrupted 5 bench zoo "${endless[@]}" --deadline 1.5 --out bench_cut
-[[ "$err" =~ ^"prospect: cancelled; "([0-9]+)" of 11 problems are in bench_cut; --resume goes on"$ ]] || fail "bench, interrupted: '$err'"
+[[ "$err" =~ ^"prospect: cancelled; "([0-9]+)" of 13 problems are in bench_cut; --resume goes on"$ ]] || fail "bench, interrupted: '$err'"
 solved="${BASH_REMATCH[1]:-0}"
 ((solved >= 1 && solved < 11)) || fail "bench, interrupted: $solved problems"
 (($(wc -l <bench_cut/bench.csv) == 1 + solved)) || fail "bench.csv of $solved problems: $(<bench_cut/bench.csv)"
@@ -104,7 +104,7 @@ if command -v script >/dev/null; then
   "$write_depth_recording" depth || fail "no depth recording was written"
   for call in "solve office@4 --solver sampling|office@4: step [0-9] of 4, " \
     "bench --capture shown_set --quick|driving in office: step [0-9]* of " \
-    "bench zoo --solver sampling --deadline 0 --repeat 1 --out bench_cut|11 of 11 solves" \
+    "bench zoo --solver sampling --deadline 0 --repeat 1 --out bench_cut|13 of 13 solves" \
     "odometry stereo|12 of 12 frames  [0-9]* points" "map depth/posed|5 of 5 frames  ground found" \
     "explore hut.stl --time-limit 1 --out told|voxels of hut.stl: 0 of 4 triangles" \
     "explore office --time-limit 1 --out told|[0-9] features"; do
