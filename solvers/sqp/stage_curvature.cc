@@ -18,7 +18,7 @@ void StageCurvature::reset(int nx, int nodes) {
   H_.setZero(nx, nx * nodes);
   P_.resize(nx, nx);
   residual_.resize(nx);
-  eigen_ = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(nx);
+  eigen_.compute(Eigen::MatrixXd::Zero(nx, nx));
 }
 
 void StageCurvature::difference(int i, double step, const Eigen::Ref<const Eigen::MatrixXd>& here,
