@@ -199,13 +199,14 @@ Result solve(const Problem& problem, const char* solver, const WarmStart& from,
   return make_solver(solver)->solve(problem, from, options, {});
 }
 
-WarmStart start(const ReadProblem& p) {
-  const auto& seeds = p.saved.seeds;
+/// From the first of these points, with the others as seeds.
+template <class Points, class PointOf>
+WarmStart starts(const Points& points, const PointOf& point_of) {
   WarmStart w;
-  w.x = seeds.front().z;
-  w.seeds.resize(w.x.size(), static_cast<Eigen::Index>(seeds.size()) - 1);
-  for (std::size_t i = 1; i < seeds.size(); ++i) {
-    w.seeds.col(static_cast<Eigen::Index>(i) - 1) = seeds[i].z;
+  w.x = point_of(points.front());
+  w.seeds.resize(w.x.size(), static_cast<Eigen::Index>(points.size()) - 1);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    w.seeds.col(static_cast<Eigen::Index>(i) - 1) = point_of(points[i]);
   }
   return w;
 }
@@ -246,20 +247,16 @@ WarmStart first_round(const Problem& problem, const WarmStart& from) {
     x = r.x;
   }
   rank();
-  WarmStart next;
-  next.x = ranked.front().second;
-  next.seeds.resize(next.x.size(), static_cast<Eigen::Index>(ranked.size()) - 1);
-  for (std::size_t i = 1; i < ranked.size(); ++i) {
-    next.seeds.col(static_cast<Eigen::Index>(i) - 1) = ranked[i].second;
-  }
-  return next;
+  return starts(
+      ranked, [](const auto& point) -> const auto& { return point.second; });
 }
 
 void solve_all(const ReadProblem& read,
                const std::vector<std::shared_ptr<const Problem>>& stand_ins,
                std::vector<Row>& rows) {
   const Problem& problem = *read.problem;
-  const WarmStart from = start(read);
+  const WarmStart from = starts(
+      read.saved.seeds, [](const auto& seed) -> const auto& { return seed.z; });
   std::size_t next = 0;
   const auto row = [&](const std::string& name, const auto& run) {
     if (next == rows.size()) rows.push_back({name, {}});

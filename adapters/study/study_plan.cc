@@ -4,6 +4,7 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "adapters/files/content_hash.h"
@@ -53,6 +54,8 @@ std::string world_settings(const Configuration& configuration) {
   return text;
 }
 
+double degrees(double radians) { return radians * 180.0 / M_PI; }
+
 /// "[x, y, yaw]" in m and degrees, as the key world.start.
 std::string start_text(const Pose& start) {
   std::string text = "[";
@@ -60,7 +63,7 @@ std::string start_text(const Pose& start) {
   text += ", ";
   text += exact_text(start.position.y());
   text += ", ";
-  text += exact_text(start.yaw * 180.0 / M_PI);
+  text += exact_text(degrees(start.yaw));
   text += ']';
   return text;
 }
@@ -78,15 +81,18 @@ std::vector<ConfigEntry> with_start(std::vector<ConfigEntry> entries,
 class StudyWorlds {
  public:
   struct Read {
+    World world;
     std::uint64_t hash = 0;
-    Pose start;
     Grid<std::uint8_t> roomy;  ///< of drawn starts
+    /// By seed: the start that is drawn, and the hash of the world with that start, as a mission
+    /// reads it from its configuration.
+    std::map<std::uint64_t, std::pair<Pose, std::uint64_t>> drawn;
   };
 
   StudyWorlds(bool draws, const std::function<void(const std::string&)>& progress)
       : draws_(draws), progress_(progress) {}
 
-  const Read& read(const StudyWorld& world, const Configuration& configuration) {
+  Read& read(const StudyWorld& world, const Configuration& configuration) {
     const auto key = std::make_pair(world.path, world_settings(configuration));
     const auto found = known_.find(key);
     if (found != known_.end()) return found->second;
@@ -95,10 +101,21 @@ class StudyWorlds {
       progress_("reading " + world.name);
       options.progress = [&](const std::string& what) { progress_(world.name + ": " + what); };
     }
-    World loaded = load(world, options);
-    Read read{world_hash(loaded), loaded.start, {}};
-    if (draws_) read.roomy = roomy_columns(loaded, configuration);
+    Read read{load(world, options), 0, {}, {}};
+    read.hash = world_hash(read.world);
+    if (draws_) read.roomy = roomy_columns(read.world, configuration);
     return known_.emplace(key, std::move(read)).first->second;
+  }
+
+  static const std::pair<Pose, std::uint64_t>& draw(Read& read, std::uint64_t seed) {
+    const auto found = read.drawn.find(seed);
+    if (found != read.drawn.end()) return found->second;
+    const Pose own = read.world.start, start = mission_start(own, read.roomy, seed);
+    read.world.start = {{start.position.x(), start.position.y(), 0.0},
+                        degrees(start.yaw) * M_PI / 180.0};
+    const std::uint64_t hash = world_hash(read.world);
+    read.world.start = own;
+    return read.drawn.emplace(seed, std::pair(start, hash)).first->second;
   }
 
  private:
@@ -187,12 +204,13 @@ StudyPlan plan_study(const Study& study, const Registries& registries, const std
     for (std::size_t w = 0; w < study.worlds.size(); ++w) {
       for (std::size_t s = 0; s < plan.setups.size(); ++s) {
         const Configuration& configuration = plan.setups[s].configuration;
-        const StudyWorlds::Read& world = worlds.read(study.worlds[w], configuration);
+        StudyWorlds::Read& world = worlds.read(study.worlds[w], configuration);
         StudyCell cell{"", s, w, seed, std::nullopt};
+        std::uint64_t hash = world.hash;
         if (study.drawn_starts && seed != 1) {
-          cell.start = mission_start(world.start, world.roomy, seed);
+          std::tie(cell.start, hash) = StudyWorlds::draw(world, seed);
         }
-        cell.id = cell_name(configuration, cell.start, world.hash, seed, program);
+        cell.id = cell_name(configuration, cell.start, hash, seed, program);
         plan.cells.push_back(std::move(cell));
       }
     }

@@ -19,6 +19,13 @@ int rougher(Smoothness a, Smoothness b) {
   throw std::invalid_argument("problem: " + what + "; expected " + expected);
 }
 
+bool in_range(const std::vector<JacobianBlock>& pattern, int rows, int N) {
+  return std::all_of(pattern.begin(), pattern.end(), [&](const JacobianBlock& block) {
+    const int last = block.input ? N - 1 : N;
+    return block.row >= 0 && block.row < rows && block.stage >= 0 && block.stage <= last;
+  });
+}
+
 }  // namespace
 
 double violation(const Eigen::Ref<const Eigen::VectorXd>& constraints) {
@@ -115,11 +122,8 @@ Problem::Problem(ProblemDefinition definition) : definition_(std::move(definitio
     if (layout.constraint) {
       layout.blocks = term->jacobian_pattern(horizon_);
       const int rows = layout.rows = term->rows(horizon_);
-      for (const JacobianBlock& block : layout.blocks) {
-        const int last = block.input ? d.N - 1 : d.N;
-        if (block.row < 0 || block.row >= rows || block.stage < 0 || block.stage > last) {
-          refuse("the Jacobian pattern of term '" + name + "'", "rows and stages in range");
-        }
+      if (!in_range(layout.blocks, rows, d.N)) {
+        refuse("the Jacobian pattern of term '" + name + "'", "rows and stages in range");
       }
       num_constraints_ += rows;
     } else if (!std::isfinite(weight)) {
@@ -254,11 +258,11 @@ void Problem::prepare_stages(Workspace& workspace) const {
     if (layouts_[i].constraint || weight == 0.0) continue;
     const auto form = term->residual_form(horizon_, weight > 0.0 ? 1 : -1);
     if (!form || form->rows == 0) continue;
-    const auto of_inputs = [&](const JacobianBlock& block) {
-      return block.input && block.row >= 0 && block.row < form->rows && block.stage >= 0 &&
-             block.stage < definition_.N;
-    };
-    if (!std::all_of(form->pattern.begin(), form->pattern.end(), of_inputs)) continue;
+    const auto of_input = [](const JacobianBlock& block) { return block.input; };
+    if (!in_range(form->pattern, form->rows, definition_.N) ||
+        !std::all_of(form->pattern.begin(), form->pattern.end(), of_input)) {
+      continue;
+    }
     std::vector<std::vector<int>> by_row(static_cast<std::size_t>(form->rows));
     for (std::size_t b = 0; b < form->pattern.size(); ++b) {
       by_row[static_cast<std::size_t>(form->pattern[b].row)].push_back(static_cast<int>(b));
@@ -356,12 +360,9 @@ void Problem::prepare_residuals(Workspace& workspace) const {
     Workspace::Impl::Residuals& r = all[i];
     r.sign = weight > 0.0 ? 1 : -1;
     ResidualForm form = *term->residual_form(horizon_, r.sign);
-    for (const JacobianBlock& block : form.pattern) {
-      const int last = block.input ? definition_.N - 1 : definition_.N;
-      if (block.row < 0 || block.row >= form.rows || block.stage < 0 || block.stage > last) {
-        refuse("the residual pattern of term '" + std::string(term->name()) + "'",
-               "rows and stages in range");
-      }
+    if (!in_range(form.pattern, form.rows, definition_.N)) {
+      refuse("the residual pattern of term '" + std::string(term->name()) + "'",
+             "rows and stages in range");
     }
     r.whole = form.rows == 0;
     r.first_row = w.num_residuals;

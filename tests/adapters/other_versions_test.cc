@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -43,13 +44,16 @@ class OtherVersions : public ::testing::Test {
       const std::string out = store.run_folder(cell.id);
       fs::create_directories(out);
       std::string configuration = cell_configuration(plan, cell);
+      std::ofstream(out + "/config.yaml") << configuration;
+      // As a mission reads it, with the start that is drawn.
+      const std::uint64_t world = world_hash(
+          load_world("office", world_options_for(read_configuration(out + "/config.yaml", {}))));
       if (edit) edit(configuration);
       std::ofstream(out + "/config.yaml") << configuration;
       RunStart start;
       start.world = "office";
       start.seed = cell.seed;
-      start.world_hash = hash_text(
-          world_hash(load_world("office", world_options_for(plan.setup(cell).configuration))));
+      start.world_hash = hash_text(world);
       std::ofstream(out + "/run.json") << start_json(start);
       std::ofstream(out + "/steps.csv") << "step,time\n0,0\n";
       std::ofstream(out + "/summary.json") << R"({"reason": "time limit", "steps": 1})";
