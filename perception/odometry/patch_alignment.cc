@@ -38,31 +38,26 @@ std::optional<Patch> Patch::make(const PyramidLevel& level, const Eigen::Vector2
         centre.y() - reach_y >= 0 && centre.y() + reach_y < level.height - 1)) {
     return std::nullopt;
   }
-  float raw[kSide][kSide];
-  for (int y = -kBorder; y <= kBorder; ++y) {
-    for (int x = -kBorder; x <= kBorder; ++x) {
-      raw[y + kBorder][x + kBorder] = bilinear(level, centre.x() + A(0, 0) * x + A(0, 1) * y,
-                                               centre.y() + A(1, 0) * x + A(1, 1) * y);
-    }
-  }
+  const auto raw = sample_square<kBorder>(level, centre, A);
   std::optional<Patch> made(std::in_place);
   Patch& patch = *made;
   Samples J[4];
-  patch.T_.setZero();
-  for (Samples& j : J) j.setZero();
+  // The padding holds samples of other columns; its weight is 0.
   for (int y = 0; y < kRows; ++y) {
-    for (int x = 0; x < kRows; ++x) {
+    const float* above = raw.data() + y * kSide + 1;
+    const float* here = above + kSide;
+    const float* below = here + kSide;
+    for (int x = 0; x < kWidth; ++x) {
       const int k = y * kWidth + x;
-      patch.T_[k] = raw[y + 1][x + 1];
-      J[0][k] = 0.5f * (raw[y + 1][x + 2] - raw[y + 1][x]);
-      J[1][k] = 0.5f * (raw[y + 2][x + 1] - raw[y][x + 1]);
-      J[3][k] = 1.0f;
+      patch.T_[k] = here[x];
+      J[0][k] = 0.5f * (here[x + 1] - here[x - 1]);
+      J[1][k] = 0.5f * (below[x] - above[x]);
     }
   }
   const Samples& w = weights();
   const float mean = w.dot(patch.T_);
-  // In the padding T is 0 and w is 0, so what J holds there does not matter.
   J[2] = patch.T_.array() - mean;
+  J[3].setOnes();
   for (int i = 0; i < 4; ++i) {
     patch.wJ_[i] = w.cwiseProduct(J[i]);
     patch.wJT_[i] = patch.wJ_[i].dot(patch.T_);
