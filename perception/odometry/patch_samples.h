@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 
 #include "perception/odometry/image_pyramid.h"
 
@@ -43,17 +44,19 @@ auto sample_square(const PyramidLevel& level, const Eigen::Vector2f& c, const Ei
   const Integers v = y.template cast<int>().min(level.height - 2);
   const Floats a = x - u.template cast<float>(), b = y - v.template cast<float>();
   const Integers first = level.width * v + u;
-  Floats top_left, top_right, bottom_left, bottom_right;
+  // Neighbours together: they are copied as one.
+  float top[2 * kSamples], bottom[2 * kSamples];
   for (int k = 0; k < kSamples; ++k) {
-    const float* top = level.row(0) + first[k];
-    const float* bottom = top + level.width;
-    top_left[k] = top[0];
-    top_right[k] = top[1];
-    bottom_left[k] = bottom[0];
-    bottom_right[k] = bottom[1];
+    const float* from = level.row(0) + first[k];
+    std::copy_n(from, 2, top + 2 * k);
+    std::copy_n(from + level.width, 2, bottom + 2 * k);
   }
-  return Floats((1.0f - b) * ((1.0f - a) * top_left + a * top_right) +
-                b * ((1.0f - a) * bottom_left + a * bottom_right));
+  Floats out;
+  for (int k = 0; k < kSamples; ++k) {
+    out[k] = (1.0f - b[k]) * ((1.0f - a[k]) * top[2 * k] + a[k] * top[2 * k + 1]) +
+             b[k] * ((1.0f - a[k]) * bottom[2 * k] + a[k] * bottom[2 * k + 1]);
+  }
+  return out;
 }
 
 }  // namespace prospect
