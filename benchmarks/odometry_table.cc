@@ -8,6 +8,7 @@
 // numbers are the same for the same arguments.
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <optional>
