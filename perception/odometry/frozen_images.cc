@@ -7,9 +7,12 @@ namespace prospect {
 namespace {
 
 Image copy(const ImageView& view) {
-  Image image(view.width, view.height);
+  Image image;
+  image.width = view.width;
+  image.height = view.height;
+  image.pixels.reserve(static_cast<std::size_t>(view.width) * view.height);
   for (int v = 0; v < view.height; ++v) {
-    std::memcpy(&image.pixels[static_cast<std::size_t>(v) * view.width], view.row(v), view.width);
+    image.pixels.insert(image.pixels.end(), view.row(v), view.row(v) + view.width);
   }
   return image;
 }

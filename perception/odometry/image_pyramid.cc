@@ -24,7 +24,7 @@ ImagePyramid::ImagePyramid(const ImageView& image, int levels, int smallest) {
     PyramidLevel& level = levels_.emplace_back();
     level.width = grey.cols;
     level.height = grey.rows;
-    level.pixels.resize(static_cast<std::size_t>(grey.cols) * grey.rows);
+    level.pixels.resize(static_cast<Eigen::Index>(grey.cols) * grey.rows);
     cv::Mat out(grey.rows, grey.cols, CV_32F, level.pixels.data());
     grey.convertTo(out, CV_32F);
   }

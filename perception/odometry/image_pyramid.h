@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <vector>
 
@@ -11,7 +12,7 @@ namespace prospect {
 struct PyramidLevel {
   int width = 0;
   int height = 0;
-  std::vector<float> pixels;
+  Eigen::ArrayXf pixels;  // not a std::vector, which would write zeros first
 
   const float* row(int v) const { return pixels.data() + static_cast<std::size_t>(v) * width; }
 };

@@ -38,39 +38,34 @@ std::optional<Patch> Patch::make(const PyramidLevel& level, const Eigen::Vector2
         centre.y() - reach_y >= 0 && centre.y() + reach_y < level.height - 1)) {
     return std::nullopt;
   }
-  float raw[kSide][kSide];
-  for (int y = -kBorder; y <= kBorder; ++y) {
-    for (int x = -kBorder; x <= kBorder; ++x) {
-      raw[y + kBorder][x + kBorder] = bilinear(level, centre.x() + A(0, 0) * x + A(0, 1) * y,
-                                               centre.y() + A(1, 0) * x + A(1, 1) * y);
-    }
-  }
+  const auto raw = sample_square<kBorder>(level, centre, A);
   std::optional<Patch> made(std::in_place);
   Patch& patch = *made;
-  Samples J[4];
-  patch.T_.setZero();
-  for (Samples& j : J) j.setZero();
+  Samples J[3];
+  // The padding holds samples of other columns; its weight is 0.
   for (int y = 0; y < kRows; ++y) {
-    for (int x = 0; x < kRows; ++x) {
+    const float* above = raw.data() + y * kSide + 1;
+    const float* here = above + kSide;
+    const float* below = here + kSide;
+    for (int x = 0; x < kWidth; ++x) {
       const int k = y * kWidth + x;
-      patch.T_[k] = raw[y + 1][x + 1];
-      J[0][k] = 0.5f * (raw[y + 1][x + 2] - raw[y + 1][x]);
-      J[1][k] = 0.5f * (raw[y + 2][x + 1] - raw[y][x + 1]);
-      J[3][k] = 1.0f;
+      patch.T_[k] = here[x];
+      J[0][k] = 0.5f * (here[x + 1] - here[x - 1]);
+      J[1][k] = 0.5f * (below[x] - above[x]);
     }
   }
   const Samples& w = weights();
   const float mean = w.dot(patch.T_);
-  // In the padding T is 0 and w is 0, so what J holds there does not matter.
   J[2] = patch.T_.array() - mean;
-  for (int i = 0; i < 4; ++i) {
+  Eigen::Matrix4d H;
+  for (int i = 0; i < 3; ++i) {
     patch.wJ_[i] = w.cwiseProduct(J[i]);
     patch.wJT_[i] = patch.wJ_[i].dot(patch.T_);
+    for (int j = 0; j <= i; ++j) H(i, j) = H(j, i) = patch.wJ_[j].dot(J[i]);
+    H(i, 3) = H(3, i) = patch.wJ_[i].sum();
   }
-  Eigen::Matrix4d H;
-  for (int i = 0; i < 4; ++i) {
-    for (int j = i; j < 4; ++j) H(i, j) = H(j, i) = patch.wJ_[i].dot(J[j]);
-  }
+  patch.wJT_[3] = mean;
+  H(3, 3) = w.sum();
   // Texture that is left for the position when gain and offset are free: the Schur complement.
   if (!(H(2, 2) > 1e-3)) return std::nullopt;
   const Eigen::Matrix2d position =
@@ -93,6 +88,7 @@ Patch::Alignment Patch::align(const PyramidLevel& level, const Eigen::Vector2f& 
   Alignment result;
   result.position = start;
   Samples I;
+  const Samples& w = weights();
   for (int iteration = 0; iteration < max_iterations; ++iteration) {
     const Eigen::Vector2f p = result.position;
     if (!(p.x() >= kR && p.x() < level.width - kR - 2 && p.y() >= kR &&
@@ -111,7 +107,7 @@ Patch::Alignment Patch::align(const PyramidLevel& level, const Eigen::Vector2f& 
       }
     }
     const Eigen::Vector4f difference =
-        Eigen::Vector4f(wJ_[0].dot(I), wJ_[1].dot(I), wJ_[2].dot(I), wJ_[3].dot(I)) - wJT_;
+        Eigen::Vector4f(wJ_[0].dot(I), wJ_[1].dot(I), wJ_[2].dot(I), w.dot(I)) - wJT_;
     const Eigen::Vector4f solution = inverse_ * difference;
     result.gain = 1.0f + solution[2];
     if (!(result.gain > 0.3f && result.gain < 3.0f)) return result;
@@ -120,7 +116,6 @@ Patch::Alignment Patch::align(const PyramidLevel& level, const Eigen::Vector2f& 
     if (!((result.position - start).norm() <= max_shift)) return result;
     if (step.squaredNorm() < tolerance * tolerance) {
       // Residual at the point before the last, tiny step, and after the linear model.
-      const Samples& w = weights();
       const float mean = w.dot(I);
       const float variance = w.dot(I.cwiseProduct(I)) - mean * mean;
       const float explained = solution.dot(difference);

@@ -59,7 +59,7 @@ class Patch {
   static const Samples& weights();
 
   Samples T_;
-  Samples wJ_[4];  // w J, zero in the padding
+  Samples wJ_[3];  // w J but for the last, which is w; zero in the padding
   Eigen::Matrix4f inverse_;
   Eigen::Vector4f wJT_;  // sum of w J T
   // N'^-1 times sum w^2, and the second part of Alignment::covariance.

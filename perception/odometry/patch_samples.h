@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 
 #include "perception/odometry/image_pyramid.h"
@@ -17,16 +18,45 @@ inline float patch_weight(int x, int y) {
   return s * s;
 }
 
-/// Bilinear sample at (x, y) [px]; the caller has checked that 0 <= x < width - 1 and likewise y,
-/// to rounding: a corner of a patch, reached by other sums than the check's, may round to width - 1
-/// itself.
-inline float bilinear(const PyramidLevel& level, float x, float y) {
-  const int u = std::min(static_cast<int>(x), level.width - 2);
-  const int v = std::min(static_cast<int>(y), level.height - 2);
-  const float a = x - u, b = y - v;
-  const float* top = level.row(v) + u;
-  const float* bottom = top + level.width;
-  return (1 - b) * ((1 - a) * top[0] + a * top[1]) + b * ((1 - a) * bottom[0] + a * bottom[1]);
+/// Bilinear samples at c + A x for the integer offsets x of the square |x_1|, |x_2| <= kHalf, row
+/// by row; after them, up to whole vectors, samples at c. The caller has checked that every point
+/// lies within [0, width - 1) x [0, height - 1), to rounding: a corner of the square, reached by
+/// other sums than the check's, may round to width - 1 itself.
+template <int kHalf>
+auto sample_square(const PyramidLevel& level, const Eigen::Vector2f& c, const Eigen::Matrix2f& A) {
+  constexpr int kSide = 2 * kHalf + 1;
+  constexpr int kSamples = (kSide * kSide + 3) / 4 * 4;
+  using Floats = Eigen::Array<float, kSamples, 1>;
+  using Integers = Eigen::Array<int, kSamples, 1>;
+  struct Offsets {
+    Floats x = Floats::Zero(), y = Floats::Zero();
+    Offsets() {
+      for (int k = 0; k < kSide * kSide; ++k) {
+        x[k] = static_cast<float>(k % kSide - kHalf);
+        y[k] = static_cast<float>(k / kSide - kHalf);
+      }
+    }
+  };
+  static const Offsets offsets;
+  const Floats x = c.x() + A(0, 0) * offsets.x + A(0, 1) * offsets.y;
+  const Floats y = c.y() + A(1, 0) * offsets.x + A(1, 1) * offsets.y;
+  const Integers u = x.template cast<int>().min(level.width - 2);
+  const Integers v = y.template cast<int>().min(level.height - 2);
+  const Floats a = x - u.template cast<float>(), b = y - v.template cast<float>();
+  const Integers first = level.width * v + u;
+  // Neighbours together: they are copied as one.
+  float top[2 * kSamples], bottom[2 * kSamples];
+  for (int k = 0; k < kSamples; ++k) {
+    const float* from = level.row(0) + first[k];
+    std::copy_n(from, 2, top + 2 * k);
+    std::copy_n(from + level.width, 2, bottom + 2 * k);
+  }
+  Floats out;
+  for (int k = 0; k < kSamples; ++k) {
+    out[k] = (1.0f - b[k]) * ((1.0f - a[k]) * top[2 * k] + a[k] * top[2 * k + 1]) +
+             b[k] * ((1.0f - a[k]) * bottom[2 * k] + a[k] * bottom[2 * k + 1]);
+  }
+  return out;
 }
 
 }  // namespace prospect

@@ -28,15 +28,8 @@ bool inside(const PyramidLevel& level, const Eigen::Vector2f& c, float reach_x, 
 }
 
 /// The samples at c + A x, row by row.
-void sample(const PyramidLevel& level, const Eigen::Vector2f& c, const Eigen::Matrix2f& A,
-            Samples& out) {
-  int k = 0;
-  for (int y = -kR; y <= kR; ++y) {
-    for (int x = -kR; x <= kR; ++x, ++k) {
-      out[k] =
-          bilinear(level, c.x() + A(0, 0) * x + A(0, 1) * y, c.y() + A(1, 0) * x + A(1, 1) * y);
-    }
-  }
+Samples sample(const PyramidLevel& level, const Eigen::Vector2f& c, const Eigen::Matrix2f& A) {
+  return sample_square<kR>(level, c, A).head<kSide * kSide>();
 }
 
 }  // namespace
@@ -46,15 +39,13 @@ std::optional<SlantedPatch> align_slanted(const PyramidLevel& left, const Eigen:
                                           float residual, float max_shift) {
   // One sample more on every side, for the gradients.
   if (!inside(left, centre, kR + 1, kR + 1)) return {};
-  Samples w, T, plus, minus;
+  Samples w;
   Columns J;
   const Eigen::Matrix2f I = Eigen::Matrix2f::Identity();
   const auto gradient = [&](const Eigen::Vector2f& step) {
-    sample(left, centre + step, I, plus);
-    sample(left, centre - step, I, minus);
-    return Samples(0.5f * (plus - minus));
+    return Samples(0.5f * (sample(left, centre + step, I) - sample(left, centre - step, I)));
   };
-  sample(left, centre, I, T);
+  const Samples T = sample(left, centre, I);
   J.col(0) = gradient(Eigen::Vector2f::UnitX());
   J.col(1) = gradient(Eigen::Vector2f::UnitY());
   int k = 0;
@@ -77,11 +68,10 @@ std::optional<SlantedPatch> align_slanted(const PyramidLevel& left, const Eigen:
 
   SlantedPatch found;
   found.right = start;
-  Samples shown;
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     const Eigen::Matrix2f M = SlantedPatch::shear(found.slope);
     if (!inside(right, found.right, kR * (std::abs(M(0, 0)) + std::abs(M(0, 1))), kR)) return {};
-    sample(right, found.right, M, shown);
+    const Samples shown = sample(right, found.right, M);
     Vector6f b = wJ.transpose() * (shown - T);
     b.segment<2>(2) -= prior * found.slope;
     const Vector6f q = solver.solve(b.cast<double>()).cast<float>();

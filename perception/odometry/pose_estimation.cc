@@ -165,18 +165,25 @@ PoseEstimate refine_pose(const StereoCamera& camera,
   if (!use.empty()) estimate.inlier = use;
   std::vector<Vector3d>& m = estimate.measured;
   for (const PointObservation& o : observations) m.push_back(o.measured);
-  ObservationResidual residual;
-  Matrix3d W;
-  // The residual as if m were the measurement: what is left to explain by pose and noise.
+  struct Linearised {
+    bool valid = false;
+    ObservationResidual residual;
+    Matrix3d W;
+  };
+  std::vector<Linearised> linear(n);
+  // At the pose and the points there are. The residual is as if m were the measurement: what is
+  // left to explain by pose and noise.
   const auto linearise = [&](int i) {
-    if (!observation_residual(camera, estimate.T_CW, observations[i], m[i], residual)) return false;
+    auto& [valid, residual, W] = linear[i];
+    valid = observation_residual(camera, estimate.T_CW, observations[i], m[i], residual);
+    if (!valid) return;
     residual.r += residual.d_measured * (observations[i].measured - m[i]);
     W = observation_weight(observations[i], residual, options.sigma_left, options.sigma_right);
-    return true;
   };
   /// m given the pose and, to first order, its step xi.
   const auto correct = [&](int i, const Vector6d& xi) {
     const PointObservation& o = observations[i];
+    const auto& [valid, residual, W] = linear[i];
     const Vector3d corrected = o.measured - o.sigma.cwiseAbs2().asDiagonal() *
                                                 residual.d_measured.transpose() * W *
                                                 (residual.r + residual.d_pose * xi);
@@ -189,7 +196,11 @@ PoseEstimate refine_pose(const StereoCamera& camera,
       Matrix6d H = Matrix6d::Zero();
       Vector6d g = Vector6d::Zero();
       for (int i = 0; i < n; ++i) {
-        if (!estimate.inlier[i] || !linearise(i)) continue;
+        if (!estimate.inlier[i]) continue;
+        // The gate of the round before has done it for the first iteration.
+        if (robust || iteration > 0) linearise(i);
+        const auto& [valid, residual, W] = linear[i];
+        if (!valid) continue;
         Matrix3d weight = W;
         if (robust) {
           const double norm = std::sqrt(residual.r.dot(W * residual.r));
@@ -204,7 +215,7 @@ PoseEstimate refine_pose(const StereoCamera& camera,
       const Vector6d xi = -solver.solve(g);
       if (!xi.allFinite()) return estimate;
       for (int i = 0; i < n; ++i) {
-        if (estimate.inlier[i] && linearise(i)) correct(i, xi);
+        if (estimate.inlier[i] && linear[i].valid) correct(i, xi);
       }
       estimate.T_CW = exp_se3(xi) * estimate.T_CW;
       if (xi.norm() < 1e-7) break;
@@ -218,7 +229,9 @@ PoseEstimate refine_pose(const StereoCamera& camera,
     for (int i = 0; i < n; ++i) {
       if (!use.empty() && !use[i]) continue;
       char in = 0;
-      if (linearise(i)) {
+      linearise(i);
+      const auto& [valid, residual, W] = linear[i];
+      if (valid) {
         const double chi2 = residual.r.dot(W * residual.r);
         in = chi2 <= options.final_gate;
         if (in) {

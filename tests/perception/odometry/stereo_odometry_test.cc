@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -163,6 +164,33 @@ TEST(StereoOdometry, SameFramesSameBits) {
     ASSERT_EQ(a.covariance, b.covariance);
     ASSERT_EQ(a.tracked, b.tracked);
   }
+}
+
+TEST(StereoOdometry, ACalibrationSaidToBeExactClaimsLessAndMovesNoPose) {
+  const Sequence& s = moving();
+  StereoOdometryOptions exact;
+  exact.calibration = {0.0, 0.0, 0.0};
+  StereoOdometry usual(small_camera(), {}, s.T_WC[0]), sure(small_camera(), exact, s.T_WC[0]);
+  OdometryFrame a, b;
+  for (std::size_t k = 0; k <= 20; ++k) {
+    const StereoFrame& f = s.frames[k];
+    a = usual.process(f.stamp, f.left.view(), f.right.view());
+    b = sure.process(f.stamp, f.left.view(), f.right.view());
+    EXPECT_EQ(a.T_WC.matrix(), b.T_WC.matrix()) << k;
+  }
+  // The errors of a usual calibration are independent of all others: what they add is a covariance.
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> added(a.covariance -
+                                                                         b.covariance);
+  EXPECT_GT(added.eigenvalues()[0], -1e-6 * added.eigenvalues()[5]);
+  // A principal point that is off by 0.5 px tilts the way of a camera that turns.
+  std::printf("said to be exact: %.2f mm down, %.3f mrad about the axis; else %.2f and %.3f\n",
+              1e3 * std::sqrt(b.covariance(1, 1)), 1e3 * std::sqrt(b.covariance(5, 5)),
+              1e3 * std::sqrt(a.covariance(1, 1)), 1e3 * std::sqrt(a.covariance(5, 5)));
+  EXPECT_LT(b.covariance(1, 1), 0.5 * a.covariance(1, 1));
+  EXPECT_LT(b.covariance(5, 5), 0.5 * a.covariance(5, 5));
+  // What is left is not too little: one run, so a wide band.
+  const Eigen::Matrix<double, 6, 1> xi = log_se3(b.T_WC.inverse() * s.T_WC[20]);
+  EXPECT_LT(xi.dot(b.covariance.ldlt().solve(xi)) / 6.0, 6.0);
 }
 
 TEST(StereoOdometry, MappingOnASecondThreadFollowsAsWell) {
