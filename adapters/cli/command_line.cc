@@ -487,7 +487,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
 
   StudyArguments study_arguments;
   CLI::App* study_command = app.add_subcommand(
-      "study", "Missions over worlds, seeds, conditions and a grid of values, and what they show");
+      "study", "Missions, or solves of problems, over conditions and a grid of values, in pairs");
   study_command->add_option("study", study_arguments.file, "Study file (YAML)")
       ->type_name("FILE")
       ->required();
@@ -495,7 +495,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
       ->add_option("--out", study_arguments.out,
                    "Folder of the study; what it holds is not run again [runs/NAME]")
       ->type_name("DIR");
-  study_command->add_option("--jobs", study_arguments.jobs, "Missions at a time")
+  study_command->add_option("--jobs", study_arguments.jobs, "Cells at a time")
       ->check(whole_number_within(1, 4096))
       ->capture_default_str();
   study_command
