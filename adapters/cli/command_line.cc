@@ -324,7 +324,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
       "report", "Figures of a run for print, as PNG and SVG; the page of a mission's log");
   report_command
       ->add_option("run", report_arguments.run,
-                   "Folder that explore wrote, or the log of a mission (.mcap)")
+                   "Folder of a run, or the log of a mission (.mcap)")
       ->type_name("FILE")
       ->required();
   one_of(report_command->add_option(
@@ -461,7 +461,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
       "replay", "A recorded mission again, bit for bit; or other plans along its beliefs");
   replay_command
       ->add_option("run", replay_arguments.run,
-                   "Folder that explore wrote, or the log of a mission (.mcap)")
+                   "Folder of a run, or the log of a mission (.mcap)")
       ->type_name("FILE")
       ->required();
   add_set(replay_command, replay_arguments.settings);
