@@ -323,8 +323,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
   CLI::App* report_command = app.add_subcommand(
       "report", "Figures of a run for print, as PNG and SVG; the page of a mission's log");
   report_command
-      ->add_option("run", report_arguments.run,
-                   "Folder of a run, or the log of a mission (.mcap)")
+      ->add_option("run", report_arguments.run, "Folder of a run, or the log of a mission (.mcap)")
       ->type_name("FILE")
       ->required();
   one_of(report_command->add_option(
@@ -460,8 +459,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
   CLI::App* replay_command = app.add_subcommand(
       "replay", "A recorded mission again, bit for bit; or other plans along its beliefs");
   replay_command
-      ->add_option("run", replay_arguments.run,
-                   "Folder of a run, or the log of a mission (.mcap)")
+      ->add_option("run", replay_arguments.run, "Folder of a run, or the log of a mission (.mcap)")
       ->type_name("FILE")
       ->required();
   add_set(replay_command, replay_arguments.settings);
