@@ -30,7 +30,7 @@ class CMakeBuild(build_ext):
             build = os.path.join(ROOT, "build", "pip")
             subprocess.check_call(
                 [
-                    "cmake", "-S", ROOT, "-B", build,
+                    "cmake", "-S", ROOT, "-B", build, "-G", "Ninja",
                     f"-DPython_EXECUTABLE={sys.executable}",
                     "-DPROSPECT_BUILD_TESTS=OFF",
                     "-DPROSPECT_BUILD_BENCHMARKS=OFF",

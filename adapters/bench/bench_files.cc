@@ -284,7 +284,8 @@ void open_bench_folder(const std::string& path, bool resume) {
     throw InputError("--out " + path + ": cannot be made (" + error.message() + ")" + expected);
   if (!fs::is_directory(path)) throw InputError("--out " + path + ": is a file" + expected);
   const bool ended = fs::is_regular_file(fs::path(path) / "bench.json");
-  const bool begun = fs::is_regular_file(fs::path(path) / kBenchRows);
+  const bool begun = fs::is_regular_file(fs::path(path) / kBenchRows) ||
+                     fs::is_regular_file(fs::path(path) / kBenchRowsPart);
   if (!fs::is_empty(path, error) && !ended && !begun) {
     throw InputError("--out " + path + ": holds other files" + expected);
   }

@@ -16,11 +16,35 @@ void add_new(std::vector<T>& to, const std::vector<T>& from) {
   }
 }
 
-/// The sets and problems of `from` that `to` lacks.
-void add_sets(BenchTable& to, const BenchTable& from, const std::string& folder) {
+/// Words of the first cell that has no row; "".
+std::string missing_row(const BenchTable& table) {
+  std::set<std::string> there;
+  for (const BenchRow& row : table.rows) there.insert(words_of(table, row));
+  BenchRow cell;
+  for (cell.set = 0; cell.set < static_cast<int>(table.sets.size()); ++cell.set) {
+    const auto problems = static_cast<int>(table.set_of(cell).problems.size());
+    for (cell.problem = 0; cell.problem < problems; ++cell.problem) {
+      for (const double deadline : table.deadlines) {
+        for (const int seed : table.seeds) {
+          for (cell.solver = 0; cell.solver < static_cast<int>(table.solvers.size());
+               ++cell.solver) {
+            cell.deadline = deadline;
+            cell.seed = seed;
+            const std::string words = words_of(table, cell);
+            if (!there.contains(words)) return words;
+          }
+        }
+      }
+    }
+  }
+  return "";
+}
+
+}  // namespace
+
+void add_problems(BenchTable& to, const BenchTable& from, const std::string& folder) {
   const auto fail = [&](const std::string& what) {
-    throw InputError("bench merge: " + folder + ": " + what +
-                     "; expected the same as in the other benches");
+    throw InputError(folder + ": " + what + "; expected the same as in the other benches");
   };
   for (const ProblemSetFacts& set : from.sets) {
     const auto known =
@@ -49,32 +73,6 @@ void add_sets(BenchTable& to, const BenchTable& from, const std::string& folder)
   }
 }
 
-/// Words of the first cell that has no row; "".
-std::string missing_row(const BenchTable& table) {
-  std::set<std::string> there;
-  for (const BenchRow& row : table.rows) there.insert(words_of(table, row));
-  BenchRow cell;
-  for (cell.set = 0; cell.set < static_cast<int>(table.sets.size()); ++cell.set) {
-    const auto problems = static_cast<int>(table.set_of(cell).problems.size());
-    for (cell.problem = 0; cell.problem < problems; ++cell.problem) {
-      for (const double deadline : table.deadlines) {
-        for (const int seed : table.seeds) {
-          for (cell.solver = 0; cell.solver < static_cast<int>(table.solvers.size());
-               ++cell.solver) {
-            cell.deadline = deadline;
-            cell.seed = seed;
-            const std::string words = words_of(table, cell);
-            if (!there.contains(words)) return words;
-          }
-        }
-      }
-    }
-  }
-  return "";
-}
-
-}  // namespace
-
 BenchTable merge_benches(const std::vector<std::string>& folders) {
   std::vector<BenchTable> parts;
   for (const std::string& folder : folders) parts.push_back(read_bench_rows(folder));
@@ -94,7 +92,7 @@ BenchTable merge_benches(const std::vector<std::string>& folders) {
     };
     same("repeats", merged.repeats, part.repeats);
     same("evaluations at most", merged.max_evaluations, part.max_evaluations);
-    add_sets(merged, part, folders[i]);
+    add_problems(merged, part, folders[i]);
     add_new(merged.solvers, part.solvers);
     add_new(merged.deadlines, part.deadlines);
     add_new(merged.seeds, part.seeds);

@@ -17,4 +17,9 @@ namespace prospect {
 /// deadline with every seed.
 BenchTable merge_benches(const std::vector<std::string>& folders);
 
+/// Adds the sets and problems of `from`, the bench of a folder, that `to` lacks; of the others the
+/// lower best known cost stands. Throws InputError in one line, which names the folder, if a
+/// problem of the same name is another one there, or the tolerance of a set.
+void add_problems(BenchTable& to, const BenchTable& from, const std::string& folder);
+
 }  // namespace prospect

@@ -199,11 +199,12 @@ BenchRow row_of(const Json& json, const BenchTable& table, int environment) {
 }  // namespace
 
 BenchRowFile::BenchRowFile(const std::string& folder, const BenchTable& table)
-    : path_((fs::path(folder) / kBenchRows).string()), file_(path_ + ".part") {
+    : path_((fs::path(folder) / kBenchRows).string()),
+      file_((fs::path(folder) / kBenchRowsPart).string()) {
   if (!file_.is_open() || !file_.append(line_of(head_json(table)))) fail_to_write(path_);
   for (const BenchRow& row : table.rows) append(table, row);
   std::error_code error;
-  fs::rename(path_ + ".part", path_, error);
+  fs::rename(fs::path(folder) / kBenchRowsPart, path_, error);
   if (error) throw std::runtime_error(path_ + ": cannot be written (" + error.message() + ")");
 }
 

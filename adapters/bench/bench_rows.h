@@ -10,6 +10,8 @@ namespace prospect {
 
 /// Name of the file of a bench's rows in its folder.
 inline constexpr const char* kBenchRows = "rows.jsonl";
+/// What becomes that file as soon as it holds all that the folder held before.
+inline constexpr const char* kBenchRowsPart = "rows.jsonl.part";
 
 /// What is measured, on disk as it comes: rows.jsonl, a JSON object a line.
 ///

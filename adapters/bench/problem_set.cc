@@ -14,6 +14,7 @@
 
 #include "adapters/bench/expression_file.h"
 #include "adapters/bench/mission_set.h"
+#include "adapters/files/content_hash.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
 #include "adapters/problem_file/problem_file.h"
@@ -31,7 +32,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kBestFile = "best_known.json";
 
 ProblemSet zoo_set() {
-  ProblemSet set{"zoo", "known optima", 1e-3, {}, ""};
+  ProblemSet set{"zoo", "known optima", 1e-3, {}, "", {}};
   for (const auto& problems : {zoo::well_scaled(), zoo::badly_scaled()}) {
     for (const FunctionProblem& p : problems) {
       set.problems.push_back(started(p.name, p.problem(), p.start, p.optimum));
@@ -44,7 +45,7 @@ ProblemSet zoo_set() {
 }
 
 ProblemSet s30_set(bool quick) {
-  ProblemSet set{"s30", "best of 200 local solves from random inputs each", 0.01, {}, ""};
+  ProblemSet set{"s30", "best of 200 local solves from random inputs each", 0.01, {}, "", {}};
   const std::vector<Eigen::Vector3d> starts = r1_starts(17, 30);
   for (std::size_t i = 0; i < starts.size(); i += quick ? 5 : 1) {
     set.problems.push_back(
@@ -77,7 +78,7 @@ BenchProblem problem_of_file(const std::string& path, const std::string& name,
 
 ProblemSet mission_set(const Configuration& configuration, const Registries& registries, bool quick,
                        const CaptureWatch& watch) {
-  ProblemSet set{"missions", "", 1e-3, {}, ""};
+  ProblemSet set{"missions", "", 1e-3, {}, "", {}};
   capture_missions(
       quick ? quick_missions() : default_missions(), configuration, registries,
       [&](const SavedProblem& saved) {
@@ -165,8 +166,9 @@ ProblemSet folder_set(const std::string& path, const TermRegistry& terms) {
     throw InputError(path + ": holds no problem file (.h5); expected a folder of problem files");
   std::sort(files.begin(), files.end());
   for (const std::string& file : files) {
+    set.files.push_back((fs::path(path) / file).string());
     set.problems.push_back(
-        problem_of_file((fs::path(path) / file).string(), file.substr(0, file.size() - 3), terms));
+        problem_of_file(set.files.back(), file.substr(0, file.size() - 3), terms));
   }
   read_best_known(set);
   return set;
@@ -231,6 +233,15 @@ std::string problem_fingerprint(const BenchProblem& problem) {
   return text;
 }
 
+std::uint64_t problem_set_hash(const ProblemSet& set) {
+  ContentHash hash;
+  for (const BenchProblem& problem : set.problems) {
+    hash.add(problem.name).add(problem_fingerprint(problem));
+  }
+  for (const std::string& file : set.files) hash.add(file_hash(file));
+  return hash.value();
+}
+
 std::vector<std::string> builtin_set_names() {
   std::vector<std::string> names;
   for (const BuiltinSet& set : kBuiltinSets) names.emplace_back(set.name);
@@ -254,10 +265,15 @@ ProblemSet make_problem_set(const std::string& text, const Configuration& config
   const fs::file_status status = fs::status(text, error);
   if (fs::is_directory(status)) return folder_set(text, registries.terms);
   const std::string extension = fs::path(text).extension().string();
-  if (extension == ".json") return read_expression_file(text);
+  if (extension == ".json") {
+    ProblemSet set = read_expression_file(text);
+    set.files = {text};
+    return set;
+  }
   if (extension == ".h5" || fs::exists(status)) {
     ProblemSet set;
     set.name = fs::path(text).stem().string();
+    set.files = {text};
     set.problems.push_back(problem_of_file(text, set.name, registries.terms));
     return set;
   }

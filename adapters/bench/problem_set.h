@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,8 +39,14 @@ struct ProblemSet {
   /// What counts as the same cost where the best known is near 0: SolvedRule.
   double absolute_tolerance = 1e-3;
   std::vector<BenchProblem> problems;
-  std::string folder;  ///< that the problems are from, to keep best costs in; or ""
+  std::string folder;              ///< that the problems are from, to keep best costs in; or ""
+  std::vector<std::string> files;  ///< that the problems are from; none of other sets
 };
+
+/// Of names and fingerprints of the problems, and of the bytes of the files they are from: a set
+/// that moves stays the same. The best known costs do not count. Throws InputError for a file that
+/// cannot be read.
+std::uint64_t problem_set_hash(const ProblemSet& set);
 
 /// zoo, s30, missions.
 std::vector<std::string> builtin_set_names();

@@ -323,8 +323,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
   CLI::App* report_command = app.add_subcommand(
       "report", "Figures of a run for print, as PNG and SVG; the page of a mission's log");
   report_command
-      ->add_option("run", report_arguments.run,
-                   "Folder that explore wrote, or the log of a mission (.mcap)")
+      ->add_option("run", report_arguments.run, "Folder of a run, or the log of a mission (.mcap)")
       ->type_name("FILE")
       ->required();
   one_of(report_command->add_option(
@@ -460,8 +459,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
   CLI::App* replay_command = app.add_subcommand(
       "replay", "A recorded mission again, bit for bit; or other plans along its beliefs");
   replay_command
-      ->add_option("run", replay_arguments.run,
-                   "Folder that explore wrote, or the log of a mission (.mcap)")
+      ->add_option("run", replay_arguments.run, "Folder of a run, or the log of a mission (.mcap)")
       ->type_name("FILE")
       ->required();
   add_set(replay_command, replay_arguments.settings);
@@ -487,7 +485,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
 
   StudyArguments study_arguments;
   CLI::App* study_command = app.add_subcommand(
-      "study", "Missions over worlds, seeds, conditions and a grid of values, and what they show");
+      "study", "Missions, or solves of problems, over conditions and a grid of values, in pairs");
   study_command->add_option("study", study_arguments.file, "Study file (YAML)")
       ->type_name("FILE")
       ->required();
@@ -495,7 +493,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
       ->add_option("--out", study_arguments.out,
                    "Folder of the study; what it holds is not run again [runs/NAME]")
       ->type_name("DIR");
-  study_command->add_option("--jobs", study_arguments.jobs, "Missions at a time")
+  study_command->add_option("--jobs", study_arguments.jobs, "Cells at a time")
       ->check(whole_number_within(1, 4096))
       ->capture_default_str();
   study_command

@@ -26,6 +26,7 @@
 #include "adapters/gazebo/master_uri.h"
 #include "adapters/live/live_server.h"
 #include "adapters/log/mission_log.h"
+#include "adapters/log/planner_calls.h"
 #include "adapters/report/progress_line.h"
 #include "adapters/report/report.h"
 #include "adapters/run/configured_record.h"
@@ -238,6 +239,20 @@ ExplorationRunOptions::Taps taps_of(std::optional<MissionLog>& log, bool images)
     taps.sensors.depth = [&](double time, const DepthImage& image) { log->depth(time, image); };
   }
   taps.sensors.wheels = [&](const WheelSample& wheels) { log->wheels(wheels); };
+  // The time of a plan and of a task is that of the belief before it.
+  const auto calls = std::make_shared<std::pair<PlannerCallWriter, double>>();
+  taps.planner.prepare = [&log, calls](const Belief& belief) {
+    log->planner_call(calls->second = belief.stamp, calls->first.prepare(belief));
+  };
+  taps.planner.plan = [&log, calls](const Belief& belief) {
+    log->planner_call(calls->second = belief.stamp, calls->first.plan(belief));
+  };
+  taps.planner.planned = [&log, calls](const Plan& plan) {
+    log->planner_call(calls->second, calls->first.planned(plan));
+  };
+  taps.planner.task = [&log, calls](const Task& task) {
+    log->planner_call(calls->second, calls->first.task(task));
+  };
   taps.driver = [&log, next = std::uint64_t{0}, told = 0.0](const RealTimeDriver& driver,
                                                             double now) mutable {
     const EventLog::Reading reading = driver.events().since(next);

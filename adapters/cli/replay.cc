@@ -23,10 +23,12 @@
 #include "adapters/files/content_hash.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
+#include "adapters/replay/drive_replay.h"
 #include "adapters/replay/replay_page.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/world_hash.h"
+#include "models/range_text.h"
 
 namespace prospect {
 namespace {
@@ -142,26 +144,8 @@ Configuration other_configuration(const RecordedRun& run, const TemporaryFolder&
   return read_configuration(file, registries, settings);
 }
 
-int replay_changed(const RecordedRun& run, const std::string& source,
-                   const ReplayArguments& arguments, const Registries& registries,
-                   Progress& progress) {
-  const TemporaryFolder folder;
-  const Configuration configuration =
-      configuration_from_text(run.configuration, run.source + ": configuration", registries);
-  const Configuration other = other_configuration(run, folder, arguments, registries);
-  for (const Configuration* c : {&configuration, &other}) {
-    if (tell_if_absent(c->solver, registries.solvers)) return kNotBuiltIn;
-  }
-  const std::shared_ptr<const World> world = world_of(run, source, configuration, progress);
-  ReplayOptions options;
-  options.from = arguments.from;
-  options.to = arguments.to;
-  options.solvers = &registries.solvers;
-  options.cancelled = catch_interrupts();
-  options.progress = [&](const StepRecord& step) { progress.show(step, other.solver); };
-  const Replay replay = replay_beside(run, world, configuration, other, options);
-  progress.finish();
-
+/// Table and page of what was planned anew.
+void write_replay(const RecordedRun& run, const Replay& replay, const ReplayArguments& arguments) {
   std::string changed;
   for (const std::string& setting : arguments.settings) {
     changed += (changed.empty() ? "" : ", ") + setting;
@@ -187,11 +171,71 @@ int replay_changed(const RecordedRun& run, const std::string& source,
                     arguments.solver.empty() ? "other" : arguments.solver, changed));
   std::printf("%zu steps planned anew with %s: open loop, along the recorded beliefs\n",
               replay.steps.size(), changed.c_str());
+}
+
+int replay_changed(const RecordedRun& run, const std::string& source,
+                   const ReplayArguments& arguments, const Registries& registries,
+                   Progress& progress) {
+  const TemporaryFolder folder;
+  const Configuration configuration =
+      configuration_from_text(run.configuration, run.source + ": configuration", registries);
+  const Configuration other = other_configuration(run, folder, arguments, registries);
+  for (const Configuration* c : {&configuration, &other}) {
+    if (tell_if_absent(c->solver, registries.solvers)) return kNotBuiltIn;
+  }
+  const std::shared_ptr<const World> world = world_of(run, source, configuration, progress);
+  ReplayOptions options;
+  options.from = arguments.from;
+  options.to = arguments.to;
+  options.solvers = &registries.solvers;
+  options.cancelled = catch_interrupts();
+  options.progress = [&](const StepRecord& step) { progress.show(step, other.solver); };
+  const Replay replay = replay_beside(run, world, configuration, other, options);
+  progress.finish();
+  write_replay(run, replay, arguments);
   if (replay.difference.step >= 0) {
     std::printf("%s: step %d differs: %s; not replayed from there on\n", run.source.c_str(),
                 replay.difference.step, replay.difference.what.c_str());
     return kFailed;
   }
+  return kDone;
+}
+
+/// A run in real time: its planner's calls once more, as recorded, and by another planner.
+int replay_drive(const RecordedRun& run, bool unchanged, const ReplayArguments& arguments,
+                 const Registries& registries, Progress& progress) {
+  if (!arguments.world.empty()) {
+    throw InputError("--world: a run in real time is not driven again; expected none");
+  }
+  const TemporaryFolder folder;
+  const Configuration configuration = other_configuration(run, folder, arguments, registries);
+  if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
+  if (unchanged && configuration.planner.deadline > 0.0) {
+    throw InputError(run.source + ": planned within planner.deadline, " +
+                     exact_text(configuration.planner.deadline) +
+                     " s, so its plans rest on the clock; expected what to plan anew with, such as "
+                     "--set planner.deadline=0");
+  }
+  ReplayOptions options;
+  options.from = arguments.from;
+  options.to = arguments.to;
+  options.cancelled = catch_interrupts();
+  options.progress = [&](const StepRecord& step) { progress.show(step, configuration.solver); };
+  const std::string log =
+      run.is_log ? run.source : (fs::path(run.source) / "mission.mcap").string();
+  const DriveReplay made = replay_calls(log, configuration, registries, options);
+  progress.finish();
+  if (!unchanged) {
+    write_replay(run, made.replay, arguments);
+    return kDone;
+  }
+  if (made.difference.step >= 0) {
+    std::printf("%s: step %d differs: %s\n", run.source.c_str(), made.difference.step,
+                made.difference.what.c_str());
+    return kFailed;
+  }
+  std::printf("%s: %d plans from the recorded beliefs, the same bits\n", run.source.c_str(),
+              made.plans);
   return kDone;
 }
 
@@ -203,15 +247,11 @@ int replay(const ReplayArguments& arguments, const Registries& registries) {
                      std::to_string(arguments.to) + "; expected the first step, then the last");
   }
   const RecordedRun run = read_recorded_run(arguments.run, registries);
-  if (run.real_time) {
-    throw InputError(run.source +
-                     ": was driven in real time, when what came when is not in its records; "
-                     "expected a run of explore");
-  }
   const std::string world = arguments.world.empty() ? run.world_source : arguments.world;
   Progress progress(arguments.quiet);
   const bool unchanged = arguments.settings.empty() && arguments.solver.empty() &&
                          arguments.from == 0 && arguments.to == ReplayArguments::kToTheEnd;
+  if (run.real_time) return replay_drive(run, unchanged, arguments, registries, progress);
   if (!unchanged) return replay_changed(run, world, arguments, registries, progress);
   const Configuration configuration =
       configuration_from_text(run.configuration, run.source + ": configuration", registries);

@@ -33,7 +33,7 @@ StudyShard shard_of(const std::string& text) {
   return shard;
 }
 
-/// What missions depend on besides configuration, world and seed.
+/// What cells depend on besides configuration, input and seed.
 std::string program_of(const BuildInfo& build, const std::vector<std::string>& plugins) {
   std::string program =
       build.version + ' ' + build.commit + (build.commit_changed ? " changed" : "");
@@ -59,7 +59,7 @@ std::string expected_text(double seconds) {
 
 /// "office, seed 3, without".
 std::string cell_text(const StudyPlan& plan, const StudyCell& cell) {
-  return plan.study.worlds[cell.world].name + ", seed " + std::to_string(cell.seed) + ", " +
+  return plan.study.inputs[cell.input].name + ", seed " + std::to_string(cell.seed) + ", " +
          plan.label(plan.setup(cell));
 }
 
@@ -97,7 +97,9 @@ int gather(const StudyPlan& plan, const CellStore& store, const Registries& regi
            const StudyGathering& gathering) {
   const StudyFiles written = write_study(plan, store, registries, gathering);
   for (const std::string& file : written.files) std::printf("%s\n", file.c_str());
-  std::printf("%zu runs, %zu failed, %zu missing", written.done, written.failed, written.missing);
+  std::printf("%zu %s, %zu failed, %zu missing", written.done,
+              plan.study.kind == Study::Kind::kBenches ? "solves" : "runs", written.failed,
+              written.missing);
   if (written.of_other_versions > 0) {
     std::printf(", %zu by other versions", written.of_other_versions);
   }
@@ -116,7 +118,7 @@ int study(const StudyArguments& arguments, const Registries& registries) {
                                     [&](const std::string& what) { progress.show(what); });
   progress.finish();
   for (const StudySetup& setup : plan.setups) {
-    if (tell_if_absent(setup.configuration.solver, registries.solvers)) return kNotBuiltIn;
+    if (tell_if_absent(plan.solver(setup), registries.solvers)) return kNotBuiltIn;
   }
   const std::string folder =
       arguments.out.empty() ? (std::filesystem::path("runs") / read.name).string() : arguments.out;
@@ -124,13 +126,13 @@ int study(const StudyArguments& arguments, const Registries& registries) {
     throw InputError(folder + ": no such folder; expected that of a study (--out)");
   }
   if (arguments.dry_run) {
-    return print_dry_run(plan, CellStore::existing(folder), shard, arguments.jobs);
+    return print_dry_run(plan, CellStore::existing(folder, read.kind), shard, arguments.jobs);
   }
   if (build.commit_changed) {
     std::cerr << "prospect: built from files that differ from the commit: cells of other such "
                  "builds count as the same\n";
   }
-  const CellStore store(folder);
+  const CellStore store(folder, read.kind);
   if (arguments.gather) {
     return gather(plan, store, registries, {arguments.steps, arguments.any_version});
   }

@@ -9,6 +9,7 @@ inline constexpr const char* kPlan = "/plan";
 inline constexpr const char* kMarkers = "/plan/markers";
 inline constexpr const char* kStep = "/plan/step";
 inline constexpr const char* kCostToGo = "/plan/cost_to_go";
+inline constexpr const char* kPlannerCalls = "/planner/calls";
 inline constexpr const char* kPictures = "/camera/landmarks/compressed";
 inline constexpr const char* kPictureFeatures = "/camera/landmarks/features";
 

@@ -41,6 +41,9 @@ MissionLog::MissionLog(const std::string& path, const RunStart& start,
 void MissionLog::belief(const Belief& belief) { messages_.belief(belief); }
 void MissionLog::command(double time, const Twist& command) { messages_.command(time, command); }
 void MissionLog::step(const StepRecord& step) { messages_.step(step); }
+void MissionLog::planner_call(double time, const PlannerCall& call) {
+  messages_.planner_call(time, call);
+}
 void MissionLog::events(const std::vector<Event>& events) { messages_.events(events); }
 void MissionLog::status(double time, const DriverStatus& status) {
   messages_.status(time, status, "log", dropped_text(log_.counts()));

@@ -36,6 +36,7 @@ class MissionLog {
   void belief(const Belief& belief);
   void command(double time, const Twist& command);
   void step(const StepRecord& step);
+  void planner_call(double time, const PlannerCall& call);  ///< all by one thread, in their order
   void events(const std::vector<Event>& events);
   void status(double time, const DriverStatus& status);
   void scan(double time, const DepthScan& in_B);

@@ -45,7 +45,8 @@ enum Topic : std::size_t {
   kDepth,
   kDepthInfo,
   kPictures,
-  kPictureFeatures
+  kPictureFeatures,
+  kPlannerCalls
 };
 
 template <ros::Message T>
@@ -165,7 +166,8 @@ std::vector<McapLog::Channel> mission_channels() {
           channel<ros::Image>("/camera/depth/image_rect"),
           channel<ros::CameraInfo>("/camera/depth/camera_info"),
           channel<ros::CompressedImage>(topic::kPictures),
-          channel<ros::PointCloud2>(topic::kPictureFeatures)};
+          channel<ros::PointCloud2>(topic::kPictureFeatures),
+          channel<PlannerCall>(topic::kPlannerCalls)};
 }
 
 MissionMessages::MissionMessages(const MissionMessageOptions& options, Put put)
@@ -198,6 +200,10 @@ void MissionMessages::belief(const Belief& belief) {
   ros::TFMessage tf;
   tf.transforms.push_back({{stamp_at(now), "odom"}, kBody, transform_of(isometry_of(belief.pose))});
   put_(kTf, now, ros::to_cdr(tf));
+}
+
+void MissionMessages::planner_call(double time, const PlannerCall& call) {
+  put_(kPlannerCalls, ns(time), ros::to_cdr(call));
 }
 
 void MissionMessages::command(double time, const Twist& command) {

@@ -8,6 +8,7 @@
 
 #include "adapters/log/map_messages.h"
 #include "adapters/log/mcap_log.h"
+#include "adapters/log/planner_calls.h"
 #include "adapters/page/landmark_picture.h"
 #include "adapters/ros/sensor_msgs.h"
 #include "adapters/run/run_record.h"
@@ -59,6 +60,7 @@ class MissionMessages {
   void pair(double time, const ImagePair& pair);
   void depth(double time, const DepthImage& image);
   void picture(double time, const LandmarkPicture& picture);
+  void planner_call(double time, const PlannerCall& call);
 
  private:
   std::int64_t ns(double time) const;

@@ -9,6 +9,7 @@
 
 #include "adapters/config/configuration.h"
 #include "adapters/run/run_record.h"
+#include "adapters/run/tapped_replanner.h"
 #include "adapters/simulator/injected_fault.h"
 #include "adapters/simulator/sensor_tap.h"
 #include "adapters/simulator/simulator_options.h"
@@ -55,6 +56,7 @@ struct ExplorationRunOptions {
     /// The newest left image with the landmarks that were to be seen in it, where the robot has
     /// cameras and somebody looks for landmarks in them: after each planning step.
     std::function<void(const Image&, const std::vector<LandmarkSighting>&)> picture;
+    PlannerTap planner;  ///< in real time
     /// In real time, again and again, on the thread that called, with the runtime's time [s].
     std::function<void(const RealTimeDriver&, double)> driver;
   };

@@ -35,10 +35,11 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& c,
       run_preflight(checked, c.drive.preflight, c.drive.driver.command, options.cancelled);
   result.preflight = preflight.checks;
   const std::string failed = first_failed(preflight.checks);
+  TappedReplanner planner(robot.planner, options.taps.planner);
   RealTimeDriver driver({.clock = robot.clock,
                          .base = robot.base,
                          .beliefs = robot.beliefs,
-                         .planner = robot.planner,
+                         .planner = planner,
                          .guard = robot.guard,
                          .model = c.robot.model,
                          .inbox = robot.inbox,

@@ -11,6 +11,8 @@
 
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
+#include "adapters/run/summary.h"
+#include "adapters/study/bench_settings.h"
 #include "runtime/mission.h"
 
 namespace prospect {
@@ -56,7 +58,8 @@ std::string lacks_of_run(const std::string& run_folder) {
   return "";
 }
 
-CellStore::CellStore(const std::string& folder) : folder_(folder) {
+CellStore::CellStore(const std::string& folder, Study::Kind kind)
+    : CellStore(OnlyRead(), folder, kind) {
   std::error_code error;
   fs::create_directories(fs::path(folder) / "cells", error);
   if (error) {
@@ -65,10 +68,13 @@ CellStore::CellStore(const std::string& folder) : folder_(folder) {
   }
 }
 
-CellStore CellStore::existing(const std::string& folder) {
-  CellStore store;
-  store.folder_ = folder;
-  return store;
+CellStore CellStore::existing(const std::string& folder, Study::Kind kind) {
+  return {OnlyRead(), folder, kind};
+}
+
+std::string CellStore::lacks(const std::string& id) const {
+  return kind_ == Study::Kind::kBenches ? lacks_of_bench(run_folder(id))
+                                        : lacks_of_run(run_folder(id));
 }
 
 std::string CellStore::path(const std::string& id, const std::string& extension) const {
@@ -98,10 +104,11 @@ CellRecord CellStore::record(const std::string& id) const {
   }
   std::error_code error;
   // What was found whole once need not be read through again.
-  const bool found_whole = done && fs::is_regular_file(run_folder(id) + "/summary.json", error);
+  const char* const last = kind_ == Study::Kind::kBenches ? "bench.json" : "summary.json";
+  const bool found_whole = done && fs::is_regular_file(fs::path(run_folder(id)) / last, error);
   if (failed) {
     record.status = CellRecord::Status::kFailed;
-  } else if (found_whole || lacks_of_run(run_folder(id)).empty()) {
+  } else if (found_whole || lacks(id).empty()) {
     record.status = CellRecord::Status::kDone;
   }
   return record;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "adapters/run/run_record.h"
+#include "adapters/study/study_number.h"
 
 namespace prospect {
 
@@ -42,18 +43,14 @@ struct MissionNumbers {
   double wall_s = kNone;
 };
 
-/// How a number is called in tables, and shown.
 struct MissionNumber {
-  const char* name;   ///< the column of results.csv
-  const char* label;  ///< with its unit, as shown
+  StudyNumber number;
   double MissionNumbers::*member;
-  double scale;  ///< what is shown is so many times the number
-  int digits;    ///< behind the point
-  bool ratio;    ///< of positive numbers; one with a sign has none
-  bool timing;   ///< of the machine: differs between two runs of one mission
 };
 /// All of them, in the order of tables.
 const std::vector<MissionNumber>& mission_number_list();
+/// In that order.
+std::vector<double> values_of(const MissionNumbers& numbers);
 
 /// From the summary of a mission and its steps, of which only the columns of steps.csv count; N_min
 /// as in the planner's parameters.

@@ -100,7 +100,7 @@ void write_steps(const StudyPlan& plan, const CellStore& store, const std::vecto
                          H5Gclose, path);
       RunWriter writer(group, path);
       writer.attribute("condition", plan.condition(plan.setup(cell)).name);
-      writer.attribute("world", plan.study.worlds[cell.world].name);
+      writer.attribute("world", plan.study.inputs[cell.input].name);
       writer.attribute("label", plan.label(plan.setup(cell)));
       writer.attribute("seed", cell.seed);
       for (const std::string& column : table.columns()) {

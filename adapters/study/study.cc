@@ -5,7 +5,9 @@
 #include <limits>
 #include <optional>
 #include <set>
+#include <system_error>
 
+#include "adapters/bench/problem_set.h"
 #include "adapters/files/parse_number.h"
 #include "adapters/files/strict_yaml.h"
 #include "adapters/worlds/builtin_worlds.h"
@@ -53,25 +55,62 @@ class StudyReader {
     const bool plain = !study_.name.empty() && study_.name.front() != '.' &&
                        study_.name.find_first_of("/\\") == std::string::npos;
     if (!plain) root_.problem("study", "no name for a folder; expected letters, digits, _ and -");
-    const std::string base = root_.text("base", "", "Configuration file that all cells begin with");
-    if (!base.empty()) study_.base = beside(file_, base);
-    read_worlds();
+    if (root_.has("problems")) {
+      study_.kind = Study::Kind::kBenches;
+      read_problem_sets();
+      study_.common = settings(root_.map("bench"), "");
+    } else {
+      const std::string base =
+          root_.text("base", "", "Configuration file that all cells begin with");
+      if (!base.empty()) study_.base = beside(file_, base);
+      read_worlds();
+      study_.common = settings(root_.map("mission"), "mission.");
+      study_.drawn_starts =
+          root_.choice("starts", "world", {"world", "drawn"},
+                       "world: where the world says; drawn: where the seed draws, but for seed "
+                       "1") == "drawn";
+    }
     read_seeds();
     read_conditions();
     read_grid();
-    study_.mission = settings(root_.map("mission"), "mission.");
-    study_.drawn_starts =
-        root_.choice("starts", "world", {"world", "drawn"},
-                     "world: where the world says; drawn: where the seed draws, but for seed 1") ==
-        "drawn";
     yaml_.finish();
     return std::move(study_);
   }
 
  private:
+  void read_problem_sets() {
+    const std::vector<YamlValue> values =
+        root_.values("problems", "Sets of problems, as bench takes them");
+    if (values.empty()) root_.problem("problems", "no set; expected a list of sets of problems");
+    if (root_.has("worlds")) {
+      root_.values("worlds", "Of missions");
+      root_.problem("problems", "stands beside 'worlds'; expected one of them");
+    }
+    std::set<std::string> known;
+    for (const YamlValue& value : values) {
+      if (!value.is_scalar || value.text.empty()) {
+        root_.problem("problems", value.yaml + " is no set of problems; expected a name or a path");
+      } else if (value.text == "missions") {
+        root_.problem("problems",
+                      "'missions' are driven before they are solved; expected a folder that "
+                      "`prospect bench --capture` has written, the same for all cells");
+      } else if (!known.insert(value.text).second) {
+        root_.problem("problems", "'" + value.text + "' twice; expected each set once");
+      } else {
+        const bool is_name = !builtin_set_summary(value.text).empty();
+        const std::string file = beside(file_, value.text);
+        std::error_code error;
+        // What is not there may be of a plug-in: make_problem_set() has the nearest name.
+        const bool is_file = !is_name && std::filesystem::exists(file, error);
+        study_.inputs.push_back({value.text, is_file ? file : value.text, value.where});
+      }
+    }
+  }
+
   void read_worlds() {
     const std::vector<YamlValue> values = root_.values("worlds", "Worlds, as explore takes them");
-    if (values.empty()) root_.problem("worlds", "no world; expected a list of worlds");
+    if (values.empty())
+      root_.problem("worlds", "no world; expected a list of worlds, or of 'problems'");
     std::set<std::string> known;
     const std::vector<std::string> builtin = builtin_world_names();
     for (const YamlValue& value : values) {
@@ -107,7 +146,7 @@ class StudyReader {
                                 std::find(builtin.begin(), builtin.end(), name) != builtin.end();
         // What has no extension is a name, known or not: load_world() has the nearest one.
         const bool is_name = of_program || !std::filesystem::path(name).has_extension();
-        study_.worlds.push_back({name, is_name ? name : beside(file_, name), value.where});
+        study_.inputs.push_back({name, is_name ? name : beside(file_, name), value.where});
       }
     }
   }
@@ -125,6 +164,12 @@ class StudyReader {
                                    "[1, 2, 5..9]");
         continue;
       }
+      const std::uint64_t most = std::numeric_limits<int>::max();
+      if (study_.kind == Study::Kind::kBenches && range->last > most) {
+        root_.problem("seeds", value.yaml + " is no seed of a back end; expected at most " +
+                                   std::to_string(most));
+        continue;
+      }
       for (std::uint64_t n = 0; n <= range->last - range->first; ++n) {
         const std::uint64_t seed = range->first + n;
         if (known.insert(seed).second) {
@@ -137,7 +182,7 @@ class StudyReader {
   }
 
   void read_conditions() {
-    YamlMap conditions = root_.free_map("conditions", "Name: {key of the configuration: value}");
+    YamlMap conditions = root_.free_map("conditions", "Name: {key: value}");
     for (const std::string& name : conditions.keys()) {
       if (name.empty()) conditions.problem(name, "a condition without a name; expected one");
       study_.conditions.push_back({name, settings(conditions.map(name), "")});
@@ -146,7 +191,7 @@ class StudyReader {
   }
 
   void read_grid() {
-    YamlMap grid = root_.free_map("grid", "Key of the configuration: its values");
+    YamlMap grid = root_.free_map("grid", "Key: its values");
     for (const std::string& key : grid.keys()) {
       StudyAxis axis{key, {}};
       std::set<std::string> known;
@@ -172,7 +217,7 @@ class StudyReader {
   std::vector<StudySetting> settings(YamlMap map, const std::string& before) {
     std::vector<StudySetting> out;
     for (const std::string& key : map.keys()) {
-      const std::optional<YamlValue> value = map.value(key, "Of the configuration");
+      const std::optional<YamlValue> value = map.value(key, "Of the cells");
       if (value) {
         out.push_back({before + key, value->yaml, value->where});
       } else {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <string>
 #include <tuple>
 
 #include "adapters/study/signed_rank_test.h"
@@ -15,17 +16,18 @@ namespace {
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const std::size_t n = values.size();
-  return n == 0 ? MissionNumbers::kNone : 0.5 * (values[(n - 1) / 2] + values[n / 2]);
+  return n == 0 ? NumberComparison::kNone : 0.5 * (values[(n - 1) / 2] + values[n / 2]);
 }
 
 NumberComparison compare(const std::vector<std::pair<const StudyRow*, const StudyRow*>>& pairs,
-                         const MissionNumber& number) {
+                         const std::vector<StudyNumber>& numbers, std::size_t which) {
+  const StudyNumber& number = numbers[which];
   NumberComparison c;
   c.number = &number;
   std::vector<double> first, second, difference;
   for (const auto& [reference, other] : pairs) {
-    const double a = number.scale * reference->numbers.*number.member;
-    const double b = number.scale * other->numbers.*number.member;
+    const double a = number.scale * value_of(*reference, which);
+    const double b = number.scale * value_of(*other, which);
     const bool has_a = std::isfinite(a), has_b = std::isfinite(b);
     c.only_reference += has_a && !has_b;
     c.only_other += !has_a && has_b;
@@ -48,9 +50,10 @@ NumberComparison compare(const std::vector<std::pair<const StudyRow*, const Stud
   return c;
 }
 
-void compare_numbers(StudyComparison& c) {
-  for (const MissionNumber& number : mission_number_list()) {
-    c.numbers.push_back(compare(c.pairs, number));
+void compare_numbers(const StudyPlan& plan, StudyComparison& c) {
+  const std::vector<StudyNumber>& numbers = study_numbers(plan.study.kind);
+  for (std::size_t n = 0; n < numbers.size(); ++n) {
+    c.numbers.push_back(compare(c.pairs, numbers, n));
   }
 }
 
@@ -69,10 +72,11 @@ std::string alike(const StudyPlan& plan, const StudySetup& setup, int but) {
 
 std::vector<StudyComparison> compare_setups(const StudyPlan& plan,
                                             const std::vector<StudyRow>& rows) {
-  std::map<std::tuple<std::size_t, std::size_t, std::uint64_t>, const StudyRow*> done;
+  using Key = std::tuple<std::size_t, std::size_t, std::string, std::uint64_t>;
+  std::map<Key, const StudyRow*> done;
   for (const StudyRow& row : rows) {
     if (row.record.status != CellRecord::Status::kDone) continue;
-    done.emplace(std::make_tuple(row.cell->setup, row.cell->world, row.cell->seed), &row);
+    done.emplace(Key(row.cell->setup, row.cell->input, row.problem, row.cell->seed), &row);
   }
   std::map<std::pair<std::size_t, std::vector<std::size_t>>, std::size_t> index;
   for (std::size_t s = 0; s < plan.setups.size(); ++s) {
@@ -84,11 +88,11 @@ std::vector<StudyComparison> compare_setups(const StudyPlan& plan,
     StudyComparison c{reference, other, std::move(label), std::move(among), "", {}, {}};
     for (const StudyRow& row : rows) {
       if (row.cell->setup != other || row.record.status != CellRecord::Status::kDone) continue;
-      const auto found = done.find({reference, row.cell->world, row.cell->seed});
+      const auto found = done.find({reference, row.cell->input, row.problem, row.cell->seed});
       if (found != done.end()) c.pairs.emplace_back(found->second, &row);
     }
     if (c.pairs.empty()) return;
-    compare_numbers(c);
+    compare_numbers(plan, c);
     comparisons.push_back(std::move(c));
   };
   for (std::size_t s = 0; s < plan.setups.size(); ++s) {
@@ -112,24 +116,24 @@ std::vector<StudyComparison> compare_setups(const StudyPlan& plan,
   return comparisons;
 }
 
-std::vector<StudyComparison> by_world(const StudyPlan& plan, const StudyComparison& comparison) {
+std::vector<StudyComparison> by_input(const StudyPlan& plan, const StudyComparison& comparison) {
   std::map<std::size_t, StudyComparison> parts;
   for (const auto& pair : comparison.pairs) {
-    const std::size_t world = pair.first->cell->world;
+    const std::size_t input = pair.first->cell->input;
     parts
-        .try_emplace(world, StudyComparison{comparison.reference,
+        .try_emplace(input, StudyComparison{comparison.reference,
                                             comparison.other,
                                             comparison.label,
                                             comparison.among,
-                                            plan.study.worlds[world].name,
+                                            plan.study.inputs[input].name,
                                             {},
                                             {}})
         .first->second.pairs.push_back(pair);
   }
   std::vector<StudyComparison> all;
   if (parts.size() < 2) return all;
-  for (auto& [world, part] : parts) {
-    compare_numbers(part);
+  for (auto& [input, part] : parts) {
+    compare_numbers(plan, part);
     all.push_back(std::move(part));
   }
   return all;

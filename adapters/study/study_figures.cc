@@ -103,10 +103,11 @@ void draw_setups(Drawing& drawing, const StudyPlan& plan, double left, double to
   }
 }
 
-const MissionNumber& number_named(const std::string& name) {
-  const std::vector<MissionNumber>& all = mission_number_list();
-  return *std::find_if(all.begin(), all.end(),
-                       [&](const MissionNumber& number) { return name == number.name; });
+std::size_t number_named(const std::vector<StudyNumber>& all, const std::string& name) {
+  return static_cast<std::size_t>(
+      std::find_if(all.begin(), all.end(),
+                   [&](const StudyNumber& number) { return name == number.name; }) -
+      all.begin());
 }
 
 /// Ratio of means by number, a line for each comparison, on a logarithmic axis.
@@ -114,7 +115,7 @@ Drawing ratio_figure(const std::vector<StudyComparison>& comparisons) {
   constexpr double kLeft = 186.0, kWidth = 270.0, kTop = 14.0, kRow = 7.0;
   std::vector<std::size_t> numbers;
   double least = 0.5, most = 2.0;
-  for (std::size_t k = 0; k < mission_number_list().size(); ++k) {
+  for (std::size_t k = 0; k < comparisons.front().numbers.size(); ++k) {
     bool any = false;
     for (const StudyComparison& c : comparisons) {
       const NumberComparison& n = c.numbers[k];
@@ -142,7 +143,7 @@ Drawing ratio_figure(const std::vector<StudyComparison>& comparisons) {
   }
   for (std::size_t row = 0; row < numbers.size(); ++row) {
     const double top = kTop + block * static_cast<double>(row);
-    drawing.text(fitted(mission_number_list()[numbers[row]].label, kLeft - 8.0),
+    drawing.text(fitted(comparisons.front().numbers[numbers[row]].number->label, kLeft - 8.0),
                  {kLeft - 6.0, top + 0.5 * block}, kFont, kText, Drawing::Anchor::kRight);
     for (std::size_t i = 0; i < comparisons.size(); ++i) {
       const NumberComparison& n = comparisons[i].numbers[numbers[row]];
@@ -168,18 +169,24 @@ Drawing ratio_figure(const std::vector<StudyComparison>& comparisons) {
 Drawing box_figure(const StudyPlan& plan, const std::vector<StudyRow>& rows) {
   constexpr double kWidth = 126.0, kHeight = 90.0, kGapX = 34.0, kGapY = 30.0;
   constexpr int kColumns = 3;
-  const std::vector<std::string> chief = {"coverage",  "error_rms_m",  "losses",
-                                          "few_share", "time_to_90_s", "path_length_m"};
+  const std::vector<StudyNumber>& all = study_numbers(plan.study.kind);
+  const std::vector<std::string> chief =
+      plan.study.kind == Study::Kind::kBenches
+          ? std::vector<std::string>{"solved",       "gap",     "evaluations_to_target",
+                                     "ms_to_target", "wall_ms", "overrun_ms"}
+          : std::vector<std::string>{"coverage",  "error_rms_m",  "losses",
+                                     "few_share", "time_to_90_s", "path_length_m"};
   const int lines = (static_cast<int>(chief.size()) + kColumns - 1) / kColumns;
   const double keys = 24.0 + lines * (kHeight + kGapY);
   Drawing drawing(8.0 + kColumns * (kWidth + kGapX),
                   keys + 10.0 * static_cast<double>(plan.setups.size()));
   for (std::size_t k = 0; k < chief.size(); ++k) {
-    const MissionNumber& number = number_named(chief[k]);
+    const std::size_t n = number_named(all, chief[k]);
+    const StudyNumber& number = all[n];
     std::vector<std::vector<double>> values(plan.setups.size());
     double most = 0.0;
     for (const StudyRow& row : rows) {
-      const double v = number.scale * row.numbers.*number.member;
+      const double v = number.scale * value_of(row, n);
       if (!std::isfinite(v)) continue;
       values[row.cell->setup].push_back(v);
       most = std::max(most, v);
@@ -337,9 +344,10 @@ std::vector<StudyFigure> study_figures(const StudyPlan& plan, const CellStore& s
          ratio_figure(comparisons)});
   }
   figures.push_back({"boxes",
-                     "All missions of a setup: quartiles and median; whiskers to the farthest "
-                     "mission within 1.5 interquartile ranges, others as circles.",
+                     "All of a setup: quartiles and median; whiskers to the farthest within 1.5 "
+                     "interquartile ranges, others as circles.",
                      box_figure(plan, rows)});
+  if (plan.study.kind == Study::Kind::kBenches) return figures;
   std::vector<MissionCurve> curves;
   curves.reserve(rows.size());
   std::vector<std::vector<const MissionCurve*>> by_setup(plan.setups.size());
@@ -363,10 +371,10 @@ std::vector<StudyFigure> study_figures(const StudyPlan& plan, const CellStore& s
   std::size_t paths = 0;
   for (const StudyRow& row : rows) {
     if (!is_done(row) || paths == most_paths) continue;
-    if (!drawn.emplace(row.cell->world, row.cell->setup).second) continue;
+    if (!drawn.emplace(row.cell->input, row.cell->setup).second) continue;
     const FigureSource source =
         read_figure_source(store.run_folder(row.id), PathColor::kFeatures, false, registries);
-    const std::string world = plan.study.worlds[row.cell->world].name;
+    const std::string world = plan.study.inputs[row.cell->input].name;
     const std::string label = plan.label(plan.setup(*row.cell));
     ++paths;
     figures.push_back(

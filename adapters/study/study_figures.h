@@ -33,9 +33,9 @@ Quartiles quartiles_at(const std::vector<const MissionCurve*>& curves,
                        double at);
 
 /// All that the rows give: ratios of means with intervals (if there are pairs), box plots of the
-/// chief numbers, coverage and error against time and distance, and the path coloured by visible
-/// features of the first seed in each world, at most `most_paths` of them. Throws InputError for
-/// run folders that cannot be read.
+/// chief numbers; of missions also coverage and error against time and distance, and the path
+/// coloured by visible features of the first seed in each world, at most `most_paths` of them.
+/// Throws InputError for run folders that cannot be read.
 std::vector<StudyFigure> study_figures(const StudyPlan& plan, const CellStore& store,
                                        const std::vector<StudyRow>& rows,
                                        const std::vector<StudyComparison>& comparisons,

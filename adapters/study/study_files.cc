@@ -18,6 +18,12 @@ namespace prospect {
 StudyFiles write_study(const StudyPlan& plan, const CellStore& store, const Registries& registries,
                        const StudyGathering& gathering) {
   namespace fs = std::filesystem;
+  if (plan.study.kind == Study::Kind::kBenches && (gathering.steps || gathering.any_version)) {
+    fail(plan.study.file, gathering.steps
+                              ? "solves problems, which have no steps; expected no --steps"
+                              : "solves problems; expected no --any-version, but `prospect bench "
+                                "compare` of two cells");
+  }
   StudyFiles result;
   const auto write = [&](const fs::path& name, const std::string& content) {
     const fs::path file = fs::path(store.folder()) / name;

@@ -18,11 +18,12 @@ struct StudyFiles {
 
 struct StudyGathering {
   bool steps = false;        ///< steps.h5, too: every column of every run's steps.csv
-  bool any_version = false;  ///< other versions' missions stand for cells that are not done
+  bool any_version = false;  ///< other versions' missions stand for those that are not done
 };
 
 /// Writes what the cells of a study show into its folder: results.csv, study.html,
-/// figures/NAME.svg and .png. Each file appears whole or not at all. Throws InputError.
+/// figures/NAME.svg and .png. Each file appears whole or not at all. Throws InputError, also for
+/// steps and other versions of benches, which have none.
 StudyFiles write_study(const StudyPlan& plan, const CellStore& store, const Registries& registries,
                        const StudyGathering& gathering);
 

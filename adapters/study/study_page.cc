@@ -58,21 +58,25 @@ std::string comparison_table(const StudyComparison& c) {
   return html + "</tbody></table></div>";
 }
 
-/// Ratios of the chief numbers in each world.
-std::string world_table(const std::vector<StudyComparison>& worlds) {
-  if (worlds.empty()) return "";
-  const std::set<std::string> chief = {
-      "losses", "few_share", "error_rms_m", "coverage_at_25_cm", "coverage", "path_length_m"};
-  std::string html =
-      "<h3>Ratio of means by world</h3><div class=\"scroll\"><table "
-      "class=\"numbers\"><thead><tr><th></th><th>pairs</th>";
-  for (const MissionNumber& number : mission_number_list()) {
-    if (chief.count(number.name)) html += "<th>" + escape_html(number.label) + "</th>";
+/// Ratios of the chief numbers in each world or set.
+std::string input_table(const std::vector<StudyComparison>& inputs, bool benches) {
+  if (inputs.empty()) return "";
+  const std::set<std::string> chief =
+      benches
+          ? std::set<std::string>{"solved",           "gap",          "evaluations_to_target",
+                                  "cost_evaluations", "ms_to_target", "wall_ms"}
+          : std::set<std::string>{"losses",   "few_share",    "error_rms_m", "coverage_at_25_cm",
+                                  "coverage", "path_length_m"};
+  std::string html = std::string("<h3>Ratio of means by ") + (benches ? "set" : "world") +
+                     "</h3><div class=\"scroll\"><table "
+                     "class=\"numbers\"><thead><tr><th></th><th>pairs</th>";
+  for (const NumberComparison& n : inputs.front().numbers) {
+    if (chief.count(n.number->name)) html += "<th>" + escape_html(n.number->label) + "</th>";
   }
   html += "</tr></thead><tbody>";
-  for (const StudyComparison& c : worlds) {
+  for (const StudyComparison& c : inputs) {
     html +=
-        "<tr><th>" + escape_html(c.world) + "</th><td>" + std::to_string(c.pairs.size()) + "</td>";
+        "<tr><th>" + escape_html(c.input) + "</th><td>" + std::to_string(c.pairs.size()) + "</td>";
     for (const NumberComparison& n : c.numbers) {
       if (!chief.count(n.number->name)) continue;
       html += "<td>" + with_interval(n.ratio, 2) + "</td>";
@@ -125,7 +129,8 @@ std::string failures(const StudyPlan& plan, const std::vector<StudyRow>& rows) {
   for (const StudyRow& row : rows) {
     if (row.record.status != CellRecord::Status::kFailed) continue;
     html += "<tr><th>" + row.id + "</th><td class=\"text\">" +
-            escape_html(plan.study.worlds[row.cell->world].name) + ", seed " +
+            escape_html(plan.study.inputs[row.cell->input].name) +
+            (row.problem.empty() ? "" : ", " + escape_html(row.problem)) + ", seed " +
             std::to_string(row.cell->seed) + ", " + escape_html(plan.label(plan.setup(*row.cell))) +
             "</td><td class=\"text\">" + escape_html(row.reason) + "</td></tr>";
   }
@@ -148,10 +153,12 @@ std::string study_page(const StudyPlan& plan, const std::vector<StudyRow>& rows,
     if (!row.record.version.empty()) versions.insert(row.record.version);
     if (!row.record.host.empty()) hosts.insert(row.record.host);
   }
-  std::string facts = std::to_string(done) + " of " + std::to_string(rows.size()) +
-                      " runs: " + std::to_string(plan.study.worlds.size()) + " worlds, " +
-                      std::to_string(plan.study.seeds.size()) + " seeds, " +
-                      std::to_string(plan.setups.size()) + " setups";
+  const bool benches = plan.study.kind == Study::Kind::kBenches;
+  std::string facts =
+      std::to_string(done) + " of " + std::to_string(rows.size()) +
+      (benches ? " solves: " : " runs: ") + std::to_string(plan.study.inputs.size()) +
+      (benches ? " sets of problems, " : " worlds, ") + std::to_string(plan.study.seeds.size()) +
+      " seeds, " + std::to_string(plan.setups.size()) + " setups";
   for (const std::string& version : versions) facts += " &middot; " + escape_html(version);
   if (!hosts.empty()) {
     facts += " &middot; " + std::to_string(hosts.size()) + (hosts.size() == 1 ? " host" : " hosts");
@@ -161,7 +168,7 @@ std::string study_page(const StudyPlan& plan, const std::vector<StudyRow>& rows,
     compared += "<section class=\"card\"><h2>" + escape_html(c.label) +
                 (c.among.empty() ? "" : " <em>" + escape_html(c.among) + "</em>") + " <em>" +
                 std::to_string(c.pairs.size()) + " pairs</em></h2>" + comparison_table(c) +
-                world_table(by_world(plan, c)) + "</section>";
+                input_table(by_input(plan, c), benches) + "</section>";
   }
   std::string pictures;
   for (const StudyFigure& figure : figures) {
@@ -174,6 +181,12 @@ std::string study_page(const StudyPlan& plan, const std::vector<StudyRow>& rows,
       {{"{{title}}", escape_html(plan.study.name)},
        {"{{style}}", std::string(page_assets::style()) + std::string(study_assets::study_css())},
        {"{{facts}}", facts},
+       {"{{pairs}}",
+        benches ? "Pairs share problem and seed; a pair lacks a number if either solve does: one "
+                  "that came to no feasible point has no gap, one that did not solve has nothing "
+                  "to target. Solved: a cost within 1 % of the best that is known, by any cell of "
+                  "the study too."
+                : "Pairs share world and seed; a pair lacks a number if either mission does."},
        {"{{setups}}", setup_table(plan, rows)},
        {"{{comparisons}}", compared},
        {"{{figures}}", pictures},

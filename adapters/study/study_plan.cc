@@ -4,9 +4,11 @@
 #include <map>
 #include <memory>
 #include <set>
+#include <string_view>
 #include <tuple>
 #include <utility>
 
+#include "adapters/bench/problem_set.h"
 #include "adapters/files/content_hash.h"
 #include "adapters/files/input_error.h"
 #include "adapters/run/exploration_run.h"
@@ -25,6 +27,13 @@ std::string located(const std::string& line, const std::vector<StudySetting>& se
     if (line.starts_with(as_set)) return s.where + ": " + line.substr(as_set.size());
   }
   return line;
+}
+
+/// Messages about what is read for a line of the study.
+InputError located(const InputError& error, const std::string& where) {
+  std::vector<std::string> lines;
+  for (const std::string& line : error.lines()) lines.push_back(where + line);
+  return InputError(lines);
 }
 
 /// Every combination of one value an axis, the last axis innermost.
@@ -92,7 +101,7 @@ class StudyWorlds {
   StudyWorlds(bool draws, const std::function<void(const std::string&)>& progress)
       : draws_(draws), progress_(progress) {}
 
-  Read& read(const StudyWorld& world, const Configuration& configuration) {
+  Read& read(const StudyInput& world, const Configuration& configuration) {
     const auto key = std::make_pair(world.path, world_settings(configuration));
     const auto found = known_.find(key);
     if (found != known_.end()) return found->second;
@@ -119,15 +128,11 @@ class StudyWorlds {
   }
 
  private:
-  static World load(const StudyWorld& world, const WorldOptions& options) {
+  static World load(const StudyInput& world, const WorldOptions& options) {
     try {
       return load_world(world.path, options);
     } catch (const InputError& error) {
-      std::vector<std::string> lines;
-      for (const std::string& line : error.lines()) {
-        lines.push_back(world.where + ": worlds: " + line);
-      }
-      throw InputError(lines);
+      throw located(error, world.where + ": worlds: ");
     }
   }
 
@@ -142,7 +147,7 @@ std::vector<StudySetup> read_setups(const Study& study, const Registries& regist
   std::set<std::string> told;
   for (std::size_t c = 0; c < study.conditions.size(); ++c) {
     for (const std::vector<std::size_t>& point : grid_points(study.grid)) {
-      std::vector<StudySetting> settings = study.mission;
+      std::vector<StudySetting> settings = study.common;
       const std::vector<StudySetting>& own = study.conditions[c].settings;
       settings.insert(settings.end(), own.begin(), own.end());
       for (std::size_t a = 0; a < point.size(); ++a) {
@@ -150,8 +155,15 @@ std::vector<StudySetup> read_setups(const Study& study, const Registries& regist
       }
       std::vector<std::string> texts;
       for (const StudySetting& s : settings) texts.push_back(s.key + "=" + s.value);
+      StudySetup& setup = setups.emplace_back();
+      setup.condition = c;
+      setup.values = point;
       try {
-        setups.push_back({c, point, read_configuration(study.base, registries, texts)});
+        if (study.kind == Study::Kind::kBenches) {
+          setup.bench = read_bench_settings(texts, registries.solvers);
+        } else {
+          setup.configuration = read_configuration(study.base, registries, texts);
+        }
       } catch (const InputError& error) {
         for (const std::string& line : error.lines()) {
           const std::string at = located(line, settings);
@@ -162,6 +174,56 @@ std::vector<StudySetup> read_setups(const Study& study, const Registries& regist
   }
   if (!problems.empty()) throw InputError(problems);
   return setups;
+}
+
+/// Seeds outermost, setups innermost.
+void add_cells(StudyPlan& plan, const std::function<void(StudyCell&)>& name) {
+  for (const std::uint64_t seed : plan.study.seeds) {
+    for (std::size_t i = 0; i < plan.study.inputs.size(); ++i) {
+      for (std::size_t s = 0; s < plan.setups.size(); ++s) {
+        plan.cells.push_back({"", s, i, seed, std::nullopt});
+        name(plan.cells.back());
+      }
+    }
+  }
+}
+
+void plan_missions(StudyPlan& plan, const std::function<void(const std::string&)>& progress) {
+  StudyWorlds worlds(plan.study.drawn_starts, progress);
+  add_cells(plan, [&](StudyCell& cell) {
+    const Configuration& configuration = plan.setup(cell).configuration;
+    StudyWorlds::Read& world = worlds.read(plan.study.inputs[cell.input], configuration);
+    std::uint64_t hash = world.hash;
+    if (plan.study.drawn_starts && cell.seed != 1) {
+      std::tie(cell.start, hash) = StudyWorlds::draw(world, cell.seed);
+    }
+    cell.id = cell_name(configuration, cell.start, hash, cell.seed, plan.program);
+  });
+}
+
+void plan_benches(StudyPlan& plan, const Registries& registries,
+                  const std::function<void(const std::string&)>& progress) {
+  const Configuration unused;  // of the set `missions`, which read_study() refuses
+  std::vector<std::uint64_t> hashes;
+  for (const StudyInput& input : plan.study.inputs) {
+    if (progress) progress("reading " + input.name);
+    try {
+      const ProblemSet set = make_problem_set(input.path, unused, registries, false);
+      hashes.push_back(problem_set_hash(set));
+      std::vector<std::string>& names = plan.problems.emplace_back();
+      for (const BenchProblem& problem : set.problems) names.push_back(problem.name);
+    } catch (const InputError& error) {
+      throw located(error, input.where + ": problems: ");
+    }
+  }
+  add_cells(plan, [&](StudyCell& cell) {
+    ContentHash hash;
+    hash.add(std::string_view("prospect study bench 1")).add(plan.program);
+    for (const ConfigEntry& entry : plan.setup(cell).bench.entries) {
+      hash.add(entry.path).add(entry.value);
+    }
+    cell.id = hash.add(hashes[cell.input]).add(cell.seed).text();
+  });
 }
 
 }  // namespace
@@ -177,6 +239,10 @@ std::string cell_name(const Configuration& configuration, const std::optional<Po
   }
   if (!configuration.map.empty()) hash.add(file_hash(configuration.map));
   return hash.add(world_hash).add(seed).text();
+}
+
+const std::string& StudyPlan::solver(const StudySetup& setup) const {
+  return study.kind == Study::Kind::kBenches ? setup.bench.solver : setup.configuration.solver;
 }
 
 std::vector<std::string> StudyPlan::values(const StudySetup& setup) const {
@@ -198,22 +264,11 @@ std::string StudyPlan::label(const StudySetup& setup) const {
 
 StudyPlan plan_study(const Study& study, const Registries& registries, const std::string& program,
                      const std::function<void(const std::string&)>& progress) {
-  StudyPlan plan{study, read_setups(study, registries), {}, program};
-  StudyWorlds worlds(study.drawn_starts, progress);
-  for (const std::uint64_t seed : study.seeds) {
-    for (std::size_t w = 0; w < study.worlds.size(); ++w) {
-      for (std::size_t s = 0; s < plan.setups.size(); ++s) {
-        const Configuration& configuration = plan.setups[s].configuration;
-        StudyWorlds::Read& world = worlds.read(study.worlds[w], configuration);
-        StudyCell cell{"", s, w, seed, std::nullopt};
-        std::uint64_t hash = world.hash;
-        if (study.drawn_starts && seed != 1) {
-          std::tie(cell.start, hash) = StudyWorlds::draw(world, seed);
-        }
-        cell.id = cell_name(configuration, cell.start, hash, seed, program);
-        plan.cells.push_back(std::move(cell));
-      }
-    }
+  StudyPlan plan{study, read_setups(study, registries), {}, {}, program};
+  if (study.kind == Study::Kind::kBenches) {
+    plan_benches(plan, registries, progress);
+  } else {
+    plan_missions(plan, progress);
   }
   return plan;
 }

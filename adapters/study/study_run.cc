@@ -130,15 +130,10 @@ class StudyRunner {
     running.record.version = options_.version;
     running.record.started = utc_now();
     store_.write_begun(cell.id, running.record);
-    const std::string configuration = store_.path(cell.id, ".yaml");
-    const std::string wrong = write_whole_file(configuration, cell_configuration(plan_, cell));
-    if (!wrong.empty()) {
-      fail(configuration, "cannot be written (" + wrong + "); expected a writable folder");
-    }
     std::vector<std::string> words = options_.program;
-    words.insert(words.end(), {"explore", plan_.study.worlds[cell.world].path, "--config",
-                               configuration, "--seed", std::to_string(cell.seed), "--out",
-                               store_.run_folder(cell.id), "--quiet"});
+    const std::vector<std::string> own =
+        plan_.study.kind == Study::Kind::kBenches ? bench_of(cell) : mission_of(cell);
+    words.insert(words.end(), own.begin(), own.end());
     for (const std::string& plugin : options_.plugins) {
       words.insert(words.end(), {"--plugin", plugin});
     }
@@ -146,6 +141,23 @@ class StudyRunner {
     running.process = ChildProcess(words, store_.path(cell.id, ".log"), lock.descriptor());
     running.lock = std::move(lock);
     running_.push_back(std::move(running));
+  }
+
+  std::vector<std::string> bench_of(const StudyCell& cell) const {
+    return bench_words(plan_.setup(cell).bench, plan_.study.inputs[cell.input].path, cell.seed,
+                       store_.run_folder(cell.id));
+  }
+
+  /// The words that begin a mission; its configuration is on disk then.
+  std::vector<std::string> mission_of(const StudyCell& cell) const {
+    const std::string configuration = store_.path(cell.id, ".yaml");
+    const std::string wrong = write_whole_file(configuration, cell_configuration(plan_, cell));
+    if (!wrong.empty()) {
+      fail(configuration, "cannot be written (" + wrong + "); expected a writable folder");
+    }
+    return {"explore", plan_.study.inputs[cell.input].path, "--config", configuration,
+            "--seed",  std::to_string(cell.seed),           "--out",    store_.run_folder(cell.id),
+            "--quiet"};
   }
 
   void collect() {
@@ -165,7 +177,7 @@ class StudyRunner {
     CellRecord& record = running.record;
     record.wall_s = seconds_since(running.start);
     const std::string log = store_.path(id, ".log");
-    const std::string lacks = lacks_of_run(store_.run_folder(id));
+    const std::string lacks = store_.lacks(id);
     if (end.signal == 0 && end.code <= 1 && lacks.empty()) {
       record.status = CellRecord::Status::kDone;
       store_.write(id, record);
@@ -177,7 +189,8 @@ class StudyRunner {
     } else {
       const std::string said = last_line(log);
       const bool told_to_end = end.signal == SIGTERM || end.signal == SIGINT ||
-                               end.signal == SIGHUP || lacks == "the mission was cancelled";
+                               end.signal == SIGHUP || lacks == "the mission was cancelled" ||
+                               said.starts_with("cancelled");
       if (told_to_end) {
         ++result_.broken_off;
         return;
@@ -261,7 +274,7 @@ void ExpectedTimes::add(const std::string& id, double wall_s) {
   const auto found = cells_.find(id);
   if (found == cells_.end() || !(wall_s > 0.0)) return;
   const StudyCell& cell = *found->second;
-  for (Mean* mean : {&alike_[{cell.world, cell.setup}], &of_world_[cell.world], &all_}) {
+  for (Mean* mean : {&alike_[{cell.input, cell.setup}], &of_input_[cell.input], &all_}) {
     mean->sum += wall_s;
     ++mean->count;
   }
@@ -270,9 +283,9 @@ void ExpectedTimes::add(const std::string& id, double wall_s) {
 double ExpectedTimes::of(const std::string& id) const {
   const Mean* mean = &all_;
   if (const auto cell = cells_.find(id); cell != cells_.end()) {
-    const auto world = of_world_.find(cell->second->world);
-    if (world != of_world_.end()) mean = &world->second;
-    const auto alike = alike_.find({cell->second->world, cell->second->setup});
+    const auto input = of_input_.find(cell->second->input);
+    if (input != of_input_.end()) mean = &input->second;
+    const auto alike = alike_.find({cell->second->input, cell->second->setup});
     if (alike != alike_.end()) mean = &alike->second;
   }
   return mean->count > 0 ? mean->sum / mean->count : std::numeric_limits<double>::quiet_NaN();

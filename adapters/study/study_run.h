@@ -26,7 +26,7 @@ class ExpectedTimes {
   /// The plan must outlive it.
   explicit ExpectedTimes(const StudyPlan& plan);
   void add(const std::string& id, double wall_s);
-  /// The mean of the cells with the same world and setup; else with that world; else of all; NaN:
+  /// The mean of the cells with the same input and setup; else with that input; else of all; NaN:
   /// no cell ran.
   double of(const std::string& id) const;
 
@@ -37,8 +37,8 @@ class ExpectedTimes {
   };
 
   std::map<std::string, const StudyCell*> cells_;
-  std::map<std::pair<std::size_t, std::size_t>, Mean> alike_;  ///< by world and setup
-  std::map<std::size_t, Mean> of_world_;
+  std::map<std::pair<std::size_t, std::size_t>, Mean> alike_;  ///< by input and setup
+  std::map<std::size_t, Mean> of_input_;
   Mean all_;
 };
 

@@ -93,8 +93,8 @@ TEST(MissionNumbers, EveryNumberIsListedOnce) {
   MissionNumbers all;
   std::set<std::string> names;
   for (const MissionNumber& number : mission_number_list()) {
-    EXPECT_TRUE(names.insert(number.name).second) << number.name;
-    EXPECT_TRUE(std::isnan(all.*number.member)) << number.name << ": in the list twice";
+    EXPECT_TRUE(names.insert(number.number.name).second) << number.number.name;
+    EXPECT_TRUE(std::isnan(all.*number.member)) << number.number.name << ": in the list twice";
     all.*number.member = 1.0;
   }
   EXPECT_EQ(names.size() * sizeof(double), sizeof(MissionNumbers)) << "a number has no column";

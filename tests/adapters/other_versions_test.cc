@@ -39,7 +39,7 @@ class OtherVersions : public ::testing::Test {
   /// `edit` may change the text of a configuration.
   void run(const StudyPlan& plan, const std::string& started,
            const std::function<void(std::string&)>& edit = {}) const {
-    const CellStore store(folder_);
+    const CellStore store(folder_, Study::Kind::kMissions);
     for (const StudyCell& cell : plan.cells) {
       const std::string out = store.run_folder(cell.id);
       fs::create_directories(out);
@@ -65,7 +65,7 @@ class OtherVersions : public ::testing::Test {
     }
   }
   std::map<std::string, std::string> others(const StudyPlan& plan) const {
-    return other_versions(plan, CellStore::existing(folder_), {});
+    return other_versions(plan, CellStore::existing(folder_, Study::Kind::kMissions), {});
   }
 
   std::string folder_;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/study/mission_numbers.h"
 #include "adapters/study/study_results.h"
 
 namespace prospect::study_comparison_test {
@@ -35,8 +36,10 @@ class StudyComparisonTest : public ::testing::Test {
       row.record.status = CellRecord::Status::kDone;
       const StudySetup& setup = plan_.setup(cell);
       // Without: twice as many; N = 20: one more.
-      row.numbers.losses = static_cast<double>(cell.seed) * (setup.condition == 1 ? 2.0 : 1.0) +
-                           (setup.values[0] == 1 ? 1.0 : 0.0);
+      MissionNumbers numbers;
+      numbers.losses = static_cast<double>(cell.seed) * (setup.condition == 1 ? 2.0 : 1.0) +
+                       (setup.values[0] == 1 ? 1.0 : 0.0);
+      row.numbers = values_of(numbers);
       row.reason = "time limit";
       rows_.push_back(row);
     }
@@ -68,7 +71,9 @@ TEST_F(StudyComparisonTest, EachSetupAgainstTheOneThatDiffersInOneThing) {
 TEST_F(StudyComparisonTest, APairLacksANumberIfEitherMissionDoes) {
   for (StudyRow& row : rows_) {
     const StudySetup& setup = plan_.setup(*row.cell);
-    row.numbers.time_to_90_s = setup.condition == 0 || row.cell->seed == 1 ? 50.0 : NAN;
+    MissionNumbers numbers;
+    numbers.time_to_90_s = setup.condition == 0 || row.cell->seed == 1 ? 50.0 : NAN;
+    row.numbers = values_of(numbers);
     if (setup.condition == 1 && row.cell->seed == 3)
       row.record.status = CellRecord::Status::kFailed;
   }
@@ -78,9 +83,9 @@ TEST_F(StudyComparisonTest, APairLacksANumberIfEitherMissionDoes) {
   EXPECT_EQ(time.pairs, 2);
   EXPECT_EQ(time.only_reference, 2);
   EXPECT_EQ(time.only_other, 0);
-  const std::vector<StudyComparison> worlds = by_world(plan_, all[0]);
+  const std::vector<StudyComparison> worlds = by_input(plan_, all[0]);
   ASSERT_EQ(worlds.size(), 2U);
-  EXPECT_EQ(worlds[0].world, "office");
+  EXPECT_EQ(worlds[0].input, "office");
   EXPECT_EQ(worlds[0].pairs.size(), 2U);
 }
 

@@ -97,6 +97,54 @@ TEST(StudyPlan, SeedsDrawStartsAlikeForAllConditions) {
   EXPECT_EQ(read.world.start->position.x(), plan.cells[2].start->position.x());
 }
 
+TEST(StudyPlan, ABenchIsNamedByBackEndProblemsAndSeed) {
+  const std::string text = "problems: zoo\nconditions: {a: {solver: hybrid}}\n";
+  const StudyPlan plan = plan_of(text + "grid: {deadline: [0, 0.1]}\nseeds: 1..2\n");
+  ASSERT_EQ(plan.cells.size(), 4U);
+  EXPECT_EQ(plan.setups[1].bench.deadline, 0.1);
+  EXPECT_EQ(plan.problems.at(0).at(0), "Rosenbrock");
+  const std::vector<std::string> names = ids(plan);
+  EXPECT_EQ(std::set<std::string>(names.begin(), names.end()).size(), 4U);
+  EXPECT_EQ(ids(plan_of(text)).at(0), names[0]) << "a default that is written out is the same";
+  EXPECT_NE(ids(plan_of(text, "1 abd")).at(0), names[0]);
+  EXPECT_NE(ids(plan_of("problems: zoo\nconditions: {a: {solver: hybrid, options.candidates: "
+                        "20}}\n"))
+                .at(0),
+            names[0]);
+}
+
+TEST(StudyPlan, ASetOfProblemsIsWhatItsFilesHold) {
+  const std::string folder = ::testing::TempDir() + "study_plan_problems";
+  std::filesystem::create_directories(folder);
+  const auto id_of_set = [&](const std::string& name, const std::string& objective) {
+    std::ofstream(folder + "/" + name)
+        << R"({"problems": [{"name": "p", "n": 1, "x0": [1], "objective": ")" + objective +
+               R"(", "inequalities_nonneg": [], "equalities_zero": [], "lower": [-2], "upper": [2]}]})";
+    return ids(plan_of("problems: " + folder + "/" + name + "\n")).at(0);
+  };
+  // The objectives are alike where a fingerprint looks: at the start, and in the middle.
+  const std::string first = id_of_set("a.json", "x1^2");
+  EXPECT_EQ(id_of_set("b.json", "x1^2"), first);
+  EXPECT_NE(id_of_set("a.json", "x1^4"), first);
+  std::filesystem::remove_all(folder);
+}
+
+TEST(StudyPlan, SaysInTheStudyWhatABenchDoesNotTake) {
+  try {
+    plan_of("problems: zoo\nconditions:\n  a: {solver: hybird}\n  b: {deadline: soon}\n");
+    FAIL() << "expected a refusal";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.lines(), ElementsAre(HasSubstr("s.yaml:3: solver: unknown solver 'hybird'"),
+                                           HasSubstr("s.yaml:4: deadline: is 'soon'")));
+  }
+  try {
+    plan_of("study: x\nproblems: zoom\n");
+    FAIL() << "expected a refusal";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.lines(), ElementsAre(HasSubstr("s.yaml:2: problems: problem set 'zoom'")));
+  }
+}
+
 TEST(StudyPlan, SaysInTheStudyWhatTheConfigurationDoesNotTake) {
   try {
     plan_of("worlds: office\nconditions:\n  a: {planner.weigths.w_l: 0}\n  b: {planner.N: many}\n");

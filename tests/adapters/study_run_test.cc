@@ -53,11 +53,14 @@ class StudyRun : public ::testing::Test {
   }
   CellRecord record(std::uint64_t seed) const {
     for (const StudyCell& cell : plan_.cells) {
-      if (cell.seed == seed) return CellStore::existing(folder_).record(cell.id);
+      if (cell.seed == seed)
+        return CellStore::existing(folder_, Study::Kind::kMissions).record(cell.id);
     }
     return {};
   }
-  StudyRunResult run() { return run_study(plan_, CellStore(folder_), options_); }
+  StudyRunResult run() {
+    return run_study(plan_, CellStore(folder_, Study::Kind::kMissions), options_);
+  }
 
   std::string folder_;
   StudyPlan plan_;
@@ -114,7 +117,7 @@ TEST_F(StudyRun, WhatIsNotWholeIsRunAgain) {
   program(whole());
   EXPECT_EQ(run().ran, 2U);
   // Killed before it was noted that a cell is done, a study goes by the run folder.
-  const CellStore store(folder_);
+  const CellStore store(folder_, Study::Kind::kMissions);
   for (const StudyCell& cell : plan_.cells) {
     if (cell.seed == 3 || cell.seed == 4) fs::remove(store.path(cell.id, ".json"));
     if (cell.seed == 4) std::ofstream(store.run_folder(cell.id) + "/steps.csv") << "step\n0\n";
@@ -150,7 +153,7 @@ TEST_F(StudyRun, CancelledItKillsAndGoesOnLater) {
 
 TEST_F(StudyRun, LeavesACellToWhoRunsIt) {
   program(whole());
-  const CellStore store(folder_);
+  const CellStore store(folder_, Study::Kind::kMissions);
   const FileLock lock(store.path(plan_.cells[2].id, ".lock"));
   ASSERT_TRUE(lock.held());
   const StudyRunResult result = run();
@@ -176,7 +179,7 @@ TEST_F(StudyRun, ExpectedTimesAreThoseOfCellsAlike) {
   ExpectedTimes times(plan);
   const auto id = [&](std::size_t world, std::size_t setup, std::uint64_t seed) {
     for (const StudyCell& cell : plan.cells) {
-      if (cell.world == world && cell.setup == setup && cell.seed == seed) return cell.id;
+      if (cell.input == world && cell.setup == setup && cell.seed == seed) return cell.id;
     }
     return std::string();
   };

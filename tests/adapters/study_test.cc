@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,7 @@ TEST(Study, IsWhatTheFileSays) {
   EXPECT_EQ(study.name, "weights");
   EXPECT_EQ(study.base, "/a/config.yaml");
   std::vector<std::string> names, paths;
-  for (const StudyWorld& world : study.worlds) {
+  for (const StudyInput& world : study.inputs) {
     names.push_back(world.name);
     paths.push_back(world.path);
   }
@@ -54,7 +55,7 @@ TEST(Study, IsWhatTheFileSays) {
   EXPECT_EQ(study.conditions[1].settings[0].where, "/a/b/study.yaml:5");
   ASSERT_EQ(study.grid.size(), 2U);
   EXPECT_EQ(study.grid[1].values[1].value, "20");
-  EXPECT_EQ(study.mission.at(0).key, "mission.time_limit");
+  EXPECT_EQ(study.common.at(0).key, "mission.time_limit");
   EXPECT_TRUE(study.drawn_starts);
 }
 
@@ -65,6 +66,42 @@ TEST(Study, NeedsWorldsOnly) {
   ASSERT_EQ(study.conditions.size(), 1U);
   EXPECT_TRUE(study.conditions[0].settings.empty());
   EXPECT_FALSE(study.drawn_starts);
+}
+
+TEST(Study, OfProblemsHasSetsAndSettingsOfABench) {
+  const Study study = study_from_text(
+      "problems: [zoo, set_of_a_plugin, missing.h5]\n"
+      "seeds: 1..2\n"
+      "conditions: {a: {solver: \"nlopt:LD_SLSQP\"}, b: {solver: hybrid, options.candidates: 20}}\n"
+      "grid: {deadline: [0.02, 0.1]}\n"
+      "bench: {max_evaluations: 500}\n",
+      "/a/b/study.yaml");
+  EXPECT_EQ(study.kind, Study::Kind::kBenches);
+  ASSERT_EQ(study.inputs.size(), 3U);
+  EXPECT_EQ(study.inputs[0].path, "zoo");
+  EXPECT_EQ(study.inputs[1].path, "set_of_a_plugin") << "only a plug-in knows";
+  EXPECT_EQ(study.common.at(0).key, "max_evaluations");
+  EXPECT_EQ(study.conditions[1].settings[1].key, "options.candidates");
+  const std::string folder = ::testing::TempDir() + "study_test_problems";
+  std::filesystem::create_directories(folder + "/lab");
+  EXPECT_EQ(study_from_text("problems: lab\n", folder + "/study.yaml").inputs[0].path,
+            folder + "/lab")
+      << "a folder beside the study, wherever the program is started";
+  std::filesystem::remove_all(folder);
+}
+
+TEST(Study, OfProblemsRefusesWhatIsOfMissions) {
+  EXPECT_THAT(problems_of("problems: [zoo, zoo, missions]\nworlds: office\nstarts: drawn\n"
+                          "mission: {time_limit: 3}\nseeds: 5000000000\n"),
+              ElementsAre(HasSubstr("study.yaml:1: problems: stands beside 'worlds'"),
+                          HasSubstr("study.yaml:1: problems: 'zoo' twice"),
+                          HasSubstr("`prospect bench --capture`"),
+                          HasSubstr("study.yaml:3: unknown key 'starts'"),
+                          HasSubstr("study.yaml:4: unknown key 'mission'"),
+                          HasSubstr("study.yaml:5: seeds: 5000000000 is no seed of a back end")));
+  EXPECT_THAT(problems_of("problems: []\n"), ElementsAre(HasSubstr("no set; expected")));
+  EXPECT_THAT(problems_of("worlds: office\nbench: {deadline: 1}\n"),
+              ElementsAre(HasSubstr("unknown key 'bench'")));
 }
 
 TEST(Study, KeepsListsAndMappingsAsValues) {

@@ -52,6 +52,34 @@ awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) { name[i] = $i; at[$i] = i } next }
       if ($i != $(at[other])) { print "step " $1 ": " name[i] ": " $i ", " $(at[other]); bad = 1 } } }
   END { exit bad || compared < 40 }' same/replay.csv || fail "the same planner makes other plans from the same beliefs"
 
+# --- In real time: the planner's calls again, with the beliefs that it was given.
+timed_out "a drive" drive corridor --time-limit 4 --seed 3 --quiet --out drive
+plans=$(($(wc -l <drive/steps.csv) - 1))
+succeeds "a replay of a drive" replay drive --quiet
+grep -qF "drive: $plans plans from the recorded beliefs, the same bits" out.txt || fail "a replay of a drive: '$out'"
+succeeds "other plans along a drive" replay drive/mission.mcap --set planner.N=12 --from 2 --to 5 --quiet --out along
+grep -qF "4 steps planned anew with planner.N=12: open loop" out.txt || fail "other plans along a drive: '$out'"
+succeeds "the same plans along a drive" replay drive --from 1 --quiet
+awk -F, 'NR == 1 { for (i = 1; i <= NF; ++i) { name[i] = $i; at[$i] = i } next }
+  { for (i = 1; i <= NF; ++i) if (name[i] ~ /^recorded_/ && name[i] !~ /_ms$/) {
+      other = name[i]; sub(/^recorded_/, "other_", other); ++compared
+      if ($i != $(at[other])) { print "step " $1 ": " name[i] ": " $i ", " $(at[other]); bad = 1 } } }
+  END { exit bad || compared < 40 }' drive/replay/replay.csv || fail "the same calls give other plans"
+# What is compared is what was planned: with another weight in the record, the first plan differs.
+cp -r drive weighed
+sed -i 's/w_l: [0-9.]*/w_l: 7/' weighed/config.yaml
+run replay weighed --quiet
+((code == 1)) && grep -qE "weighed: step 0 differs: cost: [-0-9.e]+ recorded, [-0-9.e]+ now" out.txt ||
+  fail "another weight in the record: exit $code, '$out'"
+# Of a log that ends early, or lacks calls, what stands before that.
+mkdir short
+head -c 200000 drive/mission.mcap >short/mission.mcap
+succeeds "a drive that was killed" replay short/mission.mcap --quiet
+grep -qE "short/mission.mcap: [0-9]+ plans from the recorded beliefs, the same bits" out.txt || fail "a drive that was killed: '$out'"
+sed 's/deadline: 0\( \|$\)/deadline: 0.02\1/' drive/config.yaml >weighed/config.yaml
+refused "a drive with a deadline" "weighed: planned within planner.deadline, 0.02 s" "--set planner.deadline=0" replay weighed
+refused "a world for a drive" "--world: a run in real time is not driven again" "expected none" replay drive --world corridor
+
 # --- Refused.
 refused "no run" "nothing: no run" "expected the folder of one" replay nothing
 refused "a key of the robot" "--set robot.depth.max_range=6" "expected planner.KEY=VALUE" replay mission --set robot.depth.max_range=6
@@ -59,6 +87,8 @@ refused "a wrong key" "planner.K" "expected one of" replay mission --set planner
 refused "steps that end before they begin" "--from, --to: 5 comes after 2" "expected the first step" replay mission --from 5 --to 2
 refused "another world" "office: holds another world" "expected the same" replay mission --world office
 sed -i 's/"real_time": false/"real_time": true/' seed/run.json
-refused "real time" "seed: was driven in real time" "expected a run of explore" replay seed
+refused "no calls in the log" "seed/mission.mcap: no /planner/calls" "expected the log of a drive" replay seed
+rm seed/mission.mcap
+refused "no log" "seed/mission.mcap: no such file" "expected the log that drive writes" replay seed
 
 finish

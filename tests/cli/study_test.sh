@@ -88,4 +88,28 @@ succeeds "gathering any version" study study.yaml --gather --any-version --out w
 grep -qF "12 runs, 0 failed, 0 missing, 2 by other versions" out.txt || fail "gathering any version: '$out'"
 (($(grep -c ',older-' whole/results.csv) == 2)) || fail "rows of another version: $(<whole/results.csv)"
 
+# --- Problems instead of worlds: a cell is a bench, with a test of its own for being whole.
+cat >solvers.yaml <<'END'
+problems: zoo
+conditions: {slsqp: {solver: "nlopt:LD_SLSQP"}, search: {solver: "sampling:search"}}
+bench: {max_evaluations: 200}
+END
+sed 's/^bench/worlds: office\nbench/' solvers.yaml >both.yaml
+refused "worlds and problems" "both.yaml:1: problems: stands beside 'worlds'" "expected one of them" study both.yaml
+refused "steps of problems" "solvers.yaml: solves problems" "expected no --steps" study solvers.yaml --gather --steps --out whole
+succeeds "a study of problems" study solvers.yaml --jobs 2 --quiet
+grep -qF "2 cells: 0 there before, 2 run, 0 failed" out.txt || fail "a study of problems: '$out'"
+succeeds "gathering solves" study solvers.yaml --gather
+grep -qF "26 solves, 0 failed, 0 missing" out.txt || fail "gathering solves: '$out'"
+[[ -s runs/solvers/study.html && -s runs/solvers/figures/boxes.svg ]] || fail "a study of problems has no page"
+sed 's/,[^,]*,[^,]*,[^,]*,[^,]*,[^,]*,[^,]*,[^,]*$//' runs/solvers/results.csv >solves.csv
+cell=$(ls -d runs/solvers/cells/*/ | sed 1q)
+rm "$cell/bench.json"
+sed -i 5,\$d "$cell/rows.jsonl"
+succeeds "a bench that was broken off" study solvers.yaml --quiet
+grep -qF "2 cells: 1 there before, 1 run, 0 failed" out.txt || fail "a bench that was broken off: '$out'"
+succeeds "gathering solves again" study solvers.yaml --gather
+sed 's/,[^,]*,[^,]*,[^,]*,[^,]*,[^,]*,[^,]*,[^,]*$//' runs/solvers/results.csv | cmp - solves.csv ||
+  fail "the table of a broken bench is another one"
+
 finish

@@ -1,0 +1,104 @@
+#include "adapters/study/bench_settings.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "adapters/bench/bench_files.h"
+#include "adapters/bench/bench_rows.h"
+#include "adapters/bench/bench_run.h"
+#include "adapters/bench/bench_summary.h"
+#include "adapters/config/registries.h"
+#include "adapters/files/input_error.h"
+
+namespace prospect::bench_settings_test {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::Contains;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+TEST(BenchSettings, LaterOnesStandAboveAndDefaultsAreInEffect) {
+  const SolverRegistry solvers = Registries().solvers;
+  const BenchSettings read = read_bench_settings(
+      {"deadline=0.5", "solver=hybrid", "options.candidates=20", "deadline=0.1"}, solvers);
+  EXPECT_EQ(read.solver, "hybrid");
+  EXPECT_EQ(std::get<int>(read.options.at("candidates")), 20);
+  EXPECT_EQ(read.deadline, 0.1);
+  EXPECT_EQ(read.max_evaluations, 10000);
+  EXPECT_EQ(read.repeats, 1);
+  std::vector<std::string> paths;
+  for (const ConfigEntry& entry : read.entries) paths.push_back(entry.path);
+  EXPECT_THAT(
+      paths, ElementsAre("solver", "options.candidates", "deadline", "max_evaluations", "repeats"));
+  EXPECT_THAT(bench_words(read, "zoo", 7, "out"),
+              ElementsAre("bench", "zoo", "--solver", "hybrid,candidates=20", "--deadline", "0.1",
+                          "--max-evaluations", "10000", "--repeat", "1", "--seed", "7", "--out",
+                          "out", "--resume", "--quiet"));
+}
+
+TEST(BenchSettings, SaysAllThatIsWrong) {
+  try {
+    read_bench_settings(
+        {"solver=hybrid", "options.candidats=20", "deadline=-1", "repeats=0", "planner.N=12"},
+        Registries().solvers);
+    FAIL() << "expected a refusal";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.lines(),
+                ElementsAre(HasSubstr("--set options.candidats=20: options.candidats: hybrid: "
+                                      "unknown option 'candidats' (did you mean 'candidates'?)"),
+                            HasSubstr("--set deadline=-1: deadline: "),
+                            HasSubstr("--set repeats=0: repeats: "),
+                            HasSubstr("--set planner.N=12: unknown key 'planner'")));
+  }
+  try {
+    read_bench_settings({"solver=hybird", "options.candidates=20"}, Registries().solvers);
+    FAIL() << "expected a refusal";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.lines(), ElementsAre(HasSubstr("did you mean 'hybrid'?")));
+  }
+}
+
+TEST(LacksOfBench, IsNothingOnceAllRowsAndTheLastFileAreThere) {
+  const std::string folder = ::testing::TempDir() + "lacks_of_bench";
+  fs::remove_all(folder);
+  EXPECT_EQ(lacks_of_bench(folder), "no bench.json");
+  const Registries registries;
+  std::vector<ProblemSet> sets = {make_problem_set("zoo", {}, registries, false)};
+  sets[0].problems.resize(2);
+  const std::vector<SolverChoice> solvers = choose_solvers({"nlopt"}, registries.solvers);
+  BenchTable table = run_bench(sets, solvers, {});
+  open_bench_folder(folder, true);
+  { const BenchRowFile rows(folder, table); }
+  EXPECT_EQ(lacks_of_bench(folder), "no bench.json");
+  write_bench_folder(folder, table, summarize(table));
+  EXPECT_EQ(lacks_of_bench(folder), "");
+  table.rows.pop_back();
+  { const BenchRowFile rows(folder, table); }
+  EXPECT_EQ(lacks_of_bench(folder), "rows.jsonl has 1 of 2 rows");
+  table.cancelled = true;
+  write_bench_folder(folder, table, summarize(table));
+  EXPECT_EQ(lacks_of_bench(folder), "the bench was cancelled");
+  std::ofstream(folder + "/bench.json") << "{";
+  EXPECT_EQ(lacks_of_bench(folder), "bench.json is damaged");
+  fs::remove_all(folder);
+}
+
+TEST(LacksOfBench, AFolderThatWasKilledBeforeItsFirstRowIsGoneOnWith) {
+  const std::string folder = ::testing::TempDir() + "bench_killed_early";
+  fs::remove_all(folder);
+  fs::create_directories(folder);
+  std::ofstream(folder + "/rows.jsonl.part") << "{";
+  EXPECT_NO_THROW(open_bench_folder(folder, true));
+  EXPECT_THROW(open_bench_folder(folder, false), InputError);
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace prospect::bench_settings_test
