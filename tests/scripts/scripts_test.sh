@@ -163,8 +163,8 @@ one_line 1 "nothing to stop" "stop of nothing"
 mkdir -p "$gazebo_dir/run" "$gazebo_dir/var/log"
 present=yes address=http://127.0.0.1:9 gazebo start "$world" "$gazebo_dir"
 one_line 1 "the server ended" "a server that ends"
-# Who holds the lock runs.
-flock "$gazebo_dir/run/prospect-gazebo.lock" sleep 60 &
+# Who holds the lock runs. Without a process of its own, or `sleep` would outlive it and the test would wait for it.
+flock --no-fork "$gazebo_dir/run/prospect-gazebo.lock" sleep 60 &
 holder=$!
 for ((i = 0; i < 50; ++i)); do flock -n "$gazebo_dir/run/prospect-gazebo.lock" true || break; sleep 0.02; done
 present=yes gazebo start "$world" "$gazebo_dir"
