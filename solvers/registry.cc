@@ -95,17 +95,9 @@ std::vector<Entry> entries() {
   all.push_back(
       {"sqp", "sequential quadratic programming with curvature by stage", "", &make_sqp_solver});
   all.push_back({"hybrid",
-                 "many seeds scored in one batch, the best of different basins polished with "
-                 "derivatives",
-                 "NLopt (libnlopt-dev) or Ipopt (coinor-libipopt-dev)",
-                 {}});
-#if defined(PROSPECT_WITH_NLOPT)
-  all.back().make = [] {
-    return make_hybrid_solver("hybrid", {&make_solver, "nlopt:LD_LBFGS", "nlopt:LD_SLSQP"});
-  };
-#elif defined(PROSPECT_WITH_IPOPT)
-  all.back().make = [] { return make_hybrid_solver("hybrid", {&make_solver, "ipopt", "ipopt"}); };
-#endif
+                 "many seeds scored in one batch, the best polished with derivatives, then "
+                 "neighbours of the incumbent",
+                 "", [] { return make_hybrid_solver("hybrid", &make_solver); }});
   std::sort(all.begin(), all.end(), [](const Entry& a, const Entry& b) { return a.name < b.name; });
   return all;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "solvers/evaluator.h"
+#include "solvers/hybrid/neighbours.h"
 #include "solvers/hybrid/spread_candidates.h"
 #include "solvers/options.h"
 #include "solvers/sampling/rate_projection.h"
@@ -17,11 +18,11 @@
 namespace prospect {
 namespace {
 
-// Two polished points nearer than this are on their way to one minimum [-].
-constexpr double kMerged = 0.02;
+// Starts that are polished from one incumbent: as many threads have work.
+constexpr int kStartsPerTurn = 2;
 
-// What an evaluation with its gradient takes, in scores (docs/results/performance.md).
-constexpr double kGradientPerScore = 3.0;
+// With fewer evaluations a start comes to nothing.
+constexpr int kLeastPolish = 10;
 
 // Under a deadline this many seeds are scored at a time, a register of floats, until this share of
 // the time is over: those given come best first.
@@ -38,27 +39,23 @@ StopCondition::Clock::time_point part_way(StopCondition::Clock::time_point lates
   return now + std::chrono::duration_cast<StopCondition::Clock::duration>(share * (latest - now));
 }
 
-/// A point that stands for a basin: a seed at first, then what its polish has come to.
-struct Basin {
+/// A point that may be polished.
+struct Seed {
   Eigen::VectorXd x;  ///< free variables
   double cost = 0.0, violation = 0.0;
-  Eigen::MatrixXd stage_hessians;  ///< WarmStart::stage_hessians, of the polish
-  bool settled = false;            ///< its polish found nothing more to gain at the loose tolerance
 };
 
 class HybridSolver final : public SolverFrame {
  public:
-  HybridSolver(std::string name, HybridPolish polish)
-      : name_(std::move(name)), polish_(std::move(polish)) {}
+  HybridSolver(std::string name, FindSolver find)
+      : name_(std::move(name)), find_(std::move(find)) {}
 
   std::string name() const override { return name_; }
 
   std::vector<OptionInfo> options() const override {
     std::vector<OptionInfo> options = common_options();
     options.push_back(threads_option());
-    options.push_back({"polish", std::string("auto"),
-                       "back end with derivatives that polishes; auto: " + polish_.unconstrained +
-                           " without constraints, " + polish_.constrained + " with"});
+    options.push_back({"polish", std::string("sqp"), "back end with derivatives that polishes"});
     options.push_back({"candidates", 0,
                        "seeds that are scored, the given ones included; 0: those that are given, "
                        "or " +
@@ -69,7 +66,9 @@ class HybridSolver final : public SolverFrame {
     options.push_back(
         {"separation", 0.3, "distance below which two seeds share a basin, 0 or more [-]"});
     options.push_back(
-        {"polish_evaluations", 10, "evaluations a basin gets in the first round, 2 or more"});
+        {"polish_evaluations", 30, "evaluations of each start but the first, 2 or more"});
+    options.push_back(
+        {"patience", 6, "turns without gain after which no further start is polished, 0 or more"});
     options.push_back(
         {"polish_tolerance", 1e-3, "relative change of cost at which a basin is left, 0 to 1 [-]"});
     return options;
@@ -93,12 +92,12 @@ class HybridSolver final : public SolverFrame {
     whole("segments", 1, "1 to 1000000");
     whole("basins", 1, "1 to 1000000");
     whole("polish_evaluations", 2, "2 to 1000000");
+    whole("patience", 0, "0 to 1000000");
     options.require_value("separation", options.number("separation") >= 0.0, "0 or more");
     const double tolerance = options.number("polish_tolerance");
     options.require_value("polish_tolerance", tolerance >= 0.0 && tolerance <= 1.0, "0 to 1");
-    if (options.text("polish") == "auto") return;
     try {
-      const auto polish = polish_.find(options.text("polish"));
+      const auto polish = find_(options.text("polish"));
       options.require_value(
           "polish",
           dynamic_cast<const SolverFrame*>(polish.get()) != nullptr && polish->name() != name_,
@@ -110,83 +109,77 @@ class HybridSolver final : public SolverFrame {
 
   Result run(Evaluator& evaluator, const OptionSet& options, const WarmStart& warm_start,
              const Eigen::VectorXd& start) const override {
-    const std::string& asked = options.text("polish");
-    const auto found = polish_.find(asked != "auto"                   ? asked
-                                    : evaluator.num_constraints() > 0 ? polish_.constrained
-                                                                      : polish_.unconstrained);
+    const auto found = find_(options.text("polish"));
     const auto& polish = dynamic_cast<const SolverFrame&>(*found);
     const std::string unsupported = polish.explain_unsupported(evaluator.problem());
     if (!unsupported.empty()) throw std::invalid_argument(polish.name() + ": " + unsupported);
 
-    const StopCondition::Clock::time_point began = StopCondition::Clock::now();
-    std::vector<Basin> basins = score(evaluator, options, warm_start, start);
-    // Each gets its first round within half of what is left.
-    int evaluations = options.integer("polish_evaluations");
-    int affordable = evaluator.evaluations_left() / (2 * evaluations);
-    if (evaluator.latest() != StopCondition::Clock::time_point::max() && basins.size() > 1) {
-      const StopCondition::Clock::time_point now = StopCondition::Clock::now();
-      const double polish = kGradientPerScore / static_cast<double>(basins.size()) *
-                            std::chrono::duration<double>(now - began).count();  // [s]
-      const double left = std::chrono::duration<double>(evaluator.latest() - now).count();
-      double in_time = left / (2.0 * evaluations * polish);
-      // Scores were taken on one thread, basins are polished on several. Where there is time for
-      // one only, a polish that begins anew after a round costs more than a second basin brings.
-      if (in_time >= 2.0) in_time *= options.integer("threads");
-      affordable = static_cast<int>(std::clamp(in_time, 0.0, static_cast<double>(affordable)));
-    }
-    keep_apart(evaluator, options.number("separation"),
-               std::min(options.integer("basins"), std::max(1, affordable)), basins);
-    const std::size_t opened = basins.size();
+    std::vector<Seed> seeds = score(evaluator, options, warm_start, start);
+    keep_apart(evaluator, options.number("separation"), options.integer("basins"), seeds);
+
     Options coarse = {
         {"tolerance", std::max(options.number("polish_tolerance"), evaluator.options().tolerance)},
         {"feasibility_tolerance", evaluator.options().feasibility_tolerance},
-        {"seed", static_cast<int>(evaluator.options().seed)}};
-    while (basins.size() > 1 && !evaluator.should_stop()) {
-      // Half of what is left goes to the rounds to come and to the end of the best.
-      const int share = evaluator.evaluations_left() / (2 * static_cast<int>(basins.size()));
-      if (share < 2) break;
-      coarse["max_evaluations"] = std::min(evaluations, share);
-      // Half of the time, likewise; the best goes first.
-      const StopCondition::Clock::time_point end = part_way(evaluator.latest(), 0.5);
-      std::vector<Basin*> open;
-      std::vector<WarmStart> starts;
-      for (Basin& basin : basins) {
-        if (basin.settled) continue;
-        open.push_back(&basin);
-        starts.emplace_back().x = evaluator.expand(basin.x);
-        starts.back().stage_hessians = basin.stage_hessians;
+        {"seed", static_cast<int>(evaluator.options().seed)},
+        {"max_evaluations", std::max(1, evaluator.evaluations_left() / 2)}};
+    const RateProjection rate(evaluator.problem());
+    Eigen::MatrixXd stage_hessians = warm_start.stage_hessians;
+    std::size_t opened = 1;
+    int neighbour = 0, begun = 0, turns_without_gain = 0;
+    std::vector<WarmStart> starts(1);
+    starts.front().x = evaluator.expand(seeds.front().x);
+    starts.front().stage_hessians = stage_hessians;
+    while (!evaluator.should_stop()) {
+      const Seed before = {evaluator.incumbent(), evaluator.incumbent_cost(),
+                           evaluator.incumbent_violation()};
+      for (const auto& r : polish.solve_within(evaluator, starts, coarse, evaluator.latest())) {
+        if (!r) continue;
+        ++begun;
+        if (r->cost == evaluator.incumbent_cost()) stage_hessians = r->next.stage_hessians;
       }
-      const auto results = polish.solve_within(evaluator, starts, coarse, end);
-      for (std::size_t b = 0; b < open.size(); ++b) {
-        const std::optional<Result>& r = results[b];
-        if (!r || r->quality == Quality::kNone) continue;
-        Basin& basin = *open[b];
-        basin.x = evaluator.reduce(r->x);
-        basin.cost = r->cost;
-        basin.violation = r->violation;
-        basin.stage_hessians = r->next.stage_hessians;
-        basin.settled = r->stop == StopReason::kConverged;
+      evaluator.count_iteration();
+      const bool gained = gains(evaluator, before, options.number("polish_tolerance"));
+      turns_without_gain = gained ? 0 : turns_without_gain + 1;
+      // One share is for the end of the best.
+      const int share = evaluator.evaluations_left() / (kStartsPerTurn + 1);
+      if (turns_without_gain > options.integer("patience") || share < kLeastPolish) break;
+      coarse["max_evaluations"] = std::min(options.integer("polish_evaluations"), share);
+      const Eigen::VectorXd best = evaluator.expand(evaluator.incumbent());
+      starts.clear();
+      if (opened < seeds.size()) starts.emplace_back().x = evaluator.expand(seeds[opened++].x);
+      while (static_cast<int>(starts.size()) < kStartsPerTurn) {
+        Eigen::VectorXd& z = starts.emplace_back().x;
+        z = neighbours(evaluator.problem(), best, ++neighbour, 1);
+        rate.apply(z);
       }
-      rank(evaluator, basins);
-      keep_apart(evaluator, kMerged, static_cast<int>(basins.size() + 1) / 2, basins);
-      evaluations *= 2;
+      for (WarmStart& s : starts) s.stage_hessians = stage_hessians;
     }
     WarmStart next = warm_start;
     next.x = evaluator.expand(evaluator.incumbent());
-    next.stage_hessians = basins.front().stage_hessians;
+    next.stage_hessians.resize(0, 0);
     Options fine = coarse;
     fine["tolerance"] = evaluator.options().tolerance;
     fine["max_evaluations"] = std::max(1, evaluator.evaluations_left());
     const Result end = polish.solve_within(evaluator, next, fine);
     return evaluator.finish(end.stop, end.quality == Quality::kFeasibleOptimum,
-                            "best of " + std::to_string(opened) + " basins, " + end.detail,
+                            "best of " + std::to_string(begun) + " starts, " + end.detail,
                             end.next);
   }
 
  private:
+  /// Whether the incumbent is better than `before` by more than a relative `tolerance`.
+  static bool gains(const Evaluator& evaluator, const Seed& before, double tolerance) {
+    const double feasible = evaluator.options().feasibility_tolerance;
+    if (before.violation > feasible) {
+      return evaluator.incumbent_violation() < (1.0 - tolerance) * before.violation;
+    }
+    return evaluator.incumbent_cost() <
+           before.cost - tolerance * std::max(1.0, std::abs(before.cost));
+  }
+
   /// The seeds that can be evaluated, best first.
-  static std::vector<Basin> score(Evaluator& evaluator, const OptionSet& options,
-                                  const WarmStart& warm_start, const Eigen::VectorXd& start) {
+  static std::vector<Seed> score(Evaluator& evaluator, const OptionSet& options,
+                                 const WarmStart& warm_start, const Eigen::VectorXd& start) {
     const Problem& problem = evaluator.problem();
     const Eigen::MatrixXd& given = warm_start.seeds;
     if (given.cols() > 0 && (given.rows() != problem.num_variables() || !given.allFinite())) {
@@ -210,8 +203,8 @@ class HybridSolver final : public SolverFrame {
       X.col(s) = evaluator.reduce(z);
     }
     // The start is evaluated already, and the incumbent until the batch is.
-    std::vector<Basin> seeds = {
-        {start, evaluator.incumbent_cost(), evaluator.incumbent_violation(), {}, false}};
+    std::vector<Seed> seeds = {
+        {start, evaluator.incumbent_cost(), evaluator.incumbent_violation()}};
     const auto total = static_cast<int>(X.cols());
     const bool hurried = own == 0 && evaluator.latest() != StopCondition::Clock::time_point::max();
     const StopCondition::Clock::time_point end = part_way(evaluator.latest(), kScoringShare);
@@ -223,7 +216,7 @@ class HybridSolver final : public SolverFrame {
       const int done = evaluator.evaluate_batch(batch, cost, violation, Evaluate::kScore);
       for (int s = 0; s < done; ++s) {
         if (std::isfinite(violation[s])) {
-          seeds.push_back({batch.col(s), cost[s], violation[s], {}, false});
+          seeds.push_back({batch.col(s), cost[s], violation[s]});
         }
       }
     }
@@ -233,27 +226,27 @@ class HybridSolver final : public SolverFrame {
   }
 
   /// Feasible before infeasible, then by cost; infeasible ones by violation.
-  static void rank(const Evaluator& evaluator, std::vector<Basin>& basins) {
+  static void rank(const Evaluator& evaluator, std::vector<Seed>& basins) {
     const double tolerance = evaluator.options().feasibility_tolerance;
-    const auto key = [&](const Basin& b) {
+    const auto key = [&](const Seed& b) {
       return std::pair(b.violation <= tolerance ? 0.0 : b.violation, b.cost);
     };
     std::stable_sort(basins.begin(), basins.end(),
-                     [&](const Basin& a, const Basin& b) { return key(a) < key(b); });
+                     [&](const Seed& a, const Seed& b) { return key(a) < key(b); });
   }
 
   /// Keeps the best of ranked basins that are at least `separation` from every better one kept.
   static void keep_apart(const Evaluator& evaluator, double separation, int most,
-                         std::vector<Basin>& basins) {
+                         std::vector<Seed>& basins) {
     const Eigen::ArrayXd range = evaluator.upper() - evaluator.lower();
     const auto n = static_cast<double>(range.size());
     const double best = basins.front().cost;
     const double spread = std::max(std::abs(basins[basins.size() / 2].cost - best),
                                    1e-9 * std::max(1.0, std::abs(best)));
-    std::vector<Basin> kept;
-    for (Basin& basin : basins) {
+    std::vector<Seed> kept;
+    for (Seed& basin : basins) {
       if (static_cast<int>(kept.size()) == most) break;
-      const bool apart = std::all_of(kept.begin(), kept.end(), [&](const Basin& other) {
+      const bool apart = std::all_of(kept.begin(), kept.end(), [&](const Seed& other) {
         const double along_z = ((basin.x - other.x).array() / range).square().sum() / n;
         const double along_cost = (basin.cost - other.cost) / spread;
         return along_z + along_cost * along_cost >= separation * separation;
@@ -264,13 +257,13 @@ class HybridSolver final : public SolverFrame {
   }
 
   std::string name_;
-  HybridPolish polish_;
+  FindSolver find_;
 };
 
 }  // namespace
 
-std::shared_ptr<const Solver> make_hybrid_solver(std::string name, HybridPolish polish) {
-  return std::make_shared<HybridSolver>(std::move(name), std::move(polish));
+std::shared_ptr<const Solver> make_hybrid_solver(std::string name, FindSolver find) {
+  return std::make_shared<HybridSolver>(std::move(name), std::move(find));
 }
 
 }  // namespace prospect

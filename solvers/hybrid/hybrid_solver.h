@@ -17,38 +17,33 @@ namespace prospect {
 ///     bounds and rate limits, and take half of the evaluations at most.
 ///  2. All are scored in one batch and ranked: feasible first, then by cost, else by violation.
 ///     Under a deadline, given seeds are scored in their order for a sixteenth of the time only
-///     (StopCondition::latest()), eight at least.
-///  3. Down the ranking, a seed opens a basin unless it is near one already open,
+///     (StopCondition::latest()), eight at least. Down the ranking, a seed is a start unless it is
+///     near a better one that is,
 ///       |z - z'|^2 / n + ((J - J') / (J_median - J_best))^2 < separation^2,
-///     z normalised by the ranges of the variables, until `basins` are open, or as many as can have
-///     their first round with half of what is left: of the evaluations, and of the time, if the
-///     stop condition says when it strikes (an evaluation with its gradient is taken for three
-///     times the time of a score; `threads` share the basins, if one had time for two).
-///  4. In rounds, every open basin is polished by the back end `polish` to a loose tolerance, best
-///     first and as many at a time as there are `threads` (Evaluator::run_beside), and the better
-///     half of what they came to stays open; those that came to the same point count once. The
-///     first round gives each `polish_evaluations`, every other twice as many as the one before,
-///     but no round more than half of what is left. Shares are counted in evaluations, so that
-///     results do not depend on the clock; where the stop condition says when it strikes
-///     (StopCondition::latest()), a round that has used up half of that time polishes no further
-///     basin but the best, so a solve under a deadline may differ though it did not strike.
+///     z normalised by the ranges of the variables, until there are `basins` of them.
+///  3. The back end `polish` polishes the best seed to the relative change of cost
+///     `polish_tolerance`, with half of the evaluations left at most.
+///  4. In turns, two starts are polished to the same tolerance with `polish_evaluations` at most:
+///     the next seed and a neighbour of the incumbent (neighbours.h), or two neighbours once there
+///     is no seed left. They begin with the second derivatives by states that the polish of the
+///     incumbent ended with. A turn gains where it lowers the cost by more than `polish_tolerance`;
+///     after `patience` turns in a row without gain, one more ends the search, and so does a budget
+///     whose third is fewer than ten evaluations.
 ///  5. The incumbent is polished until `polish` calls it converged or the budget is used up.
 ///
-/// The incumbent is the best of everything evaluated, whoever evaluated it. Nothing is drawn at
-/// random. Takes problems that its polish takes: with gradients. Why it stopped, and whether the
-/// incumbent is an optimum (a local one), are those of step 5.
+/// `threads` share the scores, and the two starts of a turn (Evaluator::run_beside). Both begin at
+/// the incumbent before the turn, so results have the same bits for any number of threads; no share
+/// depends on the clock but that of step 2. The incumbent is the best of everything evaluated,
+/// whoever evaluated it: a deadline finds it at any time. Nothing is drawn at random. Takes
+/// problems that its polish takes: with gradients. Why it stopped, and whether the incumbent is an
+/// optimum (a local one), are those of step 5.
 ///
-/// Source: multistart with clustering of starts, Rinnooy Kan and Timmer (1987); halving of the
-/// field, Karnin et al. (2013); the distance and the shares are our choice.
+/// Source: iterated local search, Lourenco, Martin and Stutzle (2003); multistart with clustering
+/// of starts, Rinnooy Kan and Timmer (1987); distance, shares and neighbours are our choice.
 ///
-/// `polish` is looked up by `find`, which throws std::invalid_argument for unknown names. Its
-/// fallback "auto" is `unconstrained` for problems without constraints and `constrained` for
-/// others.
-struct HybridPolish {
-  std::function<std::shared_ptr<const Solver>(std::string_view name)> find;
-  std::string unconstrained, constrained;
-};
+/// `find` looks `polish` up; it throws std::invalid_argument for unknown names.
+using FindSolver = std::function<std::shared_ptr<const Solver>(std::string_view name)>;
 
-std::shared_ptr<const Solver> make_hybrid_solver(std::string name, HybridPolish polish);
+std::shared_ptr<const Solver> make_hybrid_solver(std::string name, FindSolver find);
 
 }  // namespace prospect

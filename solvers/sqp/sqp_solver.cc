@@ -26,6 +26,7 @@ constexpr double kLeastCurvature = 1e-8;
 
 constexpr double kSufficientDecrease = 1e-4;
 constexpr int kLineSearch = 25;          // points of one line search
+constexpr double kLeastFloor = 1e-4;     // of the eigenvalues, as a share of the option's
 constexpr int kSmallSteps = 3;           // in a row, that gain no more than the tolerance
 constexpr double kLargestPenalty = 1e6;  // rho in search of a common point of the constraints
 
@@ -180,7 +181,7 @@ class Sqp {
   void condense(const Point& p) {
     hessian_ = p.stages.input_hessian;
     by_drift_.setZero();
-    curvature_.condense(least_eigenvalue_, p.stages.sensitivity, p.stages.drift, hessian_,
+    curvature_.condense(floor_ * least_eigenvalue_, p.stages.sensitivity, p.stages.drift, hessian_,
                         by_drift_);
   }
 
@@ -253,6 +254,8 @@ class Sqp {
         const double gain = here - evaluator_.cost() - rho_ * missing(evaluator_.constraints());
         if (gain >= kSufficientDecrease * alpha * slope_) {
           take(there_);
+          const bool as_expected = i == 0 && gain >= 0.5 * expected_;
+          floor_ = std::clamp(floor_ * (as_expected ? 0.25 : 4.0), kLeastFloor, 1.0);
           return true;
         }
         if (i == 0 && left_ == 0.0 &&
@@ -336,6 +339,7 @@ class Sqp {
   Point here_, there_;
   StageCurvature curvature_;
   QuadraticProgram programme_, penalty_;
+  double floor_ = 1.0;  // of what least_eigenvalue_ says
   double rho_ = 1.0, left_ = 0.0, slope_ = 0.0, expected_ = 0.0;
   bool scaled_ = false;
   std::vector<Eigen::Index> remainder_;
@@ -354,8 +358,8 @@ class SqpSolver final : public SolverFrame {
                        "iterations at first in which the states do not follow the dynamics, from "
                        "all states at x0; 0: none"});
     options.push_back({"least_eigenvalue", 1e-2,
-                       "of the second derivatives of a stage, above 0 [cost per squared unit of "
-                       "the state]"});
+                       "of the second derivatives of a stage in the first step, above 0 [cost "
+                       "per squared unit of the state]"});
     return options;
   }
 

@@ -17,8 +17,11 @@ namespace prospect {
 ///
 ///  * P_k, nx x nx, is the second derivative by x_k, from differences of the stages' gradients at
 ///    the start (one evaluation for each entry of the state: all stages are moved at once), then
-///    from the symmetric rank-one formula, without further evaluations; projected on positive
-///    matrices (StageCurvature). The curvature of the dynamics is left out.
+///    from the symmetric rank-one formula, without further evaluations; its eigenvalues are raised
+///    to a floor (StageCurvature), `least_eigenvalue` at first, a quarter of it after each full
+///    step that gains at least half of what it promised, four times it after any other: near a
+///    flat minimum a fixed floor makes small steps that promise little. The curvature of the
+///    dynamics is left out.
 ///  * H_u is the Gauss-Newton Hessian of costs of inputs alone.
 ///  * Q is a damped BFGS approximation of what is left of the Lagrangian's Hessian in the variables
 ///    that move no state: all of it in a plain nonlinear programme, nothing in a planning problem.

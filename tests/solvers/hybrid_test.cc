@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <vector>
+
+#include "solvers/hybrid/neighbours.h"
 #include "solvers/hybrid/spread_candidates.h"
 #include "solvers/registry.h"
 #include "tests/solvers/problem_zoo.h"
@@ -66,6 +69,44 @@ TEST(SpreadCandidates, FillTheBoxAndReachItsBounds) {
   EXPECT_EQ(spread_candidates(zoo::rosenbrock().problem(), 3, 4).rows(), 2);
 }
 
+TEST(Neighbours, ReplaceOneStretchByAConstant) {
+  const PathProblem path = path_problem();
+  const Problem& problem = path.problem;
+  const Vector z = 0.3 * problem.upper() + 0.7 * problem.lower();
+  const Eigen::MatrixXd Z = neighbours(problem, z, 1, 600);
+  ASSERT_EQ(Z.cols(), 600);
+  Eigen::ArrayXi lengths = Eigen::ArrayXi::Zero(11), replaced = Eigen::ArrayXi::Zero(10);
+  int on_upper = 0, on_lower = 0;
+  for (Eigen::Index c = 0; c < Z.cols(); ++c) {
+    std::vector<int> knots;
+    for (int m = 0; m < 10; ++m) {
+      if (Z.col(c).segment<2>(2 * m) != z.segment<2>(2 * m)) knots.push_back(m);
+    }
+    ASSERT_FALSE(knots.empty());
+    const auto length = static_cast<int>(knots.size());
+    EXPECT_EQ(knots.back() - knots.front() + 1, length);
+    for (const int m : knots) {
+      EXPECT_EQ(Z.col(c).segment<2>(2 * m), Z.col(c).segment<2>(2 * knots.front()));
+      ++replaced[m];
+    }
+    ++lengths[length];
+    const int first = 2 * knots.front();
+    on_upper += Z(first, c) == problem.upper()[first];
+    on_lower += Z(first, c) == problem.lower()[first];
+  }
+  // All lengths alike, every knot often, a sixth of the constants on each bound.
+  EXPECT_GE(lengths.tail(10).minCoeff(), 50);
+  EXPECT_LE(lengths.maxCoeff(), 70);
+  EXPECT_GE(replaced.minCoeff(), 150);
+  EXPECT_NEAR(on_upper, 100, 15);
+  EXPECT_NEAR(on_lower, 100, 15);
+  EXPECT_TRUE((Z.array() <= problem.upper().replicate(1, 600).array()).all());
+  EXPECT_TRUE((Z.array() >= problem.lower().replicate(1, 600).array()).all());
+  // A sequence: where it is taken up does not matter.
+  EXPECT_EQ(neighbours(problem, z, 5, 3), Z.middleCols(4, 3));
+  EXPECT_EQ(neighbours(problem, z, 1, 0).cols(), 0);
+}
+
 TEST_F(Hybrid, LeavesTheBasinOfItsStart) {
   for (const Case& c : {zoo::camel(), ripples()}) {
     SCOPED_TRACE(c.name);
@@ -98,8 +139,6 @@ TEST_F(Hybrid, TakesTheSeedsItIsGiven) {
   // None of its own besides: polishing begins, at the best of the three.
   EXPECT_EQ(watch->points[3], watch->points[1]);
   EXPECT_NEAR(r.cost, 0.0, 1e-6);
-  // Alone, with no seed of its own either, it stays where it starts.
-  EXPECT_GT(solve(problem, c.start, {{"candidates", 1}}).cost, 1.0);
 }
 
 TEST_F(Hybrid, RefusesSeedsThatDoNotFit) {
@@ -130,6 +169,7 @@ TEST_F(Hybrid, PolishesWithWhatItIsTold) {
               testing::HasSubstr("'nlopt:LD_SLSQP'"));
   EXPECT_THAT(detail({{"polish", std::string("hybrid")}}), testing::HasSubstr("other than this"));
   EXPECT_THAT(detail({{"basins", 0}}), testing::HasSubstr("1 to"));
+  EXPECT_THAT(detail({{"patience", -1}}), testing::HasSubstr("0 to"));
   EXPECT_THAT(detail({{"separation", -0.1}}), testing::HasSubstr("0 or more"));
   EXPECT_THAT(detail({{"polish_tolerance", 2.0}}), testing::HasSubstr("0 to 1"));
 }
@@ -149,23 +189,34 @@ TEST_F(Hybrid, SharesASmallBudget) {
   }
 }
 
-TEST_F(Hybrid, LeavesTimeForTheEndOfTheBest) {
+TEST_F(Hybrid, SearchesNearTheIncumbentUntilTurnsGainNothing) {
   const Case c = ripples();
   WarmStart warm;
   warm.x = c.start;
-  // It says that its time is over, but never stops: no basin but the best has any time.
-  const StopCondition over([] { return StopRequest::kNone; }, StopCondition::Clock::now());
-  const Options basins = {{"basins", 8}};
-  const Result hurried = solver_->solve(c.problem(), warm, basins, over);
-  const Result whole = solver_->solve(c.problem(), warm, basins, {});
-  EXPECT_EQ(hurried.stop, StopReason::kConverged);
-  EXPECT_THAT(hurried.detail, testing::HasSubstr("best of 1 basins"));
-  EXPECT_THAT(whole.detail, testing::HasSubstr("best of 8 basins"));
-  EXPECT_LT(2 * hurried.counters.gradient_evaluations, whole.counters.gradient_evaluations);
-  // Time enough: nothing changes.
-  const Result unhurried = solver_->solve(c.problem(), warm, basins, deadline(1e6));
-  EXPECT_EQ(unhurried.x, whole.x);
-  EXPECT_EQ(unhurried.counters.gradient_evaluations, whole.counters.gradient_evaluations);
+  const auto search = [&](int patience, const StopCondition& stop = {}) {
+    return solver_->solve(c.problem(), warm, {{"candidates", 1}, {"patience", patience}}, stop);
+  };
+  const double local = make_solver("sqp")->solve(c.problem(), warm, {}, {}).cost;
+  const Result brief = search(0), usual = search(6), patient = search(60);
+  EXPECT_LE(brief.cost, local);
+  EXPECT_LT(usual.cost, local - 1.0);
+  EXPECT_NEAR(patient.cost, 0.0, 1e-6);
+  EXPECT_LT(brief.counters.cost_evaluations, usual.counters.cost_evaluations);
+  // Two starts in each of 61 turns at least, after the first.
+  EXPECT_GE(patient.counters.iterations, 61);
+  // Time enough changes nothing.
+  const Result timed = search(6, deadline(1e6));
+  EXPECT_EQ(timed.x, usual.x);
+  EXPECT_EQ(timed.counters.cost_evaluations, usual.counters.cost_evaluations);
+}
+
+TEST_F(Hybrid, HasTheSameBitsOnTwoThreads) {
+  const PathProblem path = path_problem();
+  const Result one = solve(path.problem, Vector::Constant(20, 0.6));
+  const Result two = solve(path.problem, Vector::Constant(20, 0.6), {{"threads", 2}});
+  EXPECT_EQ(one.x, two.x);
+  EXPECT_EQ(one.counters.cost_evaluations, two.counters.cost_evaluations);
+  EXPECT_EQ(one.detail, two.detail);
 }
 
 // By 5 ms, scores of seeds took two of them, and the best was not polished to its end.

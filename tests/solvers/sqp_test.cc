@@ -80,5 +80,14 @@ TEST(Sqp, GoesOnWithTheCurvatureOfItsResult) {
   EXPECT_LE(evaluations(first.next) + 2, evaluations(without));
 }
 
+// A fixed floor under the curvature of the stages makes steps in a flat valley that promise less
+// than the tolerance far from its minimum.
+TEST(Sqp, ReachesTheEndOfAFlatValley) {
+  const PathProblem path = path_problem();
+  const Result r = make_solver("sqp")->solve(path.problem, {}, {}, {});
+  EXPECT_EQ(r.quality, Quality::kFeasibleOptimum);
+  EXPECT_LE(r.cost, 1e-7);
+}
+
 }  // namespace
 }  // namespace prospect::sqp_test
