@@ -57,9 +57,9 @@ interrupted() {
   process=$!
   sleep "$after"
   # Again and again: a shell without a terminal starts it with the signal ignored, until it has its own handler.
-  for _ in {1..20}; do
+  for _ in {1..200}; do
     kill -INT $process 2>/dev/null || break
-    sleep 1
+    sleep 0.1
   done
   if kill -KILL $process 2>/dev/null; then fail "$*: still runs 20 s after an interrupt"; fi
   wait $process
