@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <vector>
 
+#include "adapters/images/image_codec.h"
 #include "models/range_text.h"
 
 namespace prospect {
@@ -38,8 +38,7 @@ GroundPicture draw(const GroundMap& map, const std::string& image_name, Shade sh
     image.at<std::uint8_t>(frame.height - 1 - (c.j - frame.j0), c.i - frame.i0) =
         shade(map.state(c));
   }
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", image, bytes);
+  const std::vector<std::uint8_t> bytes = encode_pixels(".png", image);
   GroundPicture picture;
   picture.png.assign(bytes.begin(), bytes.end());
   const double r = frame.resolution;

@@ -8,8 +8,9 @@
 #include <opencv2/imgproc.hpp>
 
 #include "adapters/datasets/numbered_files.h"
-#include "adapters/files/checked_png.h"
 #include "adapters/files/input_error.h"
+#include "adapters/images/checked_png.h"
+#include "adapters/images/image_codec.h"
 
 namespace prospect {
 namespace {
@@ -113,8 +114,8 @@ RawImage decode_image(std::string_view bytes, const std::string& name) {
   if (checked.empty()) undecodable(name);
   cv::Mat image;
   try {
-    image = cv::imdecode(cv::Mat(1, static_cast<int>(checked.size()), CV_8UC1, checked.data()),
-                         cv::IMREAD_UNCHANGED);
+    image = decode_pixels(cv::Mat(1, static_cast<int>(checked.size()), CV_8UC1, checked.data()),
+                          cv::IMREAD_UNCHANGED);
   } catch (const cv::Exception&) {
     image.release();
   }

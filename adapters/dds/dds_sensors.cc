@@ -15,6 +15,7 @@
 #include "adapters/datasets/ros_scan_messages.h"
 #include "adapters/datasets/stereo_calibration.h"
 #include "adapters/files/input_error.h"
+#include "adapters/images/image_codec.h"
 #include "adapters/ros/sensor_msgs.h"
 #include "perception/odometry/rectification.h"
 
@@ -213,6 +214,7 @@ DdsSensors::DdsSensors(const DdsOptions& options, DdsNode& node, DdsTransforms& 
   };
   const auto images = [&](const std::string& topic, bool compressed, Camera camera) {
     if (topic.empty()) return;
+    if (compressed) load_image_codecs();
     node.subscribe(
         topic,
         compressed ? ros::definition_of<ros::CompressedImage>() : ros::definition_of<ros::Image>(),

@@ -28,7 +28,8 @@ struct DdsCameras {
 /// a lidar whose frame tf does not know at the scan's stamp) is left out, and is a fault of its
 /// topic (DdsNode::fault()) until a good one comes.
 ///
-/// Declares its topics on the node: make it before DdsNode::start(). Inbox, transforms and node
+/// Declares its topics on the node: make it before DdsNode::start(). Throws InputError if images
+/// come compressed and OpenCV's codecs cannot be loaded. Inbox, transforms and node
 /// must outlive it, and inbox and transforms the node's thread. Thread-safety: any thread.
 class DdsSensors {
  public:

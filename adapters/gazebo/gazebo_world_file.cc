@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <type_traits>
@@ -14,6 +13,7 @@
 
 #include "adapters/gazebo/number_stream.h"
 #include "adapters/gazebo/texture_atlas.h"
+#include "adapters/images/image_codec.h"
 
 namespace prospect {
 namespace {
@@ -25,8 +25,8 @@ namespace {
 std::string png(const Image& image) {
   const cv::Mat pixels(image.height, image.width, CV_8UC1,
                        const_cast<std::uint8_t*>(image.pixels.data()));
-  std::vector<std::uint8_t> bytes;
-  if (!cv::imencode(".png", pixels, bytes)) refuse("a page of textures cannot be written as PNG");
+  const std::vector<std::uint8_t> bytes = encode_pixels(".png", pixels);
+  if (bytes.empty()) refuse("a page of textures cannot be written as PNG");
   return {bytes.begin(), bytes.end()};
 }
 

@@ -10,6 +10,7 @@
 #include <variant>
 
 #include "adapters/files/input_error.h"
+#include "adapters/images/image_codec.h"
 #include "adapters/live/access.h"
 #include "adapters/live/foxglove_protocol.h"
 #include "adapters/page/landmark_picture.h"
@@ -50,6 +51,7 @@ struct FoxgloveShow::Impl {
       }
     }
     messages.fixed();
+    load_image_codecs();
   }
 
   void tell(std::size_t channel, Told told);

@@ -24,7 +24,8 @@ class FoxgloveShow {
  public:
   static constexpr std::size_t kWaiting = 20;
 
-  /// options: as of the mission's log, if it has one. `commands` outlive it.
+  /// options: as of the mission's log, if it has one. `commands` outlive it. Throws InputError if
+  /// the codecs of its pictures cannot be loaded.
   FoxgloveShow(const MissionMessageOptions& options, LiveCommands& commands);
   ~FoxgloveShow();
 

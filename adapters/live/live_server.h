@@ -28,8 +28,8 @@ struct LiveMission {
 /// token. A request that names this server by a foreign name is refused (access.h).
 ///
 /// Thread-safety: one thread makes and ends it. Errors: the constructor throws InputError, one
-/// line, for a port, host or token that cannot be used, and NotBuiltIn without Boost. After that
-/// nothing throws.
+/// line, for a port, host or token that cannot be used or codecs of pictures that cannot be loaded,
+/// and NotBuiltIn without Boost. After that nothing throws.
 class LiveServer {
  public:
   /// feed and requests outlive it.

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "adapters/images/image_codec.h"
+
 namespace prospect {
 namespace {
 
@@ -112,6 +114,7 @@ class PageViewer final : public Viewer {
 
 PageShow::PageShow(double resolution, bool real_time, LiveCommands& commands)
     : resolution_(resolution), real_time_(real_time), commands_(commands) {
+  load_image_codecs();
   renew_status();
 }
 

@@ -23,7 +23,7 @@ namespace prospect {
 class PageShow {
  public:
   /// resolution [m] of the ground cells. real_time: else a simulation in lockstep. `commands`
-  /// outlives it.
+  /// outlives it. Throws InputError if the codecs of its pictures cannot be loaded.
   PageShow(double resolution, bool real_time, LiveCommands& commands);
 
   void add(const LiveFeed::News& news);

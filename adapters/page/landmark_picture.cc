@@ -7,6 +7,7 @@
 #include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "adapters/images/image_codec.h"
 #include "adapters/page/binary_text.h"
 
 namespace prospect {
@@ -24,7 +25,7 @@ LandmarkPicture landmark_picture(int frame, const Image& image,
                      const_cast<std::uint8_t*>(image.pixels.data()));
   cv::Mat small;
   cv::resize(full, small, cv::Size(picture.width, picture.height), 0, 0, cv::INTER_AREA);
-  cv::imencode(".jpg", small, picture.jpeg, {cv::IMWRITE_JPEG_QUALITY, kQuality});
+  picture.jpeg = encode_pixels(".jpg", small, {cv::IMWRITE_JPEG_QUALITY, kQuality});
   for (const LandmarkSighting& s : sightings) {
     picture.features.push_back({static_cast<float>(scale * s.pixel.x()),
                                 static_cast<float>(scale * s.pixel.y()),

@@ -8,6 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "adapters/images/image_codec.h"
+
 namespace prospect {
 namespace {
 
@@ -181,8 +183,8 @@ std::string Drawing::png(double dots_per_inch) const {
       }
     }
   }
-  std::vector<std::uint8_t> bytes;
-  cv::imencode(".png", image, bytes, {cv::IMWRITE_PNG_COMPRESSION, 9});
+  const std::vector<std::uint8_t> bytes =
+      encode_pixels(".png", image, {cv::IMWRITE_PNG_COMPRESSION, 9});
   return {bytes.begin(), bytes.end()};
 }
 

@@ -5,6 +5,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "adapters/images/image_codec.h"
+
 namespace prospect {
 
 FieldPicture field_picture(const CostToGoPicture& picture, int max_pixels) {
@@ -38,7 +40,7 @@ FieldPicture field_picture(const CostToGoPicture& picture, int max_pixels) {
     image.at<std::uint8_t>(small.frame.height - 1 - n / small.frame.width, n % small.frame.width) =
         value == kNone ? 0 : static_cast<std::uint8_t>(1 + std::lround(per_second * value));
   }
-  cv::imencode(".png", image, small.png, {cv::IMWRITE_PNG_COMPRESSION, 9});
+  small.png = encode_pixels(".png", image, {cv::IMWRITE_PNG_COMPRESSION, 9});
   return small;
 }
 

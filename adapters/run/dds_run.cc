@@ -86,9 +86,9 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
       .ranges = range_look(inbox, stop, depth.value_or(RangeCamera{})),
       .on_perceived = pictures.perceived()};
   if (depth) robot.floor = newest_floor(inbox, *depth, c.robot.base_height());
+  RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));
   if (options.on_start) options.on_start();
   ExplorationRunResult result;
-  RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));
   Unmeasured unmeasured;
   const auto observe = [&](const MissionStep& step) {
     publisher.publish(step);

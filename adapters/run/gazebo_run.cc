@@ -127,9 +127,9 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
       .ranges = range_look(inbox, stop, depth),
       .floor = newest_floor(inbox, depth, c.robot.base_height()),
       .on_perceived = pictures.perceived()};
+  RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));
   if (options.on_start) options.on_start();
   ExplorationRunResult result;
-  RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));
   const auto observe = [&](const MissionStep& step) {
     disk.write();
     const SimulatedTruth estimated = unmeasured.at(step);

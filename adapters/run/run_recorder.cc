@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "adapters/images/image_codec.h"
 #include "adapters/run/configured_record.h"
 #include "adapters/run/summary.h"
 #include "engine/planner/planner.h"
@@ -192,7 +193,9 @@ std::vector<CandidateRecord> candidate_records(const Plan& plan, const Problem* 
 
 struct RunRecorder::Impl {
   Impl(const Configuration& c, const ExplorationRunOptions& o, const Planner* p)
-      : configuration(c), options(o), planner(p) {}
+      : configuration(c), options(o), planner(p) {
+    if (options.keep_steps) load_image_codecs();
+  }
 
   const Configuration& configuration;
   const ExplorationRunOptions& options;

@@ -19,7 +19,8 @@ class Planner;
 /// is NaN in SimulatedTruth. Thread-safety: one thread at a time. Throws what those two throw.
 class RunRecorder {
  public:
-  /// All of it outlives this. `planner`: the Planner that plans; null: another one does.
+  /// All of it outlives this. `planner`: the Planner that plans; null: another one does. Throws
+  /// InputError if steps are kept and the codecs of their pictures cannot be loaded.
   RunRecorder(const Configuration& configuration, const ExplorationRunOptions& options,
               const Planner* planner);
   ~RunRecorder();

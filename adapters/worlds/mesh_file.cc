@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "adapters/files/not_built_in.h"
+#include "adapters/images/image_codec.h"
 
 namespace prospect {
 namespace {
@@ -83,9 +84,10 @@ std::vector<std::uint8_t> without_colour_profile(const std::uint8_t* data, std::
 
 std::optional<Image> decode_texture(const std::uint8_t* data, std::size_t size) {
   try {
-    const std::vector<std::uint8_t> bytes = without_colour_profile(data, size);
+    std::vector<std::uint8_t> bytes = without_colour_profile(data, size);
     if (bytes.empty()) return std::nullopt;
-    const cv::Mat grey = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+    const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data());
+    const cv::Mat grey = decode_pixels(raw, cv::IMREAD_GRAYSCALE);
     if (grey.empty()) return std::nullopt;
     Image image(grey.cols, grey.rows);
     for (int v = 0; v < grey.rows; ++v) {
@@ -477,6 +479,8 @@ TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submes
   limits.memory =
       static_cast<std::size_t>(std::min(4096 * kMegabyte, 1024 * kMegabyte + 40 * size));
   limits.seconds = std::min(120.0, 20.0 + static_cast<double>(size / kMegabyte));
+  // Here, or each child would load them by itself, within its limits.
+  load_image_codecs();
   TexturedMesh mesh;
   const std::string bytes = run_in_child(
       path, [&] { return packed(import(path, extension, unsaid, submesh)); }, limits,

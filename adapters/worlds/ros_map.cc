@@ -17,9 +17,10 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/files/checked_png.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/strict_yaml.h"
+#include "adapters/images/checked_png.h"
+#include "adapters/images/image_codec.h"
 
 namespace prospect {
 namespace {
@@ -258,7 +259,7 @@ MapImage read_image(const std::string& path) {
   try {
     const cv::Mat raw(1, static_cast<int>(bytes.size()), CV_8UC1, bytes.data());
     // The fourth channel of a BMP is mostly padding.
-    mat = cv::imdecode(raw, png ? cv::IMREAD_UNCHANGED : cv::IMREAD_COLOR);
+    mat = decode_pixels(raw, png ? cv::IMREAD_UNCHANGED : cv::IMREAD_COLOR);
   } catch (const cv::Exception&) {
     mat.release();
   }

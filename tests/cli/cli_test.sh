@@ -372,6 +372,20 @@ for row in "commit  *\([0-9a-f]\{40\}\|none\)" "compiler  *[A-Z]" "flags  *-" "b
   "OctoMap  *1.*liboctomap.so" "HDF5  *1.*libhdf5" "yaml-cpp  *0"; do
   grep -q "^$row" out.txt || fail "--version: no row '$row' in '$out'"
 done
+# Loading OpenCV's codecs of images takes longer than many a command: who uses them loads them.
+libraries="$(LD_TRACE_LOADED_OBJECTS=1 "$prospect")"
+[[ "$libraries" != *imgcodecs* ]] || fail "each start loads the codecs of images"
+codecs="$(grep -o 'libopencv_core[^ ]*' <<<"$libraries" | head -1)"
+codecs="${codecs/core/imgcodecs}"
+# Damaged, they are told of before a mission begins, and before a robot's compressed images come.
+mkdir damaged
+echo "no library" >"damaged/$codecs"
+LD_LIBRARY_PATH=damaged refused "codecs of images that are damaged" "$codecs: " "; expected OpenCV's codecs" "${explore[@]}" office
+(($(wc -l <err.txt) == 1)) || fail "codecs of images that are damaged: more than one line: '$err'"
+printf 'domain: 95\nloopback: true\ntimeout: 0.1\ncommand: {dead_man: 0.5}\nstereo: {compressed: true}\n' >topics.yaml
+LD_LIBRARY_PATH=damaged run drive --base dds --ros topics.yaml --out none
+((code == 3)) || LD_LIBRARY_PATH=damaged refused "compressed images and no codecs" "$codecs: " "; expected OpenCV's codecs" \
+  drive --base dds --ros topics.yaml --out none
 succeeds "--version --json" --version --json
 for key in version commit commit_changed compiler flags build_type libraries name built_with runs_with; do
   grep -q "\"$key\": " out.txt || fail "--version --json has no '$key'"

@@ -57,9 +57,9 @@ interrupted() {
   process=$!
   sleep "$after"
   # Again and again: a shell without a terminal starts it with the signal ignored, until it has its own handler.
-  for _ in {1..20}; do
+  for _ in {1..200}; do
     kill -INT $process 2>/dev/null || break
-    sleep 1
+    sleep 0.1
   done
   if kill -KILL $process 2>/dev/null; then fail "$*: still runs 20 s after an interrupt"; fi
   wait $process
@@ -98,7 +98,12 @@ interrupted 2 bench missions --solver sampling --out bench_none
 
 # --- Progress: one line, on a terminal only, and not if told to be quiet.
 # on_terminal COMMAND: what it writes where standard error is a terminal, with carriage returns as line ends.
-on_terminal() { script -qec "TERM=xterm NO_COLOR=1 $(printf %q "$prospect") $1" /dev/null </dev/null | tr '\r' '\n' >shown.txt; }
+# A set that is captured says so from the start: it need not come to its end.
+on_terminal() {
+  local limit=""
+  [[ $1 != *--capture* ]] || limit="timeout --foreground --signal INT 3"
+  script -qec "TERM=xterm NO_COLOR=1 $limit $(printf %q "$prospect") $1" /dev/null </dev/null | tr '\r' '\n' >shown.txt
+}
 if command -v script >/dev/null; then
   "$write_stereo_recording" stereo 12 || fail "no stereo recording was written"
   "$write_depth_recording" depth || fail "no depth recording was written"

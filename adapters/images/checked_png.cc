@@ -1,4 +1,4 @@
-#include "adapters/files/checked_png.h"
+#include "adapters/images/checked_png.h"
 
 #include <zlib.h>
 
