@@ -249,6 +249,18 @@ TEST(PlannerCalls, WhatDoesNotFitIsRefused) {
   call.ground.frame[0] = std::numeric_limits<std::int32_t>::min();
   refused(false, call, "no frame of a map");
   call = first;
+  call.ground.frame[2] = 1 << 30;
+  call.ground.frame[5] = 0;  // as many places as there are values: none
+  call.ground.values.clear();
+  refused(false, call, "no frame of a map");
+  call = first;
+  call.voxels.frame[5] = 0;
+  call.voxels.values.clear();
+  refused(false, call, "no frame of a map");
+  call = first;
+  call.landmark_runs = {0, 3, 0, 0, 3, 0};  // of four
+  refused(true, call, "landmarks more than once");
+  call = first;
   call.landmark_runs[1] = 7;
   refused(false, call, "landmarks that are not there");
   call = first;
