@@ -83,7 +83,7 @@ int replay_unchanged(const RecordedRun& run, const std::string& world,
   std::vector<std::string> words = arguments.program;
   words.insert(words.end(), {"explore", world, "--config", configuration, "--seed",
                              std::to_string(run.seed), "--out", out, "--quiet"});
-  if (run.is_log) words.push_back("--mcap");
+  if (run.log) words.push_back("--mcap");
   for (const std::string& plugin : arguments.plugins)
     words.insert(words.end(), {"--plugin", plugin});
   const std::function<bool()> cancelled = catch_interrupts();
@@ -103,7 +103,7 @@ int replay_unchanged(const RecordedRun& run, const std::string& world,
     return end->signal == 0 && end->code > 1 ? end->code : kFailed;
   }
   RecordedRun now;
-  if (run.is_log) {
+  if (run.log) {
     const LogRows rows = rows_of_log(out + "/mission.mcap", {});
     now.header = rows.header;
     now.rows = rows.rows;
@@ -155,7 +155,7 @@ void write_replay(const RecordedRun& run, const Replay& replay, const ReplayArgu
   }
   if (changed.empty()) changed = "nothing changed";
   const fs::path out = !arguments.out.empty() ? fs::path(arguments.out)
-                       : run.is_log           ? fs::path(run.source).parent_path() / "replay"
+                       : run.log              ? fs::path(run.source).parent_path() / "replay"
                                               : fs::path(run.source) / "replay";
   std::error_code error;
   fs::create_directories(out, error);
@@ -221,22 +221,25 @@ int replay_drive(const RecordedRun& run, bool unchanged, const ReplayArguments& 
   options.to = arguments.to;
   options.cancelled = catch_interrupts();
   options.progress = [&](const StepRecord& step) { progress.show(step, configuration.solver); };
-  const std::string log =
-      run.is_log ? run.source : (fs::path(run.source) / "mission.mcap").string();
-  const DriveReplay made = replay_calls(log, configuration, registries, options);
+  const DriveReplay made = replay_calls(run, configuration, registries, options);
   progress.finish();
+  for (const std::string& note : made.notes) std::cerr << "prospect: " << note << '\n';
+  if (options.cancelled()) return kFailed;
   if (!unchanged) {
     write_replay(run, made.replay, arguments);
-    return kDone;
-  }
-  if (made.difference.step >= 0) {
+  } else if (made.difference.step >= 0) {
     std::printf("%s: step %d differs: %s\n", run.source.c_str(), made.difference.step,
                 made.difference.what.c_str());
-    return kFailed;
+  } else {
+    std::printf("%s: %d plans from the recorded beliefs, the same bits\n", run.source.c_str(),
+                made.plans);
   }
-  std::printf("%s: %d plans from the recorded beliefs, the same bits\n", run.source.c_str(),
-              made.plans);
-  return kDone;
+  if (!made.missing.empty()) {
+    std::printf("%s: %s, is not in the log: %d of %d plans were made anew\n", run.source.c_str(),
+                made.missing.c_str(), made.plans, made.steps);
+  }
+  const bool differs = unchanged && made.difference.step >= 0;
+  return differs || !made.missing.empty() ? kFailed : kDone;
 }
 
 }  // namespace

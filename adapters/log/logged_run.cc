@@ -165,7 +165,11 @@ LoggedRun read_logged_run(const std::string& path, const Registries& registries)
   if (!std::filesystem::exists(path, error)) {
     throw InputError(path + ": no such file; expected the log of a mission, a .mcap file");
   }
-  const BagFile bag = BagFile::open(path);
+  return read_logged_run(BagFile::open(path), path, registries);
+}
+
+LoggedRun read_logged_run(const BagFile& bag, const std::string& path,
+                          const Registries& registries) {
   // A robot that was not fit to drive has made no step; the summary says why.
   const BagTopic* steps_topic = bag.find(topic::kStep);
   if ((!steps_topic || steps_topic->messages.empty()) &&

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "adapters/config/registries.h"
+#include "adapters/datasets/bag_file.h"
 #include "adapters/run/run_record.h"
 
 namespace prospect {
@@ -24,5 +25,8 @@ struct LoggedRun {
 /// configuration may name; one that cannot be read is noted, and robot and zones are then those of
 /// the default configuration.
 LoggedRun read_logged_run(const std::string& path, const Registries& registries = {});
+/// Of a log that is open; `path` is for messages.
+LoggedRun read_logged_run(const BagFile& bag, const std::string& path,
+                          const Registries& registries);
 
 }  // namespace prospect

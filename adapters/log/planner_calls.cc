@@ -166,8 +166,8 @@ GridFrame frame_of(const MapChanges& changes, const std::string& said) {
     return place >= -kFarthestPlace && place <= kFarthestPlace;
   };
   const bool sound =
-      changes.resolution > 0.0 && near(i0) && near(j0) && near(k0) && width >= 0 && height >= 0 &&
-      depth >= 0 && std::int64_t{width} * height <= kMostPlaces &&
+      changes.resolution > 0.0 && near(i0) && near(j0) && near(k0) && width >= 1 && height >= 1 &&
+      depth >= 1 && std::int64_t{width} * height <= kMostPlaces &&
       std::int64_t{width} * height * depth <= kMostPlaces &&
       static_cast<std::size_t>(std::int64_t{width} * height * depth) == changes.values.size();
   if (!sound) damaged(said, "no frame of a map");
@@ -303,7 +303,7 @@ Belief PlannerCallReader::belief(const PlannerCall& call, const std::string& sai
     if (!ground_ && !call.ground.whole) damaged(said, "changes of no ground map");
     auto ground = call.ground.whole ? std::make_shared<GroundMap>(frame_of(call.ground, said))
                                     : std::make_shared<GroundMap>(*ground_);
-    const GridFrame frame = ground->frame();
+    const GridFrame frame = ground->frame();  // of whole tiles, as that of the map that was told
     if (call.ground.whole && static_cast<std::size_t>(frame.size()) != call.ground.values.size()) {
       damaged(said, "no frame of a ground map");
     }
@@ -324,13 +324,15 @@ Belief PlannerCallReader::belief(const PlannerCall& call, const std::string& sai
         call.landmark_values.size() != kLandmarkValues * call.landmark_ids.size()) {
       damaged(said, "landmarks that are cut off");
     }
-    std::size_t next = 0;
+    std::size_t next = 0, left = before;
     for (std::size_t r = 0; r < call.landmark_runs.size(); r += 3) {
       const std::size_t first = call.landmark_runs[r], kept = call.landmark_runs[r + 1],
                         made = call.landmark_runs[r + 2];
       if (first > before || kept > before - first || made > call.landmark_ids.size() - next) {
         damaged(said, "landmarks that are not there");
       }
+      if (kept > left) damaged(said, "landmarks more than once");
+      left -= kept;
       for (std::size_t n = first; n < first + kept; ++n) {
         map->landmarks.push_back(landmarks_->landmarks[n]);
       }

@@ -1,7 +1,7 @@
 #include "adapters/replay/drive_replay.h"
 
 #include <algorithm>
-#include <cstdint>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <system_error>
@@ -11,6 +11,7 @@
 #include "adapters/datasets/mission_topics.h"
 #include "adapters/files/input_error.h"
 #include "adapters/log/logged_run.h"
+#include "adapters/log/planner_calls.h"
 #include "adapters/ros/cdr.h"
 #include "adapters/run/run_recorder.h"
 #include "adapters/run/unmeasured.h"
@@ -21,29 +22,31 @@
 namespace prospect {
 namespace {
 
-/// How a plan differs from the recorded one; "" if its bits are the same.
+/// How a plan differs from the recorded one; "" if all that is recorded of it is the same.
 std::string difference_of(const Plan& plan, const PlannerCall& recorded) {
-  const auto differs = [](const char* name, const auto& was, const auto& is) {
-    return std::string(name) + ": " + exact_text(static_cast<double>(was)) + " recorded, " +
-           exact_text(static_cast<double>(is)) + " now";
+  std::string difference;
+  const auto compare = [&](const char* name, double was, double is) {
+    const bool same = was == is || (std::isnan(was) && std::isnan(is));
+    if (same || !difference.empty()) return;
+    difference =
+        std::string(name) + ": " + exact_text(was) + " recorded, " + exact_text(is) + " now";
   };
-  if (plan_hash(plan) == recorded.plan_hash) return "";
-  if (plan.explanation.cost != recorded.cost) {
-    return differs("cost", recorded.cost, plan.explanation.cost);
-  }
-  if (plan.counters.cost_evaluations != recorded.cost_evaluations) {
-    return differs("cost evaluations", recorded.cost_evaluations, plan.counters.cost_evaluations);
-  }
-  return "the plan, of the same cost";
+  compare("cost", recorded.cost, plan.explanation.cost);
+  compare("cost evaluations", recorded.cost_evaluations, plan.counters.cost_evaluations);
+  compare("gradient evaluations", recorded.gradient_evaluations,
+          plan.counters.gradient_evaluations);
+  if (difference.empty() && plan_hash(plan) != recorded.plan_hash)
+    return "the plan, of the same cost";
+  return difference;
 }
 
-}  // namespace
+/// The calls of a log in their order, up to the first that is not there.
+struct Calls {
+  std::vector<PlannerCall> there;
+  bool more = false;  ///< later ones are in the log, or were dropped
+};
 
-std::vector<PlannerCall> read_planner_calls(const std::string& log) {
-  if (std::error_code error; !std::filesystem::exists(log, error)) {
-    throw InputError(log + ": no such file; expected the log that drive writes");
-  }
-  const BagFile bag = BagFile::open(log);
+Calls read_calls(const BagFile& bag, const std::string& log) {
   const BagTopic* topic = bag.find(topic::kPlannerCalls);
   if (!topic || topic->messages.empty()) {
     throw InputError(log + ": no " + topic::kPlannerCalls +
@@ -53,31 +56,49 @@ std::vector<PlannerCall> read_planner_calls(const std::string& log) {
     throw InputError(log + ": " + topic->name + " is of " + topic->type + "; expected " +
                      PlannerCall::kType);
   }
-  std::vector<PlannerCall> calls;
+  Calls calls;
+  std::vector<PlannerCall>& there = calls.there;
   for (const BagTopic::Message& message : topic->messages) {
     const std::string said =
-        log + ": message " + std::to_string(calls.size() + 1) + " of " + topic->name;
-    calls.push_back(ros::from_cdr<PlannerCall>(bag.read(message), said));
+        log + ": message " + std::to_string(there.size() + 1) + " of " + topic->name;
+    there.push_back(ros::from_cdr<PlannerCall>(bag.read(message), said));
   }
   // Not by their times: a plan is of a time to come.
-  std::stable_sort(calls.begin(), calls.end(), [](const PlannerCall& a, const PlannerCall& b) {
+  std::stable_sort(there.begin(), there.end(), [](const PlannerCall& a, const PlannerCall& b) {
     return a.sequence < b.sequence;
   });
-  for (std::size_t n = 0; n < calls.size(); ++n) {
-    if (calls[n].sequence == n) continue;
-    calls.resize(n);
-    break;
-  }
+  std::size_t n = 0;
+  while (n < there.size() && there[n].sequence == n) ++n;
+  const BagFile::Fields* dropped = bag.metadata(topic::kDropped);
+  calls.more = n < there.size() || (dropped && dropped->count(topic::kPlannerCalls) > 0);
+  there.resize(n);
   return calls;
 }
 
-DriveReplay replay_calls(const std::string& log, const Configuration& configuration,
+std::string log_of(const RecordedRun& run) {
+  if (run.log) return run.source;
+  const std::string log = (std::filesystem::path(run.source) / "mission.mcap").string();
+  if (std::error_code error; !std::filesystem::exists(log, error)) {
+    throw InputError(log + ": no such file; expected the log that drive writes");
+  }
+  return log;
+}
+
+}  // namespace
+
+DriveReplay replay_calls(const RecordedRun& run, const Configuration& configuration,
                          const Registries& registries, const ReplayOptions& options) {
   DriveReplay result;
-  const std::vector<PlannerCall> calls = read_planner_calls(log);
-  result.replay.record = read_logged_run(log, registries).record;
+  const std::string log = log_of(run);
+  const BagFile bag = run.log ? *run.log : BagFile::open(log);
+  const auto [calls, more] = read_calls(bag, log);
+  LoggedRun logged = read_logged_run(bag, log, registries);
+  result.notes = std::move(logged.notes);
+  result.replay.record = std::move(logged.record);
   std::map<int, const StepRecord*> recorded;
   for (const StepRecord& step : result.replay.record.steps) recorded[step.step] = &step;
+  result.steps = std::max(static_cast<int>(run.rows.size()),
+                          recorded.empty() ? 0 : recorded.rbegin()->first + 1);
 
   Planner planner(configuration.robot, configuration.planner,
                   registries.solvers.make(configuration.solver));
@@ -89,7 +110,8 @@ DriveReplay replay_calls(const std::string& log, const Configuration& configurat
   Unmeasured unmeasured;
   PlannerCallReader reader;
   Plan plan;
-  int step = -1;  // of the newest plan
+  int step = -1;                       // of the newest plan
+  const StepRecord* newest = nullptr;  // that is recorded
   for (std::size_t n = 0; n < calls.size() && step < options.to; ++n) {
     if (options.cancelled && options.cancelled()) break;
     const PlannerCall& call = calls[n];
@@ -117,6 +139,7 @@ DriveReplay replay_calls(const std::string& log, const Configuration& configurat
     if (!belief.ground) continue;  // nothing can be planned, nothing was
     const std::shared_ptr<const GlobalPlan> global_plan = planner.global_plan();
     const auto found = recorded.find(step);
+    if (found != recorded.end()) newest = found->second;
     const double time = found == recorded.end() ? belief.stamp : found->second->time;
     const MissionStep shown{step, time, &belief, &plan, global_plan.get(), 0, GuardReason::kPassed};
     recorder.add(shown, unmeasured.at(shown));
@@ -124,6 +147,16 @@ DriveReplay replay_calls(const std::string& log, const Configuration& configurat
     if (step >= options.from && found != recorded.end()) {
       result.replay.steps.push_back({*found->second, made});
     }
+  }
+  const bool cancelled = options.cancelled && options.cancelled();
+  if (cancelled || step >= options.to || (!more && result.plans >= result.steps)) return result;
+  result.missing = "call " + std::to_string(calls.size()) + " of the planner, " +
+                   (newest ? "after step " + std::to_string(newest->step) + " at " +
+                                 exact_text(std::round(1e3 * newest->time) / 1e3) + " s"
+                           : "before the first step");
+  if (result.plans == 0 || step < options.from) {
+    fail(log, result.missing + ", is not in it; expected the calls up to step " +
+                  std::to_string(std::max(options.from, 0)) + " at least");
   }
   return result;
 }

@@ -82,11 +82,23 @@ RecordedRun read_folder(const fs::path& folder) {
   return run;
 }
 
+LogRows rows_of(const LoggedRun& logged) {
+  const std::vector<std::string> terms = term_columns(logged.record.steps);
+  LogRows out;
+  out.header = step_header(terms);
+  out.header.pop_back();
+  for (const StepRecord& step : logged.record.steps) {
+    out.rows.push_back(step_row(step, terms));
+    out.rows.back().pop_back();
+  }
+  return out;
+}
+
 RecordedRun read_log(const std::string& path, const Registries& registries) {
   RecordedRun run;
   run.source = path;
-  run.is_log = true;
   const BagFile bag = BagFile::open(path);
+  run.log = bag;
   const BagFile::Fields* fields = bag.metadata(topic::kRun);
   if (!fields) fail(path, "no mission's log; expected one of explore or drive");
   const auto entry = [&](const char* name) {
@@ -104,7 +116,8 @@ RecordedRun read_log(const std::string& path, const Registries& registries) {
   if (run.world_source.empty()) run.world_source = run.world;
   const BagFile::Fields* end = bag.metadata(topic::kSummary);
   run.whole = end && end->count("json") && came_to_its_end(end->at("json"));
-  LogRows rows = rows_of_log(path, registries);
+  if (run.real_time) return run;
+  LogRows rows = rows_of(read_logged_run(bag, path, registries));
   run.header = std::move(rows.header);
   run.rows = std::move(rows.rows);
   return run;
@@ -150,16 +163,7 @@ RecordedRun read_recorded_run(const std::string& path, const Registries& registr
 }
 
 LogRows rows_of_log(const std::string& path, const Registries& registries) {
-  const LoggedRun logged = read_logged_run(path, registries);
-  const std::vector<std::string> terms = term_columns(logged.record.steps);
-  LogRows out;
-  out.header = step_header(terms);
-  out.header.pop_back();
-  for (const StepRecord& step : logged.record.steps) {
-    out.rows.push_back(step_row(step, terms));
-    out.rows.back().pop_back();
-  }
-  return out;
+  return rows_of(read_logged_run(path, registries));
 }
 
 RunDifference first_difference(const RecordedRun& recorded, const std::string& header,

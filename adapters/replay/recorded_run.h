@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "adapters/config/registries.h"
+#include "adapters/datasets/bag_file.h"
 
 namespace prospect {
 
@@ -19,11 +21,11 @@ struct RecordedRun {
   bool real_time = false;
   std::string configuration;  ///< effective, as YAML
   /// steps.csv: header and a row a planning step. Of a log those that its messages tell, as
-  /// rows_of_log() has them.
+  /// rows_of_log() has them; none of the log of a run in real time, which is not driven again.
   std::string header;
   std::vector<std::string> rows;
-  bool is_log = false;
-  bool whole = true;  ///< it came to its end: it was not killed or cancelled
+  std::optional<BagFile> log;  ///< of a run that is given as its log
+  bool whole = true;           ///< it came to its end: it was not killed or cancelled
 };
 
 /// Reads a run folder, or the log of a mission (.mcap). Throws InputError, one line: neither of

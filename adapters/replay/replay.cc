@@ -89,7 +89,7 @@ Replay replay_beside(const RecordedRun& recorded, const std::shared_ptr<const Wo
         ++compared;
         return;
       }
-      if (parted || recorded.is_log) return;
+      if (parted || recorded.log) return;
       RecordedRun until = recorded;
       until.rows = {compared < recorded.rows.size() ? recorded.rows[compared] : ""};
       std::string header = step_header(terms);
@@ -118,7 +118,7 @@ Replay replay_beside(const RecordedRun& recorded, const std::shared_ptr<const Wo
     if (options.progress) options.progress(step);
   };
   driven.cancelled = [&] {
-    const bool all_driven = !recorded.is_log && compared >= recorded.rows.size();
+    const bool all_driven = !recorded.log && compared >= recorded.rows.size();
     return past || parted || all_driven || (options.cancelled && options.cancelled());
   };
   replay.record = run_exploration(world, configuration, driven).record;

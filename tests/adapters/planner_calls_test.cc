@@ -5,9 +5,13 @@
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "adapters/files/input_error.h"
 #include "adapters/ros/cdr.h"
@@ -56,7 +60,7 @@ Belief belief() {
   LandmarkMap map;
   map.landmarks = {landmark(4, 1.0), landmark(9, 2.0), landmark(2, 3.0), landmark(7, 4.0)};
   map.feature_density = 3.5;
-  map.odometry_noise = OdometryNoise{.position_per_metre = 0.004, .scale = 0.02};
+  map.odometry_noise = OdometryNoise{0.004, 0.005, 0.006, 0.007, 80.0, 9.0, 0.02};
   b.landmarks = std::make_shared<const LandmarkMap>(map);
   return b;
 }
@@ -94,9 +98,14 @@ void expect_same(const Belief& a, const Belief& b) {
   EXPECT_EQ(a.landmarks->image_cell, b.landmarks->image_cell);
   ASSERT_EQ(a.landmarks->odometry_noise.has_value(), b.landmarks->odometry_noise.has_value());
   if (a.landmarks->odometry_noise) {
-    EXPECT_EQ(a.landmarks->odometry_noise->position_per_metre,
-              b.landmarks->odometry_noise->position_per_metre);
-    EXPECT_EQ(a.landmarks->odometry_noise->scale, b.landmarks->odometry_noise->scale);
+    const OdometryNoise &m = *a.landmarks->odometry_noise, &n = *b.landmarks->odometry_noise;
+    EXPECT_EQ(m.position_per_metre, n.position_per_metre);
+    EXPECT_EQ(m.position_per_radian, n.position_per_radian);
+    EXPECT_EQ(m.yaw_per_metre, n.yaw_per_metre);
+    EXPECT_EQ(m.yaw_per_radian, n.yaw_per_radian);
+    EXPECT_EQ(m.reference_count, n.reference_count);
+    EXPECT_EQ(m.floor_count, n.floor_count);
+    EXPECT_EQ(m.scale, n.scale);
   }
   ASSERT_EQ(a.landmarks->landmarks.size(), b.landmarks->landmarks.size());
   for (std::size_t n = 0; n < a.landmarks->landmarks.size(); ++n) {
@@ -158,6 +167,23 @@ TEST(PlannerCalls, BeliefsAreTheSameWhateverChanges) {
   b.ground = std::make_shared<const GroundMap>(ground);
   told(b);
 
+  // Every other place, and the same frame at another height or of another depth.
+  for (int n = 0; n < voxels.frame().size(); n += 2) {
+    const Cell cell = voxels.frame().at(n);
+    voxels.set(cell.i, cell.j, n % 5, CellState::kFree);
+  }
+  b.voxels = std::make_shared<const VoxelGrid>(voxels);
+  told(b);
+  const auto same_data = [&](int k0, int depth) {
+    const std::size_t size = static_cast<std::size_t>(voxels.frame().size() * depth);
+    return std::make_shared<const VoxelGrid>(voxels.frame(), k0, depth,
+                                             std::vector<CellState>(size, CellState::kFree));
+  };
+  for (const auto& [k0, depth] : {std::pair(0, 4), std::pair(1, 4), std::pair(1, 6)}) {
+    b.voxels = same_data(k0, depth);
+    told(b);
+  }
+
   // Landmarks that change, come, go, and change places.
   LandmarkMap map = *b.landmarks;
   map.landmarks[1].position.x() += 1e-15;
@@ -186,11 +212,13 @@ TEST(PlannerCalls, TasksAndPlansAreTold) {
   PlannerCallWriter writer;
   Task task = Task::go_to({1.5, -2.5}, 0.25);
   task.goal.position_tolerance = 0.3;
+  task.goal.yaw_tolerance = 0.4;
   const Task read = task_of(through_bytes(writer.task(task)), "call");
   EXPECT_EQ(read.kind, TaskKind::kGoTo);
   EXPECT_EQ(read.goal.position, task.goal.position);
   EXPECT_EQ(read.goal.yaw, task.goal.yaw);
   EXPECT_EQ(read.goal.position_tolerance, 0.3);
+  EXPECT_EQ(read.goal.yaw_tolerance, 0.4);
   EXPECT_FALSE(read.area);
   const Task area =
       task_of(through_bytes(writer.task(Task::explore(Polygon{{0, 0}, {4, 0}, {4, 3}}))), "call");
@@ -200,15 +228,32 @@ TEST(PlannerCalls, TasksAndPlansAreTold) {
 
   Plan plan;
   plan.states = {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(0.1, 0, 0)};
+  plan.inputs = {Eigen::Vector2d(0.4, 0.1)};
   plan.commands = {{{0.4, 0, 0}, 0.1}};
+  plan.tail = {{{0.2, 0, 0}, 0.0}};
+  plan.committed = 1;
+  plan.explanation.cost = -1.0 / 3.0;
   plan.counters.cost_evaluations = 48;
+  plan.counters.gradient_evaluations = 12;
   const PlannerCall planned = through_bytes(writer.planned(plan));
   EXPECT_EQ(planned.kind, PlannerCall::kPlanned);
   EXPECT_EQ(planned.plan_hash, plan_hash(plan));
+  EXPECT_EQ(planned.cost, -1.0 / 3.0);
   EXPECT_EQ(planned.cost_evaluations, 48);
-  const std::uint64_t hash = plan_hash(plan);
-  plan.commands[0].yaw_rate = std::nextafter(0.1, 1.0);
-  EXPECT_NE(plan_hash(plan), hash);
+  EXPECT_EQ(planned.gradient_evaluations, 12);
+  std::vector<std::uint64_t> hashes = {plan_hash(plan)};
+  const auto changed = [&](const std::function<void(Plan&)>& change) {
+    Plan other = plan;
+    change(other);
+    hashes.push_back(plan_hash(other));
+  };
+  changed([](Plan& p) { p.states[1].x() = std::nextafter(0.1, 1.0); });
+  changed([](Plan& p) { p.inputs[0].y() = std::nextafter(0.1, 1.0); });
+  changed([](Plan& p) { p.commands[0].yaw_rate = std::nextafter(0.1, 1.0); });
+  changed([](Plan& p) { p.commands[0].linear.z() = 0.1; });
+  changed([](Plan& p) { p.tail[0].linear.x() = std::nextafter(0.2, 1.0); });
+  changed([](Plan& p) { p.committed = 2; });
+  EXPECT_EQ(std::set(hashes.begin(), hashes.end()).size(), hashes.size());
 }
 
 TEST(PlannerCalls, WhatDoesNotFitIsRefused) {
@@ -248,6 +293,18 @@ TEST(PlannerCalls, WhatDoesNotFitIsRefused) {
   call = first;
   call.ground.frame[0] = std::numeric_limits<std::int32_t>::min();
   refused(false, call, "no frame of a map");
+  call = first;
+  call.ground.frame[2] = 1 << 30;
+  call.ground.frame[5] = 0;  // as many places as there are values: none
+  call.ground.values.clear();
+  refused(false, call, "no frame of a map");
+  call = first;
+  call.voxels.frame[5] = 0;
+  call.voxels.values.clear();
+  refused(false, call, "no frame of a map");
+  call = first;
+  call.landmark_runs = {0, 3, 0, 0, 3, 0};  // of four
+  refused(true, call, "landmarks more than once");
   call = first;
   call.landmark_runs[1] = 7;
   refused(false, call, "landmarks that are not there");

@@ -76,11 +76,20 @@ sed -i 's/w_l: [0-9.]*/w_l: 7/' weighed/config.yaml
 run replay weighed --quiet
 ((code == 1)) && grep -qE "weighed: step 0 differs: cost: [-0-9.e]+ recorded, [-0-9.e]+ now" out.txt ||
   fail "another weight in the record: exit $code, '$out'"
-# Of a log that ends early, or lacks calls, what stands before that.
+# Of a log that ends early what stands before that; where the drive went on, that is said.
 mkdir short
 head -c 200000 drive/mission.mcap >short/mission.mcap
 succeeds "a drive that was killed" replay short/mission.mcap --quiet
 grep -qE "short/mission.mcap: [0-9]+ plans from the recorded beliefs, the same bits" out.txt || fail "a drive that was killed: '$out'"
+grep -q "short/mission.mcap: ends early" err.txt || fail "a drive that was killed: '$err'"
+cp drive/steps.csv drive/run.json drive/config.yaml short
+missing="short: call [0-9]+ of the planner, after step [0-9]+ at [0-9.]+ s, is not in the log: [0-9]+ of $plans plans were made anew"
+run replay short --quiet
+((code == 1)) && grep -qE "$missing" out.txt && grep -q "the same bits" out.txt || fail "a log that lacks calls: exit $code, '$out'"
+run replay short --quiet --set planner.N=12
+((code == 1)) && grep -qE "$missing" out.txt && [[ -s short/replay/replay.csv ]] || fail "other plans, of a log that lacks calls: exit $code, '$out'"
+succeeds "steps before that" replay short --quiet --to 1
+refused "steps after that" "short/mission.mcap: call" "expected the calls up to step $((plans - 1))" replay short --from $((plans - 1))
 sed 's/deadline: 0\( \|$\)/deadline: 0.02\1/' drive/config.yaml >weighed/config.yaml
 refused "a drive with a deadline" "weighed: planned within planner.deadline, 0.02 s" "--set planner.deadline=0" replay weighed
 refused "a world for a drive" "--world: a run in real time is not driven again" "expected none" replay drive --world corridor

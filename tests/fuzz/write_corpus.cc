@@ -16,6 +16,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <sstream>
@@ -27,7 +28,9 @@
 #include "adapters/datasets/mission_topics.h"
 #include "adapters/files/strict_yaml.h"
 #include "adapters/log/mission_log.h"
+#include "adapters/log/planner_calls.h"
 #include "adapters/problem_file/problem_file.h"
+#include "adapters/ros/cdr.h"
 #include "adapters/ros/diagnostic_msgs.h"
 #include "adapters/ros/geometry_msgs.h"
 #include "adapters/ros/map_msgs.h"
@@ -314,6 +317,38 @@ std::string messages_of_log(const std::string& path) {
   return all;
 }
 
+/// Beliefs whose maps and landmarks change, a plan and a task, as planner_calls_fuzz.cc takes them.
+std::string planner_calls() {
+  PlannerCallWriter writer;
+  std::string all;
+  const auto add = [&](const PlannerCall& call) {
+    const std::string bytes = ros::to_cdr(call);
+    all += test::le(bytes.size(), 2) + bytes;
+  };
+  const GridFrame frame{0.1, -2, -1, 5, 4};
+  VoxelGrid voxels(frame, 0.0, 0.3);
+  GroundMap ground(frame);
+  LandmarkMap landmarks;
+  Belief belief;
+  for (int n = 0; n < 4; ++n) {
+    belief.stamp = 0.5 * n;
+    voxels.set(n, 1, n % 2, CellState::kOccupied);
+    ground.set({n, 1}, n % 2 == 0 ? CellState::kFree : CellState::kOccupied, n > 1);
+    Landmark landmark;
+    landmark.id = static_cast<std::uint64_t>(n);
+    landmarks.landmarks.push_back(landmark);
+    if (n == 3) landmarks.landmarks.erase(landmarks.landmarks.begin());
+    belief.voxels = std::make_shared<const VoxelGrid>(voxels);
+    belief.ground = std::make_shared<const GroundMap>(ground);
+    belief.landmarks = std::make_shared<const LandmarkMap>(landmarks);
+    add(n % 2 == 0 ? writer.prepare(belief) : writer.plan(belief));
+  }
+  add(writer.planned(Plan()));
+  add(writer.task(Task::go_to({1.0, 2.0}, 0.5)));
+  add(writer.task(Task::explore(Polygon{{0, 0}, {4, 0}, {4, 3}})));
+  return all;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -440,6 +475,7 @@ int main(int argc, char** argv) {
   write("logged_run", "file", kind(0) + mission_log(scratch + ".mcap"));
   write("logged_run", "messages", kind(1) + messages_of_log(scratch + ".mcap"));
   fs::remove(scratch + ".mcap");
+  write("planner_calls", "plain", planner_calls());
   write("image", "pgm", pgm);
   write("image", "png", image(".png", CV_16UC1));
   write("image", "colour", image(".png", CV_8UC3));
