@@ -235,7 +235,7 @@ int replay_drive(const RecordedRun& run, bool unchanged, const ReplayArguments& 
                 made.plans);
   }
   if (!made.missing.empty()) {
-    std::printf("%s: %s, is not in the log: %d of %d plans were made anew\n", run.source.c_str(),
+    std::printf("%s: %s, is not in the log: %d of %d plans were made again\n", run.source.c_str(),
                 made.missing.c_str(), made.plans, made.steps);
   }
   const bool differs = unchanged && made.difference.step >= 0;

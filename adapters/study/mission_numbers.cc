@@ -44,10 +44,10 @@ double relative_pose_error(const std::vector<StepRecord>& steps) {
 const std::vector<MissionNumber>& mission_number_list() {
   using M = MissionNumbers;
   static const std::vector<MissionNumber> numbers = {
-      {{"losses", "losses of localization", 1.0, 1, true, false}, &M::losses},
-      {{"few_share", "time with fewer than N_min features [%]", 100.0, 1, true, false},
+      {{"losses", "losses of localization", 1.0, 1, true, false, true}, &M::losses},
+      {{"few_share", "time with fewer than N_min features [%]", 100.0, 1, true, false, true},
        &M::few_share},
-      {{"error_rms_m", "position error, RMS [m]", 1.0, 3, true, false}, &M::error_rms_m},
+      {{"error_rms_m", "position error, RMS [m]", 1.0, 3, true, false, true}, &M::error_rms_m},
       {{"error_final_m", "position error, final [m]", 1.0, 3, true, false}, &M::error_final_m},
       {{"error_max_m", "position error, largest [m]", 1.0, 3, true, false}, &M::error_max_m},
       {{"error_at_80_m", "position error at 80 % coverage [m]", 1.0, 3, true, false},
@@ -69,10 +69,10 @@ const std::vector<MissionNumber>& mission_number_list() {
        &M::coverage_at_20_m},
       {{"coverage_at_40_m", "coverage after 40 m [%]", 100.0, 1, true, false},
        &M::coverage_at_40_m},
-      {{"coverage", "coverage at the end [%]", 100.0, 1, true, false}, &M::coverage},
-      {{"time_to_90_s", "time to 90 % [s]", 1.0, 0, true, false}, &M::time_to_90_s},
+      {{"coverage", "coverage at the end [%]", 100.0, 1, true, false, true}, &M::coverage},
+      {{"time_to_90_s", "time to 90 % [s]", 1.0, 0, true, false, true}, &M::time_to_90_s},
       {{"duration_s", "duration [s]", 1.0, 0, true, false}, &M::duration_s},
-      {{"path_length_m", "path [m]", 1.0, 1, true, false}, &M::path_length_m},
+      {{"path_length_m", "path [m]", 1.0, 1, true, false, true}, &M::path_length_m},
       {{"collisions", "collisions", 1.0, 1, true, false}, &M::collisions},
       {{"prediction_error", "predicted features, relative error", 1.0, 3, true, false},
        &M::prediction_error},

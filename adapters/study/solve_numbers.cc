@@ -6,15 +6,15 @@ namespace prospect {
 
 const std::vector<StudyNumber>& solve_number_list() {
   static const std::vector<StudyNumber> numbers = {
-      {"solved", "solved [%]", 100.0, 1, true, false},
-      {"gap", "gap to the best known [%]", 100.0, 3, true, false},
+      {"solved", "solved [%]", 100.0, 1, true, false, true},
+      {"gap", "gap to the best known [%]", 100.0, 3, true, false, true},
       {"cost", "cost", 1.0, 6, false, false},
-      {"evaluations_to_target", "evaluations to target", 1.0, 0, true, false},
+      {"evaluations_to_target", "evaluations to target", 1.0, 0, true, false, true},
       {"cost_evaluations", "evaluations", 1.0, 0, true, false},
       {"gradient_evaluations", "of them with gradient", 1.0, 0, true, false},
-      {"ms_to_target", "time to target [ms]", 1.0, 3, true, true},
-      {"wall_ms", "whole solve [ms]", 1.0, 3, true, true},
-      {"overrun_ms", "past the deadline [ms]", 1.0, 3, true, true},
+      {"ms_to_target", "time to target [ms]", 1.0, 3, true, true, true},
+      {"wall_ms", "whole solve [ms]", 1.0, 3, true, true, true},
+      {"overrun_ms", "past the deadline [ms]", 1.0, 3, true, true, true},
   };
   return numbers;
 }

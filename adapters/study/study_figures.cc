@@ -103,13 +103,6 @@ void draw_setups(Drawing& drawing, const StudyPlan& plan, double left, double to
   }
 }
 
-std::size_t number_named(const std::vector<StudyNumber>& all, const std::string& name) {
-  return static_cast<std::size_t>(
-      std::find_if(all.begin(), all.end(),
-                   [&](const StudyNumber& number) { return name == number.name; }) -
-      all.begin());
-}
-
 /// Ratio of means by number, a line for each comparison, on a logarithmic axis.
 Drawing ratio_figure(const std::vector<StudyComparison>& comparisons) {
   constexpr double kLeft = 186.0, kWidth = 270.0, kTop = 14.0, kRow = 7.0;
@@ -170,18 +163,16 @@ Drawing box_figure(const StudyPlan& plan, const std::vector<StudyRow>& rows) {
   constexpr double kWidth = 126.0, kHeight = 90.0, kGapX = 34.0, kGapY = 30.0;
   constexpr int kColumns = 3;
   const std::vector<StudyNumber>& all = study_numbers(plan.study.kind);
-  const std::vector<std::string> chief =
-      plan.study.kind == Study::Kind::kBenches
-          ? std::vector<std::string>{"solved",       "gap",     "evaluations_to_target",
-                                     "ms_to_target", "wall_ms", "overrun_ms"}
-          : std::vector<std::string>{"coverage",  "error_rms_m",  "losses",
-                                     "few_share", "time_to_90_s", "path_length_m"};
+  std::vector<std::size_t> chief;
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    if (all[n].chief) chief.push_back(n);
+  }
   const int lines = (static_cast<int>(chief.size()) + kColumns - 1) / kColumns;
   const double keys = 24.0 + lines * (kHeight + kGapY);
   Drawing drawing(8.0 + kColumns * (kWidth + kGapX),
                   keys + 10.0 * static_cast<double>(plan.setups.size()));
   for (std::size_t k = 0; k < chief.size(); ++k) {
-    const std::size_t n = number_named(all, chief[k]);
+    const std::size_t n = chief[k];
     const StudyNumber& number = all[n];
     std::vector<std::vector<double>> values(plan.setups.size());
     double most = 0.0;

@@ -61,24 +61,18 @@ std::string comparison_table(const StudyComparison& c) {
 /// Ratios of the chief numbers in each world or set.
 std::string input_table(const std::vector<StudyComparison>& inputs, bool benches) {
   if (inputs.empty()) return "";
-  const std::set<std::string> chief =
-      benches
-          ? std::set<std::string>{"solved",           "gap",          "evaluations_to_target",
-                                  "cost_evaluations", "ms_to_target", "wall_ms"}
-          : std::set<std::string>{"losses",   "few_share",    "error_rms_m", "coverage_at_25_cm",
-                                  "coverage", "path_length_m"};
   std::string html = std::string("<h3>Ratio of means by ") + (benches ? "set" : "world") +
                      "</h3><div class=\"scroll\"><table "
                      "class=\"numbers\"><thead><tr><th></th><th>pairs</th>";
   for (const NumberComparison& n : inputs.front().numbers) {
-    if (chief.count(n.number->name)) html += "<th>" + escape_html(n.number->label) + "</th>";
+    if (n.number->chief) html += "<th>" + escape_html(n.number->label) + "</th>";
   }
   html += "</tr></thead><tbody>";
   for (const StudyComparison& c : inputs) {
     html +=
         "<tr><th>" + escape_html(c.input) + "</th><td>" + std::to_string(c.pairs.size()) + "</td>";
     for (const NumberComparison& n : c.numbers) {
-      if (!chief.count(n.number->name)) continue;
+      if (!n.number->chief) continue;
       html += "<td>" + with_interval(n.ratio, 2) + "</td>";
     }
     html += "</tr>";

@@ -83,7 +83,7 @@ succeeds "a drive that was killed" replay short/mission.mcap --quiet
 grep -qE "short/mission.mcap: [0-9]+ plans from the recorded beliefs, the same bits" out.txt || fail "a drive that was killed: '$out'"
 grep -q "short/mission.mcap: ends early" err.txt || fail "a drive that was killed: '$err'"
 cp drive/steps.csv drive/run.json drive/config.yaml short
-missing="short: call [0-9]+ of the planner, after step [0-9]+ at [0-9.]+ s, is not in the log: [0-9]+ of $plans plans were made anew"
+missing="short: call [0-9]+ of the planner, after step [0-9]+ at [0-9.]+ s, is not in the log: [0-9]+ of $plans plans were made again"
 run replay short --quiet
 ((code == 1)) && grep -qE "$missing" out.txt && grep -q "the same bits" out.txt || fail "a log that lacks calls: exit $code, '$out'"
 run replay short --quiet --set planner.N=12
