@@ -36,11 +36,13 @@ namespace {
 /// One of each kind, of those that are built in.
 std::vector<std::string> default_solvers(const SolverRegistry& registry, bool quick) {
   const std::vector<std::string> wanted =
-      quick ? std::vector<std::string>{"hybrid", "ceres", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS",
-                                       "sampling"}
-            : std::vector<std::string>{"hybrid",          "ceres",          "ipopt",
-                                       "nlopt:LD_SLSQP",  "nlopt:LD_LBFGS", "nlopt:LD_CCSAQ",
-                                       "nlopt:LN_BOBYQA", "nlopt:LN_SBPLX", "sampling",
+      quick ? std::vector<std::string>{"hybrid",         "sqp",     "ceres", "nlopt:LD_SLSQP",
+                                       "nlopt:LD_LBFGS", "sampling"}
+            : std::vector<std::string>{"hybrid",         "sqp",
+                                       "ceres",          "ipopt",
+                                       "nlopt:LD_SLSQP", "nlopt:LD_LBFGS",
+                                       "nlopt:LD_CCSAQ", "nlopt:LN_BOBYQA",
+                                       "nlopt:LN_SBPLX", "sampling",
                                        "sampling:cem"};
   std::vector<std::string> names;
   for (const std::string& name : wanted) {
