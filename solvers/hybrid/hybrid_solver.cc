@@ -115,7 +115,7 @@ class HybridSolver final : public SolverFrame {
     if (!unsupported.empty()) throw std::invalid_argument(polish.name() + ": " + unsupported);
 
     std::vector<Seed> seeds = score(evaluator, options, warm_start, start);
-    keep_apart(evaluator, options.number("separation"), options.integer("basins"), seeds);
+    keep_apart(evaluator, start, options.number("separation"), options.integer("basins"), seeds);
 
     Options coarse = {
         {"tolerance", std::max(options.number("polish_tolerance"), evaluator.options().tolerance)},
@@ -222,6 +222,10 @@ class HybridSolver final : public SolverFrame {
     }
     evaluator.count_iteration();
     rank(evaluator, seeds);
+    // The start is what the caller knows: it comes second at the latest.
+    const auto given_start =
+        std::find_if(seeds.begin(), seeds.end(), [&](const Seed& s) { return s.x == start; });
+    if (given_start != seeds.begin()) std::rotate(seeds.begin() + 1, given_start, given_start + 1);
     return seeds;
   }
 
@@ -235,9 +239,10 @@ class HybridSolver final : public SolverFrame {
                      [&](const Seed& a, const Seed& b) { return key(a) < key(b); });
   }
 
-  /// Keeps the best of ranked basins that are at least `separation` from every better one kept.
-  static void keep_apart(const Evaluator& evaluator, double separation, int most,
-                         std::vector<Seed>& basins) {
+  /// Keeps the best of ranked basins that are at least `separation` from every better one kept,
+  /// and the start.
+  static void keep_apart(const Evaluator& evaluator, const Eigen::VectorXd& start,
+                         double separation, int most, std::vector<Seed>& basins) {
     const Eigen::ArrayXd range = evaluator.upper() - evaluator.lower();
     const auto n = static_cast<double>(range.size());
     const double best = basins.front().cost;
@@ -251,7 +256,7 @@ class HybridSolver final : public SolverFrame {
         const double along_cost = (basin.cost - other.cost) / spread;
         return along_z + along_cost * along_cost >= separation * separation;
       });
-      if (apart) kept.push_back(std::move(basin));
+      if (apart || basin.x == start) kept.push_back(std::move(basin));
     }
     basins = std::move(kept);
   }

@@ -20,7 +20,8 @@ namespace prospect {
 ///     (StopCondition::latest()), eight at least. Down the ranking, a seed is a start unless it is
 ///     near a better one that is,
 ///       |z - z'|^2 / n + ((J - J') / (J_median - J_best))^2 < separation^2,
-///     z normalised by the ranges of the variables, until there are `basins` of them.
+///     z normalised by the ranges of the variables, until there are `basins` of them. warm_start.x
+///     is the second start at the latest, whatever its score and wherever it is.
 ///  3. The back end `polish` polishes the best seed to the relative change of cost
 ///     `polish_tolerance`, with half of the evaluations left at most.
 ///  4. In turns, two starts are polished to the same tolerance with `polish_evaluations` at most:

@@ -61,6 +61,7 @@ class Sqp {
     lower_.setZero(n_ + 1);
     upper_.setConstant(n_ + 1, std::numeric_limits<double>::infinity());
     B_(n_, n_) = 1.0;
+    unit_ = (evaluator_.upper() - evaluator_.lower()).array().square().inverse();
   }
 
   Result solve(const Eigen::VectorXd& start, int lifted, const WarmStart& warm_start) {
@@ -192,7 +193,7 @@ class Sqp {
     for (Eigen::Index j = 0; j < n_; ++j) {
       const int column = free_[at(j)];
       for (Eigen::Index i = 0; i < n_; ++i) B_(i, j) = hessian_(free_[at(i)], column) + Q_(i, j);
-      B_(j, j) += kLeastCurvature * (1.0 + B_(j, j));
+      B_(j, j) += kLeastCurvature * (unit_[j] + B_(j, j));
       g_[j] = here_.gradient[j] + by_drift_[column];
       lower_[j] = evaluator_.lower()[j] - here_.x[j];
       upper_[j] = evaluator_.upper()[j] - here_.x[j];
@@ -281,7 +282,7 @@ class Sqp {
     return (correction_ - step_).squaredNorm() <= step_.squaredNorm();
   }
 
-  /// Which variables move no state; Q is the identity where no cost tells more.
+  /// Which variables move no state; Q is the unit of curvature where no cost tells more.
   void begin_remainder() {
     for (Eigen::Index j = 0; j < n_; ++j) {
       const int column = free_[at(j)];
@@ -289,7 +290,7 @@ class Sqp {
       const std::vector<Eigen::MatrixXd>& S = here_.stages.sensitivity;
       if (!std::all_of(S.begin(), S.end(), still)) continue;
       remainder_.push_back(j);
-      if (here_.stages.input_hessian(column, column) == 0.0) Q_(j, j) = 1.0;
+      if (here_.stages.input_hessian(column, column) == 0.0) Q_(j, j) = unit_[j];
     }
   }
 
@@ -310,7 +311,7 @@ class Sqp {
     }
     // Powell's damped BFGS; the first time Q is scaled to what was seen.
     if (!scaled_ && y_.dot(s_) > 0.0) {
-      Q_ *= y_.squaredNorm() / y_.dot(s_);
+      Q_ *= (y_.array().square() / unit_.array()).sum() / y_.dot(s_);
       scaled_ = true;
     }
     Qs_.noalias() = Q_ * s_;
@@ -323,7 +324,9 @@ class Sqp {
       Q_.noalias() -= Qs_ * Qs_.transpose() / sQs;
     }
     const double sy = s_.dot(y_);
-    if (sy > 1e-10 * s_.norm() * y_.norm()) Q_.noalias() += y_ * y_.transpose() / sy;
+    const double lengths = (s_.array().square() * unit_.array()).sum() *
+                           (y_.array().square() / unit_.array()).sum();
+    if (sy > 1e-10 * std::sqrt(lengths)) Q_.noalias() += y_ * y_.transpose() / sy;
   }
 
   void learn_stages() {
@@ -344,6 +347,7 @@ class Sqp {
   bool scaled_ = false;
   std::vector<Eigen::Index> remainder_;
   Eigen::MatrixXd Q_, B_, A_, hessian_, states_, change_, gradient_change_;
+  Eigen::VectorXd unit_;  // of second derivatives: 1 over the squared range of a variable
   Eigen::VectorXd g_, b_, lower_, upper_, by_drift_, product_, step_, correction_, multipliers_;
   Eigen::VectorXd s_, y_, Qs_;
 };

@@ -25,6 +25,7 @@ namespace prospect {
 ///  * H_u is the Gauss-Newton Hessian of costs of inputs alone.
 ///  * Q is a damped BFGS approximation of what is left of the Lagrangian's Hessian in the variables
 ///    that move no state: all of it in a plain nonlinear programme, nothing in a planning problem.
+///    It begins as 1 over the squared range of each variable, so that units do not matter.
 ///
 /// The line search is that of the exact penalty f + rho max(0, -min_r c_r), with a second-order
 /// correction where the full step violates the constraints more. If the linearised constraints have

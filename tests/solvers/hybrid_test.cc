@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <memory>
 #include <vector>
 
 #include "solvers/hybrid/neighbours.h"
@@ -139,6 +142,25 @@ TEST_F(Hybrid, TakesTheSeedsItIsGiven) {
   // None of its own besides: polishing begins, at the best of the three.
   EXPECT_EQ(watch->points[3], watch->points[1]);
   EXPECT_NEAR(r.cost, 0.0, 1e-6);
+}
+
+// Measured by its bounds this start is where the best seed is, and it scores worse.
+TEST_F(Hybrid, PolishesTheStartItIsGiven) {
+  Case c{"two wells", vec({-1000.0}), vec({1000.0}), vec({2.5})};
+  c.f = [](const Vector& x) { return 10.0 * std::pow(x[0] * (x[0] - 2.0), 2) - 0.1 * x[0]; };
+  c.g = [](const Vector& x) {
+    return Vector::Constant(1, 40.0 * x[0] * (x[0] - 2.0) * (x[0] - 1.0) - 0.1);
+  };
+  const auto watch = std::make_shared<Watch>();
+  watch->record = true;
+  WarmStart warm;
+  warm.x = c.start;
+  warm.seeds.resize(1, 3);
+  warm.seeds << 0.0, -300.0, 400.0;
+  const Result r = solver_->solve(zoo::watched(c.problem(), watch), warm, {}, {});
+  EXPECT_NEAR(r.cost, -0.2, 1e-3);
+  // Once to be scored, once to begin.
+  EXPECT_EQ(std::count(watch->points.begin(), watch->points.end(), c.start), 2);
 }
 
 TEST_F(Hybrid, RefusesSeedsThatDoNotFit) {

@@ -89,5 +89,17 @@ TEST(Sqp, ReachesTheEndOfAFlatValley) {
   EXPECT_LE(r.cost, 1e-7);
 }
 
+TEST(Sqp, TakesVariablesInUnitsFarApart) {
+  for (const auto& c : zoo::badly_scaled()) {
+    SCOPED_TRACE(c.name);
+    WarmStart warm;
+    warm.x = c.start;
+    const Result r = make_solver("sqp")->solve(c.problem(), warm, {}, {});
+    EXPECT_EQ(r.quality, Quality::kFeasibleOptimum) << r.detail;
+    EXPECT_NEAR(r.cost, c.optimum, 1e-6 * std::max(1.0, std::abs(c.optimum)));
+    EXPECT_LE(r.counters.cost_evaluations, 20);
+  }
+}
+
 }  // namespace
 }  // namespace prospect::sqp_test
