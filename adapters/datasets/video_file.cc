@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::array kEndings = {"mp4", "avi", "mkv",  "mov", "webm", "m4v",
                                  "mpg", "ts",  "m2ts", "wmv", "flv",  "ogv"};
-constexpr std::size_t kMemory = std::size_t{8} << 30;  // [bytes] of addresses, most never used
+constexpr std::size_t kMemory = std::size_t{4} << 30;  // [bytes] of addresses, most never used
 
 std::string lower(std::string text) {
   for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -77,8 +77,9 @@ struct Decoder {
     output = Descriptor(ends[0]);
     const Descriptor input(ends[1]);
     process = ChildProcess(
-        {find_ffmpeg(path),  //
-         "-nostdin", "-hide_banner", "-v", "warning",
+        {find_ffmpeg(path), "-nostdin", "-hide_banner", "-v", "warning",
+         // With more threads, what is read of a damaged video depends on their order.
+         "-threads", "1",
          // What is damaged is left out, not made up; nothing but this file is opened.
          "-err_detect", "explode", "-fflags", "+discardcorrupt", "-max_pixels", "100000000",
          "-protocol_whitelist", "file", "-noautorotate",

@@ -8,10 +8,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <numeric>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <vector>
 
 #include "adapters/files/input_error.h"
 #include "tests/adapters/matroska_video.h"
@@ -149,9 +151,27 @@ TEST_F(VideoFileTest, WhatIsCutOffIsSaidAndTheRestIsRead) {
   EXPECT_EQ(std::string(last.bytes.begin(), last.bytes.end()), grey_frame(3));
 }
 
+TEST_F(VideoFileTest, AFrameThatIsCutOffIsNotMadeUp) {
+  // Of this container the decoder is given the half frame, too, and this one makes it whole.
+  MatroskaVideo video = grey_video();
+  for (std::size_t k = 0; k < video.frames.size(); ++k) video.frames[k].ms = 100 * k;
+  const std::string whole = write("a.mkv", video.bytes()), cut = folder_ + "/a.avi";
+  ASSERT_EQ(std::system(("ffmpeg -v error -i '" + whole + "' -c:v ffv1 '" + cut + "'").c_str()), 0);
+  std::ifstream in(cut, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  bytes.resize(bytes.find("idx1") - 30);  // the index follows the last frame
+  const ImageStream stream = video_images(write("a.avi", bytes), notes_);
+  EXPECT_EQ(stream.stamps, (std::vector<double>{0.0, 0.1, 0.2, 0.3}));
+  const RawImage last = stream.read(3);
+  EXPECT_EQ(std::string(last.bytes.begin(), last.bytes.end()), grey_frame(3));
+  EXPECT_THAT(notes_, ElementsAre(HasSubstr("a.avi: 4 frames are read")));
+}
+
 TEST_F(VideoFileTest, ADamagedFrameIsLeftOut) {
   MatroskaVideo video = jpeg_video(5);
-  video.frames[2].bytes.assign(300, 'x');
+  std::string& bytes = video.frames[2].bytes;
+  const std::size_t scan = bytes.find("\xff\xda");
+  bytes.resize(scan + (bytes.size() - scan) / 2);
   const ImageStream stream = video_images(write("a.mkv", video.bytes()), notes_);
   EXPECT_THAT(stream.stamps, ElementsAre(0.0, 0.1, 0.3, 0.4));
   EXPECT_NEAR(mean(stream.read(2)), 100 + kTexture, 1);
