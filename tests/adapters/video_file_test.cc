@@ -71,9 +71,6 @@ MatroskaVideo jpeg_video(int frames) {
 class VideoFileTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) {
-      GTEST_SKIP() << "no ffmpeg in PATH (Debian: apt-get install ffmpeg)";
-    }
     fs::remove_all(folder_);
     fs::create_directories(folder_);
   }
@@ -101,7 +98,17 @@ class VideoFileTest : public ::testing::Test {
   std::vector<std::string> notes_;
 };
 
-TEST_F(VideoFileTest, FramesAndTheirTimesAreThoseOfTheFile) {
+class DecodedVideo : public VideoFileTest {
+ protected:
+  void SetUp() override {
+    if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) {
+      GTEST_SKIP() << "no ffmpeg in PATH (Debian: apt-get install ffmpeg)";
+    }
+    VideoFileTest::SetUp();
+  }
+};
+
+TEST_F(DecodedVideo, FramesAndTheirTimesAreThoseOfTheFile) {
   const ImageStream stream = video_images(write("a.mkv", grey_video().bytes()), notes_);
   EXPECT_THAT(stream.stamps, ElementsAre(70.5, 70.533, 70.633, 70.64, 72.0));
   EXPECT_EQ(stream.names[3], folder_ + "/a.mkv frame 3");
@@ -115,7 +122,7 @@ TEST_F(VideoFileTest, FramesAndTheirTimesAreThoseOfTheFile) {
   }
 }
 
-TEST_F(VideoFileTest, ColourIsItsLuminanceOfFullRange) {
+TEST_F(DecodedVideo, ColourIsItsLuminanceOfFullRange) {
   const ImageStream stream = video_images(write("a.mkv", jpeg_video(11).bytes()), notes_);
   EXPECT_THAT(notes_, IsEmpty());
   ASSERT_EQ(stream.size(), 11u);
@@ -124,7 +131,7 @@ TEST_F(VideoFileTest, ColourIsItsLuminanceOfFullRange) {
   }
 }
 
-TEST_F(VideoFileTest, SideBySideAreTwoImages) {
+TEST_F(DecodedVideo, SideBySideAreTwoImages) {
   const std::string path = write("a.mkv", grey_video().bytes());
   const auto [left, right] = side_by_side_images(path, notes_);
   EXPECT_EQ(left.stamps, right.stamps);
@@ -139,7 +146,7 @@ TEST_F(VideoFileTest, SideBySideAreTwoImages) {
   EXPECT_THROW(side_by_side_images(write("odd.mkv", odd.bytes()), notes_), InputError);
 }
 
-TEST_F(VideoFileTest, WhatIsCutOffIsSaidAndTheRestIsRead) {
+TEST_F(DecodedVideo, WhatIsCutOffIsSaidAndTheRestIsRead) {
   std::string bytes = grey_video().bytes();
   bytes.resize(bytes.size() - 200);  // within the last frame
   const ImageStream stream = video_images(write("a.mkv", bytes), notes_);
@@ -151,7 +158,7 @@ TEST_F(VideoFileTest, WhatIsCutOffIsSaidAndTheRestIsRead) {
   EXPECT_EQ(std::string(last.bytes.begin(), last.bytes.end()), grey_frame(3));
 }
 
-TEST_F(VideoFileTest, AFrameThatIsCutOffIsNotMadeUp) {
+TEST_F(DecodedVideo, AFrameThatIsCutOffIsNotMadeUp) {
   // Of this container the decoder is given the half frame, too, and this one makes it whole.
   MatroskaVideo video = grey_video();
   for (std::size_t k = 0; k < video.frames.size(); ++k) video.frames[k].ms = 100 * k;
@@ -167,7 +174,7 @@ TEST_F(VideoFileTest, AFrameThatIsCutOffIsNotMadeUp) {
   EXPECT_THAT(notes_, ElementsAre(HasSubstr("a.avi: 4 frames are read")));
 }
 
-TEST_F(VideoFileTest, ADamagedFrameIsLeftOut) {
+TEST_F(DecodedVideo, ADamagedFrameIsLeftOut) {
   MatroskaVideo video = jpeg_video(5);
   std::string& bytes = video.frames[2].bytes;
   const std::size_t scan = bytes.find("\xff\xda");
@@ -178,17 +185,12 @@ TEST_F(VideoFileTest, ADamagedFrameIsLeftOut) {
   EXPECT_THAT(notes_, ElementsAre(HasSubstr("a.mkv: 4 frames are read, to 0.4 s")));
 }
 
-TEST_F(VideoFileTest, RefusesInOneLine) {
+TEST_F(DecodedVideo, RefusesInOneLine) {
   EXPECT_THAT(refusal(write("text.mp4", "no video")), HasSubstr("ffmpeg decodes no frame of it"));
   EXPECT_THAT(refusal(write("empty.avi", "")), HasSubstr("ffmpeg decodes no frame of it"));
   MatroskaVideo video = grey_video();
   video.codec = "V_NONSENSE";
   EXPECT_THAT(refusal(write("codec.mkv", video.bytes())), HasSubstr("Decoder (codec none)"));
-  ASSERT_EQ(::mkfifo((folder_ + "/fifo.mp4").c_str(), 0600), 0);
-  EXPECT_THAT(refusal(folder_ + "/fifo.mp4"), HasSubstr("no regular file"));
-  fs::create_symlink("/dev/zero", folder_ + "/device.mp4");
-  EXPECT_THAT(refusal(folder_ + "/device.mp4"), HasSubstr("no regular file"));
-  EXPECT_THAT(refusal(folder_), HasSubstr("no regular file"));
   video = jpeg_video(3);
   const cv::Mat larger(2 * kHeight, kWidth, CV_8UC3, cv::Scalar::all(9));
   std::vector<std::uint8_t> bytes;
@@ -198,11 +200,19 @@ TEST_F(VideoFileTest, RefusesInOneLine) {
               HasSubstr("frame 2 has another size than 32 x 16 pixels"));
 }
 
-TEST_F(VideoFileTest, AFileThatChangesIsNoticed) {
+TEST_F(DecodedVideo, AFileThatChangesIsNoticed) {
   const std::string path = write("a.mkv", grey_video().bytes());
   const ImageStream stream = video_images(path, notes_);
   write("a.mkv", grey_video().bytes().substr(0, 1500));
   EXPECT_THROW(stream.read(4), InputError);
+}
+
+TEST_F(VideoFileTest, WhatIsNoFileIsRefused) {
+  ASSERT_EQ(::mkfifo((folder_ + "/fifo.mp4").c_str(), 0600), 0);
+  EXPECT_THAT(refusal(folder_ + "/fifo.mp4"), HasSubstr("no regular file"));
+  fs::create_symlink("/dev/zero", folder_ + "/device.mp4");
+  EXPECT_THAT(refusal(folder_ + "/device.mp4"), HasSubstr("no regular file"));
+  EXPECT_THAT(refusal(folder_), HasSubstr("no regular file"));
 }
 
 TEST_F(VideoFileTest, WithoutTheProgramItSaysWhatToInstall) {
