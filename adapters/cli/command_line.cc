@@ -536,9 +536,10 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
   CLI::App* odometry_command =
       app.add_subcommand("odometry", "Visual odometry over a recording of a stereo pair");
   odometry_command
-      ->add_option("dataset", odometry_arguments.dataset,
-                   "Recording: KITTI odometry or raw, EuRoC, ROS 2 bag, or two folders of images "
-                   "with a calibration; see `prospect inspect`")
+      ->add_option(
+          "dataset", odometry_arguments.dataset,
+          "Recording: KITTI odometry or raw, EuRoC, ROS 2 bag, or two folders of images or videos "
+          "with a calibration; see `prospect inspect`")
       ->type_name("FILE")
       ->required();
   add_recording_options(odometry_command, odometry_arguments.options);

@@ -87,7 +87,7 @@ int replay_unchanged(const RecordedRun& run, const std::string& world,
   for (const std::string& plugin : arguments.plugins)
     words.insert(words.end(), {"--plugin", plugin});
   const std::function<bool()> cancelled = catch_interrupts();
-  ChildProcess process(words, log);
+  ChildProcess process(words, {.errors = log});
   std::optional<ChildProcess::End> end;
   while (!(end = process.ended())) {
     if (cancelled()) return kFailed;

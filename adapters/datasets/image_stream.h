@@ -16,7 +16,8 @@ struct ImageStream {
   std::string name;                ///< folder or topic, for messages
   std::vector<double> stamps;      ///< [s]
   std::vector<std::string> names;  ///< of each image, for messages: its path, or topic and time
-  /// Image i. Throws InputError where it cannot be read.
+  /// Image i. Throws InputError where it cannot be read. One thread at a time; of a video quick in
+  /// order only (video_file.h).
   std::function<RawImage(std::size_t i)> read;
 
   std::size_t size() const { return stamps.size(); }

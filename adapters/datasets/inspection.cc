@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "adapters/datasets/bag_file.h"
 #include "adapters/datasets/depth_dataset.h"
@@ -13,7 +14,6 @@
 #include "adapters/datasets/mission_topics.h"
 #include "adapters/datasets/numbered_files.h"
 #include "adapters/datasets/odometry_run.h"
-#include "adapters/datasets/rgbd_folder.h"
 #include "adapters/datasets/scan_run.h"
 #include "adapters/datasets/scan_source.h"
 #include "adapters/datasets/stereo_dataset.h"
@@ -141,7 +141,7 @@ Json inspect_stereo(const std::string& path, const StereoDatasetOptions& options
   if (missing.empty()) {
     // What only the images themselves tell.
     try {
-      const StereoDataset dataset = StereoDataset::open(path, options);
+      const StereoDataset dataset = StereoDataset::open(std::move(source), options);
       notes = dataset.notes();
       add_time_offset(json, dataset);
     } catch (const InputError& error) {
@@ -477,9 +477,6 @@ std::string inspection_text(const Json& inspection) {
     text += "nothing known; looked for\n";
     for (const Json& line : inspection["looked_for"]) {
       text += "  " + line.get<std::string>() + "\n";
-    }
-    if (is_video_name(inspection["path"].get<std::string>())) {
-      text += "videos are not read: ffmpeg -i VIDEO left/%06d.png\n";
     }
   }
   return text;

@@ -1,22 +1,25 @@
-// Two folders of images beside each other. With calib.txt: KITTI odometry. Else with a calibration
-// file beside them, or the one that is given.
+// Two folders of images beside each other, or two videos, or one with both images side by side.
+// With calib.txt: KITTI odometry. Else with a calibration file beside them, or the one that is
+// given.
 
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <sstream>
+#include <tuple>
 
 #include "adapters/datasets/number_text.h"
 #include "adapters/datasets/numbered_files.h"
 #include "adapters/datasets/stereo_source.h"
+#include "adapters/datasets/video_file.h"
 
 namespace prospect {
 namespace {
 
 constexpr double kKittiRate = 10.0;  // [Hz]
 
-/// Names of the two folders, the first that is there counts; `first` is the number of the left
-/// camera in KITTI's calib.txt.
+/// Names of the two folders, or of the two videos without their endings; the first pair that is
+/// there counts. `first` is the number of the left camera in KITTI's calib.txt.
 struct FolderNames {
   const char* left;
   const char* right;
@@ -47,6 +50,17 @@ const FolderNames* find_folders(const std::string& path) {
         fs::is_directory(path + "/" + names.right, error)) {
       return &names;
     }
+  }
+  return nullptr;
+}
+
+/// The first names of which both videos are there, in `videos`.
+const FolderNames* find_videos(const std::string& path, std::string videos[2]) {
+  for (const FolderNames& names : kFolderNames) {
+    videos[0] = find_video(path + "/" + names.left);
+    if (videos[0].empty()) continue;
+    videos[1] = find_video(path + "/" + names.right);
+    if (!videos[1].empty()) return &names;
   }
   return nullptr;
 }
@@ -102,6 +116,29 @@ std::string kitti_poses(const std::string& folder) {
   return fs::exists(above) ? above : "";
 }
 
+/// `left_position`: as for read_kitti_calibration().
+void find_calibration(const std::string& path, const FolderNames& names,
+                      const StereoDatasetOptions& options, StereoSource& source,
+                      Eigen::Vector3d* left_position = nullptr) {
+  const std::string beside = calibration_beside(path, names);
+  source.attempt([&] {
+    if (!options.calibration.empty()) {
+      source.calibration = read_stereo_calibration(options.calibration, options.rectified);
+    } else if (std::filesystem::is_regular_file(path + "/calib.txt")) {
+      source.calibration = read_kitti_calibration(path + "/calib.txt", names.first, left_position);
+    } else if (!beside.empty()) {
+      source.calibration = read_stereo_calibration(beside, options.rectified);
+      source.notes.push_back("calibration from " + beside);
+    } else {
+      throw InputError(path +
+                       ": no file states the calibration; expected calib.txt of a rectified pair "
+                       "(P0: f 0 cx 0 0 f cy 0 0 0 1 0, and P1 likewise with -f * baseline in "
+                       "fourth place), or --calibration FILE (ROS camera_info, OpenCV stereo or "
+                       "Kalibr's camchain)");
+    }
+  });
+}
+
 }  // namespace
 
 bool is_folder_pair(const std::string& path) {
@@ -119,23 +156,7 @@ StereoSource open_folder_pair(const std::string& path, const StereoDatasetOption
   source.layout = kitti ? "KITTI" : "folders";
   if (names.first == 2) source.notes.push_back("the colour pair, image_2 and image_3, as grey");
   Eigen::Vector3d left_position = Eigen::Vector3d::Zero();
-  const std::string beside = calibration_beside(path, names);
-  source.attempt([&] {
-    if (!options.calibration.empty()) {
-      source.calibration = read_stereo_calibration(options.calibration, options.rectified);
-    } else if (kitti) {
-      source.calibration = read_kitti_calibration(path + "/calib.txt", names.first, &left_position);
-    } else if (!beside.empty()) {
-      source.calibration = read_stereo_calibration(beside, options.rectified);
-      source.notes.push_back("calibration from " + beside);
-    } else {
-      throw InputError(path +
-                       ": no file states the calibration; expected calib.txt of a rectified pair "
-                       "(P0: f 0 cx 0 0 f cy 0 0 0 1 0, and P1 likewise with -f * baseline in "
-                       "fourth place), or --calibration FILE (ROS camera_info, OpenCV stereo or "
-                       "Kalibr's camchain)");
-    }
-  });
+  find_calibration(path, names, options, source, &left_position);
 
   NumberedImages images[2];
   const std::string folders[2] = {image_folder(path + "/" + names.left),
@@ -224,6 +245,39 @@ StereoSource open_folder_pair(const std::string& path, const StereoDatasetOption
       source.truth = read_tum_trajectory(tum);
     }
   });
+  return source;
+}
+
+bool is_video_pair(const std::string& path) {
+  std::error_code error;
+  std::string videos[2];
+  return std::filesystem::is_directory(path, error)
+             ? find_folders(path) == nullptr && find_videos(path, videos) != nullptr
+             : is_video_name(path) && std::filesystem::exists(path, error);
+}
+
+StereoSource open_video_pair(const std::string& path, const StereoDatasetOptions& options) {
+  namespace fs = std::filesystem;
+  StereoSource source;
+  source.layout = "videos";
+  const bool side_by_side = !fs::is_directory(path);
+  const std::string above = fs::path(path).parent_path().string();
+  const std::string folder = !side_by_side ? path : above.empty() ? "." : above;
+  std::string videos[2];
+  const FolderNames* found = side_by_side ? nullptr : find_videos(folder, videos);
+  find_calibration(folder, found != nullptr ? *found : kFolderNames[3], options, source);
+  source.attempt([&] {
+    if (side_by_side) {
+      std::tie(source.left, source.right) = side_by_side_images(path, source.notes);
+      source.notes.push_back("one video: the left and right halves of its frames are the pair");
+    } else {
+      source.left = video_images(videos[0], source.notes);
+      source.right = video_images(videos[1], source.notes);
+    }
+  });
+  // Not KITTI's poses: they are counted by frames, and a damaged video lacks some.
+  const std::string truth = folder + "/groundtruth.txt";
+  if (fs::exists(truth)) source.attempt([&] { source.truth = read_tum_trajectory(truth); });
   return source;
 }
 

@@ -7,7 +7,5 @@ namespace prospect {
 /// Whether a folder looks like a recording of one camera with depth images: TUM RGB-D, 7-Scenes or
 /// depth/NNN.png.
 bool is_rgbd_folder(const std::string& path);
-/// Whether a name ends as videos do.
-bool is_video_name(const std::string& name);
 
 }  // namespace prospect

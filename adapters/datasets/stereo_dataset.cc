@@ -18,7 +18,10 @@ std::string size_text(int width, int height) {
 }  // namespace
 
 StereoDataset StereoDataset::open(const std::string& path, const StereoDatasetOptions& options) {
-  StereoSource source = open_stereo_source(path, options);
+  return open(open_stereo_source(path, options), options);
+}
+
+StereoDataset StereoDataset::open(StereoSource source, const StereoDatasetOptions& options) {
   if (!source.missing.empty()) throw InputError(source.missing[0]);
   StereoDataset dataset;
   dataset.layout_ = source.layout;

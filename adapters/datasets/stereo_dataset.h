@@ -30,6 +30,8 @@ class StereoDataset {
   /// (perception/odometry/stereo_check.h). A wrong scale of the baseline within that range cannot
   /// be seen in images; compare with the ground truth's length where there is one.
   static StereoDataset open(const std::string& path, const StereoDatasetOptions& options = {});
+  /// Likewise, of what open_stereo_source() has found with these options.
+  static StereoDataset open(StereoSource source, const StereoDatasetOptions& options);
 
   const std::string& layout() const { return layout_; }
   const StereoCamera& camera() const { return camera_; }

@@ -13,6 +13,10 @@ const std::vector<StereoLayout>& stereo_layouts() {
       {"KITTI raw", "image_00/data and calib_cam_to_cam.txt (KITTI raw)", is_kitti_raw,
        open_kitti_raw},
       {"EuRoC", "mav0/cam0 and mav0/cam1 with sensor.yaml and data (EuRoC)", is_euroc, open_euroc},
+      {"videos",
+       "videos left.mp4 and right.mp4, or the like, with a calibration; a video of both side by "
+       "side",
+       is_video_pair, open_video_pair},
       {"folders",
        "calib.txt with image_0 and image_1, or image_2 and image_3 (KITTI odometry); "
        "left and right, or the like, with a calibration",
@@ -34,12 +38,6 @@ StereoSource open_stereo_source(const std::string& path, const StereoDatasetOpti
     throw InputError(path + ": no such folder; expected a recording of a stereo pair");
   }
   if (!fs::is_directory(path, error)) {
-    if (is_video_name(path)) {
-      throw InputError(path +
-                       ": a video, which is not read; expected its images: ffmpeg -i VIDEO "
-                       "left/%06d.png (left half of a side-by-side one: -vf crop=iw/2:ih:0:0, "
-                       "right: -vf crop=iw/2:ih:iw/2:0), with --rate HZ and --calibration FILE");
-    }
     if (path.ends_with(".bag")) {
       throw InputError(
           path +

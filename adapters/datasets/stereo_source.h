@@ -54,5 +54,8 @@ StereoSource open_euroc(const std::string& path, const StereoDatasetOptions& opt
 /// KITTI odometry, and any pair of folders: with calib.txt or with another calibration.
 bool is_folder_pair(const std::string& path);
 StereoSource open_folder_pair(const std::string& path, const StereoDatasetOptions& options);
+/// Two videos in a folder, or one file with both images side by side (video_file.h).
+bool is_video_pair(const std::string& path);
+StereoSource open_video_pair(const std::string& path, const StereoDatasetOptions& options);
 
 }  // namespace prospect

@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -15,8 +16,7 @@
 
 namespace prospect {
 
-ChildProcess::ChildProcess(const std::vector<std::string>& words, const std::string& errors,
-                           int kept_open) {
+ChildProcess::ChildProcess(const std::vector<std::string>& words, const Options& options) {
   std::vector<char*> arguments;
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
@@ -35,11 +35,16 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words, const std::str
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (::getppid() != parent) ::_exit(127);  // it ended before that was said
   const int in = ::open("/dev/null", O_RDWR | O_CLOEXEC);
-  const int err = ::open(errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  if (in < 0 || ::dup2(in, 0) < 0 || ::dup2(in, 1) < 0 || ::dup2(err < 0 ? in : err, 2) < 0) {
+  const int err = ::open(options.errors.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  if (in < 0 || ::dup2(in, 0) < 0 || ::dup2(options.output < 0 ? in : options.output, 1) < 0 ||
+      ::dup2(err < 0 ? in : err, 2) < 0) {
     ::_exit(127);
   }
-  if (kept_open >= 0) ::fcntl(kept_open, F_SETFD, 0);
+  if (options.kept_open >= 0) ::fcntl(options.kept_open, F_SETFD, 0);
+  if (options.memory > 0) {
+    const rlimit limit{options.memory, options.memory};
+    ::setrlimit(RLIMIT_AS, &limit);
+  }
   ::execv(arguments[0], arguments.data());
   ::_exit(127);
 }
@@ -53,10 +58,18 @@ ChildProcess& ChildProcess::operator=(ChildProcess&& other) noexcept {
   return *this;
 }
 
-std::optional<ChildProcess::End> ChildProcess::ended() {
+std::optional<ChildProcess::End> ChildProcess::ended() { return collect(WNOHANG); }
+
+ChildProcess::End ChildProcess::wait() {
+  std::optional<End> end;
+  while (pid_ >= 0 && !end) end = collect(0);
+  return end.value_or(End{127, 0});
+}
+
+std::optional<ChildProcess::End> ChildProcess::collect(int wait_options) {
   if (pid_ < 0) return std::nullopt;
   int status = 0;
-  const pid_t waited = ::waitpid(pid_, &status, WNOHANG);
+  const pid_t waited = ::waitpid(pid_, &status, wait_options);
   if (waited == 0 || (waited < 0 && errno == EINTR)) return std::nullopt;
   pid_ = -1;
   End end;

@@ -138,7 +138,8 @@ class StudyRunner {
       words.insert(words.end(), {"--plugin", plugin});
     }
     running.start = Clock::now();
-    running.process = ChildProcess(words, store_.path(cell.id, ".log"), lock.descriptor());
+    running.process = ChildProcess(
+        words, {.errors = store_.path(cell.id, ".log"), .kept_open = lock.descriptor()});
     running.lock = std::move(lock);
     running_.push_back(std::move(running));
   }

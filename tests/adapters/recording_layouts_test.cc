@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -17,6 +18,7 @@
 #include "adapters/datasets/odometry_run.h"
 #include "adapters/datasets/stereo_dataset.h"
 #include "adapters/files/input_error.h"
+#include "tests/adapters/matroska_video.h"
 #include "tests/perception/rendered_room.h"
 
 namespace prospect::recording_layouts_test {
@@ -451,6 +453,80 @@ TEST_F(Recording, FoldersWithCameraInfo) {
   write("left/camera_info.yaml", camera_info("0"));
   write("right/camera_info.yaml", camera_info("-28.8"));
   EXPECT_THAT(follow().notes(), Contains(HasSubstr("calibration from")));
+}
+
+/// Frames as they are, 0.1 s apart from 20 s on.
+test::MatroskaVideo video_of(Image RenderedRoom::Pair::*side, std::uint64_t late_ms = 0) {
+  test::MatroskaVideo video{320, 240, {}};
+  for (int k = 0; k < kFrames; ++k) {
+    const Image& image = pairs()[k].*side;
+    video.frames.push_back({20'000 + 100u * static_cast<unsigned>(k) + late_ms,
+                            std::string(image.pixels.begin(), image.pixels.end())});
+  }
+  return video;
+}
+
+TEST_F(Recording, Videos) {
+  if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no ffmpeg in PATH";
+  const test::MatroskaVideo left = video_of(&RenderedRoom::Pair::left);
+  test::MatroskaVideo right = video_of(&RenderedRoom::Pair::right, 2);
+  // The right one begins a frame earlier: pairs are made by stamps, not by counting.
+  right.frames.insert(right.frames.begin(), {19'902, right.frames[3].bytes});
+  write("left.mkv", left.bytes());
+  write("right.mkv", right.bytes());
+  EXPECT_THAT(refusal(), HasSubstr("no file states the calibration; expected calib.txt"));
+  write("calib.txt",
+        "P0: 240 0 160 0 0 240 120 0 0 0 1 0\nP1: 240 0 160 -28.8 0 240 120 0 0 0 1 0\n");
+  Trajectory truth;
+  for (int k = 0; k < kFrames; ++k) truth.push_back({20.0 + 0.1 * k, pose(k)});
+  write("groundtruth.txt", tum_text(truth));
+  const StereoDataset dataset = follow();
+  EXPECT_EQ(dataset.layout(), "videos");
+  EXPECT_EQ(dataset.unpaired(), 1);
+  EXPECT_EQ(dataset.stamp(4), 20.4);
+  EXPECT_EQ(dataset.read(3).left.pixels, pairs()[3].left.pixels);
+  EXPECT_EQ(dataset.read(3).right.pixels, pairs()[3].right.pixels);
+  EXPECT_LT(summarize(run_odometry(dataset)).ate_first.max, 0.004);
+  Found found{};
+  const nlohmann::ordered_json json = inspect_path(folder_, {}, {}, found);
+  EXPECT_EQ(found, Found::kUsable) << json;
+  EXPECT_EQ(json["recordings"][0]["right"]["images"], kFrames + 1);
+
+  write("right.mkv", video_of(&RenderedRoom::Pair::right, 30).bytes());
+  EXPECT_THAT(refusal(), HasSubstr("or --sync SECONDS"));
+  StereoDatasetOptions options;
+  options.sync = 0.04;
+  follow(options);
+  test::MatroskaVideo small{160, 120, {}};
+  for (const auto& frame : left.frames)
+    small.frames.push_back({frame.ms, frame.bytes.substr(0, 160 * 120)});
+  write("right.mkv", small.bytes());
+  EXPECT_THAT(refusal(), HasSubstr("right.mkv frame 0: has 160 x 120 pixels, the left image 320"));
+  write("right.mkv", "no video");
+  EXPECT_THAT(refusal(), HasSubstr("right.mkv: ffmpeg decodes no frame of it"));
+  // Folders count before videos.
+  images("left", "right", ".png", grey);
+  EXPECT_EQ(follow().layout(), "KITTI");
+}
+
+TEST_F(Recording, VideoSideBySide) {
+  if (std::system("ffmpeg -version >/dev/null 2>&1") != 0) GTEST_SKIP() << "no ffmpeg in PATH";
+  test::MatroskaVideo video{640, 240, {}};
+  for (int k = 0; k < kFrames; ++k) {
+    cv::Mat both;
+    cv::hconcat(grey(pairs()[k].left), grey(pairs()[k].right), both);
+    video.frames.push_back(
+        {100u * static_cast<unsigned>(k), std::string(both.datastart, both.dataend)});
+  }
+  write("film/both.mkv", video.bytes());
+  write("film/calib.txt",
+        "P0: 240 0 160 0 0 240 120 0 0 0 1 0\nP1: 240 0 160 -28.8 0 240 120 0 0 0 1 0\n");
+  folder_ += "/film/both.mkv";
+  const StereoDataset dataset = follow();
+  EXPECT_EQ(dataset.read(2).left.pixels, pairs()[2].left.pixels);
+  EXPECT_EQ(dataset.read(2).right.pixels, pairs()[2].right.pixels);
+  EXPECT_THAT(dataset.notes(), Contains(HasSubstr("left and right halves")));
+  fs::remove_all(fs::path(folder_).parent_path());
 }
 
 TEST_F(Recording, FoldersWithOpenCvStereoAndCamchain) {

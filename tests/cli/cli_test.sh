@@ -787,7 +787,9 @@ refused "odometry into a file" file "expected a folder" odometry stereo --out fi
 refused "odometry with a topic of no use" "--topics" "expected USE=TOPIC, with USE of: left, right" \
   odometry stereo --topics middle=/a
 : >film.mp4
-refused "odometry of a video" film.mp4 "ffmpeg -i VIDEO left/%06d.png" odometry film.mp4
+refused "odometry of what is no video" film.mp4 "ffmpeg" odometry film.mp4 --calibration stereo/calib.txt
+mkfifo fifo.mp4
+refused "odometry of a pipe" fifo.mp4 "no regular file; expected a video" odometry fifo.mp4 --calibration stereo/calib.txt
 : >old.bag
 refused "odometry of a bag of ROS 1" old.bag "expected one of ROS 2" odometry old.bag
 echo "no bag" >no.mcap
@@ -854,6 +856,7 @@ grep -q '"frames": 2,' out.txt || fail "map --json: '$out'"
 timed_out "a map read back" explore map1/map.bt --time-limit 1 --quiet --out run
 rm -rf run
 refused "map of nothing" nowhere "expected a recording of depth images" map nowhere --out run
+refused "map of a stereo pair" stereo "for \`prospect odometry\`" map stereo --out run
 refused "map without intrinsics" depth/robot ", or --camera FX FY CX CY" \
   map depth/robot --out run
 succeeds "map without poses" map depth/robot --camera 262.5 262.5 159.5 119.5 --out robot
