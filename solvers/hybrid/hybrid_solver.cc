@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "solvers/evaluator.h"
-#include "solvers/hybrid/neighbours.h"
+#include "solvers/hybrid/neighbour.h"
 #include "solvers/hybrid/spread_candidates.h"
 #include "solvers/options.h"
 #include "solvers/sampling/rate_projection.h"
@@ -125,20 +125,19 @@ class HybridSolver final : public SolverFrame {
     const RateProjection rate(evaluator.problem());
     Eigen::MatrixXd stage_hessians = warm_start.stage_hessians;
     std::size_t opened = 1;
-    int neighbour = 0, begun = 0, turns_without_gain = 0;
+    int neighbours = 0, begun = 0, turns_without_gain = 0;
     std::vector<WarmStart> starts(1);
     starts.front().x = evaluator.expand(seeds.front().x);
     starts.front().stage_hessians = stage_hessians;
     while (!evaluator.should_stop()) {
-      const Seed before = {evaluator.incumbent(), evaluator.incumbent_cost(),
-                           evaluator.incumbent_violation()};
+      const double cost = evaluator.incumbent_cost(), violation = evaluator.incumbent_violation();
       for (const auto& r : polish.solve_within(evaluator, starts, coarse, evaluator.latest())) {
         if (!r) continue;
         ++begun;
         if (r->cost == evaluator.incumbent_cost()) stage_hessians = r->next.stage_hessians;
       }
       evaluator.count_iteration();
-      const bool gained = gains(evaluator, before, options.number("polish_tolerance"));
+      const bool gained = gains(evaluator, cost, violation, options.number("polish_tolerance"));
       turns_without_gain = gained ? 0 : turns_without_gain + 1;
       // One share is for the end of the best.
       const int share = evaluator.evaluations_left() / (kStartsPerTurn + 1);
@@ -149,7 +148,7 @@ class HybridSolver final : public SolverFrame {
       if (opened < seeds.size()) starts.emplace_back().x = evaluator.expand(seeds[opened++].x);
       while (static_cast<int>(starts.size()) < kStartsPerTurn) {
         Eigen::VectorXd& z = starts.emplace_back().x;
-        z = neighbours(evaluator.problem(), best, ++neighbour, 1);
+        z = neighbour(evaluator.problem(), best, ++neighbours);
         rate.apply(z);
       }
       for (WarmStart& s : starts) s.stage_hessians = stage_hessians;
@@ -167,14 +166,12 @@ class HybridSolver final : public SolverFrame {
   }
 
  private:
-  /// Whether the incumbent is better than `before` by more than a relative `tolerance`.
-  static bool gains(const Evaluator& evaluator, const Seed& before, double tolerance) {
-    const double feasible = evaluator.options().feasibility_tolerance;
-    if (before.violation > feasible) {
-      return evaluator.incumbent_violation() < (1.0 - tolerance) * before.violation;
+  /// Whether the incumbent is better than one before by more than a relative `tolerance`.
+  static bool gains(const Evaluator& evaluator, double cost, double violation, double tolerance) {
+    if (violation > evaluator.options().feasibility_tolerance) {
+      return evaluator.incumbent_violation() < (1.0 - tolerance) * violation;
     }
-    return evaluator.incumbent_cost() <
-           before.cost - tolerance * std::max(1.0, std::abs(before.cost));
+    return evaluator.incumbent_cost() < cost - tolerance * std::max(1.0, std::abs(cost));
   }
 
   /// The seeds that can be evaluated, best first.
@@ -230,35 +227,35 @@ class HybridSolver final : public SolverFrame {
   }
 
   /// Feasible before infeasible, then by cost; infeasible ones by violation.
-  static void rank(const Evaluator& evaluator, std::vector<Seed>& basins) {
+  static void rank(const Evaluator& evaluator, std::vector<Seed>& seeds) {
     const double tolerance = evaluator.options().feasibility_tolerance;
-    const auto key = [&](const Seed& b) {
-      return std::pair(b.violation <= tolerance ? 0.0 : b.violation, b.cost);
+    const auto key = [&](const Seed& s) {
+      return std::pair(s.violation <= tolerance ? 0.0 : s.violation, s.cost);
     };
-    std::stable_sort(basins.begin(), basins.end(),
+    std::stable_sort(seeds.begin(), seeds.end(),
                      [&](const Seed& a, const Seed& b) { return key(a) < key(b); });
   }
 
-  /// Keeps the best of ranked basins that are at least `separation` from every better one kept,
+  /// Keeps the best of ranked seeds that are at least `separation` from every better one kept,
   /// and the start.
   static void keep_apart(const Evaluator& evaluator, const Eigen::VectorXd& start,
-                         double separation, int most, std::vector<Seed>& basins) {
+                         double separation, int most, std::vector<Seed>& seeds) {
     const Eigen::ArrayXd range = evaluator.upper() - evaluator.lower();
     const auto n = static_cast<double>(range.size());
-    const double best = basins.front().cost;
-    const double spread = std::max(std::abs(basins[basins.size() / 2].cost - best),
+    const double best = seeds.front().cost;
+    const double spread = std::max(std::abs(seeds[seeds.size() / 2].cost - best),
                                    1e-9 * std::max(1.0, std::abs(best)));
     std::vector<Seed> kept;
-    for (Seed& basin : basins) {
+    for (Seed& seed : seeds) {
       if (static_cast<int>(kept.size()) == most) break;
       const bool apart = std::all_of(kept.begin(), kept.end(), [&](const Seed& other) {
-        const double along_z = ((basin.x - other.x).array() / range).square().sum() / n;
-        const double along_cost = (basin.cost - other.cost) / spread;
+        const double along_z = ((seed.x - other.x).array() / range).square().sum() / n;
+        const double along_cost = (seed.cost - other.cost) / spread;
         return along_z + along_cost * along_cost >= separation * separation;
       });
-      if (apart || basin.x == start) kept.push_back(std::move(basin));
+      if (apart || seed.x == start) kept.push_back(std::move(seed));
     }
-    basins = std::move(kept);
+    seeds = std::move(kept);
   }
 
   std::string name_;

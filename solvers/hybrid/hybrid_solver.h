@@ -25,7 +25,7 @@ namespace prospect {
 ///  3. The back end `polish` polishes the best seed to the relative change of cost
 ///     `polish_tolerance`, with half of the evaluations left at most.
 ///  4. In turns, two starts are polished to the same tolerance with `polish_evaluations` at most:
-///     the next seed and a neighbour of the incumbent (neighbours.h), or two neighbours once there
+///     the next seed and a neighbour of the incumbent (neighbour.h), or two neighbours once there
 ///     is no seed left. They begin with the second derivatives by states that the polish of the
 ///     incumbent ended with. A turn gains where it lowers the cost by more than `polish_tolerance`;
 ///     after `patience` turns in a row without gain, one more ends the search, and so does a budget

@@ -6,7 +6,7 @@
 #include <memory>
 #include <vector>
 
-#include "solvers/hybrid/neighbours.h"
+#include "solvers/hybrid/neighbour.h"
 #include "solvers/hybrid/spread_candidates.h"
 #include "solvers/registry.h"
 #include "tests/solvers/problem_zoo.h"
@@ -72,12 +72,12 @@ TEST(SpreadCandidates, FillTheBoxAndReachItsBounds) {
   EXPECT_EQ(spread_candidates(zoo::rosenbrock().problem(), 3, 4).rows(), 2);
 }
 
-TEST(Neighbours, ReplaceOneStretchByAConstant) {
+TEST(Neighbour, ReplacesOneStretchByAConstant) {
   const PathProblem path = path_problem();
   const Problem& problem = path.problem;
   const Vector z = 0.3 * problem.upper() + 0.7 * problem.lower();
-  const Eigen::MatrixXd Z = neighbours(problem, z, 1, 600);
-  ASSERT_EQ(Z.cols(), 600);
+  Eigen::MatrixXd Z(20, 600);
+  for (int i = 0; i < 600; ++i) Z.col(i) = neighbour(problem, z, i + 1);
   Eigen::ArrayXi lengths = Eigen::ArrayXi::Zero(11), replaced = Eigen::ArrayXi::Zero(10);
   int on_upper = 0, on_lower = 0;
   for (Eigen::Index c = 0; c < Z.cols(); ++c) {
@@ -105,9 +105,6 @@ TEST(Neighbours, ReplaceOneStretchByAConstant) {
   EXPECT_NEAR(on_lower, 100, 15);
   EXPECT_TRUE((Z.array() <= problem.upper().replicate(1, 600).array()).all());
   EXPECT_TRUE((Z.array() >= problem.lower().replicate(1, 600).array()).all());
-  // A sequence: where it is taken up does not matter.
-  EXPECT_EQ(neighbours(problem, z, 5, 3), Z.middleCols(4, 3));
-  EXPECT_EQ(neighbours(problem, z, 1, 0).cols(), 0);
 }
 
 TEST_F(Hybrid, LeavesTheBasinOfItsStart) {
