@@ -38,20 +38,26 @@ struct Row {
   double evaluations = 0.0, gradients = 0.0;  ///< mean a solve
 };
 
+/// The fastest of kRepeats solves, which have the same result; its time is added to `ms`.
+Result solve(const SolverChoice& choice, const Problem& problem, const WarmStart& start,
+             std::vector<double>& ms) {
+  double fastest = std::numeric_limits<double>::infinity();
+  Result result;
+  for (int repeat = 0; repeat < kRepeats; ++repeat) {
+    result = choice.solver->solve(problem, start, choice.options, {});
+    if (result.stop == StopReason::kError) throw std::runtime_error(result.detail);
+    fastest = std::min(fastest, 1e3 * result.wall_seconds);
+  }
+  ms.push_back(fastest);
+  return result;
+}
+
 Row run(const SolverChoice& choice, const std::vector<Eigen::Vector3d>& starts) {
   Row row{choice.label, {}, {}};
   WarmStart cold;
   cold.x = r1_cold();
   for (const Eigen::Vector3d& x0 : starts) {
-    const Problem problem = make_r1(x0);
-    double ms = std::numeric_limits<double>::infinity();
-    Result result;
-    for (int repeat = 0; repeat < kRepeats; ++repeat) {
-      result = choice.solver->solve(problem, cold, choice.options, {});
-      if (result.stop == StopReason::kError) throw std::runtime_error(result.detail);
-      ms = std::min(ms, 1e3 * result.wall_seconds);
-    }
-    row.ms.push_back(ms);
+    const Result result = solve(choice, make_r1(x0), cold, row.ms);
     row.J.push_back(result.cost);
     row.evaluations += result.counters.cost_evaluations / static_cast<double>(starts.size());
     row.gradients += result.counters.gradient_evaluations / static_cast<double>(starts.size());
@@ -137,14 +143,7 @@ int closed_loop(const std::vector<std::string>& words) {
         const Problem problem = make_r1(x0);
         shift(warm.x, problem.horizon().nu());
         shift(warm.stage_hessians, 9);
-        double fastest = std::numeric_limits<double>::infinity();
-        Result result;
-        for (int repeat = 0; repeat < kRepeats; ++repeat) {
-          result = choice.solver->solve(problem, warm, choice.options, {});
-          if (result.stop == StopReason::kError) throw std::runtime_error(result.detail);
-          fastest = std::min(fastest, 1e3 * result.wall_seconds);
-        }
-        ms.push_back(fastest);
+        const Result result = solve(choice, problem, warm, ms);
         evaluations += result.counters.cost_evaluations;
         warm = result.next;
         warm.x = result.x;
