@@ -1,8 +1,9 @@
 #include "models/nearest_name.h"
 
 #include <algorithm>
-#include <cctype>
 #include <limits>
+
+#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
@@ -24,11 +25,6 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
   return d[a.size()][b.size()];
 }
 
-std::string lower(std::string s) {
-  for (char& c : s) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return s;
-}
-
 }  // namespace
 
 std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates) {
@@ -38,7 +34,7 @@ std::string nearest_name(const std::string& name, const std::vector<std::string>
   std::size_t best_distance = std::numeric_limits<std::size_t>::max();
   for (const std::string& candidate : candidates) {
     if (candidate.size() > kLongest) continue;
-    const std::size_t distance = edit_distance(lower(name), lower(candidate));
+    const std::size_t distance = edit_distance(lower_case(name), lower_case(candidate));
     const std::size_t allowed =
         std::max<std::size_t>(1, std::max(name.size(), candidate.size()) / 3);
     if (distance <= allowed && distance < best_distance &&

@@ -1,7 +1,6 @@
 #include "adapters/datasets/inspection.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -17,6 +16,7 @@
 #include "adapters/datasets/scan_run.h"
 #include "adapters/datasets/scan_source.h"
 #include "adapters/datasets/stereo_dataset.h"
+#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
@@ -262,8 +262,7 @@ Json name_other(const std::string& path) {
     }
     return {};
   }
-  std::string ending = fs::path(path).extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = lower_case(fs::path(path).extension().string());
   for (const OtherKind& kind : kOtherKinds) {
     if (ending == kind.ending) return {{"what", kind.what}, {"used_by", kind.used_by}};
   }

@@ -8,7 +8,6 @@
 // line; it is passed over, as are lines of other kinds, and both are counted.
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -20,6 +19,7 @@
 #include "adapters/datasets/ros_scan_messages.h"
 #include "adapters/datasets/scan_source.h"
 #include "adapters/files/parse_number.h"
+#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
@@ -117,8 +117,7 @@ bool is_front_scan(const std::string& line) {
 
 bool is_carmen_log(const std::string& path) {
   std::error_code error;
-  std::string ending = std::filesystem::path(path).extension().string();
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = lower_case(std::filesystem::path(path).extension().string());
   if (ending == ".clf" || ending == ".carmen") {
     return std::filesystem::is_regular_file(path, error);
   }

@@ -1,7 +1,6 @@
 #include "adapters/datasets/raw_image.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstring>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -11,6 +10,7 @@
 #include "adapters/files/input_error.h"
 #include "adapters/images/checked_png.h"
 #include "adapters/images/image_codec.h"
+#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
@@ -96,8 +96,7 @@ bool is_image_name(const std::string& name) {
   if (name.empty() || name[0] == '.') return false;
   const std::size_t dot = name.rfind('.');
   if (dot == std::string::npos) return false;
-  std::string ending = name.substr(dot + 1);
-  for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string ending = lower_case(name.substr(dot + 1));
   static const char* const kEndings[] = {"png", "jpg", "jpeg", "tif", "tiff",
                                          "bmp", "pgm", "ppm",  "pfm"};
   return std::find(std::begin(kEndings), std::end(kEndings), ending) != std::end(kEndings);

@@ -22,6 +22,7 @@
 #include "adapters/datasets/number_text.h"
 #include "adapters/files/child_process.h"
 #include "adapters/files/input_error.h"
+#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
@@ -29,11 +30,6 @@ namespace {
 constexpr std::array kEndings = {"mp4", "avi", "mkv",  "mov", "webm", "m4v",
                                  "mpg", "ts",  "m2ts", "wmv", "flv",  "ogv"};
 constexpr std::size_t kMemory = std::size_t{4} << 30;  // [bytes] of addresses, most never used
-
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 /// A descriptor that is closed with this object.
 class Descriptor {
@@ -260,7 +256,8 @@ RawImage columns(const RawImage& image, int first, int width) {
 bool is_video_name(const std::string& name) {
   const auto dot = name.rfind('.');
   if (dot == std::string::npos) return false;
-  return std::find(kEndings.begin(), kEndings.end(), lower(name.substr(dot + 1))) != kEndings.end();
+  return std::find(kEndings.begin(), kEndings.end(), lower_case(name.substr(dot + 1))) !=
+         kEndings.end();
 }
 
 std::string find_video(const std::string& stem) {

@@ -15,6 +15,7 @@
 #include <sstream>
 #include <unordered_map>
 
+#include "models/lower_case.h"
 #include "models/nearest_name.h"
 #include "models/range_text.h"
 
@@ -107,10 +108,7 @@ std::string format(const std::vector<double>& values) {
 std::string format_text(const std::string& text) {
   static const std::vector<std::string> kWords = {"true", "false", "null", "yes",
                                                   "no",   "on",    "off"};
-  std::string lowered;
-  for (const char c : text) {
-    lowered += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
+  const std::string lowered = lower_case(text);
   const bool starts_plain =
       !text.empty() && (std::isalpha(static_cast<unsigned char>(text[0])) || text[0] == '/');
   const bool plain = starts_plain &&
@@ -623,8 +621,7 @@ bool YamlMap::loose_boolean(const std::string& key, bool default_value,
                             const std::string& description) {
   bool value = default_value;
   if (const Node* node = find(key)) {
-    std::string word = node->kind == Node::Kind::kScalar ? node->scalar : "";
-    for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string word = node->kind == Node::Kind::kScalar ? lower_case(node->scalar) : "";
     const auto is_one_of = [&](std::initializer_list<const char*> words) {
       return std::find(words.begin(), words.end(), word) != words.end();
     };

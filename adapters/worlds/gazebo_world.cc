@@ -9,7 +9,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -30,6 +29,7 @@
 #include "adapters/files/input_error.h"
 #include "adapters/worlds/mesh_file.h"
 #include "adapters/worlds/sdf_file.h"
+#include "models/lower_case.h"
 #include "perception/odometry/rotation_between.h"
 
 namespace prospect {
@@ -59,11 +59,6 @@ const std::set<std::string> kHarmless = {
     "battery",
     // read elsewhere
     "model", "include", "link", "frame", "state", "visual", "collision", "world"};
-
-std::string lower_case(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
 
 std::string without_space(const char* value) {
   std::string text = value != nullptr ? value : "";

@@ -3,7 +3,6 @@
 #include <octomap/OcTree.h>
 
 #include <algorithm>
-#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -26,6 +25,7 @@
 #include "adapters/worlds/ros_map.h"
 #include "adapters/worlds/world_file.h"
 #include "engine/maps/heading_fit.h"
+#include "models/lower_case.h"
 #include "models/nearest_name.h"
 
 namespace prospect {
@@ -163,11 +163,6 @@ Pose default_start(const World& world, const BodySlice& slice, const Grid<std::u
   return start;
 }
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
 /// A ROS map has an image, or at least what no world file has; the strict readers tell what else is
 /// wrong.
 bool is_ros_map(const std::string& path) {
@@ -300,7 +295,7 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
     world = world_from_yaml(random_floor_plan(plan->seed, plan->size), name_or_path, &states_start);
   } else {
     const fs::path path(name_or_path);
-    const std::string extension = lower(path.extension().string());
+    const std::string extension = lower_case(path.extension().string());
     if (!fs::exists(path, error)) {
       const bool like_a_path = !extension.empty() || name_or_path.find('/') != std::string::npos;
       std::string list;

@@ -14,9 +14,7 @@ namespace {
 
 /// Of a file's name, in small letters, with its dot.
 std::string extension_of(const std::string& path) {
-  std::string extension = std::filesystem::path(path).extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return extension;
+  return lower_case(std::filesystem::path(path).extension().string());
 }
 
 }  // namespace
@@ -52,6 +50,7 @@ bool is_mesh_file(const std::string& path) {
 #include "adapters/worlds/bounded_child.h"
 #include "adapters/worlds/gltf_check.h"
 #include "adapters/worlds/mesh_check.h"
+#include "models/lower_case.h"
 
 namespace prospect {
 namespace {

@@ -21,6 +21,7 @@
 #include "adapters/files/strict_yaml.h"
 #include "adapters/images/checked_png.h"
 #include "adapters/images/image_codec.h"
+#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
@@ -44,11 +45,7 @@ struct Plan {
   std::vector<CellState> cells;
 };
 
-std::string extension(const fs::path& path) {
-  std::string text = path.extension().string();
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
+std::string extension(const fs::path& path) { return lower_case(path.extension().string()); }
 
 std::string text_of(double value) {
   std::ostringstream out;

@@ -9,6 +9,9 @@
 
 namespace prospect {
 
+/// The back end of a name; throws std::invalid_argument for unknown ones.
+using FindSolver = std::function<std::shared_ptr<const Solver>(std::string_view name)>;
+
 /// Many starts, few of them polished: for problems with several basins, where the start matters
 /// more than the method. A solve goes
 ///
@@ -42,9 +45,7 @@ namespace prospect {
 /// Source: iterated local search, Lourenco, Martin and Stutzle (2003); multistart with clustering
 /// of starts, Rinnooy Kan and Timmer (1987); distance, shares and neighbours are our choice.
 ///
-/// `find` looks `polish` up; it throws std::invalid_argument for unknown names.
-using FindSolver = std::function<std::shared_ptr<const Solver>(std::string_view name)>;
-
+/// `find` looks `polish` up.
 std::shared_ptr<const Solver> make_hybrid_solver(std::string name, FindSolver find);
 
 }  // namespace prospect

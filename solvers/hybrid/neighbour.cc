@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "solvers/hybrid/spread_value.h"
 #include "solvers/sampling/additive_recurrence.h"
 
 namespace prospect {
@@ -17,9 +18,8 @@ Eigen::VectorXd neighbour(const Problem& problem, const Eigen::Ref<const Eigen::
   Eigen::VectorXd x = z;
   for (int m = start; m < start + length; ++m) {
     for (int j = 0; j < nu; ++j) {
-      const double lower = problem.lower()[m * nu + j], upper = problem.upper()[m * nu + j];
-      const double share = std::clamp(1.5 * t[2 + j] - 0.25, 0.0, 1.0);
-      x[m * nu + j] = std::min(upper, lower + (upper - lower) * share);
+      const int at = m * nu + j;
+      x[at] = spread_value(problem.lower()[at], problem.upper()[at], t[2 + j]);
     }
   }
   return x;

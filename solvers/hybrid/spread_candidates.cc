@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/hybrid/spread_value.h"
 #include "solvers/sampling/additive_recurrence.h"
 
 namespace prospect {
@@ -20,9 +21,9 @@ Eigen::MatrixXd spread_candidates(const Problem& problem, int count, int segment
       const int segment = m * stretches / M;
       for (int j = 0; j < nu; ++j) {
         const double t = 0.5 + static_cast<double>(i) * step[segment * nu + j];
-        const double share = std::clamp(1.5 * (t - std::floor(t)) - 0.25, 0.0, 1.0);
-        const double lower = problem.lower()[m * nu + j], upper = problem.upper()[m * nu + j];
-        candidates(m * nu + j, i) = std::min(upper, lower + (upper - lower) * share);
+        const int at = m * nu + j;
+        candidates(at, i) =
+            spread_value(problem.lower()[at], problem.upper()[at], t - std::floor(t));
       }
     }
   }
