@@ -2,7 +2,8 @@
 // images, depth images and their calibrations, odometry; it takes velocity commands, and stops by
 // itself when they cease. Over loopback.
 //
-//   dds_robot FILE.yaml [WORLD] [--seconds T] [--image-rate HZ] [--set KEY=VALUE]...
+//   dds_robot FILE.yaml [WORLD] [--seconds T] [--image-rate HZ] [--vendor cyclone|fast]
+//             [--set KEY=VALUE]...
 //
 // FILE.yaml is the one that `prospect drive --ros` gets. Prints at the end what is true: the way,
 // contacts, the pose in the frame that the mission began in, and how often the dead-man stopped it.
@@ -21,6 +22,7 @@
 #include "adapters/config/registries.h"
 #include "adapters/dds/dds_node.h"
 #include "adapters/dds/dds_options.h"
+#include "adapters/files/input_error.h"
 #include "adapters/ros/geometry_msgs.h"
 #include "adapters/ros/nav_msgs.h"
 #include "adapters/ros/sensor_msgs.h"
@@ -33,6 +35,9 @@
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/program_options.h"
 #include "runtime/clock.h"
+#ifdef PROSPECT_WITH_FASTDDS
+#include "tests/adapters/fast_node.h"
+#endif
 
 namespace prospect {
 namespace {
@@ -89,111 +94,172 @@ class Motors {
   int stops_ = 0;
 };
 
-int run(int argc, char** argv) {
-  std::string file, world_name = "office";
-  double seconds = 60.0, image_rate = 10.0;
-  std::vector<std::string> settings;
-  ProgramOptions program("A simulated robot behind topics of ROS 2");
-  program.add("file", file, "With the robot's topics (YAML)", {.required = true});
-  program.add("world", world_name, "Where it is");
-  program.add("--seconds", seconds, "Until it ends [s]", {.least = 1.0, .most = 1e5});
-  program.add("--image-rate", image_rate, "Of stereo pairs and depth images [Hz]",
-              {.least = 0.5, .most = 60.0});
-  program.add("--set", settings, "A value of the configuration, KEY=VALUE");
-  if (const std::optional<int> code = program.parse(argc, argv)) return *code;
+struct RobotOptions {
+  DdsOptions topics;
+  Configuration configuration;
+  std::string world = "office";
+  double seconds = 60.0;     // until it ends
+  double image_rate = 10.0;  // of stereo pairs and depth images [Hz]
+};
 
-  const DdsOptions topics = read_dds_options(file);
-  const Registries registries;
-  const Configuration c = read_configuration("", registries, settings);
-  const World world = load_world(world_name, world_options_for(c));
-  CameraRigOptions rig_options = c.simulator.camera.rig;
-  rig_options.stereo = c.robot.stereo;
-  rig_options.stereo_mount = c.robot.stereo_mount;
-  rig_options.footprint = c.robot.depth;
-  rig_options.depth_mount = c.robot.depth_mount;
-  rig_options.depth_width = 320;
-  rig_options.depth_height = 240;
-  const CameraRig rig(std::make_shared<const SceneRenderer>(seen_mesh(world, c.simulator)),
-                      rig_options);
-  Pose start = world.start;
-  start.position.z() = c.robot.base_height();
-  KinematicRobot robot(world, c.robot.shape, {}, start, 1);
+/// Node: DdsNode, or another with its declarations.
+template <typename Node>
+class Robot {
+ public:
+  Robot(const RobotOptions& options, Node& node)
+      : options_(options),
+        node_(node),
+        world_(load_world(options.world, world_options_for(options.configuration))),
+        rig_(make_rig()),
+        start_(make_start()),
+        body_(world_, options.configuration.robot.shape, {}, start_, 1),
+        motors_(options.topics.command.dead_man) {
+    const DdsOptions& topics = options.topics;
+    left_ = node.template advertise<ros::Image>(topics.stereo.left, kSensorQos);
+    right_ = node.template advertise<ros::Image>(topics.stereo.right, kSensorQos);
+    depth_ = node.template advertise<ros::Image>(topics.depth.image, kSensorQos);
+    left_info_ = node.template advertise<ros::CameraInfo>(topics.stereo.left_info, kSensorQos);
+    right_info_ = node.template advertise<ros::CameraInfo>(topics.stereo.right_info, kSensorQos);
+    depth_info_ = node.template advertise<ros::CameraInfo>(topics.depth.info, kSensorQos);
+    odometry_ = node.template advertise<ros::Odometry>(topics.odometry, kReliableQos);
+    node.template subscribe<ros::TwistStamped>(
+        topics.command.stamped, kCommandQos,
+        [this](const ros::TwistStamped& m) { motors_.command(m.twist); });
+  }
 
-  Motors motors(topics.command.dead_man);
-  DdsAddress address = topics.address;
-  address.node = "robot";
-  DdsNode node(address);
-  const auto& s = topics.stereo;
-  const int left = node.advertise<ros::Image>(s.left, kSensorQos);
-  const int right = node.advertise<ros::Image>(s.right, kSensorQos);
-  const int depth = node.advertise<ros::Image>(topics.depth.image, kSensorQos);
-  const int left_info = node.advertise<ros::CameraInfo>(s.left_info, kSensorQos);
-  const int right_info = node.advertise<ros::CameraInfo>(s.right_info, kSensorQos);
-  const int depth_info = node.advertise<ros::CameraInfo>(topics.depth.info, kSensorQos);
-  const int odometry = node.advertise<ros::Odometry>(topics.odometry, kReliableQos);
-  node.subscribe<ros::TwistStamped>(topics.command.stamped, kCommandQos,
-                                    [&](const ros::TwistStamped& m) { motors.command(m.twist); });
-  node.start();
+  void run() {
+    const double end = clock_.now() + options_.seconds;
+    std::jthread motors([&] { drive(end); });
+    see(end);
+    motors.join();
+    const Pose at = body_.pose();
+    const Eigen::Rotation2Dd back(-start_.yaw);
+    const Eigen::Vector2d moved = back * (at.position - start_.position).head<2>();
+    std::printf(
+        "way %.1f m, contacts %d, at (%.2f, %.2f) turned by %.2f rad, stopped by the dead-man "
+        "%d times\n",
+        body_.path_length(), body_.collisions(), moved.x(), moved.y(),
+        std::remainder(at.yaw - start_.yaw, 2.0 * M_PI), motors_.stops());
+  }
 
-  const SteadyClock clock;
-  const double begin = clock.now(), end = begin + seconds;
-  std::mutex mutex;  // of the body
-  Twist twist;
+ private:
+  CameraRig make_rig() const {
+    const Configuration& c = options_.configuration;
+    CameraRigOptions rig = c.simulator.camera.rig;
+    rig.stereo = c.robot.stereo;
+    rig.stereo_mount = c.robot.stereo_mount;
+    rig.footprint = c.robot.depth;
+    rig.depth_mount = c.robot.depth_mount;
+    rig.depth_width = 320;
+    rig.depth_height = 240;
+    return CameraRig(std::make_shared<const SceneRenderer>(seen_mesh(world_, c.simulator)), rig);
+  }
+  Pose make_start() const {
+    Pose start = world_.start;
+    start.position.z() = options_.configuration.robot.base_height();
+    return start;
+  }
+
   // Motors and odometry at 50 Hz, beside the cameras.
-  std::jthread drives([&] {
-    double before = clock.now();
+  void drive(double end) {
+    const auto& frames = options_.topics.frames;
+    double before = clock_.now();
     Pose odom;
-    while (clock.now() < end) {
-      clock.wait_until(before + 0.02, {});
-      const double now = clock.now();
-      const Twist command = motors.now();
+    while (clock_.now() < end) {
+      clock_.wait_until(before + 0.02, {});
+      const double now = clock_.now();
+      const Twist command = motors_.now();
+      Twist twist;
       {
-        const std::lock_guard lock(mutex);
-        twist = robot.move(command, now - before) ? command : Twist();
+        const std::lock_guard lock(mutex_);
+        twist = twist_ = body_.move(command, now - before) ? command : Twist();
       }
       odom = advance(odom, twist, now - before);
       before = now;
       ros::Odometry m;
-      m.header = {ros::time_of(now), topics.frames.odom};
-      m.child_frame_id = topics.frames.base;
+      m.header = {ros::time_of(now), frames.odom};
+      m.child_frame_id = frames.base;
       m.pose.pose.position = {odom.position.x(), odom.position.y(), 0.0};
       m.pose.pose.orientation = {0.0, 0.0, std::sin(0.5 * odom.yaw), std::cos(0.5 * odom.yaw)};
       m.twist.twist.linear.x = twist.linear.x();
       m.twist.twist.angular.z = twist.yaw_rate;
-      node.publish(odometry, m);
+      node_.publish(odometry_, m);
     }
-  });
-  double next = begin;
-  for (std::uint64_t frame = 0; clock.now() < end; ++frame) {
-    Pose pose;
-    Twist moving;
-    {
-      const std::lock_guard lock(mutex);
-      pose = robot.pose();
-      moving = twist;
-    }
-    const ros::Header header{ros::time_of(clock.now()), "camera"};
-    const ImagePair pair = rig.stereo(pose, moving, frame);
-    const DepthImage image = rig.depth(pose, frame);
-    node.publish(left_info, camera_info(rig.options().stereo.left, 0.0));
-    node.publish(right_info, camera_info(rig.options().stereo.left, rig.options().stereo.baseline));
-    node.publish(depth_info, camera_info(rig.depth_camera(), 0.0));
-    const int width = pair.left.width, height = pair.left.height;
-    node.publish(left, image_message(header, width, height, "mono8", pair.left.pixels));
-    node.publish(right, image_message(header, width, height, "mono8", pair.right.pixels));
-    node.publish(depth, image_message(header, image.width, image.height, "32FC1", image.depth));
-    next = std::max(next + 1.0 / image_rate, clock.now());
-    clock.wait_until(next, {});
   }
-  drives.join();
-  const Pose at = robot.pose();
-  const Eigen::Rotation2Dd back(-start.yaw);
-  const Eigen::Vector2d moved = back * (at.position - start.position).head<2>();
-  std::printf(
-      "way %.1f m, contacts %d, at (%.2f, %.2f) turned by %.2f rad, stopped by the dead-man "
-      "%d times\n",
-      robot.path_length(), robot.collisions(), moved.x(), moved.y(),
-      std::remainder(at.yaw - start.yaw, 2.0 * M_PI), motors.stops());
+
+  void see(double end) {
+    double next = clock_.now();
+    for (std::uint64_t frame = 0; clock_.now() < end; ++frame) {
+      Pose pose;
+      Twist moving;
+      {
+        const std::lock_guard lock(mutex_);
+        pose = body_.pose();
+        moving = twist_;
+      }
+      const ros::Header header{ros::time_of(clock_.now()), "camera"};
+      const ImagePair pair = rig_.stereo(pose, moving, frame);
+      const DepthImage image = rig_.depth(pose, frame);
+      const StereoCamera& stereo = rig_.options().stereo;
+      node_.publish(left_info_, camera_info(stereo.left, 0.0));
+      node_.publish(right_info_, camera_info(stereo.left, stereo.baseline));
+      node_.publish(depth_info_, camera_info(rig_.depth_camera(), 0.0));
+      const int width = pair.left.width, height = pair.left.height;
+      node_.publish(left_, image_message(header, width, height, "mono8", pair.left.pixels));
+      node_.publish(right_, image_message(header, width, height, "mono8", pair.right.pixels));
+      node_.publish(depth_, image_message(header, image.width, image.height, "32FC1", image.depth));
+      next = std::max(next + 1.0 / options_.image_rate, clock_.now());
+      clock_.wait_until(next, {});
+    }
+  }
+
+  const RobotOptions& options_;
+  Node& node_;
+  SteadyClock clock_;
+  World world_;
+  CameraRig rig_;
+  Pose start_;
+  std::mutex mutex_;  // of the body
+  KinematicRobot body_;
+  Twist twist_;
+  Motors motors_;
+  int left_, right_, depth_, left_info_, right_info_, depth_info_, odometry_;
+};
+
+int run(int argc, char** argv) {
+  std::string file, vendor = "cyclone";
+  RobotOptions options;
+  std::vector<std::string> settings;
+  ProgramOptions program("A simulated robot behind topics of ROS 2");
+  program.add("file", file, "With the robot's topics (YAML)", {.required = true});
+  program.add("world", options.world, "Where it is");
+  program.add("--seconds", options.seconds, "Until it ends [s]", {.least = 1.0, .most = 1e5});
+  program.add("--image-rate", options.image_rate, "Of stereo pairs and depth images [Hz]",
+              {.least = 0.5, .most = 60.0});
+  program.add("--vendor", vendor, "CycloneDDS, or Fast DDS on this machine alone",
+              {.one_of = {"cyclone", "fast"}});
+  program.add("--set", settings, "A value of the configuration, KEY=VALUE");
+  if (const std::optional<int> code = program.parse(argc, argv)) return *code;
+
+  options.topics = read_dds_options(file);
+  const Registries registries;
+  options.configuration = read_configuration("", registries, settings);
+  DdsAddress address = options.topics.address;
+  address.node = "robot";
+  if (vendor == "fast") {
+#ifdef PROSPECT_WITH_FASTDDS
+    test::FastNode node(address);
+    Robot robot(options, node);
+    robot.run();
+    return 0;
+#else
+    throw InputError("--vendor fast: Fast DDS is not installed (libfastrtps-dev)");
+#endif
+  }
+  DdsNode node(address);
+  Robot robot(options, node);
+  node.start();
+  robot.run();
   for (const std::string& fault : node.faults()) std::printf("fault: %s\n", fault.c_str());
   return 0;
 }

@@ -28,6 +28,9 @@ find_package(Protobuf QUIET)
 # What topics of ROS 2 need: without it such a robot cannot be driven, and it says so.
 find_package(CycloneDDS CONFIG QUIET)
 find_package(OpenSSL QUIET COMPONENTS Crypto)
+# Another vendor of it, the other side in tests and measurements.
+find_package(fastrtps CONFIG QUIET)
+find_package(fastcdr CONFIG QUIET)
 # What the live view needs: without it --live is refused, and says so.
 find_package(Boost 1.74 CONFIG QUIET)
 # What the Python package needs: without it it is left out. Debian's interpreter, not another one that
