@@ -41,6 +41,7 @@
 #include "engine/task/task.h"
 #include "models/range_text.h"
 #include "runtime/clock.h"
+#include "runtime/mission.h"
 
 namespace prospect {
 namespace {
@@ -429,7 +430,9 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     if (log) std::printf("  log           %s/mission.mcap\n", folder->path().c_str());
   }
   const bool whole = folder->error().empty() && (!log || log->error().empty());
-  return summary.done && summary.collisions == 0 && whole ? kDone : kFailed;
+  if (!whole) return kFailed;
+  if (summary.reason == to_string(MissionEnd::kCancelled)) return kCancelled;
+  return summary.done && summary.collisions == 0 ? kDone : kFailed;
 }
 
 int explore(const ExploreArguments& arguments, const Registries& registries) {
