@@ -46,6 +46,7 @@ class DriveReplayTest : public testing::Test {
       belief.set_stamps(0.5 * n);
       calls_->push_back(writer.prepare(belief));
       planner.prepare(belief);
+      belief = test::Room{.seen = 2.25 + 0.5 * n, .landmarks_per_wall = 10}.belief();
       belief.set_stamps(0.5 * n + 0.25);
       if (n == 2) {
         const Task task = Task::go_to({0.5, -1.0});
