@@ -1,8 +1,10 @@
 #include "adapters/replay/drive_replay.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -31,7 +33,7 @@ namespace {
 std::string difference_of(const Plan& plan, const PlannerCall& recorded) {
   std::string difference;
   const auto compare = [&](const char* name, double was, double is) {
-    const bool same = was == is || (std::isnan(was) && std::isnan(is));
+    const bool same = std::bit_cast<std::uint64_t>(was) == std::bit_cast<std::uint64_t>(is);
     if (same || !difference.empty()) return;
     difference =
         std::string(name) + ": " + exact_text(was) + " recorded, " + exact_text(is) + " now";
