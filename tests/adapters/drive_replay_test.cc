@@ -292,6 +292,14 @@ TEST_F(DriveReplayTest, WhatDriveDoesNotWriteIsRefused) {
   for (std::size_t n = 0; n < calls.size(); ++n) calls[n].sequence = static_cast<std::uint32_t>(n);
   write(calls);
   expect_refused([&] { replay(); }, "call 1 of the planner: a plan that nobody asked for");
+  {
+    McapWriter writer(log());
+    const std::uint16_t call = writer.add_channel(topic::kPlannerCalls, PlannerCall::kType, "");
+    writer.message(call, 1, ros::to_cdr(calls_->front()));
+    writer.message(call, 2, "cut");
+    writer.close();
+  }
+  expect_refused([&] { replay(); }, log() + ": message 2 of /planner/calls");
   RecordedRun run;
   run.source = folder_ + "/none";
   expect_refused([&] { replay_calls(run, configuration(), {}, {}); },
