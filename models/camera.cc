@@ -63,7 +63,7 @@ Eigen::Matrix3d StereoCamera::triangulation_covariance(double u, double v, doubl
 }
 
 Eigen::Isometry3d CameraMount::forward_facing(const Eigen::Vector3d& position, double yaw,
-                                              double pitch) {
+                                              double pitch, double roll) {
   const double cy = std::cos(yaw), sy = std::sin(yaw);
   const double cp = std::cos(pitch), sp = std::sin(pitch);
   Eigen::Isometry3d T_BC = Eigen::Isometry3d::Identity();
@@ -71,8 +71,25 @@ Eigen::Isometry3d CameraMount::forward_facing(const Eigen::Vector3d& position, d
   T_BC.linear() << sy, -sp * cy, cp * cy,  //
       -cy, -sp * sy, cp * sy,              //
       0.0, -cp, -sp;
+  T_BC.linear() *= Eigen::AngleAxisd(roll, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   T_BC.translation() = position;
   return T_BC;
+}
+
+MountAngles angles(const CameraMount& mount) {
+  const Eigen::Matrix3d R = mount.T_BC.linear();
+  const Eigen::Vector3d axis = R.col(2);
+  MountAngles out;
+  out.yaw = std::atan2(axis.y(), axis.x());
+  out.pitch = std::atan2(-axis.z(), std::hypot(axis.x(), axis.y()));
+  // What is left is a turn about z of C, whatever the yaw of a vertical axis.
+  const Eigen::Matrix3d left =
+      CameraMount::forward_facing(Eigen::Vector3d::Zero(), out.yaw, out.pitch)
+          .linear()
+          .transpose() *
+      R;
+  out.roll = std::atan2(left(1, 0), left(0, 0));
+  return out;
 }
 
 void describe(Knobs& knobs, PinholeCamera& c) {

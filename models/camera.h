@@ -56,11 +56,19 @@ struct RgbdFootprint {
 struct CameraMount {
   Eigen::Isometry3d T_BC = forward_facing({0.0, 0.0, 0.45});
 
-  /// Camera at `position` in B [m], optical axis turned by `yaw` from B's x axis and `pitch` down
-  /// [rad].
+  /// Camera at `position` in B [m], optical axis turned by `yaw` from B's x axis and `pitch` down,
+  /// the camera by `roll` about it, clockwise as it looks [rad].
   static Eigen::Isometry3d forward_facing(const Eigen::Vector3d& position, double yaw = 0.0,
-                                          double pitch = 0.0);
+                                          double pitch = 0.0, double roll = 0.0);
 };
+
+/// The angles of forward_facing() [rad]: |yaw|, |roll| <= pi, |pitch| <= pi/2. Of an axis that is
+/// vertical to rounding, yaw and roll are not unique, and those are given that turn T_BC into
+/// itself.
+struct MountAngles {
+  double yaw = 0.0, pitch = 0.0, roll = 0.0;
+};
+MountAngles angles(const CameraMount& mount);
 
 /// The knobs (models/knobs.h): all of them.
 void describe(Knobs& knobs, PinholeCamera& camera);

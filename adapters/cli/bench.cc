@@ -85,7 +85,7 @@ int capture(const BenchArguments& arguments, const Configuration& configuration,
   std::printf("%d problems in %s\n", written, folder.c_str());
   if (all) return kDone;
   std::cerr << "prospect: cancelled; the set lacks problems\n";
-  return kFailed;
+  return kCancelled;
 }
 
 /// The rows of the bench that the folder holds, if it holds one.
@@ -202,7 +202,7 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
     progress.finish();
     if (options.cancelled()) {
       std::cerr << "prospect: cancelled; nothing is measured\n";
-      return kFailed;
+      return kCancelled;
     }
     if (!used.insert(sets.back().name).second) {
       throw InputError("problem set '" + name + "': another one is named '" + sets.back().name +
@@ -249,7 +249,7 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
   };
   if (table.cancelled && count(table.sets) == 0) {
     std::cerr << "prospect: cancelled before the first problem was done; --resume goes on\n";
-    return kFailed;
+    return kCancelled;
   }
 
   const std::vector<GroupSummary> groups = summarize(table);
@@ -269,7 +269,7 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
   if (table.cancelled) {
     std::cerr << "prospect: cancelled; " << count(table.sets) << " of " << count(sets)
               << " problems are in " << out << "; --resume goes on\n";
-    return kFailed;
+    return kCancelled;
   }
   std::set<std::string> told;
   bool any = false;

@@ -9,19 +9,12 @@
 #include "adapters/config/registries.h"
 #include "adapters/datasets/depth_source.h"
 #include "adapters/datasets/stereo_source.h"
+#include "adapters/files/exit_code.h"
 #include "solvers/registry.h"
 
 namespace prospect {
 
 struct World;
-
-/// Exit codes of the program.
-enum ExitCode {
-  kDone = 0,       ///< done
-  kFailed = 1,     ///< the mission or comparison failed; it says why
-  kBadInput = 2,   ///< a file, configuration or argument is wrong; one line each says what
-  kNotBuiltIn = 3  ///< a back end or component is not built in
-};
 
 struct ExploreArguments {
   std::string world = "office";

@@ -41,6 +41,7 @@
 #include "engine/task/task.h"
 #include "models/range_text.h"
 #include "runtime/clock.h"
+#include "runtime/mission.h"
 
 namespace prospect {
 namespace {
@@ -342,7 +343,6 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
                                     "_" + std::to_string(arguments.seed)
                               : arguments.out;
   std::optional<RunFolder> folder;
-  const RunStart start = start_of(arguments, configuration, name, world.get(), base);
   // Not before: nothing is written for a refusal.
   std::optional<MissionLog> log;
   LiveFeed feed;
@@ -351,12 +351,12 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   std::optional<AcknowledgementBySignal> by_signal;
   if (base.in_real_time()) by_signal.emplace(requests);
   std::optional<LiveServer> live;
-  options.on_start = [&] {
+  options.on_start = [&](const Configuration& effective) {
     if (arguments.live) {
-      LiveMission shown{configured_record(configuration), base.in_real_time(),
-                        message_options(configuration, base)};
+      LiveMission shown{configured_record(effective), base.in_real_time(),
+                        message_options(effective, base)};
       shown.start.summary.world = name;
-      shown.start.summary.solver = configuration.solver;
+      shown.start.summary.solver = effective.solver;
       shown.start.summary.seed = arguments.seed;
       live.emplace(
           LiveOptions{
@@ -364,10 +364,11 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
           shown, feed, requests);
       tell_live(*live, arguments);
     }
+    const RunStart start = start_of(arguments, effective, name, world.get(), base);
     folder.emplace(out, start);
     if (!arguments.log) return;
     const std::string file = folder->path() + "/mission.mcap";
-    MissionLogOptions log_options{message_options(configuration, base), arguments.log_images, {}};
+    MissionLogOptions log_options{message_options(effective, base), arguments.log_images, {}};
     // In real time nothing waits for the log; in lockstep nothing is dropped.
     log_options.file.wait = !base.in_real_time();
     log.emplace(file, start, log_options);
@@ -429,7 +430,9 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     if (log) std::printf("  log           %s/mission.mcap\n", folder->path().c_str());
   }
   const bool whole = folder->error().empty() && (!log || log->error().empty());
-  return summary.done && summary.collisions == 0 && whole ? kDone : kFailed;
+  if (!whole) return kFailed;
+  if (summary.reason == to_string(MissionEnd::kCancelled)) return kCancelled;
+  return summary.done && summary.collisions == 0 ? kDone : kFailed;
 }
 
 int explore(const ExploreArguments& arguments, const Registries& registries) {

@@ -15,7 +15,6 @@
 #include "adapters/run/exploration_run.h"
 #include "adapters/simulator/camera_sensors.h"
 #include "adapters/worlds/load_world.h"
-#include "models/range_text.h"
 
 namespace prospect {
 namespace {
@@ -93,14 +92,6 @@ int export_world(const ExportArguments& arguments, const Registries& registries)
       throw InputError(path + ": cannot be written (" + wrong + "); expected a writable folder");
     }
     std::printf("%s\n", path.c_str());
-  }
-  const StereoCamera& stereo = configuration.robot.stereo;
-  const StereoCamera rendered = gazebo_stereo(stereo);
-  if (stereo.left.cx != rendered.left.cx || stereo.left.cy != rendered.left.cy) {
-    std::printf(
-        "Its cameras have their principal point in the middle: --set robot.stereo.cx=%s "
-        "--set robot.stereo.cy=%s\n",
-        exact_text(rendered.left.cx).c_str(), exact_text(rendered.left.cy).c_str());
   }
   return kDone;
 }

@@ -67,7 +67,9 @@ constexpr const char* kExitStatus =
     ".TP\n1\nFailed, and the messages say why: the task was not done, or no back end found a "
     "feasible solution.\n"
     ".TP\n2\nBad input. One line for each problem on standard error.\n"
-    ".TP\n3\nA back end or another part is not built in.\n";
+    ".TP\n3\nA back end or another part is not built in.\n"
+    ".TP\n4\nA signal, such as Ctrl-C, ended it before all was done. What it has written is "
+    "whole.\n";
 
 }  // namespace
 

@@ -90,11 +90,12 @@ int replay_unchanged(const RecordedRun& run, const std::string& world,
   ChildProcess process(words, {.errors = log});
   std::optional<ChildProcess::End> end;
   while (!(end = process.ended())) {
-    if (cancelled()) return kFailed;
+    if (cancelled()) return kCancelled;
     progress.show(run.source + ": driven again");
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
   progress.finish();
+  if (end->code == kCancelled) return kCancelled;
   std::error_code error;
   if (end->signal != 0 || end->code > 1 || !fs::is_regular_file(out + "/summary.json", error)) {
     std::ifstream said(log);
@@ -224,7 +225,7 @@ int replay_drive(const RecordedRun& run, bool unchanged, const ReplayArguments& 
   const DriveReplay made = replay_calls(run, configuration, registries, options);
   progress.finish();
   for (const std::string& note : made.notes) std::cerr << "prospect: " << note << '\n';
-  if (options.cancelled()) return kFailed;
+  if (options.cancelled()) return kCancelled;
   if (!unchanged) {
     write_replay(run, made.replay, arguments);
   } else if (made.difference.step >= 0) {

@@ -193,7 +193,7 @@ int solve(const SolveArguments& arguments, const Registries& registries) {
         capture(captures[k], configuration, registries, arguments.seed, progress, cancelled);
     if (!problems[k].problem) {
       std::cerr << "prospect: cancelled; nothing is solved\n";
-      return kFailed;
+      return kCancelled;
     }
   }
 
@@ -235,7 +235,7 @@ int solve(const SolveArguments& arguments, const Registries& registries) {
   }
   if (cancelled()) {
     std::cerr << "prospect: cancelled; the solves that were done are shown\n";
-    return kFailed;
+    return kCancelled;
   }
   if (all_absent) return kNotBuiltIn;
   return any_feasible ? kDone : kFailed;

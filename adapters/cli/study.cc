@@ -171,6 +171,7 @@ int study(const StudyArguments& arguments, const Registries& registries) {
   } else if (result.cancelled || left > 0) {
     std::cerr << "prospect: broken off; the same command goes on\n";
   }
+  if (result.cancelled) return kCancelled;
   const bool whole = result.failed == 0 && result.elsewhere == 0 && left == 0;
   return whole ? kDone : kFailed;
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <exception>
 #include <stdexcept>
+#include <utility>
 
 #include "adapters/config/solver_options.h"
 #include "adapters/config/term_settings.h"
@@ -69,9 +70,11 @@ CameraMount read_mount(YamlMap map) {
                                                        "m", "optical centre in the body frame"));
   const double yaw = map.number("yaw", 0.0, -180.0, 180.0, "deg", "turned from the body's x axis");
   const double pitch =
-      map.number("pitch", 0.0, -89.0, 89.0, "deg", "optical axis below the horizontal");
-  mount.T_BC =
-      CameraMount::forward_facing(position, yaw * kRadiansPerDegree, pitch * kRadiansPerDegree);
+      map.number("pitch", 0.0, -90.0, 90.0, "deg", "optical axis below the horizontal");
+  const double roll = map.number("roll", 0.0, -180.0, 180.0, "deg",
+                                 "turned about the optical axis, clockwise as the camera looks");
+  mount.T_BC = CameraMount::forward_facing(position, yaw * kRadiansPerDegree,
+                                           pitch * kRadiansPerDegree, roll * kRadiansPerDegree);
   return mount;
 }
 
@@ -100,6 +103,17 @@ void read_robot(YamlMap map, Configuration& c) {
   YamlMap depth = map.map("depth");
   c.robot.depth = read_knobs(depth, c.robot.depth);
   c.robot.depth_mount = read_mount(depth.map("mount"));
+}
+
+/// What the simulated robot shares with the planned one.
+void share_robot(Configuration& c) {
+  c.simulator.shape = c.robot.shape;
+  c.simulator.base_height = c.robot.base_height();
+  c.simulator.depth.footprint = c.robot.depth;
+  set_resolution(c.simulator.depth);
+  c.simulator.depth_mount = c.robot.depth_mount;
+  c.simulator.features.stereo = c.robot.stereo;
+  c.simulator.stereo_mount = c.robot.stereo_mount;
 }
 
 /// Returns the paths of settings that others have taken the place of.
@@ -291,14 +305,7 @@ Configuration read(StrictYaml yaml, const Registries& registries) {
   }
   yaml.finish();
 
-  // What the simulated robot shares with the planned one.
-  c.simulator.shape = c.robot.shape;
-  c.simulator.base_height = c.robot.base_height();
-  c.simulator.depth.footprint = c.robot.depth;
-  set_resolution(c.simulator.depth);
-  c.simulator.depth_mount = c.robot.depth_mount;
-  c.simulator.features.stereo = c.robot.stereo;
-  c.simulator.stereo_mount = c.robot.stereo_mount;
+  share_robot(c);
   c.entries = yaml.entries();
   std::erase_if(c.entries, [&](const ConfigEntry& entry) {
     return std::find(replaced.begin(), replaced.end(), entry.path) != replaced.end();
@@ -322,6 +329,20 @@ void override_entry(Configuration& configuration, const std::string& path,
   for (ConfigEntry& entry : configuration.entries) {
     if (entry.path == path) entry.value = value;
   }
+}
+
+void set_robot(Configuration& configuration, const std::vector<std::string>& settings,
+               const std::string& told_by) {
+  std::vector<ConfigEntry> entries = configuration.entries;
+  std::erase_if(entries, [](const ConfigEntry& e) { return !e.path.starts_with("robot."); });
+  StrictYaml yaml = StrictYaml::from_text(effective_yaml(entries), told_by);
+  for (const std::string& setting : settings) yaml.set(setting, told_by);
+  Configuration told = configuration;
+  read_robot(yaml.root().map("robot"), told);
+  yaml.finish();
+  share_robot(told);
+  for (const ConfigEntry& entry : yaml.entries()) override_entry(told, entry.path, entry.value);
+  configuration = std::move(told);
 }
 
 std::string solver_problem(const std::string& name, const SolverRegistry& solvers) {

@@ -50,6 +50,14 @@ Configuration read_configuration(const std::string& path, const Registries& regi
 void override_entry(Configuration& configuration, const std::string& path,
                     const std::string& value);
 
+/// Takes values of `robot` ("robot.stereo.cx=319.5") from who knows the robot better than the file,
+/// above what it says. They are read as the file is, and noted in the entries: the robot is what a
+/// reader makes of the entries, to the bit. What the entries say of the robot was to be in effect.
+/// told_by: who that is, in messages. Throws InputError as read_configuration(); the configuration
+/// is as it was then.
+void set_robot(Configuration& configuration, const std::vector<std::string>& settings,
+               const std::string& told_by);
+
 /// "" if the robot of a sound configuration can be given its task, with these zones, else what is
 /// wrong: "goal: is in keep-out 1; expected ...".
 std::string task_problem(const Configuration& configuration);

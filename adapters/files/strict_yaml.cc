@@ -53,10 +53,10 @@ struct YamlMap::State {
 
   /// The n-th setting (StrictYaml::set) stands in line kSettings + n, after all that files hold.
   static constexpr int kSettings = 1'000'000'000;
-  std::vector<std::string> settings;
+  std::vector<std::string> settings;  ///< as messages name them
 
   std::string at(int line) const {
-    if (line >= kSettings) return "--set " + settings[static_cast<std::size_t>(line - kSettings)];
+    if (line >= kSettings) return settings[static_cast<std::size_t>(line - kSettings)];
     return line > 0 ? source + ":" + std::to_string(line) : source;
   }
   /// Nobody reads more of them, and each costs a search for the nearest name.
@@ -332,11 +332,11 @@ void move_to_line(Node& node, int line) {
 
 }  // namespace
 
-void StrictYaml::set(const std::string& setting) {
+void StrictYaml::set(const std::string& setting, const std::string& told_by) {
   using Node = YamlMap::Node;
   YamlMap::State& state = *state_;
   const int line = YamlMap::State::kSettings + static_cast<int>(state.settings.size());
-  state.settings.push_back(shown(setting));
+  state.settings.push_back(told_by + " " + shown(setting));
   const auto refuse = [&](const std::string& what) {
     throw InputError(state.at(line) + ": " + what);
   };

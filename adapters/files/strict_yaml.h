@@ -159,9 +159,10 @@ class StrictYaml {
 
   /// Puts a value, given as "planner.weights.w_l=0", in the place of what the document says at that
   /// path, or adds it: a scalar, a list or a mapping, as YAML on one line. Before reading. Messages
-  /// about it name it as `--set planner.weights.w_l=0`. Throws InputError if it is none of that, or
-  /// if the document has something else than mappings on the way.
-  void set(const std::string& setting);
+  /// about it name it as `--set planner.weights.w_l=0`; told_by: who says it, in the place of
+  /// `--set`. Throws InputError if it is none of that, or if the document has something else than
+  /// mappings on the way.
+  void set(const std::string& setting, const std::string& told_by = "--set");
 
   YamlMap root();
   /// Numbers in quotes and with a plus sign count as numbers, as yaml-cpp itself takes them.

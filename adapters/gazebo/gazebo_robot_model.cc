@@ -9,6 +9,7 @@
 #include <variant>
 
 #include "adapters/gazebo/number_stream.h"
+#include "models/range_text.h"
 
 namespace prospect {
 namespace {
@@ -150,11 +151,9 @@ std::string gazebo_robot_model(const RobotDescription& robot, const GazeboRobotO
   return out.str();
 }
 
-StereoCamera gazebo_stereo(const StereoCamera& stereo) {
-  StereoCamera out = stereo;
-  out.left.cx = 0.5 * (stereo.left.width - 1.0);
-  out.left.cy = 0.5 * (stereo.left.height - 1.0);
-  return out;
+std::vector<std::string> gazebo_camera_settings(const StereoCamera& stereo) {
+  return {"robot.stereo.cx=" + exact_text(0.5 * (stereo.left.width - 1.0)),
+          "robot.stereo.cy=" + exact_text(0.5 * (stereo.left.height - 1.0))};
 }
 
 }  // namespace prospect

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "adapters/gazebo/gazebo_options.h"
 #include "models/camera.h"
@@ -29,8 +30,8 @@ struct GazeboRobotOptions {
 std::string gazebo_robot_model(const RobotDescription& robot, const GazeboRobotOptions& options,
                                const Pose& start);
 
-/// The stereo pair as Gazebo renders it: the same focal length and size, the principal point at
-/// ((width - 1) / 2, (height - 1) / 2).
-StereoCamera gazebo_stereo(const StereoCamera& stereo);
+/// What Gazebo renders otherwise than the robot's cameras are described, as settings of the robot
+/// (set_robot()): the principal point at ((width - 1) / 2, (height - 1) / 2) [px].
+std::vector<std::string> gazebo_camera_settings(const StereoCamera& stereo);
 
 }  // namespace prospect

@@ -1,11 +1,18 @@
 #include "adapters/replay/drive_replay.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "adapters/datasets/bag_file.h"
 #include "adapters/datasets/mission_topics.h"
@@ -26,7 +33,7 @@ namespace {
 std::string difference_of(const Plan& plan, const PlannerCall& recorded) {
   std::string difference;
   const auto compare = [&](const char* name, double was, double is) {
-    const bool same = was == is || (std::isnan(was) && std::isnan(is));
+    const bool same = std::bit_cast<std::uint64_t>(was) == std::bit_cast<std::uint64_t>(is);
     if (same || !difference.empty()) return;
     difference =
         std::string(name) + ": " + exact_text(was) + " recorded, " + exact_text(is) + " now";
@@ -48,7 +55,7 @@ struct Calls {
 
 Calls read_calls(const BagFile& bag, const std::string& log) {
   const BagTopic* topic = bag.find(topic::kPlannerCalls);
-  if (!topic || topic->messages.empty()) {
+  if (!topic) {
     throw InputError(log + ": no " + topic::kPlannerCalls +
                      ", from which a planner can be asked again; expected the log of a drive");
   }
@@ -84,77 +91,133 @@ std::string log_of(const RecordedRun& run) {
   return log;
 }
 
+/// The recorded steps by their number.
+std::map<int, const StepRecord*> by_number(const RunRecord& record) {
+  std::map<int, const StepRecord*> steps;
+  for (const StepRecord& step : record.steps) steps[step.step] = &step;
+  return steps;
+}
+
+/// A planner that is asked as the recorded one was, a call at a time.
+class PlannerAskedAgain {
+ public:
+  /// What comes of it goes into `result`, whose record is that of the log. All outlive this.
+  PlannerAskedAgain(const Configuration& configuration, const Registries& registries,
+                    const ReplayOptions& options, DriveReplay& result)
+      : options_(options),
+        result_(result),
+        recorded_(by_number(result.replay.record)),
+        planner_(configuration.robot, configuration.planner,
+                 registries.solvers.make(configuration.solver)) {
+    observed_.on_step = [this](const StepRecord& step) { made_ = step; };
+    recorder_.emplace(configuration, observed_, &planner_);
+  }
+  PlannerAskedAgain(const PlannerAskedAgain&) = delete;
+  PlannerAskedAgain& operator=(const PlannerAskedAgain&) = delete;
+
+  /// said: what the call is in messages. Throws InputError for one that is damaged.
+  void take(const PlannerCall& call, const std::string& said) {
+    switch (call.kind) {
+      case PlannerCall::kPrepare:
+        planner_.prepare(reader_.belief(call, said));
+        break;
+      case PlannerCall::kPlan:
+        plan(reader_.belief(call, said));
+        break;
+      case PlannerCall::kPlanned:
+        compare(call, said);
+        break;
+      case PlannerCall::kTask:
+        planner_.set_task(task_of(call, said));
+        break;
+      default:
+        fail(said, "is of kind " + std::to_string(call.kind) + "; expected 0 to 3");
+    }
+  }
+
+  /// Of the newest plan; -1: none.
+  int step() const { return step_; }
+  /// "after step 12 at 3.2 s", the newest that is recorded.
+  std::string reached() const {
+    if (!newest_) return "before the first step";
+    return "after step " + std::to_string(newest_->step) + " at " +
+           exact_text(std::round(1e3 * newest_->time) / 1e3) + " s";
+  }
+
+ private:
+  void plan(const Belief& belief) {
+    plan_ = planner_.plan(belief);
+    ++step_;
+    if (!belief.ground) return;  // nothing can be planned, nothing was
+    const auto found = recorded_.find(step_);
+    const StepRecord* const recorded = found == recorded_.end() ? nullptr : found->second;
+    if (recorded) newest_ = recorded;
+    const std::shared_ptr<const GlobalPlan> global_plan = planner_.global_plan();
+    const MissionStep shown{step_,
+                            recorded ? recorded->time : belief.stamp,
+                            &belief,
+                            &plan_,
+                            global_plan.get(),
+                            0,
+                            GuardReason::kPassed};
+    recorder_->add(shown, unmeasured_.at(shown));
+    if (options_.progress) options_.progress(made_);
+    if (recorded && step_ >= options_.from) result_.replay.steps.push_back({*recorded, made_});
+  }
+
+  void compare(const PlannerCall& recorded, const std::string& said) {
+    if (step_ < 0) fail(said, "a plan that nobody asked for; expected what drive wrote");
+    ++result_.plans;
+    if (result_.difference.step >= 0) return;
+    const std::string what = difference_of(plan_, recorded);
+    if (!what.empty()) result_.difference = {step_, what};
+  }
+
+  const ReplayOptions& options_;
+  DriveReplay& result_;
+  const std::map<int, const StepRecord*> recorded_;
+  Planner planner_;
+  ExplorationRunOptions observed_;
+  std::optional<RunRecorder> recorder_;
+  Unmeasured unmeasured_;
+  PlannerCallReader reader_;
+  Plan plan_;
+  StepRecord made_;  ///< what the recorder makes of it
+  int step_ = -1;
+  const StepRecord* newest_ = nullptr;
+};
+
+/// How many steps a drive had, as far as its record tells.
+int steps_of(const RecordedRun& run, const RunRecord& logged) {
+  int steps = static_cast<int>(run.rows.size());
+  for (const StepRecord& step : logged.steps) steps = std::max(steps, step.step + 1);
+  return steps;
+}
+
 }  // namespace
 
 DriveReplay replay_calls(const RecordedRun& run, const Configuration& configuration,
                          const Registries& registries, const ReplayOptions& options) {
-  DriveReplay result;
   const std::string log = log_of(run);
   const BagFile bag = run.log ? *run.log : BagFile::open(log);
-  const auto [calls, more] = read_calls(bag, log);
+  const Calls calls = read_calls(bag, log);
   LoggedRun logged = read_logged_run(bag, log, registries);
+  DriveReplay result;
   result.notes = std::move(logged.notes);
   result.replay.record = std::move(logged.record);
-  std::map<int, const StepRecord*> recorded;
-  for (const StepRecord& step : result.replay.record.steps) recorded[step.step] = &step;
-  result.steps = std::max(static_cast<int>(run.rows.size()),
-                          recorded.empty() ? 0 : recorded.rbegin()->first + 1);
+  result.steps = steps_of(run, result.replay.record);
 
-  Planner planner(configuration.robot, configuration.planner,
-                  registries.solvers.make(configuration.solver));
-  ExplorationRunOptions observed;
-  observed.keep_steps = true;
-  StepRecord made;
-  observed.on_step = [&](const StepRecord& step) { made = step; };
-  RunRecorder recorder(configuration, observed, &planner);
-  Unmeasured unmeasured;
-  PlannerCallReader reader;
-  Plan plan;
-  int step = -1;                       // of the newest plan
-  const StepRecord* newest = nullptr;  // that is recorded
-  for (std::size_t n = 0; n < calls.size() && step < options.to; ++n) {
-    if (options.cancelled && options.cancelled()) break;
-    const PlannerCall& call = calls[n];
-    const std::string said = log + ": call " + std::to_string(n) + " of the planner";
-    if (call.kind == PlannerCall::kTask) {
-      planner.set_task(task_of(call, said));
-      continue;
-    }
-    if (call.kind == PlannerCall::kPlanned) {
-      if (step < 0) fail(said, "a plan that nobody asked for; expected what drive wrote");
-      ++result.plans;
-      if (const std::string what = difference_of(plan, call);
-          !what.empty() && result.difference.step < 0) {
-        result.difference = {step, what};
-      }
-      continue;
-    }
-    const Belief belief = reader.belief(call, said);
-    if (call.kind == PlannerCall::kPrepare) {
-      planner.prepare(belief);
-      continue;
-    }
-    plan = planner.plan(belief);
-    ++step;
-    if (!belief.ground) continue;  // nothing can be planned, nothing was
-    const std::shared_ptr<const GlobalPlan> global_plan = planner.global_plan();
-    const auto found = recorded.find(step);
-    if (found != recorded.end()) newest = found->second;
-    const double time = found == recorded.end() ? belief.stamp : found->second->time;
-    const MissionStep shown{step, time, &belief, &plan, global_plan.get(), 0, GuardReason::kPassed};
-    recorder.add(shown, unmeasured.at(shown));
-    if (options.progress) options.progress(made);
-    if (step >= options.from && found != recorded.end()) {
-      result.replay.steps.push_back({*found->second, made});
-    }
+  PlannerAskedAgain planner(configuration, registries, options, result);
+  const auto cancelled = [&] { return options.cancelled && options.cancelled(); };
+  const auto reached_end = [&] { return planner.step() >= options.to; };
+  for (std::size_t n = 0; n < calls.there.size() && !reached_end() && !cancelled(); ++n) {
+    planner.take(calls.there[n], log + ": call " + std::to_string(n) + " of the planner");
   }
-  const bool cancelled = options.cancelled && options.cancelled();
-  if (cancelled || step >= options.to || (!more && result.plans >= result.steps)) return result;
-  result.missing = "call " + std::to_string(calls.size()) + " of the planner, " +
-                   (newest ? "after step " + std::to_string(newest->step) + " at " +
-                                 exact_text(std::round(1e3 * newest->time) / 1e3) + " s"
-                           : "before the first step");
-  if (result.plans == 0 || step < options.from) {
+  const bool all = !calls.more && result.plans >= result.steps;
+  if (all || reached_end() || cancelled()) return result;
+  result.missing =
+      "call " + std::to_string(calls.there.size()) + " of the planner, " + planner.reached();
+  if (result.plans == 0 || planner.step() < options.from) {
     fail(log, result.missing + ", is not in it; expected the calls up to step " +
                   std::to_string(std::max(options.from, 0)) + " at least");
   }

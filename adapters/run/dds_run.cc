@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include "adapters/dds/camera_settings.h"
 #include "adapters/dds/dds_base.h"
 #include "adapters/dds/dds_node.h"
 #include "adapters/dds/dds_publisher.h"
@@ -23,23 +24,6 @@
 #include "runtime/range_stop.h"
 
 namespace prospect {
-namespace {
-
-/// The robot with the cameras that its topics tell.
-RobotDescription described(RobotDescription robot, const DdsCameras& cameras) {
-  robot.stereo.left = cameras.stereo.left;
-  robot.stereo.baseline = cameras.stereo.baseline;
-  if (cameras.stereo_mount) robot.stereo_mount = *cameras.stereo_mount;
-  if (cameras.depth) {
-    robot.depth.horizontal_fov = cameras.depth->horizontal_fov();
-    robot.depth.vertical_fov = cameras.depth->vertical_fov();
-  }
-  if (cameras.depth_mount) robot.depth_mount = *cameras.depth_mount;
-  return robot;
-}
-
-}  // namespace
-
 ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& topics,
                                  const ExplorationRunOptions& options) {
   Configuration c = given;
@@ -54,7 +38,7 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
   node.start();
   const DdsCameras cameras = sensors.wait();
   if (const auto faults = base.report().faults; !faults.empty()) throw InputError(faults);
-  c.robot = described(c.robot, cameras);
+  set_robot(c, camera_settings(cameras), "the topics of the cameras:");
   const std::unique_ptr<Replanner> planner = planner_for(c, options);
 
   Pose start;
@@ -87,7 +71,7 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
       .on_perceived = pictures.perceived()};
   if (depth) robot.floor = newest_floor(inbox, *depth, c.robot.base_height());
   RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));
-  if (options.on_start) options.on_start();
+  if (options.on_start) options.on_start(c);
   ExplorationRunResult result;
   Unmeasured unmeasured;
   const auto observe = [&](const MissionStep& step) {

@@ -274,7 +274,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     }
     recorder.add(step, truth());
   };
-  if (options.on_start) options.on_start();
+  if (options.on_start) options.on_start(configuration);
   const MissionOptions mission_options = mission_options_for(configuration, truth);
   MissionResult mission;
   if (options.real_time) {

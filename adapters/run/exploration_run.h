@@ -63,9 +63,10 @@ struct ExplorationRunOptions {
 
   std::uint64_t seed = 1;
   bool keep_steps = true;  ///< keep every StepRecord in the result, for the report
-  /// Once, when all that the input could be refused for has been made, before the first step. What
-  /// it throws ends the run.
-  std::function<void()> on_start;
+  /// Once, when all that the input could be refused for has been made, before the first step, with
+  /// the configuration in effect: of another base, the robot with the cameras that it has there.
+  /// What it throws ends the run.
+  std::function<void(const Configuration&)> on_start;
   std::function<void(const StepRecord&)> on_step;  ///< after each planning step
   /// After on_step, with the Planner that made the step; never called if make_planner makes
   /// another.

@@ -66,7 +66,7 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
                                     const std::shared_ptr<const World>& measured,
                                     const ExplorationRunOptions& options) {
   Configuration c = given;
-  c.robot.stereo = gazebo_stereo(c.robot.stereo);
+  set_robot(c, gazebo_camera_settings(c.robot.stereo), "Gazebo's cameras:");
   check_drives(c);
   const SteadyClock machine;
   SimulationClock clock(machine);
@@ -128,7 +128,7 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
       .floor = newest_floor(inbox, depth, c.robot.base_height()),
       .on_perceived = pictures.perceived()};
   RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));
-  if (options.on_start) options.on_start();
+  if (options.on_start) options.on_start(c);
   ExplorationRunResult result;
   const auto observe = [&](const MissionStep& step) {
     disk.write();

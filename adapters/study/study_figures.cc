@@ -24,7 +24,8 @@ constexpr double kFont = 7.5;  // [pt]
 Color setup_color(std::size_t index) {
   static const std::vector<Color> colors = {
       {0x25, 0x63, 0xeb}, {0xea, 0x58, 0x0c}, {0x0d, 0x94, 0x88}, {0xc0, 0x26, 0xd3},
-      {0xca, 0x8a, 0x04}, {0xdc, 0x26, 0x26}, {0x65, 0xa3, 0x0d}, {0x57, 0x53, 0x4e}};
+      {0xca, 0x8a, 0x04}, {0xdc, 0x26, 0x26}, {0x65, 0xa3, 0x0d}, {0x57, 0x53, 0x4e},
+      {0x38, 0xbd, 0xf8}, {0x78, 0x35, 0x0f}, {0xf4, 0x72, 0xb6}, {0x1e, 0x3a, 0x8a}};
   return colors[index % colors.size()];
 }
 
@@ -127,7 +128,10 @@ Drawing ratio_figure(const std::vector<StudyComparison>& comparisons) {
     const double shown = std::clamp(ratio, least, most);
     return kLeft + kWidth * std::log(shown / least) / std::log(most / least);
   };
-  for (const double tick : {0.05, 0.1, 0.2, 0.5, 0.8, 1.0, 1.25, 2.0, 5.0, 10.0, 20.0}) {
+  std::vector<double> ticks = {0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 20.0};
+  constexpr double kLabel = 18.0;
+  if (x_of(1.25) - x_of(1.0) > kLabel) ticks.insert(ticks.end(), {0.8, 1.25});
+  for (const double tick : ticks) {
     if (tick < least || tick > most) continue;
     const double x = x_of(tick);
     drawing.line({{x, kTop - 4.0}, {x, bottom}}, tick == 1.0 ? kAxis : kFaint,

@@ -21,6 +21,7 @@
 #include <utility>
 
 #include "adapters/files/child_process.h"
+#include "adapters/files/exit_code.h"
 #include "adapters/files/file_lock.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
@@ -179,7 +180,7 @@ class StudyRunner {
     record.wall_s = seconds_since(running.start);
     const std::string log = store_.path(id, ".log");
     const std::string lacks = store_.lacks(id);
-    if (end.signal == 0 && end.code <= 1 && lacks.empty()) {
+    if (end.signal == 0 && end.code <= kFailed && lacks.empty()) {
       record.status = CellRecord::Status::kDone;
       store_.write(id, record);
       remove_file(log);
@@ -190,8 +191,7 @@ class StudyRunner {
     } else {
       const std::string said = last_line(log);
       const bool told_to_end = end.signal == SIGTERM || end.signal == SIGINT ||
-                               end.signal == SIGHUP || lacks == "the mission was cancelled" ||
-                               said.starts_with("cancelled");
+                               end.signal == SIGHUP || end.code == kCancelled;
       if (told_to_end) {
         ++result_.broken_off;
         return;

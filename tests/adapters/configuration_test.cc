@@ -4,9 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
+#include <string>
 #include <variant>
+#include <vector>
 
 #include "adapters/files/input_error.h"
+#include "models/knobs.h"
 
 namespace prospect::configuration_test {
 namespace {
@@ -118,6 +122,55 @@ TEST(Configuration, AnglesAreInDegrees) {
   EXPECT_NEAR(axis.y(), std::cos(M_PI / 6.0), 1e-12);
   EXPECT_NEAR(axis.z(), -0.5, 1e-12);
   EXPECT_EQ(c.robot.depth_mount.T_BC.translation(), Eigen::Vector3d(0.1, 0.0, 0.5));
+}
+
+/// Of both, to the bit.
+void expect_same_cameras(const Configuration& a, const Configuration& b) {
+  const StereoCamera &p = a.robot.stereo, &q = b.robot.stereo;
+  EXPECT_EQ(p.left.fx, q.left.fx);
+  EXPECT_EQ(p.left.cx, q.left.cx);
+  EXPECT_EQ(p.left.cy, q.left.cy);
+  EXPECT_EQ(p.baseline, q.baseline);
+  EXPECT_EQ(a.robot.depth.horizontal_fov, b.robot.depth.horizontal_fov);
+  EXPECT_EQ(a.robot.stereo_mount.T_BC.matrix(), b.robot.stereo_mount.T_BC.matrix());
+  EXPECT_EQ(a.robot.depth_mount.T_BC.matrix(), b.robot.depth_mount.T_BC.matrix());
+  EXPECT_EQ(a.simulator.features.stereo.left.cx, b.simulator.features.stereo.left.cx);
+  EXPECT_EQ(a.simulator.stereo_mount.T_BC.matrix(), b.simulator.stereo_mount.T_BC.matrix());
+  EXPECT_EQ(a.simulator.depth.footprint.horizontal_fov, b.simulator.depth.footprint.horizontal_fov);
+}
+
+// What a base tells of its cameras stands above the file, and the entries say so.
+TEST(Configuration, TheRobotIsAsItIsTold) {
+  Configuration c =
+      read("robot: {stereo: {baseline: 0.2, mount: {yaw: 5}}, depth: {max_range: 6}}");
+  const std::shared_ptr<const MotionModel> model = c.robot.model;
+  set_robot(c,
+            {"robot.stereo.cx=319.5", "robot.stereo.fx=451.23456789012345",
+             "robot.stereo.mount.roll=3.3333333333333335", "robot.depth.horizontal_fov=61.7"},
+            "the cameras:");
+  EXPECT_EQ(c.robot.stereo.left.cx, 319.5);
+  EXPECT_EQ(c.robot.stereo.left.fx, 451.23456789012345);
+  EXPECT_EQ(c.robot.stereo.baseline, 0.2);
+  EXPECT_EQ(c.robot.depth.max_range, 6.0);
+  EXPECT_EQ(c.robot.stereo_mount.T_BC.matrix(),
+            CameraMount::forward_facing({0.0, 0.0, 0.45}, 5.0 * kRadiansPerDegree, 0.0,
+                                        3.3333333333333335 * kRadiansPerDegree)
+                .matrix());
+  EXPECT_EQ(c.simulator.features.stereo.left.cx, 319.5);
+  EXPECT_EQ(c.simulator.depth.footprint.horizontal_fov, 61.7 * kRadiansPerDegree);
+  expect_same_cameras(c, read(effective_yaml(c.entries)));
+
+  const std::string before = effective_yaml(c.entries);
+  try {
+    set_robot(c, {"robot.stereo.baseline=12"}, "the cameras:");
+    ADD_FAILURE() << "no error";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("the cameras: robot.stereo.baseline=12"));
+    EXPECT_THAT(error.what(), HasSubstr("expected a number from 0.001 to 10 m"));
+  }
+  EXPECT_EQ(effective_yaml(c.entries), before);
+  EXPECT_EQ(c.robot.stereo.baseline, 0.2);
+  EXPECT_THROW(set_robot(c, {"planner.dt=0.2"}, "the cameras:"), InputError);
 }
 
 TEST(Configuration, SensorsSeeUpToAllRound) {

@@ -46,6 +46,7 @@ class DriveReplayTest : public testing::Test {
       belief.set_stamps(0.5 * n);
       calls_->push_back(writer.prepare(belief));
       planner.prepare(belief);
+      belief = test::Room{.seen = 2.25 + 0.5 * n, .landmarks_per_wall = 10}.belief();
       belief.set_stamps(0.5 * n + 0.25);
       if (n == 2) {
         const Task task = Task::go_to({0.5, -1.0});
@@ -71,11 +72,11 @@ class DriveReplayTest : public testing::Test {
   std::string log() const { return folder_ + "/mission.mcap"; }
 
   /// `calls` in the log of a drive of so many steps.
-  void write(const std::vector<PlannerCall>& calls, int steps = kSteps,
-             std::uint64_t dropped = 0) const {
+  void write(const std::vector<PlannerCall>& calls, int steps = kSteps, std::uint64_t dropped = 0,
+             const char* type = PlannerCall::kType) const {
     McapWriter writer(log());
     const std::uint16_t step = writer.add_channel(topic::kStep, ros::DiagnosticArray::kType, "");
-    const std::uint16_t call = writer.add_channel(topic::kPlannerCalls, PlannerCall::kType, "");
+    const std::uint16_t call = writer.add_channel(topic::kPlannerCalls, type, "");
     for (int n = 0; n < steps; ++n) {
       StepRecord record;
       record.step = n;
@@ -197,6 +198,112 @@ TEST_F(DriveReplayTest, AFolderKnowsOfStepsThatItsLogLacks) {
   EXPECT_EQ(made.steps, kSteps);
   run.rows.resize(1);
   EXPECT_EQ(replay_calls(run, configuration(), {}, {}).missing, "");
+}
+
+TEST_F(DriveReplayTest, TheFirstDifferenceIsTold) {
+  std::vector<PlannerCall> calls = *calls_;
+  calls[5].cost = 17.0;
+  ++calls[5].cost_evaluations;
+  calls[9].plan_hash ^= 1;
+  write(calls);
+  const DriveReplay made = replay();
+  EXPECT_EQ(made.difference.step, 1);
+  EXPECT_THAT(made.difference.what, testing::StartsWith("cost: 17 recorded, "));
+  EXPECT_EQ(made.plans, kSteps);
+  EXPECT_EQ(made.missing, "");
+}
+
+TEST_F(DriveReplayTest, StepsAreReportedFromTheOneThatIsAskedFor) {
+  write(*calls_);
+  ReplayOptions options;
+  options.from = 2;
+  std::vector<int> shown;
+  options.progress = [&](const StepRecord& step) { shown.push_back(step.step); };
+  const DriveReplay made = replay(options);
+  EXPECT_THAT(shown, testing::ElementsAre(0, 1, 2, 3));
+  ASSERT_EQ(made.replay.steps.size(), 2U);
+  for (int n = 0; n < 2; ++n) {
+    const ReplayedStep& step = made.replay.steps[static_cast<std::size_t>(n)];
+    EXPECT_EQ(step.recorded.step, n + 2);
+    EXPECT_EQ(step.other.step, n + 2);
+    // Of one time: that at which the plan was driven, not that of its belief.
+    EXPECT_EQ(step.other.time, step.recorded.time);
+    EXPECT_EQ(step.other.time, 0.5 * (n + 2) + 0.1);
+  }
+  EXPECT_THAT(made.notes, testing::Contains(HasSubstr("no summary; made of the 4 steps")));
+}
+
+// A log may lack messages of steps; the calls are there.
+TEST_F(DriveReplayTest, APlanWithoutARecordedStepIsMadeAndNotReported) {
+  write(*calls_, 2);
+  std::vector<double> times;
+  ReplayOptions options;
+  options.progress = [&](const StepRecord& step) { times.push_back(step.time); };
+  const DriveReplay made = replay(options);
+  EXPECT_EQ(made.plans, kSteps);
+  EXPECT_EQ(made.steps, 2);
+  EXPECT_EQ(made.replay.steps.size(), 2U);
+  EXPECT_THAT(times, testing::ElementsAre(0.1, 0.6, 1.25, 1.75));
+}
+
+// Nothing is recorded of a step before the first map, but it counts.
+TEST_F(DriveReplayTest, APlanWithoutAMapIsAStep) {
+  const Configuration c = configuration();
+  Planner planner(c.robot, c.planner, Registries().solvers.make(c.solver));
+  PlannerCallWriter writer;
+  std::vector<PlannerCall> calls;
+  for (const Belief& belief :
+       {Belief(), test::Room{.seen = 2.0, .landmarks_per_wall = 10}.belief()}) {
+    calls.push_back(writer.plan(belief));
+    calls.push_back(writer.planned(planner.plan(belief)));
+  }
+  write(calls, 2);
+  const DriveReplay made = replay();
+  EXPECT_EQ(made.plans, 2);
+  EXPECT_EQ(made.difference.step, -1) << made.difference.what;
+  EXPECT_EQ(made.missing, "");
+  ASSERT_EQ(made.replay.steps.size(), 1U);
+  EXPECT_EQ(made.replay.steps[0].recorded.step, 1);
+}
+
+TEST_F(DriveReplayTest, WhatIsCancelledLacksNothing) {
+  write(*calls_);
+  ReplayOptions options;
+  int shown = 0;
+  options.progress = [&](const StepRecord&) { ++shown; };
+  options.cancelled = [&] { return shown == 2; };
+  const DriveReplay made = replay(options);
+  EXPECT_EQ(shown, 2);
+  EXPECT_EQ(made.replay.steps.size(), 2U);
+  EXPECT_EQ(made.missing, "");
+}
+
+TEST_F(DriveReplayTest, WhatDriveDoesNotWriteIsRefused) {
+  write({});
+  expect_refused([&] { replay(); }, log() + ": no /planner/calls");
+  write(*calls_, kSteps, 0, ros::DiagnosticArray::kType);
+  expect_refused([&] { replay(); }, std::string("expected ") + PlannerCall::kType);
+  std::vector<PlannerCall> calls = *calls_;
+  calls[7].kind = 4;
+  write(calls);
+  expect_refused([&] { replay(); },
+                 log() + ": call 7 of the planner: is of kind 4; expected 0 to 3");
+  calls = without(1, 2);
+  for (std::size_t n = 0; n < calls.size(); ++n) calls[n].sequence = static_cast<std::uint32_t>(n);
+  write(calls);
+  expect_refused([&] { replay(); }, "call 1 of the planner: a plan that nobody asked for");
+  {
+    McapWriter writer(log());
+    const std::uint16_t call = writer.add_channel(topic::kPlannerCalls, PlannerCall::kType, "");
+    writer.message(call, 1, ros::to_cdr(calls_->front()));
+    writer.message(call, 2, "cut");
+    writer.close();
+  }
+  expect_refused([&] { replay(); }, log() + ": message 2 of /planner/calls");
+  RecordedRun run;
+  run.source = folder_ + "/none";
+  expect_refused([&] { replay_calls(run, configuration(), {}, {}); },
+                 "none/mission.mcap: no such file");
 }
 
 }  // namespace

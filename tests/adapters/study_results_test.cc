@@ -14,6 +14,7 @@
 #include "adapters/bench/bench_run.h"
 #include "adapters/bench/bench_summary.h"
 #include "adapters/study/study_comparison.h"
+#include "adapters/study/study_figures.h"
 
 namespace prospect::study_results_test {
 namespace {
@@ -102,6 +103,20 @@ TEST_F(SolveRows, ArePairedByProblemAndSeed) {
   EXPECT_STREQ(solved.number->name, "solved");
   EXPECT_NEAR(solved.difference.mean, difference, 1e-9);
   EXPECT_LT(difference, 0.0) << "a search of 60 evaluations solves less";
+}
+
+// Of a wide range, marks near 1 would be written over it.
+TEST_F(SolveRows, RatiosAreMarkedWhereThereIsRoom) {
+  const auto figure = [&](double low, double high) {
+    std::vector<StudyComparison> comparisons = compare_setups(plan_, rows_);
+    for (NumberComparison& n : comparisons.at(0).numbers) n.ratio = {1.0, low, high};
+    const CellStore store = CellStore::existing(folder_, Study::Kind::kBenches);
+    return study_figures(plan_, store, rows_, comparisons, {}).at(0).drawing.svg();
+  };
+  EXPECT_THAT(figure(0.9, 1.1), testing::HasSubstr(">1.25<"));
+  const std::string wide = figure(0.05, 20.0);
+  EXPECT_THAT(wide, testing::Not(testing::HasSubstr(">1.25<")));
+  EXPECT_THAT(wide, testing::HasSubstr(">20<"));
 }
 
 TEST_F(SolveRows, TheTableNamesSetAndProblem) {

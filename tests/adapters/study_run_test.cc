@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 
+#include "adapters/files/exit_code.h"
 #include "adapters/files/file_lock.h"
 
 namespace prospect::study_run_test {
@@ -40,10 +41,10 @@ class StudyRun : public ::testing::Test {
                folder_ + "/runs\nmkdir -p \"$out\"\n" + what + '\n';
     fs::permissions(options_.program.front(), fs::perms::owner_all);
   }
-  static std::string whole(const std::string& reason = "time limit") {
+  static std::string whole(const std::string& reason = "time limit", int code = 1) {
     return "printf 'step,time\\n0,0\\n1,1\\n' > $out/steps.csv\n"
            "echo '{\"reason\": \"" +
-           reason + "\", \"steps\": 2}' > $out/summary.json\nexit 1\n";
+           reason + "\", \"steps\": 2}' > $out/summary.json\nexit " + std::to_string(code) + '\n';
   }
   int runs() const {
     std::ifstream in(folder_ + "/runs");
@@ -106,7 +107,7 @@ TEST_F(StudyRun, ACrashAndARefusalAreFailedCellsUntilTheyAreTriedAgain) {
 
 TEST_F(StudyRun, WhatIsNotWholeIsRunAgain) {
   // A cancelled mission ends with a summary; so does one whose rows did not fit on the disk.
-  program("if [[ $seed == 1 ]]; then\n" + whole("cancelled") +
+  program("if [[ $seed == 1 ]]; then\n" + whole("cancelled", kCancelled) +
           "fi\n[[ $seed == 2 ]] && kill -TERM "
           "$$\n" +
           whole());
@@ -127,6 +128,22 @@ TEST_F(StudyRun, WhatIsNotWholeIsRunAgain) {
   EXPECT_EQ(record(4).status, Status::kMissing) << "a row is missing";
   EXPECT_EQ(record(5).status, Status::kMissing) << "somebody has removed its summary";
   EXPECT_EQ(run().ran, 2U);
+}
+
+// A bench that is told to end before its first problem leaves nothing but its exit code.
+TEST_F(StudyRun, ACellIsBrokenOffByItsExitCodeNotByItsWords) {
+  program(
+      "[[ $seed == 1 ]] && { echo 'prospect: enough' >&2; exit 4; }\n"
+      "[[ $seed == 2 ]] && { echo 'prospect: cancelled by nobody' >&2; exit 1; }\n"
+      "if [[ $seed == 3 ]]; then\n" +
+      whole("cancelled") + "fi\n" + whole());
+  const StudyRunResult result = run();
+  EXPECT_EQ(result.broken_off, 1U);
+  EXPECT_EQ(record(1).status, Status::kMissing);
+  EXPECT_EQ(record(2).status, Status::kFailed);
+  EXPECT_EQ(record(2).why, "cancelled by nobody");
+  EXPECT_EQ(record(3).status, Status::kFailed);
+  EXPECT_EQ(record(3).why, "exit code 1, the mission was cancelled");
 }
 
 TEST_F(StudyRun, AFullDiskIsNoFaultOfTheCell) {

@@ -49,8 +49,8 @@ endsolid hut
 STL
 
 # --- Interrupted: it ends soon, with what is whole.
-# interrupted SECONDS ARGUMENT...: is sent SIGINT after so long; leaves $code, $out, $err.
-interrupted() {
+# interrupt SECONDS ARGUMENT...: is sent SIGINT after so long; leaves $out, $err.
+interrupt() {
   local after="$1" process
   shift
   "$prospect" "$@" >out.txt 2>err.txt </dev/null &
@@ -66,7 +66,11 @@ interrupted() {
   code=$?
   out="$(<out.txt)"
   err="$(<err.txt)"
-  ((code == 1)) || fail "$*, interrupted: exit $code, expected 1; '$err'"
+  ((code == 4)) || fail "$*, interrupted: exit $code, expected 4; '$err'"
+}
+# The same of what says so, in one line.
+interrupted() {
+  interrupt "$@"
   (($(wc -l <err.txt) == 1)) || fail "$*, interrupted: not one line: '$err'"
 }
 interrupted 2 solve corridor@99999 --solver sampling
@@ -95,6 +99,11 @@ if (($(find cut_set -name '*.h5' | wc -l) > 0)); then
 fi
 interrupted 2 bench missions --solver sampling --out bench_none
 [[ "$err" == "prospect: cancelled; nothing is measured" && "$(ls bench_none)" == rows.jsonl ]] || fail "bench missions, interrupted: '$err'"
+interrupt 2 explore office --quiet --out cut_mission
+grep -q '"reason": "cancelled"' cut_mission/summary.json || fail "a mission, interrupted: '$out' '$err'"
+printf 'worlds: office\nseeds: 1..2\n' >cut.yaml
+interrupted 2 study cut.yaml --quiet --out cut_study
+[[ "$err" == "prospect: broken off; the same command goes on" ]] || fail "a study, interrupted: '$err'"
 
 # --- Progress: one line, on a terminal only, and not if told to be quiet.
 # on_terminal COMMAND: what it writes where standard error is a terminal, with carriage returns as line ends.

@@ -174,6 +174,30 @@ TEST_F(Camera, MountLooksWhereItIsTold) {
   }
 }
 
+TEST_F(Camera, MountIsItsAngles) {
+  const CameraMount turned{CameraMount::forward_facing({0.0, 0.0, 0.0}, 0.0, 0.0, 0.5 * M_PI)};
+  // Clockwise by a right angle: what was right (-y of B) is down, so v points right.
+  EXPECT_LE((turned.T_BC.linear().col(0) - Vector3d(0, 0, -1)).norm(), 1e-15);
+  EXPECT_LE((turned.T_BC.linear().col(1) - Vector3d(0, 1, 0)).norm(), 1e-15);
+  for (int n = 0; n < 200; ++n) {
+    // Also straight up and down, where yaw and roll are one.
+    const double pitch = n % 10 == 0   ? 0.5 * M_PI
+                         : n % 10 == 1 ? -0.5 * M_PI
+                                       : uniform(-1.57, 1.57);
+    const CameraMount mount{CameraMount::forward_facing({0.1, 0.2, 0.3}, uniform(-4.0, 4.0), pitch,
+                                                        uniform(-4.0, 4.0))};
+    const MountAngles told = angles(mount);
+    EXPECT_LE(std::abs(told.yaw), M_PI);
+    EXPECT_LE(std::abs(told.pitch), 0.5 * M_PI);
+    EXPECT_LE(std::abs(told.roll), M_PI);
+    EXPECT_LE(
+        (CameraMount::forward_facing({0.1, 0.2, 0.3}, told.yaw, told.pitch, told.roll).matrix() -
+         mount.T_BC.matrix())
+            .norm(),
+        1e-14);
+  }
+}
+
 template <class T>
 std::string error_of(const T& value) {
   try {
