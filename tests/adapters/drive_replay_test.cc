@@ -186,6 +186,8 @@ TEST_F(DriveReplayTest, CallsThatAreNotInTheLogAreTold) {
                  log() + ": " + eighth + ", is not in it; expected the calls up to step 2");
   write(without(0, 1));
   expect_refused([&] { replay(); }, "call 0 of the planner, before the first step, is not in it");
+  write(without(2, calls_->size()));  // a plan was asked for, and what came of it is not told
+  expect_refused([&] { replay(); }, "call 2 of the planner, after step 0 at 0.123 s, is not in it");
 }
 
 TEST_F(DriveReplayTest, AFolderKnowsOfStepsThatItsLogLacks) {
