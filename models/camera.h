@@ -62,9 +62,9 @@ struct CameraMount {
                                           double pitch = 0.0, double roll = 0.0);
 };
 
-/// The angles of forward_facing() [rad]: |yaw|, |roll| <= pi, |pitch| <= pi/2. Of an axis that is
-/// vertical to rounding, yaw and roll are not unique, and those are given that turn T_BC into
-/// itself.
+/// The angles with which forward_facing() gives the mount [rad].
+/// |yaw|, |roll| <= pi, |pitch| <= pi/2.
+/// Of a vertical axis there are many such yaws and rolls; one pair is given.
 struct MountAngles {
   double yaw = 0.0, pitch = 0.0, roll = 0.0;
 };

@@ -80,7 +80,7 @@ class DriveReplayTest : public testing::Test {
     for (int n = 0; n < steps; ++n) {
       StepRecord record;
       record.step = n;
-      record.time = 0.5 * n + 0.1;
+      record.time = 0.5 * n + 0.1234;
       const std::int64_t ns = 1'000'000'000LL + n;
       writer.message(step, static_cast<std::uint64_t>(ns), ros::to_cdr(step_values(record, ns)));
     }
@@ -153,7 +153,7 @@ TEST_F(DriveReplayTest, APlanThatRestsOnOtherThingsDiffers) {
 
 TEST_F(DriveReplayTest, CallsThatAreNotInTheLogAreTold) {
   ASSERT_EQ(calls_->size(), std::size_t{3 * kSteps + 1});
-  const std::string eighth = "call 8 of the planner, after step 1 at 0.6 s";
+  const std::string eighth = "call 8 of the planner, after step 1 at 0.623 s";
   const auto expect_two = [&](const DriveReplay& made, const std::string& missing) {
     EXPECT_EQ(made.missing, missing);
     EXPECT_EQ(made.plans, 2);
@@ -165,12 +165,12 @@ TEST_F(DriveReplayTest, CallsThatAreNotInTheLogAreTold) {
   write(without(8, calls_->size()));  // an end that is cut, and steps after it
   expect_two(replay(), eighth);
   write(without(7, 8), 1);
-  EXPECT_EQ(replay().missing, "call 7 of the planner, after step 0 at 0.1 s")
+  EXPECT_EQ(replay().missing, "call 7 of the planner, after step 0 at 0.123 s")
       << "last that is told";
 
   // The last one: nothing after it tells.
   write(*calls_, kSteps, 1);
-  EXPECT_EQ(replay().missing, "call 13 of the planner, after step 3 at 1.6 s");
+  EXPECT_EQ(replay().missing, "call 13 of the planner, after step 3 at 1.623 s");
 
   // Before what is asked for.
   write(without(8, 9));
@@ -186,6 +186,8 @@ TEST_F(DriveReplayTest, CallsThatAreNotInTheLogAreTold) {
                  log() + ": " + eighth + ", is not in it; expected the calls up to step 2");
   write(without(0, 1));
   expect_refused([&] { replay(); }, "call 0 of the planner, before the first step, is not in it");
+  write(without(2, calls_->size()));  // a plan was asked for, and what came of it is not told
+  expect_refused([&] { replay(); }, "call 2 of the planner, after step 0 at 0.123 s, is not in it");
 }
 
 TEST_F(DriveReplayTest, AFolderKnowsOfStepsThatItsLogLacks) {
@@ -194,7 +196,7 @@ TEST_F(DriveReplayTest, AFolderKnowsOfStepsThatItsLogLacks) {
   run.source = folder_;
   run.rows.assign(kSteps, "a row");
   const DriveReplay made = replay_calls(run, configuration(), {}, {});
-  EXPECT_EQ(made.missing, "call 3 of the planner, after step 0 at 0.1 s");
+  EXPECT_EQ(made.missing, "call 3 of the planner, after step 0 at 0.123 s");
   EXPECT_EQ(made.steps, kSteps);
   run.rows.resize(1);
   EXPECT_EQ(replay_calls(run, configuration(), {}, {}).missing, "");
@@ -213,22 +215,23 @@ TEST_F(DriveReplayTest, TheFirstDifferenceIsTold) {
   EXPECT_EQ(made.missing, "");
 }
 
-TEST_F(DriveReplayTest, StepsAreReportedFromTheOneThatIsAskedFor) {
+TEST_F(DriveReplayTest, StepsAreReportedFromAndToThoseThatAreAskedFor) {
   write(*calls_);
   ReplayOptions options;
-  options.from = 2;
+  options.from = 1;
+  options.to = 2;
   std::vector<int> shown;
   options.progress = [&](const StepRecord& step) { shown.push_back(step.step); };
   const DriveReplay made = replay(options);
-  EXPECT_THAT(shown, testing::ElementsAre(0, 1, 2, 3));
+  EXPECT_THAT(shown, testing::ElementsAre(0, 1, 2));
   ASSERT_EQ(made.replay.steps.size(), 2U);
   for (int n = 0; n < 2; ++n) {
     const ReplayedStep& step = made.replay.steps[static_cast<std::size_t>(n)];
-    EXPECT_EQ(step.recorded.step, n + 2);
-    EXPECT_EQ(step.other.step, n + 2);
+    EXPECT_EQ(step.recorded.step, n + 1);
+    EXPECT_EQ(step.other.step, n + 1);
     // Of one time: that at which the plan was driven, not that of its belief.
     EXPECT_EQ(step.other.time, step.recorded.time);
-    EXPECT_EQ(step.other.time, 0.5 * (n + 2) + 0.1);
+    EXPECT_EQ(step.other.time, 0.5 * (n + 1) + 0.1234);
   }
   EXPECT_THAT(made.notes, testing::Contains(HasSubstr("no summary; made of the 4 steps")));
 }
@@ -243,7 +246,7 @@ TEST_F(DriveReplayTest, APlanWithoutARecordedStepIsMadeAndNotReported) {
   EXPECT_EQ(made.plans, kSteps);
   EXPECT_EQ(made.steps, 2);
   EXPECT_EQ(made.replay.steps.size(), 2U);
-  EXPECT_THAT(times, testing::ElementsAre(0.1, 0.6, 1.25, 1.75));
+  EXPECT_THAT(times, testing::ElementsAre(0.1234, 0.6234, 1.25, 1.75));
 }
 
 // Nothing is recorded of a step before the first map, but it counts.
