@@ -236,7 +236,9 @@ BenchTable read_bench_rows(const std::string& folder) {
     const Json json = Json::parse(line, nullptr, false);
     if (!json.is_object() || json.size() != 1)
       throw InputError(where + "is no such line" + expected);
-    const auto& [kind, value] = *json.items().begin();
+    const Json::const_iterator entry = json.begin();
+    const std::string& kind = entry.key();
+    const Json& value = entry.value();
     try {
       if (kind == "bench" && count == 1) {
         table = table_of(value);

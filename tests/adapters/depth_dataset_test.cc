@@ -9,10 +9,10 @@
 #include <fstream>
 #include <functional>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 
 #include "adapters/files/input_error.h"
+#include "tests/images/image_file.h"
 #include "tests/perception/depth_recording.h"
 
 namespace prospect::depth_dataset_test {
@@ -207,9 +207,10 @@ TEST_F(DepthDatasetTest, SaysWhatIsMissingOrMalformed) {
 
 TEST_F(DepthDatasetTest, RefusesImagesThatAreNoDepth) {
   recording_.write_seven_scenes(folder_);
-  cv::imwrite(folder_ + "/frame-000003.depth.png", cv::Mat(240, 320, CV_8UC1, cv::Scalar(7)));
+  test::write_image(folder_ + "/frame-000003.depth.png", cv::Mat(240, 320, CV_8UC1, cv::Scalar(7)));
   EXPECT_THAT(refusal(), HasSubstr("not of 16 bits a pixel"));
-  cv::imwrite(folder_ + "/frame-000003.depth.png", cv::Mat(120, 160, CV_16UC1, cv::Scalar(7)));
+  test::write_image(folder_ + "/frame-000003.depth.png",
+                    cv::Mat(120, 160, CV_16UC1, cv::Scalar(7)));
   EXPECT_THAT(refusal(), HasSubstr("has 160 x 120 pixels, the first image 320 x 240"));
 }
 
@@ -263,7 +264,7 @@ TEST_F(DepthDatasetTest, DepthsAsFloats) {
       const DepthImage image =
           recording_.scene.render(recording_.camera, recording_.pose(k), DepthRecording::kNoise,
                                   100 + static_cast<std::uint64_t>(k));
-      cv::imwrite(
+      test::write_image(
           folder_ + "/depth/" + std::to_string(3 * k) + ending,
           cv::Mat(image.height, image.width, CV_32F, const_cast<float*>(image.depth.data())));
     }

@@ -6,6 +6,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "tests/images/image_file.h"
+
 namespace prospect::drawing_test {
 namespace {
 
@@ -23,8 +25,7 @@ Drawing sample() {
 }
 
 cv::Mat image_of(const Drawing& drawing, double dots_per_inch) {
-  const std::string png = drawing.png(dots_per_inch);
-  return cv::imdecode(std::vector<std::uint8_t>(png.begin(), png.end()), cv::IMREAD_COLOR);
+  return test::decoded(drawing.png(dots_per_inch), cv::IMREAD_COLOR);
 }
 
 TEST(Drawing, TheImageShowsShapesWhereTheyAre) {

@@ -7,6 +7,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#include "tests/images/image_file.h"
+
 namespace prospect::field_picture_test {
 namespace {
 
@@ -20,7 +22,7 @@ TEST(FieldPicture, APixelIsACellWhereThereAreFew) {
   const FieldPicture picture = field_picture(field);
   EXPECT_EQ(picture.frame, field.frame);
   EXPECT_EQ(picture.most, 10.0);
-  const cv::Mat image = cv::imdecode(picture.png, cv::IMREAD_UNCHANGED);
+  const cv::Mat image = test::decoded(picture.png, cv::IMREAD_UNCHANGED);
   ASSERT_EQ(image.type(), CV_8UC1);
   ASSERT_EQ(image.cols, 3);
   ASSERT_EQ(image.rows, 2);
@@ -40,7 +42,7 @@ TEST(FieldPicture, ManyCellsShareAPixelThatHasTheLowestValue) {
   field.seconds[static_cast<std::size_t>(field.frame.index({0, 0}))] = kNone;
   const FieldPicture picture = field_picture(field, 40);
   EXPECT_EQ(picture.frame, (GridFrame{0.2, -3, -3, 6, 6}));
-  const cv::Mat image = cv::imdecode(picture.png, cv::IMREAD_UNCHANGED);
+  const cv::Mat image = test::decoded(picture.png, cv::IMREAD_UNCHANGED);
   const auto at = [&](int i, int j) { return image.at<std::uint8_t>(5 - (j + 3), i + 3); };
   EXPECT_EQ(at(-2, 1), 65);  // 1 + 254 / 4, rounded
   EXPECT_EQ(at(0, 0), 255) << "three of its four cells have a value";

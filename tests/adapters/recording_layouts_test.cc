@@ -9,7 +9,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
 
@@ -19,6 +18,7 @@
 #include "adapters/datasets/stereo_dataset.h"
 #include "adapters/files/input_error.h"
 #include "tests/adapters/matroska_video.h"
+#include "tests/images/image_file.h"
 #include "tests/perception/rendered_room.h"
 
 namespace prospect::recording_layouts_test {
@@ -92,7 +92,7 @@ class Recording : public ::testing::Test {
   }
   void image(const std::string& name, const cv::Mat& pixels) {
     fs::create_directories(fs::path(folder_ + "/" + name).parent_path());
-    ASSERT_TRUE(cv::imwrite(folder_ + "/" + name, pixels));
+    test::write_image(folder_ + "/" + name, pixels);
   }
   /// All frames into two folders, as LEFT/000000.png and so on.
   template <typename Make>

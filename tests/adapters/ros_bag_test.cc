@@ -8,7 +8,6 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #ifdef PROSPECT_WITH_LZ4
 #include <lz4frame.h>
@@ -27,6 +26,7 @@
 #include "adapters/datasets/ros_messages.h"
 #include "adapters/datasets/stereo_dataset.h"
 #include "adapters/files/input_error.h"
+#include "adapters/images/image_codec.h"
 #include "tests/adapters/lidar_recording.h"
 #include "tests/adapters/ros_bag_writer.h"
 #include "tests/perception/depth_recording.h"
@@ -112,11 +112,9 @@ std::vector<BagMessage> stereo_messages(const std::string& encoding = "mono8",
       const std::string side = right ? "/stereo/right/" : "/stereo/left/";
       const Image& image = right ? pair.right : pair.left;
       if (compressed) {
-        std::vector<std::uint8_t> png;
-        cv::imencode(".png",
-                     cv::Mat(image.height, image.width, CV_8U,
-                             const_cast<std::uint8_t*>(image.pixels.data())),
-                     png);
+        const std::vector<std::uint8_t> png =
+            encode_pixels(".png", cv::Mat(image.height, image.width, CV_8U,
+                                          const_cast<std::uint8_t*>(image.pixels.data())));
         out.push_back({side + "image_raw/compressed", "sensor_msgs/msg/CompressedImage", t,
                        CdrWriter()
                            .header(t, "left")

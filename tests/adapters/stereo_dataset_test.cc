@@ -11,12 +11,12 @@
 #include <fstream>
 #include <functional>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
 
 #include "adapters/datasets/odometry_run.h"
 #include "adapters/files/input_error.h"
+#include "tests/images/image_file.h"
 #include "tests/perception/image_faults.h"
 #include "tests/perception/rendered_room.h"
 
@@ -40,8 +40,8 @@ StereoCamera camera() {
 Eigen::Isometry3d pose(int k) { return RenderedRoom::looking(0.05 * k, 0.0, 1.1, 0.02 * k); }
 
 void write_png(const std::string& path, const Image& image) {
-  cv::imwrite(path, cv::Mat(image.height, image.width, CV_8U,
-                            const_cast<std::uint8_t*>(image.pixels.data())));
+  test::write_image(path, cv::Mat(image.height, image.width, CV_8U,
+                                  const_cast<std::uint8_t*>(image.pixels.data())));
 }
 
 /// Recordings of the rendered room, written anew for each test and then damaged.

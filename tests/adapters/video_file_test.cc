@@ -11,11 +11,11 @@
 #include <iterator>
 #include <numeric>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
 #include "adapters/files/input_error.h"
+#include "adapters/images/image_codec.h"
 #include "tests/adapters/matroska_video.h"
 
 namespace prospect::video_file_test {
@@ -60,8 +60,7 @@ MatroskaVideo jpeg_video(int frames) {
     for (int i = 0; i < kWidth * kHeight; ++i) {
       image.at<cv::Vec3b>(i / kWidth, i % kWidth) = cv::Vec3b::all(40 + 20 * k + 5 * i % 16);
     }
-    std::vector<std::uint8_t> bytes;
-    EXPECT_TRUE(cv::imencode(".jpg", image, bytes));
+    const std::vector<std::uint8_t> bytes = encode_pixels(".jpg", image);
     video.frames.push_back(
         {static_cast<std::uint64_t>(100 * k), std::string(bytes.begin(), bytes.end())});
   }
@@ -193,8 +192,7 @@ TEST_F(DecodedVideo, RefusesInOneLine) {
   EXPECT_THAT(refusal(write("codec.mkv", video.bytes())), HasSubstr("Decoder (codec none)"));
   video = jpeg_video(3);
   const cv::Mat larger(2 * kHeight, kWidth, CV_8UC3, cv::Scalar::all(9));
-  std::vector<std::uint8_t> bytes;
-  ASSERT_TRUE(cv::imencode(".jpg", larger, bytes));
+  const std::vector<std::uint8_t> bytes = encode_pixels(".jpg", larger);
   video.frames[2].bytes.assign(bytes.begin(), bytes.end());
   EXPECT_THAT(refusal(write("sizes.mkv", video.bytes())),
               HasSubstr("frame 2 has another size than 32 x 16 pixels"));

@@ -14,10 +14,10 @@
 #include <functional>
 #include <map>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <random>
 
 #include "adapters/files/input_error.h"
+#include "adapters/images/image_codec.h"
 #include "adapters/worlds/builtin_worlds.h"
 #include "adapters/worlds/load_world.h"
 #include "adapters/worlds/octree_file.h"
@@ -25,6 +25,7 @@
 #include "adapters/worlds/reachable_area.h"
 #include "adapters/worlds/ros_map.h"
 #include "adapters/worlds/world_file.h"
+#include "tests/images/image_file.h"
 
 namespace prospect::worlds_test {
 namespace {
@@ -358,7 +359,7 @@ TEST_F(Worlds, DrawnPlansOfAnyDepthAndChannelsAreTheSame) {
   int n = 0;
   for (const cv::Mat& image : {grey, colour, alpha, deep}) {
     const std::string file = path("plan" + std::to_string(n++) + ".png");
-    ASSERT_TRUE(cv::imwrite(file, image));
+    test::write_image(file, image);
     worlds.push_back(load_world(file));
     expect_sound(worlds.back());
     EXPECT_EQ(worlds.back().voxels.data(), worlds.front().voxels.data());
@@ -369,7 +370,7 @@ TEST_F(Worlds, DrawnPlansOfAnyDepthAndChannelsAreTheSame) {
   for (int y = 20; y < 30; ++y) {
     for (int x = 20; x < 30; ++x) half.ptr(y)[4 * x + 3] = 0;
   }
-  ASSERT_TRUE(cv::imwrite(path("half.png"), half));
+  test::write_image(path("half.png"), half);
   EXPECT_EQ(count(load_world(path("half.png")), 0, CellState::kFree),
             count(worlds[0], 0, CellState::kFree) - 25);
 }
@@ -389,8 +390,7 @@ TEST_F(Worlds, ImagesOfWrongSizeOrBrokenAreRefused) {
   EXPECT_THAT(refusal(write("ff.png", std::string(5000, '\xff'))), HasSubstr("PNG"));
   EXPECT_THAT(refusal(write("photo.png", "\xff\xd8\xff\xe0 and so on")), HasSubstr("JPEG"));
   cv::Mat image(50, 60, CV_8UC1, cv::Scalar(255));
-  std::vector<std::uint8_t> png;
-  ASSERT_TRUE(cv::imencode(".png", image, png));
+  const std::vector<std::uint8_t> png = encode_pixels(".png", image);
   const std::string bytes(png.begin(), png.end());
   EXPECT_THAT(refusal(write("cut.png", bytes.substr(0, bytes.size() - 20))),
               HasSubstr("truncated"));
@@ -414,8 +414,8 @@ TEST_F(Worlds, ImagesOfOtherKindsAreNamed) {
 
 TEST_F(Worlds, APngHasAllItsPixels) {
   // The height in the header is twice that of the pixels: the decoder fills in what is missing.
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", cv::Mat(50, 60, CV_8UC1, cv::Scalar(254)), bytes);
+  const std::vector<std::uint8_t> bytes =
+      encode_pixels(".png", cv::Mat(50, 60, CV_8UC1, cv::Scalar(254)));
   std::string png(bytes.begin(), bytes.end());
   EXPECT_NO_THROW(load_world(write("a.png", png)));
   png[23] = 100;
@@ -428,8 +428,7 @@ TEST_F(Worlds, APngHasAllItsPixels) {
 
 TEST_F(Worlds, MutatedImagesAreRefusedOrSound) {
   cv::Mat image(40, 40, CV_8UC1, cv::Scalar(255));
-  std::vector<std::uint8_t> png;
-  ASSERT_TRUE(cv::imencode(".png", image, png));
+  const std::vector<std::uint8_t> png = encode_pixels(".png", image);
   const std::string sources[] = {pgm(40, 40, std::string(1600, '\xff')),
                                  std::string(png.begin(), png.end())};
   std::mt19937_64 random(5);
@@ -567,7 +566,7 @@ TEST_F(Worlds, RosMapsInEveryFormatAndMode) {
   const std::pair<const char*, const cv::Mat*> images[] = {
       {"f.bmp", &grey}, {"g.bmp", &colour}, {"h.bmp", &padded}, {"i.png", &deep}};
   for (const auto& [name, image] : images) {
-    ASSERT_TRUE(cv::imwrite(path(name), *image));
+    test::write_image(path(name), *image);
     same(yaml(name), name);
   }
   // Black and white only: a set bit is black.
@@ -600,8 +599,7 @@ TEST_F(Worlds, RosMapsInEveryFormatAndMode) {
 
 TEST_F(Worlds, BrokenBmpIsRefused) {
   cv::Mat image(50, 60, CV_8UC3, cv::Scalar(255, 255, 255));
-  std::vector<std::uint8_t> bmp;
-  ASSERT_TRUE(cv::imencode(".bmp", image, bmp));
+  const std::vector<std::uint8_t> bmp = encode_pixels(".bmp", image);
   const std::string bytes(bmp.begin(), bmp.end());
   const auto with = [&](std::size_t at, const std::string& word) {
     std::string text = bytes;

@@ -8,10 +8,10 @@
 #include <filesystem>
 #include <fstream>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 
 #include "adapters/datasets/trajectory.h"
+#include "tests/images/image_file.h"
 #include "tests/perception/rendered_room.h"
 
 using prospect::Image;
@@ -19,9 +19,9 @@ using prospect::test::RenderedRoom;
 
 namespace {
 
-bool write_png(const std::string& path, const Image& image) {
-  return cv::imwrite(path, cv::Mat(image.height, image.width, CV_8U,
-                                   const_cast<std::uint8_t*>(image.pixels.data())));
+void write_png(const std::string& path, const Image& image) {
+  prospect::test::write_image(path, cv::Mat(image.height, image.width, CV_8U,
+                                            const_cast<std::uint8_t*>(image.pixels.data())));
 }
 
 }  // namespace
@@ -52,8 +52,8 @@ int main(int argc, char** argv) {
     if (k == blank) pair = {Image(400, 300, 100), Image(400, 300, 100)};
     char name[32];
     std::snprintf(name, sizeof name, "/%06d.png", k);
-    if (!write_png(folder + "/image_0" + name, pair.left)) return 1;
-    if (!write_png(folder + "/image_1" + name, pair.right)) return 1;
+    write_png(folder + "/image_0" + name, pair.left);
+    write_png(folder + "/image_1" + name, pair.right);
     times << 0.1 * k << '\n';
     truth.push_back({0.1 * k, T_WC});
   }

@@ -7,10 +7,10 @@
 #include <filesystem>
 #include <fstream>
 #include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <sstream>
 #include <string>
 
+#include "tests/images/image_file.h"
 #include "tests/perception/depth_scene.h"
 
 namespace prospect::test {
@@ -51,7 +51,7 @@ struct DepthRecording {
         }
       }
     }
-    cv::imwrite(path, raw);
+    test::write_image(path, raw);
   }
 
   static std::string frame_name(int n) {

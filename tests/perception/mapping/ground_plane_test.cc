@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/images/image_file.h"
 #include "tests/perception/depth_scene.h"
 
 namespace prospect::ground_plane_test {
@@ -256,7 +257,7 @@ TEST(GroundPlane, OfARecording) {
   std::vector<Eigen::Vector3d> normals;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const std::string& file : files) {
-    const cv::Mat raw = cv::imread(file, cv::IMREAD_UNCHANGED);
+    const cv::Mat raw = test::read_image(file, cv::IMREAD_UNCHANGED);
     ASSERT_EQ(raw.type(), CV_16U);
     const DepthImage image =
         depth_image(raw.ptr<std::uint16_t>(), raw.cols, raw.rows, raw.cols, 0.001);

@@ -19,6 +19,7 @@
 #include "models/camera.h"
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/stereo_odometry.h"
+#include "tests/images/image_file.h"
 #include "tests/perception/rendered_room.h"
 
 namespace prospect::stereo_matcher_test {
@@ -149,8 +150,8 @@ TEST(StereoMatcher, MiddleburyMotorcycle) {
   const std::string folder =
       std::string(PROSPECT_SHARED_DATA) + "/stereo_pairs/middlebury2014_motorcycle/";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no " << folder;
-  const cv::Mat left = cv::imread(folder + "motorcycle_left.png", cv::IMREAD_GRAYSCALE);
-  const cv::Mat right = cv::imread(folder + "motorcycle_right.png", cv::IMREAD_GRAYSCALE);
+  const cv::Mat left = test::read_image(folder + "motorcycle_left.png", cv::IMREAD_GRAYSCALE);
+  const cv::Mat right = test::read_image(folder + "motorcycle_right.png", cv::IMREAD_GRAYSCALE);
   const std::vector<float> disparity = read_npz(folder + "motorcycle_disp.npz");
   ASSERT_EQ(disparity.size(), left.total());
   const ImageView l{left.data, left.cols, left.rows, static_cast<std::ptrdiff_t>(left.step)};
