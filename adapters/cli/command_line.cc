@@ -133,12 +133,12 @@ void add_topics(CLI::App* command, std::map<std::string, std::string>& topics,
 }
 
 /// What a recording of a stereo pair does not say by itself.
-void add_recording_options(CLI::App* command, prospect::StereoDatasetOptions& options,
-                           bool topics = true) {
+void add_recording_options(CLI::App* command, prospect::StereoDatasetOptions& options) {
   command
       ->add_option("--calibration", options.calibration,
                    "File of the calibration: calib.txt, ROS camera_info (left.yaml,right.yaml), "
-                   "OpenCV stereo or Kalibr camchain YAML [the recording's own]")
+                   "OpenCV stereo or Kalibr camchain YAML; of depth images a camera_info [the "
+                   "recording's own]")
       ->type_name("FILE");
   command->add_flag("--rectified", options.rectified,
                     "The images are rectified already, by that camera_info");
@@ -148,9 +148,6 @@ void add_recording_options(CLI::App* command, prospect::StereoDatasetOptions& op
       ->check(number_within(0.0, 10.0));
   command->add_option("--rate", options.rate, "Of images that are only numbered [Hz] [10]")
       ->check(number_within(0.01, 10000.0));
-  if (topics) {
-    add_topics(command, options.topics, {"left", "right", "left_info", "right_info", "truth"});
-  }
 }
 
 /// The frame of a bag in which poses are wanted.
@@ -525,7 +522,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
   inspect_command->add_option("path", inspect_arguments.path, "Folder or file")
       ->type_name("FILE")
       ->required();
-  add_recording_options(inspect_command, inspect_arguments.stereo, false);
+  add_recording_options(inspect_command, inspect_arguments.stereo);
   add_topics(
       inspect_command, inspect_arguments.stereo.topics,
       {"left", "right", "left_info", "right_info", "truth", "depth", "depth_info", "scan", "pose"});
@@ -543,6 +540,8 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
       ->type_name("FILE")
       ->required();
   add_recording_options(odometry_command, odometry_arguments.options);
+  add_topics(odometry_command, odometry_arguments.options.topics,
+             {"left", "right", "left_info", "right_info", "truth"});
   odometry_command
       ->add_option("--out", odometry_arguments.out,
                    "Folder for a page, the trajectory (TUM and KITTI), a table of frames and a "
@@ -561,11 +560,14 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
 
   MapArguments map_arguments;
   CLI::App* map_command = app.add_subcommand(
-      "map", "Octree, exploration and obstacle map from recorded depth images or lidar scans");
+      "map",
+      "Octree, exploration and obstacle map from recorded depth images, stereo pairs or lidar "
+      "scans");
   map_command
-      ->add_option("dataset", map_arguments.dataset,
-                   "Recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout, ROS 2 bag, or CARMEN "
-                   "log; see `prospect inspect`")
+      ->add_option(
+          "dataset", map_arguments.dataset,
+          "Recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout, ROS 2 bag, CARMEN log, "
+          "or of a stereo pair, as for `prospect odometry`; see `prospect inspect`")
       ->type_name("FILE")
       ->required();
   map_command
@@ -576,20 +578,18 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
       ->capture_default_str();
   map_command
       ->add_option("--range", map_arguments.range,
-                   "Farther away nothing is learned [m] [of depth images 4, of a lidar its own, to "
-                   "200 voxels]")
+                   "Farther away nothing is learned [m] [of depth images 4, of a stereo pair where "
+                   "two deviations of a depth are a voxel, of a lidar its own; to 200 voxels]")
       ->check(number_within(0.5, 200.0));
   map_command
       ->add_option("--camera", map_arguments.camera,
                    "Intrinsics where no file states them: FX FY CX CY [px]")
       ->expected(4)
       ->check(number_within(1.0, 1e5));
-  add_topics(map_command, map_arguments.options.topics, {"depth", "depth_info", "scan", "pose"});
+  add_recording_options(map_command, map_arguments.stereo);
+  add_topics(map_command, map_arguments.stereo.topics,
+             {"left", "right", "left_info", "right_info", "depth", "depth_info", "scan", "pose"});
   add_fixed_frame(map_command, map_arguments.options.fixed_frame);
-  map_command
-      ->add_option("--calibration", map_arguments.options.calibration,
-                   "File of the intrinsics, a ROS camera_info")
-      ->type_name("FILE");
   map_command
       ->add_option("--depth-scale", map_arguments.options.depth_scale,
                    "Numbers of the images a metre [the layout's, 1000 or 5000, checked against "

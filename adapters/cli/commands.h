@@ -154,10 +154,11 @@ int odometry(const OdometryArguments& arguments);
 
 struct MapArguments {
   std::string dataset;                 ///< a recording
-  DepthDatasetOptions options;         ///< but for `camera` and `camera_height`, below
+  DepthDatasetOptions options;         ///< but for what is below
+  StereoDatasetOptions stereo;         ///< calibration and topics also of depth images and scans
   std::string out;                     ///< folder for maps and tables; empty: none
   double resolution = 0.05;            ///< [m]
-  std::optional<double> range;         ///< [m]; none: 4 of depth images, the lidar's own of scans
+  std::optional<double> range;         ///< [m]; none: see the command line's help
   std::vector<double> camera;          ///< fx, fy, cx, cy [px]; empty: the recording's
   double camera_height = 0.0;          ///< [m]; 0: not known
   double camera_height_sigma = 0.05;   ///< standard deviation of it [m]

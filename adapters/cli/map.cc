@@ -20,9 +20,11 @@
 #include "adapters/datasets/recording_range.h"
 #include "adapters/datasets/scan_run.h"
 #include "adapters/datasets/scan_source.h"
+#include "adapters/datasets/stereo_depth_source.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
 #include "adapters/worlds/octree_file.h"
+#include "perception/odometry/stereo_odometry_options.h"
 
 namespace prospect {
 namespace {
@@ -31,14 +33,15 @@ constexpr double kPriorWidth = 4.0;    // [standard deviations]
 constexpr double kMostVoxels = 200.0;  // of a ray, see OccupancyMapperOptions
 constexpr double kDepthRange = 4.0;    // of depth images where none is given [m]
 
-/// A recording of depth images or of a lidar, opened, and how it is mapped.
+/// A recording of depth images, of a stereo pair or of a lidar, opened, and how it is mapped.
 struct MapInput {
   std::string layout, holds;  ///< "33 depth images of 640 x 480 px"
   std::vector<std::string> notes;
   bool scans = false, poses = true;
   int size = 0, without_pose = 0;
-  std::optional<double> depth_scale;  ///< none of scans
-  std::string doubt;                  ///< what contradicts the depth scale; empty: nothing
+  std::optional<double> depth_scale;          ///< none of scans and of stereo pairs
+  std::optional<StereoDepthAccuracy> stereo;  ///< of stereo pairs
+  std::string doubt;                          ///< what contradicts the depth scale; empty: nothing
   std::function<MapRun(int frames, const std::function<void(int, const MapRunFrame&)>& progress)>
       run;
 };
@@ -77,6 +80,13 @@ nlohmann::ordered_json ground_json(const MapRun& run, const MapSummary& s) {
   return json;
 }
 
+/// What the depths of a stereo pair are worth.
+nlohmann::ordered_json stereo_json(const StereoDepthAccuracy& stereo) {
+  return {{"nearest_m", stereo.range.min},
+          {"farthest_m", stereo.range.max},
+          {"depth_noise_per_m", stereo.noise}};
+}
+
 nlohmann::ordered_json as_json(const MapArguments& arguments, const MapInput& input,
                                const MapRun& run, const MapSummary& s) {
   const auto of_map = [&](int cells) {
@@ -88,6 +98,7 @@ nlohmann::ordered_json as_json(const MapArguments& arguments, const MapInput& in
       {"notes", input.notes},
       {"depth_scale",
        input.depth_scale ? nlohmann::ordered_json(*input.depth_scale) : nlohmann::ordered_json()},
+      {"stereo", input.stereo ? stereo_json(*input.stereo) : nlohmann::ordered_json()},
       {"without_pose", input.without_pose},
       {"poses", input.poses},
       {"resolution_m", arguments.resolution},
@@ -202,11 +213,27 @@ void refuse(bool given, const char* option, const std::string& dataset, const ch
   if (given) throw InputError(std::string(option) + ": " + dataset + " is " + instead);
 }
 
-MapInput depth_input(const MapArguments& arguments) {
-  refuse(arguments.lidar_height > 0.0, "--lidar-height", arguments.dataset,
-         "a recording of depth images; expected --camera-height");
+std::string range_note(double range) {
+  char line[80];
+  std::snprintf(line, sizeof line, "mapped to %.3g m; --range states another", range);
+  return line;
+}
+
+/// Options of one kind of recording, with another one: `what` the recording is.
+void refuse_stereo_options(const MapArguments& arguments, const char* what) {
+  const StereoDatasetOptions& stereo = arguments.stereo;
+  refuse(stereo.rectified, "--rectified", arguments.dataset, what);
+  refuse(stereo.sync.has_value(), "--sync", arguments.dataset, what);
+  refuse(stereo.rate.has_value(), "--rate", arguments.dataset, what);
+}
+
+DepthDataset open_depth(const MapArguments& arguments) {
+  refuse_stereo_options(arguments,
+                        "a recording of depth images; expected it with a stereo pair only");
   DepthDatasetOptions options = arguments.options;
   options.camera_height = arguments.camera_height;
+  options.topics = arguments.stereo.topics;
+  options.calibration = arguments.stereo.calibration;
   if (!arguments.camera.empty()) {
     PinholeCamera camera;
     camera.fx = arguments.camera[0];
@@ -215,11 +242,42 @@ MapInput depth_input(const MapArguments& arguments) {
     camera.cy = arguments.camera[3];
     options.camera = camera;
   }
-  const DepthDataset dataset = DepthDataset::open(arguments.dataset, options);
+  return DepthDataset::open(arguments.dataset, options);
+}
+
+DepthDataset open_stereo(const MapArguments& arguments) {
+  refuse(!arguments.camera.empty(), "--camera", arguments.dataset,
+         "a recording of a stereo pair; expected --calibration");
+  refuse(arguments.options.depth_scale.has_value(), "--depth-scale", arguments.dataset,
+         "a recording of a stereo pair; expected it with depth images only");
+  StereoDatasetOptions stereo = arguments.stereo;
+  stereo.fixed_frame = arguments.options.fixed_frame;
+  DepthDatasetOptions options;
+  options.camera_height = arguments.camera_height;
+  return DepthDataset::open(open_stereo_depth(arguments.dataset, stereo), options);
+}
+
+MapInput depth_input(const MapArguments& arguments, bool stereo) {
+  refuse(arguments.lidar_height > 0.0, "--lidar-height", arguments.dataset,
+         stereo ? "a recording of a stereo pair; expected --camera-height"
+                : "a recording of depth images; expected --camera-height");
+  const DepthDataset dataset = stereo ? open_stereo(arguments) : open_depth(arguments);
   check_first_frame(arguments.first, dataset.size(), arguments.dataset);
+  MapInput input;
+  input.layout = dataset.layout();
+  input.notes = dataset.notes();
   MapRunOptions run_options;
   run_options.mapper.map.resolution = arguments.resolution;
   run_options.mapper.map.max_range = arguments.range.value_or(kDepthRange);
+  if (dataset.stereo()) {
+    const double sharp = sharp_range(*dataset.stereo(), arguments.resolution);
+    const double range =
+        arguments.range.value_or(std::min(sharp, kMostVoxels * arguments.resolution));
+    if (!arguments.range) input.notes.push_back(range_note(range));
+    set_stereo_accuracy(*dataset.stereo(), range, run_options.mapper);
+    // A pair may be carried by a car.
+    run_options.mapper.max_speed = StereoOdometryOptions().max_speed;
+  }
   GroundPrior& prior = run_options.prior;
   double low = prior.height - prior.height_tolerance, high = prior.height + prior.height_tolerance;
   if (arguments.camera_height > 0.0) {
@@ -232,17 +290,16 @@ MapInput depth_input(const MapArguments& arguments) {
   const double pitch = arguments.camera_pitch ? *arguments.camera_pitch / kDegrees : 0.35;
   prior = ground_prior(0.5 * (low + high), pitch, 0.0, 0.5 * (high - low),
                        arguments.camera_pitch ? 0.26 : prior.tilt_tolerance);
-  MapInput input;
-  input.layout = dataset.layout();
   char holds[80];
-  std::snprintf(holds, sizeof holds, "%d depth images of %.0f x %.0f px", dataset.size(),
-                dataset.camera().width, dataset.camera().height);
+  std::snprintf(holds, sizeof holds, "%d %s of %.0f x %.0f px", dataset.size(),
+                stereo ? "stereo pairs" : "depth images", dataset.camera().width,
+                dataset.camera().height);
   input.holds = holds;
-  input.notes = dataset.notes();
   input.poses = dataset.has_poses();
   input.size = dataset.size();
   input.without_pose = dataset.without_pose();
-  input.depth_scale = dataset.depth_scale();
+  if (!stereo) input.depth_scale = dataset.depth_scale();
+  input.stereo = dataset.stereo();
   if (dataset.depth_scale_doubtful()) input.doubt = dataset.notes().back();
   input.run = [=, first = arguments.first](int frames, const auto& progress) {
     return run_mapping(dataset, run_options, first, frames, progress);
@@ -251,17 +308,18 @@ MapInput depth_input(const MapArguments& arguments) {
 }
 
 MapInput scan_input(const MapArguments& arguments) {
+  refuse_stereo_options(arguments, "a recording of a lidar; expected it with a stereo pair only");
   for (const auto& [given, option] :
        {std::pair(arguments.camera_height > 0.0, "--camera-height"),
         std::pair(arguments.camera_pitch.has_value(), "--camera-pitch"),
         std::pair(!arguments.camera.empty(), "--camera"),
-        std::pair(!arguments.options.calibration.empty(), "--calibration"),
+        std::pair(!arguments.stereo.calibration.empty(), "--calibration"),
         std::pair(arguments.options.depth_scale.has_value(), "--depth-scale")}) {
     refuse(given, option, arguments.dataset,
            "a recording of a lidar; expected it with a camera only");
   }
-  const ScanSource source = open_scan_source(
-      arguments.dataset, {arguments.options.topics, arguments.options.fixed_frame});
+  const ScanSource source =
+      open_scan_source(arguments.dataset, {arguments.stereo.topics, arguments.options.fixed_frame});
   if (!source.missing.empty()) throw InputError(source.missing[0]);
   MapInput input;
   input.scans = true;
@@ -280,11 +338,7 @@ MapInput scan_input(const MapArguments& arguments) {
   input.holds = line;
   input.notes = source.notes;
   input.notes.insert(input.notes.end(), placement.notes.begin(), placement.notes.end());
-  if (!arguments.range) {
-    std::snprintf(line, sizeof line, "mapped to %g m; --range states another",
-                  options.map.max_range);
-    input.notes.emplace_back(line);
-  }
+  if (!arguments.range) input.notes.push_back(range_note(options.map.max_range));
   input.without_pose = static_cast<int>(source.without_pose);
   input.run = [=, first = arguments.first](int frames, const auto& progress) {
     return run_scan_mapping(source, placement, options, first, frames, progress);
@@ -296,8 +350,10 @@ MapInput scan_input(const MapArguments& arguments) {
 
 int map(const MapArguments& arguments) {
   const double farthest = kMostVoxels * arguments.resolution;
-  const bool scans = is_used_for_scans(arguments.dataset, arguments.options.topics);
-  const double range = arguments.range.value_or(scans ? 0.0 : kDepthRange);
+  const bool scans = is_used_for_scans(arguments.dataset, arguments.stereo.topics);
+  const bool stereo =
+      !scans && is_used_for_stereo_depth(arguments.dataset, arguments.stereo.topics);
+  const double range = arguments.range.value_or(scans || stereo ? 0.0 : kDepthRange);
   if (range > farthest) {
     char line[160];
     std::snprintf(line, sizeof line,
@@ -305,7 +361,7 @@ int map(const MapArguments& arguments) {
                   range, farthest, kMostVoxels, arguments.resolution);
     throw InputError(line);
   }
-  const MapInput input = scans ? scan_input(arguments) : depth_input(arguments);
+  const MapInput input = scans ? scan_input(arguments) : depth_input(arguments, stereo);
   const std::filesystem::path out = arguments.out;
   if (!out.empty() && std::filesystem::exists(out) && !std::filesystem::is_directory(out)) {
     throw InputError(out.string() + ": is no folder; expected one to write to");

@@ -6,6 +6,13 @@
 #include "adapters/files/input_error.h"
 
 namespace prospect {
+namespace {
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
 
 std::string topic_list(const BagFile& bag) {
   std::string list;
@@ -72,6 +79,36 @@ const BagTopic* find_depth_topic(const BagFile& bag) {
     if (rank > best_rank) {
       best_rank = rank;
       best = &topic;
+    }
+  }
+  return best;
+}
+
+std::pair<const BagTopic*, const BagTopic*> find_stereo_topics(const BagFile& bag) {
+  static const std::pair<const char*, const char*> kSides[] = {{"left", "right"},
+                                                               {"infra1", "infra2"},
+                                                               {"cam0", "cam1"},
+                                                               {"camera0", "camera1"},
+                                                               {"image_0", "image_1"}};
+  std::pair<const BagTopic*, const BagTopic*> best{nullptr, nullptr};
+  int best_rank = -1;
+  for (const BagTopic& topic : bag.topics()) {
+    if (!is_image_topic(topic) || topic.messages.empty() || holds(topic.name, "depth")) continue;
+    for (const auto& [left, right] : kSides) {
+      std::string name = topic.name;
+      if (!holds(name, left)) continue;
+      for (std::size_t at = 0; (at = name.find(left, at)) != std::string::npos;) {
+        name.replace(at, std::string(left).size(), right);
+        at += std::string(right).size();
+      }
+      const BagTopic* other = bag.find(name);
+      if (other == nullptr || !is_image_topic(*other) || other->messages.empty()) continue;
+      const int rank =
+          4 * holds(name, "rect") + 2 * (info_of(bag, topic) != nullptr) + !is_compressed(topic);
+      if (rank > best_rank) {
+        best_rank = rank;
+        best = {&topic, other};
+      }
     }
   }
   return best;

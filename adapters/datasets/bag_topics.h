@@ -35,6 +35,9 @@ const BagTopic* info_of(const BagFile& bag, const BagTopic& image);
 /// The topic of images with depth in its name, with a camera_info and not compressed before others;
 /// null: none has images.
 const BagTopic* find_depth_topic(const BagFile& bag);
+/// Image topics whose names differ by left and right, or the like, alone: rectified ones, those
+/// with a camera_info and not compressed before others; null: none has images.
+std::pair<const BagTopic*, const BagTopic*> find_stereo_topics(const BagFile& bag);
 
 /// A message, for messages to people.
 std::string message_name(const BagTopic& topic, std::size_t i);

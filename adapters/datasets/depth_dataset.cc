@@ -8,11 +8,15 @@
 namespace prospect {
 
 DepthDataset DepthDataset::open(const std::string& path, const DepthDatasetOptions& options) {
-  DepthSource source = open_depth_source(path, options);
+  return open(open_depth_source(path, options), options);
+}
+
+DepthDataset DepthDataset::open(DepthSource source, const DepthDatasetOptions& options) {
   if (!source.missing.empty()) throw InputError(source.missing[0]);
   DepthDataset dataset;
   dataset.layout_ = source.layout;
-  dataset.range_ = options.range;
+  dataset.stereo_ = source.stereo;
+  dataset.range_ = source.stereo ? source.stereo->range : options.range;
   dataset.times_assumed_ = source.times_assumed;
   dataset.without_pose_ = source.without_pose;
   dataset.camera_ = *source.camera;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ class DepthDataset {
   /// Throws InputError, one line: what is missing, misnamed, malformed or does not fit together;
   /// intrinsics both in a file and given, or neither.
   static DepthDataset open(const std::string& path, const DepthDatasetOptions& options = {});
+  /// Likewise, of what was found with these options.
+  static DepthDataset open(DepthSource source, const DepthDatasetOptions& options);
 
   const std::string& layout() const { return layout_; }
   const PinholeCamera& camera() const { return camera_; }
@@ -33,6 +36,8 @@ class DepthDataset {
   double depth_scale() const { return scale_.per_metre; }  ///< numbers of an image a metre
   /// What is known contradicts the depth scale; the note says what.
   bool depth_scale_doubtful() const { return scale_.doubtful; }
+  /// None: the images hold another sensor's depths.
+  const std::optional<StereoDepthAccuracy>& stereo() const { return stereo_; }
   /// What was assumed, chosen or left out, one line each.
   const std::vector<std::string>& notes() const { return notes_; }
   bool has_poses() const { return !poses_.empty(); }
@@ -54,6 +59,7 @@ class DepthDataset {
   std::vector<std::string> notes_;
   bool times_assumed_ = false;
   int without_pose_ = 0;
+  std::optional<StereoDepthAccuracy> stereo_;
 };
 
 }  // namespace prospect

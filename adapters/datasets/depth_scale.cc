@@ -82,8 +82,9 @@ DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptio
                               const PinholeCamera& camera,
                               const std::function<RawImage(std::size_t)>& read) {
   constexpr std::size_t kLooks = 6;
-  constexpr double kFits = 0.05;    // of the depth: poses and depths agree
-  constexpr double kClearly = 0.5;  // of the other scale's disagreement
+  constexpr double kFits = 0.05;        // of the depth: poses and depths agree
+  constexpr double kClearly = 0.5;      // of the other scale's disagreement
+  constexpr double kContradicts = 0.2;  // of the depth
   std::vector<std::size_t> frames;
   const std::size_t n = source.images.size();
   for (std::size_t k = 0; k < std::min(kLooks, n); ++k) {
@@ -93,6 +94,27 @@ DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptio
   }
   std::vector<RawImage> raw;
   for (const std::size_t i : frames) raw.push_back(read(i));
+  if (source.stereo) {
+    // The metre is that of the baseline: there is nothing to choose, but a wrong one shows.
+    DepthScale out;
+    out.per_metre = 1.0;
+    out.note = "the metre is that of the calibration";
+    const double off = disagreement(source, camera, frames, raw, 1.0);
+    double other = std::numeric_limits<double>::infinity();
+    for (const double wrong : {0.5, 0.67, 0.8, 1.25, 1.5, 2.0}) {
+      other = std::fmin(other, disagreement(source, camera, frames, raw, wrong));
+    }
+    out.doubtful = off > kContradicts || other < kClearly * off;
+    if (out.doubtful) {
+      out.note += ", but images and poses disagree by " + percent_text(off) +
+                  ": the baseline, the focal length or the poses are wrong";
+    } else if (off < kClearly * other) {
+      out.note += ", and images and poses agree to " + percent_text(off);
+    } else {
+      out.note += "; the poses do not tell whether it is right";
+    }
+    return out;
+  }
   const bool floats = !raw.empty() && raw[0].kind == RawImage::Kind::kFloat;
   const double rule = floats ? 1.0 : source.depth_scale;
   DepthScale out;
@@ -136,7 +158,7 @@ DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptio
       out.note += ", and by the poses: images and poses agree to " + percent_text(off[0]);
       return out;
     }
-    if (off[0] > 0.2) {
+    if (off[0] > kContradicts) {
       out.note += ", but images and poses disagree by " + percent_text(off[0]) +
                   ": --depth-scale states another";
       out.doubtful = true;

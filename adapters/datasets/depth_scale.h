@@ -23,6 +23,8 @@ struct DepthScale {
 ///                      one's; of a wrong scale they miss by what the camera moved
 ///   camera's height    the ground is there (ground_plane.h), to 0.15 m
 /// and where neither tells, the layout's. The note says which it was, and with what.
+/// The metre of depths that were measured by stereo is that of the baseline; the poses are held
+/// against it.
 /// `read`: the numbers of image i, unscaled. Deterministic.
 DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptions& options,
                               const PinholeCamera& camera,

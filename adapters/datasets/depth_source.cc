@@ -5,7 +5,6 @@
 #include "adapters/datasets/bag_file.h"
 #include "adapters/datasets/matrix_file.h"
 #include "adapters/datasets/stereo_calibration.h"
-#include "adapters/datasets/stereo_source.h"
 
 namespace prospect {
 namespace {
@@ -67,13 +66,8 @@ DepthSource open_depth_source(const std::string& path, const DepthDatasetOptions
   std::error_code error;
   const DepthLayout* layout = find_depth_layout(path);
   if (layout == nullptr) {
-    const std::string known = looked_for(depth_layouts(), ", ");
-    if (find_stereo_layout(path) != nullptr) {
-      throw InputError(path +
-                       ": a recording of a stereo pair, for `prospect odometry`, which gives no "
-                       "surfaces to map; expected depth images: " +
-                       known);
-    }
+    const std::string known =
+        looked_for(depth_layouts(), ", ") + ", or a stereo pair, as for `prospect odometry`";
     throw InputError(path +
                      (std::filesystem::exists(path, error)
                           ? ": no recording of depth images is there; looked for " + known +

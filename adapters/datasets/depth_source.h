@@ -30,6 +30,12 @@ struct DepthDatasetOptions {
 
 using DepthPoses = std::vector<Eigen::Isometry3d, Eigen::aligned_allocator<Eigen::Isometry3d>>;
 
+/// What depths that were measured by stereo are worth (perception/mapping/stereo_depth.h).
+struct StereoDepthAccuracy {
+  DepthRange range;
+  double noise = 0.0;  ///< the standard deviation of a depth z is noise z^2 [1/m]
+};
+
 /// What a layout finds in a recording of depth images.
 struct DepthSource : RecordingSource {
   ImageStream images;
@@ -38,6 +44,7 @@ struct DepthSource : RecordingSource {
   std::string camera_from;              ///< file or topic, for messages
   double depth_scale = 1000.0;          ///< numbers a metre by the layout's rule, of 16 bits
   int without_pose = 0;                 ///< frames left out
+  std::optional<StereoDepthAccuracy> stereo;  ///< none: the images hold another sensor's depths
 };
 
 using DepthLayout = RecordingLayout<DepthSource, DepthDatasetOptions>;

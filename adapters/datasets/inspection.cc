@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <utility>
 
@@ -16,6 +17,7 @@
 #include "adapters/datasets/scan_run.h"
 #include "adapters/datasets/scan_source.h"
 #include "adapters/datasets/stereo_dataset.h"
+#include "adapters/datasets/stereo_depth_source.h"
 #include "models/lower_case.h"
 
 namespace prospect {
@@ -215,6 +217,18 @@ Json inspect_scans(const std::string& path, const ScanOptions& options) {
   return json;
 }
 
+/// A stereo pair is mapped where there is nothing else, or it is chosen.
+void say_whether_pairs_are_mapped(Json& recordings, const std::string& path,
+                                  const std::map<std::string, std::string>& topics) {
+  const auto is_pair = [](const Json& r) { return r.contains("left"); };
+  const auto pair = std::find_if(recordings.begin(), recordings.end(), is_pair);
+  if (pair == recordings.end()) return;
+  if (is_bag(path) && !(*pair)["missing"].empty()) return;  // it may not be readable at all
+  if (!is_used_for_stereo_depth(path, topics)) return;
+  for (Json& r : recordings) r["used_by"] = nullptr;
+  (*pair)["used_by"] = "prospect odometry, prospect map";
+}
+
 /// Of a bag with depth images and scans `prospect map` uses one kind.
 void say_which_is_mapped(Json& recordings, bool scans) {
   Json *depth_images = nullptr, *lidar = nullptr;
@@ -294,7 +308,13 @@ std::string stream_line(const char* name, const Json& s) {
 
 std::string recording_text(const Json& r) {
   std::string text = r["layout"].get<std::string>() + ", " + r["kind"].get<std::string>();
-  if (r["used_by"].is_string()) text += ", for `" + r["used_by"].get<std::string>() + "`";
+  if (r["used_by"].is_string()) {
+    std::string commands = r["used_by"].get<std::string>();
+    if (const auto comma = commands.find(", "); comma != std::string::npos) {
+      commands.replace(comma, 2, "` and `");
+    }
+    text += ", for `" + commands + "`";
+  }
   text += "\n";
   if (r.contains("left")) {
     text += stream_line("left         ", r["left"]) + stream_line("right        ", r["right"]);
@@ -422,6 +442,7 @@ Json inspect_path(const std::string& path, const StereoDatasetOptions& stereo,
     }
     recordings = kept;
   }
+  say_whether_pairs_are_mapped(recordings, path, stereo.topics);
   say_which_is_mapped(recordings, is_used_for_scans(path, depth.topics));
   json["recordings"] = recordings;
   found = Found::kUnknown;

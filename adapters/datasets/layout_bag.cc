@@ -17,10 +17,6 @@
 namespace prospect {
 namespace {
 
-bool holds(const std::string& text, const std::string& part) {
-  return text.find(part) != std::string::npos;
-}
-
 bool is_info(const BagTopic& topic) { return topic.type == "sensor_msgs/msg/CameraInfo"; }
 
 /// The images of a topic, by the stamps of their headers; where these are not set, by the time of
@@ -40,37 +36,6 @@ ImageStream image_stream(const BagFile& bag, const BagTopic& topic,
     return read_ros_image(bytes, is_compressed(topic), message_name(topic, order[i]));
   };
   return stream;
-}
-
-/// Image topics whose names differ by left and right alone; rectified ones first.
-std::pair<const BagTopic*, const BagTopic*> find_stereo_topics(const BagFile& bag) {
-  static const std::pair<const char*, const char*> kSides[] = {{"left", "right"},
-                                                               {"infra1", "infra2"},
-                                                               {"cam0", "cam1"},
-                                                               {"camera0", "camera1"},
-                                                               {"image_0", "image_1"}};
-  std::pair<const BagTopic*, const BagTopic*> best{nullptr, nullptr};
-  int best_rank = -1;
-  for (const BagTopic& topic : bag.topics()) {
-    if (!is_image_topic(topic) || topic.messages.empty() || holds(topic.name, "depth")) continue;
-    for (const auto& [left, right] : kSides) {
-      std::string name = topic.name;
-      if (!holds(name, left)) continue;
-      for (std::size_t at = 0; (at = name.find(left, at)) != std::string::npos;) {
-        name.replace(at, std::string(left).size(), right);
-        at += std::string(right).size();
-      }
-      const BagTopic* other = bag.find(name);
-      if (other == nullptr || !is_image_topic(*other) || other->messages.empty()) continue;
-      const int rank =
-          4 * holds(name, "rect") + 2 * (info_of(bag, topic) != nullptr) + !is_compressed(topic);
-      if (rank > best_rank) {
-        best_rank = rank;
-        best = {&topic, other};
-      }
-    }
-  }
-  return best;
 }
 
 CameraInfo first_info(const BagFile& bag, const BagTopic& topic) {
@@ -125,7 +90,7 @@ StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions
                        "; expected --topics left_info=TOPIC,right_info=TOPIC, or --calibration "
                        "FILE");
     }
-    const bool rectified = options.rectified || holds(left->name, "rect");
+    const bool rectified = options.rectified || left->name.find("rect") != std::string::npos;
     source.calibration = calibration_of(first_info(bag, *infos[0]), first_info(bag, *infos[1]),
                                         infos[0]->name, infos[1]->name, rectified);
     source.notes.push_back(std::string("images taken as ") +
@@ -134,7 +99,17 @@ StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions
   });
   source.attempt([&] {
     const BagTopic* truth = given_topic(bag, path, options.topics, "truth", is_pose_topic);
-    if (truth == nullptr) return;
+    if (truth == nullptr) {
+      if (!options.fixed_frame) return;
+      const std::optional<BagPoses> poses = find_bag_poses(
+          bag, path, {options.topics, *options.fixed_frame}, frame_of(bag, *left), source.notes);
+      if (!poses) return;
+      for (const double stamp : source.left.stamps) {
+        const auto T = poses->at(stamp);
+        if (T) source.truth.push_back({stamp, *T});
+      }
+      return;
+    }
     const BagPoses poses = BagPoses::of_topic(bag, *truth, read_transforms(bag, source.notes),
                                               frame_of(bag, *left), source.notes);
     for (const double stamp : poses.stamps()) {

@@ -24,7 +24,7 @@ const ScanLayout* find_scan_layout(const std::string& path) {
 bool is_used_for_scans(const std::string& path, const std::map<std::string, std::string>& topics) {
   if (find_scan_layout(path) == nullptr) return false;
   if (!is_bag(path) || topics.contains("scan")) return true;
-  if (topics.contains("depth")) return false;
+  if (topics.contains("depth") || topics.contains("left")) return false;
   const BagFile bag = BagFile::open(path);
   return find_depth_topic(bag) == nullptr &&
          std::any_of(bag.topics().begin(), bag.topics().end(), is_scan_topic);

@@ -41,8 +41,9 @@ const std::vector<ScanLayout>& scan_layouts();
 /// The first layout that recognises the path; null: none does.
 const ScanLayout* find_scan_layout(const std::string& path);
 
-/// Whether a recording is used for its scans: it is a log, or a bag in which "scan" is chosen or
-/// that has scans and no depth images. Throws InputError if the bag cannot be read.
+/// Whether a recording is used for its scans: it is a log, or a bag in which "scan" is chosen, or
+/// that has scans and no depth images and in which no images are chosen. Throws InputError if the
+/// bag cannot be read.
 bool is_used_for_scans(const std::string& path, const std::map<std::string, std::string>& topics);
 
 /// Opens with the layout that fits. Throws InputError if none does: what was looked for.

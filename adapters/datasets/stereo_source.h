@@ -22,6 +22,9 @@ struct StereoDatasetOptions {
   /// Of a bag: "left", "right", "left_info", "right_info", "truth" to topics; all but truth are
   /// found by type and name where they are not given.
   std::map<std::string, std::string> topics;
+  /// Of a bag: where no "truth" is given, what BagPoseChoice finds with this frame stands for it;
+  /// none: it is not looked for.
+  std::optional<std::string> fixed_frame;
 };
 
 /// What a layout finds in a recording of a stereo pair, before images are paired and rectified.

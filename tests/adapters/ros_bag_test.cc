@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <string>
@@ -24,7 +25,9 @@
 #include "adapters/datasets/inspection.h"
 #include "adapters/datasets/odometry_run.h"
 #include "adapters/datasets/ros_messages.h"
+#include "adapters/datasets/scan_source.h"
 #include "adapters/datasets/stereo_dataset.h"
+#include "adapters/datasets/stereo_depth_source.h"
 #include "adapters/files/input_error.h"
 #include "adapters/images/image_codec.h"
 #include "tests/adapters/lidar_recording.h"
@@ -403,6 +406,34 @@ TEST_F(RosBag, DepthImagesWithPoses) {
     EXPECT_THAT(inspection_text(json), HasSubstr(scans ? "uses the scans, as --topics scan=TOPIC"
                                                        : "uses the depth images; with --topics"));
   }
+}
+
+TEST_F(RosBag, StereoPairIsMappedWhereThereIsNothingElse) {
+  std::vector<BagMessage> messages = stereo_messages();
+  const std::string pair = write("pair.mcap", test::mcap_of(messages, 4, "", plain, checksum));
+  EXPECT_TRUE(is_used_for_stereo_depth(pair, {}));
+  EXPECT_FALSE(is_used_for_stereo_depth(pair, {{"depth", "/stereo/left/image_raw"}}));
+  StereoDatasetOptions options;
+  options.fixed_frame = "";
+  const DepthSource source = open_stereo_depth(pair, options);
+  EXPECT_THAT(source.notes, Contains(HasSubstr("poses by the recording, of 4 of 4 frames")));
+  ASSERT_EQ(source.poses.size(), static_cast<std::size_t>(kFrames));
+  for (int k = 0; k < kFrames; ++k) {
+    EXPECT_TRUE(source.poses[static_cast<std::size_t>(k)].isApprox(pose(k), 1e-9));
+  }
+  EXPECT_EQ(source.images.read(2).kind, RawImage::Kind::kFloat);
+  // The odometry does without the bag's poses, which are no truth.
+  EXPECT_TRUE(StereoDataset::open(pair).ground_truth().empty());
+
+  const test::LidarRecording lidar;
+  for (const BagMessage& message : lidar.messages()) messages.push_back(message);
+  const std::string both = write("both.mcap", test::mcap_of(messages, 4, "", plain, checksum));
+  const std::map<std::string, std::string> chosen = {{"left", "/stereo/left/image_raw"},
+                                                     {"right", "/stereo/right/image_raw"}};
+  EXPECT_TRUE(is_used_for_scans(both, {}));
+  EXPECT_FALSE(is_used_for_stereo_depth(both, {}));
+  EXPECT_FALSE(is_used_for_scans(both, chosen));
+  EXPECT_TRUE(is_used_for_stereo_depth(both, chosen));
 }
 
 TEST(RosMessages, ImagesOfOtherKinds) {

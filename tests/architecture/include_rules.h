@@ -66,7 +66,7 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
       {"perception/fusion", {{"models", "engine/maps", "perception/odometry"}, {"Eigen"}, eigen}},
       {"perception/mapping",
        {{"models", "engine/support", "engine/maps", "perception/odometry"},
-        {"Eigen", "octomap"},
+        {"Eigen", "octomap", "opencv2"},
         eigen}},
       {"perception/pipeline",
        {{"models", "engine/support", "engine/maps", "engine/features", "perception"},

@@ -855,7 +855,20 @@ grep -q '"frames": 2,' out.txt || fail "map --json: '$out'"
 timed_out "a map read back" explore map1/map.bt --time-limit 1 --quiet --out run
 rm -rf run
 refused "map of nothing" nowhere "expected a recording of depth images" map nowhere --out run
-refused "map of a stereo pair" stereo "for \`prospect odometry\`" map stereo --out run
+succeeds "map of a stereo pair" map stereo --resolution 0.1 --range 3 --frames 4 --out pair --quiet
+grep -qF "KITTI, 12 stereo pairs of 400 x 300 px" out.txt || fail "map of a pair: '$out'"
+grep -qE "^note  *depth by stereo, f 275 px, baseline 0.12 m" out.txt || fail "map of a pair: '$out'"
+grep -qE "^note  *poses by the recording, of 12 of 12 frames" out.txt || fail "map of a pair: '$out'"
+grep -qF '"depth_noise_per_m": 0.0121' pair/summary.json || fail "map of a pair: $(cat pair/summary.json)"
+grep -qF "depth by stereo" pair/map.html || fail "map of a pair: the page does not say what depth it is"
+[[ -s pair/map.bt && -s pair/obstacles.png ]] || fail "map of a pair: $(ls pair)"
+refused "map of a pair with intrinsics" "--camera: stereo" "expected --calibration" \
+  map stereo --camera 275 275 200 150 --out run
+refused "map of a pair with a depth scale" "--depth-scale: stereo" "expected it with depth images only" \
+  map stereo --depth-scale 1000 --out run
+refused "map of half a pair" half/image_0 "holds no image" map half --out run
+refused "map of depth images with --rate" "--rate: depth/posed" "expected it with a stereo pair only" \
+  map depth/posed --rate 10 --out run
 refused "map without intrinsics" depth/robot ", or --camera FX FY CX CY" \
   map depth/robot --out run
 succeeds "map without poses" map depth/robot --camera 262.5 262.5 159.5 119.5 --out robot
