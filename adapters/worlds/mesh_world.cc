@@ -152,14 +152,24 @@ Eigen::AlignedBox2d extent_of(TexturedMesh& mesh, const MeshWorldOptions& option
   constexpr double kNarrow = 3.0;         // [m]
   constexpr double kLeastMargin = 5.0;    // [m] about what is narrower
   constexpr double kAroundOrigin = 10.0;  // [m]
+  constexpr double kWide = 0.1;           // of the area of the whole: a triangle of the plane
+  const auto top = [](const Corners& c) { return std::max({c[0].z(), c[1].z(), c[2].z()}); };
+  const auto box = [](const Corners& c) {
+    Eigen::AlignedBox2d of;
+    for (const Vector3d& p : c) of.extend(Eigen::Vector2d(p.head<2>()));
+    return of;
+  };
   Eigen::AlignedBox2d whole, rising;
+  for (const auto& triangle : mesh.triangles) whole.extend(box(corners_of(mesh, triangle)));
+  double plane = 0.0;
   for (const auto& triangle : mesh.triangles) {
     const Corners corners = corners_of(mesh, triangle);
-    const double top = std::max({corners[0].z(), corners[1].z(), corners[2].z()});
-    for (const Vector3d& p : corners) {
-      whole.extend(Eigen::Vector2d(p.head<2>()));
-      if (top > kRise) rising.extend(Eigen::Vector2d(p.head<2>()));
-    }
+    if (box(corners).sizes().prod() < kWide * whole.sizes().prod()) continue;
+    plane = std::min(plane, top(corners));
+  }
+  for (const auto& triangle : mesh.triangles) {
+    const Corners corners = corners_of(mesh, triangle);
+    if (top(corners) > plane + kRise) rising.extend(box(corners));
   }
   const double area = whole.sizes().prod();
   if (area <= kLargest || (!rising.isEmpty() && 2.0 * rising.sizes().prod() >= area)) return whole;

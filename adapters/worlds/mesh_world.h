@@ -36,9 +36,9 @@ struct MeshWorldOptions {
 /// those that face down count. World::floor_share is the share of the area that faces upwards
 /// (within 45 degrees) at most 0.1 m off that height. Ground that is not flat is refused unless a
 /// height is given: where of that area within 1 m of the floor's height less than a third is the
-/// floor. Extent: if what rises more than 0.15 m above the floor covers less than half as much as
-/// the whole mesh, and that is more than 1000 m^2, the ground is a plane without end that somebody
-/// put under a building: it counts as far as what rises, and ground_margin beyond (at least 5 m
+/// floor. Extent: if what rises more than 0.15 m above the floor, or above a lower plane under it,
+/// covers less than half as much as the whole mesh, and that is more than 1000 m^2, the ground is a
+/// plane without end that somebody put under a building: it counts as far as what rises, and ground_margin beyond (at least 5 m
 /// where that is less than 3 m wide), and left_out says so. Where nothing rises, 10 m about the
 /// origin. Voxels: occupied if a triangle touches them (exactly, by separating axes) more than
 /// floor_tolerance above the floor; the layer below the floor where a triangle lies between one

@@ -229,6 +229,20 @@ TEST(MeshWorld, AFloorOnAPlaneWithoutEndCanBeAskedFor) {
   }
 }
 
+TEST(MeshWorld, AFloorThatReachesBeyondItsWallsCountsWhole) {
+  const test::Folder folder("mesh world terrace");
+  std::string text = room();
+  text.insert(text.find("<model"), "<include><uri>model://ground_plane</uri></include>" +
+                                       box(1.0, -3.2, 0.2, 5.0, -0.2, 0.3));
+  WorldOptions options;
+  options.floor = 0.3;
+  const World world = load_world(folder.write("terrace.sdf", text), options);
+  EXPECT_NEAR(world.source_floor_height, 0.3, 1e-3);
+  const Eigen::Vector3i terrace = world.voxels.voxel({3.0, -3.0, -0.01});
+  ASSERT_GE(terrace.y(), 0);
+  EXPECT_EQ(world.voxels.state(terrace.x(), terrace.y(), terrace.z()), CellState::kOccupied);
+}
+
 TEST(MeshWorld, GroundThatIsNotFlatIsRefused) {
   const test::Folder folder("mesh world hill");
   // A hill 1.5 m high over 12 m; a ramp; steps of 20 cm.
