@@ -239,7 +239,6 @@ TEST(MeshWorld, AFloorThatReachesBeyondItsWallsCountsWhole) {
   const World world = load_world(folder.write("terrace.sdf", text), options);
   EXPECT_NEAR(world.source_floor_height, 0.3, 1e-3);
   const Eigen::Vector3i terrace = world.voxels.voxel({3.0, -3.0, -0.01});
-  ASSERT_GE(terrace.y(), 0);
   EXPECT_EQ(world.voxels.state(terrace.x(), terrace.y(), terrace.z()), CellState::kOccupied);
 }
 
