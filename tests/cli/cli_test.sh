@@ -866,7 +866,7 @@ refused "map of a pair with intrinsics" "--camera: stereo" "expected --calibrati
   map stereo --camera 275 275 200 150 --out run
 refused "map of a pair with a depth scale" "--depth-scale: stereo" "expected it with depth images only" \
   map stereo --depth-scale 1000 --out run
-refused "map of half a pair" half/image_0 "holds no image" map half --out run
+refused "map of exchanged cameras" half/calib.txt "expected it on the right" map half --out run
 refused "map of depth images with --rate" "--rate: depth/posed" "expected it with a stereo pair only" \
   map depth/posed --rate 10 --out run
 refused "map without intrinsics" depth/robot ", or --camera FX FY CX CY" \
