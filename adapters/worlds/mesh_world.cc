@@ -152,6 +152,7 @@ Eigen::AlignedBox2d extent_of(TexturedMesh& mesh, const MeshWorldOptions& option
   constexpr double kNarrow = 3.0;         // [m]
   constexpr double kLeastMargin = 5.0;    // [m] about what is narrower
   constexpr double kAroundOrigin = 10.0;  // [m]
+  constexpr double kThickness = 0.05;     // [m] of a level
   constexpr double kWide = 0.1;           // of the area of the whole: a triangle of the plane
   const auto top = [](const Corners& c) { return std::max({c[0].z(), c[1].z(), c[2].z()}); };
   const auto box = [](const Corners& c) {
@@ -161,12 +162,13 @@ Eigen::AlignedBox2d extent_of(TexturedMesh& mesh, const MeshWorldOptions& option
   };
   Eigen::AlignedBox2d whole, rising;
   for (const auto& triangle : mesh.triangles) whole.extend(box(corners_of(mesh, triangle)));
-  double plane = 0.0;
+  double plane = -std::numeric_limits<double>::infinity();  // the highest, not above the floor
   for (const auto& triangle : mesh.triangles) {
     const Corners corners = corners_of(mesh, triangle);
-    if (box(corners).sizes().prod() < kWide * whole.sizes().prod()) continue;
-    plane = std::min(plane, top(corners));
+    const bool wide = box(corners).sizes().prod() >= kWide * whole.sizes().prod();
+    if (wide && top(corners) <= kThickness) plane = std::max(plane, top(corners));
   }
+  plane = std::isfinite(plane) ? std::min(plane, 0.0) : 0.0;
   for (const auto& triangle : mesh.triangles) {
     const Corners corners = corners_of(mesh, triangle);
     if (top(corners) > plane + kRise) rising.extend(box(corners));

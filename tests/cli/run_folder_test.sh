@@ -47,7 +47,7 @@ refused "a folder in use" "live run: another run writes to it" "expected a folde
 grep -q '"seed": 7' 'live run/run.json' || fail "the run that was there first lost its run.json"
 kill -HUP $process
 ended "a hang-up"
-((code == 1)) || fail "a hang-up: exit $code, expected 1; '$(<live_err.txt)'"
+((code == 4)) || fail "a hang-up: exit $code, expected 4; '$(<live_err.txt)'"
 grep -q '"reason": "cancelled"' 'live run/summary.json' || fail "a hang-up: $(<live.txt)"
 for file in steps.csv report.html map.bt mission.mcap; do
   [[ -s live\ run/$file ]] || fail "a hang-up: no $file"
