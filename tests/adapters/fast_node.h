@@ -60,12 +60,8 @@ class FastNode {
 
   template <ros::Message T>
   int advertise(const std::string& topic, const DdsQos& asked) {
-    fast::dds::DataWriterQos qos;
-    qos.reliability().kind = reliability(asked);
-    qos.history().depth = asked.depth;
-    qos.endpoint().history_memory_policy = rtps::DYNAMIC_RESERVE_MEMORY_MODE;
-    qos.data_sharing().off();
-    writers_.push_back(publisher_->create_datawriter(topic_of<T>(topic), qos));
+    writers_.push_back(
+        publisher_->create_datawriter(topic_of<T>(topic), made<fast::dds::DataWriterQos>(asked)));
     return static_cast<int>(writers_.size()) - 1;
   }
   /// bytes: CDR with its header of four bytes.
@@ -80,13 +76,9 @@ class FastNode {
   template <ros::Message T>
   void subscribe_bytes(const std::string& topic, const DdsQos& asked,
                        std::function<void(const std::string&)> take) {
-    fast::dds::DataReaderQos qos;
-    qos.reliability().kind = reliability(asked);
-    qos.history().depth = asked.depth;
-    qos.endpoint().history_memory_policy = rtps::DYNAMIC_RESERVE_MEMORY_MODE;
-    qos.data_sharing().off();
     listeners_.push_back(std::make_unique<Listener>(std::move(take)));
-    subscriber_->create_datareader(topic_of<T>(topic), qos, listeners_.back().get());
+    subscriber_->create_datareader(topic_of<T>(topic), made<fast::dds::DataReaderQos>(asked),
+                                   listeners_.back().get());
   }
   /// The same with the message.
   template <ros::Message T, typename Handle>
@@ -143,9 +135,16 @@ class FastNode {
     std::function<void(const std::string&)> take_;
   };
 
-  static fast::dds::ReliabilityQosPolicyKind reliability(const DdsQos& qos) {
-    return qos.reliable ? fast::dds::RELIABLE_RELIABILITY_QOS
-                        : fast::dds::BEST_EFFORT_RELIABILITY_QOS;
+  /// Qos: of a writer or a reader.
+  template <typename Qos>
+  static Qos made(const DdsQos& asked) {
+    Qos qos;
+    qos.reliability().kind = asked.reliable ? fast::dds::RELIABLE_RELIABILITY_QOS
+                                            : fast::dds::BEST_EFFORT_RELIABILITY_QOS;
+    qos.history().depth = asked.depth;
+    qos.endpoint().history_memory_policy = rtps::DYNAMIC_RESERVE_MEMORY_MODE;
+    qos.data_sharing().off();
+    return qos;
   }
   template <ros::Message T>
   fast::dds::Topic* topic_of(const std::string& name) {

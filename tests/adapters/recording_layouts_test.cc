@@ -51,10 +51,7 @@ const std::vector<RenderedRoom::Pair>& pairs() {
   return made;
 }
 
-cv::Mat grey(const Image& image) {
-  return cv::Mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels.data()))
-      .clone();
-}
+cv::Mat grey(const Image& image) { return test::pixels_of(image).clone(); }
 
 cv::Mat colour(const Image& image) {
   std::vector<cv::Mat> planes(3, grey(image));

@@ -8,7 +8,6 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
 #include <string>
 #ifdef PROSPECT_WITH_LZ4
 #include <lz4frame.h>
@@ -32,6 +31,7 @@
 #include "adapters/images/image_codec.h"
 #include "tests/adapters/lidar_recording.h"
 #include "tests/adapters/ros_bag_writer.h"
+#include "tests/images/image_file.h"
 #include "tests/perception/depth_recording.h"
 #include "tests/perception/rendered_room.h"
 
@@ -115,9 +115,7 @@ std::vector<BagMessage> stereo_messages(const std::string& encoding = "mono8",
       const std::string side = right ? "/stereo/right/" : "/stereo/left/";
       const Image& image = right ? pair.right : pair.left;
       if (compressed) {
-        const std::vector<std::uint8_t> png =
-            encode_pixels(".png", cv::Mat(image.height, image.width, CV_8U,
-                                          const_cast<std::uint8_t*>(image.pixels.data())));
+        const std::vector<std::uint8_t> png = encode_pixels(".png", test::pixels_of(image));
         out.push_back({side + "image_raw/compressed", "sensor_msgs/msg/CompressedImage", t,
                        CdrWriter()
                            .header(t, "left")

@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <opencv2/core.hpp>
 #include <sstream>
 #include <string>
 
@@ -38,11 +37,6 @@ StereoCamera camera() {
 }
 
 Eigen::Isometry3d pose(int k) { return RenderedRoom::looking(0.05 * k, 0.0, 1.1, 0.02 * k); }
-
-void write_png(const std::string& path, const Image& image) {
-  test::write_image(path, cv::Mat(image.height, image.width, CV_8U,
-                                  const_cast<std::uint8_t*>(image.pixels.data())));
-}
 
 /// Recordings of the rendered room, written anew for each test and then damaged.
 class StereoRecording : public ::testing::Test {
@@ -78,8 +72,8 @@ class StereoRecording : public ::testing::Test {
     for (int k = 0; k < kFrames; ++k) {
       char name[32];
       std::snprintf(name, sizeof name, "/%06d.png", k);
-      write_png(folder_ + "/image_0" + name, pairs()[k].left);
-      write_png(folder_ + "/image_1" + name, pairs()[k].right);
+      test::write_image(folder_ + "/image_0" + name, pairs()[k].left);
+      test::write_image(folder_ + "/image_1" + name, pairs()[k].right);
       times += std::to_string(0.1 * k) + "\n";
       truth.push_back({0.1 * k, pose(0).inverse() * pose(k)});
     }
@@ -111,8 +105,8 @@ class StereoRecording : public ::testing::Test {
     std::string truth = "#timestamp, p, q\n";
     for (int k = 0; k < kFrames; ++k) {
       const std::string stamp = std::to_string(1400000000000000000LL + 100000000LL * k);
-      write_png(folder_ + "/mav0/cam0/data/" + stamp + ".png", pairs()[k].left);
-      write_png(folder_ + "/mav0/cam1/data/" + stamp + ".png", pairs()[k].right);
+      test::write_image(folder_ + "/mav0/cam0/data/" + stamp + ".png", pairs()[k].left);
+      test::write_image(folder_ + "/mav0/cam1/data/" + stamp + ".png", pairs()[k].right);
       char line[256];
       const Eigen::Vector3d t = pose(k).translation();
       std::snprintf(line, sizeof line, "%s,%.9f,%.9f,%.9f,%.9f,0,0,%.9f,0,0,0\n", stamp.c_str(),
@@ -252,14 +246,14 @@ TEST_F(StereoRecording, RefusesExchangedAndShiftedImages) {
     }
     char name[64];
     std::snprintf(name, sizeof name, "/image_1/%06d.png", k);
-    write_png(folder_ + name, lower);
+    test::write_image(folder_ + name, lower);
   }
   EXPECT_THAT(refusal(), HasSubstr("rows do not correspond: the right image fits 5 px higher"));
   kitti();
   for (int k = 0; k < kFrames; ++k) {
     char name[64];
     std::snprintf(name, sizeof name, "/image_1/%06d.png", k);
-    write_png(folder_ + name, Image(200, 150, 90));
+    test::write_image(folder_ + name, Image(200, 150, 90));
   }
   EXPECT_THAT(refusal(), HasSubstr("has 200 x 150 pixels, the left image 400 x 300"));
   write("image_1/000000.png", "no image");

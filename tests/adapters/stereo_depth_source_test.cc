@@ -10,7 +10,6 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
 #include <string>
 
 #include "adapters/datasets/depth_dataset.h"
@@ -44,11 +43,6 @@ Eigen::Isometry3d pose(int k) {
   return T;
 }
 
-void write_png(const std::string& path, const Image& image) {
-  test::write_image(path, cv::Mat(image.height, image.width, CV_8U,
-                                  const_cast<std::uint8_t*>(image.pixels.data())));
-}
-
 /// A walk through the rendered room in KITTI's layout, written anew for each test.
 class StereoWalk : public ::testing::Test {
  protected:
@@ -69,8 +63,8 @@ class StereoWalk : public ::testing::Test {
       return made;
     }();
     for (int k = 0; k < kFrames; ++k) {
-      write_png(image(0, k), pairs[static_cast<std::size_t>(k)].left);
-      write_png(image(1, k), pairs[static_cast<std::size_t>(k)].right);
+      test::write_image(image(0, k), pairs[static_cast<std::size_t>(k)].left);
+      test::write_image(image(1, k), pairs[static_cast<std::size_t>(k)].right);
       times << 0.1 * k << '\n';
       truth.push_back({0.1 * k, pose(k)});
     }
@@ -152,7 +146,7 @@ TEST_F(StereoWalk, IsMapped) {
 TEST_F(StereoWalk, WithoutPosesTheOdometryGivesThem) {
   fs::remove(folder_ + "/poses.txt");
   // A frame that shows nothing has no pose.
-  for (const int side : {0, 1}) write_png(image(side, 3), Image(320, 240, 100));
+  for (const int side : {0, 1}) test::write_image(image(side, 3), Image(320, 240, 100));
   const DepthDataset dataset = open();
   EXPECT_EQ(dataset.size() + dataset.without_pose(), kFrames);
   EXPECT_GE(dataset.size(), 4);
@@ -165,7 +159,7 @@ TEST_F(StereoWalk, WithoutPosesTheOdometryGivesThem) {
   EXPECT_LT((moved.translation() - found.translation()).norm(), 0.01);
   // None has a pose where nothing is seen at all.
   for (int k = 0; k < kFrames; ++k) {
-    for (const int side : {0, 1}) write_png(image(side, k), Image(320, 240, 100));
+    for (const int side : {0, 1}) test::write_image(image(side, k), Image(320, 240, 100));
   }
   try {
     open_stereo_depth(folder_);
@@ -188,7 +182,7 @@ TEST_F(StereoWalk, IsMappedWhereThereIsNothingBetter) {
   EXPECT_THAT(inspection_text(inspect_path(folder_, {}, {}, found)),
               HasSubstr("for `prospect odometry` and `prospect map`"));
   fs::create_directories(folder_ + "/depth");
-  write_png(folder_ + "/depth/000.png", Image(320, 240, 100));
+  test::write_image(folder_ + "/depth/000.png", Image(320, 240, 100));
   EXPECT_FALSE(is_used_for_stereo_depth(folder_, {}));
   EXPECT_FALSE(is_used_for_stereo_depth(folder_ + "/image_0", {}));
 }

@@ -7,7 +7,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <opencv2/core.hpp>
 #include <string>
 
 #include "adapters/datasets/trajectory.h"
@@ -16,15 +15,7 @@
 
 using prospect::Image;
 using prospect::test::RenderedRoom;
-
-namespace {
-
-void write_png(const std::string& path, const Image& image) {
-  prospect::test::write_image(path, cv::Mat(image.height, image.width, CV_8U,
-                                            const_cast<std::uint8_t*>(image.pixels.data())));
-}
-
-}  // namespace
+using prospect::test::write_image;
 
 int main(int argc, char** argv) {
   if (argc < 3) {
@@ -52,8 +43,8 @@ int main(int argc, char** argv) {
     if (k == blank) pair = {Image(400, 300, 100), Image(400, 300, 100)};
     char name[32];
     std::snprintf(name, sizeof name, "/%06d.png", k);
-    write_png(folder + "/image_0" + name, pair.left);
-    write_png(folder + "/image_1" + name, pair.right);
+    write_image(folder + "/image_0" + name, pair.left);
+    write_image(folder + "/image_1" + name, pair.right);
     times << 0.1 * k << '\n';
     truth.push_back({0.1 * k, T_WC});
   }

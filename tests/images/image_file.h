@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "adapters/images/image_codec.h"
+#include "perception/odometry/image.h"
 
 namespace prospect::test {
 
@@ -25,6 +26,14 @@ inline void write_image(const std::string& path, const cv::Mat& pixels) {
   file.write(reinterpret_cast<const char*>(bytes.data()),
              static_cast<std::streamsize>(bytes.size()));
   if (bytes.empty() || !file.flush()) throw std::runtime_error("cannot write " + path);
+}
+
+/// The pixels of `image`, which must outlive them.
+inline cv::Mat pixels_of(const Image& image) {
+  return cv::Mat(image.height, image.width, CV_8U, const_cast<std::uint8_t*>(image.pixels.data()));
+}
+inline void write_image(const std::string& path, const Image& image) {
+  write_image(path, pixels_of(image));
 }
 
 /// The pixels of `bytes`, the content of an image file in a row (std::string, std::vector), as
