@@ -11,6 +11,7 @@
 
 #include "adapters/datasets/recording_pipeline.h"
 #include "adapters/datasets/recording_range.h"
+#include "adapters/files/csv.h"
 
 namespace prospect {
 
@@ -138,9 +139,9 @@ std::string frames_csv(const OdometryRun& run) {
     const Eigen::Vector3d t = f.T_WC.translation();
     std::snprintf(line, sizeof line,
                   "%zu,%.9f,%s,%s,%d,%d,%d,%d,%d,%d,%.3f,%.6f,%.6f,%.6f,%.6f,%.4f\n", i, f.stamp,
-                  to_string(f.state).data(), f.reason.c_str(), f.keyframe, f.restarted, f.expected,
-                  f.tracked, f.confirmed, f.matched, f.chi2_per_dof, t.x(), t.y(), t.z(),
-                  std::sqrt(f.covariance.topLeftCorner<3, 3>().trace()), f.disparity_offset);
+                  to_string(f.state).data(), csv::field(f.reason).c_str(), f.keyframe, f.restarted,
+                  f.expected, f.tracked, f.confirmed, f.matched, f.chi2_per_dof, t.x(), t.y(),
+                  t.z(), std::sqrt(f.covariance.topLeftCorner<3, 3>().trace()), f.disparity_offset);
     text += line;
   }
   return text;

@@ -23,7 +23,8 @@ std::string rejected(const StepRecord& s) {
   return list;
 }
 
-/// The columns from `task` on.
+/// The columns from `task` on. Sentences are last: they alone hold commas, so whoever splits a row
+/// at commas reads all columns before.
 std::string reasons(const StepRecord& s) {
   std::string row = ',' + field(s.task);
   row += s.goal ? ',' + exact_text(s.goal->x()) + ',' + exact_text(s.goal->y()) : ",,";
@@ -40,7 +41,7 @@ std::string reasons(const StepRecord& s) {
     row += ",,,,,,,";
   }
   return row + ',' + std::to_string(s.seeds_scored) + ',' + exact_text(s.features_weight) + ',' +
-         field(rejected(s)) + ',' + field(s.why);
+         field(rejected(s)) + ',' + field(s.certificate) + ',' + field(s.why);
 }
 
 }  // namespace
@@ -62,10 +63,10 @@ std::string step_header(const std::vector<std::string>& terms) {
   return row +
          ",predicted_features,tracked_features,localization,localization_error,coverage,area,"
          "path_length,collisions,clearance,cost_evaluations,gradient_evaluations,stop_reason,"
-         "quality,certified,certificate,active_frontiers,guard_stops,guard_reason,task,goal_x,goal_"
-         "y,"
-         "goal_yaw,mode,cause,mode_since,caution,target_change,target_x,target_y,looks_x,looks_y,"
-         "target_length,target_area,way_left,seeds_scored,features_weight,rejected,why\n";
+         "quality,certified,active_frontiers,guard_stops,guard_reason,task,goal_x,goal_y,goal_yaw,"
+         "mode,cause,mode_since,caution,target_change,target_x,target_y,looks_x,looks_y,"
+         "target_length,target_area,way_left,seeds_scored,features_weight,rejected,certificate,"
+         "why\n";
 }
 
 std::string step_row(const StepRecord& s, const std::vector<std::string>& terms) {
@@ -93,8 +94,8 @@ std::string step_row(const StepRecord& s, const std::vector<std::string>& terms)
          std::to_string(s.collisions) + ',' + exact_text(s.clearance) + ',' +
          std::to_string(s.cost_evaluations) + ',' + std::to_string(s.gradient_evaluations) + ',' +
          field(s.stop_reason) + ',' + field(s.quality) + ',' + (s.certified ? "1" : "0") + ',' +
-         field(s.certificate) + ',' + std::to_string(s.active_frontiers) + ',' +
-         std::to_string(s.guard_stops) + ',' + s.guard_reason + reasons(s) + '\n';
+         std::to_string(s.active_frontiers) + ',' + std::to_string(s.guard_stops) + ',' +
+         s.guard_reason + reasons(s) + '\n';
 }
 
 std::string timing_header() {

@@ -206,8 +206,8 @@ std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context)
   const double horizon = d.N * d.dt;
   add("follow", laws.follow(1.0));
   add("follow slowly", laws.follow(0.5));
-  add("follow, look left", laws.follow_then_look(0.5 * horizon, 0.8));
-  add("follow, look right", laws.follow_then_look(0.5 * horizon, -0.8));
+  add("follow and look left", laws.follow_then_look(0.5 * horizon, 0.8));
+  add("follow and look right", laws.follow_then_look(0.5 * horizon, -0.8));
   for (const double speed : {1.0, 0.5}) {
     for (const double turn : {0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0}) {
       add("arc", laws.constant(speed, turn));
@@ -257,7 +257,7 @@ std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext&
       const auto along = [&](const Pose& p) {
         return middle.heading(p.position.head<2>(), 0.1, p.yaw);
       };
-      add("approach: turn, then go", laws.turn_then_go(along, 0.2, 0.1));
+      add("approach: turn and go", laws.turn_then_go(along, 0.2, 0.1));
       if (context.backwards) add("approach: go backwards", laws.back_off(0.4));
     }
     add("approach: face", laws.turn_then_go(towards(context.target->looks_at), 0.0));

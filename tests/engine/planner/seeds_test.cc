@@ -141,6 +141,7 @@ TEST_P(Seeds, LeadDownTheCostToGoAndFaceTheTarget) {
   std::set<std::string> names;
   for (const Seed& seed : make_seeds(p, context)) {
     names.insert(seed.name);
+    EXPECT_EQ(seed.name.find_first_of(",;\""), std::string::npos) << "in lists: " << seed.name;
     const TrajectoryBatch t = p.rollout(seed.z);
     const Pose end = t.pose(20, 0);
     const Eigen::Vector2d at = end.position.head<2>();
@@ -159,8 +160,9 @@ TEST_P(Seeds, LeadDownTheCostToGoAndFaceTheTarget) {
       EXPECT_LT(at.norm(), 0.05);
     }
   }
-  for (const char* name : {"follow", "follow slowly", "follow, look left", "follow, look right",
-                           "arc", "turn", "face", "face and go", "turn and go", "stop"}) {
+  for (const char* name :
+       {"follow", "follow slowly", "follow and look left", "follow and look right", "arc", "turn",
+        "face", "face and go", "turn and go", "stop"}) {
     EXPECT_TRUE(names.count(name)) << name;
   }
 }
@@ -319,14 +321,14 @@ TEST(ApproachManoeuvre, LeadIntoAGapThatBeginsBesideTheRobot) {
   };
   constexpr double kBody = 0.18;
   auto driven = drive();
-  EXPECT_GT(driven.at("approach: turn, then go").first, kBody + 0.01);
-  EXPECT_LT(driven.at("approach: turn, then go").second, 0.6) << "through the gap";
+  EXPECT_GT(driven.at("approach: turn and go").first, kBody + 0.01);
+  EXPECT_LT(driven.at("approach: turn and go").second, 0.6) << "through the gap";
   for (const char* name : {"approach: go", "approach: go closely", "approach: go slowly"}) {
     EXPECT_LT(driven.at(name).first, kBody) << name << ": the gap is no test";
   }
   context.clearance = nullptr;
   driven = drive();
-  EXPECT_LT(driven.at("approach: turn, then go").first, kBody) << "along the cells themselves";
+  EXPECT_LT(driven.at("approach: turn and go").first, kBody) << "along the cells themselves";
 }
 
 INSTANTIATE_TEST_SUITE_P(Models, Seeds, ::testing::ValuesIn(model_names()),
