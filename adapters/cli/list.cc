@@ -103,9 +103,10 @@ nlohmann::ordered_json as_json(const std::string& what, const Registries& regist
     }
   } else if (what == "adapters") {
     for (const Adapter& a : adapters()) {
+      const std::string lacking = lacks(a);
       out.push_back({{"name", a.name},
-                     {"available", a.built_in()},
-                     {"needs", a.built_in() ? a.needs : a.missing},
+                     {"available", lacking.empty()},
+                     {"needs", lacking.empty() ? std::string(a.needs) : lacking},
                      {"description", a.description}});
     }
   } else if (what == "sets") {

@@ -319,6 +319,15 @@ succeeds "list drive-modes as JSON" list drive-modes --json
 grep -q '"cause": "source stale"' out.txt || fail "list drive-modes --json: no cause"
 succeeds "list adapters" list adapters
 named "list adapters" gazebo cameras meshes sqlite
+# The Python package is no part of the program: it is there where its files are.
+mkdir -p alone/python/prospect
+cp "$prospect" alone/prospect
+python_row() { alone/prospect list adapters | grep '^python '; }
+[[ "$(python_row)" == *"[not built in: needs "* ]] || fail "list adapters: python without its files: '$(python_row)'"
+if "$prospect" list adapters | grep '^python ' | grep -vq 'not built in'; then
+  touch alone/python/prospect/{_core,_program}.cpython-311-x86_64-linux-gnu.so
+  [[ "$(python_row)" != *"not built in"* ]] || fail "list adapters: python with its files: '$(python_row)'"
+fi
 succeeds "list terms" list terms
 named "list terms" control_effort obstacles visible_features exploration_gain cost_to_go clearance
 # The terms listed are those that problems have: of a base with speed in its inputs, and in its state.

@@ -22,24 +22,27 @@ class InstallTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = folder.name
 
-    def check(self, packages):
-        environment = {**os.environ, "PYTHONPATH": packages}
+    def check(self, interpreter, path):
+        environment = {**os.environ, "PYTHONPATH": path}
         done = subprocess.run(
-            [sys.executable, "-B", "-c", USE], capture_output=True, text=True, env=environment, cwd=self.folder
+            [interpreter, "-B", "-c", USE], capture_output=True, text=True, env=environment, cwd=self.folder
         )
         self.assertEqual(done.returncode, 0, done.stderr)
-        self.assertTrue(done.stdout.startswith(packages), done.stdout)
+        self.assertTrue(done.stdout.startswith(self.folder), done.stdout)
+        packages = done.stdout.split("prospect/__init__.py")[0]
         self.assertIn("FEASIBLE_OPTIMUM Simulation", done.stdout)
         for name in ["py.typed", "_core.pyi", "_program.pyi", "results.py"]:
             self.assertTrue(os.path.exists(os.path.join(packages, "prospect", name)), name)
 
-    def test_cmake_installs_it(self):
+    def test_cmake_installs_it_where_the_interpreter_looks(self):
+        subprocess.run(
+            [sys.executable, "-m", "venv", "--system-site-packages", "--without-pip", self.folder], check=True
+        )
         subprocess.run(
             ["cmake", "--install", BUILD, "--component", "python", "--prefix", self.folder],
             check=True, capture_output=True,
         )
-        (packages,) = glob.glob(os.path.join(self.folder, "lib", "python3*", "*-packages"))
-        self.check(packages)
+        self.check(os.path.join(self.folder, "bin", "python3"), "")
 
     def test_pip_installs_it(self):
         for module in ["pip", "setuptools", "wheel"]:
@@ -58,7 +61,7 @@ class InstallTest(unittest.TestCase):
             env={**os.environ, "PROSPECT_BUILD": BUILD, "PIP_DISABLE_PIP_VERSION_CHECK": "1"},
         )
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        self.check(packages)
+        self.check(sys.executable, packages)
 
 
 if __name__ == "__main__":
