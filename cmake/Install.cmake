@@ -4,17 +4,28 @@
 # The adapters stay inside the program: they are how it meets files and screens. One is a library of
 # its own, prospect::problem_file, for those who want to read the problems of a mission.
 include(CMakePackageConfigHelpers)
+# All that is installed, and the programs that pages of the docs start besides (tests/CMakeLists.txt): what
+# scripts/explore leaves.
+add_custom_target(product)
 set(rooms models engine solvers perception runtime)
 foreach(room ${rooms})
+  add_dependencies(product prospect_${room})
   install(TARGETS prospect_${room} EXPORT prospect ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   install(DIRECTORY ${room}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/${room}
     FILES_MATCHING PATTERN *.h)
 endforeach()
+add_dependencies(product prospect_perception_knobs prospect_runtime_knobs prospect_problem_file)
 install(TARGETS prospect_perception_knobs prospect_runtime_knobs EXPORT prospect ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS prospect_problem_file EXPORT prospect ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(FILES adapters/problem_file/problem_file.h
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/adapters/problem_file)
+foreach(target _core _program write_depth_recording write_stereo_recording)
+  if(TARGET ${target})
+    add_dependencies(product ${target})
+  endif()
+endforeach()
 if(TARGET prospect)
+  add_dependencies(product prospect)
   install(TARGETS prospect RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
   set(share ${PROJECT_BINARY_DIR}/share)  # written as the program is linked
   install(DIRECTORY ${share}/man/ DESTINATION ${CMAKE_INSTALL_MANDIR})

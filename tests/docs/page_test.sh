@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Runs a page of the docs as it is written, in an empty folder.
-#   page_test.sh <page.md> <build tree> <scratch directory>
+#   page_test.sh <page.md> <build tree> <scratch directory> <folder of scripts/listed_programs.sh>
 # What a page's code blocks mean, by what stands behind the three backticks:
 #   sh             commands; each must end with 0
 #   console        "$ COMMAND", then lines of its output, which must come in that order; "..." stands for
@@ -12,7 +12,7 @@
 # Blocks after a line "<!-- needs ../shared -->" or "<!-- needs python3-scipy -->" are skipped, and said to
 # be, where that is absent.
 # All commands of a page run in one shell, in a folder that has docs/, adapters/ (whose code a page shows),
-# build/ and nothing else.
+# build/ as scripts/explore leaves it, and nothing else. They find the programs that the listed packages bring.
 set -uo pipefail
 page="$(realpath "$1")"
 build="$(realpath "$2")"
@@ -23,17 +23,45 @@ trap 'rm -rf "$work"' EXIT
 mkdir "$work/prospect"
 ln -s "$root/docs" "$work/prospect/docs"
 ln -s "$root/adapters" "$work/prospect/adapters"
-ln -s "$build" "$work/prospect/build"
 [[ ! -d "$root/../shared" ]] || ln -s "$(realpath "$root/../shared")" "$work/shared"
+name="${page#"$root/"}"
+
+# product_tree FROM TO: of a build tree what configuring writes and what the target `product` names, as hard links,
+# since what is installed is copied from there.
+product_tree() {
+  local from="$1" to="$2" file text
+  mkdir "$to"
+  cd "$from" || return
+  cp -rl --parents share python CMakeFiles/Export *.cmake "$to"
+  rm -f "$to"/python/prospect/*.so
+  ninja -t query product | awk '/^  outputs:/ { exit } /^    / { print $1 }' | xargs cp -l --parents -t "$to"
+  while read -r file; do
+    text="$(<"$file")"
+    mkdir -p "$to/${file%/*}"
+    rm -f "$to/$file"
+    printf '%s\n' "${text//"$from"/"$to"}" >"$to/$file"
+  done < <(find . -name cmake_install.cmake -not -path './tests/pages/*')
+}
+if [[ -f "$build/build.ninja" ]]; then
+  product_tree "$build" "$work/prospect/build" || exit 1
+else
+  echo "$name: skipped: whether it needs more than the target product makes, as this is no tree of Ninja"
+  ln -s "$build" "$work/prospect/build"
+fi
 cd "$work/prospect" || exit 1
-export PATH="$build:$PATH"
-# Debian's interpreter, whatever else is in PATH: the package is made for it.
-mkdir "$work/bin"
-[[ ! -x /usr/bin/python3 ]] || ln -s /usr/bin/python3 "$work/bin/python3"
-export PATH="$work/bin:$PATH" PYTHONPATH="$build/python" PYTHONDONTWRITEBYTECODE=1
+if [[ -d "${4:-}/packages" ]]; then
+  export PATH="$4/packages" CMAKE_TOOLCHAIN_FILE="$4/toolchain.cmake"
+else
+  echo "$name: all programs of this machine are seen"
+  # Debian's interpreter, whatever else is in PATH: the package is made for it.
+  mkdir "$work/bin"
+  [[ ! -x /usr/bin/python3 ]] || ln -s /usr/bin/python3 "$work/bin/python3"
+  export PATH="$work/bin:$PATH"
+fi
+export PATH="$work/prospect/build:$PATH" PYTHONDONTWRITEBYTECODE=1
+unset CMAKE_GENERATOR PYTHONPATH
 export CMAKE_BUILD_PARALLEL_LEVEL="${CMAKE_BUILD_PARALLEL_LEVEL:-2}"
 
-name="${page#"$root/"}"
 failures=0
 ran=0
 fail() { echo "FAILED: $name:$*" >&2; failures=$((failures + 1)); }

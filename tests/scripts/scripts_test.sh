@@ -1,8 +1,14 @@
 #!/usr/bin/env bash
 # What the scripts promise, as far as it can be seen without root and without the network.
-#   scripts_test.sh <source tree>
+#   scripts_test.sh <source tree> <folder of listed_programs.sh>
 set -uo pipefail
 root="$1"
+machine="$PATH" base="$PATH"  # programs of this machine; of one on which nothing is set up yet
+if [[ -d "${2:-}/packages" ]]; then
+  base="$2/base" PATH="$2/packages"
+else
+  echo "all programs of this machine are seen"
+fi
 work="$(mktemp -d)"
 trap 'rm -rf "$work"' EXIT
 failures=0
@@ -16,7 +22,7 @@ run() {
 }
 lines() { [[ -z "$1" ]] && echo 0 || wc -l <<<"$1"; }
 
-for script in "$root"/scripts/{setup,build,explore,test,gazebo} "$root/.ci/run"; do
+for script in "$root"/scripts/{setup,build,explore,test,gazebo,bare_machine} "$root/.ci/run"; do
   [[ -x "$script" ]] || fail "$script is not executable"
   run bash -n "$script"
   ((code == 0)) || fail "$script does not parse: $err"
@@ -57,7 +63,7 @@ printf '#!/usr/bin/env bash\necho sudo >>"$TOLD"\nexec "$@"\n' >"$tools/sudo"
 chmod +x "$tools"/*
 setup() {
   : >"$work/asked" && : >"$work/told"
-  run env PATH="$tools:$PATH" ASKED="$work/asked" TOLD="$work/told" ABSENT="$absent" REFUSE="$refuse" \
+  run env PATH="$tools:$base" ASKED="$work/asked" TOLD="$work/told" ABSENT="$absent" REFUSE="$refuse" \
     "$here/scripts/setup" "$@"
 }
 
@@ -93,7 +99,7 @@ for package in $expected; do
   [[ "$(dpkg-query -W -f='${Status}' "$package" 2>/dev/null)" == "install ok installed" ]] || complete=0
 done
 if ((complete)); then
-  run "$here/scripts/setup"
+  run env PATH="$base" "$here/scripts/setup"
   ((code == 0)) && [[ -z "$out$err" ]] || fail "setup on this machine: exit $code, '$out' '$err'"
 else
   echo "skipped on this machine: setup with nothing missing (something is)"
@@ -113,7 +119,7 @@ cat >"$gazebo_tools/debootstrap" <<'TOOL'
 #!/usr/bin/env bash
 echo "debootstrap $1 $2 $4" >>"$TOLD"
 [[ -z "$REFUSE" ]] || { echo "E: $REFUSE"; exit 1; }
-mkdir -p "$3/var/lib/dpkg"
+mkdir -p "$3/var/lib/dpkg" "$3/srv"
 TOOL
 cat >"$gazebo_tools/dpkg-query" <<'TOOL'
 #!/usr/bin/env bash
@@ -171,6 +177,29 @@ present=yes gazebo start "$world" "$gazebo_dir"
 one_line 1 "scripts/gazebo stop before" "a second one"
 kill "$holder" && wait "$holder" 2>/dev/null
 
+# A bare machine: the same reasons not to begin, and what is run there in which order; made once, cloned anew.
+printf '#!/usr/bin/env bash\necho "${!#}" >>"$TOLD"\n' >"$gazebo_tools/unshare"
+printf '#!/usr/bin/env bash\nmkdir -p "${!#}/scripts"\n' >"$gazebo_tools/git"
+chmod +x "$gazebo_tools/git"
+bare() {
+  : >"$work/told"
+  run env PATH="$gazebo_tools:$PATH" TOLD="$work/told" MIRROR=http://mirror.test/debian/ REFUSE="${refuse:-}" FREE="${free:-9000}" \
+    "$here/scripts/bare_machine" "$@"
+}
+bare
+one_line 2 "expected scripts/bare_machine DIR" "no folder"
+free=100 bare "$work/machine"
+one_line 1 "100 MB are free" "no space for a machine"
+bare "$gazebo_dir"
+one_line 1 "holds something else" "a folder that is no bare machine"
+bare "$work/machine" -R problem
+((code == 0)) && [[ "$(<"$work/told")" == $'debootstrap --variant=minbase bookworm http://mirror.test/debian/\nscripts/explore\ndocs\nproblem' ]] ||
+  fail "bare_machine did: $(<"$work/told") $err"
+touch "$work/machine/srv/prospect/old"
+bare "$work/machine" --user
+((code == 0)) && [[ "$(tail -n 3 "$work/told")" == $'scripts/explore\ndocs\nscripts/test' && ! -e "$work/machine/srv/prospect/old" ]] ||
+  fail "bare_machine, again: $(<"$work/told") $err"
+
 # explore and test are set up, build, run, in this order, with their arguments, wherever they stand. They
 # configure alike: with other flags the second would build anew what the first has built.
 mkdir -p "$here/build"
@@ -181,12 +210,22 @@ printf '#!/usr/bin/env bash\necho "ctest $*" >>"$TOLD"\n' >"$tools/ctest"
 chmod +x "$here/build/prospect" "$tools/ctest"
 : >"$work/told"
 run env TOLD="$work/told" "$here/scripts/explore" corridor --seed 3
-[[ "$(<"$work/told")" == $'setup\nbuild --target prospect '"$here/build"$'\nprospect explore corridor --seed 3' ]] ||
+[[ "$(<"$work/told")" == $'setup\nbuild --target product '"$here/build"$'\nprospect explore corridor --seed 3' ]] ||
   fail "explore did: $(<"$work/told") $err"
 : >"$work/told"
 run env PATH="$tools:$PATH" TOLD="$work/told" "$here/scripts/test" -R problem
 [[ "$(head -n 2 "$work/told")" == $'setup\nbuild '"$here/build" && "$(tail -n 1 "$work/told")" == "ctest --test-dir $here/build "*" -R problem" ]] ||
   fail "test did: $(<"$work/told") $err"
+
+# What no listed package brings is not seen: a list without a package lacks its programs, and no others.
+if [[ "$PATH" != "$machine" ]]; then
+  mkdir -p "$work/listed/scripts"
+  sed '/^make\>/d' "$root/scripts/packages" >"$work/listed/scripts/packages"
+  PATH="$machine" run "$root/tests/scripts/listed_programs.sh" "$work/listed" "$work/programs"
+  run diff <(ls "$work/programs/packages") <(ls "$2/packages")
+  [[ "$(grep '^[<>]' <<<"$out" | sort)" == $'> gmake\n> make\n> make-first-existing-target' ]] ||
+    fail "programs without make's package: '$out' '$err'"
+fi
 
 # A tree that cannot be configured says why on standard error, and fails.
 cp "$root/scripts/build" "$here/scripts/build"
