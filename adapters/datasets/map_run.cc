@@ -329,14 +329,15 @@ MapSummary summarize(const MapRun& run) {
 
 std::string ground_csv(const MapRun& run) {
   std::string text =
-      "frame,stamp_s,state,reason,ground,height_m,sigma_height_m,pitch_deg,roll_deg,"
-      "sigma_tilt_deg,points,inliers,below,valid,obstacle_rays,floor_rays,far_rays,x_m,y_m,z_m\n";
+      "frame,stamp_s,state,ground,height_m,sigma_height_m,pitch_deg,roll_deg,"
+      "sigma_tilt_deg,points,inliers,below,valid,obstacle_rays,floor_rays,far_rays,x_m,y_m,z_m,"
+      "reason\n";
   char line[512];
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
     const MappedFrame& m = run.frames[i].mapped;
     const GroundPlane& g = m.ground;
-    std::snprintf(line, sizeof line, "%zu,%.9f,%s,%s,%d,", i, m.stamp,
-                  std::string(to_string(m.state)).c_str(), csv::field(m.reason).c_str(), g.found);
+    std::snprintf(line, sizeof line, "%zu,%.9f,%s,%d,", i, m.stamp,
+                  std::string(to_string(m.state)).c_str(), g.found);
     text += line;
     if (g.found) {
       std::snprintf(line, sizeof line, "%.5f,%.5f,%.4f,%.4f,%.4f,", g.height, g.sigma_height(),
@@ -346,9 +347,9 @@ std::string ground_csv(const MapRun& run) {
       text += ",,,,,";
     }
     const Eigen::Vector3d t = m.T_WC.translation();
-    std::snprintf(line, sizeof line, "%d,%d,%d,%.4f,%d,%d,%d,%.6f,%.6f,%.6f\n", g.points, g.inliers,
+    std::snprintf(line, sizeof line, "%d,%d,%d,%.4f,%d,%d,%d,%.6f,%.6f,%.6f,", g.points, g.inliers,
                   g.below, m.valid, m.hits, m.floor, m.misses, t.x(), t.y(), t.z());
-    text += line;
+    text += line + csv::field(m.reason) + '\n';
   }
   return text;
 }

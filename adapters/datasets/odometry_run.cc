@@ -131,18 +131,17 @@ OdometrySummary summarize(const OdometryRun& run) {
 
 std::string frames_csv(const OdometryRun& run) {
   std::string text =
-      "frame,stamp_s,state,reason,keyframe,restarted,expected,tracked,confirmed,new,chi2_per_dof,"
-      "x_m,y_m,z_m,sigma_position_m,disparity_offset_px\n";
+      "frame,stamp_s,state,keyframe,restarted,expected,tracked,confirmed,new,chi2_per_dof,"
+      "x_m,y_m,z_m,sigma_position_m,disparity_offset_px,reason\n";
   char line[512];
   for (std::size_t i = 0; i < run.frames.size(); ++i) {
     const OdometryFrame& f = run.frames[i];
     const Eigen::Vector3d t = f.T_WC.translation();
-    std::snprintf(line, sizeof line,
-                  "%zu,%.9f,%s,%s,%d,%d,%d,%d,%d,%d,%.3f,%.6f,%.6f,%.6f,%.6f,%.4f\n", i, f.stamp,
-                  to_string(f.state).data(), csv::field(f.reason).c_str(), f.keyframe, f.restarted,
-                  f.expected, f.tracked, f.confirmed, f.matched, f.chi2_per_dof, t.x(), t.y(),
-                  t.z(), std::sqrt(f.covariance.topLeftCorner<3, 3>().trace()), f.disparity_offset);
-    text += line;
+    std::snprintf(line, sizeof line, "%zu,%.9f,%s,%d,%d,%d,%d,%d,%d,%.3f,%.6f,%.6f,%.6f,%.6f,%.4f,",
+                  i, f.stamp, to_string(f.state).data(), f.keyframe, f.restarted, f.expected,
+                  f.tracked, f.confirmed, f.matched, f.chi2_per_dof, t.x(), t.y(), t.z(),
+                  std::sqrt(f.covariance.topLeftCorner<3, 3>().trace()), f.disparity_offset);
+    text += line + csv::field(f.reason) + '\n';
   }
   return text;
 }

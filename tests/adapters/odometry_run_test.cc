@@ -80,5 +80,11 @@ TEST(OdometrySummary, OfNothing) {
   EXPECT_FALSE(s.mostly_lost);
 }
 
+TEST(OdometryFrames, AReasonWithACommaIsOneFieldAndTheLast) {
+  OdometryRun run = run_of(0, 1, 0);
+  run.frames[0].reason = "dark, or covered";
+  EXPECT_TRUE(frames_csv(run).ends_with(",\"dark, or covered\"\n")) << frames_csv(run);
+}
+
 }  // namespace
 }  // namespace prospect::odometry_run_test

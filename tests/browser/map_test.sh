@@ -18,8 +18,8 @@ seen="$(selftest "$page")"
 grep -qx "selftest passed" <<<"$seen" || fail "the self-test does not pass" "$seen"
 grep -qE "^view [1-9][0-9]* voxels [1-9][0-9]* rectangles$" <<<"$seen" || fail "the page has no 3-D view" "$seen"
 for k in 0 2 4; do
-  # Columns of ground.csv: state 3, rays at obstacles 15, at the floor 16, beyond the range 17.
-  expected="$(awk -F, -v k="$k" '$1 == k { printf "frame %d %s rays %d %d %d", k, $3, $15, $16, $17 }' "$folder/out/ground.csv")"
+  # Columns of ground.csv: state 3, rays at obstacles 14, at the floor 15, beyond the range 16.
+  expected="$(awk -F, -v k="$k" '$1 == k { printf "frame %d %s rays %d %d %d", k, $3, $14, $15, $16 }' "$folder/out/ground.csv")"
   grep -qxF "$expected" <<<"$seen" || fail "the page does not show '$expected'" "$seen"
 done
 free="$(sed -n 's/.*"free_cells": \([0-9]*\).*/\1/p' "$folder/out/summary.json")"

@@ -18,9 +18,9 @@ for size in 1400,1000 600,900; do
 done
 grep -q "plots 4 images $frames circles [1-9]" <<<"$seen" || fail "not every frame has its image" "$seen"
 for k in 0 $((frames / 2)) $((frames - 1)); do
-  # Columns of frames.csv: frame 1, tracked 8, new 10, x 12, y 13. At the first frame all that is
+  # Columns of frames.csv: frame 1, tracked 7, new 9. At the first frame all that is
   # tracked is new; later the page counts both kinds.
-  expected="$(awk -F, -v k="$k" '$1 == k { printf "frame %d image %d tracked %d new %d", k, k, k == 0 ? $8 : $8 + $10, $10 }' "$folder/out/frames.csv")"
+  expected="$(awk -F, -v k="$k" '$1 == k { printf "frame %d image %d tracked %d new %d", k, k, k == 0 ? $7 : $7 + $9, $9 }' "$folder/out/frames.csv")"
   grep -qF "$expected" <<<"$seen" || fail "the page does not show '$expected'" "$seen"
 done
 
