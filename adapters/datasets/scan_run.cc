@@ -55,11 +55,9 @@ MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement
   if (source.planar) {
     HeightSlice& slice = mapping.map.slice;
     const double r = mapping.map.resolution;
-    // A ray clears the voxels whose middle it passes: one along a face of the lattice clears none.
-    const double height = (std::floor(placement.height / r) + 0.5) * r;
-    run.T_WD.translation().z() += height - placement.height;
-    slice.z_min = std::min(slice.z_min, height);
-    slice.z_max = std::max(slice.z_max, height);
+    const double layer = (std::floor(placement.height / r + 1e-9) + 0.5) * r;
+    slice.z_min = std::min(slice.z_min, layer);
+    slice.z_max = std::max(slice.z_max, layer);
   }
   PerceptionOptions options_of_all = recording_options();
   options_of_all.mapping.map = mapping.map;

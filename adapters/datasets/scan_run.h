@@ -26,9 +26,8 @@ struct ScanPlacement {
 ScanPlacement place_scans(const ScanSource& source, double height, int first = 0);
 
 /// Maps a recording by PerceptionPipeline, from scan `first`, at most `max_scans` (0: all). The
-/// result is that of run_mapping() with poses and without grounds. Of scans of one plane, the plane
-/// of the first is put into the middle of its layer of voxels, at most half a voxel up or down, and
-/// the slice of the ground map is widened to hold it.
+/// result is that of run_mapping() with poses and without grounds. Of scans of one plane the slice
+/// of the ground map is widened to hold the layer of voxels that the first one runs in.
 ///
 /// Throws InputError if a scan cannot be read. `progress`, if any, is called after each scan with
 /// the number done. One thread; the same recording gives the same bits, but for times.

@@ -72,9 +72,20 @@ bool in_range(double v, double low, double high) {
   return std::isfinite(v) && v >= low && v <= high;
 }
 
+// Address of the voxel that holds a coordinate; one on a face, to rounding, is above the face. Else
+// the rays of one plane that lies on a face would be strewn over both layers.
+int address_of(double x, double r) { return static_cast<int>(std::floor(x / r + 1e-9)); }
+
 // Rays that are walked in turn, a voxel each. A step waits for the one before it; those of other
 // rays fill the time. Marks are only ever set, so their order does not matter.
 constexpr int kAbreast = 4;
+
+// Where a ray runs in a voxel [m], at the place where it is nearest to the voxel's vertical axis,
+// as seen from above: how far beside the axis, how far past the ray's end that is, and how far
+// above the voxel's middle the ray is there.
+struct Place {
+  double beside = 0.0, past = 0.0, above = 0.0;
+};
 
 // A ray on its way from voxel to voxel.
 struct Walk {
@@ -83,7 +94,9 @@ struct Walk {
   int v[3], last[3], step[3];
   std::ptrdiff_t stride[3];
   std::ptrdiff_t index = 0;  // of v's mark
-  Eigen::Vector3d along;
+  Place place, moves[3];     // in v, and what a step along each axis adds
+  double spread = 0.0;       // [m] that it goes ahead while it rises or falls by one
+  double up = 1.0;           // its sense upwards, 1 or -1
   int remaining = 0;         // steps
   bool include_end = false;  // the last voxel is passed, too
 
@@ -92,25 +105,36 @@ struct Walk {
     if (next[2] < next[axis]) axis = 2;
     v[axis] += step[axis];
     index += stride[axis];
+    place.beside += moves[axis].beside;
+    place.past += moves[axis].past;
+    place.above += moves[axis].above;
     next[axis] =
         v[axis] == last[axis] ? std::numeric_limits<double>::infinity() : next[axis] + delta[axis];
   }
 };
 
+// What a scan says of a voxel: a byte of a sum of these.
+constexpr std::uint8_t kPassed = 1, kEndedIn = 2, kGrazed = 4;
+
 // Where a scan is marked.
 struct Marking {
-  Eigen::Vector3d from;
-  double r, core_squared;
+  double half;          // of a voxel [m]
+  double core_squared;  // [m^2]
+  double depth;         // into a layer [m] from which on a ray is inside
+  int layer;            // that the rays come from
   std::uint8_t* marks;
 
-  // Marks the voxel that the ray is in if the ray passes its middle. Without a branch: which ones
-  // it passes cannot be foreseen.
-  void mark(const Walk& w) const {
-    const Eigen::Vector3d middle(r * (w.v[0] + 0.5) - from.x(), r * (w.v[1] + 0.5) - from.y(),
-                                 r * (w.v[2] + 0.5) - from.z());
-    const double ahead = middle.dot(w.along);
-    marks[w.index] |=
-        static_cast<std::uint8_t>(middle.squaredNorm() - ahead * ahead <= core_squared);
+  // Marks the voxel that the ray is in, by those of `what` that hold: as far as the ray is in the
+  // layer, it passes the axis, inside the layer or grazing it. Without a branch: it cannot be
+  // foreseen.
+  void mark(const Walk& w, std::uint8_t what = kPassed | kGrazed) const {
+    const Place& at = w.place;
+    const double outside = (std::abs(at.above) - half) * w.spread;
+    const double off = std::max(std::max(outside, at.past), 0.0);
+    const int passes = at.beside * at.beside + off * off <= core_squared;
+    const int inside = (w.v[2] == layer) | (half + at.above * w.up >= depth);
+    const int mark = inside * kPassed + (1 - inside) * kGrazed;
+    marks[w.index] |= static_cast<std::uint8_t>(-passes & mark & what);
   }
 };
 
@@ -171,7 +195,7 @@ struct OccupancyMapper::Impl {
   GroundMirror ground[kMirrors];
   int ground_current = 0;  // the newest: nothing is pending
 
-  // The scan at hand: one byte a voxel of a box around the origin, 1 = passed, 2 = ended in.
+  // The scan at hand: one byte a voxel of a box around the origin, of kPassed and the others.
   std::vector<std::uint8_t> marks;
   int box[3] = {0, 0, 0};   // lowest address, a multiple of 8
   int size[3] = {0, 0, 0};  // multiples of 8
@@ -187,10 +211,12 @@ struct OccupancyMapper::Impl {
   GroundMap& writable_ground();
   Walk begin_walk(const Eigen::Vector3d& from, const Eigen::Vector3d& to, bool include_end) const;
   Marking marking_from(const Eigen::Vector3d& from) {
-    const double core = options.core * options.resolution;
-    return {from, options.resolution, core * core, marks.data()};
+    const double half = 0.5 * options.resolution, core = options.core * options.resolution;
+    // From a half on there is no graze.
+    const double depth = core < half ? half - core : -std::numeric_limits<double>::infinity();
+    return {half, core * core, depth, address_of(from.z(), options.resolution), marks.data()};
   }
-  /// Marks the voxels whose middle the segment passes as free, the one that holds `to` only if
+  /// Marks the voxels that the segment clears as free, the one that holds `to` only if
   /// include_end: at once, or abreast with the next rays, which have the same origin.
   void mark_ray(const Eigen::Vector3d& from, const Eigen::Vector3d& to, bool include_end);
   void mark_abreast(const Eigen::Vector3d& from);
@@ -358,8 +384,8 @@ Walk OccupancyMapper::Impl::begin_walk(const Eigen::Vector3d& from, const Eigen:
   Walk w;
   w.include_end = include_end;
   for (int a = 0; a < 3; ++a) {
-    w.v[a] = static_cast<int>(std::floor(from[a] / r));
-    w.last[a] = static_cast<int>(std::floor(to[a] / r));
+    w.v[a] = address_of(from[a], r);
+    w.last[a] = address_of(to[a], r);
     const double d = to[a] - from[a];
     w.step[a] = w.last[a] > w.v[a] ? 1 : -1;
     w.stride[a] = w.step[a] * strides[a];
@@ -373,7 +399,23 @@ Walk OccupancyMapper::Impl::begin_walk(const Eigen::Vector3d& from, const Eigen:
     w.index += (w.v[a] - box[a]) * strides[a];
   }
   const Eigen::Vector3d ray = to - from;
-  w.along = ray / std::max(ray.norm(), 1e-300);
+  constexpr double kSteep = 1e6;  // what stands for a vertical ray
+  const double length = ray.head<2>().norm();
+  const Eigen::Vector2d ahead =
+      length > 0.0 ? Eigen::Vector2d(ray.head<2>() / length) : Eigen::Vector2d::UnitX();
+  const double slope = std::clamp(ray.z() / std::max(length, 1e-300), -kSteep, kSteep);
+  w.spread = 1.0 / std::max(std::abs(slope), 1.0 / kSteep);
+  w.up = w.step[2];
+  const auto place = [&](double x, double y, double z) {
+    const double along = x * ahead.x() + y * ahead.y();
+    return Place{x * ahead.y() - y * ahead.x(), along, along * slope - z};
+  };
+  const auto middle = [&](int a) { return r * (w.v[a] + 0.5) - from[a]; };
+  w.place = place(middle(0), middle(1), middle(2));
+  w.place.past -= length;
+  w.moves[0] = place(r * w.step[0], 0.0, 0.0);
+  w.moves[1] = place(0.0, r * w.step[1], 0.0);
+  w.moves[2] = place(0.0, 0.0, r * w.step[2]);
   return w;
 }
 
@@ -389,9 +431,11 @@ void OccupancyMapper::Impl::mark_ray(const Eigen::Vector3d& from, const Eigen::V
   }
   const Marking marking = marking_from(from);
   for (Walk w = walk;; --w.remaining) {
-    if (w.remaining == 0 && !include_end) break;
+    if (w.remaining == 0) {
+      if (include_end && inside(w.v[2])) marking.mark(w, kPassed);
+      break;
+    }
     if (inside(w.v[2])) marking.mark(w);
-    if (w.remaining == 0) break;
     w.advance();
   }
 }
@@ -419,7 +463,7 @@ void OccupancyMapper::Impl::mark_abreast(const Eigen::Vector3d& from) {
       marking.mark(w);
       w.advance();
     }
-    if (w.include_end) marking.mark(w);
+    if (w.include_end) marking.mark(w, kPassed);
   }
 }
 
@@ -453,8 +497,9 @@ void OccupancyMapper::Impl::apply_marks() {
               if (k < k_low || k >= k_end) continue;
               const int m = morton(dx, dy, dz);
               const bool known = ((b->known[m >> 6] >> (m & 63)) & 1U) != 0;
+              if (known && run[dz] == kGrazed) continue;
               const float before = known ? b->log_odds[m] : 0.0F;
-              const float after = before + ((run[dz] & 2U) != 0 ? hit : miss);
+              const float after = before + ((run[dz] & kEndedIn) != 0 ? hit : miss);
               set_value(*b, index, m, column, std::min(std::max(after, lowest), highest));
             }
             std::memset(run, 0, kBrick);
@@ -617,7 +662,7 @@ void OccupancyMapper::insert(const DepthScan& scan) {
 
   const int reach = static_cast<int>(std::ceil(m.options.max_range / r)) + 2;
   for (int a = 0; a < 3; ++a) {
-    const int center = static_cast<int>(std::floor(scan.origin[a] / r));
+    const int center = address_of(scan.origin[a], r);
     int low = center - reach;
     int high = center + reach;
     if (a == 2) {
@@ -652,8 +697,8 @@ void OccupancyMapper::insert(const DepthScan& scan) {
     int voxel[3];
     int measured[3];
     for (int a = 0; a < 3; ++a) {
-      voxel[a] = static_cast<int>(std::floor(end[a] / r));
-      measured[a] = static_cast<int>(std::floor(point[a] / r));
+      voxel[a] = address_of(end[a], r);
+      measured[a] = address_of(point[a], r);
     }
     const bool same = voxel[0] == measured[0] && voxel[1] == measured[1] && voxel[2] == measured[2];
     // The measured point may lie in a voxel before the one entered as hit: that one was passed.
@@ -662,7 +707,7 @@ void OccupancyMapper::insert(const DepthScan& scan) {
       m.marks[(static_cast<std::size_t>(voxel[0] - m.box[0]) * static_cast<std::size_t>(m.size[1]) +
                static_cast<std::size_t>(voxel[1] - m.box[1])) *
                   static_cast<std::size_t>(m.size[2]) +
-              static_cast<std::size_t>(voxel[2] - m.box[2])] |= 2U;
+              static_cast<std::size_t>(voxel[2] - m.box[2])] |= kEndedIn;
     }
   }
   for (const Eigen::Vector3d& point : scan.misses) {

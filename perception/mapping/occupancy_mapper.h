@@ -52,9 +52,10 @@ struct OccupancyMapperOptions {
   /// voxel. About two standard deviations of the range noise is right. Our choice.
   double offset_constant = 0.005;
   double offset_quadratic = 0.003;
-  /// A ray clears the voxels whose centre it passes within core r [-]. A ray along a wall runs in
-  /// the voxels of the wall as soon as the pose is off by a centimetre; the few hits in each are
-  /// outnumbered, and the wall opens. 0.9 and more: every voxel that it pierces, as OctoMap does.
+  /// How far inside a voxel a ray must run to clear it (see OccupancyMapper) [-]. A ray along a
+  /// wall runs in the voxels of the wall as soon as the pose is off by a centimetre; the few hits
+  /// in each are outnumbered, and the wall opens. 0.9 and more: every voxel that it pierces, as
+  /// OctoMap does.
   double core = 0.35;
 };
 
@@ -65,10 +66,21 @@ void describe(Knobs& knobs, OccupancyMapperOptions& options);
 /// Occupancy mapping: scans to octree, its dense mirror, and its ground projection.
 ///
 /// One scan updates each voxel at most once, as OctoMap does: l += log-odds of a hit if any ray
-/// ends in the voxel, else of a miss if any ray passes its middle (`core`), clamped to the bounds;
-/// with core >= 0.9 the states are those of OctoMap's insertPointCloud on the same points. A hit
-/// beyond max_range clears up to max_range; a miss clears up to max_range. The rays are walked
-/// voxel by voxel, exactly.
+/// ends in the voxel, else of a miss if any ray clears it, clamped to the bounds. A hit beyond
+/// max_range clears up to max_range; a miss clears up to max_range. The rays are walked voxel by
+/// voxel, exactly.
+///
+/// What a ray clears. Pierced is not enough: a ray that only touches a voxel does not show that
+/// there is no surface beside it, and a pose that is off takes rays along a surface into it.
+///   across   it says something of a voxel only if it passes its vertical axis within core r. How
+///            high it does so does not matter: where a wall stands, it stands at any height;
+///   upwards  it is inside the layer that it starts in, and inside another one once it is
+///            (1/2 - core) r beyond the face that it came through. Before, it grazes: that makes
+///            free what is unknown, but does not speak against a hit, so rays along the top of a
+///            box or along a floor do not open it.
+/// So the rays of a lidar of one plane clear as much on a face of the lattice as in the middle of a
+/// layer, and those of one that is tilted clear all the way.
+/// With core >= 0.9 the states are those of OctoMap's insertPointCloud on the same points.
 ///
 /// Snapshots. octree(), voxels() and ground() return the map after the last insert and never change
 /// afterwards: later changes go to another copy as long as a snapshot is held elsewhere. Each map

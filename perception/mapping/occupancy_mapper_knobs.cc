@@ -23,7 +23,7 @@ void describe(Knobs& knobs, OccupancyMapperOptions& o) {
   knobs.number("offset_quadratic", o.offset_quadratic, {0.0, 1.0}, "1/m",
                "the same, times the squared range");
   knobs.number("core", o.core, {0.01, 1.0}, "1",
-               "share of a voxel that a ray must pass to clear it");
+               "how near to the axis of a voxel a ray clears it, in voxels");
 }
 
 }  // namespace prospect

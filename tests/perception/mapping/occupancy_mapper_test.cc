@@ -419,6 +419,62 @@ TEST(OccupancyMapper, LooksAlongAWallDoNotOpenIt) {
   }
 }
 
+TEST(OccupancyMapper, LevelRaysClearAsMuchAtAnyHeight) {
+  const auto cleared = [](double height, double fall) {
+    OccupancyMapper mapper;
+    DepthScan scan;
+    scan.origin = {0.03, 0.02, height};
+    for (int n = 0; n < 360; ++n) {
+      const double a = M_PI / 180.0 * n;
+      const Eigen::Vector3d d(std::cos(a), std::sin(a), -fall);
+      scan.misses.emplace_back(scan.origin + 9.0 * d);
+    }
+    mapper.insert(scan);
+    int columns = 0;
+    const auto voxels = mapper.voxels();
+    for (int j = -30; j <= 30; ++j) {
+      for (int i = -30; i <= 30; ++i) {
+        int free = 0;
+        for (int k = 3; k <= 5; ++k) free += voxels->state(i, j, k) == CellState::kFree;
+        columns += free > 0;
+        EXPECT_LE(free, fall == 0.0 ? 1 : 3) << "a ray is in one layer";
+      }
+    }
+    return columns;
+  };
+  const int middle = cleared(0.45, 0.0);
+  EXPECT_GT(middle, 2000);
+  for (const double height : {0.4, 0.4 - 1e-15, 0.4 + 1e-15, 0.401, 0.41, 0.43, 0.48, 0.499, 0.5}) {
+    EXPECT_EQ(cleared(height, 0.0), middle) << height;
+    EXPECT_GE(cleared(height, 0.01), 99 * middle / 100) << height << ", tilted";
+  }
+}
+
+TEST(OccupancyMapper, LooksAlongATopDoNotOpenIt) {
+  // A box from x = 1 to 3 with its top at z = 0.4; the estimate is 1 cm too low.
+  for (const double core : {OccupancyMapperOptions{}.core, 1.0}) {
+    SCOPED_TRACE(core);
+    OccupancyMapperOptions options;
+    options.core = core;
+    OccupancyMapper mapper(options);
+    DepthScan down, along;
+    down.origin = {2.0, 0.05, 1.2};
+    along.origin = {-0.5, 0.05, 0.42 - 0.01};
+    for (int n = 0; n < 20; ++n) down.hits.emplace_back(1.05 + 0.1 * n, 0.05, 0.4 - 1e-3);
+    for (int n = 0; n < 20; ++n) along.misses.emplace_back(3.0, 0.05, 0.401 - 0.01 + 1e-4 * n);
+    for (int n = 0; n < 3; ++n) mapper.insert(down);
+    for (int n = 0; n < 40; ++n) mapper.insert(along);
+    const auto voxels = mapper.voxels();
+    int open = 0;
+    for (int i = 10; i < 30; ++i) open += voxels->state(i, 0, 3) != CellState::kOccupied;
+    if (core < 0.9) {
+      EXPECT_EQ(open, 0);
+    } else {
+      EXPECT_GE(open, 5);  // what the depth is for
+    }
+  }
+}
+
 TEST(OccupancyMapper, ClearedBodyIsFreeButWallsStay) {
   OccupancyMapper mapper(exact_options());
   DepthScan scan;
