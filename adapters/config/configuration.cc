@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "adapters/config/sensor_sight.h"
 #include "adapters/config/solver_options.h"
 #include "adapters/config/term_settings.h"
 #include "adapters/config/yaml_knobs.h"
@@ -103,6 +104,13 @@ void read_robot(YamlMap map, Configuration& c) {
   YamlMap depth = map.map("depth");
   c.robot.depth = read_knobs(depth, c.robot.depth);
   c.robot.depth_mount = read_mount(depth.map("mount"));
+}
+
+/// A sensor that sees nothing of where the body drives is refused: the mission would be over at
+/// once.
+void check_sight(YamlMap robot, const Configuration& c) {
+  const std::string problem = sight_problem(c.robot, c.simulator.mapping.resolution);
+  if (!problem.empty()) robot.map("depth").map("mount").problem("position", problem);
 }
 
 /// What the simulated robot shares with the planned one.
@@ -297,6 +305,7 @@ Configuration read(StrictYaml yaml, const Registries& registries) {
   if (root.problem_count() == 0) c.drive.ranges = range_stop_options(c.robot);
   read_drive(root.map("drive"), c);
   read_gazebo(root.map("gazebo"), c.gazebo);
+  if (root.problem_count() == 0) check_sight(root.map("robot"), c);
   if (root.problem_count() == 0) {
     if (const std::string fault = task_problem(c); !fault.empty())
       root.map("task").problem("", fault);
@@ -339,6 +348,7 @@ void set_robot(Configuration& configuration, const std::vector<std::string>& set
   for (const std::string& setting : settings) yaml.set(setting, told_by);
   Configuration told = configuration;
   read_robot(yaml.root().map("robot"), told);
+  if (yaml.root().problem_count() == 0) check_sight(yaml.root().map("robot"), told);
   yaml.finish();
   share_robot(told);
   for (const ConfigEntry& entry : yaml.entries()) override_entry(told, entry.path, entry.value);
