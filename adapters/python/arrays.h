@@ -13,9 +13,16 @@ namespace prospect::python {
 
 namespace py = pybind11;
 
-/// Numbers as numpy stores them by default; a list or another type is converted.
+/// Numbers as numpy stores them by default.
 using Numbers = py::array_t<double, py::array::c_style | py::array::forcecast>;
 using Bytes = py::array_t<std::uint8_t, py::array::c_style | py::array::forcecast>;
+
+/// An argument that is an array, or what numpy makes one of: as it was given. A function takes
+/// this type, and reads it by one of the functions below, which let no number become another one.
+/// pybind11's own array types convert whatever comes, a probability of 0.5 to the voxel 0.
+struct ArrayLike {
+  py::object given;
+};
 
 /// "(3, 20)"
 std::string shape_text(const py::array& array);
@@ -25,12 +32,32 @@ std::string shape_text(const py::array& array);
 void check_shape(const py::array& array, const std::vector<py::ssize_t>& expected,
                  const std::string& name);
 
+/// Which numbers an array may hold: all, for what says itself that a number is no number, or those
+/// that are.
+enum class Entries { kAny, kFinite };
+
+/// Real numbers, of any shape, each exactly the one given. Throws py::type_error, "NAME: has dtype
+/// bool; expected real numbers", for what is no array, a masked one, and one of other types than
+/// int, uint and float of up to 64 bits; std::invalid_argument, "NAME: holds nan at (2,); expected
+/// finite numbers", for entries that are not to be, and for whole numbers that no double holds.
+Numbers numbers_of(const ArrayLike& array, const std::string& name, Entries entries);
+/// The same of this shape (check_shape()).
+Numbers numbers_of(const ArrayLike& array, const std::vector<py::ssize_t>& shape,
+                   const std::string& name, Entries entries = Entries::kFinite);
+
+/// Whole numbers 0..most that stand for something, of this shape; `expected` lists them. Throws as
+/// numbers_of(); also for floats that are whole: they are probabilities, and stand for other
+/// things.
+Bytes codes_of(const ArrayLike& array, const std::vector<py::ssize_t>& shape, int most,
+               const std::string& name, const std::string& expected);
+
 /// The numbers of an array of shape (size,); -1: of any length.
-Eigen::VectorXd vector_of(const Numbers& array, py::ssize_t size, const std::string& name);
+Eigen::VectorXd vector_of(const ArrayLike& array, py::ssize_t size, const std::string& name,
+                          Entries entries = Entries::kFinite);
 
 /// The transpose of an array of shape (rows, columns): candidates, one a row, as columns.
-Eigen::MatrixXd transposed(const Numbers& array, py::ssize_t rows, py::ssize_t columns,
-                           const std::string& name);
+Eigen::MatrixXd transposed(const ArrayLike& array, py::ssize_t rows, py::ssize_t columns,
+                           const std::string& name, Entries entries = Entries::kFinite);
 
 /// A new array of this shape, filled row by row from `data`.
 Numbers array_of(const double* data, const std::vector<py::ssize_t>& shape);
@@ -49,3 +76,17 @@ inline py::array view_of(const double* data, const std::vector<py::ssize_t>& sha
 }
 
 }  // namespace prospect::python
+
+namespace pybind11::detail {
+
+/// Takes anything: who reads it knows the argument's name.
+template <>
+struct type_caster<prospect::python::ArrayLike> {
+  PYBIND11_TYPE_CASTER(prospect::python::ArrayLike, const_name("ArrayLike"));
+  bool load(handle source, bool) {
+    value.given = reinterpret_borrow<object>(source);
+    return true;
+  }
+};
+
+}  // namespace pybind11::detail

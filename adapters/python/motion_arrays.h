@@ -18,8 +18,9 @@ inline Numbers array_of(const Twist& twist) {
   return array_of(t, {4});
 }
 
-inline Twist twist_of(const Numbers& array, const std::string& name) {
-  const Eigen::VectorXd t = vector_of(array, 4, name);
+inline Twist twist_of(const ArrayLike& array, const std::string& name,
+                      Entries entries = Entries::kFinite) {
+  const Eigen::VectorXd t = vector_of(array, 4, name, entries);
   return {t.head<3>(), t[3]};
 }
 

@@ -1,9 +1,11 @@
 #include <octomap/OcTree.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -58,9 +60,10 @@ int address(double at, double resolution, const char* axis) {
   return static_cast<int>(std::round(exact));
 }
 
-Maps make_maps(const Bytes& voxels, double resolution, const Numbers& origin,
+Maps make_maps(const ArrayLike& given, double resolution, const ArrayLike& origin,
                const Configuration& configuration) {
-  check_shape(voxels, {-1, -1, -1}, "voxels");
+  const Bytes voxels =
+      codes_of(given, {-1, -1, -1}, 2, "voxels", "0 (unknown), 1 (free) and 2 (occupied)");
   if (!(resolution >= 1e-3 && resolution <= 10.0)) {
     throw std::invalid_argument("resolution: is " + std::to_string(resolution) +
                                 " m; expected 0.001 to 10 m");
@@ -70,12 +73,6 @@ Maps make_maps(const Bytes& voxels, double resolution, const Numbers& origin,
   const int i0 = address(corner.x(), resolution, "x"), j0 = address(corner.y(), resolution, "y"),
             k0 = address(corner.z(), resolution, "z");
   const auto v = voxels.unchecked<3>();
-  for (py::ssize_t n = 0; n < voxels.size(); ++n) {
-    if (voxels.data()[n] > 2) {
-      throw std::invalid_argument("voxels: holds " + std::to_string(voxels.data()[n]) +
-                                  "; expected 0 (unknown), 1 (free) and 2 (occupied)");
-    }
-  }
   const HeightSlice slice = height_slice(configuration.robot);
   const py::gil_scoped_release release;
   auto octree = std::make_shared<octomap::OcTree>(resolution);
@@ -125,18 +122,35 @@ constexpr const char* kExtent =
     "(left, right, bottom, top) [m] of `ground`, as imshow(ground, origin='lower', extent=...) "
     "takes it.";
 
-std::shared_ptr<LandmarkMap> make_landmarks(const Numbers& position,
-                                            const std::optional<Numbers>& covariance,
-                                            const std::optional<Numbers>& direction,
-                                            const std::optional<Numbers>& range,
-                                            const std::optional<Numbers>& survival,
+/// Throws std::invalid_argument unless all numbers, if there are any, are from low to high.
+void check_between(const std::optional<Numbers>& numbers, double low, double high,
+                   const std::string& name, const std::string& expected) {
+  for (py::ssize_t n = 0; numbers && n < numbers->size(); ++n) {
+    const double x = numbers->data()[n];
+    if (x >= low && x <= high) continue;
+    throw std::invalid_argument(name + ": holds " + std::to_string(x) + " at " + std::to_string(n) +
+                                "; expected " + expected);
+  }
+}
+
+std::shared_ptr<LandmarkMap> make_landmarks(const ArrayLike& positions,
+                                            const std::optional<ArrayLike>& covariances,
+                                            const std::optional<ArrayLike>& directions,
+                                            const std::optional<ArrayLike>& ranges,
+                                            const std::optional<ArrayLike>& survivals,
                                             double feature_density) {
-  check_shape(position, {-1, 3}, "position");
+  const Numbers position = numbers_of(positions, {-1, 3}, "position");
   const py::ssize_t L = position.shape(0);
-  if (covariance) check_shape(*covariance, {L, 3, 3}, "covariance");
-  if (direction) check_shape(*direction, {L, 3}, "direction");
-  if (range) check_shape(*range, {L}, "range");
-  if (survival) check_shape(*survival, {L}, "survival");
+  const auto numbers = [](const std::optional<ArrayLike>& array,
+                          const std::vector<py::ssize_t>& shape, const char* name) {
+    return array ? std::optional(numbers_of(*array, shape, name)) : std::nullopt;
+  };
+  const auto covariance = numbers(covariances, {L, 3, 3}, "covariance");
+  const auto direction = numbers(directions, {L, 3}, "direction");
+  const auto range = numbers(ranges, {L}, "range");
+  const auto survival = numbers(survivals, {L}, "survival");
+  check_between(range, 1e-9, 1e9, "range", "distances above 0 m");
+  check_between(survival, 0.0, 1.0, "survival", "shares from 0 to 1");
   auto map = std::make_shared<LandmarkMap>();
   map->feature_density = feature_density;
   for (py::ssize_t n = 0; n < L; ++n) {
@@ -163,19 +177,17 @@ Numbers positions_of(const std::vector<Landmark>& landmarks) {
   return array;
 }
 
-std::shared_ptr<Belief> make_belief(const Maps& maps, const Numbers& pose, double stamp,
-                                    const std::optional<Numbers>& covariance,
-                                    const Numbers& velocity, const std::optional<Numbers>& command,
+std::shared_ptr<Belief> make_belief(const Maps& maps, const ArrayLike& pose, double stamp,
+                                    const std::optional<ArrayLike>& covariance,
+                                    const ArrayLike& velocity,
+                                    const std::optional<ArrayLike>& command,
                                     const std::shared_ptr<LandmarkMap>& landmarks,
                                     const std::string& localization, int tracked_features) {
   auto b = std::make_shared<Belief>();
   b->set_stamps(stamp);
   const Eigen::VectorXd p = vector_of(pose, 4, "pose");
   b->pose = {p.head<3>(), p[3]};
-  if (covariance) {
-    check_shape(*covariance, {4, 4}, "covariance");
-    b->covariance = Eigen::Map<const Eigen::Matrix4d>(covariance->data()).transpose();
-  }
+  if (covariance) b->covariance = transposed(*covariance, 4, 4, "covariance").transpose();
   b->twist = twist_of(velocity, "velocity");
   if (command) b->command = twist_of(*command, "command");
   const std::vector<std::string> names = {"ok", "degraded", "lost"};
@@ -212,7 +224,7 @@ auto with(PythonPlanner& p, Function&& f) {
   return f(p.planner);
 }
 
-Task task_of(const std::string& kind, const std::optional<Numbers>& goal) {
+Task task_of(const std::string& kind, const std::optional<ArrayLike>& goal) {
   const std::vector<std::string> names = {"explore", "go", "return", "hold"};
   if (goal && kind != "go") {
     throw std::invalid_argument("goal: of no use to '" + kind + "'; expected the task 'go'");
@@ -226,8 +238,8 @@ Task task_of(const std::string& kind, const std::optional<Numbers>& goal) {
   if (!goal) throw std::invalid_argument("goal: is missing; expected (x, y) or (x, y, yaw)");
   const Eigen::VectorXd g = vector_of(*goal, -1, "goal");
   if (g.size() != 2 && g.size() != 3) {
-    throw std::invalid_argument("goal: has shape " + shape_text(*goal) +
-                                "; expected (x, y) or (x, y, yaw)");
+    throw std::invalid_argument("goal: has " + std::to_string(g.size()) +
+                                " numbers; expected (x, y) or (x, y, yaw)");
   }
   return Task::go_to(g.head<2>(), g.size() == 3 ? std::optional<double>(g[2]) : std::nullopt);
 }
@@ -442,10 +454,10 @@ void bind_belief(py::module_& m) {
 void bind_planner(py::module_& m) {
   py::class_<Configuration, std::shared_ptr<Configuration>>(
       m, "Configuration", "Everything that can be set of a robot, its planner and a mission.")
-      .def(py::init([](const std::string& path, const py::dict& settings,
+      .def(py::init([](const std::filesystem::path& path, const py::dict& settings,
                        const std::shared_ptr<Registries>& registries) {
              return std::make_shared<Configuration>(read_configuration(
-                 path, registries ? *registries : Registries(), settings_of(settings)));
+                 path.string(), registries ? *registries : Registries(), settings_of(settings)));
            }),
            py::arg("path") = "", py::arg("settings") = py::dict(),
            py::arg("registries") = py::none(),
@@ -537,7 +549,7 @@ void bind_planner(py::module_& m) {
           "The next Plan. deadline: [s] of the wall clock by which polishing ends [none].")
       .def(
           "set_task",
-          [](PythonPlanner& p, const std::string& kind, const std::optional<Numbers>& goal) {
+          [](PythonPlanner& p, const std::string& kind, const std::optional<ArrayLike>& goal) {
             const Task task = task_of(kind, goal);
             const std::string fault =
                 with(p, [&](Planner& planner) { return planner.set_task(task); });
@@ -548,9 +560,9 @@ void bind_planner(py::module_& m) {
           "'return' or 'hold'.")
       .def(
           "check",
-          [](PythonPlanner& p, const Plan& plan, int stage, const Numbers& previous,
+          [](PythonPlanner& p, const Plan& plan, int stage, const ArrayLike& previous,
              const Belief& newest, double now) {
-            const Twist in_force = twist_of(previous, "previous");
+            const Twist in_force = twist_of(previous, "previous", Entries::kAny);
             GuardVerdict verdict;
             {
               const py::gil_scoped_release release;

@@ -1,6 +1,8 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -19,16 +21,17 @@
 namespace prospect::python {
 namespace {
 
-/// One point of shape (n,), or a candidate a row: (B, n).
+/// One point of shape (n,), or a candidate a row: (B, n). Where one is not finite, it cannot be
+/// evaluated, which its cost says.
 struct Points {
   Numbers array;
   bool single;
   Eigen::Map<const Eigen::MatrixXd> columns;  // n x B, of `array`
 
-  Points(const Numbers& z, int n)
-      : array(z),
-        single(z.ndim() == 1),
-        columns(array.data(), n, single ? 1 : (z.ndim() == 2 ? z.shape(0) : 0)) {
+  Points(const ArrayLike& z, int n)
+      : array(numbers_of(z, "z", Entries::kAny)),
+        single(array.ndim() == 1),
+        columns(array.data(), n, single ? 1 : (array.ndim() == 2 ? array.shape(0) : 0)) {
     if (single) {
       check_shape(array, {n}, "z");
     } else {
@@ -79,10 +82,10 @@ ProblemDefinition::WeightedTerm weighted_term(const py::handle& given) {
   return {std::make_shared<PythonTerm>(py::reinterpret_borrow<py::object>(given)), 1.0};
 }
 
-std::shared_ptr<PythonProblem> make_own(std::shared_ptr<const MotionModel> model, const Numbers& x0,
-                                        const py::iterable& terms,
-                                        const std::optional<Numbers>& u_previous, int N, double dt,
-                                        int M, const std::optional<Numbers>& start) {
+std::shared_ptr<PythonProblem> make_own(std::shared_ptr<const MotionModel> model,
+                                        const ArrayLike& x0, const py::iterable& terms,
+                                        const std::optional<ArrayLike>& u_previous, int N,
+                                        double dt, int M, const std::optional<ArrayLike>& start) {
   ProblemDefinition d;
   d.x0 = vector_of(x0, model->nx(), "x0");
   d.u_previous = u_previous ? vector_of(*u_previous, model->nu(), "u_previous")
@@ -109,8 +112,7 @@ std::function<Result(const Eigen::VectorXd&)> function_of(const py::object& f,
       if constexpr (std::is_same_v<Result, double>) {
         return given.cast<double>();
       } else {
-        const Numbers numbers = py::cast<Numbers>(given);
-        check_shape(numbers, shape, name);
+        const Numbers numbers = numbers_of(ArrayLike{given}, shape, name, Entries::kAny);
         if constexpr (std::is_same_v<Result, Eigen::VectorXd>) {
           return Eigen::Map<const Eigen::VectorXd>(numbers.data(), numbers.size());
         } else {
@@ -121,11 +123,11 @@ std::function<Result(const Eigen::VectorXd&)> function_of(const py::object& f,
   };
 }
 
-std::shared_ptr<PythonProblem> from_functions(const Numbers& lower, const Numbers& upper,
+std::shared_ptr<PythonProblem> from_functions(const ArrayLike& lower, const ArrayLike& upper,
                                               const py::object& cost, const py::object& gradient,
                                               int rows, const py::object& constraints,
                                               const py::object& jacobian,
-                                              const std::optional<Numbers>& start,
+                                              const std::optional<ArrayLike>& start,
                                               const std::string& name) {
   FunctionProblem f;
   f.name = name;
@@ -346,7 +348,7 @@ void bind_problem(py::module_& m) {
           "WarmStart of a solve that is given none: of a file the stored one, else its best seed.")
       .def(
           "evaluate",
-          [](PythonProblem& p, const Numbers& z, const std::string& what) {
+          [](PythonProblem& p, const ArrayLike& z, const std::string& what) {
             return evaluate(p, Points(z, p.problem().num_variables()), what_of(what));
           },
           py::arg("z"), py::arg("what") = "value",
@@ -354,7 +356,7 @@ void bind_problem(py::module_& m) {
           "'gradient' (with the Jacobian), 'residuals'; the last two of one point only.")
       .def(
           "cost",
-          [](PythonProblem& p, const Numbers& z) -> py::object {
+          [](PythonProblem& p, const ArrayLike& z) -> py::object {
             const Points points(z, p.problem().num_variables());
             const Evaluation e = evaluate(p, points, Evaluate::kValue);
             if (points.single) return py::float_(e.cost[0]);
@@ -363,14 +365,14 @@ void bind_problem(py::module_& m) {
           py::arg("z"), "The cost: a number at (n,), (B,) at (B, n).")
       .def(
           "gradient",
-          [](PythonProblem& p, const Numbers& z) {
+          [](PythonProblem& p, const ArrayLike& z) {
             return array_of(
                 evaluate(p, Points(z, p.problem().num_variables()), Evaluate::kGradient).gradient);
           },
           py::arg("z"), "(n,): of the cost, at (n,).")
       .def(
           "constraints",
-          [](PythonProblem& p, const Numbers& z) -> py::object {
+          [](PythonProblem& p, const ArrayLike& z) -> py::object {
             const Points points(z, p.problem().num_variables());
             const Evaluation e = evaluate(p, points, Evaluate::kValue);
             const auto& c = e.constraints;
@@ -380,40 +382,39 @@ void bind_problem(py::module_& m) {
           py::arg("z"), "(m,) at (n,), (B, m) at (B, n): feasible where all are >= 0.")
       .def(
           "jacobian",
-          [](PythonProblem& p, const Numbers& z) {
+          [](PythonProblem& p, const ArrayLike& z) {
             return array_of(
                 evaluate(p, Points(z, p.problem().num_variables()), Evaluate::kGradient).jacobian);
           },
           py::arg("z"), "(m, n): of the constraints, at (n,).")
       .def(
           "residuals",
-          [](PythonProblem& p, const Numbers& z) {
+          [](PythonProblem& p, const ArrayLike& z) {
             return evaluate(p, Points(z, p.problem().num_variables()), Evaluate::kResiduals);
           },
           py::arg("z"), "evaluate(z, 'residuals'), at (n,).")
       .def(
           "explain",
-          [](PythonProblem& p, const Numbers& z) {
-            const Eigen::VectorXd point = vector_of(z, p.problem().num_variables(), "z");
+          [](PythonProblem& p, const ArrayLike& z) {
+            const Eigen::VectorXd point =
+                vector_of(z, p.problem().num_variables(), "z", Entries::kAny);
             const py::gil_scoped_release release;
             return p.problem().explain(point);
           },
           py::arg("z"), "Every term raw and weighted, at (n,).")
       .def(
           "rollout",
-          [](PythonProblem& p, const Numbers& z) {
+          [](PythonProblem& p, const ArrayLike& z) {
             return Trajectories(
                 p.problem().rollout(vector_of(z, p.problem().num_variables(), "z")));
           },
           py::arg("z"), "Trajectories with B = 1: where the inputs z, (n,), lead.")
       .def(
           "knots_from_inputs",
-          [](PythonProblem& p, const Numbers& inputs) {
+          [](PythonProblem& p, const ArrayLike& inputs) {
             const ProblemDefinition& d = p.problem().definition();
-            const int nu = d.model->nu();
-            check_shape(inputs, {d.N, nu}, "inputs");
             return array_of(p.problem().knots_from_inputs(
-                Eigen::Map<const Eigen::MatrixXd>(inputs.data(), nu, d.N).transpose().eval()));
+                transposed(inputs, d.N, d.model->nu(), "inputs").transpose().eval()));
           },
           py::arg("inputs"), "(n,): the knots for inputs (N, nu) of the stages, within bounds.")
       .def_property_readonly(
@@ -432,14 +433,14 @@ void bind_problem(py::module_& m) {
           "Of a file: dict of program, world, seed, step, time [s]; else None.")
       .def(
           "save",
-          [](const PythonProblem& p, const std::string& path) {
+          [](const PythonProblem& p, const std::filesystem::path& path) {
             if (!p.saved) {
-              throw std::invalid_argument(path +
+              throw std::invalid_argument(path.string() +
                                           ": a problem of functions and terms alone cannot be "
                                           "written; expected one of a planner or a file");
             }
             const py::gil_scoped_release release;
-            write_problem(path, *p.saved);
+            write_problem(path.string(), *p.saved);
           },
           py::arg("path"),
           "Writes a problem file (HDF5), whole or not at all. Only of what a planner or a file "
@@ -451,10 +452,10 @@ void bind_problem(py::module_& m) {
 
   m.def(
       "load_problem",
-      [](const std::string& path, const std::shared_ptr<Registries>& registries) {
+      [](const std::filesystem::path& path, const std::shared_ptr<Registries>& registries) {
         const TermRegistry terms = registries ? registries->terms : TermRegistry();
         const py::gil_scoped_release release;
-        ReadProblem read = read_problem(path, terms);
+        ReadProblem read = read_problem(path.string(), terms);
         return python_problem(std::move(read.problem), std::move(read.saved));
       },
       py::arg("path"), py::arg("registries") = py::none(),

@@ -1,9 +1,11 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -71,11 +73,11 @@ PYBIND11_MODULE(_program, m) {
   py::class_<Simulation>(m, "Simulation",
                          "A simulated robot that is driven step by step, as fast as the machine "
                          "is. The planner sees belief() alone; the truth is for evaluation.")
-      .def(py::init([](const std::string& world, const std::shared_ptr<Configuration>& given,
-                       std::uint64_t seed) {
+      .def(py::init([](const std::filesystem::path& world,
+                       const std::shared_ptr<Configuration>& given, std::uint64_t seed) {
              const Configuration configuration = given ? *given : read_configuration("");
              const py::gil_scoped_release release;
-             return std::make_unique<Simulation>(world, configuration, seed);
+             return std::make_unique<Simulation>(world.string(), configuration, seed);
            }),
            py::arg("world") = "office", py::arg("configuration") = py::none(), py::arg("seed") = 1,
            "world: a built-in name or a file, as `prospect explore` takes it. seed: of all noise.")
@@ -86,8 +88,8 @@ PYBIND11_MODULE(_program, m) {
            "The Belief now, with the command in force. No time passes.")
       .def(
           "apply",
-          [](Simulation& s, const Numbers& command, double duration) {
-            const Twist twist = twist_of(command, "command");
+          [](Simulation& s, const ArrayLike& command, double duration) {
+            const Twist twist = twist_of(command, "command", Entries::kAny);
             if (!(duration >= 0.0 && duration <= 3600.0)) {
               throw std::invalid_argument("duration: is " + std::to_string(duration) +
                                           " s; expected 0 to 3600 s");
@@ -143,8 +145,10 @@ PYBIND11_MODULE(_program, m) {
                ")";
       });
 
-  m.def("read_log", &logged_run_arrays, py::arg("path"),
-        "The log of a mission (.mcap): what prospect.Log is made of.");
+  m.def(
+      "read_log",
+      [](const std::filesystem::path& path) { return logged_run_arrays(path.string()); },
+      py::arg("path"), "The log of a mission (.mcap): what prospect.Log is made of.");
   m.def("run_program", &run_program, py::arg("arguments"), py::arg("run_file"), py::arg("program"),
         "The command line: gives its exit code. run_file(path, registries) runs a plug-in in "
         "Python. program: the words that start it anew, for missions of studies and replays.");

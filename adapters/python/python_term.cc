@@ -50,11 +50,11 @@ Derivatives derivatives(const py::object& given, const std::string& where,
       throw std::invalid_argument(where + ": gave '" + name +
                                   "'; expected 'poses', 'states' or 'inputs'");
     }
-    const Numbers array = py::cast<Numbers>(value);
     std::vector<py::ssize_t> shape = rows;
     shape.push_back(poses || states ? h.N + 1 : h.N);
     shape.push_back(poses ? 4 : (states ? h.nx() : h.nu()));
-    check_shape(array, shape, where + ": '" + name + "'");
+    const Numbers array = numbers_of(ArrayLike{py::reinterpret_borrow<py::object>(value)}, shape,
+                                     where + ": '" + name + "'", Entries::kAny);
     (poses ? d.poses : (states ? d.states : d.inputs)) = array;
   }
   return d;
@@ -105,13 +105,11 @@ void PythonTerm::evaluate(const TrajectoryBatch& t, const TermRequest& request, 
   const bool cost = traits_.kind == TermKind::kCost;
   object_(request.gradient ? "value or derivative" : "value", [&](const py::object& o) {
     const py::object trajectories = py::cast(Trajectories(t));
-    const Numbers value = py::cast<Numbers>(o.attr("value")(trajectories));
     const py::ssize_t B = t.batch(), rows = out.value.rows();
-    if (cost) {
-      check_shape(value, {B}, name_ + ".value");
-    } else {
-      check_shape(value, {B, rows}, name_ + ".value");
-    }
+    const std::vector<py::ssize_t> shape =
+        cost ? std::vector<py::ssize_t>{B} : std::vector<py::ssize_t>{B, rows};
+    const Numbers value = numbers_of(ArrayLike{o.attr("value")(trajectories)}, shape,
+                                     name_ + ".value", Entries::kAny);
     out.value = Eigen::Map<const Eigen::ArrayXXd>(value.data(), rows, B);
     if (!request.gradient) return;
     if (cost) {

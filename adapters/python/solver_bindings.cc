@@ -1,9 +1,11 @@
 #include <pybind11/functional.h>
 #include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
 
 #include <chrono>
 #include <cmath>
 #include <exception>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <stdexcept>
@@ -22,8 +24,8 @@
 namespace prospect::python {
 namespace {
 
-Eigen::VectorXd point_of(const OpenSolve& solve, const Numbers& x) {
-  return vector_of(x, solve.evaluator().num_variables(), "x");
+Eigen::VectorXd point_of(const OpenSolve& solve, const ArrayLike& x) {
+  return vector_of(x, solve.evaluator().num_variables(), "x", Entries::kAny);
 }
 
 /// The stop condition of a solve that Python waits for: its deadline, what `cancelled` says, and
@@ -74,7 +76,7 @@ WarmStart start_of(const py::object& start, const PythonProblem& problem) {
   if (start.is_none()) return problem.start();
   if (py::isinstance<WarmStart>(start)) return start.cast<WarmStart>();
   WarmStart warm = problem.start();
-  warm.x = vector_of(py::cast<Numbers>(start), problem.problem().num_variables(), "start");
+  warm.x = vector_of(ArrayLike{start}, problem.problem().num_variables(), "start");
   return warm;
 }
 
@@ -218,7 +220,7 @@ void bind_results(py::module_& m) {
   const auto vector = [&](const char* name, Eigen::VectorXd WarmStart::*member, const char* text) {
     start.def_property(
         name, [member](const WarmStart& w) { return array_of(w.*member); },
-        [member, name](WarmStart& w, const Numbers& v) { w.*member = vector_of(v, -1, name); },
+        [member, name](WarmStart& w, const ArrayLike& v) { w.*member = vector_of(v, -1, name); },
         text);
   };
   vector("x", &WarmStart::x, "(n,): the point.");
@@ -229,7 +231,7 @@ void bind_results(py::module_& m) {
       .def_property(
           "seeds",
           [](const WarmStart& w) { return array_of(Eigen::MatrixXd(w.seeds.transpose())); },
-          [](WarmStart& w, const Numbers& v) { w.seeds = transposed(v, -1, -1, "seeds"); },
+          [](WarmStart& w, const ArrayLike& v) { w.seeds = transposed(v, -1, -1, "seeds"); },
           "(S, n): further points, the likely best first, for back ends that compare starts.")
       .def_readwrite("mu", &WarmStart::mu, "Barrier parameter; 0: unknown.")
       .def_readwrite("time", &WarmStart::time, "[s], start of the horizon that x belongs to.")
@@ -302,37 +304,37 @@ void bind_evaluator(py::module_& m) {
                              [](const E& s) { return s.evaluator().evaluations_left(); })
       .def(
           "cost",
-          [](const E& s, const Numbers& x) {
+          [](const E& s, const ArrayLike& x) {
             s.evaluate(point_of(s, x), Evaluate::kValue);
             return s.evaluator().cost();
           },
           py::arg("x"), "The cost; at a point that cannot be evaluated a smooth, high stand-in.")
       .def(
           "cost_and_gradient",
-          [](const E& s, const Numbers& x) {
+          [](const E& s, const ArrayLike& x) {
             s.evaluate(point_of(s, x), Evaluate::kGradient);
             return py::make_tuple(s.evaluator().cost(), array_of(s.evaluator().gradient()));
           },
           py::arg("x"), "The cost and its gradient (n,).")
       .def(
           "constraints",
-          [](const E& s, const Numbers& x) {
+          [](const E& s, const ArrayLike& x) {
             s.evaluate(point_of(s, x), Evaluate::kValue);
             return array_of(s.evaluator().constraints());
           },
           py::arg("x"), "(m,): feasible where all are >= 0.")
       .def(
           "jacobian",
-          [](const E& s, const Numbers& x) {
+          [](const E& s, const ArrayLike& x) {
             s.evaluate(point_of(s, x), Evaluate::kGradient);
             return array_of(s.evaluator().jacobian());
           },
           py::arg("x"), "(m, n): of the constraints.")
       .def(
           "evaluate_batch",
-          [](const E& s, const Numbers& X) {
+          [](const E& s, const ArrayLike& X) {
             Evaluator& e = s.evaluator();
-            const Eigen::MatrixXd points = transposed(X, -1, e.num_variables(), "X");
+            const Eigen::MatrixXd points = transposed(X, -1, e.num_variables(), "X", Entries::kAny);
             Eigen::ArrayXd cost, violation;
             int done;
             {
@@ -404,8 +406,8 @@ void bind_solver(py::module_& m) {
            "A Problem of a set, to measure back ends on; they begin at its start.")
       .def(
           "load_plugin",
-          [](Registries& r, const std::string& path) {
-            return load_plugin(path, {r.solvers, r.terms, r.problems});
+          [](Registries& r, const std::filesystem::path& path) {
+            return load_plugin(path.string(), {r.solvers, r.terms, r.problems});
           },
           py::arg("path"), "Adds those of a shared library; gives '' or a warning in one line.")
       .def("solvers", &list_solvers_of,

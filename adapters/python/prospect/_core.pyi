@@ -1,4 +1,5 @@
 # What a type checker knows of the compiled module. A test compares it with the module.
+import os
 from enum import Enum
 from typing import Any, Callable, Iterable, Optional, Union
 
@@ -7,6 +8,7 @@ from numpy.typing import ArrayLike
 
 from prospect.extensions import Solver, Term
 
+_Path = Union[str, bytes, os.PathLike[str]]
 _Array = np.ndarray[Any, np.dtype[np.float64]]
 _Cells = np.ndarray[Any, np.dtype[np.uint8]]
 _Extent = tuple[float, float, float, float]
@@ -173,9 +175,9 @@ class Problem:
     def explain(self, z: ArrayLike) -> Explanation: ...
     def rollout(self, z: ArrayLike) -> Trajectories: ...
     def knots_from_inputs(self, inputs: ArrayLike) -> _Array: ...  # (n,)
-    def save(self, path: str) -> None: ...
+    def save(self, path: _Path) -> None: ...
 
-def load_problem(path: str, registries: Optional[Registries] = None) -> Problem: ...
+def load_problem(path: _Path, registries: Optional[Registries] = None) -> Problem: ...
 
 class WarmStart:
     x: _Array  # (n,)
@@ -268,7 +270,7 @@ class Registries:
         best_known: Optional[float] = None,
         description: str = "",
     ) -> None: ...
-    def load_plugin(self, path: str) -> str: ...
+    def load_plugin(self, path: _Path) -> str: ...
     def solvers(self) -> list[dict[str, Any]]: ...
     def terms(self) -> list[dict[str, Any]]: ...
     def sets(self) -> list[str]: ...
@@ -287,7 +289,7 @@ def solve(
 class Configuration:
     def __init__(
         self,
-        path: str = "",
+        path: _Path = "",
         settings: dict[str, Any] = {},
         registries: Optional[Registries] = None,
     ) -> None: ...

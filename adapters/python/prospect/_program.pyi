@@ -1,5 +1,6 @@
 # What a type checker knows of the compiled module. A test compares it with the module.
-from typing import Any, Callable, Optional
+import os
+from typing import Any, Callable, Optional, Union
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +13,7 @@ _Cells = np.ndarray[Any, np.dtype[np.uint8]]
 class Simulation:
     def __init__(
         self,
-        world: str = "office",
+        world: Union[str, os.PathLike[str]] = "office",
         configuration: Optional[Configuration] = None,
         seed: int = 1,
     ) -> None: ...
@@ -43,7 +44,7 @@ class Simulation:
     @property
     def configuration(self) -> Configuration: ...
 
-def read_log(path: str) -> dict[str, Any]: ...
+def read_log(path: Union[str, os.PathLike[str]]) -> dict[str, Any]: ...
 def run_program(
     arguments: list[str],
     run_file: Callable[[str, Registries], None],
