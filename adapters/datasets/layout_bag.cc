@@ -38,11 +38,22 @@ ImageStream image_stream(const BagFile& bag, const BagTopic& topic,
   return stream;
 }
 
-CameraInfo first_info(const BagFile& bag, const BagTopic& topic) {
+/// What all messages of a topic say of the images.
+CameraInfo only_info(const BagFile& bag, const BagTopic& topic) {
   if (topic.messages.empty()) {
     throw InputError(topic.name + ": holds no message; expected a calibration");
   }
-  return read_ros_camera_info(read_message(bag, topic, 0), message_name(topic, 0));
+  const auto info = [&](std::size_t i) {
+    return read_ros_camera_info(read_message(bag, topic, i), message_name(topic, i));
+  };
+  const CameraInfo first = info(0);
+  for (std::size_t i = 1; i < topic.messages.size(); ++i) {
+    if (info(i) == first) continue;
+    throw InputError(message_name(topic, i) +
+                     ": another calibration than the first one's; expected one of all images, or "
+                     "--calibration FILE");
+  }
+  return first;
 }
 
 }  // namespace
@@ -91,7 +102,7 @@ StereoSource open_stereo_bag(const std::string& path, const StereoDatasetOptions
                        "FILE");
     }
     const bool rectified = options.rectified || left->name.find("rect") != std::string::npos;
-    source.calibration = calibration_of(first_info(bag, *infos[0]), first_info(bag, *infos[1]),
+    source.calibration = calibration_of(only_info(bag, *infos[0]), only_info(bag, *infos[1]),
                                         infos[0]->name, infos[1]->name, rectified);
     source.notes.push_back(std::string("images taken as ") +
                            (rectified ? "rectified, by P of " : "raw, by K, D, R and P of ") +
@@ -141,7 +152,7 @@ DepthSource open_depth_bag(const std::string& path, const DepthDatasetOptions& o
     const BagTopic* info = given_topic(bag, path, options.topics, "depth_info", is_info);
     if (info == nullptr) info = info_of(bag, *depth);
     if (info != nullptr) {
-      const CameraInfo calibration = first_info(bag, *info);
+      const CameraInfo calibration = only_info(bag, *info);
       const auto& K = calibration.K;
       if (!(K[0] > 0.0 && K[4] > 0.0)) {
         throw InputError(info->name + ": K is not that of a camera; expected intrinsics");

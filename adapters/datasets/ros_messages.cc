@@ -6,7 +6,9 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <span>
+#include <utility>
 
+#include "adapters/datasets/camera_window.h"
 #include "adapters/files/input_error.h"
 #include "adapters/ros/cdr.h"
 #include "adapters/ros/geometry_msgs.h"
@@ -161,7 +163,12 @@ CameraInfo read_ros_camera_info(std::string_view cdr, const std::string& name) {
       }
     }
   }
-  return info;
+  const ros::RegionOfInterest& roi = message.roi;
+  const auto number = [](std::uint32_t n) { return static_cast<double>(n); };
+  return of_images(std::move(info),
+                   {number(message.binning_x), number(message.binning_y), number(roi.x_offset),
+                    number(roi.y_offset), number(roi.width), number(roi.height)},
+                   name);
 }
 
 std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::string& name) {

@@ -25,6 +25,7 @@ RosHeader read_ros_header(std::string_view cdr, const std::string& name);
 /// opacity, yuv422), Bayer patterns as colour, 16 bits and floats.
 RawImage read_ros_image(std::string_view cdr, bool compressed, const std::string& name);
 
+/// sensor_msgs/msg/CameraInfo: of the images, its binning and roi applied (of_images()).
 CameraInfo read_ros_camera_info(std::string_view cdr, const std::string& name);
 
 /// A pose of one frame in another.

@@ -22,6 +22,7 @@ constexpr double kAtTheOrigin = 1e-6;  // [m]
 struct Field {
   std::uint32_t offset = 0;
   std::uint8_t type = 0;
+  std::uint32_t count = 0;
   bool there = false;
   std::size_t size() const { return type == ros::PointField::kFloat64 ? 8 : 4; }
 };
@@ -73,7 +74,8 @@ std::vector<Eigen::Vector3d> read_ros_point_cloud(std::string_view cdr, const st
   for (const ros::PointField& field : message.point_fields) {
     names += (names.empty() ? "" : ", ") + field.name;
     if (field.name.size() == 1 && field.name[0] >= 'x' && field.name[0] <= 'z') {
-      fields[static_cast<std::size_t>(field.name[0] - 'x')] = {field.offset, field.datatype, true};
+      fields[static_cast<std::size_t>(field.name[0] - 'x')] = {field.offset, field.datatype,
+                                                               field.count, true};
     }
   }
   const bool big_endian = message.is_bigendian;
@@ -94,6 +96,10 @@ std::vector<Eigen::Vector3d> read_ros_point_cloud(std::string_view cdr, const st
         fields[i].type != ros::PointField::kFloat64) {
       throw InputError(name + ": field " + axis + " is of type " + std::to_string(fields[i].type) +
                        "; expected FLOAT32 (7) or FLOAT64 (8)");
+    }
+    if (fields[i].count > 1) {
+      throw InputError(name + ": field " + axis + " has a count of " +
+                       std::to_string(fields[i].count) + "; expected one number a point");
     }
     if (fields[i].offset + fields[i].size() > point_step) {
       throw InputError(name + ": field " + axis + " at byte " + std::to_string(fields[i].offset) +

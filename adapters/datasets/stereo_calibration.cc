@@ -5,7 +5,9 @@
 #include <cmath>
 #include <filesystem>
 #include <sstream>
+#include <utility>
 
+#include "adapters/datasets/camera_window.h"
 #include "adapters/datasets/number_text.h"
 #include "adapters/datasets/numbered_files.h"
 #include "adapters/datasets/trajectory.h"
@@ -48,7 +50,7 @@ void use_lens(CalibratedCamera& camera, const std::string& where, const std::str
   if (!problem.empty()) throw InputError(where + ": " + problem);
 }
 
-CameraInfo read_camera_info(const LooseYaml& yaml) {
+CameraInfo read_camera_info(const LooseYaml& yaml, const std::string& from) {
   CameraInfo info;
   // Of files, of `ros2 topic echo`, of `rostopic echo`.
   const auto key = [&](const std::vector<std::string>& keys) {
@@ -67,7 +69,20 @@ CameraInfo read_camera_info(const LooseYaml& yaml) {
   info.R = R.empty() ? std::vector<double>{1, 0, 0, 0, 1, 0, 0, 0, 1} : yaml.numbers(R, 9);
   const std::string P = yaml.first_of({"projection_matrix", "P", "p"});
   if (!P.empty()) info.P = yaml.numbers(P, 12);
-  return info;
+  CameraWindow window;
+  const auto read = [](const LooseYaml& map, const char* key, double& value) {
+    if (map.has(key)) value = map.number(key);
+  };
+  read(yaml, "binning_x", window.binning_x);
+  read(yaml, "binning_y", window.binning_y);
+  if (yaml.has("roi")) {
+    const LooseYaml roi = yaml.at("roi");
+    read(roi, "x_offset", window.x_offset);
+    read(roi, "y_offset", window.y_offset);
+    read(roi, "width", window.width);
+    read(roi, "height", window.height);
+  }
+  return of_images(std::move(info), window, from);
 }
 
 const std::vector<std::string> kCameraMatrix[2] = {
@@ -303,7 +318,7 @@ StereoCalibration read_kitti_calibration(const std::string& path, int first,
 }
 
 PinholeCamera read_camera_info_pinhole(const std::string& path) {
-  const CameraInfo info = read_camera_info(LooseYaml::from_text(read_whole_file(path), path));
+  const CameraInfo info = read_camera_info(LooseYaml::from_text(read_whole_file(path), path), path);
   if (std::any_of(info.D.begin(), info.D.end(), [](double k) { return k != 0.0; })) {
     throw InputError(path +
                      ": states distortion; expected the intrinsics of depth images, which "
@@ -378,9 +393,10 @@ StereoCalibration read_stereo_calibration(const std::string& files, bool rectifi
                        ": the camera_info of one camera; expected two, separated by a comma: "
                        "--calibration left.yaml,right.yaml");
     }
-    return calibration_of(read_camera_info(yaml),
-                          read_camera_info(LooseYaml::from_text(read_whole_file(second), second)),
-                          first, second, rectified);
+    return calibration_of(
+        read_camera_info(yaml, first),
+        read_camera_info(LooseYaml::from_text(read_whole_file(second), second), second), first,
+        second, rectified);
   } else if (!yaml.first_of(kCameraMatrix[0]).empty()) {
     const LooseYaml extrinsics =
         second.empty() ? yaml : LooseYaml::from_text(read_whole_file(second), second);

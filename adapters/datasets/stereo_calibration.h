@@ -39,12 +39,15 @@ StereoCalibration read_kitti_calibration(const std::string& path, int first,
 /// One camera of a camera_info file: for depth images. Width and height as stated, or 0.
 PinholeCamera read_camera_info_pinhole(const std::string& path);
 
-/// The pair that ROS camera_info messages or files describe.
+/// What a ROS camera_info, message or file, says of a camera's images.
 struct CameraInfo {
   double width = 0.0, height = 0.0;
   std::string model;               ///< plumb_bob, rational_polynomial, equidistant
   std::vector<double> D, K, R, P;  ///< 9, 9 and 12 numbers, by rows
+
+  bool operator==(const CameraInfo&) const = default;
 };
+/// The pair that two of them describe.
 StereoCalibration calibration_of(const CameraInfo& left, const CameraInfo& right,
                                  const std::string& left_from, const std::string& right_from,
                                  bool rectified);

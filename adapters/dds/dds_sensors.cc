@@ -27,6 +27,8 @@ enum Camera : std::size_t { kLeftCamera, kRightCamera, kDepthCamera, kCameras };
 struct ReceivedInfo {
   CameraInfo info;
   std::string frame;
+
+  bool operator==(const ReceivedInfo&) const = default;
 };
 
 /// What images are read by, once it is known.
@@ -47,20 +49,32 @@ struct DdsSensors::Impl {
        SensorInbox& its_inbox)
       : options(given), node(its_node), transforms(its_transforms), inbox(its_inbox) {}
 
-  std::shared_ptr<const Reading> reading() const {
+  /// Null: not known yet. Throws InputError if the camera's calibration is another one by now.
+  std::shared_ptr<const Reading> reading(Camera camera, const std::string& name) const {
     const std::lock_guard lock(mutex);
+    if (changed[camera]) {
+      throw InputError(name + ": an image of another calibration; expected the one before");
+    }
     return known;
   }
 
   void take_info(Camera camera, std::string_view cdr, const std::string& name) {
     ReceivedInfo info{read_ros_camera_info(cdr, name), read_ros_header(cdr, name).frame};
     const std::lock_guard lock(mutex);
+    if (known) {
+      // What is driven by was made of the first one.
+      changed[camera] = infos[camera] && !(*infos[camera] == info);
+      if (!changed[camera]) return;
+      throw InputError(name +
+                       ": another calibration than before; expected the one that the images "
+                       "are read by, which are left out until it is back");
+    }
     infos[camera] = std::move(info);
     came.notify_all();
   }
 
   void take_image(Camera camera, std::string_view cdr, const std::string& name) const {
-    const std::shared_ptr<const Reading> by = reading();
+    const std::shared_ptr<const Reading> by = reading(camera, name);
     if (!by) return;
     const double stamp = read_ros_header(cdr, name).stamp;
     const bool is_depth = camera == kDepthCamera;
@@ -198,6 +212,7 @@ struct DdsSensors::Impl {
   mutable std::mutex mutex;
   mutable std::condition_variable came;
   std::array<std::optional<ReceivedInfo>, kCameras> infos;
+  std::array<bool, kCameras> changed{};  // the newest calibration is not that of `known`
   mutable std::shared_ptr<const Reading> known;
 };
 

@@ -25,7 +25,8 @@ struct DdsCameras {
 /// scans and clouds rays in B, and all goes into a SensorInbox with the stamps of its headers.
 ///
 /// A message that does not fit (encoding, size other than its camera_info's, bytes that end early,
-/// a lidar whose frame tf does not know at the scan's stamp) is left out, and is a fault of its
+/// an image of a camera whose camera_info has changed since wait(), a lidar whose frame tf does not
+/// know at the scan's stamp) is left out, and is a fault of its
 /// topic (DdsNode::fault()) until a good one comes.
 ///
 /// Declares its topics on the node: make it before DdsNode::start(). Throws InputError if images

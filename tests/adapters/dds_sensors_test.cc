@@ -200,6 +200,24 @@ TEST(DdsSensors, ImagesDepthsAndScansGoIntoTheInbox) {
   EXPECT_TRUE(within(kPatience, [&] { return !node.fault(o.scan).empty(); }));
   EXPECT_THAT(node.fault(o.scan), HasSubstr("no transform from 'sonar' to 'base_link'"));
   EXPECT_EQ(inbox.count(SensorStream::kLeft).received, 1u);
+
+  // A calibration that changes takes the camera's images with it, until it is back.
+  const ros::Image grey = Robot::image(now + 1.0, "mono8", 1, std::span(red).first(768));
+  ros::CameraInfo zoomed = camera_info(0.0);
+  zoomed.k[0] = zoomed.p[0] = 31.0;
+  robot.node.publish(robot.infos[0], zoomed);
+  EXPECT_TRUE(within(kPatience, [&] {
+    return node.fault(o.stereo.left_info).find("another calibration") != std::string::npos;
+  }));
+  robot.node.publish(robot.left, grey);
+  EXPECT_TRUE(within(kPatience, [&] {
+    return node.fault(o.stereo.left).find("of another calibration") != std::string::npos;
+  }));
+  EXPECT_EQ(inbox.count(SensorStream::kLeft).received, 1u);
+  robot.node.publish(robot.infos[0], camera_info(0.0));
+  EXPECT_TRUE(within(kPatience, [&] { return node.fault(o.stereo.left_info).empty(); }));
+  robot.node.publish(robot.left, grey);
+  EXPECT_TRUE(within(kPatience, [&] { return inbox.count(SensorStream::kLeft).received == 2; }));
 }
 
 }  // namespace

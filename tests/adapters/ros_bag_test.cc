@@ -250,6 +250,19 @@ TEST_F(RosBag, DamagedAndUnfinishedFiles) {
               HasSubstr("/stereo/left/image_raw message 0: the message ends early"));
 }
 
+TEST_F(RosBag, ACalibrationThatChangesOnTheWayIsRefused) {
+  std::vector<BagMessage> messages = stereo_messages();
+  std::string* last = nullptr;
+  for (BagMessage& m : messages) {
+    if (m.topic == "/stereo/left/camera_info") last = &m.bytes;
+  }
+  ASSERT_NE(last, nullptr);
+  *last = info_message(kStart, 0.0, 241.0, 320, 240);
+  EXPECT_THAT(refusal(write("a.mcap", test::mcap_of(messages, 7, "", plain, checksum))),
+              HasSubstr("/stereo/left/camera_info message " + std::to_string(kFrames - 1) +
+                        ": another calibration than the first one's"));
+}
+
 TEST_F(RosBag, TopicsThatAreGivenOrMissing) {
   std::vector<BagMessage> messages = stereo_messages();
   for (BagMessage& m : messages) {
