@@ -26,7 +26,8 @@ enum class MissionEnd {
   kTimeLimit,
   kLost,  ///< localization was lost and did not come back
   kCancelled,
-  kNotFit  ///< a check before the first motion has failed (preflight.h)
+  kNotFit  ///< a check before the first motion has failed (preflight.h), or the maps' resolution
+           ///< does not fit the planner (PlanFault::kMisfit)
 };
 
 std::string_view to_string(MissionEnd end);

@@ -64,6 +64,7 @@ bool MissionProgress::over_after(const MissionStep& step, Replanner& planner) {
   const Plan& plan = *step.plan;
   ++result.steps;
   if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
+  if (plan.fault == PlanFault::kMisfit) return over(MissionEnd::kNotFit, plan.detail);
   const bool done = plan.mode.kind == ModeKind::kDone;
   if (done && detour_) {
     detour_->hold();

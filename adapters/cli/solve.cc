@@ -73,6 +73,7 @@ NamedProblem capture(const Capture& wanted, const Configuration& configuration,
                      const Registries& registries, std::uint64_t seed, Progress& progress,
                      const std::function<bool()>& cancelled) {
   int steps_done = 0;
+  std::string no_problem;  // why the step has none
   NamedProblem named{wanted.name, nullptr, {}};
   ExplorationRunOptions options;
   options.seed = seed;
@@ -85,12 +86,17 @@ NamedProblem capture(const Capture& wanted, const Configuration& configuration,
                   std::to_string(std::lround(100.0 * record.coverage)) + " % explored");
     if (record.step != wanted.step) return;
     named.problem = planner.problem();
+    if (!named.problem) no_problem = record.certificate;
     // Every back end starts from the same point: the best seed.
     if (!planner.seeds().empty()) named.warm_start.x = planner.seeds().front().z;
   };
   options.cancelled = [&] { return steps_done > wanted.step || cancelled(); };
   run_exploration(wanted.world, configuration, options);
   progress.finish();
+  if (!no_problem.empty()) {
+    throw InputError("problem '" + wanted.name + "': the step has none: " + no_problem +
+                     "; expected another step");
+  }
   if (!named.problem && !cancelled()) {
     throw InputError("problem '" + wanted.name + "': the mission ends after " +
                      std::to_string(steps_done) + " steps; expected a step before that");

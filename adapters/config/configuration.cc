@@ -113,7 +113,7 @@ void check_sight(YamlMap robot, const Configuration& c) {
   if (!problem.empty()) robot.map("depth").map("mount").problem("position", problem);
 }
 
-/// What the simulated robot shares with the planned one.
+/// What the simulated robot shares with the planned one, and the planner with the map.
 void share_robot(Configuration& c) {
   c.simulator.shape = c.robot.shape;
   c.simulator.base_height = c.robot.base_height();
@@ -122,6 +122,7 @@ void share_robot(Configuration& c) {
   c.simulator.depth_mount = c.robot.depth_mount;
   c.simulator.features.stereo = c.robot.stereo;
   c.simulator.stereo_mount = c.robot.stereo_mount;
+  c.planner.map_resolution = c.simulator.mapping.resolution;
 }
 
 /// Returns the paths of settings that others have taken the place of.
@@ -307,6 +308,7 @@ Configuration read(StrictYaml yaml, const Registries& registries) {
   read_gazebo(root.map("gazebo"), c.gazebo);
   if (root.problem_count() == 0) check_sight(root.map("robot"), c);
   if (root.problem_count() == 0) {
+    share_robot(c);
     if (const std::string fault = task_problem(c); !fault.empty())
       root.map("task").problem("", fault);
     else if (const std::string unfit = planner_problem(c, registries); !unfit.empty())
@@ -314,7 +316,6 @@ Configuration read(StrictYaml yaml, const Registries& registries) {
   }
   yaml.finish();
 
-  share_robot(c);
   c.entries = yaml.entries();
   std::erase_if(c.entries, [&](const ConfigEntry& entry) {
     return std::find(replaced.begin(), replaced.end(), entry.path) != replaced.end();

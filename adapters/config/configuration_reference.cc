@@ -1,9 +1,12 @@
 #include "adapters/config/configuration_reference.h"
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include "adapters/config/configuration.h"
+#include "engine/maps/clearance_field.h"
+#include "engine/planner/planner_fit.h"
 #include "models/make_model.h"
 
 namespace prospect {
@@ -50,6 +53,30 @@ std::string configuration_reference() {
       "it. No unit: a pure number, a switch or a text. An unknown key, or a value out of its "
       "range, "
       "is an error that names the key, its line and what was expected (exit code 2).\n\n"
+      "Values that share arithmetic are judged together before the first step, with the numbers "
+      "and what would fit (exit code 2); a planner of one's own asks the same:\n\n"
+      "| Of | must hold |\n|---|---|\n"
+      "| `robot.depth.max_range`, `simulator.map_resolution` | 1 to " +
+      std::to_string(kMostRangeVoxels) +
+      " voxels |\n"
+      "| `simulator.mapping.z_min`, `z_max`, `simulator.map_resolution` | at most " +
+      std::to_string(kMostLayers) +
+      " layers of voxels; the body is between them |\n"
+      "| `robot.shape`, `planner.d_des`, `planner.drift_margin`, `simulator.map_resolution` | "
+      "radius + d_des + drift_margin + 0.2 m: at most " +
+      std::to_string(ClearanceField::kMostVoxels) + " voxels; of a multirotor " +
+      std::to_string(ClearanceField::kMostVoxelsInSpace) +
+      " |\n"
+      "| `planner.frontiers.window_radius`, `simulator.map_resolution` | at most " +
+      std::to_string(kMostWindow) +
+      " voxels |\n"
+      "| `robot.motion`, `planner.N`, `planner.dt` | the robot gets faster than 1 mm/s within the "
+      "horizon |\n"
+      "| `planner.M`, `robot.model` | knots times inputs: at most " +
+      std::to_string(kMostVariables) +
+      " variables |\n\n"
+      "How far the robot can get, `v_max` N dt and its braking distance, needs no limit: memory "
+      "follows what is known of the world.\n\n"
       "This page is made by `prospect config --reference > docs/reference/configuration.md` from "
       "the descriptions by which the program reads and checks; do not edit it.\n\n";
   std::vector<std::string> groups;

@@ -27,7 +27,6 @@ constexpr std::size_t kMostTerms = 1000;
 constexpr int kVersionWithoutZones = 2;
 constexpr int kVersionWithoutAddedTerms = 3;
 constexpr int kVersionWithoutScale = 4;
-constexpr double kMostFieldNodes = 25e6;
 constexpr double kMostTableEntries = 50e6;
 constexpr double kMostRaySteps = 5e9;
 constexpr int kMostStages = 1000;
@@ -265,7 +264,7 @@ void clearance_field(Archive& a, ProblemSpecification& r) {
   a.group("clearance_field", [&] {
     ClearanceField::Options& o = r.clearance_field;
     a.numbers("center", r.clearance_center.data(), {3});
-    a.number("reach", o.reach, 0.0, 1e4);
+    a.number("reach", o.reach, 0.0);
     a.number("cutoff", o.cutoff, 0.0, 1e4);
     a.number("margin", o.margin);
     a.flag("vertical", o.vertical);
@@ -273,12 +272,13 @@ void clearance_field(Archive& a, ProblemSpecification& r) {
     a.numbers("slice", slice, {2});
     o.slice = {slice[0], slice[1]};
     a.number("vertical_reach", o.vertical_reach, 0.0, 1e4);
-    const double side = 2.0 * (o.reach + o.cutoff) / r.voxels->resolution() + 6.0;
-    const double height =
-        o.vertical ? 2.0 * (o.vertical_reach + o.cutoff) / r.voxels->resolution() + 6.0 : 1.0;
-    if (side * side * height > kMostFieldNodes) {
-      a.refuse("", std::to_string(side * side * height) + " cells in the window",
-               "at most 25 million");
+    // What is stored of the window follows the map (clearance_field.h).
+    if (!ClearanceField::reaches(o.cutoff, r.voxels->resolution(), o.vertical)) {
+      a.refuse("cutoff", "is " + std::to_string(o.cutoff) + " m",
+               "1 to " +
+                   std::to_string(o.vertical ? ClearanceField::kMostVoxelsInSpace
+                                             : ClearanceField::kMostVoxels) +
+                   " voxels");
     }
   });
 }

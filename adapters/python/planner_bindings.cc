@@ -340,6 +340,9 @@ void bind_plan(py::module_& m) {
       .def_readonly("why", &Plan::why, "The same in a sentence.")
       .def_readonly("detail", &Plan::detail, "Why it is a stop, in one sentence.")
       .def_property_readonly(
+          "fault", [](const Plan& p) { return std::string(to_string(p.fault)); },
+          "Why the step made nothing but a stop: 'none', 'belief', 'misfit' or 'error'.")
+      .def_property_readonly(
           "times_ms", [](const Plan& p) { return times_of(p.times); },
           "dict: wall-clock time of each part [ms].")
       .def_property_readonly(

@@ -152,6 +152,9 @@ void check_drives(const Configuration& configuration) {
                                 "', which flies; expected a model that drives, as frontiers and "
                                 "the simulator are planar");
   }
+  if (const std::string misfit = simulator_misfit(configuration.simulator); !misfit.empty()) {
+    throw std::invalid_argument(misfit);
+  }
 }
 
 }  // namespace prospect

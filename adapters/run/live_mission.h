@@ -84,7 +84,8 @@ MissionOptions mission_options_for(const Configuration& configuration,
 std::unique_ptr<Replanner> planner_for(const Configuration& configuration,
                                        const ExplorationRunOptions& options);
 
-/// Throws std::invalid_argument unless the model drives on the ground.
+/// Throws std::invalid_argument unless the model drives on the ground, and what its sensor measures
+/// fits the map (simulator_misfit()).
 void check_drives(const Configuration& configuration);
 
 }  // namespace prospect

@@ -289,13 +289,12 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
       candidate_records(plan, planner && options.keep_steps ? planner->problem().get() : nullptr,
                         *configuration.robot.model);
   if (planner) {
-    const std::vector<Landmark>& landmarks = planner->landmarks();
-    const Eigen::VectorXd& visibility = planner->landmark_visibility();
+    const std::vector<ConsideredLandmark>& landmarks = planner->step()->landmarks;
     r.landmarks.reserve(landmarks.size());
-    for (std::size_t i = 0; i < landmarks.size(); ++i) {
-      r.landmarks.push_back({static_cast<float>(landmarks[i].position.x()),
-                             static_cast<float>(landmarks[i].position.y()),
-                             static_cast<float>(visibility[static_cast<Eigen::Index>(i)])});
+    for (const ConsideredLandmark& considered : landmarks) {
+      const Eigen::Vector3d& position = considered.landmark.position;
+      r.landmarks.push_back({static_cast<float>(position.x()), static_cast<float>(position.y()),
+                             static_cast<float>(considered.visibility)});
     }
   }
   r.map_changes = map_changes.since_last(*belief.ground);

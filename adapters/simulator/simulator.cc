@@ -23,21 +23,13 @@ std::shared_ptr<const World> not_null(std::shared_ptr<const World> world) {
   return world;
 }
 
-OccupancyMapperOptions mapping_options(const SimulatorOptions& options) {
+OccupancyMapperOptions checked_mapping_options(const SimulatorOptions& options) {
   check_knobs("simulator", options);
   check_finite("simulator", "base_height", options.base_height);
-  OccupancyMapperOptions mapping = options.mapping;
-  const VerticalExtent slice = body_slice(options.shape, options.base_height);
-  // What is not mapped at the heights of the body could be driven into.
-  check_parameter(slice.z_min >= mapping.z_min && slice.z_max <= mapping.z_max, "simulator",
-                  "the top of the body", slice.z_max,
-                  "a body between " + std::to_string(mapping.z_min) + " and " +
-                      std::to_string(mapping.z_max) + " m, the heights that are mapped");
-  mapping.slice.z_min = slice.z_min;
-  mapping.slice.z_max = slice.z_max;
-  mapping.slice.sight = options.base_height + options.depth_mount.T_BC.translation().z();
-  mapping.max_range = options.depth.footprint.max_range;
-  return mapping;
+  if (const std::string misfit = simulator_misfit(options); !misfit.empty()) {
+    throw std::invalid_argument("simulator: " + misfit);
+  }
+  return mapping_options(options);
 }
 
 /// Where B's origin starts: a world's start is a place on the floor.
@@ -66,7 +58,7 @@ struct Simulator::Impl {
   Impl(std::shared_ptr<const World> w, const SimulatorOptions& o)
       : world(not_null(std::move(w))),
         options(o),
-        mapping(mapping_options(o)),
+        mapping(checked_mapping_options(o)),
         robot(*world, o.shape, o.actuation, start_of(*world, o),
               stream_seed(o.seed, NoiseStream::kActuation)),
         seen(*world, mapping.slice) {

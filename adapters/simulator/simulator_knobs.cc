@@ -10,6 +10,7 @@
 #include "adapters/simulator/simulated_base_options.h"
 #include "adapters/simulator/simulator_options.h"
 #include "models/knobs.h"
+#include "models/range_text.h"
 
 namespace prospect {
 
@@ -133,6 +134,32 @@ void describe(Knobs& knobs, SimulatorOptions& o) {
   knobs.group("landmarks", [&] { describe(knobs, o.landmarks); });
   knobs.group("mapping", [&] { describe(knobs, o.mapping); });
   knobs.group("camera", [&] { describe(knobs, o.camera); });
+}
+
+OccupancyMapperOptions mapping_options(const SimulatorOptions& options) {
+  OccupancyMapperOptions mapping = options.mapping;
+  const VerticalExtent slice = body_slice(options.shape, options.base_height);
+  mapping.slice.z_min = slice.z_min;
+  mapping.slice.z_max = slice.z_max;
+  mapping.slice.sight = options.base_height + options.depth_mount.T_BC.translation().z();
+  mapping.max_range = options.depth.footprint.max_range;
+  return mapping;
+}
+
+std::string simulator_misfit(const SimulatorOptions& options) {
+  const OccupancyMapperOptions mapping = mapping_options(options);
+  // What is not mapped at the heights of the body could be driven into.
+  if (!(mapping.slice.z_min >= mapping.z_min && mapping.slice.z_max <= mapping.z_max)) {
+    return "the body is at heights from " + exact_text(mapping.slice.z_min) + " to " +
+           exact_text(mapping.slice.z_max) + " m; expected it between simulator.mapping.z_min, " +
+           exact_text(mapping.z_min) + " m, and z_max, " + exact_text(mapping.z_max) +
+           " m, the heights that are mapped";
+  }
+  if (const std::string range = range_misfit(mapping); !range.empty()) {
+    return "robot.depth." + range;
+  }
+  const std::string layers = layers_misfit(mapping);
+  return layers.empty() ? "" : "simulator.mapping." + layers;
 }
 
 void describe(Knobs& knobs, SimulatedBaseOptions& o) {

@@ -4,6 +4,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <string>
 #include <string_view>
 
 #include "adapters/simulator/camera_rig.h"
@@ -91,13 +92,20 @@ struct SimulatorOptions {
 
   CameraSensorsOptions camera;
 
-  /// What becomes of a scan, in B, taken at `stamp` [s], before it is entered in the map, of sensors
-  /// that are a model: a fault on purpose. Empty: nothing.
+  /// What becomes of a scan, in B, taken at `stamp` [s], before it is entered in the map, of
+  /// sensors that are a model: a fault on purpose. Empty: nothing.
   std::function<void(double stamp, DepthScan& scan)> distort_scan{};
 };
 
 /// The knobs (models/knobs.h): all that does not come from the robot, the world or the command
 /// line.
 void describe(Knobs& knobs, SimulatorOptions& options);
+
+/// `mapping`, with what it takes from the robot.
+OccupancyMapperOptions mapping_options(const SimulatorOptions& options);
+/// What of robot and map does not fit together (range_misfit(), layers_misfit()): "" or the keys,
+/// the numbers, and what would fit. The Simulator's constructor asks it, and so does every mission
+/// before it begins.
+std::string simulator_misfit(const SimulatorOptions& options);
 
 }  // namespace prospect

@@ -334,10 +334,12 @@ void add_what_is_seen(const World& world, const ReachableAreaOptions& options,
 
   const double radius = options.range / r * (1.0 + kSlack);
   const int reach = static_cast<int>(std::floor(radius));
-  std::vector<Cell> disc;  // offsets within range, nearest first
-  for (int dj = -reach; dj <= reach; ++dj) {
-    for (int di = -reach; di <= reach; ++di) {
-      if (std::hypot(di, dj) <= radius) disc.push_back({di, dj});
+  constexpr int kNear = 20;  // [cells]
+  const double nearby = std::min<double>(radius, kNear);
+  std::vector<Cell> disc;  // offsets of what is nearby, nearest first
+  for (int dj = -kNear; dj <= kNear; ++dj) {
+    for (int di = -kNear; di <= kNear; ++di) {
+      if (std::hypot(di, dj) <= nearby) disc.push_back({di, dj});
     }
   }
   const auto nearer = [](const Cell& a, const Cell& b) {
@@ -359,7 +361,6 @@ void add_what_is_seen(const World& world, const ReachableAreaOptions& options,
     // finding what can be lit at all.
     int tries = 24;
     for (const Cell& offset : disc) {
-      if (offset.i * offset.i + offset.j * offset.j > 400) break;
       const Cell from{h.i + offset.i, h.j + offset.j};
       if (standing.get(from, 0) == 0) continue;
       if (sees(from, h)) return true;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <new>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -161,26 +162,72 @@ Weights spline_weights(double position, double spacing, int nodes) {
   return r;
 }
 
+/// Along an axis, the lattice's nodes from `first` to `last`, by address in the world.
+struct Nodes {
+  double first, last;
+};
+
+// One node beyond the outermost position on either side: the spline's support is 1.5 spacings.
+Nodes nodes_around(double center, double reach, double spacing) {
+  return {std::floor((center - reach) / spacing) - 1.0,
+          std::ceil((center + reach) / spacing) + 1.0};
+}
+
+/// Those of them within `range` of [low, high], and some more: a node within a wall takes its
+/// neighbours' views, and the outermost positions are three nodes' affair. Three nodes at least.
+Nodes within(const Nodes& all, double low, double high, double range, double spacing) {
+  constexpr double kMore = 6.0, kLeast = 2.0;
+  const double first = std::clamp(std::floor((low - range) / spacing) - kMore, all.first,
+                                  std::max(all.first, all.last - kLeast));
+  const double last = std::clamp(std::ceil((high + range) / spacing) + kMore, first + kLeast,
+                                 std::max(first + kLeast, all.last));
+  return {first, last};
+}
+
+void set_axis(const Nodes& nodes, double spacing, double& origin, int& count) {
+  constexpr double kMost = 1e9;
+  origin = nodes.first * spacing;
+  count = static_cast<int>(std::min(nodes.last - nodes.first, kMost)) + 1;
+}
+
 }  // namespace
 
 SensorLattice SensorLattice::around(const Eigen::Vector3d& center, double reach, double spacing,
                                     bool vertical) {
   SensorLattice l;
   l.spacing = spacing;
-  const auto span = [&](double c, double& origin, int& n) {
-    // One node beyond the outermost position on either side: the spline's support is 1.5 spacings.
-    const double first = std::floor((c - reach) / spacing) - 1.0;
-    const double last = std::ceil((c + reach) / spacing) + 1.0;
-    origin = first * spacing;
-    n = static_cast<int>(last - first) + 1;
+  set_axis(nodes_around(center.x(), reach, spacing), spacing, l.origin.x(), l.nx);
+  set_axis(nodes_around(center.y(), reach, spacing), spacing, l.origin.y(), l.ny);
+  l.origin.z() = center.z();
+  if (vertical) set_axis(nodes_around(center.z(), reach, spacing), spacing, l.origin.z(), l.nz);
+  return l;
+}
+
+SensorLattice SensorLattice::around(const Eigen::Vector3d& center, double reach, double spacing,
+                                    bool vertical, const std::vector<Eigen::Vector3d>& points,
+                                    double range) {
+  const auto fits = [&](const SensorLattice& l) {
+    return static_cast<double>(l.nx) * l.ny * l.nz * static_cast<double>(points.size() + 8) <=
+           kMostEntries;
   };
-  span(center.x(), l.origin.x(), l.nx);
-  span(center.y(), l.origin.y(), l.ny);
-  if (vertical) {
-    span(center.z(), l.origin.z(), l.nz);
-  } else {
-    l.origin.z() = center.z();
-    l.nz = 1;
+  SensorLattice l = around(center, reach, spacing, vertical);
+  if (fits(l)) return l;
+  Eigen::Vector3d low = center, high = center;
+  if (!points.empty()) low = high = points.front();
+  for (const Eigen::Vector3d& p : points) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const auto axis = [&](int a, double& origin, int& count) {
+    set_axis(within(nodes_around(center[a], reach, l.spacing), low[a], high[a], range, l.spacing),
+             l.spacing, origin, count);
+  };
+  constexpr int kDoublings = 60;
+  for (int n = 0; n < kDoublings; ++n, l.spacing *= 2.0) {
+    axis(0, l.origin.x(), l.nx);
+    axis(1, l.origin.y(), l.ny);
+    if (vertical) axis(2, l.origin.z(), l.nz);
+    if (fits(l)) break;
   }
   return l;
 }
@@ -225,6 +272,11 @@ void OcclusionTable::prepare(const VoxelGrid& voxels, const OcclusionTable* prev
                                 std::to_string(l.ny) + " x " + std::to_string(l.nz) +
                                 " nodes; expected at least 3 x 3 x (1 or at least 3)");
   }
+  if (static_cast<double>(l.nx) * l.ny * l.nz > kMostNodes) {
+    throw std::invalid_argument("occlusion table: lattice of " + std::to_string(l.nx) + " x " +
+                                std::to_string(l.ny) + " x " + std::to_string(l.nz) +
+                                " nodes; expected at most " + std::to_string(kMostNodes));
+  }
   for (const Eigen::Vector3d& p : points_) {
     if (!p.allFinite()) {
       throw std::invalid_argument("occlusion table: a point is not finite; expected [m] in W");
@@ -234,7 +286,9 @@ void OcclusionTable::prepare(const VoxelGrid& voxels, const OcclusionTable* prev
   stride_ = (num_points() + kPadding - 1) / kPadding * kPadding;
   const std::size_t nodes = static_cast<std::size_t>(l.nx) * static_cast<std::size_t>(l.ny) *
                             static_cast<std::size_t>(l.nz);
-  table_.assign(nodes * static_cast<std::size_t>(stride_), 0.0f);
+  table_.reset(static_cast<float*>(std::calloc(
+      std::max<std::size_t>(nodes * static_cast<std::size_t>(stride_), 1), sizeof(float))));
+  if (!table_) throw std::bad_alloc();
   in_wall_.assign(nodes, 0);
   rows_ = std::make_unique<std::atomic<Row>[]>(nodes);
   for (int c = 0; c < l.nz; ++c) {
@@ -313,8 +367,8 @@ void OcclusionTable::take_over(const VoxelGrid& voxels, const OcclusionTable& pr
             previous.rows_[old].load(std::memory_order_acquire) != Row::kReady) {
           continue;
         }
-        const float* old_row = previous.table_.data() + previous.row(oa, ob, oc);
-        float* out = table_.data() + row(a, b, c);
+        const float* old_row = previous.table_.get() + previous.row(oa, ob, oc);
+        float* out = table_.get() + row(a, b, c);
         const Eigen::Vector3d from = node_position(a, b, c);
         const Cell here = changed ? changed->tile_at(from) : Cell();
         bool all = true;
@@ -365,7 +419,7 @@ void OcclusionTable::cast_rays(int a, int b, int c, bool partial) const {
   std::array<VoxelGrid::Ray, kAtOnce> rays;
   std::size_t count = 0;
   const Eigen::Vector3d from = node_position(a, b, c);
-  float* out = table_.data() + row(a, b, c);
+  float* out = table_.get() + row(a, b, c);
   const auto cast = [&] {
     cast_in_->cast_many(from, ends.data(), static_cast<int>(count), options_.trim, rays.data());
     for (std::size_t n = 0; n < count; ++n) {
@@ -397,7 +451,7 @@ void OcclusionTable::cast_rays(int a, int b, int c, bool partial) const {
 // Its neighbours in walls are left out, so that no row waits for a row that waits for it.
 void OcclusionTable::mean_of_neighbours(int a, int b, int c) const {
   const SensorLattice& l = lattice_;
-  float* out = table_.data() + row(a, b, c);
+  float* out = table_.get() + row(a, b, c);
   int count = 0;
   for (int z = std::max(c - 1, 0); z <= std::min(c + 1, l.nz - 1); ++z) {
     for (int y = std::max(b - 1, 0); y <= std::min(b + 1, l.ny - 1); ++y) {

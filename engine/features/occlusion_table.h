@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <vector>
 
@@ -23,6 +24,15 @@ struct SensorLattice {
   /// interpolation needs. nz > 1 only with vertical = true.
   static SensorLattice around(const Eigen::Vector3d& center, double reach, double spacing,
                               bool vertical = false);
+  /// The same where a table of it holds at most kMostEntries, nodes times points. A larger one is
+  /// without what lies so much farther than `range` [m] from all of `points` that a table of that
+  /// max_range is zero there: it follows what there is to see, however far the sensor could get,
+  /// and probabilities are the same, to rounding. If that is still too much, the spacing is doubled
+  /// until it is not.
+  static SensorLattice around(const Eigen::Vector3d& center, double reach, double spacing,
+                              bool vertical, const std::vector<Eigen::Vector3d>& points,
+                              double range);
+  static constexpr double kMostEntries = 5e7;
 };
 
 /// P_unoccluded of many points, as a smooth function of the sensor's position.
@@ -39,7 +49,8 @@ struct SensorLattice {
 ///
 /// A node's rays are cast when a position near it is first asked for: the candidates of a planning
 /// step come near three nodes in ten. What is written then is what would have been written at any
-/// other time, so that nothing but the time of an evaluation depends on it.
+/// other time, so that nothing but the time of an evaluation depends on it. Memory is taken by rows
+/// that were cast, and 2 bytes a node.
 ///
 /// A node inside an occupied voxel has no view of its own; it takes the mean row of its neighbours
 /// (at most 8, or 26 with nz > 1) that are not inside one, so that a sensor beside a wall is not
@@ -60,9 +71,12 @@ class OcclusionTable {
     friend bool operator==(const Options&, const Options&) = default;
   };
 
+  /// Nodes that a table may have.
+  static constexpr int kMostNodes = 100'000'000;
+
   /// All rays are cast at once; `voxels` need not outlive the call. Throws std::invalid_argument
-  /// for a lattice of fewer than 3 nodes along x or y (along z: 1, or at least 3), a spacing that
-  /// is not positive, or non-finite points.
+  /// for a lattice of fewer than 3 nodes along x or y (along z: 1, or at least 3) or more than
+  /// kMostNodes in all, a spacing that is not positive, or non-finite points.
   OcclusionTable(const SensorLattice& lattice, std::vector<Eigen::Vector3d> points,
                  const VoxelGrid& voxels, const Options& options);
 
@@ -110,7 +124,7 @@ class OcclusionTable {
   /// The row of a node, complete.
   const float* complete_row(int a, int b, int c) const {
     if (rows_[node(a, b, c)].load(std::memory_order_acquire) != Row::kReady) complete(a, b, c);
-    return table_.data() + row(a, b, c);
+    return table_.get() + row(a, b, c);
   }
   void complete(int a, int b, int c) const;
   void cast_rays(int a, int b, int c, bool partial) const;
@@ -137,7 +151,11 @@ class OcclusionTable {
   int stride_ = 0;                           // floats per node row, padded
   std::vector<std::uint8_t> in_wall_;        // per node: inside an occupied voxel
   // Written by complete() alone, a row by the thread that has made it kBusy.
-  mutable std::vector<float> table_;  // node-major, x fastest
+  struct Free {
+    void operator()(float* memory) const { std::free(memory); }
+  };
+  // Node-major, x fastest. Zeros of the system, which cost nothing where nobody writes.
+  std::unique_ptr<float[], Free> table_;
   std::unique_ptr<std::atomic<Row>[]> rows_;
   mutable std::atomic<std::int64_t> rays_cast_ = 0;
   OcclusionKernel kernel_ = occlusion_kernel(best_instruction_set());

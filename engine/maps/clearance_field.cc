@@ -10,21 +10,36 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <tuple>
+#include <utility>
 
 namespace prospect {
 namespace {
 
-// Squared offsets are counted in half voxels and kept in 16 bits, eight to a vector register:
-// kFar + (2 kMaxHalo - 1)^2 must not overflow.
-constexpr std::int16_t kFar = 20000;
-constexpr int kMaxHalo = 50;
+// Squared gaps are counted in half voxels. Up to this halo they are kept in 16 bits, eight to a
+// vector register: far_gap + (2 halo - 1)^2 must not overflow.
+constexpr int kShortHalo = 50;
+template <typename T>
+constexpr T far_gap = 1'000'000'000;
+template <>
+constexpr std::int16_t far_gap<std::int16_t> = 20000;
+constexpr double kMostReach = 1e8;  // [voxels]: so that addresses are integers
 // Rings of nodes beyond the reach: two for the spline's support and the correction's stencil.
 constexpr int kRing = 2;
 
 /// Squared gap, in half voxels, between a voxel's centre and the voxel `a` further along one axis.
-std::int16_t squared_gap(int a) {
+int squared_gap(int a) {
   const int gap = std::max(0, 2 * std::abs(a) - 1);
-  return static_cast<std::int16_t>(gap * gap);
+  return gap * gap;
+}
+
+/// [first, end) cut to what [low, high] touches of it; where they do not meet, the one entry of it
+/// that is nearest.
+void cut(int& first, int& count, std::int64_t low, std::int64_t high) {
+  const std::int64_t last = std::int64_t{first} + count - 1;
+  const std::int64_t from = std::clamp<std::int64_t>(low, first, last);
+  count = static_cast<int>(std::clamp(high, from, last) - from + 1);
+  first = static_cast<int>(from);
 }
 
 void require(bool condition, const std::string& message) {
@@ -40,10 +55,12 @@ ClearanceField::ClearanceField(const Eigen::Vector3d& center, const VoxelGrid& v
   const double r = voxels.resolution();
   require(center.allFinite() && center.cwiseAbs().maxCoeff() < 1e6,
           "the centre is not finite or beyond 1000 km; expected one within");
-  require(options.reach > 0.0 && options.reach / r < 2000.0,
-          "reach is " + std::to_string(options.reach) + " m; expected within (0, 2000 voxels)");
-  require(options.cutoff >= r && options.cutoff <= (kMaxHalo - 1) * r,
-          "cutoff is " + std::to_string(options.cutoff) + " m; expected between 1 and 49 voxels");
+  require(options.reach > 0.0 && std::isfinite(options.reach),
+          "reach is " + std::to_string(options.reach) + " m; expected a finite one above 0");
+  require(reaches(options.cutoff, r, options.vertical),
+          "cutoff is " + std::to_string(options.cutoff) + " m; expected between 1 and " +
+              std::to_string(options.vertical ? kMostVoxelsInSpace : kMostVoxels) + " voxels of " +
+              std::to_string(r) + " m");
   require(std::isfinite(options.margin), "margin is not finite; expected a finite number");
   require(ground.frame().resolution == r,
           "ground map and voxels differ in resolution; expected the same");
@@ -59,25 +76,28 @@ ClearanceField::ClearanceField(const Eigen::Vector3d& center, const VoxelGrid& v
   }
 
   halo_ = static_cast<int>(std::floor(options.cutoff / r + 0.5));
-  const auto lowest = [&](double c, double reach) {
-    return static_cast<int>(std::floor((c - reach) / r)) - kRing;
+  // Along an axis: the lowest node of a window, and how many there are.
+  const auto span = [r](double c, double reach) {
+    const int lowest = static_cast<int>(std::floor((c - reach) / r)) - kRing;
+    return std::pair(lowest, static_cast<int>(std::floor((c + reach) / r)) + kRing + 1 - lowest);
   };
-  const auto count = [&](double c, double reach) {
-    return static_cast<int>(std::floor((c + reach) / r)) + kRing + 1 - lowest(c, reach);
+  if (options.vertical) std::tie(k0_, depth_) = span(center.z(), options.vertical_reach);
+  const auto place = [&](double reach) {
+    window_.resolution = r;
+    std::tie(window_.i0, window_.width) = span(center.x(), reach);
+    std::tie(window_.j0, window_.height) = span(center.y(), reach);
+    nodes_ = stored_part(voxels, ground);
   };
-  nodes_.resolution = r;
-  nodes_.i0 = lowest(center.x(), options.reach);
-  nodes_.j0 = lowest(center.y(), options.reach);
-  nodes_.width = count(center.x(), options.reach);
-  nodes_.height = count(center.y(), options.reach);
+  place(std::min(options.reach, kMostReach * r));
+  if (double{1} * nodes_.width * nodes_.height * depth_ > kMostNodes) {
+    place(r * (0.5 * std::sqrt(kMostNodes / static_cast<double>(depth_)) - kRing - 1.0));
+  }
   cells_ = nodes_;
   cells_.i0 -= halo_;
   cells_.j0 -= halo_;
   cells_.width += 2 * halo_;
   cells_.height += 2 * halo_;
   if (options.vertical) {
-    k0_ = lowest(center.z(), options.vertical_reach);
-    depth_ = count(center.z(), options.vertical_reach);
     cells_k0_ = k0_ - halo_;
     cells_depth_ = depth_ + 2 * halo_;
   }
@@ -90,9 +110,47 @@ ClearanceField::ClearanceField(const Eigen::Vector3d& center, const VoxelGrid& v
   } else {
     measure_offsets();
   }
-  transform();
+  if (halo_ <= kShortHalo) {
+    transform<std::int16_t>();
+  } else {
+    transform<std::int32_t>();
+  }
   if (options.zones != nullptr && options.zones->num_forbidden() > 0) keep_out();
   correct();
+}
+
+GridFrame ClearanceField::stored_part(const VoxelGrid& voxels, const GroundMap& ground) const {
+  std::int64_t low[2], high[2];
+  const auto take = [&](const GridFrame& f) {
+    low[0] = f.i0;
+    low[1] = f.j0;
+    high[0] = std::int64_t{f.i0} + f.width - 1;
+    high[1] = std::int64_t{f.j0} + f.height - 1;
+  };
+  take(voxels.frame());
+  const auto include = [&](int axis, std::int64_t from, std::int64_t to) {
+    low[axis] = std::min(low[axis], from);
+    high[axis] = std::max(high[axis], to);
+  };
+  const GridFrame& g = ground.frame();
+  if (options_.obstacles == Obstacles::kOccupiedAndUnknown && !options_.vertical && g.size() > 0) {
+    include(0, g.i0, std::int64_t{g.i0} + g.width - 1);
+    include(1, g.j0, std::int64_t{g.j0} + g.height - 1);
+  }
+  if (options_.zones != nullptr && options_.zones->num_forbidden() > 0) {
+    const auto [from, to] = options_.zones->forbidden_box();
+    for (int axis = 0; axis < 2; ++axis) {
+      include(axis, std::llround(from[axis] / window_.resolution) - 1,
+              std::llround(to[axis] / window_.resolution) + 1);
+    }
+  }
+  // Nodes farther than the halo are all alike, and so are the coefficients of those whose
+  // neighbours are, too: the border's is that of all beyond.
+  const int around = halo_ + 2;
+  GridFrame part = window_;
+  cut(part.i0, part.width, low[0] - around, high[0] + around);
+  cut(part.j0, part.height, low[1] - around, high[1] + around);
+  return part;
 }
 
 void ClearanceField::gather(const VoxelGrid& voxels, const GroundMap& ground) {
@@ -162,18 +220,20 @@ void ClearanceField::measure_offsets() {
   }
 }
 
+template <typename T>
 void ClearanceField::transform() {
+  constexpr T kFar = far_gap<T>;
   const int M = halo_;
   const int D = depth_;
   const std::size_t node_row = static_cast<std::size_t>(nodes_.width) * static_cast<std::size_t>(D);
   const std::size_t wide_row = static_cast<std::size_t>(cells_.width) * static_cast<std::size_t>(D);
   const std::size_t shift = static_cast<std::size_t>(D);  // one voxel along x
   values_.resize(static_cast<std::size_t>(nodes_.size()) * static_cast<std::size_t>(D));
-  std::vector<std::int16_t> along_z(wide_row), below(static_cast<std::size_t>(cells_depth_));
-  std::vector<std::int16_t> along_x(node_row * static_cast<std::size_t>(cells_.height));
-  std::vector<std::int16_t> nearest(node_row);
-  std::vector<std::int16_t> gap2(static_cast<std::size_t>(M) + 1);
-  for (int a = 0; a <= M; ++a) gap2[static_cast<std::size_t>(a)] = squared_gap(a);
+  std::vector<T> along_z(wide_row), below(static_cast<std::size_t>(cells_depth_));
+  std::vector<T> along_x(node_row * static_cast<std::size_t>(cells_.height));
+  std::vector<T> nearest(node_row);
+  std::vector<T> gap2(static_cast<std::size_t>(M) + 1);
+  for (int a = 0; a <= M; ++a) gap2[static_cast<std::size_t>(a)] = static_cast<T>(squared_gap(a));
 
   // Separable exact transform: the squared gap to the nearest voxel of the wanted kind is a minimum
   // over x of (a minimum over y of (a minimum over z)). First to solid voxels, for nodes outside;
@@ -184,11 +244,11 @@ void ClearanceField::transform() {
           solid_.data() + static_cast<std::ptrdiff_t>(j) * cells_.width * cells_depth_;
       if (cells_depth_ == 1) {
         for (std::size_t n = 0; n < wide_row; ++n) {
-          along_z[n] = solid[n] == wanted ? std::int16_t{0} : kFar;
+          along_z[n] = solid[n] == wanted ? T{0} : kFar;
         }
       } else {
         for (int i = 0; i < cells_.width; ++i, solid += cells_depth_) {
-          std::int16_t* out = along_z.data() + static_cast<std::ptrdiff_t>(i) * D;
+          T* out = along_z.data() + static_cast<std::ptrdiff_t>(i) * D;
           // Most columns are of one kind throughout.
           const auto depth = static_cast<std::size_t>(cells_depth_);
           if (std::memchr(solid, wanted, depth) == nullptr) {
@@ -196,14 +256,13 @@ void ClearanceField::transform() {
             continue;
           }
           if (std::memchr(solid, 1 - wanted, depth) == nullptr) {
-            std::fill_n(out, D, std::int16_t{0});
+            std::fill_n(out, D, T{0});
             continue;
           }
           int last = -2 * M;
           for (int k = 0; k < cells_depth_; ++k) {
             if (solid[k] == wanted) last = k;
-            below[static_cast<std::size_t>(k)] =
-                static_cast<std::int16_t>(std::min(k - last, M + 1));
+            below[static_cast<std::size_t>(k)] = static_cast<T>(std::min(k - last, M + 1));
           }
           int next = cells_depth_ + 2 * M;
           for (int k = cells_depth_ - 1; k >= M; --k) {
@@ -214,13 +273,13 @@ void ClearanceField::transform() {
           }
         }
       }
-      std::int16_t* out = along_x.data() + static_cast<std::size_t>(j) * node_row;
+      T* out = along_x.data() + static_cast<std::size_t>(j) * node_row;
       std::fill_n(out, node_row, kFar);
       for (int a = -M; a <= M; ++a) {
-        const std::int16_t add = gap2[static_cast<std::size_t>(std::abs(a))];
-        const std::int16_t* in = along_z.data() + static_cast<std::size_t>(M + a) * shift;
+        const T add = gap2[static_cast<std::size_t>(std::abs(a))];
+        const T* in = along_z.data() + static_cast<std::size_t>(M + a) * shift;
         for (std::size_t n = 0; n < node_row; ++n) {
-          const auto sum = static_cast<std::int16_t>(in[n] + add);
+          const auto sum = static_cast<T>(in[n] + add);
           out[n] = std::min(out[n], sum);
         }
       }
@@ -230,10 +289,10 @@ void ClearanceField::transform() {
     for (int j = 0; j < nodes_.height; ++j) {
       std::fill(nearest.begin(), nearest.end(), kFar);
       for (int b = -M; b <= M; ++b) {
-        const std::int16_t add = gap2[static_cast<std::size_t>(std::abs(b))];
-        const std::int16_t* in = along_x.data() + static_cast<std::size_t>(j + M + b) * node_row;
+        const T add = gap2[static_cast<std::size_t>(std::abs(b))];
+        const T* in = along_x.data() + static_cast<std::size_t>(j + M + b) * node_row;
         for (std::size_t n = 0; n < node_row; ++n) {
-          const auto sum = static_cast<std::int16_t>(in[n] + add);
+          const auto sum = static_cast<T>(in[n] + add);
           nearest[n] = std::min(nearest[n], sum);
         }
       }
@@ -294,8 +353,11 @@ double ClearanceField::distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradi
     return std::numeric_limits<double>::quiet_NaN();
   }
   const double r = nodes_.resolution;
-  const int low[3] = {nodes_.i0, nodes_.j0, k0_};
-  const int size[3] = {nodes_.width, nodes_.height, depth_};
+  const int low[3] = {window_.i0, window_.j0, k0_};
+  const int size[3] = {window_.width, window_.height, depth_};
+  // Of the window, what is stored; beyond it all is as at its border.
+  const int skipped[3] = {nodes_.i0 - window_.i0, nodes_.j0 - window_.j0, 0};
+  const int stored[3] = {nodes_.width, nodes_.height, depth_};
   const std::ptrdiff_t stride[3] = {depth_, static_cast<std::ptrdiff_t>(depth_) * nodes_.width, 1};
   std::ptrdiff_t offset[3][3];
   double weight[3][3], slope[3][3];
@@ -319,7 +381,7 @@ double ClearanceField::distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradi
     slope[a][1] = -2.0 * t;
     slope[a][2] = t + 0.5;
     for (int n = 0; n < 3; ++n) {
-      offset[a][n] = std::clamp(base + n - 1, 0, size[a] - 1) * stride[a];
+      offset[a][n] = std::clamp(base + n - 1 - skipped[a], 0, stored[a] - 1) * stride[a];
     }
   }
 

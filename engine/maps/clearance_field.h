@@ -42,8 +42,11 @@ namespace prospect {
 /// overstatement remains is measured in docs/results/obstacles.md; the Certificate does not rely on
 /// this field.
 ///
-/// Beyond the lattice d continues with the value at the border, less sqrt(s^2 + h^2) - h with s the
+/// Beyond the window d continues with the value at the border, less sqrt(s^2 + h^2) - h with s the
 /// distance to it: distance being 1-Lipschitz, that is a lower bound up to the smoothing h.
+///
+/// Beyond what is known, by more than the cutoff, f is the same everywhere. Nodes there are not
+/// stored; a window may be far larger than the map.
 ///
 /// The lattice is world-aligned, so nodes of consecutive fields coincide, and a node's value
 /// depends only on the voxels within the cutoff: it is bit for bit the same in every window. The
@@ -59,10 +62,11 @@ class ClearanceField {
   enum class Obstacles { kOccupied, kOccupiedAndUnknown };
 
   struct Options {
-    double reach = 4.6;  ///< half width of the window in x and y (3-D: also z) [m]
-    double cutoff =
-        0.8;  ///< distances are exact up to here and saturate beyond [m]; must exceed the
-              ///< body's largest bounding radius by the clearance that terms ask for
+    /// Half width of the window in x and y [m]. More than 10^8 voxels count as 10^8.
+    double reach = 4.6;
+    /// Distances are exact up to here and saturate beyond [m]; 1 to kMostVoxels voxels. Must exceed
+    /// the body's largest bounding radius by the clearance that terms ask for.
+    double cutoff = 0.8;
     double margin = 0.0;  ///< subtracted from every distance [m]
     Obstacles obstacles = Obstacles::kOccupied;
     bool vertical = false;              ///< true: 3-D lattice
@@ -70,6 +74,17 @@ class ClearanceField {
     double vertical_reach = 1.5;        ///< half height of the window [m]; 3-D only
     std::shared_ptr<const ZoneMap> zones{};  ///< forbidden parts count, too; null: none
   };
+
+  /// Voxels of the largest cutoff, of a planar base and of one that moves in 3-D.
+  static constexpr int kMostVoxels = 400, kMostVoxelsInSpace = 100;
+  /// Whether distances up to `cutoff` [m] can be told in voxels of `resolution` [m].
+  static bool reaches(double cutoff, double resolution, bool vertical) {
+    constexpr double kRounding = 1e-9;
+    const int most = vertical ? kMostVoxelsInSpace : kMostVoxels;
+    return cutoff >= resolution && cutoff <= most * resolution * (1.0 + kRounding);
+  }
+  /// Nodes that are stored at most: a window that takes more is made smaller, about its centre.
+  static constexpr int kMostNodes = 20'000'000;
 
   /// Window around `center` (W, [m]). `ground` has the resolution of `voxels`. `previous` may be
   /// null or any field; it is used only where its options and resolution are the same, and not
@@ -81,12 +96,12 @@ class ClearanceField {
   double distance(const Eigen::Vector3d& p, Eigen::Vector3d* gradient = nullptr) const;
 
   /// The exact value f at the node of voxel (i, j, k) (k ignored in the planar case); requires
-  /// contains(i, j, k).
+  /// contains(i, j, k), which says whether it is stored.
   double node(int i, int j, int k = 0) const { return values_[index(i, j, k)]; }
   bool contains(int i, int j, int k = 0) const {
     return nodes_.contains({i, j}) && (depth_ == 1 || (k >= k0_ && k < k0_ + depth_));
   }
-  /// Voxel columns that carry nodes.
+  /// Voxel columns whose nodes are stored.
   const GridFrame& frame() const { return nodes_; }
   int k0() const { return k0_; }
   int depth() const { return depth_; }  ///< layers of nodes; 1 in the planar case
@@ -98,16 +113,21 @@ class ClearanceField {
     return static_cast<std::size_t>(nodes_.index({i, j})) * static_cast<std::size_t>(depth_) +
            static_cast<std::size_t>(depth_ == 1 ? 0 : k - k0_);
   }
+  /// The part of the window beyond which f is the same everywhere.
+  GridFrame stored_part(const VoxelGrid& voxels, const GroundMap& ground) const;
   void gather(const VoxelGrid& voxels, const GroundMap& ground);
   void measure_offsets();
+  /// Squared gaps are counted in half voxels, in integers of type T.
+  template <typename T>
   void transform();
   void keep_out();
   void correct();
 
   Options options_;
-  int halo_ = 0;     // voxels beyond the nodes that can matter: those within the cutoff
-  GridFrame nodes_;  // columns with nodes
-  int k0_ = 0;       // lowest layer of nodes
+  int halo_ = 0;      // voxels beyond the nodes that can matter: those within the cutoff
+  GridFrame window_;  // columns of the window
+  GridFrame nodes_;   // columns with stored nodes
+  int k0_ = 0;        // lowest layer of nodes
   int depth_ = 1;
   GridFrame cells_;  // nodes_ widened by halo_
   int cells_k0_ = 0;

@@ -23,6 +23,7 @@
 #include "engine/planner/global_planner.h"
 #include "engine/planner/plan_certifier.h"
 #include "engine/planner/plan_choice.h"
+#include "engine/planner/planner_fit.h"
 #include "engine/planner/planner_guard.h"
 #include "engine/planner/seeds.h"
 #include "engine/planner/step_monitors.h"
@@ -35,6 +36,7 @@
 #include "models/can_move.h"
 #include "models/knobs.h"
 #include "models/limited_twist.h"
+#include "models/parameter_check.h"
 
 namespace prospect {
 namespace {
@@ -58,6 +60,8 @@ void check_sensors(const RobotDescription& robot, const PlannerParameters& p) {
 PlannerParameters completed(const RobotDescription& robot, PlannerParameters p) {
   check_knobs("planner", p);
   check_sensors(robot, p);
+  check_parameter(p.map_resolution >= 0.0 && p.map_resolution <= 10.0, "planner", "map_resolution",
+                  p.map_resolution, "0, or a number up to 10 m");
   for (const TermUse& use : p.terms) check_added_term(use);
   for (const std::string& name : p.terms_left_out) builtin_terms().find(name);
   p.frontier_planner = frontier_planner_options_for(robot, p);
@@ -65,6 +69,9 @@ PlannerParameters completed(const RobotDescription& robot, PlannerParameters p) 
       faults(p.task, p.frontier_planner.traversability.zones.get(),
              p.frontier_planner.traversability.hard_radius);
   if (!wrong.empty()) throw std::invalid_argument("planner.task: " + wrong.front());
+  if (const std::string misfit = planner_misfit(robot, p, p.map_resolution); !misfit.empty()) {
+    throw std::invalid_argument(misfit);
+  }
   p.behaviour.turn_away_time = M_PI / robot.model->max_yaw_rate();
   return p;
 }
@@ -165,6 +172,39 @@ class Reserve {
   std::size_t next_ = 0;
 };
 
+/// What plan() makes aside, and Planner::Impl takes over once all of it is there.
+struct StepInTheMaking {
+  CachedEvaluators evaluators{};
+  std::shared_ptr<const GlobalPlan> global_plan{};
+  std::shared_ptr<ProblemSpecification> specification{};
+  std::size_t num_mapped = 0;    // of the specification's landmarks
+  Eigen::VectorXd visibility{};  // now, of all its landmarks
+  std::shared_ptr<const Problem> problem{};
+  std::vector<Seed> seeds{};  // of the problem, best first
+
+  PlanningStep made() && {
+    PlanningStep step{
+        std::move(global_plan), specification, std::move(problem), std::move(seeds), {}};
+    for (std::size_t i = 0; i < num_mapped; ++i) {
+      step.landmarks.push_back(
+          {specification->landmarks[i], visibility[static_cast<Eigen::Index>(i)]});
+    }
+    return step;
+  }
+};
+
+/// Lowers the weight of the features, in the problem and in the costs of its scored seeds, to where
+/// going on is better than waiting (feature_weight.h).
+void bound_features(StepInTheMaking& making, std::vector<Candidate>& candidates) {
+  const double most = making.specification->weights.visible_features;
+  const double weight = feature_weight(candidates, most);
+  if (weight >= most) return;
+  making.specification->weights.visible_features = weight;
+  making.problem = assemble_problem(*making.specification, making.evaluators);
+  for (Candidate& c : candidates) c.cost -= (most - weight) * c.features;
+  std::stable_sort(candidates.begin(), candidates.end());
+}
+
 }  // namespace
 
 struct Planner::Impl {
@@ -176,9 +216,11 @@ struct Planner::Impl {
   GlobalPlanner global_planner;
   WorkerThreads workers;
   PolishOptions polish_options;
+  double judged_resolution = parameters.map_resolution;  // [m]; 0: none yet
+  std::string misfit{};                                  // of it
 
   // From one step to the next.
-  CachedEvaluators evaluators;
+  CachedEvaluators evaluators;  // of the last step that was made
   TaskClock clock;
   StepMonitors monitors;
   SurfaceDrift drift;
@@ -190,13 +232,8 @@ struct Planner::Impl {
   FrontierAttention attention;
   std::shared_ptr<const GlobalPlan> prepared;  // since the last step; null: to be made in the step
 
-  // Of the last step.
-  std::shared_ptr<const GlobalPlan> global_plan;
-  std::shared_ptr<ProblemSpecification> specification;  // in the making within a step
-  std::shared_ptr<const Problem> problem;
-  std::vector<Seed> seeds;  // of the problem, best first
-  std::vector<Landmark> landmarks;
-  Eigen::VectorXd visibility;
+  // Of the last step: whole, or nothing.
+  std::shared_ptr<const PlanningStep> step = std::make_shared<const PlanningStep>();
 
   Impl(RobotDescription r, PlannerParameters p, std::shared_ptr<const Solver> s)
       : robot(std::move(r)),
@@ -211,19 +248,23 @@ struct Planner::Impl {
 
   void prepare(const Belief& given);
   Plan plan(const Belief& given, const StopCondition& stop);
+  /// GlobalPlanner::update(). What it throws leaves nothing half learned.
+  std::shared_ptr<const GlobalPlan> global_plan(const Belief& belief, const LocalTexture* texture,
+                                                Facts& facts);
   /// The mode whose policy this step follows; task, mode and caution of the plan.
-  ModeKind update_mode(const Belief& belief, const LocalTexture* texture, Plan& plan);
-  void specify(const Belief& belief, ModeKind mode, const LocalTexture* texture);
-  SeedContext seed_context(const Belief& belief) const;
-  /// Lowers the weight of the features, in the problem and in the costs of its scored seeds, to
-  /// where going on is better than waiting (feature_weight.h).
-  void bound_features(std::vector<Candidate>& candidates);
-  void remember(const Plan& plan);
-  Plan brake(const Belief& belief, const std::string& why) const;
+  ModeKind update_mode(const Belief& belief, const LocalTexture* texture, Plan& plan,
+                       StepInTheMaking& making);
+  void specify(const Belief& belief, ModeKind mode, const LocalTexture* texture,
+               StepInTheMaking& making);
+  SeedContext seed_context(const Belief& belief, const StepInTheMaking& making) const;
+  void remember(const Plan& plan, StepInTheMaking&& making);
+  /// planner_misfit() with maps of that resolution [m].
+  const std::string& misfit_with(double resolution);
+  Plan brake(const Belief& belief, PlanFault fault, const std::string& why) const;
   void brake_instead(const Belief& belief, Plan& plan) const;
 
-  CandidateEvaluation evaluation() {
-    return {*problem, evaluators.visible_features.get(), parameters.threads, workers};
+  CandidateEvaluation evaluation(const StepInTheMaking& making) {
+    return {*making.problem, making.evaluators.visible_features.get(), parameters.threads, workers};
   }
   void use_zones(const Zones& given);
   void use_task(const Task& task);
@@ -236,8 +277,19 @@ void Planner::Impl::prepare(const Belief& given) {
   const Belief belief = with_usable_landmarks(given, unused);
   const std::optional<LocalTexture> texture = texture_around(belief);
   Facts facts;
-  prepared = global_planner.update(belief, parameters, belief.stamp - clock.away(), attention,
-                                   texture ? &*texture : nullptr, workers, facts);
+  prepared = global_plan(belief, texture ? &*texture : nullptr, facts);
+}
+
+std::shared_ptr<const GlobalPlan> Planner::Impl::global_plan(const Belief& belief,
+                                                             const LocalTexture* texture,
+                                                             Facts& facts) {
+  try {
+    return global_planner.update(belief, parameters, belief.stamp - clock.away(), attention,
+                                 texture, workers, facts);
+  } catch (...) {
+    global_planner.restart(parameters.frontier_planner);
+    throw;
+  }
 }
 
 Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
@@ -248,12 +300,15 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   const StopCondition stop = parameters.deadline > 0.0
                                  ? (deadline(parameters.deadline - reserve.value()) || outer)
                                  : outer;
-  problem = nullptr;
-  specification = nullptr;
-  seeds.clear();
+  step = std::make_shared<const PlanningStep>();
   if (const std::string why = unusable(given); !why.empty()) {
-    return brake(given, "planning is impossible: " + why);
+    return brake(given, PlanFault::kBelief, "planning is impossible: " + why);
   }
+  if (const std::string& why = misfit_with(given.voxels->resolution()); !why.empty()) {
+    return brake(given, PlanFault::kMisfit, "planning is impossible: " + why);
+  }
+  // Of a step that fails, what is only kept to save time is forgotten, too.
+  StepInTheMaking making{.evaluators = std::move(evaluators)};
   Plan plan;
   plan.stamp = given.stamp;
   plan.solver = solver->name();
@@ -264,44 +319,45 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   drift.update(belief, robot);
 
   // Mode.
-  const ModeKind mode = update_mode(belief, texture ? &*texture : nullptr, plan);
+  const ModeKind mode = update_mode(belief, texture ? &*texture : nullptr, plan, making);
   plan.times.frontier_planner = watch.lap();
 
   // Problem.
-  specify(belief, mode, texture ? &*texture : nullptr);
+  specify(belief, mode, texture ? &*texture : nullptr, making);
+  ProblemSpecification& specification = *making.specification;
   plan.times.views = watch.lap();
-  update_clearance(*specification, evaluators);
+  update_clearance(specification, making.evaluators);
   plan.times.clearance = watch.lap();
-  update_views(*specification, evaluators);
-  visibility = evaluators.prediction->probabilities(belief.pose)
-                   .head(static_cast<Eigen::Index>(landmarks.size()));
+  update_views(specification, making.evaluators);
+  making.visibility = making.evaluators.prediction->probabilities(belief.pose);
   plan.times.views += watch.lap();
-  std::vector<FailedTerm> failed = make_added_terms(*specification, evaluators);
-  problem = assemble_problem(*specification, evaluators);
+  std::vector<FailedTerm> failed = make_added_terms(specification, making.evaluators);
+  making.problem = assemble_problem(specification, making.evaluators);
 
   // Seeds.
   const ModePolicy::Seeds wanted = policy(mode).seeds;
-  const std::vector<Seed> made = make_seeds(*problem, seed_context(belief), wanted,
+  const std::vector<Seed> made = make_seeds(*making.problem, seed_context(belief, making), wanted,
                                             kTurnsWithin * parameters.task.goal.position_tolerance);
-  if (const std::vector<FailedTerm> more = try_added_terms(*specification, evaluators, made);
+  if (const std::vector<FailedTerm> more = try_added_terms(specification, making.evaluators, made);
       !more.empty()) {
     failed.insert(failed.end(), more.begin(), more.end());
-    problem = assemble_problem(*specification, evaluators);
+    making.problem = assemble_problem(specification, making.evaluators);
   }
   std::vector<Candidate> candidates =
-      evaluate(candidates_of(made), Evaluate::kScore, evaluation(), stop);
+      evaluate(candidates_of(made), Evaluate::kScore, evaluation(making), stop);
   if (mode == ModeKind::kExplore && belief.localization != Localization::kLost) {
-    bound_features(candidates);
+    bound_features(making, candidates);
   }
-  for (const Candidate& c : candidates) seeds.push_back({c.name, c.z});
-  plan.features_weight = specification->weights.visible_features;
+  for (const Candidate& c : candidates) making.seeds.push_back({c.name, c.z});
+  plan.features_weight = specification.weights.visible_features;
   plan.seeds_scored = static_cast<int>(candidates.size());
   plan.counters.cost_evaluations = plan.seeds_scored;
   plan.times.seeds = watch.lap();
 
   // Solve.
   if (wanted == ModePolicy::Seeds::kAll) {
-    const PolishOutcome outcome = polish(candidates, *solver, polish_options, evaluation(), stop);
+    const PolishOutcome outcome =
+        polish(candidates, *solver, polish_options, evaluation(making), stop);
     plan.counters.cost_evaluations += outcome.counters.cost_evaluations;
     plan.counters.gradient_evaluations = outcome.counters.gradient_evaluations;
     plan.counters.iterations = outcome.counters.iterations;
@@ -318,8 +374,8 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
       std::min(parameters.N,
                std::max(1, static_cast<int>(std::lround(parameters.committed / parameters.dt))));
   if (!choose_certified(candidates,
-                        {belief, *problem, certifier, caution, drift, *evaluators.visible_features,
-                         committed, late},
+                        {belief, *making.problem, certifier, caution, drift,
+                         *making.evaluators.visible_features, committed, late},
                         plan)) {
     brake_instead(belief, plan);
   }
@@ -334,12 +390,13 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   plan.times.certify = watch.lap();
   reserve.add(1e-3 * plan.times.certify);
 
-  remember(plan);
+  remember(plan, std::move(making));
   plan.times.total = total.lap();
   return plan;
 }
 
-ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* texture, Plan& plan) {
+ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* texture, Plan& plan,
+                                    StepInTheMaking& making) {
   const TaskKind task = parameters.task.kind;
   clock.update(belief.stamp, task);
   Facts facts = monitors.update(belief, task, clock, parameters.features.N_min);
@@ -352,11 +409,10 @@ ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* te
                .got_lost = monitors.got_lost(),
                .blocked = monitors.blocked()};
   if (prepared) {
-    global_plan = std::exchange(prepared, nullptr);
-    facts.frontiers = global_plan->facts;
+    making.global_plan = std::exchange(prepared, nullptr);
+    facts.frontiers = making.global_plan->facts;
   } else {
-    global_plan = global_planner.update(belief, parameters, belief.stamp - clock.away(), attention,
-                                        texture, workers, facts);
+    making.global_plan = global_plan(belief, texture, facts);
   }
   behaviour = decide(behaviour, facts, parameters.behaviour);
   caution = caution_for(facts, parameters.lost_margin > 0.0);
@@ -365,33 +421,33 @@ ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* te
   plan.mode = behaviour.mode;
   plan.caution = caution;
   plan.why = describe(behaviour.mode, facts);
-  plan.has_active_frontier = global_plan->target.has_value();
+  plan.has_active_frontier = making.global_plan->target.has_value();
   if (behaviour.mode.kind != ModeKind::kDone) return behaviour.mode.kind;
   // A robot that is done has no target any more, but a retreat or a turn goes on.
   return task == TaskKind::kExplore ? before_frontiers : ModeKind::kHold;
 }
 
-void Planner::Impl::specify(const Belief& belief, ModeKind mode, const LocalTexture* texture) {
+void Planner::Impl::specify(const Belief& belief, ModeKind mode, const LocalTexture* texture,
+                            StepInTheMaking& making) {
   std::shared_ptr<const CostToGo> retreat;
   if (policy(mode).cost_to_go == ModePolicy::CostToGo::kRetreat) {
     retreat = monitors.trail().cost_to_go(global_planner.traversability(),
                                           belief.pose.position.head<2>(), robot.model->max_speed());
   }
   StepSpecification made =
-      specify_problem({robot, parameters, belief, *global_plan, global_planner.frontiers(), zones,
-                       mode, retreat, caution, drift, texture});
-  specification = std::make_shared<ProblemSpecification>(std::move(made.problem));
-  landmarks.assign(specification->landmarks.begin(),
-                   specification->landmarks.begin() + static_cast<std::ptrdiff_t>(made.num_mapped));
+      specify_problem({robot, parameters, belief, *making.global_plan, global_planner.frontiers(),
+                       zones, mode, retreat, caution, drift, texture});
+  making.specification = std::make_shared<ProblemSpecification>(std::move(made.problem));
+  making.num_mapped = made.num_mapped;
 }
 
-SeedContext Planner::Impl::seed_context(const Belief& belief) const {
+SeedContext Planner::Impl::seed_context(const Belief& belief, const StepInTheMaking& making) const {
   SeedContext context;
-  context.cost_to_go = global_plan->cost_to_go.get();
-  context.target = global_plan->target;
-  context.clearance = evaluators.occupied.get();
+  context.cost_to_go = making.global_plan->cost_to_go.get();
+  context.target = making.global_plan->target;
+  context.clearance = making.evaluators.occupied.get();
   if (parameters.unknown == UnknownPolicy::kBraking) {
-    context.known = evaluators.known_body.get();
+    context.known = making.evaluators.known_body.get();
     context.known_margin = parameters.d_safe;
   }
   context.backwards = parameters.frontier_planner.traversability.body.has_value() &&
@@ -406,17 +462,9 @@ SeedContext Planner::Impl::seed_context(const Belief& belief) const {
   return context;
 }
 
-void Planner::Impl::bound_features(std::vector<Candidate>& candidates) {
-  const double most = specification->weights.visible_features;
-  const double weight = feature_weight(candidates, most);
-  if (weight >= most) return;
-  specification->weights.visible_features = weight;
-  problem = assemble_problem(*specification, evaluators);
-  for (Candidate& c : candidates) c.cost -= (most - weight) * c.features;
-  std::stable_sort(candidates.begin(), candidates.end());
-}
-
-void Planner::Impl::remember(const Plan& plan) {
+void Planner::Impl::remember(const Plan& plan, StepInTheMaking&& making) {
+  evaluators = std::move(making.evaluators);
+  step = std::make_shared<const PlanningStep>(std::move(making).made());
   last_stamp = plan.stamp;
   last_inputs.resize(robot.model->nu(), static_cast<Eigen::Index>(plan.inputs.size()));
   for (std::size_t k = 0; k < plan.inputs.size(); ++k) {
@@ -424,14 +472,24 @@ void Planner::Impl::remember(const Plan& plan) {
   }
 }
 
-Plan Planner::Impl::brake(const Belief& belief, const std::string& why) const {
-  return stopping_plan(belief, *robot.model, parameters.dt,
-                       {parameters.task.kind, behaviour.mode, caution}, why);
+const std::string& Planner::Impl::misfit_with(double resolution) {
+  if (resolution != judged_resolution) {
+    misfit = planner_misfit(robot, parameters, resolution);
+    judged_resolution = resolution;
+  }
+  return misfit;
+}
+
+Plan Planner::Impl::brake(const Belief& belief, PlanFault fault, const std::string& why) const {
+  Plan plan = stopping_plan(belief, *robot.model, parameters.dt,
+                            {parameters.task.kind, behaviour.mode, caution}, why);
+  plan.fault = fault;
+  return plan;
 }
 
 void Planner::Impl::brake_instead(const Belief& belief, Plan& plan) const {
   const std::string why = "no candidate could be certified: " + plan.certificate;
-  const Plan halt = brake(belief, why);
+  const Plan halt = brake(belief, PlanFault::kNone, why);
   plan.kind = halt.kind;
   plan.dt = halt.dt;
   plan.states = halt.states;
@@ -484,9 +542,9 @@ Plan Planner::plan(const Belief& belief, const StopCondition& stop) {
   try {
     return impl_->plan(belief, stop);
   } catch (const std::exception& e) {
-    return impl_->brake(belief, std::string("planning failed: ") + e.what());
+    return impl_->brake(belief, PlanFault::kError, std::string("planning failed: ") + e.what());
   } catch (...) {
-    return impl_->brake(belief, "planning failed");
+    return impl_->brake(belief, PlanFault::kError, "planning failed");
   }
 }
 
@@ -504,14 +562,13 @@ std::string Planner::set_zones(const Zones& zones) {
   impl_->use_zones(zones);
   return "";
 }
-std::shared_ptr<const GlobalPlan> Planner::global_plan() const { return impl_->global_plan; }
-std::shared_ptr<const Problem> Planner::problem() const { return impl_->problem; }
+std::shared_ptr<const PlanningStep> Planner::step() const { return impl_->step; }
+std::shared_ptr<const GlobalPlan> Planner::global_plan() const { return impl_->step->global_plan; }
+std::shared_ptr<const Problem> Planner::problem() const { return impl_->step->problem; }
 std::shared_ptr<const ProblemSpecification> Planner::specification() const {
-  return impl_->specification;
+  return impl_->step->specification;
 }
-const std::vector<Seed>& Planner::seeds() const { return impl_->seeds; }
-const std::vector<Landmark>& Planner::landmarks() const { return impl_->landmarks; }
-const Eigen::VectorXd& Planner::landmark_visibility() const { return impl_->visibility; }
+const std::vector<Seed>& Planner::seeds() const { return impl_->step->seeds; }
 const PlannerParameters& Planner::parameters() const { return impl_->parameters; }
 const RobotDescription& Planner::robot() const { return impl_->robot; }
 Guard Planner::make_guard(const Guard::Options& options) const {

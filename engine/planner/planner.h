@@ -10,6 +10,7 @@
 #include "engine/frontiers/frontier_planner.h"
 #include "engine/maps/belief.h"
 #include "engine/maps/unknown_policy.h"
+#include "engine/planner/planning_step.h"
 #include "engine/planner/replanner.h"
 #include "engine/planner/seeds.h"
 #include "engine/problem/problem.h"
@@ -79,6 +80,9 @@ struct PlannerParameters {
   /// one at a time.
   int threads = 1;
   double deadline = 0.0;  ///< wall-clock limit of a step [s]; 0: none, results are reproducible
+  /// Side of the voxels of the maps that beliefs will bring [m]: then the constructor says whether
+  /// all fits together (planner_fit.h). 0: not known yet; the first step says it.
+  double map_resolution = 0.0;
 
   int max_landmarks = 300;          ///< a quarter of them at most for what has not been seen
   double visibility_lattice = 0.3;  ///< spacing of the occlusion tables [m]
@@ -110,8 +114,8 @@ struct PlannerParameters {
   BehaviourOptions behaviour;  ///< turn_away_time is half a turn of the robot, whatever is set
 };
 
-/// The knobs (models/knobs.h) but for task, zones and solver_options, which are no numbers, and for
-/// those of frontier_planner that describe_end() has.
+/// The knobs (models/knobs.h) but for task, zones and solver_options, which are no numbers, for
+/// map_resolution, which is the map's, and for those of frontier_planner that describe_end() has.
 void describe(Knobs& knobs, PlannerParameters& parameters);
 
 /// One replanning step: Belief in, Plan out.
@@ -120,7 +124,8 @@ void describe(Knobs& knobs, PlannerParameters& parameters);
 ///          -> exact certificate -> else the stopping tail.
 ///
 /// plan() never throws and always returns an executable plan: its commands are finite, within
-/// limits, and certified with the stop that follows, or they are a stop; the plan says why. All
+/// limits, and certified with the stop that follows, or they are a stop; the plan says why
+/// (PlanFault). All
 /// state from one step to the next (frontier memory, clearance field, occlusion tables, previous
 /// plan) lives here; none of it changes what is safe. Nor does it rest on how a map came about: a
 /// belief may bring any map after any other, one projected anew each time (belief_maps()) too.
@@ -165,7 +170,8 @@ void describe(Knobs& knobs, PlannerParameters& parameters);
 class Planner final : public Replanner {
  public:
   /// Throws std::invalid_argument naming the parameter, its value and what was expected: of the
-  /// parameters and of all of the robot. (What a solver does not take is in Plan::detail.)
+  /// parameters, of all of the robot, and of how they fit together (planner_misfit()). (What a
+  /// solver does not take is in Plan::detail.)
   Planner(RobotDescription robot, PlannerParameters parameters,
           std::shared_ptr<const Solver> solver);
   ~Planner() override;
@@ -184,18 +190,14 @@ class Planner final : public Replanner {
   /// taken, else their first fault (zones.h). What was learned of frontiers is forgotten.
   std::string set_zones(const Zones& zones);
 
-  /// The frontiers and the cost-to-go of the last step; null before the first.
+  /// What the last step made besides its plan (planning_step.h). Never null; of nothing before the
+  /// first step, and after one that failed or that had a belief that nothing can be planned from.
+  std::shared_ptr<const PlanningStep> step() const;
+  /// The entries of step(), which the next plan() replaces.
   std::shared_ptr<const GlobalPlan> global_plan() const override;
-  /// The problem that the last step solved, and what it was made from; null before the first step
-  /// and after one that met none (a belief that nothing can be planned from).
   std::shared_ptr<const Problem> problem() const;
   std::shared_ptr<const ProblemSpecification> specification() const;
-  /// The seeds of that problem, best first: where polishing began. Those that could not be
-  /// evaluated are left out. Empty where there is no problem.
   const std::vector<Seed>& seeds() const;
-  /// Mapped landmarks considered in the last step, and the probability that each is visible now.
-  const std::vector<Landmark>& landmarks() const;
-  const Eigen::VectorXd& landmark_visibility() const;
 
   /// guard_for() this robot and these parameters (planner_guard.h).
   Guard make_guard(const Guard::Options& options = {}) const;

@@ -23,7 +23,7 @@ class Replanner {
   /// then the next plan is there sooner. Nobody has to call it.
   virtual void prepare(const Belief& /*belief*/) {}
   virtual Plan plan(const Belief& belief) = 0;
-  /// The frontiers at the last plan(); null before the first.
+  /// The frontiers at the last plan(); null before the first, and after one that met none.
   virtual std::shared_ptr<const GlobalPlan> global_plan() const = 0;
   /// What to do from the next plan() on. Returns "" if it is taken, else why not, and the task
   /// stays as it was.

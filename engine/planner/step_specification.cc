@@ -8,6 +8,7 @@
 #include "engine/features/tracked_calibration.h"
 #include "engine/features/unseen_features.h"
 #include "engine/frontiers/exploration_targets.h"
+#include "engine/planner/planner_fit.h"
 #include "engine/planner/step_monitors.h"
 #include "models/body_transform.h"
 
@@ -59,7 +60,7 @@ void specify_obstacles(const StepContext& c, ProblemSpecification& s) {
   // It is asked where the robot would come to rest, too.
   const double to_stop = model.max_speed() * model.max_speed() / (2.0 * model.max_deceleration());
   s.clearance_field.reach = reach(c) + to_stop + 1.0;
-  s.clearance_field.cutoff = std::max(0.8, radius + p.d_des + p.drift_margin + 0.2);
+  s.clearance_field.cutoff = clearance_cutoff(c.robot, p, c.belief.voxels->resolution());
   const double drifted =
       !rules.drift_in_cost
           ? 0.0
@@ -94,8 +95,6 @@ void calibrate(const StepContext& c, ProblemSpecification& s) {
 std::size_t specify_visible_features(const StepContext& c, ProblemSpecification& s) {
   const PlannerParameters& p = c.parameters;
   const Eigen::Vector3d camera = camera_position(c, c.robot.stereo_mount);
-  s.landmark_lattice = SensorLattice::around(camera, camera_reach(c, c.robot.stereo_mount),
-                                             p.visibility_lattice, is_vertical(c));
   s.landmark_occlusion.attenuation = p.feature_attenuation;
   s.landmark_occlusion.trim = 1.5 * c.belief.voxels->resolution();
   s.landmark_occlusion.max_range = p.visibility.r_max + 1.0;
@@ -121,6 +120,9 @@ std::size_t specify_visible_features(const StepContext& c, ProblemSpecification&
     noise.yaw_per_metre = noise.yaw_per_radian = noise.scale = 0.0;
     for (Landmark& landmark : s.landmarks) landmark.covariance.setZero();
   }
+  s.landmark_lattice =
+      SensorLattice::around(camera, camera_reach(c, c.robot.stereo_mount), p.visibility_lattice,
+                            is_vertical(c), positions(s.landmarks), s.landmark_occlusion.max_range);
   if (c.belief.localization != Localization::kLost) calibrate(c, s);
 
   s.features = p.features;
@@ -149,8 +151,6 @@ std::vector<Cell> frontier_cells(const StepContext& c) {
 void specify_exploration(const StepContext& c, ProblemSpecification& s) {
   const PlannerParameters& p = c.parameters;
   const CameraMount& mount = c.robot.depth_mount;
-  s.target_lattice = SensorLattice::around(camera_position(c, mount), camera_reach(c, mount),
-                                           p.visibility_lattice, is_vertical(c));
   s.target_occlusion.attenuation = p.unknown_attenuation;
   s.target_occlusion.trim = 1.5 * c.belief.voxels->resolution();
   s.target_occlusion.max_range = c.robot.depth.max_range + 1.0;
@@ -163,6 +163,9 @@ void specify_exploration(const StepContext& c, ProblemSpecification& s) {
       return !c.frontiers.counts(target.position.head<2>());
     });
   }
+  s.target_lattice =
+      SensorLattice::around(camera_position(c, mount), camera_reach(c, mount), p.visibility_lattice,
+                            is_vertical(c), s.targets.positions(), s.target_occlusion.max_range);
 }
 
 void specify_cost_to_go(const StepContext& c, ProblemSpecification& s) {

@@ -36,6 +36,20 @@ std::string_view to_string(PlanKind kind) {
   return "?";
 }
 
+std::string_view to_string(PlanFault fault) {
+  switch (fault) {
+    case PlanFault::kNone:
+      return "none";
+    case PlanFault::kBelief:
+      return "belief";
+    case PlanFault::kMisfit:
+      return "misfit";
+    case PlanFault::kError:
+      return "error";
+  }
+  return "?";
+}
+
 std::string_view to_string(PlanPhase phase) {
   switch (phase) {
     case PlanPhase::kBefore:

@@ -23,6 +23,18 @@ enum class PlanKind {
 
 std::string_view to_string(PlanKind kind);
 
+/// Why a step made nothing but a stop. Where no candidate could be certified there is none: that is
+/// a plan, too.
+enum class PlanFault {
+  kNone,
+  kBelief,  ///< nothing can be planned from the belief: it lacks a map, or is not finite
+  kMisfit,  ///< robot, parameters and the maps' resolution do not fit together (planner_fit.h)
+  kError    ///< something failed on the way
+};
+
+/// "none", "belief", "misfit", "error".
+std::string_view to_string(PlanFault fault);
+
 /// Wall-clock time of the parts of one planning step [ms].
 struct PlanTimes {
   double frontier_planner = 0.0;  ///< frontiers and cost-to-go
@@ -58,6 +70,7 @@ std::string_view to_string(PlanPhase phase);
 /// and either certified or a stop.
 struct Plan {
   PlanKind kind = PlanKind::kStoppingTail;
+  PlanFault fault = PlanFault::kNone;  ///< `detail` tells more
   double stamp = 0.0;  ///< [s], of the belief it starts from: its first stage begins then
   double dt = 0.25;    ///< [s], duration of each command
   std::vector<Eigen::VectorXd> states;  ///< x_0 ... x_N

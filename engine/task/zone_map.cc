@@ -57,6 +57,15 @@ int ZoneMap::corners(int part) const {
   return static_cast<int>(parts_[static_cast<std::size_t>(part)].polygon.size());
 }
 
+std::pair<Eigen::Vector2d, Eigen::Vector2d> ZoneMap::forbidden_box() const {
+  std::pair box(parts_.front().low, parts_.front().high);
+  for (const Region& part : parts_) {
+    box.first = box.first.cwiseMin(part.low);
+    box.second = box.second.cwiseMax(part.high);
+  }
+  return box;
+}
+
 double ZoneMap::distance(int part, const Eigen::Vector2d& p) const {
   return parts_[static_cast<std::size_t>(part)].distance(p, kInfinity);
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "engine/task/body_outline.h"
@@ -27,6 +28,9 @@ class ZoneMap {
   std::string name(int part) const;
   /// Corners of that part.
   int corners(int part) const;
+  /// Lowest and highest corner of the box about the corners of all forbidden parts [m]; there must
+  /// be some.
+  std::pair<Eigen::Vector2d, Eigen::Vector2d> forbidden_box() const;
 
   /// Signed distance from p to a forbidden part, or to the nearest of all [m]: negative in it;
   /// +infinity if there is none. Exact outside of all.

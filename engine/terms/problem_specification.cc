@@ -61,14 +61,14 @@ GridFrame cut(const GridFrame& frame, const Box& box) {
   return part;
 }
 
+}  // namespace
+
 std::vector<Eigen::Vector3d> positions(const std::vector<Landmark>& landmarks) {
   std::vector<Eigen::Vector3d> points;
   points.reserve(landmarks.size());
   for (const Landmark& l : landmarks) points.push_back(l.position);
   return points;
 }
-
-}  // namespace
 
 void update_clearance(const ProblemSpecification& specification, CachedEvaluators& evaluators) {
   require(specification.voxels != nullptr, "voxels");

@@ -87,6 +87,9 @@ struct ProblemSpecification {
       terms_left_out{};  ///< built-in ones that the problem is to lack, by name
 };
 
+/// Where landmarks are [m].
+std::vector<Eigen::Vector3d> positions(const std::vector<Landmark>& landmarks);
+
 /// What a problem is put together from. Handed on to the next step, where what has not changed need
 /// not be computed again; the result has the same bits either way.
 struct CachedEvaluators {

@@ -234,9 +234,10 @@ struct OccupancyMapper::Impl {
 OccupancyMapper::Impl::Impl(const OccupancyMapperOptions& o) : options(o) {
   check_parameter(in_range(o.resolution, 1e-3, 10.0), "occupancy mapper", "resolution",
                   o.resolution, "0.001..10 m");
-  check_parameter(in_range(o.max_range, o.resolution, 200.0 * o.resolution), "occupancy mapper",
-                  "max_range", o.max_range, "between one and 200 voxels");
   check_knobs("occupancy mapper", o);
+  for (const std::string& misfit : {range_misfit(o), layers_misfit(o)}) {
+    if (!misfit.empty()) throw std::invalid_argument("occupancy mapper: " + misfit);
+  }
   slice = slice_layers(o.slice, o.resolution);
   hit = octomap::logodds(o.probability_hit);
   miss = octomap::logodds(o.probability_miss);

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "engine/maps/ground_map.h"
@@ -62,6 +63,17 @@ struct OccupancyMapperOptions {
 /// The knobs (models/knobs.h) of the sensor model; resolution, range and slice come from robot and
 /// map.
 void describe(Knobs& knobs, OccupancyMapperOptions& options);
+
+/// Voxels of the largest max_range: a scan marks all columns in reach, and each look clears them.
+inline constexpr int kMostRangeVoxels = 200;
+/// Layers of voxels: the dense mirror holds each column whole, three times.
+inline constexpr int kMostLayers = 10'000;
+
+/// What does not fit the resolution, of max_range and of z_min and z_max: "" or the names, the
+/// numbers, and what would fit. The OccupancyMapper's constructor asks both, and so does every
+/// mission before it begins. Of sound knobs.
+std::string range_misfit(const OccupancyMapperOptions& options);
+std::string layers_misfit(const OccupancyMapperOptions& options);
 
 /// Occupancy mapping: scans to octree, its dense mirror, and its ground projection.
 ///

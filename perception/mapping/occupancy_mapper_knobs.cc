@@ -1,10 +1,42 @@
 // The descriptions of options, in a library of their own: reading a configuration builds nothing
 // that acts on them.
 
+#include <cmath>
+#include <cstdio>
+
 #include "models/knobs.h"
 #include "perception/mapping/occupancy_mapper.h"
 
 namespace prospect {
+namespace {
+
+std::string text(double value) {
+  char buffer[32];
+  std::snprintf(buffer, sizeof buffer, "%.6g", value);
+  return buffer;
+}
+
+}  // namespace
+
+std::string range_misfit(const OccupancyMapperOptions& o) {
+  const double r = o.resolution, most = kMostRangeVoxels * r;
+  if (o.max_range >= r && o.max_range <= most) return "";
+  return "max_range is " + text(o.max_range) + " m, " + text(o.max_range / r) +
+         " voxels at a map_resolution of " + text(r) + " m; expected 1 to " +
+         std::to_string(kMostRangeVoxels) + " voxels: " + text(r) + " to " + text(most) +
+         " m, or a map_resolution from " + text(o.max_range / kMostRangeVoxels) + " to " +
+         text(o.max_range) + " m";
+}
+
+std::string layers_misfit(const OccupancyMapperOptions& o) {
+  const double r = o.resolution, height = o.z_max - o.z_min, layers = std::ceil(height / r);
+  if (layers <= kMostLayers) return "";
+  return "z_min " + text(o.z_min) + " m and z_max " + text(o.z_max) + " m are " + text(layers) +
+         " layers at a map_resolution of " + text(r) + " m; expected at most " +
+         std::to_string(kMostLayers) + ": " + text(kMostLayers * r) +
+         " m from one to the other, or a map_resolution of at least " + text(height / kMostLayers) +
+         " m";
+}
 
 void describe(Knobs& knobs, OccupancyMapperOptions& o) {
   knobs.number("z_min", o.z_min, {-400.0, 400.0}, "m", "voxels below are not kept");

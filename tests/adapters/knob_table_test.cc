@@ -1,8 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <octomap/OcTree.h>
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -15,7 +17,9 @@
 
 #include "adapters/config/configuration.h"
 #include "adapters/files/input_error.h"
+#include "adapters/run/live_mission.h"
 #include "adapters/simulator/simulator.h"
+#include "engine/maps/map_projection.h"
 #include "engine/planner/planner.h"
 #include "models/knobs.h"
 #include "models/make_model.h"
@@ -437,6 +441,118 @@ TEST(KnobTable, WhatMustAgreeIsSaidAlikeByFileAndConstructor) {
             "planner: visibility.r_max: r_max <= r_min; expected more");
   // What the robot has a part in.
   EXPECT_THAT(file("planner.frontiers.look_margin=5"), HasSubstr("planner: frontier worth: "));
+}
+
+/// What a robot knows of a room of 3 x 3 m that it stands in, in voxels of `resolution` [m].
+Belief tiny_belief(double resolution) {
+  Belief belief;
+  const int n = std::max(3, static_cast<int>(std::lround(3.0 / resolution)));
+  VoxelGrid voxels(GridFrame{resolution, 0, 0, n, n}, 0.0, 0.6);
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      const bool wall = i == 0 || j == 0 || i == n - 1;
+      const bool seen = j < n - n / 3;
+      for (int k = voxels.k0(); k < voxels.k0() + voxels.depth(); ++k) {
+        voxels.set(i, j, k,
+                   wall   ? CellState::kOccupied
+                   : seen ? CellState::kFree
+                          : CellState::kUnknown);
+      }
+    }
+  }
+  belief.pose.position = {1.5, 1.0, 0.0};
+  belief.ground = std::make_shared<const GroundMap>(project(voxels, {0.1, 0.5}, 8));
+  belief.voxels = std::make_shared<const VoxelGrid>(std::move(voxels));
+  belief.octree = std::make_shared<const octomap::OcTree>(resolution);
+  LandmarkMap map;
+  for (int l = 0; l < 40; ++l) {
+    Landmark& landmark = map.landmarks.emplace_back();
+    landmark.id = static_cast<std::uint64_t>(l);
+    landmark.position = {0.1, 0.3 + 0.05 * l, 0.4};
+  }
+  belief.landmarks = std::make_shared<const LandmarkMap>(std::move(map));
+  belief.tracked_features = 40;
+  belief.set_stamps(1.0);
+  return belief;
+}
+
+/// Most memory that this process has held since the last call [MB]; 0: the system does not tell.
+double peak_memory() {
+  double megabytes = 0.0;
+  std::ifstream status("/proc/self/status");
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("VmHWM:")) megabytes = std::stod(line.substr(6)) / 1024.0;
+  }
+  std::ofstream("/proc/self/clear_refs") << "5";
+  return megabytes;
+}
+
+// Each end of each range alone: what is read and judged together can be planned with, in a memory
+// that follows what is known, or is refused in one line.
+TEST(KnobTable, WithEachEndOfItsRangeAStepIsPlannedOrItIsRefused) {
+  const double before = (peak_memory(), peak_memory());
+  int planned = 0, refused = 0;
+  std::set<std::string> seen;
+  for (const Part& part : parts()) {
+    if (!part.at.starts_with("planner") && !part.at.starts_with("robot") &&
+        part.at != "mission.end" && part.at != "simulator") {
+      continue;
+    }
+    for (const Knob& knob : knobs_of(part, configuration_of(part))) {
+      // Of the simulator, what the planner has a part in.
+      if (part.at == "simulator" && knob.name != "map_resolution" && knob.name != "z_min" &&
+          knob.name != "z_max") {
+        continue;
+      }
+      if (!is_number(knob) || knob.path == "planner.threads") continue;
+      for (const double end : {knob.min, knob.max}) {
+        if (!std::isfinite(end)) continue;
+        std::string text = exact_text(end);
+        if (knob.kind == Kind::kNumbers) text = "[" + text + ", " + text + ", " + text + "]";
+        // As few seeds are polished as can be: what is cheap at each end is not looked at.
+        std::vector<std::string> settings{knob.path + "=" + text};
+        if (knob.path != "planner.polished") settings.push_back("planner.polished=0");
+        SCOPED_TRACE(part.at + " " + settings.front());
+        Configuration c;
+        const std::string said = refusal([&] { c = configuration_of(part, settings); });
+        if (!said.empty()) {
+          ++refused;
+          EXPECT_THAT(said, HasSubstr("; expected "));
+          EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+          continue;
+        }
+        ++planned;
+        Planner planner(c.robot, c.planner, SolverRegistry().make("nlopt"));
+        const Plan plan = planner.plan(tiny_belief(c.simulator.mapping.resolution));
+        EXPECT_EQ(plan.fault, PlanFault::kNone) << plan.detail;
+        EXPECT_EQ(planner.step()->landmarks.empty(), c.planner.max_landmarks == 0);
+        EXPECT_LT(peak_memory() - before, 500.0);
+      }
+    }
+  }
+  EXPECT_GT(planned, 200);
+  EXPECT_LT(refused, 60);
+}
+
+// Two that share arithmetic: the keys, the numbers, and what would fit.
+TEST(KnobTable, WhatDoesNotFitTogetherIsSaidWithItsNumbers) {
+  const auto said = [](std::vector<std::string> settings) {
+    return refusal([&] { check_drives(read_configuration("", {}, settings)); });
+  };
+  EXPECT_THAT(said({"robot.depth.max_range=1000"}),
+              HasSubstr("robot.depth.max_range is 1000 m, 10000 voxels at a map_resolution of 0.1 "
+                        "m; expected 1 to 200 voxels: 0.1 to 20 m, or a map_resolution from 5 to "
+                        "1000 m"));
+  EXPECT_THAT(said({"simulator.map_resolution=1", "robot.depth.max_range=0.5"}),
+              HasSubstr("robot.depth.max_range is 0.5 m"));
+  EXPECT_THAT(said({"simulator.map_resolution=0.02", "simulator.mapping.z_max=400"}),
+              HasSubstr("are 20015 layers at a map_resolution of 0.02 m; expected at most 10000"));
+  EXPECT_THAT(said({"simulator.mapping.z_max=0.4"}),
+              HasSubstr("the body is at heights from 0.1 to 0.5 m; expected it between"));
+  EXPECT_THAT(said({"robot.model=multirotor", "simulator.map_resolution=0.02", "planner.d_des=5"}),
+              HasSubstr("planner.d_des is 5 m: "));
+  EXPECT_EQ(said({"simulator.map_resolution=0.02", "planner.d_des=5"}), "");
+  EXPECT_EQ(said({"simulator.map_resolution=1"}), "");
 }
 
 }  // namespace

@@ -260,8 +260,9 @@ TEST_F(ProblemFileTest, RefusesToWriteWhatItCouldNotRead) {
   EXPECT_THAT(with([](auto& p) { p.seeds[1].z[0] = kNan; }), HasSubstr("/seeds/inputs: is nan"));
   EXPECT_THAT(with([](auto& p) { p.specification.landmark_lattice.nx = 100000; }),
               HasSubstr("/terms/visible_features/occlusion: 100000 x"));
-  EXPECT_THAT(with([](auto& p) { p.specification.clearance_field.reach = 5000.0; }),
-              HasSubstr("cells in the window; expected at most 25 million"));
+  EXPECT_THAT(with([](auto& p) { p.specification.clearance_field.cutoff = 50.0; }),
+              HasSubstr("/terms/clearance_field/cutoff: is 50.000000 m; expected 1 to 400 voxels"));
+  EXPECT_EQ(with([](auto& p) { p.specification.clearance_field.reach = 1e9; }), "");
   EXPECT_EQ(with([](auto&) {}), "");
 }
 
@@ -570,10 +571,10 @@ TEST_F(ProblemFileTest, SaysWhichEntryIsNoneOfAProblemWhateverItClaims) {
               StartsWith("/seeds/inputs: has 0 knots of 0 inputs; expected 4 of 2"));
   EXPECT_THAT(after([](hid_t f) { set_integer(f, "/horizon", "N", 100000); }),
               StartsWith("/horizon/N: is 100000"));
-  EXPECT_THAT(after([](hid_t f) { set_number(f, "/terms/clearance_field", "reach", 1e4); }),
-              HasSubstr("cells in the window; expected at most 25 million"));
+  EXPECT_THAT(after([](hid_t f) { set_number(f, "/terms/clearance_field", "cutoff", 1e4); }),
+              HasSubstr("/terms/clearance_field/cutoff: is 10000.000000 m; expected 1 to 400"));
   EXPECT_THAT(after([](hid_t f) { set_number(f, "/map", "resolution", 0.001); }),
-              HasSubstr("cells in the window; expected at most 25 million"));
+              HasSubstr("expected 1 to 400 voxels"));
   EXPECT_THAT(after([](hid_t f) {
                 set_integers(f, "/terms/visible_features/occlusion", "nodes", {9999, 9999, 1});
               }),

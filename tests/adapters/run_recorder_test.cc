@@ -1,13 +1,17 @@
 #include "adapters/run/run_recorder.h"
 
 #include <gtest/gtest.h>
+#include <octomap/OcTree.h>
 
 #include <memory>
 
 #include "adapters/config/configuration.h"
 #include "engine/frontiers/frontier_planner.h"
 #include "engine/maps/belief.h"
+#include "engine/maps/map_projection.h"
+#include "engine/planner/planner.h"
 #include "engine/safety/plan.h"
+#include "solvers/registry.h"
 
 namespace prospect::run_recorder_test {
 namespace {
@@ -49,6 +53,41 @@ TEST(RunRecorder, OfALongRunOnlySomeStepsHoldMemoryForTheirPlans) {
       ASSERT_EQ(step.candidates.capacity(), 0) << step.step;
     }
   }
+}
+
+// The belief's two maps differ, which a step meets after it has chosen its landmarks.
+TEST(RunRecorder, AStepThatFailsOnTheWayIsRecordedAsOneThatMadeNothing) {
+  const Configuration configuration = read_configuration("");
+  const ExplorationRunOptions options;
+  Planner planner(configuration.robot, configuration.planner, SolverRegistry().make("nlopt"));
+  RunRecorder recorder(configuration, options, &planner);
+  Belief belief;
+  const GridFrame frame{0.1, -20, -20, 40, 40};
+  VoxelGrid voxels(frame, 0.0, 0.6);
+  for (int n = 0; n < frame.size(); ++n) {
+    const Cell c = frame.at(n);
+    for (int k = 0; k < voxels.depth(); ++k) voxels.set(c.i, c.j, k, CellState::kFree);
+  }
+  belief.ground = std::make_shared<const GroundMap>(project(voxels, {0.1, 0.5}));
+  belief.voxels = std::make_shared<const VoxelGrid>(GridFrame{0.05, -40, -40, 80, 80}, 0.0, 0.6);
+  belief.octree = std::make_shared<const octomap::OcTree>(0.1);
+  LandmarkMap landmarks;
+  landmarks.landmarks.resize(80);
+  for (Landmark& landmark : landmarks.landmarks) landmark.position = {1.5, 0.0, 0.4};
+  belief.landmarks = std::make_shared<const LandmarkMap>(landmarks);
+  const Plan plan = planner.plan(belief);
+  EXPECT_EQ(plan.fault, PlanFault::kError);
+  MissionStep step;
+  step.belief = &belief;
+  step.plan = &plan;
+  const std::shared_ptr<const GlobalPlan> global_plan = planner.global_plan();
+  step.global_plan = global_plan.get();
+  recorder.add(step, {});
+  const RunRecord record = recorder.finish({}, "a world", {}, nullptr);
+  ASSERT_EQ(record.steps.size(), 1U);
+  EXPECT_TRUE(record.steps[0].landmarks.empty());
+  EXPECT_TRUE(record.steps[0].candidates.empty());
+  EXPECT_EQ(record.steps[0].certificate, plan.detail);
 }
 
 }  // namespace

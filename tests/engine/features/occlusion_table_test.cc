@@ -325,5 +325,68 @@ TEST(OcclusionTable, RefusesWhatItCannotInterpolate) {
   EXPECT_THROW(OcclusionTable(lattice, {}, grid, {}), std::invalid_argument);
 }
 
+// A large lattice follows what there is to see, however far the sensor could get.
+TEST(OcclusionTable, ALatticeAboutThePointsSeesTheSame) {
+  std::mt19937_64 random(11);
+  const VoxelGrid grid = test::hall(random, true);
+  OcclusionTable::Options options;
+  options.max_range = 2.0;
+  for (const bool vertical : {false, true}) {
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i < 200; ++i) {
+      points.emplace_back(uniform(random, 1, 3), uniform(random, -2, 0), uniform(random, 0, 1));
+    }
+    const Eigen::Vector3d center(0, 0, 0.8);
+    const double reach = vertical ? 10.0 : 80.0;
+    const SensorLattice all = SensorLattice::around(center, reach, 0.3, vertical);
+    const SensorLattice some =
+        SensorLattice::around(center, reach, 0.3, vertical, points, options.max_range);
+    EXPECT_LT(10 * some.nx * some.ny * some.nz, all.nx * all.ny * all.nz);
+    const auto shared = std::make_shared<const VoxelGrid>(grid);
+    const OcclusionTable full(all, points, shared, options, nullptr);
+    const OcclusionTable lean(some, points, shared, options, nullptr);
+    std::vector<double> p(200), q(200), px(200), qx(200), py(200), qy(200);
+    double seen = 0.0;
+    for (int n = 0; n < 300; ++n) {
+      const double far = n % 3 == 0 ? reach : 6.0;
+      const Eigen::Vector3d sensor(uniform(random, -far, far), uniform(random, -far, far),
+                                   vertical ? uniform(random, -far, far) : 0.8);
+      full.evaluate(sensor, p.data(), px.data(), py.data());
+      lean.evaluate(sensor, q.data(), qx.data(), qy.data());
+      for (std::size_t i = 0; i < p.size(); ++i) {
+        ASSERT_NEAR(p[i], q[i], 1e-12) << sensor.transpose();
+        ASSERT_NEAR(px[i], qx[i], 1e-11) << sensor.transpose();
+        ASSERT_NEAR(py[i], qy[i], 1e-11) << sensor.transpose();
+        seen += p[i];
+      }
+    }
+    EXPECT_GT(seen, 1.0);
+    // Any reach, and points anywhere.
+    for (const double far : {1e3, 1e9, 1e15}) {
+      const SensorLattice wide =
+          SensorLattice::around(center, far, 0.3, vertical, points, options.max_range);
+      EXPECT_LT(wide.nx, 50);
+      EXPECT_LT(wide.nz, 50);
+      const SensorLattice away =
+          SensorLattice::around(center, 1e3, 0.3, vertical, {{far, -far, far}}, options.max_range);
+      EXPECT_GE(away.nx, 3);
+      EXPECT_LT(away.nx, 50);
+    }
+    EXPECT_EQ(SensorLattice::around(center, 1e9, 0.3, vertical, {}, 2.0).ny, 27);
+    // Many points far and wide: coarser.
+    std::vector<Eigen::Vector3d> many;
+    for (int i = 0; i < 20'000; ++i) {
+      many.emplace_back(uniform(random, -200, 200), uniform(random, -200, 200), 0.5);
+    }
+    const SensorLattice coarse = SensorLattice::around(center, 1e3, 0.3, vertical, many, 2.0);
+    EXPECT_LE(double{1} * coarse.nx * coarse.ny * coarse.nz * 20'008, SensorLattice::kMostEntries);
+    EXPECT_GT(coarse.spacing, 0.5);
+    EXPECT_NEAR(std::remainder(coarse.origin.x(), coarse.spacing), 0.0, 1e-6);
+    // One of a usual size is as it was.
+    const SensorLattice usual = SensorLattice::around(center, 5.0, 0.3, vertical, points, 2.0);
+    EXPECT_EQ(usual.nx, SensorLattice::around(center, 5.0, 0.3, vertical).nx);
+  }
+}
+
 }  // namespace
 }  // namespace prospect::occlusion_table_test

@@ -131,5 +131,21 @@ TEST(UnseenFeatures, RefusesOptionsOutOfRange) {
   EXPECT_TRUE(unseen_features(half_known_ground(), Pose{}, options).empty());
 }
 
+TEST(UnseenFeatures, TheNearestAreTheSameHoweverFarTheRange) {
+  UnseenFeatureOptions options;
+  options.block = 0.5;
+  options.max_blocks = 60;
+  const Pose pose{{-1.1, 0.7, 0.0}, 0.3};
+  options.range = 9.0;
+  const auto some = unseen_features(half_known_ground(), pose, options);
+  ASSERT_EQ(some.size(), 60U);
+  for (const double range : {20.0, 1e3, 1e6}) {
+    options.range = range;
+    const auto same = unseen_features(half_known_ground(), pose, options);
+    ASSERT_EQ(same.size(), some.size());
+    for (std::size_t i = 0; i < same.size(); ++i) EXPECT_EQ(same[i].id, some[i].id);
+  }
+}
+
 }  // namespace
 }  // namespace prospect::unseen_features_test

@@ -33,7 +33,7 @@ Eigen::Vector3d node_position(const ClearanceField& field, Cell c, int k) {
 void expect_nodes_match_brute_force(const ObstacleWorld& world,
                                     const ClearanceField::Options& options) {
   const ClearanceField field = make(world, options);
-  const int widen = options.vertical ? 7 : 12;
+  const int widen = static_cast<int>(std::lround(options.cutoff / field.resolution())) + 3;
   const Boxes solid = boxes_of(world, options, false, widen);
   const Boxes open = boxes_of(world, options, true, widen);
   const int dimensions = options.vertical ? 3 : 2;
@@ -433,6 +433,74 @@ TEST(ClearanceField, NeverNonFinite) {
     EXPECT_TRUE(std::isnan(field.distance({nan, 0.0, 0.0})));
     EXPECT_TRUE(std::isnan(field.distance({0.0, std::numeric_limits<double>::infinity(), 0.0})));
   }
+}
+
+// Memory follows what is known. A small map, and the same within nothing but unknown space, which
+// makes all of a large window known: values are the same to the bit, in the window and beyond.
+TEST(ClearanceField, AWindowFarLargerThanTheMapTakesTheMapsMemory) {
+  const ObstacleWorld world = random_world(13, 0.1, 2.0);
+  const GridFrame small = world.voxels.frame();
+  GridFrame large = small;
+  large.i0 -= 300;
+  large.j0 -= 300;
+  large.width += 600;
+  large.height += 600;
+  VoxelGrid voxels(large, world.voxels.k0() * 0.1,
+                   (world.voxels.k0() + world.voxels.depth()) * 0.1);
+  ASSERT_EQ(voxels.k0(), world.voxels.k0());
+  GroundMap ground(large);
+  for (int n = 0; n < small.size(); ++n) {
+    const Cell c = small.at(n);
+    ground.set(c, world.ground.state(c));
+    for (int k = voxels.k0(); k < voxels.k0() + voxels.depth(); ++k) {
+      voxels.set(c.i, c.j, k, world.voxels.state(c.i, c.j, k));
+    }
+  }
+  Zones zones;
+  zones.keep_out = {{{3.0, 3.0}, {4.0, 3.0}, {4.0, 4.0}}};
+  zones.bound = Polygon{{-9.0, -9.0}, {9.0, -9.0}, {9.0, 9.0}, {-9.0, 9.0}};
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> near(-4.0, 4.0), far(-25.0, 25.0);
+  for (const bool vertical : {false, true}) {
+    for (const auto obstacles :
+         {ClearanceField::Obstacles::kOccupied, ClearanceField::Obstacles::kOccupiedAndUnknown}) {
+      for (const auto& forbidden : {std::shared_ptr<const ZoneMap>(), zone_map_of(zones)}) {
+        ClearanceField::Options options;
+        options.vertical = vertical;
+        options.vertical_reach = 0.5;
+        options.obstacles = obstacles;
+        options.zones = forbidden;
+        options.reach = vertical ? 8.0 : 20.0;
+        const Eigen::Vector3d center(0.3, -0.2, 0.4);
+        const ClearanceField lean(center, world.voxels, world.ground, options);
+        const ClearanceField whole(center, voxels, ground, options);
+        EXPECT_LT(lean.frame().size(), forbidden ? 300 * 300 : 90 * 90);
+        EXPECT_GT(whole.frame().size(), forbidden ? 0 : 3 * lean.frame().size());
+        for (int n = 0; n < 400; ++n) {
+          auto& spread = n % 2 == 0 ? near : far;
+          const Eigen::Vector3d p(spread(random), spread(random), 0.4);
+          Eigen::Vector3d g, h;
+          ASSERT_EQ(lean.distance(p, &g), whole.distance(p, &h)) << p.transpose();
+          ASSERT_EQ(g, h) << p.transpose();
+        }
+        // However far the robot could get.
+        for (const double reach : {1e3, 1e6, 1e12}) {
+          options.reach = reach;
+          const ClearanceField wide(center, world.voxels, world.ground, options);
+          EXPECT_LT(wide.frame().size(), forbidden ? 300 * 300 : 90 * 90);
+          EXPECT_EQ(wide.distance(center), lean.distance(center));
+          EXPECT_TRUE(std::isfinite(wide.distance({1e7, -1e7, 0.4})));
+        }
+      }
+    }
+  }
+}
+
+TEST(ClearanceField, NodesMatchBruteForceFarFromObstacles) {
+  ClearanceField::Options options;
+  options.reach = 1.6;
+  options.cutoff = 6.0;  // 60 voxels
+  expect_nodes_match_brute_force(random_world(4, 0.1, 1.5), options);
 }
 
 TEST(ClearanceField, BadOptionsAreNamed) {

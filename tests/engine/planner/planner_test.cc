@@ -203,9 +203,7 @@ TEST_F(PlannerTest, PlansTowardsTheUnknownAndKeepsTheContract) {
   }
   EXPECT_GT(farthest, 0.5);  // it goes where the unknown is
   EXPECT_NE(planner.problem(), nullptr);
-  EXPECT_FALSE(planner.landmarks().empty());
-  EXPECT_EQ(planner.landmark_visibility().size(),
-            static_cast<Eigen::Index>(planner.landmarks().size()));
+  EXPECT_FALSE(planner.step()->landmarks.empty());
 }
 
 // Hands back its start, or, if it compares starts, the last of the seeds.
@@ -629,7 +627,7 @@ TEST_F(PlannerTest, NoLandmarksAndNoFrontiers) {
   const Plan plan = planner.plan(belief);
   expect_executable(plan, belief);
   EXPECT_FALSE(plan.has_active_frontier);
-  EXPECT_TRUE(planner.landmarks().empty());
+  EXPECT_TRUE(planner.step()->landmarks.empty());
 }
 
 TEST_F(PlannerTest, BeliefsThatAreNotFiniteOrLackAMap) {

@@ -96,7 +96,7 @@ TEST(SharedResults, SharedLooksGiveTheBitsOfSeparateOnes) {
       SensorLattice::around({0.0, 0.0, 0.45}, 3.0, 0.3), targets.positions(), *scene.belief.voxels,
       OcclusionTable::Options());
   const auto prediction = std::make_shared<const VisibilityPrediction>(
-      scene.planner->landmarks(), robot.stereo, robot.stereo_mount, nullptr,
+      scene.planner->specification()->landmarks, robot.stereo, robot.stereo_mount, nullptr,
       VisibilityParameters());
   const auto gain = [&] {
     return std::make_shared<const ExplorationGain>(targets, robot.depth, robot.depth_mount, table);
