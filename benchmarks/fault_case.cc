@@ -126,11 +126,14 @@ void judge(const std::vector<Sample>& samples, const FaultCase& one, FaultOutcom
 
 }  // namespace
 
-Configuration fault_drive_configuration() {
-  return read_configuration("", {},
-                            {"task.kind=go", "task.goal=[12, 0]", "simulator.odometry.perfect=true",
-                             "planner.weights.w_l=0", "planner.polished=1",
-                             "planner.polish_evaluations=6", "planner.N=12", "planner.M=6"});
+Configuration fault_drive_configuration(const std::string& world) {
+  std::vector<std::string> settings = {"planner.polished=1", "planner.polish_evaluations=6",
+                                       "planner.N=12", "planner.M=6"};
+  if (world == "corridor") {
+    settings.insert(settings.end(), {"task.kind=go", "task.goal=[12, 0]",
+                                     "simulator.odometry.perfect=true", "planner.weights.w_l=0"});
+  }
+  return read_configuration("", {}, settings);
 }
 
 FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
@@ -138,6 +141,7 @@ FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
   const SimulatedClock clock(kThreads, kStart);
   const std::vector<InjectedFault> faults = {one.fault};
   SimulatorOptions simulator_options = configuration.simulator;
+  simulator_options.seed = one.seed;
   simulator_options.distort_scan =
       faulty_scans(faults, 0.3, configuration.robot.depth.max_range, simulator_options.seed);
   Simulator simulator(world, simulator_options);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +18,7 @@ struct FaultCase {
   double length = 13.0;  ///< [s] of the whole drive
   /// [s] after the fault is over until a person acknowledges a stop that latches.
   double patience = 1.0;
+  std::uint64_t seed = 1;  ///< of the simulator
 };
 
 /// What became of it. Times and places are of the true robot, every 0.05 s.
@@ -38,9 +40,9 @@ struct FaultOutcome {
   std::vector<std::string> events{};  ///< one line each, but for what is ordinary
 };
 
-/// A drive along the world `corridor` that is at full speed, 0.6 m/s, from 3 s on, with a planner
-/// that does little: what is looked at is what is around it.
-Configuration fault_drive_configuration();
+/// A drive with a planner that does little: what is looked at is what is around it. Along the world
+/// `corridor` it is at full speed, 0.6 m/s, from 3 s on; any other world it explores.
+Configuration fault_drive_configuration(const std::string& world);
 
 /// Drives the simulated robot in real time's way, by threads, on a SimulatedClock, with the
 /// configured planner. Deterministic. Throws as Simulator and RealTimeDriver do.

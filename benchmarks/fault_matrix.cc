@@ -1,9 +1,10 @@
 // Each fault of the simulated robot, one drive each, as a table (Markdown).
-//   fault_matrix [WORLD] [--fault SOURCE:VERB...] [--from S] [--for S] [--length S] [--jobs N]
-//   [--events]
+//   fault_matrix [WORLD] [--fault SOURCE:VERB...] [--from S] [--for S] [--length S] [--seed N]
+//   [--jobs N] [--events]
 // Without --fault: all of them. Drives are of threads on a simulated clock (fault_case.h). "Drives
 // again" counts from the end of the fault. Exit code 1: a contact.
 #include <atomic>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <optional>
@@ -60,7 +61,7 @@ int fault_matrix(int argc, char** argv) {
   std::string world_name = "corridor";
   std::vector<std::string> faults;
   bool events = false;
-  int jobs = 2;
+  int jobs = 2, seed = 1;
   double from = 5.0, duration = 3.0, length = 13.0;
   ProgramOptions program("Faults of the simulated robot, one drive each, as a table");
   program.add("world", world_name, "Built-in name or file");
@@ -68,6 +69,7 @@ int fault_matrix(int argc, char** argv) {
   program.add("--from", from, "When a fault begins [s]", {.least = 0.0});
   program.add("--for", duration, "How long it holds [s]", {.least = 0.05});
   program.add("--length", length, "Of a drive [s]", {.least = 1.0});
+  program.add("--seed", seed, "Of the simulator", {.least = 0});
   program.add("--jobs", jobs, "Drives at a time", {.least = 1});
   program.add("--events", events, "Print what the robot said");
   if (const std::optional<int> code = program.parse(argc, argv)) return *code;
@@ -76,6 +78,7 @@ int fault_matrix(int argc, char** argv) {
     fault.from = from;
     fault.duration = duration;
     cases.push_back({fault, length});
+    cases.back().seed = static_cast<std::uint64_t>(seed);
   };
   for (const std::string& text : faults) {
     try {
@@ -87,7 +90,7 @@ int fault_matrix(int argc, char** argv) {
   for (const FaultKind& kind : fault_kinds()) {
     if (faults.empty() && kind.implemented) add({kind.source, kind.verb});
   }
-  const Configuration configuration = fault_drive_configuration();
+  const Configuration configuration = fault_drive_configuration(world_name);
   const auto world =
       std::make_shared<const World>(load_world(world_name, world_options_for(configuration)));
   const std::vector<FaultOutcome> outcomes = drive_all(world, configuration, cases, jobs);

@@ -25,12 +25,14 @@ bool base_silent(const Case& c) { return c.facts.base_silent; }
 bool thread_ended(const Case& c) { return !c.facts.ended_thread.empty(); }
 bool thread_late(const Case& c) { return !c.facts.late_thread.empty(); }
 bool preflight_failed(const Case& c) { return !c.facts.failed_preflight.empty(); }
+bool stop_silent(const Case& c) { return !c.facts.silent_emergency_stop.empty(); }
+bool does_not_follow(const Case& c) { return !c.facts.not_following.empty(); }
 bool obstacle(const Case& c) { return !c.facts.obstacle.empty(); }
 bool lost(const Case& c) { return c.facts.localization == Localization::kLost; }
 
 bool latching_cause(const Case& c) {
-  return c.facts.emergency_stop || base_fault(c) || base_silent(c) || thread_ended(c) ||
-         c.facts.uncommanded_motion;
+  return c.facts.emergency_stop || stop_silent(c) || base_fault(c) || base_silent(c) ||
+         thread_ended(c) || c.facts.uncommanded_motion || does_not_follow(c);
 }
 bool new_plan(const Case& c) {
   return c.facts.plan_from_rest && *c.facts.plan_from_rest > c.before.since &&
@@ -46,6 +48,8 @@ constexpr std::array kTable = {
     DriveModeRow{kAny, "an emergency stop is asked for",
                  [](const Case& c) { return c.facts.emergency_stop; }, kStopping,
                  DriveCause::kEmergencyStop},
+    DriveModeRow{kMoving, "the emergency stop is silent", stop_silent, kStopping,
+                 DriveCause::kEmergencyStopSilent},
     DriveModeRow{kMoving, "the base reports a fault", base_fault, kStopping,
                  DriveCause::kBaseFault},
     DriveModeRow{kMoving, "the base is silent", base_silent, kStopping, DriveCause::kBaseSilent},
@@ -54,6 +58,9 @@ constexpr std::array kTable = {
                  "the base moves otherwise than it is told to",
                  [](const Case& c) { return c.facts.uncommanded_motion; }, kStopping,
                  DriveCause::kUncommandedMotion},
+    DriveModeRow{set(kReady, kActive, kDegraded, kStopping),
+                 "the base does not follow what it is told", does_not_follow, kStopping,
+                 DriveCause::kDoesNotFollow},
     DriveModeRow{set(kStopping), "at rest for rest_time; the cause latches",
                  [](const Case& c) { return at_rest(c) && latches(c.before.cause); }, kStopped,
                  std::nullopt},
@@ -84,6 +91,8 @@ constexpr std::array kTable = {
     DriveModeRow{kDriving, "the task is over", [](const Case& c) { return c.facts.task_over; },
                  kStopping, DriveCause::kTaskOver},
     DriveModeRow{set(kStopping), "else", always, kStopping, std::nullopt},
+    DriveModeRow{kStanding, "the emergency stop is silent", stop_silent, kIdle,
+                 DriveCause::kEmergencyStopSilent},
     DriveModeRow{kStanding, "the base reports a fault", base_fault, kIdle, DriveCause::kBaseFault},
     DriveModeRow{kStanding, "the base is silent", base_silent, kIdle, DriveCause::kBaseSilent},
     DriveModeRow{kStanding, "a thread has ended", thread_ended, kIdle, DriveCause::kThreadEnded},
@@ -136,10 +145,12 @@ constexpr std::array kPolicies = {
     DriveCausePolicy{DriveCause::kObstacle, Response::kEmergencyStop, nullptr, false},
     DriveCausePolicy{DriveCause::kThreadLate, Response::kEmergencyStop, nullptr, false},
     DriveCausePolicy{DriveCause::kEmergencyStop, Response::kEmergencyStop, nullptr, true},
+    DriveCausePolicy{DriveCause::kEmergencyStopSilent, Response::kEmergencyStop, nullptr, true},
     DriveCausePolicy{DriveCause::kBaseFault, Response::kEmergencyStop, nullptr, true},
     DriveCausePolicy{DriveCause::kBaseSilent, Response::kEmergencyStop, nullptr, true},
     DriveCausePolicy{DriveCause::kThreadEnded, Response::kEmergencyStop, nullptr, true},
     DriveCausePolicy{DriveCause::kUncommandedMotion, Response::kEmergencyStop, nullptr, true},
+    DriveCausePolicy{DriveCause::kDoesNotFollow, Response::kEmergencyStop, nullptr, true},
     DriveCausePolicy{DriveCause::kDoesNotStop, Response::kEmergencyStop, nullptr, true},
 };
 
@@ -171,8 +182,12 @@ std::string_view named(DriveCause cause, const DriveFacts& facts) {
       return facts.late_thread;
     case DriveCause::kThreadEnded:
       return facts.ended_thread;
+    case DriveCause::kEmergencyStopSilent:
+      return facts.silent_emergency_stop;
     case DriveCause::kBaseFault:
       return facts.base_fault;
+    case DriveCause::kDoesNotFollow:
+      return facts.not_following;
     default:
       return {};
   }
@@ -234,6 +249,8 @@ std::string_view to_string(DriveCause cause) {
       return "thread late";
     case DriveCause::kEmergencyStop:
       return "emergency stop";
+    case DriveCause::kEmergencyStopSilent:
+      return "emergency stop silent";
     case DriveCause::kBaseFault:
       return "base fault";
     case DriveCause::kBaseSilent:
@@ -242,6 +259,8 @@ std::string_view to_string(DriveCause cause) {
       return "thread ended";
     case DriveCause::kUncommandedMotion:
       return "uncommanded motion";
+    case DriveCause::kDoesNotFollow:
+      return "does not follow";
     case DriveCause::kDoesNotStop:
       return "does not stop";
   }

@@ -41,13 +41,15 @@ enum class DriveCause {
   kPlanOver,     ///< no plan says how to go on
   kToldToStand,
   kTaskOver,
-  kObstacle,       ///< ranges show what the map does not know (range_stop.h)
-  kThreadLate,     ///< a thread does not answer (supervisor.h)
-  kEmergencyStop,  ///< asked for
-  kBaseFault,      ///< the base reports one
-  kBaseSilent,     ///< the base reports nothing
+  kObstacle,             ///< ranges show what the map does not know (range_stop.h)
+  kThreadLate,           ///< a thread does not answer (supervisor.h)
+  kEmergencyStop,        ///< asked for
+  kEmergencyStopSilent,  ///< nobody is heard of who could ask for one (emergency_stop.h)
+  kBaseFault,            ///< the base reports one
+  kBaseSilent,           ///< the base reports nothing
   kThreadEnded,
-  kUncommandedMotion,  ///< the base moves otherwise than it is told to
+  kUncommandedMotion,  ///< the base measures motion that nobody has told it
+  kDoesNotFollow,      ///< the base moves otherwise than it is told to (command_following.h)
   kDoesNotStop         ///< a stop takes too long
 };
 inline constexpr int kDriveCauses = static_cast<int>(DriveCause::kDoesNotStop) + 1;
@@ -77,7 +79,9 @@ struct DriveFacts {
   // Asked for.
   bool told_to_drive = false;   ///< else to stand
   bool emergency_stop = false;  ///< by whomever; stays so until that is taken back
-  bool acknowledged = false;    ///< a person acknowledges the stop, at this instant
+  /// Why nobody is heard of who could ask for one, where somebody must be.
+  std::string silent_emergency_stop{"nobody has asked who could press it"};
+  bool acknowledged = false;  ///< a person acknowledges the stop, at this instant
   // Sources and clocks.
   double live_for = 0.0;       ///< [s] that all sources needed have been within their limits
   std::string stale_source{};  ///< a source that is not
@@ -89,6 +93,7 @@ struct DriveFacts {
   std::string base_fault{};
   bool base_silent = true;  ///< its newest report is older than its limit
   bool uncommanded_motion = false;
+  std::string not_following{};  ///< how it moves otherwise than it is told to
   // Threads (Supervisor).
   std::string late_thread{}, ended_thread{};
   // Plan.

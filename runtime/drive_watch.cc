@@ -31,6 +31,8 @@ DriveFacts DriveWatch::facts(const DriveObservation& seen) {
   facts.stamp = now;
   facts.told_to_drive = seen.told_to_drive;
   facts.emergency_stop = seen.emergency_stop;
+  facts.silent_emergency_stop = seen.silent_emergency_stop;
+  facts.not_following = seen.not_following;
   facts.acknowledged = seen.acknowledged;
   facts.task_over = seen.task_over;
   facts.failed_preflight = seen.failed_preflight;

@@ -41,6 +41,8 @@ struct DriveObservation {
   std::string obstacle;                  ///< DriveFacts
   std::string jumped_clock;              ///< DriveFacts
   bool told_to_drive = false, emergency_stop = false, acknowledged = false, task_over = false;
+  std::string silent_emergency_stop = DriveFacts().silent_emergency_stop;
+  std::string not_following;  ///< DriveFacts
   std::string failed_preflight;
   bool yaw_checked = false;
 };

@@ -104,6 +104,20 @@ CheckResult stream_check(const PreflightFacts::Stream& s, const PreflightOptions
                     s.live_for, o.live_time)};
 }
 
+CheckResult emergency_stop_check(const PreflightFacts& facts) {
+  const std::string name = "emergency stop";
+  if (!facts.emergency_stop) {
+    return not_possible(name, "none is set up: nobody is listened to who could press it");
+  }
+  if (!facts.emergency_stop->silent.empty()) {
+    return {name, Verdict::kFailed, facts.emergency_stop->silent};
+  }
+  if (facts.emergency_stop->pressed) {
+    return {name, Verdict::kFailed, "it is pressed; expected it released"};
+  }
+  return {name, Verdict::kPassed, "it is heard of, and released"};
+}
+
 CheckResult dead_man_check(const PreflightFacts& facts, const PreflightOptions& o) {
   if (!facts.dead_man) {
     return {"dead-man", Verdict::kFailed,
@@ -141,19 +155,37 @@ CheckResult limit_check(const std::string& name, const char* unit,
                     *limit.base, unit, limit.model)};
 }
 
+/// How a kind of motion is told of, and by how much its gain may be off.
+struct MotionWords {
+  const char *unit, *stands, *other_way;
+  double warn, fail;
+};
+
 CheckResult gain_check(const std::string& name, double from, const std::optional<double>& to,
-                       const char* missing, const PreflightOptions& o) {
+                       const char* missing, const MotionWords& words) {
   if (!to) return not_possible(name, missing);
-  const std::string turned = formatted("%.3f rad of %.3f", *to, from);
+  const std::string moved = formatted("%.3f %s of %.3f", *to, words.unit, from);
   const double gain = *to / from;
-  if (!std::isfinite(gain)) return {name, Verdict::kFailed, turned + "; expected numbers"};
-  if (std::abs(gain) < 0.25) return {name, Verdict::kFailed, turned + ": it does not turn"};
-  if (gain < 0.0) {
-    return {name, Verdict::kFailed,
-            turned + ": it turns the other way; expected positive to the left"};
+  if (!std::isfinite(gain)) return {name, Verdict::kFailed, moved + "; expected numbers"};
+  if (std::abs(gain) < 0.25) return {name, Verdict::kFailed, moved + words.stands};
+  if (gain < 0.0) return {name, Verdict::kFailed, moved + words.other_way};
+  return {name, graded(gain - 1.0, words.warn, words.fail),
+          moved + formatted(": gain %.2f; expected 1 within %.2f", gain, words.warn)};
+}
+
+constexpr const char* kNoWheels = "the base reports no motion";
+constexpr const char* kNoCameras = "visual odometry has no motion";
+
+/// The checks `names` of a motion of which too little was commanded; empty: it was enough.
+std::vector<CheckResult> too_little(const std::vector<std::string>& names, const char* unit,
+                                    double commanded, double least) {
+  std::vector<CheckResult> results;
+  if (std::abs(commanded) >= least) return results;
+  for (const std::string& name : names) {
+    results.push_back(not_possible(
+        name, formatted("%.3f %s were commanded; expected %.3f", commanded, unit, least)));
   }
-  return {name, graded(gain - 1.0, o.yaw_warn, o.yaw_fail),
-          turned + formatted(": gain %.2f; expected 1 within %.2f", gain, o.yaw_warn)};
+  return results;
 }
 
 }  // namespace
@@ -186,6 +218,7 @@ std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
   if (facts.streams.empty()) {
     results.push_back({"streams", Verdict::kFailed, "no source was named; expected one or more"});
   }
+  results.push_back(emergency_stop_check(facts));
   results.push_back(dead_man_check(facts, options));
   results.push_back(limit_check("largest speed", "m/s", facts.speed));
   results.push_back(limit_check("largest yaw rate", "rad/s", facts.yaw_rate));
@@ -193,23 +226,33 @@ std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
   return results;
 }
 
-std::vector<CheckResult> checks_of_turn(const YawTurn& turn, const PreflightOptions& options) {
+std::vector<CheckResult> checks_of_turn(const ShortMotion& turn, const PreflightOptions& options) {
   check_knobs("preflight", options);
   const std::vector<std::string> names = {"yaw of the wheels", "yaw of the cameras", "slip"};
-  if (!(std::abs(turn.commanded) >= options.least_turn)) {
-    std::vector<CheckResult> results;
-    for (const std::string& name : names) {
-      results.push_back(not_possible(name, formatted("%.3f rad were commanded; expected %.3f",
-                                                     turn.commanded, options.least_turn)));
-    }
-    return results;
-  }
-  const char* no_wheels = "the base reports no motion";
-  const char* no_cameras = "visual odometry has no motion";
-  return {gain_check(names[0], turn.commanded, turn.wheels, no_wheels, options),
-          gain_check(names[1], turn.commanded, turn.cameras, no_cameras, options),
-          turn.wheels ? gain_check(names[2], *turn.wheels, turn.cameras, no_cameras, options)
-                      : not_possible(names[2], no_wheels)};
+  // No number is too little, too.
+  const double commanded = std::isfinite(turn.commanded) ? turn.commanded : 0.0;
+  auto results = too_little(names, "rad", commanded, options.least_turn);
+  if (!results.empty()) return results;
+  const MotionWords words{"rad", ": it does not turn",
+                          ": it turns the other way; expected positive to the left",
+                          options.yaw_warn, options.yaw_fail};
+  return {gain_check(names[0], commanded, turn.wheels, kNoWheels, words),
+          gain_check(names[1], commanded, turn.cameras, kNoCameras, words),
+          turn.wheels ? gain_check(names[2], *turn.wheels, turn.cameras, kNoCameras, words)
+                      : not_possible(names[2], kNoWheels)};
+}
+
+std::vector<CheckResult> checks_of_way(const ShortMotion& way, const PreflightOptions& options) {
+  check_knobs("preflight", options);
+  const std::vector<std::string> names = {"way of the wheels", "way of the cameras"};
+  const double commanded = std::isfinite(way.commanded) ? way.commanded : 0.0;
+  auto results = too_little(names, "m", commanded, options.least_way);
+  if (!results.empty()) return results;
+  const MotionWords words{"m", ": it does not drive",
+                          ": it drives the other way; expected positive forwards", options.way_warn,
+                          options.way_fail};
+  return {gain_check(names[0], commanded, way.wheels, kNoWheels, words),
+          gain_check(names[1], commanded, way.cameras, kNoCameras, words)};
 }
 
 std::string first_failed(const std::vector<CheckResult>& results) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "models/robot_shape.h"
+#include "runtime/emergency_stop.h"
 
 namespace prospect {
 
@@ -32,10 +33,12 @@ struct PreflightOptions {
   double tilt_warn = 0.01, tilt_fail = 0.05;        ///< of the camera [rad]
   double stereo_warn = 0.001, stereo_fail = 0.005;  ///< of the cameras' captures [s]
   double yaw_warn = 0.05, yaw_fail = 0.25;          ///< of the gain of yaw [1]
+  double way_warn = 0.15, way_fail = 0.5;           ///< of the gain of a short way ahead [1]
   double floor_noise = 0.02;                        ///< [m] that points of the floor stand out
   double longest_dead_man = 1.0;                    ///< [s]
   double live_time = 1.0;   ///< [s] that a stream must have been within its limit
   double least_turn = 0.1;  ///< [rad] commanded, for the check of yaw
+  double least_way = 0.02;  ///< [m] commanded, for the check of the way
 };
 /// The knobs (models/knobs.h).
 void describe(Knobs& knobs, PreflightOptions& options);
@@ -73,6 +76,9 @@ struct PreflightFacts {
   };
   std::vector<Stream> streams{};
 
+  /// Of what others press; none: nothing of that kind is set up.
+  std::optional<EmergencyStopState> emergency_stop{};
+
   /// [s] of silence after which the base stops by itself; none: it declares no dead-man.
   std::optional<double> dead_man{};
   /// [s] from one command to the next. The command thread alone keeps the dead-man from acting.
@@ -95,6 +101,7 @@ struct PreflightFacts {
 ///   cameras in step              |offset|;
 ///   clock of SOURCE              settled; jumps are warned of;
 ///   stream of SOURCE             within its limit for live_time;
+///   emergency stop               who may press it is heard of, and does not;
 ///   dead-man                     declared, no longer than longest_dead_man, and longer than a
 ///                                period of commands; shorter than two, so that one late command
 ///                                trips it: warned of. What other threads need does not count: they
@@ -104,9 +111,10 @@ struct PreflightFacts {
 std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
                                               const PreflightOptions& options = {});
 
-/// A turn on the spot, by 0.2 rad or so, as it was commanded and as it was measured, in the sense
-/// of B (positive: to the left) [rad].
-struct YawTurn {
+/// A short motion as it was commanded and as it was measured, in the sense of B: a turn on the
+/// spot, by 0.2 rad or so (positive: to the left) [rad], or a way straight ahead, of 5 cm or so
+/// [m].
+struct ShortMotion {
   double commanded = 0.0;
   std::optional<double> wheels{};   ///< the base's own odometry
   std::optional<double> cameras{};  ///< visual odometry
@@ -114,7 +122,11 @@ struct YawTurn {
 /// The checks that need motion: "yaw of the wheels", "yaw of the cameras", each against what was
 /// commanded, and "slip", cameras against wheels. A base that turns the other way, or not by a
 /// quarter of it, fails. Pure.
-std::vector<CheckResult> checks_of_turn(const YawTurn& turn, const PreflightOptions& options = {});
+std::vector<CheckResult> checks_of_turn(const ShortMotion& turn,
+                                        const PreflightOptions& options = {});
+/// Likewise "way of the wheels" and "way of the cameras".
+std::vector<CheckResult> checks_of_way(const ShortMotion& way,
+                                       const PreflightOptions& options = {});
 
 /// Name of the first check that failed; empty: none did, the robot may drive.
 std::string first_failed(const std::vector<CheckResult>& results);

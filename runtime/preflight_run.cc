@@ -17,22 +17,33 @@
 namespace prospect {
 namespace {
 
-/// Turning to the left by an angle from rest, as a plan: the guard judges each command of it.
-/// None: the model cannot.
-std::optional<Plan> turning_plan(const MotionModel& model, const Pose& pose, double stamp,
-                                 double angle, double rate) {
+/// A short motion from rest on one axis.
+struct Motion {
+  bool turns = false;   // to the left; else it drives straight ahead
+  double amount = 0.0;  // [rad] or [m]
+  double rate = 0.0;    // [rad/s] or [m/s]
+
+  double of(const Twist& twist) const { return turns ? twist.yaw_rate : twist.linear.x(); }
+  Twist wanted() const {
+    return turns ? Twist{Eigen::Vector3d::Zero(), rate} : Twist{{rate, 0.0, 0.0}, 0.0};
+  }
+};
+
+/// The motion as a plan: the guard judges each command of it. None: the model cannot.
+std::optional<Plan> plan_of(const MotionModel& model, const Pose& pose, double stamp,
+                            const Motion& motion) {
   constexpr double kStep = 0.1;  // [s]
   Plan plan;
   plan.kind = PlanKind::kSeed;
   plan.stamp = stamp;
   plan.dt = kStep;
   plan.certified = true;
-  const Twist wanted{Eigen::Vector3d::Zero(), rate};
+  const Twist wanted = motion.wanted();
   Twist before;
   Eigen::VectorXd x = model.state(pose, before), next(model.nx());
   plan.states.push_back(x);
-  const int most = static_cast<int>(std::ceil(4.0 * angle / (rate * kStep))) + 10;
-  for (double turned = 0.0; turned < angle - 1e-9; turned += before.yaw_rate * kStep) {
+  const int most = static_cast<int>(std::ceil(4.0 * motion.amount / (motion.rate * kStep))) + 10;
+  for (double moved = 0.0; moved < motion.amount - 1e-9; moved += motion.of(before) * kStep) {
     if (static_cast<int>(plan.inputs.size()) == most) return std::nullopt;
     Eigen::VectorXd input = tracking_input(model, x, model.input(before), wanted, kStep);
     model.step(x, input, kStep, next);
@@ -43,7 +54,7 @@ std::optional<Plan> turning_plan(const MotionModel& model, const Pose& pose, dou
     plan.commands.push_back(before);
   }
   plan.committed = static_cast<int>(plan.commands.size());
-  // Braking adds to the angle: a base that starts more slowly than it stops loses less of it so.
+  // Braking adds to it: a base that starts more slowly than it stops loses less of it so.
   for (int k = 0; k < most && !is_at_rest(before); ++k) {
     before = braking_command(model, pose, before, kStep).command;
     plan.tail.push_back(before);
@@ -78,19 +89,17 @@ class Run {
     facts.deceleration = {limits.acceleration, parts_.model->max_deceleration()};
     result.checks = checks_before_motion(facts, options_.checks);
 
-    YawTurn made;
-    std::string hindered = "not asked for";
-    if (!first_failed(result.checks).empty()) {
-      hindered = "a check before it has failed";
-    } else if (options_.turn > 0.0) {
-      hindered = turn(made);
-    }
-    for (CheckResult& check : checks_of_turn(made, options_.checks)) {
-      if (!hindered.empty())
-        check = {check.check, CheckVerdict::kNotPossible, "no turn: " + hindered};
-      result.checks.push_back(std::move(check));
-    }
-    result.yaw_checked = hindered.empty() && (made.wheels || made.cameras);
+    const MotionModel& model = *parts_.model;
+    ShortMotion turned, driven;
+    const std::string no_turn =
+        try_motion({true, options_.turn, std::min(options_.turn_rate, 0.5 * model.max_yaw_rate())},
+                   result, turned);
+    add(checks_of_turn(turned, options_.checks), "no turn: ", no_turn, result);
+    const std::string no_way =
+        try_motion({false, options_.way, std::min(options_.way_speed, 0.5 * model.max_speed())},
+                   result, driven);
+    add(checks_of_way(driven, options_.checks), "no way: ", no_way, result);
+    result.yaw_checked = no_turn.empty() && (turned.wheels || turned.cameras);
     if (is_cancelled()) {
       result.checks.push_back({"checks", CheckVerdict::kFailed, "they were cancelled"});
     }
@@ -99,6 +108,25 @@ class Run {
   }
 
  private:
+  /// Why the motion was not made, or not whole; empty: it was.
+  std::string try_motion(const Motion& motion, PreflightResult& result, ShortMotion& made) {
+    if (!first_failed(result.checks).empty()) return "a check before it has failed";
+    if (!(motion.amount > 0.0)) return "not asked for";
+    const std::string hindered = move(motion, made);
+    if (departure_) {
+      result.checks.push_back({"following", CheckVerdict::kFailed, to_text(*departure_)});
+    }
+    return hindered;
+  }
+  static void add(std::vector<CheckResult> checks, const std::string& no_motion,
+                  const std::string& hindered, PreflightResult& result) {
+    for (CheckResult& check : checks) {
+      if (!hindered.empty()) {
+        check = {check.check, CheckVerdict::kNotPossible, no_motion + hindered};
+      }
+      result.checks.push_back(std::move(check));
+    }
+  }
   bool is_cancelled() const { return cancelled_ && cancelled_(); }
   std::shared_ptr<const Belief> newest() {
     const std::lock_guard lock(mutex_);
@@ -129,9 +157,10 @@ class Run {
         watch.look(k, parts_.streams[k].stamp(belief.get()), now);
       }
       const bool located = belief && belief->localization != Localization::kLost;
-      if ((located && watch.live_for(options_.checks.live_time)) || now >= end || is_cancelled()) {
-        break;
-      }
+      if (parts_.emergency_stop) facts.emergency_stop = parts_.emergency_stop->state(now);
+      const bool ready =
+          located && watch.live_for(options_.checks.live_time) && !is_stopped(facts.emergency_stop);
+      if (ready || now >= end || is_cancelled()) break;
       parts_.base.send({}, now + command_.hold);
       wait();
     }
@@ -148,19 +177,30 @@ class Run {
     if (parts_.inbox && !facts.stereo_offset) facts.stereo_offset = parts_.inbox->pair_offset();
   }
 
-  /// Turns, and notes what came of it; why not, if it cannot.
-  std::string turn(YawTurn& made) {
+  static bool is_stopped(const std::optional<EmergencyStopState>& button) {
+    return button && (button->pressed || !button->silent.empty());
+  }
+  bool is_told_to_stand(double now) const {
+    if (parts_.emergency_stop && is_stopped(parts_.emergency_stop->state(now))) return true;
+    return parts_.requests &&
+           (!parts_.requests->told_to_drive() || parts_.requests->emergency_stop_waits());
+  }
+
+  /// Moves, and notes what came of it; why not, if it cannot.
+  std::string move(const Motion& motion, ShortMotion& made) {
     const std::shared_ptr<const Belief> before = newest();
     if (!before || before->localization == Localization::kLost) return "localization is lost";
-    const double rate = std::min(options_.turn_rate, 0.5 * parts_.model->max_yaw_rate());
-    if (!(rate > 0.0)) return "the model does not turn on the spot";
-    const std::optional<Plan> plan = turning_plan(
-        *parts_.model, before->pose, parts_.clock.now() + command_.period, options_.turn, rate);
-    if (!plan) return "the model does not turn on the spot";
+    const char* cannot = motion.turns ? "the model does not turn on the spot"
+                                      : "the model does not drive straight ahead";
+    if (!(motion.rate > 0.0)) return cannot;
+    const std::optional<Plan> plan =
+        plan_of(*parts_.model, before->pose, parts_.clock.now() + command_.period, motion);
+    if (!plan) return cannot;
     const auto shared = std::make_shared<const Plan>(*plan);
     const double end =
         plan->stamp + plan->dt * static_cast<double>(plan->commands.size() + plan->tail.size());
     CommandLoop loop(parts_.model, parts_.guard, command_);
+    CommandFollowing following(parts_.following, command_.delay);
     std::string hindered;
     double wheels = 0.0, stamp = 0.0, last = parts_.clock.now();
     Twist in_force;
@@ -168,24 +208,29 @@ class Run {
     for (;;) {
       const BaseReport told = report();
       const double now = parts_.clock.now();
-      made.commanded += in_force.yaw_rate * (now - last);
+      made.commanded += motion.of(in_force) * (now - last);
       for (const WheelSample& sample : told.wheels) {
-        if (by_wheels) wheels += sample.yaw_rate * (sample.stamp - stamp);
+        const double rate = motion.turns ? sample.yaw_rate : sample.velocity.x();
+        if (by_wheels) wheels += rate * (sample.stamp - stamp);
         by_wheels = true;
         stamp = sample.stamp;
       }
-      if (!by_wheels) wheels += told.velocity.yaw_rate * (now - last);
+      if (!by_wheels) wheels += motion.of(told.velocity) * (now - last);
       last = now;
       if (now >= end + options_.settle) break;
       if (is_cancelled()) return "it was cancelled";
-      if (parts_.requests &&
-          (!parts_.requests->told_to_drive() || parts_.requests->emergency_stop_waits())) {
-        return "it was told to stand";
+      if (is_told_to_stand(now)) return "it was told to stand";
+      const std::shared_ptr<const Belief> seen = newest();
+      departure_ = following.look(now, told, seen.get());
+      if (departure_) {
+        parts_.base.stop();
+        return "the base does not follow what it is told";
       }
       const RangeLook look = parts_.ranges ? parts_.ranges(in_force, now) : RangeLook();
-      const CommandStep step = loop.step(
-          {now, shared, newest(), told, DriveSpeed{DriveResponse::kFull, 1.0}, look.share});
+      const CommandStep step =
+          loop.step({now, shared, seen, told, DriveSpeed{DriveResponse::kFull, 1.0}, look.share});
       in_force = step.command;
+      following.told({now, step.expires, step.command, step.stop});
       if (step.stop) {
         parts_.base.stop();
       } else {
@@ -200,7 +245,10 @@ class Run {
     made.wheels = wheels;
     const std::shared_ptr<const Belief> after = newest();
     if (after->localization != Localization::kLost) {
-      made.cameras = std::remainder(after->pose.yaw - before->pose.yaw, 2.0 * M_PI);
+      const double yaw = before->pose.yaw;
+      const Eigen::Vector3d way = after->pose.position - before->pose.position;
+      made.cameras = motion.turns ? std::remainder(after->pose.yaw - yaw, 2.0 * M_PI)
+                                  : way.x() * std::cos(yaw) + way.y() * std::sin(yaw);
     }
     return hindered;
   }
@@ -211,6 +259,7 @@ class Run {
   const std::function<bool()>& cancelled_;
   std::mutex mutex_;
   std::shared_ptr<const Belief> belief_;
+  std::optional<Departure> departure_;  // that ended a motion
 };
 
 }  // namespace

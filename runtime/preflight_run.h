@@ -11,6 +11,7 @@
 #include "runtime/base.h"
 #include "runtime/belief_source.h"
 #include "runtime/clock.h"
+#include "runtime/command_following.h"
 #include "runtime/command_loop.h"
 #include "runtime/drive_requests.h"
 #include "runtime/preflight.h"
@@ -24,10 +25,12 @@ class Knobs;
 
 struct PreflightRunOptions {
   PreflightOptions checks;
-  double patience = 20.0;  ///< [s] that streams may take to become live
-  double turn = 0.2;       ///< [rad] to turn on the spot, to the left; 0: no turn
-  double turn_rate = 0.4;  ///< [rad/s], at most half of what the model allows
-  double settle = 0.5;     ///< [s] of rest after the turn, until what was measured has come
+  double patience = 20.0;   ///< [s] that streams may take to become live
+  double turn = 0.2;        ///< [rad] to turn on the spot, to the left; 0: no turn
+  double turn_rate = 0.4;   ///< [rad/s], at most half of what the model allows
+  double way = 0.05;        ///< [m] to drive straight ahead; 0: no way
+  double way_speed = 0.15;  ///< [m/s], at most half of what the model allows
+  double settle = 0.5;      ///< [s] of rest after each motion, until what was measured has come
 };
 /// The knobs (models/knobs.h).
 void describe(Knobs& knobs, PreflightRunOptions& options);
@@ -47,8 +50,11 @@ struct PreflightParts {
   PreflightFacts known{};
   /// Asked once the streams are live; empty: nothing sees the floor.
   std::function<std::optional<PreflightFacts::Floor>()> floor{};
-  /// What people ask of it; null: nobody. Who has it stand or stop has it not turn.
+  /// What people ask of it; null: nobody. Who has it stand or stop has it not move.
   const DriveRequests* requests = nullptr;
+  /// As of RobotParts. It is waited for like a stream.
+  const EmergencyStopInput* emergency_stop = nullptr;
+  CommandFollowingOptions following{};  ///< as of the driver
 };
 
 struct PreflightResult {
@@ -58,13 +64,15 @@ struct PreflightResult {
 
 /// Makes the checks of preflight.h on a robot: it stands until its streams have been live for
 /// checks.live_time and it knows where it is, or `patience` is over; then checks_before_motion().
-/// If none fails it turns by `turn` and what braking adds; checks_of_turn() compares. The base's
-/// own odometry is its wheels, the pose of the belief the cameras.
+/// If none fails it turns by `turn` and what braking adds; checks_of_turn() compares. If none fails
+/// then it drives `way` straight ahead; checks_of_way() compares. The base's own odometry is its
+/// wheels, the pose of the belief the cameras.
 ///
-/// The turn goes through a CommandLoop: it ramps within the model's rates, and the guard must pass
-/// each of its commands on the newest map, as must `ranges`. If they do not, a model that cannot
-/// turn on the spot, or a belief that is lost, the checks of the turn are not possible and say why.
-/// Nothing is left out.
+/// Both motions go through a CommandLoop: they ramp within the model's rates, and the guard must
+/// pass each of their commands on the newest map, as must `ranges`. If they do not, a model that
+/// cannot turn on the spot, or a belief that is lost, the checks of the motion are not possible and
+/// say why. Nothing is left out. A base that does not follow meanwhile (CommandFollowing) is
+/// stopped at once: a check "following" has failed.
 ///
 /// A thread of its own asks for beliefs meanwhile. cancelled: asked at each period; the base is
 /// stopped, and what was not made has failed. Errors: throws std::invalid_argument on options out

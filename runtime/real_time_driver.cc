@@ -239,6 +239,7 @@ void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress&
 void RealTimeDriver::Impl::send(const std::stop_token& stop) {
   CommandLoop loop(parts.model, parts.guard, options.command);
   DriveWatch watch(options.watch);
+  CommandFollowing following(options.following, options.command.delay);
   DriveState mode;
   DriverStatus seen;
   ClockJumps jumps;
@@ -270,8 +271,14 @@ void RealTimeDriver::Impl::send(const std::stop_token& stop) {
     observation.obstacle = look.obstacle;
     observation.jumped_clock = jumps.since_last(parts.inbox);
     observation.told_to_drive = requests.told_to_drive();
-    // Told once: the drive mode latches it.
-    observation.emergency_stop = requests.take_emergency_stop();
+    const EmergencyStopState button =
+        parts.emergency_stop ? parts.emergency_stop->state(instant) : EmergencyStopState();
+    // Requests tell it once: the drive mode latches it.
+    observation.emergency_stop = requests.take_emergency_stop() || button.pressed;
+    observation.silent_emergency_stop = button.silent;
+    if (const auto departure = following.look(instant, report, newest.get())) {
+      observation.not_following = to_text(*departure);
+    }
     observation.acknowledged = requests.take_acknowledgement();
     observation.task_over = over;
     observation.failed_preflight = parts.failed_preflight;
@@ -297,6 +304,7 @@ void RealTimeDriver::Impl::send(const std::stop_token& stop) {
     } else {
       parts.base.send(step.command, step.expires);
     }
+    following.told({instant, step.expires, step.command, step.stop});
     if (parts.on_command) parts.on_command(instant, step.stop ? Twist{} : step.command);
     command.set(loop.state());
     if (step.reason == CommandReason::kGuard) {

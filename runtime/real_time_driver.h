@@ -12,10 +12,12 @@
 #include "runtime/base.h"
 #include "runtime/belief_source.h"
 #include "runtime/clock.h"
+#include "runtime/command_following.h"
 #include "runtime/command_loop.h"
 #include "runtime/drive_mode.h"
 #include "runtime/drive_requests.h"
 #include "runtime/drive_watch.h"
+#include "runtime/emergency_stop.h"
 #include "runtime/event_log.h"
 #include "runtime/health_report.h"
 #include "runtime/latency_histogram.h"
@@ -32,6 +34,7 @@ struct RealTimeOptions {
   CommandLoopOptions command;
   DriveModeOptions mode;
   DriveWatchOptions watch;
+  CommandFollowingOptions following;
   double replan_period = 0.25;  ///< [s] from the start of one plan to that of the next
   double least_latency = 0.05;  ///< [s] least and ...
   double most_latency = 0.5;    ///< ... most that a plan is made ahead of its start
@@ -58,6 +61,8 @@ struct RobotParts {
   /// The check before the first motion that failed (preflight.h); empty: all passed.
   std::string failed_preflight = "none was made";
   bool yaw_checked = false;
+  /// Who must be able to stop it; null: nobody but who asks by `requests`.
+  const EmergencyStopInput* emergency_stop = nullptr;
   // What a health report tells of besides.
   std::vector<WatchedStream> streams{};
   std::vector<CheckResult> preflight{};

@@ -7,6 +7,7 @@ void describe(Knobs& knobs, RealTimeOptions& o) {
   knobs.group("command", [&] { describe(knobs, o.command); });
   knobs.group("mode", [&] { describe(knobs, o.mode); });
   knobs.group("watch", [&] { describe(knobs, o.watch); });
+  knobs.group("following", [&] { describe(knobs, o.following); });
   knobs.number("replan_period", o.replan_period, {0.01, 10.0}, "s",
                "from the start of one plan to that of the next");
   knobs.number("least_latency", o.least_latency, {0.0, 10.0}, "s",

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <deque>
 #include <mutex>
 #include <utility>
@@ -100,7 +101,7 @@ struct DdsBase::Impl {
   Twist velocity;
   std::vector<WheelSample> wheels;
   std::deque<std::pair<double, Eigen::Isometry3d>> poses;  // by the robot's stamps
-  bool emergency = false;
+  std::optional<EmergencyStopInput> emergency_stop;
 };
 
 DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& transforms,
@@ -110,10 +111,15 @@ DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& 
   node.subscribe<ros::Odometry>(options.odometry, DdsQos{false, false, 50},
                                 [impl](const ros::Odometry& m) { impl->add(m); });
   if (!options.emergency_stop.empty()) {
-    node.subscribe<ros::Bool>(options.emergency_stop, kReliableQos, [impl](const ros::Bool& m) {
-      const std::lock_guard lock(impl->mutex);
-      impl->emergency = m.data;
-    });
+    const EmergencyStopContract& contract = options.emergency_stop_contract;
+    impl->emergency_stop.emplace(options.emergency_stop, contract);
+    DdsQos qos = kReliableQos;
+    qos.transient_local = contract.latched;
+    if (contract.latched) qos.lease = contract.max_age;
+    node.subscribe<ros::Bool>(options.emergency_stop, qos,
+                              [impl](const ros::Bool& m, std::uint64_t publisher) {
+                                impl->emergency_stop->told(publisher, m.data, impl->clock.now());
+                              });
   }
   if (requests && !options.acknowledge.empty()) {
     node.subscribe<ros::Bool>(options.acknowledge, kReliableQos, [requests](const ros::Bool& m) {
@@ -182,12 +188,14 @@ BaseReport DdsBase::report() noexcept {
     if (const std::string moved = impl_->transforms.moved(); !moved.empty()) {
       report.faults.push_back(moved);
     }
+    if (impl_->emergency_stop) {
+      impl_->emergency_stop->set_present(node.live_publishers(o.emergency_stop));
+    }
     const std::lock_guard lock(impl_->mutex);
     report.connected = listens && impl_->heard.has_value();
     report.stamp = impl_->heard.value_or(0.0);
     report.velocity = impl_->velocity;
     report.wheels = std::exchange(impl_->wheels, {});
-    if (impl_->emergency) report.faults.push_back(o.emergency_stop + ": emergency stop");
     if (impl_->heard && impl_->clock.now() - *impl_->heard > Impl::kSilence) {
       report.faults.push_back(o.odometry + ": odometry is silent");
     }
@@ -196,6 +204,10 @@ BaseReport DdsBase::report() noexcept {
     report.connected = false;
   }
   return report;
+}
+
+const EmergencyStopInput* DdsBase::emergency_stop() const {
+  return impl_->emergency_stop ? &*impl_->emergency_stop : nullptr;
 }
 
 ros::Time DdsBase::ros_time(double time) const { return impl_->stamp(time); }

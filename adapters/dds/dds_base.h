@@ -12,6 +12,7 @@
 #include "runtime/base.h"
 #include "runtime/clock.h"
 #include "runtime/drive_requests.h"
+#include "runtime/emergency_stop.h"
 
 namespace prospect {
 
@@ -25,9 +26,9 @@ namespace prospect {
 ///
 /// Report: velocity and wheel motion of the odometry's twist, which is the body's: of frames.base,
 /// or with odometry_by_tf of another frame that is fixed to it, and is carried over. The link
-/// stands while odometry has come and somebody subscribes to commands. Faults: an emergency stop
-/// that is pressed, odometry that is silent for half a second, a camera that moves
-/// (DdsTransforms::moved()), and what is wrong with those topics (DdsNode::fault()).
+/// stands while odometry has come and somebody subscribes to commands. Faults: odometry that is
+/// silent for half a second, a camera that moves (DdsTransforms::moved()), and what is wrong with
+/// those topics and that of the emergency stop (DdsNode::fault()).
 ///
 /// Clocks: the offset between the robot's clock and the runtime's is estimated from the odometry's
 /// stamps (ClockOffset).
@@ -49,6 +50,8 @@ class DdsBase final : public Base {
   void stop() noexcept override;
   BaseReport report() noexcept override;
 
+  /// What is published on the topic of the emergency stop; null: there is no such topic.
+  const EmergencyStopInput* emergency_stop() const;
   /// `time` [s] of the runtime's clock as a stamp of the robot's. Before the offset has settled,
   /// of this machine's time of day.
   ros::Time ros_time(double time) const;

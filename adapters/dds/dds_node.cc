@@ -6,6 +6,7 @@
 #include "adapters/dds/type_hash.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/not_built_in.h"
+#include "engine/behaviour/formatted.h"
 
 #ifdef PROSPECT_WITH_CYCLONEDDS
 #include <dds/dds.h>
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <map>
@@ -115,6 +117,10 @@ Qos make_qos(const DdsQos& wanted, const std::string& user_data) {
   if (wanted.transient_local) {
     dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, wanted.depth, -1, -1, -1);
   }
+  if (wanted.lease > 0.0) {
+    dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC,
+                        static_cast<dds_duration_t>(std::llround(1e9 * wanted.lease)));
+  }
   dds_qset_writer_data_lifecycle(qos.get(), false);
   if (!user_data.empty()) dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
   return qos;
@@ -138,8 +144,10 @@ const char* policy_name(std::uint32_t id) {
 }
 
 std::string described(const DdsQos& qos) {
-  return std::string(qos.reliable ? "reliable" : "best effort") + ", " +
-         (qos.transient_local ? "transient local" : "volatile");
+  std::string text = std::string(qos.reliable ? "reliable" : "best effort") + ", " +
+                     (qos.transient_local ? "transient local" : "volatile");
+  if (qos.lease > 0.0) text += formatted(", with a liveliness lease of %g s", qos.lease);
+  return text;
 }
 
 }  // namespace
@@ -150,7 +158,7 @@ struct DdsNode::Impl {
     DdsQos qos;
     dds_entity_t endpoint = 0;
     bool reads = false;
-    Handler handler;
+    PublisherHandler handler;
     std::string bad_message, bad_qos;  // under `mutex`
   };
 
@@ -269,7 +277,7 @@ struct DdsNode::Impl {
       if (!sample_info.valid_data) continue;
       std::string problem;
       try {
-        topic.handler(bytes_of(sample), topic.name);
+        topic.handler(bytes_of(sample), topic.name, sample_info.publication_handle);
       } catch (const std::exception& error) {
         problem = error.what();
       }
@@ -368,13 +376,22 @@ DdsNode::~DdsNode() = default;
 
 void DdsNode::subscribe(const std::string& topic,
                         const std::vector<ros::MessageDefinition>& definition, const DdsQos& qos,
-                        Handler handler) {
+                        PublisherHandler handler) {
   Impl::Topic added;
   added.name = topic;
   added.qos = qos;
   added.reads = true;
   added.handler = std::move(handler);
   impl_->add(std::move(added), definition);
+}
+
+void DdsNode::subscribe(const std::string& topic,
+                        const std::vector<ros::MessageDefinition>& definition, const DdsQos& qos,
+                        Handler handler) {
+  subscribe(
+      topic, definition, qos,
+      PublisherHandler([handler = std::move(handler)](std::string_view cdr, const std::string& name,
+                                                      std::uint64_t) { handler(cdr, name); }));
 }
 
 int DdsNode::advertise(const std::string& topic,
@@ -406,6 +423,19 @@ int DdsNode::subscribers(const std::string& topic) const {
   return found ? Impl::connected(*found) : 0;
 }
 
+std::vector<std::uint64_t> DdsNode::live_publishers(const std::string& topic) const {
+  const Impl::Topic* found = impl_->find(topic, true);
+  if (!found) return {};
+  constexpr std::size_t kMost = 100;
+  std::vector<std::uint64_t> all(kMost);
+  const dds_return_t count = dds_get_matched_publications(found->endpoint, all.data(), all.size());
+  dds_liveliness_changed_status_t status{};
+  dds_get_liveliness_changed_status(found->endpoint, &status);
+  if (count < 0 || static_cast<dds_return_t>(status.alive_count) < count) return {};
+  all.resize(std::min(all.size(), static_cast<std::size_t>(count)));
+  return all;
+}
+
 std::string DdsNode::fault(const std::string& topic) const {
   for (const Impl::Topic& one : impl_->topics) {
     if (one.name != topic) continue;
@@ -434,6 +464,8 @@ DdsNode::DdsNode(const DdsAddress&) {
 }
 DdsNode::~DdsNode() = default;
 void DdsNode::subscribe(const std::string&, const std::vector<ros::MessageDefinition>&,
+                        const DdsQos&, PublisherHandler) {}
+void DdsNode::subscribe(const std::string&, const std::vector<ros::MessageDefinition>&,
                         const DdsQos&, Handler) {}
 int DdsNode::advertise(const std::string&, const std::vector<ros::MessageDefinition>&,
                        const DdsQos&) {
@@ -442,6 +474,7 @@ int DdsNode::advertise(const std::string&, const std::vector<ros::MessageDefinit
 void DdsNode::start() {}
 bool DdsNode::publish(int, const std::string&) noexcept { return false; }
 int DdsNode::publishers(const std::string&) const { return 0; }
+std::vector<std::uint64_t> DdsNode::live_publishers(const std::string&) const { return {}; }
 int DdsNode::subscribers(const std::string&) const { return 0; }
 std::string DdsNode::fault(const std::string&) const { return ""; }
 std::vector<std::string> DdsNode::faults() const { return {}; }

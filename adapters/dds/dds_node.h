@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -26,6 +28,9 @@ struct DdsQos {
   bool reliable = true;
   bool transient_local = false;  ///< the newest also to who comes later
   int depth = 10;                ///< kept: the newest so many
+  /// [s] without a sign of life after which a writer counts as gone, as it promises (its liveliness
+  /// lease, automatic); a reader hears none that promises more. 0: the default of DDS, never.
+  double lease = 0.0;
 };
 inline constexpr DdsQos kSensorQos{false, false, 5};
 inline constexpr DdsQos kCommandQos{true, false, 1};
@@ -52,6 +57,9 @@ class DdsNode {
  public:
   /// `name`: the topic, for errors of reading.
   using Handler = std::function<void(std::string_view cdr, const std::string& name)>;
+  /// `publisher`: tells those of a topic apart.
+  using PublisherHandler =
+      std::function<void(std::string_view cdr, const std::string& name, std::uint64_t publisher)>;
 
   explicit DdsNode(const DdsAddress& address);
   ~DdsNode();  ///< waits until no handler runs
@@ -59,12 +67,20 @@ class DdsNode {
   DdsNode& operator=(const DdsNode&) = delete;
 
   void subscribe(const std::string& topic, const std::vector<ros::MessageDefinition>& definition,
+                 const DdsQos& qos, PublisherHandler handler);
+  void subscribe(const std::string& topic, const std::vector<ros::MessageDefinition>& definition,
                  const DdsQos& qos, Handler handler);
+  /// handle: takes the message, and the publisher if it wants to.
   template <ros::Message T, typename Handle>
   void subscribe(const std::string& topic, const DdsQos& qos, Handle handle) {
     subscribe(topic, ros::definition_of<T>(), qos,
-              [handle = std::move(handle)](std::string_view cdr, const std::string& name) {
-                handle(ros::from_cdr<T>(cdr, name));
+              [handle = std::move(handle)](std::string_view cdr, const std::string& name,
+                                           std::uint64_t publisher) {
+                if constexpr (std::is_invocable_v<const Handle&, T, std::uint64_t>) {
+                  handle(ros::from_cdr<T>(cdr, name), publisher);
+                } else {
+                  handle(ros::from_cdr<T>(cdr, name));
+                }
               });
   }
 
@@ -86,6 +102,9 @@ class DdsNode {
 
   /// Others' publishers that a subscription hears, subscribers that hear us.
   int publishers(const std::string& topic) const;
+  /// Those publishers, as handlers are told them; none, if one of them has broken its promise to
+  /// give a sign of life (DdsQos::lease): which one is not told.
+  std::vector<std::uint64_t> live_publishers(const std::string& topic) const;
   int subscribers(const std::string& topic) const;
   /// What is wrong with a topic, one line: another type or QoS on the other side, or the newest
   /// message is none. Empty: nothing.

@@ -106,6 +106,21 @@ DdsOptions read_dds_options(const std::string& path) {
                                  "its child_frame_id: frames.base, or what tf fixes to it") == "tf";
   o.emergency_stop =
       topics.read(root, "emergency_stop", "", "std_msgs/msg/Bool, true stops", Empty::kAllowed);
+  EmergencyStopContract& contract = o.emergency_stop_contract;
+  contract.publishers =
+      static_cast<int>(root.integer("emergency_stop_publishers", contract.publishers, 1, 100, "1",
+                                    "that must be there, each with a word of its own"));
+  contract.max_age =
+      root.number("emergency_stop_age", contract.max_age, 0.05, 10.0, "s",
+                  "of the newest word of each; latched: of its liveliness lease, at most");
+  contract.latched = root.boolean("emergency_stop_latched", contract.latched,
+                                  "it is published once, transient local, and when it changes");
+  for (const char* key :
+       {"emergency_stop_publishers", "emergency_stop_age", "emergency_stop_latched"}) {
+    if (o.emergency_stop.empty() && root.has(key)) {
+      root.problem(key, "there is no emergency_stop; expected its topic, too");
+    }
+  }
 
   o.acknowledge = topics.read(root, "acknowledge", "",
                               "std_msgs/msg/Bool, true acknowledges a stop", Empty::kAllowed);

@@ -5,6 +5,7 @@
 
 #include "adapters/dds/dds_node.h"
 #include "runtime/base.h"
+#include "runtime/emergency_stop.h"
 
 namespace prospect {
 
@@ -40,7 +41,10 @@ struct DdsOptions {
   /// Its child_frame_id may be a frame that tf knows to be fixed to frames.base; else it is that.
   bool odometry_by_tf = false;
   std::string emergency_stop;  ///< std_msgs/msg/Bool: true stops
-  std::string acknowledge;     ///< std_msgs/msg/Bool: true acknowledges a stop that latches
+  /// Of those who publish it. Of a latched one max_age is the longest liveliness lease that its
+  /// publishers may promise.
+  EmergencyStopContract emergency_stop_contract;
+  std::string acknowledge;  ///< std_msgs/msg/Bool: true acknowledges a stop that latches
 
   struct Command {
     std::string stamped = "/cmd_vel";  ///< geometry_msgs/msg/TwistStamped

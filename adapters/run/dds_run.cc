@@ -68,6 +68,7 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
                   watched(inbox, SensorStream::kWheels, "wheels", c.guard.max_pose_age)},
       // Without a depth camera there are no depth images, and its numbers are not looked at.
       .ranges = range_look(inbox, stop, depth.value_or(RangeCamera{})),
+      .emergency_stop = base.emergency_stop(),
       .on_perceived = pictures.perceived()};
   if (depth) robot.floor = newest_floor(inbox, *depth, c.robot.base_height());
   RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));

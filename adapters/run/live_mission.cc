@@ -30,7 +30,9 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& c,
                                .streams = robot.streams,
                                .known = known,
                                .floor = robot.floor,
-                               .requests = options.requests};
+                               .requests = options.requests,
+                               .emergency_stop = robot.emergency_stop,
+                               .following = c.drive.driver.following};
   const PreflightResult preflight =
       run_preflight(checked, c.drive.preflight, c.drive.driver.command, options.cancelled);
   result.preflight = preflight.checks;
@@ -46,6 +48,7 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& c,
                          .ranges = robot.ranges,
                          .failed_preflight = failed,
                          .yaw_checked = preflight.yaw_checked,
+                         .emergency_stop = robot.emergency_stop,
                          .streams = robot.streams,
                          .preflight = preflight.checks,
                          .on_belief =

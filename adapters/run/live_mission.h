@@ -36,6 +36,8 @@ struct LiveRobot {
   std::vector<WatchedStream> streams;  ///< without which it does not drive
   std::function<RangeLook(const Twist&, double)> ranges{};
   std::function<std::optional<PreflightFacts::Floor>()> floor{};  ///< as seen at the start
+  /// Who must be able to stop it; null: nobody but who asks by requests.
+  const EmergencyStopInput* emergency_stop = nullptr;
   std::function<void()> on_perceived{};  ///< on the perception thread, before each new belief
 };
 

@@ -6,7 +6,7 @@ namespace prospect {
 
 FaultyBase::FaultyBase(Base& base, const Clock& clock, std::vector<InjectedFault> faults,
                        double start)
-    : base_(base), clock_(clock), faults_(std::move(faults)), start_(start) {}
+    : base_(base), clock_(clock), faults_(std::move(faults)), start_(start), motion_(faults_) {}
 
 bool FaultyBase::link_passes(double now) const {
   return !holds(FaultSource::kLink, FaultVerb::kOff, now) &&
@@ -16,7 +16,10 @@ bool FaultyBase::link_passes(double now) const {
 void FaultyBase::pass_late(double now) noexcept {
   while (!late_.empty() && late_.front().comes <= now) {
     // One that comes when it has expired is not executed.
-    if (late_.front().expires > now) base_.send(late_.front().twist, late_.front().expires);
+    const Command& command = late_.front();
+    if (command.expires > now) {
+      base_.send(motion_.made_of(command.twist, now - start_), command.expires);
+    }
     late_.pop_front();
   }
 }
@@ -34,12 +37,13 @@ void FaultyBase::send(const Twist& command, double expires) noexcept {
     if (late_.size() < kMost) late_.push_back({now + kFaultDelay, expires, command});
     return;
   }
-  base_.send(command, expires);
+  base_.send(motion_.made_of(command, now - start_), expires);
 }
 
 void FaultyBase::stop() noexcept {
   if (!link_passes(clock_.now())) return;
   late_.clear();
+  motion_.stop();
   base_.stop();
 }
 

@@ -6,15 +6,16 @@
 #include <utility>
 #include <vector>
 
+#include "adapters/simulator/faulty_motion.h"
 #include "adapters/simulator/injected_fault.h"
 #include "runtime/base.h"
 #include "runtime/clock.h"
 
 namespace prospect {
 
-/// Any base with injected faults (injected_fault.h) of its link, of its wheels' encoders, and of
-/// the command thread, which report() makes wait. What the base itself does stays: its dead-man
-/// stops it when commands do not come.
+/// Any base with injected faults (injected_fault.h) of its link, of its wheels' encoders, of what
+/// its motors make of a command, and of the command thread, which report() makes wait. Its dead-man
+/// stays: it stops the base when commands do not come.
 ///
 /// Thread-safety: as Base.
 class FaultyBase final : public Base {
@@ -45,6 +46,7 @@ class FaultyBase final : public Base {
   const Clock& clock_;
   const std::vector<InjectedFault> faults_;
   const double start_;
+  FaultyMotion motion_;
   std::deque<Command> late_;
   double last_sent_ = -1e9, last_told_ = -1e9;
   BaseReport told_;                                     // the newest that passed

@@ -114,7 +114,7 @@ constexpr std::array kKinds = {
               "bytes that fail their checksum are dropped, so it is link:off; a base's driver is "
               "tested for it"},
     FaultKind{FaultSource::kLink, FaultVerb::kWrong, false,
-              "a base that turns the other way is found before the first motion (preflight.h)"},
+              "a base that moves otherwise than it is told is base:inverted and others"},
     FaultKind{FaultSource::kLink, FaultVerb::kSlow, true, "a command passes every 0.4 s"},
     FaultKind{FaultSource::kLink, FaultVerb::kDelayed, true,
               "commands come 0.3 s later; what has expired then is not executed"},
@@ -132,8 +132,17 @@ constexpr std::array kKinds = {
     FaultKind{FaultSource::kDisk, FaultVerb::kDelayed, false,
               "what is written later is written slower: disk:slow"},
     FaultKind{FaultSource::kDisk, FaultVerb::kIntermittent, true,
-              "writing that begins in every other second takes 1 s"}};
-static_assert(kKinds.size() == static_cast<std::size_t>(kFaultSources * kFaultVerbs));
+              "writing that begins in every other second takes 1 s"},
+    FaultKind{FaultSource::kBase, FaultVerb::kInverted, true,
+              "it drives backwards where it is told forwards, and the other way round"},
+    FaultKind{FaultSource::kBase, FaultVerb::kMirrored, true,
+              "it turns the other way, as if its wheels were exchanged"},
+    FaultKind{FaultSource::kBase, FaultVerb::kDouble, true, "it drives and turns twice as fast"},
+    FaultKind{FaultSource::kBase, FaultVerb::kIgnores, true, "it stands whatever it is told"},
+    FaultKind{FaultSource::kBase, FaultVerb::kRunaway, true,
+              "once told to move it drives on, 0.4 m/s faster than it is told, until it is stopped "
+              "(`Base::stop()`)"},
+    FaultKind{FaultSource::kBase, FaultVerb::kOneWheel, true, "its left wheel stands"}};
 
 /// The value of an enumeration that has that name; none: no such value.
 template <typename Enumeration>
@@ -178,6 +187,8 @@ std::string_view to_string(FaultSource source) {
       return "link";
     case FaultSource::kDisk:
       return "disk";
+    case FaultSource::kBase:
+      return "base";
   }
   return "?";
 }
@@ -198,6 +209,18 @@ std::string_view to_string(FaultVerb verb) {
       return "delayed";
     case FaultVerb::kIntermittent:
       return "intermittent";
+    case FaultVerb::kInverted:
+      return "inverted";
+    case FaultVerb::kMirrored:
+      return "mirrored";
+    case FaultVerb::kDouble:
+      return "double";
+    case FaultVerb::kIgnores:
+      return "ignores";
+    case FaultVerb::kRunaway:
+      return "runaway";
+    case FaultVerb::kOneWheel:
+      return "one-wheel";
   }
   return "?";
 }
@@ -208,9 +231,11 @@ std::string name_of(const InjectedFault& fault) {
 
 std::span<const FaultKind> fault_kinds() { return kKinds; }
 
-const FaultKind& fault_kind(FaultSource source, FaultVerb verb) {
-  return kKinds[static_cast<std::size_t>(static_cast<int>(source) * kFaultVerbs +
-                                         static_cast<int>(verb))];
+const FaultKind* fault_kind(FaultSource source, FaultVerb verb) {
+  for (const FaultKind& kind : kKinds) {
+    if (kind.source == source && kind.verb == verb) return &kind;
+  }
+  return nullptr;
 }
 
 std::string fault_table() {
@@ -237,8 +262,16 @@ InjectedFault parse_fault(const std::string& text) {
   if (!verb) refuse("a verb: " + all_names<FaultVerb>(kFaultVerbs));
   fault.source = *source;
   fault.verb = *verb;
-  const FaultKind& kind = fault_kind(*source, *verb);
-  if (!kind.implemented) refuse("a fault that has a meaning; " + std::string(kind.text));
+  const FaultKind* kind = fault_kind(*source, *verb);
+  if (!kind) {
+    std::string verbs;
+    for (const FaultKind& other : kKinds) {
+      if (other.source != *source || !other.implemented) continue;
+      verbs += (verbs.empty() ? "" : ", ") + std::string(to_string(other.verb));
+    }
+    refuse("a verb of " + std::string(to_string(*source)) + ": " + verbs);
+  }
+  if (!kind->implemented) refuse("a fault that has a meaning; " + std::string(kind->text));
   if (at == std::string::npos) return fault;
   const std::string times = text.substr(at + 1);
   const std::size_t plus = times.find('+');

@@ -20,16 +20,32 @@ enum class FaultSource {
   kPlanner,  ///< its thread
   kCommand,  ///< likewise
   kLink,     ///< to the base
-  kDisk      ///< to which the planner's thread writes each step
+  kDisk,     ///< to which the planner's thread writes each step
+  kBase      ///< its motors
 };
-inline constexpr int kFaultSources = static_cast<int>(FaultSource::kDisk) + 1;
-/// How.
-enum class FaultVerb { kOff, kStuck, kGarbage, kWrong, kSlow, kDelayed, kIntermittent };
-inline constexpr int kFaultVerbs = static_cast<int>(FaultVerb::kIntermittent) + 1;
+inline constexpr int kFaultSources = static_cast<int>(FaultSource::kBase) + 1;
+/// How. The first seven are of whatever tells something, the others of what moves.
+enum class FaultVerb {
+  kOff,
+  kStuck,
+  kGarbage,
+  kWrong,
+  kSlow,
+  kDelayed,
+  kIntermittent,
+  kInverted,
+  kMirrored,
+  kDouble,
+  kIgnores,
+  kRunaway,
+  kOneWheel
+};
+inline constexpr int kFaultVerbs = static_cast<int>(FaultVerb::kOneWheel) + 1;
 /// "left-camera", "right-camera", "cameras", "depth", "wheels", "clock", "planner", "command",
-/// "link", "disk".
+/// "link", "disk", "base".
 std::string_view to_string(FaultSource source);
-/// "off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent".
+/// "off", "stuck", "garbage", "wrong", "slow", "delayed", "intermittent", "inverted", "mirrored",
+/// "double", "ignores", "runaway", "one-wheel".
 std::string_view to_string(FaultVerb verb);
 
 /// A fault of the simulated robot, in the time since its start.
@@ -56,6 +72,8 @@ inline constexpr double kClockStep = 5.0;          ///< [s]
 inline constexpr double kClockRate = 0.8;          ///< of a clock that is slow
 inline constexpr double kSlowPlanner = 0.4;        ///< [s] that a step takes longer
 inline constexpr double kSlowCommand = 0.3;        ///< [s] likewise of a command
+inline constexpr double kRunaway = 0.4;            ///< [m/s] that a base is faster than told
+inline constexpr double kFaultyTrack = 0.3;        ///< [m] between wheels of which one is dead
 inline constexpr double kLongestThreadSleep = 20;  ///< [s], so that a mission ends
 
 /// One source and one verb: what happens, or why it has no meaning of its own.
@@ -65,9 +83,10 @@ struct FaultKind {
   bool implemented;
   std::string_view text;
 };
-/// Each source with each verb, in this order.
+/// Each source with each verb that it may have, in this order.
 std::span<const FaultKind> fault_kinds();
-const FaultKind& fault_kind(FaultSource source, FaultVerb verb);
+/// Null: that source has no such verb.
+const FaultKind* fault_kind(FaultSource source, FaultVerb verb);
 /// All of them as a table, Markdown.
 std::string fault_table();
 

@@ -31,6 +31,7 @@ SimulatedBase::SimulatedBase(Simulator& simulator, const Clock& clock, const Mot
       clock_(clock),
       options_(options),
       epoch_(clock.now()),
+      motion_(options.faults),
       streams_(clock, options.faults, epoch_) {
   check_knobs("simulated base", options_);
   limits_.speed = model.max_speed();
@@ -69,12 +70,14 @@ void SimulatedBase::send(const Twist& command, double expires) noexcept {
   const double acts = comes + options_.delay;
   // An order that overtakes others replaces them.
   while (!orders_.empty() && orders_.back().acts >= acts) orders_.pop_back();
-  orders_.push_back({acts, std::min(expires, comes + options_.dead_man) + options_.delay, command});
+  orders_.push_back({acts, std::min(expires, comes + options_.dead_man) + options_.delay,
+                     motion_.made_of(command, now - epoch_)});
 }
 
 void SimulatedBase::stop() noexcept {
   const double now = clock_.now();
   if (!link_passes(now)) return;
+  motion_.stop();
   const std::lock_guard lock(mutex_);
   while (!orders_.empty() && orders_.back().acts >= now) orders_.pop_back();
   orders_.push_back({now, now, Twist{}});

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/simulator/faulty_motion.h"
 #include "adapters/simulator/simulated_base_options.h"
 #include "adapters/simulator/simulated_streams.h"
 #include "adapters/simulator/simulator.h"
@@ -41,8 +42,8 @@ SimulatedTruth truth_of(const Simulator& simulator);
 /// costs to make does not change where the robot drives.
 ///
 /// Faults (injected_fault.h). Those of sensors and their clock act in SimulatedStreams, those of
-/// link and wheels here, as does that of the command thread: report() makes it wait. Faults of the
-/// planner and the disk are FaultyReplanner's and FaultyDisk's, what a scan holds is
+/// link, motors and wheels here, as does that of the command thread: report() makes it wait. Faults
+/// of the planner and the disk are FaultyReplanner's and FaultyDisk's, what a scan holds is
 /// faulty_scans()'.
 ///
 /// Thread-safety: send(), stop() and report() from one thread, update() from another; truth() from
@@ -93,6 +94,7 @@ class SimulatedBase final : public Base, public BeliefSource {
   const SimulatedBaseOptions options_;
   const double epoch_;  // [s] in the runtime's clock
   BaseLimits limits_;
+  FaultyMotion motion_;
   mutable std::mutex mutex_;  // orders_, truth_
   std::deque<Order> orders_;  // in order of time
   SimulatedTruth truth_;

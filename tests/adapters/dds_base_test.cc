@@ -126,17 +126,14 @@ TEST(DdsBase, DrivesAndHearsABaseBehindTopics) {
   ASSERT_TRUE(within(kPatience, [&] { return driver.commands().size() == 2; }));
   EXPECT_EQ(driver.commands()[1].twist.linear.x, 0.0) << "no number is a stop";
 
-  driver.press(true);
-  const std::string pressed = "/emergency_stop: emergency stop";
-  EXPECT_TRUE(within(kPatience, [&] {
-    const auto faults = base.report().faults;
-    return std::find(faults.begin(), faults.end(), pressed) != faults.end();
-  }));
-  driver.press(false);
-  EXPECT_TRUE(within(kPatience, [&] {
-    const auto faults = base.report().faults;
-    return std::find(faults.begin(), faults.end(), pressed) == faults.end();
-  }));
+  const auto button = [&] { return base.emergency_stop()->state(clock.now()); };
+  EXPECT_FALSE(button().silent.empty()) << "nobody has said whether it is pressed";
+  for (const bool pressed : {true, false}) {
+    driver.press(pressed);
+    EXPECT_TRUE(
+        within(kPatience, [&] { return button().silent.empty() && button().pressed == pressed; }));
+  }
+  EXPECT_TRUE(within(kPatience, [&] { return !button().silent.empty(); })) << "no word for a time";
 
   EXPECT_FALSE(requests.take_acknowledgement());
   driver.acknowledge(false);
@@ -151,6 +148,49 @@ TEST(DdsBase, DrivesAndHearsABaseBehindTopics) {
     const auto faults = base.report().faults;
     return std::find(faults.begin(), faults.end(), "/odom: odometry is silent") != faults.end();
   }));
+}
+
+// A publisher that says it once: that it is there is what counts.
+TEST(DdsBase, ALatchedEmergencyStopIsThereAsLongAsItsPublisherIs) {
+  DdsOptions options;
+  options.emergency_stop = "/emergency_stop";
+  options.emergency_stop_contract = {.max_age = 0.5, .latched = true};
+  options.command.dead_man = 0.5;
+  const SteadyClock clock;
+  DdsNode node(test::dds_test_address("prospect"));
+  const DdsTransforms transforms(node);
+  DdsBase base(options, node, transforms, clock);
+  node.start();
+  const auto silent = [&] {
+    base.report();
+    return base.emergency_stop()->state(clock.now()).silent;
+  };
+  EXPECT_EQ(silent(),
+            "/emergency_stop: 0 of 1 publishers are there and have said whether it is pressed");
+  const auto publish = [](DdsNode& button, const DdsQos& qos) {
+    const int topic = button.advertise<ros::Bool>("/emergency_stop", qos);
+    button.start();
+    button.publish(topic, ros::Bool{false});
+  };
+  {
+    DdsNode late(test::dds_test_address("late"));
+    publish(late, {true, true, 1, 0.4});
+    EXPECT_TRUE(within(kPatience, [&] { return silent().empty(); }));
+    const double since = clock.now();
+    EXPECT_TRUE(within(
+        kPatience, [&] { return clock.now() > since + 1.0; }, [&] { EXPECT_EQ(silent(), ""); }));
+  }
+  EXPECT_TRUE(within(kPatience, [&] { return !silent().empty(); })) << "it has gone";
+  // One that promises no sign of life, or keeps nothing for who comes late, is not connected.
+  for (const DdsQos& qos : {DdsQos{true, true, 1}, DdsQos{true, false, 1, 0.4}}) {
+    DdsNode other(test::dds_test_address("other"));
+    publish(other, qos);
+    EXPECT_TRUE(within(kPatience, [&] { return !node.fault("/emergency_stop").empty(); }));
+    EXPECT_THAT(base.report().faults,
+                Contains(HasSubstr("expected one that fits a subscription that is reliable, "
+                                   "transient local, with a liveliness lease of 0.5 s")));
+    EXPECT_FALSE(silent().empty());
+  }
 }
 
 TEST(DdsBase, CarriesTheMotionOfAFrameThatTfKnowsOverToTheBody) {

@@ -34,6 +34,9 @@ TEST(DdsOptions, ReadsWhatIsGivenAndKeepsTheRest) {
       "stereo: {left: /cam/left, compressed: true}\n"
       "depth: {image: none}\n"
       "scan: /scan\n"
+      "emergency_stop: /stop\n"
+      "emergency_stop_age: 0.3\n"
+      "emergency_stop_publishers: 2\n"
       "command: {stamped: none, plain: /cmd_vel, dead_man: 0.5, speed: 0.6}\n"
       "output: {octomap: none}\n");
   EXPECT_EQ(o.address.domain, 7);
@@ -44,6 +47,10 @@ TEST(DdsOptions, ReadsWhatIsGivenAndKeepsTheRest) {
   EXPECT_TRUE(o.stereo.compressed);
   EXPECT_EQ(o.depth.image, "");
   EXPECT_EQ(o.depth.info, "");
+  EXPECT_EQ(o.emergency_stop, "/stop");
+  EXPECT_EQ(o.emergency_stop_contract.publishers, 2);
+  EXPECT_EQ(o.emergency_stop_contract.max_age, 0.3);
+  EXPECT_FALSE(o.emergency_stop_contract.latched);
   EXPECT_EQ(o.scan, "/scan");
   EXPECT_EQ(o.command.stamped, "");
   EXPECT_EQ(o.command.plain, "/cmd_vel");
@@ -70,6 +77,9 @@ TEST(DdsOptions, NamesTheLineOfWhatIsWrong) {
       {"command: {dead_man: 0.5}\nscan: /s\npoint_cloud: /p\n", "expected one of them"},
       {"command: {dead_man: 0.5}\ndomain: 233\n", "yaml:2: "},
       {"command: {dead_man: 0.5}\nmounts: urdf\n", "yaml:2: "},
+      {"command: {dead_man: 0.5}\nemergency_stop_age: 1\n", "there is no emergency_stop"},
+      {"command: {dead_man: 0.5}\nemergency_stop: /s\nemergency_stop_age: .inf\n", "yaml:3: "},
+      {"command: {dead_man: 0.5}\nemergency_stop: /s\nemergency_stop_publishers: 0\n", "yaml:3: "},
   };
   for (const Row& row : rows) EXPECT_THAT(refusal(row.text), HasSubstr(row.expected)) << row.text;
 }

@@ -85,6 +85,16 @@ TEST(FaultyBase, CommandsThatComeLateHaveExpired) {
   EXPECT_NEAR(static_cast<double>(slow.plain.sent.size()), 10.0 + 2.0 / kSlowLink, 1.0);
 }
 
+TEST(FaultyBase, MotorsThatDoOtherwise) {
+  Broken b("base:inverted");
+  b.until(1.0);
+  EXPECT_GT(b.plain.sent.back(), 0.0);
+  b.until(3.0);
+  EXPECT_LT(b.plain.sent.back(), 0.0);
+  b.until(3.2);
+  EXPECT_GT(b.plain.sent.back(), 0.0);
+}
+
 TEST(FaultyBase, EncodersThatLie) {
   const auto velocity = [](const char* fault, double at) {
     Broken b(fault);

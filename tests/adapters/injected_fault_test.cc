@@ -36,22 +36,33 @@ TEST(InjectedFault, IsReadWithItsTimes) {
 }
 
 TEST(InjectedFault, EachSourceAndVerbHasAMeaningOrAReason) {
-  ASSERT_EQ(fault_kinds().size(), static_cast<std::size_t>(kFaultSources * kFaultVerbs));
+  std::size_t found = 0;
   for (int s = 0; s < kFaultSources; ++s) {
     for (int v = 0; v < kFaultVerbs; ++v) {
-      const FaultKind& kind = fault_kind(static_cast<FaultSource>(s), static_cast<FaultVerb>(v));
-      EXPECT_EQ(static_cast<int>(kind.source), s);
-      EXPECT_EQ(static_cast<int>(kind.verb), v);
-      EXPECT_FALSE(kind.text.empty());
-      const std::string text = name_of({kind.source, kind.verb});
-      if (kind.implemented) {
+      const auto source = static_cast<FaultSource>(s);
+      const auto verb = static_cast<FaultVerb>(v);
+      const FaultKind* kind = fault_kind(source, verb);
+      const std::string text = name_of({source, verb});
+      // What moves has verbs of its own, what tells something the others.
+      EXPECT_EQ(kind != nullptr, (source == FaultSource::kBase) == (verb >= FaultVerb::kInverted));
+      if (!kind) {
+        EXPECT_NE(refusal(text).find("expected a verb of " + std::string(to_string(source)) + ": "),
+                  std::string::npos);
+        continue;
+      }
+      ++found;
+      EXPECT_EQ(kind->source, source);
+      EXPECT_EQ(kind->verb, verb);
+      EXPECT_FALSE(kind->text.empty());
+      if (kind->implemented) {
         EXPECT_EQ(name_of(parse_fault(text)), text);
       } else {
-        EXPECT_EQ(refusal(text),
-                  "'" + text + "'; expected a fault that has a meaning; " + std::string(kind.text));
+        EXPECT_EQ(refusal(text), "'" + text + "'; expected a fault that has a meaning; " +
+                                     std::string(kind->text));
       }
     }
   }
+  EXPECT_EQ(found, fault_kinds().size());
 }
 
 TEST(InjectedFault, WhatNobodyKnowsIsRefusedByName) {

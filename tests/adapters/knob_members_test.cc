@@ -482,25 +482,32 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
                        &stray_time, &settle_time});
   }
   {
-    RealTimeOptions o;
-    auto& [command, mode, watch, replan_period, least_latency, most_latency, perception_limit,
-           planner_limit, command_limit] = o;
+    CommandFollowingOptions o;
+    auto& [lag, slip, least_speed, least_rate, more_way, more_turn, less_way, less_turn] = o;
     expect_reached(
-        o, {&command.period, &mode.live_time, &watch.max_silence, &replan_period, &least_latency,
-            &most_latency, &perception_limit, &planner_limit, &command_limit});
+        o, {&lag, &slip, &least_speed, &least_rate, &more_way, &more_turn, &less_way, &less_turn});
+  }
+  {
+    RealTimeOptions o;
+    auto& [command, mode, watch, following, replan_period, least_latency, most_latency,
+           perception_limit, planner_limit, command_limit] = o;
+    expect_reached(
+        o, {&command.period, &mode.live_time, &watch.max_silence, &following.lag, &replan_period,
+            &least_latency, &most_latency, &perception_limit, &planner_limit, &command_limit});
   }
   {
     PreflightOptions o;
     auto& [height_warn, height_fail, tilt_warn, tilt_fail, stereo_warn, stereo_fail, yaw_warn,
-           yaw_fail, floor_noise, longest_dead_man, live_time, least_turn] = o;
-    expect_reached(
-        o, {&height_warn, &height_fail, &tilt_warn, &tilt_fail, &stereo_warn, &stereo_fail,
-            &yaw_warn, &yaw_fail, &floor_noise, &longest_dead_man, &live_time, &least_turn});
+           yaw_fail, way_warn, way_fail, floor_noise, longest_dead_man, live_time, least_turn,
+           least_way] = o;
+    expect_reached(o, {&height_warn, &height_fail, &tilt_warn, &tilt_fail, &stereo_warn,
+                       &stereo_fail, &yaw_warn, &yaw_fail, &way_warn, &way_fail, &floor_noise,
+                       &longest_dead_man, &live_time, &least_turn, &least_way});
   }
   {
     PreflightRunOptions o;
-    auto& [checks, patience, turn, turn_rate, settle] = o;
-    expect_reached(o, {&checks.live_time, &patience, &turn, &turn_rate, &settle});
+    auto& [checks, patience, turn, turn_rate, way, way_speed, settle] = o;
+    expect_reached(o, {&checks.live_time, &patience, &turn, &turn_rate, &way, &way_speed, &settle});
   }
   {
     SensorInboxOptions o;

@@ -19,7 +19,7 @@ constexpr double kFrom = 5.0, kFor = 3.0;  // [s]
 
 /// Each fault in a drive of its own; two at a time, as each waits for its own threads.
 std::map<std::string, FaultOutcome> drive_all(const std::vector<InjectedFault>& faults) {
-  const Configuration configuration = fault_drive_configuration();
+  const Configuration configuration = fault_drive_configuration("corridor");
   const auto world =
       std::make_shared<const World>(load_world("corridor", world_options_for(configuration)));
   std::vector<FaultOutcome> outcomes(faults.size());
@@ -96,12 +96,19 @@ TEST(FaultCase, NoFaultEndsInAContactOrASilentStall) {
       {"command:intermittent", "expiry", 0.15, false},
       {"link:off", "expiry", 0.15, true},
       {"link:stuck", "base silent", 0.39, true},
-      {"link:slow", "expiry", 0.18, false},
-      {"link:delayed", "expiry", 0.15, false},
+      {"link:slow", "expiry", 0.18, true},
+      {"link:delayed", "expiry", 0.15, true},
       {"link:intermittent", "expiry", 0.15, false},
       {"disk:stuck", "tail", 0.66, false},
       {"disk:slow", "", 0.0, false},
       {"disk:intermittent", "", 0.0, false},
+      {"base:inverted", "does not follow", 0.24, true},
+      {"base:mirrored", "does not follow", 0.3, true},
+      {"base:double", "does not follow", 0.45, true},
+      // It stands at once; that nothing comes of what it is told is seen later.
+      {"base:ignores", "plan", 0.09, true},
+      {"base:runaway", "uncommanded motion", 0.6, true},
+      {"base:one-wheel", "does not follow", 0.24, true},
   };
   std::vector<InjectedFault> faults;
   for (const Expected& e : table) {

@@ -26,6 +26,7 @@ DriveFacts well(double stamp = 10.0) {
   f.told_to_drive = true;
   f.live_for = 5.0;
   f.failed_preflight.clear();
+  f.silent_emergency_stop.clear();
   f.yaw_checked = true;
   f.rest_for = 5.0;
   f.base_silent = false;
@@ -73,10 +74,12 @@ std::vector<RowCase> row_cases() {
       {in(kStopped, C::kBaseFault), with(well(), &F::acknowledged, true), kIdle, C::kAcknowledged},
       {in(kStopped, C::kBaseFault), well(), kStopped, C::kBaseFault},
       {in(kActive), button, kStopping, C::kEmergencyStop},
+      {in(kActive), with(moving(), &F::silent_emergency_stop), kStopping, C::kEmergencyStopSilent},
       {in(kActive), with(moving(), &F::base_fault), kStopping, C::kBaseFault},
       {in(kActive), with(moving(), &F::base_silent, true), kStopping, C::kBaseSilent},
       {in(kDegraded), with(moving(), &F::ended_thread), kStopping, C::kThreadEnded},
       {in(kReady), with(moving(), &F::uncommanded_motion, true), kStopping, C::kUncommandedMotion},
+      {in(kReady), with(moving(), &F::not_following), kStopping, C::kDoesNotFollow},
       {in(kStopping, C::kEmergencyStop), well(), kStopped, C::kEmergencyStop},
       {in(kStopping, C::kEmergencyStop), with(moving(), &F::obstacle), kStopping,
        C::kEmergencyStop},
@@ -91,6 +94,7 @@ std::vector<RowCase> row_cases() {
       {in(kActive), with(moving(), &F::told_to_drive, false), kStopping, C::kToldToStand},
       {in(kActive), with(moving(), &F::task_over, true), kStopping, C::kTaskOver},
       {in(kStopping, C::kTaskOver, 6.0), moving(), kStopping, C::kTaskOver},
+      {in(kReady), with(well(), &F::silent_emergency_stop), kIdle, C::kEmergencyStopSilent},
       {in(kReady), with(well(), &F::base_fault), kIdle, C::kBaseFault},
       {in(kIdle), with(well(), &F::base_silent, true), kIdle, C::kBaseSilent},
       {in(kReady), with(well(), &F::ended_thread), kIdle, C::kThreadEnded},
@@ -147,16 +151,26 @@ TEST(DriveMode, EntryNeedsEverything) {
   using F = DriveFacts;
   const double nan = std::nan("");
   const DriveFacts f = well();
-  for (const DriveFacts& facts :
-       {with(f, &F::live_for, 0.99), with(f, &F::live_for, nan), with(f, &F::stale_source),
-        with(f, &F::failed_preflight), with(f, &F::base_fault), with(f, &F::base_silent, true),
-        with(f, &F::ended_thread), with(f, &F::late_thread), with(f, &F::obstacle),
-        with(f, &F::told_to_drive, false), with(f, &F::task_over, true),
-        with(f, &F::plan_left, 0.0), with(f, &F::plan_left, nan),
-        with(f, &F::plan_from_rest, std::optional<double>()),
-        with(f, &F::plan_from_rest, std::optional(8.0)),
-        with(f, &F::plan_from_rest, std::optional(nan)), with(f, &F::emergency_stop, true),
-        with(f, &F::uncommanded_motion, true)}) {
+  for (const DriveFacts& facts : {with(f, &F::live_for, 0.99),
+                                  with(f, &F::live_for, nan),
+                                  with(f, &F::stale_source),
+                                  with(f, &F::silent_emergency_stop),
+                                  with(f, &F::not_following),
+                                  with(f, &F::failed_preflight),
+                                  with(f, &F::base_fault),
+                                  with(f, &F::base_silent, true),
+                                  with(f, &F::ended_thread),
+                                  with(f, &F::late_thread),
+                                  with(f, &F::obstacle),
+                                  with(f, &F::told_to_drive, false),
+                                  with(f, &F::task_over, true),
+                                  with(f, &F::plan_left, 0.0),
+                                  with(f, &F::plan_left, nan),
+                                  with(f, &F::plan_from_rest, std::optional<double>()),
+                                  with(f, &F::plan_from_rest, std::optional(8.0)),
+                                  with(f, &F::plan_from_rest, std::optional(nan)),
+                                  with(f, &F::emergency_stop, true),
+                                  with(f, &F::uncommanded_motion, true)}) {
     EXPECT_NE(decide(in(kReady), facts, kOptions).mode, kActive);
   }
   EXPECT_EQ(decide(in(kReady), f, kOptions).mode, kActive);
@@ -248,6 +262,8 @@ TEST(DriveMode, WhatHoldsForAnyFacts) {
     if (one_in(40)) f.late_thread = "t";
     if (one_in(40)) f.ended_thread = "t";
     f.uncommanded_motion = one_in(60);
+    if (one_in(60)) f.not_following = "f";
+    if (one_in(60)) f.silent_emergency_stop = "e";
     f.localization = static_cast<Localization>(one_in(4) ? random() % 3 : 0);
     if (one_in(200)) f.stamp = std::nan("");
     const DriveState next = decide(state, f, kOptions);

@@ -106,11 +106,16 @@ TEST_F(DriveWatchTest, WhatIsToldIsHandedOn) {
   seen_.plan_left = 0.7;
   seen_.obstacle = "a wall";
   seen_.yaw_checked = true;
+  seen_.not_following = "backwards";
+  EXPECT_FALSE(at(10.05).silent_emergency_stop.empty()) << "nobody has asked";
+  seen_.silent_emergency_stop = "a button";
   const DriveFacts facts = at(10.1);
   EXPECT_TRUE(facts.told_to_drive && facts.emergency_stop && facts.acknowledged && facts.task_over);
   EXPECT_EQ(facts.plan_from_rest, 9.5);
   EXPECT_EQ(facts.plan_left, 0.7);
   EXPECT_EQ(facts.obstacle, "a wall");
+  EXPECT_EQ(facts.not_following, "backwards");
+  EXPECT_EQ(facts.silent_emergency_stop, "a button");
   EXPECT_EQ(facts.failed_preflight, "");
   EXPECT_TRUE(facts.yaw_checked);
 }

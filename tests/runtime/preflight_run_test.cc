@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -29,11 +31,18 @@ class Beliefs final : public BeliefSource {
     belief->set_stamps(silent ? 0.0 : clock_.now());
     belief->pose = base_.pose();
     belief->pose.yaw *= gain;
+    belief->pose.position *= way_gain;
+    // Once it has begun to turn it drives, too.
+    if (runs > 0.0 && belief->pose.yaw > 0.01) {
+      if (!runs_since) runs_since = clock_.now();
+      belief->pose.position.x() += runs * (clock_.now() - *runs_since);
+    }
     belief->localization = lost ? Localization::kLost : Localization::kOk;
     return belief;
   }
   Belief world = test::ObstacleWorld().belief();
-  double gain = 1.0;
+  double gain = 1.0, way_gain = 1.0, runs = 0.0;  // [m/s]
+  std::optional<double> runs_since;
   bool lost = false;
   std::atomic<bool> silent{false};
 
@@ -49,6 +58,8 @@ class PreflightRun : public ::testing::Test {
     options_.patience = 2.0;
     options_.turn = 0.12;
     options_.turn_rate = 0.6;
+    options_.way = 0.03;
+    options_.way_speed = 0.3;
     options_.settle = 0.1;
     command_.period = 0.02;
   }
@@ -64,7 +75,8 @@ class PreflightRun : public ::testing::Test {
                                         return newest ? std::optional(newest->stamps.pose)
                                                       : std::nullopt;
                                       }}},
-                         .requests = requests_};
+                         .requests = requests_,
+                         .emergency_stop = button_};
     return run_preflight(parts, options_, command_, cancelled_);
   }
   static CheckResult check(const PreflightResult& result, const std::string& name) {
@@ -83,6 +95,7 @@ class PreflightRun : public ::testing::Test {
   std::function<RangeLook(const Twist&, double)> ranges_;
   std::function<bool()> cancelled_;
   const DriveRequests* requests_ = nullptr;
+  const EmergencyStopInput* button_ = nullptr;
   PreflightRunOptions options_;
   CommandLoopOptions command_;
 };
@@ -91,10 +104,13 @@ TEST_F(PreflightRun, TurnsAndCompares) {
   const PreflightResult result = make();
   EXPECT_TRUE(result.yaw_checked);
   EXPECT_EQ(first_failed(result.checks), "") << to_text(result.checks);
-  for (const char* name : {"yaw of the wheels", "yaw of the cameras", "slip"}) {
+  for (const char* name : {"yaw of the wheels", "yaw of the cameras", "slip", "way of the wheels",
+                           "way of the cameras"}) {
     EXPECT_NE(check(result, name).verdict, Verdict::kNotPossible) << check(result, name).why;
   }
   EXPECT_GT(base_.pose().yaw, 0.1);
+  EXPECT_GT(base_.pose().position.norm(), 0.025);
+  EXPECT_EQ(check(result, "emergency stop").verdict, Verdict::kNotPossible);
   EXPECT_NEAR(base_.velocity().yaw_rate, 0.0, 1e-9);
 }
 
@@ -103,6 +119,50 @@ TEST_F(PreflightRun, CamerasThatTurnTheOtherWayFail) {
   const PreflightResult result = make();
   EXPECT_EQ(first_failed(result.checks), "yaw of the cameras") << to_text(result.checks);
   EXPECT_EQ(check(result, "yaw of the wheels").verdict == Verdict::kFailed, false);
+}
+
+TEST_F(PreflightRun, ABaseThatDrivesTheOtherWayFails) {
+  beliefs_.way_gain = -1.0;
+  const PreflightResult result = make();
+  EXPECT_EQ(first_failed(result.checks), "way of the cameras") << to_text(result.checks);
+  EXPECT_TRUE(result.yaw_checked);
+}
+
+TEST_F(PreflightRun, ABaseThatRunsAwayIsStoppedAtOnce) {
+  beliefs_.runs = 1.0;
+  const PreflightResult result = make();
+  EXPECT_EQ(first_failed(result.checks), "following") << to_text(result.checks);
+  EXPECT_LT(base_.pose().yaw, 0.12);
+}
+
+TEST_F(PreflightRun, TurnsWhereThereIsNoRoomAhead) {
+  ranges_ = [](const Twist& told, double) {
+    return told.linear.x() > 0.0 ? RangeLook{0.0, "a wall"} : RangeLook{};
+  };
+  const PreflightResult result = make();
+  EXPECT_TRUE(result.yaw_checked);
+  EXPECT_EQ(check(result, "way of the wheels").verdict, Verdict::kNotPossible);
+  EXPECT_NE(check(result, "way of the wheels").why.find("no way: a wall"), std::string::npos);
+  EXPECT_LT(base_.pose().position.norm(), 0.02);
+}
+
+TEST_F(PreflightRun, WaitsForWhoMayPressTheEmergencyStop) {
+  EmergencyStopInput button("/stop", {.max_age = 10.0});
+  button_ = &button;
+  options_.patience = 0.1;
+  EXPECT_EQ(first_failed(make().checks), "emergency stop") << "nobody";
+  EXPECT_EQ(base_.pose().yaw, 0.0);
+  button.told(1, true, clock_.now());
+  EXPECT_EQ(first_failed(make().checks), "emergency stop") << "pressed";
+  EXPECT_EQ(base_.pose().yaw, 0.0);
+  options_.patience = 5.0;
+  std::jthread late([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(150));
+    button.told(1, false, clock_.now());
+  });
+  const PreflightResult result = make();
+  EXPECT_EQ(check(result, "emergency stop").verdict, Verdict::kPassed);
+  EXPECT_EQ(first_failed(result.checks), "");
 }
 
 TEST_F(PreflightRun, WhatCannotBeCheckedSaysWhy) {

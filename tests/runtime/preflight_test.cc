@@ -28,6 +28,7 @@ Facts well() {
   f.stereo_offset = 0.0002;
   f.clocks = {{"cameras", -1.7e9, 0}};
   f.streams = {{"cameras", 0.05, 0.3, 4.0}, {"depth", 0.1, 0.5, 4.0}};
+  f.emergency_stop.emplace();
   f.dead_man = 0.5;
   f.command_period = 0.05;
   f.speed = {0.8, 0.7};
@@ -55,8 +56,8 @@ TEST(Preflight, PassesARobotThatIsAsItShouldBe) {
   EXPECT_THAT(names_of(results),
               ::testing::ElementsAre("camera height", "camera tilt", "body above the floor",
                                      "cameras in step", "clock of cameras", "stream of cameras",
-                                     "stream of depth", "dead-man", "largest speed",
-                                     "largest yaw rate", "deceleration"));
+                                     "stream of depth", "emergency stop", "dead-man",
+                                     "largest speed", "largest yaw rate", "deceleration"));
   for (const CheckResult& result : results) {
     EXPECT_EQ(to_string(result.verdict), "passed") << result.check << ": " << result.why;
     EXPECT_FALSE(result.why.empty());
@@ -73,6 +74,7 @@ TEST(Preflight, SkipsNothingInSilence) {
                                                         {"cameras in step", kNotPossible},
                                                         {"clocks", kNotPossible},
                                                         {"streams", kFailed},
+                                                        {"emergency stop", kNotPossible},
                                                         {"dead-man", kFailed},
                                                         {"largest speed", kNotPossible},
                                                         {"largest yaw rate", kNotPossible},
@@ -118,6 +120,12 @@ TEST(Preflight, TableOfFaults) {
            {"just begun", [](Facts& f) { f.streams[1].live_for = 0.5; }, "stream of depth",
             kFailed},
            {"no number", [](Facts& f) { f.streams[1].age = kNan; }, "stream of depth", kFailed},
+           {"nobody could press it", [](Facts& f) { f.emergency_stop->silent = "/stop: nobody"; },
+            "emergency stop", kFailed},
+           {"pressed", [](Facts& f) { f.emergency_stop->pressed = true; }, "emergency stop",
+            kFailed},
+           {"none is set up", [](Facts& f) { f.emergency_stop.reset(); }, "emergency stop",
+            kNotPossible},
            {"no dead-man", [](Facts& f) { f.dead_man.reset(); }, "dead-man", kFailed},
            {"never", [](Facts& f) { f.dead_man = INFINITY; }, "dead-man", kFailed},
            {"too late", [](Facts& f) { f.dead_man = 1.5; }, "dead-man", kFailed},
@@ -173,7 +181,7 @@ TEST(Preflight, AFloorInTheBodysLowestVoxelsFails) {
 TEST(Preflight, SignAndGainOfYaw) {
   struct Case {
     const char* what;
-    YawTurn turn;
+    ShortMotion turn;
     CheckVerdict wheels, cameras, slip;
   };
   for (const Case& c :
@@ -198,6 +206,31 @@ TEST(Preflight, SignAndGainOfYaw) {
     EXPECT_EQ(to_string(results[2].verdict), to_string(c.slip)) << c.what << results[2].why;
   }
   EXPECT_THAT(checks_of_turn({0.2, -0.2, -0.2})[0].why, HasSubstr("turns the other way"));
+}
+
+TEST(Preflight, SignAndGainOfTheWay) {
+  struct Case {
+    const char* what;
+    ShortMotion way;
+    CheckVerdict wheels, cameras;
+  };
+  for (const Case& c :
+       {Case{"as commanded", {0.05, 0.05, 0.052}, kPassed, kPassed},
+        Case{"backwards", {0.05, -0.05, -0.048}, kFailed, kFailed},
+        Case{"wheels that say what they were told", {0.05, 0.05, -0.05}, kPassed, kFailed},
+        Case{"stands", {0.05, 0.0, 0.001}, kFailed, kFailed},
+        Case{"twice as far", {0.05, 0.1, 0.1}, kFailed, kFailed},
+        Case{"slips", {0.05, 0.05, 0.04}, kPassed, kWarned},
+        Case{"no number", {0.05, kNan, {}}, kFailed, kNotPossible},
+        Case{"no way", {0.01, 0.01, 0.01}, kNotPossible, kNotPossible},
+        Case{"no command", {kNan, 0.05, 0.05}, kNotPossible, kNotPossible}}) {
+    const std::vector<CheckResult> results = checks_of_way(c.way);
+    EXPECT_THAT(names_of(results),
+                ::testing::ElementsAre("way of the wheels", "way of the cameras"));
+    EXPECT_EQ(to_string(results[0].verdict), to_string(c.wheels)) << c.what << results[0].why;
+    EXPECT_EQ(to_string(results[1].verdict), to_string(c.cameras)) << c.what << results[1].why;
+  }
+  EXPECT_THAT(checks_of_way({0.05, -0.05, {}})[0].why, HasSubstr("drives the other way"));
 }
 
 TEST(Preflight, TextHasColumns) {

@@ -227,6 +227,60 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopLatchesUntilItIsAcknowledged) {
   EXPECT_TRUE(told);
 }
 
+TEST_F(RealTimeDriverTest, AnEmergencyStopThatNobodyCouldPressKeepsItStandingAndStopsIt) {
+  EmergencyStopInput button("/stop", {.max_age = 0.3});
+  RobotParts robot = parts();
+  robot.emergency_stop = &button;
+  RealTimeDriver driver(robot, options_);
+  std::atomic<bool> cancelled = false, lives = false;
+  std::jthread publisher([&](const std::stop_token& stop) {
+    while (!stop.stop_requested()) {
+      if (lives) button.told(1, false, clock_.now());
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+  });
+  std::jthread person([&] {
+    const auto wait_for = [&](const char* what, const std::function<bool()>& so) {
+      const double end = clock_.now() + 20.0;
+      while (!so() && clock_.now() < end) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      }
+      EXPECT_TRUE(so()) << what << ": " << driver.status().why;
+    };
+    const auto is = [&](DriveMode mode, DriveCause cause) {
+      const DriveState state = driver.status().mode;
+      return state.mode == mode && state.cause == cause;
+    };
+    wait_for("absent", [&] { return is(DriveMode::kIdle, DriveCause::kEmergencyStopSilent); });
+    EXPECT_EQ(base_.pose().position.x(), 0.0);
+    lives = true;
+    wait_for("late", [&] { return base_.velocity().linear.x() > 0.1; });
+    lives = false;
+    wait_for("died", [&] {
+      return is(DriveMode::kStopping, DriveCause::kEmergencyStopSilent) &&
+             base_.velocity().linear.norm() == 0.0;
+    });
+    driver.acknowledge();
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    EXPECT_TRUE(is(DriveMode::kStopping, DriveCause::kEmergencyStopSilent)) << "still nobody";
+    lives = true;
+    wait_for("there again",
+             [&] { return is(DriveMode::kStopped, DriveCause::kEmergencyStopSilent); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    EXPECT_TRUE(is(DriveMode::kStopped, DriveCause::kEmergencyStopSilent)) << "not by itself";
+    driver.acknowledge();
+    wait_for("acknowledged", [&] { return base_.velocity().linear.x() > 0.1; });
+    cancelled = true;
+  });
+  EXPECT_EQ(driver.run({}, {}, [&] { return cancelled.load(); }).end, MissionEnd::kCancelled);
+  bool named = false;
+  for (const Event& event : driver.events().since(0).events) {
+    named = named || (event.cause == "emergency stop silent" &&
+                      event.text.find("/stop: 0 of 1 publishers") != std::string::npos);
+  }
+  EXPECT_TRUE(named);
+}
+
 TEST_F(RealTimeDriverTest, PeopleHoldStopAndSendItByRequestsOfTheirOwn) {
   DriveRequests requests;
   RobotParts robot = parts();

@@ -1,0 +1,171 @@
+#include "runtime/command_following.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "engine/behaviour/formatted.h"
+#include "models/knobs.h"
+#include "models/limited_twist.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kApart = 0.3;   // [s] between two samples that belong together
+constexpr double kGoesOn = 0.4;  // share of the time that passes, by which stamps grow at least
+constexpr double kFresh = 0.6;   // [s] that the newest pose may be old
+constexpr std::array kSides = {1.0, -1.0};
+
+std::array<double, 3> axes(const Twist& twist) {
+  return {twist.linear.x(), twist.linear.y(), twist.yaw_rate};
+}
+
+}  // namespace
+
+std::string to_text(const Departure& d) {
+  constexpr std::array kNames = {"forward", "to the left", "yaw"};
+  const char* unit = d.axis == 2 ? "rad" : "m";
+  const std::string told = d.told_low == d.told_high
+                               ? formatted("%+.2f", d.told_low)
+                               : formatted("%+.2f to %+.2f", d.told_low, d.told_high);
+  return formatted("%s %+.2f of %s %s/s told: %+.2f %s, by %s",
+                   kNames[static_cast<std::size_t>(d.axis)], d.measured, told.c_str(), unit, d.by,
+                   unit, d.witness.c_str());
+}
+
+CommandFollowing::CommandFollowing(const CommandFollowingOptions& options,
+                                   const ActuationDelay& delay)
+    : options_(options), delay_(delay) {
+  check_knobs("command following", options_);
+  check_knobs("command following: delay", delay_);
+}
+
+void CommandFollowing::told(const ToldCommand& command) {
+  constexpr double kKept = 3.0;  // [s], longer than a belief may be old
+  told_.push_back(command);
+  while (told_.size() > 1 && told_[1].time < command.time - kKept) told_.pop_front();
+}
+
+CommandFollowing::Bands CommandFollowing::told_in(double from, double until) const {
+  Bands bands;
+  for (std::size_t axis = 0; axis < kAxes; ++axis) {
+    const double since = from - (axis == 2 ? delay_.angular : delay_.linear) - options_.lag;
+    std::optional<Band> band;
+    const auto take = [&](double value) {
+      if (!band) band = Band{value, value};
+      band = Band{std::min(band->low, value), std::max(band->high, value)};
+    };
+    // Before the first command it was told nothing.
+    if (told_.empty() || told_.front().time > since) take(0.0);
+    for (std::size_t k = 0; k < told_.size() && told_[k].time <= until; ++k) {
+      const bool newest = k + 1 == told_.size();
+      const double end = newest ? until : std::min(until, told_[k + 1].time);
+      if (end < since) continue;
+      take(axes(told_[k].twist)[axis]);
+      if (told_[k].stop || end > told_[k].expires) take(0.0);
+    }
+    bands[axis] = *band;
+  }
+  return bands;
+}
+
+double CommandFollowing::limit(int axis, bool more) const {
+  if (axis == 2) return more ? options_.more_turn : options_.less_turn;
+  return more ? options_.more_way : options_.less_way;
+}
+
+void CommandFollowing::add(Witness& witness, double from, double until,
+                           const std::array<double, kAxes>& measured) {
+  const double dt = until - from;
+  const Bands bands = told_in(from, until);
+  const auto farthest = [](const Band& band) {
+    return std::max(std::abs(band.low), std::abs(band.high));
+  };
+  const double speed = std::hypot(farthest(bands[0]), farthest(bands[1]));
+  bool stands = true;
+  for (int axis = 0; axis < kAxes; ++axis) {
+    const auto at = static_cast<std::size_t>(axis);
+    const Band band = bands[at];
+    const double m = measured[at];
+    const double least = axis == 2 ? options_.least_rate : options_.least_speed;
+    stands = stands && band.low == 0.0 && band.high == 0.0 && std::abs(m) <= least;
+    Sums& sums = witness.sums[at];
+    sums.measured = m;
+    sums.told = band;
+    const auto grow = [&](double& sum, double by, double most) {
+      // What holds on is over soon after it has ended.
+      sum = std::clamp(sum + std::min(by, most / 3.0), 0.0, 2.5 * most);
+    };
+    for (std::size_t k = 0; k < kSides.size(); ++k) {
+      const double side = kSides[k];
+      // Who is told to move to that side at most, and away from it at least.
+      const double to = std::max(0.0, side > 0.0 ? band.high : -band.low);
+      const double away = std::max(0.0, side > 0.0 ? -band.high : band.low);
+      const auto slip = [&](double told) { return options_.slip * (axis == 2 ? told : speed); };
+      grow(sums.more[k], (side * m - to - slip(to) - least) * dt, limit(axis, true));
+      const double asked = std::max(0.0, away - slip(away) - least);
+      grow(sums.less[k], asked > 0.0 ? (asked - std::max(0.0, -side * m)) * dt : -least * dt,
+           limit(axis, false));
+    }
+  }
+  if (stands) witness.sums = {};
+}
+
+void CommandFollowing::add_wheels(const BaseReport& base) {
+  if (!base.connected || !is_finite(base.velocity)) {
+    wheels_.forget();
+    return;
+  }
+  if (wheels_.stamp && !(base.stamp > *wheels_.stamp)) return;
+  if (wheels_.stamp && base.stamp - *wheels_.stamp <= kApart) {
+    add(wheels_, *wheels_.stamp, base.stamp, axes(base.velocity));
+  }
+  wheels_.stamp = base.stamp;
+}
+
+void CommandFollowing::add_pose(double now, const Belief* belief) {
+  if (!belief || belief->localization != Localization::kOk || !(now - belief->stamp <= kFresh) ||
+      !belief->pose.position.allFinite() || !std::isfinite(belief->pose.yaw)) {
+    pose_.forget();
+    return;
+  }
+  const double dt = pose_.stamp ? belief->stamp - *pose_.stamp : 0.0;
+  if (pose_.stamp && dt == 0.0) return;
+  // The stamps of a clock that is stuck hardly grow while the pose goes on.
+  if (dt <= kApart && dt > kGoesOn * (now - pose_came_)) {
+    const double turned = std::remainder(belief->pose.yaw - newest_pose_.yaw, 2.0 * M_PI);
+    const Eigen::Vector2d moved = Eigen::Rotation2Dd(-newest_pose_.yaw - 0.5 * turned) *
+                                  (belief->pose.position - newest_pose_.position).head<2>();
+    add(pose_, *pose_.stamp, belief->stamp, {moved.x() / dt, moved.y() / dt, turned / dt});
+  }
+  pose_.stamp = belief->stamp;
+  pose_came_ = now;
+  newest_pose_ = belief->pose;
+}
+
+std::optional<Departure> CommandFollowing::look(double now, const BaseReport& base,
+                                                const Belief* belief) {
+  add_wheels(base);
+  add_pose(now, belief);
+  const auto made = [](const Sums& sums, int axis, double by, const char* witness) {
+    return Departure{axis, by, sums.told.low, sums.told.high, sums.measured, witness};
+  };
+  for (int axis = 0; axis < kAxes; ++axis) {
+    const Sums& wheels = wheels_.sums[static_cast<std::size_t>(axis)];
+    const Sums& pose = pose_.sums[static_cast<std::size_t>(axis)];
+    const double more = limit(axis, true), less = limit(axis, false);
+    for (std::size_t k = 0; k < kSides.size(); ++k) {
+      if (wheels.more[k] >= more || wheels.less[k] >= less) {
+        const double by = kSides[k] * std::max(wheels.more[k], wheels.less[k]);
+        if (!pose_.stamp) return made(wheels, axis, by, "wheels");
+        if (pose.more[k] >= 0.5 * more || pose.less[k] >= 0.5 * less) {
+          return made(wheels, axis, by, "wheels and pose");
+        }
+      }
+      if (pose.more[k] >= 2.0 * more) return made(pose, axis, kSides[k] * pose.more[k], "pose");
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace prospect

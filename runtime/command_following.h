@@ -1,0 +1,120 @@
+#pragma once
+
+#include <array>
+#include <deque>
+#include <optional>
+#include <string>
+
+#include "engine/maps/belief.h"
+#include "models/types.h"
+#include "runtime/base.h"
+#include "runtime/predicted_belief.h"
+
+namespace prospect {
+
+class Knobs;
+
+struct CommandFollowingOptions {
+  double lag = 0.25;          ///< [s] by which motion may be later than the known delay
+  double slip = 0.3;          ///< [1] share by which it may be more or less than it is told
+  double least_speed = 0.03;  ///< [m/s] that counts
+  double least_rate = 0.05;   ///< [rad/s] that counts
+  // What makes it a base that does not follow: more than it is told, or the other way, ...
+  double more_way = 0.1;   ///< [m]
+  double more_turn = 0.2;  ///< [rad]
+  // ... and less, which leads nowhere that nobody has looked at.
+  double less_way = 0.3;   ///< [m]
+  double less_turn = 0.4;  ///< [rad]
+};
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, CommandFollowingOptions& options);
+
+/// What a base was told.
+struct ToldCommand {
+  double time = 0.0, expires = 0.0;  ///< [s]
+  Twist twist;
+  bool stop = false;  ///< Base::stop(): `twist` is what it is taken to do then
+};
+
+/// A motion that is not the one that was told.
+struct Departure {
+  int axis = 0;                            ///< in B: 0 forward, 1 to the left [m/s], 2 yaw [rad/s]
+  double by = 0.0;                         ///< beyond what is allowed, with its sign [m] or [rad]
+  double told_low = 0.0, told_high = 0.0;  ///< least and most that was told [m/s] or [rad/s]
+  double measured = 0.0;                   ///< the newest, of the same
+  std::string witness;                     ///< "wheels", "pose", "wheels and pose"
+};
+/// "forward -0.58 of +0.60 m/s told: -0.11 m, by wheels and pose"
+std::string to_text(const Departure& departure);
+
+/// Notices that a base moves otherwise than it is told: the other way, too far, or not at all.
+///
+/// Told. Between no delay at all and the known one plus `lag` a command acts, so on each axis
+/// (forward, left, yaw) the velocity over a time [s, t] is told as a band: from the least, lo, to
+/// the most, hi, of the commands in force in [s - delay - lag, t]. A command that has expired may
+/// act or not, and so may one that was a stop: its band reaches to zero.
+///
+/// Measured are the mean velocities m over [s, t] by two witnesses: the wheels (BaseReport), and
+/// the pose of the belief while it is localized. Each has sums a side of each axis, +1 and -1,
+/// never below zero, which grow by what is beyond the band and fall by what is within it (CUSUM,
+/// Page 1954), so a constant error of any size is found after a way of its own, and noise about
+/// zero never:
+///     more += (side m - to - slip - least_speed) dt,   to = max(0, most told to that side)
+///     less += (away - slip - least_speed - max(0, -side m)) dt
+///                                                  away = max(0, least told away from that side)
+/// with the share `slip` of the largest speed told, in whatever direction it is, as who slips or is
+/// turned a little in W moves to the side, too; of yaw, of the rate told to that side. One sample
+/// adds at most a third of the limit: one alone decides nothing. Who stands as it is told to begins
+/// anew.
+///
+/// A base does not follow
+///   * if by the wheels a sum is beyond its limit, and the pose, where it is known, has half of
+///     what it takes on the same side: wheels that lie are not a base that goes astray;
+///   * if by the pose alone it makes twice the limit of `more`. Less by the pose alone is no fault
+///     of the base: wheels slip, the body touches something, a picture stands still.
+///
+/// Thread-safety: one thread. Errors: the constructor throws std::invalid_argument on options out
+/// of range; numbers that are not finite, samples that are further than 0.3 s apart, and poses
+/// whose stamps grow by less than 0.4 of the time that passes, say nothing. Source: our choice.
+class CommandFollowing {
+ public:
+  explicit CommandFollowing(const CommandFollowingOptions& options = {},
+                            const ActuationDelay& delay = {});
+
+  /// What the base is told from now on; times grow.
+  void told(const ToldCommand& command);
+  /// belief: the newest; null: none.
+  std::optional<Departure> look(double now, const BaseReport& base, const Belief* belief);
+
+ private:
+  static constexpr int kAxes = 3;
+  struct Band {
+    double low = 0.0, high = 0.0;
+  };
+  using Bands = std::array<Band, kAxes>;
+  struct Sums {
+    std::array<double, 2> more{}, less{};  // of sides +1, -1
+    double measured = 0.0;                 // the newest
+    Band told;                             // likewise
+  };
+  struct Witness {
+    std::optional<double> stamp;  // of the newest sample
+    std::array<Sums, kAxes> sums;
+    void forget() { *this = {}; }
+  };
+
+  Bands told_in(double from, double until) const;
+  void add(Witness& witness, double from, double until, const std::array<double, kAxes>& measured);
+  void add_wheels(const BaseReport& base);
+  void add_pose(double now, const Belief* belief);
+  double limit(int axis, bool more) const;
+
+  CommandFollowingOptions options_;
+  ActuationDelay delay_;
+  std::deque<ToldCommand> told_;
+  Witness wheels_, pose_;
+  Pose newest_pose_;        // at pose_.stamp
+  double pose_came_ = 0.0;  // [s] when it was looked at first
+};
+
+}  // namespace prospect

@@ -1,0 +1,21 @@
+#include "models/knobs.h"
+#include "runtime/command_following.h"
+
+namespace prospect {
+
+void describe(Knobs& knobs, CommandFollowingOptions& o) {
+  knobs.number("lag", o.lag, {0.0, 5.0}, "s",
+               "by which motion may be later than drive.command.delay says");
+  knobs.number("slip", o.slip, {0.0, 1.0}, "1",
+               "share by which motion may be more or less than it is told");
+  knobs.number("least_speed", o.least_speed, {0.001, 1.0}, "m/s", "that counts as motion");
+  knobs.number("least_rate", o.least_rate, {0.001, 3.0}, "rad/s", "that counts as turning");
+  knobs.number("more_way", o.more_way, {0.01, 10.0}, "m",
+               "driven beyond what was told, or the other way, that stops the robot");
+  knobs.number("more_turn", o.more_turn, {0.01, 10.0}, "rad",
+               "turned beyond what was told, or the other way, that stops it");
+  knobs.number("less_way", o.less_way, {0.01, 10.0}, "m", "told and not driven that stops it");
+  knobs.number("less_turn", o.less_turn, {0.01, 10.0}, "rad", "told and not turned that stops it");
+}
+
+}  // namespace prospect

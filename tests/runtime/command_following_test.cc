@@ -1,0 +1,409 @@
+#include "runtime/command_following.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "models/unicycle.h"
+
+namespace prospect::command_following_test {
+namespace {
+
+constexpr double kPeriod = 0.05, kHold = 0.15;  // [s]
+
+/// What is between a command and what is measured of it.
+struct World {
+  double delay = 0.0;                          // [s] that nobody has declared
+  double linear_gain = 1.0, yaw_gain = 1.0;    // of the ground: slip
+  double acceleration = 1e9, turning = 1e9;    // [m/s^2], [rad/s^2] of the base
+  double wheel_noise = 0.0, pose_noise = 0.0;  // [m/s] and [m], standard deviations
+  double pose_delay = 0.0;                     // [s]
+  bool has_pose = true;
+  unsigned seed = 1;
+  // Of time since the fault and the command: what the base makes of it.
+  std::function<Twist(double, const Twist&)> fault{};
+  double from = 1e9;  // [s]
+  // What becomes of what is measured.
+  std::function<void(double, Twist&)> wheels{};
+  std::function<void(double, Pose&)> pose{};
+  std::function<double(double)> stamp{};
+};
+
+/// What was noticed, and how far the robot had gone since the fault.
+struct Noticed {
+  Departure what;
+  double after = 0.0, way = 0.0, turned = 0.0;  // [s], [m], [rad]
+};
+
+/// Tells a base commands each period, as `command` of the time says, for `length` [s].
+std::optional<Noticed> drive(const World& w, double length,
+                             const std::function<Twist(double)>& command,
+                             const CommandFollowingOptions& options = {}) {
+  std::mt19937 random(w.seed);
+  std::normal_distribution<double> noise;
+  CommandFollowing following(options);
+  std::deque<std::pair<double, Twist>> sent;
+  std::deque<Belief> seen;  // not known yet
+  Belief newest;
+  Twist velocity, made;
+  Pose pose;
+  double way = 0.0, turned = 0.0;
+  bool has_seen = false;
+  constexpr int kSteps = 10;
+  for (int tick = 0; tick * kPeriod < length; ++tick) {
+    const double now = tick * kPeriod;
+    BaseReport report;
+    report.connected = true;
+    report.stamp = now;
+    report.velocity = velocity;
+    report.velocity.linear.x() += w.wheel_noise * noise(random);
+    report.velocity.yaw_rate += 3.0 * w.wheel_noise * noise(random);
+    if (w.wheels) w.wheels(now, report.velocity);
+    Belief belief;
+    belief.stamp = w.stamp ? w.stamp(now) : now;
+    belief.pose = pose;
+    belief.pose.position.x() += w.pose_noise * noise(random);
+    belief.pose.position.y() += w.pose_noise * noise(random);
+    belief.pose.yaw += w.pose_noise * noise(random);
+    if (w.pose) w.pose(now, belief.pose);
+    seen.push_back(belief);
+    for (; !seen.empty() && seen.front().stamp <= now - w.pose_delay + 1e-9; seen.pop_front()) {
+      newest = seen.front();
+      has_seen = w.has_pose;
+    }
+    if (const auto found = following.look(now, report, has_seen ? &newest : nullptr)) {
+      return Noticed{*found, now - w.from, way, turned};
+    }
+    const Twist told = command(now);
+    following.told({now, now + kHold, told, false});
+    sent.emplace_back(now, told);
+    for (int k = 0; k < kSteps; ++k) {
+      const double t = now + k * kPeriod / kSteps, dt = kPeriod / kSteps;
+      while (sent.size() > 1 && sent[1].first <= t - w.delay) sent.pop_front();
+      Twist wanted = sent.front().first <= t - w.delay ? sent.front().second : Twist();
+      if (w.fault && t >= w.from) wanted = w.fault(t - w.from, wanted);
+      const auto ramp = [&](double from, double to, double rate) {
+        return from + std::clamp(to - from, -rate * dt, rate * dt);
+      };
+      made.linear.x() = ramp(made.linear.x(), wanted.linear.x(), w.acceleration);
+      made.yaw_rate = ramp(made.yaw_rate, wanted.yaw_rate, w.turning);
+      velocity = made;
+      const double v = w.linear_gain * made.linear.x(), r = w.yaw_gain * made.yaw_rate;
+      pose.position.x() += v * dt * std::cos(pose.yaw);
+      pose.position.y() += v * dt * std::sin(pose.yaw);
+      pose.yaw += r * dt;
+      if (t >= w.from) way += std::abs(v) * dt, turned += std::abs(r) * dt;
+    }
+  }
+  return std::nullopt;
+}
+
+/// Commands within the bounds and rates of the unicycle that seek another speed every so often.
+class RandomDrive {
+ public:
+  explicit RandomDrive(unsigned seed, double least = 0.0) : random_(seed), least_(least) {}
+  Twist operator()(double now) {
+    const Unicycle::Parameters limits;
+    std::uniform_real_distribution<double> share(0.0, 1.0);
+    if (now >= until_) {
+      until_ = now + 0.2 + 1.8 * share(random_);
+      // Often at a limit, at times at rest.
+      const auto pick = [&](double low, double high) {
+        const double s = 1.6 * share(random_) - 0.3;
+        return low + (high - low) * std::clamp(s, 0.0, 1.0);
+      };
+      wanted_ = {{pick(least_, limits.v_max), 0.0, 0.0}, pick(-limits.omega_max, limits.omega_max)};
+    }
+    const auto ramp = [](double from, double to, double most) {
+      return from + std::clamp(to - from, -most, most);
+    };
+    told_.linear.x() = ramp(told_.linear.x(), wanted_.linear.x(), limits.a_max * kPeriod);
+    told_.yaw_rate = ramp(told_.yaw_rate, wanted_.yaw_rate, limits.alpha_max * kPeriod);
+    return told_;
+  }
+
+ private:
+  std::mt19937 random_;
+  double least_;
+  double until_ = 0.0;
+  Twist wanted_, told_;
+};
+
+/// At a speed and a yaw rate, from rest.
+std::function<Twist(double)> steadily(double speed, double rate) {
+  return [=](double now) {
+    return Twist{{std::min(speed, 0.8 * now), 0.0, 0.0},
+                 std::copysign(std::min(std::abs(rate), 2.5 * now), rate)};
+  };
+}
+
+struct Verb {
+  const char* name;
+  int axis;
+  std::function<Twist(double, const Twist&)> made;
+};
+const std::vector<Verb>& verbs() {
+  static const std::vector<Verb> all = {
+      {"inverted", 0,
+       [](double, const Twist& t) {
+         return Twist{-t.linear, t.yaw_rate};
+       }},
+      {"mirrored", 2,
+       [](double, const Twist& t) {
+         return Twist{t.linear, -t.yaw_rate};
+       }},
+      {"both", 0,
+       [](double, const Twist& t) {
+         return Twist{-t.linear, -t.yaw_rate};
+       }},
+      {"double", 0,
+       [](double, const Twist& t) {
+         return Twist{2.0 * t.linear, 2.0 * t.yaw_rate};
+       }},
+      {"ignores", 0, [](double, const Twist&) { return Twist(); }},
+      {"faster", 0,
+       [](double, const Twist& t) {
+         return Twist{t.linear + Eigen::Vector3d(0.4, 0.0, 0.0), t.yaw_rate};
+       }},
+      {"left wheel dead", 2,
+       [](double, const Twist& t) {
+         const double right = t.linear.x() + 0.15 * t.yaw_rate;
+         return Twist{{0.5 * right, 0.0, 0.0}, right / 0.3};
+       }},
+      {"right wheel dead", 2,
+       [](double, const Twist& t) {
+         const double left = t.linear.x() - 0.15 * t.yaw_rate;
+         return Twist{{0.5 * left, 0.0, 0.0}, -left / 0.3};
+       }},
+  };
+  return all;
+}
+
+TEST(CommandFollowing, EachWayNotToFollowIsNoticedWithinASecondOrThirtyCentimetres) {
+  for (const Verb& verb : verbs()) {
+    for (const double speed : {0.2, 0.6}) {
+      for (const double pose_delay : {0.0, 0.2}) {
+        for (const bool has_pose : {true, false}) {
+          World w;
+          w.fault = verb.made;
+          w.from = 2.0;
+          w.pose_delay = pose_delay;
+          w.has_pose = has_pose;
+          w.wheel_noise = 0.02;
+          w.pose_noise = 0.002;
+          const std::string name = std::string(verb.name) + " at " + std::to_string(speed) +
+                                   ", pose late by " + std::to_string(pose_delay) +
+                                   (has_pose ? "" : ", none");
+          const auto found = drive(w, 8.0, steadily(speed, 0.5));
+          ASSERT_TRUE(found) << name;
+          EXPECT_GE(found->after, 0.0) << name;
+          EXPECT_TRUE(found->after <= 1.0 || found->way <= 0.3)
+              << name << ": " << found->after << " s, " << found->way << " m";
+          EXPECT_EQ(found->what.witness, has_pose ? "wheels and pose" : "wheels") << name;
+        }
+      }
+    }
+  }
+}
+
+TEST(CommandFollowing, SaysWhichAxisAndByHowMuch) {
+  for (const Verb& verb : verbs()) {
+    World w;
+    w.fault = verb.made;
+    w.from = 2.0;
+    const auto found = drive(w, 8.0, steadily(0.6, 0.0));
+    if (std::string(verb.name) == "mirrored") {
+      EXPECT_FALSE(found) << "it was told no turn";
+      continue;
+    }
+    ASSERT_TRUE(found) << verb.name;
+    EXPECT_EQ(found->what.axis, verb.axis) << verb.name;
+  }
+  World w;
+  w.fault = verbs()[0].made;
+  w.from = 2.0;
+  EXPECT_EQ(to_text(drive(w, 8.0, steadily(0.6, 0.0))->what),
+            "forward -0.60 of +0.60 m/s told: -0.12 m, by wheels and pose");
+  w.fault = verbs()[1].made;
+  EXPECT_EQ(drive(w, 8.0, steadily(0.3, -0.8))->what.axis, 2);
+  EXPECT_GT(drive(w, 8.0, steadily(0.3, -0.8))->what.by, 0.0);
+}
+
+TEST(CommandFollowing, ABaseThatDrivesOnWhenItIsToldToStop) {
+  World w;
+  w.fault = [](double, const Twist&) { return Twist{{0.6, 0.0, 0.0}, 0.0}; };
+  w.from = 2.0;
+  const auto found = drive(w, 8.0, [](double now) {
+    return Twist{{std::clamp(0.6 - 0.8 * (now - 2.0), 0.0, 0.6), 0.0, 0.0}, 0.0};
+  });
+  ASSERT_TRUE(found);
+  EXPECT_LE(found->after, 1.0);
+}
+
+TEST(CommandFollowing, SlowlyBackwardsWithoutAJump) {
+  // The gain falls from 1 to -1 over 6 s.
+  World w;
+  w.from = 2.0;
+  w.fault = [](double since, const Twist& t) {
+    return Twist{std::max(-1.0, 1.0 - since / 3.0) * t.linear, t.yaw_rate};
+  };
+  const auto found = drive(w, 12.0, steadily(0.4, 0.0));
+  ASSERT_TRUE(found);
+  EXPECT_LT(found->after, 3.6) << "as it begins to go backwards, at the latest";
+}
+
+// A base whose odometry is what it was told: only the pose knows.
+TEST(CommandFollowing, WheelsThatSayWhatTheyWereToldAreContradictedByThePose) {
+  for (const Verb& verb : verbs()) {
+    if (std::string(verb.name) == "ignores") continue;
+    Twist told;
+    World w;
+    w.fault = verb.made;
+    w.from = 2.0;
+    w.wheels = [&](double, Twist& measured) { measured = told; };
+    const auto found = drive(w, 8.0, [&](double now) { return told = steadily(0.6, 0.5)(now); });
+    ASSERT_TRUE(found) << verb.name;
+    EXPECT_EQ(found->what.witness, "pose") << verb.name;
+    EXPECT_LE(found->after, 2.0) << verb.name << ": one witness alone takes longer";
+  }
+}
+
+TEST(CommandFollowing, LegalDrivesAreNotBlamed) {
+  struct Case {
+    const char* name;
+    World world;
+  };
+  const auto with = [](const std::function<void(World&)>& set) {
+    World w;
+    set(w);
+    return w;
+  };
+  const std::vector<Case> cases = {
+      {"exact", {}},
+      {"late", with([](World& w) { w.delay = 0.25; })},
+      {"late, and the pose later", with([](World& w) { w.delay = 0.15, w.pose_delay = 0.4; })},
+      {"noise", with([](World& w) { w.wheel_noise = 0.05, w.pose_noise = 0.005; })},
+      {"slips as much as a pre-flight check lets through",
+       with([](World& w) { w.linear_gain = 0.8, w.yaw_gain = 0.75; })},
+      {"is not where it looks to",
+       with([](World& w) { w.pose = [](double, Pose& p) { p.yaw += 0.15; }; })},
+      {"turns more than it is told", with([](World& w) { w.yaw_gain = 1.2; })},
+      {"ramps of its own", with([](World& w) { w.acceleration = 0.8, w.turning = 2.5; })},
+      {"slow ramps, late, slip, noise", with([](World& w) {
+         w.acceleration = 1.0, w.turning = 3.0, w.delay = 0.15, w.yaw_gain = 0.87;
+         w.wheel_noise = 0.03, w.pose_noise = 0.003, w.pose_delay = 0.1;
+       })},
+      {"without a pose", with([](World& w) { w.has_pose = false, w.delay = 0.2; })},
+  };
+  for (const Case& c : cases) {
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+      World w = c.world;
+      w.seed = seed;
+      RandomDrive commands(100 + seed);
+      const auto found = drive(w, 40.0, [&](double now) { return commands(now); });
+      ASSERT_FALSE(found) << c.name << ", seed " << seed << ": " << to_text(found->what);
+    }
+  }
+}
+
+TEST(CommandFollowing, OneBadSampleDecidesNothing) {
+  for (const double size : {3.0, -3.0, std::numeric_limits<double>::infinity(),
+                            std::numeric_limits<double>::quiet_NaN()}) {
+    World w;
+    w.has_pose = false;
+    w.wheels = [&](double now, Twist& m) {
+      if (std::fmod(now + 1e-9, 1.0) < kPeriod) m.linear.x() = size, m.yaw_rate = -size;
+    };
+    EXPECT_FALSE(drive(w, 20.0, steadily(0.5, 0.3))) << size;
+    World jumps;
+    jumps.pose = [&](double now, Pose& p) {
+      const double turn = 0.3 * std::floor(now / 5.0);  // found again elsewhere
+      p.position = Eigen::AngleAxisd(turn, Eigen::Vector3d::UnitZ()) * p.position;
+      p.position.x() += 0.5 * std::floor(now / 3.0);
+      p.yaw += turn;
+      if (std::fmod(now + 1e-9, 1.0) < kPeriod) p.position.y() += size;  // and an outlier
+    };
+    EXPECT_FALSE(drive(jumps, 20.0, steadily(0.5, 0.3))) << size;
+  }
+}
+
+TEST(CommandFollowing, FaultsOfTheSensorsAreNotThoseOfTheBase) {
+  World lies;
+  lies.wheels = [](double, Twist& m) { m.linear *= 2.0, m.yaw_rate *= 2.0; };
+  EXPECT_FALSE(drive(lies, 10.0, steadily(0.6, 0.5))) << "the pose denies it";
+  lies.has_pose = false;
+  EXPECT_TRUE(drive(lies, 10.0, steadily(0.6, 0.5))) << "nobody denies it";
+  World holes;
+  holes.wheels = [](double now, Twist& m) {
+    if (std::fmod(now, 1.0) < 0.5) m = {};
+  };
+  EXPECT_FALSE(drive(holes, 10.0, steadily(0.6, 0.5)));
+  // Stamps that stay while the pose goes on.
+  World stuck;
+  stuck.stamp = [](double now) { return std::min(now, 3.0 + 1e-4 * now); };
+  EXPECT_FALSE(drive(stuck, 10.0, steadily(0.6, 0.5)));
+  // A picture that stands still, wheels that spin, a wall: the base does what it is told.
+  World still;
+  still.pose = [](double now, Pose& p) {
+    if (now > 2.0) p = Pose();
+  };
+  EXPECT_FALSE(drive(still, 10.0, steadily(0.6, 0.0)));
+  // But it confirms what the wheels say.
+  still.fault = verbs()[0].made;
+  still.from = 3.0;
+  ASSERT_TRUE(drive(still, 10.0, steadily(0.6, 0.0)));
+}
+
+TEST(CommandFollowing, ACommandThatHasExpiredMayActOrNot) {
+  for (const bool holds : {false, true}) {
+    CommandFollowing following;
+    BaseReport base;
+    base.connected = true;
+    base.velocity.linear.x() = 0.6;
+    double now = 0.0;
+    const auto look = [&] {
+      base.stamp = now;
+      return following.look(now, base, nullptr);
+    };
+    for (; now < 1.0; now += kPeriod) {
+      EXPECT_FALSE(look());
+      following.told({now, now + kHold, {{0.6, 0.0, 0.0}, 0.0}, false});
+    }
+    // The command thread sleeps.
+    for (; now < 3.0; now += kPeriod) {
+      if (!holds && now > 1.2) base.velocity = {};
+      EXPECT_FALSE(look()) << now;
+    }
+  }
+  // Base::stop() brakes as hard as the base can.
+  CommandFollowing following;
+  BaseReport base;
+  base.connected = true;
+  base.velocity.linear.x() = 1.5;
+  for (int k = 0; k < 80; ++k) {
+    base.stamp = kPeriod * k;
+    if (k == 40) base.velocity = {};
+    EXPECT_FALSE(following.look(base.stamp, base, nullptr)) << k;
+    const double told = k < 40 ? 1.5 : std::max(0.0, 1.5 - 0.02 * (k - 40));
+    following.told({base.stamp, base.stamp + kHold, {{told, 0.0, 0.0}, 0.0}, k >= 40});
+  }
+}
+
+TEST(CommandFollowing, OptionsOutOfRangeAreRefused) {
+  CommandFollowingOptions options;
+  options.slip = -0.1;
+  EXPECT_THROW(CommandFollowing{options}, std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace prospect::command_following_test
