@@ -34,7 +34,7 @@ TEST(DdsOptions, ReadsWhatIsGivenAndKeepsTheRest) {
       "stereo: {left: /cam/left, compressed: true}\n"
       "depth: {image: none}\n"
       "scan: /scan\n"
-      "command: {stamped: none, plain: /cmd_vel, dead_man: 0.5, speed: 0.6}\n"
+      "command: {stamped: none, plain: /cmd_vel, dead_man: 0.5, speed: 0.6, relay_age: arrival}\n"
       "output: {octomap: none}\n");
   EXPECT_EQ(o.address.domain, 7);
   EXPECT_EQ(o.frames.base, "base_footprint");
@@ -50,6 +50,8 @@ TEST(DdsOptions, ReadsWhatIsGivenAndKeepsTheRest) {
   EXPECT_EQ(o.command.dead_man, 0.5);
   EXPECT_EQ(o.command.limits.speed, 0.6);
   EXPECT_FALSE(o.command.limits.yaw_rate.has_value());
+  EXPECT_EQ(o.command.relay_age, DdsOptions::RelayAge::kArrival);
+  EXPECT_EQ(DdsOptions().command.relay_age, DdsOptions::RelayAge::kStamp);
   EXPECT_EQ(o.output.octomap, "");
   EXPECT_EQ(o.output.map, "/map");
 }
@@ -70,6 +72,7 @@ TEST(DdsOptions, NamesTheLineOfWhatIsWrong) {
       {"command: {dead_man: 0.5}\nscan: /s\npoint_cloud: /p\n", "expected one of them"},
       {"command: {dead_man: 0.5}\ndomain: 233\n", "yaml:2: "},
       {"command: {dead_man: 0.5}\nmounts: urdf\n", "yaml:2: "},
+      {"command: {dead_man: 0.5, relay_age: never}\n", "expected one of: stamp, arrival"},
   };
   for (const Row& row : rows) EXPECT_THAT(refusal(row.text), HasSubstr(row.expected)) << row.text;
 }
