@@ -12,7 +12,6 @@
 #include "adapters/files/input_error.h"
 #include "adapters/files/whole_file.h"
 #include "adapters/problem_file/problem_file.h"
-#include "adapters/run/step_row.h"
 #include "adapters/worlds/octree_file.h"
 #include "models/range_text.h"
 
@@ -134,11 +133,11 @@ void RunFolder::add(const SavedProblem& saved) {
 
 void RunFolder::write_waiting() {
   if (!header_written_) {
-    terms_ = term_columns(waiting_);
-    append(steps_, "steps.csv", step_header(terms_));
+    columns_ = step_columns(waiting_);
+    append(steps_, "steps.csv", step_header(columns_));
     header_written_ = true;
   }
-  for (const StepRecord& s : waiting_) append(steps_, "steps.csv", step_row(s, terms_));
+  for (const StepRecord& s : waiting_) append(steps_, "steps.csv", step_row(s, columns_));
   waiting_.clear();
 }
 

@@ -8,6 +8,7 @@
 #include "adapters/files/row_file.h"
 #include "adapters/run/run_record.h"
 #include "adapters/run/run_start.h"
+#include "adapters/run/step_row.h"
 #include "adapters/run/summary.h"
 
 namespace octomap {
@@ -63,7 +64,7 @@ class RunFolder {
   std::string path_;
   std::string error_;
   FileLock lock_;
-  std::vector<std::string> terms_;   // columns, from the first step that has a plan
+  StepColumns columns_;              // from the first step that has a plan
   std::vector<StepRecord> waiting_;  // rows before the columns are known
   bool header_written_ = false;
   RowFile steps_, timing_, estimated_, true_;
