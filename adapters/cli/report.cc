@@ -29,9 +29,10 @@ void write(OutputFolder& folder, const std::string& name, const std::string& con
   std::printf("%s\n", file.c_str());
 }
 
-/// A folder for figures and pages: of its own, or that of a run.
-OutputFolder folder_for(const std::string& path) {
-  return OutputFolder::shared(path, {"report", "run", "drive"});
+/// A folder for figures and pages: that of what they show, or another one, of their own or a run's.
+OutputFolder folder_for(const std::string& out, const std::string& source) {
+  return out.empty() ? OutputFolder::beside(source)
+                     : OutputFolder::shared(out, {"report", "run", "drive"});
 }
 
 /// The page of a mission's log, beside it: RUN.mcap gives RUN.html.
@@ -43,8 +44,7 @@ int report_log(const ReportArguments& arguments, const Registries& registries) {
   }
   const LoggedRun run = read_logged_run(arguments.run, registries);
   const std::string page = render_report(run.record);
-  OutputFolder out = arguments.out.empty() ? OutputFolder::beside(path.parent_path().string())
-                                           : folder_for(arguments.out);
+  OutputFolder out = folder_for(arguments.out, path.parent_path().string());
   write(out, path.stem().string() + ".html", page);
   for (const std::string& note : run.notes) std::printf("%s\n", note.c_str());
   return kDone;
@@ -82,7 +82,7 @@ int report(const ReportArguments& arguments, const Registries& registries) {
   if (path) add("path", path_figure(source.map ? &*source.map : nullptr, *source.path));
   if (map) add("map", map_figure(*source.map));
 
-  OutputFolder out = folder_for(arguments.out.empty() ? arguments.run : arguments.out);
+  OutputFolder out = folder_for(arguments.out, arguments.run);
   for (const auto& [name, content] : files) write(out, name, content);
   if (path && !source.map) {
     std::printf("without the map: the run did not come to its end, so there is no map.bt\n");

@@ -519,7 +519,9 @@ timed_out "explore with a term" explore office --time-limit 2 --quiet --save-pro
 timed_out "explore without it" explore office --time-limit 2 --quiet --out without_term
 head -1 without_term/steps.csv | tr ',' '\n' >columns_without.txt
 head -1 with_term/steps.csv | tr ',' '\n' >columns_with.txt
-[[ "$(diff columns_without.txt columns_with.txt | grep '^[<>]')" == "> term_keep_distance" ]] ||
+[[ "$(diff columns_without.txt columns_with.txt | grep '^[<>]')" == "> term_keep_distance
+> weight_asked_keep_distance
+> weight_keep_distance" ]] ||
   fail "the columns with a term: $(diff columns_without.txt columns_with.txt)"
 grep -A1 -x "$(grep -x -B1 term_keep_distance columns_with.txt | head -1)" columns_without.txt |
   grep -qx predicted_features || fail "the term's column does not come after the built-in ones"
@@ -916,11 +918,12 @@ refused "map with a wild resolution" resolution "expected a number from 0.01" \
   map depth/posed --resolution nan --out run
 refused "map of a range of many voxels" "--range is 4 m" "expected at most 2 m" \
   map depth/posed --resolution 0.01 --out run
-succeeds "map of a lidar's log" map depth/lidar.log --out lidar
+refused "a map into the folder of a run" lidar: "of another kind: run; expected" map depth/lidar.log --out lidar
+succeeds "map of a lidar's log" map depth/lidar.log --out lidar_map
 grep -qF "CARMEN log, 20 scans of one plane, the first of 180 points" out.txt || fail "map of a log: '$out'"
 grep -qF "frames       20: 20 ok, 0 degraded, 0 rejected" out.txt || fail "map of a log: '$out'"
-grep -q '"ground_found": null' lidar/summary.json || fail "map of a log: a ground that was not looked for"
-[[ -s lidar/map.bt && -s lidar/map.html ]] || fail "map of a log: $(ls lidar)"
+grep -q '"ground_found": null' lidar_map/summary.json || fail "map of a log: a ground that was not looked for"
+[[ -s lidar_map/map.bt && -s lidar_map/map.html ]] || fail "map of a log: $(ls lidar_map)"
 succeeds "inspect of a lidar's log" inspect depth/lidar.log
 grep -qF "CARMEN log, scans of one plane, for \`prospect map\`" out.txt || fail "inspect of a log: '$out'"
 refused "map of a log with a camera" "--camera-height: depth/lidar.log" "expected it with a camera only" \
