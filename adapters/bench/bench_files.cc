@@ -6,7 +6,6 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <system_error>
 
 #include "adapters/bench/bench_curves.h"
 #include "adapters/bench/bench_page.h"
@@ -14,7 +13,6 @@
 #include "adapters/bench/planner_arena_log.h"
 #include "adapters/files/csv.h"
 #include "adapters/files/input_error.h"
-#include "adapters/files/whole_file.h"
 #include "models/range_text.h"
 #include "models/version.h"
 #include "solvers/first_order_residual.h"
@@ -276,43 +274,18 @@ std::string bench_text(const BenchTable& table, const GroupSummary& group) {
   return out;
 }
 
-void open_bench_folder(const std::string& path, bool resume) {
-  std::error_code error;
-  const char* const expected = "; expected a new or empty folder, or one of an earlier bench";
-  fs::create_directories(path, error);
-  if (error)
-    throw InputError("--out " + path + ": cannot be made (" + error.message() + ")" + expected);
-  if (!fs::is_directory(path)) throw InputError("--out " + path + ": is a file" + expected);
-  const bool ended = fs::is_regular_file(fs::path(path) / "bench.json");
-  const bool begun = fs::is_regular_file(fs::path(path) / kBenchRows) ||
-                     fs::is_regular_file(fs::path(path) / kBenchRowsPart);
-  if (!fs::is_empty(path, error) && !ended && !begun) {
-    throw InputError("--out " + path + ": holds other files" + expected);
+OutputFolder open_bench_folder(const std::string& path, EarlierRows earlier) {
+  OutputFolder folder = OutputFolder::own(path, {"bench"});
+  if (folder.state() != OutputFolder::State::kNew && earlier == EarlierRows::kRefused) {
+    fail("--out " + path,
+         std::string("holds a bench") +
+             (folder.state() == OutputFolder::State::kBegun ? " that was broken off" : "") +
+             "; expected --resume, or another folder, or --overwrite");
   }
-  if (begun && !ended && !resume) {
-    throw InputError("--out " + path +
-                     ": holds a bench that was broken off; expected --resume, or another folder");
-  }
+  return folder;
 }
 
-void clear_bench_folder(const std::string& path) {
-  std::error_code ignored;
-  const fs::path folder(path);
-  // First the one by which a bench counts as ended.
-  for (const char* name : {"bench.json", "bench.html", "bench.csv", "summary.csv", "curves.csv"}) {
-    fs::remove(folder / name, ignored);
-  }
-  const std::pair<const char*, const char*> kinds[] = {{"figures", ".svg"},
-                                                       {"planner_arena", ".log"}};
-  for (const auto& [name, extension] : kinds) {
-    std::vector<fs::path> files;
-    for (fs::directory_iterator entry(folder / name, ignored), end; entry != end; ++entry) {
-      if (entry->path().extension() == extension) files.push_back(entry->path());
-    }
-    for (const fs::path& file : files) fs::remove(file, ignored);
-    fs::remove(folder / name, ignored);  // if it is empty
-  }
-}
+void begin_bench_folder(OutputFolder& folder) { folder.begin({kBenchRows}, {kBenchRows}); }
 
 std::string summary_csv(const std::vector<GroupSummary>& groups) {
   std::string csv =
@@ -350,28 +323,21 @@ std::string summary_csv(const std::vector<GroupSummary>& groups) {
   return csv;
 }
 
-void write_bench_folder(const std::string& path, const BenchTable& table,
+void write_bench_folder(OutputFolder& folder, const BenchTable& table,
                         const std::vector<GroupSummary>& groups) {
-  const auto write = [&](const std::string& name, const std::string& content) {
-    const std::string file = (fs::path(path) / name).string();
-    const std::string wrong = write_whole_file(file, content);
-    if (!wrong.empty()) throw std::runtime_error(file + ": cannot be written (" + wrong + ")");
+  const auto written = [&](const std::string& name, const std::string& wrong) {
+    if (wrong.empty()) return;
+    throw std::runtime_error((fs::path(folder.path()) / name).string() + ": cannot be written (" +
+                             wrong + ")");
   };
-  const auto make = [&](const char* name) {
-    std::error_code error;
-    fs::create_directories(fs::path(path) / name, error);
-    if (error) {
-      throw std::runtime_error((fs::path(path) / name).string() + ": cannot be made (" +
-                               error.message() + ")");
-    }
+  const auto write = [&](const std::string& name, const std::string& content) {
+    written(name, folder.write(name, content));
   };
   const std::vector<CurveSheet> sheets = curve_sheets(groups);
-  make("figures");
   for (const CurveSheet& sheet : sheets) {
     write("figures/" + group_file_name(sheet.set, sheet.deadline) + '_' + sheet.name + ".svg",
           curve_svg(sheet));
   }
-  make("planner_arena");
   for (std::size_t s = 0; s < table.sets.size(); ++s) {
     for (const double deadline : table.deadlines) {
       write("planner_arena/" + group_file_name(table.sets[s].name, deadline) + ".log",
@@ -384,6 +350,7 @@ void write_bench_folder(const std::string& path, const BenchTable& table,
   write("bench.html", bench_page(bench_json(table, groups, false)));
   write("bench.json",
         bench_json(table, groups, true).dump(1, ' ', false, Json::error_handler_t::replace) + '\n');
+  if (!table.cancelled) written(OutputFolder::kMarker, folder.complete());
 }
 
 }  // namespace prospect

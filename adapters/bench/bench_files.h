@@ -6,6 +6,7 @@
 
 #include "adapters/bench/bench_summary.h"
 #include "adapters/bench/bench_table.h"
+#include "adapters/files/output_folder.h"
 
 namespace prospect {
 
@@ -22,21 +23,27 @@ nlohmann::ordered_json bench_json(const BenchTable& table, const std::vector<Gro
 /// The table of one group for a terminal.
 std::string bench_text(const BenchTable& table, const GroupSummary& group);
 
-/// The folder of a bench: made if it is not there. Throws InputError, before anything is measured,
-/// if it is a file, cannot be made, or holds something but no bench; unless `resume`, also if it
-/// holds one that was broken off before its files were written.
-void open_bench_folder(const std::string& path, bool resume);
+/// What becomes of the rows that the folder of a bench holds.
+enum class EarlierRows {
+  kRefused,  ///< they are not to be lost
+  kKept,     ///< the bench goes on with them
+  kReplaced  ///< they are written over
+};
+/// The folder of a bench. Throws InputError, before anything is measured or changed, if it is none
+/// of a bench (OutputFolder::own()), or holds rows and they are not to be lost.
+OutputFolder open_bench_folder(const std::string& path, EarlierRows earlier);
 
-/// Removes what write_bench_folder() has written to the folder, and nothing else.
-void clear_bench_folder(const std::string& path);
+/// Begins a bench: of an earlier one the rows are left, until new ones are there.
+void begin_bench_folder(OutputFolder& folder);
 
 /// A row for each back end in each group: counts, medians, and what has an interval.
 std::string summary_csv(const std::vector<GroupSummary>& groups);
 
-/// Writes figures/ (every curve as SVG, bench_curves.h), planner_arena/ (planner_arena_log.h),
-/// curves.csv, summary.csv, bench.csv, bench.html and bench.json, each whole or not at all,
-/// bench.json last. Throws std::runtime_error.
-void write_bench_folder(const std::string& path, const BenchTable& table,
+/// Writes to the folder figures/ (every curve as SVG, bench_curves.h), planner_arena/
+/// (planner_arena_log.h), curves.csv, summary.csv, bench.csv, bench.html and bench.json, each whole
+/// or not at all, bench.json last, and marks it as complete unless the table is cancelled. Throws
+/// std::runtime_error.
+void write_bench_folder(OutputFolder& folder, const BenchTable& table,
                         const std::vector<GroupSummary>& groups);
 
 }  // namespace prospect

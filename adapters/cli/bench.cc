@@ -28,6 +28,7 @@
 #include "adapters/cli/progress.h"
 #include "adapters/config/configuration.h"
 #include "adapters/files/input_error.h"
+#include "adapters/files/output_folder.h"
 #include "adapters/problem_file/problem_file.h"
 
 namespace prospect {
@@ -56,34 +57,30 @@ std::vector<std::string> default_solvers(const SolverRegistry& registry, bool qu
 /// Writes the problems of the set `missions` to a new folder, which is then a set.
 int capture(const BenchArguments& arguments, const Configuration& configuration,
             const Registries& registries) {
-  namespace fs = std::filesystem;
   const std::string& folder = arguments.capture;
-  const char* const expected = "; expected a new or empty folder";
   if (!arguments.sets.empty()) {
     throw InputError("--capture: '" + arguments.sets.front() +
                      "' beside it; expected no set, as it writes 'missions'");
   }
-  std::error_code error;
-  if (fs::exists(folder, error) && !(fs::is_directory(folder) && fs::is_empty(folder, error))) {
-    throw InputError("--capture " + folder + ": is there already" + expected);
-  }
-  fs::create_directories(folder, error);
-  if (error) {
-    throw InputError("--capture " + folder + ": cannot be made (" + error.message() + ")" +
-                     expected);
+  OutputFolder output = OutputFolder::own(folder, {"problems"});
+  if (output.state() != OutputFolder::State::kNew) {
+    throw InputError("--capture " + folder + ": is there already; expected a new or empty folder");
   }
   int written = 0;
   Progress progress(arguments.quiet);
   const bool all = capture_missions(
       arguments.quick ? quick_missions() : default_missions(), configuration, registries,
       [&](const SavedProblem& saved) {
-        write_problem((fs::path(folder) / problem_file_name(saved.origin)).string(), saved);
+        write_problem(output.claim(problem_file_name(saved.origin)), saved);
         ++written;
       },
       {[&](const std::string& what) { progress.show(what); }, catch_interrupts()});
   progress.finish();
   std::printf("%d problems in %s\n", written, folder.c_str());
-  if (all) return kDone;
+  if (all) {
+    output.complete();
+    return kDone;
+  }
   std::cerr << "prospect: cancelled; the set lacks problems\n";
   return kCancelled;
 }
@@ -107,11 +104,12 @@ std::vector<std::string> folders_of(const BenchArguments& arguments, bool compar
                      !arguments.seeds.empty() || !arguments.settings.empty() ||
                      !arguments.configuration.empty() || !arguments.capture.empty() ||
                      arguments.repeats > 0 || arguments.quick || arguments.keep_best ||
-                     arguments.resume || (compare && !arguments.out.empty());
+                     arguments.resume ||
+                     (compare && (!arguments.out.empty() || arguments.overwrite));
   if (other) {
-    throw InputError(
-        call + ": an option of a measurement; expected " +
-        (compare ? "--tolerance or --json only" : "--out, --tolerance or --json only"));
+    throw InputError(call + ": an option of a measurement; expected " +
+                     (compare ? "--tolerance or --json only"
+                              : "--out, --overwrite, --tolerance or --json only"));
   }
   const std::vector<std::string> folders(arguments.sets.begin() + 1, arguments.sets.end());
   if (compare ? folders.size() != 2 : folders.size() < 2) {
@@ -133,6 +131,16 @@ void print_tables(const BenchTable& table, const std::vector<GroupSummary>& grou
   std::printf("%s/bench.html\n", out.c_str());
 }
 
+EarlierRows earlier_rows(const BenchArguments& arguments) {
+  if (arguments.resume && arguments.overwrite) {
+    throw InputError(
+        "--resume: beside --overwrite, which loses what it goes on with; expected one");
+  }
+  return arguments.resume      ? EarlierRows::kKept
+         : arguments.overwrite ? EarlierRows::kReplaced
+                               : EarlierRows::kRefused;
+}
+
 int merge(const BenchArguments& arguments) {
   const std::vector<std::string> folders = folders_of(arguments, false);
   BenchTable table = merge_benches(folders);
@@ -145,11 +153,11 @@ int merge(const BenchArguments& arguments) {
       throw InputError("bench merge: --out is '" + folder + "'; expected a folder of its own");
     }
   }
-  open_bench_folder(out, false);
+  OutputFolder folder = open_bench_folder(out, earlier_rows(arguments));
+  begin_bench_folder(folder);
   const BenchRowFile rows(out, table);
-  clear_bench_folder(out);
   const std::vector<GroupSummary> groups = summarize(table);
-  write_bench_folder(out, table, groups);
+  write_bench_folder(folder, table, groups);
   print_tables(table, groups, arguments.json, out);
   return kDone;
 }
@@ -230,11 +238,11 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
   options.relative_tolerance = arguments.tolerance;
   options.environment = environment();
   const std::string out = arguments.out.empty() ? "runs/bench" : arguments.out;
-  open_bench_folder(out, arguments.resume);
+  OutputFolder folder = open_bench_folder(out, earlier_rows(arguments));
   BenchTable table = empty_bench(sets, solvers, options);
   if (arguments.resume) take_earlier(table, out);
+  begin_bench_folder(folder);
   BenchRowFile rows(out, table);
-  clear_bench_folder(out);
 
   options.on_row = [&](const BenchTable& of, const BenchRow& row) { rows.append(of, row); };
   options.on_solve = [&](int done, int all) {
@@ -253,7 +261,7 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
   }
 
   const std::vector<GroupSummary> groups = summarize(table);
-  write_bench_folder(out, table, groups);
+  write_bench_folder(folder, table, groups);
   if (arguments.keep_best) {
     for (std::size_t s = 0; s < table.sets.size(); ++s) {
       ProblemSet set = sets[s];  // whole, if the run was cancelled

@@ -210,6 +210,8 @@ void add_mission_options(CLI::App* command, prospect::ExploreArguments& argument
       ->capture_default_str();
   command->add_option("--out", arguments.out, "Run folder [runs/WORLD_SOLVER_SEED]")
       ->type_name("DIR");
+  command->add_flag("--overwrite", arguments.overwrite,
+                    "Write over a drive in that folder, which nothing can repeat");
   command->add_option("--time-limit", arguments.time_limit, "Of the robot's clock [s]")
       ->check(number_within(1.0, 1e6));
   add_world_options(command, arguments.reading);
@@ -309,12 +311,18 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
       ->type_name("FAULT")
       ->allow_extra_args(false);
 
-  std::string relay_topics;
+  RelayArguments relay_arguments;
   CLI::App* relay_command = app.add_subcommand(
       "relay", "The dead-man of a base behind topics of ROS 2, beside its motors");
-  relay_command->add_option("--ros", relay_topics, "The robot's topics (YAML)")
+  relay_command->add_option("--ros", relay_arguments.ros, "The robot's topics (YAML)")
       ->type_name("FILE")
       ->required();
+  relay_command
+      ->add_option("--config", relay_arguments.configuration,
+                   "Configuration file (YAML): the limits of the robot's motion that the topics' "
+                   "file leaves out")
+      ->type_name("FILE");
+  add_set(relay_command, relay_arguments.settings);
 
   ReportArguments report_arguments;
   CLI::App* report_command = app.add_subcommand(
@@ -449,6 +457,8 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
                           "Keep the best costs found in best_known.json of the set's folder");
   bench_command->add_flag("--resume", bench_arguments.resume,
                           "Go on with the bench in that folder: what it holds is not solved again");
+  bench_command->add_flag("--overwrite", bench_arguments.overwrite,
+                          "Write over the bench in that folder: what it holds is lost");
   bench_command->add_flag("--json", bench_arguments.json, "Print JSON");
   bench_command->add_flag("--quiet", bench_arguments.quiet, "No progress line");
 
@@ -677,7 +687,7 @@ int run(int argc, char** argv, const prospect::LoadPlugin& load,
   }
   if (*explore_command) return explore(explore_arguments, registries);
   if (*drive_command) return drive(drive_arguments, registries);
-  if (*relay_command) return relay(relay_topics);
+  if (*relay_command) return relay(relay_arguments, registries);
   if (*report_command) return report(report_arguments, registries);
   if (*export_command) return export_world(export_arguments, registries);
   if (*solve_command) return solve(solve_arguments, registries);

@@ -24,6 +24,7 @@ struct ExploreArguments {
   std::string sensors;                ///< "model", "camera"; empty: as configured
   std::uint64_t seed = 1;
   std::string out;          ///< run folder; empty: runs/WORLD_SOLVER_SEED
+  bool overwrite = false;   ///< also a drive that it holds
   double time_limit = 0.0;  ///< [s]; 0: as configured
   WorldArguments reading;
   std::vector<double> go;   ///< x [m], y [m], and yaw [deg] if it matters; empty: as configured
@@ -49,9 +50,13 @@ struct DriveArguments {
   bool measure = false;             ///< Gazebo's truth measures, against mission.world
 };
 int drive(const DriveArguments& arguments, const Registries& registries);
-/// The dead-man beside the motors of a robot behind topics, until it is interrupted. `ros`: file of
-/// topics.
-int relay(const std::string& ros);
+struct RelayArguments {
+  std::string ros;                    ///< file of topics
+  std::string configuration;          ///< file: the robot's motion; empty: defaults
+  std::vector<std::string> settings;  ///< "robot.motion.a_max=0.5": above the file
+};
+/// The dead-man beside the motors of a robot behind topics, until it is interrupted.
+int relay(const RelayArguments& arguments, const Registries& registries);
 /// One line on standard error of what the world's source holds besides, if anything.
 void tell_left_out(const World& world);
 
@@ -105,6 +110,7 @@ struct BenchArguments {
   bool quick = false;
   bool keep_best = false;
   bool resume = false;
+  bool overwrite = false;
   bool json = false;
   bool quiet = false;
 };

@@ -5,11 +5,13 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -102,6 +104,14 @@ void print_summary(const Summary& s) {
               tenths(s.plan_ms_max).c_str(), s.steps, s.fallbacks);
   std::printf("  wall clock    %6.1f s, %s times faster than real time\n", s.wall_s,
               tenths(s.duration_s / s.wall_s).c_str());
+}
+
+/// Where it is, if it could be written.
+void print_file(const char* what, const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(path, error)) {
+    std::printf("  %-13s %s\n", what, path.c_str());
+  }
 }
 
 void print_driver(const ExplorationRunResult& result) {
@@ -365,9 +375,11 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
       tell_live(*live, arguments);
     }
     const RunStart start = start_of(arguments, effective, name, world.get(), base);
-    folder.emplace(out, start);
+    folder.emplace(out, start,
+                   arguments.overwrite ? RunFolder::EarlierDrive::kReplaced
+                                       : RunFolder::EarlierDrive::kRefused);
     if (!arguments.log) return;
-    const std::string file = folder->path() + "/mission.mcap";
+    const std::string file = folder->claim("mission.mcap");
     MissionLogOptions log_options{message_options(effective, base), arguments.log_images, {}};
     // In real time nothing waits for the log; in lockstep nothing is dropped.
     log_options.file.wait = !base.in_real_time();
@@ -426,8 +438,8 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   } else {
     print_summary(summary);
     if (result.driver) print_driver(result);
-    std::printf("  report        %s/report.html\n", folder->path().c_str());
-    if (log) std::printf("  log           %s/mission.mcap\n", folder->path().c_str());
+    print_file("report", folder->path() + "/report.html");
+    if (log) print_file("log", folder->path() + "/mission.mcap");
   }
   const bool whole = folder->error().empty() && (!log || log->error().empty());
   if (!whole) return kFailed;

@@ -9,7 +9,7 @@
 #include "adapters/cli/commands.h"
 #include "adapters/config/configuration.h"
 #include "adapters/files/input_error.h"
-#include "adapters/files/whole_file.h"
+#include "adapters/files/output_folder.h"
 #include "adapters/gazebo/gazebo_world_file.h"
 #include "adapters/gazebo/robot_in_world.h"
 #include "adapters/run/exploration_run.h"
@@ -79,15 +79,14 @@ int export_world(const ExportArguments& arguments, const Registries& registries)
   } catch (const std::invalid_argument& error) {
     throw InputError(arguments.world + ": " + error.what());
   }
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (!fs::is_directory(folder, error)) {
-    throw InputError(folder.string() + ": cannot be created; expected a folder to write to");
-  }
+  OutputFolder out = OutputFolder::beside(folder.string());
+  std::vector<std::string> names;
+  for (const auto& [file, content] : files) names.push_back(file);
+  out.claim_all(names);  // all, before the first is written
   // The SDF comes last: where it is, all that it names is.
   for (const auto& [file, content] : files) {
     const std::string path = (folder / file).string();
-    const std::string wrong = write_whole_file(path, content);
+    const std::string wrong = out.write(file, content);
     if (!wrong.empty()) {
       throw InputError(path + ": cannot be written (" + wrong + "); expected a writable folder");
     }

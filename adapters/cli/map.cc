@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <functional>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -22,7 +21,7 @@
 #include "adapters/datasets/scan_source.h"
 #include "adapters/datasets/stereo_depth_source.h"
 #include "adapters/files/input_error.h"
-#include "adapters/files/whole_file.h"
+#include "adapters/files/output_folder.h"
 #include "adapters/worlds/octree_file.h"
 #include "perception/odometry/stereo_odometry_options.h"
 
@@ -362,9 +361,11 @@ int map(const MapArguments& arguments) {
     throw InputError(line);
   }
   const MapInput input = scans ? scan_input(arguments) : depth_input(arguments, stereo);
-  const std::filesystem::path out = arguments.out;
-  if (!out.empty() && std::filesystem::exists(out) && !std::filesystem::is_directory(out)) {
-    throw InputError(out.string() + ": is no folder; expected one to write to");
+  std::optional<OutputFolder> out;
+  if (!arguments.out.empty()) {
+    out = OutputFolder::own(arguments.out, {"map"});
+    out->begin({"ground.csv", "summary.json", "map.html", "map.bt", "exploration.png",
+                "exploration.yaml", "obstacles.png", "obstacles.yaml"});
   }
   Progress progress(arguments.quiet);
   const int frames = frames_from(arguments.first, arguments.frames, input.size);
@@ -379,12 +380,7 @@ int map(const MapArguments& arguments) {
   const MapSummary summary = summarize(run);
   const auto json = as_json(arguments, input, run, summary);
   std::string written;
-  if (!out.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(out, error);
-    if (error || !std::filesystem::is_directory(out)) {
-      throw InputError(out.string() + ": cannot be created; expected a folder to write to");
-    }
+  if (out) {
     std::vector<std::pair<std::string, std::string>> files = {
         {"ground.csv", ground_csv(run)}, {"summary.json", json.dump(2) + "\n"}};
     // The page has no times, so it is the same for the same recording.
@@ -399,17 +395,18 @@ int map(const MapArguments& arguments) {
       files.emplace_back("exploration.yaml", std::move(exploration.yaml));
       files.emplace_back("obstacles.png", std::move(obstacles.png));
       files.emplace_back("obstacles.yaml", std::move(obstacles.yaml));
-      write_octree(*run.maps.octree, (out / "map.bt").string());
+      write_octree(*run.maps.octree, out->claim("map.bt"));
       written = "map.bt ";
     }
     for (const auto& [name, content] : files) {
-      const std::string problem = write_whole_file((out / name).string(), content);
+      const std::string problem = out->write(name, content);
       if (!problem.empty()) {
-        std::cerr << "prospect: " << (out / name).string() << ": " << problem << '\n';
+        std::cerr << "prospect: " << arguments.out << '/' << name << ": " << problem << '\n';
         return kFailed;
       }
       written += name + " ";
     }
+    out->complete();
   }
   if (arguments.json) {
     std::cout << json.dump(2) << '\n';
@@ -418,7 +415,7 @@ int map(const MapArguments& arguments) {
                 input.poses ? "" : ", no poses");
     for (const std::string& note : input.notes) std::printf("note         %s\n", note.c_str());
     print(input, run, summary);
-    if (!out.empty()) std::printf("written to   %s: %s\n", out.string().c_str(), written.c_str());
+    if (out) std::printf("written to   %s: %s\n", out->path().c_str(), written.c_str());
   }
   if (!input.doubt.empty()) {
     std::cerr << "prospect: " << arguments.dataset << ": " << input.doubt

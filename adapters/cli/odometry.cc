@@ -1,6 +1,5 @@
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -17,7 +16,7 @@
 #include "adapters/datasets/recording_range.h"
 #include "adapters/datasets/stereo_dataset.h"
 #include "adapters/files/input_error.h"
-#include "adapters/files/whole_file.h"
+#include "adapters/files/output_folder.h"
 
 namespace prospect {
 namespace {
@@ -135,13 +134,11 @@ void print(const OdometrySummary& s, bool truth) {
 int odometry(const OdometryArguments& arguments) {
   const StereoDataset dataset = StereoDataset::open(arguments.dataset, arguments.options);
   check_first_frame(arguments.first, dataset.size(), arguments.dataset);
-  std::filesystem::path out = arguments.out;
-  if (!out.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(out, error);
-    if (error || !std::filesystem::is_directory(out)) {
-      throw InputError(out.string() + ": cannot be created; expected a folder to write to");
-    }
+  std::optional<OutputFolder> out;
+  if (!arguments.out.empty()) {
+    out = OutputFolder::own(arguments.out, {"odometry"});
+    out->begin(
+        {"trajectory.tum", "trajectory.kitti", "frames.csv", "odometry.html", "summary.json"});
   }
   Progress progress(arguments.quiet);
   const int frames = frames_from(arguments.first, arguments.frames, dataset.size());
@@ -149,7 +146,7 @@ int odometry(const OdometryArguments& arguments) {
   std::optional<OdometryCalibration> calibration;
   if (arguments.calibrate) calibration.emplace(dataset.camera(), options);
   std::optional<OdometryPage> page;
-  if (!out.empty()) page.emplace(frames);
+  if (out) page.emplace(frames);
   const OdometryRun run =
       run_odometry(dataset, options, arguments.first, frames, [&](const OdometryStep& step) {
         const OdometryFrame& frame = step.frame;
@@ -176,12 +173,13 @@ int odometry(const OdometryArguments& arguments) {
           {"frames.csv", frames_csv(run)},
           {"odometry.html", page->html(timeless)},
           {"summary.json", json.dump(2) + "\n"}}) {
-      const std::string problem = write_whole_file((out / name).string(), content);
+      const std::string problem = out->write(name, content);
       if (!problem.empty()) {
-        std::cerr << "prospect: " << (out / name).string() << ": " << problem << '\n';
+        std::cerr << "prospect: " << arguments.out << '/' << name << ": " << problem << '\n';
         return kFailed;
       }
     }
+    out->complete();
   }
   if (arguments.json) {
     std::cout << json.dump(2) << '\n';
@@ -191,7 +189,7 @@ int odometry(const OdometryArguments& arguments) {
     for (const std::string& note : dataset.notes()) std::printf("note         %s\n", note.c_str());
     print(summary, !dataset.ground_truth().empty());
     if (calibrated) std::fputs(calibration_text(*calibrated).c_str(), stdout);
-    if (!out.empty()) std::printf("written to   %s\n", out.string().c_str());
+    if (out) std::printf("written to   %s\n", out->path().c_str());
   }
   if (summary.scale.verdict == ScaleAgreement::Verdict::kDisagree) {
     std::cerr << "prospect: " << arguments.dataset << ": "

@@ -1,14 +1,46 @@
 #include <iostream>
+#include <optional>
 #include <string>
 
 #include "adapters/cli/commands.h"
 #include "adapters/cli/interrupt.h"
+#include "adapters/config/configuration.h"
 #include "adapters/dds/dds_relay.h"
+#include "adapters/files/parse_number.h"
+#include "models/range_text.h"
 
 namespace prospect {
+namespace {
 
-int relay(const std::string& ros) {
-  DdsRelay relay(read_dds_options(ros));
+/// What the file of topics leaves out is that of the robot's motion.
+void complete_limits(BaseLimits& limits, const Configuration& configuration) {
+  const auto of_motion = [&](const char* key) -> std::optional<double> {
+    double value = 0.0;
+    for (const ConfigEntry& entry : configuration.entries) {
+      if (entry.path == std::string("robot.motion.") + key && parse_number(entry.value, value)) {
+        return value;
+      }
+    }
+    return std::nullopt;
+  };
+  if (!limits.speed) limits.speed = configuration.robot.model->max_speed();
+  if (!limits.yaw_rate) limits.yaw_rate = configuration.robot.model->max_yaw_rate();
+  if (!limits.acceleration) limits.acceleration = of_motion("a_max");
+  if (!limits.yaw_acceleration) limits.yaw_acceleration = of_motion("alpha_max");
+}
+
+}  // namespace
+
+int relay(const RelayArguments& arguments, const Registries& registries) {
+  DdsOptions options = read_dds_options(arguments.ros);
+  BaseLimits& limits = options.command.limits;
+  complete_limits(limits,
+                  read_configuration(arguments.configuration, registries, arguments.settings));
+  DdsRelay relay(options);
+  std::cerr << "prospect relay: at most " << exact_text(*limits.speed) << " m/s, "
+            << exact_text(*limits.yaw_rate) << " rad/s, " << exact_text(*limits.acceleration)
+            << " m/s^2, " << exact_text(*limits.yaw_acceleration) << " rad/s^2; for "
+            << exact_text(options.command.dead_man) << " s\n";
   relay.run(catch_interrupts(),
             [](const std::string& line) { std::cerr << "prospect relay: " << line << '\n'; });
   return kDone;

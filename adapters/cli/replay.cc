@@ -22,6 +22,7 @@
 #include "adapters/files/child_process.h"
 #include "adapters/files/content_hash.h"
 #include "adapters/files/input_error.h"
+#include "adapters/files/output_folder.h"
 #include "adapters/files/whole_file.h"
 #include "adapters/replay/drive_replay.h"
 #include "adapters/replay/replay_page.h"
@@ -145,8 +146,19 @@ Configuration other_configuration(const RecordedRun& run, const TemporaryFolder&
   return read_configuration(file, registries, settings);
 }
 
+/// Where table and page go.
+OutputFolder replay_folder(const RecordedRun& run, const ReplayArguments& arguments) {
+  const fs::path out = !arguments.out.empty() ? fs::path(arguments.out)
+                       : run.log              ? fs::path(run.source).parent_path() / "replay"
+                                              : fs::path(run.source) / "replay";
+  OutputFolder folder = OutputFolder::shared(out.string(), {"replay"});
+  folder.claim_all({"replay.csv", "replay.html"});
+  return folder;
+}
+
 /// Table and page of what was planned anew.
-void write_replay(const RecordedRun& run, const Replay& replay, const ReplayArguments& arguments) {
+void write_replay(const RecordedRun& run, const Replay& replay, const ReplayArguments& arguments,
+                  OutputFolder& folder) {
   std::string changed;
   for (const std::string& setting : arguments.settings) {
     changed += (changed.empty() ? "" : ", ") + setting;
@@ -155,14 +167,9 @@ void write_replay(const RecordedRun& run, const Replay& replay, const ReplayArgu
     changed += (changed.empty() ? "solver " : ", solver ") + arguments.solver;
   }
   if (changed.empty()) changed = "nothing changed";
-  const fs::path out = !arguments.out.empty() ? fs::path(arguments.out)
-                       : run.log              ? fs::path(run.source).parent_path() / "replay"
-                                              : fs::path(run.source) / "replay";
-  std::error_code error;
-  fs::create_directories(out, error);
   const auto write = [&](const char* name, const std::string& content) {
-    const std::string file = (out / name).string();
-    const std::string wrong = write_whole_file(file, content);
+    const std::string file = (fs::path(folder.path()) / name).string();
+    const std::string wrong = folder.write(name, content);
     if (!wrong.empty()) fail(file, "cannot be written (" + wrong + "); expected a writable folder");
     std::printf("%s\n", file.c_str());
   };
@@ -177,14 +184,15 @@ void write_replay(const RecordedRun& run, const Replay& replay, const ReplayArgu
 int replay_changed(const RecordedRun& run, const std::string& source,
                    const ReplayArguments& arguments, const Registries& registries,
                    Progress& progress) {
-  const TemporaryFolder folder;
+  const TemporaryFolder temporary;
   const Configuration configuration =
       configuration_from_text(run.configuration, run.source + ": configuration", registries);
-  const Configuration other = other_configuration(run, folder, arguments, registries);
+  const Configuration other = other_configuration(run, temporary, arguments, registries);
   for (const Configuration* c : {&configuration, &other}) {
     if (tell_if_absent(c->solver, registries.solvers)) return kNotBuiltIn;
   }
   const std::shared_ptr<const World> world = world_of(run, source, configuration, progress);
+  OutputFolder folder = replay_folder(run, arguments);
   ReplayOptions options;
   options.from = arguments.from;
   options.to = arguments.to;
@@ -193,7 +201,7 @@ int replay_changed(const RecordedRun& run, const std::string& source,
   options.progress = [&](const StepRecord& step) { progress.show(step, other.solver); };
   const Replay replay = replay_beside(run, world, configuration, other, options);
   progress.finish();
-  write_replay(run, replay, arguments);
+  write_replay(run, replay, arguments, folder);
   if (replay.difference.step >= 0) {
     std::printf("%s: step %d differs: %s; not replayed from there on\n", run.source.c_str(),
                 replay.difference.step, replay.difference.what.c_str());
@@ -208,8 +216,8 @@ int replay_drive(const RecordedRun& run, bool unchanged, const ReplayArguments& 
   if (!arguments.world.empty()) {
     throw InputError("--world: a run in real time is not driven again; expected none");
   }
-  const TemporaryFolder folder;
-  const Configuration configuration = other_configuration(run, folder, arguments, registries);
+  const TemporaryFolder temporary;
+  const Configuration configuration = other_configuration(run, temporary, arguments, registries);
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
   if (unchanged && configuration.planner.deadline > 0.0) {
     throw InputError(run.source + ": planned within planner.deadline, " +
@@ -217,6 +225,8 @@ int replay_drive(const RecordedRun& run, bool unchanged, const ReplayArguments& 
                      " s, so its plans rest on the clock; expected what to plan anew with, such as "
                      "--set planner.deadline=0");
   }
+  std::optional<OutputFolder> folder;
+  if (!unchanged) folder = replay_folder(run, arguments);
   ReplayOptions options;
   options.from = arguments.from;
   options.to = arguments.to;
@@ -227,7 +237,7 @@ int replay_drive(const RecordedRun& run, bool unchanged, const ReplayArguments& 
   for (const std::string& note : made.notes) std::cerr << "prospect: " << note << '\n';
   if (options.cancelled()) return kCancelled;
   if (!unchanged) {
-    write_replay(run, made.replay, arguments);
+    write_replay(run, made.replay, arguments, *folder);
   } else if (made.difference.step >= 0) {
     std::printf("%s: step %d differs: %s\n", run.source.c_str(), made.difference.step,
                 made.difference.what.c_str());

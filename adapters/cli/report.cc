@@ -4,13 +4,12 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "adapters/cli/commands.h"
 #include "adapters/files/input_error.h"
-#include "adapters/files/whole_file.h"
+#include "adapters/files/output_folder.h"
 #include "adapters/log/logged_run.h"
 #include "adapters/report/figure_source.h"
 
@@ -21,21 +20,19 @@ bool has(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
-/// Makes the folder unless it is there.
-void make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder, error)) {
-    throw InputError(folder.string() + ": cannot be created; expected a folder to write to");
-  }
-}
-
-void write(const std::string& file, const std::string& content) {
-  const std::string wrong = write_whole_file(file, content);
+void write(OutputFolder& folder, const std::string& name, const std::string& content) {
+  const std::string file = (std::filesystem::path(folder.path()) / name).string();
+  const std::string wrong = folder.write(name, content);
   if (!wrong.empty()) {
     throw InputError(file + ": cannot be written (" + wrong + "); expected a writable folder");
   }
   std::printf("%s\n", file.c_str());
+}
+
+/// A folder for figures and pages: that of what they show, or another one, of their own or a run's.
+OutputFolder folder_for(const std::string& out, const std::string& source) {
+  return out.empty() ? OutputFolder::beside(source)
+                     : OutputFolder::shared(out, {"report", "run", "drive"});
 }
 
 /// The page of a mission's log, beside it: RUN.mcap gives RUN.html.
@@ -47,10 +44,8 @@ int report_log(const ReportArguments& arguments, const Registries& registries) {
   }
   const LoggedRun run = read_logged_run(arguments.run, registries);
   const std::string page = render_report(run.record);
-  const std::filesystem::path out =
-      arguments.out.empty() ? path.parent_path() : std::filesystem::path(arguments.out);
-  if (!out.empty()) make_folder(out);
-  write((out / path.stem()).string() + ".html", page);
+  OutputFolder out = folder_for(arguments.out, path.parent_path().string());
+  write(out, path.stem().string() + ".html", page);
   for (const std::string& note : run.notes) std::printf("%s\n", note.c_str());
   return kDone;
 }
@@ -87,9 +82,8 @@ int report(const ReportArguments& arguments, const Registries& registries) {
   if (path) add("path", path_figure(source.map ? &*source.map : nullptr, *source.path));
   if (map) add("map", map_figure(*source.map));
 
-  const fs::path out = arguments.out.empty() ? arguments.run : arguments.out;
-  make_folder(out);
-  for (const auto& [name, content] : files) write((out / name).string(), content);
+  OutputFolder out = folder_for(arguments.out, arguments.run);
+  for (const auto& [name, content] : files) write(out, name, content);
   if (path && !source.map) {
     std::printf("without the map: the run did not come to its end, so there is no map.bt\n");
   }

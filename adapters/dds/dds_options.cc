@@ -137,6 +137,10 @@ DdsOptions read_dds_options(const std::string& path) {
   c.relay = topics.read(command, "relay", "", "TwistStamped to a relay", Empty::kAllowed);
   c.relay_period = command.number("relay_period", c.relay_period, 0.005, 0.1, "s",
                                   "in which the relay looks, and repeats a stop");
+  c.relay_age = command.choice("relay_age", "stamp", {"stamp", "arrival"},
+                               "what the relay counts a command's age from") == "stamp"
+                    ? DdsOptions::RelayAge::kStamp
+                    : DdsOptions::RelayAge::kArrival;
   c.limits.speed = limit(command, "speed", "m/s", "that the base reaches");
   c.limits.yaw_rate = limit(command, "yaw_rate", "rad/s", "that the base reaches");
   c.limits.acceleration = limit(command, "acceleration", "m/s^2", "that the base reaches");

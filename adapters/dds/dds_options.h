@@ -46,6 +46,10 @@ struct DdsOptions {
   EmergencyStopContract emergency_stop_contract;
   std::string acknowledge;  ///< std_msgs/msg/Bool: true acknowledges a stop that latches
 
+  enum class RelayAge {
+    kStamp,   ///< by the header's stamp against the clock of the relay's computer
+    kArrival  ///< since it came: stamps are of a simulation, say
+  };
   struct Command {
     std::string stamped = "/cmd_vel";  ///< geometry_msgs/msg/TwistStamped
     std::string plain;                 ///< geometry_msgs/msg/Twist
@@ -55,7 +59,8 @@ struct DdsOptions {
     /// TwistStamped to a relay, which passes it on to the topics above; empty: there is none.
     std::string relay;
     double relay_period = 0.02;  ///< [s] > 0 in which it looks, and repeats a stop
-    BaseLimits limits;
+    RelayAge relay_age = RelayAge::kStamp;
+    BaseLimits limits;  ///< what the base reaches, and what the relay bounds commands to
   } command;
 
   struct Output {

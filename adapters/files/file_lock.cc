@@ -11,7 +11,7 @@
 namespace prospect {
 
 FileLock::FileLock(const std::string& path)
-    : descriptor_(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0666)) {
+    : descriptor_(open(path.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666)) {
   if (held() && flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
   const int error = errno;
   // A file system without locks: there is nothing to hold, and nobody to be kept out.

@@ -8,8 +8,11 @@
 
 namespace prospect {
 
-RowFile::RowFile(const std::string& path)
-    : descriptor_(open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_APPEND | O_CLOEXEC, 0666)) {}
+RowFile::RowFile(const std::string& path, Begin begin)
+    : descriptor_(open(path.c_str(),
+                       O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW |
+                           (begin == Begin::kEmpty ? O_TRUNC : 0),
+                       0666)) {}
 
 RowFile::~RowFile() {
   if (is_open()) close(descriptor_);

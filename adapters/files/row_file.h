@@ -11,9 +11,10 @@ namespace prospect {
 /// own.
 class RowFile {
  public:
+  enum class Begin { kEmpty, kAsItIs };
   RowFile() = default;
-  /// Creates or empties the file; see is_open().
-  explicit RowFile(const std::string& path);
+  /// Creates the file, and empties it or not; see is_open(). Of a symbolic link it is not open.
+  explicit RowFile(const std::string& path, Begin begin = Begin::kEmpty);
   ~RowFile();
   RowFile(RowFile&& other) noexcept;
   RowFile& operator=(RowFile&& other) noexcept;

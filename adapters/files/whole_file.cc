@@ -3,25 +3,24 @@
 #include <cerrno>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <system_error>
+
+#include "adapters/files/row_file.h"
 
 namespace prospect {
 
 std::string write_whole_file(const std::string& path, const std::string& content) {
   namespace fs = std::filesystem;
-  const std::string temporary = path + ".part";
-  errno = 0;
-  std::ofstream file(temporary, std::ios::binary | std::ios::trunc);
-  file << content;
-  file.close();
-  const int reason = errno;
+  const std::string temporary = path + kPart;
   std::error_code error, ignored;
-  if (!file) {
-    fs::remove(temporary, ignored);
-    return reason ? std::strerror(reason) : "unknown reason";
+  bool written = false;
+  {
+    RowFile file(temporary);
+    if (!file.is_open()) return std::strerror(errno);
+    written = file.append(content);
+    if (!written) error = std::error_code(errno, std::generic_category());
   }
-  fs::rename(temporary, path, error);
+  if (written) fs::rename(temporary, path, error);
   if (error) fs::remove(temporary, ignored);
   return error ? error.message() : "";
 }

@@ -13,6 +13,7 @@
 #include "adapters/images/image_codec.h"
 #include "adapters/live/access.h"
 #include "adapters/live/foxglove_protocol.h"
+#include "adapters/log/step_messages.h"
 #include "adapters/page/landmark_picture.h"
 #include "adapters/ros/cdr.h"
 #include "adapters/ros/geometry_msgs.h"
@@ -186,10 +187,12 @@ class FoxgloveViewer final : public Viewer {
                                ": not advertised; expected advertise before"));
       return true;
     }
-    const std::optional<Eigen::Vector2d> place = place_in(data.bytes, channel->second);
+    const std::optional<Goal> goal = goal_in(data.bytes, channel->second);
     const std::string refused =
-        place ? show_.commands.go(*place)
-              : "no pose; expected geometry_msgs/msg/PoseStamped in " + channel->second;
+        !goal ? "no pose; expected geometry_msgs/msg/PoseStamped in " + channel->second
+        : !goal->frame.empty() && goal->frame != kMapFrame
+            ? "a pose in the frame '" + goal->frame + "'; expected one in " + kMapFrame
+            : show_.commands.go(goal->place);
     if (!refused.empty()) say(foxglove::status(foxglove::Level::kError, "go: " + refused));
     return true;
   }
@@ -209,23 +212,28 @@ class FoxgloveViewer final : public Viewer {
     return true;
   }
 
-  static std::optional<Eigen::Vector2d> place_in(const std::string& bytes,
-                                                 const std::string& encoding) {
+  struct Goal {
+    std::string frame;  ///< empty: it says none
+    Eigen::Vector2d place;
+  };
+  static std::optional<Goal> goal_in(const std::string& bytes, const std::string& encoding) {
     if (encoding == "cdr") {
       try {
         const auto pose = ros::from_cdr<ros::PoseStamped>(bytes, "pose");
-        return Eigen::Vector2d(pose.pose.position.x, pose.pose.position.y);
+        return Goal{pose.header.frame_id, {pose.pose.position.x, pose.pose.position.y}};
       } catch (const InputError&) {
         return std::nullopt;
       }
     }
     const nlohmann::json json = nlohmann::json::parse(bytes, nullptr, false);
-    const nlohmann::json::json_pointer x("/pose/position/x"), y("/pose/position/y");
+    const nlohmann::json::json_pointer x("/pose/position/x"), y("/pose/position/y"),
+        frame("/header/frame_id");
     if (!json.is_object() || !json.contains(x) || !json.contains(y) || !json[x].is_number() ||
-        !json[y].is_number()) {
+        !json[y].is_number() || (json.contains(frame) && !json[frame].is_string())) {
       return std::nullopt;
     }
-    return Eigen::Vector2d(json[x].get<double>(), json[y].get<double>());
+    return Goal{json.contains(frame) ? json[frame].get<std::string>() : std::string(),
+                {json[x].get<double>(), json[y].get<double>()}};
   }
 
   FoxgloveShow::Impl& show_;

@@ -20,6 +20,7 @@
 #include <cmath>
 #include <exception>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <thread>
@@ -51,7 +52,7 @@ using std::chrono::milliseconds;
 constexpr milliseconds kLook(50);       // between two looks into the feed
 constexpr milliseconds kFarewell(500);  // for what is left at the end
 constexpr std::size_t kLongestHeader = 8192;
-constexpr std::size_t kRequests = 16;  // beside the viewers, at the same time
+constexpr std::size_t kRequests = 32;  // that are not answered yet, at a time
 
 milliseconds in_ms(double seconds) { return milliseconds(std::llround(1e3 * seconds)); }
 
@@ -68,24 +69,29 @@ struct Server {
   std::string page;
   std::string machine;
   std::function<std::unique_ptr<Viewer>(std::string_view protocol, bool may_command)> make_viewer;
-  std::size_t connections = 0;
-  std::vector<std::weak_ptr<class Socket>> sockets;
-  std::uint64_t dropped = 0;  // of viewers that have gone
+  std::vector<std::weak_ptr<class Socket>> sockets;    // the oldest first
+  std::vector<std::weak_ptr<class Request>> requests;  // likewise
+  std::uint64_t dropped = 0;                           // of viewers that have gone
 
   std::vector<std::shared_ptr<class Socket>> open_sockets();
+  /// A place for one more viewer. Who only watches may find none; who may command takes that of the
+  /// oldest who may.
+  bool has_room(bool may_command);
+  /// For one more request: the address with most of them loses its oldest, one that has not come
+  /// whole before one that has. So who opens many connections shuts nobody out but others there.
+  void make_room_for_request();
 };
 
 /// A viewer's WebSocket.
 class Socket : public std::enable_shared_from_this<Socket> {
  public:
-  Socket(beast::tcp_stream&& stream, Server& server, std::unique_ptr<Viewer> viewer)
-      : stream_(std::move(stream)), server_(server), viewer_(std::move(viewer)) {
-    ++server_.connections;
-  }
-  ~Socket() {
-    --server_.connections;
-    server_.dropped += viewer_->dropped();
-  }
+  Socket(beast::tcp_stream&& stream, Server& server, std::unique_ptr<Viewer> viewer,
+         bool may_command)
+      : stream_(std::move(stream)),
+        server_(server),
+        viewer_(std::move(viewer)),
+        may_command_(may_command) {}
+  ~Socket() { server_.dropped += viewer_->dropped(); }
   Socket(const Socket&) = delete;
   Socket& operator=(const Socket&) = delete;
 
@@ -127,9 +133,12 @@ class Socket : public std::enable_shared_from_this<Socket> {
   }
 
   bool idle() const { return !writing_; }
+  bool may_command() const { return may_command_; }
+  bool closed() const { return closed_; }
   std::uint64_t dropped() const { return viewer_->dropped(); }
   void close() {
     open_ = false;
+    closed_ = true;
     beast::get_lowest_layer(stream_).cancel();
     ErrorCode ignored;
     beast::get_lowest_layer(stream_).socket().close(ignored);
@@ -153,34 +162,53 @@ class Socket : public std::enable_shared_from_this<Socket> {
   http::request<http::empty_body> request_;
   beast::flat_buffer in_;
   LiveMessage going_;
-  bool open_ = false, writing_ = false;
+  const bool may_command_;
+  bool open_ = false, writing_ = false, closed_ = false;
 };
 
 std::vector<std::shared_ptr<Socket>> Server::open_sockets() {
   std::vector<std::shared_ptr<Socket>> open;
   std::erase_if(sockets, [](const std::weak_ptr<Socket>& socket) { return socket.expired(); });
   for (const std::weak_ptr<Socket>& socket : sockets) {
-    if (auto there = socket.lock()) open.push_back(std::move(there));
+    if (auto there = socket.lock(); there && !there->closed()) open.push_back(std::move(there));
   }
   return open;
+}
+
+bool Server::has_room(bool may_command) {
+  std::vector<std::shared_ptr<Socket>> alike = open_sockets();
+  std::erase_if(alike, [&](const auto& socket) { return socket->may_command() != may_command; });
+  if (alike.size() < (may_command ? options.commanders : options.viewers)) return true;
+  if (may_command) alike.front()->close();
+  return may_command;
 }
 
 /// One request: answered, or made a WebSocket.
 class Request : public std::enable_shared_from_this<Request> {
  public:
   Request(Tcp::socket&& socket, Server& server) : stream_(std::move(socket)), server_(server) {
-    ++server_.connections;
     parser_.header_limit(kLongestHeader);
     parser_.body_limit(0);
+    ErrorCode gone;
+    address_ = stream_.socket().remote_endpoint(gone).address();
   }
-  ~Request() { --server_.connections; }
   Request(const Request&) = delete;
   Request& operator=(const Request&) = delete;
+
+  const net::ip::address& address() const { return address_; }
+  /// It has come, and is being answered.
+  bool whole() const { return whole_; }
+  void close() {
+    closed_ = true;
+    stream_.close();
+  }
 
   void run() {
     stream_.expires_after(in_ms(server_.options.request_timeout));
     http::async_read(stream_, buffer_, parser_,
                      [self = shared_from_this()](ErrorCode error, std::size_t) {
+                       if (self->closed_) return;
+                       self->whole_ = true;
                        if (!error) return self->take();
                        // Who sends what is no request is told so; who has gone is not.
                        if (error == http::error::end_of_stream || error == net::error::eof ||
@@ -230,15 +258,15 @@ class Request : public std::enable_shared_from_this<Request> {
                         std::string(kPageProtocol) + ", " + std::string(foxglove::kProtocols[0]) +
                         " or " + std::string(foxglove::kProtocols[1]));
     }
-    if (server_.open_sockets().size() >= server_.options.viewers) {
-      return answer(
-          http::status::service_unavailable,
-          "there are as many viewers as there may be, " + std::to_string(server_.options.viewers));
+    if (!server_.has_room(may_command)) {
+      return answer(http::status::service_unavailable,
+                    "there are as many viewers as there may be without the token, " +
+                        std::to_string(server_.options.viewers));
     }
     stream_.expires_never();
     http::request<http::empty_body> upgraded = parser_.release();
-    auto socket = std::make_shared<Socket>(std::move(stream_), server_,
-                                           server_.make_viewer(*protocol, may_command));
+    auto socket = std::make_shared<Socket>(
+        std::move(stream_), server_, server_.make_viewer(*protocol, may_command), may_command);
     server_.sockets.push_back(socket);
     socket->run(std::move(upgraded), *protocol);
   }
@@ -291,7 +319,28 @@ class Request : public std::enable_shared_from_this<Request> {
   beast::flat_buffer buffer_;
   http::request_parser<http::empty_body> parser_;
   http::response<http::string_body> response_;
+  net::ip::address address_;
+  bool whole_ = false, closed_ = false;
 };
+
+void Server::make_room_for_request() {
+  std::erase_if(requests, [](const std::weak_ptr<Request>& request) { return request.expired(); });
+  if (requests.size() < kRequests) return;
+  std::vector<std::shared_ptr<Request>> waiting;
+  std::map<net::ip::address, int> of_address;
+  for (const std::weak_ptr<Request>& request : requests) {
+    if (auto there = request.lock()) waiting.push_back(std::move(there));
+  }
+  for (const auto& request : waiting) ++of_address[request->address()];
+  const auto most = std::max_element(of_address.begin(), of_address.end(),
+                                     [](auto& a, auto& b) { return a.second < b.second; });
+  std::erase_if(waiting, [&](const auto& r) { return r->address() != most->first; });
+  const auto half =
+      std::find_if(waiting.begin(), waiting.end(), [](auto& r) { return !r->whole(); });
+  const std::shared_ptr<Request> leaves = half != waiting.end() ? *half : waiting.front();
+  leaves->close();
+  std::erase_if(requests, [&](const std::weak_ptr<Request>& r) { return r.lock() == leaves; });
+}
 
 [[noreturn]] void refuse_host(const std::string& host) {
   throw InputError("--live-host: '" + host +
@@ -360,10 +409,10 @@ struct LiveServer::Impl {
         accept_again = true;
         return;
       }
-      // Beyond that the connection is closed at once.
-      if (server.connections < server.options.viewers + kRequests) {
-        std::make_shared<Request>(std::move(socket), server)->run();
-      }
+      server.make_room_for_request();
+      const auto request = std::make_shared<Request>(std::move(socket), server);
+      server.requests.push_back(request);
+      request->run();
       accept();
     });
   }

@@ -25,6 +25,9 @@ constexpr const char* kTarget = "target";
 constexpr const char* kCost = "cost.";
 constexpr const char* kRaw = "raw.";
 constexpr const char* kConstraint = "constraint.";
+// Of a cost, in this order: as asked for, in effect.
+constexpr const char* kWeightAsked = "weight_asked.";
+constexpr const char* kWeight = "weight.";
 
 /// Told of each entry of a step that is a number or a word: its name, and the member.
 template <class Step, class Visit>
@@ -143,13 +146,38 @@ void write_explanation(const Explanation& e, std::vector<ros::KeyValue>& to) {
   }
 }
 
+void write_weights(const std::vector<TermWeight>& weights, std::vector<ros::KeyValue>& to) {
+  for (const TermWeight& weight : weights) {
+    to.push_back({kWeightAsked + weight.name, exact_text(weight.asked)});
+    to.push_back({kWeight + weight.name, exact_text(weight.in_effect)});
+  }
+}
+
+/// The number of an entry.
+double number_of(const ros::KeyValue& entry, const std::string& message) {
+  double value = 0.0;
+  if (parse_number(entry.value, value)) return value;
+  throw InputError(message + ": " + entry.key + " is '" + entry.value + "'; expected a number");
+}
+
+std::vector<TermWeight> read_weights(const std::vector<ros::KeyValue>& from,
+                                     const std::string& message) {
+  std::vector<TermWeight> weights;
+  for (const ros::KeyValue& entry : from) {
+    if (entry.key.starts_with(kWeightAsked)) {
+      weights.push_back(
+          {entry.key.substr(std::strlen(kWeightAsked)), number_of(entry, message), 0.0});
+    } else if (entry.key.starts_with(kWeight) && !weights.empty()) {
+      weights.back().in_effect = number_of(entry, message);
+    }
+  }
+  return weights;
+}
+
 Explanation read_explanation(const std::vector<ros::KeyValue>& from, const std::string& message) {
   Explanation e;
   for (const ros::KeyValue& entry : from) {
-    const auto number = [&](double& value) {
-      if (parse_number(entry.value, value)) return;
-      throw InputError(message + ": " + entry.key + " is '" + entry.value + "'; expected a number");
-    };
+    const auto number = [&](double& value) { value = number_of(entry, message); };
     const auto begins = [&](const char* prefix) { return entry.key.rfind(prefix, 0) == 0; };
     const auto rest = [&](const char* prefix) { return entry.key.substr(std::strlen(prefix)); };
     if (entry.key == "cost") {
@@ -231,6 +259,7 @@ ros::DiagnosticArray step_values(const StepRecord& s, std::int64_t ns) {
   if (s.goal_yaw) write("goal_yaw", *s.goal_yaw);
   if (s.target) target_entries(*s.target, write);
   write_explanation(s.explanation, status.values);
+  write_weights(s.weights, status.values);
   array.status.push_back(std::move(status));
   for (const CandidateRecord& c : s.candidates) {
     ros::DiagnosticStatus candidate;
@@ -265,6 +294,7 @@ void read_step_values(const ros::DiagnosticArray& array, const std::string& name
     target_entries(*s.target, read);
   }
   s.explanation = read_explanation(status.values, name);
+  s.weights = read_weights(status.values, name);
   for (std::size_t i = 1; i < array.status.size(); ++i) {
     const ros::DiagnosticStatus& from = array.status[i];
     const std::map<std::string, std::string> entries_of = by_name(from.values);

@@ -68,10 +68,10 @@ py::dict logged_run_arrays(const std::string& path) {
     ended = bag.metadata(topic::kSummary) != nullptr;
   }
   const std::vector<StepRecord>& steps = run.record.steps;
-  const std::vector<std::string> terms = term_columns(steps);
-  std::string rows = step_header(terms), timing = timing_header();
+  const StepColumns columns = step_columns(steps);
+  std::string rows = step_header(columns), timing = timing_header();
   for (const StepRecord& step : steps) {
-    rows += step_row(step, terms);
+    rows += step_row(step, columns);
     timing += timing_row(step);
   }
   const py::tuple ground = ground_arrays(last_ground(run.record));

@@ -83,12 +83,12 @@ RecordedRun read_folder(const fs::path& folder) {
 }
 
 LogRows rows_of(const LoggedRun& logged) {
-  const std::vector<std::string> terms = term_columns(logged.record.steps);
+  const StepColumns columns = step_columns(logged.record.steps);
   LogRows out;
-  out.header = step_header(terms);
+  out.header = step_header(columns);
   out.header.pop_back();
   for (const StepRecord& step : logged.record.steps) {
-    out.rows.push_back(step_row(step, terms));
+    out.rows.push_back(step_row(step, columns));
     out.rows.back().pop_back();
   }
   return out;

@@ -78,12 +78,12 @@ Replay replay_beside(const RecordedRun& recorded, const std::shared_ptr<const Wo
     if (step.index >= options.from) other_recorder.add(step, truth);
   };
   bool parted = false, past = false;
-  std::vector<std::string> terms;
+  StepColumns columns;
   std::vector<StepRecord> first;  // before the columns of steps.csv are known
   std::size_t compared = 0;
   const auto compare = [&](const StepRecord& step) {
     const auto row_is = [&](const StepRecord& s) {
-      std::string row = step_row(s, terms);
+      std::string row = step_row(s, columns);
       row.pop_back();
       if (compared < recorded.rows.size() && recorded.rows[compared] == row) {
         ++compared;
@@ -92,16 +92,16 @@ Replay replay_beside(const RecordedRun& recorded, const std::shared_ptr<const Wo
       if (parted || recorded.log) return;
       RecordedRun until = recorded;
       until.rows = {compared < recorded.rows.size() ? recorded.rows[compared] : ""};
-      std::string header = step_header(terms);
+      std::string header = step_header(columns);
       header.pop_back();
       replay.difference = first_difference(until, header, {row});
       replay.difference.step = s.step;
       parted = true;
     };
-    if (terms.empty()) {
-      for (const TermValue& term : step.explanation.terms) terms.push_back(term.name);
+    if (columns.empty()) {
       first.push_back(step);
-      if (terms.empty()) return;
+      columns = step_columns({step});
+      if (columns.empty()) return;
       for (const StepRecord& s : first) row_is(s);
       first.clear();
       return;

@@ -181,15 +181,31 @@ double cost_term(const Explanation& explanation, const std::string& name) {
   return std::nan("");
 }
 
-/// Every cost term that any step has, weighted; NaN at the steps that lack it.
+/// Of a cost; NaN if it is not known.
+double weight_of(const StepRecord& step, const std::string& name, double TermWeight::*which) {
+  for (const TermWeight& weight : step.weights) {
+    if (weight.name == name) return weight.*which;
+  }
+  return std::nan("");
+}
+
+/// Every cost term that any step has: weighted, and its weight as asked for and in effect; NaN at
+/// the steps that lack it.
 Json term_json(const Steps& steps) {
   std::vector<std::string> names;
   for (const StepRecord& step : steps) add_cost_terms(step.explanation, names);
   Json terms = Json::array();
   for (const std::string& name : names) {
-    BinaryText values;
-    for (const StepRecord& step : steps) values.add_float(cost_term(step.explanation, name));
-    terms.push_back({{"name", name}, {"values", values.base64()}});
+    BinaryText values, asked, weights;
+    for (const StepRecord& step : steps) {
+      values.add_float(cost_term(step.explanation, name));
+      asked.add_float(weight_of(step, name, &TermWeight::asked));
+      weights.add_float(weight_of(step, name, &TermWeight::in_effect));
+    }
+    terms.push_back({{"name", name},
+                     {"values", values.base64()},
+                     {"asked", asked.base64()},
+                     {"weights", weights.base64()}});
   }
   return terms;
 }

@@ -21,7 +21,7 @@ const push = (list, values) => { for (const value of values) list.push(value); }
 
 const column = new Proxy({}, { get: (all, name) => (all[name] ||= []) });
 const word = new Proxy({}, { get: (all, name) => (all[name] ||= []) });
-const terms = [];              // of the cost, by step: {name, values}
+const terms = [];              // of the cost, by step: {name, values, asked, weights}
 const candidateTerms = [];     // their names
 const candidates = [];         // at each step: how many seeds were scored, and the best candidates
 const landmarkPositions = [], landmarks = [];
@@ -69,12 +69,13 @@ function decode(part) {
     const next = varints(steps);
     for (let k = 0; k < count; ++k) word[name].push(words[next()]);
   }
-  for (const { name, values } of part.terms) {
-    let term = terms.find((known) => known.name === name);
-    if (!term) terms.push(term = { name, values: Array(first).fill(NaN) });
-    push(term.values, floats(values));
+  const ofTerm = ["values", "asked", "weights"];
+  for (const given of part.terms) {
+    let term = terms.find((known) => known.name === given.name);
+    if (!term) terms.push(term = { name: given.name, ...Object.fromEntries(ofTerm.map((key) => [key, Array(first).fill(NaN)])) });
+    for (const key of ofTerm) push(term[key], floats(given[key]));
   }
-  for (const { values } of terms) while (values.length < first + count) values.push(NaN);
+  for (const term of terms) for (const key of ofTerm) while (term[key].length < first + count) term[key].push(NaN);
 
   grow(part.extent);
   const { i0: left, j0: low, width: wide } = part.extent;
@@ -990,13 +991,20 @@ function measureCandidates() {
   mostCandidates = candidates.reduce((most, { list }) => Math.max(most, list.length), 0);
   $("candidates-box").hidden = mostCandidates === 0;
   $("candidates-head").replaceChildren(make("th", { scope: "col" }, "seed"), make("th", { scope: "col", class: "verdict" }, "verdict"), make("th", { scope: "col", class: "sum" }, "cost"),
-    ...candidateTerms.map((name) => make("th", { scope: "col" }, readable(name))));
+    ...candidateTerms.map((name) => make("th", { scope: "col" }, readable(name), make("small", {}))));
+}
+// The weight of a cost in effect at the step, and the one asked for where that is another.
+function weightText(name) {
+  const term = terms.find((known) => known.name === name), weight = term?.weights[step], asked = term?.asked[step];
+  if (!isNumber(weight)) return "";
+  return `weight ${rounded(weight)}${weight === asked ? "" : `, asked ${rounded(asked)}`}`;
 }
 measureCandidates();
 function point(i) { if (pointed !== i) { pointed = i; draw(); } }
 function showCandidates() {
   if ($("candidates-box").hidden) return;
   const { scored, list } = candidates[step];
+  candidateTerms.forEach((name, i) => { $("candidates-head").children[3 + i].lastChild.textContent = weightText(name); });
   $("candidates-title").textContent = list.length ? `the best ${list.length}${scored > 0 ? ` of ${plural(scored, "seed")}` : ""} at ${fixed(column.time[step], 1)} s` : `none at ${fixed(column.time[step], 1)} s`;
   // One scale for all bars: a long one is much of the cost.
   const most = Math.max(...list.flatMap((c) => c.terms.map((value) => Math.abs(value) || 0)));

@@ -5,21 +5,17 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
-#include <filesystem>
-#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "adapters/files/input_error.h"
-#include "adapters/files/whole_file.h"
 #include "adapters/problem_file/problem_file.h"
-#include "adapters/run/step_row.h"
 #include "adapters/worlds/octree_file.h"
 #include "models/range_text.h"
+#include "runtime/mission.h"
 
 namespace prospect {
 namespace {
-
-namespace fs = std::filesystem;
 
 std::string tum(double time, const Pose& p) {
   const double half = 0.5 * p.yaw;
@@ -28,76 +24,56 @@ std::string tum(double time, const Pose& p) {
          exact_text(std::cos(half)) + '\n';
 }
 
-constexpr const char* kProblems = "problems";
-
 std::string problem_name(int step) {
-  char name[32];
-  std::snprintf(name, sizeof name, "step_%06d.h5", step);
+  char name[48];
+  std::snprintf(name, sizeof name, "problems/step_%06d.h5", step);
   return name;
 }
 
-/// Removes the problem files of an earlier run, and their folder if nothing else is in it.
-void remove_problems(const fs::path& folder) {
-  std::error_code error;
-  std::vector<fs::path> old;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    int step = 0;
-    const std::string name = entry.path().filename().string();
-    if (std::sscanf(name.c_str(), "step_%d.h5", &step) == 1 && name == problem_name(step)) {
-      old.push_back(entry.path());
-    }
-  }
-  for (const fs::path& path : old) fs::remove(path, error);
-  if (fs::is_directory(folder, error) && fs::is_empty(folder, error)) fs::remove(folder, error);
-}
+constexpr const char* kRun = "run";
+constexpr const char* kDrive = "drive";
 
 }  // namespace
 
-RunFolder::RunFolder(const std::string& path, const RunStart& start) : path_(path) {
-  std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::exists(status)) {
-    if (!fs::is_directory(status)) {
-      throw InputError(path + ": not a folder; expected a folder for the run, or none");
-    }
-    const bool empty = fs::is_empty(path, error);
-    if (error) {
-      throw InputError(path + ": cannot be read (" + error.message() +
-                       "); expected a readable folder");
-    }
-    if (!empty && !fs::is_regular_file(fs::path(path) / "steps.csv", error)) {
-      throw InputError(path +
-                       ": holds other files; expected an empty folder, an earlier run, or none");
-    }
-  } else if (fs::create_directories(path, error); error) {
-    throw InputError(path + ": cannot be created (" + error.message() +
-                     "); expected a writable place");
+RunFolder::RunFolder(const std::string& path, const RunStart& start, EarlierDrive earlier)
+    : path_(path),
+      folder_(OutputFolder::own(path, start.real_time ? std::vector<std::string>{kDrive, kRun}
+                                                      : std::vector<std::string>{kRun, kDrive})) {
+  if (folder_.kind() == kDrive && folder_.state() != OutputFolder::State::kNew &&
+      earlier == EarlierDrive::kRefused) {
+    throw InputError(path +
+                     ": holds a drive, which nothing can repeat; expected another folder (--out), "
+                     "or --overwrite");
   }
+  folder_.begin({"steps.csv", "timing.csv", "trajectory_estimated.tum", "trajectory_true.tum",
+                 "config.yaml", "run.json", "summary.json", "map.bt", "report.html"});
+  try {
+    begin(start);
+  } catch (...) {
+    folder_.abandon();
+    throw;
+  }
+}
+
+RunFolder::~RunFolder() {
+  if (!holds_steps_) folder_.abandon();
+}
+
+void RunFolder::begin(const RunStart& start) {
   const auto unwritable = [&](const std::string& name, const std::string& reason) {
-    return InputError(path + "/" + name + ": cannot be written (" + reason +
+    return InputError(path_ + "/" + name + ": cannot be written (" + reason +
                       "); expected a writable folder");
   };
-  lock_ = FileLock(path + "/steps.csv");
-  if (lock_.busy()) {
-    throw InputError(path + ": another run writes to it; expected a folder of its own (--out)");
-  }
-  if (!lock_.held()) throw unwritable("steps.csv", lock_.reason());
   const auto open = [&](RowFile& file, const char* name) {
-    file = RowFile(path + "/" + name);
+    file = RowFile(path_ + "/" + name);
     if (!file.is_open()) throw unwritable(name, std::strerror(errno));
   };
   open(steps_, "steps.csv");
   open(timing_, "timing.csv");
   open(estimated_, "trajectory_estimated.tum");
   open(true_, "trajectory_true.tum");
-  for (const char* name :
-       {"summary.json", "config.yaml", "run.json", "map.bt", "report.html", "mission.mcap",
-        "mission.html", "path.png", "path.svg", "map.png", "map.svg"}) {
-    fs::remove(fs::path(path) / name, error);
-  }
-  remove_problems(fs::path(path) / kProblems);
   const auto begin_with = [&](const char* name, const std::string& content) {
-    const std::string wrong = write_whole_file(path + "/" + name, content);
+    const std::string wrong = folder_.write(name, content);
     if (!wrong.empty()) throw unwritable(name, wrong);
   };
   begin_with("config.yaml", start.configuration);
@@ -114,6 +90,7 @@ void RunFolder::append(RowFile& file, const char* name, const std::string& row) 
 }
 
 void RunFolder::add(const StepRecord& step) {
+  holds_steps_ = true;
   append(timing_, "timing.csv", timing_row(step));
   append(estimated_, "trajectory_estimated.tum", tum(step.time, step.estimated_pose));
   append(true_, "trajectory_true.tum", tum(step.time, step.true_pose));
@@ -122,11 +99,8 @@ void RunFolder::add(const StepRecord& step) {
 }
 
 void RunFolder::add(const SavedProblem& saved) {
-  const fs::path folder = fs::path(path_) / kProblems;
-  std::error_code error;
-  fs::create_directories(folder, error);
   try {
-    write_problem((folder / problem_name(saved.origin.step)).string(), saved);
+    write_problem(folder_.claim(problem_name(saved.origin.step)), saved);
   } catch (const std::exception& e) {
     if (error_.empty()) error_ = e.what();
   }
@@ -134,33 +108,39 @@ void RunFolder::add(const SavedProblem& saved) {
 
 void RunFolder::write_waiting() {
   if (!header_written_) {
-    terms_ = term_columns(waiting_);
-    append(steps_, "steps.csv", step_header(terms_));
+    columns_ = step_columns(waiting_);
+    append(steps_, "steps.csv", step_header(columns_));
     header_written_ = true;
   }
-  for (const StepRecord& s : waiting_) append(steps_, "steps.csv", step_row(s, terms_));
+  for (const StepRecord& s : waiting_) append(steps_, "steps.csv", step_row(s, columns_));
   waiting_.clear();
 }
 
 void RunFolder::write_whole(const std::string& name, const std::string& content) {
-  const std::string wrong = write_whole_file((fs::path(path_) / name).string(), content);
+  const std::string wrong = folder_.write(name, content);
   if (!wrong.empty()) fail(name, wrong);
 }
 
 void RunFolder::finish(const RunRecord& record, const octomap::OcTree* map, const Page& page) {
+  holds_steps_ = true;
   write_waiting();
-  try {
-    if (map) write_octree(*map, (fs::path(path_) / "map.bt").string());
-  } catch (const std::exception& e) {
-    if (error_.empty()) error_ = e.what();
+  const auto guarded = [&](const char* name, const auto& write) {
+    try {
+      write();
+    } catch (const InputError& e) {
+      if (error_.empty()) error_ = e.what();  // names the file
+    } catch (const std::exception& e) {
+      fail(name, e.what());
+    }
+  };
+  if (map) guarded("map.bt", [&] { write_octree(*map, folder_.claim("map.bt")); });
+  guarded("report.html", [&] { write_whole("report.html", page(record)); });
+  // Last: its presence says that the mission came to an end.
+  guarded("summary.json", [&] { write_whole("summary.json", summary_json(record.summary)); });
+  const bool whole = error_.empty() && record.summary.reason != to_string(MissionEnd::kCancelled);
+  if (const std::string wrong = whole ? folder_.complete() : ""; !wrong.empty()) {
+    fail(OutputFolder::kMarker, wrong);
   }
-  try {
-    write_whole("report.html", page(record));
-  } catch (const std::exception& e) {
-    fail("report.html", e.what());
-  }
-  // Last: its presence says that the run is complete.
-  write_whole("summary.json", summary_json(record.summary));
 }
 
 }  // namespace prospect

@@ -4,10 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "adapters/files/file_lock.h"
+#include "adapters/files/output_folder.h"
 #include "adapters/files/row_file.h"
 #include "adapters/run/run_record.h"
 #include "adapters/run/run_start.h"
+#include "adapters/run/step_row.h"
 #include "adapters/run/summary.h"
 
 namespace octomap {
@@ -29,16 +30,25 @@ struct SavedProblem;
 /// Rows are handed to the operating system one by one, so a kill at any moment leaves whole rows
 /// only (see RowFile); the files at the end appear whole or not at all, summary.json last. The
 /// first write that fails (disk full, say) is remembered in error(); writing goes on where it can,
-/// and nothing throws after construction. One run at a time: the folder is locked (steps.csv is)
-/// until this object is gone. Not thread-safe.
+/// and nothing throws after construction. One run at a time: the folder is an OutputFolder, locked
+/// until this object is gone. If that is before the first step, and without finish(), nothing of it
+/// is left. Not thread-safe.
 class RunFolder {
  public:
-  /// Creates the folder. An existing folder is taken only if it is empty or holds a run (a regular
-  /// file steps.csv), whose files are then replaced. Throws InputError otherwise, and where
-  /// another run writes to it, before anything is written; and where config.yaml or run.json cannot
-  /// be written.
-  RunFolder(const std::string& path, const RunStart& start);
+  /// What becomes of a drive that the folder holds: it happened once, and is in no other place.
+  enum class EarlierDrive { kRefused, kReplaced };
 
+  /// Creates the folder. An existing folder is taken only if it is empty or that of a run, whose
+  /// files are then replaced. Throws InputError otherwise, and where another run writes to it,
+  /// before anything is written; and where config.yaml or run.json cannot be written.
+  RunFolder(const std::string& path, const RunStart& start,
+            EarlierDrive earlier = EarlierDrive::kRefused);
+  ~RunFolder();
+  RunFolder(const RunFolder&) = delete;
+  RunFolder& operator=(const RunFolder&) = delete;
+
+  /// A further file of the run, as its own (OutputFolder::claim()); its path.
+  std::string claim(const std::string& name) { return folder_.claim(name); }
   /// The columns of steps.csv are the terms of the first step that has any; rows before it wait
   /// for them. A term that first appears later has no column.
   void add(const StepRecord& step);
@@ -54,6 +64,7 @@ class RunFolder {
   const std::string& error() const { return error_; }
 
  private:
+  void begin(const RunStart& start);
   void write_waiting();
   void append(RowFile& file, const char* name, const std::string& row);
   void fail(const std::string& name, const std::string& reason);
@@ -62,8 +73,9 @@ class RunFolder {
 
   std::string path_;
   std::string error_;
-  FileLock lock_;
-  std::vector<std::string> terms_;   // columns, from the first step that has a plan
+  OutputFolder folder_;
+  bool holds_steps_ = false;         // or what there is at the end
+  StepColumns columns_;              // from the first step that has a plan
   std::vector<StepRecord> waiting_;  // rows before the columns are known
   bool header_written_ = false;
   RowFile steps_, timing_, estimated_, true_;

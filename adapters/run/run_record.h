@@ -31,6 +31,14 @@ struct TargetRecord {
   double way_left = 0.0;  ///< [m] to the viewpoint
 };
 
+/// The factor of a cost in the objective of a step; negative: a reward. The cost of the step is the
+/// sum of in_effect times raw value over its costs.
+struct TermWeight {
+  std::string name;
+  double asked = 0.0;      ///< as configured
+  double in_effect = 0.0;  ///< as it was scaled for the step
+};
+
 /// One of the best candidates of a step.
 struct CandidateRecord {
   std::string name;         ///< of the seed
@@ -59,6 +67,7 @@ struct StepRecord {
   std::string plan_kind;            ///< to_string(PlanKind)
   std::string seed;                 ///< which seed the plan grew from
   Explanation explanation;          ///< cost and every term, raw and weighted
+  std::vector<TermWeight> weights;  ///< of its costs; empty: not known
   double predicted_features = 0.0;  ///< N_k predicted for the end of the committed part
   int tracked_features = 0;         ///< in the newest image
   std::string localization;         ///< ok, degraded, lost
@@ -91,7 +100,7 @@ struct StepRecord {
   std::string why;    ///< one sentence: what it does and why, with the numbers of this step
   std::optional<TargetRecord> target;
   int seeds_scored = 0;
-  double features_weight = 0.0;               ///< w_l in this step
+  double features_weight = 0.0;               ///< w_l in effect
   std::vector<CandidateRecord> candidates;    ///< at most six, best first
   std::optional<CostToGoPicture> cost_to_go;  ///< at some of the steps
 

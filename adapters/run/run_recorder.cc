@@ -10,6 +10,8 @@
 #include "adapters/run/configured_record.h"
 #include "adapters/run/summary.h"
 #include "engine/planner/planner.h"
+#include "engine/planner/step_specification.h"
+#include "engine/terms/builtin_terms.h"
 
 namespace prospect {
 namespace {
@@ -189,6 +191,18 @@ std::vector<CandidateRecord> candidate_records(const Plan& plan, const Problem* 
   return records;
 }
 
+/// Of the costs of the step's problem.
+std::vector<TermWeight> term_weights(const Problem& problem, const PlannerParameters& parameters) {
+  const ProblemSpecification::Weights asked = asked_weights(parameters);
+  std::vector<TermWeight> weights;
+  for (const ProblemDefinition::WeightedTerm& t : problem.definition().terms) {
+    if (t.term->traits().kind == TermKind::kConstraint) continue;
+    const std::string name(t.term->name());
+    weights.push_back({name, builtin_weight(name, asked).value_or(t.weight), t.weight});
+  }
+  return weights;
+}
+
 }  // namespace
 
 struct RunRecorder::Impl {
@@ -238,6 +252,9 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
   r.features_weight = plan.features_weight;
   r.seed = plan.seed;
   r.explanation = plan.explanation;
+  if (planner && planner->problem() && !plan.explanation.terms.empty()) {
+    r.weights = term_weights(*planner->problem(), configuration.planner);
+  }
   const auto committed = static_cast<std::size_t>(std::max(0, plan.committed));
   if (committed < plan.visible.size()) r.predicted_features = plan.visible[committed];
   r.tracked_features = belief.tracked_features;

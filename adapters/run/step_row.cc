@@ -1,5 +1,6 @@
 #include "adapters/run/step_row.h"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "adapters/files/csv.h"
@@ -23,8 +24,7 @@ std::string rejected(const StepRecord& s) {
   return list;
 }
 
-/// The columns from `task` on. Sentences are last: they alone hold commas, so whoever splits a row
-/// at commas reads all columns before.
+/// The columns from `task` on.
 std::string reasons(const StepRecord& s) {
   std::string row = ',' + field(s.task);
   row += s.goal ? ',' + exact_text(s.goal->x()) + ',' + exact_text(s.goal->y()) : ",,";
@@ -41,35 +41,58 @@ std::string reasons(const StepRecord& s) {
     row += ",,,,,,,";
   }
   return row + ',' + std::to_string(s.seeds_scored) + ',' + exact_text(s.features_weight) + ',' +
-         field(rejected(s)) + ',' + field(s.certificate) + ',' + field(s.why);
+         field(rejected(s));
+}
+
+/// They are last: they alone hold commas, so whoever splits a row at commas reads all columns
+/// before.
+std::string sentences(const StepRecord& s) {
+  return ',' + field(s.certificate) + ',' + field(s.why);
+}
+
+/// What each cost was asked to weigh, and what it weighed.
+std::string weights(const StepRecord& s, const std::vector<std::string>& names) {
+  std::string row;
+  for (const std::string& name : names) {
+    const auto weight = std::find_if(s.weights.begin(), s.weights.end(),
+                                     [&](const TermWeight& w) { return w.name == name; });
+    row += weight == s.weights.end()
+               ? ",,"
+               : ',' + exact_text(weight->asked) + ',' + exact_text(weight->in_effect);
+  }
+  return row;
 }
 
 }  // namespace
 
-std::vector<std::string> term_columns(const std::vector<StepRecord>& steps) {
-  std::vector<std::string> names;
+StepColumns step_columns(const std::vector<StepRecord>& steps) {
+  StepColumns columns;
   for (const StepRecord& step : steps) {
-    if (!names.empty()) break;
-    for (const TermValue& term : step.explanation.terms) names.push_back(term.name);
+    for (const TermValue& term : step.explanation.terms) columns.terms.push_back(term.name);
+    for (const TermWeight& weight : step.weights) columns.weights.push_back(weight.name);
+    if (!columns.empty()) break;
   }
-  return names;
+  return columns;
 }
 
-std::string step_header(const std::vector<std::string>& terms) {
+std::string step_header(const StepColumns& columns) {
   std::string row =
       "step,time,true_x,true_y,true_yaw,estimated_x,estimated_y,estimated_yaw,"
       "command_v,command_vy,command_omega,plan_kind,seed,cost,violation";
-  for (const std::string& t : terms) row += ',' + field("term_" + t);
-  return row +
-         ",predicted_features,tracked_features,localization,localization_error,coverage,area,"
-         "path_length,collisions,clearance,cost_evaluations,gradient_evaluations,stop_reason,"
-         "quality,certified,active_frontiers,guard_stops,guard_reason,task,goal_x,goal_y,goal_yaw,"
-         "mode,cause,mode_since,caution,target_change,target_x,target_y,looks_x,looks_y,"
-         "target_length,target_area,way_left,seeds_scored,features_weight,rejected,certificate,"
-         "why\n";
+  for (const std::string& t : columns.terms) row += ',' + field("term_" + t);
+  row +=
+      ",predicted_features,tracked_features,localization,localization_error,coverage,area,"
+      "path_length,collisions,clearance,cost_evaluations,gradient_evaluations,stop_reason,"
+      "quality,certified,active_frontiers,guard_stops,guard_reason,task,goal_x,goal_y,goal_yaw,"
+      "mode,cause,mode_since,caution,target_change,target_x,target_y,looks_x,looks_y,"
+      "target_length,target_area,way_left,seeds_scored,features_weight,rejected";
+  for (const std::string& name : columns.weights) {
+    row += ',' + field("weight_asked_" + name) + ',' + field("weight_" + name);
+  }
+  return row + ",certificate,why\n";
 }
 
-std::string step_row(const StepRecord& s, const std::vector<std::string>& terms) {
+std::string step_row(const StepRecord& s, const StepColumns& columns) {
   std::string row = std::to_string(s.step) + ',' + exact_text(s.time);
   for (const Pose* p : {&s.true_pose, &s.estimated_pose}) {
     row += ',' + exact_text(p->position.x()) + ',' + exact_text(p->position.y()) + ',' +
@@ -80,7 +103,7 @@ std::string step_row(const StepRecord& s, const std::vector<std::string>& terms)
   const bool explained = !s.explanation.terms.empty();
   row += ',' + (explained ? exact_text(s.explanation.cost) : "") + ',' +
          (explained ? exact_text(s.explanation.violation) : "");
-  for (const std::string& name : terms) {
+  for (const std::string& name : columns.terms) {
     row += ',';
     for (const TermValue& t : s.explanation.terms) {
       if (t.name != name) continue;
@@ -95,7 +118,7 @@ std::string step_row(const StepRecord& s, const std::vector<std::string>& terms)
          std::to_string(s.cost_evaluations) + ',' + std::to_string(s.gradient_evaluations) + ',' +
          field(s.stop_reason) + ',' + field(s.quality) + ',' + (s.certified ? "1" : "0") + ',' +
          std::to_string(s.active_frontiers) + ',' + std::to_string(s.guard_stops) + ',' +
-         s.guard_reason + reasons(s) + '\n';
+         s.guard_reason + reasons(s) + weights(s, columns.weights) + sentences(s) + '\n';
 }
 
 std::string timing_header() {

@@ -7,15 +7,20 @@
 
 namespace prospect {
 
-/// The columns of terms of a run's table: those of its first step that has any.
-std::vector<std::string> term_columns(const std::vector<StepRecord>& steps);
+/// The columns of a run's table that depend on its problem.
+struct StepColumns {
+  std::vector<std::string> terms;
+  std::vector<std::string> weights;  ///< names of the costs whose weights are known
+  bool empty() const { return terms.empty(); }
+};
+/// Those of the first step that has any terms.
+StepColumns step_columns(const std::vector<StepRecord>& steps);
 
-/// The header of steps.csv, a line: a column for each of `terms` among the others
-/// (docs/reference/report.md).
-std::string step_header(const std::vector<std::string>& terms);
+/// The header of steps.csv, a line (docs/reference/report.md).
+std::string step_header(const StepColumns& columns);
 
 /// A row of steps.csv, a line. Holds no wall-clock time: the same mission gives the same bytes.
-std::string step_row(const StepRecord& step, const std::vector<std::string>& terms);
+std::string step_row(const StepRecord& step, const StepColumns& columns);
 
 /// Header and rows of timing.csv, a line each: wall-clock times [ms].
 std::string timing_header();

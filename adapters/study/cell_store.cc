@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "adapters/files/input_error.h"
+#include "adapters/files/output_folder.h"
 #include "adapters/files/whole_file.h"
 #include "adapters/run/summary.h"
 #include "adapters/study/bench_settings.h"
@@ -60,12 +61,7 @@ std::string lacks_of_run(const std::string& run_folder) {
 
 CellStore::CellStore(const std::string& folder, Study::Kind kind)
     : CellStore(OnlyRead(), folder, kind) {
-  std::error_code error;
-  fs::create_directories(fs::path(folder) / "cells", error);
-  if (error) {
-    throw InputError(folder + ": cannot be created (" + error.message() +
-                     "); expected a writable place");
-  }
+  OutputFolder::shared(folder, {"study"}).claim_folder("cells");
 }
 
 CellStore CellStore::existing(const std::string& folder, Study::Kind kind) {

@@ -33,7 +33,7 @@ std::string to_string(CellRecord::Status status);
 /// any moment, is run again. Several processes may use one store at a time.
 class CellStore {
  public:
-  /// Makes the folders. Throws InputError if they cannot be made.
+  /// Makes the folders. Throws InputError if that is refused (OutputFolder::shared()).
   CellStore(const std::string& folder, Study::Kind kind);
   /// A store that is only read: nothing is made.
   static CellStore existing(const std::string& folder, Study::Kind kind);

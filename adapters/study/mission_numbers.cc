@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
+#include <string_view>
 
 #include "adapters/datasets/trajectory_error.h"
 #include "adapters/files/input_error.h"
@@ -37,6 +38,21 @@ double relative_pose_error(const std::vector<StepRecord>& steps) {
   }
   const RelativeError error = relative_error(pairs, 10.0);
   return error.segments > 0 ? error.translation : MissionNumbers::kNone;
+}
+
+/// Over the steps that say the weight of that cost; NaN where none does.
+double mean_weight(const std::vector<StepRecord>& steps, std::string_view name,
+                   double TermWeight::*which) {
+  double sum = 0.0;
+  int count = 0;
+  for (const StepRecord& step : steps) {
+    for (const TermWeight& weight : step.weights) {
+      if (weight.name != name || !std::isfinite(weight.*which)) continue;
+      sum += weight.*which;
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : MissionNumbers::kNone;
 }
 
 }  // namespace
@@ -78,6 +94,16 @@ const std::vector<MissionNumber>& mission_number_list() {
        &M::prediction_error},
       {{"prediction_bias", "predicted features, relative bias", 1.0, 3, false, false},
        &M::prediction_bias},
+      {{"weight_asked_visible_features", "weight of the features, asked for", 1.0, 3, false, false},
+       &M::weight_asked_visible_features},
+      {{"weight_visible_features", "weight of the features, in effect", 1.0, 3, false, false},
+       &M::weight_visible_features},
+      {{"weight_asked_exploration_gain", "weight of the exploration gain, asked for", 1.0, 3, false,
+        false},
+       &M::weight_asked_exploration_gain},
+      {{"weight_exploration_gain", "weight of the exploration gain, in effect", 1.0, 3, false,
+        false},
+       &M::weight_exploration_gain},
       {{"plan_ms_p50", "replanning, median [ms]", 1.0, 1, true, true}, &M::plan_ms_p50},
       {{"wall_s", "wall clock [s]", 1.0, 1, true, true}, &M::wall_s},
   };
@@ -147,6 +173,12 @@ MissionNumbers mission_numbers(const Summary& s, const std::vector<StepRecord>& 
   row.coverage_at_20_m = when(&StepRecord::path_length, 20.0);
   row.coverage_at_40_m = when(&StepRecord::path_length, 40.0);
   row.rpe_10_m_per_m = relative_pose_error(steps);
+  const auto weights = [&](std::string_view name, double& asked, double& in_effect) {
+    asked = mean_weight(steps, name, &TermWeight::asked);
+    in_effect = mean_weight(steps, name, &TermWeight::in_effect);
+  };
+  weights("visible_features", row.weight_asked_visible_features, row.weight_visible_features);
+  weights("exploration_gain", row.weight_asked_exploration_gain, row.weight_exploration_gain);
   return row;
 }
 
@@ -175,6 +207,14 @@ MissionNumbers mission_numbers_of_run(const std::string& folder, double N_min) {
   numbers("predicted_features", [](StepRecord& s, double v) { s.predicted_features = v; });
   numbers("tracked_features",
           [](StepRecord& s, double v) { s.tracked_features = static_cast<int>(v); });
+  for (const std::string name : {"visible_features", "exploration_gain"}) {
+    if (!table.has("weight_" + name)) continue;  // left out of the problem
+    const std::vector<double> asked = table.numbers("weight_asked_" + name);
+    const std::vector<double> in_effect = table.numbers("weight_" + name);
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      steps[i].weights.push_back({name, asked[i], in_effect[i]});
+    }
+  }
   const std::vector<std::string> kinds = table.words("plan_kind");
   for (std::size_t i = 0; i < kinds.size(); ++i) steps[i].plan_kind = kinds[i];
   return mission_numbers(*summary, steps, N_min);

@@ -39,6 +39,10 @@ struct MissionNumbers {
   /// begins. Steps without a prediction (a stopping tail) are left out; NaN for a planner that
   /// predicts nothing at any step.
   double prediction_error = kNone, prediction_bias = kNone;
+  /// Of the visible features (w_l) and the exploration gain (w_e, negative: a reward): the weight
+  /// as asked for, and the mean over the steps with a plan of that in effect.
+  double weight_asked_visible_features = kNone, weight_visible_features = kNone;
+  double weight_asked_exploration_gain = kNone, weight_exploration_gain = kNone;
   double plan_ms_p50 = kNone;
   double wall_s = kNone;
 };

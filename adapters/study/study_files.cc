@@ -2,10 +2,9 @@
 
 #include <filesystem>
 #include <map>
-#include <system_error>
 
 #include "adapters/files/input_error.h"
-#include "adapters/files/whole_file.h"
+#include "adapters/files/output_folder.h"
 #include "adapters/study/other_versions.h"
 #include "adapters/study/steps_file.h"
 #include "adapters/study/study_comparison.h"
@@ -25,11 +24,10 @@ StudyFiles write_study(const StudyPlan& plan, const CellStore& store, const Regi
                                 "compare` of two cells");
   }
   StudyFiles result;
+  OutputFolder folder = OutputFolder::shared(store.folder(), {"study"});
   const auto write = [&](const fs::path& name, const std::string& content) {
     const fs::path file = fs::path(store.folder()) / name;
-    std::error_code error;
-    fs::create_directories(file.parent_path(), error);
-    const std::string wrong = write_whole_file(file.string(), content);
+    const std::string wrong = folder.write(name.string(), content);
     if (!wrong.empty()) {
       fail(file.string(), "cannot be written (" + wrong + "); expected a writable folder");
     }
@@ -55,7 +53,7 @@ StudyFiles write_study(const StudyPlan& plan, const CellStore& store, const Regi
   }
   write("study.html", study_page(plan, rows, comparisons, figures));
   if (gathering.steps) {
-    result.files.push_back((fs::path(store.folder()) / "steps.h5").string());
+    result.files.push_back(folder.claim("steps.h5"));
     write_steps(plan, store, rows, result.files.back());
   }
   return result;

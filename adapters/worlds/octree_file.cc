@@ -17,6 +17,7 @@
 
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
+#include "adapters/files/whole_file.h"
 
 namespace prospect {
 namespace {
@@ -315,8 +316,9 @@ void write_octree(const octomap::OcTree& tree, const std::string& path) {
       << "\ndata\n";
   if (tree.getRoot() != nullptr) tree.writeBinaryNode(out, tree.getRoot());
   const std::string bytes = std::move(out).str();
-  const std::string temporary = path + ".partial";
-  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  const std::string temporary = path + kPart;
+  const int file =
+      ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, 0644);
   if (file < 0) {
     fail(path, std::string("cannot be written (") + std::strerror(errno) +
                    "); expected a writable folder");

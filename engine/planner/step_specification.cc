@@ -175,15 +175,20 @@ void specify_cost_to_go(const StepContext& c, ProblemSpecification& s) {
 void specify_weights(const StepContext& c, ProblemSpecification& s) {
   const PlannerParameters& p = c.parameters;
   const ModePolicy& rules = policy(c.mode);
-  const double w_e = rules.exploration_weight * p.w_e;
-  const double w_l = rests_on_features(c.belief) ? rules.features_weight * p.w_l : 0.0;
+  s.weights = asked_weights(p);
+  double& w_l = s.weights.visible_features;
+  w_l = rests_on_features(c.belief) ? rules.features_weight * w_l : 0.0;
+  s.weights.exploration_gain *= rules.exploration_weight;
   s.features.chance_weight = w_l > 0.0 ? p.w_c / w_l : 0.0;
-  s.weights = {p.w_u, p.w_du, p.w_o, w_l, w_e, p.w_T, p.w_h};
   s.added_terms = p.terms;
   s.terms_left_out = p.terms_left_out;
 }
 
 }  // namespace
+
+ProblemSpecification::Weights asked_weights(const PlannerParameters& p) {
+  return {p.w_u, p.w_du, p.w_o, p.w_l, p.w_e, p.w_T, p.w_h};
+}
 
 StepSpecification specify_problem(const StepContext& context) {
   StepSpecification made;

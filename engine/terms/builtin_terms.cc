@@ -145,4 +145,12 @@ std::vector<ProblemDefinition::WeightedTerm> make_builtin_terms(const TermContex
   return terms;
 }
 
+std::optional<double> builtin_weight(std::string_view name,
+                                     const ProblemSpecification::Weights& weights) {
+  for (const BuiltinTerm& term : table()) {
+    if (term.entry.name == name && !term.entry.constraint) return term.weight(weights);
+  }
+  return std::nullopt;
+}
+
 }  // namespace prospect

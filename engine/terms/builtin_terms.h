@@ -1,9 +1,12 @@
 #pragma once
 
+#include <optional>
+#include <string_view>
 #include <vector>
 
 #include "engine/problem/problem.h"
 #include "engine/problem/term_registry.h"
+#include "engine/terms/problem_specification.h"
 
 namespace prospect {
 
@@ -15,5 +18,10 @@ TermRegistry builtin_terms();
 /// Those of the specification, with its weights: all that apply to it and that it does not leave
 /// out. Throws std::invalid_argument as the terms' constructors do.
 std::vector<ProblemDefinition::WeightedTerm> make_builtin_terms(const TermContext& context);
+
+/// The factor that a built-in cost has in an objective with these weights (negative: a reward);
+/// none: no built-in cost has that name.
+std::optional<double> builtin_weight(std::string_view name,
+                                     const ProblemSpecification::Weights& weights);
 
 }  // namespace prospect

@@ -74,29 +74,62 @@ TEST(LacksOfBench, IsNothingOnceAllRowsAndTheLastFileAreThere) {
   sets[0].problems.resize(2);
   const std::vector<SolverChoice> solvers = choose_solvers({"nlopt"}, registries.solvers);
   BenchTable table = run_bench(sets, solvers, {});
-  open_bench_folder(folder, true);
+  OutputFolder output = open_bench_folder(folder, EarlierRows::kRefused);
+  begin_bench_folder(output);
   { const BenchRowFile rows(folder, table); }
   EXPECT_EQ(lacks_of_bench(folder), "no bench.json");
-  write_bench_folder(folder, table, summarize(table));
+  write_bench_folder(output, table, summarize(table));
   EXPECT_EQ(lacks_of_bench(folder), "");
   table.rows.pop_back();
   { const BenchRowFile rows(folder, table); }
   EXPECT_EQ(lacks_of_bench(folder), "rows.jsonl has 1 of 2 rows");
   table.cancelled = true;
-  write_bench_folder(folder, table, summarize(table));
+  write_bench_folder(output, table, summarize(table));
   EXPECT_EQ(lacks_of_bench(folder), "the bench was cancelled");
   std::ofstream(folder + "/bench.json") << "{";
   EXPECT_EQ(lacks_of_bench(folder), "bench.json is damaged");
   fs::remove_all(folder);
 }
 
-TEST(LacksOfBench, AFolderThatWasKilledBeforeItsFirstRowIsGoneOnWith) {
-  const std::string folder = ::testing::TempDir() + "bench_killed_early";
+TEST(BenchFolder, RowsAreNeverLostUnasked) {
+  const std::string folder = ::testing::TempDir() + "bench_rows_kept";
   fs::remove_all(folder);
-  fs::create_directories(folder);
-  std::ofstream(folder + "/rows.jsonl.part") << "{";
-  EXPECT_NO_THROW(open_bench_folder(folder, true));
-  EXPECT_THROW(open_bench_folder(folder, false), InputError);
+  const Registries registries;
+  std::vector<ProblemSet> sets = {make_problem_set("zoo", {}, registries, false)};
+  sets[0].problems.resize(2);
+  BenchTable table = run_bench(sets, choose_solvers({"nlopt"}, registries.solvers), {});
+  const auto rows = [&] { return read_bench_rows(folder).rows.size(); };
+  const auto refusal = [&]() -> std::string {
+    try {
+      open_bench_folder(folder, EarlierRows::kRefused);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  // Broken off by a signal it writes all files, too: what is on disk is no sign of its end.
+  for (const bool cancelled : {true, false}) {
+    table.cancelled = cancelled;
+    {
+      OutputFolder output = open_bench_folder(folder, EarlierRows::kKept);
+      begin_bench_folder(output);
+      const BenchRowFile file(folder, table);
+      EXPECT_THAT(refusal(), HasSubstr("another run writes to it"));
+      write_bench_folder(output, table, summarize(table));
+    }
+    EXPECT_THAT(refusal(),
+                HasSubstr(cancelled ? "that was broken off; expected --resume, or another"
+                                    : "holds a bench; expected --resume, or another"));
+    EXPECT_EQ(rows(), 2U);
+    EXPECT_TRUE(fs::exists(folder + "/bench.json"));
+  }
+  {
+    OutputFolder output = open_bench_folder(folder, EarlierRows::kReplaced);
+    begin_bench_folder(output);
+    EXPECT_EQ(rows(), 2U) << "until there are others";
+    EXPECT_FALSE(fs::exists(folder + "/bench.json"));
+  }
+  EXPECT_THAT(refusal(), HasSubstr("broken off")) << "killed before its first row";
   fs::remove_all(folder);
 }
 

@@ -37,7 +37,7 @@ TEST(DdsOptions, ReadsWhatIsGivenAndKeepsTheRest) {
       "emergency_stop: /stop\n"
       "emergency_stop_age: 0.3\n"
       "emergency_stop_publishers: 2\n"
-      "command: {stamped: none, plain: /cmd_vel, dead_man: 0.5, speed: 0.6}\n"
+      "command: {stamped: none, plain: /cmd_vel, dead_man: 0.5, speed: 0.6, relay_age: arrival}\n"
       "output: {octomap: none}\n");
   EXPECT_EQ(o.address.domain, 7);
   EXPECT_EQ(o.frames.base, "base_footprint");
@@ -57,6 +57,8 @@ TEST(DdsOptions, ReadsWhatIsGivenAndKeepsTheRest) {
   EXPECT_EQ(o.command.dead_man, 0.5);
   EXPECT_EQ(o.command.limits.speed, 0.6);
   EXPECT_FALSE(o.command.limits.yaw_rate.has_value());
+  EXPECT_EQ(o.command.relay_age, DdsOptions::RelayAge::kArrival);
+  EXPECT_EQ(DdsOptions().command.relay_age, DdsOptions::RelayAge::kStamp);
   EXPECT_EQ(o.output.octomap, "");
   EXPECT_EQ(o.output.map, "/map");
 }
@@ -80,6 +82,7 @@ TEST(DdsOptions, NamesTheLineOfWhatIsWrong) {
       {"command: {dead_man: 0.5}\nemergency_stop_age: 1\n", "there is no emergency_stop"},
       {"command: {dead_man: 0.5}\nemergency_stop: /s\nemergency_stop_age: .inf\n", "yaml:3: "},
       {"command: {dead_man: 0.5}\nemergency_stop: /s\nemergency_stop_publishers: 0\n", "yaml:3: "},
+      {"command: {dead_man: 0.5, relay_age: never}\n", "expected one of: stamp, arrival"},
   };
   for (const Row& row : rows) EXPECT_THAT(refusal(row.text), HasSubstr(row.expected)) << row.text;
 }

@@ -165,6 +165,25 @@ TEST_F(FoxgloveShowTest, APublishedPoseIsAPlaceToGoTo) {
   ASSERT_TRUE(place);
   EXPECT_EQ(*place, Eigen::Vector2d(3.0, 4.5));
   EXPECT_TRUE(told(*viewer).texts.empty());
+  // In another frame it is another place.
+  pose.header.frame_id = "map";
+  ASSERT_TRUE(viewer->message(std::string("\1\3\0\0\0", 5) + ros::to_cdr(pose), false));
+  EXPECT_TRUE(requests_.take_place());
+  EXPECT_TRUE(told(*viewer).texts.empty());
+  for (const std::string frame : {"base_link", "odom", "/map", "camera"}) {
+    pose.header.frame_id = frame;
+    const std::string json =
+        R"({"header":{"frame_id":")" + frame + R"("},"pose":{"position":{"x":3,"y":4.5}}})";
+    for (const std::string& message :
+         {std::string("\1\3\0\0\0", 5) + ros::to_cdr(pose), std::string("\1\4\0\0\0", 5) + json}) {
+      EXPECT_TRUE(viewer->message(message, false));
+      const auto texts = told(*viewer).texts;
+      ASSERT_EQ(texts.size(), 1U) << frame;
+      EXPECT_THAT(texts[0]["message"].get<std::string>(),
+                  testing::HasSubstr("expected one in map"));
+      EXPECT_FALSE(requests_.take_place()) << frame;
+    }
+  }
   for (const std::string& bad : {std::string("\1\3\0\0\0xyz", 8), std::string("\1\4\0\0\0{}", 7),
                                  std::string("\1\7\0\0\0xyz", 8)}) {
     EXPECT_TRUE(viewer->message(bad, false));

@@ -245,6 +245,39 @@ TEST_F(LiveServerTest, ManyViewersAreServedAndTooManyTurnedAway) {
       within_a_second([&] { return WebClient(port()).get("/").starts_with("HTTP/1.1 200 "); }));
 }
 
+TEST_F(LiveServerTest, WatchersDoNotKeepOutWhoMayCommand) {
+  LiveOptions options;
+  options.viewers = 3;
+  options.commanders = 2;
+  serve(options);
+  const std::string token = "/live?token=" + std::string(kToken);
+  std::vector<WebClient> watchers;
+  for (int k = 0; k < 3; ++k) watchers.push_back(viewer());
+  EXPECT_THAT(WebClient(port()).upgrade("/live", kPage), StartsWith("HTTP/1.1 503 "));
+  WebClient first = viewer(token), second = viewer(token), third = viewer(token);
+  EXPECT_TRUE(first.is_closed_within(3000)) << "the oldest gives way";
+  for (WebClient* client : {&second, &third}) {
+    client->say(R"({"op":"command","name":"hold"})");
+    EXPECT_EQ(next(*client, "answer")["refused"], "");
+  }
+  EXPECT_FALSE(next(watchers[0], "welcome").is_null()) << "who watches goes on watching";
+}
+
+TEST_F(LiveServerTest, HalfOpenConnectionsKeepNobodyOut) {
+  serve();
+  const std::string token = "/live?token=" + std::string(kToken);
+  std::vector<WebClient> half;
+  for (int k = 0; k < 150; ++k) {
+    half.emplace_back(port());
+    half.back().send("GET / HTTP/1.1\r\nHost: 127.0.0.1\r\nX");
+    if (k % 50 != 49) continue;
+    EXPECT_THAT(WebClient(port()).get("/"), StartsWith("HTTP/1.1 200 ")) << k;
+    WebClient commander(port());
+    EXPECT_THAT(commander.upgrade(token, kPage), StartsWith("HTTP/1.1 101 ")) << k;
+  }
+  EXPECT_TRUE(half.front().is_closed_within(3000)) << "their number is bounded";
+}
+
 TEST_F(LiveServerTest, WhatCannotBeUsedIsRefusedInOneLine) {
   const auto said = [this](LiveOptions options) -> std::string {
     if (options.token.empty()) options.token = kToken;

@@ -31,6 +31,8 @@ TEST(MissionNumbers, MeasuresTheSteps) {
       step(4.0, 0.9, 0.1, 70.0, 100),  // after a stopping tail: no prediction
   };
   steps[2].plan_kind = "stopping tail";
+  steps[0].weights = {{"visible_features", 8.0, 1.5}, {"exploration_gain", -1.0, -1.0}};
+  steps[1].weights = {{"visible_features", 8.0, 8.0}, {"exploration_gain", -1.0, 0.0}};
   Summary summary = summarize(steps);
   summary.duration_s = 5.0;
   summary.coverage = 0.95;
@@ -48,6 +50,10 @@ TEST(MissionNumbers, MeasuresTheSteps) {
   EXPECT_EQ(row.coverage_at_50_cm, 0.95);  // never: that at the end
   EXPECT_EQ(row.few_share, 0.2);           // from 3 to 4 s of 5 s
   EXPECT_EQ(row.time_to_90_s, 4.0);
+  EXPECT_EQ(row.weight_asked_visible_features, 8.0);
+  EXPECT_EQ(row.weight_visible_features, 4.75);
+  EXPECT_EQ(row.weight_asked_exploration_gain, -1.0);
+  EXPECT_EQ(row.weight_exploration_gain, -0.5);
   EXPECT_NEAR(row.prediction_error, (0.2 + 0.75) / 2.0, 1e-12);
   EXPECT_NEAR(row.prediction_bias, (0.2 + 0.75) / 2.0, 1e-12);
 }

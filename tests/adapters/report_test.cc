@@ -145,6 +145,7 @@ TEST(Report, HoldsTheRun) {
   run.steps[40].map_changes.emplace_back(Cell{-90, -30}, CellState::kFree);
   run.steps[40].map_changes.emplace_back(Cell{-90, -30}, CellState::kOccupied);
   run.steps[50].map_changes.emplace_back(Cell{-90, -30}, CellState::kUnknown);
+  for (StepRecord& s : run.steps) s.weights = {{"cost_to_go", 1.5, 0.25 * s.step}};
   ASSERT_GT(run.steps[60].active_frontiers, 0);
   run.steps[60].frontier_cells.clear();  // not kept: the page shows those of the step before
   const nlohmann::json json = data(render_report(run));
@@ -220,7 +221,10 @@ TEST(Report, HoldsTheRun) {
   EXPECT_EQ(json["terms"][3]["name"], "cost_to_go");
   Reader cost_to_go(json["terms"][3]["values"]), tracked(json["columns"]["tracked"]);
   Reader kind(json["words"]["plan"]["steps"]);
+  Reader asked(json["terms"][3]["asked"]), weights(json["terms"][3]["weights"]);
   for (const StepRecord& s : run.steps) {
+    EXPECT_EQ(asked.number(), static_cast<float>(1.5));
+    EXPECT_EQ(weights.number(), static_cast<float>(0.25 * s.step));
     EXPECT_EQ(cost_to_go.number(), static_cast<float>(s.explanation.terms[3].weighted));
     EXPECT_EQ(tracked.number(), static_cast<float>(s.tracked_features));
     EXPECT_EQ(json["words"]["plan"]["words"][kind.varint()], s.plan_kind);

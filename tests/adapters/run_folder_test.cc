@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <octomap/OcTree.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -119,6 +120,7 @@ StepRecord plain_step() {
   s.seed = "tail";
   s.explanation = {
       7.5, 0.0, {{"control_effort", "", 2.0, 4.0, false}, {"clearance", "m", 0.1, 0.0, true}}};
+  s.weights = {{"control_effort", 2.5, 2.0}};
   s.predicted_features = 41.5;
   s.tracked_features = 39;
   s.localization = "ok";
@@ -169,13 +171,13 @@ TEST_F(RunFolderTest, WritesAStepByHand) {
       "guard_stops,guard_reason,task,goal_x,goal_y,goal_yaw,mode,cause,mode_since,caution,target_"
       "change,target_x,target_y,"
       "looks_x,looks_y,target_length,target_area,way_left,seeds_scored,features_weight,rejected,"
-      "certificate,why\n"
+      "weight_asked_control_effort,weight_control_effort,certificate,why\n"
       "3,1.5,1.25,-2,0.1,1.5,-2.5,3.141592653589793,0.4,0,-0.3,optimised,tail,7.5,0,2,0.1,"
       "41.5,39,ok,0.0625,0.25,12.5,8,0,0.3,90,30,converged,feasible optimum,1,"
       "2,1,map,go to,4.5,-0.25,,approach,no "
       "progress,1.25,normal,seen,2,-1.5,3.5,-1,"
       "0.75,0.25,1.125,26,1.5,arc 1.25 refused; turn 8 not tried,"
-      "\"clear, 0.21 m \"\"or more\"\" all along\","
+      "2.5,2,\"clear, 0.21 m \"\"or more\"\" all along\","
       "\"Approaches, since nothing else helped.\"\n");
   EXPECT_EQ(content(path("run/trajectory_true.tum")),
             "1.5 1.25 -2 0 0 0 0.04997916927067833 0.9987502603949663\n")
@@ -279,8 +281,8 @@ TEST_F(RunFolderTest, FinishWritesTheRest) {
   EXPECT_EQ(folder.error(), "");
   std::vector<std::string> names;
   for (const auto& [name, bytes] : tree(path("deep/er/run"))) names.push_back(name);
-  EXPECT_THAT(names, testing::ElementsAre("config.yaml", "map.bt", "report.html", "run.json",
-                                          "steps.csv", "summary.json", "timing.csv",
+  EXPECT_THAT(names, testing::ElementsAre(".prospect", "config.yaml", "map.bt", "report.html",
+                                          "run.json", "steps.csv", "summary.json", "timing.csv",
                                           "trajectory_estimated.tum", "trajectory_true.tum"));
   const auto summary = nlohmann::json::parse(content(path("deep/er/run/summary.json")));
   EXPECT_EQ(summary["steps"], 20);
@@ -308,6 +310,7 @@ TEST_F(RunFolderTest, TakesTheFolderOfAnEarlierRun) {
     folder.finish(run, nullptr, render_report);
   }
   std::ofstream(path("run/notes.txt")) << "mine";
+  { const RunFolder without_a_step(path("run"), begun()); }
   RunFolder folder(path("run"), begun());
   folder.add(run.steps[0]);
   EXPECT_EQ(lines(content(path("run/steps.csv"))).size(), 2U);
@@ -316,49 +319,65 @@ TEST_F(RunFolderTest, TakesTheFolderOfAnEarlierRun) {
   EXPECT_EQ(content(path("run/notes.txt")), "mine");
 }
 
+TEST_F(RunFolderTest, ADriveIsNotWrittenOverUnasked) {
+  RunStart drive = begun();
+  drive.real_time = true;
+  { RunFolder(path("run"), drive).add(plain_step()); }
+  const auto before = tree(root_);
+  EXPECT_THAT(refusal(path("run")), HasSubstr("holds a drive, which nothing can repeat; expected"));
+  EXPECT_THROW(RunFolder(path("run"), drive), InputError);
+  EXPECT_EQ(tree(root_), before);
+  RunFolder folder(path("run"), begun(), RunFolder::EarlierDrive::kReplaced);
+  folder.add(plain_step());
+  EXPECT_EQ(lines(content(path("run/steps.csv"))).size(), 2U);
+}
+
 TEST_F(RunFolderTest, RefusesAForeignFolderAndLeavesItAlone) {
   fs::create_directories(path("home/photos"));
-  std::ofstream(path("home/summary.json")) << "precious";
-  fs::create_directories(path("odd/steps.csv"));  // a folder of that name is no run
-  std::ofstream(path("odd/map.bt")) << "precious";
-  std::ofstream(path("file")) << "precious";
+  std::ofstream(path("home/steps.csv")) << "my own";
+  std::ofstream(path("home/map.png")) << "precious";
   const auto before = tree(root_);
-  EXPECT_EQ(
-      refusal(path("home")),
-      path("home") + ": holds other files; expected an empty folder, an earlier run, or none");
-  EXPECT_THAT(refusal(path("odd")), HasSubstr("holds other files"));
-  EXPECT_EQ(refusal(path("file")),
-            path("file") + ": not a folder; expected a folder for the run, or none");
-  EXPECT_THAT(refusal(path("file/below")), HasSubstr("cannot be created"));
-  EXPECT_THAT(refusal(""), HasSubstr("cannot be created"));
+  EXPECT_THAT(refusal(path("home")), StartsWith(path("home") + ": holds other files; expected"));
   EXPECT_EQ(tree(root_), before);
 }
 
 TEST_F(RunFolderTest, RefusesAPlaceWithoutWritePermission) {
   EXPECT_THAT(refusal("/proc/run"), AllOf(StartsWith("/proc/run: cannot be created ("),
                                           EndsWith("); expected a writable place")));
-  // Writable by name, not in fact: a file in it cannot be opened for writing.
-  fs::create_directories(path("run/timing.csv"));
-  std::ofstream(path("run/steps.csv")) << "";
-  std::ofstream(path("run/summary.json")) << "precious";
-  EXPECT_EQ(refusal(path("run")), path("run/timing.csv") +
-                                      ": cannot be written (Is a directory); expected a writable "
-                                      "folder");
-  EXPECT_EQ(content(path("run/summary.json")), "precious");
 }
 
+/// So many bytes at most in any file of this process, or so many open files, while it is there.
+class Limit {
+ public:
+  Limit(__rlimit_resource_t of, rlim_t most) : of_(of) {
+    signal(SIGXFSZ, SIG_IGN);
+    getrlimit(of_, &before_);
+    const rlimit now{most, before_.rlim_max};
+    setrlimit(of_, &now);
+  }
+  ~Limit() { setrlimit(of_, &before_); }
+  Limit(const Limit&) = delete;
+  Limit& operator=(const Limit&) = delete;
+
+ private:
+  const __rlimit_resource_t of_;
+  rlimit before_{};
+};
+
 TEST_F(RunFolderTest, AFullDiskIsReportedOnceAndTheRestIsWritten) {
-  fs::create_directories(path("run"));
-  std::ofstream(path("run/steps.csv")) << "";
-  fs::create_symlink("/dev/full", path("run/timing.csv"));
-  fs::create_symlink("/dev/full", path("run/trajectory_true.tum"));
   const RunRecord run = synthetic_run(10);
   RunFolder folder(path("run"), begun());
-  for (const StepRecord& s : run.steps) folder.add(s);
-  folder.finish(run, nullptr, render_report);
-  EXPECT_EQ(folder.error(), path("run/timing.csv") + ": writing failed (No space left on device)");
-  EXPECT_EQ(lines(content(path("run/steps.csv"))).size(), 11U);
-  EXPECT_TRUE(fs::exists(path("run/summary.json")));
+  {
+    const Limit full(RLIMIT_FSIZE, 1500);
+    for (const StepRecord& s : run.steps) folder.add(s);
+    folder.finish(run, nullptr, render_report);
+  }
+  EXPECT_EQ(folder.error(), path("run/steps.csv") + ": writing failed (File too large)");
+  EXPECT_EQ(lines(content(path("run/timing.csv"))).size(), 11U);
+  EXPECT_EQ(content(path("run/steps.csv")).back(), '\n');
+  EXPECT_FALSE(fs::exists(path("run/report.html")));
+  EXPECT_FALSE(fs::exists(path("run/report.html.part")));
+  EXPECT_THAT(content(path("run/.prospect")), testing::Not(HasSubstr("complete")));
 }
 
 TEST_F(RunFolderTest, AFileAtTheEndAppearsWholeOrNotAtAll) {
@@ -367,20 +386,37 @@ TEST_F(RunFolderTest, AFileAtTheEndAppearsWholeOrNotAtAll) {
     RunFolder folder(path("run"), begun());
     fs::create_directories(path("run/report.html/in the way"));
     folder.finish(run, nullptr, render_report);
-    EXPECT_THAT(folder.error(), AllOf(StartsWith(path("run/report.html") + ": writing failed ("),
+    EXPECT_THAT(folder.error(), AllOf(StartsWith(path("run/report.html") + ": is no regular file"),
                                       testing::Not(HasSubstr("\n"))));
     EXPECT_TRUE(fs::exists(path("run/summary.json")));
     EXPECT_FALSE(fs::exists(path("run/report.html.part")));
   }
+  RunFolder folder(path("linked"), begun());
+  std::ofstream(path("theirs")) << "precious";
+  fs::create_symlink(path("theirs"), path("linked/summary.json.part"));
+  folder.finish(run, nullptr, render_report);
+  EXPECT_THAT(folder.error(), HasSubstr("summary.json.part: is no regular file"));
+  EXPECT_EQ(content(path("theirs")), "precious");
+}
+
+TEST_F(RunFolderTest, WhatCannotBeginLeavesNothing) {
   {
-    RunFolder folder(path("full"), begun());
-    fs::create_symlink("/dev/full", path("full/summary.json.part"));
-    folder.finish(run, nullptr, render_report);
-    EXPECT_EQ(folder.error(),
-              path("full/summary.json") + ": writing failed (No space left on device)");
-    EXPECT_FALSE(fs::exists(path("full/summary.json")));
-    EXPECT_FALSE(fs::is_symlink(path("full/summary.json.part")));
+    const Limit full(RLIMIT_FSIZE, 0);
+    EXPECT_THAT(refusal(path("run")), HasSubstr("cannot be written (File too large)"));
   }
+  EXPECT_FALSE(fs::exists(path("run")));
+  int refused = 0;
+  for (bool enough = false; !enough && refused < 20;) {
+    const int next = dup(0);
+    close(next);
+    const Limit few(RLIMIT_NOFILE, static_cast<rlim_t>(next + refused));
+    enough = refusal(path("run")).empty();
+    refused += !enough;
+    EXPECT_FALSE(fs::exists(path("run"))) << refused;
+  }
+  EXPECT_GT(refused, 5) << "marker, lock, four tables, one at a time";
+  { const RunFolder folder(path("run"), begun()); }
+  EXPECT_FALSE(fs::exists(path("run"))) << "of a mission that never made a step";
 }
 
 TEST_F(RunFolderTest, WhatItWasStartedWithIsThereFromTheStart) {
@@ -393,16 +429,6 @@ TEST_F(RunFolderTest, WhatItWasStartedWithIsThereFromTheStart) {
   EXPECT_EQ(start["version"], "1.2.3");
   EXPECT_EQ(start["real_time"], false);
   EXPECT_EQ(utc_now().size(), begun().started.size());
-}
-
-TEST_F(RunFolderTest, AFullDiskAtTheStartIsRefused) {
-  fs::create_directories(path("run"));
-  std::ofstream(path("run/steps.csv")) << "";
-  fs::create_symlink("/dev/full", path("run/run.json.part"));
-  EXPECT_EQ(refusal(path("run")), path("run/run.json") +
-                                      ": cannot be written (No space left on device); expected a "
-                                      "writable folder");
-  EXPECT_FALSE(fs::exists(path("run/run.json")));
 }
 
 TEST_F(RunFolderTest, OneRunAtATime) {

@@ -30,6 +30,7 @@ StepRecord step() {
   s.guard_stops = 2;
   s.guard_reason = "map";
   s.wall.polish = 1.0 / 3.0;
+  s.weights = {{"visible_features", 8.0, 1.0625}, {"exploration_gain", -1.0, 0.0}};
   s.explanation.terms.push_back({"clearance", "m", 0.125, 0.0, true});
   return s;
 }
@@ -69,6 +70,12 @@ TEST(StepMessages, ValuesAreReadBackExactly) {
     EXPECT_EQ(r.explanation.terms[i].raw, s.explanation.terms[i].raw);
     EXPECT_EQ(r.explanation.terms[i].weighted, s.explanation.terms[i].weighted);
     EXPECT_EQ(r.explanation.terms[i].constraint, s.explanation.terms[i].constraint);
+  }
+  ASSERT_EQ(r.weights.size(), 2U);
+  for (std::size_t i = 0; i < r.weights.size(); ++i) {
+    EXPECT_EQ(r.weights[i].name, s.weights[i].name);
+    EXPECT_EQ(r.weights[i].asked, s.weights[i].asked);
+    EXPECT_EQ(r.weights[i].in_effect, s.weights[i].in_effect);
   }
   ASSERT_EQ(r.candidates.size(), s.candidates.size());
   ASSERT_FALSE(s.candidates.empty());

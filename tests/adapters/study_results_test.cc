@@ -44,9 +44,10 @@ class SolveRows : public ::testing::Test {
       const BenchTable table =
           run_bench({make_problem_set("zoo", {}, registries, false)},
                     choose_solvers({plan_.solver(plan_.setup(cell))}, registries.solvers), options);
-      open_bench_folder(store.run_folder(cell.id), true);
+      OutputFolder folder = open_bench_folder(store.run_folder(cell.id), EarlierRows::kKept);
+      begin_bench_folder(folder);
       const BenchRowFile rows(store.run_folder(cell.id), table);
-      write_bench_folder(store.run_folder(cell.id), table, summarize(table));
+      write_bench_folder(folder, table, summarize(table));
     }
     rows_ = read_rows(plan_, store);
   }

@@ -519,7 +519,9 @@ timed_out "explore with a term" explore office --time-limit 2 --quiet --save-pro
 timed_out "explore without it" explore office --time-limit 2 --quiet --out without_term
 head -1 without_term/steps.csv | tr ',' '\n' >columns_without.txt
 head -1 with_term/steps.csv | tr ',' '\n' >columns_with.txt
-[[ "$(diff columns_without.txt columns_with.txt | grep '^[<>]')" == "> term_keep_distance" ]] ||
+[[ "$(diff columns_without.txt columns_with.txt | grep '^[<>]')" == "> term_keep_distance
+> weight_asked_keep_distance
+> weight_keep_distance" ]] ||
   fail "the columns with a term: $(diff columns_without.txt columns_with.txt)"
 grep -A1 -x "$(grep -x -B1 term_keep_distance columns_with.txt | head -1)" columns_without.txt |
   grep -qx predicted_features || fail "the term's column does not come after the built-in ones"
@@ -591,22 +593,29 @@ counted() { grep ',nlopt:LD_SLSQP,,' "$1/bench.csv" | cut -d, -f1-8,11,16-20; }
 succeeds "bench again into the same folder" bench zoo saved/problems --solver nlopt:LD_SLSQP,sampling,max_evaluations=200 \
   --deadline 0 --repeat 2 --out bench_again --json
 diff <(counted bench) <(counted bench_again) || fail "two benches of one set differ"
-succeeds "bench over an earlier one" bench --quick --solver sampling --deadline 0 zoo --out bench_again
+cp bench_again/rows.jsonl measured
+refused "a bench over one that is whole" "--out bench_again: holds a bench; expected --resume, or another folder" "or --overwrite" \
+  bench --quick --solver sampling --deadline 0 zoo --out bench_again
+cmp -s measured bench_again/rows.jsonl || fail "a refused bench lost rows"
+succeeds "bench over an earlier one" bench --quick --solver sampling --deadline 0 zoo --out bench_again --overwrite
 grep -q '"solved": true' bench_again/bench.json || fail "bench.json: nothing solved"
 succeeds "bench that keeps the best" bench saved/problems --solver nlopt --deadline 0 --repeat 1 \
   --out bench_kept --keep-best
 grep -q '"step_000008": -\?[0-9]' saved/problems/best_known.json || fail "no best costs are kept"
 succeeds "bench with best costs known" bench saved/problems --solver nlopt --deadline 0 --repeat 1 \
-  --out bench_kept
+  --out bench_kept --overwrite
 grep -q '"best_known_by": "stored"' bench_kept/bench.json || fail "best_known.json is not read"
-# A bench that was broken off: without its tables, with half of its rows and one that is cut off.
+# A bench that was broken off: with all its tables, half of its rows and one that is cut off.
 succeeds "a whole bench" bench zoo --solver nlopt,sampling --deadline 0 --repeat 1 --seed 1,2 --max-evaluations 300 --out whole
 succeeds "half of it" bench zoo --solver nlopt --deadline 0 --repeat 1 --seed 1,2 --max-evaluations 300 --out half
-cp -r half other_half
-mkdir broken
+cp -r half broken
 head -c -20 half/rows.jsonl >broken/rows.jsonl
+sed -i '/^complete$/d' broken/.prospect
 refused "a bench over one that was broken off" "--out broken" "expected --resume, or another folder" \
   bench zoo --solver nlopt,sampling --out broken
+cmp -s <(head -c -20 half/rows.jsonl) broken/rows.jsonl || fail "a refused bench lost rows"
+refused "a bench resumed and written over" --resume "beside --overwrite" \
+  bench zoo --solver nlopt,sampling --resume --overwrite --out broken
 refused "a bench resumed with other evaluations" "--resume broken: evaluations at most: 300 there" \
   "expected the command that began it" bench zoo --solver nlopt,sampling --deadline 0 --repeat 1 --seed 1,2 --resume --out broken
 refused "a bench resumed without its back end" "back end 'nlopt' is there, not asked for" "expected the command" \
@@ -760,7 +769,7 @@ refused "report of an unknown figure" "'pth' (did you mean 'path'?)" "expected o
 refused "report in an unknown format" "'pdf'" "expected one of: png, svg" report first --figure map --format pdf --out run
 refused "report by an unknown colour" "'sped' (did you mean 'speed'?)" "expected one of: plain" report first --figure path --colour sped --out run
 refused "report with a colour of no path" --colour "expected --figure path" report first --figure map --colour speed --out run
-refused "report into a file" file "expected a folder to write to" report first --figure map --out file/below
+refused "report into a file" file/below "expected a writable place" report first --figure map --out file/below
 [[ "$(ls foreign)" == notes.txt && "$(<file)" == precious ]] || fail "report touched a file of others"
 
 # --- Odometry: what is no recording is refused (recordings themselves: adapters_stereo_dataset_test).
@@ -791,7 +800,7 @@ succeeds "odometry of three frames" odometry stereo --calibrate --frames 3
 grep -q "too few frames" out.txt || fail "odometry of three frames: '$out'"
 refused "odometry from behind the last frame" "--from is 12" "expected less than the 12 frames" \
   odometry stereo --from 12 --out run
-refused "odometry into a file" file "expected a folder" odometry stereo --out file
+refused "odometry into a file" file "expected a new or empty folder" odometry stereo --out file
 refused "odometry with a topic of no use" "--topics" "expected USE=TOPIC, with USE of: left, right" \
   odometry stereo --topics middle=/a
 : >film.mp4
@@ -909,18 +918,43 @@ refused "map with a wild resolution" resolution "expected a number from 0.01" \
   map depth/posed --resolution nan --out run
 refused "map of a range of many voxels" "--range is 4 m" "expected at most 2 m" \
   map depth/posed --resolution 0.01 --out run
-succeeds "map of a lidar's log" map depth/lidar.log --out lidar
+refused "a map into the folder of a run" lidar: "of another kind: run; expected" map depth/lidar.log --out lidar
+succeeds "map of a lidar's log" map depth/lidar.log --out lidar_map
 grep -qF "CARMEN log, 20 scans of one plane, the first of 180 points" out.txt || fail "map of a log: '$out'"
 grep -qF "frames       20: 20 ok, 0 degraded, 0 rejected" out.txt || fail "map of a log: '$out'"
-grep -q '"ground_found": null' lidar/summary.json || fail "map of a log: a ground that was not looked for"
-[[ -s lidar/map.bt && -s lidar/map.html ]] || fail "map of a log: $(ls lidar)"
+grep -q '"ground_found": null' lidar_map/summary.json || fail "map of a log: a ground that was not looked for"
+[[ -s lidar_map/map.bt && -s lidar_map/map.html ]] || fail "map of a log: $(ls lidar_map)"
 succeeds "inspect of a lidar's log" inspect depth/lidar.log
 grep -qF "CARMEN log, scans of one plane, for \`prospect map\`" out.txt || fail "inspect of a log: '$out'"
 refused "map of a log with a camera" "--camera-height: depth/lidar.log" "expected it with a camera only" \
   map depth/lidar.log --camera-height 1 --out run
 refused "map of images with a lidar" "--lidar-height: depth/posed" "expected --camera-height" \
   map depth/posed --lidar-height 1 --out run
-refused "map into a file" file "expected one to write to" map depth/posed --out file
+refused "map into a file" file "expected a new or empty folder" map depth/posed --out file
+
+# --- Whatever the command: files of others are not touched, nor what a link leads to.
+mkdir theirs
+printf 'conditions: {one: {}}\nworlds: [office]\nseeds: 1\n' >one.yaml
+for name in steps.csv summary.json config.yaml map.png path.png map.bt rows.jsonl bench.json replay.csv results.csv first.html exported.sdf; do
+  echo "my own" >theirs/$name
+done
+cp -r theirs theirs_before
+mkdir nothing
+ln -s nothing linked
+for target in theirs linked linked/; do
+  for command in "explore office --time-limit 1 --quiet" "drive office --time-limit 1 --quiet" "bench zoo --quick" "bench --capture $target --quick" \
+    "study one.yaml" "study one.yaml --gather" "replay first --to 1 --set planner.N=12" "report first --figure path,map" \
+    "map depth/posed" "odometry stereo --frames 2"; do
+    out=(--out "$target")
+    [[ $command != *--capture* ]] || out=()
+    # shellcheck disable=SC2086
+    run $command "${out[@]}"
+    ((code == 2)) || fail "$command to $target: exit $code, expected 2; '$err'"
+  done
+done
+refused "export over a file of others" "theirs/exported.sdf: is there" expected export corridor --sdf theirs/exported.sdf
+diff -r theirs theirs_before || fail "a folder of others was touched"
+[[ -z "$(ls -A nothing)" ]] || fail "a symbolic link was followed: $(ls -A nothing)"
 echo "1 0 0" >depth/posed/frame-000003.pose.txt
 refused "map with half a pose" frame-000003.pose.txt:1 "expected a pose" map depth/posed --out run
 

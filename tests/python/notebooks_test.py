@@ -17,6 +17,7 @@ try:
 
     matplotlib.use("Agg")
     import matplotlib.pyplot as plt
+    import numpy as np
     import scipy  # noqa: F401
     missing = ""
 except ImportError as error:
@@ -28,7 +29,7 @@ NOTEBOOKS = sorted(glob.glob(os.path.join(ROOT, "docs", "notebooks", "*.ipynb"))
 
 class NotebooksTest(unittest.TestCase):
     def run_notebook(self, path):
-        """Its figures, and what it printed."""
+        """Its figures, what it printed, and its names."""
         with open(path, encoding="utf-8") as file:
             cells = json.load(file)["cells"]
         name = os.path.splitext(os.path.basename(path))[0]
@@ -49,7 +50,16 @@ class NotebooksTest(unittest.TestCase):
                     with open(os.path.join(kept, f"{name}_{figures}.png"), "wb") as file:
                         file.write(buffer.getvalue())
             plt.close("all")
-        return figures, printed.getvalue()
+        return figures, printed.getvalue(), space
+
+    def check_costs(self, steps, parts):
+        """Costs times the weights in effect make up the cost that was recorded."""
+        cost = steps["cost"]
+        planned = np.isfinite(cost)
+        self.assertGreater(planned.sum(), 30)
+        np.testing.assert_allclose(sum(parts.values())[planned], cost[planned], rtol=1e-12, atol=1e-12)
+        changed = sum(np.abs(steps["weight_" + name] - steps["weight_asked_" + name]) for name in parts)
+        self.assertGreater((changed[planned] > 0).sum(), 0, "no step tells the one from the other")
 
     @unittest.skipIf(missing, missing)
     def test_they_run(self):
@@ -61,8 +71,10 @@ class NotebooksTest(unittest.TestCase):
             try:
                 for path in NOTEBOOKS:
                     with self.subTest(os.path.basename(path)):
-                        figures, printed = self.run_notebook(path)
+                        figures, printed, space = self.run_notebook(path)
                         self.assertGreaterEqual(figures, 2)
+                        if os.path.basename(path) == "look_at_a_mission.ipynb":
+                            self.check_costs(space["steps"], space["parts"])
                         if os.environ.get("PROSPECT_FIGURES"):
                             print(printed)
             finally:
