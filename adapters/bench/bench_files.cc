@@ -17,7 +17,6 @@
 #include "adapters/files/whole_file.h"
 #include "models/range_text.h"
 #include "models/version.h"
-#include "solvers/first_order_residual.h"
 
 namespace prospect {
 namespace {
@@ -147,6 +146,7 @@ Json row_json(const BenchTable& table, const BenchRow& row, bool traces) {
                {"quality", to_string(row.quality)},
                {"claimed", to_string(row.claimed)},
                {"optimality", row.optimality},
+               {"held", row.held},
                {"seed", row.seed},
                {"environment", row.environment},
                {"load", row.load},
@@ -230,7 +230,6 @@ Json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups
           {"cancelled", table.cancelled},
           {"relative_tolerance", table.relative_tolerance},
           {"feasibility_tolerance", kFeasible},
-          {"optimality_tolerance", kOptimalityTolerance},
           {"repeats", table.repeats},
           {"max_evaluations", table.max_evaluations},
           {"seeds", table.seeds},
