@@ -9,10 +9,11 @@
 namespace prospect {
 namespace {
 
-/// argmin |N y - g| with y >= 0; returns g - N y.
-Eigen::VectorXd residual_of_nnls(const Eigen::MatrixXd& N, const Eigen::VectorXd& g) {
+/// y = argmin |N y - g| with y >= 0; returns g - N y.
+Eigen::VectorXd residual_of_nnls(const Eigen::MatrixXd& N, const Eigen::VectorXd& g,
+                                 Eigen::VectorXd& y) {
   const Eigen::Index count = N.cols();
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(count);
+  y.setZero(count);
   std::vector<char> passive(static_cast<std::size_t>(count), 0);
   Eigen::VectorXd residual = g;
   const double least = 1e-12 * (1.0 + g.norm());
@@ -60,7 +61,7 @@ Eigen::VectorXd residual_of_nnls(const Eigen::MatrixXd& N, const Eigen::VectorXd
 }  // namespace
 
 Eigen::VectorXd descent_direction(const Eigen::VectorXd& g, const Eigen::MatrixXd& A,
-                                  const Eigen::VectorXd& x) {
+                                  const Eigen::VectorXd& x, Eigen::VectorXd* multipliers) {
   constexpr double kAtBound = 1e-12;
   const Eigen::Index n = g.size();
   std::vector<Eigen::Index> at_bound;
@@ -73,7 +74,16 @@ Eigen::VectorXd descent_direction(const Eigen::VectorXd& g, const Eigen::MatrixX
   for (std::size_t k = 0; k < at_bound.size(); ++k) {
     N(at_bound[k], A.rows() + static_cast<Eigen::Index>(k)) = x[at_bound[k]] < 0.5 ? 1.0 : -1.0;
   }
-  return -residual_of_nnls(N, g);
+  Eigen::VectorXd y;
+  const Eigen::VectorXd d = -residual_of_nnls(N, g, y);
+  if (multipliers) {
+    multipliers->setZero(A.rows() + n);
+    multipliers->head(A.rows()) = y.head(A.rows());
+    for (std::size_t k = 0; k < at_bound.size(); ++k) {
+      (*multipliers)[A.rows() + at_bound[k]] = y[A.rows() + static_cast<Eigen::Index>(k)];
+    }
+  }
+  return d;
 }
 
 }  // namespace prospect

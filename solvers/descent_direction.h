@@ -16,7 +16,10 @@ namespace prospect {
 /// The projection onto the polar cone, a least-squares problem with multipliers >= 0, is solved by
 /// active sets (Lawson and Hanson 1974, chapter 23). Errors are of rounding; g, A and x finite.
 /// Stateless.
+///
+/// `multipliers`, if not null: those of the projection, >= 0, of the m rows of A and then of the
+/// bounds at which the n variables are (0 elsewhere).
 Eigen::VectorXd descent_direction(const Eigen::VectorXd& g, const Eigen::MatrixXd& A,
-                                  const Eigen::VectorXd& x);
+                                  const Eigen::VectorXd& x, Eigen::VectorXd* multipliers = nullptr);
 
 }  // namespace prospect

@@ -9,13 +9,15 @@
 #include <mutex>
 #include <random>
 
-#include "solvers/descent_direction.h"
-
 namespace prospect {
 namespace {
 
 // After a chunk in which most scores had to be followed by the exact value.
 constexpr int kExactChunks = 8;
+
+// Requests for what is remembered, and iterations, that may follow each other without an
+// evaluation. Methods ask for a point a few times over; one that goes round in circles never ends.
+constexpr int kMostIdle = 1000;
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -122,6 +124,7 @@ void Evaluator::adopt(const Evaluator& inner) {
   counters_.cost_evaluations += inner.counters_.cost_evaluations;
   counters_.gradient_evaluations += inner.counters_.gradient_evaluations;
   counters_.iterations += inner.counters_.iterations;
+  if (inner.counters_.cost_evaluations > 0) idle_ = 0;
   last_known_ = false;
   if (inner.threw_) {
     threw_ = true;
@@ -175,7 +178,15 @@ void Evaluator::store_exception() {
   }
 }
 
+void Evaluator::note_idle() {
+  if (++idle_ <= kMostIdle || stopped_) return;
+  stopped_ = true;
+  stop_reason_ = StopReason::kNumericalTrouble;
+  stop_detail_ = "the method goes round in circles";
+}
+
 void Evaluator::count_evaluations(int count, bool gradient) {
+  idle_ = 0;
   counters_.cost_evaluations += count;
   if (gradient) counters_.gradient_evaluations += count;
   if (outer_) outer_->count_evaluations(count, gradient);
@@ -253,11 +264,7 @@ void Evaluator::consider(const Eigen::Ref<const Eigen::VectorXd>& x, double cost
 
 bool Evaluator::take(Evaluate what) {
   const bool gradient = what >= Evaluate::kGradient;
-  const bool valid =
-      evaluation_.valid[0] && std::isfinite(evaluation_.cost[0]) &&
-      evaluation_.constraints.allFinite() &&
-      (!gradient || (evaluation_.gradient.allFinite() && evaluation_.jacobian.allFinite()));
-  if (!valid) return false;
+  if (!is_usable(evaluation_, what)) return false;
   cost_ = evaluation_.cost[0];
   constraints_ = evaluation_.constraints.col(0);
   if (gradient) {
@@ -281,7 +288,10 @@ Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate
   if (stopped_) return Outcome::kStopped;
   const bool included = what <= last_what_ && (what != Evaluate::kStages || last_what_ == what ||
                                                last_outcome_ == Outcome::kRejected);
-  if (!differs_from_last(x) && included) return last_outcome_;
+  if (!differs_from_last(x) && included) {
+    note_idle();
+    return stopped_ ? Outcome::kStopped : last_outcome_;
+  }
   if (should_stop()) return Outcome::kStopped;
 
   clamp_to_z(x);
@@ -460,61 +470,33 @@ Outcome Evaluator::evaluate_start(const WarmStart& warm_start, Evaluate what, Ei
   return outcome;
 }
 
-bool Evaluator::evaluate_uncounted(const Eigen::VectorXd& x, Evaluate what, Evaluation& e) {
-  try {
-    if (stop_() != StopRequest::kNone) return false;
-    problem_.evaluate(expand(x), what, workspace(), e);
-  } catch (...) {
-    store_exception();
-    return false;
-  }
-  return e.valid[0] && std::isfinite(e.cost[0]) && e.constraints.allFinite() &&
-         (what < Evaluate::kGradient || (e.gradient.allFinite() && e.jacobian.allFinite()));
+EvaluatePoint Evaluator::uncounted() {
+  return [this](const Eigen::VectorXd& z, Evaluate what, Evaluation& e) {
+    try {
+      if (stopped_ || stop_() != StopRequest::kNone) return Outcome::kStopped;
+      problem_.evaluate(z, what, workspace(), e);
+    } catch (...) {
+      store_exception();
+      return Outcome::kStopped;
+    }
+    return is_usable(e, what) ? Outcome::kEvaluated : Outcome::kRejected;
+  };
 }
 
 bool Evaluator::can_descend() {
-  if (stopped_ || !incumbent_feasible() || !problem_.has_gradient() || free_.empty()) return false;
-  const Eigen::VectorXd from = incumbent_;
-  if (cannot_descend_from_.size() == from.size() && cannot_descend_from_ == from) return false;
-  // Not the one that evaluate() remembers its last point in.
+  if (stopped_ || !incumbent_feasible()) return false;
+  const EvaluatePoint evaluate = uncounted();
+  const Judgement judgement = judge_first_order(
+      problem_, expand(incumbent_), {options_.tolerance, options_.feasibility_tolerance}, evaluate);
+  if (judgement.verdict != Judgement::Verdict::kDescent) return false;
   Evaluation e;
-  if (!evaluate_uncounted(from, Evaluate::kGradient, e)) return false;
-
-  const Eigen::VectorXd width = upper_ - lower_;
-  std::vector<int> active;
-  for (int r = 0; r < num_constraints(); ++r) {
-    if (e.constraints(r, 0) <= 10.0 * options_.feasibility_tolerance) active.push_back(r);
-  }
-  const Eigen::VectorXd g = e.gradient(free_).cwiseProduct(width);
-  const Eigen::MatrixXd A = e.jacobian(active, free_) * width.asDiagonal();
-  const Eigen::VectorXd d = descent_direction(g, A, (from - lower_).cwiseQuotient(width));
-
-  const double cost = incumbent_cost_;
-  const double wanted = 10.0 * std::max(options_.tolerance, 1e-9) * std::max(1.0, std::abs(cost));
-  const double longest = d.lpNorm<Eigen::Infinity>();
-  // Shares of the widths, from far to near: where the cost is curved much, only a short step gains.
-  for (double step = 0.1; longest > 0.0 && step > 1e-6 && !stopped_; step *= 0.2) {
-    const double along = step / longest;
-    // To first order that is all it gains.
-    if (-along * g.dot(d) < wanted) break;
-    const Eigen::VectorXd x =
-        (from + along * d.cwiseProduct(width)).cwiseMax(lower_).cwiseMin(upper_);
-    if (!evaluate_uncounted(x, Evaluate::kValue, e)) continue;
-    const double violated = violation(e.constraints.col(0));
-    if (!(cost - e.cost[0] > wanted) || violated > options_.feasibility_tolerance) continue;
-    consider(x, e.cost[0], violated, e.constraints.col(0));
-    return true;
-  }
-  cannot_descend_from_ = from;
-  return false;
+  if (evaluate(judgement.better, Evaluate::kValue, e) != Outcome::kEvaluated) return false;
+  consider(reduce(judgement.better), e.cost[0], violation(e.constraints.col(0)),
+           e.constraints.col(0));
+  return true;
 }
 
 Result Evaluator::finish(StopReason reason, bool optimum, std::string detail, WarmStart next) {
-  // Of a solve within another one, the outer one asks.
-  if (reason == StopReason::kConverged && optimum && !outer_ && !beside() && can_descend()) {
-    reason = StopReason::kNumericalTrouble;
-    detail += ", but a step down the cost gains more";
-  }
   Result result;
   result.stop = stopped_ ? stop_reason_ : reason;
   result.detail = stopped_ ? stop_detail_ : std::move(detail);

@@ -15,15 +15,10 @@
 #include "engine/problem/solver.h"
 #include "engine/problem/stop_condition.h"
 #include "engine/support/worker_threads.h"
+#include "solvers/judge.h"
+#include "solvers/outcome.h"
 
 namespace prospect {
-
-/// What became of one request for an evaluation.
-enum class Outcome {
-  kEvaluated,  ///< the numbers are there, all finite
-  kRejected,   ///< evaluated, but some term is not defined at this point
-  kStopped     ///< not evaluated: the solve is over, the back end must return
-};
 
 /// Between every back end and the problem: what the Solver contract promises is kept here, once.
 ///
@@ -36,7 +31,8 @@ enum class Outcome {
 ///  lets
 ///    none out, so that no exception crosses a C or Fortran frame;
 ///  * treats non-finite results as rejected points;
-///  * counts, and ends the solve after max_evaluations;
+///  * counts, and ends the solve after max_evaluations; also one that goes round in circles, which
+///    asks again and again for what is remembered or counts iterations that evaluate nothing;
 ///  * remembers the last point, so that value, constraints and gradient asked one after another
 ///  cost
 ///    one evaluation.
@@ -142,6 +138,8 @@ class Evaluator {
   /// Asks the stop condition without evaluating. True also once anything else ended the solve.
   bool should_stop() { return should_stop(true); }
   bool stopped() const { return stopped_; }
+  /// Why the solve has ended with kError; "" otherwise.
+  std::string error() const { return stop_reason_ == StopReason::kError ? stop_detail_ : ""; }
   /// Ends the solve with kError.
   void fail(std::string message);
 
@@ -163,22 +161,25 @@ class Evaluator {
   }
   void count_iteration() {
     ++counters_.iterations;
+    note_idle();
     if (outer_) outer_->count_iteration();
   }
 
   /// Whether a step from the feasible incumbent down the cost gains more than ten times the
-  /// tolerance: then it is no optimum. The steps go along descent_direction() in variables scaled
-  /// by their bounds, whose widths say what is near; the better point becomes the incumbent. False
-  /// where nothing is known: no incumbent or an infeasible one, no gradient, a solve that is over.
-  /// The evaluations are not counted, as that of the explanation is not: a solve whose claim stands
-  /// is the same with and without. The stop condition is asked before each, and ends only this.
+  /// tolerance (judge_first_order()): then it is no optimum, and the better point becomes the
+  /// incumbent. False where nothing is known. The evaluations are not counted: a solve that is left
+  /// as it is by this is the same with and without.
   bool can_descend();
+  /// Evaluates points of all variables for those who judge the solve: neither counted nor compared
+  /// nor remembered. Asks the stop condition, which ends only this. Valid as long as the evaluator.
+  EvaluatePoint uncounted();
+  /// The last evaluation of evaluate(), as the problem gave it: all variables.
+  const Evaluation& last_evaluation() const { return evaluation_; }
 
   /// The result of the solve. What ended it here (deadline, cancellation, evaluations used up, an
   /// exception) goes before what the back end says. `optimum`: the back end's own test of
-  /// optimality holds at the incumbent. An optimum from which can_descend() is none: the result
-  /// says numerical trouble instead. Adds the explanation of x, which costs one more evaluation,
-  /// the only one after a stop.
+  /// optimality holds at the incumbent; SolverFrame has that claim judged. Adds the explanation of
+  /// x, which costs one more evaluation, the only one after a stop.
   Result finish(StopReason reason, bool optimum, std::string detail, WarmStart next);
 
  private:
@@ -193,8 +194,8 @@ class Evaluator {
   /// The same, here or outside.
   bool improves_any(double cost, double violation) const;
   void note_cost(double cost);
-  /// False where x is not evaluable or the stop condition says yes.
-  bool evaluate_uncounted(const Eigen::VectorXd& x, Evaluate what, Evaluation& e);
+  /// Ends a solve that has not evaluated anything for long.
+  void note_idle();
   /// Without `budget`, evaluations that are used up are no reason to stop.
   bool should_stop(bool budget);
   void count_evaluations(int count, bool gradient);
@@ -257,7 +258,7 @@ class Evaluator {
   double incumbent_cost_ = Problem::kRejectedCost;
   double incumbent_violation_ = 0.0;
   double worst_cost_ = 0.0;
-  Eigen::VectorXd cannot_descend_from_;  // a point where can_descend() found nothing
+  int idle_ = 0;  // requests and iterations since the last evaluation
 
   bool stopped_ = false;
   StopReason stop_reason_ = StopReason::kConverged;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "solvers/descent_direction.h"
+#include "solvers/typical_change.h"
 
 namespace prospect {
 
@@ -36,15 +37,11 @@ double first_order_residual(const Problem& problem, const Eigen::VectorXd& x,
   for (double& share : shares) {
     share = share <= kAtBound ? 0.0 : share >= 1.0 - kAtBound ? 1.0 : share;
   }
-  const Eigen::VectorXd g = e.gradient(free).cwiseProduct(width);
-  const Eigen::MatrixXd A = e.jacobian(active, free) * width.asDiagonal();
+  const Eigen::VectorXd change = typical_change(x(free), lower, lower + width);
+  const Eigen::VectorXd g = e.gradient(free).cwiseProduct(change);
+  const Eigen::MatrixXd A = e.jacobian(active, free) * change.asDiagonal();
   const Eigen::VectorXd d = descent_direction(g, A, shares);
   return d.lpNorm<Eigen::Infinity>() / std::max(1.0, std::abs(e.cost[0]));
-}
-
-Quality verified_quality(Quality claimed, double first_order_residual) {
-  if (claimed != Quality::kFeasibleOptimum) return claimed;
-  return first_order_residual <= kOptimalityTolerance ? claimed : Quality::kFeasible;
 }
 
 }  // namespace prospect

@@ -51,6 +51,14 @@ class GuardedSolver final : public Solver {
           !std::isfinite(result.violation)) {
         return failed("a result that is not finite; expected finite numbers", problem);
       }
+      const bool free = (problem.lower().array() < problem.upper().array()).any();
+      if (free && result.quality == Quality::kFeasibleOptimum) {
+        const Judgement judgement = judge(problem, result.x, {}, stop);
+        if (judgement.verdict != Judgement::Verdict::kOptimum) {
+          result.quality = Quality::kFeasible;
+          result.detail += ", not proven to be an optimum: " + judgement.why;
+        }
+      }
       return result;
     } catch (const std::exception& e) {
       return failed(e.what(), problem);

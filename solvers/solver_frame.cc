@@ -1,6 +1,9 @@
 #include "solvers/solver_frame.h"
 
+#include <chrono>
 #include <exception>
+
+#include "solvers/judged_rounds.h"
 
 namespace prospect {
 
@@ -17,13 +20,12 @@ std::string SolverFrame::explain_refusal(const Problem& problem, OptionSet& set)
   return why.empty() ? why : name() + ": " + why;
 }
 
-Result SolverFrame::solve_with(Evaluator& evaluator, const OptionSet& set,
-                               const WarmStart& warm_start) const {
+Result SolverFrame::solve_from(Evaluator& evaluator, const OptionSet& set,
+                               const WarmStart& warm_start, Outcome outcome,
+                               const Eigen::VectorXd& start) const {
   WarmStart next;
   next.time = warm_start.time;
   try {
-    Eigen::VectorXd start;
-    const Outcome outcome = evaluator.evaluate_start(warm_start, start_evaluation(), start);
     if (outcome != Outcome::kEvaluated) {
       return evaluator.finish(StopReason::kNumericalTrouble, false, "", next);
     }
@@ -39,14 +41,77 @@ Result SolverFrame::solve_with(Evaluator& evaluator, const OptionSet& set,
   return evaluator.finish(StopReason::kError, false, "", next);
 }
 
+Result SolverFrame::solve_with(Evaluator& evaluator, const OptionSet& set,
+                               const WarmStart& warm_start) const {
+  Eigen::VectorXd start;
+  const Outcome outcome = evaluator.evaluate_start(warm_start, start_evaluation(), start);
+  return solve_from(evaluator, set, warm_start, outcome, start);
+}
+
+Result SolverFrame::solve_scaled(const Problem& problem, const ProblemScale& scale,
+                                 const OptionSet& set, const CommonOptions& common,
+                                 const WarmStart& warm_start, const StopCondition& stop) const {
+  if (scale.plain()) {
+    Evaluator evaluator(problem, common, stop);
+    return solve_with(evaluator, set, warm_start);
+  }
+  const Problem rescaled = scale.apply(problem);
+  Evaluator evaluator(rescaled, common, stop);
+  Result result = solve_with(evaluator, set, scale.apply(warm_start));
+  scale.undo(problem, result);
+  return result;
+}
+
+Result SolverFrame::solve_in_rounds(const Problem& problem, const OptionSet& set,
+                                    const WarmStart& warm_start, const StopCondition& stop) const {
+  const auto begin = std::chrono::steady_clock::now();
+  Evaluator first(problem, set.common(), stop);
+  // Of the first evaluator: what judges lies beside what is solved.
+  const EvaluatePoint evaluate = first.uncounted();
+  Eigen::VectorXd start;
+  const Outcome outcome = first.evaluate_start(warm_start, start_evaluation(), start);
+  ProblemScale scale;
+  if (outcome == Outcome::kEvaluated &&
+      !looks_plain(problem, first.expand(start), first.last_evaluation())) {
+    scale = scale_near(problem, first.expand(start), evaluate);
+  }
+  JudgedRounds rounds(problem, set.common(), evaluate);
+  Result result;
+  if (scale.plain()) {
+    result = solve_from(first, set, warm_start, outcome, start);
+  } else {
+    // The start is evaluated again, and counts once.
+    Counters before = first.counters();
+    --before.cost_evaluations;
+    if (before.gradient_evaluations > 0) --before.gradient_evaluations;
+    rounds.count(before);
+    WarmStart from = warm_start;
+    from.x = first.expand(start);
+    result = solve_scaled(problem, scale, set, rounds.options(), from, stop);
+  }
+  while (rounds.judge(scale, result)) {
+    WarmStart from = warm_start;
+    from.x = rounds.next_start();
+    scale = rounds.next_scale();
+    result = solve_scaled(problem, scale, set, rounds.options(), from, stop);
+  }
+  if (!first.error().empty()) {  // of the judge, if the round did not end with it
+    result.stop = StopReason::kError;
+    result.detail = first.error();
+    if (result.quality == Quality::kFeasibleOptimum) result.quality = Quality::kFeasible;
+  }
+  result.wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return result;
+}
+
 Result SolverFrame::solve(const Problem& problem, const WarmStart& warm_start,
                           const Options& options, const StopCondition& stop) const {
   try {
     OptionSet set = read(options);
     const std::string refusal = explain_refusal(problem, set);
     if (!refusal.empty()) return failed_result(problem, refusal);
-    Evaluator evaluator(problem, set.common(), stop);
-    return solve_with(evaluator, set, warm_start);
+    return solve_in_rounds(problem, set, warm_start, stop);
   } catch (const std::exception& e) {
     return failed_result(problem, name() + ": " + e.what());
   } catch (...) {

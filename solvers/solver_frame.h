@@ -8,12 +8,20 @@
 #include "engine/problem/stop_condition.h"
 #include "solvers/evaluator.h"
 #include "solvers/options.h"
+#include "solvers/problem_scale.h"
 
 namespace prospect {
 
 /// What every back end does before and after its own algorithm: strict options, refusal of problems
 /// it cannot solve, the evaluated start, problems without a free variable, and no exception out of
 /// solve().
+///
+/// What the algorithm comes to is judged (judge.h): an optimum is claimed only where it is proven,
+/// and an infeasible end where no step lessens the violation has the stop reason kInfeasible. A
+/// problem whose cost or constraints are in no plain units at its start is solved in others
+/// (problem_scale.h). Where the judge finds a better point, or the units at the end are others, the
+/// algorithm goes on from there, with the evaluations that are left, up to kRounds times in all.
+/// The evaluations of the judge are not counted; they are made while the stop condition allows.
 class SolverFrame : public Solver {
  public:
   Result solve(const Problem& problem, const WarmStart& warm_start, const Options& options,
@@ -45,7 +53,16 @@ class SolverFrame : public Solver {
   /// Empty, or why the solve cannot begin.
   std::string explain_refusal(const Problem& problem, OptionSet& set) const;
   OptionSet read(const Options& options) const;
+  /// With the start evaluated before: `start`, of which `outcome` came.
+  Result solve_from(Evaluator& evaluator, const OptionSet& set, const WarmStart& warm_start,
+                    Outcome outcome, const Eigen::VectorXd& start) const;
   Result solve_with(Evaluator& evaluator, const OptionSet& set, const WarmStart& warm_start) const;
+  Result solve_in_rounds(const Problem& problem, const OptionSet& set, const WarmStart& warm_start,
+                         const StopCondition& stop) const;
+  /// One round in units of `scale`, from warm_start.x. The result is in those of the problem.
+  Result solve_scaled(const Problem& problem, const ProblemScale& scale, const OptionSet& set,
+                      const CommonOptions& common, const WarmStart& warm_start,
+                      const StopCondition& stop) const;
 };
 
 /// Sentence for a gradient back end that cannot take the problem; empty if it can.

@@ -13,8 +13,8 @@ $("facts").textContent = [bench.program, commit, build.compiler, build.build_typ
   bench.cancelled ? "cancelled before all problems were done" : "", plural(problems, "problem"), plural(bench.solvers.length, "back end"),
   plural(bench.repeats, "repeat"), `at most ${bench.max_evaluations} evaluations`, `${bench.seeds.length > 1 ? "seeds" : "seed"} ${bench.seeds.join(", ")}`].filter(Boolean).join(" · ");
 $("rule").textContent = `Solved: feasible to ${compact(bench.feasibility_tolerance)} and a cost of at most best + max(${bench.relative_tolerance} |best|, a), ` +
-  bench.sets.map((set) => `a = ${set.absolute_tolerance} in ${set.name}`).join(", ") +
-  `. Best: the best cost known, or found in this run where none is known or that is lower (${found} of ${plural(problems, "problem")}). Optimum: claimed by the back end, and the first-order residual, measured here alike for all, is at most ${bench.optimality_tolerance}. “To target”: until the first such point, over all problems; – where more than the stated share was not solved. Geometric means and ranks: with 95 % intervals over the problems (hover).`;
+  bench.sets.map((set) => set.absolute_tolerance > 0 ? `a = ${set.absolute_tolerance} in ${set.name}` : `of the difference between start and best in ${set.name}`).join(", ") +
+  `. Best: the best cost known, or found in this run where none is known or that is lower (${found} of ${plural(problems, "problem")}). Optimum: claimed by the back end, and proven by the judge of all. “To target”: until the first such point, over all problems; – where more than the stated share was not solved. Geometric means and ranks: with 95 % intervals over the problems (hover).`;
 
 // ---- Colours: one a back end, the same in all plots -----------------------------------------------
 const hues = ["#2563eb", "#ea580c", "#0d9488", "#c026d3", "#ca8a04", "#dc2626", "#65a30d", "#0891b2", "#7c3aed", "#57534e",

@@ -15,7 +15,6 @@
 #include "adapters/files/input_error.h"
 #include "models/range_text.h"
 #include "models/version.h"
-#include "solvers/first_order_residual.h"
 
 namespace prospect {
 namespace {
@@ -145,6 +144,7 @@ Json row_json(const BenchTable& table, const BenchRow& row, bool traces) {
                {"quality", to_string(row.quality)},
                {"claimed", to_string(row.claimed)},
                {"optimality", row.optimality},
+               {"held", row.held},
                {"seed", row.seed},
                {"environment", row.environment},
                {"load", row.load},
@@ -228,7 +228,6 @@ Json bench_json(const BenchTable& table, const std::vector<GroupSummary>& groups
           {"cancelled", table.cancelled},
           {"relative_tolerance", table.relative_tolerance},
           {"feasibility_tolerance", kFeasible},
-          {"optimality_tolerance", kOptimalityTolerance},
           {"repeats", table.repeats},
           {"max_evaluations", table.max_evaluations},
           {"seeds", table.seeds},

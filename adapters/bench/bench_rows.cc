@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int kFormat = 1;
+constexpr int kFormat = 2;
 
 std::string line_of(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + '\n';
@@ -35,7 +35,9 @@ Json head_json(const BenchTable& table) {
            {"variables", problem.variables},
            {"constraints", problem.constraints},
            {"fingerprint", problem.fingerprint},
-           {"best_known", problem.best_known ? Json(*problem.best_known) : Json(nullptr)}});
+           {"best_known", problem.best_known ? Json(*problem.best_known) : Json(nullptr)},
+           {"start_cost", problem.start_cost},
+           {"cost_change", problem.cost_change}});
     }
     sets.push_back({{"name", set.name},
                     {"best_known_source", set.best_known_source},
@@ -70,6 +72,7 @@ Json row_json(const BenchTable& table, const BenchRow& row) {
             {"seed", row.seed},
             {"load", row.load},
             {"supported", row.supported},
+            {"held", row.held},
             {"stop", to_string(row.stop)},
             {"claimed", to_string(row.claimed)},
             {"quality", to_string(row.quality)},
@@ -104,8 +107,8 @@ Enum named(const Json& json, std::initializer_list<Enum> all) {
 
 StopReason stop_named(const Json& json) {
   using enum StopReason;
-  return named(json,
-               {kConverged, kDeadline, kIterationLimit, kCancelled, kNumericalTrouble, kError});
+  return named(json, {kConverged, kDeadline, kIterationLimit, kCancelled, kNumericalTrouble,
+                      kInfeasible, kUnbounded, kError});
 }
 
 Quality quality_named(const Json& json) {
@@ -130,6 +133,8 @@ BenchTable table_of(const Json& head) {
     for (const Json& problem : set.at("problems")) {
       ProblemFacts p{problem.at("name"), problem.at("variables"), problem.at("constraints"),
                      problem.at("fingerprint"), std::nullopt};
+      p.start_cost = number(problem.at("start_cost"), std::numeric_limits<double>::quiet_NaN());
+      p.cost_change = number(problem.at("cost_change"), 0.0);
       if (!problem.at("best_known").is_null())
         p.best_known = problem.at("best_known").get<double>();
       facts.problems.push_back(std::move(p));
@@ -166,6 +171,7 @@ BenchRow row_of(const Json& json, const BenchTable& table, int environment) {
       table.seeds, [&](int s) { return s == row.seed; }, "the row's seed");
   row.load = number(json.at("load"), kUnknown);
   json.at("supported").get_to(row.supported);
+  json.at("held").get_to(row.held);
   row.stop = stop_named(json.at("stop"));
   row.claimed = quality_named(json.at("claimed"));
   row.quality = quality_named(json.at("quality"));

@@ -10,6 +10,8 @@
 #include <utility>
 
 #include "solvers/first_order_residual.h"
+#include "solvers/judge.h"
+#include "solvers/problem_scale.h"
 
 namespace prospect {
 namespace {
@@ -40,6 +42,74 @@ void fill_caches(const BenchProblem& problem) {
   }
 }
 
+/// Whether x is near a bound that nobody stated.
+bool is_held(const BenchProblem& problem, const Problem& within, const Eigen::VectorXd& x) {
+  constexpr double kNear = 0.01;  // of the width
+  const auto near = [&](double distance, int i) {
+    return distance <= kNear * (within.upper()[i] - within.lower()[i]);
+  };
+  return x.size() == within.num_variables() &&
+         (std::any_of(problem.no_lower.begin(), problem.no_lower.end(),
+                      [&](int i) { return near(x[i] - within.lower()[i], i); }) ||
+          std::any_of(problem.no_upper.begin(), problem.no_upper.end(),
+                      [&](int i) { return near(within.upper()[i] - x[i], i); }));
+}
+
+/// A solve, and the problem that it was of in the end.
+struct BenchSolve {
+  Result result;
+  std::shared_ptr<const Problem> within;
+  bool held = false;
+};
+
+/// Solves the problem; where the solution is at a bound that nobody stated, again from there with
+/// such bounds farther out, with the evaluations that are left.
+BenchSolve solve_within_stated_bounds(const BenchProblem& problem, const Solver& solver,
+                                      Options given, const StopCondition& stop) {
+  constexpr double kFarther[] = {1e4, 1e6, 1e8};
+  constexpr int kLeastEvaluations = 10;
+  const auto begin = WallClock::now();
+  BenchSolve solve{solver.solve(*problem.problem, problem.start, given, stop), problem.problem};
+  Result& result = solve.result;
+  const auto budget = given.find("max_evaluations");
+  bool falls = false;
+  for (const double far : kFarther) {
+    solve.held = result.quality != Quality::kNone && is_held(problem, *solve.within, result.x);
+    falls = false;
+    if (!solve.held || result.stop == StopReason::kError || stop() != StopRequest::kNone) break;
+    if (budget != given.end()) {
+      if (!std::holds_alternative<int>(budget->second)) break;
+      const int left = std::get<int>(budget->second) - result.counters.cost_evaluations;
+      if (left < kLeastEvaluations) break;
+    }
+    Options rest = given;
+    if (budget != given.end()) {
+      rest["max_evaluations"] = std::get<int>(budget->second) - result.counters.cost_evaluations;
+    }
+    solve.within = problem.with_bounds(far);
+    WarmStart from;
+    from.x = result.x;
+    const double seconds = std::chrono::duration<double>(WallClock::now() - begin).count();
+    Result more = solver.solve(*solve.within, from, rest, stop);
+    for (Improvement& i : more.trace) {
+      i.seconds += seconds;
+      i.evaluations += result.counters.cost_evaluations;
+    }
+    more.trace.insert(more.trace.begin(), result.trace.begin(), result.trace.end());
+    more.counters.cost_evaluations += result.counters.cost_evaluations;
+    more.counters.gradient_evaluations += result.counters.gradient_evaluations;
+    more.counters.iterations += result.counters.iterations;
+    falls = more.cost < result.cost;
+    result = std::move(more);
+  }
+  solve.held = result.quality != Quality::kNone && is_held(problem, *solve.within, result.x);
+  if (!solve.held) return solve;
+  result.detail += ", held by a bound that nobody stated";
+  if (result.quality == Quality::kFeasibleOptimum) result.quality = Quality::kFeasible;
+  if (falls && result.quality == Quality::kFeasible) result.stop = StopReason::kUnbounded;
+  return solve;
+}
+
 BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, double limit, int seed,
                     const BenchOptions& options) {
   // A back end from elsewhere may lack an option that all of ours have.
@@ -52,7 +122,8 @@ BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, dou
   const auto begin = WallClock::now();
   StopCondition stop = limit > 0.0 ? deadline(limit) : StopCondition();
   if (options.cancelled) stop = stop || cancelled_by(options.cancelled);
-  Result result = choice.solver->solve(*problem.problem, problem.start, given, stop);
+  BenchSolve solve = solve_within_stated_bounds(problem, *choice.solver, given, stop);
+  Result& result = solve.result;
   const double seconds = std::chrono::duration<double>(WallClock::now() - begin).count();
 
   BenchRow row;
@@ -60,9 +131,13 @@ BenchRow solve_once(const BenchProblem& problem, const SolverChoice& choice, dou
   row.seed = seed;
   row.stop = result.stop;
   row.claimed = row.quality = result.quality;
+  row.held = solve.held;
   if (result.quality != Quality::kNone) {
-    row.optimality = measured_residual(*problem.problem, result.x);
-    row.quality = verified_quality(result.quality, row.optimality);
+    row.optimality = measured_residual(*solve.within, result.x);
+    if (result.quality == Quality::kFeasibleOptimum &&
+        judge(*solve.within, result.x).verdict != Judgement::Verdict::kOptimum) {
+      row.quality = Quality::kFeasible;
+    }
     row.x = std::move(result.x);
   }
   row.cost = result.cost;
@@ -86,6 +161,38 @@ bool better(const BenchRow& a, const BenchRow& b) {
   if (usable(a) != usable(b)) return usable(a);
   if (feasible(a) != feasible(b)) return feasible(a);
   return feasible(a) ? a.cost < b.cost : a.violation < b.violation;
+}
+
+ProblemFacts facts_of(const BenchProblem& problem) {
+  const Problem& p = *problem.problem;
+  ProblemFacts facts{problem.name, p.num_variables(), p.num_constraints(),
+                     problem_fingerprint(problem), problem.best_known};
+  const Eigen::VectorXd start =
+      problem.start.x.size() == p.num_variables()
+          ? Eigen::VectorXd(problem.start.x.cwiseMax(p.lower()).cwiseMin(p.upper()))
+          : Eigen::VectorXd(0.5 * (p.lower() + p.upper()));
+  try {
+    Workspace workspace = p.make_workspace();
+    const EvaluatePoint evaluate = [&](const Eigen::VectorXd& z, Evaluate what, Evaluation& e) {
+      p.evaluate(z, what, workspace, e);
+      return is_usable(e, what) ? Outcome::kEvaluated : Outcome::kRejected;
+    };
+    Evaluation e;
+    if (evaluate(start, Evaluate::kValue, e) == Outcome::kEvaluated &&
+        violation(e.constraints.col(0)) <= kFeasible) {
+      facts.start_cost = e.cost[0];
+    }
+    facts.cost_change = cost_change_near(p, start, evaluate);
+    // A start that cannot be evaluated: on the way to the bounds.
+    for (const double share : {0.5, 0.25, 0.75, 0.1, 0.9}) {
+      if (facts.cost_change > 0.0) break;
+      const Eigen::VectorXd x = p.lower() + share * (p.upper() - p.lower());
+      facts.cost_change = cost_change_near(p, x, evaluate);
+    }
+  } catch (...) {
+    // A term that throws: each back end says so.
+  }
+  return facts;
 }
 
 /// The row that stands for the repeats, see BenchRow.
@@ -130,9 +237,7 @@ BenchTable empty_bench(const std::vector<ProblemSet>& sets,
   for (const ProblemSet& set : sets) {
     ProblemSetFacts facts{set.name, set.best_known_source, set.absolute_tolerance, {}};
     for (const BenchProblem& problem : set.problems) {
-      facts.problems.push_back({problem.name, problem.problem->num_variables(),
-                                problem.problem->num_constraints(), problem_fingerprint(problem),
-                                problem.best_known});
+      facts.problems.push_back(facts_of(problem));
     }
     table.sets.push_back(std::move(facts));
   }

@@ -32,8 +32,10 @@ BenchTable empty_bench(const std::vector<ProblemSet>& sets,
 /// while slows all of them. An error of a back end (StopReason::kError) is a row that solves
 /// nothing.
 ///
-/// A claimed optimum is verified for all back ends alike (first_order_residual.h), after the clock
-/// has stopped.
+/// A claimed optimum is judged for all back ends alike (judge.h), after the clock has stopped. A
+/// solution at a bound that nobody stated is none: the solve goes on from there with such bounds
+/// farther out, up to 1e8 beyond the start; if the cost still falls there, the problem is unbounded
+/// (StopReason::kUnbounded), and the row solves nothing.
 ///
 /// `table`: that of empty_bench(), with rows of an earlier run, which are not solved again.
 BenchTable run_bench(const std::vector<ProblemSet>& sets, const std::vector<SolverChoice>& solvers,

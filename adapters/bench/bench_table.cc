@@ -1,11 +1,17 @@
 #include "adapters/bench/bench_table.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 
 #include "models/range_text.h"
 
 namespace prospect {
+
+double ProblemFacts::difference(double best) const {
+  const double fallen = std::abs(start_cost - best);
+  return std::isfinite(fallen) ? std::max(fallen, cost_change) : cost_change;
+}
 
 bool feasible(const BenchRow& row) {
   return row.supported && row.stop != StopReason::kError && row.quality != Quality::kNone &&
@@ -39,15 +45,15 @@ void judge(BenchTable& table) {
   for (const BenchRow& row : table.rows) {
     BestKnown& best =
         table.best[static_cast<std::size_t>(row.set)][static_cast<std::size_t>(row.problem)];
-    if (feasible(row) && row.cost < best.cost) best = {row.cost, table.solver_of(row)};
+    if (feasible(row) && !row.held && row.cost < best.cost) best = {row.cost, table.solver_of(row)};
   }
   for (BenchRow& row : table.rows) {
     constexpr double kNever = std::numeric_limits<double>::infinity();
     row.solved = false;
     row.gap = row.seconds_to_target = row.evaluations_to_target = kNever;
-    if (!feasible(row)) continue;
+    if (!feasible(row) || row.held) continue;
     const double best = table.best_of(row).cost;
-    const SolvedRule rule = table.rule(row.set);
+    const SolvedRule rule = table.rule(row);
     row.solved = rule.solved(row.cost, row.violation, best);
     row.gap = rule.gap(row.cost, best);
     for (const Improvement& i : row.trace) {

@@ -20,12 +20,18 @@ struct ProblemFacts {
   /// problem_fingerprint() of problem_set.h: two benches with the same one solve the same problem.
   std::string fingerprint;
   std::optional<double> best_known;  ///< before the run
+  /// Of the point where back ends start, if it is feasible; NaN: not known.
+  double start_cost = std::numeric_limits<double>::quiet_NaN();
+  double cost_change = 0.0;  ///< cost_change_near() the start
+
+  /// SolvedRule::difference: |start_cost - best|, or cost_change, if that is more.
+  double difference(double best) const;
 };
 
 struct ProblemSetFacts {
   std::string name;
   std::string best_known_source;     ///< where best_known is from, in words; empty: from nowhere
-  double absolute_tolerance = 1e-3;  ///< of SolvedRule
+  double absolute_tolerance = 1e-3;  ///< of SolvedRule; 0: its costs have no unit that is known
   std::vector<ProblemFacts> problems;
 };
 
@@ -42,9 +48,10 @@ struct BenchRow {
   int environment = 0;    ///< index: where it was measured
   double load = 0.0;      ///< of the machine, mean of the last minute; NaN: not known
   bool supported = true;  ///< false: the back end cannot solve this problem
+  bool held = false;      ///< by a bound that nobody stated: x is no solution of the problem
   StopReason stop = StopReason::kError;
   Quality claimed = Quality::kNone;  ///< by the back end
-  Quality quality = Quality::kNone;  ///< verified_quality() of the claim
+  Quality quality = Quality::kNone;  ///< of the claim, judged (judge.h)
   /// first_order_residual() of x, measured after the solve; NaN: not known.
   double optimality = std::numeric_limits<double>::quiet_NaN();
   double cost = Problem::kRejectedCost;
@@ -91,8 +98,9 @@ struct BenchTable {
   /// What measured: the program, its libraries and the machine. Objects.
   std::vector<nlohmann::ordered_json> environments;
 
-  SolvedRule rule(int set) const {
-    return {relative_tolerance, sets[static_cast<std::size_t>(set)].absolute_tolerance};
+  SolvedRule rule(const BenchRow& row) const {
+    return {relative_tolerance, set_of(row).absolute_tolerance,
+            problem_of(row).difference(best_of(row).cost)};
   }
   const ProblemSetFacts& set_of(const BenchRow& row) const {
     return sets[static_cast<std::size_t>(row.set)];

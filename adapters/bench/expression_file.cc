@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -14,6 +15,7 @@
 #include "adapters/files/input_error.h"
 #include "problems/expression.h"
 #include "problems/function_problem.h"
+#include "solvers/typical_change.h"
 
 namespace prospect {
 namespace {
@@ -21,9 +23,10 @@ namespace {
 namespace fs = std::filesystem;
 using UnorderedJson = nlohmann::json;
 
-constexpr double kFarBound = 100.0;
+constexpr double kFarBound = 100.0;  // beyond the start, where none is stated
 constexpr double kEqualityBand = 1e-6;
 constexpr int kMostVariables = 1000;
+constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// One problem of the file; every complaint begins with where it is.
 class Entry {
@@ -103,11 +106,30 @@ class Entry {
   const UnorderedJson& json_;
 };
 
-/// c(x) as rows sign * expression + shift >= 0.
+/// c(x) as rows factor * expression + shift >= 0.
 struct Row {
   Expression expression;
-  double sign, shift;
+  double factor, shift;
 };
+
+/// What a typical change of the variables changes the expression by, or its value, if that is more,
+/// at points around the start: the unit of an equality, of which a band is a share. 1 where that is
+/// a plain unit everywhere.
+double unit_of(const Expression& h, const FunctionProblem& p) {
+  const Eigen::VectorXd start = p.start.cwiseMax(p.lower).cwiseMin(p.upper);
+  const Eigen::VectorXd s = typical_change(start, p.lower, p.upper);
+  double largest = 0.0, least = std::numeric_limits<double>::infinity();
+  for (const double share : {0.0, -1.0, -0.3, 0.2, 0.7}) {
+    const Eigen::VectorXd x = (start + share * s).cwiseMax(p.lower).cwiseMin(p.upper);
+    const double change = h.gradient(x).cwiseProduct(s).lpNorm<Eigen::Infinity>();
+    const double size = std::max(std::abs(h.value(x)), change);
+    if (!std::isfinite(size) || size == 0.0) continue;
+    largest = std::max(largest, size);
+    least = std::min(least, size);
+  }
+  if (largest > 0.0 && largest < kSmallestUnit) return largest;
+  return std::isfinite(least) && least > kLargestUnit ? least : 1.0;
+}
 
 BenchProblem read_function_problem(const std::string& path, std::size_t index,
                                    const UnorderedJson& json) {
@@ -121,9 +143,19 @@ BenchProblem read_function_problem(const std::string& path, std::size_t index,
     entry.fail("n is no such number", "a whole number from 1 to " + std::to_string(kMostVariables));
   }
   p.start = entry.numbers("x0", n, 0.0, false);
-  const double far = std::max(kFarBound, p.start.cwiseAbs().maxCoeff() + kFarBound);
-  p.lower = entry.numbers("lower", n, -far, true);
-  p.upper = entry.numbers("upper", n, far, true);
+  const Eigen::VectorXd lower = entry.numbers("lower", n, -kNoBound, true);
+  const Eigen::VectorXd upper = entry.numbers("upper", n, kNoBound, true);
+  const double from = p.start.cwiseAbs().maxCoeff();
+  const auto bound = [lower, upper, from](FunctionProblem& of, double far) {
+    of.lower = lower;
+    of.upper = upper;
+    for (Eigen::Index i = 0; i < lower.size(); ++i) {
+      // What is stated may be farther out than the start.
+      if (lower[i] == -kNoBound) of.lower[i] = std::min(-from, upper[i]) - far;
+      if (upper[i] == kNoBound) of.upper[i] = std::max(from, lower[i]) + far;
+    }
+  };
+  bound(p, kFarBound);
   for (int i = 0; i < n; ++i) {
     if (p.lower[i] > p.upper[i]) {
       entry.fail("lower[" + std::to_string(i) + "] is above upper", "lower <= upper");
@@ -137,25 +169,37 @@ BenchProblem read_function_problem(const std::string& path, std::size_t index,
     rows.push_back({std::move(c), 1.0, 0.0});
   }
   for (const Expression& h : entry.expressions("equalities_zero", n)) {
-    rows.push_back({h, 1.0, kEqualityBand});
-    rows.push_back({h, -1.0, kEqualityBand});
+    const double unit = unit_of(h, p);
+    rows.push_back({h, 1.0 / unit, kEqualityBand});
+    rows.push_back({h, -1.0 / unit, kEqualityBand});
   }
   p.rows = static_cast<int>(rows.size());
   p.c = [rows](const Eigen::VectorXd& x) {
     Eigen::VectorXd c(static_cast<Eigen::Index>(rows.size()));
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      c[static_cast<Eigen::Index>(r)] = rows[r].sign * rows[r].expression.value(x) + rows[r].shift;
+      c[static_cast<Eigen::Index>(r)] =
+          rows[r].factor * rows[r].expression.value(x) + rows[r].shift;
     }
     return c;
   };
   p.J = [rows](const Eigen::VectorXd& x) {
     Eigen::MatrixXd J(static_cast<Eigen::Index>(rows.size()), x.size());
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      J.row(static_cast<Eigen::Index>(r)) = rows[r].sign * rows[r].expression.gradient(x);
+      J.row(static_cast<Eigen::Index>(r)) = rows[r].factor * rows[r].expression.gradient(x);
     }
     return J;
   };
-  return started(p.name, p.problem(), p.start, entry.number_if_known("f_opt"));
+  BenchProblem made = started(p.name, p.problem(), p.start, entry.number_if_known("f_opt"));
+  for (int i = 0; i < n; ++i) {
+    if (lower[i] == -kNoBound) made.no_lower.push_back(i);
+    if (upper[i] == kNoBound) made.no_upper.push_back(i);
+  }
+  made.with_bounds = [p, bound](double far) {
+    FunctionProblem wider = p;
+    bound(wider, far);
+    return std::make_shared<const Problem>(wider.problem());
+  };
+  return made;
 }
 
 }  // namespace
@@ -173,6 +217,7 @@ ProblemSet read_expression_file(const std::string& path) {
   }
   ProblemSet set;
   set.name = fs::path(path).stem().string();
+  set.absolute_tolerance = 0.0;
   std::set<std::string> names;
   for (std::size_t i = 0; i < list->size(); ++i) {
     BenchProblem problem = read_function_problem(path, i, (*list)[i]);

@@ -20,7 +20,7 @@ std::vector<double> curve_places(double first, double last, int count) {
 
 double gap_at(const BenchTable& table, const BenchRow& row, GapAxis axis, double at) {
   constexpr double kFar = std::numeric_limits<double>::infinity();
-  if (row.stop == StopReason::kError) return kFar;
+  if (row.stop == StopReason::kError || row.held) return kFar;
   const double best = table.best_of(row).cost;
   const Improvement* last = nullptr;
   for (const Improvement& i : row.trace) {
@@ -28,7 +28,7 @@ double gap_at(const BenchTable& table, const BenchRow& row, GapAxis axis, double
     last = &i;
   }
   if (!last || last->violation > kFeasible) return kFar;
-  return table.rule(row.set).gap(last->cost, best);
+  return table.rule(row).gap(last->cost, best);
 }
 
 GapCurve gap_curve(const BenchTable& table, const std::vector<const BenchRow*>& rows, GapAxis axis,

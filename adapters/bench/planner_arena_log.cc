@@ -13,7 +13,8 @@ namespace {
 
 constexpr std::array kStops = {StopReason::kConverged,        StopReason::kDeadline,
                                StopReason::kIterationLimit,   StopReason::kCancelled,
-                               StopReason::kNumericalTrouble, StopReason::kError};
+                               StopReason::kNumericalTrouble, StopReason::kError,
+                               StopReason::kInfeasible,       StopReason::kUnbounded};
 
 /// One word on one line, as the reader of the format splits it.
 std::string word_of(std::string text) {
@@ -55,7 +56,7 @@ std::string progress_of(const BenchTable& table, const BenchRow& row) {
   for (const Improvement& i : row.trace) {
     if (!feasible(row) || i.violation > kFeasible || !std::isfinite(i.cost)) continue;
     line += field_of(i.seconds) + ',' + field_of(i.cost) + ',' +
-            field_of(table.rule(row.set).gap(i.cost, best)) + ",;";
+            field_of(table.rule(row).gap(i.cost, best)) + ",;";
   }
   return line + '\n';
 }

@@ -32,7 +32,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kBestFile = "best_known.json";
 
 ProblemSet zoo_set() {
-  ProblemSet set{"zoo", "known optima", 1e-3, {}, "", {}};
+  ProblemSet set{"zoo", "known optima", 0.0, {}, "", {}};
   for (const auto& problems : {zoo::well_scaled(), zoo::badly_scaled()}) {
     for (const FunctionProblem& p : problems) {
       set.problems.push_back(started(p.name, p.problem(), p.start, p.optimum));
@@ -94,6 +94,7 @@ ProblemSet mission_set(const Configuration& configuration, const Registries& reg
 ProblemSet named_set(const std::string& name, const ProblemRegistry& registry) {
   ProblemSet set;
   set.name = name;
+  set.absolute_tolerance = 0.0;
   for (const ProblemEntry& entry : registry.problems(name)) {
     const std::string which = "problem '" + entry.name + "' of set '" + name + "': ";
     try {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +22,11 @@ struct BenchProblem {
   WarmStart start;  ///< x; of missions also the planner's seeds
   /// Cost of the best feasible point known before the run; none if nobody has looked.
   std::optional<double> best_known;
+  /// Variables without a stated bound below or above. The problem has bounds there, as every one
+  /// has, which are moved outwards where a solve comes to them: see run_bench().
+  std::vector<int> no_lower, no_upper;
+  /// The problem with these bounds `far` beyond the start.
+  std::function<std::shared_ptr<const Problem>(double far)> with_bounds;
 };
 
 /// A problem that starts at x.
@@ -36,7 +42,8 @@ std::string problem_fingerprint(const BenchProblem& problem);
 struct ProblemSet {
   std::string name;
   std::string best_known_source;  ///< where best_known is from, in words; empty: from nowhere
-  /// What counts as the same cost where the best known is near 0: SolvedRule.
+  /// What counts as the same cost where the best known is near 0: SolvedRule. 0: nothing is known
+  /// of the unit of its costs.
   double absolute_tolerance = 1e-3;
   std::vector<BenchProblem> problems;
   std::string folder;              ///< that the problems are from, to keep best costs in; or ""

@@ -206,6 +206,8 @@ void bind_results(py::module_& m) {
       .value("ITERATION_LIMIT", StopReason::kIterationLimit)
       .value("CANCELLED", StopReason::kCancelled)
       .value("NUMERICAL_TROUBLE", StopReason::kNumericalTrouble)
+      .value("INFEASIBLE", StopReason::kInfeasible)
+      .value("UNBOUNDED", StopReason::kUnbounded)
       .value("ERROR", StopReason::kError);
   py::enum_<Quality>(m, "Quality", "How good x is; says nothing of why the solve ended.")
       .value("FEASIBLE_OPTIMUM", Quality::kFeasibleOptimum)

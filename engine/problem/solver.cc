@@ -14,6 +14,10 @@ std::string_view to_string(StopReason reason) {
       return "cancelled";
     case StopReason::kNumericalTrouble:
       return "numerical trouble";
+    case StopReason::kInfeasible:
+      return "locally infeasible";
+    case StopReason::kUnbounded:
+      return "unbounded";
     case StopReason::kError:
       return "error";
   }

@@ -20,12 +20,14 @@ enum class StopReason {
   kIterationLimit,  ///< iterations, evaluations or samples used up
   kCancelled,
   kNumericalTrouble,  ///< the method could not go on; the incumbent stands
-  kError  ///< the problem threw, an option was wrong, the back end is absent; see detail
+  kInfeasible,        ///< no small step lessens the violation of the incumbent
+  kUnbounded,  ///< the cost falls as far as it was followed: no bound that was stated ends it
+  kError       ///< the problem threw, an option was wrong, the back end is absent; see detail
 };
 
 /// How good the incumbent is. Says nothing of why the solve ended.
 enum class Quality {
-  kFeasibleOptimum,  ///< feasible, and the method's own convergence test holds
+  kFeasibleOptimum,  ///< feasible, the method's own test holds, and test_optimality() proves it
   kFeasible,         ///< violation <= tolerance
   kInfeasible,       ///< a point was evaluated, none feasible: the least violated one
   kNone              ///< no point could be evaluated

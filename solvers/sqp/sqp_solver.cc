@@ -95,6 +95,10 @@ class Sqp {
       const double least = tolerance * std::max(1.0, std::abs(here_.cost));
       const bool feasible =
           violation(here_.constraints) <= evaluator_.options().feasibility_tolerance;
+      // Also where constraints that contradict each other hold it: the step promises nothing.
+      if (!feasible && expected_ <= 0.1 * least && left_ > 0.99 * missing(here_.constraints)) {
+        return end(StopReason::kNumericalTrouble, "no step lessens the violation", std::move(next));
+      }
       if (feasible && (expected_ <= 0.1 * least || small >= kSmallSteps)) {
         return end(StopReason::kConverged, "steps promise less than the tolerance",
                    std::move(next));
@@ -324,8 +328,8 @@ class Sqp {
       Q_.noalias() -= Qs_ * Qs_.transpose() / sQs;
     }
     const double sy = s_.dot(y_);
-    const double lengths = (s_.array().square() * unit_.array()).sum() *
-                           (y_.array().square() / unit_.array()).sum();
+    const double lengths =
+        (s_.array().square() * unit_.array()).sum() * (y_.array().square() / unit_.array()).sum();
     if (sy > 1e-10 * std::sqrt(lengths)) Q_.noalias() += y_ * y_.transpose() / sy;
   }
 

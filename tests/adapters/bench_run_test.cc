@@ -144,6 +144,75 @@ TEST(BenchRun, VerifiesAClaimedOptimumOfEveryBackEnd) {
   EXPECT_EQ(t.rows[1].x, vec({0, 1, 2, -1}));
 }
 
+TEST(BenchRun, MeasuresWhatIsSolvedByTheDifferenceToTheStart) {
+  // Neither a scale nor an offset of the cost makes a start solved, nor keeps an end from it.
+  for (const double scale : {1e-7, 1.0, 1e9}) {
+    for (const double offset : {0.0, 1e3, -1e6}) {
+      FunctionProblem p = zoo::rosenbrock();
+      p.f = [=, f = p.f](const Eigen::VectorXd& x) { return offset + scale * f(x); };
+      p.g = [=, g = p.g](const Eigen::VectorXd& x) { return Eigen::VectorXd(scale * g(x)); };
+      ProblemSet set;
+      set.absolute_tolerance = 0.0;
+      set.problems.push_back(started("p", p.problem(), p.start, offset));
+      set.problems.push_back(started("q", p.problem(), vec({1, 1}), offset));
+      const BenchTable t = run_bench({set}, {{"boaster", std::make_shared<Boaster>(), {}}}, {});
+      EXPECT_FALSE(t.rows[0].solved) << scale << ' ' << offset;
+      EXPECT_EQ(t.rows[0].quality, Quality::kFeasible);
+      EXPECT_TRUE(t.rows[1].solved) << scale << ' ' << offset;
+    }
+  }
+}
+
+/// Goes down to where the cost ends, or to the lower bounds, and calls that an optimum.
+class Downhill final : public Solver {
+ public:
+  explicit Downhill(double end) : end_(end) {}
+  std::string name() const override { return "downhill"; }
+  std::vector<OptionInfo> options() const override { return {}; }
+  std::string explain_unsupported(const Problem&) const override { return ""; }
+  Result solve(const Problem& problem, const WarmStart&, const Options&,
+               const StopCondition&) const override {
+    Result r;
+    r.stop = StopReason::kConverged;
+    r.quality = Quality::kFeasibleOptimum;
+    r.x = problem.lower().cwiseMax(end_);
+    r.cost = problem.explain(r.x).cost;
+    return r;
+  }
+
+ private:
+  double end_;
+};
+
+TEST(BenchRun, MovesBoundsThatNobodyStatedAndSaysWhatIsUnbounded) {
+  for (const double end : {-300.0, -1e300}) {
+    const bool unbounded = end < -1e8;
+    FunctionProblem p;
+    p.f = [end](const Eigen::VectorXd& x) { return std::abs(x[0] - std::max(end, -1e9)); };
+    p.g = [](const Eigen::VectorXd&) { return vec({1.0}); };
+    p.start = vec({0.0});
+    const auto within = [p](double far) {
+      FunctionProblem q = p;
+      q.lower = vec({-far});
+      q.upper = vec({100.0});
+      return std::make_shared<const Problem>(q.problem());
+    };
+    ProblemSet set;
+    set.problems.push_back(started("p", *within(100.0), p.start, {}));
+    set.problems[0].no_lower = {0};
+    set.problems[0].with_bounds = within;
+    const BenchTable t = run_bench({set}, {{"downhill", std::make_shared<Downhill>(end), {}}}, {});
+    const BenchRow& row = t.rows[0];
+    EXPECT_EQ(row.held, unbounded);
+    EXPECT_EQ(row.solved, !unbounded);
+    EXPECT_EQ(row.stop, unbounded ? StopReason::kUnbounded : StopReason::kConverged) << row.detail;
+    EXPECT_EQ(row.x[0], unbounded ? -1e8 : -300.0);
+    if (unbounded) {
+      EXPECT_EQ(row.quality, Quality::kFeasible);
+    }
+  }
+}
+
 TEST(BenchRun, SolvesOnceWithEachSeed) {
   BenchOptions options;
   options.seeds = {3, 5};

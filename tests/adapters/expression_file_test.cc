@@ -86,6 +86,28 @@ TEST_F(ExpressionFile, StatesBoundsAndEqualitiesAsAProblemCan) {
   expect_derivatives(*p.problem, Eigen::Vector2d(0.3, -1.2));
 }
 
+TEST_F(ExpressionFile, SaysWhichBoundsNobodyStated) {
+  const ProblemSet set = read_expression_file(write(hs14("[null, -3]", "[200, -3]")));
+  const BenchProblem& p = set.problems[0];
+  EXPECT_EQ(p.no_lower, std::vector<int>{});
+  EXPECT_EQ(p.no_upper, (std::vector{0, 1}));
+  EXPECT_EQ(p.problem->lower(), Eigen::Vector2d(200.0, -3.0));
+  EXPECT_EQ(p.problem->upper(), Eigen::Vector2d(300.0, 102.0));  // beyond what is stated
+  EXPECT_EQ(p.with_bounds(1e4)->upper(), Eigen::Vector2d(10200.0, 10002.0));
+}
+
+TEST_F(ExpressionFile, TakesAnEqualityInAnyUnit) {
+  for (const char* equality : {"(x1-2*x2+1)/10000000", "10000000*(x1-2*x2+1)"}) {
+    const ProblemSet set = read_expression_file(write(hs14("x1-2*x2+1", equality)));
+    Workspace workspace = set.problems[0].problem->make_workspace();
+    Evaluation e;
+    // Off by 1e-3, far more than the tolerance, and not by a million.
+    set.problems[0].problem->evaluate(Eigen::Vector2d(1.001, 1.0), Evaluate::kValue, workspace, e);
+    EXPECT_LT(e.constraints(2, 0), -1e-5) << equality;
+    EXPECT_GT(e.constraints(2, 0), -1.0) << equality;
+  }
+}
+
 TEST_F(ExpressionFile, MayLackItsOptimum) {
   for (const char* unknown : {"\"f_opt\": null", "\"note 2\": 1"}) {
     const ProblemSet set = read_expression_file(write(hs14("\"f_opt\": 1.3934646209", unknown)));
@@ -104,7 +126,7 @@ TEST_F(ExpressionFile, SaysWhatIsWrongAndWhere) {
   EXPECT_THAT(refusal(hs14("[2, 2]", "[2]")), HasSubstr("x0 is not of that length; expected 2"));
   EXPECT_THAT(refusal(hs14("[2, 2]", "[2, null]")), HasSubstr("x0[1] is no number; expected"));
   EXPECT_THAT(refusal(hs14("[null, -3]", "[null, \"a\"]")), HasSubstr("lower[1] is no number"));
-  EXPECT_THAT(refusal(hs14("[null, -3]", "[200, -3]")), HasSubstr("lower[0] is above upper"));
+  EXPECT_THAT(refusal(hs14("[null, null]", "[null, -5]")), HasSubstr("lower[1] is above upper"));
   EXPECT_THAT(refusal(hs14("x2+1", "x3+1")), HasSubstr("equalities_zero 'x1-2*x3+1', at 6: "));
   EXPECT_THAT(refusal(hs14("\"f_opt\": 1.3934646209", "\"f_opt\": \"low\"")),
               HasSubstr("f_opt is no number; expected"));

@@ -12,6 +12,7 @@
 #include "problems/r1.h"
 #include "solvers/load_plugin.h"
 #include "solvers/registry.h"
+#include "tests/solvers/hostile_programmes.h"
 #include "tests/solvers/problem_zoo.h"
 
 namespace prospect::contract_test {
@@ -150,6 +151,69 @@ TEST_P(EverySolver, ClaimsNoOptimumThatAStepDownTheCostRefutes) {
   }
 }
 
+/// Never a deadline; a solve that takes longer than any sound one says so.
+StopCondition patience() {
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  return StopCondition([end] {
+    return std::chrono::steady_clock::now() < end ? StopRequest::kNone : StopRequest::kCancelled;
+  });
+}
+
+TEST_P(EverySolver, ClaimsNothingFalseOfHostileProgrammes) {
+  const bool leading = GetParam() == "nlopt" || GetParam() == "sqp" || GetParam() == "hybrid" ||
+                       GetParam() == "ipopt";
+  for (const hostile::Programme& programme : hostile::programmes(7)) {
+    const Case& c = programme.of;
+    SCOPED_TRACE(c.name);
+    const Problem problem = c.problem();
+    if (!solver_->explain_unsupported(problem).empty()) continue;  // too few variables
+    const Result r = solver_->solve(problem, from(c.start), {{"max_evaluations", 700}}, patience());
+    expect_sound(r, problem);
+    SCOPED_TRACE(std::string(to_string(r.stop)) + ", " + std::string(to_string(r.quality)) + ": " +
+                 r.detail);
+    EXPECT_NE(r.stop, StopReason::kCancelled);
+    EXPECT_LE(r.counters.cost_evaluations, 700);
+    const bool claimed = r.quality == Quality::kFeasibleOptimum;
+    if (!programme.feasible) {
+      EXPECT_EQ(r.quality, Quality::kInfeasible);
+      if (leading && GetParam() != "ipopt" && r.stop != StopReason::kIterationLimit) {
+        EXPECT_EQ(r.stop, StopReason::kInfeasible);
+      }
+      continue;
+    }
+    EXPECT_NE(r.stop, StopReason::kInfeasible);
+    if (r.quality != Quality::kInfeasible) {
+      EXPECT_LE(hostile::violation(programme, r.x), 2e-3);
+    }
+    if (claimed) {
+      EXPECT_LE(std::abs(hostile::gap(programme, r.cost)), 1e-3);
+    }
+    if (leading && programme.must_be_solved) {
+      EXPECT_LE(hostile::gap(programme, r.cost), 1e-3);
+    }
+  }
+}
+
+TEST_P(EverySolver, EndsAnInfeasibleProgrammeByItself) {
+  // At a stationary point of the violation there is no step, and nothing left to evaluate.
+  Case c{"contradiction", vec({-5, -5}), vec({5, 5}), vec({0, 0})};
+  c.f = [](const Vector& x) { return x[0] + x[1]; };
+  c.g = [](const Vector&) { return vec({1, 1}); };
+  c.residuals = FunctionResiduals{-10.0};
+  c.rows = 2;
+  c.c = [](const Vector& x) { return vec({x[0] - 1, -x[0] - 1}); };
+  c.J = [](const Vector&) { return (zoo::Matrix(2, 2) << 1, 0, -1, 0).finished(); };
+  const Problem problem = c.problem();
+  const Result r = solver_->solve(problem, from(c.start), {}, patience());
+  expect_sound(r, problem);
+  EXPECT_NE(r.stop, StopReason::kCancelled);
+  EXPECT_EQ(r.quality, Quality::kInfeasible);
+  EXPECT_NEAR(r.violation, 1.0, 0.02) << r.detail;
+  if (family_ == Family::kGradient && r.stop != StopReason::kIterationLimit) {
+    EXPECT_EQ(r.stop, StopReason::kInfeasible) << r.detail;
+  }
+}
+
 TEST_P(EverySolver, FindsTheInputsBehindAPathPastADisc) {
   const PathProblem path = path_problem();
   const Result r = solver_->solve(path.problem, from(Vector::Zero(20)), {}, {});
@@ -193,6 +257,9 @@ TEST_P(EverySolver, KeepsTheBestOfAllPointsEvaluated) {
     watch->record = true;
     const Result r = solver_->solve(zoo::watched(c.problem(), watch), from(c.start),
                                     {{"max_evaluations", 700}}, {});
+    // Those that the method asked for; what the judge tries comes after them.
+    ASSERT_GE(watch->points.size(), static_cast<std::size_t>(r.counters.cost_evaluations));
+    watch->points.resize(static_cast<std::size_t>(r.counters.cost_evaluations));
     ASSERT_FALSE(watch->points.empty());
     bool found = false;
     double cost = 0.0, violation = 0.0;

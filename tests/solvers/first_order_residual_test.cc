@@ -46,7 +46,7 @@ TEST(FirstOrderResidual, VanishesAtConstrainedOptima) {
   EXPECT_LT(first_order_residual(zoo::hs43().problem(), vec({0.0, 1.0, 2.0, -1.0}), kFeasible),
             1e-12);
   EXPECT_GT(first_order_residual(zoo::hs43().problem(), vec({0.0, 1.0, 1.9, -1.0}), kFeasible),
-            kOptimalityTolerance);
+            1e-2);
 }
 
 TEST(FirstOrderResidual, IsInfiniteWhereAConstraintIsViolated) {
@@ -65,16 +65,6 @@ TEST(FirstOrderResidual, SeesAFalseOptimumOfUnitsFarApart) {
   for (const FunctionProblem& p : zoo::badly_scaled()) {
     EXPECT_GT(first_order_residual(p.problem(), p.start, kFeasible), 0.1) << p.name;
   }
-}
-
-TEST(VerifiedQuality, LeavesAClaimOnlyWhereTheResidualIsSmall) {
-  using enum Quality;
-  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(verified_quality(kFeasibleOptimum, 0.5 * kOptimalityTolerance), kFeasibleOptimum);
-  EXPECT_EQ(verified_quality(kFeasibleOptimum, 2.0 * kOptimalityTolerance), kFeasible);
-  EXPECT_EQ(verified_quality(kFeasibleOptimum, kUnknown), kFeasible);
-  EXPECT_EQ(verified_quality(kFeasible, 0.0), kFeasible);
-  EXPECT_EQ(verified_quality(kInfeasible, 0.0), kInfeasible);
 }
 
 }  // namespace
