@@ -188,6 +188,7 @@ struct Planner::Impl {
   double last_stamp = 0.0;      // [s]
   Reserve reserve;              // where there is a deadline
   FrontierAttention attention;
+  std::string refused;                         // newest Plan::refused
   std::shared_ptr<const GlobalPlan> prepared;  // since the last step; null: to be made in the step
 
   // Of the last step.
@@ -347,6 +348,7 @@ ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* te
   const ModeKind before_frontiers = decide(behaviour, facts, parameters.behaviour).mode.kind;
   const bool pursues = policy(before_frontiers).pursues;
   facts.stuck = monitors.update_stuck(belief, pursues);
+  facts.refused = refused;
   attention = {.looked = belief.localization != Localization::kLost,
                .pursued = pursues,
                .got_lost = monitors.got_lost(),
@@ -366,6 +368,7 @@ ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* te
   plan.caution = caution;
   plan.why = describe(behaviour.mode, facts);
   plan.has_active_frontier = global_plan->target.has_value();
+  if (facts.goal && facts.goal->reached) plan.heading_missed = facts.goal->heading_missed;
   if (behaviour.mode.kind != ModeKind::kDone) return behaviour.mode.kind;
   // A robot that is done has no target any more, but a retreat or a turn goes on.
   return task == TaskKind::kExplore ? before_frontiers : ModeKind::kHold;
@@ -417,6 +420,7 @@ void Planner::Impl::bound_features(std::vector<Candidate>& candidates) {
 }
 
 void Planner::Impl::remember(const Plan& plan) {
+  if (!plan.refused.empty()) refused = plan.refused;
   last_stamp = plan.stamp;
   last_inputs.resize(robot.model->nu(), static_cast<Eigen::Index>(plan.inputs.size()));
   for (std::size_t k = 0; k < plan.inputs.size(); ++k) {
@@ -503,6 +507,14 @@ std::string Planner::set_zones(const Zones& zones) {
   if (!wrong.empty()) return wrong.front();
   impl_->use_zones(zones);
   return "";
+}
+std::optional<WayBack> Planner::way_back(const Belief& belief) const {
+  if (!unusable(belief).empty()) return std::nullopt;
+  try {
+    return impl_->global_planner.way_back(belief, *impl_->robot.model);
+  } catch (...) {
+    return std::nullopt;
+  }
 }
 std::shared_ptr<const GlobalPlan> Planner::global_plan() const { return impl_->global_plan; }
 std::shared_ptr<const Problem> Planner::problem() const { return impl_->problem; }

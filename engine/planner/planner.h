@@ -184,6 +184,8 @@ class Planner final : public Replanner {
   /// taken, else their first fault (zones.h). What was learned of frontiers is forgotten.
   std::string set_zones(const Zones& zones);
 
+  std::optional<WayBack> way_back(const Belief& belief) const override;
+
   /// The frontiers and the cost-to-go of the last step; null before the first.
   std::shared_ptr<const GlobalPlan> global_plan() const override;
   /// The problem that the last step solved, and what it was made from; null before the first step
