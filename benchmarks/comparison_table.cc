@@ -106,7 +106,7 @@ ComparisonRow comparison_row(const std::string& map, const std::string& planner,
   row.map = map;
   row.planner = planner;
   row.seed = s.seed;
-  row.reason = s.reason;
+  row.reason = to_string(s.end);
   row.coverage = s.coverage;
   row.reachable_area_m2 = s.reachable_area_m2;
   row.duration_s = s.duration_s;

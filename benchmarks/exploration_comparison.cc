@@ -112,8 +112,8 @@ ComparisonRow run(const Mission& mission, const Arguments& arguments) {
     options.keep_steps = false;
     ExplorationRunResult result = run_exploration(world, configuration, options);
     // Nothing else cancels a mission: one that ends by itself keeps its reason.
-    std::string& reason = result.record.summary.reason;
-    if (reason == to_string(MissionEnd::kCancelled)) reason = "enough seen";
+    MissionEnd& end = result.record.summary.end;
+    if (end == MissionEnd::kCancelled) end = MissionEnd::kEnough;
     if (path != nullptr) std::fclose(path);
     return comparison_row(mission.map, mission.planner, result.record.summary);
   } catch (const std::exception& e) {

@@ -25,57 +25,6 @@ void bring_to_rest(Robot& robot, const Guard& guard, Twist previous) {
   }
 }
 
-}  // namespace
-
-std::string_view to_string(MissionEnd end) {
-  switch (end) {
-    case MissionEnd::kExplored:
-      return "explored";
-    case MissionEnd::kYieldTooLow:
-      return "yield too low";
-    case MissionEnd::kUnreachable:
-      return "unreachable";
-    case MissionEnd::kEnough:
-      return "enough seen";
-    case MissionEnd::kGoalReached:
-      return "goal reached";
-    case MissionEnd::kReturned:
-      return "returned";
-    case MissionEnd::kGoalUnreachable:
-      return "goal unreachable";
-    case MissionEnd::kTimeLimit:
-      return "time limit";
-    case MissionEnd::kLost:
-      return "localization lost";
-    case MissionEnd::kCancelled:
-      return "cancelled";
-    case MissionEnd::kNotFit:
-      return "not fit to drive";
-  }
-  return "?";
-}
-
-bool task_done(MissionEnd end) {
-  switch (end) {
-    case MissionEnd::kExplored:
-    case MissionEnd::kYieldTooLow:
-    case MissionEnd::kEnough:
-    case MissionEnd::kGoalReached:
-    case MissionEnd::kReturned:
-      return true;
-    case MissionEnd::kUnreachable:
-    case MissionEnd::kGoalUnreachable:
-    case MissionEnd::kTimeLimit:
-    case MissionEnd::kLost:
-    case MissionEnd::kCancelled:
-    case MissionEnd::kNotFit:
-      break;
-  }
-  return false;
-}
-
-namespace {
-
 /// Waits as long as people want it to. Returns whether the mission is cancelled meanwhile.
 bool wait_for(DriveRequests& requests, MissionProgress& progress, Replanner& planner,
               const std::function<bool()>& cancelled) {

@@ -9,40 +9,24 @@
 #include "engine/safety/guard.h"
 #include "engine/task/task.h"
 #include "runtime/drive_requests.h"
+#include "runtime/mission_end.h"
 #include "runtime/robot.h"
 
 namespace prospect {
 
 class Knobs;
 
-enum class MissionEnd {
-  kExplored,         ///< no frontier is left that can be reached and promises anything
-  kYieldTooLow,      ///< what is left and can be reached shows too little for the way
-  kUnreachable,      ///< much is left, but no way leads there: walls as the map draws them
-  kEnough,           ///< MissionOptions::enough said so
-  kGoalReached,      ///< the robot is at the pose that it was told to go to
-  kReturned,         ///< it is back where it began
-  kGoalUnreachable,  ///< no way leads to the goal, or back
-  kTimeLimit,
-  kLost,  ///< localization was lost and did not come back
-  kCancelled,
-  kNotFit  ///< a check before the first motion has failed (preflight.h), or the maps' resolution
-           ///< does not fit the planner (PlanFault::kMisfit)
-};
-
-std::string_view to_string(MissionEnd end);
-
-/// Whether a mission that ended so did what it was told.
-bool task_done(MissionEnd end);
-
 struct MissionStep;
 
 struct MissionOptions {
   double time_limit = 1200.0;  ///< [s] of the robot's clock
   double lost_limit = 120.0;   ///< [s] without localization that end the mission
-  /// Asked after each planning step, after `observe`: true ends the task; empty: never.
-  std::function<bool(const MissionStep&)> enough{};
-  /// Once the task is over (not: time is up, lost, cancelled), back to where the mission began.
+  /// Asked after each planning step, after `observe`: what is missing to what is to be seen, such
+  /// as "18.0 of 60.0 m2 were seen"; "" ends the task: enough was seen. Empty: no such thing is
+  /// asked for. An exploration that ends with something missing has not done its task.
+  std::function<std::string(const MissionStep&)> missing{};
+  /// Once the task is over (not: lost, cancelled), back to where the mission began. The way back
+  /// begins in time for it to fit into time_limit (Replanner::way_back()).
   bool return_when_done = false;
   /// That the planner was given: what it goes on with after a detour.
   Task task{};
@@ -73,8 +57,11 @@ struct MissionResult {
   /// Of return_when_done, once the task was over: whether the robot is back. Then `end` says how
   /// the task ended, and `detail` also why it did not get back.
   std::optional<bool> back;
+  std::optional<double> turned_back_at;  ///< [s] since the start, of the way back for want of time
+  /// [rad] that is left to the heading that was asked for, of a goal whose heading cannot be had.
+  std::optional<double> heading_missed;
   /// The task was done, and the robot is back if it was told to return.
-  bool done() const { return task_done(end) && back.value_or(true); }
+  bool done() const { return row_of(end).outcome == Outcome::kDone && back.value_or(true); }
 };
 
 /// Does the planner's task until the plan's mode is done or time is up:

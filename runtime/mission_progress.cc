@@ -1,25 +1,17 @@
 #include "runtime/mission_progress.h"
 
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
 #include <utility>
 
 namespace prospect {
 namespace {
 
-MissionEnd end_for(Cause cause) {
-  switch (cause) {
-    case Cause::kUnreachable:
-      return MissionEnd::kUnreachable;
-    case Cause::kYieldTooLow:
-      return MissionEnd::kYieldTooLow;
-    case Cause::kGoalReached:
-      return MissionEnd::kGoalReached;
-    case Cause::kReturned:
-      return MissionEnd::kReturned;
-    case Cause::kGoalUnreachable:
-      return MissionEnd::kGoalUnreachable;
-    default:
-      return MissionEnd::kExplored;
-  }
+std::string text(const char* format, double a, double b = 0.0, double c = 0.0, double d = 0.0) {
+  char buffer[200];
+  std::snprintf(buffer, sizeof buffer, format, a, b, c, d);
+  return buffer;
 }
 
 }  // namespace
@@ -28,34 +20,43 @@ MissionProgress::MissionProgress(const MissionOptions& options, double start)
     : options_(options), start_(start), last_localized_(start) {}
 
 // On the way back `end` stays that of the task.
-bool MissionProgress::over(MissionEnd end, const std::string& detail) {
-  if (!result.back) {
-    result.end = end;
-    result.detail = detail;
-  } else if (end == MissionEnd::kReturned) {
-    result.back = true;
-    result.detail += " It is back where it began.";
-  } else {
-    result.detail += " It did not get back: " + detail;
+bool MissionProgress::over(MissionEnd end, std::string detail) {
+  if (result.back) {
+    if (end == MissionEnd::kReturned) {
+      result.back = true;
+      result.detail += " It is back where it began.";
+      if (result.heading_missed) result.detail += ' ' + detail;
+    } else {
+      result.detail += " It did not get back: " + detail;
+    }
+    return true;
   }
+  const bool done = row_of(end).outcome == Outcome::kDone;
+  if (!done && !missing_.empty()) detail += " Less was seen than asked for: " + missing_ + '.';
+  const bool told = detail.find(refused_) != std::string::npos;  // by the planner
+  if (!done && began_at_ && strayed_ < kMoved && !told) {
+    detail +=
+        " It has not moved: the certificate refused what it would have driven (" + refused_ + ").";
+  }
+  result.end = end;
+  result.detail = std::move(detail);
   return true;
 }
 
 bool MissionProgress::over_before(const Belief& belief, double now, bool cancelled) {
   result.duration = now - start_;
   if (cancelled) {
-    return over(MissionEnd::kCancelled,
-                "cancelled after " + std::to_string(result.duration) + " s");
+    return over(MissionEnd::kCancelled, text("cancelled after %.1f s.", result.duration));
   }
   if (result.duration >= options_.time_limit) {
     return over(MissionEnd::kTimeLimit,
-                "the time limit of " + std::to_string(options_.time_limit) + " s is reached");
+                text("the time limit of %g s is reached.", options_.time_limit));
   }
   if (belief.localization != Localization::kLost) {
     last_localized_ = now;
   } else if (now - last_localized_ > options_.lost_limit) {
-    return over(MissionEnd::kLost, "localization was lost and did not come back within " +
-                                       std::to_string(options_.lost_limit) + " s");
+    return over(MissionEnd::kLost, text("localization was lost and did not come back within %g s.",
+                                        options_.lost_limit));
   }
   return false;
 }
@@ -64,6 +65,10 @@ bool MissionProgress::over_after(const MissionStep& step, Replanner& planner) {
   const Plan& plan = *step.plan;
   ++result.steps;
   if (plan.kind == PlanKind::kStoppingTail) ++result.fallbacks;
+  const Eigen::Vector2d at = step.belief->pose.position.head<2>();
+  if (!began_at_) began_at_ = at;
+  strayed_ = std::max(strayed_, (at - *began_at_).norm());
+  if (!plan.refused.empty()) refused_ = plan.refused;
   if (plan.fault == PlanFault::kMisfit) return over(MissionEnd::kNotFit, plan.detail);
   const bool done = plan.mode.kind == ModeKind::kDone;
   if (done && detour_) {
@@ -73,13 +78,46 @@ bool MissionProgress::over_after(const MissionStep& step, Replanner& planner) {
     planner.set_task(result.back ? Task::return_to_start() : options_.task);
     return false;
   }
-  if (!done && (result.back || !options_.enough || !options_.enough(step))) return false;
-  const MissionEnd end = done ? end_for(plan.mode.cause) : MissionEnd::kEnough;
+  const bool asked = options_.missing && !result.back;
+  if (asked) missing_ = options_.missing(step);
+  const bool enough = asked && missing_.empty();
+  if (!done && !enough) {
+    return options_.return_when_done && !result.back && turned_back(step, planner);
+  }
+  MissionEnd end = done ? end_for(plan.mode.cause) : MissionEnd::kEnough;
+  if (done) result.heading_missed = plan.heading_missed;
+  const bool explored = end == MissionEnd::kExplored || end == MissionEnd::kYieldTooLow;
+  if (explored && !missing_.empty()) end = MissionEnd::kTooLittle;
   over(end, done ? plan.why : "enough was seen.");
   if (result.back || !options_.return_when_done || end == MissionEnd::kReturned) return true;
+  return begin_return(planner);
+}
+
+// Whether it is over, because the planner cannot return.
+bool MissionProgress::begin_return(Replanner& planner) {
   result.back = false;
+  detour_ = nullptr;
   const std::string refused = planner.set_task(Task::return_to_start());
   return !refused.empty() && over(MissionEnd::kGoalUnreachable, refused);
+}
+
+// Turns back if it is time to; whether it is over then.
+bool MissionProgress::turned_back(const MissionStep& step, Replanner& planner) {
+  const double elapsed = result.duration;
+  if (elapsed < ask_way_back_at_) return false;
+  const std::optional<WayBack> way = planner.way_back(*step.belief);
+  if (!way) return false;
+  const double spare = options_.time_limit - elapsed - way->time;
+  ask_way_back_at_ = elapsed + std::min(kAskEvery, spare / 3.0);
+  // A step later there might not be enough.
+  const double step_time = std::max(1, step.plan->committed) * step.plan->dt;
+  if (spare > step_time) return false;
+  over(MissionEnd::kTimeLimit,
+       text("turned back after %.0f s: the way of %.1f m to where it began takes about %.0f s of "
+            "the time limit of %g s.",
+            elapsed, way->length, way->time, options_.time_limit));
+  result.turned_back_at = elapsed;
+  return begin_return(planner);
 }
 
 void MissionProgress::take_detour(DriveRequests& requests, Replanner& planner) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <optional>
 #include <string>
 
+#include "engine/behaviour/behaviour.h"
 #include "engine/maps/belief.h"
 #include "engine/planner/replanner.h"
 #include "runtime/drive_requests.h"
@@ -11,7 +14,16 @@ namespace prospect {
 
 /// Whether a mission is over, and how it ended: the rules of all that drive one, in lockstep or in
 /// real time. Times are of the robot's clock [s]. Thread-safety: one thread. Does not throw, unless
-/// MissionOptions::enough does.
+/// MissionOptions::missing does.
+///
+/// An end whose outcome is "done" needs evidence: that of the planner (behaviour.h), nothing that
+/// is missing, a way back that was driven. A mission that has not moved says what the certificate
+/// refused.
+///
+/// With return_when_done the way back begins once what is left of the time limit is no more than
+/// what it takes (Replanner::way_back()). It is asked for again after a third of what is left
+/// beside it, at most every kAskEvery: a robot drives no faster than twice as fast as way_back()
+/// counts on.
 class MissionProgress {
  public:
   /// options outlives it.
@@ -31,13 +43,22 @@ class MissionProgress {
 
   MissionResult result;
 
+  static constexpr double kAskEvery = 15.0;  ///< [s]
+
  private:
-  bool over(MissionEnd end, const std::string& detail);
+  bool over(MissionEnd end, std::string detail);
+  bool turned_back(const MissionStep& step, Replanner& planner);
+  bool begin_return(Replanner& planner);
 
   const MissionOptions& options_;
   DriveRequests* detour_ = nullptr;  // whose way the robot is on; null: nobody's
   double start_;
   double last_localized_;
+  std::optional<Eigen::Vector2d> began_at_;  // in W [m]
+  double strayed_ = 0.0;                     // [m] farthest from there
+  std::string refused_;                      // newest refusal of the certificate
+  std::string missing_;                      // of MissionOptions::missing
+  double ask_way_back_at_ = 0.0;             // [s] since the start
 };
 
 }  // namespace prospect

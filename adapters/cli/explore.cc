@@ -58,6 +58,19 @@ std::string file_name(std::string text) {
   return text;
 }
 
+int exit_code(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kDone:
+      return kDone;
+    case Outcome::kCancelled:
+      return kCancelled;
+    case Outcome::kNotDone:
+    case Outcome::kFailed:
+      break;
+  }
+  return kFailed;
+}
+
 /// With that many decimals; "-" where there is no number.
 std::string decimals(double value, int places) {
   if (!std::isfinite(value)) return "-";
@@ -69,7 +82,7 @@ std::string tenths(double value) { return decimals(value, 1); }
 
 void print_summary(const Summary& s) {
   std::printf("%s, seed %llu, %s: %s\n", s.world.c_str(), static_cast<unsigned long long>(s.seed),
-              s.solver.c_str(), s.reason.c_str());
+              s.solver.c_str(), to_string(s.end).data());
   std::printf("  task          %s, %s: %s\n", s.task.c_str(), s.done ? "done" : "not done",
               s.detail.c_str());
   if (s.measured) {
@@ -442,9 +455,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     if (log) print_file("log", folder->path() + "/mission.mcap");
   }
   const bool whole = folder->error().empty() && (!log || log->error().empty());
-  if (!whole) return kFailed;
-  if (summary.reason == to_string(MissionEnd::kCancelled)) return kCancelled;
-  return summary.done && summary.collisions == 0 ? kDone : kFailed;
+  return whole ? exit_code(outcome(summary)) : kFailed;
 }
 
 int explore(const ExploreArguments& arguments, const Registries& registries) {

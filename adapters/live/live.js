@@ -79,7 +79,8 @@ const takes = {
     ended = true;
     mayCommand = false;
     showCommands();
-    $("drive").textContent = m.done ? "done" : "ended"; $("drive").className = m.done ? "chip active" : "chip";
+    const done = m.outcome === "done";
+    $("drive").textContent = m.outcome; $("drive").className = done ? "chip active" : "chip";
     $("drive-why").textContent = `The mission is over: ${m.reason}. ${m.detail}`;
   },
   answer({ name, refused }) { say(refused ? `${name}: ${refused}` : "", Boolean(refused)); },

@@ -108,8 +108,8 @@ std::string picture_message(const LivePicture& picture) {
 
 std::string end_message(const Summary& summary) {
   return json_text({{"op", "end"},
-                    {"reason", summary.reason},
-                    {"done", summary.done},
+                    {"reason", to_string(summary.end)},
+                    {"outcome", to_string(outcome(summary))},
                     {"detail", summary.detail}});
 }
 

@@ -235,7 +235,7 @@ LoggedRun read_logged_run(const BagFile& bag, const std::string& path,
     const std::string seed = entry(start, "seed");
     parse_number(seed, s.seed);
     s.task = record.steps.empty() ? "" : record.steps.front().task;
-    s.reason = "log ends early";
+    s.end = MissionEnd::kLogEndsEarly;
     s.detail = "The log ends before the mission did: the numbers are those of the steps in it.";
     run.notes.push_back(path + ": no summary; made of the " + std::to_string(record.steps.size()) +
                         " steps that are there");

@@ -15,6 +15,7 @@ Simulation::Simulation(const std::string& world, const Configuration& configurat
       reachable_(told_area(reachable_area(*world_, configuration), configuration)),
       guard_(
           guard_for(configuration.robot, configuration.planner, guard_limits_for(configuration))) {
+  check_start(*world_, configuration);
   reset(seed);
 }
 

@@ -48,7 +48,7 @@ void split_rows(const std::string& text, const std::string& source, std::string&
 /// Of a summary as JSON, "" if there is none.
 bool came_to_its_end(const std::string& json) {
   const std::optional<Summary> summary = summary_from_json(json);
-  return summary && summary->reason != to_string(MissionEnd::kCancelled);
+  return summary && summary->end != MissionEnd::kCancelled;
 }
 
 RecordedRun read_folder(const fs::path& folder) {

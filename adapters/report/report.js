@@ -165,7 +165,7 @@ const readable = (name) => name.replace(/_/g, " ");
 // ---- Head and summary -------------------------------------------------------------------------
 const s = run.summary;
 if (run.steps !== undefined) {  // a run that goes on has no summary yet
-  const end = s.done ? "good" : { explored: "good", "localization lost": "bad" }[s.reason] || "warn";
+  const end = { done: "good", failed: "bad" }[s.outcome] || "warn";
   $("facts").append(make("span", { class: `end ${end}` }, s.reason || "–"),
     ` · ${s.solver} · seed ${s.seed} · ${s.steps} planning steps`);
   const figure = (label, value, unit, bad) => $("figures").append(make("div", bad ? { class: "bad" } : {},
@@ -193,6 +193,8 @@ if (run.steps !== undefined) {  // a run that goes on has no summary yet
     ["Reachable area", fixed(s.reachable_area_m2, 1), "m²"],
     ...(s.too_long_for_m2 > 0 ? [["Left out, as the body is too long", fixed(s.too_long_for_m2, 1), "m²"]] : []),
     ["Duration", fixed(s.duration_s, 1), "s"],
+    ...(isNumber(s.turned_back_s) ? [["Turned back for want of time, after", fixed(s.turned_back_s, 1), "s"]] : []),
+    ...(isNumber(s.heading_missed_deg) ? [["Left to the heading asked for, which cannot be had", fixed(s.heading_missed_deg, 0), "°"]] : []),
     ["Path", fixed(s.path_length_m, 2), "m"],
     ["Collisions", fixed(s.collisions, 0), "", s.collisions > 0]]);
   {

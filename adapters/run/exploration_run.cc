@@ -64,6 +64,9 @@ class ReplannerPair final : public Replanner {
     return drives_.plan(belief);
   }
   std::shared_ptr<const GlobalPlan> global_plan() const override { return drives_.global_plan(); }
+  std::optional<WayBack> way_back(const Belief& belief) const override {
+    return drives_.way_back(belief);
+  }
   std::string set_task(const Task& task) override {
     if (beside_) beside_->set_task(task);
     return drives_.set_task(task);
@@ -178,6 +181,7 @@ ReachableArea reachable_area(const World& world, const Configuration& c) {
   options.room =
       passable.hard_radius - circumscribed_radius(c.robot.shape) - passable.lattice_slack;
   options.free_moves = passable.free_moves;
+  options.zones = passable.zones;
   options.range = c.robot.depth.max_range;
   options.sensor_height = c.robot.base_height() + c.robot.depth_mount.T_BC.translation().z();
   options.map_resolution = c.simulator.mapping.resolution;
@@ -185,9 +189,38 @@ ReachableArea reachable_area(const World& world, const Configuration& c) {
 }
 
 Grid<std::uint8_t> roomy_columns(const World& world, const Configuration& c) {
-  const Grid<std::uint8_t> standing = standing_columns(world.voxels, world_options_for(c).slice);
+  const BodySlice slice = world_options_for(c).slice;
+  Grid<std::uint8_t> standing = standing_columns(world.voxels, slice);
+  const ZoneMap zones(c.planner.zones);
+  for (int n = 0; zones.num_forbidden() > 0 && n < standing.frame.size(); ++n) {
+    const Eigen::Vector2d center = standing.frame.center(standing.frame.at(n));
+    if (zones.distance(center) < slice.standing_clearance) {
+      standing.data[static_cast<std::size_t>(n)] = 0;
+    }
+  }
   const Eigen::Vector3d& start = world.start.position;
   return connected_component(standing, standing.frame.cell(start.x(), start.y()));
+}
+
+void check_start(const World& world, const Configuration& c) {
+  const ZoneMap zones(c.planner.zones);
+  const BodyOutline body = body_outline(c.robot.shape);
+  for (int part = 0; part < zones.num_forbidden(); ++part) {
+    if (zones.gap(part, body, world.start) >= 0.0) continue;
+    throw InputError(zones.name(part) + ": the robot at the start (" +
+                     exact_text(world.start.position.x()) + ", " +
+                     exact_text(world.start.position.y()) + ") is " +
+                     (part == 0 && zones.zones().bound ? "beyond it" : "in it") +
+                     "; expected a start that keeps to the zones");
+  }
+}
+
+void tell_extent(const World& world, Configuration& c) {
+  const GridFrame& frame = world.voxels.frame();
+  const double r = frame.resolution;
+  c.planner.frontier_planner.traversability.extent =
+      Eigen::AlignedBox2d(r * Eigen::Vector2d(frame.i0, frame.j0),
+                          r * Eigen::Vector2d(frame.i0 + frame.width, frame.j0 + frame.height));
 }
 
 ReachableArea told_area(ReachableArea reachable, const Configuration& c) {
@@ -236,9 +269,12 @@ Guard::Options guard_limits_for(const Configuration& configuration) {
 }
 
 ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
-                                     const Configuration& configuration,
+                                     const Configuration& given,
                                      const ExplorationRunOptions& options) {
-  check_drives(configuration);
+  check_drives(given);
+  check_start(*world, given);
+  Configuration configuration = given;
+  tell_extent(*world, configuration);
   const std::unique_ptr<Replanner> planner = planner_for(configuration, options);
   const Planner* own_planner = dynamic_cast<const Planner*>(planner.get());
   const ReachableArea reachable = told_area(reachable_area(*world, configuration), configuration);

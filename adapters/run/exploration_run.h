@@ -107,9 +107,14 @@ struct ExplorationRunResult {
 /// frontier_planner_options_for().
 ReachableArea reachable_area(const World& world, const Configuration& configuration);
 
-/// Where it has ample room to stand (BodySlice::standing_clearance), joined to the world's start by
-/// such columns.
+/// Where it has ample room to stand (BodySlice::standing_clearance, of forbidden parts, too),
+/// joined to the world's start by such columns.
 Grid<std::uint8_t> roomy_columns(const World& world, const Configuration& configuration);
+/// Throws InputError, naming the zone, if the body at the world's start reaches into a forbidden
+/// part.
+void check_start(const World& world, const Configuration& configuration);
+/// Where the world ends, for the planner: nothing beyond can be reached.
+void tell_extent(const World& world, Configuration& configuration);
 /// What of that area counts: within the area of the task, if it has one, and in no forbidden part.
 ReachableArea told_area(ReachableArea reachable, const Configuration& configuration);
 

@@ -1,5 +1,6 @@
 #include "adapters/run/live_mission.h"
 
+#include <cstdio>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -131,9 +132,19 @@ MissionOptions mission_options_for(const Configuration& c,
   options.task = c.planner.task;
   const double coverage = c.until_coverage, area = c.until_area;
   if (coverage > 0.0 || area > 0.0) {
-    options.enough = [truth, coverage, area](const MissionStep&) {
+    options.missing = [truth, coverage, area](const MissionStep&) -> std::string {
       const SimulatedTruth now = truth();
-      return (coverage > 0.0 && now.coverage >= coverage) || (area > 0.0 && now.seen_area >= area);
+      if ((coverage > 0.0 && now.coverage >= coverage) || (area > 0.0 && now.seen_area >= area)) {
+        return "";
+      }
+      char text[80];
+      if (coverage > 0.0) {
+        std::snprintf(text, sizeof text, "%.1f of %g %% of what can be reached",
+                      100.0 * now.coverage, 100.0 * coverage);
+      } else {
+        std::snprintf(text, sizeof text, "%.1f of %g m2", now.seen_area, area);
+      }
+      return text;
     };
   }
   return options;

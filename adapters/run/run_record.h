@@ -13,6 +13,7 @@
 #include "engine/task/polygon.h"
 #include "engine/task/zones.h"
 #include "models/types.h"
+#include "runtime/mission_end.h"
 
 namespace prospect {
 
@@ -123,10 +124,16 @@ struct StepRecord {
 struct Summary {
   std::string world, solver;
   std::uint64_t seed = 0;
-  std::string reason;  ///< why it ended
-  std::string task;    ///< that it began with: to_string(TaskKind)
+  MissionEnd end =
+      MissionEnd::kLogEndsEarly;  ///< "reason" is its name, "outcome" that of outcome()
+  std::string task;               ///< that it began with: to_string(TaskKind)
   bool done = false;   ///< the task was done, and the robot is back if it was told to return
   std::string detail;  ///< one or two sentences
+  /// Of a mission that was to return: when it turned back for want of time [s], else NaN.
+  double turned_back_s = std::numeric_limits<double>::quiet_NaN();
+  /// Left to the heading that was asked for, of a goal whose heading cannot be had [degrees]; NaN:
+  /// it was had, or none was asked for.
+  double heading_missed_deg = std::numeric_limits<double>::quiet_NaN();
   double coverage = 0.0;
   double area_m2 = 0.0;  ///< of the reachable area seen
   double reachable_area_m2 = 0.0;
@@ -149,6 +156,11 @@ struct Summary {
   double floor_share = std::numeric_limits<double>::quiet_NaN();
   std::string read_without;  ///< World::left_out; empty: nothing
 };
+
+/// That of its end, but for a task that is done the robot must be back if it was told to return
+/// (else kNotDone), and have touched nothing (else kFailed). What speaks of success (exit code,
+/// colours) asks for this.
+Outcome outcome(const Summary& summary);
 
 /// A whole run as the report needs it.
 struct RunRecord {

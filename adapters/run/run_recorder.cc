@@ -339,9 +339,11 @@ RunRecord RunRecorder::Impl::finish(const MissionResult& mission, const std::str
   s.solver = configuration.solver;
   s.seed = options.seed;
   s.task = to_string(configuration.planner.task.kind);
-  s.reason = to_string(mission.end);
+  s.end = mission.end;
   s.done = mission.done();
   s.detail = mission.detail;
+  if (mission.turned_back_at) s.turned_back_s = *mission.turned_back_at;
+  if (mission.heading_missed) s.heading_missed_deg = *mission.heading_missed * 180.0 / M_PI;
   s.coverage = truth.coverage;
   s.area_m2 = truth.seen_area;
   constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();

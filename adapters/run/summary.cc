@@ -38,8 +38,10 @@ void summary_entries(S& s, const Visit& visit, const VisitPlanMs& plan_ms) {
   visit("seed", s.seed);
   visit("task", s.task);
   visit("done", s.done);
-  visit("reason", s.reason);
+  visit("reason", s.end);
   visit("detail", s.detail);
+  visit("turned_back_s", s.turned_back_s);
+  visit("heading_missed_deg", s.heading_missed_deg);
   visit("coverage", s.coverage);
   visit("area_m2", s.area_m2);
   visit("reachable_area_m2", s.reachable_area_m2);
@@ -71,6 +73,13 @@ void summary_entries(S& s, const Visit& visit, const VisitPlanMs& plan_ms) {
 }
 
 }  // namespace
+
+Outcome outcome(const Summary& summary) {
+  const Outcome of_end = row_of(summary.end).outcome;
+  if (of_end != Outcome::kDone) return of_end;
+  if (summary.collisions > 0) return Outcome::kFailed;
+  return summary.done ? Outcome::kDone : Outcome::kNotDone;
+}
 
 Summary summarize(const std::vector<StepRecord>& steps) {
   Summary s;
@@ -112,8 +121,16 @@ std::string summary_json(const Summary& summary) {
   nlohmann::ordered_json json;
   // Numbers that are not finite become null.
   summary_entries(
-      summary, [&](const char* name, const auto& value) { json[name] = value; },
+      summary,
+      [&](const char* name, const auto& value) {
+        if constexpr (std::is_same_v<std::decay_t<decltype(value)>, MissionEnd>) {
+          json[name] = to_string(value);
+        } else {
+          json[name] = value;
+        }
+      },
       [&](const char* name, const auto& value) { json["plan_ms"][name] = value; });
+  json["outcome"] = to_string(outcome(summary));
   if (!summary.measured) json["collisions"] = nullptr;
   // A world may be named after a file whose name is no UTF-8.
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + '\n';
@@ -129,7 +146,12 @@ std::optional<Summary> summary_from_json(const std::string& text) {
       const auto found = from.find(name);
       if (found == from.end()) return;
       using Value = std::decay_t<decltype(value)>;
-      if constexpr (std::is_same_v<Value, std::string>) {
+      if constexpr (std::is_same_v<Value, MissionEnd>) {
+        const auto end =
+            found->is_string() ? mission_end_named(found->get<std::string>()) : std::nullopt;
+        sound = sound && end;
+        value = end.value_or(value);
+      } else if constexpr (std::is_same_v<Value, std::string>) {
         sound = sound && found->is_string();
         if (found->is_string()) value = found->get<std::string>();
       } else if constexpr (std::is_same_v<Value, bool>) {

@@ -48,7 +48,7 @@ std::string lacks_of_run(const std::string& run_folder) {
   if (!text) return "no summary.json";
   const std::optional<Summary> summary = summary_from_json(*text);
   if (!summary) return "summary.json is damaged";
-  if (summary->reason == to_string(MissionEnd::kCancelled)) return "the mission was cancelled";
+  if (summary->end == MissionEnd::kCancelled) return "the mission was cancelled";
   const std::optional<std::string> steps = text_of(run_folder + "/steps.csv");
   if (!steps) return "no steps.csv";
   const auto rows = std::count(steps->begin(), steps->end(), '\n') - 1;

@@ -60,6 +60,7 @@ double mean_weight(const std::vector<StepRecord>& steps, std::string_view name,
 const std::vector<MissionNumber>& mission_number_list() {
   using M = MissionNumbers;
   static const std::vector<MissionNumber> numbers = {
+      {{"done", "task done, of missions [%]", 100.0, 1, false, false}, &M::done},
       {{"losses", "losses of localization", 1.0, 1, true, false, true}, &M::losses},
       {{"few_share", "time with fewer than N_min features [%]", 100.0, 1, true, false, true},
        &M::few_share},
@@ -121,6 +122,7 @@ std::vector<double> values_of(const MissionNumbers& numbers) {
 MissionNumbers mission_numbers(const Summary& s, const std::vector<StepRecord>& steps,
                                double N_min) {
   MissionNumbers row;
+  row.done = outcome(s) == Outcome::kDone ? 1.0 : 0.0;
   row.duration_s = s.duration_s;
   row.coverage = s.coverage;
   row.path_length_m = s.path_length_m;

@@ -12,6 +12,7 @@ namespace prospect {
 /// What a mission came to. NaN: never reached, or no such number.
 struct MissionNumbers {
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  double done = kNone;  ///< 1: outcome() is kDone, else 0
   double duration_s = kNone;
   double coverage = kNone;
   double path_length_m = kNone;

@@ -38,7 +38,7 @@ StudyRow mission_row(const StudyPlan& plan, const CellStore& store, const StudyC
   const std::optional<Summary> summary =
       summary_from_json(std::string(std::istreambuf_iterator<char>(in), {}));
   if (!summary) fail(folder + "/summary.json", "no summary; expected that of a run");
-  row.reason = summary->reason;
+  row.reason = to_string(summary->end);
   row.numbers = values_of(
       mission_numbers_of_run(folder, plan.setup(cell).configuration.planner.features.N_min));
   return row;

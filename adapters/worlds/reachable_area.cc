@@ -222,11 +222,18 @@ Grid<std::uint8_t> connected_component(const Grid<std::uint8_t>& mask, Cell seed
 
 namespace {
 
-/// The columns that a disc of that radius gets to, with its centre on theirs.
-Mask reached_by_disc(const World& world, const BodySlice& slice, double radius) {
+/// The columns that a disc of that radius gets to, with its centre on theirs. zones: null: none.
+Mask reached_by_disc(const World& world, const BodySlice& slice, double radius,
+                     const ZoneMap* zones) {
   BodySlice disc = slice;
   disc.standing_clearance = std::max(0.0, radius);
-  const Mask standing = standing_columns(world.voxels, disc);
+  Mask standing = standing_columns(world.voxels, disc);
+  for (int n = 0; zones != nullptr && n < standing.frame.size(); ++n) {
+    std::uint8_t& stands = standing.data[static_cast<std::size_t>(n)];
+    if (stands != 0 && zones->distance(standing.frame.center(standing.frame.at(n))) < radius) {
+      stands = 0;
+    }
+  }
   const Mask free = free_columns(world.voxels, slice);
   const GridFrame& frame = standing.frame;
   const Eigen::Vector2d start = world.start.position.head<2>();
@@ -251,10 +258,28 @@ Mask reached_by_disc(const World& world, const BodySlice& slice, double radius) 
   return connected_component(standing, seed);
 }
 
+/// Takes the headings out at which the body would come nearer than `room` to a forbidden part.
+void keep_out(const ZoneMap& zones, const ReachableAreaOptions& options, Grid<HeadingMask>& fits) {
+  const BodyOutline body = body_outline(options.slice.shape);
+  const double far = circumscribed_radius(options.slice.shape) + options.room;
+  for (int n = 0; n < fits.frame.size(); ++n) {
+    HeadingMask& headings = fits.data[static_cast<std::size_t>(n)];
+    const Eigen::Vector2d center = fits.frame.center(fits.frame.at(n));
+    if (headings == kNoHeading || zones.distance(center) >= far) continue;
+    for (int k = 0; k < kHeadings; ++k) {
+      const Pose pose{{center.x(), center.y(), 0.0}, heading_at(k)};
+      for (int part = 0; part < zones.num_forbidden(); ++part) {
+        if (zones.gap(part, body, pose) < options.room) headings &= ~(HeadingMask{1} << k);
+      }
+    }
+  }
+}
+
 /// The same for a body whose heading matters.
 Mask reached_by_body(const World& world, const ReachableAreaOptions& options) {
   const Mask free = free_columns(world.voxels, options.slice);
-  const Grid<HeadingMask> fits = fitting_headings(world.voxels, options.slice, options.room);
+  Grid<HeadingMask> fits = fitting_headings(world.voxels, options.slice, options.room);
+  if (options.zones != nullptr) keep_out(*options.zones, options, fits);
   HeadingReach reach;
   reach.update(fits, world.start.position.head<2>(), world.start.yaw, options.free_moves,
                [&](Cell c) { return free.get(c, 0) == 0; });
@@ -443,12 +468,12 @@ ReachableArea reachable_area(const World& world, const ReachableAreaOptions& opt
     return area;
   };
   if (is_round(shape)) {
-    return seen_from(
-        reached_by_disc(world, options.slice, circumscribed_radius(shape) + options.room));
+    return seen_from(reached_by_disc(
+        world, options.slice, circumscribed_radius(shape) + options.room, options.zones.get()));
   }
   ReachableArea result = seen_from(reached_by_body(world, options));
-  const ReachableArea wider =
-      seen_from(reached_by_disc(world, options.slice, inscribed_radius(shape) + options.room));
+  const ReachableArea wider = seen_from(reached_by_disc(
+      world, options.slice, inscribed_radius(shape) + options.room, options.zones.get()));
   for (std::size_t n = 0; n < result.cells.data.size(); ++n) {
     if (wider.cells.data[n] == 0 || result.cells.data[n] != 0) continue;
     result.too_long_for += options.map_resolution * options.map_resolution;

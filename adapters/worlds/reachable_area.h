@@ -1,10 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 
 #include "adapters/worlds/world.h"
 #include "engine/maps/grid.h"
 #include "engine/maps/heading_fit.h"
+#include "engine/task/zone_map.h"
 
 namespace prospect {
 
@@ -34,6 +36,8 @@ struct ReachableAreaOptions {
   double range = 4.0;           ///< r_max of the sensor, horizontal [m]
   double sensor_height = 0.4;   ///< of the optical centre above the floor [m]
   double map_resolution = 0.1;  ///< of the ground cells, world-aligned [m]
+  /// The body keeps `room` from their forbidden parts, too, and looks across them; null: none.
+  std::shared_ptr<const ZoneMap> zones{};
 };
 
 /// The denominator of coverage: what a perfect sensor could see from where the robot gets to. The
@@ -45,7 +49,8 @@ struct ReachableAreaOptions {
 ///  - A column is a place where the robot can stand if the body, with its origin on the column's
 ///    centre, has `room` to every column that is not free (free_columns; everything outside the
 ///    grid is not free): a round body (is_round) if the distance to the nearest is at least its
-///    circumscribed radius + room; any other at some of kHeadings headings (heading_fit.h).
+///    circumscribed radius + room; any other at some of kHeadings headings (heading_fit.h). So with
+///    the forbidden parts of zones, which no body enters. (The start itself is always in A.)
 ///  - A holds those that the robot gets to: for a round body the 4-connected component of the one
 ///    nearest to the start, within 1 m and joined to it by a line over free columns; for any other
 ///    what heading_reach.h reaches from the start's pose: what it gets into by turning and driving

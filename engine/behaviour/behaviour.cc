@@ -28,9 +28,16 @@ bool exhausted(const Case& c) {
 }
 
 // Whether they promise so much that what has been seen is not all there is: a quarter of it.
-bool much(const FrontiersLeft& left, const FrontierFacts& f) {
+bool much(double left, const FrontierFacts& f) {
   constexpr double kMuch = 0.25;
-  return left.area > kMuch * f.explored_area;
+  return left > kMuch * f.explored_area;
+}
+// What no look has decided: the robot did not get there.
+double undecided(const FrontierFacts& f) { return f.unreachable.area + f.given_up.area; }
+// What it saw from its start is not all there is where it would have driven and could not.
+bool held_fast(const Facts& facts) {
+  const bool hemmed_in = facts.frontiers && facts.frontiers->hemmed_in;
+  return facts.strayed < kMoved && (!facts.refused.empty() || hemmed_in);
 }
 
 bool goal_unreachable(const Case& c) { return c.facts.goal && c.facts.goal->unreachable; }
@@ -60,11 +67,20 @@ constexpr std::array kModeTable = {
             },
             Kind::kDone, Cause::kGoalUnreachable},
     ModeRow{std::nullopt,
-            "exhausted for look_around; most places are cut off, or what is out of reach promises "
-            "a quarter of what was seen",
+            "exhausted for look_around; nothing of the area that is to be explored was seen",
+            [](const Case& c) { return exhausted(c) && c.facts.frontiers->area_unseen; },
+            Kind::kDone, Cause::kUnreachable},
+    ModeRow{std::nullopt,
+            "exhausted for look_around; it never moved, and the certificate refused what it would "
+            "have driven, or no place around it is passable",
+            [](const Case& c) { return exhausted(c) && held_fast(c.facts); }, Kind::kDone,
+            Cause::kUnreachable},
+    ModeRow{std::nullopt,
+            "exhausted for look_around; most places are cut off, or what is out of reach or was "
+            "given up on the way promises a quarter of what was seen",
             [](const Case& c) {
               return exhausted(c) && (c.facts.frontiers->cut_off ||
-                                      much(c.facts.frontiers->unreachable, *c.facts.frontiers));
+                                      much(undecided(*c.facts.frontiers), *c.facts.frontiers));
             },
             Kind::kDone, Cause::kUnreachable},
     ModeRow{std::nullopt,
@@ -72,7 +88,7 @@ constexpr std::array kModeTable = {
             "promised a quarter of what was seen have failed",
             [](const Case& c) {
               return exhausted(c) && (c.facts.frontiers->low_yield.count > 0 ||
-                                      much(c.facts.frontiers->failed, *c.facts.frontiers));
+                                      much(c.facts.frontiers->failed.area, *c.facts.frontiers));
             },
             Kind::kDone, Cause::kYieldTooLow},
     ModeRow{std::nullopt, "exhausted for look_around", [](const Case& c) { return exhausted(c); },
@@ -174,6 +190,11 @@ std::string localization_text(const Facts& f) {
 }
 
 std::string target_text(const FrontierFacts& f) {
+  if (f.to_area) {
+    return formatted(
+        "drives %.1f m to the area that is to be explored, %.1f m of them through unknown space",
+        f.way_left, f.unknown_left);
+  }
   return (f.way_left < kThere ? std::string("looks from here")
                               : formatted("drives %.1f m to look", f.way_left)) +
          formatted(" at a frontier %.1f m long, which promises %.1f m2", f.target_length,
@@ -189,7 +210,15 @@ std::string left_text(const FrontierFacts& f) {
   };
   add(f.low_yield, "too little for the way");
   add(f.failed, "where looks showed nothing");
+  add(f.given_up, "given up on the way there");
   add(f.unreachable, "out of reach");
+  if (f.barred.count > 0) {
+    text += formatted("%s %d (%.1f m2) that %s bars", text.empty() ? "; left:" : ",",
+                      f.barred.count, f.barred.area, f.barred_by.c_str());
+  }
+  if (!f.area_why.empty() && !f.area_unseen) {
+    text += "; the rest of the area is not reached: " + f.area_why;
+  }
   return text;
 }
 
@@ -203,6 +232,24 @@ std::string way_text(const Facts& facts) {
     text += formatted(", %.1f m of them through unknown space", goal.unknown_left);
   }
   return text;
+}
+
+/// How an exploration ended.
+std::string exploration_end_text(const Mode& mode, const Facts& facts) {
+  const FrontierFacts f = facts.frontiers.value_or(FrontierFacts{});
+  if (mode.cause == Cause::kExplored) {
+    return "Done: no frontier is left that can be reached and promises anything";
+  }
+  if (mode.cause == Cause::kYieldTooLow) return "Done: what is left shows too little for the way";
+  if (f.area_unseen) {
+    return "Ended: nothing of the area that is to be explored can be reached: " + f.area_why;
+  }
+  if (held_fast(facts)) {
+    return "Ended: it could not get away from where it began" +
+           (facts.refused.empty() ? ": no place around it is passable" : ": " + facts.refused);
+  }
+  return f.cut_off ? "Ended: walls as drawn cut it off from most places it came through"
+                   : "Ended: no way is found to most of what is left";
 }
 
 /// Since when, and what was before.
@@ -279,22 +326,22 @@ std::string doing(const Mode& mode, const Facts& facts) {
       return "Holds: it was told to";
     case Kind::kDone:
       if (mode.cause == Cause::kGoalReached || mode.cause == Cause::kReturned) {
-        return formatted("Done: %.2f m from ", facts.goal.value_or(GoalFacts{}).distance) +
-               (mode.cause == Cause::kReturned ? "where it began" : "the goal");
+        const GoalFacts goal = facts.goal.value_or(GoalFacts{});
+        std::string text = formatted("Done: %.2f m from ", goal.distance) +
+                           (mode.cause == Cause::kReturned ? "where it began" : "the goal");
+        if (goal.heading_missed) {
+          text += formatted(", %.0f degrees off the heading there: ",
+                            *goal.heading_missed * 180.0 / M_PI) +
+                  goal.heading_why;
+        }
+        return text;
       }
       if (mode.cause == Cause::kGoalUnreachable) {
         return (facts.task == TaskKind::kReturn ? "Done: it cannot get back to where it began: "
                                                 : "Done: the goal cannot be reached: ") +
                facts.goal.value_or(GoalFacts{}).why;
       }
-      return (mode.cause == Cause::kUnreachable
-                  ? (frontiers.cut_off
-                         ? "Ended: walls as drawn cut it off from most places it came through"
-                         : "Ended: no way is found to most of what is left")
-              : mode.cause == Cause::kExplored
-                  ? "Done: no frontier is left that can be reached and promises anything"
-                  : "Done: what is left shows too little for the way") +
-             left_text(frontiers);
+      return exploration_end_text(mode, facts) + left_text(frontiers);
   }
   return "";
 }
@@ -354,7 +401,12 @@ Behaviour decide(const Behaviour& before, const Facts& facts, const BehaviourOpt
 
 std::string describe(const Mode& mode, const Facts& facts) {
   std::string text = doing(mode, facts) + '.';
-  if (mode.kind == Kind::kDone) return text;
+  if (mode.kind == Kind::kDone) {
+    if (mode.cause == Cause::kGoalUnreachable && facts.strayed < kMoved && !facts.refused.empty()) {
+      text += " It has not moved: " + facts.refused + '.';
+    }
+    return text;
+  }
   const bool narrow = facts.frontiers && facts.frontiers->narrow;
   if (narrow) text += " The way ahead is narrow.";
   if (facts.stuck && !narrow) {

@@ -13,6 +13,8 @@ namespace prospect {
 
 class Knobs;
 
+inline constexpr double kMoved = 0.1;  ///< [m] from where it began, a robot has moved
+
 /// Times that the table asks for [s].
 struct BehaviourOptions {
   double retreat_time = 6.0;    ///< longest single retreat

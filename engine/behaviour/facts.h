@@ -45,8 +45,17 @@ struct FrontierFacts {
   bool cut_off = false;        ///< if exhausted: from most places the robot came through
   double explored_area = 0.0;  ///< [m^2] seen so far
   /// If exhausted: reachable, but too little for the way; no way leads there; promising, but looks
-  /// and visits have failed.
-  FrontiersLeft low_yield{}, unreachable{}, failed{};
+  /// have shown nothing; promising, but given up on the way there; only zones bar the way.
+  FrontiersLeft low_yield{}, unreachable{}, failed{}, given_up{}, barred{};
+  std::string barred_by{};  ///< if barred.count > 0: the zone
+  /// The target is the area that is to be explored: none of it can be seen from what is known, and
+  /// a way leads there through unknown space.
+  bool to_area = false;
+  double unknown_left = 0.0;  ///< if to_area: [m] of way_left
+  bool hemmed_in = false;     ///< if exhausted: no place within 1 m of the robot is passable
+  /// If exhausted, and an area is to be explored: nothing free of it was seen.
+  bool area_unseen = false;
+  std::string area_why{};  ///< if exhausted: why no way leads to what is unknown of the area
 };
 
 /// What is known of the way to a goal, once it is up to date (GoalPlanner).
@@ -61,6 +70,10 @@ struct GoalFacts {
   bool unreachable = false;      ///< no way leads there
   double unreachable_for = 0.0;  ///< [s] that this has been so
   std::string why{};             ///< if unreachable, as the end of a sentence
+  /// [rad] that is left to its heading, where that cannot be had (HeadingMonitor): the place
+  /// counts.
+  std::optional<double> heading_missed{};
+  std::string heading_why{};  ///< then, as the end of a sentence
 };
 
 /// What is known at one instant of what the robot's behaviour depends on. No judgement: monitors
@@ -76,7 +89,10 @@ struct Facts {
   double retreat_distance = 0.0;  ///< [m] from there, as the crow flies; 0 without such a place
   std::optional<double> not_following_at{};  ///< when last noticed (FollowingMonitor)
   bool stuck = false;                        ///< it tries to get on and does not (StuckMonitor)
-  TaskKind task = TaskKind::kExplore;        ///< what it is told to do
+  double strayed = 0.0;                      ///< [m] the farthest it has been from where it began
+  std::string
+      refused{};  ///< newest reason of the certificate not to drive to a target; empty: none
+  TaskKind task = TaskKind::kExplore;                               ///< what it is told to do
   double task_given_at = -std::numeric_limits<double>::infinity();  ///< first stamp with it [s]
   std::optional<GoalFacts> goal{};  ///< of tasks that lead to a place; none until up to date
   /// Of the task to explore. None until they are up to date: what comes before them in the table is

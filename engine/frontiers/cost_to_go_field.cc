@@ -318,6 +318,12 @@ void CostToGoField::solve_from_scratch(const Traversability& traversability,
 }
 
 void CostToGoField::solve_from_scratch(const Traversability& traversability,
+                                       const AreaSources& area, Cell robot) {
+  fresh_ = true;
+  update_from(traversability, area, robot, nullptr);
+}
+
+void CostToGoField::solve_from_scratch(const Traversability& traversability,
                                        const FrontierDetector& frontiers, Cell robot,
                                        const Grid<float>* features) {
   fresh_ = true;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "engine/frontiers/area_sources.h"
 #include "engine/frontiers/cost_to_go.h"
 #include "engine/frontiers/frontiers.h"
 #include "engine/frontiers/goal_sources.h"
@@ -74,6 +75,8 @@ class CostToGoField {
 
   void update(const Traversability& traversability, const GoalSources& goal, Cell robot);
   void solve_from_scratch(const Traversability& traversability, const GoalSources& goal,
+                          Cell robot);
+  void solve_from_scratch(const Traversability& traversability, const AreaSources& area,
                           Cell robot);
 
   /// D [m of path equivalent]; +infinity where not reached or beyond the stopping value.

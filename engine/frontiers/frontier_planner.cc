@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/frontiers/known_ways.h"
 #include "engine/maps/held_up.h"
 #include "engine/support/stopwatch.h"
 #include "models/knobs.h"
@@ -344,16 +345,48 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, int current,
   return candidates[static_cast<std::size_t>(best.order.front())].frontier;
 }
 
-void FrontierPlanner::tell_what_is_left(const std::vector<Frontier>& frontiers,
+void FrontierPlanner::tell_what_is_left(const GroundMap& ground, const Pose& pose,
+                                        const std::vector<Frontier>& frontiers,
                                         FrontierFacts& facts) const {
+  facts.hemmed_in = !traversability_.passable(field_.anchor());
+  // What would be reached if there were no zones, and where it is looked at from.
+  const ZoneMap* const zones = options_.traversability.zones.get();
+  constexpr int kNone = std::numeric_limits<int>::min() / 4;
+  std::vector<Cell> viewpoint(frontiers.size(), Cell{kNone, kNone});
+  std::optional<KnownWays> free;
+  if (zones != nullptr) {
+    TraversabilityOptions without = options_.traversability;
+    without.zones = nullptr;
+    free.emplace(ground, pose, without, pose.position.head<2>());
+    detector_.visit_viewpoints([&](int k, Cell c, Cell, double) {
+      Cell& best = viewpoint[static_cast<std::size_t>(k)];
+      if (free->length(c) < free->length(best)) best = c;
+    });
+  }
+  const auto bars = [&](Cell from) {
+    for (const Cell c : free->way(from)) {
+      const Eigen::Vector2d center = traversability_.frame().center(c);
+      for (int part = 0; part < zones->num_forbidden(); ++part) {
+        if (zones->distance(part, center) < options_.traversability.hard_radius) return part;
+      }
+    }
+    return 0;
+  };
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
     const Frontier& f = frontiers[k];
     if (!f.active || f.promise < options_.least_area) continue;
     const bool reachable = way_to_[k].length < kInfinity;
     if (reachable && f.area >= options_.least_area) continue;  // its yield is too low: counted
-    FrontiersLeft& left = reachable ? facts.failed : facts.unreachable;
+    const bool barred = !reachable && free && free->length(viewpoint[k]) < kInfinity;
+    FrontiersLeft& left = barred       ? facts.barred
+                          : !reachable ? facts.unreachable
+                          : f.given_up ? facts.given_up
+                                       : facts.failed;
     ++left.count;
     left.area += f.promise;
+    if (barred && facts.barred_by.empty()) {
+      facts.barred_by = zones->name(bars(viewpoint[k]));
+    }
   }
 }
 
@@ -542,7 +575,7 @@ std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
   facts.stalled_for = progress_.stalled_for();
   facts.stalled = progress_.stalled();
   if (facts.exhausted && chosen_at_ == stamp) {
-    tell_what_is_left(global_plan->frontiers, facts);
+    tell_what_is_left(ground, pose, global_plan->frontiers, facts);
     facts.cut_off = is_cut_off();
   }
   facts.exhausted_for = exhaustion_.update(stamp, facts.exhausted, attention.pursued);

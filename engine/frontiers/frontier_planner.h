@@ -125,8 +125,10 @@ struct GlobalPlan {
 ///
 /// Nothing is given up for good but by what looks have shown: there are no retries. Where no
 /// candidate is left the facts say `exhausted`; and whether some were left for their low yield,
-/// whether what is left cannot be reached, and whether most places where the robot has been are cut
-/// off from it by walls as drawn: an estimate that drifts can draw the robot in.
+/// whether looks have failed or the robot did not get there, whether what is left cannot be
+/// reached, or only zones bar the way, which is what was asked for; and whether most places where
+/// the robot has been are cut off from it by walls as drawn: an estimate that drifts can draw the
+/// robot in.
 ///
 /// A value. Thread-safety: none (one mission, one thread); what update() returns is immutable and
 /// may be shared. update() never throws on a finite pose; a non-finite pose gives the last global
@@ -190,7 +192,8 @@ class FrontierPlanner {
                              double limit) const;
   int choose(const std::vector<Frontier>& frontiers, int current, bool must, bool alone,
              const LookPrice& price, FrontierFacts& facts);
-  void tell_what_is_left(const std::vector<Frontier>& frontiers, FrontierFacts& facts) const;
+  void tell_what_is_left(const GroundMap& ground, const Pose& pose,
+                         const std::vector<Frontier>& frontiers, FrontierFacts& facts) const;
   void fail_visit(const std::vector<Frontier>& frontiers, TargetChange why);
   bool is_cut_off() const;
   double way_left() const;

@@ -30,12 +30,14 @@ void FrontierWorth::map_changed(const GridFrame& frame, const std::vector<Cell>&
     trust_ = Grid<float>(frame, 1.0F);
     range_ = Grid<float>(frame, static_cast<float>(options_.sensor_range));
     flips_ = Grid<std::uint8_t>(frame, 0);
+    given_up_ = Grid<std::uint8_t>(frame, 0);
     return;
   }
   if (!(frame == trust_.frame)) {
     trust_.widen(frame, 1.0F);
     range_.widen(frame, static_cast<float>(options_.sensor_range));
     flips_.widen(frame, std::uint8_t{0});
+    given_up_.widen(frame, std::uint8_t{0});
   }
   const int reach = options_.renewal_cells;
   const auto visit_near = [&](Cell c, const auto& visit) {
@@ -52,6 +54,7 @@ void FrontierWorth::map_changed(const GridFrame& frame, const std::vector<Cell>&
       trust_.data[at] = 1.0F;
       range_.data[at] = static_cast<float>(options_.sensor_range);
       flips_.data[at] = 0;
+      given_up_.data[at] = 0;
     });
   }
   for (const Cell c : changed) {
@@ -98,7 +101,9 @@ void FrontierWorth::look(const Grid<std::uint8_t>& see_through,
 void FrontierWorth::visit_failed(Cell target, const std::vector<Cell>& cells, double resolution) {
   for (const Cell c : cells) {
     if (resolution * std::hypot(c.i - target.i, c.j - target.j) > options_.visit_radius) continue;
-    if (trust_.frame.contains(c)) trust_[c] *= static_cast<float>(options_.failed_visit);
+    if (!trust_.frame.contains(c)) continue;
+    trust_[c] *= static_cast<float>(options_.failed_visit);
+    given_up_[c] = 1;
   }
 }
 
@@ -123,9 +128,13 @@ void FrontierWorth::measure(const Traversability& traversability,
   for (Frontier& f : frontiers) {
     f.promise = f.area = 0.0;
     f.trust = 1.0;
+    f.given_up = false;
     if (!f.active) continue;
     double trust = 0.0;
-    for (const Cell c : f.cells) trust += static_cast<double>(trust_.get(c, 1.0F));
+    for (const Cell c : f.cells) {
+      trust += static_cast<double>(trust_.get(c, 1.0F));
+      f.given_up = f.given_up || given_up_.get(c, 0) != 0;
+    }
     trust /= static_cast<double>(f.cells.size());
     f.trust = trust;
     f.promise = std::min(view, r * r * count(traversability, f));

@@ -102,8 +102,8 @@ class FrontierWorth {
   /// greatest trust in it.
   void look_ranges(const Frontier& frontier, std::vector<float>& ranges) const;
 
-  /// Sets Frontier::promise to A_f, trust to the mean of tau, and area to E_f; 0, 1 and 0 for those
-  /// that are not active.
+  /// Sets Frontier::promise to A_f, trust to the mean of tau, area to E_f, and given_up; 0, 1, 0
+  /// and false for those that are not active.
   void measure(const Traversability& traversability, std::vector<Frontier>& frontiers);
 
  private:
@@ -112,8 +112,9 @@ class FrontierWorth {
 
   FrontierWorthOptions options_;
   Grid<float> trust_;
-  Grid<float> range_;         // within which a look may still show the cell [m]
-  Grid<std::uint8_t> flips_;  // times that a change of known cells renewed it
+  Grid<float> range_;            // within which a look may still show the cell [m]
+  Grid<std::uint8_t> given_up_;  // 1: near a target of a visit that failed
+  Grid<std::uint8_t> flips_;     // times that a change of known cells renewed it
   std::array<double, 5> yields_{0.5, 0.5, 0.5, 1.0, 1.0};  // by size_class()
   std::optional<double> last_look_;
   Grid<std::uint8_t> visited_;  // about one frontier, while counting

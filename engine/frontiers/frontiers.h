@@ -41,9 +41,10 @@ struct Frontier {
   int viewpoints = 0;     ///< entries of its cells' viewpoint lists; 0: no pose can see it
   /// Long enough, and some cell that counts has a viewpoint.
   bool active = false;
-  double promise = 0.0;  ///< A: unknown ground that a look at it may show [m^2] (FrontierWorth)
-  double trust = 1.0;    ///< mean of tau over its cells [-]
-  double area = 0.0;     ///< E: what it is expected to show, after what looks have shown [m^2]
+  double promise = 0.0;   ///< A: unknown ground that a look at it may show [m^2] (FrontierWorth)
+  double trust = 1.0;     ///< mean of tau over its cells [-]
+  double area = 0.0;      ///< E: what it is expected to show, after what looks have shown [m^2]
+  bool given_up = false;  ///< a visit to it has failed since anything new was seen there
 };
 
 /// Initial value of the cost-to-go at one traversable cell.

@@ -32,8 +32,19 @@ GoalPlanner::GoalPlanner(const GoalPlannerOptions& options, const Goal& goal, do
       traversability_(with_unknown(options.traversability, unknown_price)),
       field_(unweighted(options.cost_to_go)) {}
 
+GoalPlanner::GoalPlanner(const GoalPlannerOptions& options, const Polygon& area,
+                         double unknown_price)
+    : GoalPlanner(options, Goal{area.front(), std::nullopt}, unknown_price) {
+  area_ = area;
+}
+
 void GoalPlanner::solve(Cell robot) {
   const GridFrame& frame = traversability_.frame();
+  if (area_) {
+    sources_.emplace(traversability_, *area_);
+    field_.solve_from_scratch(traversability_, *sources_, robot);
+    return;
+  }
   const double reach = std::max(goal_.position_tolerance, 0.75 * frame.resolution);
   const GoalSources sources(frame, goal_.position, reach, traversability_.options().unknown_travel);
   if (frame == solved_) {
@@ -84,37 +95,100 @@ void GoalPlanner::close_on(const Way& way) {
   monitor_.restart();
 }
 
-std::string GoalPlanner::why_unreachable(int closed) const {
-  const TraversabilityOptions& t = options_.traversability;
-  const Cell c = traversability_.frame().cell(goal_.position.x(), goal_.position.y());
-  const double room = t.hard_radius;
-  if (t.zones != nullptr) {
-    for (int part = 0; part < t.zones->num_forbidden(); ++part) {
-      const double distance = t.zones->distance(part, goal_.position);
-      if (distance >= room - t.lattice_slack) continue;
-      const bool bound = t.zones->zones().bound && part == 0;
-      if (distance <= 0.0)
-        return bound ? "it is beyond the bound" : "it is in " + t.zones->name(part);
-      return formatted("it is %.2f m from %s, and the robot needs %.2f m", distance,
-                       t.zones->name(part).c_str(), room);
-    }
-  }
-  if (traversability_.state(c) == CellState::kOccupied)
-    return "it is in a wall or another obstacle";
-  if (!traversability_.clear(c)) {
-    return formatted("it is %.2f m from an obstacle, and the robot needs %.2f m",
-                     traversability_.clearance(c), room);
-  }
-  if (closed > 0) {
-    return formatted("%d %s there could not be passed or seen, and no other is left", closed,
-                     closed == 1 ? "way" : "ways");
-  }
-  return "what is known of walls and forbidden areas closes every way there";
+// [m] from where the way ends to where it leads; more than a little only from the map's rim on.
+double GoalPlanner::beyond_end(const Way& way) const {
+  const Cell last = way.cells.back();
+  const Eigen::Vector2d end = traversability_.frame().center(last);
+  if (!area_) return (end - goal_.position).norm();
+  return sources_->source(last) == 0.0F ? 0.0 : sources_->outside(end);
 }
 
-std::shared_ptr<const GlobalPlan> GoalPlanner::update(
-    const GroundMap& ground, const Pose& pose, double stamp, bool pursued,
-    const std::optional<Eigen::Vector2d>& blocked) {
+void GoalPlanner::update_reached(const Pose& pose, double stamp,
+                                 const FrontierAttention& attention) {
+  if (area_) return;
+  const double share = facts_.reached ? kLeaves : 1.0;
+  facts_.distance = (pose.position.head<2>() - goal_.position).norm();
+  const double turned =
+      goal_.yaw ? std::abs(std::remainder(pose.yaw - *goal_.yaw, 2.0 * M_PI)) : 0.0;
+  if (goal_.yaw) {
+    const bool there = facts_.distance <= kLeaves * goal_.position_tolerance;
+    heading_.update(stamp, there, turned, {attention.pursued, attention.got_lost});
+  }
+  const bool any_heading = heading_.verdict() != HeadingMonitor::Verdict::kOpen;
+  facts_.reached = facts_.distance <= share * goal_.position_tolerance &&
+                   (any_heading || turned <= share * goal_.yaw_tolerance);
+  facts_.heading_missed.reset();
+  if (any_heading && turned > goal_.yaw_tolerance) facts_.heading_missed = turned;
+  facts_.heading_why = heading_.verdict() == HeadingMonitor::Verdict::kGetsLost
+                           ? "it loses its localization when it turns to it"
+                           : "it does not get round to it";
+}
+
+// What is wrong with the place itself; empty: nothing.
+std::string GoalPlanner::why_not_there() const {
+  const TraversabilityOptions& t = options_.traversability;
+  const Eigen::Vector2d at = goal_.position;
+  if (area_ ? sources_->beyond_extent() : t.extent && !t.extent->contains(at)) {
+    return "it is outside of the world";
+  }
+  const double room = t.hard_radius;
+  for (int part = 0; t.zones != nullptr && part < t.zones->num_forbidden(); ++part) {
+    const double distance = t.zones->distance(part, at);
+    const std::string name = t.zones->name(part);
+    if (area_) {
+      const auto in = [&](const Eigen::Vector2d& p) { return t.zones->distance(part, p) <= 0.0; };
+      if (!sources_->nowhere() || std::none_of(area_->begin(), area_->end(), in)) continue;
+      return "all of it is forbidden, by " + name;
+    }
+    if (distance >= room - t.lattice_slack) continue;
+    if (distance > 0.0) {
+      return formatted("it is %.2f m from %s, and the robot needs %.2f m", distance, name.c_str(),
+                       room);
+    }
+    return (t.zones->zones().bound && part == 0 ? "it is beyond " : "it is in ") + name;
+  }
+  if (area_) return "";
+  const Cell c = traversability_.frame().cell(at.x(), at.y());
+  if (traversability_.state(c) == CellState::kOccupied) {
+    return "it is in a wall or another obstacle";
+  }
+  if (traversability_.clear(c)) return "";
+  return formatted("it is %.2f m from an obstacle, and the robot needs %.2f m",
+                   traversability_.clearance(c), room);
+}
+
+std::string GoalPlanner::why_unreachable(const GroundMap& ground, const Pose& pose) const {
+  if (const std::string why = why_not_there(); !why.empty()) return why;
+  if (options_.traversability.zones != nullptr) {
+    // Whether there would be a way without the zones, and into which it leads first.
+    GoalPlannerOptions free = options_;
+    free.traversability.zones = nullptr;
+    const double price = traversability_.options().unknown_travel;
+    GoalPlanner without =
+        area_ ? GoalPlanner(free, *area_, price) : GoalPlanner(free, goal_, price);
+    without.update(ground, pose, 0.0, {});
+    if (!without.facts_.unreachable) {
+      const ZoneMap& zones = *options_.traversability.zones;
+      for (const Cell c : without.way().cells) {
+        const Eigen::Vector2d center = traversability_.frame().center(c);
+        for (int part = 0; part < zones.num_forbidden(); ++part) {
+          if (zones.distance(part, center) < options_.traversability.hard_radius) {
+            return zones.name(part) + " bars every way there";
+          }
+        }
+      }
+    }
+  }
+  if (closed_ > 0) {
+    return formatted("%d %s there could not be passed or seen, and no other is left", closed_,
+                     closed_ == 1 ? "way" : "ways");
+  }
+  return "what is known of walls closes every way there";
+}
+
+std::shared_ptr<const GlobalPlan> GoalPlanner::update(const GroundMap& ground, const Pose& pose,
+                                                      double stamp,
+                                                      const FrontierAttention& attention) {
   Stopwatch watch;
   if (!traversability_.continues(ground)) {
     traversability_ = Traversability(traversability_.options());
@@ -124,41 +198,36 @@ std::shared_ptr<const GlobalPlan> GoalPlanner::update(
   const GridFrame& frame = traversability_.frame();
   const Eigen::Vector2d p = pose.position.head<2>();
   const Cell robot = frame.cell(p.x(), p.y());
-  if (blocked) {
-    const std::optional<Cell> at = held_up_at(frame, p, *blocked);
+  if (attention.blocked) {
+    const std::optional<Cell> at = held_up_at(frame, p, *attention.blocked);
     if (at) traversability_.close(*at, kHeldUpRadius);
   }
   solve(robot);
   const double explored = traversability_.explored_area();
-
-  const double share = facts_.reached ? kLeaves : 1.0;
-  facts_.distance = (p - goal_.position).norm();
-  const double turned =
-      goal_.yaw ? std::abs(std::remainder(pose.yaw - *goal_.yaw, 2.0 * M_PI)) : 0.0;
-  facts_.reached =
-      facts_.distance <= share * goal_.position_tolerance && turned <= share * goal_.yaw_tolerance;
+  update_reached(pose, stamp, attention);
 
   Way found;
   const auto look = [&] {
     found = field_.anchor_reached() ? way() : Way{};
-    const GridFrame& f = traversability_.frame();
     // From the rim of the map on as the crow flies.
-    const double beyond =
-        found.cells.empty() ? 0.0 : (f.center(found.cells.back()) - goal_.position).norm();
+    const double beyond = found.cells.empty() ? 0.0 : beyond_end(found);
     facts_.way_left = found.length + beyond;
     facts_.unknown_left =
-        found.unknown + (beyond > goal_.position_tolerance + f.resolution ? beyond : 0.0);
+        found.unknown + (beyond > goal_.position_tolerance + frame.resolution ? beyond : 0.0);
   };
   look();
   if (!found.cells.empty()) {
     // At the place it turns, which brings it no nearer.
-    const bool there = facts_.distance <= goal_.position_tolerance;
-    monitor_.update(stamp, p, facts_.way_left, explored, pursued && !facts_.reached && !there);
+    const bool there = !area_ && facts_.distance <= goal_.position_tolerance;
+    monitor_.update(stamp, p, facts_.way_left, explored,
+                    attention.pursued && !facts_.reached && !there);
     if (monitor_.hopeless()) {
       close_on(found);
       solve(robot);
       look();
-      if (!found.cells.empty()) monitor_.update(stamp, p, facts_.way_left, explored, pursued);
+      if (!found.cells.empty()) {
+        monitor_.update(stamp, p, facts_.way_left, explored, attention.pursued);
+      }
     }
   }
   facts_.stalled = !found.cells.empty() && monitor_.stalled();
@@ -166,24 +235,36 @@ std::shared_ptr<const GlobalPlan> GoalPlanner::update(
   facts_.unreachable = found.cells.empty() && !facts_.reached && explored > 0.0;
   if (!facts_.unreachable) {
     unreachable_since_.reset();
+    facts_.why.clear();
   } else if (!unreachable_since_ || stamp < *unreachable_since_) {
     unreachable_since_ = stamp;
+    facts_.why = why_unreachable(ground, pose);
   }
   facts_.unreachable_for = unreachable_since_ ? stamp - *unreachable_since_ : 0.0;
-  facts_.why = facts_.unreachable ? why_unreachable(closed_) : "";
-  facts_.near = !found.cells.empty() && facts_.unknown_left == 0.0 && facts_.way_left <= kNear;
+  facts_.near =
+      !area_ && !found.cells.empty() && facts_.unknown_left == 0.0 && facts_.way_left <= kNear;
 
-  auto global_plan = std::make_shared<GlobalPlan>();
+  auto global_plan = std::make_shared<GlobalPlan>(plan_along(found, pose));
   global_plan->map_revision = ground.revision();
   global_plan->stamp = stamp;
   global_plan->cost_to_go = field_.window();
   global_plan->explored_area = explored;
+  global_plan->milliseconds = watch.lap();
+  return global_plan;
+}
+
+// Its frontier and target.
+GlobalPlan GoalPlanner::plan_along(const Way& found, const Pose& pose) const {
+  const GridFrame& frame = traversability_.frame();
+  const Eigen::Vector2d p = pose.position.head<2>();
+  GlobalPlan plan;
   if (!found.cells.empty()) {
     FrontierTarget target;
-    target.viewpoint = goal_.position;
-    const double heading = goal_.yaw.value_or(pose.yaw);
+    target.viewpoint = area_ ? frame.center(found.cells.back()) : goal_.position;
+    const bool any_heading = heading_.verdict() != HeadingMonitor::Verdict::kOpen;
+    const double heading = any_heading ? pose.yaw : goal_.yaw.value_or(pose.yaw);
     target.looks_at =
-        goal_.position + kLooksFrom * Eigen::Vector2d(std::cos(heading), std::sin(heading));
+        target.viewpoint + kLooksFrom * Eigen::Vector2d(std::cos(heading), std::sin(heading));
     target.yaw = heading;
     if (found.first_unknown >= 0) {
       const auto first = static_cast<std::size_t>(found.first_unknown);
@@ -200,7 +281,7 @@ std::shared_ptr<const GlobalPlan> GoalPlanner::update(
       ahead.viewpoints = 1;
       ahead.active = true;
       std::sort(ahead.cells.begin(), ahead.cells.end(), scan_less);
-      global_plan->frontiers.push_back(std::move(ahead));
+      plan.frontiers.push_back(std::move(ahead));
       target.frontier = 0;
       target.looks_at = seen;
       target.viewpoint = p;
@@ -212,13 +293,12 @@ std::shared_ptr<const GlobalPlan> GoalPlanner::update(
       const Eigen::Vector2d to = target.looks_at - target.viewpoint;
       target.yaw = std::atan2(to.y(), to.x());
     }
-    global_plan->target = target;
-    global_plan->facts.target = true;
-    global_plan->facts.way_left = facts_.way_left;
-    if (target.frontier == 0) global_plan->facts.target_length = global_plan->frontiers[0].length;
+    plan.target = target;
+    plan.facts.target = true;
+    plan.facts.way_left = facts_.way_left;
+    if (target.frontier == 0) plan.facts.target_length = plan.frontiers[0].length;
   }
-  global_plan->milliseconds = watch.lap();
-  return global_plan;
+  return plan;
 }
 
 }  // namespace prospect

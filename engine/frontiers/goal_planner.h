@@ -8,6 +8,8 @@
 
 #include "engine/behaviour/facts.h"
 #include "engine/behaviour/monitors/goal_monitor.h"
+#include "engine/behaviour/monitors/heading_monitor.h"
+#include "engine/frontiers/area_sources.h"
 #include "engine/frontiers/cost_to_go_field.h"
 #include "engine/frontiers/frontier_planner.h"
 #include "engine/frontiers/goal_sources.h"
@@ -24,8 +26,8 @@ struct GoalPlannerOptions {
   CostToGoOptions cost_to_go;  ///< lambda does not count
 };
 
-/// The way to a place, from one planning step to the next: what the FrontierPlanner is for
-/// frontiers.
+/// The way to a place, or to what is unknown of an area (area_sources.h), from one planning step to
+/// the next: what the FrontierPlanner is for frontiers.
 ///
 /// V(p) is the least cost of a way to the goal over cells that are known free, at their factor
 /// (traversability.h), and unknown cells, at `unknown_price` a metre: a goal in unknown space is
@@ -38,7 +40,10 @@ struct GoalPlannerOptions {
 /// A robot that makes no progress for GoalMonitor::kHopelessAfter closes the place that holds it up
 /// (the first unknown cell of the way, else its narrowest place within 2 m) and looks for another
 /// way. Once no way is left, facts().unreachable says so, and `why` in one sentence: the goal is in
-/// or too near a wall, too near a forbidden area, or no way is left.
+/// or too near a wall, too near a forbidden part, out of the world, no way is left, or none but
+/// through a forbidden part, which is named.
+///
+/// A heading that cannot be had at the place (HeadingMonitor) is given up: the place counts.
 ///
 /// A value. Thread-safety: none; what update() returns is immutable and may be shared. Never throws
 /// after construction on finite input. Source: our choice; the cost-to-go is formulation, section
@@ -51,15 +56,21 @@ class GoalPlanner {
   /// unknown_price: 1 to 1000 metres of path equivalent a metre. Throws std::invalid_argument
   /// naming the option, its value and what was expected.
   GoalPlanner(const GoalPlannerOptions& options, const Goal& goal, double unknown_price);
+  /// area: usable (polygon_fault()). It is never reached: once some of it can be looked at from
+  /// what is known, that is for the FrontierPlanner.
+  GoalPlanner(const GoalPlannerOptions& options, const Polygon& area, double unknown_price);
 
-  /// ground: any map; pose finite, within 1000 km; stamp [s], non-decreasing. pursued: since the
-  /// last update the robot tried to get there. blocked: direction in W in which it does not get on,
-  /// though the map says so: a disc there is impassable from now on.
+  /// ground: any map; pose finite, within 1000 km; stamp [s], non-decreasing. attention: of the
+  /// time since the last update; a disc in the direction in which the robot is blocked is
+  /// impassable from now on. `looked` does not count.
   std::shared_ptr<const GlobalPlan> update(const GroundMap& ground, const Pose& pose, double stamp,
-                                           bool pursued,
-                                           const std::optional<Eigen::Vector2d>& blocked);
+                                           const FrontierAttention& attention);
+  /// Its time without progress begins anew: it had something else to do.
+  void resume() { monitor_.restart(); }
 
   const Goal& goal() const { return goal_; }
+  /// Of an area: free cells of it, times the area of a cell [m^2], at the last update.
+  double seen() const { return sources_ ? sources_->seen() : 0.0; }
   const GoalFacts& facts() const { return facts_; }
   const Traversability& traversability() const { return traversability_; }
 
@@ -72,15 +83,22 @@ class GoalPlanner {
   };
   void solve(Cell robot);
   Way way() const;
+  double beyond_end(const Way& way) const;
   void close_on(const Way& way);
-  std::string why_unreachable(int closed) const;
+  void update_reached(const Pose& pose, double stamp, const FrontierAttention& attention);
+  std::string why_not_there() const;
+  std::string why_unreachable(const GroundMap& ground, const Pose& pose) const;
+  GlobalPlan plan_along(const Way& way, const Pose& pose) const;
 
   GoalPlannerOptions options_;
   Goal goal_;
+  std::optional<Polygon> area_;         // instead of the goal
+  std::optional<AreaSources> sources_;  // of that
   Traversability traversability_;
   CostToGoField field_;
   GridFrame solved_;  // frame that the field was solved for
   GoalMonitor monitor_;
+  HeadingMonitor heading_;
   GoalFacts facts_;
   std::optional<double> unreachable_since_;  // [s]
   int closed_ = 0;                           // places that held it up

@@ -263,7 +263,8 @@ void Traversability::refresh_factors(const Rectangle& cells) {
                  (unknown_sq_.data[at] < comfortable_sq_ ? near : 1.0F);
       } else if (travel > 0.0F && state_.data[at] == CellState::kUnknown &&
                  occupied_sq_.data[at] >= hard_sq_ && closed_.data[at] == 0 && within_rim({i, j})) {
-        factor = travel * (occupied_sq_.data[at] < comfortable_sq_ ? tight : 1.0F);
+        const bool ground = !options_.extent || options_.extent->contains(f.center({i, j}));
+        factor = !ground ? 0.0F : travel * (occupied_sq_.data[at] < comfortable_sq_ ? tight : 1.0F);
       }
       if (!slowness_.data.empty()) factor *= slowness_.data[at];
       if (factor != factor_.data[at]) {

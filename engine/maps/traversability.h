@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -44,6 +45,8 @@ struct TraversabilityOptions {
   double facing = 0.5;
   /// Factor of cells that are not known but clear, 1 to 1000; 0: those are impassable.
   double unknown_travel = 0.0;
+  /// Where ground may be, in W, if that is known: what is unknown beyond it is impassable.
+  std::optional<Eigen::AlignedBox2d> extent{};
   std::shared_ptr<const ZoneMap> zones{};  ///< null: none
   double top_speed = 1.0;                  ///< [m/s] where no slow zone is, > 0
 };

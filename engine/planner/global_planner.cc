@@ -1,5 +1,10 @@
 #include "engine/planner/global_planner.h"
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "engine/frontiers/known_ways.h"
 #include "engine/task/task.h"
 
 namespace prospect {
@@ -19,7 +24,8 @@ std::shared_ptr<const GlobalPlan> stay(const Belief& belief) {
 }  // namespace
 
 GlobalPlanner::GlobalPlanner(const RobotDescription& robot, const PlannerParameters& parameters)
-    : frontier_planner_(parameters.frontier_planner) {
+    : frontier_planner_(parameters.frontier_planner),
+      known_(parameters.frontier_planner.traversability) {
   if (parameters.frontier_planner.cost_to_go.lambda > 0.0 && parameters.w_l > 0.0) {
     FeatureVisibilityMapOptions options;
     options.attenuation = parameters.feature_attenuation;
@@ -29,6 +35,9 @@ GlobalPlanner::GlobalPlanner(const RobotDescription& robot, const PlannerParamet
 
 void GlobalPlanner::restart(const FrontierPlannerOptions& options) {
   frontier_planner_ = FrontierPlanner(options);
+  known_ = options.traversability;
+  area_planner_.reset();
+  exhaustion_ = {};
   goal_planner_.reset();
 }
 
@@ -70,8 +79,58 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::explore(
                             parameters.feature_prior ? belief.landmarks->feature_density : 0.0,
                             texture, &workers);
   }
-  return frontier_planner_.update(*belief.ground, belief.pose, frontier_stamp, attention,
-                                  looks_out ? &*visibility_map_ : nullptr);
+  auto plan = frontier_planner_.update(*belief.ground, belief.pose, frontier_stamp, attention,
+                                       looks_out ? &*visibility_map_ : nullptr);
+  if (!parameters.task.area) return plan;
+  return lead_to_area(std::move(plan), belief, parameters, frontier_stamp, attention);
+}
+
+std::shared_ptr<const GlobalPlan> GlobalPlanner::lead_to_area(
+    std::shared_ptr<const GlobalPlan> frontiers, const Belief& belief,
+    const PlannerParameters& parameters, double frontier_stamp,
+    const FrontierAttention& attention) {
+  if (!frontiers->facts.exhausted) {
+    exhaustion_.update(frontier_stamp, false, attention.pursued);
+    if (area_planner_) area_planner_->resume();
+    return frontiers;
+  }
+  if (!area_planner_) {
+    area_planner_.emplace(GoalPlannerOptions{parameters.frontier_planner.traversability,
+                                             parameters.frontier_planner.cost_to_go},
+                          *parameters.task.area, parameters.goal_unknown_price);
+  }
+  const auto way = area_planner_->update(*belief.ground, belief.pose, frontier_stamp, attention);
+  const GoalFacts& goal = area_planner_->facts();
+  auto plan = std::make_shared<GlobalPlan>(way->target ? *way : *frontiers);
+  FrontierFacts& facts = plan->facts;
+  facts.explored_area = frontiers->facts.explored_area;
+  facts.exhausted = !way->target;
+  facts.exhausted_for = exhaustion_.update(frontier_stamp, facts.exhausted, attention.pursued);
+  facts.area_unseen = facts.exhausted && !(area_planner_->seen() > 0.0);
+  facts.area_why = goal.why;
+  if (way->target) {
+    facts.to_area = true;
+    facts.unknown_left = goal.unknown_left;
+    facts.stalled = goal.stalled;
+    facts.stalled_for = goal.stalled_for;
+  }
+  plan->milliseconds += way->target ? frontiers->milliseconds : way->milliseconds;
+  return plan;
+}
+
+std::optional<WayBack> GlobalPlanner::way_back(const Belief& belief,
+                                               const MotionModel& model) const {
+  if (!start_) return std::nullopt;
+  const Eigen::Vector2d from = belief.pose.position.head<2>(), to = start_->position.head<2>();
+  const KnownWays ways(*belief.ground, belief.pose, known_, to);
+  const double straight = (from - to).norm();
+  WayBack back;
+  back.length = std::max(straight, ways.length_near(from));
+  // What is drawn shut now was open when it came through.
+  if (!std::isfinite(back.length)) back.length = 2.0 * straight;
+  back.time =
+      back.length / (2.0 / 3.0 * model.max_speed()) + 2.0 * M_PI / (0.5 * model.max_yaw_rate());
+  return back;
 }
 
 std::shared_ptr<const GlobalPlan> GlobalPlanner::go(const Belief& belief,
@@ -89,8 +148,7 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::go(const Belief& belief,
                           goal,
                           back ? parameters.return_unknown_price : parameters.goal_unknown_price);
   }
-  return goal_planner_->update(*belief.ground, belief.pose, belief.stamp, attention.pursued,
-                               attention.blocked);
+  return goal_planner_->update(*belief.ground, belief.pose, belief.stamp, attention);
 }
 
 }  // namespace prospect

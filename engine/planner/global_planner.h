@@ -11,6 +11,7 @@
 #include "engine/frontiers/goal_planner.h"
 #include "engine/maps/belief.h"
 #include "engine/planner/planner.h"
+#include "engine/planner/way_back.h"
 #include "engine/support/worker_threads.h"
 
 namespace prospect {
@@ -40,6 +41,10 @@ class GlobalPlanner {
   /// Other zones or another area: what was learned of frontiers is forgotten.
   void restart(const FrontierPlannerOptions& options);
 
+  /// Replanner::way_back(). At two thirds of the top speed, and two half turns at half the top yaw
+  /// rate: four missions took 65 to 75 % of that (docs/reference/report.md).
+  std::optional<WayBack> way_back(const Belief& belief, const MotionModel& model) const;
+
   /// Of the task in force; none if it leads nowhere.
   std::optional<Goal> goal() const;
   /// Of the task in force.
@@ -52,11 +57,21 @@ class GlobalPlanner {
                                             double frontier_stamp,
                                             const FrontierAttention& attention,
                                             const LocalTexture* texture, WorkerThreads& workers);
+  /// The way to what is unknown of the area, where nothing of it can be looked at from what is
+  /// known.
+  std::shared_ptr<const GlobalPlan> lead_to_area(std::shared_ptr<const GlobalPlan> frontiers,
+                                                 const Belief& belief,
+                                                 const PlannerParameters& parameters,
+                                                 double frontier_stamp,
+                                                 const FrontierAttention& attention);
   std::shared_ptr<const GlobalPlan> go(const Belief& belief, const PlannerParameters& parameters,
                                        const FrontierAttention& attention);
 
   FrontierPlanner frontier_planner_;
   std::optional<FeatureVisibilityMap> visibility_map_;  // if the cost-to-go is weighted by it
+  TraversabilityOptions known_;                         // what is passable of what is known
+  std::optional<GoalPlanner> area_planner_;             // of the area that is to be explored
+  ExhaustionMonitor exhaustion_;                        // of its frontiers and the ways to it
   std::optional<GoalPlanner> goal_planner_;  // of a task that leads to a place, from its first step
   std::optional<Pose> start_;                // of the first step
 };

@@ -82,6 +82,7 @@ bool choose_certified(const std::vector<Candidate>& candidates, const ChoiceCont
         context.caution, context.drift);
     if (!certificate.ok()) {
       if (plan.certificate.empty()) plan.certificate = certificate.detail;
+      if (plan.refused.empty() && plan.has_active_frontier) plan.refused = certificate.detail;
       report(c, certificate.detail, false);
       continue;
     }

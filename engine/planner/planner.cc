@@ -230,6 +230,7 @@ struct Planner::Impl {
   double last_stamp = 0.0;      // [s]
   Reserve reserve;              // where there is a deadline
   FrontierAttention attention;
+  std::string refused;                         // newest Plan::refused
   std::shared_ptr<const GlobalPlan> prepared;  // since the last step; null: to be made in the step
 
   // Of the last step: whole, or nothing.
@@ -404,6 +405,7 @@ ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* te
   const ModeKind before_frontiers = decide(behaviour, facts, parameters.behaviour).mode.kind;
   const bool pursues = policy(before_frontiers).pursues;
   facts.stuck = monitors.update_stuck(belief, pursues);
+  facts.refused = refused;
   attention = {.looked = belief.localization != Localization::kLost,
                .pursued = pursues,
                .got_lost = monitors.got_lost(),
@@ -422,6 +424,7 @@ ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* te
   plan.caution = caution;
   plan.why = describe(behaviour.mode, facts);
   plan.has_active_frontier = making.global_plan->target.has_value();
+  if (facts.goal && facts.goal->reached) plan.heading_missed = facts.goal->heading_missed;
   if (behaviour.mode.kind != ModeKind::kDone) return behaviour.mode.kind;
   // A robot that is done has no target any more, but a retreat or a turn goes on.
   return task == TaskKind::kExplore ? before_frontiers : ModeKind::kHold;
@@ -463,6 +466,7 @@ SeedContext Planner::Impl::seed_context(const Belief& belief, const StepInTheMak
 }
 
 void Planner::Impl::remember(const Plan& plan, StepInTheMaking&& making) {
+  if (!plan.refused.empty()) refused = plan.refused;
   evaluators = std::move(making.evaluators);
   step = std::make_shared<const PlanningStep>(std::move(making).made());
   last_stamp = plan.stamp;
@@ -563,6 +567,14 @@ std::string Planner::set_zones(const Zones& zones) {
   return "";
 }
 std::shared_ptr<const PlanningStep> Planner::step() const { return impl_->step; }
+std::optional<WayBack> Planner::way_back(const Belief& belief) const {
+  if (!unusable(belief).empty()) return std::nullopt;
+  try {
+    return impl_->global_planner.way_back(belief, *impl_->robot.model);
+  } catch (...) {
+    return std::nullopt;
+  }
+}
 std::shared_ptr<const GlobalPlan> Planner::global_plan() const { return impl_->step->global_plan; }
 std::shared_ptr<const Problem> Planner::problem() const { return impl_->step->problem; }
 std::shared_ptr<const ProblemSpecification> Planner::specification() const {

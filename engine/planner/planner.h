@@ -190,6 +190,8 @@ class Planner final : public Replanner {
   /// taken, else their first fault (zones.h). What was learned of frontiers is forgotten.
   std::string set_zones(const Zones& zones);
 
+  std::optional<WayBack> way_back(const Belief& belief) const override;
+
   /// What the last step made besides its plan (planning_step.h). Never null; of nothing before the
   /// first step, and after one that failed or that had a belief that nothing can be planned from.
   std::shared_ptr<const PlanningStep> step() const;

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "engine/frontiers/frontier_planner.h"
 #include "engine/maps/belief.h"
+#include "engine/planner/way_back.h"
 #include "engine/safety/plan.h"
 #include "engine/task/task.h"
 
@@ -32,6 +34,9 @@ class Replanner {
                ? ""
                : "this planner can only explore, anywhere";
   }
+  /// What the way back from the belief's pose to that of the first plan() takes. None: nobody
+  /// knows, or there was no plan yet. Not cheap: linear in the map.
+  virtual std::optional<WayBack> way_back(const Belief& /*belief*/) const { return std::nullopt; }
 };
 
 }  // namespace prospect

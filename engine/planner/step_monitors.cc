@@ -1,5 +1,7 @@
 #include "engine/planner/step_monitors.h"
 
+#include <algorithm>
+
 namespace prospect {
 
 bool rests_on_features(const Belief& belief) {
@@ -16,7 +18,10 @@ Facts StepMonitors::update(const Belief& belief, TaskKind task, const TaskClock&
   }
   localization_.update(belief.stamp, belief.localization);
   const Eigen::Vector2d position = belief.pose.position.head<2>();
+  if (!began_at_) began_at_ = position;
+  strayed_ = std::max(strayed_, (position - *began_at_).norm());
   Facts facts;
+  facts.strayed = strayed_;
   facts.stamp = belief.stamp;
   facts.localization = belief.localization;
   facts.rests_on_features = rests_on_features(belief);

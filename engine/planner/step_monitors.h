@@ -46,6 +46,8 @@ class StepMonitors {
   StuckMonitor stuck_;
   RetreatTrail trail_;
   std::optional<Eigen::Vector2d> blocked_;
+  std::optional<Eigen::Vector2d> began_at_;  // in W [m]
+  double strayed_ = 0.0;                     // [m] farthest from there
 };
 
 }  // namespace prospect

@@ -159,8 +159,12 @@ void specify_exploration(const StepContext& c, ProblemSpecification& s) {
   if (c.global_plan.target) options.led_to = c.global_plan.target->looks_at;
   s.targets = exploration_targets(c.belief, frontier_cells(c), c.robot.depth, mount, options);
   if (c.zones != nullptr || p.frontier_planner.area) {
+    // On the way to an area what is seen outside of it shows the way.
+    const bool anywhere = c.global_plan.facts.to_area;
     std::erase_if(s.targets.targets, [&](const ExplorationTarget& target) {
-      return !c.frontiers.counts(target.position.head<2>());
+      const Eigen::Vector2d at = target.position.head<2>();
+      return anywhere ? c.zones != nullptr && c.zones->distance(at) <= 0.0
+                      : !c.frontiers.counts(at);
     });
   }
   s.target_lattice =

@@ -88,7 +88,10 @@ struct Plan {
 
   bool certified = false;
   std::string certificate;  ///< what the certificate said
-  std::string seed;         ///< name of the seed the plan grew from
+  /// Why it refused the first candidate that it refused, though there was somewhere to go; empty:
+  /// it did not.
+  std::string refused;
+  std::string seed;  ///< name of the seed the plan grew from
   std::string solver;
   StopReason stop = StopReason::kConverged;
   Quality quality = Quality::kNone;
@@ -103,6 +106,8 @@ struct Plan {
   Mode mode;                           ///< what the robot does, and why
   Caution caution = Caution::kNormal;  ///< which distances it keeps
   std::string why;                     ///< the same in a sentence, with numbers
+  /// [rad] left to the heading of the goal that it has reached, where that cannot be had.
+  std::optional<double> heading_missed;
   /// The best five, and the one executed, in the order in which they were to be tried.
   std::vector<PlanCandidate> candidates;
 

@@ -100,6 +100,20 @@ double signed_distance(const Polygon& polygon, const Eigen::Vector2d& p) {
   return contains(polygon, p) ? -std::sqrt(least) : std::sqrt(least);
 }
 
+// Sutherland and Hodgman.
+Polygon clipped(const Polygon& polygon, const Eigen::Vector2d& normal, double offset) {
+  Polygon kept;
+  for (std::size_t n = 0; n < polygon.size(); ++n) {
+    const Eigen::Vector2d& a = polygon[n];
+    const Eigen::Vector2d& b = corner(polygon, n + 1);
+    const double at_a = normal.dot(a) - offset, at_b = normal.dot(b) - offset;
+    if (at_a >= 0.0) kept.push_back(a);
+    if ((at_a >= 0.0) != (at_b >= 0.0)) kept.push_back(a + at_a / (at_a - at_b) * (b - a));
+  }
+  if (kept.size() < 3 || area(kept) <= 0.0) kept.clear();
+  return kept;
+}
+
 double area(const Polygon& polygon) {
   double twice = 0.0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {

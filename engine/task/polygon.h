@@ -25,6 +25,10 @@ bool contains(const Polygon& polygon, const Eigen::Vector2d& p);
 /// Signed distance from p to the polygon's boundary [m]: negative inside. Exact, 1-Lipschitz.
 double signed_distance(const Polygon& polygon, const Eigen::Vector2d& p);
 
+/// The part of a usable polygon where normal . p >= offset: empty, or corners of which some sides
+/// may lie on each other along that line; contains() and signed_distance() take it.
+Polygon clipped(const Polygon& polygon, const Eigen::Vector2d& normal, double offset);
+
 /// Enclosed area [m^2], >= 0.
 double area(const Polygon& polygon);
 

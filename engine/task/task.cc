@@ -48,9 +48,9 @@ std::vector<std::string> faults(const Task& task, const ZoneMap* zones, double r
     const double distance = zones->distance(part, goal.position);
     if (distance >= room) continue;
     const bool bound = zones->zones().bound && part == 0;
-    const std::string where = distance > 0.0
-                                  ? "is " + metres(distance) + " from " + zones->name(part)
-                                  : (bound ? "is beyond the bound" : "is in " + zones->name(part));
+    const std::string where =
+        distance > 0.0 ? "is " + metres(distance) + " from " + zones->name(part)
+                       : (bound ? "is beyond " + zones->name(part) : "is in " + zones->name(part));
     list.push_back("goal: " + where + "; expected at least " + metres(room) +
                    " of room, the robot's radius and its margin");
   }

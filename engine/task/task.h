@@ -51,8 +51,8 @@ struct Task {
   }
 };
 
-/// One line a fault, "goal: is 0.05 m from keep-out 2; expected at least 0.20 m, ..."; empty:
-/// usable. zones: null: none. room [m]: what the body needs about its origin.
+/// One line a fault, "goal: is 0.05 m from zones.keep_out[1]; expected at least 0.20 m, ...";
+/// empty: usable. zones: null: none. room [m]: what the body needs about its origin.
 std::vector<std::string> faults(const Task& task, const ZoneMap* zones, double room);
 
 }  // namespace prospect

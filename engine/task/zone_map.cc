@@ -50,7 +50,7 @@ ZoneMap::ZoneMap(Zones zones) : zones_(std::move(zones)) {
 
 std::string ZoneMap::name(int part) const {
   const int keep_out = part - (zones_.bound ? 1 : 0);
-  return keep_out < 0 ? "the bound" : "keep-out " + std::to_string(keep_out + 1);
+  return keep_out < 0 ? "zones.bound" : "zones.keep_out[" + std::to_string(keep_out) + "]";
 }
 
 int ZoneMap::corners(int part) const {

@@ -24,7 +24,7 @@ class ZoneMap {
   const Zones& zones() const { return zones_; }
   int num_forbidden() const { return static_cast<int>(parts_.size()); }
   bool slows() const { return !slow_.empty(); }
-  /// "the bound", "keep-out 2".
+  /// Its key: "zones.bound", "zones.keep_out[1]".
   std::string name(int part) const;
   /// Corners of that part.
   int corners(int part) const;

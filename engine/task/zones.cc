@@ -13,10 +13,10 @@ std::vector<std::string> faults(const Zones& zones) {
   };
   if (zones.bound) check("bound", *zones.bound);
   for (std::size_t i = 0; i < zones.keep_out.size(); ++i) {
-    check("keep_out " + std::to_string(i + 1), zones.keep_out[i]);
+    check("keep_out[" + std::to_string(i) + "]", zones.keep_out[i]);
   }
   for (std::size_t i = 0; i < zones.slow.size(); ++i) {
-    const std::string name = "slow " + std::to_string(i + 1);
+    const std::string name = "slow[" + std::to_string(i) + "]";
     check(name, zones.slow[i].area);
     const double speed = zones.slow[i].max_speed;
     if (!(speed > 0.0) || !std::isfinite(speed)) {

@@ -24,7 +24,7 @@ struct Zones {
   bool empty() const { return !bound && keep_out.empty() && slow.empty(); }
 };
 
-/// One line a fault, "keep_out 2: sides 1 and 3 meet; expected ..."; empty: usable.
+/// One line a fault, "keep_out[1]: sides 1 and 3 meet; expected ..."; empty: usable.
 std::vector<std::string> faults(const Zones& zones);
 
 }  // namespace prospect

@@ -320,7 +320,7 @@ TEST(Configuration, WrongTasksAndZonesAreALineEach) {
       {"zones: {slow: [{area: [0, 0, 1, 0, 1, 1], max_speed: 0}]}", "max_speed"},
       {"zones: {slow: [{area: [0, 0, 1, 0, 1, 1]}]}", "max_speed"},
       {"task: {kind: go, goal: [0.5, 0.5]}\nzones: {keep_out: [{area: [0, 0, 1, 0, 1, 1, 0, 1]}]}",
-       "f.yaml:1: task: goal: is in keep-out 1; expected at least"},
+       "f.yaml:1: task: goal: is in zones.keep_out[0]; expected at least"},
       {"mission: {until: {coverage: 1.5}}", "until.coverage"},
   };
   for (const auto& [text, expected] : table) {

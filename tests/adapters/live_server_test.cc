@@ -137,7 +137,7 @@ TEST_F(LiveServerTest, WhatTheRobotTellsReachesItsViewers) {
   }));
   EXPECT_FALSE(next(client, "picture")["picture"]["jpeg"].get<std::string>().empty());
   Summary summary;
-  summary.reason = "explored";
+  summary.end = MissionEnd::kExplored;
   feed_.end(summary);
   server_.reset();
   EXPECT_EQ(next(client, "end")["reason"], "explored") << "what is left goes out at the end";

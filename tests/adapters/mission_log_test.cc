@@ -113,7 +113,7 @@ TEST_F(MissionLogTest, AKilledOneHasTheStepsThatCame) {
                                                              std::to_string(steps) + " steps")));
   EXPECT_EQ(read.record.summary.world, "eight rooms");
   EXPECT_EQ(read.record.summary.seed, 12345678901234567890ULL);
-  EXPECT_EQ(read.record.summary.reason, "log ends early");
+  EXPECT_EQ(read.record.summary.end, MissionEnd::kLogEndsEarly);
   EXPECT_EQ(read.record.summary.path_length_m, record.steps[steps - 1].path_length);
   EXPECT_EQ(read.record.steps.back().why, record.steps[steps - 1].why);
   EXPECT_THAT(render_report(read.record), HasSubstr("log ends early"));
@@ -223,7 +223,7 @@ TEST_F(MissionLogTest, WhatIsNoLogIsRefusedInOneLine) {
 TEST_F(MissionLogTest, AMissionThatWasNotFitToDriveSaysWhy) {
   RunRecord record = run(1);
   record.steps.clear();
-  record.summary.reason = "not fit to drive";
+  record.summary.end = MissionEnd::kNotFit;
   record.summary.detail = "before the first motion: camera height: 0.1 m off";
   {
     MissionLog log(path_, start_, options_);
@@ -231,7 +231,7 @@ TEST_F(MissionLogTest, AMissionThatWasNotFitToDriveSaysWhy) {
   }
   const LoggedRun read = read_logged_run(path_);
   EXPECT_TRUE(read.record.steps.empty());
-  EXPECT_EQ(read.record.summary.reason, record.summary.reason);
+  EXPECT_EQ(read.record.summary.end, record.summary.end);
   EXPECT_EQ(read.record.summary.detail, record.summary.detail);
 }
 

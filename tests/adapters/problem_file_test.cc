@@ -712,7 +712,7 @@ TEST_F(ProblemFileTest, KeepsZonesToTheBit) {
   expect_same_problem(*make_problem(problem.specification), *read.problem);
   ASSERT_NE(read.problem->definition().zones, nullptr);
   edit(path("three.h5"), [](hid_t f) { set_number(f, "/zones/slow/1", "max_speed", -1.0); });
-  EXPECT_THAT(refused(path("three.h5")), StartsWith("/zones: slow 1: max_speed is -1"));
+  EXPECT_THAT(refused(path("three.h5")), StartsWith("/zones: slow[0]: max_speed is -1"));
 }
 
 // An error of the odometry's scale is what version 5 has.

@@ -334,6 +334,35 @@ TEST(ReachableArea, RoomsBeyondAreSeenThroughAnOpeningOnly) {
   EXPECT_EQ(open.cells[(Cell{90, 20})], 0) << "out of range";
 }
 
+// No body enters them, and sensors look across: what lies far behind is not in the denominator.
+TEST(ReachableArea, WhatZonesCutOffIsNotReachable) {
+  const World world = load_world("corridor");
+  for (const RobotShape& shape :
+       {RobotShape(CylinderShape{}), RobotShape(BoxShape{.size = {0.6, 0.3, 0.3}})}) {
+    ReachableAreaOptions options;
+    options.slice.shape = shape;
+    options.room = 0.01;
+    options.range = 1.0;
+    const ReachableArea all = reachable_area(world, options);
+    Zones zones;
+    const double x = world.start.position.x() + 3.0;
+    zones.keep_out = {{{x, -50}, {x + 0.5, -50}, {x + 0.5, 50}, {x, 50}}};
+    options.zones = std::make_shared<const ZoneMap>(zones);
+    const ReachableArea part = reachable_area(world, options);
+    EXPECT_LT(part.area, 0.7 * all.area);
+    EXPECT_GT(part.area, 3.0);
+    double farthest = -1e9;
+    for (int n = 0; n < part.cells.frame.size(); ++n) {
+      const std::size_t at = static_cast<std::size_t>(n);
+      if (part.cells.data[at] == 0) continue;
+      EXPECT_NE(all.cells.data[at], 0);
+      farthest = std::max(farthest, part.cells.frame.center(part.cells.frame.at(n)).x());
+    }
+    EXPECT_GT(farthest, x) << "it is seen across the zone";
+    EXPECT_LT(farthest, x + options.range);
+  }
+}
+
 TEST(ReachableArea, StartMustBeFree) {
   World world = slit_world(true);
   for (const Eigen::Vector2d& at :

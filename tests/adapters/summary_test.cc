@@ -89,7 +89,7 @@ TEST(SummaryJson, HasTheStableNamesAndNullForNotFinite) {
   s.world = "office \"A\"";
   s.solver = "nlopt:LD_SLSQP";
   s.seed = 18446744073709551615ULL;
-  s.reason = "explored";
+  s.end = MissionEnd::kExplored;
   s.task = "explore";
   s.done = true;
   s.detail = "Done: no frontier is left.";
@@ -129,7 +129,40 @@ TEST(SummaryJson, HasTheStableNamesAndNullForNotFinite) {
   EXPECT_EQ(json["plan_ms"]["p95"], 12.0);
   EXPECT_EQ(json["task"], "explore");
   EXPECT_EQ(json["done"], true);
+  EXPECT_EQ(json["reason"], "explored");
+  EXPECT_EQ(json["outcome"], "done");
+  EXPECT_TRUE(json["turned_back_s"].is_null());
+  EXPECT_TRUE(json["heading_missed_deg"].is_null());
   EXPECT_EQ(json["detail"], "Done: no frontier is left.");
+}
+
+// What exit codes, colours and studies judge by.
+TEST(Summary, OutcomeIsThatOfTheEndAndOfHowItWasDone) {
+  struct Case {
+    MissionEnd end;
+    bool done;
+    int collisions;
+    Outcome outcome;
+  };
+  for (const Case& c : {Case{MissionEnd::kExplored, true, 0, Outcome::kDone},
+                        Case{MissionEnd::kExplored, true, 1, Outcome::kFailed},
+                        Case{MissionEnd::kExplored, false, 0, Outcome::kNotDone},  // not back
+                        Case{MissionEnd::kTimeLimit, false, 0, Outcome::kNotDone},
+                        Case{MissionEnd::kTimeLimit, true, 0, Outcome::kNotDone},
+                        Case{MissionEnd::kUnexplained, true, 0, Outcome::kFailed},
+                        Case{MissionEnd::kCancelled, false, 2, Outcome::kCancelled}}) {
+    Summary s;
+    s.end = c.end;
+    s.done = c.done;
+    s.collisions = c.collisions;
+    EXPECT_EQ(outcome(s), c.outcome) << to_string(c.end) << c.done << c.collisions;
+    const auto again = summary_from_json(summary_json(s));
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->end, c.end);
+    EXPECT_EQ(outcome(*again), c.outcome);
+  }
+  EXPECT_EQ(outcome(Summary()), Outcome::kFailed) << "nothing is known of it";
+  EXPECT_FALSE(summary_from_json(R"({"reason": "all went well"})")) << "no such end";
 }
 
 TEST(SummaryJson, TakesTextThatIsNoUtf8) {

@@ -321,7 +321,7 @@ inline RunRecord synthetic_run(int steps) {
   run.summary.world = "synthetic office";
   run.summary.solver = "nlopt:LD_SLSQP";
   run.summary.seed = 7;
-  run.summary.reason = "explored";
+  run.summary.end = MissionEnd::kExplored;
   run.summary.reachable_area_m2 = 0.01 * reachable;
   run.summary.wall_s = 21.4;
   return run;

@@ -85,6 +85,8 @@ class FakeReplanner final : public Replanner {
       plan.why = "there";
     }
     if (plan.why.empty()) plan.why = "why";
+    plan.refused = refused;
+    if (told_to_return) plan.heading_missed = heading_missed;
     return plan;
   }
   std::shared_ptr<const GlobalPlan> global_plan() const override { return global_plan_; }
@@ -95,6 +97,13 @@ class FakeReplanner final : public Replanner {
     return "";
   }
 
+  std::optional<WayBack> way_back(const Belief&) const override {
+    return way_back_time ? std::optional(WayBack{1.0, way_back_time()}) : std::nullopt;
+  }
+
+  std::function<double()> way_back_time;
+  std::string refused;
+  std::optional<double> heading_missed;
   bool takes_tasks = true;
   bool told_to_return = false, told_to_go = false;
   int steps_there = 2;
@@ -178,7 +187,9 @@ TEST_F(Mission, SaysWhyItIsDone) {
 }
 
 TEST_F(Mission, EndsWhenEnoughIsSeen) {
-  options_.enough = [](const MissionStep& step) { return step.index == 2; };
+  options_.missing = [](const MissionStep& step) {
+    return std::string(step.index == 2 ? "" : "1 of 2 m2");
+  };
   const MissionResult result = run_mission(robot_, planner_, guard_, options_);
   EXPECT_EQ(result.end, MissionEnd::kEnough);
   EXPECT_EQ(to_string(result.end), "enough seen");
@@ -190,7 +201,9 @@ TEST_F(Mission, EndsWhenEnoughIsSeen) {
 
 TEST_F(Mission, ReturnsOnceItsTaskIsOver) {
   options_.return_when_done = true;
-  options_.enough = [](const MissionStep& step) { return step.index >= 2; };
+  options_.missing = [](const MissionStep& step) {
+    return std::string(step.index >= 2 ? "" : "1 of 2 m2");
+  };
   const MissionResult result = run_mission(robot_, planner_, guard_, options_);
   EXPECT_EQ(result.end, MissionEnd::kEnough) << "how the task ended";
   EXPECT_EQ(result.detail, "enough was seen. It is back where it began.");
@@ -235,15 +248,88 @@ TEST_F(Mission, ATaskThatEndsWithoutTheRobotBackIsNotDone) {
   EXPECT_TRUE(returned.done());
 }
 
-TEST_F(Mission, WhichEndsAreDone) {
-  for (const MissionEnd end : {MissionEnd::kExplored, MissionEnd::kYieldTooLow, MissionEnd::kEnough,
-                               MissionEnd::kGoalReached, MissionEnd::kReturned}) {
-    EXPECT_TRUE(task_done(end)) << to_string(end);
+// What was asked for and not seen is missing, however the planner ends.
+TEST_F(Mission, LessThanWasAskedForIsNotDone) {
+  options_.missing = [](const MissionStep&) { return std::string("18.0 of 60 m2"); };
+  planner_.steps = 3;
+  for (const auto& [cause, end] : {std::pair{Cause::kExplored, MissionEnd::kTooLittle},
+                                   {Cause::kYieldTooLow, MissionEnd::kTooLittle},
+                                   {Cause::kUnreachable, MissionEnd::kUnreachable},
+                                   {Cause::kGoalReached, MissionEnd::kGoalReached}}) {
+    planner_.plans = 0;
+    planner_.cause = cause;
+    const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+    EXPECT_EQ(result.end, end) << to_string(result.end);
+    const bool done = end == MissionEnd::kGoalReached;  // what it was told is to go there
+    EXPECT_EQ(result.done(), done);
+    EXPECT_EQ(result.detail, done ? "why" : "why Less was seen than asked for: 18.0 of 60 m2.");
   }
-  for (const MissionEnd end : {MissionEnd::kUnreachable, MissionEnd::kGoalUnreachable,
-                               MissionEnd::kTimeLimit, MissionEnd::kLost, MissionEnd::kCancelled}) {
-    EXPECT_FALSE(task_done(end)) << to_string(end);
-  }
+  options_.time_limit = 1.0;
+  planner_.plans = 0;
+  const MissionResult late = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(late.end, MissionEnd::kTimeLimit);
+  EXPECT_EQ(late.detail,
+            "the time limit of 1 s is reached. Less was seen than asked for: 18.0 of 60 m2.");
+}
+
+TEST_F(Mission, ThatHasNotMovedSaysWhatWasRefused) {
+  options_.time_limit = 2.0;
+  planner_.refused = "the body would enter unknown space after 0.50 s";
+  EXPECT_EQ(run_mission(robot_, planner_, guard_, options_).detail.find("moved"),
+            std::string::npos);
+  planner_.speed = 0.0;
+  const std::string detail = run_mission(robot_, planner_, guard_, options_).detail;
+  EXPECT_NE(detail.find("It has not moved: the certificate refused what it would have driven (the "
+                        "body would enter unknown space after 0.50 s)."),
+            std::string::npos)
+      << detail;
+}
+
+// The way back is kept of the time, and no more of it than it takes.
+TEST_F(Mission, TurnsBackInTime) {
+  options_.return_when_done = true;
+  options_.time_limit = 20.0;
+  planner_.steps_back = 12;  // of 0.5 s each
+  planner_.way_back_time = [&] { return 7.0; };
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_EQ(result.end, MissionEnd::kTimeLimit);
+  EXPECT_EQ(result.back, true) << result.detail;
+  EXPECT_FALSE(result.done()) << "its task was not";
+  ASSERT_TRUE(result.turned_back_at);
+  EXPECT_GE(*result.turned_back_at, 12.0);
+  EXPECT_LE(*result.turned_back_at, 13.0);
+  EXPECT_LE(result.duration, 20.0);
+  EXPECT_EQ(result.detail.find("turned back after 1"), 0u) << result.detail;
+  EXPECT_NE(result.detail.find("about 7 s of the time limit of 20 s. It is back"),
+            std::string::npos)
+      << result.detail;
+  // A way that grows as fast as a robot drives away is followed closely.
+  planner_ = FakeReplanner();
+  planner_.steps_back = 12;
+  const double begun = robot_.clock;
+  planner_.way_back_time = [&] { return 2.0 * (robot_.clock - begun); };
+  const MissionResult away = run_mission(robot_, planner_, guard_, options_);
+  ASSERT_TRUE(away.turned_back_at);
+  EXPECT_NEAR(*away.turned_back_at, 20.0 / 3.0, 1.0);
+  EXPECT_EQ(away.back, true);
+  // Without a return there is nothing to keep time for.
+  planner_ = FakeReplanner();
+  planner_.way_back_time = [&] { return 7.0; };
+  options_.return_when_done = false;
+  const MissionResult there = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_NEAR(there.duration, 20.0, 1e-9);
+  EXPECT_FALSE(there.turned_back_at);
+}
+
+TEST_F(Mission, TellsAHeadingThatCannotBeHad) {
+  options_.return_when_done = true;
+  planner_.steps = 2;
+  planner_.heading_missed = 2.0;
+  const MissionResult result = run_mission(robot_, planner_, guard_, options_);
+  EXPECT_TRUE(result.done());
+  ASSERT_TRUE(result.heading_missed);
+  EXPECT_EQ(*result.heading_missed, 2.0);
+  EXPECT_EQ(result.detail, "why It is back where it began. back");
 }
 
 // The estimate of the velocity is noisy where it comes from cameras. Plans whose rates were limited
@@ -271,7 +357,7 @@ TEST_F(Mission, EndsAtItsTimeLimit) {
   EXPECT_EQ(result.end, MissionEnd::kTimeLimit);
   EXPECT_EQ(result.steps, 4);
   EXPECT_NEAR(result.duration, 2.0, 1e-9);
-  EXPECT_NE(result.detail.find("2.0"), std::string::npos);
+  EXPECT_EQ(result.detail, "the time limit of 2 s is reached.");
   expect_stopped();
 }
 

@@ -79,6 +79,10 @@ std::vector<RowCase> row_cases() {
   const FrontierFacts gone{.exhausted = true, .exhausted_for = 8.0};
   FrontierFacts cut = gone, low = gone, looking = gone, stalled{.target = true, .stalled = true};
   cut.cut_off = true;
+  FrontierFacts unseen = gone;
+  unseen.area_unseen = true;
+  Facts refused = with(facts(9), gone);
+  refused.refused = "the body would enter unknown space after 0.50 s";
   low.low_yield = {3, 0.9};
   looking.exhausted_for = 7.5;
   const GoalFacts there{.reached = true, .near = true, .distance = 0.1};
@@ -92,6 +96,8 @@ std::vector<RowCase> row_cases() {
       {in(kArrive), told(TaskKind::kGoTo, facts(9), there), kDone, Cause::kGoalReached},
       {in(kArrive), told(TaskKind::kReturn, facts(9), there), kDone, Cause::kReturned},
       {in(kExplore), told(TaskKind::kGoTo, facts(9), none), kDone, Cause::kGoalUnreachable},
+      {in(kExplore), with(facts(9), unseen), kDone, Cause::kUnreachable},
+      {in(kExplore), refused, kDone, Cause::kUnreachable},
       {in(kExplore), with(facts(9), cut), kDone, Cause::kUnreachable},
       {in(kExplore), with(facts(9), low), kDone, Cause::kYieldTooLow},
       {in(kExplore), with(facts(9), gone), kDone, Cause::kExplored},
@@ -129,23 +135,57 @@ TEST(Behaviour, MuchThatIsLeftIsNotExplored) {
     double seen;
     FrontiersLeft low_yield, unreachable, failed;
     Cause cause;
+    FrontiersLeft given_up{}, barred{};
   };
   for (const Case& c : {Case{7.4, {}, {4, 5.6}, {2, 1.5}, Cause::kUnreachable},
                         Case{7.4, {1, 0.3}, {4, 5.6}, {}, Cause::kUnreachable},
                         Case{7.4, {}, {}, {4, 5.6}, Cause::kYieldTooLow},
                         Case{97.0, {}, {17, 19.0}, {}, Cause::kExplored},
                         Case{97.0, {3, 0.7}, {12, 19.1}, {}, Cause::kYieldTooLow},
-                        Case{163.0, {}, {}, {1, 0.3}, Cause::kExplored}}) {
+                        Case{163.0, {}, {}, {1, 0.3}, Cause::kExplored},
+                        // Given up on the way is no evidence; barred by a zone is as told.
+                        Case{7.4, {}, {}, {}, Cause::kUnreachable, {4, 5.6}},
+                        Case{7.4, {}, {2, 1.0}, {}, Cause::kUnreachable, {1, 1.0}},
+                        Case{7.4, {}, {}, {}, Cause::kExplored, {}, {4, 5.6}}}) {
     const FrontierFacts f{.exhausted = true,
                           .exhausted_for = 8.0,
                           .explored_area = c.seen,
                           .low_yield = c.low_yield,
                           .unreachable = c.unreachable,
-                          .failed = c.failed};
+                          .failed = c.failed,
+                          .given_up = c.given_up,
+                          .barred = c.barred};
     const Mode mode = decide(in(kExplore), with(facts(90.0), f), {}).mode;
     EXPECT_EQ(mode.kind, kDone);
     EXPECT_EQ(mode.cause, c.cause)
         << c.seen << " m2 seen, " << c.unreachable.area << " out of reach";
+  }
+}
+
+// Done needs evidence: a robot that never moved has it only where nothing held it fast.
+TEST(Behaviour, WhatARobotThatNeverMovedMayClaim) {
+  struct Case {
+    double strayed;
+    const char* refused;
+    bool hemmed_in;
+    Cause cause;
+  };
+  for (const Case& c : {Case{0.0, "", false, Cause::kExplored},
+                        Case{0.0, "it would hit something", false, Cause::kUnreachable},
+                        Case{0.0, "", true, Cause::kUnreachable},
+                        Case{3.0, "it would hit something", false, Cause::kExplored},
+                        Case{3.0, "", true, Cause::kExplored}}) {
+    Facts f =
+        with(facts(90.0), {.exhausted = true, .exhausted_for = 8.0, .hemmed_in = c.hemmed_in});
+    f.strayed = c.strayed;
+    f.refused = c.refused;
+    const Mode mode = decide(in(kExplore), f, {}).mode;
+    EXPECT_EQ(mode.kind, kDone);
+    EXPECT_EQ(mode.cause, c.cause) << c.strayed << c.refused << c.hemmed_in;
+    if (c.cause == Cause::kUnreachable) {
+      EXPECT_NE(describe(mode, f).find(c.hemmed_in ? "passable" : c.refused), std::string::npos)
+          << describe(mode, f);
+    }
   }
 }
 

@@ -33,7 +33,7 @@ Pose at(double x, double y, double yaw = 0.0) { return {{x, y, 0.0}, yaw}; }
 
 TEST(GoalPlanner, LeadsThroughTheDoor) {
   GoalPlanner frontier_planner({}, to(6.05, 1.55), 2.0);
-  const auto g = frontier_planner.update(two_rooms(true), at(1.5, 1.5), 0.0, true, std::nullopt);
+  const auto g = frontier_planner.update(two_rooms(true), at(1.5, 1.5), 0.0, {});
   ASSERT_TRUE(g->target);
   EXPECT_TRUE(g->frontiers.empty()) << "all of the way is known";
   EXPECT_FALSE(frontier_planner.facts().reached);
@@ -57,7 +57,7 @@ TEST(GoalPlanner, ReachedWithinTheTolerancesAndLeftBeyondTwiceThem) {
   GoalPlanner frontier_planner({}, goal, 2.0);
   const GroundMap map = two_rooms(true);
   const auto reached = [&](const Pose& pose) {
-    frontier_planner.update(map, pose, 0.0, true, std::nullopt);
+    frontier_planner.update(map, pose, 0.0, {});
     return frontier_planner.facts().reached;
   };
   EXPECT_FALSE(reached(at(1.8, 2.0, 1.0)));
@@ -73,8 +73,8 @@ TEST(GoalPlanner, SaysWhyThereIsNoWay) {
     GoalPlannerOptions options;
     if (!zones.empty()) options.traversability.zones = std::make_shared<const ZoneMap>(zones);
     GoalPlanner frontier_planner(options, goal, 2.0);
-    frontier_planner.update(map, at(1.5, 1.5), 0.0, true, std::nullopt);
-    const auto g = frontier_planner.update(map, at(1.5, 1.5), 2.5, true, std::nullopt);
+    frontier_planner.update(map, at(1.5, 1.5), 0.0, {});
+    const auto g = frontier_planner.update(map, at(1.5, 1.5), 2.5, {});
     EXPECT_EQ(frontier_planner.facts().unreachable, !frontier_planner.facts().why.empty());
     EXPECT_EQ(frontier_planner.facts().unreachable, !g->target.has_value());
     EXPECT_EQ(frontier_planner.facts().unreachable_for,
@@ -89,13 +89,52 @@ TEST(GoalPlanner, SaysWhyThereIsNoWay) {
   EXPECT_NE(why(two_rooms(false), to(6, 1.5)).find("closes every way"), std::string::npos);
   Zones zones;
   zones.keep_out = {{{5.5, 1.0}, {6.5, 1.0}, {6.5, 2.0}, {5.5, 2.0}}};
-  EXPECT_EQ(why(two_rooms(true), to(6, 1.5), zones), "it is in keep-out 1");
+  EXPECT_EQ(why(two_rooms(true), to(6, 1.5), zones), "it is in zones.keep_out[0]");
   zones.keep_out = {};
   zones.bound = Polygon{{0, 0}, {5, 0}, {5, 5}, {0, 5}};
-  EXPECT_EQ(why(two_rooms(true), to(6, 1.5), zones), "it is beyond the bound");
+  EXPECT_EQ(why(two_rooms(true), to(6, 1.5), zones), "it is beyond zones.bound");
   zones.bound.reset();
   zones.keep_out = {{{3.5, 0.0}, {4.5, 0.0}, {4.5, 5.0}, {3.5, 5.0}}};  // over wall and door
-  EXPECT_NE(why(two_rooms(true), to(6, 1.5), zones).find("closes every way"), std::string::npos);
+  EXPECT_EQ(why(two_rooms(true), to(6, 1.5), zones), "zones.keep_out[0] bars every way there");
+  EXPECT_NE(why(two_rooms(false), to(6, 1.5), zones).find("walls closes every way"),
+            std::string::npos)
+      << "nor would there be one without";
+}
+
+// A heading that cannot be had: the place counts, and what is missing is told.
+TEST(GoalPlanner, GivesUpAHeadingAtWhichItGetsLost) {
+  Goal goal = to(2.0, 2.0);
+  goal.yaw = 2.0;
+  const GroundMap map = two_rooms(true);
+  double stamp = 0.0;
+  const auto after = [&](GoalPlanner& planner, const Pose& pose, bool got_lost) {
+    planner.update(map, pose, stamp += 0.5, {.got_lost = got_lost});
+    return planner.facts();
+  };
+  GoalPlanner planner({}, goal, 2.0);
+  EXPECT_FALSE(after(planner, at(1.9, 2.0), false).reached);
+  EXPECT_FALSE(after(planner, at(3.0, 2.0), true).reached) << "lost elsewhere says nothing";
+  EXPECT_FALSE(after(planner, at(3.0, 2.0), true).reached);
+  EXPECT_FALSE(after(planner, at(1.9, 2.0, 1.0), true).reached) << "once may be chance";
+  EXPECT_FALSE(after(planner, at(1.9, 2.0, 1.0), false).reached);
+  const GoalFacts lost = after(planner, at(1.9, 2.0, 1.2), true);
+  EXPECT_TRUE(lost.reached);
+  ASSERT_TRUE(lost.heading_missed);
+  EXPECT_NEAR(*lost.heading_missed, 0.8, 1e-12);
+  EXPECT_NE(lost.heading_why.find("localization"), std::string::npos);
+  EXPECT_FALSE(after(planner, at(3.0, 2.0), false).reached) << "the place still counts";
+  // Nor one to which it does not get round.
+  GoalPlanner stuck({}, goal, 2.0);
+  for (int n = 0; n < 40; ++n) EXPECT_FALSE(after(stuck, at(1.9, 2.0, 1.0), false).reached) << n;
+  EXPECT_TRUE(after(stuck, at(1.9, 2.0, 1.0), false).reached);
+  EXPECT_NE(stuck.facts().heading_why.find("round"), std::string::npos);
+  // One that can be had is waited for.
+  GoalPlanner turning({}, goal, 2.0);
+  for (int n = 0; n < 18; ++n) {
+    EXPECT_FALSE(after(turning, at(1.9, 2.0, 2.0 - 1.9 + 0.1 * n), false).reached) << n;
+  }
+  EXPECT_TRUE(after(turning, at(1.9, 2.0, 2.0), false).reached);
+  EXPECT_FALSE(turning.facts().heading_missed);
 }
 
 // Beyond the map as well: a robot in a corridor goes where the goal lies, looking.
@@ -114,7 +153,7 @@ TEST(GoalPlanner, ReachesAGoalInTheUnknown) {
     bool unknown = false;
     for (; steps < 600 && !frontier_planner.facts().reached; ++steps) {
       world.sense(pose, 3.5, 1.2, map);
-      const auto g = frontier_planner.update(map, pose, 0.5 * steps, true, std::nullopt);
+      const auto g = frontier_planner.update(map, pose, 0.5 * steps, {});
       if (frontier_planner.facts().unreachable) break;
       unknown = unknown || !g->frontiers.empty();
       for (const Frontier& f : g->frontiers) {
@@ -132,7 +171,7 @@ TEST(GoalPlanner, ReachesAGoalInTheUnknown) {
         all.set(world.truth.frame.at(k), world.truth.data[static_cast<std::size_t>(k)]);
       }
       GoalPlanner knows({}, goal, 2.0);
-      knows.update(all, at(start.x(), start.y()), 0.0, true, std::nullopt);
+      knows.update(all, at(start.x(), start.y()), 0.0, {});
       EXPECT_TRUE(knows.facts().unreachable) << run << ": " << frontier_planner.facts().why;
     }
     EXPECT_TRUE(unknown);
@@ -149,17 +188,17 @@ TEST(GoalPlanner, GivesUpAWayThatItCannotGet) {
   GoalPlanner frontier_planner({}, to(6, 1.5), 2.0);
   const Pose pose = at(3.3, 2.6);
   double t = 0.0;
-  frontier_planner.update(map, pose, t, true, std::nullopt);
+  frontier_planner.update(map, pose, t, {});
   EXPECT_FALSE(frontier_planner.facts().unreachable);
   while (!frontier_planner.facts().unreachable && t < 120.0) {
     t += 0.5;
-    frontier_planner.update(map, pose, t, false, std::nullopt);
+    frontier_planner.update(map, pose, t, {.pursued = false});
     ASSERT_EQ(frontier_planner.facts().stalled_for, 0.0) << "it had something else to do";
     if (t >= 10.0) break;
   }
   while (!frontier_planner.facts().unreachable && t < 120.0) {
     t += 0.5;
-    frontier_planner.update(map, pose, t, true, std::nullopt);
+    frontier_planner.update(map, pose, t, {});
     EXPECT_TRUE(t != 13.5 || frontier_planner.facts().stalled);
   }
   EXPECT_LT(t, 60.0);
@@ -175,7 +214,7 @@ TEST(GoalPlanner, AWayThroughTheKnownIsPreferredByThePrice) {
   }
   for (const auto& [price, unknown] : {std::pair{1.0, true}, {20.0, false}}) {
     GoalPlanner frontier_planner({}, to(6.0, 1.5), price);
-    frontier_planner.update(map, at(1.5, 1.5), 0.0, true, std::nullopt);
+    frontier_planner.update(map, at(1.5, 1.5), 0.0, {});
     EXPECT_EQ(frontier_planner.facts().unknown_left > 0.0, unknown) << price;
   }
 }

@@ -219,6 +219,39 @@ TEST_F(PlannerTask, ExploresWithinItsArea) {
   EXPECT_TRUE(on.has_active_frontier);
 }
 
+// All that is known is 2 m of the room; the area begins farther on.
+TEST_F(PlannerTask, AnAreaThatDoesNotTouchWhatIsKnownIsAGoalToGetTo) {
+  belief_ = Room{.seen = 2.0, .landmarks_per_wall = 20}.belief();
+  parameters_.task = Task::explore(Polygon{{4, -2}, {6, -2}, {6, 2}, {4, 2}});
+  make();
+  const Plan plan = step();
+  EXPECT_EQ(plan.mode.kind, ModeKind::kExplore);
+  EXPECT_NE(plan.why.find("to the area that is to be explored"), std::string::npos) << plan.why;
+  ASSERT_TRUE(planner_->global_plan()->target);
+  EXPECT_GT(planner_->global_plan()->facts.unknown_left, 1.0);
+  EXPECT_FALSE(plan.goal);
+  for (int n = 0; n < 6; ++n) step();
+  EXPECT_GT(belief_.pose.position.x(), 0.5) << "it sets out";
+  // Beyond the world, in a zone, and behind one: nothing of it can be seen, and it is said why.
+  const auto end = [&](const Polygon& area) {
+    belief_ = Room{.seen = 2.0, .landmarks_per_wall = 20}.belief();
+    parameters_.task = Task::explore(area);
+    parameters_.frontier_planner.traversability.extent =
+        Eigen::AlignedBox2d(Eigen::Vector2d(-3, -3), Eigen::Vector2d(8, 3));
+    make();
+    const Plan last = until_done(30.0);
+    EXPECT_EQ(last.mode.cause, Cause::kUnreachable) << last.why;
+    EXPECT_LE(belief_.stamp, 10.0);
+    return last.why;
+  };
+  EXPECT_NE(end({{9, -2}, {12, -2}, {12, 2}}).find("outside of the world"), std::string::npos);
+  parameters_.zones.keep_out = {{{4, -5}, {6, -5}, {6, 5}, {4, 5}}};
+  EXPECT_NE(end({{4.5, -2}, {5.5, -2}, {5.5, 2}}).find("forbidden, by zones.keep_out[0]"),
+            std::string::npos);
+  EXPECT_NE(end({{6.5, -2}, {7.5, -2}, {7.5, 2}}).find("zones.keep_out[0] bars every way"),
+            std::string::npos);
+}
+
 TEST_F(PlannerTask, ZonesChangeBetweenTwoPlans) {
   parameters_.task = Task::go_to({5.0, 0.0});
   belief_ = Room{.seen = 6.0, .box = false, .closed = true, .landmarks_per_wall = 20}.belief();
@@ -239,11 +272,11 @@ TEST_F(PlannerTask, WhatIsWrongIsSaidAndChangesNothing) {
   parameters_.zones.keep_out = {{{2, -1}, {3, -1}, {3, 1}, {2, 1}}};
   make();
   const std::string said = planner_->set_task(Task::go_to({2.5, 0.0}));
-  EXPECT_EQ(said.find("goal: is in keep-out 1; expected"), 0u) << said;
+  EXPECT_EQ(said.find("goal: is in zones.keep_out[0]; expected"), 0u) << said;
   EXPECT_EQ(planner_->task().kind, TaskKind::kExplore);
   Zones wrong;
   wrong.slow = {{{{0, 0}, {1, 0}, {1, 1}}, -1.0}};
-  EXPECT_EQ(planner_->set_zones(wrong).find("slow 1: max_speed is -1"), 0u);
+  EXPECT_EQ(planner_->set_zones(wrong).find("slow[0]: max_speed is -1"), 0u);
   EXPECT_EQ(planner_->parameters().zones.keep_out.size(), 1u);
   parameters_.task = Task::go_to({2.5, 0.0});
   EXPECT_THROW(make(), std::invalid_argument);

@@ -71,7 +71,8 @@ TEST(ZoneEnforcement, NoCertificateIntoAKeepOutWithTheStopAfterIt) {
   EXPECT_TRUE(verdict(0.5).ok()) << verdict(0.5).detail;
   const Certificate refused = verdict(0.6);
   EXPECT_EQ(refused.status, Status::kForbidden);
-  EXPECT_NE(refused.detail.find("would enter keep-out 1"), std::string::npos) << refused.detail;
+  EXPECT_NE(refused.detail.find("would enter zones.keep_out[0]"), std::string::npos)
+      << refused.detail;
   EXPECT_NEAR(refused.pose.position.x(), 0.79, 0.05);
   // From within, out and not deeper.
   const auto from = [&](double x, double yaw) {

@@ -82,5 +82,24 @@ TEST(Polygon, DistancesOfSegments) {
   EXPECT_NEAR(segment_distance({0, 0}, {1, 0}, {2, 1}, {2, 5}), std::sqrt(2.0), 1e-15);
 }
 
+// Against what lies on either side, at random points.
+TEST(Polygon, ClippedIsWhatLiesOnOneSide) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> u(-1.0, 4.0);
+  for (const Eigen::Vector2d& normal :
+       {Eigen::Vector2d(1, 0), Eigen::Vector2d(0, -1), Eigen::Vector2d(0.6, 0.8)}) {
+    for (const double offset : {-2.0, 0.7, 1.5, 2.5}) {
+      const Polygon kept = clipped(kU, normal, offset);
+      for (int n = 0; n < 300; ++n) {
+        const Eigen::Vector2d p(u(random), u(random));
+        if (std::abs(normal.dot(p) - offset) < 1e-6) continue;
+        const bool inside = contains(kU, p) && normal.dot(p) > offset;
+        EXPECT_EQ(!kept.empty() && contains(kept, p), inside) << p.transpose();
+      }
+    }
+    EXPECT_TRUE(clipped(kU, normal, 10.0).empty());
+  }
+}
+
 }  // namespace
 }  // namespace prospect::polygon_test

@@ -23,10 +23,10 @@ TEST(Task, EveryFaultIsALine) {
     return task;
   };
   const std::vector<std::pair<Task, std::string>> table = {
-      {Task::go_to({1.5, 1.5}), "goal: is in keep-out 1"},
-      {Task::go_to({0.9, 1.5}), "goal: is 0.10 m from keep-out 1"},
-      {Task::go_to({6.0, 0.0}), "goal: is beyond the bound"},
-      {Task::go_to({4.9, 0.0}), "goal: is 0.10 m from the bound"},
+      {Task::go_to({1.5, 1.5}), "goal: is in zones.keep_out[0]"},
+      {Task::go_to({0.9, 1.5}), "goal: is 0.10 m from zones.keep_out[0]"},
+      {Task::go_to({6.0, 0.0}), "goal: is beyond zones.bound"},
+      {Task::go_to({4.9, 0.0}), "goal: is 0.10 m from zones.bound"},
       {Task::go_to({inf, 0.0}), "goal: is not finite"},
       {Task::go_to({2e6, 0.0}), "goal: is not finite or beyond"},
       {Task::go_to({0.0, 0.0}, std::nan("")), "the yaw is not finite"},

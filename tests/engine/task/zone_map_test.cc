@@ -40,17 +40,17 @@ TEST(Zones, EveryFaultIsALine) {
   const std::vector<std::string> list = faults(wrong);
   ASSERT_EQ(list.size(), 4u);
   EXPECT_EQ(list[0], "bound: 2 corners; expected 3 to 1000");
-  EXPECT_EQ(list[1].find("keep_out 2: corner 4"), 0u) << list[1];
-  EXPECT_EQ(list[2].find("slow 1: max_speed is 0"), 0u) << list[2];
-  EXPECT_EQ(list[3].find("slow 2: max_speed is"), 0u) << list[3];
+  EXPECT_EQ(list[1].find("keep_out[1]: corner 4"), 0u) << list[1];
+  EXPECT_EQ(list[2].find("slow[0]: max_speed is 0"), 0u) << list[2];
+  EXPECT_EQ(list[3].find("slow[1]: max_speed is"), 0u) << list[3];
   EXPECT_THROW(ZoneMap{wrong}, std::invalid_argument);
 }
 
 TEST(ZoneMap, ForbiddenIsInAKeepOutOrBeyondTheBound) {
   const ZoneMap map(zones());
   ASSERT_EQ(map.num_forbidden(), 3);
-  EXPECT_EQ(map.name(0), "the bound");
-  EXPECT_EQ(map.name(2), "keep-out 2");
+  EXPECT_EQ(map.name(0), "zones.bound");
+  EXPECT_EQ(map.name(2), "zones.keep_out[1]");
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> place(-5.0, 7.0);
   int forbidden = 0;
