@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "engine/planner/descent_path.h"
-#include "engine/planner/tracking_input.h"
+#include "models/tracking_input.h"
 
 namespace prospect {
 namespace {

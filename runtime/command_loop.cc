@@ -50,8 +50,11 @@ std::vector<SentCommand> commands_until(const MotionModel& model, const CommandS
                                         double now, double until, double period) {
   std::vector<SentCommand> commands = state.sent;
   const auto go_on = [&](const Plan* plan, const Twist& from, double begin, double end) {
-    const std::vector<SentCommand> more =
+    std::vector<SentCommand> more =
         commands_to_come(model, plan, state.share, from, begin, end, period);
+    for (std::size_t n = 0; plan == nullptr && !state.stop.empty() && n < more.size(); ++n) {
+      more[n].command = n < state.stop.size() ? state.stop[n] : Twist();
+    }
     commands.insert(commands.end(), more.begin(), more.end());
     return more.empty() ? from : more.back().command;
   };
@@ -72,6 +75,7 @@ CommandLoop::CommandLoop(std::shared_ptr<const MotionModel> model, const Guard& 
 }
 
 void CommandLoop::give_up() {
+  given_up_.reset();
   current_.reset();
   next_.reset();
 }
@@ -80,7 +84,9 @@ void CommandLoop::adopt(const std::shared_ptr<const Plan>& plan, double now) {
   // A period that is only just begun counts: who waits for a time may wake a little early.
   constexpr double kEarly = 1e-6;
   const auto begin_next = [&] {
-    if (next_ && now + kEarly >= next_->stamp) current_ = std::move(next_);
+    if (!next_ || now + kEarly < next_->stamp) return;
+    current_ = std::move(next_);
+    given_up_.reset();
   };
   // Before its successor takes its place: a quick planner makes that one as soon as it has begun.
   begin_next();
@@ -95,7 +101,19 @@ void CommandLoop::adopt(const std::shared_ptr<const Plan>& plan, double now) {
   begin_next();
 }
 
+void CommandLoop::stop_along(const Plan* plan, const CommandInputs& in, const Pose& pose,
+                             CommandStep& step) {
+  if (plan == nullptr || !in.belief || is_at_rest(previous_)) return;
+  stop_ = guard_.stop_commands(plan, pose, previous_, *in.belief, options_.period);
+  step.command = stop_.front();
+}
+
 void CommandLoop::drive(const CommandInputs& in, const Pose& pose, CommandStep& step) {
+  if (current_->kind == PlanKind::kStoppingTail) {
+    step.reason = CommandReason::kTail;
+    stop_along(current_.get(), in, pose, step);
+    return;
+  }
   const NextCommand next =
       next_command(*model_, *current_, share_, pose, previous_, in.now, options_.period);
   TimedCommand asked;
@@ -110,12 +128,16 @@ void CommandLoop::drive(const CommandInputs& in, const Pose& pose, CommandStep& 
   step.detail = verdict.detail;
   if (!verdict.passed()) {
     step.reason = CommandReason::kGuard;
+    const std::shared_ptr<const Plan> refused = current_;
     give_up();
+    if (follows_plan(verdict.reason)) {
+      given_up_ = refused;
+      stop_along(given_up_.get(), in, pose, step);
+    }
     return;
   }
-  const bool stops = current_->kind == PlanKind::kStoppingTail ||
-                     current_->phase_at(in.now) != PlanPhase::kCommitted;
-  step.reason = stops ? CommandReason::kTail : CommandReason::kPlan;
+  step.reason = current_->phase_at(in.now) == PlanPhase::kCommitted ? CommandReason::kPlan
+                                                                    : CommandReason::kTail;
 }
 
 CommandStep CommandLoop::step(const CommandInputs& in) {
@@ -132,6 +154,7 @@ CommandStep CommandLoop::step(const CommandInputs& in) {
                ? std::clamp(std::min(in.drive.share, in.range_share), 0.0, 1.0)
                : 0.0;
   step.command = braking_command(*model_, pose, previous_, options_.period).command;
+  stop_.clear();
   if (!in.base.connected) {
     step.reason = CommandReason::kBase;
     step.detail = "the base is not connected";
@@ -149,6 +172,7 @@ CommandStep CommandLoop::step(const CommandInputs& in) {
     step.command = Twist();
   } else if (!drives(in.drive.response)) {
     step.reason = CommandReason::kComfortStop;
+    stop_along(current_ ? current_.get() : given_up_.get(), in, pose, step);
   } else if (!(share_ > 0.0)) {
     step.reason = CommandReason::kObstacle;
     step.detail = "ranges show something on the way that leaves no room to go on";
@@ -157,6 +181,7 @@ CommandStep CommandLoop::step(const CommandInputs& in) {
     step.detail = "nothing is known of where the robot is";
   } else if (!current_) {
     step.reason = CommandReason::kNoPlan;
+    stop_along(given_up_.get(), in, pose, step);
   } else {
     drive(in, pose, step);
   }
@@ -172,9 +197,10 @@ CommandState CommandLoop::state() const {
   state.command = previous_;
   // Where it does not drive, no plan is in force.
   if (share_ > 0.0) {
-    state.plan = current_;
+    state.plan = stop_.empty() ? current_ : nullptr;
     state.next = next_;
   }
+  if (!stop_.empty()) state.stop.assign(stop_.begin() + 1, stop_.end());
   state.share = share_;
   return state;
 }

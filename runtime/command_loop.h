@@ -74,6 +74,9 @@ struct CommandState {
   std::shared_ptr<const Plan> plan;  ///< in force; null: the robot brakes or rests
   std::shared_ptr<const Plan> next;  ///< taken, and begins later; null: none
   double share = 0.0;                ///< of the plan's velocities that is driven
+  /// Without a plan in force: the commands of the stop that follow, a period each, then rest.
+  /// Empty: it brakes straight.
+  std::vector<Twist> stop;
 };
 
 /// Those sent, and those that will be until time `until` [s] if nothing comes between.
@@ -95,6 +98,10 @@ std::vector<SentCommand> commands_until(const MotionModel& model, const CommandS
 /// is taken all the same, as the robot is where it was. A plan whose command the guard refuses is
 /// given up, as is the one that was to follow it: the robot brakes until a newer plan comes.
 ///
+/// Stops. A plan that is given up for what the map, the zones or the belief say, one that is a
+/// stop, and a comfort stop lead along the plan's path as long as that is free on the newest map
+/// (Guard::stop_commands(), asked anew at each period); all others brake straight.
+///
 /// Thread-safety: one thread. Never throws.
 class CommandLoop {
  public:
@@ -111,6 +118,10 @@ class CommandLoop {
  private:
   void adopt(const std::shared_ptr<const Plan>& plan, double now);
   void give_up();
+  /// The command of the stop along the path of a plan; null, without a belief, or at rest: no
+  /// change.
+  void stop_along(const Plan* plan, const CommandInputs& inputs, const Pose& pose,
+                  CommandStep& step);
   /// The plan's command, or the guard's braking where it refuses that one.
   void drive(const CommandInputs& inputs, const Pose& pose, CommandStep& step);
 
@@ -121,6 +132,8 @@ class CommandLoop {
   double share_ = 0.0;
   std::deque<SentCommand> sent_;
   std::shared_ptr<const Plan> seen_, current_, next_;
+  std::shared_ptr<const Plan> given_up_;  // by the guard, and nothing driven since
+  std::vector<Twist> stop_;               // the last command and those after it, if a plan's stop
   int late_plans_ = 0;
 };
 

@@ -9,18 +9,23 @@
 namespace prospect {
 namespace {
 
-/// Asks the guard for a standstill until it grants it. Until then it answers with the hardest
-/// admissible braking, so rates are kept, and a source that has died does not keep it from braking.
-void bring_to_rest(Robot& robot, const Guard& guard, Twist previous) {
+/// What the robot is doing.
+struct InForce {
+  Twist command;
+  Plan plan;  ///< that it is of
+};
+
+/// Brakes until the robot stands, along the path of the last plan where that is free. So rates are
+/// kept, and a source that has died does not keep it from braking.
+void bring_to_rest(Robot& robot, const Guard& guard, const InForce& in_force) {
   constexpr int kMost = 100;  // of a base that does not come to rest in that many no more is known
-  Plan stop;
-  stop.commands = {Twist{}};
+  constexpr double kStep = 0.25;  // [s]
+  Twist previous = in_force.command;
   for (int n = 0; n < kMost; ++n) {
-    stop.stamp = robot.time();
-    const GuardVerdict verdict = guard.check(stop, 0, previous, *robot.sense(), robot.time());
-    previous = verdict.command;
+    const std::shared_ptr<const Belief> belief = robot.sense();
+    previous = guard.stop_commands(&in_force.plan, belief->pose, previous, *belief, kStep).front();
     const bool at_rest = previous.linear.isZero(0.0) && previous.yaw_rate == 0.0;
-    robot.apply(previous, at_rest ? 0.0 : verdict.duration);
+    robot.apply(previous, at_rest ? 0.0 : kStep);
     if (at_rest) return;
   }
 }
@@ -38,12 +43,13 @@ bool wait_for(DriveRequests& requests, MissionProgress& progress, Replanner& pla
   }
 }
 
-/// The mission up to its last stop; `previous` is the command in force, also when `observe` throws.
+/// The mission up to its last stop; `in_force` holds also when `observe` throws.
 MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
                       const MissionOptions& options,
                       const std::function<void(const MissionStep&)>& observe,
                       const std::function<bool()>& cancelled, DriveRequests* requests,
-                      Twist& previous) {
+                      InForce& in_force) {
+  Twist& previous = in_force.command;
   MissionProgress progress(options, robot.time());
   MissionResult& result = progress.result;
   int guard_stops = 0;
@@ -67,6 +73,7 @@ MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
 
     const int stages =
         std::max(1, std::min<int>(plan.committed, static_cast<int>(plan.commands.size())));
+    in_force.plan = plan;
     for (int stage = 0; stage < stages; ++stage) {
       const GuardVerdict verdict = guard.check(plan, stage, previous, *robot.sense(), robot.time());
       robot.apply(verdict.command, verdict.duration);
@@ -86,15 +93,15 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
                           const MissionOptions& options,
                           const std::function<void(const MissionStep&)>& observe,
                           const std::function<bool()>& cancelled, DriveRequests* requests) {
-  Twist previous = robot.sense()->twist;
+  InForce in_force{robot.sense()->twist, {}};
   MissionResult result;
   try {
-    result = explore(robot, planner, guard, options, observe, cancelled, requests, previous);
+    result = explore(robot, planner, guard, options, observe, cancelled, requests, in_force);
   } catch (...) {
-    bring_to_rest(robot, guard, previous);
+    bring_to_rest(robot, guard, in_force);
     throw;
   }
-  bring_to_rest(robot, guard, previous);
+  bring_to_rest(robot, guard, in_force);
   return result;
 }
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "engine/planner/tracking_input.h"
+#include "models/tracking_input.h"
 #include "models/limited_twist.h"
 
 namespace prospect {

@@ -8,7 +8,7 @@
 #include <thread>
 #include <utility>
 
-#include "engine/planner/tracking_input.h"
+#include "models/tracking_input.h"
 #include "models/knobs.h"
 #include "models/limited_twist.h"
 #include "runtime/next_command.h"

@@ -36,6 +36,9 @@ class PlanCertifier {
                       const Eigen::Ref<const Eigen::MatrixXd>& inputs, double dt, Caution caution,
                       const SurfaceDrift& drift) const;
 
+  /// That of the guard alone: by it stops are chosen, here as there.
+  const Certifier& guard() const { return guard_; }
+
  private:
   std::vector<Certifier> by_caution_;
   Certifier guard_;

@@ -226,9 +226,10 @@ struct Planner::Impl {
   SurfaceDrift drift;
   Behaviour behaviour;
   Caution caution = Caution::kNormal;
-  Eigen::MatrixXd last_inputs;  // nu x N of the last plan
-  double last_stamp = 0.0;      // [s]
-  Reserve reserve;              // where there is a deadline
+  Eigen::MatrixXd last_inputs;         // nu x N of the last plan
+  double last_stamp = 0.0;             // [s]
+  std::optional<Plan> last_certified;  // its motion alone: what a stop follows
+  Reserve reserve;                     // where there is a deadline
   FrontierAttention attention;
   std::string refused;                         // newest Plan::refused
   std::shared_ptr<const GlobalPlan> prepared;  // since the last step; null: to be made in the step
@@ -470,6 +471,17 @@ void Planner::Impl::remember(const Plan& plan, StepInTheMaking&& making) {
   evaluators = std::move(making.evaluators);
   step = std::make_shared<const PlanningStep>(std::move(making).made());
   last_stamp = plan.stamp;
+  if (plan.certified) {
+    last_certified.emplace();
+    last_certified->stamp = plan.stamp;
+    last_certified->dt = plan.dt;
+    last_certified->committed = plan.committed;
+    last_certified->certified = true;
+    last_certified->states = {plan.states.front()};
+    last_certified->commands = plan.commands;
+    last_certified->tail = plan.tail;
+    last_certified->ramp_from = plan.ramp_from;
+  }
   last_inputs.resize(robot.model->nu(), static_cast<Eigen::Index>(plan.inputs.size()));
   for (std::size_t k = 0; k < plan.inputs.size(); ++k) {
     last_inputs.col(static_cast<Eigen::Index>(k)) = plan.inputs[k];
@@ -486,7 +498,9 @@ const std::string& Planner::Impl::misfit_with(double resolution) {
 
 Plan Planner::Impl::brake(const Belief& belief, PlanFault fault, const std::string& why) const {
   Plan plan = stopping_plan(belief, *robot.model, parameters.dt,
-                            {parameters.task.kind, behaviour.mode, caution}, why);
+                            {parameters.task.kind, behaviour.mode, caution,
+                             last_certified ? &*last_certified : nullptr, &certifier.guard()},
+                            why);
   plan.fault = fault;
   return plan;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "engine/safety/certificate.h"
+#include "engine/safety/stop.h"
 #include "models/limited_twist.h"
 
 namespace prospect {
@@ -22,7 +23,11 @@ Plan stopping_plan(const Belief& belief, const MotionModel& model, double dt,
   const bool located = belief.pose.position.allFinite() && std::isfinite(belief.pose.yaw);
   const Twist twist = limited_twist(model, belief.command.value_or(belief.twist));
   Eigen::VectorXd x = model.state(located ? belief.pose : Pose(), twist);
-  const Eigen::MatrixXd tail = stopping_tail(model, x, model.input(twist), dt);
+  const bool chooses = located && step.along != nullptr && step.certifier != nullptr;
+  const Eigen::MatrixXd tail =
+      chooses ? choose_stop(*step.certifier, belief, model, step.along, x, model.input(twist), dt)
+                    .inputs
+              : stopping_tail(model, x, model.input(twist), dt);
   plan.states.push_back(x);
   Eigen::VectorXd next(model.nx());
   for (Eigen::Index k = 0; k < tail.cols(); ++k) {

@@ -6,6 +6,7 @@
 #include "engine/behaviour/mode.h"
 #include "engine/behaviour/task_kind.h"
 #include "engine/maps/belief.h"
+#include "engine/safety/certificate.h"
 #include "engine/safety/plan.h"
 #include "models/motion_model.h"
 
@@ -16,12 +17,15 @@ struct StoppedStep {
   TaskKind task = TaskKind::kExplore;
   Mode mode{};
   Caution caution = Caution::kNormal;
+  const Plan* along = nullptr;           ///< the last certified plan; null: none
+  const Certifier* certifier = nullptr;  ///< that chooses the stop, if there is a plan
 };
 
-/// The stopping tail (certificate.h) from the command in force, else the belief's velocity, each
-/// stage for dt [s]: what is executed where nothing else can be. Not certified. Whatever the belief
-/// holds, the commands are finite and within limits: braking does not depend on where the robot is.
-/// why: the end of a sentence. Pure.
+/// The stop from the command in force, else the belief's velocity, each stage for dt [s]: what is
+/// executed where nothing else can be. Not certified. It is the one that choose_stop() takes of
+/// that along the last certified plan and the straight one (stop.h); the latter where the belief
+/// has no place. Whatever the belief holds, the commands are finite and within limits: braking does
+/// not depend on where the robot is. why: the end of a sentence. Pure.
 Plan stopping_plan(const Belief& belief, const MotionModel& model, double dt,
                    const StoppedStep& step, const std::string& why);
 

@@ -4,6 +4,7 @@
 #include <fcl/geometry/shape/utility.h>
 #include <fcl/math/bv/AABB.h>
 #include <fcl/narrowphase/collision.h>
+#include <octomap/OcTree.h>
 
 #include <algorithm>
 #include <cmath>
@@ -166,9 +167,11 @@ namespace {
 struct Closing {
   UnknownPolicy unknown = UnknownPolicy::kFree;
   const SurfaceDrift* drift = nullptr;
-  double drift_limit = 0.0;           // [m]; 0: none
-  bool only_in_view = false;          // nothing bounds the error of the pose
-  const PresentView* view = nullptr;  // null: nothing is in view
+  double drift_limit = 0.0;                 // [m]; 0: none
+  bool only_in_view = false;                // nothing bounds the error of the pose
+  const PresentView* view = nullptr;        // null: nothing is in view
+  const octomap::OcTree* octree = nullptr;  // null: what is free is proven to be
+  double free_evidence = 0.0;               // that proves it
 };
 
 /// A column or voxel that a motion may not enter, and why. passed_by: out of view, but the
@@ -333,6 +336,25 @@ class Scene {
     return result.isCollision();
   }
 
+  /// Whether what is known to be free at (i, j) and layers low..high is not proven to be
+  /// (Options::max_doubt): all that was seen there together.
+  bool doubtful(int i, int j, int low, int high) const {
+    if (closing_.octree == nullptr) return false;
+    constexpr int kKeyOrigin = 32768;  // OctoMap's key of address 0
+    const auto key = [](int address) {
+      return static_cast<octomap::key_type>(std::clamp(address + kKeyOrigin, 0, 65535));
+    };
+    double evidence = 0.0;
+    for (int k = low; k <= high && evidence < closing_.free_evidence; ++k) {
+      budget_.spend(kNearCost);
+      if (voxels_.state(i, j, k) != CellState::kFree) continue;
+      const octomap::OcTreeNode* node =
+          closing_.octree->search(octomap::OcTreeKey(key(i), key(j), key(k)));
+      if (node != nullptr) evidence -= static_cast<double>(node->getLogOdds());
+    }
+    return evidence < closing_.free_evidence;
+  }
+
   /// Whether a cell has drifted so far since it was in view that what is there is unknown.
   bool forgotten(Cell c) const {
     return closing_.drift != nullptr && closing_.drift_limit > 0.0 &&
@@ -419,7 +441,9 @@ class Scene {
     };
     if (planar_) {
       const Run run{i, j, slice_low_, slice_high_};
-      if (knows && (whole || !ground_.explored({i, j}))) {
+      const CellState state = ground_.state({i, j});
+      if (knows && (whole || state == CellState::kUnknown ||
+                    (state == CellState::kFree && doubtful(i, j, slice_low_, slice_high_)))) {
         add(run, Status::kUnknownSpace, false);
       } else if (closing_.only_in_view) {
         add_unless_shown(run, Cell{i, j});
@@ -428,7 +452,9 @@ class Scene {
     }
     for (int k = k_low; k <= k_high; ++k) {
       const Run run{i, j, k, k};
-      if (knows && (whole || voxels_.state(i, j, k) == CellState::kUnknown)) {
+      const CellState state = voxels_.state(i, j, k);
+      if (knows && (whole || state == CellState::kUnknown ||
+                    (state == CellState::kFree && doubtful(i, j, k, k)))) {
         add(run, Status::kUnknownSpace, false);
       } else if (closing_.only_in_view) {
         add_unless_shown(run, Eigen::Vector3i(i, j, k));
@@ -585,6 +611,10 @@ Certifier::Certifier(const RobotShape& shape, Options options) : options_(option
     throw std::invalid_argument("certifier: drift_limit is " + std::to_string(options.drift_limit) +
                                 " m; expected >= 0");
   }
+  if (!(options.max_doubt > 0.0 && options.max_doubt <= 0.5)) {
+    throw std::invalid_argument("certifier: max_doubt is " + std::to_string(options.max_doubt) +
+                                "; expected above 0, at most 0.5");
+  }
   if (!(options.max_lost_error >= 0.0)) {
     throw std::invalid_argument("certifier: max_lost_error is " +
                                 std::to_string(options.max_lost_error) + " m; expected >= 0");
@@ -646,7 +676,9 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
     const bool planar = model.pose_layout().pz < 0;
     Budget budget(options_.max_checks);
     budget.spend(kPoseCost * static_cast<long long>(inputs.cols()));
-    Closing closing{options_.unknown, drift, options_.drift_limit, false, nullptr};
+    Closing closing{options_.unknown, drift, options_.drift_limit};
+    closing.octree = belief.octree.get();
+    closing.free_evidence = std::log(1.0 / options_.max_doubt - 1.0);
     const double reach = body_->reach();
     const std::string unbounded = unbounded_pose_error(belief, options_.max_lost_error);
     std::optional<PresentView> view;

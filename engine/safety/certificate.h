@@ -59,6 +59,11 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 /// Unknown space under kBlocked and kBraking: the motion checked (committed part and stopping tail)
 /// may not touch unknown columns (planar: ground cells; 3-D: voxels), except those that the body
 /// overlaps already at the start. No margin is applied there; the border of the known is no wall.
+/// Free space counts as known once enough was seen of it: with l the octree's log-odds of the free
+/// voxels of a column within the slice (3-D: of the voxel), each the sum of its looks,
+///   1 / (1 + exp(-sum l)) <= max_doubt,
+/// so what a single ray has passed once, at the edge of the range or of a view, may still turn out
+/// to be occupied: the stop has to end before it. Without an octree all that is free is known.
 ///
 /// A robot that starts within its margin can leave, and may not come nearer: the body is grown by
 /// `reduced_margin_share` times the largest c <= margin with which it touches nothing at the start
@@ -109,6 +114,9 @@ class Certifier {
     double reduced_margin_share = 0.0;
     double drift_margin = 0.12;  ///< the most that is added to the margin for drift [m], >= 0
     double drift_limit = 0.12;   ///< drift beyond which space counts as unknown [m]; 0: none does
+    /// Probability that known free space is occupied after all, beyond which it counts as unknown,
+    /// above 0 to 0.5 (then none does). One look of OctoMap's usual model leaves 0.4, two 0.31.
+    double max_doubt = 1.0 / 3.0;
     std::optional<DepthSensor> sensor;  ///< of the robot; without one nothing is in view
     /// One-sigma error of the position [m] up to which a lost robot drives by its map; >= 0.
     double max_lost_error = 1.0;

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "engine/safety/stop.h"
 #include "models/knobs.h"
 #include "models/limited_twist.h"
 
@@ -45,6 +46,25 @@ GuardReason reason_of(Certificate::Status status) {
 }
 
 }  // namespace
+
+bool follows_plan(GuardReason reason) {
+  switch (reason) {
+    case GuardReason::kStale:
+    case GuardReason::kMap:
+    case GuardReason::kLost:
+    case GuardReason::kForbidden:
+    case GuardReason::kSlowZone:
+    case GuardReason::kOverBudget:
+      return true;
+    case GuardReason::kPassed:
+    case GuardReason::kNonFinite:
+    case GuardReason::kLimit:
+    case GuardReason::kRate:
+    case GuardReason::kUncommitted:
+      break;
+  }
+  return false;
+}
 
 std::string_view to_string(GuardReason reason) {
   switch (reason) {
@@ -96,15 +116,37 @@ Twist Guard::hardest_braking(const Twist& previous, const Belief& newest, double
   return limited_twist(*model_, model_->twist(next, u));
 }
 
+std::vector<Twist> Guard::stop_commands(const Plan* along, const Pose& pose, const Twist& previous,
+                                        const Belief& newest, double step) const {
+  std::vector<Twist> commands;
+  if (is_finite(previous) && step >= Options::kMinStep && step <= options_.max_step) {
+    // Braking does not depend on where the robot is: a lost pose does not stop it from braking.
+    const bool located = is_finite(pose);
+    const Twist from = limited_twist(*model_, previous);
+    Eigen::VectorXd x = model_->state(located ? pose : Pose(), from), next(model_->nx());
+    const Stop stop = choose_stop(certifier_, newest, *model_, located ? along : nullptr, x,
+                                  model_->input(from), step);
+    for (Eigen::Index k = 0; k < stop.inputs.cols(); ++k) {
+      model_->step(x, stop.inputs.col(k), step, next);
+      commands.push_back(limited_twist(*model_, model_->twist(next, stop.inputs.col(k))));
+      x.swap(next);
+    }
+  }
+  if (commands.empty()) commands.emplace_back();
+  return commands;
+}
+
 GuardVerdict Guard::stop(GuardReason reason, const std::string& detail, const Twist& previous,
-                         const Belief& newest, double dt) const {
+                         const Belief& newest, double dt, const Plan* along,
+                         const Pose& pose) const {
   GuardVerdict verdict;
   verdict.reason = reason;
   verdict.detail = detail;
   if (dt >= Options::kMinStep && dt <= options_.max_step) verdict.duration = dt;
-  if (is_finite(previous)) {
-    verdict.command = hardest_braking(previous, newest, verdict.duration);
-  }
+  if (!is_finite(previous)) return verdict;
+  verdict.command = along != nullptr && follows_plan(reason)
+                        ? stop_commands(along, pose, previous, newest, verdict.duration).front()
+                        : hardest_braking(previous, newest, verdict.duration);
   return verdict;
 }
 
@@ -187,10 +229,58 @@ std::optional<Guard::Objection> Guard::objection(const Twist& command, const Twi
   return std::nullopt;
 }
 
+std::optional<Guard::Objection> Guard::objection_to_stop(const Plan& plan, int stage,
+                                                         const Twist& previous,
+                                                         const Belief& newest) const {
+  const Objection soft{GuardReason::kUncommitted,
+                       "the stopping tail does not brake as hard as the model can"};
+  const int stages = plan.committed - stage;
+  if (stages < 1 || plan.committed > static_cast<int>(plan.inputs.size()) ||
+      stages > certifier_.max_stages()) {
+    return soft;
+  }
+  const Twist& command = plan.commands[static_cast<std::size_t>(stage)];
+  const Twist from = limited_twist(*model_, previous);
+  const double speed = from.linear.norm();
+  const double least = hardest_braking(from, newest, plan.dt).linear.norm();
+  const double m = model_->num_state_constraints() > 0 ? options_.mismatch : 0.0;
+  if (!(command.linear.norm() <=
+        least + m * std::max(0.0, speed - least) + options_.tolerance * model_->max_speed())) {
+    return soft;
+  }
+  Eigen::MatrixXd inputs(model_->nu(), stages);
+  const Eigen::VectorXd start = model_->state(newest.pose, from);
+  Eigen::VectorXd x = start, next(model_->nx());
+  for (int k = 0; k < stages; ++k) {
+    const Eigen::VectorXd& u = plan.inputs[static_cast<std::size_t>(stage + k)];
+    if (u.size() != model_->nu() || !u.allFinite()) return soft;
+    inputs.col(k) = u;
+    model_->step(x, u, plan.dt, next);
+    x.swap(next);
+    if (k == 0 && !leads_to(model_->twist(x, u), command)) {
+      return Objection{GuardReason::kUncommitted, "the command is not that of the stop's input"};
+    }
+  }
+  if (!is_at_rest(model_->twist(x, inputs.col(stages - 1)))) return soft;
+  const Certificate asked = certifier_.certify_inputs(newest, *model_, start, inputs, plan.dt);
+  if (asked.ok()) return std::nullopt;
+  const Certificate straight = certifier_.certify_inputs(
+      newest, *model_, start, stopping_tail(*model_, start, model_->input(from), plan.dt), plan.dt);
+  if (stops_no_worse(asked, straight)) return std::nullopt;
+  return Objection{reason_of(asked.status), asked.detail};
+}
+
+bool Guard::leads_to(const Twist& certified, const Twist& command) const {
+  const double mismatch = model_->num_state_constraints() > 0 ? options_.mismatch : 1e-6;
+  return (certified.linear - command.linear).norm() <= mismatch * model_->max_speed() &&
+         std::abs(certified.yaw_rate - command.yaw_rate) <= mismatch * model_->max_yaw_rate();
+}
+
 GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, const Belief& newest,
                           double now) const {
+  const Plan* path = plan.certified || plan.kind == PlanKind::kStoppingTail ? &plan : nullptr;
   const auto refuse = [&](GuardReason reason, const std::string& detail) {
-    return stop(reason, detail, previous, newest, plan.dt);
+    return stop(reason, detail, previous, newest, plan.dt, path, newest.pose);
   };
   try {
     if (stage < 0 || stage >= static_cast<int>(plan.commands.size())) {
@@ -206,8 +296,9 @@ GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, co
     }
     if (plan.kind == PlanKind::kStoppingTail) {
       if (!brakes(command, previous, newest, plan.dt)) {
-        return refuse(GuardReason::kUncommitted,
-                      "the stopping tail does not brake as hard as the model can");
+        if (const auto wrong = objection_to_stop(plan, stage, previous, newest)) {
+          return refuse(wrong->reason, wrong->detail);
+        }
       }
       return {command, plan.dt, GuardReason::kPassed, ""};
     }
@@ -230,10 +321,7 @@ GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, co
     const Eigen::VectorXd x = model_->state(newest.pose, previous);
     Eigen::VectorXd next(model_->nx());
     model_->step(x, remaining.col(0), plan.dt, next);
-    const Twist certified = model_->twist(next, remaining.col(0));
-    const double mismatch = model_->num_state_constraints() > 0 ? options_.mismatch : 1e-6;
-    if ((certified.linear - command.linear).norm() > mismatch * model_->max_speed() ||
-        std::abs(certified.yaw_rate - command.yaw_rate) > mismatch * model_->max_yaw_rate()) {
+    if (!leads_to(model_->twist(next, remaining.col(0)), command)) {
       return refuse(GuardReason::kUncommitted, "the command is not that of the certified input");
     }
     const Certificate certificate =
@@ -247,8 +335,9 @@ GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, co
 
 GuardVerdict Guard::check(const Plan& plan, const TimedCommand& asked, const Twist& previous,
                           const Belief& newest, double now) const {
+  const Plan* path = plan.certified || plan.kind == PlanKind::kStoppingTail ? &plan : nullptr;
   const auto refuse = [&](GuardReason reason, const std::string& detail) {
-    return stop(reason, detail, previous, newest, asked.step);
+    return stop(reason, detail, previous, newest, asked.step, path, asked.pose);
   };
   try {
     if (asked.input.size() != model_->nu() || !asked.input.allFinite() || !is_finite(previous) ||

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "engine/maps/belief.h"
 #include "engine/safety/certificate.h"
@@ -33,6 +34,10 @@ enum class GuardReason {
 
 std::string_view to_string(GuardReason reason);
 
+/// Whether the stop after a refusal may follow the plan: the plan is sound, and the map, the zones
+/// or the belief speak against going on.
+bool follows_plan(GuardReason reason);
+
 /// A command that is sent at any time of a plan, as a command thread does.
 struct TimedCommand {
   /// Input of the model over the next `step`: the command is the body velocity that it leads to
@@ -59,8 +64,10 @@ struct GuardVerdict {
 /// The last gate before the motors. A command passes only if it is finite, within limits and rates,
 /// from fresh sources, and its plan's remaining committed part, with the stop after it, is
 /// certified against the newest map; the command must be the one that the certified inputs give.
-/// Otherwise the verdict is the hardest admissible braking from the command in force, or zero if
-/// that is not finite.
+/// Otherwise the verdict is the first command of a stop from the command in force, or zero if that
+/// is not finite: the hardest admissible braking, straight or along the path of the plan, whichever
+/// touches nothing on the newest map, or touches later (choose_stop()); straight if the plan itself
+/// is at fault (non-finite, limit, rate, uncommitted).
 ///
 /// Fresh: each source of the belief has a stamp (SourceStamps) and an age limit; a stamp that is
 /// not finite or from the future is refused. A map that was given and does not change has an
@@ -73,6 +80,8 @@ struct GuardVerdict {
 /// all up to `tolerance`; m = mismatch for bases whose commanded velocity turns with the estimated
 /// yaw, else 0. So a command that stays as it is passes at rest only, and one that passes takes at
 /// least the share 1 - m of what can be taken from the speed, without turning aside.
+/// One that turns must be the stop of its plan's inputs: |c| as above, the inputs from here on end
+/// at rest, and on the newest map they touch nothing, or no earlier than the straight stop.
 ///
 /// Between stages (TimedCommand) what is certified does not rest on what the plan foresaw: the
 /// input for `step`, the velocity that it leads to up to `hold`, and then the hardest braking, step
@@ -132,9 +141,18 @@ class Guard {
   GuardVerdict check(const Plan& plan, const TimedCommand& asked, const Twist& previous,
                      const Belief& newest, double now) const;
 
+  /// The commands of the stop to drive now (choose_stop()), each for `step` [s], from `pose` and
+  /// the command in force on: the next command is the first. along: the plan whose path the robot
+  /// is on; null: none. Straight if the pose is not finite, rest at once if `previous` is not.
+  /// Finite and within limits, the last one rest; never empty.
+  std::vector<Twist> stop_commands(const Plan* along, const Pose& pose, const Twist& previous,
+                                   const Belief& newest, double step) const;
+
  private:
+  /// Refuses; the command is the first of a stop. along: a plan whose path the stop may follow from
+  /// `pose`; null: it is straight.
   GuardVerdict stop(GuardReason reason, const std::string& detail, const Twist& previous,
-                    const Belief& newest, double dt) const;
+                    const Belief& newest, double dt, const Plan* along, const Pose& pose) const;
   Twist hardest_braking(const Twist& previous, const Belief& newest, double dt) const;
   bool brakes(const Twist& command, const Twist& previous, const Belief& newest, double dt) const;
   struct Objection {
@@ -144,6 +162,11 @@ class Guard {
   /// Against a command that follows another after dt [s], from these sources; none: passes so far.
   std::optional<Objection> objection(const Twist& command, const Twist& previous,
                                      const Belief& newest, double dt, double now) const;
+  /// Against a stopping tail that steers, from a stage on; none: it may be driven.
+  std::optional<Objection> objection_to_stop(const Plan& plan, int stage, const Twist& previous,
+                                             const Belief& newest) const;
+  /// Whether a command is what a certified input gives.
+  bool leads_to(const Twist& certified, const Twist& command) const;
   bool within_rates(const Twist& command, const Twist& previous, double dt) const;
 
   std::shared_ptr<const MotionModel> model_;

@@ -258,5 +258,37 @@ TEST(CommandLoop, OptionsOutOfRangeAreRefused) {
   EXPECT_THROW(CommandLoop(model, guard, options), std::invalid_argument);
 }
 
+// Given up where the plan turned, it braked straight on, off what had been certified.
+TEST_F(CommandLoopTest, StopsAlongThePathOfThePlanThatIsGivenUp) {
+  auto plan = plan_from(10.0);
+  plan->commands = {twist(0.6, 0.9), twist(0.6, 0.9)};
+  plan->inputs = {Eigen::Vector2d(0.6, 0.9), Eigen::Vector2d(0.6, 0.9)};
+  plan->tail = {twist(0.4, 0.3), twist(0.2), twist(0.0)};
+  plan->states = {Eigen::Vector3d::Zero()};
+  in_.plan = plan;
+  speeds(9);
+  test::ObstacleWorld newest;
+  for (int i = 3; i < 8; ++i) {
+    for (int j = 2; j < 8; ++j) newest.occupy_column(i, j);
+  }
+  world_ = newest.belief();
+  const CommandStep refused = step();
+  EXPECT_EQ(refused.guard, GuardReason::kMap) << refused.detail;
+  double v = refused.command.linear.x(), w = refused.command.yaw_rate;
+  ASSERT_GT(v, 0.2);
+  for (int k = 0; v > 0.05 && k < 30; ++k) {
+    EXPECT_GT(w / v, 0.9) << k;
+    const std::vector<Twist> foretold = loop_.state().stop;
+    ASSERT_FALSE(foretold.empty());
+    const CommandStep next = step();
+    EXPECT_EQ(next.reason, CommandReason::kNoPlan);
+    EXPECT_NEAR(next.command.linear.x(), v - 0.04, 1e-6);
+    EXPECT_NEAR(next.command.yaw_rate, foretold.front().yaw_rate, 0.02);
+    v = next.command.linear.x();
+    w = next.command.yaw_rate;
+  }
+  EXPECT_LE(v, 0.05);
+}
+
 }  // namespace
 }  // namespace prospect::command_loop_test

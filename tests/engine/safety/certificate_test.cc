@@ -892,5 +892,55 @@ TEST(Certificate, TooManyStagesAreNotWalked) {
             Status::kOverBudget);
 }
 
+// Columns that one ray had passed once, far off, were driven into at full speed, and were not free.
+TEST(Certificate, WhatWasHardlySeenIsNotKnownToBeFree) {
+  struct Row {
+    const char* what;
+    int layers;  // of the column that are known free
+    float log_odds;
+    bool known;
+  };
+  const float miss = octomap::logodds(0.4);
+  const Row rows[] = {{"one ray, once", 1, miss, false},
+                      {"twice", 1, 2.0F * miss, true},
+                      {"once, in two layers", 2, miss, true},
+                      {"for long", 4, octomap::logodds(0.1192), true}};
+  const Unicycle model;
+  Certifier::Options options;
+  options.slice = {0.1, 0.5};
+  for (const Row& row : rows) {
+    ObstacleWorld world;
+    auto tree = std::make_shared<octomap::OcTree>(0.1);
+    const VoxelGrid& v = world.voxels;
+    for (int n = 0; n < v.frame().size(); ++n) {
+      const Cell c = v.frame().at(n);
+      for (int k = 1; k <= 4; ++k) {
+        const bool weak = c == Cell{7, 0};
+        if (weak && k > row.layers) {
+          world.voxels.set(c.i, c.j, k, CellState::kUnknown);
+          continue;
+        }
+        const octomap::OcTreeKey key(static_cast<octomap::key_type>(c.i + 32768),
+                                     static_cast<octomap::key_type>(c.j + 32768),
+                                     static_cast<octomap::key_type>(k + 32768));
+        tree->setNodeValue(key, weak ? row.log_odds : octomap::logodds(0.1192), true);
+      }
+    }
+    Belief belief = world.belief();
+    belief.octree = tree;
+    const auto verdict = [&](double speed) {
+      const Eigen::MatrixXd u = constant(model, 4, {speed, 0.0});
+      return Certifier(CylinderShape{}, options)
+          .certify(belief, model, Eigen::Vector3d(0, 0.05, 0), u.col(0), u, kDt)
+          .status;
+    };
+    EXPECT_EQ(verdict(0.6), row.known ? Status::kOk : Status::kUnknownSpace) << row.what;
+    EXPECT_EQ(verdict(0.3), Status::kOk) << row.what << ": slow enough to stop before it";
+    options.unknown = UnknownPolicy::kFree;
+    EXPECT_EQ(verdict(0.6), Status::kOk) << row.what;
+    options.unknown = UnknownPolicy::kBraking;
+  }
+}
+
 }  // namespace
 }  // namespace prospect::certificate_test

@@ -71,10 +71,11 @@ class GuardTest : public ::testing::Test {
   }
 
   GuardVerdict check(int stage = 0) { return guard_.check(plan_, stage, before_, belief_, now_); }
-  /// The hardest braking of the unicycle from `before_`.
+  /// The hardest braking of the unicycle from `before_`: on the plan's circle, of 0.6 per metre, if
+  /// the plan is sound, else straight.
   void expect_braking(const GuardVerdict& verdict) {
     EXPECT_NEAR(verdict.command.linear.x(), 0.4 - 0.8 * 0.25, 1e-12);
-    EXPECT_NEAR(verdict.command.yaw_rate, 0.0, 1e-12);
+    EXPECT_NEAR(verdict.command.yaw_rate, follows_plan(verdict.reason) ? 0.6 * 0.2 : 0.0, 1e-9);
     EXPECT_FALSE(verdict.detail.empty());
     EXPECT_FALSE(verdict.passed());
   }

@@ -1,4 +1,4 @@
-#include "engine/planner/tracking_input.h"
+#include "models/tracking_input.h"
 
 #include <gtest/gtest.h>
 
