@@ -22,12 +22,12 @@ using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 using Verdict = Judgement::Verdict;
 
-constexpr double kNear = 1e-4;          // distance of an active constraint [typical change]
-constexpr double kAtBound = 1e-6;       // likewise, of a bound
-constexpr double kDifference = 1e-5;    // of the gradients that the Hessian is from, likewise
-constexpr double kAsymmetry = 0.1;      // of a matrix of differences of a smooth gradient
-constexpr double kReach = 0.3;          // of the steps that tell a minimum
-constexpr double kLessViolated = 0.99;  // what is left by a step that lessens a violation
+constexpr double kNear = 1e-4;                // distance of an active constraint [typical change]
+constexpr double kAtBound = 1e-6;             // likewise, of a bound
+constexpr double kGradientDifference = 1e-5;  // of the gradients that the Hessian is from, likewise
+constexpr double kAsymmetry = 0.1;            // of a matrix of differences of a smooth gradient
+constexpr double kReach = 0.3;                // of the steps that tell a minimum
+constexpr double kLessViolated = 0.99;        // what is left by a step that lessens a violation
 constexpr std::array kProbes = {1e-3, 3e-3, 1e-2, 3e-2, 1e-1, kReach};
 
 /// The time is over: leaves the whole judgement.
@@ -220,7 +220,7 @@ class Judge {
     for (Index j = 0; j < k; ++j) {
       bool known = false;
       // To the side that the bounds leave, else the other one.
-      double length = kDifference;
+      double length = kGradientDifference;
       const auto cut = [&](double h) {
         const Vector x = x_ + h * s_.cwiseProduct(Z_.col(j));
         return (within(x) - x).cwiseQuotient(s_).norm();
