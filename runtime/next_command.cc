@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "models/tracking_input.h"
 #include "models/limited_twist.h"
+#include "models/tracking_input.h"
 
 namespace prospect {
 namespace {

@@ -8,9 +8,9 @@
 #include <thread>
 #include <utility>
 
-#include "models/tracking_input.h"
 #include "models/knobs.h"
 #include "models/limited_twist.h"
+#include "models/tracking_input.h"
 #include "runtime/next_command.h"
 #include "runtime/stream_watch.h"
 

@@ -20,14 +20,15 @@ double clearance_cutoff(const RobotDescription& robot, const PlannerParameters& 
 
 /// What robot, parameters and the resolution of the maps [m] must agree in, by the arithmetic of
 /// what a step needs:
+///
 ///   distances   clearance_cutoff / resolution voxels: at most ClearanceField::kMostVoxels, of a
-///               base that moves in 3-D kMostVoxelsInSpace;
-///   window      frontier_planner.cost_to_go.window_radius / resolution: at most kMostWindow
-///   voxels; motion      max_deceleration N dt, the speed that it can get to within the horizon:
-///   more than
-///               1 mm/s, which counts as rest;
+///               base that moves in 3-D kMostVoxelsInSpace
+///   window      frontier_planner.cost_to_go.window_radius / resolution: at most kMostWindow voxels
+///   motion      max_deceleration N dt, the speed that it can get to within the horizon: more than
+///               1 mm/s, which counts as rest
 ///   variables   M nu: at most kMostVariables. The time of a back end that uses second derivatives
-///               grows with their cube.
+///               grows with their cube
+///
 /// How far the robot can get within the horizon needs no limit: what a step keeps is bounded by
 /// what is known of the world (clearance_field.h, occlusion_table.h).
 /// "" or what does not fit, with the keys, the numbers and what would. The Planner's constructor

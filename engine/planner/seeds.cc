@@ -5,8 +5,8 @@
 #include <functional>
 
 #include "engine/planner/descent_path.h"
-#include "models/tracking_input.h"
 #include "engine/problem/admissible_inputs.h"
+#include "models/tracking_input.h"
 
 namespace prospect {
 namespace {
