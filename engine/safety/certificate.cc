@@ -350,7 +350,8 @@ class Scene {
       if (voxels_.state(i, j, k) != CellState::kFree) continue;
       const octomap::OcTreeNode* node =
           closing_.octree->search(octomap::OcTreeKey(key(i), key(j), key(k)));
-      if (node != nullptr) evidence -= static_cast<double>(node->getLogOdds());
+      if (node == nullptr) return false;  // the mirror alone knows of it
+      evidence -= static_cast<double>(node->getLogOdds());
     }
     return evidence < closing_.free_evidence;
   }

@@ -63,7 +63,8 @@ Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const E
 /// voxels of a column within the slice (3-D: of the voxel), each the sum of its looks,
 ///   1 / (1 + exp(-sum l)) <= max_doubt,
 /// so what a single ray has passed once, at the edge of the range or of a view, may still turn out
-/// to be occupied: the stop has to end before it. Without an octree all that is free is known.
+/// to be occupied: the stop has to end before it. What the octree has nothing of is as the mirror
+/// has it.
 ///
 /// A robot that starts within its margin can leave, and may not come nearer: the body is grown by
 /// `reduced_margin_share` times the largest c <= margin with which it touches nothing at the start

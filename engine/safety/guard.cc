@@ -244,8 +244,8 @@ std::optional<Guard::Objection> Guard::objection_to_stop(const Plan& plan, int s
   const double speed = from.linear.norm();
   const double least = hardest_braking(from, newest, plan.dt).linear.norm();
   const double m = model_->num_state_constraints() > 0 ? options_.mismatch : 0.0;
-  if (!(command.linear.norm() <=
-        least + m * std::max(0.0, speed - least) + options_.tolerance * model_->max_speed())) {
+  const double slack = options_.tolerance * model_->max_speed();
+  if (!(command.linear.norm() <= least + m * std::max(0.0, speed - least) + slack)) {
     return soft;
   }
   Eigen::MatrixXd inputs(model_->nu(), stages);
@@ -257,7 +257,11 @@ std::optional<Guard::Objection> Guard::objection_to_stop(const Plan& plan, int s
     inputs.col(k) = u;
     model_->step(x, u, plan.dt, next);
     x.swap(next);
-    if (k == 0 && !leads_to(model_->twist(x, u), command)) {
+    if (k > 0) continue;
+    const Twist certified = model_->twist(x, u);
+    if ((command.linear - certified.linear).norm() > m * speed + slack ||
+        std::abs(command.yaw_rate - certified.yaw_rate) >
+            options_.tolerance * model_->max_yaw_rate()) {
       return Objection{GuardReason::kUncommitted, "the command is not that of the stop's input"};
     }
   }
@@ -268,12 +272,6 @@ std::optional<Guard::Objection> Guard::objection_to_stop(const Plan& plan, int s
       newest, *model_, start, stopping_tail(*model_, start, model_->input(from), plan.dt), plan.dt);
   if (stops_no_worse(asked, straight)) return std::nullopt;
   return Objection{reason_of(asked.status), asked.detail};
-}
-
-bool Guard::leads_to(const Twist& certified, const Twist& command) const {
-  const double mismatch = model_->num_state_constraints() > 0 ? options_.mismatch : 1e-6;
-  return (certified.linear - command.linear).norm() <= mismatch * model_->max_speed() &&
-         std::abs(certified.yaw_rate - command.yaw_rate) <= mismatch * model_->max_yaw_rate();
 }
 
 GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, const Belief& newest,
@@ -321,7 +319,10 @@ GuardVerdict Guard::check(const Plan& plan, int stage, const Twist& previous, co
     const Eigen::VectorXd x = model_->state(newest.pose, previous);
     Eigen::VectorXd next(model_->nx());
     model_->step(x, remaining.col(0), plan.dt, next);
-    if (!leads_to(model_->twist(next, remaining.col(0)), command)) {
+    const Twist certified = model_->twist(next, remaining.col(0));
+    const double mismatch = model_->num_state_constraints() > 0 ? options_.mismatch : 1e-6;
+    if ((certified.linear - command.linear).norm() > mismatch * model_->max_speed() ||
+        std::abs(certified.yaw_rate - command.yaw_rate) > mismatch * model_->max_yaw_rate()) {
       return refuse(GuardReason::kUncommitted, "the command is not that of the certified input");
     }
     const Certificate certificate =

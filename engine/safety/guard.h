@@ -80,8 +80,9 @@ struct GuardVerdict {
 /// all up to `tolerance`; m = mismatch for bases whose commanded velocity turns with the estimated
 /// yaw, else 0. So a command that stays as it is passes at rest only, and one that passes takes at
 /// least the share 1 - m of what can be taken from the speed, without turning aside.
-/// One that turns must be the stop of its plan's inputs: |c| as above, the inputs from here on end
-/// at rest, and on the newest map they touch nothing, or no earlier than the straight stop.
+/// One that turns must be the stop of its plan's inputs: |c| as above, c as near to what its input
+/// gives as to h above, the inputs from here on end at rest, and on the newest map they touch
+/// nothing, or no earlier than the straight stop.
 ///
 /// Between stages (TimedCommand) what is certified does not rest on what the plan foresaw: the
 /// input for `step`, the velocity that it leads to up to `hold`, and then the hardest braking, step
@@ -165,8 +166,6 @@ class Guard {
   /// Against a stopping tail that steers, from a stage on; none: it may be driven.
   std::optional<Objection> objection_to_stop(const Plan& plan, int stage, const Twist& previous,
                                              const Belief& newest) const;
-  /// Whether a command is what a certified input gives.
-  bool leads_to(const Twist& certified, const Twist& command) const;
   bool within_rates(const Twist& command, const Twist& previous, double dt) const;
 
   std::shared_ptr<const MotionModel> model_;
