@@ -5,10 +5,12 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <sstream>
 #include <tuple>
 
 #include "benchmarks/result_table.h"
+#include "runtime/mission_end.h"
 
 namespace prospect {
 namespace {
@@ -281,8 +283,8 @@ std::string comparison_report(const std::vector<ComparisonRow>& rows,
 
   bool first = true;
   for (const ComparisonRow& row : rows) {
-    const bool ended_well =
-        row.reason == "explored" || row.reason == "yield too low" || row.reason == "enough seen";
+    const std::optional<MissionEnd> end = mission_end_named(row.reason);
+    const bool ended_well = end && row_of(*end).outcome == Outcome::kDone;
     if (!row.failed() && ended_well && row.collisions == 0.0 && std::isfinite(row.time_to_95_s)) {
       continue;
     }

@@ -284,15 +284,15 @@ bool Evaluator::take(Evaluate what) {
   return true;
 }
 
-Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate what) {
-  if (stopped_) return Outcome::kStopped;
+EvaluationOutcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate what) {
+  if (stopped_) return EvaluationOutcome::kStopped;
   const bool included = what <= last_what_ && (what != Evaluate::kStages || last_what_ == what ||
-                                               last_outcome_ == Outcome::kRejected);
+                                               last_outcome_ == EvaluationOutcome::kRejected);
   if (!differs_from_last(x) && included) {
     note_idle();
-    return stopped_ ? Outcome::kStopped : last_outcome_;
+    return stopped_ ? EvaluationOutcome::kStopped : last_outcome_;
   }
-  if (should_stop()) return Outcome::kStopped;
+  if (should_stop()) return EvaluationOutcome::kStopped;
 
   clamp_to_z(x);
   last_known_ = false;
@@ -300,7 +300,7 @@ Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate
     problem_.evaluate(z_, what, workspace(), evaluation_);
   } catch (...) {
     store_exception();
-    return Outcome::kStopped;
+    return EvaluationOutcome::kStopped;
   }
   count_evaluations(1, what >= Evaluate::kGradient);
   const bool valid = take(what);
@@ -313,23 +313,23 @@ Outcome Evaluator::evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate
   }
   last_known_ = true;
   last_what_ = valid ? what : Evaluate::kResiduals;  // a rejected point has all there is
-  last_outcome_ = valid ? Outcome::kEvaluated : Outcome::kRejected;
+  last_outcome_ = valid ? EvaluationOutcome::kEvaluated : EvaluationOutcome::kRejected;
   return last_outcome_;
 }
 
-Outcome Evaluator::evaluate_states(const Eigen::Ref<const Eigen::VectorXd>& x,
-                                   const Eigen::Ref<const Eigen::MatrixXd>& states) {
-  if (should_stop()) return Outcome::kStopped;
+EvaluationOutcome Evaluator::evaluate_states(const Eigen::Ref<const Eigen::VectorXd>& x,
+                                             const Eigen::Ref<const Eigen::MatrixXd>& states) {
+  if (should_stop()) return EvaluationOutcome::kStopped;
   clamp_to_z(x);
   last_known_ = false;
   try {
     problem_.evaluate_states(z_.col(0), states, workspace(), evaluation_);
   } catch (...) {
     store_exception();
-    return Outcome::kStopped;
+    return EvaluationOutcome::kStopped;
   }
   count_evaluations(1, true);
-  return take(Evaluate::kStages) ? Outcome::kEvaluated : Outcome::kRejected;
+  return take(Evaluate::kStages) ? EvaluationOutcome::kEvaluated : EvaluationOutcome::kRejected;
 }
 
 double Evaluator::rejected_cost(const Eigen::Ref<const Eigen::VectorXd>& x,
@@ -433,28 +433,29 @@ int Evaluator::evaluate_batch(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen:
   return done;
 }
 
-Outcome Evaluator::evaluate_start(const WarmStart& warm_start, Evaluate what, Eigen::VectorXd& x) {
+EvaluationOutcome Evaluator::evaluate_start(const WarmStart& warm_start, Evaluate what,
+                                            Eigen::VectorXd& x) {
   const Eigen::Index n = problem_.num_variables();
   x = middle_;
   if (warm_start.x.size() != 0) {
     if (warm_start.x.size() != n) {
       fail("warm_start.x has " + std::to_string(warm_start.x.size()) + " entries; expected " +
            std::to_string(n) + " or none");
-      return Outcome::kStopped;
+      return EvaluationOutcome::kStopped;
     }
     if (!warm_start.x.allFinite()) {
       fail("warm_start.x has a non-finite entry; expected finite numbers");
-      return Outcome::kStopped;
+      return EvaluationOutcome::kStopped;
     }
     x = reduce(warm_start.x).cwiseMax(lower_).cwiseMin(upper_);
   }
-  Outcome outcome = evaluate(x, what);
-  if (outcome != Outcome::kRejected) return outcome;
+  EvaluationOutcome outcome = evaluate(x, what);
+  if (outcome != EvaluationOutcome::kRejected) return outcome;
   const Eigen::VectorXd start = x;
   std::mt19937_64 generator(options_.seed);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   constexpr int kTries = 32;
-  for (int i = 0; i < kTries && outcome == Outcome::kRejected; ++i) {
+  for (int i = 0; i < kTries && outcome == EvaluationOutcome::kRejected; ++i) {
     if (i == 0 && start != middle_) {
       x = middle_;
     } else {
@@ -473,13 +474,13 @@ Outcome Evaluator::evaluate_start(const WarmStart& warm_start, Evaluate what, Ei
 EvaluatePoint Evaluator::uncounted() {
   return [this](const Eigen::VectorXd& z, Evaluate what, Evaluation& e) {
     try {
-      if (stopped_ || stop_() != StopRequest::kNone) return Outcome::kStopped;
+      if (stopped_ || stop_() != StopRequest::kNone) return EvaluationOutcome::kStopped;
       problem_.evaluate(z, what, workspace(), e);
     } catch (...) {
       store_exception();
-      return Outcome::kStopped;
+      return EvaluationOutcome::kStopped;
     }
-    return is_usable(e, what) ? Outcome::kEvaluated : Outcome::kRejected;
+    return is_usable(e, what) ? EvaluationOutcome::kEvaluated : EvaluationOutcome::kRejected;
   };
 }
 
@@ -490,7 +491,8 @@ bool Evaluator::can_descend() {
       problem_, expand(incumbent_), {options_.tolerance, options_.feasibility_tolerance}, evaluate);
   if (judgement.verdict != Judgement::Verdict::kDescent) return false;
   Evaluation e;
-  if (evaluate(judgement.better, Evaluate::kValue, e) != Outcome::kEvaluated) return false;
+  if (evaluate(judgement.better, Evaluate::kValue, e) != EvaluationOutcome::kEvaluated)
+    return false;
   consider(reduce(judgement.better), e.cost[0], violation(e.constraints.col(0)),
            e.constraints.col(0));
   return true;

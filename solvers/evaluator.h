@@ -15,8 +15,8 @@
 #include "engine/problem/solver.h"
 #include "engine/problem/stop_condition.h"
 #include "engine/support/worker_threads.h"
+#include "solvers/evaluation_outcome.h"
 #include "solvers/judge.h"
-#include "solvers/outcome.h"
 
 namespace prospect {
 
@@ -93,14 +93,14 @@ class Evaluator {
   /// If the problem is not evaluable there: the middle, then random points between the start and
   /// the bounds (seeded), at most 32. `x` is the point evaluated last. Ends the solve with kError
   /// if warm_start.x has the wrong size or a non-finite entry.
-  Outcome evaluate_start(const WarmStart& warm_start, Evaluate what, Eigen::VectorXd& x);
+  EvaluationOutcome evaluate_start(const WarmStart& warm_start, Evaluate what, Eigen::VectorXd& x);
 
   /// Value (and gradient) at x.
-  Outcome evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate what);
+  EvaluationOutcome evaluate(const Eigen::Ref<const Eigen::VectorXd>& x, Evaluate what);
   /// kStages at inputs x and states of one's own (nx x (N+1)), which are no rollout: it counts as
   /// an evaluation, and is never the incumbent.
-  Outcome evaluate_states(const Eigen::Ref<const Eigen::VectorXd>& x,
-                          const Eigen::Ref<const Eigen::MatrixXd>& states);
+  EvaluationOutcome evaluate_states(const Eigen::Ref<const Eigen::VectorXd>& x,
+                                    const Eigen::Ref<const Eigen::MatrixXd>& states);
   /// Of the last point that evaluate() did not refuse with kStopped. The cost of a rejected point
   /// is that of rejected_cost(), its constraints are those of the incumbent, its derivatives
   /// likewise.
@@ -246,7 +246,7 @@ class Evaluator {
   Eigen::VectorXd last_x_;
   bool last_known_ = false;
   Evaluate last_what_ = Evaluate::kValue;
-  Outcome last_outcome_ = Outcome::kStopped;
+  EvaluationOutcome last_outcome_ = EvaluationOutcome::kStopped;
 
   double cost_ = Problem::kRejectedCost;
   Eigen::VectorXd constraints_, gradient_;

@@ -66,9 +66,9 @@ class Judge {
   bool at(const Vector& x, Evaluate what, Evaluation& e) {
     Vector z = z_;
     for (std::size_t i = 0; i < free_.size(); ++i) z[free_[i]] = x[static_cast<Index>(i)];
-    const Outcome outcome = evaluate_(z, what, e);
-    if (outcome == Outcome::kStopped) throw Over();
-    return outcome == Outcome::kEvaluated;
+    const EvaluationOutcome outcome = evaluate_(z, what, e);
+    if (outcome == EvaluationOutcome::kStopped) throw Over();
+    return outcome == EvaluationOutcome::kEvaluated;
   }
 
   Vector within(const Vector& x) const { return x.cwiseMax(lower_).cwiseMin(upper_); }
@@ -447,9 +447,9 @@ Judgement judge(const Problem& problem, const Eigen::VectorXd& z, const JudgeTol
   try {
     Workspace workspace = problem.make_workspace();
     return judge(problem, z, tolerances, [&](const Vector& at, Evaluate what, Evaluation& e) {
-      if (stop() != StopRequest::kNone) return Outcome::kStopped;
+      if (stop() != StopRequest::kNone) return EvaluationOutcome::kStopped;
       problem.evaluate(at, what, workspace, e);
-      return is_usable(e, what) ? Outcome::kEvaluated : Outcome::kRejected;
+      return is_usable(e, what) ? EvaluationOutcome::kEvaluated : EvaluationOutcome::kRejected;
     });
   } catch (...) {
     return {Verdict::kUnknown, "a term throws there", {}};

@@ -6,7 +6,7 @@
 
 #include "engine/problem/problem.h"
 #include "engine/problem/stop_condition.h"
-#include "solvers/outcome.h"
+#include "solvers/evaluation_outcome.h"
 
 namespace prospect {
 
@@ -62,7 +62,8 @@ struct Judgement {
 };
 
 /// Evaluates the problem at a point of n variables. Nothing is asked after it said kStopped.
-using EvaluatePoint = std::function<Outcome(const Eigen::VectorXd& z, Evaluate what, Evaluation&)>;
+using EvaluatePoint =
+    std::function<EvaluationOutcome(const Eigen::VectorXd& z, Evaluate what, Evaluation&)>;
 
 struct JudgeTolerances {
   double cost = 1e-6;         ///< CommonOptions::tolerance

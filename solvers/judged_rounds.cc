@@ -106,7 +106,7 @@ bool JudgedRounds::judge(const ProblemScale& scale, Result& result) {
 
 void JudgedRounds::take(const ProblemScale& scale, Result& result) {
   Evaluation e;
-  if (evaluate_(start_, Evaluate::kValue, e) != Outcome::kEvaluated) return;
+  if (evaluate_(start_, Evaluate::kValue, e) != EvaluationOutcome::kEvaluated) return;
   Eigen::VectorXd constraints = e.constraints.col(0);
   if (scale.constraints.size() > 0) constraints.array() /= scale.constraints.array();
   result.x = result.next.x = start_;

@@ -106,7 +106,7 @@ Units units_near(const Problem& problem, const Vector& z, const EvaluatePoint& e
   const Vector s = change_at(problem, z);
   Evaluation e;
   const Evaluate what = problem.has_gradient() ? Evaluate::kGradient : Evaluate::kValue;
-  if (evaluate(z, what, e) != Outcome::kEvaluated) return {};
+  if (evaluate(z, what, e) != EvaluationOutcome::kEvaluated) return {};
   Units units = units_at(e, s);
   const Vector constraints = e.constraints.col(0);
 
@@ -132,9 +132,9 @@ Units units_near(const Problem& problem, const Vector& z, const EvaluatePoint& e
   std::vector<double> changes;
   Vector largest = units.constraints, least = units.constraints;
   for (std::size_t k = 0; k < points.size(); ++k) {
-    const Outcome outcome = evaluate(points[k], Evaluate::kValue, e);
-    if (outcome == Outcome::kStopped) return {};
-    if (outcome != Outcome::kEvaluated) continue;
+    const EvaluationOutcome outcome = evaluate(points[k], Evaluate::kValue, e);
+    if (outcome == EvaluationOutcome::kStopped) return {};
+    if (outcome != EvaluationOutcome::kEvaluated) continue;
     const Vector change =
         e.constraints.col(0).cwiseAbs().cwiseMax((e.constraints.col(0) - constraints).cwiseAbs());
     least = least.cwiseMin(change);

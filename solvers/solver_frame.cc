@@ -21,12 +21,12 @@ std::string SolverFrame::explain_refusal(const Problem& problem, OptionSet& set)
 }
 
 Result SolverFrame::solve_from(Evaluator& evaluator, const OptionSet& set,
-                               const WarmStart& warm_start, Outcome outcome,
+                               const WarmStart& warm_start, EvaluationOutcome outcome,
                                const Eigen::VectorXd& start) const {
   WarmStart next;
   next.time = warm_start.time;
   try {
-    if (outcome != Outcome::kEvaluated) {
+    if (outcome != EvaluationOutcome::kEvaluated) {
       return evaluator.finish(StopReason::kNumericalTrouble, false, "", next);
     }
     if (evaluator.num_variables() == 0) {
@@ -44,7 +44,7 @@ Result SolverFrame::solve_from(Evaluator& evaluator, const OptionSet& set,
 Result SolverFrame::solve_with(Evaluator& evaluator, const OptionSet& set,
                                const WarmStart& warm_start) const {
   Eigen::VectorXd start;
-  const Outcome outcome = evaluator.evaluate_start(warm_start, start_evaluation(), start);
+  const EvaluationOutcome outcome = evaluator.evaluate_start(warm_start, start_evaluation(), start);
   return solve_from(evaluator, set, warm_start, outcome, start);
 }
 
@@ -69,9 +69,9 @@ Result SolverFrame::solve_in_rounds(const Problem& problem, const OptionSet& set
   // Of the first evaluator: what judges lies beside what is solved.
   const EvaluatePoint evaluate = first.uncounted();
   Eigen::VectorXd start;
-  const Outcome outcome = first.evaluate_start(warm_start, start_evaluation(), start);
+  const EvaluationOutcome outcome = first.evaluate_start(warm_start, start_evaluation(), start);
   ProblemScale scale;
-  if (outcome == Outcome::kEvaluated &&
+  if (outcome == EvaluationOutcome::kEvaluated &&
       !looks_plain(problem, first.expand(start), first.last_evaluation())) {
     scale = scale_near(problem, first.expand(start), evaluate);
   }

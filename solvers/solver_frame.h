@@ -55,7 +55,7 @@ class SolverFrame : public Solver {
   OptionSet read(const Options& options) const;
   /// With the start evaluated before: `start`, of which `outcome` came.
   Result solve_from(Evaluator& evaluator, const OptionSet& set, const WarmStart& warm_start,
-                    Outcome outcome, const Eigen::VectorXd& start) const;
+                    EvaluationOutcome outcome, const Eigen::VectorXd& start) const;
   Result solve_with(Evaluator& evaluator, const OptionSet& set, const WarmStart& warm_start) const;
   Result solve_in_rounds(const Problem& problem, const OptionSet& set, const WarmStart& warm_start,
                          const StopCondition& stop) const;

@@ -175,10 +175,10 @@ ProblemFacts facts_of(const BenchProblem& problem) {
     Workspace workspace = p.make_workspace();
     const EvaluatePoint evaluate = [&](const Eigen::VectorXd& z, Evaluate what, Evaluation& e) {
       p.evaluate(z, what, workspace, e);
-      return is_usable(e, what) ? Outcome::kEvaluated : Outcome::kRejected;
+      return is_usable(e, what) ? EvaluationOutcome::kEvaluated : EvaluationOutcome::kRejected;
     };
     Evaluation e;
-    if (evaluate(start, Evaluate::kValue, e) == Outcome::kEvaluated &&
+    if (evaluate(start, Evaluate::kValue, e) == EvaluationOutcome::kEvaluated &&
         violation(e.constraints.col(0)) <= kFeasible) {
       facts.start_cost = e.cost[0];
     }

@@ -35,12 +35,12 @@ OptionValue option_of(const py::handle& value, const std::string& name) {
 
 void OpenSolve::evaluate(const Eigen::VectorXd& x, Evaluate what) const {
   Evaluator& e = evaluator();
-  Outcome outcome;
+  EvaluationOutcome outcome;
   {
     const py::gil_scoped_release release;
     outcome = e.evaluate(x, what);
   }
-  if (outcome == Outcome::kStopped) throw SolveStopped();
+  if (outcome == EvaluationOutcome::kStopped) throw SolveStopped();
 }
 
 PythonSolver::PythonSolver(const py::object& object)

@@ -12,7 +12,7 @@
 #include "adapters/problem_file/problem_file.h"
 #include "adapters/worlds/octree_file.h"
 #include "models/range_text.h"
-#include "runtime/mission.h"
+#include "runtime/mission_end.h"
 
 namespace prospect {
 namespace {
@@ -137,7 +137,7 @@ void RunFolder::finish(const RunRecord& record, const octomap::OcTree* map, cons
   guarded("report.html", [&] { write_whole("report.html", page(record)); });
   // Last: its presence says that the mission came to an end.
   guarded("summary.json", [&] { write_whole("summary.json", summary_json(record.summary)); });
-  const bool whole = error_.empty() && record.summary.reason != to_string(MissionEnd::kCancelled);
+  const bool whole = error_.empty() && record.summary.end != MissionEnd::kCancelled;
   if (const std::string wrong = whole ? folder_.complete() : ""; !wrong.empty()) {
     fail(OutputFolder::kMarker, wrong);
   }

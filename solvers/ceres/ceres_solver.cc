@@ -44,7 +44,8 @@ class Residuals final : public ceres::CostFunction {
     const Eigen::Index n = evaluator_.num_variables(), more = evaluator_.num_constraints() + 1;
     const Eigen::Map<const Eigen::VectorXd> x(parameters[0], n);
     if (!x.allFinite()) return false;
-    if (evaluator_.evaluate(x, prospect::Evaluate::kResiduals) != Outcome::kEvaluated) return false;
+    if (evaluator_.evaluate(x, prospect::Evaluate::kResiduals) != EvaluationOutcome::kEvaluated)
+      return false;
     Eigen::Map<Eigen::VectorXd> r(residuals, costs_ + more);
     r.head(costs_) = evaluator_.residuals();
     if (!jacobians || !jacobians[0]) {
@@ -160,7 +161,7 @@ class CeresSolver final : public SolverFrame {
       const bool converged = minimise(evaluator, rows, inner_tolerance,
                                       options.number("initial_trust_region_radius"), x, detail);
       if (evaluator.stopped() ||
-          evaluator.evaluate(x, Evaluate::kResiduals) != Outcome::kEvaluated) {
+          evaluator.evaluate(x, Evaluate::kResiduals) != EvaluationOutcome::kEvaluated) {
         break;
       }
       const bool precise = inner_tolerance <= tolerance;
@@ -206,7 +207,7 @@ class CeresSolver final : public SolverFrame {
       };
       minimise(evaluator, rows, std::max(1e-3, evaluator.options().tolerance),
                options.number("barrier_trust_region_radius"), x, detail);
-      if (evaluator.evaluate(x, Evaluate::kResiduals) != Outcome::kEvaluated) break;
+      if (evaluator.evaluate(x, Evaluate::kResiduals) != EvaluationOutcome::kEvaluated) break;
       lambda = barrier.multipliers(evaluator.constraints());
     }
     return lambda;
@@ -215,7 +216,7 @@ class CeresSolver final : public SolverFrame {
   /// One minimisation from x, whose end is left in x. Whether it converged.
   static bool minimise(Evaluator& evaluator, const Residuals::Constraints& constraints,
                        double tolerance, double radius, Eigen::VectorXd& x, std::string& detail) {
-    if (evaluator.evaluate(x, Evaluate::kResiduals) != Outcome::kEvaluated) return false;
+    if (evaluator.evaluate(x, Evaluate::kResiduals) != EvaluationOutcome::kEvaluated) return false;
     Residuals residuals(evaluator, constraints);
     ceres::Problem::Options ownership;
     ownership.cost_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;

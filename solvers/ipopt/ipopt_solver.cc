@@ -309,7 +309,7 @@ class ReducedProblem final : public Ipopt::TNLP {
   /// the point again.
   bool evaluate(Ipopt::Index n, const Ipopt::Number* x) {
     return evaluator_.evaluate(Eigen::Map<const Eigen::VectorXd>(x, n), Evaluate::kGradient) ==
-           Outcome::kEvaluated;
+           EvaluationOutcome::kEvaluated;
   }
 
   Evaluator& evaluator_;
@@ -499,7 +499,7 @@ class IpoptSolver final : public SolverFrame {
     bool optimum = false;
     if (reason == StopReason::kConverged && !evaluator.stopped() &&
         evaluator.incumbent_feasible() &&
-        evaluator.evaluate(reduced.last(), Evaluate::kValue) == Outcome::kEvaluated) {
+        evaluator.evaluate(reduced.last(), Evaluate::kValue) == EvaluationOutcome::kEvaluated) {
       const double slack = 10.0 * std::max(evaluator.options().tolerance, 1e-9);
       optimum = evaluator.incumbent_cost() <=
                 evaluator.cost() + slack * std::max(1.0, std::abs(evaluator.cost()));

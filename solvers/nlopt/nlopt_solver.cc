@@ -48,20 +48,20 @@ double objective(unsigned n, const double* x, double* gradient, void* data) noex
   Callback& c = *static_cast<Callback*>(data);
   const Eigen::VectorXd point = c.from_nlopt(Eigen::Map<const Eigen::VectorXd>(x, n));
   Eigen::Map<Eigen::VectorXd> g(gradient, gradient ? n : 0);
-  Outcome outcome = Outcome::kStopped;
+  EvaluationOutcome outcome = EvaluationOutcome::kStopped;
   if (point.allFinite()) {
     outcome = c.evaluator.evaluate(point, gradient ? Evaluate::kGradient : Evaluate::kValue);
   } else {
     c.not_finite = true;
   }
-  if (outcome == Outcome::kStopped) {
+  if (outcome == EvaluationOutcome::kStopped) {
     nlopt_force_stop(c.handle);
     g.setZero();
     return c.last_value;
   }
   double value = c.evaluator.cost();
   if (gradient) g = c.evaluator.gradient();
-  if (outcome == Outcome::kRejected) {
+  if (outcome == EvaluationOutcome::kRejected) {
     value += c.largest_addition;
   } else {
     double addition = 0.0;
@@ -86,13 +86,13 @@ void native_constraints(unsigned m, double* result, unsigned n, const double* x,
                         void* data) noexcept {
   Callback& c = *static_cast<Callback*>(data);
   const Eigen::VectorXd point = c.from_nlopt(Eigen::Map<const Eigen::VectorXd>(x, n));
-  Outcome outcome = Outcome::kStopped;
+  EvaluationOutcome outcome = EvaluationOutcome::kStopped;
   if (point.allFinite()) {
     outcome = c.evaluator.evaluate(point, gradient ? Evaluate::kGradient : Evaluate::kValue);
   } else {
     c.not_finite = true;
   }
-  if (outcome == Outcome::kStopped) nlopt_force_stop(c.handle);
+  if (outcome == EvaluationOutcome::kStopped) nlopt_force_stop(c.handle);
   Eigen::Map<Eigen::ArrayXd>(result, m) = c.margin - c.evaluator.constraints().array();
   if (!gradient) return;
   Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> J(gradient, m,
@@ -335,9 +335,9 @@ class NloptSolver final : public SolverFrame {
       inner = optimize(evaluator, options, callback, inner_tolerance, step, x);
       evaluator.count_iteration();
       if (evaluator.stopped()) break;
-      const Outcome outcome = evaluator.evaluate(x, Evaluate::kValue);
-      if (outcome == Outcome::kStopped) break;
-      if (outcome == Outcome::kRejected || inner.not_finite) {
+      const EvaluationOutcome outcome = evaluator.evaluate(x, Evaluate::kValue);
+      if (outcome == EvaluationOutcome::kStopped) break;
+      if (outcome == EvaluationOutcome::kRejected || inner.not_finite) {
         x = evaluator.incumbent();
         if (outer + 1 == kOuter || inner.not_finite) break;
         continue;

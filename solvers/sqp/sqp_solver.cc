@@ -69,7 +69,7 @@ class Sqp {
     next.time = warm_start.time;
     here_.x = start;
     if (lifted > 0) iterate_lifted(lifted);
-    if (evaluator_.evaluate(here_.x, Evaluate::kStages) == Outcome::kRejected) {
+    if (evaluator_.evaluate(here_.x, Evaluate::kStages) == EvaluationOutcome::kRejected) {
       here_.x = start;
       evaluator_.evaluate(here_.x, Evaluate::kStages);
     }
@@ -149,9 +149,9 @@ class Sqp {
     for (Eigen::Index i = 0; i < here_.stages.states.rows(); ++i) {
       states_ = here_.stages.states;
       states_.row(i).array() += kDifference;
-      const Outcome outcome = evaluator_.evaluate_states(here_.x, states_);
-      if (outcome == Outcome::kStopped) return false;
-      if (outcome == Outcome::kRejected) continue;  // what was known of it stands
+      const EvaluationOutcome outcome = evaluator_.evaluate_states(here_.x, states_);
+      if (outcome == EvaluationOutcome::kStopped) return false;
+      if (outcome == EvaluationOutcome::kRejected) continue;  // what was known of it stands
       curvature_.difference(static_cast<int>(i), kDifference, here_.stages.state_gradient,
                             evaluator_.stages().state_gradient);
     }
@@ -166,7 +166,7 @@ class Sqp {
     Eigen::VectorXd dz = Eigen::VectorXd::Zero(evaluator_.problem().num_variables());
     for (int i = 0; i < iterations; ++i) {
       evaluator_.count_iteration();
-      if (evaluator_.evaluate_states(here_.x, states) != Outcome::kEvaluated) return;
+      if (evaluator_.evaluate_states(here_.x, states) != EvaluationOutcome::kEvaluated) return;
       there_.x = here_.x;
       take(there_);
       if (there_.stages.gap == 0.0) return;
@@ -252,10 +252,10 @@ class Sqp {
     for (int i = 0; i < kLineSearch; ++i) {
       there_.x = here_.x + (corrected ? correction_ : step_) * alpha;
       there_.x = there_.x.cwiseMax(evaluator_.lower()).cwiseMin(evaluator_.upper());
-      const Outcome outcome = evaluator_.evaluate(there_.x, Evaluate::kStages);
-      if (outcome == Outcome::kStopped) return false;
+      const EvaluationOutcome outcome = evaluator_.evaluate(there_.x, Evaluate::kStages);
+      if (outcome == EvaluationOutcome::kStopped) return false;
       double shorter = 0.25;
-      if (outcome == Outcome::kEvaluated) {
+      if (outcome == EvaluationOutcome::kEvaluated) {
         const double gain = here - evaluator_.cost() - rho_ * missing(evaluator_.constraints());
         if (gain >= kSufficientDecrease * alpha * slope_) {
           take(there_);

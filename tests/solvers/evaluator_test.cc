@@ -29,9 +29,9 @@ TEST(Evaluator, RemembersTheLastPoint) {
   const StopCondition never;
   Evaluator e(problem, {}, never);
   const Vector x = vec({0.1, 0.2, 0.3, 0.4});
-  EXPECT_EQ(e.evaluate(x, Evaluate::kGradient), Outcome::kEvaluated);
-  EXPECT_EQ(e.evaluate(x, Evaluate::kValue), Outcome::kEvaluated);
-  EXPECT_EQ(e.evaluate(x, Evaluate::kGradient), Outcome::kEvaluated);
+  EXPECT_EQ(e.evaluate(x, Evaluate::kGradient), EvaluationOutcome::kEvaluated);
+  EXPECT_EQ(e.evaluate(x, Evaluate::kValue), EvaluationOutcome::kEvaluated);
+  EXPECT_EQ(e.evaluate(x, Evaluate::kGradient), EvaluationOutcome::kEvaluated);
   EXPECT_EQ(watch->evaluations, 1);
   EXPECT_EQ(e.counters().cost_evaluations, 1);
   EXPECT_EQ(e.counters().gradient_evaluations, 1);
@@ -76,10 +76,10 @@ TEST(Evaluator, NeverEvaluatesAfterAStop) {
   Evaluator e(problem, {}, stop);
   e.evaluate(c.start, Evaluate::kValue);
   stop_now = true;
-  EXPECT_EQ(e.evaluate(vec({1, 0, 0, 0}), Evaluate::kValue), Outcome::kStopped);
+  EXPECT_EQ(e.evaluate(vec({1, 0, 0, 0}), Evaluate::kValue), EvaluationOutcome::kStopped);
   stop_now = false;  // a stop condition that changes its mind changes nothing
-  EXPECT_EQ(e.evaluate(vec({1, 0, 0, 0}), Evaluate::kValue), Outcome::kStopped);
-  EXPECT_EQ(e.evaluate(c.start, Evaluate::kValue), Outcome::kStopped);
+  EXPECT_EQ(e.evaluate(vec({1, 0, 0, 0}), Evaluate::kValue), EvaluationOutcome::kStopped);
+  EXPECT_EQ(e.evaluate(c.start, Evaluate::kValue), EvaluationOutcome::kStopped);
   Eigen::ArrayXd cost, violations;
   EXPECT_EQ(e.evaluate_batch(Matrix::Zero(4, 5), cost, violations), 0);
   EXPECT_EQ(watch->evaluations, 1);
@@ -306,13 +306,13 @@ TEST(Evaluator, StandsInForARejectedPointWithABowlAroundTheIncumbent) {
   const Problem problem = c.problem();
   const StopCondition never;
   Evaluator e(problem, {}, never);
-  EXPECT_EQ(e.evaluate(vec({1.5, 0}), Evaluate::kGradient), Outcome::kRejected);
+  EXPECT_EQ(e.evaluate(vec({1.5, 0}), Evaluate::kGradient), EvaluationOutcome::kRejected);
   EXPECT_TRUE(std::isfinite(e.cost()));
   EXPECT_FALSE(e.has_incumbent());
   e.evaluate(vec({-1.2, 1}), Evaluate::kGradient);
   e.evaluate(vec({-2, -2}), Evaluate::kValue);
   const double worst = f(vec({-2, -2}));
-  EXPECT_EQ(e.evaluate(vec({1.5, 0.5}), Evaluate::kGradient), Outcome::kRejected);
+  EXPECT_EQ(e.evaluate(vec({1.5, 0.5}), Evaluate::kGradient), EvaluationOutcome::kRejected);
   EXPECT_GT(e.cost(), worst);
   EXPECT_EQ(e.incumbent(), vec({-1.2, 1}));
   for (const Vector& x : {vec({1.5, 0.5}), vec({1.9, -2}), vec({1.01, 2})}) {
@@ -354,7 +354,7 @@ TEST(Evaluator, FindsAnEvaluableStart) {
     WarmStart w;
     w.x = vec({-1.2, 1});
     Vector x;
-    EXPECT_EQ(e.evaluate_start(w, Evaluate::kGradient, x), Outcome::kEvaluated);
+    EXPECT_EQ(e.evaluate_start(w, Evaluate::kGradient, x), EvaluationOutcome::kEvaluated);
     EXPECT_GE(x[0], 0.5);
     EXPECT_EQ(e.cost(), f(x));
   }
@@ -384,8 +384,8 @@ TEST(Evaluator, SharesWhatAnInnerOneEvaluates) {
     inner.evaluate(poor, Evaluate::kGradient);
     EXPECT_EQ(inner.incumbent(), poor);  // its own
     EXPECT_EQ(outer.incumbent(), good);
-    EXPECT_EQ(inner.evaluate(vec({0.1, 0, 0, 0}), Evaluate::kValue), Outcome::kEvaluated);
-    EXPECT_EQ(inner.evaluate(vec({0.2, 0, 0, 0}), Evaluate::kValue), Outcome::kStopped);
+    EXPECT_EQ(inner.evaluate(vec({0.1, 0, 0, 0}), Evaluate::kValue), EvaluationOutcome::kEvaluated);
+    EXPECT_EQ(inner.evaluate(vec({0.2, 0, 0, 0}), Evaluate::kValue), EvaluationOutcome::kStopped);
     const Result r = inner.finish(StopReason::kConverged, true, "", {});
     EXPECT_EQ(r.stop, StopReason::kIterationLimit);
     EXPECT_TRUE(r.explanation.terms.empty());
@@ -426,7 +426,7 @@ TEST(Evaluator, RunsBesideEachOtherWhatCouldRunInTurn) {
       Vector x = 0.98 * starts.col(k) + 0.02 * i * vec({0, 1, 2, -1});
       // Only the walks 4 and 6 come to where the term throws.
       x[0] = (k == 4 || k == 6) && i == 3 ? 0.99 : std::min(x[0], 0.9);
-      if (e.evaluate(x, Evaluate::kGradient) == Outcome::kStopped) return;
+      if (e.evaluate(x, Evaluate::kGradient) == EvaluationOutcome::kStopped) return;
     }
   };
   for (const bool throws : {false, true}) {
@@ -493,7 +493,7 @@ TEST(Evaluator, AStopReachesAllThatRunBesideEachOther) {
     e.run_beside(5, {}, [&](int k, Evaluator& inner) {
       for (int i = 0; i < 1000; ++i) {
         const Vector x = Vector::Constant(4, 1e-3 * i - 0.1 * k);
-        if (inner.evaluate(x, Evaluate::kValue) == Outcome::kStopped) {
+        if (inner.evaluate(x, Evaluate::kValue) == EvaluationOutcome::kStopped) {
           ++ended;
           return;
         }
@@ -519,7 +519,7 @@ TEST(Evaluator, StopsWithAnInnerOneOnlyIfTheProblemThrew) {
   EXPECT_FALSE(outer.should_stop());
   watch->throw_at = 1;
   Evaluator inner(outer, {});
-  EXPECT_EQ(inner.evaluate(Vector::Zero(4), Evaluate::kValue), Outcome::kStopped);
+  EXPECT_EQ(inner.evaluate(Vector::Zero(4), Evaluate::kValue), EvaluationOutcome::kStopped);
   EXPECT_TRUE(outer.should_stop());
   const Result r = outer.finish(StopReason::kConverged, true, "", {});
   EXPECT_EQ(r.stop, StopReason::kError);

@@ -7,7 +7,7 @@
 namespace prospect {
 
 /// What became of one request for an evaluation.
-enum class Outcome {
+enum class EvaluationOutcome {
   kEvaluated,  ///< the numbers are there, all finite
   kRejected,   ///< evaluated, but some term is not defined at this point
   kStopped     ///< not evaluated: the solve is over, the back end must return
