@@ -106,7 +106,7 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   {
     TraversabilityOptions o;
     auto& [hard_radius, comfortable_radius, lattice_slack, tight_factor, narrow_slack,
-           narrow_factor, unknown_factor, body, free_moves, facing, unknown_travel, zones,
+           narrow_factor, unknown_factor, body, free_moves, facing, unknown_travel, extent, zones,
            top_speed] = o;
     expect_reached(o,
                    {&lattice_slack, &tight_factor, &narrow_slack, &narrow_factor, &unknown_factor});

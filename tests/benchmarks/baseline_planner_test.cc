@@ -54,7 +54,7 @@ TEST_P(EveryRule, ExploresTwoRoomsWithoutTouchingAnything) {
   };
   options.keep_steps = false;
   const Summary s = run_exploration(two_rooms(), configuration(), options).record.summary;
-  EXPECT_EQ(s.reason, to_string(MissionEnd::kExplored));
+  EXPECT_EQ(s.end, MissionEnd::kExplored);
   EXPECT_GE(s.coverage, 0.98);
   EXPECT_EQ(s.collisions, 0);
   // 8 m of floor to cross at 0.6 m/s and a few turns of 6 s.
