@@ -1,6 +1,9 @@
 // The descriptions of options, in a library of their own: reading a configuration builds nothing
 // that acts on them.
 
+#include <cstdio>
+#include <string>
+
 #include "adapters/simulator/camera_rig.h"
 #include "adapters/simulator/depth_camera.h"
 #include "adapters/simulator/feature_camera.h"
@@ -150,10 +153,12 @@ std::string simulator_misfit(const SimulatorOptions& options) {
   const OccupancyMapperOptions mapping = mapping_options(options);
   // What is not mapped at the heights of the body could be driven into.
   if (!(mapping.slice.z_min >= mapping.z_min && mapping.slice.z_max <= mapping.z_max)) {
-    return "the body is at heights from " + exact_text(mapping.slice.z_min) + " to " +
-           exact_text(mapping.slice.z_max) + " m; expected it between simulator.mapping.z_min, " +
-           exact_text(mapping.z_min) + " m, and z_max, " + exact_text(mapping.z_max) +
-           " m, the heights that are mapped";
+    char text[200];
+    std::snprintf(text, sizeof text,
+                  "the body is at heights from %.4g to %.4g m; expected it between "
+                  "simulator.mapping.z_min, %.4g m, and z_max, %.4g m, the heights that are mapped",
+                  mapping.slice.z_min, mapping.slice.z_max, mapping.z_min, mapping.z_max);
+    return text;
   }
   if (const std::string range = range_misfit(mapping); !range.empty()) {
     return "robot.depth." + range;

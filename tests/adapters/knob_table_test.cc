@@ -10,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <stdexcept>
 #include <string>
 #include <variant>
@@ -318,8 +319,11 @@ TEST(KnobTable, WhatIsOutOfRangeIsOneLineThatNamesIt) {
                                   const std::string& name) {
           EXPECT_TRUE(said.starts_with(where)) << said;
           EXPECT_THAT(said, HasSubstr(name));
-          EXPECT_THAT(said, HasSubstr("; expected "));
-          EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+          // A line for each that does not fit.
+          std::istringstream lines(said);
+          for (std::string line; std::getline(lines, line);) {
+            EXPECT_THAT(line, HasSubstr("; expected "));
+          }
         };
         const std::string yaml = yaml_of(part, knob.path, text);
         one_line(refusal([&] { configuration_from_text(yaml, "f.yaml"); }),
@@ -517,8 +521,11 @@ TEST(KnobTable, WithEachEndOfItsRangeAStepIsPlannedOrItIsRefused) {
         const std::string said = refusal([&] { c = configuration_of(part, settings); });
         if (!said.empty()) {
           ++refused;
-          EXPECT_THAT(said, HasSubstr("; expected "));
-          EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+          // A line for each that does not fit.
+          std::istringstream lines(said);
+          for (std::string line; std::getline(lines, line);) {
+            EXPECT_THAT(line, HasSubstr("; expected "));
+          }
           continue;
         }
         ++planned;

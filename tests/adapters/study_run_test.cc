@@ -27,18 +27,22 @@ class StudyRun : public ::testing::Test {
     fs::remove_all(folder_);
     fs::create_directories(folder_);
     plan_ = plan_study(study_from_text("worlds: office\nseeds: 1..8\n", "s.yaml"), {}, "1");
-    options_.program = {folder_ + "/program"};
+    options_.program = {folder_ + ".program"};
     options_.version = "1";
     options_.jobs = 3;
   }
-  void TearDown() override { fs::remove_all(folder_); }
+  void TearDown() override {
+    fs::remove_all(folder_);
+    fs::remove(folder_ + ".program");
+    fs::remove(folder_ + ".runs");
+  }
 
   /// `what` sees $seed, and $out, the run folder, which is there.
   void program(const std::string& what) {
     std::ofstream(options_.program.front())
         << "#!/bin/bash\nwhile (($#)); do\n  case $1 in --seed) seed=$2;; --out) out=$2;; esac\n"
            "  shift\ndone\necho run >> " +
-               folder_ + "/runs\nmkdir -p \"$out\"\n" + what + '\n';
+               folder_ + ".runs\nmkdir -p \"$out\"\n" + what + '\n';
     fs::permissions(options_.program.front(), fs::perms::owner_all);
   }
   static std::string whole(const std::string& reason = "time limit", int code = 1) {
@@ -47,7 +51,7 @@ class StudyRun : public ::testing::Test {
            reason + "\", \"steps\": 2}' > $out/summary.json\nexit " + std::to_string(code) + '\n';
   }
   int runs() const {
-    std::ifstream in(folder_ + "/runs");
+    std::ifstream in(folder_ + ".runs");
     int count = 0;
     for (std::string line; std::getline(in, line);) ++count;
     return count;

@@ -121,7 +121,7 @@ grep -q 'goal: \[2.5, 5.3, 90\]' task/config.yaml || fail "config.yaml does not 
 succeeds "on from a map" explore office --until 0.12 --map first/map.bt --quiet --out task
 grep -q 'map: first/map.bt' task/config.yaml || fail "config.yaml does not name the map"
 printf 'zones: {keep_out: [{area: [2, 5, 3, 5, 3, 6, 2, 6]}]}\n' >keep_out.yaml
-refused "a goal in a keep-out" --go: "is in keep-out 1; expected" "${explore[@]}" office \
+refused "a goal in a keep-out" --go: "is in zones.keep_out[0]; expected" "${explore[@]}" office \
   --go 2.5,5.3 --config keep_out.yaml
 refused "a goal of one number" --go: "2" "${explore[@]}" office --go 2.5
 refused "more than all" --until: "'1.5'; expected a share" "${explore[@]}" office --until 1.5

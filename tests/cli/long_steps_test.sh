@@ -89,15 +89,15 @@ grep -q '^all, \|^zoo, ' out.txt || fail "bench, interrupted: no table in '$out'
 interrupted 1 bench zoo "${endless[@]}" --deadline 30 --out bench_none
 [[ "$err" == *"before the first problem was done; --resume goes on" && "$(ls bench_none)" == rows.jsonl ]] || fail "bench, interrupted at once: '$err'"
 cp saved/problems/best_known.json known_before.json
-interrupted 3 bench saved/problems "${endless[@]}" --deadline 2 --out bench_cut --keep-best
+interrupted 3 bench saved/problems "${endless[@]}" --deadline 2 --out bench_cut --keep-best --overwrite
 (($(grep -c '"step_' saved/problems/best_known.json) == 3)) || fail "an interrupted bench loses best costs: $(<saved/problems/best_known.json)"
 cp known_before.json saved/problems/best_known.json
 interrupted 4 bench --capture cut_set
 [[ "$err" == "prospect: cancelled; the set lacks problems" && "$out" == "$(find cut_set -name '*.h5' | wc -l) problems in cut_set" ]] ||
   fail "bench --capture, interrupted: '$out' '$err'"
-[[ -z "$(find cut_set -type f ! -name '*.h5')" ]] || fail "bench --capture, interrupted, left $(ls cut_set)"
+[[ -z "$(find cut_set -type f ! -name "*.h5" ! -name .prospect)" ]] || fail "bench --capture, interrupted, left $(ls cut_set)"
 if (($(find cut_set -name '*.h5' | wc -l) > 0)); then
-  succeeds "what was captured is whole" bench cut_set --solver sampling --max-evaluations 50 --deadline 0 --repeat 1 --out bench_cut
+  succeeds "what was captured is whole" bench cut_set --solver sampling --max-evaluations 50 --deadline 0 --repeat 1 --out bench_cut --overwrite
 fi
 interrupted 2 bench missions --solver sampling --out bench_none
 [[ "$err" == "prospect: cancelled; nothing is measured" && "$(ls bench_none)" == rows.jsonl ]] || fail "bench missions, interrupted: '$err'"
@@ -120,7 +120,7 @@ if command -v script >/dev/null; then
   "$write_depth_recording" depth || fail "no depth recording was written"
   for call in "solve office@4 --solver sampling|office@4: step [0-9] of 4, " \
     "bench --capture shown_set --quick|driving in office: step [0-9]* of " \
-    "bench zoo --solver sampling --deadline 0 --repeat 1 --out bench_cut|13 of 13 solves" \
+    "bench zoo --solver sampling --deadline 0 --repeat 1 --out bench_cut --overwrite|13 of 13 solves" \
     "odometry stereo|12 of 12 frames  [0-9]* points" "map depth/posed|5 of 5 frames  ground found" \
     "explore hut.stl --time-limit 1 --out told|voxels of hut.stl: 0 of 4 triangles" \
     "explore office --time-limit 1 --out told|[0-9] features"; do

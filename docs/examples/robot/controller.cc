@@ -1,6 +1,7 @@
 // A robot with Prospect inside, in real time: motors that take commands with an expiry, a lidar
 // whose scans go through the inbox, a localization of its own, and the driver's threads between.
 #include <cstdio>
+#include <string>
 #include <thread>
 
 #include "engine/planner/planner.h"
@@ -107,7 +108,9 @@ int main() {
   parts.failed_preflight = first_failed(checked.checks), parts.yaw_checked = checked.yaw_checked;
   RealTimeDriver driver(parts, {});
   MissionOptions mission{.time_limit = 20.0};
-  mission.enough = [](const MissionStep& step) { return step.global_plan->explored_area > 33.0; };
+  mission.missing = [](const MissionStep& step) -> std::string {
+    return step.global_plan->explored_area > 33.0 ? "" : "33 m2 were not seen";
+  };
   const MissionResult result = driver.run(mission, [](const MissionStep& step) {
     const Twist v = step.plan->command_at(step.plan->stamp);
     std::printf("%5.2f s: knows %.1f m2; %.3f m/s, %+.3f rad/s; guard %s; %s\n", step.time,
