@@ -1,11 +1,11 @@
 #include "adapters/run/live_mission.h"
 
-#include <cstdio>
 #include <stdexcept>
 #include <string>
 #include <utility>
 #include <variant>
 
+#include "engine/behaviour/formatted.h"
 #include "engine/planner/planner.h"
 #include "runtime/preflight_run.h"
 #include "runtime/real_time_driver.h"
@@ -137,14 +137,9 @@ MissionOptions mission_options_for(const Configuration& c,
       if ((coverage > 0.0 && now.coverage >= coverage) || (area > 0.0 && now.seen_area >= area)) {
         return "";
       }
-      char text[80];
-      if (coverage > 0.0) {
-        std::snprintf(text, sizeof text, "%.1f of %g %% of what can be reached",
-                      100.0 * now.coverage, 100.0 * coverage);
-      } else {
-        std::snprintf(text, sizeof text, "%.1f of %g m2", now.seen_area, area);
-      }
-      return text;
+      return coverage > 0.0 ? formatted("%.1f of %g %% of what can be reached",
+                                        100.0 * now.coverage, 100.0 * coverage)
+                            : formatted("%.1f of %g m2", now.seen_area, area);
     };
   }
   return options;

@@ -1,7 +1,6 @@
 // The descriptions of options, in a library of their own: reading a configuration builds nothing
 // that acts on them.
 
-#include <cstdio>
 #include <string>
 
 #include "adapters/simulator/camera_rig.h"
@@ -12,8 +11,8 @@
 #include "adapters/simulator/odometry_model.h"
 #include "adapters/simulator/simulated_base_options.h"
 #include "adapters/simulator/simulator_options.h"
+#include "engine/behaviour/formatted.h"
 #include "models/knobs.h"
-#include "models/range_text.h"
 
 namespace prospect {
 
@@ -153,12 +152,10 @@ std::string simulator_misfit(const SimulatorOptions& options) {
   const OccupancyMapperOptions mapping = mapping_options(options);
   // What is not mapped at the heights of the body could be driven into.
   if (!(mapping.slice.z_min >= mapping.z_min && mapping.slice.z_max <= mapping.z_max)) {
-    char text[200];
-    std::snprintf(text, sizeof text,
-                  "the body is at heights from %.4g to %.4g m; expected it between "
-                  "simulator.mapping.z_min, %.4g m, and z_max, %.4g m, the heights that are mapped",
-                  mapping.slice.z_min, mapping.slice.z_max, mapping.z_min, mapping.z_max);
-    return text;
+    return formatted(
+        "the body is at heights from %.4g to %.4g m; expected it between simulator.mapping.z_min, "
+        "%.4g m, and z_max, %.4g m, the heights that are mapped",
+        mapping.slice.z_min, mapping.slice.z_max, mapping.z_min, mapping.z_max);
   }
   if (const std::string range = range_misfit(mapping); !range.empty()) {
     return "robot.depth." + range;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
+#include "engine/behaviour/formatted.h"
 #include "engine/maps/clearance_field.h"
 #include "engine/planner/planner.h"
 
@@ -13,11 +13,7 @@ namespace {
 constexpr double kLeastCutoff = 0.8;  // [m]
 constexpr double kBeyond = 0.2;       // [m]
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.4g", value);
-  return buffer;
-}
+std::string text(double value) { return formatted("%.4g", value); }
 
 /// The body's radius and what is added to it [m].
 double cutoff_needed(const RobotDescription& robot, const PlannerParameters& p) {
