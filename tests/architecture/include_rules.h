@@ -20,9 +20,9 @@ struct RoomRules {
   std::set<std::string> header_libraries;  ///< in headers, which others include
 };
 
-/// The allowed dependencies of the rooms of docs/reference/architecture.md: folders of the top level
-/// or of engine/. A room may include itself and the rooms named, or a single file of another one.
-/// The order is that of the graph: a room uses only what stands above it, so there is no loop.
+/// The allowed dependencies of the rooms of docs/reference/architecture.md: folders of the top
+/// level or of engine/. A room may include itself and the rooms named, or a single file of another
+/// one. The order is that of the graph: a room uses only what stands above it, so there is no loop.
 inline std::vector<std::pair<std::string, RoomRules>> architecture() {
   const std::set<std::string> eigen = {"Eigen"};
   const std::set<std::string> json = {"Eigen", "nlohmann"};
