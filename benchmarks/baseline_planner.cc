@@ -254,7 +254,7 @@ std::shared_ptr<const GlobalPlan> BaselinePlanner::global_plan() const {
 
 PlannerParameters nearest_frontier_parameters(PlannerParameters p) {
   p.frontier_planner = guided_by(FrontierRule::kNearest, p.frontier_planner);
-  p.w_l = 0.0;
+  p.weights.visible_features = 0.0;
   p.w_c = 0.0;
   p.target_frontier_only = true;
   return p;

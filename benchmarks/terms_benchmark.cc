@@ -21,7 +21,7 @@ namespace {
 const test::PlanningScene& scene() {
   static const test::PlanningScene scene = [] {
     PlannerParameters parameters;
-    parameters.w_h = 0.1;
+    parameters.weights.heading_alignment = 0.1;
     return test::PlanningScene("unicycle_accel", parameters);
   }();
   return scene;

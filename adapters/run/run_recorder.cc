@@ -10,7 +10,6 @@
 #include "adapters/run/configured_record.h"
 #include "adapters/run/summary.h"
 #include "engine/planner/planner.h"
-#include "engine/planner/step_specification.h"
 #include "engine/terms/builtin_terms.h"
 
 namespace prospect {
@@ -192,8 +191,8 @@ std::vector<CandidateRecord> candidate_records(const Plan& plan, const Problem* 
 }
 
 /// Of the costs of the step's problem.
-std::vector<TermWeight> term_weights(const Problem& problem, const PlannerParameters& parameters) {
-  const ProblemSpecification::Weights asked = asked_weights(parameters);
+std::vector<TermWeight> term_weights(const Problem& problem,
+                                     const ProblemSpecification::Weights& asked) {
   std::vector<TermWeight> weights;
   for (const ProblemDefinition::WeightedTerm& t : problem.definition().terms) {
     if (t.term->traits().kind == TermKind::kConstraint) continue;
@@ -253,7 +252,7 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
   r.seed = plan.seed;
   r.explanation = plan.explanation;
   if (planner && planner->problem() && !plan.explanation.terms.empty()) {
-    r.weights = term_weights(*planner->problem(), configuration.planner);
+    r.weights = term_weights(*planner->problem(), configuration.planner.weights);
   }
   const auto committed = static_cast<std::size_t>(std::max(0, plan.committed));
   if (committed < plan.visible.size()) r.predicted_features = plan.visible[committed];

@@ -18,8 +18,8 @@ struct ModePolicy {
     kStop       ///< braking
   };
   ModeKind mode;
-  double exploration_weight;  ///< factor on planner.w_e
-  double features_weight;     ///< factor on planner.w_l
+  double exploration_weight;  ///< factor on planner.weights.w_e
+  double features_weight;     ///< factor on planner.weights.w_l
   /// Features are counted, twice as many required as end a retreat: what ends it is a number of
   /// points, and few that are well placed tell all the information that may be asked for.
   bool count_features;

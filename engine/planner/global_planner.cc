@@ -26,7 +26,8 @@ std::shared_ptr<const GlobalPlan> stay(const Belief& belief) {
 GlobalPlanner::GlobalPlanner(const RobotDescription& robot, const PlannerParameters& parameters)
     : frontier_planner_(parameters.frontier_planner),
       known_(parameters.frontier_planner.traversability) {
-  if (parameters.frontier_planner.cost_to_go.lambda > 0.0 && parameters.w_l > 0.0) {
+  if (parameters.frontier_planner.cost_to_go.lambda > 0.0 &&
+      parameters.weights.visible_features > 0.0) {
     FeatureVisibilityMapOptions options;
     options.attenuation = parameters.feature_attenuation;
     visibility_map_.emplace(options, robot, parameters.visibility);

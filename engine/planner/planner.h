@@ -35,13 +35,15 @@ struct PlannerParameters {
   double dt = 0.25;  ///< [s]
   int M = 10;        ///< knots
 
-  double w_u = 0.02;           ///< deviation from the desired input
-  double w_du = 0.03;          ///< change of input
-  double w_o = 0.5;            ///< closeness to obstacles
-  double w_l = 2.0;            ///< too few visible features; docs/results/experiments.md
-  double w_e = 1.0;            ///< exploration gain (a reward)
-  double w_T = 1.5;            ///< cost-to-go
-  double w_h = 0.0;            ///< heading alignment
+  /// Of the built-in costs, as asked for. In a step the mode scales those of visible features and
+  /// exploration gain (mode_policy.h), and the first is bounded (feature_weight.h). That of the
+  /// features: docs/results/experiments.md.
+  ProblemSpecification::Weights weights{.control_effort = 0.02,
+                                        .input_rate = 0.03,
+                                        .obstacles = 0.5,
+                                        .visible_features = 2.0,
+                                        .exploration_gain = 1.0,
+                                        .cost_to_go = 1.5};
   double w_c = 0.0;            ///< chance penalty on the number of visible features
   double desired_speed = 1.0;  ///< share of the largest speed
   /// Terms that are not built in, and built-in ones that the problem is to lack: set_term.h.

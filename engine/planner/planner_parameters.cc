@@ -8,13 +8,13 @@ void describe_weights(Knobs& knobs, PlannerParameters& p) {
   const auto weight = [&](const char* name, double& value, const char* sentence) {
     knobs.number(name, value, {0.0, 1e6}, "1", sentence);
   };
-  weight("w_u", p.w_u, "deviation from the desired input");
-  weight("w_du", p.w_du, "change of input");
-  weight("w_o", p.w_o, "closeness to obstacles");
-  weight("w_l", p.w_l, "too few visible features");
-  weight("w_e", p.w_e, "exploration gain");
-  weight("w_T", p.w_T, "cost-to-go");
-  weight("w_h", p.w_h, "heading alignment");
+  weight("w_u", p.weights.control_effort, "deviation from the desired input");
+  weight("w_du", p.weights.input_rate, "change of input");
+  weight("w_o", p.weights.obstacles, "closeness to obstacles");
+  weight("w_l", p.weights.visible_features, "too few visible features");
+  weight("w_e", p.weights.exploration_gain, "exploration gain");
+  weight("w_T", p.weights.cost_to_go, "cost-to-go");
+  weight("w_h", p.weights.heading_alignment, "heading alignment");
   weight("w_c", p.w_c, "chance penalty on visible features; counts only if w_l > 0");
 }
 

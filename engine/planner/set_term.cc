@@ -1,26 +1,12 @@
 #include "engine/planner/set_term.h"
 
-#include <algorithm>
-#include <array>
 #include <stdexcept>
 #include <string>
-#include <string_view>
-#include <utility>
+#include <vector>
+
+#include "engine/terms/builtin_terms.h"
 
 namespace prospect {
-namespace {
-
-constexpr std::array<std::pair<std::string_view, double PlannerParameters::*>, 7> kWeights = {{
-    {"control_effort", &PlannerParameters::w_u},
-    {"input_rate", &PlannerParameters::w_du},
-    {"obstacles", &PlannerParameters::w_o},
-    {"visible_features", &PlannerParameters::w_l},
-    {"exploration_gain", &PlannerParameters::w_e},
-    {"cost_to_go", &PlannerParameters::w_T},
-    {"heading_alignment", &PlannerParameters::w_h},
-}};
-
-}  // namespace
 
 void set_term(PlannerParameters& parameters, const TermUse& use) {
   if (!use.entry) throw std::invalid_argument("planner: a term without an entry; expected one");
@@ -34,9 +20,7 @@ void set_term(PlannerParameters& parameters, const TermUse& use) {
     if (use.weight != 0.0) parameters.terms.push_back(use);
     return;
   }
-  for (const auto& [term, weight] : kWeights) {
-    if (term == name) parameters.*weight = use.weight;
-  }
+  if (double* weight = weight_of(name, parameters.weights)) *weight = use.weight;
   std::erase(parameters.terms_left_out, name);
   if (use.weight == 0.0) parameters.terms_left_out.push_back(name);
 }

@@ -179,7 +179,7 @@ void specify_cost_to_go(const StepContext& c, ProblemSpecification& s) {
 void specify_weights(const StepContext& c, ProblemSpecification& s) {
   const PlannerParameters& p = c.parameters;
   const ModePolicy& rules = policy(c.mode);
-  s.weights = asked_weights(p);
+  s.weights = p.weights;
   double& w_l = s.weights.visible_features;
   w_l = rests_on_features(c.belief) ? rules.features_weight * w_l : 0.0;
   s.weights.exploration_gain *= rules.exploration_weight;
@@ -189,10 +189,6 @@ void specify_weights(const StepContext& c, ProblemSpecification& s) {
 }
 
 }  // namespace
-
-ProblemSpecification::Weights asked_weights(const PlannerParameters& p) {
-  return {p.w_u, p.w_du, p.w_o, p.w_l, p.w_e, p.w_T, p.w_h};
-}
 
 StepSpecification specify_problem(const StepContext& context) {
   StepSpecification made;

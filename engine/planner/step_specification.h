@@ -42,8 +42,4 @@ struct StepSpecification {
 /// Passes on what the maps throw. Thread-safety: pure.
 StepSpecification specify_problem(const StepContext& context);
 
-/// The weights as they are asked for. In a step the mode scales those of visible features and
-/// exploration gain (mode_policy.h), and the first is bounded (feature_weight.h).
-ProblemSpecification::Weights asked_weights(const PlannerParameters& parameters);
-
 }  // namespace prospect

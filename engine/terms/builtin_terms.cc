@@ -20,109 +20,111 @@ namespace prospect {
 namespace {
 
 using Specification = ProblemSpecification;
+using Weights = Specification::Weights;
 using Evaluators = CachedEvaluators;
 using Made = std::shared_ptr<const Term>;
 
-/// An entry, and its weight in the objective of a specification.
+/// An entry, and where its weight is in a specification.
 struct BuiltinTerm {
   TermEntry entry;
-  double (*weight)(const Specification::Weights&);
+  double Weights::*weight = nullptr;  ///< of a cost
+  double sign = 1.0;                  ///< -1: a reward
+
+  /// In an objective.
+  double factor(const Weights& weights) const { return weight ? sign * (weights.*weight) : 1.0; }
 };
 
-TermEntry cost(std::string name, std::string key, std::string description,
-               Made (*make)(const Specification&, const Evaluators&)) {
-  TermEntry entry{std::move(name), std::move(description)};
-  entry.make = [make](const TermOptions&, const TermContext& c) {
+using Make = Made (*)(const Specification&, const Evaluators&);
+
+BuiltinTerm constraint(std::string name, std::string description, Make make) {
+  BuiltinTerm term{{std::move(name), std::move(description)}};
+  term.entry.make = [make](const TermOptions&, const TermContext& c) {
     return make(c.specification, c.evaluators);
   };
-  entry.weight_key = "planner.weights." + key;
-  entry.built_in = true;
-  return entry;
+  term.entry.built_in = true;
+  term.entry.constraint = true;
+  return term;
 }
 
-TermEntry constraint(std::string name, std::string description,
-                     Made (*make)(const Specification&, const Evaluators&)) {
-  TermEntry entry = cost(std::move(name), "", std::move(description), make);
-  entry.weight_key.clear();
-  entry.constraint = true;
-  return entry;
+BuiltinTerm cost(std::string name, const char* key, double Weights::*weight,
+                 std::string description, Make make) {
+  BuiltinTerm term = constraint(std::move(name), std::move(description), make);
+  term.entry.constraint = false;
+  term.entry.weight_key = std::string("planner.weights.") + key;
+  term.weight = weight;
+  return term;
 }
 
-double one(const Specification::Weights&) { return 1.0; }
-
-std::vector<BuiltinTerm> make_table() {
-  std::vector<BuiltinTerm> all;
-  all.push_back({cost("control_effort", "w_u", "deviation of the input from the desired one",
-                      [](const Specification& s, const Evaluators&) -> Made {
-                        return std::make_shared<ControlEffort>(s.desired_input,
-                                                               s.robot.model->limits());
-                      }),
-                 [](const Specification::Weights& w) { return w.control_effort; }});
-  all.push_back({cost("input_rate", "w_du", "change of the input from stage to stage",
-                      [](const Specification& s, const Evaluators&) -> Made {
-                        return std::make_shared<InputRate>(s.robot.model->limits());
-                      }),
-                 [](const Specification::Weights& w) { return w.input_rate; }});
-  all.push_back({cost("obstacles", "w_o", "closeness to obstacles, from FCL distances",
-                      [](const Specification& s, const Evaluators& e) -> Made {
-                        return std::make_shared<ObstacleCost>(e.body, s.d_safe, s.d_des);
-                      }),
-                 [](const Specification::Weights& w) { return w.obstacles; }});
-  all.push_back(
-      {cost("visible_features", "w_l",
-            "too few features predicted in view (count or information); with w_c also "
-            "the chance of fewer than N_min",
-            [](const Specification&, const Evaluators& e) -> Made { return e.visible_features; }),
-       [](const Specification::Weights& w) { return w.visible_features; }});
-  all.push_back({cost("exploration_gain", "w_e", "expected newly explored area (a reward)",
-                      [](const Specification&, const Evaluators& e) -> Made { return e.gain; }),
-                 [](const Specification::Weights& w) { return -w.exploration_gain; }});
-  all.push_back({cost("cost_to_go", "w_T", "time to the viewpoints of the active frontiers",
-                      [](const Specification& s, const Evaluators&) -> Made {
-                        return std::make_shared<CostToGoTerm>(s.cost_to_go);
-                      }),
-                 [](const Specification::Weights& w) { return w.cost_to_go; }});
-  all.push_back({cost("heading_alignment", "w_h", "heading away from where the cost-to-go falls",
-                      [](const Specification& s, const Evaluators&) -> Made {
-                        if (!(s.weights.heading_alignment > 0.0)) return nullptr;
-                        return std::make_shared<HeadingAlignment>(s.cost_to_go);
-                      }),
-                 [](const Specification::Weights& w) { return w.heading_alignment; }});
-  all.push_back(
-      {constraint("clearance", "constraint: clearance of at least d_safe at nodes and mid-points",
-                  [](const Specification& s, const Evaluators& e) -> Made {
-                    return std::make_shared<ClearanceConstraint>(e.body, s.clearance);
-                  }),
-       one});
-  all.push_back({constraint("braking", "constraint: able to stop inside known free space",
-                            [](const Specification& s, const Evaluators& e) -> Made {
-                              if (s.unknown == UnknownPolicy::kFree) return nullptr;
-                              return unknown_space_constraint(s.unknown, e.known_body,
-                                                              s.unknown_d_safe);
-                            }),
-                 one});
-  all.push_back({constraint("rate_limit", "constraint: the model's limits on the change of inputs",
-                            [](const Specification& s, const Evaluators&) -> Made {
-                              const InputLimits& limits = s.robot.model->limits();
-                              if (!limits.rate.array().isFinite().any()) return nullptr;
-                              return std::make_shared<RateLimit>(limits, s.M);
-                            }),
-                 one});
-  all.push_back(
-      {constraint("speed_limit", "constraint: speed limits of models with velocity in the state",
-                  [](const Specification& s, const Evaluators&) -> Made {
-                    const MotionModel& model = *s.robot.model;
-                    if (model.num_state_constraints() == 0) return nullptr;
-                    return std::make_shared<SpeedLimit>(model);
-                  }),
-       one});
-  return all;
+BuiltinTerm reward(BuiltinTerm cost) {
+  cost.sign = -1.0;
+  return cost;
 }
 
 // Once: a planner asks at every step.
 const std::vector<BuiltinTerm>& table() {
-  static const std::vector<BuiltinTerm> all = make_table();
+  static const std::vector<BuiltinTerm> all = {
+      cost("control_effort", "w_u", &Weights::control_effort,
+           "deviation of the input from the desired one",
+           [](const Specification& s, const Evaluators&) -> Made {
+             return std::make_shared<ControlEffort>(s.desired_input, s.robot.model->limits());
+           }),
+      cost("input_rate", "w_du", &Weights::input_rate, "change of the input from stage to stage",
+           [](const Specification& s, const Evaluators&) -> Made {
+             return std::make_shared<InputRate>(s.robot.model->limits());
+           }),
+      cost("obstacles", "w_o", &Weights::obstacles, "closeness to obstacles, from FCL distances",
+           [](const Specification& s, const Evaluators& e) -> Made {
+             return std::make_shared<ObstacleCost>(e.body, s.d_safe, s.d_des);
+           }),
+      cost("visible_features", "w_l", &Weights::visible_features,
+           "too few features predicted in view (count or information); with w_c also "
+           "the chance of fewer than N_min",
+           [](const Specification&, const Evaluators& e) -> Made { return e.visible_features; }),
+      reward(cost("exploration_gain", "w_e", &Weights::exploration_gain,
+                  "expected newly explored area (a reward)",
+                  [](const Specification&, const Evaluators& e) -> Made { return e.gain; })),
+      cost("cost_to_go", "w_T", &Weights::cost_to_go,
+           "time to the viewpoints of the active frontiers",
+           [](const Specification& s, const Evaluators&) -> Made {
+             return std::make_shared<CostToGoTerm>(s.cost_to_go);
+           }),
+      cost("heading_alignment", "w_h", &Weights::heading_alignment,
+           "heading away from where the cost-to-go falls",
+           [](const Specification& s, const Evaluators&) -> Made {
+             if (!(s.weights.heading_alignment > 0.0)) return nullptr;
+             return std::make_shared<HeadingAlignment>(s.cost_to_go);
+           }),
+      constraint("clearance", "constraint: clearance of at least d_safe at nodes and mid-points",
+                 [](const Specification& s, const Evaluators& e) -> Made {
+                   return std::make_shared<ClearanceConstraint>(e.body, s.clearance);
+                 }),
+      constraint("braking", "constraint: able to stop inside known free space",
+                 [](const Specification& s, const Evaluators& e) -> Made {
+                   if (s.unknown == UnknownPolicy::kFree) return nullptr;
+                   return unknown_space_constraint(s.unknown, e.known_body, s.unknown_d_safe);
+                 }),
+      constraint("rate_limit", "constraint: the model's limits on the change of inputs",
+                 [](const Specification& s, const Evaluators&) -> Made {
+                   const InputLimits& limits = s.robot.model->limits();
+                   if (!limits.rate.array().isFinite().any()) return nullptr;
+                   return std::make_shared<RateLimit>(limits, s.M);
+                 }),
+      constraint("speed_limit", "constraint: speed limits of models with velocity in the state",
+                 [](const Specification& s, const Evaluators&) -> Made {
+                   const MotionModel& model = *s.robot.model;
+                   if (model.num_state_constraints() == 0) return nullptr;
+                   return std::make_shared<SpeedLimit>(model);
+                 }),
+  };
   return all;
+}
+
+/// Null: no built-in cost has that name.
+const BuiltinTerm* builtin_cost(std::string_view name) {
+  for (const BuiltinTerm& term : table()) {
+    if (term.weight && term.entry.name == name) return &term;
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -139,18 +141,21 @@ std::vector<ProblemDefinition::WeightedTerm> make_builtin_terms(const TermContex
   for (const BuiltinTerm& t : table()) {
     if (std::find(left_out.begin(), left_out.end(), t.entry.name) != left_out.end()) continue;
     if (std::shared_ptr<const Term> term = t.entry.make({}, context)) {
-      terms.push_back({std::move(term), t.weight(context.specification.weights)});
+      terms.push_back({std::move(term), t.factor(context.specification.weights)});
     }
   }
   return terms;
 }
 
+double* weight_of(std::string_view name, ProblemSpecification::Weights& weights) {
+  const BuiltinTerm* term = builtin_cost(name);
+  return term ? &(weights.*term->weight) : nullptr;
+}
+
 std::optional<double> builtin_weight(std::string_view name,
                                      const ProblemSpecification::Weights& weights) {
-  for (const BuiltinTerm& term : table()) {
-    if (term.entry.name == name && !term.entry.constraint) return term.weight(weights);
-  }
-  return std::nullopt;
+  const BuiltinTerm* term = builtin_cost(name);
+  return term ? std::optional(term->factor(weights)) : std::nullopt;
 }
 
 }  // namespace prospect

@@ -19,6 +19,9 @@ TermRegistry builtin_terms();
 /// out. Throws std::invalid_argument as the terms' constructors do.
 std::vector<ProblemDefinition::WeightedTerm> make_builtin_terms(const TermContext& context);
 
+/// That of a built-in cost among the weights; null: no built-in cost has that name.
+double* weight_of(std::string_view name, ProblemSpecification::Weights& weights);
+
 /// The factor that a built-in cost has in an objective with these weights (negative: a reward);
 /// none: no built-in cost has that name.
 std::optional<double> builtin_weight(std::string_view name,

@@ -34,7 +34,7 @@ TEST(Configuration, OfNothingIsTheDefaults) {
   EXPECT_EQ(c.solver, "nlopt");
   EXPECT_EQ(c.robot.model->name(), "unicycle");
   EXPECT_EQ(c.planner.N, PlannerParameters().N);
-  EXPECT_EQ(c.planner.w_l, PlannerParameters().w_l);
+  EXPECT_EQ(c.planner.weights.visible_features, PlannerParameters().weights.visible_features);
   EXPECT_EQ(c.planner.d_safe, PlannerParameters().d_safe);
   EXPECT_EQ(c.planner.frontier_planner.frontiers.min_length, FrontierOptions().min_length);
   EXPECT_EQ(c.mission.time_limit, MissionOptions().time_limit);
@@ -237,7 +237,7 @@ TEST(Configuration, WhatIsInEffectReadsBackAsItself) {
   EXPECT_EQ(c.solver, "ipopt");
   EXPECT_EQ(c.planner.N, 12);
   EXPECT_EQ(c.planner.M, 4);
-  EXPECT_EQ(c.planner.w_l, 0.25);
+  EXPECT_EQ(c.planner.weights.visible_features, 0.25);
 }
 
 TEST(Configuration, EveryProblemIsNamedWithItsLineAndWhatWasExpected) {
@@ -337,7 +337,7 @@ TEST(Configuration, SettingsStandAboveTheFileAndAreCheckedAsItIs) {
   const Configuration c =
       read({"planner.weights.w_l=0", "planner.N=12", "planner.N=14",
             "robot.depth={max_range: 6, horizontal_fov: 90}", "task.kind=go", "task.goal=[3, 1]"});
-  EXPECT_EQ(c.planner.w_l, 0.0);
+  EXPECT_EQ(c.planner.weights.visible_features, 0.0);
   EXPECT_EQ(c.planner.N, 14);
   EXPECT_EQ(c.robot.depth.max_range, 6.0);
   EXPECT_EQ(c.planner.task.goal.position, Eigen::Vector2d(3.0, 1.0));
@@ -400,11 +400,11 @@ TEST(Configuration, ATermByName) {
 TEST(Configuration, ABuiltInTermHasOneWeight) {
   const std::string text = "planner: {terms: {cost_to_go: {weight: 2.5}, obstacles: {weight: 0}}}";
   const Configuration c = read(text);
-  EXPECT_EQ(c.planner.w_T, 2.5);
+  EXPECT_EQ(c.planner.weights.cost_to_go, 2.5);
   EXPECT_EQ(c.planner.terms_left_out, std::vector<std::string>{"obstacles"});
   // What is written of it is read as the same again.
   const Configuration again = read(effective_yaml(c.entries));
-  EXPECT_EQ(again.planner.w_T, 2.5);
+  EXPECT_EQ(again.planner.weights.cost_to_go, 2.5);
   EXPECT_EQ(again.planner.terms_left_out, c.planner.terms_left_out);
   for (const ConfigEntry& entry : c.entries) EXPECT_NE(entry.path, "planner.weights.w_T");
 

@@ -173,13 +173,14 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   }
   {
     PlannerParameters o;
-    auto& [N, dt, M, w_u, w_du, w_o, w_l, w_e, w_T, w_h, w_c, desired_speed, terms, terms_left_out,
-           d_safe, d_des, unknown, certificate_margin, drift_margin, drift_limit, lost_margin,
-           committed, polished, polish_evaluations, solver_options, threads, deadline,
-           map_resolution, max_landmarks, visibility_lattice, visibility, features, feature_prior,
-           feature_attenuation, feature_occlusion, feature_covariance, max_targets,
-           target_frontier_only, unknown_attenuation, frontier_planner, task, zones,
-           goal_unknown_price, return_unknown_price, behaviour] = o;
+    auto& [N, dt, M, weights, w_c, desired_speed, terms, terms_left_out, d_safe, d_des, unknown,
+           certificate_margin, drift_margin, drift_limit, lost_margin, committed, polished,
+           polish_evaluations, solver_options, threads, deadline, map_resolution, max_landmarks,
+           visibility_lattice, visibility, features, feature_prior, feature_attenuation,
+           feature_occlusion, feature_covariance, max_targets, target_frontier_only,
+           unknown_attenuation, frontier_planner, task, zones, goal_unknown_price,
+           return_unknown_price, behaviour] = o;
+    auto& [w_u, w_du, w_o, w_l, w_e, w_T, w_h] = weights;
     expect_reached(o, {&N,
                        &dt,
                        &M,

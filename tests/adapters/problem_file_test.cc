@@ -47,7 +47,7 @@ SavedProblem small_problem() {
   p.M = 4;
   p.visibility.r_max = 2.0;
   p.max_targets = 20;
-  p.w_h = 0.1;
+  p.weights.heading_alignment = 0.1;
   return saved(specification_of("small", "unicycle", p, 40));
 }
 

@@ -38,7 +38,7 @@ TEST(StudyPlan, HasACellForEachWorldSeedConditionAndPointOfTheGrid) {
   ASSERT_EQ(plan.cells.size(), 32U);
   EXPECT_EQ(plan.label(plan.setups[0]), "with, planner.solver=nlopt, planner.N=12");
   EXPECT_EQ(plan.label(plan.setups[7]), "without, planner.solver=hybrid, planner.N=20");
-  EXPECT_EQ(plan.setups[7].configuration.planner.w_l, 0.0);
+  EXPECT_EQ(plan.setups[7].configuration.planner.weights.visible_features, 0.0);
   EXPECT_EQ(plan.setups[7].configuration.solver, "hybrid");
   EXPECT_EQ(plan.setups[7].configuration.mission.time_limit, 7.0);
   EXPECT_EQ(plan.cells[15].seed, 1U) << "whole pairs first";

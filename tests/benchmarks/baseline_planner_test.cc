@@ -132,10 +132,10 @@ TEST(NearestFrontierParameters, LeaveTheChoiceOfTheNearestOnly) {
   ASSERT_TRUE(p.frontier_planner.rule);
   EXPECT_EQ(p.frontier_planner.rule({{4, 9.0, 3.0}, {7, 0.2, 2.0}, {9, 5.0, 2.5}}, 0), 1);
   EXPECT_GT(p.frontier_planner.reconsider, 1e6) << "kept until it is seen";
-  EXPECT_EQ(p.w_l, 0.0);
+  EXPECT_EQ(p.weights.visible_features, 0.0);
   EXPECT_TRUE(p.target_frontier_only);
-  EXPECT_EQ(p.w_e, before.w_e);
-  EXPECT_EQ(p.w_T, before.w_T);
+  EXPECT_EQ(p.weights.exploration_gain, before.weights.exploration_gain);
+  EXPECT_EQ(p.weights.cost_to_go, before.weights.cost_to_go);
   EXPECT_EQ(p.N, before.N);
 }
 

@@ -54,7 +54,7 @@ inline std::vector<NamedSpecification> specifications_of_every_kind() {
     change(p);
     all.push_back(specification_of(name, "unicycle", p, more...));
   };
-  with("heading alignment", [](auto& p) { p.w_h = 0.3; });
+  with("heading alignment", [](auto& p) { p.weights.heading_alignment = 0.3; });
   with("chance", [](auto& p) { p.w_c = 0.4; });
   with("information", [](auto& p) { p.features.criterion = VisibilityCriterion::kInformation; });
   with("no prior", [](auto& p) { p.feature_prior = false; });
@@ -68,7 +68,10 @@ inline std::vector<NamedSpecification> specifications_of_every_kind() {
   with("no targets", [](auto& p) { p.max_targets = 0; });
   with(
       "no landmarks", [](auto&) {}, 0);
-  with("no weights", [](auto& p) { p.w_u = p.w_du = p.w_o = p.w_l = p.w_e = p.w_T = 0.0; });
+  with("no weights", [](auto& p) {
+    p.weights.control_effort = p.weights.input_rate = p.weights.obstacles =
+        p.weights.visible_features = p.weights.exploration_gain = p.weights.cost_to_go = 0.0;
+  });
   with(
       "recovery", [](auto&) {}, 120, Localization::kDegraded);
   with(

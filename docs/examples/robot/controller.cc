@@ -80,7 +80,7 @@ int main() {
   description.depth.horizontal_fov = 2.0 * M_PI, description.depth.vertical_fov = 0.0;
   description.depth.max_range = kLidarRange;
   PlannerParameters parameters;
-  parameters.w_l = 0.0;  // no camera, so no features to keep in view
+  parameters.weights.visible_features = 0.0;  // no camera, so no features to keep in view
   Planner planner(description, parameters, make_solver("nlopt"));
   Guard::Options limits;
   limits.max_landmarks_age = std::numeric_limits<double>::infinity();

@@ -142,10 +142,10 @@ class PlannerThread {
 int main() {
   const prospect::RobotDescription robot = my_robot();
   prospect::PlannerParameters parameters;
-  parameters.dt = 0.25;             // a stage [s]: how long a command is held
-  parameters.N = 20;                // stages: a plan looks 5 s ahead
-  parameters.committed = 0.75;      // certified [s]: three stages, so the next plan may be two late
-  parameters.w_l = 0.0;             // no camera, so no features to keep in view
+  parameters.dt = 0.25;         // a stage [s]: how long a command is held
+  parameters.N = 20;            // stages: a plan looks 5 s ahead
+  parameters.committed = 0.75;  // certified [s]: three stages, so the next plan may be two late
+  parameters.weights.visible_features = 0.0;  // no camera, so no features to keep in view
   parameters.map_resolution = 0.1;  // of the maps to come [m]: what does not fit is refused now
   prospect::Planner planner(robot, parameters, prospect::make_solver("nlopt"));
 

@@ -461,7 +461,7 @@ TEST_F(PlannerTest, WithLocalizationOfItsOwnFeaturesCostNothing) {
   parameters_.w_c = 1.0;
   parameters_.frontier_planner.cost_to_go.lambda = 3.0;
   PlannerParameters without = parameters_;
-  without.w_l = without.w_c = 0.0;
+  without.weights.visible_features = without.w_c = 0.0;
   const Belief room = Room{.landmarks_per_wall = 20}.belief();
   const auto none = std::make_shared<const LandmarkMap>();
   for (const auto& landmarks : {room.landmarks, std::shared_ptr<const LandmarkMap>(none),
@@ -944,7 +944,7 @@ TEST_F(PlannerTest, ARetreatHasNoExplorationAndCountsFeatures) {
   };
   Plan plan = planner.plan(belief);
   EXPECT_EQ(plan.mode.kind, ModeKind::kExplore);
-  EXPECT_EQ(weight("exploration_gain"), -parameters_.w_e);
+  EXPECT_EQ(weight("exploration_gain"), -parameters_.weights.exploration_gain);
   const double w_l = weight("visible_features");
   for (const Localization bad : {Localization::kDegraded, Localization::kLost}) {
     belief.localization = bad;
@@ -966,7 +966,7 @@ TEST_F(PlannerTest, ARetreatHasNoExplorationAndCountsFeatures) {
     plan = planner.plan(belief);
     EXPECT_EQ(plan.mode.kind, ModeKind::kExplore);
     EXPECT_EQ(plan.mode.cause, Cause::kLocalizationRegained);
-    EXPECT_EQ(weight("exploration_gain"), -parameters_.w_e);
+    EXPECT_EQ(weight("exploration_gain"), -parameters_.weights.exploration_gain);
     EXPECT_EQ(planner.specification()->features.criterion, parameters_.features.criterion);
   }
 }
@@ -1144,7 +1144,7 @@ TEST_F(PlannerTest, WhatCostTheLocalizationIsWorthLess) {
 
 // Standing before a blank view must not be what costs least while there is a way on.
 TEST_F(PlannerTest, FewFeaturesDoNotMakeItStand) {
-  parameters_.w_l = 50.0;  // far above what driving gains
+  parameters_.weights.visible_features = 50.0;  // far above what driving gains
   Belief belief = Room{.landmarks_per_wall = 3}.belief();
   Planner planner = make();
   double driven = 0.0, least = 1e9;
@@ -1387,9 +1387,13 @@ TEST_F(PlannerTest, BadParametersAreNamed) {
             std::string::npos);
   EXPECT_NE(message([](auto& p) { p.M = 13; }).find("planner: M: more knots"), std::string::npos);
   EXPECT_NE(message([](auto& p) { p.dt = kNan; }).find("planner: dt is nan"), std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.w_l = kNan; }).find("planner: weights.w_l is nan"),
+  EXPECT_NE(message([](auto& p) {
+              p.weights.visible_features = kNan;
+            }).find("planner: weights.w_l is nan"),
             std::string::npos);
-  EXPECT_NE(message([](auto& p) { p.w_e = -1.0; }).find("planner: weights.w_e is -1"),
+  EXPECT_NE(message([](auto& p) {
+              p.weights.exploration_gain = -1.0;
+            }).find("planner: weights.w_e is -1"),
             std::string::npos);
   EXPECT_NE(message([](auto& p) { p.d_des = 0.0; }).find("planner: d_des is 0"), std::string::npos);
   EXPECT_NE(message([](auto& p) { p.committed = 99.0; }).find("planner: committed is"),

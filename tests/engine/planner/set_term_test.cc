@@ -16,7 +16,10 @@ TEST(SetTerm, EveryBuiltInCostHasItsWeight) {
   for (const auto& entry : terms.list()) {
     if (!entry->constraint) set_term(p, terms.use(entry->name, 0.123));
   }
-  for (const double w : {p.w_u, p.w_du, p.w_o, p.w_l, p.w_e, p.w_T, p.w_h}) EXPECT_EQ(w, 0.123);
+  for (const double w : {p.weights.control_effort, p.weights.input_rate, p.weights.obstacles,
+                         p.weights.visible_features, p.weights.exploration_gain,
+                         p.weights.cost_to_go, p.weights.heading_alignment})
+    EXPECT_EQ(w, 0.123);
   EXPECT_TRUE(p.terms.empty());
   EXPECT_TRUE(p.terms_left_out.empty());
 }

@@ -38,12 +38,12 @@ TEST(StepSpecification, MappedLandmarksComeBeforeExpectedOnes) {
 TEST(StepSpecification, TheModeDecidesOnWeightsAndFeatures) {
   Step step;
   const ProblemSpecification explores = step.specify().problem;
-  EXPECT_EQ(explores.weights.exploration_gain, step.parameters.w_e);
+  EXPECT_EQ(explores.weights.exploration_gain, step.parameters.weights.exploration_gain);
   step.mode = ModeKind::kRetreat;
   step.retreat = std::make_shared<const CostToGo>();
   const ProblemSpecification retreats = step.specify().problem;
-  EXPECT_EQ(retreats.weights.exploration_gain,
-            policy(ModeKind::kRetreat).exploration_weight * step.parameters.w_e);
+  EXPECT_EQ(retreats.weights.exploration_gain, policy(ModeKind::kRetreat).exploration_weight *
+                                                   step.parameters.weights.exploration_gain);
   EXPECT_EQ(retreats.features.criterion, VisibilityCriterion::kCount);
   EXPECT_GE(retreats.features.N_req, 2.0 * kEnoughToGoOn * step.parameters.features.N_min);
   EXPECT_EQ(retreats.cost_to_go, step.retreat);

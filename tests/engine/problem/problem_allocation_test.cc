@@ -67,7 +67,7 @@ struct Case {
 std::vector<Case> cases() {
   std::vector<Case> all;
   PlannerParameters everything;
-  everything.w_h = 0.1;
+  everything.weights.heading_alignment = 0.1;
   everything.w_c = 0.5;
   for (const char* model : {"unicycle", "unicycle_accel", "holonomic"}) {
     all.push_back({model, model, everything});

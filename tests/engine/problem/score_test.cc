@@ -13,7 +13,7 @@ TEST(Score, IsWithinItsErrorForEveryModelAndTheConstraintsAreExact) {
   for (const char* model : {"unicycle", "unicycle_accel", "holonomic", "multirotor"}) {
     for (const double chance : {0.0, 0.3}) {
       PlannerParameters parameters;
-      parameters.w_h = 0.1;
+      parameters.weights.heading_alignment = 0.1;
       parameters.w_c = chance;
       const test::PlanningScene scene(model, parameters, 250);
       const Problem& problem = *scene.problem;

@@ -36,7 +36,7 @@ TEST(BuiltinTerms, AreWhatProblemsAreMadeOf) {
 
 TEST(BuiltinTerms, EachCanBeLeftOutAndTheOthersStay) {
   PlannerParameters parameters;
-  parameters.w_h = 0.2;
+  parameters.weights.heading_alignment = 0.2;
   const auto made = test::specification_of("all", "unicycle_accel", parameters);
   const std::vector<std::string> all = names(*make_problem(*made.specification));
   const TermRegistry terms = builtin_terms();
