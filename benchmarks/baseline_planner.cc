@@ -191,8 +191,8 @@ struct BaselinePlanner::Impl {
     Plan plan;
     int attempts = 0;
     for (const DriveCandidate& c : candidates) {
-      // "stop" is worth a try whatever its rank.
-      if (attempts >= kAttempts && c.name != "stop") continue;
+      // To stop is worth a try whatever its rank.
+      if (attempts >= kAttempts && !c.stops) continue;
       ++attempts;
       const Eigen::MatrixXd leading = c.inputs.leftCols(committed);
       Certificate certificate =

@@ -51,6 +51,11 @@ std::vector<DriveCandidate> dynamic_window(const MotionModel& model, const BodyC
              options.clearance_weight * close + 60.0 * violation;
     if (std::isfinite(c.cost)) candidates.push_back(std::move(c));
   };
+  const auto add_stop = [&] {
+    const std::size_t before = candidates.size();
+    add("stop", [](const Pose&) { return Twist{}; });
+    if (candidates.size() > before) candidates.back().stops = true;
+  };
   const auto towards = [&](double heading, double yaw) {
     return std::clamp(2.0 * wrapped(heading - yaw), -w_max, w_max);
   };
@@ -62,7 +67,7 @@ std::vector<DriveCandidate> dynamic_window(const MotionModel& model, const BodyC
     });
   } else if (!task.target) {
     add("look around", [&](const Pose&) { return forward(0.0, w_max); });
-    add("stop", [](const Pose&) { return Twist{}; });
+    add_stop();
     return candidates;
   } else if (task.escape) {
     for (const double speed : {0.4, 0.2, 0.0}) {
@@ -75,7 +80,7 @@ std::vector<DriveCandidate> dynamic_window(const MotionModel& model, const BodyC
         return forward(speed * v_max * ahead * ahead * ahead, towards(heading, pose.yaw));
       });
     }
-    add("stop", [](const Pose&) { return Twist{}; });
+    add_stop();
     return candidates;
   } else {
     // Looking less far ahead cuts corners less: what gets through narrow gaps.
@@ -103,7 +108,7 @@ std::vector<DriveCandidate> dynamic_window(const MotionModel& model, const BodyC
       }
     }
   }
-  add("stop", [](const Pose&) { return Twist{}; });
+  add_stop();
   std::stable_sort(
       candidates.begin(), candidates.end(),
       [](const DriveCandidate& a, const DriveCandidate& b) { return a.cost < b.cost; });

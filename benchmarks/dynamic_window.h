@@ -29,6 +29,7 @@ struct DriveCandidate {
   std::string name;
   Eigen::MatrixXd inputs;  ///< nu x stages
   double cost = 0.0;       ///< [s]
+  bool stops = false;      ///< it brakes, and nothing else
 };
 
 struct DriveTask {
@@ -53,9 +54,9 @@ struct DriveTask {
 /// after the horizon, so with one horizon for all the order is by time to the viewpoint. At the end
 /// of the path the heading is free. To escape, only turning and driving along the gradient of the
 /// clearance are considered, the fastest first. Once arrived, only turning towards the target and
-/// stopping are. Best first; "stop" is always among them. Deterministic. Thread-safety: no state.
-/// Source: the dynamic window approach (Fox, Burgard, Thrun 1997) with a global cost-to-go instead
-/// of a goal heading (Brock, Khatib 1999); weights are our choice.
+/// stopping are. Best first; one that stops is always among them. Deterministic. Thread-safety: no
+/// state. Source: the dynamic window approach (Fox, Burgard, Thrun 1997) with a global cost-to-go
+/// instead of a goal heading (Brock, Khatib 1999); weights are our choice.
 std::vector<DriveCandidate> dynamic_window(const MotionModel& model, const BodyClearance& body,
                                            const DriveTask& task,
                                            const DynamicWindowOptions& options);

@@ -18,8 +18,8 @@
 #include "adapters/config/configuration.h"
 #include "adapters/files/input_error.h"
 #include "adapters/run/exploration_run.h"
-#include "adapters/worlds/load_world.h"
 #include "adapters/study/mission_start.h"
+#include "adapters/worlds/load_world.h"
 #include "benchmarks/program_options.h"
 #include "engine/planner/planner.h"
 
@@ -162,8 +162,9 @@ int run(int argc, char** argv) {
       options.seed = static_cast<std::uint64_t>(seed);
       options.keep_steps = false;
       options.on_plan = [&](const StepRecord& r, const Planner& p) {
-        const bool comparable = p.specification() != nullptr && r.plan_kind != "stopping tail" &&
-                                r.localization != "lost";
+        const bool comparable = p.specification() != nullptr &&
+                                r.plan_kind != PlanKind::kStoppingTail &&
+                                r.localization != Localization::kLost;
         comparison.add({r.time, r.estimated_pose, static_cast<double>(r.tracked_features),
                         comparable, r.predicted_features, planner.committed, p.specification()});
       };

@@ -10,16 +10,14 @@
 namespace prospect {
 namespace {
 
-using Verdict = CheckVerdict;
-
 CheckResult not_possible(const std::string& check, const std::string& why) {
-  return {check, Verdict::kNotPossible, why};
+  return {check, CheckVerdict::kNotPossible, why};
 }
 
 /// By how far a number is off; one that is not finite fails.
-Verdict graded(double off, double warn, double fail) {
-  if (!(std::abs(off) <= fail)) return Verdict::kFailed;
-  return std::abs(off) <= warn ? Verdict::kPassed : Verdict::kWarned;
+CheckVerdict graded(double off, double warn, double fail) {
+  if (!(std::abs(off) <= fail)) return CheckVerdict::kFailed;
+  return std::abs(off) <= warn ? CheckVerdict::kPassed : CheckVerdict::kWarned;
 }
 
 CheckResult height_check(const PreflightFacts& facts, const PreflightOptions& o) {
@@ -52,7 +50,7 @@ CheckResult body_check(const PreflightFacts& facts, const PreflightOptions& o) {
   const double r = facts.resolution;
   if (!std::isfinite(body.z_min) || !std::isfinite(body.z_max) || !(body.z_min < body.z_max) ||
       !std::isfinite(r) || !(r > 0.0)) {
-    return {name, Verdict::kFailed,
+    return {name, CheckVerdict::kFailed,
             formatted("the body reaches from %g to %g m, voxels are %g m; expected heights in "
                       "order and a size",
                       body.z_min, body.z_max, r)};
@@ -64,18 +62,18 @@ CheckResult body_check(const PreflightFacts& facts, const PreflightOptions& o) {
       formatted("its lowest voxels begin at %.3f m, the floor is seen at %.3f m", lowest, seen);
   // At exactly the height where voxels begin a surface is in them; the floor itself is at 0.
   if (!std::isfinite(seen) || !std::isfinite(sure) || (sure > 0.0 && sure >= lowest - 1e-9)) {
-    return {name, Verdict::kFailed,
+    return {name, CheckVerdict::kFailed,
             where +
                 ": it is an obstacle everywhere; expected it below (mount the camera as it is "
                 "stated, or raise the body's lower end)"};
   }
   if (seen + o.floor_noise >= lowest) {
-    return {name, Verdict::kWarned,
+    return {name, CheckVerdict::kWarned,
             where + formatted("; expected %.3f m between them, or noise is an obstacle",
                               o.floor_noise)};
   }
   if (!facts.floor) return not_possible(name, "no floor was seen; as mounted it is low enough");
-  return {name, Verdict::kPassed, where};
+  return {name, CheckVerdict::kPassed, where};
 }
 
 CheckResult stereo_check(const PreflightFacts& facts, const PreflightOptions& o) {
@@ -88,18 +86,18 @@ CheckResult stereo_check(const PreflightFacts& facts, const PreflightOptions& o)
 CheckResult clock_check(const PreflightFacts::Clock& clock) {
   const std::string name = "clock of " + clock.source;
   if (!clock.offset) {
-    return {name, Verdict::kFailed, "its offset is not known yet; expected stamps that agree"};
+    return {name, CheckVerdict::kFailed, "its offset is not known yet; expected stamps that agree"};
   }
   if (!std::isfinite(*clock.offset)) {
-    return {name, Verdict::kFailed, formatted("offset %g; expected a number", *clock.offset)};
+    return {name, CheckVerdict::kFailed, formatted("offset %g; expected a number", *clock.offset)};
   }
-  return {name, clock.jumps > 0 ? Verdict::kWarned : Verdict::kPassed,
+  return {name, clock.jumps > 0 ? CheckVerdict::kWarned : CheckVerdict::kPassed,
           formatted("offset %.6f s, jumped %d times", *clock.offset, clock.jumps)};
 }
 
 CheckResult stream_check(const PreflightFacts::Stream& s, const PreflightOptions& o) {
   const bool live = s.age >= 0.0 && s.age <= s.limit && s.live_for >= o.live_time;
-  return {"stream of " + s.source, live ? Verdict::kPassed : Verdict::kFailed,
+  return {"stream of " + s.source, live ? CheckVerdict::kPassed : CheckVerdict::kFailed,
           formatted("%.3f s old, within %.3f s for %.1f s; expected for %.1f s", s.age, s.limit,
                     s.live_for, o.live_time)};
 }
@@ -110,22 +108,22 @@ CheckResult emergency_stop_check(const PreflightFacts& facts) {
     return not_possible(name, "none is set up: nobody is listened to who could press it");
   }
   if (!facts.emergency_stop->silent.empty()) {
-    return {name, Verdict::kFailed, facts.emergency_stop->silent};
+    return {name, CheckVerdict::kFailed, facts.emergency_stop->silent};
   }
   if (facts.emergency_stop->pressed) {
-    return {name, Verdict::kFailed, "it is pressed; expected it released"};
+    return {name, CheckVerdict::kFailed, "it is pressed; expected it released"};
   }
-  return {name, Verdict::kPassed, "it is heard of, and released"};
+  return {name, CheckVerdict::kPassed, "it is heard of, and released"};
 }
 
 CheckResult dead_man_check(const PreflightFacts& facts, const PreflightOptions& o) {
   if (!facts.dead_man) {
-    return {"dead-man", Verdict::kFailed,
+    return {"dead-man", CheckVerdict::kFailed,
             "the base declares none; expected a base, or a relay, that stops by itself"};
   }
   const double time = *facts.dead_man;
   if (!(time > 0.0 && time <= o.longest_dead_man)) {
-    return {"dead-man", Verdict::kFailed,
+    return {"dead-man", CheckVerdict::kFailed,
             formatted("the base stops %g s after the last command; expected above 0, at most %g s",
                       time, o.longest_dead_man)};
   }
@@ -134,23 +132,23 @@ CheckResult dead_man_check(const PreflightFacts& facts, const PreflightOptions& 
                 time * facts.speed.model);
   const double period = facts.command_period;
   if (!(period < time)) {
-    return {"dead-man", Verdict::kFailed,
+    return {"dead-man", CheckVerdict::kFailed,
             way + formatted("; commands come every %g s, so that it trips between two of them",
                             period)};
   }
   if (2.0 * period > time) {
     return {
-        "dead-man", Verdict::kWarned,
+        "dead-man", CheckVerdict::kWarned,
         way + formatted("; commands come every %.2f s, so that one late command trips it", period)};
   }
-  return {"dead-man", Verdict::kPassed, way};
+  return {"dead-man", CheckVerdict::kPassed, way};
 }
 
 CheckResult limit_check(const std::string& name, const char* unit,
                         const PreflightFacts::Limit& limit) {
   if (!limit.base) return not_possible(name, "the base does not say");
   const bool enough = std::isfinite(limit.model) && *limit.base >= limit.model * (1.0 - 1e-9);
-  return {name, enough ? Verdict::kPassed : Verdict::kFailed,
+  return {name, enough ? CheckVerdict::kPassed : CheckVerdict::kFailed,
           formatted("the base reaches %.3g %s, the model counts on %.3g; expected no less",
                     *limit.base, unit, limit.model)};
 }
@@ -166,9 +164,9 @@ CheckResult gain_check(const std::string& name, double from, const std::optional
   if (!to) return not_possible(name, missing);
   const std::string moved = formatted("%.3f %s of %.3f", *to, words.unit, from);
   const double gain = *to / from;
-  if (!std::isfinite(gain)) return {name, Verdict::kFailed, moved + "; expected numbers"};
-  if (std::abs(gain) < 0.25) return {name, Verdict::kFailed, moved + words.stands};
-  if (gain < 0.0) return {name, Verdict::kFailed, moved + words.other_way};
+  if (!std::isfinite(gain)) return {name, CheckVerdict::kFailed, moved + "; expected numbers"};
+  if (std::abs(gain) < 0.25) return {name, CheckVerdict::kFailed, moved + words.stands};
+  if (gain < 0.0) return {name, CheckVerdict::kFailed, moved + words.other_way};
   return {name, graded(gain - 1.0, words.warn, words.fail),
           moved + formatted(": gain %.2f; expected 1 within %.2f", gain, words.warn)};
 }
@@ -192,13 +190,13 @@ std::vector<CheckResult> too_little(const std::vector<std::string>& names, const
 
 std::string_view to_string(CheckVerdict verdict) {
   switch (verdict) {
-    case Verdict::kPassed:
+    case CheckVerdict::kPassed:
       return "passed";
-    case Verdict::kWarned:
+    case CheckVerdict::kWarned:
       return "warned";
-    case Verdict::kFailed:
+    case CheckVerdict::kFailed:
       return "failed";
-    case Verdict::kNotPossible:
+    case CheckVerdict::kNotPossible:
       return "not possible";
   }
   return "?";
@@ -216,7 +214,8 @@ std::vector<CheckResult> checks_before_motion(const PreflightFacts& facts,
   }
   // A robot without any stream sees nothing.
   if (facts.streams.empty()) {
-    results.push_back({"streams", Verdict::kFailed, "no source was named; expected one or more"});
+    results.push_back(
+        {"streams", CheckVerdict::kFailed, "no source was named; expected one or more"});
   }
   results.push_back(emergency_stop_check(facts));
   results.push_back(dead_man_check(facts, options));
@@ -257,7 +256,7 @@ std::vector<CheckResult> checks_of_way(const ShortMotion& way, const PreflightOp
 
 std::string first_failed(const std::vector<CheckResult>& results) {
   for (const CheckResult& result : results) {
-    if (result.verdict == Verdict::kFailed) return result.check;
+    if (result.verdict == CheckVerdict::kFailed) return result.check;
   }
   return "";
 }

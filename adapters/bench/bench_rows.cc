@@ -6,12 +6,14 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <system_error>
 #include <tuple>
 
 #include "adapters/files/input_error.h"
+#include "engine/support/named.h"
 
 namespace prospect {
 namespace {
@@ -97,23 +99,11 @@ Json row_json(const BenchTable& table, const BenchRow& row) {
 /// JSON has no infinity and no NaN: null.
 double number(const Json& json, double null) { return json.is_null() ? null : json.get<double>(); }
 
-template <typename Enum>
-Enum named(const Json& json, std::initializer_list<Enum> all) {
-  for (const Enum value : all) {
-    if (json == to_string(value)) return value;
-  }
-  throw std::invalid_argument("'" + json.dump() + "' is no such word");
-}
-
-StopReason stop_named(const Json& json) {
-  using enum StopReason;
-  return named(json, {kConverged, kDeadline, kIterationLimit, kCancelled, kNumericalTrouble,
-                      kInfeasible, kUnbounded, kError});
-}
-
-Quality quality_named(const Json& json) {
-  using enum Quality;
-  return named(json, {kFeasibleOptimum, kFeasible, kInfeasible, kNone});
+template <class Enum>
+Enum word(const Json& json) {
+  const std::optional<Enum> value = named<Enum>(json.get<std::string>());
+  if (!value) throw std::invalid_argument("'" + json.dump() + "' is no such word");
+  return *value;
 }
 
 BenchTable table_of(const Json& head) {
@@ -172,9 +162,9 @@ BenchRow row_of(const Json& json, const BenchTable& table, int environment) {
   row.load = number(json.at("load"), kUnknown);
   json.at("supported").get_to(row.supported);
   json.at("held").get_to(row.held);
-  row.stop = stop_named(json.at("stop"));
-  row.claimed = quality_named(json.at("claimed"));
-  row.quality = quality_named(json.at("quality"));
+  row.stop = word<StopReason>(json.at("stop"));
+  row.claimed = word<Quality>(json.at("claimed"));
+  row.quality = word<Quality>(json.at("quality"));
   row.optimality = number(json.at("optimality"), kUnknown);
   row.cost = number(json.at("cost"), kUnknown);
   row.violation = number(json.at("violation"), kFar);

@@ -117,14 +117,14 @@ function showNewest() { $("newest").setAttribute("aria-pressed", String(page.ste
 function showFigures(pose) {
   const k = page.steps() - 1;
   if (k < 0) return;
-  const { column, word } = page;
+  const { column, word, speeds } = page;
   const figure = (label, value, unit) => make("div", {}, make("dd", {}, value, make("small", {}, unit)), make("dt", {}, label));
   $("figures").replaceChildren(
     figure("time", fixed(column.time[k], 0), "s"),
     ...(isNumber(column.coverage[k]) ? [figure("coverage", fixed(100 * column.coverage[k], 1), "%")] : []),
-    figure("path", fixed(column.path[k], 1), "m"),
-    figure("speed", fixed(pose ? pose.speed : column.speed[k], 2), "m/s"),
-    figure("features", fixed(column.tracked[k], 0), ""),
+    figure("path", fixed(column.path_length[k], 1), "m"),
+    figure("speed", fixed(pose ? pose.speed : speeds[k], 2), "m/s"),
+    figure("features", fixed(column.tracked_features[k], 0), ""),
     figure("localization", pose ? pose.localization : word.localization[k], ""));
   $("facts").replaceChildren(make("span", { class: "end" }, word.mode[k] || "no plan"), ` · ${start.summary.solver} · seed ${start.summary.seed} · ${plural(status?.viewers || 0, "viewer")}`,
     ...(status?.dropped ? [` · ${plural(status.dropped, "message")} dropped for slow viewers`] : []), ...(status?.missed ? [` · ${status.missed} steps or events missed`] : []));

@@ -22,6 +22,7 @@
 #include "adapters/ros/cdr.h"
 #include "adapters/run/configured_record.h"
 #include "adapters/run/summary.h"
+#include "engine/support/named.h"
 
 namespace prospect {
 namespace {
@@ -234,7 +235,7 @@ LoggedRun read_logged_run(const BagFile& bag, const std::string& path,
     s.solver = entry(start, "solver");
     const std::string seed = entry(start, "seed");
     parse_number(seed, s.seed);
-    s.task = record.steps.empty() ? "" : record.steps.front().task;
+    s.task = record.steps.empty() ? "" : name_of(record.steps.front().task);
     s.end = MissionEnd::kLogEndsEarly;
     s.detail = "The log ends before the mission did: the numbers are those of the steps in it.";
     run.notes.push_back(path + ": no summary; made of the " + std::to_string(record.steps.size()) +

@@ -5,12 +5,13 @@
 #include <cstring>
 #include <limits>
 #include <map>
-#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "adapters/files/input_error.h"
 #include "adapters/files/parse_number.h"
+#include "adapters/run/step_fields.h"
 #include "models/range_text.h"
 
 namespace prospect {
@@ -25,113 +26,24 @@ constexpr const char* kTarget = "target";
 constexpr const char* kCost = "cost.";
 constexpr const char* kRaw = "raw.";
 constexpr const char* kConstraint = "constraint.";
-// Of a cost, in this order: as asked for, in effect.
-constexpr const char* kWeightAsked = "weight_asked.";
-constexpr const char* kWeight = "weight.";
+constexpr const char* kPolished = "polished";  // of a candidate
 
-/// Told of each entry of a step that is a number or a word: its name, and the member.
-template <class Step, class Visit>
-void entries(Step& s, const Visit& visit) {
-  visit("step", s.step);
-  visit("time", s.time);
-  visit("mode", s.mode);
-  visit("cause", s.cause);
-  visit("mode_since", s.mode_since);
-  visit("caution", s.caution);
-  visit("task", s.task);
-  visit("plan_kind", s.plan_kind);
-  visit("seed", s.seed);
-  visit("command_v", s.command.linear.x());
-  visit("command_vy", s.command.linear.y());
-  visit("command_omega", s.command.yaw_rate);
-  visit("estimated_x", s.estimated_pose.position.x());
-  visit("estimated_y", s.estimated_pose.position.y());
-  visit("estimated_z", s.estimated_pose.position.z());
-  visit("estimated_yaw", s.estimated_pose.yaw);
-  visit("true_x", s.true_pose.position.x());
-  visit("true_y", s.true_pose.position.y());
-  visit("true_z", s.true_pose.position.z());
-  visit("true_yaw", s.true_pose.yaw);
-  visit("localization", s.localization);
-  visit("localization_error", s.localization_error);
-  visit("predicted_features", s.predicted_features);
-  visit("tracked_features", s.tracked_features);
-  visit("coverage", s.coverage);
-  visit("area", s.area);
-  visit("path_length", s.path_length);
-  visit("collisions", s.collisions);
-  visit("clearance", s.clearance);
-  visit("active_frontiers", s.active_frontiers);
-  visit("target_change", s.target_change);
-  visit("cost_evaluations", s.cost_evaluations);
-  visit("gradient_evaluations", s.gradient_evaluations);
-  visit("stop_reason", s.stop_reason);
-  visit("quality", s.quality);
-  visit("certified", s.certified);
-  visit("certificate", s.certificate);
-  visit("guard_stops", s.guard_stops);
-  visit("guard_reason", s.guard_reason);
-  visit("seeds_scored", s.seeds_scored);
-  visit("features_weight", s.features_weight);
-  visit("plan_ms", s.wall.plan);
-  visit("frontiers_ms", s.wall.frontier_planner);
-  visit("clearance_ms", s.wall.clearance);
-  visit("views_ms", s.wall.views);
-  visit("seeds_ms", s.wall.seeds);
-  visit("polish_ms", s.wall.polish);
-  visit("certify_ms", s.wall.certify);
-}
-template <class Target, class Visit>
-void target_entries(Target& t, const Visit& visit) {
-  visit("target_x", t.viewpoint.x());
-  visit("target_y", t.viewpoint.y());
-  visit("looks_x", t.looks_at.x());
-  visit("looks_y", t.looks_at.y());
-  visit("target_length", t.length);
-  visit("target_area", t.area);
-  visit("way_left", t.way_left);
+/// The fields that have an entry, in the order of their places.
+const std::vector<const StepField*>& entry_fields() {
+  static const std::vector<const StepField*> entries = [] {
+    std::vector<const StepField*> list;
+    for (const StepField& field : step_fields()) {
+      if (field.log_place > 0) list.push_back(&field);
+    }
+    std::sort(list.begin(), list.end(),
+              [](const StepField* a, const StepField* b) { return a->log_place < b->log_place; });
+    return list;
+  }();
+  return entries;
 }
 
-/// Writes entries to a status.
-struct WritesEntry {
-  std::vector<ros::KeyValue>& to;
-  void operator()(const char* name, const std::string& value) const { to.push_back({name, value}); }
-  void operator()(const char* name, double value) const { to.push_back({name, exact_text(value)}); }
-  void operator()(const char* name, int value) const {
-    to.push_back({name, std::to_string(value)});
-  }
-  void operator()(const char* name, bool value) const { to.push_back({name, value ? "1" : "0"}); }
-};
-
-/// Reads the entries that are there.
-struct ReadsEntry {
-  const std::map<std::string, std::string>& from;
-  const std::string& message;
-
-  const std::string* find(const char* name) const {
-    const auto found = from.find(name);
-    return found == from.end() ? nullptr : &found->second;
-  }
-  void operator()(const char* name, std::string& value) const {
-    if (const std::string* text = find(name)) value = *text;
-  }
-  template <typename Number, std::enable_if_t<std::is_arithmetic_v<Number>, int> = 0>
-  void operator()(const char* name, Number& value) const {
-    const std::string* text = find(name);
-    if (!text) return;
-    double number = 0.0;
-    if (!parse_number(*text, number)) {
-      throw InputError(message + ": " + name + " is '" + *text + "'; expected a number");
-    }
-    if constexpr (std::is_floating_point_v<Number>) {
-      value = number;
-    } else {
-      const double least = std::numeric_limits<int>::lowest(),
-                   most = std::numeric_limits<int>::max();
-      value = static_cast<Number>(std::isfinite(number) ? std::clamp(number, least, most) : 0.0);
-    }
-  }
-};
+/// "weight." of what there is of each weight.
+std::string entry_prefix(const StepField& field) { return std::string(field.name) + '.'; }
 
 void write_explanation(const Explanation& e, std::vector<ros::KeyValue>& to) {
   to.push_back({"cost", exact_text(e.cost)});
@@ -146,10 +58,22 @@ void write_explanation(const Explanation& e, std::vector<ros::KeyValue>& to) {
   }
 }
 
-void write_weights(const std::vector<TermWeight>& weights, std::vector<ros::KeyValue>& to) {
-  for (const TermWeight& weight : weights) {
-    to.push_back({kWeightAsked + weight.name, exact_text(weight.asked)});
-    to.push_back({kWeight + weight.name, exact_text(weight.in_effect)});
+void write_weights(const StepRecord& step, std::vector<ros::KeyValue>& to) {
+  for (const TermWeight& weight : step.weights) {
+    for (const StepField& field : step_fields()) {
+      if (field.per != FieldPer::kWeight) continue;
+      to.push_back({entry_prefix(field) + weight.name, text_of(field.of(step, weight.name))});
+    }
+  }
+}
+
+void read_weights(const std::vector<ros::KeyValue>& from, const std::string& message,
+                  StepRecord& step) {
+  for (const ros::KeyValue& entry : from) {
+    for (const StepField& field : step_fields()) {
+      if (field.per != FieldPer::kWeight || !entry.key.starts_with(entry_prefix(field))) continue;
+      enter_field(field, entry.key.substr(entry_prefix(field).size()), entry.value, message, step);
+    }
   }
 }
 
@@ -158,20 +82,6 @@ double number_of(const ros::KeyValue& entry, const std::string& message) {
   double value = 0.0;
   if (parse_number(entry.value, value)) return value;
   throw InputError(message + ": " + entry.key + " is '" + entry.value + "'; expected a number");
-}
-
-std::vector<TermWeight> read_weights(const std::vector<ros::KeyValue>& from,
-                                     const std::string& message) {
-  std::vector<TermWeight> weights;
-  for (const ros::KeyValue& entry : from) {
-    if (entry.key.starts_with(kWeightAsked)) {
-      weights.push_back(
-          {entry.key.substr(std::strlen(kWeightAsked)), number_of(entry, message), 0.0});
-    } else if (entry.key.starts_with(kWeight) && !weights.empty()) {
-      weights.back().in_effect = number_of(entry, message);
-    }
-  }
-  return weights;
 }
 
 Explanation read_explanation(const std::vector<ros::KeyValue>& from, const std::string& message) {
@@ -243,30 +153,27 @@ ros::DiagnosticArray step_values(const StepRecord& s, std::int64_t ns) {
   ros::DiagnosticArray array;
   array.header = header_at(ns);
   ros::DiagnosticStatus status;
-  status.level = s.localization == "lost" ? ros::DiagnosticStatus::kError
-                 : s.guard_stops > 0 || !s.certified || s.localization != "ok"
+  status.level = s.localization == Localization::kLost ? ros::DiagnosticStatus::kError
+                 : s.guard_stops > 0 || !s.certified || s.localization != Localization::kOk
                      ? ros::DiagnosticStatus::kWarn
                      : ros::DiagnosticStatus::kOk;
   status.name = "planning step";
   status.message = s.why;
   status.hardware_id = "prospect";
-  const WritesEntry write{status.values};
-  entries(s, write);
-  if (s.goal) {
-    write("goal_x", s.goal->x());
-    write("goal_y", s.goal->y());
+  for (const StepField* field : entry_fields()) {
+    const StepValue value = field->of(s, "");
+    if (std::holds_alternative<std::monostate>(value)) continue;
+    status.values.push_back({std::string(field->name), text_of(value)});
   }
-  if (s.goal_yaw) write("goal_yaw", *s.goal_yaw);
-  if (s.target) target_entries(*s.target, write);
   write_explanation(s.explanation, status.values);
-  write_weights(s.weights, status.values);
+  write_weights(s, status.values);
   array.status.push_back(std::move(status));
   for (const CandidateRecord& c : s.candidates) {
     ros::DiagnosticStatus candidate;
     candidate.name = c.name;
-    candidate.message = c.verdict;
+    candidate.message = to_string(c.verdict);
     candidate.hardware_id = "prospect";
-    candidate.values.push_back({"polished", c.polished ? "1" : "0"});
+    candidate.values.push_back({kPolished, c.polished ? "1" : "0"});
     write_explanation(c.explanation, candidate.values);
     array.status.push_back(std::move(candidate));
   }
@@ -277,31 +184,21 @@ void read_step_values(const ros::DiagnosticArray& array, const std::string& name
   if (array.status.empty()) return;
   const ros::DiagnosticStatus& status = array.status.front();
   const std::map<std::string, std::string> values = by_name(status.values);
-  const ReadsEntry read{values, name};
   s.why = status.message;
-  entries(s, read);
-  if (values.count("goal_x")) {
-    s.goal = Eigen::Vector2d::Zero();
-    read("goal_x", s.goal->x());
-    read("goal_y", s.goal->y());
-  }
-  if (values.count("goal_yaw")) {
-    s.goal_yaw = 0.0;
-    read("goal_yaw", *s.goal_yaw);
-  }
-  if (values.count("target_x")) {
-    s.target.emplace();
-    target_entries(*s.target, read);
+  for (const StepField* field : entry_fields()) {
+    const auto entry = values.find(std::string(field->name));
+    if (entry != values.end()) enter_field(*field, "", entry->second, name, s);
   }
   s.explanation = read_explanation(status.values, name);
-  s.weights = read_weights(status.values, name);
+  read_weights(status.values, name, s);
   for (std::size_t i = 1; i < array.status.size(); ++i) {
     const ros::DiagnosticStatus& from = array.status[i];
-    const std::map<std::string, std::string> entries_of = by_name(from.values);
     CandidateRecord candidate;
     candidate.name = from.name;
-    candidate.verdict = from.message;
-    ReadsEntry{entries_of, name}("polished", candidate.polished);
+    candidate.verdict = verdict_named(from.message);
+    for (const ros::KeyValue& entry : from.values) {
+      if (entry.key == kPolished) candidate.polished = number_of(entry, name) != 0.0;
+    }
     candidate.explanation = read_explanation(from.values, name);
     s.candidates.push_back(std::move(candidate));
   }
@@ -360,11 +257,11 @@ ros::MarkerArray step_markers(const StepRecord& step, double resolution, std::in
   for (std::size_t i = step.candidates.size(); i-- > 0;) {
     const CandidateRecord& c = step.candidates[i];
     ros::Marker way = marker(kCandidates, static_cast<int>(i), ros::Marker::kLineStrip, ns);
-    const bool executed = c.verdict == "executed";
+    const bool executed = c.verdict.kind == Verdict::Kind::kExecuted;
     set_scale(way, executed ? 0.04 : 0.02);
     way.color =
         executed ? ros::ColorRGBA{0.1F, 0.7F, 0.2F, 1.0F} : ros::ColorRGBA{0.5F, 0.5F, 0.5F, 0.6F};
-    way.text = c.name + ": " + c.verdict;
+    way.text = c.name + ": " + to_string(c.verdict);
     for (const Eigen::Vector2f& p : c.path) way.points.push_back({p.x(), p.y(), 0.0});
     array.markers.push_back(std::move(way));
   }

@@ -282,7 +282,7 @@ py::list candidates_of(const Plan& plan) {
     d["cost"] = c.cost;
     d["violation"] = c.violation;
     d["z"] = array_of(c.z);
-    d["verdict"] = c.verdict;
+    d["verdict"] = to_string(c.verdict);
     list.append(d);
   }
   return list;

@@ -8,6 +8,7 @@
 #include "adapters/run/run_recorder.h"
 #include "adapters/run/step_row.h"
 #include "engine/planner/planner.h"
+#include "engine/support/named.h"
 #include "models/range_text.h"
 #include "solvers/registry.h"
 
@@ -43,8 +44,8 @@ std::string plan_fields(const StepRecord& s, const std::vector<std::string>& ter
   row += ',';
   if (explained) row += field_of(s.explanation.violation);
   row += ',' + std::to_string(s.cost_evaluations) + ',' + std::to_string(s.gradient_evaluations) +
-         ',' + field_of(s.predicted_features) + ',' + csv::field(s.plan_kind) + ',' +
-         csv::field(s.mode) + ',' + csv::field(s.seed) + ',' + (s.certified ? "1" : "0");
+         ',' + field_of(s.predicted_features) + ',' + csv::field(name_of(s.plan_kind)) + ',' +
+         csv::field(name_of(s.mode)) + ',' + csv::field(s.seed) + ',' + (s.certified ? "1" : "0");
   return row;
 }
 

@@ -6,6 +6,7 @@
 #include "adapters/page/html_page.h"
 #include "adapters/page/page_assets.h"
 #include "adapters/replay/replay_assets.h"
+#include "engine/support/named.h"
 
 namespace prospect {
 namespace {
@@ -26,8 +27,8 @@ Json plan_json(const StepRecord& s) {
                {"terms", terms},
                {"ms", rounded(s.wall.plan, 1e-2)},
                {"features", s.predicted_features},
-               {"kind", s.plan_kind},
-               {"mode", s.mode},
+               {"kind", name_of(s.plan_kind)},
+               {"mode", name_of(s.mode)},
                {"seed", s.seed},
                {"evaluations", s.cost_evaluations + s.gradient_evaluations}};
   if (!s.explanation.terms.empty()) json["cost"] = s.explanation.cost;

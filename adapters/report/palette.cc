@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <string_view>
 #include <utility>
 
+#include "engine/behaviour/mode.h"
 #include "engine/support/quantile.h"
 
 namespace prospect {
 namespace {
 
-constexpr std::pair<std::string_view, Color> kModes[] = {
-    {"explore", {0x25, 0x63, 0xeb}},          {"approach", {0x0f, 0x76, 0x6e}},
-    {"look around", {0x7c, 0x3a, 0xed}},      {"retreat", {0xb4, 0x53, 0x09}},
-    {"turn on the spot", {0xbe, 0x18, 0x5d}}, {"done", {0x52, 0x5f, 0x70}},
-    {"go to goal", {0x03, 0x69, 0xa1}},       {"return", {0x4d, 0x7c, 0x0f}},
-    {"arrive", {0x15, 0x5e, 0x75}},           {"hold", {0x85, 0x4d, 0x0e}}};
+constexpr std::pair<ModeKind, Color> kModes[] = {
+    {ModeKind::kExplore, {0x25, 0x63, 0xeb}},       {ModeKind::kApproach, {0x0f, 0x76, 0x6e}},
+    {ModeKind::kLookAround, {0x7c, 0x3a, 0xed}},    {ModeKind::kRetreat, {0xb4, 0x53, 0x09}},
+    {ModeKind::kTurnOnTheSpot, {0xbe, 0x18, 0x5d}}, {ModeKind::kDone, {0x52, 0x5f, 0x70}},
+    {ModeKind::kGoToGoal, {0x03, 0x69, 0xa1}},      {ModeKind::kReturn, {0x4d, 0x7c, 0x0f}},
+    {ModeKind::kArrive, {0x15, 0x5e, 0x75}},        {ModeKind::kHold, {0x85, 0x4d, 0x0e}}};
 constexpr Color kSpare[] = {{0x9f, 0x12, 0x39}, {0x86, 0x19, 0x8f}};
 constexpr double kEndOnWhite = 0.8;
 
@@ -53,8 +53,9 @@ std::vector<Color> mode_colors(const std::vector<std::string>& modes) {
   std::vector<Color> colors;
   std::size_t spare = 0;
   for (const std::string& mode : modes) {
-    const auto* known = std::find_if(std::begin(kModes), std::end(kModes),
-                                     [&](const auto& entry) { return entry.first == mode; });
+    const auto* known = std::find_if(std::begin(kModes), std::end(kModes), [&](const auto& entry) {
+      return to_string(entry.first) == mode;
+    });
     colors.push_back(known != std::end(kModes) ? known->second
                                                : kSpare[spare++ % std::size(kSpare)]);
   }

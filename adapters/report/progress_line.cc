@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "engine/support/named.h"
+
 namespace prospect {
 namespace {
 
@@ -74,8 +76,8 @@ void ProgressLine::show(const StepRecord& step, const std::string& solver, doubl
   if (!tty_) return;
   constexpr const char* kDim = "\033[2m";
   constexpr const char* kWarn = "\033[33m";
-  const bool well = step.localization == "ok";
-  const bool tail = step.plan_kind == "stopping tail";
+  const bool well = step.localization == Localization::kOk;
+  const bool tail = step.plan_kind == PlanKind::kStoppingTail;
   const auto plain = [](std::string text, const char* color = "") {
     const int columns = static_cast<int>(text.size());
     return Part{std::move(text), columns, color};
@@ -86,13 +88,13 @@ void ProgressLine::show(const StepRecord& step, const std::string& solver, doubl
   parts.push_back({bar(step.coverage), kBarCells, kDim});
   parts.push_back(plain(format("%8.1f m", step.path_length)));
   parts.push_back(plain(format("   error %.2f m", step.localization_error), well ? "" : kWarn));
-  if (!well) parts.push_back(plain(" (" + step.localization + ')', kWarn));
+  if (!well) parts.push_back(plain(" (" + name_of(step.localization) + ')', kWarn));
   parts.push_back(plain(format("  %4.0f features", step.tracked_features), well ? "" : kWarn));
-  if (!step.mode.empty()) {
+  if (step.mode) {
     // Padded, so that what follows stays in its place when the mode changes.
-    std::string mode = step.mode;
+    std::string mode = name_of(step.mode);
     mode.resize(std::max(mode.size(), kModeColumns), ' ');
-    parts.push_back(plain("   " + mode, step.mode == "retreat" ? kWarn : ""));
+    parts.push_back(plain("   " + mode, step.mode == ModeKind::kRetreat ? kWarn : ""));
     if (step.target && std::isfinite(step.target->way_left)) {
       Part target = plain(format("  → target %.1f m", step.target->way_left));
       target.columns -= 2;  // the arrow: three bytes, one column

@@ -18,7 +18,9 @@
 #include "adapters/report/field_picture.h"
 #include "adapters/report/palette.h"
 #include "adapters/report/report_assets.h"
+#include "adapters/run/step_fields.h"
 #include "adapters/run/summary.h"
+#include "engine/support/named.h"
 
 namespace prospect {
 namespace {
@@ -163,6 +165,16 @@ Json horizon_json(const Steps& steps) {
   return {{"counts", counts.base64()}, {"poses", poses.base64()}};
 }
 
+template <typename Get>
+std::string column(const Steps& steps, const Get& get) {
+  BinaryText text;
+  for (const StepRecord& step : steps) text.add_float(get(step));
+  return text.base64();
+}
+std::string column(const Steps& steps, const StepField& field, const std::string& name = "") {
+  return column(steps, [&](const StepRecord& step) { return number_of(field.of(step, name)); });
+}
+
 /// Appends the names of the cost terms that are not there yet.
 void add_cost_terms(const Explanation& explanation, std::vector<std::string>& names) {
   for (const TermValue& term : explanation.terms) {
@@ -181,31 +193,21 @@ double cost_term(const Explanation& explanation, const std::string& name) {
   return std::nan("");
 }
 
-/// Of a cost; NaN if it is not known.
-double weight_of(const StepRecord& step, const std::string& name, double TermWeight::*which) {
-  for (const TermWeight& weight : step.weights) {
-    if (weight.name == name) return weight.*which;
-  }
-  return std::nan("");
-}
-
-/// Every cost term that any step has: weighted, and its weight as asked for and in effect; NaN at
-/// the steps that lack it.
+/// Every cost term that any step has: weighted, and what there is of its weight, by the fields'
+/// names; NaN at the steps that lack it.
 Json term_json(const Steps& steps) {
   std::vector<std::string> names;
   for (const StepRecord& step : steps) add_cost_terms(step.explanation, names);
   Json terms = Json::array();
   for (const std::string& name : names) {
-    BinaryText values, asked, weights;
-    for (const StepRecord& step : steps) {
-      values.add_float(cost_term(step.explanation, name));
-      asked.add_float(weight_of(step, name, &TermWeight::asked));
-      weights.add_float(weight_of(step, name, &TermWeight::in_effect));
+    Json term = {{"name", name}, {"weighted", column(steps, [&](const StepRecord& step) {
+                                    return cost_term(step.explanation, name);
+                                  })}};
+    for (const StepField& field : step_fields()) {
+      if (field.per == FieldPer::kWeight)
+        term[std::string(field.name)] = column(steps, field, name);
     }
-    terms.push_back({{"name", name},
-                     {"values", values.base64()},
-                     {"asked", asked.base64()},
-                     {"weights", weights.base64()}});
+    terms.push_back(std::move(term));
   }
   return terms;
 }
@@ -225,10 +227,10 @@ class WordList {
   std::map<std::string, std::uint64_t> known_;
 };
 
-/// The candidates of each step. `steps`: how many seeds were scored and how many candidates follow;
-/// for each: name, verdict, 1 if polished, how many points its path has, and these in cm, the first
-/// from the origin, each further one from the one before it (signed). `values`: for each its cost,
-/// then each term of `terms`, NaN where it lacks that.
+/// The candidates of each step. `steps`: how many there are; for each: name, verdict, 1 if
+/// polished, how many points its path has, and these in cm, the first from the origin, each further
+/// one from the one before it (signed). `values`: for each its cost, then each term of `terms`, NaN
+/// where it lacks that.
 Json candidate_json(const Steps& steps) {
   std::vector<std::string> terms;
   for (const StepRecord& step : steps) {
@@ -237,11 +239,10 @@ Json candidate_json(const Steps& steps) {
   WordList names, verdicts;
   BinaryText text, values;
   for (const StepRecord& step : steps) {
-    text.add_varint(static_cast<std::uint64_t>(std::max(0, step.seeds_scored)));
     text.add_varint(step.candidates.size());
     for (const CandidateRecord& c : step.candidates) {
       text.add_varint(names.number(c.name));
-      text.add_varint(verdicts.number(c.verdict));
+      text.add_varint(verdicts.number(to_string(c.verdict)));
       text.add_varint(c.polished ? 1 : 0);
       // The part before the first point that is none.
       std::vector<std::pair<std::int64_t, std::int64_t>> path;
@@ -289,38 +290,23 @@ Json cost_to_go_json(const Steps& steps) {
   return pictures;
 }
 
-template <typename Get>
-std::string column(const Steps& steps, Get get) {
-  BinaryText text;
-  for (const StepRecord& step : steps) text.add_float(get(step));
-  return text.base64();
-}
-
 /// A column of words: the distinct ones, and for each step which.
-template <typename Get>
-Json word_column(const Steps& steps, Get get) {
+Json word_column(const Steps& steps, const StepField& field) {
   WordList words;
   BinaryText text;
-  for (const StepRecord& step : steps) text.add_varint(words.number(get(step)));
+  for (const StepRecord& step : steps) text.add_varint(words.number(text_of(field.of(step, ""))));
   return {{"words", words.words()}, {"steps", text.base64()}};
 }
 
 /// Colours: of each mode by name, and the scale of quantities.
 Json palette_json(const Steps& steps) {
   WordList modes;
-  for (const StepRecord& step : steps) modes.number(step.mode);
+  for (const StepRecord& step : steps) modes.number(name_of(step.mode));
   const std::vector<Color> colors = mode_colors(modes.words());
   Json by_mode = Json::object(), scale = Json::array();
   for (std::size_t i = 0; i < colors.size(); ++i) by_mode[modes.words()[i]] = hex(colors[i]);
   for (const Color& color : scale_colors()) scale.push_back(hex(color));
   return {{"modes", std::move(by_mode)}, {"scale", std::move(scale)}};
-}
-
-/// A number of the target; NaN at the steps that have none.
-template <typename Get>
-std::string target_column(const Steps& steps, Get get) {
-  return column(steps,
-                [&](const StepRecord& s) { return s.target ? get(*s.target) : std::nan(""); });
 }
 
 /// A list of [x, y] in cm precision; null for none.
@@ -353,66 +339,16 @@ Json steps_json(const Steps& steps, double resolution) {
     for (const auto& [cell, state] : step.map_changes) extent.add(cell);
     for (const Cell& cell : frontier_cells(step, resolution)) extent.add(cell);
   }
-  using S = const StepRecord&;
-  using T = const TargetRecord&;
-  Json columns = {
-      {"time", column(steps, [](S s) { return s.time; })},
-      {"true_x", column(steps, [](S s) { return s.true_pose.position.x(); })},
-      {"true_y", column(steps, [](S s) { return s.true_pose.position.y(); })},
-      {"true_yaw", column(steps, [](S s) { return s.true_pose.yaw; })},
-      {"x", column(steps, [](S s) { return s.estimated_pose.position.x(); })},
-      {"y", column(steps, [](S s) { return s.estimated_pose.position.y(); })},
-      {"yaw", column(steps, [](S s) { return s.estimated_pose.yaw; })},
-      {"speed", column(steps, [](S s) { return s.command.linear.head<2>().norm(); })},
-      {"yaw_rate", column(steps, [](S s) { return s.command.yaw_rate; })},
-      {"predicted", column(steps, [](S s) { return s.predicted_features; })},
-      {"tracked", column(steps, [](S s) { return s.tracked_features; })},
-      {"coverage", column(steps, [](S s) { return s.coverage; })},
-      {"area", column(steps, [](S s) { return s.area; })},
-      {"error", column(steps, [](S s) { return s.localization_error; })},
-      {"path", column(steps, [](S s) { return s.path_length; })},
-      {"collisions", column(steps, [](S s) { return s.collisions; })},
-      {"clearance", column(steps, [](S s) { return s.clearance; })},
-      {"frontiers", column(steps, [](S s) { return s.active_frontiers; })},
-      {"evaluations", column(steps, [](S s) { return s.cost_evaluations; })},
-      {"gradients", column(steps, [](S s) { return s.gradient_evaluations; })},
-      {"plan_ms", column(steps, [](S s) { return s.wall.plan; })},
-      {"frontiers_ms", column(steps, [](S s) { return s.wall.frontier_planner; })},
-      {"clearance_ms", column(steps, [](S s) { return s.wall.clearance; })},
-      {"views_ms", column(steps, [](S s) { return s.wall.views; })},
-      {"seeds_ms", column(steps, [](S s) { return s.wall.seeds; })},
-      {"polish_ms", column(steps, [](S s) { return s.wall.polish; })},
-      {"certify_ms", column(steps, [](S s) { return s.wall.certify; })},
-      {"mode_since", column(steps, [](S s) { return s.mode_since; })},
-      {"target_x", target_column(steps, [](T t) { return t.viewpoint.x(); })},
-      {"target_y", target_column(steps, [](T t) { return t.viewpoint.y(); })},
-      {"looks_x", target_column(steps, [](T t) { return t.looks_at.x(); })},
-      {"looks_y", target_column(steps, [](T t) { return t.looks_at.y(); })},
-      {"target_length", target_column(steps, [](T t) { return t.length; })},
-      {"target_area", target_column(steps, [](T t) { return t.area; })},
-      {"way_left", target_column(steps, [](T t) { return t.way_left; })},
-      {"guard_stops", column(steps, [](S s) { return s.guard_stops; })},
-      {"goal_x", column(steps, [](S s) { return s.goal ? s.goal->x() : std::nan(""); })},
-      {"goal_y", column(steps, [](S s) { return s.goal ? s.goal->y() : std::nan(""); })},
-      {"goal_yaw", column(steps, [](S s) { return s.goal_yaw.value_or(std::nan("")); })},
-  };
-  Json words = {
-      {"plan", word_column(steps, [](S s) { return s.plan_kind; })},
-      {"seed", word_column(steps, [](S s) { return s.seed; })},
-      {"localization", word_column(steps, [](S s) { return s.localization; })},
-      {"stop", word_column(steps, [](S s) { return s.stop_reason; })},
-      {"quality", word_column(steps, [](S s) { return s.quality; })},
-      {"certified",
-       word_column(steps, [](S s) { return std::string(s.certified ? "yes" : "no"); })},
-      {"certificate", word_column(steps, [](S s) { return s.certificate; })},
-      {"guard", word_column(steps, [](S s) { return s.guard_reason; })},
-      {"task", word_column(steps, [](S s) { return s.task; })},
-      {"mode", word_column(steps, [](S s) { return s.mode; })},
-      {"cause", word_column(steps, [](S s) { return s.cause; })},
-      {"caution", word_column(steps, [](S s) { return s.caution; })},
-      {"target_change", word_column(steps, [](S s) { return s.target_change; })},
-      {"why", word_column(steps, [](S s) { return s.why; })},
-  };
+  Json columns = Json::object(), words = Json::object();
+  for (const StepField& field : step_fields()) {
+    if (!field.in(kPage) || field.per != FieldPer::kStep) continue;
+    const std::string name(field.name);
+    if (field.holds_text()) {
+      words[name] = word_column(steps, field);
+    } else {
+      columns[name] = column(steps, field);
+    }
+  }
   return {
       {"steps", steps.size()},
       {"extent",

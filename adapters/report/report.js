@@ -21,9 +21,10 @@ const push = (list, values) => { for (const value of values) list.push(value); }
 
 const column = new Proxy({}, { get: (all, name) => (all[name] ||= []) });
 const word = new Proxy({}, { get: (all, name) => (all[name] ||= []) });
-const terms = [];              // of the cost, by step: {name, values, asked, weights}
+const speeds = [];             // of the commands [m/s]
+const terms = [];              // of the cost, by step: {name, weighted, weight_asked, weight}
 const candidateTerms = [];     // their names
-const candidates = [];         // at each step: how many seeds were scored, and the best candidates
+const candidates = [];         // at each step: the best of them
 const landmarkPositions = [], landmarks = [];
 const horizons = [];           // at each step: [x, y, yaw] of the predicted poses
 const fields = [];             // the cost-to-go at some of the steps
@@ -69,7 +70,8 @@ function decode(part) {
     const next = varints(steps);
     for (let k = 0; k < count; ++k) word[name].push(words[next()]);
   }
-  const ofTerm = ["values", "asked", "weights"];
+  for (let k = first; k < first + count; ++k) speeds.push(Math.hypot(column.command_v[k], column.command_vy[k]));
+  const ofTerm = ["weighted", "weight_asked", "weight"];
   for (const given of part.terms) {
     let term = terms.find((known) => known.name === given.name);
     if (!term) terms.push(term = { name: given.name, ...Object.fromEntries(ofTerm.map((key) => [key, Array(first).fill(NaN)])) });
@@ -125,7 +127,6 @@ function decode(part) {
     const places = own.map((name) => candidateTerms.indexOf(name));
     let at = 0;
     for (let k = 0; k < count; ++k) {
-      const scored = next();
       const list = Array.from({ length: next() }, () => {
         const c = { name: names[next()], verdict: verdicts[next()], polished: next() === 1, path: [], terms: [] };
         for (let left = next(), x = 0, y = 0; left > 0; --left) c.path.push([0.01 * (x += signed()), 0.01 * (y += signed())]);
@@ -133,7 +134,7 @@ function decode(part) {
         for (const place of places) c.terms[place] = numbers[at++];
         return c;
       });
-      candidates.push({ scored, list });
+      candidates.push(list);
     }
   }
   {
@@ -308,7 +309,7 @@ const layerList = [
   ["view", "field of view", "cell", "background:rgba(var(--view),.3)", true, () => true],
   ["frontiers", "frontiers", "cell", "background:var(--frontier)", true, () => true],
   ["landmarks", "landmarks, by visibility", "ramp", "", true, () => true],
-  ["candidates", "other candidates", "", "background:var(--ink-3)", false, () => candidates.some(({ list }) => list.length > 0)],
+  ["candidates", "other candidates", "", "background:var(--ink-3)", false, () => candidates.some((list) => list.length > 0)],
   ["cost-to-go", "time to the target", "scale", "", false, () => fields.length > 0]];
 const layers = Object.fromEntries(layerList.map(([name]) => [name, false]));
 function addLayers() {
@@ -326,9 +327,9 @@ addLayers();
 // What the path can be coloured by: a quantity at each step, or the mode.
 const pathColors = {
   plain: null,
-  features: { label: "features in view", values: column.tracked, text: (v) => fixed(v, 0) },
-  error: { label: "localization error", values: column.error, text: (v) => `${fixed(v, 2)} m` },
-  speed: { label: "speed", values: column.speed, text: (v) => `${fixed(v, 2)} m/s` },
+  features: { label: "features in view", values: column.tracked_features, text: (v) => fixed(v, 0) },
+  error: { label: "localization error", values: column.localization_error, text: (v) => `${fixed(v, 2)} m` },
+  speed: { label: "speed", values: speeds, text: (v) => `${fixed(v, 2)} m/s` },
   mode: { label: "mode" },
 };
 function measureColors() {
@@ -394,7 +395,7 @@ function fit() {
     low = Math.min(low, y - margin); high = Math.max(high, y + margin);
   };
   for (let k = 0; k < n; ++k) {
-    include(column.x[k], column.y[k], 0.5);
+    include(column.estimated_x[k], column.estimated_y[k], 0.5);
     include(column.true_x[k], column.true_y[k], 0.5);
   }
   if (width > 0) { include(i0 * r, j0 * r, 0); include((i0 + width) * r, (j0 + height) * r, 0); }
@@ -546,7 +547,7 @@ function drawGoal() {
 function drawTarget() {
   const x = column.target_x[step], y = column.target_y[step];
   if (!(isNumber(x) && isNumber(y))) return false;
-  const from = toScreen(column.x[step], column.y[step]), at = toScreen(x, y);
+  const from = toScreen(column.estimated_x[step], column.estimated_y[step]), at = toScreen(x, y);
   const line = (points, dash, width) => {
     for (const [color, extra] of [[colors.halo, 2.5], [colors.target, 0]]) {
       pen.setLineDash(dash);
@@ -600,7 +601,7 @@ function scaleBar() {
 let pose = null;                 // where the robot is by now, which a mission that goes on says between two steps
 function draw() {
   if (step < 0 || !boxWidth) return;
-  const at = pose && step === n - 1 ? pose : { x: column.x[step], y: column.y[step], yaw: column.yaw[step] };
+  const at = pose && step === n - 1 ? pose : { x: column.estimated_x[step], y: column.estimated_y[step], yaw: column.estimated_yaw[step] };
   const { x, y, yaw } = at;
   if (view.follow) { view.x = x; view.y = y; }
   const density = devicePixelRatio || 1;
@@ -648,12 +649,12 @@ function draw() {
   }
   if (layers.true) path(column.true_x, column.true_y, step, colors.true, 1.25);
   const by = pathColors[pathColor.value];
-  if (layers.estimated && by) coloredPath(column.x, column.y, step, by);
-  else if (layers.estimated) path(column.x, column.y, step, colors.estimated, 2);
+  if (layers.estimated && by) coloredPath(column.estimated_x, column.estimated_y, step, by);
+  else if (layers.estimated) path(column.estimated_x, column.estimated_y, step, colors.estimated, 2);
   legend(by, tint ? field : null);
   const target = layers.target && drawTarget();
   const goal = layers.zones && drawGoal();
-  if (layers.candidates) for (const c of candidates[step].list) if (c.verdict !== "executed") drawCandidate(c, colors["ink-3"], 1.25);
+  if (layers.candidates) for (const c of candidates[step]) if (c.verdict !== "executed") drawCandidate(c, colors["ink-3"], 1.25);
   if (layers.horizon) {
     const points = horizons[step].filter(([px, py]) => isNumber(px) && isNumber(py));
     trace(points);
@@ -673,8 +674,8 @@ function draw() {
       pen.closePath(); pen.fill();
     }
   }
-  if (pointed !== null && candidates[step].list[pointed]) {
-    const c = candidates[step].list[pointed];
+  if (pointed !== null && candidates[step][pointed]) {
+    const c = candidates[step][pointed];
     drawCandidate(c, colors.ink, 2.5);
     if (c.path.length) label(readable(c.name), ...toScreen(...c.path[c.path.length - 1]), colors.ink);
   }
@@ -957,24 +958,24 @@ const nowFields = (() => {
   }, { there: modes, wide: true });
   add("Caution", (k) => word.caution[k] || "–", { there: modes, tone: (k) => (careful(word.caution[k]) ? "warn" : "") });
   add("Coverage", (k) => `${percent(column.coverage[k])} %, ${fixed(column.area[k], 1)} m²`);
-  add("Path", (k) => `${fixed(column.path[k], 1)} m`);
-  add("Command", (k) => `${fixed(column.speed[k], 2)} m/s, ${fixed(column.yaw_rate[k], 2)} rad/s`);
+  add("Path", (k) => `${fixed(column.path_length[k], 1)} m`);
+  add("Command", (k) => `${fixed(speeds[k], 2)} m/s, ${fixed(column.command_omega[k], 2)} rad/s`);
   add("Clearance ahead", (k) => `${fixed(column.clearance[k], 2)} m`);
-  add("Localization", (k) => `${word.localization[k]}, error ${fixed(column.error[k], 3)} m`,
+  add("Localization", (k) => `${word.localization[k]}, error ${fixed(column.localization_error[k], 3)} m`,
     { tone: (k) => ({ degraded: "warn", lost: "bad" })[word.localization[k]] || "" });
-  add("Features, predicted", (k) => `${fixed(column.tracked[k], 0)}, ${fixed(column.predicted[k], 0)}`);
-  add("Frontiers", (k) => `${fixed(column.frontiers[k], 0)} active`);
+  add("Features, predicted", (k) => `${fixed(column.tracked_features[k], 0)}, ${fixed(column.predicted_features[k], 0)}`);
+  add("Frontiers", (k) => `${fixed(column.active_frontiers[k], 0)} active`);
   add("Collisions", (k) => fixed(column.collisions[k], 0), { tone: (k) => (column.collisions[k] > 0 ? "bad" : "") });
-  add("Plan", (k) => word.plan[k] + (word.seed[k] ? `, from ${readable(word.seed[k])}` : ""),
-    { wide: true, tone: (k) => (word.plan[k] === "stopping tail" ? "warn" : "") });
+  add("Plan", (k) => word.plan_kind[k] + (word.seed[k] ? `, from ${readable(word.seed[k])}` : ""),
+    { wide: true, tone: (k) => (word.plan_kind[k] === "stopping tail" ? "warn" : "") });
   // A budget that is used up is how most solves end, and no failure.
   const stops = { "iteration limit": "budget used", deadline: "time budget used" };
-  add("Solver", (k) => [stops[word.stop[k]] || word.stop[k], word.quality[k], `${fixed(column.evaluations[k], 0)} evaluations`].filter(Boolean).join(", "),
-    { wide: true, tone: (k) => (["numerical trouble", "error"].includes(word.stop[k]) || word.quality[k] === "infeasible" ? "warn" : "") });
-  add("Guard", (k) => (column.guard_stops[k] > 0 ? `${plural(column.guard_stops[k], "stop")}${word.guard[k] ? `: ${word.guard[k]}` : ""}` : "no stop"),
+  add("Solver", (k) => [stops[word.stop_reason[k]] || word.stop_reason[k], word.quality[k], `${fixed(column.cost_evaluations[k], 0)} evaluations`].filter(Boolean).join(", "),
+    { wide: true, tone: (k) => (["numerical trouble", "error"].includes(word.stop_reason[k]) || word.quality[k] === "infeasible" ? "warn" : "") });
+  add("Guard", (k) => (column.guard_stops[k] > 0 ? `${plural(column.guard_stops[k], "stop")}${word.guard_reason[k] ? `: ${word.guard_reason[k]}` : ""}` : "no stop"),
     { there: () => column.guard_stops.some((count) => count > 0), tone: (k) => (column.guard_stops[k] > 0 ? "warn" : "") });
-  add("Certificate", (k) => [word.certified[k] === "yes" ? "held" : "not held", word.certificate[k]].filter(Boolean).join(": "),
-    { full: true, tone: (k) => (word.certified[k] === "yes" ? "" : "warn") });
+  add("Certificate", (k) => [column.certified[k] === 1 ? "held" : "not held", word.certificate[k]].filter(Boolean).join(": "),
+    { full: true, tone: (k) => (column.certified[k] === 1 ? "" : "warn") });
   return fields;
 })();
 
@@ -990,14 +991,14 @@ function showWhy() {
 // The best candidates of the step, with what makes up their cost.
 let mostCandidates = 0;
 function measureCandidates() {
-  mostCandidates = candidates.reduce((most, { list }) => Math.max(most, list.length), 0);
+  mostCandidates = candidates.reduce((most, list) => Math.max(most, list.length), 0);
   $("candidates-box").hidden = mostCandidates === 0;
   $("candidates-head").replaceChildren(make("th", { scope: "col" }, "seed"), make("th", { scope: "col", class: "verdict" }, "verdict"), make("th", { scope: "col", class: "sum" }, "cost"),
     ...candidateTerms.map((name) => make("th", { scope: "col" }, readable(name), make("small", {}))));
 }
 // The weight of a cost in effect at the step, and the one asked for where that is another.
 function weightText(name) {
-  const term = terms.find((known) => known.name === name), weight = term?.weights[step], asked = term?.asked[step];
+  const term = terms.find((known) => known.name === name), weight = term?.weight[step], asked = term?.weight_asked[step];
   if (!isNumber(weight)) return "";
   return `weight ${rounded(weight)}${weight === asked ? "" : `, asked ${rounded(asked)}`}`;
 }
@@ -1005,7 +1006,7 @@ measureCandidates();
 function point(i) { if (pointed !== i) { pointed = i; draw(); } }
 function showCandidates() {
   if ($("candidates-box").hidden) return;
-  const { scored, list } = candidates[step];
+  const list = candidates[step], scored = column.seeds_scored[step];
   candidateTerms.forEach((name, i) => { $("candidates-head").children[3 + i].lastChild.textContent = weightText(name); });
   $("candidates-title").textContent = list.length ? `the best ${list.length}${scored > 0 ? ` of ${plural(scored, "seed")}` : ""} at ${fixed(column.time[step], 1)} s` : `none at ${fixed(column.time[step], 1)} s`;
   // One scale for all bars: a long one is much of the cost.
@@ -1084,11 +1085,11 @@ function start() {
   const shares = () => { for (let k = share.length; k < n; ++k) share.push(100 * column.coverage[k]); return share; };
   addPlot("Coverage", "% of the reachable area", [{ name: "coverage", color: "var(--accent)", get values() { return shares(); } }],
     { format: (v) => `${fixed(v, 1)} %`, low: 0, high: 104, fill: true });
-  addPlot("Localization error", "m", [{ name: "error", color: "var(--bad)", values: column.error }], { format: (v) => `${fixed(v, 3)} m`, low: 0, shade: ill });
-  addPlot("Visible features", "", [{ name: "tracked", color: "var(--seen-high)", values: column.tracked }, { name: "predicted", color: "var(--horizon)", values: column.predicted }],
+  addPlot("Localization error", "m", [{ name: "error", color: "var(--bad)", values: column.localization_error }], { format: (v) => `${fixed(v, 3)} m`, low: 0, shade: ill });
+  addPlot("Visible features", "", [{ name: "tracked", color: "var(--seen-high)", values: column.tracked_features }, { name: "predicted", color: "var(--horizon)", values: column.predicted_features }],
     { format: (v) => fixed(v, 0), low: 0, shade: ill });
   addPlot("Planning time", "ms", [{ name: "time", color: "var(--frontier)", values: column.plan_ms }],
-    { format: (v) => `${fixed(v, 1)} ms`, low: 0, shade: (k) => (word.plan[k] === "stopping tail" ? "shade-warn" : null) });
+    { format: (v) => `${fixed(v, 1)} ms`, low: 0, shade: (k) => (word.plan_kind[k] === "stopping tail" ? "shade-warn" : null) });
   addTermPlots();
   drawStrip();
   new ResizeObserver(resize).observe($("map-box"));
@@ -1102,9 +1103,9 @@ function addTermPlots() {
   if (terms.length === plottedTerms) return;
   if (plottedTerms === 0) $("plots").append(make("h3", { class: "group" }, "Cost terms", make("em", {}, "weighted, each on a scale of its own")));
   for (; plottedTerms < terms.length; ++plottedTerms) {
-    const { name, values } = terms[plottedTerms];
-    addPlot(readable(name), "", [{ name: readable(name), color: "var(--accent)", values }],
-      { range: () => withoutPeaks(values), small: true, last: plottedTerms === terms.length - 1 });
+    const { name, weighted } = terms[plottedTerms];
+    addPlot(readable(name), "", [{ name: readable(name), color: "var(--accent)", values: weighted }],
+      { range: () => withoutPeaks(weighted), small: true, last: plottedTerms === terms.length - 1 });
   }
 }
 function showStage() {
@@ -1232,8 +1233,8 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
         expect("the cost-to-go is drawn", drawn.field === f.step && changed(() => click("cost-to-go")) > 500);
       }
       const rows = $("candidates").children;
-      if (candidates[step].list.length > 1) {
-        const other = candidates[step].list.length - 1;
+      if (candidates[step].length > 1) {
+        const other = candidates[step].length - 1;
         expect("a candidate that is pointed at is drawn", changed(() => rows[other].dispatchEvent(new PointerEvent("pointerover", { bubbles: true }))) > 20);
         $("candidates").dispatchEvent(new PointerEvent("pointerleave"));
         expect("and no longer when it is left", pointed === null);
@@ -1263,7 +1264,7 @@ if (location.hash === "#selftest") Promise.allSettled(pictures.map((p) => p.read
 
 return {
   append, extendPlots, seek, draw, drawSight, pictures, canvas, drawn,
-  column, word, steps: () => n, step: () => step,
+  column, word, speeds, steps: () => n, step: () => step,
   // Whether the map stays where it is as it grows.
   keepView(on) { view.kept = on; },
   // Where the robot is by now.

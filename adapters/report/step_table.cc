@@ -106,8 +106,7 @@ std::vector<double> StepTable::numbers(const std::string& column) const {
     const std::string& field = rows_[k][at];
     double value = std::numeric_limits<double>::quiet_NaN();
     if (!field.empty() && !parse_number(field, value)) {
-      fail(source_ + ":" + std::to_string(k + 2),
-           column + " is '" + field + "'; expected a number");
+      fail(row_name(k), column + " is '" + field + "'; expected a number");
     }
     values.push_back(value);
   }

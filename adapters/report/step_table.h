@@ -19,6 +19,8 @@ class StepTable {
   bool has(const std::string& column) const;
   /// All of them, in their order.
   const std::vector<std::string>& columns() const { return header_; }
+  /// "FILE:LINE" of a row from 0, for messages.
+  std::string row_name(std::size_t row) const { return source_ + ":" + std::to_string(row + 2); }
   /// Each row's number; NaN where the field is empty or "nan". Throws InputError if there is no
   /// such column or a field holds anything else.
   std::vector<double> numbers(const std::string& column) const;

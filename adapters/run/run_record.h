@@ -8,8 +8,15 @@
 #include <vector>
 
 #include "adapters/page/landmark_picture.h"
+#include "engine/behaviour/caution.h"
+#include "engine/behaviour/facts.h"
+#include "engine/behaviour/mode.h"
+#include "engine/behaviour/task_kind.h"
 #include "engine/maps/grid.h"
+#include "engine/maps/localization.h"
 #include "engine/problem/solver.h"
+#include "engine/safety/guard.h"
+#include "engine/safety/plan.h"
 #include "engine/task/polygon.h"
 #include "engine/task/zones.h"
 #include "models/types.h"
@@ -42,10 +49,10 @@ struct TermWeight {
 
 /// One of the best candidates of a step.
 struct CandidateRecord {
-  std::string name;         ///< of the seed
-  bool polished = false;    ///< by the solver
-  std::string verdict;      ///< "executed", "not tried", or why the certificate refused it
-  Explanation explanation;  ///< cost and every term
+  std::string name;       ///< of the seed
+  bool polished = false;  ///< by the solver
+  Verdict verdict;
+  Explanation explanation;            ///< cost and every term
   std::vector<Eigen::Vector2f> path;  ///< positions over the horizon, estimated frame [m]
 };
 
@@ -58,20 +65,22 @@ struct CostToGoPicture {
   std::vector<float> seconds;  ///< by cell, as in Grid; NaN: unknown or impassable there
 };
 
-/// Everything recorded at one planning step. All numbers but those in `wall` are reproducible.
+/// Everything recorded at one planning step. All numbers but those in `wall` are reproducible. What
+/// is told of it, and by which name: step_fields.h. A word is none where a record was read that
+/// lacks it.
 struct StepRecord {
   int step = 0;
   double time = 0.0;   ///< [s] of the robot's clock since the start
   double stamp = 0.0;  ///< [s] of the clock of beliefs
   Pose true_pose, estimated_pose;
-  Twist command;                    ///< the first one of the plan
-  std::string plan_kind;            ///< to_string(PlanKind)
+  Twist command;  ///< the first one of the plan
+  std::optional<PlanKind> plan_kind;
   std::string seed;                 ///< which seed the plan grew from
   Explanation explanation;          ///< cost and every term, raw and weighted
   std::vector<TermWeight> weights;  ///< of its costs; empty: not known
   double predicted_features = 0.0;  ///< N_k predicted for the end of the committed part
   int tracked_features = 0;         ///< in the newest image
-  std::string localization;         ///< ok, degraded, lost
+  std::optional<Localization> localization;
   double coverage = 0.0;            ///< share of the reachable area; NaN: there is none
   double area = 0.0;                ///< [m^2] of the reachable area really seen
   double localization_error = 0.0;  ///< [m]
@@ -80,25 +89,23 @@ struct StepRecord {
   double clearance = 0.0;  ///< [m], smallest along the plan; from the clearance term's raw value
   int cost_evaluations = 0;
   int gradient_evaluations = 0;
-  std::string stop_reason;
-  std::string quality;
+  std::optional<StopReason> stop_reason;
+  std::optional<Quality> quality;
   bool certified = false;
   std::string certificate;
   int active_frontiers = 0;
   int guard_stops = 0;
-  std::string guard_reason;  ///< of the last of them; empty: none
+  std::optional<GuardReason> guard_reason;  ///< of the last of them; none: there are none
 
-  std::string task;                       ///< what it was told to do: to_string(TaskKind)
+  std::optional<TaskKind> task;           ///< what it was told to do
   std::optional<Eigen::Vector2d> goal{};  ///< of a task that leads to a place, in W [m]
   std::optional<double> goal_yaw{};       ///< [rad]; none: any
-  std::string mode;                       ///< what the robot does: to_string(ModeKind)
-  std::string cause;                      ///< why it began to
+  std::optional<ModeKind> mode;           ///< what the robot does
+  std::optional<Cause> cause;             ///< why it began to
   double mode_since = 0.0;                ///< [s] of the robot's clock since the start
-  /// Which distances it keeps: "normal", "reduced margin", "stuck", "lost".
-  std::string caution;
-  std::string
-      target_change;  ///< why the target is another: to_string(TargetChange); empty: it is not
-  std::string why;    ///< one sentence: what it does and why, with the numbers of this step
+  std::optional<Caution> caution;         ///< which distances it keeps
+  std::optional<TargetChange> target_change;
+  std::string why;  ///< one sentence: what it does and why, with the numbers of this step
   std::optional<TargetRecord> target;
   int seeds_scored = 0;
   double features_weight = 0.0;               ///< w_l in effect

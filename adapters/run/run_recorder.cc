@@ -176,7 +176,8 @@ std::vector<CandidateRecord> candidate_records(const Plan& plan, const Problem* 
     record.explanation.cost = c.cost;
     record.explanation.violation = c.violation;
     if (problem != nullptr) {
-      record.explanation = c.verdict == "executed" ? plan.explanation : problem->explain(c.z);
+      record.explanation =
+          c.verdict.kind == Verdict::Kind::kExecuted ? plan.explanation : problem->explain(c.z);
       const TrajectoryBatch t = problem->rollout(c.z);
       const int nx = t.horizon.nx();
       for (int k = 0; k <= t.horizon.N; ++k) {
@@ -235,17 +236,17 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
   r.true_pose = truth.pose;
   r.estimated_pose = belief.pose;
   if (!plan.commands.empty()) r.command = plan.commands.front();
-  r.plan_kind = to_string(plan.kind);
-  r.task = to_string(plan.task);
+  r.plan_kind = plan.kind;
+  r.task = plan.task;
   if (plan.goal) {
     r.goal = plan.goal->position;
     r.goal_yaw = plan.goal->yaw;
   }
-  r.mode = to_string(plan.mode.kind);
-  r.cause = to_string(plan.mode.cause);
+  r.mode = plan.mode.kind;
+  r.cause = plan.mode.cause;
   // The first mode holds from the start, whatever a running clock says then.
   r.mode_since = std::max(0.0, step.time - (belief.stamp - plan.mode.since));
-  r.caution = to_string(plan.caution);
+  r.caution = plan.caution;
   r.why = plan.why;
   r.seeds_scored = plan.seeds_scored;
   r.features_weight = plan.features_weight;
@@ -257,23 +258,24 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
   const auto committed = static_cast<std::size_t>(std::max(0, plan.committed));
   if (committed < plan.visible.size()) r.predicted_features = plan.visible[committed];
   r.tracked_features = belief.tracked_features;
-  r.localization = to_string(belief.localization);
+  r.localization = belief.localization;
   r.coverage = truth.coverage;
   r.area = truth.seen_area;
   r.localization_error = truth.localization_error;
   r.path_length = truth.path_length;
   r.collisions = truth.collisions;
   for (const TermValue& term : plan.explanation.terms) {
-    if (term.name == "clearance") r.clearance = term.raw + configuration.planner.d_safe;
+    if (term.quantity != TermQuantity::kClearance) continue;
+    r.clearance = term.raw + configuration.planner.d_safe;
   }
   r.cost_evaluations = plan.counters.cost_evaluations;
   r.gradient_evaluations = plan.counters.gradient_evaluations;
-  r.stop_reason = to_string(plan.stop);
-  r.quality = to_string(plan.quality);
+  r.stop_reason = plan.stop;
+  r.quality = plan.quality;
   r.certified = plan.certified;
   r.certificate = plan.certified ? plan.certificate : plan.detail;
   r.guard_stops = step.guard_stops;
-  if (step.guard_stops > 0) r.guard_reason = to_string(step.guard_reason);
+  if (step.guard_stops > 0) r.guard_reason = step.guard_reason;
   r.wall = {plan.times.total, plan.times.frontier_planner, plan.times.clearance, plan.times.views,
             plan.times.seeds, plan.times.polish,           plan.times.certify};
   if (step.global_plan) {
@@ -293,7 +295,7 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
   }
   if (step.global_plan) {
     const GlobalPlan& global_plan = *step.global_plan;
-    r.target_change = to_string(global_plan.facts.changed);
+    r.target_change = global_plan.facts.changed;
     if (global_plan.target) {
       r.target = TargetRecord{global_plan.target->viewpoint, global_plan.target->looks_at,
                               global_plan.facts.target_length, global_plan.facts.target_area,

@@ -97,7 +97,7 @@ Summary summarize(const std::vector<StepRecord>& steps) {
     plan_ms.push_back(step.wall.plan);
     squares += step.localization_error * step.localization_error;
     s.guard_stops += step.guard_stops;
-    s.fallbacks += step.plan_kind == "stopping tail";
+    s.fallbacks += step.plan_kind == PlanKind::kStoppingTail;
   }
   s.plan_ms_p50 = quantile(plan_ms, 0.5);
   s.plan_ms_p95 = quantile(plan_ms, 0.95);

@@ -11,6 +11,7 @@
 #include "adapters/datasets/trajectory_error.h"
 #include "adapters/files/input_error.h"
 #include "adapters/report/step_table.h"
+#include "adapters/run/step_fields.h"
 #include "adapters/run/summary.h"
 
 namespace prospect {
@@ -53,6 +54,16 @@ double mean_weight(const std::vector<StepRecord>& steps, std::string_view name,
     }
   }
   return count > 0 ? sum / count : MissionNumbers::kNone;
+}
+
+/// Enters a column of steps.csv; what is empty there the step lacks.
+void enter_column(const StepTable& table, const std::string& column,
+                  std::vector<StepRecord>& steps) {
+  const auto [field, name] = field_of_column(column);
+  const std::vector<std::string> texts = table.words(column);
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    if (!texts[i].empty()) enter_field(*field, name, texts[i], table.row_name(i), steps[i]);
+  }
 }
 
 }  // namespace
@@ -151,7 +162,7 @@ MissionNumbers mission_numbers(const Summary& s, const std::vector<StepRecord>& 
         (last ? std::max(s.duration_s, step.time) : steps[i + 1].time) - step.time;
     time += length;
     if (step.tracked_features < N_min) few += length;
-    if (last || step.plan_kind == "stopping tail") continue;
+    if (last || step.plan_kind == PlanKind::kStoppingTail) continue;
     const double tracked = steps[i + 1].tracked_features;
     const double e = (step.predicted_features - tracked) / std::max(tracked, N_min);
     magnitude += std::abs(e);
@@ -192,33 +203,18 @@ MissionNumbers mission_numbers_of_run(const std::string& folder, double N_min) {
   if (!summary) fail(file, "no summary of a run; expected one that explore wrote");
   const StepTable table = StepTable::read(folder + "/steps.csv");
   std::vector<StepRecord> steps(table.rows());
-  const auto numbers = [&](const char* column, const auto& set) {
-    const std::vector<double> values = table.numbers(column);
-    for (std::size_t i = 0; i < values.size(); ++i) set(steps[i], values[i]);
-  };
-  numbers("time", [](StepRecord& s, double v) { s.time = v; });
-  numbers("true_x", [](StepRecord& s, double v) { s.true_pose.position.x() = v; });
-  numbers("true_y", [](StepRecord& s, double v) { s.true_pose.position.y() = v; });
-  numbers("true_yaw", [](StepRecord& s, double v) { s.true_pose.yaw = v; });
-  numbers("estimated_x", [](StepRecord& s, double v) { s.estimated_pose.position.x() = v; });
-  numbers("estimated_y", [](StepRecord& s, double v) { s.estimated_pose.position.y() = v; });
-  numbers("estimated_yaw", [](StepRecord& s, double v) { s.estimated_pose.yaw = v; });
-  numbers("coverage", [](StepRecord& s, double v) { s.coverage = v; });
-  numbers("localization_error", [](StepRecord& s, double v) { s.localization_error = v; });
-  numbers("path_length", [](StepRecord& s, double v) { s.path_length = v; });
-  numbers("predicted_features", [](StepRecord& s, double v) { s.predicted_features = v; });
-  numbers("tracked_features",
-          [](StepRecord& s, double v) { s.tracked_features = static_cast<int>(v); });
-  for (const std::string name : {"visible_features", "exploration_gain"}) {
-    if (!table.has("weight_" + name)) continue;  // left out of the problem
-    const std::vector<double> asked = table.numbers("weight_asked_" + name);
-    const std::vector<double> in_effect = table.numbers("weight_" + name);
-    for (std::size_t i = 0; i < steps.size(); ++i) {
-      steps[i].weights.push_back({name, asked[i], in_effect[i]});
-    }
+  const auto enter = [&](const std::string& column) { enter_column(table, column, steps); };
+  for (const std::string pose : {"true_", "estimated_"}) {
+    for (const std::string part : {"x", "y", "yaw"}) enter(pose + part);
   }
-  const std::vector<std::string> kinds = table.words("plan_kind");
-  for (std::size_t i = 0; i < kinds.size(); ++i) steps[i].plan_kind = kinds[i];
+  for (const char* column : {"time", "coverage", "localization_error", "path_length",
+                             "predicted_features", "tracked_features", "plan_kind"}) {
+    enter(column);
+  }
+  for (const std::string& column : table.columns()) {
+    const StepField* field = field_of_column(column).first;
+    if (field && field->per == FieldPer::kWeight) enter(column);
+  }
   return mission_numbers(*summary, steps, N_min);
 }
 

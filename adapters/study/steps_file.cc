@@ -9,6 +9,7 @@
 
 #include "adapters/files/input_error.h"
 #include "adapters/report/step_table.h"
+#include "adapters/run/step_fields.h"
 
 namespace prospect {
 namespace {
@@ -104,17 +105,12 @@ void write_steps(const StudyPlan& plan, const CellStore& store, const std::vecto
       writer.attribute("label", plan.label(plan.setup(cell)));
       writer.attribute("seed", cell.seed);
       for (const std::string& column : table.columns()) {
-        std::vector<double> numbers;
-        bool is_numbers = true;
-        try {
-          numbers = table.numbers(column);
-        } catch (const InputError&) {
-          is_numbers = false;  // of words
-        }
-        if (is_numbers) {
-          writer.column(column, numbers);
-        } else {
+        // A column that this program does not know is of another version.
+        const StepField* field = field_of_column(column).first;
+        if (!field || field->holds_text()) {
           writer.column(column, table.words(column));
+        } else {
+          writer.column(column, table.numbers(column));
         }
       }
     }

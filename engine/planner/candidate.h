@@ -23,6 +23,7 @@ struct Candidate {
   std::optional<Result> result{};  ///< of the solver, for polished ones
   double error = 0.0;              ///< that the cost may have: of a score
   double features = 0.0;           ///< of the visible features, not weighted
+  bool stops = false;              ///< Seed::stops
 
   bool feasible() const { return violation <= kFeasible; }
 

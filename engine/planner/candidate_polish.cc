@@ -118,6 +118,7 @@ PolishOutcome polish(std::vector<Candidate>& candidates, const Solver& solver,
     }
     Candidate c{seed.name, admissible_inputs(problem, result.x), result.cost, result.violation,
                 std::move(result)};
+    c.stops = seed.stops;
     polished.push_back(std::move(c));
   };
 

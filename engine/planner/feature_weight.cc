@@ -27,9 +27,8 @@ double feature_weight(const std::vector<WeighedCandidate>& candidates, double st
 }
 
 double feature_weight(const std::vector<Candidate>& candidates, double most) {
-  const auto standing = std::find_if(candidates.begin(), candidates.end(), [](const Candidate& c) {
-    return c.name == "stop" && c.feasible();
-  });
+  const auto standing = std::find_if(candidates.begin(), candidates.end(),
+                                     [](const Candidate& c) { return c.stops && c.feasible(); });
   if (most <= 0.0 || standing == candidates.end()) return most;
   std::vector<WeighedCandidate> feasible;
   for (const Candidate& c : candidates) {

@@ -33,7 +33,7 @@ double feature_weight(const std::vector<WeighedCandidate>& candidates, double st
                       double most);
 
 /// The same of the scored candidates of a problem in which the visible features have the weight
-/// `most`: of the feasible ones; standing is the seed "stop". `most` without such a one.
+/// `most`: of the feasible ones; standing is the one that stops. `most` without such a one.
 double feature_weight(const std::vector<Candidate>& candidates, double most);
 
 }  // namespace prospect

@@ -1,6 +1,6 @@
 #include "engine/planner/plan_choice.h"
 
-#include <string>
+#include <utility>
 
 #include "engine/safety/certificate.h"
 #include "models/limited_twist.h"
@@ -63,16 +63,18 @@ Quality quality_of(const Candidate& c) {
 bool choose_certified(const std::vector<Candidate>& candidates, const ChoiceContext& context,
                       Plan& plan) {
   const ProblemDefinition& d = context.problem.definition();
-  const auto report = [&](const Candidate& c, const std::string& verdict, bool always) {
+  const auto report = [&](const Candidate& c, Verdict verdict) {
+    const bool always = verdict.kind == Verdict::Kind::kExecuted;
     if (plan.candidates.size() >= kReported && !always) return;
-    plan.candidates.push_back({c.name, c.result.has_value(), c.cost, c.violation, c.z, verdict});
+    plan.candidates.push_back(
+        {c.name, c.result.has_value(), c.cost, c.violation, c.z, std::move(verdict)});
   };
   int attempts = 0;
   for (const Candidate& c : candidates) {
     const bool enough =
         attempts >= kAttempts || (attempts > 0 && context.stop() != StopRequest::kNone);
-    if (plan.certified || (enough && c.name != "stop")) {
-      report(c, "not tried", false);
+    if (plan.certified || (enough && !c.stops)) {
+      report(c, {Verdict::Kind::kNotTried});
       continue;
     }
     ++attempts;
@@ -83,10 +85,10 @@ bool choose_certified(const std::vector<Candidate>& candidates, const ChoiceCont
     if (!certificate.ok()) {
       if (plan.certificate.empty()) plan.certificate = certificate.detail;
       if (plan.refused.empty() && plan.has_active_frontier) plan.refused = certificate.detail;
-      report(c, certificate.detail, false);
+      report(c, {Verdict::Kind::kRefused, certificate.detail});
       continue;
     }
-    report(c, "executed", true);
+    report(c, {Verdict::Kind::kExecuted});
     fill(t, *d.model, context.committed, plan);
     plan.kind = c.result ? PlanKind::kOptimised : PlanKind::kSeed;
     plan.certified = true;

@@ -23,14 +23,14 @@ struct ChoiceContext {
   const SurfaceDrift& drift;
   const VisibleFeatures& visible_features;  ///< says Plan::visible
   int committed;  ///< leading stages to certify, with the stop after them, 1 to N
-  /// Once it asks to stop, no further candidate is tried but "stop".
+  /// Once it asks to stop, no further candidate is tried but one that stops.
   const StopCondition& stop;
 };
 
 /// Fills the plan with the first candidate, in the order given, that the exact certificate allows,
-/// and its Plan::candidates with what became of them. Ten are tried, and "stop" whatever its rank.
-/// Returns false, with Plan::certificate the first refusal, if none is certified: then the plan has
-/// no commands. Passes on what a term throws.
+/// and its Plan::candidates with what became of them. Ten are tried, and those that stop whatever
+/// their rank. Returns false, with Plan::certificate the first refusal, if none is certified: then
+/// the plan has no commands. Passes on what a term throws.
 bool choose_certified(const std::vector<Candidate>& candidates, const ChoiceContext& context,
                       Plan& plan);
 

@@ -142,7 +142,10 @@ std::optional<LocalTexture> texture_around(const Belief& belief) {
 
 std::vector<Candidate> candidates_of(const std::vector<Seed>& seeds) {
   std::vector<Candidate> candidates;
-  for (const Seed& seed : seeds) candidates.push_back({seed.name, seed.z, 0.0, 0.0});
+  for (const Seed& seed : seeds) {
+    candidates.push_back({seed.name, seed.z, 0.0, 0.0});
+    candidates.back().stops = seed.stops;
+  }
   return candidates;
 }
 
@@ -350,7 +353,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
   if (mode == ModeKind::kExplore && belief.localization != Localization::kLost) {
     bound_features(making, candidates);
   }
-  for (const Candidate& c : candidates) making.seeds.push_back({c.name, c.z});
+  for (const Candidate& c : candidates) making.seeds.push_back({c.name, c.z, c.stops});
   plan.features_weight = specification.weights.visible_features;
   plan.seeds_scored = static_cast<int>(candidates.size());
   plan.counters.cost_evaluations = plan.seeds_scored;

@@ -185,6 +185,10 @@ std::function<double(const Pose&)> towards(const Eigen::Vector2d& point) {
   };
 }
 
+Seed stop_seed(const Problem& problem) {
+  return {"stop", roll(problem, [](double, const Pose&) { return Twist{}; }), true};
+}
+
 }  // namespace
 
 std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context) {
@@ -227,7 +231,7 @@ std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context)
     add("follow backwards", laws.back_off(1.0));
     add("follow backwards slowly", laws.back_off(0.4));
   }
-  add("stop", laws.constant(0.0, 0.0));
+  seeds.push_back(stop_seed(problem));
   return seeds;
 }
 
@@ -264,7 +268,7 @@ std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext&
   } else {
     add("turn around", laws.constant(0.0, 1.0));
   }
-  add("stop", laws.constant(0.0, 0.0));
+  seeds.push_back(stop_seed(problem));
   return seeds;
 }
 
@@ -285,13 +289,11 @@ std::vector<Seed> make_arrival_seeds(const Problem& problem, const SeedContext& 
     add("arrive: along the way", laws.pursue(path, 0.3, 0.2));
     add("arrive: turn", laws.turn_then_go([yaw](const Pose&) { return yaw; }, 0.0));
   }
-  add("stop", laws.constant(0.0, 0.0));
+  seeds.push_back(stop_seed(problem));
   return seeds;
 }
 
-std::vector<Seed> make_stop_seeds(const Problem& problem) {
-  return {{"stop", roll(problem, [](double, const Pose&) { return Twist{}; })}};
-}
+std::vector<Seed> make_stop_seeds(const Problem& problem) { return {stop_seed(problem)}; }
 
 std::vector<Seed> make_seeds(const Problem& problem, SeedContext context, ModePolicy::Seeds wanted,
                              double there) {

@@ -18,6 +18,7 @@ namespace prospect {
 struct Seed {
   std::string name;
   Eigen::VectorXd z;
+  bool stops = false;  ///< it brakes, and nothing else
 };
 
 struct SeedContext {
@@ -47,7 +48,7 @@ struct SeedContext {
 /// room to stop within what is known to be free, a step later: v <= a (sqrt(dt^2 + 2 d / a) - dt),
 /// d the way ahead, on the arc, on which the clearance is more than the margin, a the largest
 /// deceleration. A faster one would be infeasible wherever little is known, and nothing would be
-/// left to begin with but standing. In a fixed order; "stop" is always among them.
+/// left to begin with but standing. In a fixed order; one that stops is always among them.
 /// Deterministic. Thread-safety: no state. Source: formulation, section 8; the steering laws are
 /// our choice.
 std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context);

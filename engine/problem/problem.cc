@@ -597,8 +597,12 @@ Explanation Problem::explain(const Eigen::Ref<const Eigen::VectorXd>& z) const {
   for (std::size_t i = 0; i < definition_.terms.size(); ++i) {
     const auto& [term, weight] = definition_.terms[i];
     const TermTraits traits = term->traits();
-    TermValue v{std::string(term->name()), traits.unit, 0.0, 0.0,
-                traits.kind == TermKind::kConstraint};
+    TermValue v{std::string(term->name()),
+                traits.unit,
+                0.0,
+                0.0,
+                traits.kind == TermKind::kConstraint,
+                traits.quantity};
     const BatchArray& value = workspace.impl_->batch(1).outputs[i].value;
     v.raw = value.size() > 0 ? value.minCoeff() : 0.0;
     v.weighted = v.constraint ? 0.0 : weight * v.raw;

@@ -18,6 +18,7 @@ struct TermValue {
   double raw = 0.0;       ///< cost: the term's value; constraint: its smallest row
   double weighted = 0.0;  ///< contribution to the objective; 0 for constraints
   bool constraint = false;
+  TermQuantity quantity = TermQuantity::kOther;
 };
 
 struct Explanation {

@@ -19,6 +19,12 @@ enum class TermKind {
   kConstraint  ///< rows() values a candidate, feasible where all are >= 0
 };
 
+/// What a term's raw value measures, for whoever looks for a quantity and not for a name.
+enum class TermQuantity {
+  kOther,
+  kClearance  ///< the smallest distance from the robot to an obstacle, above d_safe
+};
+
 struct TermTraits {
   TermKind kind = TermKind::kCost;
   Smoothness smoothness = Smoothness::kSmooth;
@@ -26,6 +32,7 @@ struct TermTraits {
   std::string unit;           ///< of the raw value, e.g. "m^2", "-"
   std::string normalisation;  ///< what makes it O(1), e.g. "mean over stages"
   bool scores = false;        ///< costs: makes use of TermRequest::score
+  TermQuantity quantity = TermQuantity::kOther;
 };
 
 /// Scratch that a term needs to evaluate without allocating. Owned by a Workspace; a term is const.

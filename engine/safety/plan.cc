@@ -50,6 +50,25 @@ std::string_view to_string(PlanFault fault) {
   return "?";
 }
 
+std::string to_string(const Verdict& verdict) {
+  switch (verdict.kind) {
+    case Verdict::Kind::kNotTried:
+      return "not tried";
+    case Verdict::Kind::kExecuted:
+      return "executed";
+    case Verdict::Kind::kRefused:
+      return verdict.why;
+  }
+  return "?";
+}
+
+Verdict verdict_named(const std::string& text) {
+  for (const Verdict::Kind kind : {Verdict::Kind::kNotTried, Verdict::Kind::kExecuted}) {
+    if (text == to_string(Verdict{kind})) return {kind};
+  }
+  return {Verdict::Kind::kRefused, text};
+}
+
 std::string_view to_string(PlanPhase phase) {
   switch (phase) {
     case PlanPhase::kBefore:

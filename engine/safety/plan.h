@@ -46,14 +46,26 @@ struct PlanTimes {
   double total = 0.0;
 };
 
+/// What became of a candidate.
+struct Verdict {
+  enum class Kind { kNotTried, kExecuted, kRefused };
+  Kind kind = Kind::kNotTried;
+  std::string why{};  ///< if refused: what the certificate said
+};
+
+/// "not tried", "executed", or why it was refused.
+std::string to_string(const Verdict& verdict);
+/// What to_string() gives of it.
+Verdict verdict_named(const std::string& text);
+
 /// One of the best candidates of a planning step, and what became of it.
 struct PlanCandidate {
   std::string name;       ///< of the seed
   bool polished = false;  ///< by the solver
   double cost = 0.0;      ///< its lower bound, if only scored
   double violation = 0.0;
-  Eigen::VectorXd z;    ///< the problem's variables
-  std::string verdict;  ///< "executed", "not tried", or why the certificate refused it
+  Eigen::VectorXd z;  ///< the problem's variables
+  Verdict verdict;
 };
 
 /// Where in a plan a time lies.

@@ -156,7 +156,8 @@ std::shared_ptr<const Term> unknown_space_constraint(UnknownPolicy policy,
       // The border of the known is no wall: a robot may stand half in it, as it does at the start.
       const double floor = std::min(d_safe, -known->largest_radius());
       return std::make_shared<ClearanceConstraint>(
-          std::move(known), ClearanceConstraint::Options{d_safe, floor, 0.005, "known_space"});
+          std::move(known),
+          ClearanceConstraint::Options{d_safe, floor, 0.005, "known_space", TermQuantity::kOther});
     }
     case UnknownPolicy::kBraking:
       return std::make_shared<BrakingConstraint>(std::move(known),

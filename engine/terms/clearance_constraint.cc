@@ -43,7 +43,7 @@ ClearanceConstraint::ClearanceConstraint(std::shared_ptr<const BodyClearance> cl
 }
 
 TermTraits ClearanceConstraint::traits() const {
-  return {TermKind::kConstraint, Smoothness::kC1, true, "m", "none"};
+  return {TermKind::kConstraint, Smoothness::kC1, true, "m", "none", false, options_.quantity};
 }
 
 std::vector<JacobianBlock> ClearanceConstraint::jacobian_pattern(const Horizon& horizon) const {

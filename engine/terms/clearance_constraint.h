@@ -32,6 +32,7 @@ class ClearanceConstraint final : public Term {
     double floor = 0.01;   ///< [m], <= d_safe
     double slack = 0.005;  ///< [m], >= 0
     std::string name = "clearance";
+    TermQuantity quantity = TermQuantity::kClearance;
   };
 
   /// Throws std::invalid_argument for options out of range, or a clearance that saturates at or

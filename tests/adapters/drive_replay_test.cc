@@ -127,8 +127,8 @@ TEST_F(DriveReplayTest, TheSameCallsMakeTheSamePlans) {
   EXPECT_EQ(made.difference.step, -1) << made.difference.what;
   EXPECT_EQ(made.missing, "");
   ASSERT_EQ(made.replay.steps.size(), std::size_t{kSteps});
-  EXPECT_EQ(made.replay.steps[1].other.task, "explore");
-  EXPECT_EQ(made.replay.steps[2].other.task, "go to");
+  EXPECT_EQ(made.replay.steps[1].other.task, TaskKind::kExplore);
+  EXPECT_EQ(made.replay.steps[2].other.task, TaskKind::kGoTo);
 }
 
 TEST_F(DriveReplayTest, APlanThatRestsOnOtherThingsDiffers) {

@@ -18,6 +18,7 @@
 #include "adapters/files/csv.h"
 #include "adapters/run/exploration_run.h"
 #include "adapters/worlds/load_world.h"
+#include "engine/support/named.h"
 #include "models/range_text.h"
 
 namespace prospect::mission_history_test {
@@ -71,9 +72,10 @@ std::string history(const Told& told) {
     rows += std::to_string(s.step) + ',' + exact_text(s.estimated_pose.position.x()) + ',' +
             exact_text(s.estimated_pose.position.y()) + ',' + exact_text(s.estimated_pose.yaw) +
             ',' + exact_text(s.command.linear.x()) + ',' + exact_text(s.command.yaw_rate) + ',' +
-            exact_text(s.explanation.cost) + ',' + csv::field(s.seed) + ',' + s.localization + ',' +
-            std::to_string(s.tracked_features) + ',' + s.mode + ',' + s.cause + ',' +
-            exact_text(s.mode_since) + ',' + s.caution + ',' + s.target_change + ',';
+            exact_text(s.explanation.cost) + ',' + csv::field(s.seed) + ',' +
+            name_of(s.localization) + ',' + std::to_string(s.tracked_features) + ',' +
+            name_of(s.mode) + ',' + name_of(s.cause) + ',' + exact_text(s.mode_since) + ',' +
+            name_of(s.caution) + ',' + name_of(s.target_change) + ',';
     if (s.target) {
       rows += exact_text(s.target->viewpoint.x()) + ',' + exact_text(s.target->viewpoint.y());
     } else {

@@ -20,7 +20,7 @@ StepRecord step(double time, double coverage, double error, double predicted, in
   s.predicted_features = predicted;
   s.tracked_features = tracked;
   s.path_length = 2.0 * time;
-  s.plan_kind = "optimised";
+  s.plan_kind = PlanKind::kOptimised;
   return s;
 }
 
@@ -30,7 +30,7 @@ TEST(MissionNumbers, MeasuresTheSteps) {
       step(3.0, 0.85, 0.3, 999.0, 5),  // predicted 20: e = 15 / 20, not / 5
       step(4.0, 0.9, 0.1, 70.0, 100),  // after a stopping tail: no prediction
   };
-  steps[2].plan_kind = "stopping tail";
+  steps[2].plan_kind = PlanKind::kStoppingTail;
   steps[0].weights = {{"visible_features", 8.0, 1.5}, {"exploration_gain", -1.0, -1.0}};
   steps[1].weights = {{"visible_features", 8.0, 8.0}, {"exploration_gain", -1.0, 0.0}};
   Summary summary = summarize(steps);

@@ -19,9 +19,9 @@ StepRecord step() {
   s.coverage = 0.632;
   s.path_length = 31.42;
   s.localization_error = 0.084;
-  s.localization = "ok";
+  s.localization = Localization::kOk;
   s.tracked_features = 87;
-  s.plan_kind = "optimised";
+  s.plan_kind = PlanKind::kOptimised;
   s.wall.plan = 41.4;
   return s;
 }
@@ -53,7 +53,7 @@ TEST(ProgressLine, SaysWhatIsGoingOn) {
 
 TEST(ProgressLine, SaysWhatTheRobotDoesAndWhereItGoes) {
   StepRecord s = step();
-  s.mode = "explore";
+  s.mode = ModeKind::kExplore;
   s.target.emplace().way_left = 3.21;
   std::ostringstream out;
   ProgressLine(out, true, false, 200).show(s, "ipopt", 0.0);
@@ -85,11 +85,12 @@ TEST(ProgressLine, ShowsADashWhereThereIsNoNumber) {
 TEST(ProgressLine, WarnsOfARetreat) {
   StepRecord s = step();
   s.target.emplace().way_left = 3.21;
-  for (const char* mode : {"explore", "retreat"}) {
+  for (const ModeKind mode : {ModeKind::kExplore, ModeKind::kRetreat}) {
     s.mode = mode;
     std::ostringstream out;
     ProgressLine(out, true, true, 200).show(s, "ipopt", 0.0);
-    EXPECT_EQ(out.str().find("\033[33m   retreat") != std::string::npos, s.mode == "retreat");
+    EXPECT_EQ(out.str().find("\033[33m   retreat") != std::string::npos,
+              mode == ModeKind::kRetreat);
   }
 }
 
@@ -150,8 +151,8 @@ TEST(ProgressLine, FinishesNothingThatWasNotBegun) {
 
 TEST(ProgressLine, ColoursOnlyWhereAsked) {
   StepRecord s = step();
-  s.localization = "degraded";
-  s.plan_kind = "stopping tail";
+  s.localization = Localization::kDegraded;
+  s.plan_kind = PlanKind::kStoppingTail;
   std::ostringstream plain, colored;
   ProgressLine(plain, true, false, 200).show(s, "ipopt", 0.0);
   ProgressLine(colored, true, true, 200).show(s, "ipopt", 0.0);
@@ -164,10 +165,10 @@ TEST(ProgressLine, ColoursOnlyWhereAsked) {
 
 TEST(ProgressLine, NeverWraps) {
   StepRecord s = step();
-  s.localization = "lost";
-  s.plan_kind = "stopping tail";
+  s.localization = Localization::kLost;
+  s.plan_kind = PlanKind::kStoppingTail;
   s.coverage = 1.0;
-  s.mode = "turn on the spot";
+  s.mode = ModeKind::kTurnOnTheSpot;
   s.target.emplace().way_left = 12.3;
   for (int width = 1; width < 180; ++width) {
     std::ostringstream out;
@@ -180,7 +181,7 @@ TEST(ProgressLine, TakesNumbersThatAreNone) {
   std::ostringstream out;
   ProgressLine line(out, true, false, 200);
   StepRecord s = step();
-  s.mode = "explore";
+  s.mode = ModeKind::kExplore;
   s.target.emplace();
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e308, -1.0, 7.0}) {
     s.coverage = s.localization_error = s.wall.plan = s.path_length = bad;

@@ -9,6 +9,7 @@
 #include <set>
 #include <string>
 
+#include "engine/support/named.h"
 #include "tests/adapters/synthetic_run.h"
 
 namespace prospect::report_test {
@@ -96,7 +97,7 @@ TEST(Report, TextCannotBreakOutOfItsPlace) {
   run.steps[1].certificate = hostile;
   run.steps[1].explanation.terms[0].name = hostile;
   run.steps[1].why = hostile;
-  run.steps[1].candidates[0].verdict = hostile;
+  run.steps[1].candidates[0].verdict = {Verdict::Kind::kRefused, hostile};
   const std::string html = render_report(run);
   EXPECT_EQ(count(html, "</script"), 3);
   EXPECT_EQ(count(html, "alert(1)"), 8) << "title, heading and six strings of the data";
@@ -219,15 +220,15 @@ TEST(Report, HoldsTheRun) {
   // Cost terms weighted, the constraint left out.
   ASSERT_EQ(json["terms"].size(), 6U);
   EXPECT_EQ(json["terms"][3]["name"], "cost_to_go");
-  Reader cost_to_go(json["terms"][3]["values"]), tracked(json["columns"]["tracked"]);
-  Reader kind(json["words"]["plan"]["steps"]);
-  Reader asked(json["terms"][3]["asked"]), weights(json["terms"][3]["weights"]);
+  Reader cost_to_go(json["terms"][3]["weighted"]), tracked(json["columns"]["tracked_features"]);
+  Reader kind(json["words"]["plan_kind"]["steps"]);
+  Reader asked(json["terms"][3]["weight_asked"]), weights(json["terms"][3]["weight"]);
   for (const StepRecord& s : run.steps) {
     EXPECT_EQ(asked.number(), static_cast<float>(1.5));
     EXPECT_EQ(weights.number(), static_cast<float>(0.25 * s.step));
     EXPECT_EQ(cost_to_go.number(), static_cast<float>(s.explanation.terms[3].weighted));
     EXPECT_EQ(tracked.number(), static_cast<float>(s.tracked_features));
-    EXPECT_EQ(json["words"]["plan"]["words"][kind.varint()], s.plan_kind);
+    EXPECT_EQ(json["words"]["plan_kind"]["words"][kind.varint()], name_of(s.plan_kind));
   }
 }
 
@@ -242,16 +243,17 @@ TEST(Report, HoldsWhatTheRobotDidAndWhy) {
 
   const auto& c = json["candidates"];
   ASSERT_EQ(c["terms"].size(), 6U) << "costs only";
-  Reader steps(c["steps"]), values(c["values"]), way_left(json["columns"]["way_left"]);
+  Reader steps(c["steps"]), values(c["values"]), way_left(json["columns"]["way_left"]),
+      scored(json["columns"]["seeds_scored"]);
   std::map<std::string, Reader> words;
   for (const char* name : {"mode", "cause", "caution", "target_change", "why"}) {
     words.emplace(name, Reader(json["words"][name]["steps"]));
   }
   for (const StepRecord& s : run.steps) {
-    const std::map<std::string, std::string> said = {{"mode", s.mode},
-                                                     {"cause", s.cause},
-                                                     {"caution", s.caution},
-                                                     {"target_change", s.target_change},
+    const std::map<std::string, std::string> said = {{"mode", name_of(s.mode)},
+                                                     {"cause", name_of(s.cause)},
+                                                     {"caution", name_of(s.caution)},
+                                                     {"target_change", name_of(s.target_change)},
                                                      {"why", s.why}};
     for (auto& [name, reader] : words) {
       EXPECT_EQ(json["words"][name]["words"][reader.varint()], said.at(name));
@@ -262,11 +264,11 @@ TEST(Report, HoldsWhatTheRobotDidAndWhy) {
     } else {
       EXPECT_TRUE(std::isnan(way));
     }
-    EXPECT_EQ(steps.varint(), static_cast<std::uint64_t>(s.seeds_scored));
+    EXPECT_EQ(scored.number(), static_cast<float>(s.seeds_scored));
     ASSERT_EQ(steps.varint(), s.candidates.size());
     for (const CandidateRecord& candidate : s.candidates) {
       EXPECT_EQ(c["names"][steps.varint()], candidate.name);
-      EXPECT_EQ(c["verdicts"][steps.varint()], candidate.verdict);
+      EXPECT_EQ(c["verdicts"][steps.varint()], to_string(candidate.verdict));
       EXPECT_EQ(steps.varint(), candidate.polished ? 1U : 0U);
       const bool cut = s.step == 60 && &candidate == &s.candidates[1];
       ASSERT_EQ(steps.varint(), cut ? 3U : candidate.path.size());
@@ -309,8 +311,8 @@ TEST(Report, HoldsWhatTheRobotWasTold) {
   run.zones.bound = Polygon{{0, 0}, {24, 0}, {24, 16}, {0, 16}};
   run.zones.keep_out = {{{1.111, 2}, {3, 2}, {3, 4}}};
   run.zones.slow = {{{{5, 5}, {6, 5}, {6, 6}}, 0.25}};
-  for (StepRecord& s : run.steps) s.task = "explore";
-  run.steps[4].task = "go to";
+  for (StepRecord& s : run.steps) s.task = TaskKind::kExplore;
+  run.steps[4].task = TaskKind::kGoTo;
   run.steps[4].goal = Eigen::Vector2d(7.5, 8.0);
   const nlohmann::json json = data(render_report(run));
   EXPECT_EQ(json["zones"]["bound"].size(), 4u);

@@ -116,14 +116,14 @@ StepRecord plain_step() {
   s.true_pose = {{1.25, -2.0, 0.0}, 0.1};
   s.estimated_pose = {{1.5, -2.5, 0.125}, M_PI};
   s.command = {{0.4, 0.0, 0.0}, -0.3};
-  s.plan_kind = "optimised";
+  s.plan_kind = PlanKind::kOptimised;
   s.seed = "tail";
   s.explanation = {
       7.5, 0.0, {{"control_effort", "", 2.0, 4.0, false}, {"clearance", "m", 0.1, 0.0, true}}};
   s.weights = {{"control_effort", 2.5, 2.0}};
   s.predicted_features = 41.5;
   s.tracked_features = 39;
-  s.localization = "ok";
+  s.localization = Localization::kOk;
   s.coverage = 0.25;
   s.area = 12.5;
   s.localization_error = 0.0625;
@@ -131,27 +131,27 @@ StepRecord plain_step() {
   s.clearance = 0.3;
   s.cost_evaluations = 90;
   s.gradient_evaluations = 30;
-  s.stop_reason = "converged";
-  s.quality = "feasible optimum";
+  s.stop_reason = StopReason::kConverged;
+  s.quality = Quality::kFeasibleOptimum;
   s.certified = true;
   s.certificate = "clear, 0.21 m \"or more\"\nall along";
   s.active_frontiers = 2;
   s.guard_stops = 1;
-  s.guard_reason = "map";
-  s.mode = "approach";
-  s.cause = "no progress";
+  s.guard_reason = GuardReason::kMap;
+  s.mode = ModeKind::kApproach;
+  s.cause = Cause::kNoProgress;
   s.mode_since = 1.25;
-  s.caution = "normal";
-  s.target_change = "seen";
-  s.task = "go to";
+  s.caution = Caution::kNormal;
+  s.target_change = TargetChange::kSeen;
+  s.task = TaskKind::kGoTo;
   s.goal = Eigen::Vector2d(4.5, -0.25);
   s.why = "Approaches, since nothing else helped.";
   s.target = TargetRecord{{2.0, -1.5}, {3.5, -1.0}, 0.75, 0.25, 1.125};
   s.seeds_scored = 26;
   s.features_weight = 1.5;
-  s.candidates = {{"arc", false, "would touch", {1.25, 0.0, {}}, {}},
-                  {"tail", true, "executed", {7.5, 0.0, {}}, {}},
-                  {"turn", false, "not tried", {8.0, 0.0, {}}, {}}};
+  s.candidates = {{"arc", false, {Verdict::Kind::kRefused, "would touch"}, {1.25, 0.0, {}}, {}},
+                  {"tail", true, {Verdict::Kind::kExecuted}, {7.5, 0.0, {}}, {}},
+                  {"turn", false, {}, {8.0, 0.0, {}}, {}}};
   return s;
 }
 

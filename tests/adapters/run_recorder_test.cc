@@ -55,6 +55,24 @@ TEST(RunRecorder, OfALongRunOnlySomeStepsHoldMemoryForTheirPlans) {
   }
 }
 
+// A term of a user may have any name.
+TEST(RunRecorder, TheClearanceIsThatOfTheTermThatMeasuresIt) {
+  Configuration configuration = read_configuration("");
+  configuration.planner.d_safe = 0.0625;
+  const ExplorationRunOptions options;
+  RunRecorder recorder(configuration, options, nullptr);
+  Belief belief;
+  belief.ground = std::make_shared<const GroundMap>(GridFrame{0.1, 0, 0, 10, 10});
+  Plan plan;
+  plan.explanation.terms = {{"to walls", "m", 0.25, 0.0, true, TermQuantity::kClearance},
+                            {"clearance", "m", 7.0, 7.0, false}};
+  MissionStep step;
+  step.belief = &belief;
+  step.plan = &plan;
+  recorder.add(step, {});
+  EXPECT_EQ(recorder.finish({}, "a world", {}, nullptr).steps[0].clearance, 0.3125);
+}
+
 // The belief's two maps differ, which a step meets after it has chosen its landmarks.
 TEST(RunRecorder, AStepThatFailsOnTheWayIsRecordedAsOneThatMadeNothing) {
   const Configuration configuration = read_configuration("");

@@ -28,7 +28,7 @@ StepRecord step() {
   s.coverage = std::numeric_limits<double>::quiet_NaN();
   s.clearance = std::numeric_limits<double>::infinity();
   s.guard_stops = 2;
-  s.guard_reason = "map";
+  s.guard_reason = GuardReason::kMap;
   s.wall.polish = 1.0 / 3.0;
   s.weights = {{"visible_features", 8.0, 1.0625}, {"exploration_gain", -1.0, 0.0}};
   s.explanation.terms.push_back({"clearance", "m", 0.125, 0.0, true});
@@ -54,7 +54,7 @@ TEST(StepMessages, ValuesAreReadBackExactly) {
   EXPECT_TRUE(std::isnan(r.coverage));
   EXPECT_EQ(r.clearance, s.clearance);
   EXPECT_EQ(r.guard_stops, 2);
-  EXPECT_EQ(r.guard_reason, "map");
+  EXPECT_EQ(r.guard_reason, GuardReason::kMap);
   EXPECT_EQ(r.goal, s.goal);
   EXPECT_EQ(r.goal_yaw, s.goal_yaw);
   ASSERT_TRUE(r.target.has_value());
@@ -81,7 +81,7 @@ TEST(StepMessages, ValuesAreReadBackExactly) {
   ASSERT_FALSE(s.candidates.empty());
   for (std::size_t i = 0; i < r.candidates.size(); ++i) {
     EXPECT_EQ(r.candidates[i].name, s.candidates[i].name);
-    EXPECT_EQ(r.candidates[i].verdict, s.candidates[i].verdict);
+    EXPECT_EQ(to_string(r.candidates[i].verdict), to_string(s.candidates[i].verdict));
     EXPECT_EQ(r.candidates[i].polished, s.candidates[i].polished);
     EXPECT_EQ(r.candidates[i].explanation.cost, s.candidates[i].explanation.cost);
   }

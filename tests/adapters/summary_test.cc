@@ -17,7 +17,7 @@ StepRecord step(double time, double coverage, double path, double error, double 
   s.path_length = path;
   s.localization_error = error;
   s.wall.plan = plan_ms;
-  s.plan_kind = "optimised";
+  s.plan_kind = PlanKind::kOptimised;
   return s;
 }
 
@@ -28,7 +28,7 @@ TEST(Summary, ByHand) {
       step(20.0, 0.92, 9.0, 0.4, 50.0),  // 0.90 halfway from the step before
       step(25.0, 0.96, 10.0, 0.0, 20.0),
   };
-  steps[1].plan_kind = "stopping tail";
+  steps[1].plan_kind = PlanKind::kStoppingTail;
   steps[1].guard_stops = 2;
   steps[3].guard_stops = 1;
   steps[3].area = 96.5;

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <random>
 #include <set>
 #include <string>
@@ -82,7 +83,8 @@ inline RunRecord synthetic_run(int steps) {
   double yaw = 0.0, driven = 0.0;
   Eigen::Vector2d drift = Eigen::Vector2d::Zero();
   std::size_t next = 1;
-  std::string mode, cause;
+  std::optional<ModeKind> mode;
+  std::optional<Cause> cause;
   double mode_since = 0.0;
   const int reachable = 31000;
   int seen = 0;
@@ -149,7 +151,7 @@ inline RunRecord synthetic_run(int steps) {
     }
     s.predicted_features = expected;
     s.tracked_features = std::max(0, static_cast<int>(expected + 3.0 * normal(generator)));
-    s.localization = s.tracked_features < 8 ? "degraded" : "ok";
+    s.localization = s.tracked_features < 8 ? Localization::kDegraded : Localization::kOk;
     s.coverage = std::min(1.0, static_cast<double>(seen) / reachable);
     s.area = 0.01 * seen;
     s.localization_error = drift.norm();
@@ -157,10 +159,10 @@ inline RunRecord synthetic_run(int steps) {
     s.clearance = 0.25 + 0.1 * std::sin(0.1 * k);
     s.command.linear.x() = kSpeed;
     s.command.yaw_rate = 0.3 * std::sin(0.2 * k);
-    s.plan_kind = k % 61 == 60 ? "stopping tail" : "optimised";
+    s.plan_kind = k % 61 == 60 ? PlanKind::kStoppingTail : PlanKind::kOptimised;
     s.seed = k % 7 == 0 ? "turn_on_spot" : "cost_to_go_descent";
-    s.stop_reason = k % 3 == 0 ? "deadline" : "converged";
-    s.quality = "feasible";
+    s.stop_reason = k % 3 == 0 ? StopReason::kDeadline : StopReason::kConverged;
+    s.quality = Quality::kFeasible;
     s.certified = k % 61 != 60;
     s.certificate = s.certified ? "free of collision along 81 poses, 0.21 m clear"
                                 : "a pose at 0.9 s would touch an occupied cell; stops before it";
@@ -221,25 +223,27 @@ inline RunRecord synthetic_run(int steps) {
     // What it does and why: it looks around at first, turns back where features are scarce, and
     // goes to the next waypoint.
     {
-      const bool scarce = s.localization != "ok";
-      const std::string now = k < 6         ? "look around"
-                              : scarce      ? "retreat"
-                              : k % 97 > 90 ? "turn on the spot"
-                                            : "explore";
+      const bool scarce = s.localization != Localization::kOk;
+      const ModeKind now = k < 6         ? ModeKind::kLookAround
+                           : scarce      ? ModeKind::kRetreat
+                           : k % 97 > 90 ? ModeKind::kTurnOnTheSpot
+                                         : ModeKind::kExplore;
       if (now != mode && (k < 12 || s.time - mode_since >= 4.0)) {
         mode = now;
         mode_since = s.time;
-        cause = k == 0                       ? "start"
-                : mode == "retreat"          ? "features scarce"
-                : mode == "turn on the spot" ? "no progress"
-                : cause == "features scarce" ? "localization regained"
-                                             : "looked around";
+        cause = k == 0                             ? Cause::kStart
+                : mode == ModeKind::kRetreat       ? Cause::kFeaturesScarce
+                : mode == ModeKind::kTurnOnTheSpot ? Cause::kNoProgress
+                : cause == Cause::kFeaturesScarce  ? Cause::kLocalizationRegained
+                                                   : Cause::kTurned;
       }
       s.mode = mode;
       s.cause = cause;
       s.mode_since = mode_since;
-      s.caution = mode == "retreat" ? "lost" : k % 150 > 130 ? "reduced margin" : "normal";
-      s.target_change = k % 40 == 7 ? "seen" : "";
+      s.caution = mode == ModeKind::kRetreat ? Caution::kLost
+                  : k % 150 > 130            ? Caution::kReduced
+                                             : Caution::kNormal;
+      s.target_change = k % 40 == 7 ? TargetChange::kSeen : TargetChange::kNone;
       TargetRecord target;
       const Eigen::Vector2d goal = way[std::min(next + 1, way.size() - 1)];
       const Eigen::Vector2d after = way[std::min(next + 2, way.size() - 1)];
@@ -249,13 +253,13 @@ inline RunRecord synthetic_run(int steps) {
       target.length = 1.4 + 0.3 * std::sin(0.3 * k);
       target.area = 6.0;
       target.way_left = (target.viewpoint - estimate).norm();
-      if (mode != "look around") s.target = target;
+      if (mode != ModeKind::kLookAround) s.target = target;
       char text[200];
-      if (mode == "retreat") {
+      if (mode == ModeKind::kRetreat) {
         std::snprintf(text, sizeof text,
                       "turns back: %d features in view for %.1f s, 41 were seen at the corner",
                       s.tracked_features, s.time - mode_since);
-      } else if (mode == "look around") {
+      } else if (mode == ModeKind::kLookAround) {
         std::snprintf(text, sizeof text, "looks around before it sets out: %d frontiers so far",
                       s.active_frontiers);
       } else {
@@ -277,10 +281,11 @@ inline RunRecord synthetic_run(int steps) {
           if (!t.constraint) t.weighted *= 1.0 + 0.15 * c * std::sin(1.0 + c + t.weighted);
         }
         candidate.explanation.cost = s.explanation.cost + 0.4 * c;
-        const bool refused = s.plan_kind == "stopping tail";
-        candidate.verdict = refused  ? "a pose at 0.9 s would touch an occupied cell"
-                            : c == 0 ? "executed"
-                                     : "not tried";
+        const bool refused = s.plan_kind == PlanKind::kStoppingTail;
+        candidate.verdict = refused  ? Verdict{Verdict::Kind::kRefused,
+                                              "a pose at 0.9 s would touch an occupied cell"}
+                            : c == 0 ? Verdict{Verdict::Kind::kExecuted}
+                                     : Verdict{};
         for (const Pose& x : s.horizon) {
           const Eigen::Vector2d along = x.position.head<2>() - estimate;
           candidate.path.push_back(

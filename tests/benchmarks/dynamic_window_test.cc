@@ -123,7 +123,7 @@ TEST_F(DynamicWindow, EveryCandidateKeepsTheLimitsAndStopIsAmongThem) {
           dynamic_window(model_, *body_, task_, options_);
       EXPECT_GE(candidates.size(), arrived || escape ? 2U : 60U);
       for (const DriveCandidate& c : candidates) {
-        stop = stop || c.name == "stop";
+        stop = stop || c.stops;
         Eigen::Vector2d previous = task_.u_previous;
         for (Eigen::Index k = 0; k < c.inputs.cols(); ++k) {
           const Eigen::Vector2d u = c.inputs.col(k);

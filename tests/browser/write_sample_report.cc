@@ -6,6 +6,7 @@
 #include <string>
 
 #include "adapters/report/report.h"
+#include "engine/support/named.h"
 #include "tests/adapters/synthetic_run.h"
 
 int main(int argc, char** argv) {
@@ -20,7 +21,11 @@ int main(int argc, char** argv) {
   prospect::RunRecord run = prospect::synthetic_run(n);
   if (argc == 4) {
     for (prospect::StepRecord& s : run.steps) {
-      s.mode = s.cause = s.caution = s.target_change = s.why = "";
+      s.mode.reset();
+      s.cause.reset();
+      s.caution.reset();
+      s.target_change.reset();
+      s.why.clear();
       s.target.reset();
       s.candidates.clear();
       s.cost_to_go.reset();
@@ -51,12 +56,13 @@ int main(int argc, char** argv) {
                   s.frontier_cells.size(), s.landmarks.size(), s.horizon.size(), s.time, picture,
                   picture / 20 + 1);
     expected << line << '\n';
-    expected << "why " << k << ' ' << s.mode << ": " << s.why << '\n';
+    expected << "why " << k << ' ' << prospect::name_of(s.mode) << ": " << s.why << '\n';
     char target[32] = "none";
     if (s.target) std::snprintf(target, sizeof target, "%.2f", s.target->way_left);
-    const auto executed =
-        std::count_if(s.candidates.begin(), s.candidates.end(),
-                      [](const prospect::CandidateRecord& c) { return c.verdict == "executed"; });
+    const auto executed = std::count_if(
+        s.candidates.begin(), s.candidates.end(), [](const prospect::CandidateRecord& c) {
+          return c.verdict.kind == prospect::Verdict::Kind::kExecuted;
+        });
     expected << "seen at " << k << ": target " << target << " candidates " << s.candidates.size()
              << " executed " << executed << '\n';
   }

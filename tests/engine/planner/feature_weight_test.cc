@@ -63,13 +63,14 @@ TEST(FeatureWeight, IsTheLargestWithWhichGoingOnIsBetter) {
 
 TEST(FeatureWeight, OfScoredCandidatesCountsTheFeasibleOnesAgainstStopping) {
   const double most = 2.0;
-  const auto scored = [&](const char* name, double others, double features, double violation) {
-    Candidate c{name, {}, others + most * features, violation};
+  const auto scored = [&](bool stops, double others, double features, double violation) {
+    Candidate c{"seed", {}, others + most * features, violation};
     c.features = features;
+    c.stops = stops;
     return c;
   };
-  const std::vector<Candidate> all{scored("stop", 0.0, 0.1, 0.0), scored("on", -1.1, 1.0, 0.0),
-                                   scored("through a wall", -9.0, 0.0, 0.2)};
+  const std::vector<Candidate> all{scored(true, 0.0, 0.1, 0.0), scored(false, -1.1, 1.0, 0.0),
+                                   scored(false, -9.0, 0.0, 0.2)};
   EXPECT_NEAR(feature_weight(all, most), feature_weight({{0.0, 0.1}, {-1.1, 1.0}}, 0.0, most),
               1e-12);
   EXPECT_EQ(feature_weight({all[1], all[2]}, most), most) << "nothing to compare with";

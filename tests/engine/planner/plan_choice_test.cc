@@ -24,7 +24,8 @@ class PlanChoice : public ::testing::Test {
     const Problem& problem = *scene_.problem;
     fast_ = {"fast", problem.upper(), 1.0, 0.0};
     for (Eigen::Index i = 1; i < fast_.z.size(); i += 2) fast_.z[i] = 0.0;
-    for (const Seed& seed : make_stop_seeds(problem)) stop_ = {seed.name, seed.z, 5.0, 0.0};
+    for (const Seed& seed : make_stop_seeds(problem))
+      stop_ = {seed.name, seed.z, 5.0, 0.0, {}, 0.0, 0.0, seed.stops};
   }
   bool choose(const std::vector<Candidate>& candidates, int committed, Plan& plan) {
     return choose_certified(candidates,
@@ -54,15 +55,15 @@ TEST_F(PlanChoice, TheFirstCertifiedOneBecomesThePlan) {
   EXPECT_EQ(plan.visible.size(), 21U);
   EXPECT_FALSE(plan.explanation.terms.empty());
   ASSERT_EQ(plan.candidates.size(), 2U);
-  EXPECT_NE(plan.candidates[0].verdict, "executed");
-  EXPECT_EQ(plan.candidates[1].verdict, "executed");
+  EXPECT_NE(plan.candidates[0].verdict.kind, Verdict::Kind::kExecuted);
+  EXPECT_EQ(plan.candidates[1].verdict.kind, Verdict::Kind::kExecuted);
 }
 
 TEST_F(PlanChoice, WhatComesAfterItIsNotTried) {
   Plan plan;
   ASSERT_TRUE(choose({stop_, fast_}, 2, plan));
   ASSERT_EQ(plan.candidates.size(), 2U);
-  EXPECT_EQ(plan.candidates[1].verdict, "not tried");
+  EXPECT_EQ(plan.candidates[1].verdict.kind, Verdict::Kind::kNotTried);
 }
 
 TEST_F(PlanChoice, TenAreTriedAndStoppingWhateverItsRank) {
@@ -76,9 +77,7 @@ TEST_F(PlanChoice, TenAreTriedAndStoppingWhateverItsRank) {
   plan = {};
   EXPECT_TRUE(choose(candidates, 20, plan));
   EXPECT_EQ(plan.seed, "stop");
-  Candidate other = stop_;
-  other.name = "other";
-  candidates.back() = other;
+  candidates.back().stops = false;  // its name says nothing
   plan = {};
   EXPECT_FALSE(choose(candidates, 20, plan)) << "the eleventh and later ones";
 }
@@ -89,8 +88,8 @@ TEST_F(PlanChoice, OnceItIsLateOneIsTriedAndTheStop) {
   ASSERT_TRUE(choose({fast_, fast_, stop_}, 20, plan));
   EXPECT_EQ(plan.seed, "stop");
   ASSERT_EQ(plan.candidates.size(), 3u);
-  EXPECT_NE(plan.candidates[0].verdict, "not tried");
-  EXPECT_EQ(plan.candidates[1].verdict, "not tried");
+  EXPECT_NE(plan.candidates[0].verdict.kind, Verdict::Kind::kNotTried);
+  EXPECT_EQ(plan.candidates[1].verdict.kind, Verdict::Kind::kNotTried);
   Plan first;
   ASSERT_TRUE(choose({stop_, fast_}, 20, first));
   EXPECT_EQ(first.seed, "stop");

@@ -1276,7 +1276,7 @@ TEST_F(PlannerTest, SaysWhichCandidatesThereWere) {
   ASSERT_LE(plan.candidates.size(), 6u);
   int executed = 0;
   for (const PlanCandidate& c : plan.candidates) {
-    if (c.verdict != "executed") continue;
+    if (c.verdict.kind != Verdict::Kind::kExecuted) continue;
     ++executed;
     EXPECT_EQ(c.name, plan.seed);
     EXPECT_NEAR(c.cost, plan.explanation.cost, 1e-9);

@@ -101,7 +101,7 @@ TEST_P(Seeds, KeepBoundsRatesAndSpeedsForEveryModelAndBlocking) {
     bool stops = false, previous = false;
     for (const Seed& seed : make_seeds(p, context)) {
       expect_admissible(p, seed);
-      stops = stops || seed.name == "stop";
+      stops = stops || seed.stops;
       previous = previous || seed.name == "previous";
     }
     EXPECT_TRUE(stops);
@@ -109,7 +109,7 @@ TEST_P(Seeds, KeepBoundsRatesAndSpeedsForEveryModelAndBlocking) {
     stops = false;
     for (const Seed& seed : make_approach_seeds(p, context)) {
       expect_admissible(p, seed);
-      stops = stops || seed.name == "stop";
+      stops = stops || seed.stops;
     }
     EXPECT_TRUE(stops);
   }
@@ -122,7 +122,7 @@ TEST_P(Seeds, StopEndsAtRest) {
     SeedContext context;
     context.cost_to_go = &cost_to_go;
     const std::vector<Seed> seeds = make_seeds(p, context);
-    ASSERT_EQ(seeds.back().name, "stop");
+    ASSERT_TRUE(seeds.back().stops);
     const TrajectoryBatch t = p.rollout(seeds.back().z);
     const Eigen::VectorXd x = t.states.col(0).tail(model_->nx()).matrix();
     const Eigen::VectorXd u = t.inputs.col(0).tail(model_->nu()).matrix();
