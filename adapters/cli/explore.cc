@@ -303,15 +303,8 @@ void set_gazebo_address(Configuration& configuration) {
   override_entry(configuration, "gazebo.port", std::to_string(address.port));
 }
 
-}  // namespace
-
-void tell_left_out(const World& world) {
-  if (world.left_out.empty()) return;
-  std::cerr << "prospect: " << world.name << ": read without: " << world.left_out.text() << '\n';
-}
-
-int mission(const ExploreArguments& arguments, const Registries& registries,
-            const MissionBase& base) {
+/// The configuration with what the command line says above it.
+Configuration configuration_of(const ExploreArguments& arguments, const Registries& registries) {
   Configuration configuration =
       read_configuration(arguments.configuration, registries, arguments.settings);
   if (!arguments.solver.empty()) {
@@ -336,6 +329,33 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     configuration.map = arguments.map;
     override_entry(configuration, "simulator.map", arguments.map);
   }
+  return configuration;
+}
+
+}  // namespace
+
+void tell_left_out(const World& world) {
+  if (world.left_out.empty()) return;
+  std::cerr << "prospect: " << world.name << ": read without: " << world.left_out.text() << '\n';
+}
+
+namespace {
+
+std::shared_ptr<const World> loaded_world(const std::string& name,
+                                          const Configuration& configuration, Progress& progress) {
+  WorldOptions options = world_options_for(configuration);
+  options.progress = [&](const std::string& what) { progress.show(what); };
+  auto world = std::make_shared<const World>(load_world(name, options));
+  progress.finish();
+  tell_left_out(*world);
+  return world;
+}
+
+}  // namespace
+
+int mission(const ExploreArguments& arguments, const Registries& registries,
+            const MissionBase& base) {
+  Configuration configuration = configuration_of(arguments, registries);
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
   set_world(arguments.reading, configuration);
   if (base.gazebo) set_gazebo_address(configuration);
@@ -347,13 +367,7 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   }
   Progress progress(arguments.quiet);
   std::shared_ptr<const World> world;
-  if (!unknown_world) {
-    WorldOptions world_options = world_options_for(configuration);
-    world_options.progress = [&](const std::string& what) { progress.show(what); };
-    world = std::make_shared<const World>(load_world(arguments.world, world_options));
-    progress.finish();
-    tell_left_out(*world);
-  }
+  if (!unknown_world) world = loaded_world(arguments.world, configuration, progress);
 
   ExplorationRunOptions options;
   options.seed = arguments.seed;
