@@ -101,6 +101,133 @@ struct Pairs {
   }
 };
 
+using RowsByKey =
+    std::map<std::tuple<std::string, std::string, std::uint64_t>, const ComparisonRow*>;
+
+void tell_means(const RowsByKey& by_key, const std::vector<std::string>& maps,
+                const std::vector<std::string>& planners, std::ostream& out) {
+  out << "Means over the seeds. In brackets: how many missions reached that level, where not all "
+         "did; the mean is over those. Collisions, losses of localization and fallbacks: sums.\n\n"
+      << "| map (m2) | planner | missions | coverage % | time to 90 / 95 / 99 % [s] | path to 90 / "
+         "95 / 99 % [m] | end [s] | collisions | losses | error RMS / final [m] | replanning p50 / "
+         "p95 [ms] | fallbacks |\n"
+      << "|-|-|-|-|-|-|-|-|-|-|-|-|\n";
+  for (const std::string& map : maps) {
+    for (const std::string& planner : planners) {
+      std::vector<const ComparisonRow*> group;
+      for (const auto& [key, row] : by_key) {
+        if (std::get<0>(key) == map && std::get<1>(key) == planner) group.push_back(row);
+      }
+      if (group.empty()) continue;
+      Mean area, coverage;
+      int failed = 0;
+      for (const ComparisonRow* row : group) {
+        area.add(row->reachable_area_m2);
+        coverage.add(100.0 * row->coverage);
+        failed += row->failed();
+      }
+      out << "| " << map << (area.count > 0 ? format(" (%.0f)", area.value()) : "") << " | "
+          << planner << " | " << group.size();
+      if (failed > 0) out << ", " << failed << " failed";
+      out << " | " << (coverage.count > 0 ? format("%.1f", coverage.value()) : "-") << " | "
+          << cell(group, &ComparisonRow::time_to_90_s) << " / "
+          << cell(group, &ComparisonRow::time_to_95_s) << " / "
+          << cell(group, &ComparisonRow::time_to_99_s) << " | "
+          << cell(group, &ComparisonRow::path_to_90_m) << " / "
+          << cell(group, &ComparisonRow::path_to_95_m) << " / "
+          << cell(group, &ComparisonRow::path_to_99_m) << " | "
+          << cell(group, &ComparisonRow::duration_s) << " | "
+          << sum(group, &ComparisonRow::collisions) << " | " << sum(group, &ComparisonRow::losses)
+          << " | " << cell(group, &ComparisonRow::localization_rmse_m, "%.2f") << " / "
+          << cell(group, &ComparisonRow::localization_final_m, "%.2f") << " | "
+          << cell(group, &ComparisonRow::plan_ms_p50, "%.1f") << " / "
+          << cell(group, &ComparisonRow::plan_ms_p95, "%.1f") << " | "
+          << sum(group, &ComparisonRow::fallbacks) << " |\n";
+    }
+  }
+}
+
+void tell_pairs(const RowsByKey& by_key, const std::vector<std::string>& maps,
+                const std::string& reference, const std::string& other, std::ostream& out) {
+  const std::vector<std::pair<const char*, Number>> levels = {
+      {"time to 90 %", &ComparisonRow::time_to_90_s},
+      {"time to 95 %", &ComparisonRow::time_to_95_s},
+      {"time to 99 %", &ComparisonRow::time_to_99_s},
+      {"path to 90 %", &ComparisonRow::path_to_90_m},
+      {"path to 95 %", &ComparisonRow::path_to_95_m},
+      {"path to 99 %", &ComparisonRow::path_to_99_m},
+  };
+  out << "\n"
+      << reference << " against " << other
+      << ", paired by map and seed: geometric mean of the ratio over pairs that both reached the "
+         "level (below 1: "
+      << reference << " is better), by map; won / lost counts maps by their ratio.\n\n"
+      << "| | ratio | pairs | maps won / lost | 20 % less on | only " << reference << " / only "
+      << other << " / neither |\n|-|-|-|-|-|-|\n";
+  for (const auto& [name, number] : levels) {
+    Pairs all;
+    Mean over_maps;
+    int won = 0, lost = 0, clearly = 0;
+    for (const std::string& map : maps) {
+      Pairs of_map;
+      for (const auto& [key, row] : by_key) {
+        if (std::get<0>(key) != map || std::get<1>(key) != reference) continue;
+        const auto partner = by_key.find({map, other, std::get<2>(key)});
+        if (partner == by_key.end()) continue;
+        all.add(row->*number, partner->second->*number);
+        of_map.add(row->*number, partner->second->*number);
+      }
+      if (of_map.log_ratio.count == 0) continue;
+      over_maps.add(of_map.log_ratio.value());
+      won += of_map.ratio() < 1.0;
+      lost += of_map.ratio() > 1.0;
+      clearly += of_map.ratio() <= 0.8;
+    }
+    out << "| " << name << " | "
+        << (over_maps.count > 0 ? format("%.2f", std::exp(over_maps.value())) : "-") << " | "
+        << all.log_ratio.count << " | " << won << " / " << lost << " | " << clearly << " | "
+        << all.only_first << " / " << all.only_second << " / " << all.neither << " |\n";
+  }
+  out << "\n| map | time to 95 %: ratio by seed | mean |\n|-|-|-|\n";
+  for (const std::string& map : maps) {
+    Pairs of_map;
+    std::string ratios;
+    for (const auto& [key, row] : by_key) {
+      if (std::get<0>(key) != map || std::get<1>(key) != reference) continue;
+      const auto partner = by_key.find({map, other, std::get<2>(key)});
+      if (partner == by_key.end()) continue;
+      const double a = row->time_to_95_s, b = partner->second->time_to_95_s;
+      of_map.add(a, b);
+      if (!ratios.empty()) ratios += ", ";
+      ratios += std::isfinite(a) && std::isfinite(b) ? format("%.2f", a / b)
+                : std::isfinite(a)                   ? "only " + reference
+                : std::isfinite(b)                   ? "only " + other
+                                                     : "neither";
+    }
+    if (ratios.empty()) continue;
+    out << "| " << map << " | " << ratios << " | "
+        << (of_map.log_ratio.count > 0 ? format("%.2f", of_map.ratio()) : "-") << " |\n";
+  }
+}
+
+void tell_failures(const std::vector<ComparisonRow>& rows, std::ostream& out) {
+  bool first = true;
+  for (const ComparisonRow& row : rows) {
+    const std::optional<MissionEnd> end = mission_end_named(row.reason);
+    const bool ended_well = end && row_of(*end).outcome == Outcome::kDone;
+    if (!row.failed() && ended_well && row.collisions == 0.0 && std::isfinite(row.time_to_95_s)) {
+      continue;
+    }
+    if (first)
+      out << "\nMissions that failed, hit something, ended early or stayed below 95 %:\n\n";
+    first = false;
+    out << "- " << row.map << ", " << row.planner << ", seed " << row.seed << ": " << row.reason;
+    if (std::isfinite(row.coverage)) out << format(", coverage %.1f %%", 100.0 * row.coverage);
+    if (row.collisions > 0.0) out << format(", %.0f collisions", row.collisions);
+    out << '\n';
+  }
+}
+
 }  // namespace
 
 ComparisonRow comparison_row(const std::string& map, const std::string& planner, const Summary& s) {
@@ -174,128 +301,14 @@ std::string comparison_report(const std::vector<ComparisonRow>& rows,
   std::vector<std::string> planners = distinct(rows, &ComparisonRow::planner);
   std::stable_partition(planners.begin(), planners.end(),
                         [&](const std::string& planner) { return planner == reference; });
-  std::map<std::tuple<std::string, std::string, std::uint64_t>, const ComparisonRow*> by_key;
+  RowsByKey by_key;
   for (const ComparisonRow& row : rows) by_key[{row.map, row.planner, row.seed}] = &row;
   std::ostringstream out;
-
-  out << "Means over the seeds. In brackets: how many missions reached that level, where not all "
-         "did; the mean is over those. Collisions, losses of localization and fallbacks: sums.\n\n"
-      << "| map (m2) | planner | missions | coverage % | time to 90 / 95 / 99 % [s] | path to 90 / "
-         "95 / 99 % [m] | end [s] | collisions | losses | error RMS / final [m] | replanning p50 / "
-         "p95 [ms] | fallbacks |\n"
-      << "|-|-|-|-|-|-|-|-|-|-|-|-|\n";
-  for (const std::string& map : maps) {
-    for (const std::string& planner : planners) {
-      std::vector<const ComparisonRow*> group;
-      for (const auto& [key, row] : by_key) {
-        if (std::get<0>(key) == map && std::get<1>(key) == planner) group.push_back(row);
-      }
-      if (group.empty()) continue;
-      Mean area, coverage;
-      int failed = 0;
-      for (const ComparisonRow* row : group) {
-        area.add(row->reachable_area_m2);
-        coverage.add(100.0 * row->coverage);
-        failed += row->failed();
-      }
-      out << "| " << map << (area.count > 0 ? format(" (%.0f)", area.value()) : "") << " | "
-          << planner << " | " << group.size();
-      if (failed > 0) out << ", " << failed << " failed";
-      out << " | " << (coverage.count > 0 ? format("%.1f", coverage.value()) : "-") << " | "
-          << cell(group, &ComparisonRow::time_to_90_s) << " / "
-          << cell(group, &ComparisonRow::time_to_95_s) << " / "
-          << cell(group, &ComparisonRow::time_to_99_s) << " | "
-          << cell(group, &ComparisonRow::path_to_90_m) << " / "
-          << cell(group, &ComparisonRow::path_to_95_m) << " / "
-          << cell(group, &ComparisonRow::path_to_99_m) << " | "
-          << cell(group, &ComparisonRow::duration_s) << " | "
-          << sum(group, &ComparisonRow::collisions) << " | " << sum(group, &ComparisonRow::losses)
-          << " | " << cell(group, &ComparisonRow::localization_rmse_m, "%.2f") << " / "
-          << cell(group, &ComparisonRow::localization_final_m, "%.2f") << " | "
-          << cell(group, &ComparisonRow::plan_ms_p50, "%.1f") << " / "
-          << cell(group, &ComparisonRow::plan_ms_p95, "%.1f") << " | "
-          << sum(group, &ComparisonRow::fallbacks) << " |\n";
-    }
-  }
-
-  const std::vector<std::pair<const char*, Number>> levels = {
-      {"time to 90 %", &ComparisonRow::time_to_90_s},
-      {"time to 95 %", &ComparisonRow::time_to_95_s},
-      {"time to 99 %", &ComparisonRow::time_to_99_s},
-      {"path to 90 %", &ComparisonRow::path_to_90_m},
-      {"path to 95 %", &ComparisonRow::path_to_95_m},
-      {"path to 99 %", &ComparisonRow::path_to_99_m},
-  };
+  tell_means(by_key, maps, planners, out);
   for (const std::string& other : planners) {
-    if (other == reference) continue;
-    out << "\n"
-        << reference << " against " << other
-        << ", paired by map and seed: geometric mean of the ratio over pairs that both reached the "
-           "level (below 1: "
-        << reference << " is better), by map; won / lost counts maps by their ratio.\n\n"
-        << "| | ratio | pairs | maps won / lost | 20 % less on | only " << reference << " / only "
-        << other << " / neither |\n|-|-|-|-|-|-|\n";
-    for (const auto& [name, number] : levels) {
-      Pairs all;
-      Mean over_maps;
-      int won = 0, lost = 0, clearly = 0;
-      for (const std::string& map : maps) {
-        Pairs of_map;
-        for (const auto& [key, row] : by_key) {
-          if (std::get<0>(key) != map || std::get<1>(key) != reference) continue;
-          const auto partner = by_key.find({map, other, std::get<2>(key)});
-          if (partner == by_key.end()) continue;
-          all.add(row->*number, partner->second->*number);
-          of_map.add(row->*number, partner->second->*number);
-        }
-        if (of_map.log_ratio.count == 0) continue;
-        over_maps.add(of_map.log_ratio.value());
-        won += of_map.ratio() < 1.0;
-        lost += of_map.ratio() > 1.0;
-        clearly += of_map.ratio() <= 0.8;
-      }
-      out << "| " << name << " | "
-          << (over_maps.count > 0 ? format("%.2f", std::exp(over_maps.value())) : "-") << " | "
-          << all.log_ratio.count << " | " << won << " / " << lost << " | " << clearly << " | "
-          << all.only_first << " / " << all.only_second << " / " << all.neither << " |\n";
-    }
-    out << "\n| map | time to 95 %: ratio by seed | mean |\n|-|-|-|\n";
-    for (const std::string& map : maps) {
-      Pairs of_map;
-      std::string ratios;
-      for (const auto& [key, row] : by_key) {
-        if (std::get<0>(key) != map || std::get<1>(key) != reference) continue;
-        const auto partner = by_key.find({map, other, std::get<2>(key)});
-        if (partner == by_key.end()) continue;
-        const double a = row->time_to_95_s, b = partner->second->time_to_95_s;
-        of_map.add(a, b);
-        if (!ratios.empty()) ratios += ", ";
-        ratios += std::isfinite(a) && std::isfinite(b) ? format("%.2f", a / b)
-                  : std::isfinite(a)                   ? "only " + reference
-                  : std::isfinite(b)                   ? "only " + other
-                                                       : "neither";
-      }
-      if (ratios.empty()) continue;
-      out << "| " << map << " | " << ratios << " | "
-          << (of_map.log_ratio.count > 0 ? format("%.2f", of_map.ratio()) : "-") << " |\n";
-    }
+    if (other != reference) tell_pairs(by_key, maps, reference, other, out);
   }
-
-  bool first = true;
-  for (const ComparisonRow& row : rows) {
-    const std::optional<MissionEnd> end = mission_end_named(row.reason);
-    const bool ended_well = end && row_of(*end).outcome == Outcome::kDone;
-    if (!row.failed() && ended_well && row.collisions == 0.0 && std::isfinite(row.time_to_95_s)) {
-      continue;
-    }
-    if (first)
-      out << "\nMissions that failed, hit something, ended early or stayed below 95 %:\n\n";
-    first = false;
-    out << "- " << row.map << ", " << row.planner << ", seed " << row.seed << ": " << row.reason;
-    if (std::isfinite(row.coverage)) out << format(", coverage %.1f %%", 100.0 * row.coverage);
-    if (row.collisions > 0.0) out << format(", %.0f collisions", row.collisions);
-    out << '\n';
-  }
+  tell_failures(rows, out);
   return out.str();
 }
 

@@ -255,6 +255,29 @@ void track_by_opencv(const OpenCvImage& from, const OpenCvImage& to,
   }
 }
 
+/// What a method has lost and missed, by the frames that are shown.
+void tell_errors(const std::vector<int>& shown, const std::vector<Errors>& errors) {
+  for (std::size_t s = 0; s < shown.size(); ++s) {
+    const Errors& e = errors[s];
+    const auto off =
+        std::count_if(e.pixels.begin(), e.pixels.end(), [](double p) { return p > 1; });
+    std::printf(
+        "    frame %2d: %5.1f %% tracked, error %.3f px median, %.3f px in 95 %%; off by > 1 px "
+        "%.1f %%\n",
+        shown[s], 100.0 * static_cast<double>(e.pixels.size()) / std::max(1, e.asked),
+        quantile(e.pixels, 0.5), quantile(e.pixels, 0.95),
+        100.0 * static_cast<double>(off) /
+            std::max<double>(1.0, static_cast<double>(e.pixels.size())));
+  }
+}
+
+/// Whether what is `depth` [m] before the camera and projects to `pixel` is in view and not hidden.
+bool is_shown(const test::RenderedRoom& room, const StereoCamera& camera, const Isometry3d& T_WC,
+              double depth, const Eigen::Vector2d& pixel) {
+  return depth > 0.2 && pixel.x() >= 12 && pixel.x() < 628 && pixel.y() >= 12 && pixel.y() < 468 &&
+         std::abs(room.depth(camera.left, T_WC, pixel.x(), pixel.y()) - depth) < 0.01 * depth;
+}
+
 void compare_tracking() {
   StereoCamera camera;
   camera.left = {440.0, 440.0, 320.0, 240.0, 640.0, 480.0};
@@ -301,10 +324,7 @@ void compare_tracking() {
       for (std::size_t i = 0; i < points.size(); ++i) {
         const Vector3d Y = T_WC.inverse() * (T_WA * points[i]);
         truth[i] = camera.left.project(Y);
-        visible[i] = Y.z() > 0.2 && truth[i].x() >= 12 && truth[i].x() < 628 &&
-                     truth[i].y() >= 12 && truth[i].y() < 468 &&
-                     std::abs(room.depth(camera.left, T_WC, truth[i].x(), truth[i].y()) - Y.z()) <
-                         0.01 * Y.z();
+        visible[i] = is_shown(room, camera, T_WC, Y.z(), truth[i]);
       }
       const auto note = [&](int method, std::size_t i, double x, double y, bool tracked) {
         tracks[method] += tracked;
@@ -330,8 +350,8 @@ void compare_tracking() {
         B.col(0) = P * T.linear().col(0) * (points[i].z() / camera.left.fx);
         B.col(1) = P * T.linear().col(1) * (points[i].z() / camera.left.fy);
         const Vector2f start = camera.left.project(Y).cast<float>();
-        found[i] = track_patch(anchor, corners[i], B.inverse().cast<float>(), pyramid, start, kTop,
-                               0, true);
+        found[i] = track_patch(anchor, corners[i], pyramid, {start, B.inverse().cast<float>()},
+                               {kTop, 0}, true);
       }
       ms[0] += watch.lap();
       const OpenCvImage now(image);
@@ -374,18 +394,7 @@ void compare_tracking() {
   for (int method = 0; method < 3; ++method) {
     std::printf("  %-31s %5.2f ms a frame, %.1f us a track\n", names[method], ms[method] / frames,
                 1e3 * ms[method] / std::max(1, tracks[method]));
-    for (std::size_t s = 0; s < shown.size(); ++s) {
-      const Errors& e = errors[method][s];
-      const auto off =
-          std::count_if(e.pixels.begin(), e.pixels.end(), [](double p) { return p > 1; });
-      std::printf(
-          "    frame %2d: %5.1f %% tracked, error %.3f px median, %.3f px in 95 %%; off by > 1 px "
-          "%.1f %%\n",
-          shown[s], 100.0 * static_cast<double>(e.pixels.size()) / std::max(1, e.asked),
-          quantile(e.pixels, 0.5), quantile(e.pixels, 0.95),
-          100.0 * static_cast<double>(off) /
-              std::max<double>(1.0, static_cast<double>(e.pixels.size())));
-    }
+    tell_errors(shown, errors[static_cast<std::size_t>(method)]);
   }
 }
 

@@ -68,8 +68,8 @@ std::vector<Landmark> landmarks_in_view() {
 
 /// The recursion over 21 stages without lines of sight and information: the kernel, and less than
 /// a tenth of other work. A counter in landmarks of a stage.
-void prediction(benchmark::State& state, const VisibilityKernel& kernel, bool gradient,
-                bool score) {
+void prediction(benchmark::State& state, const VisibilityKernel& kernel,
+                const VisibilityPrediction::Request& request) {
   const Unicycle model;
   std::mt19937_64 random(2);
   const TrajectoryBatch t = visibility_scene::walks(random, model, 20, 0.25, 1, 0.0, 0.0);
@@ -83,8 +83,7 @@ void prediction(benchmark::State& state, const VisibilityKernel& kernel, bool gr
                                         VisibilityParameters(), kernel);
   const auto scratch = prediction.make_scratch(ahead.horizon);
   for (auto _ : state) {
-    if (!prediction.propagate(ahead, 0, {.gradient = gradient, .score = score}, nullptr,
-                              *scratch)) {
+    if (!prediction.propagate(ahead, 0, request, nullptr, *scratch)) {
       state.SkipWithError("a pose is not finite");
     }
     benchmark::ClobberMemory();
@@ -174,9 +173,12 @@ int main(int argc, char** argv) {
 #endif
   for (const VisibilityKernel& kernel : available_visibility_kernels()) {
     const std::string name = "kernel/" + std::string(kernel.name);
-    benchmark::RegisterBenchmark((name + "/score").c_str(), prediction, kernel, false, true);
-    benchmark::RegisterBenchmark((name + "/value").c_str(), prediction, kernel, false, false);
-    benchmark::RegisterBenchmark((name + "/gradient").c_str(), prediction, kernel, true, false);
+    benchmark::RegisterBenchmark((name + "/score").c_str(), prediction, kernel,
+                                 VisibilityPrediction::Request{.score = true});
+    benchmark::RegisterBenchmark((name + "/value").c_str(), prediction, kernel,
+                                 VisibilityPrediction::Request{});
+    benchmark::RegisterBenchmark((name + "/gradient").c_str(), prediction, kernel,
+                                 VisibilityPrediction::Request{.gradient = true});
   }
   for (const InstructionSet set : available_instruction_sets()) {
     const std::string width(name(set));

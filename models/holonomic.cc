@@ -11,15 +11,20 @@
 namespace prospect {
 namespace {
 
+struct HolonomicState {
+  double px, py, theta;
+};
+struct HolonomicInput {
+  double vx, vy, omega;
+};
+
 /// One step of one candidate. Shared by step() and step_batch(), so that both agree to the bit.
-inline void advance(double px, double py, double theta, double vx, double vy, double omega,
-                    double dt, double& next_px, double& next_py, double& next_theta) {
-  const double phi = 0.5 * omega * dt;
+inline HolonomicState advance(const HolonomicState& x, const HolonomicInput& u, double dt) {
+  const double phi = 0.5 * u.omega * dt;
   const double g = dt * sinc(phi);
-  const double c = std::cos(theta + phi), s = std::sin(theta + phi);
-  next_px = px + g * (vx * c - vy * s);
-  next_py = py + g * (vx * s + vy * c);
-  next_theta = theta + omega * dt;
+  const double c = std::cos(x.theta + phi), s = std::sin(x.theta + phi);
+  return {x.px + g * (u.vx * c - u.vy * s), x.py + g * (u.vx * s + u.vy * c),
+          x.theta + u.omega * dt};
 }
 
 }  // namespace
@@ -105,7 +110,9 @@ void Holonomic::step(const Eigen::Ref<const Eigen::VectorXd>& x,
                      const Eigen::Ref<const Eigen::VectorXd>& u, double dt,
                      Eigen::Ref<Eigen::VectorXd> next) const {
   assert(x.size() == 3 && u.size() == 3 && next.size() == 3);
-  advance(x[0], x[1], x[2], u[0], u[1], u[2], dt, next[0], next[1], next[2]);
+  const HolonomicState end =
+      advance(HolonomicState{x[0], x[1], x[2]}, HolonomicInput{u[0], u[1], u[2]}, dt);
+  next << end.px, end.py, end.theta;
 }
 
 void Holonomic::step_batch(const Eigen::Ref<const BatchArray>& x,
@@ -124,8 +131,11 @@ void Holonomic::step_batch(const Eigen::Ref<const BatchArray>& x,
   double* next_theta = next.row(2).data();
   const Eigen::Index batch = x.cols();
   for (Eigen::Index b = 0; b < batch; ++b) {
-    advance(px[b], py[b], theta[b], vx[b], vy[b], omega[b], dt, next_px[b], next_py[b],
-            next_theta[b]);
+    const HolonomicState end =
+        advance(HolonomicState{px[b], py[b], theta[b]}, HolonomicInput{vx[b], vy[b], omega[b]}, dt);
+    next_px[b] = end.px;
+    next_py[b] = end.py;
+    next_theta[b] = end.theta;
   }
 }
 

@@ -11,19 +11,23 @@
 namespace prospect {
 namespace {
 
+struct MultirotorState {
+  double px, py, pz, vx, vy, vz, psi;
+};
+struct MultirotorInput {
+  double ax, ay, az, psi_dot;
+};
+
 /// One step of one candidate. Shared by step() and step_batch(), so that both agree to the bit.
-inline void advance(double px, double py, double pz, double vx, double vy, double vz, double psi,
-                    double ax, double ay, double az, double psi_dot, double dt, double& next_px,
-                    double& next_py, double& next_pz, double& next_vx, double& next_vy,
-                    double& next_vz, double& next_psi) {
+inline MultirotorState advance(const MultirotorState& x, const MultirotorInput& u, double dt) {
   const double half_square = 0.5 * dt * dt;
-  next_px = px + (vx * dt + ax * half_square);
-  next_py = py + (vy * dt + ay * half_square);
-  next_pz = pz + (vz * dt + az * half_square);
-  next_vx = vx + ax * dt;
-  next_vy = vy + ay * dt;
-  next_vz = vz + az * dt;
-  next_psi = psi + psi_dot * dt;
+  return {x.px + (x.vx * dt + u.ax * half_square),
+          x.py + (x.vy * dt + u.ay * half_square),
+          x.pz + (x.vz * dt + u.az * half_square),
+          x.vx + u.ax * dt,
+          x.vy + u.ay * dt,
+          x.vz + u.az * dt,
+          x.psi + u.psi_dot * dt};
 }
 
 }  // namespace
@@ -121,8 +125,9 @@ void Multirotor::step(const Eigen::Ref<const Eigen::VectorXd>& x,
                       const Eigen::Ref<const Eigen::VectorXd>& u, double dt,
                       Eigen::Ref<Eigen::VectorXd> next) const {
   assert(x.size() == 7 && u.size() == 4 && next.size() == 7);
-  advance(x[0], x[1], x[2], x[3], x[4], x[5], x[6], u[0], u[1], u[2], u[3], dt, next[0], next[1],
-          next[2], next[3], next[4], next[5], next[6]);
+  const MultirotorState end = advance(MultirotorState{x[0], x[1], x[2], x[3], x[4], x[5], x[6]},
+                                      MultirotorInput{u[0], u[1], u[2], u[3]}, dt);
+  next << end.px, end.py, end.pz, end.vx, end.vy, end.vz, end.psi;
 }
 
 void Multirotor::step_batch(const Eigen::Ref<const BatchArray>& x,
@@ -150,8 +155,16 @@ void Multirotor::step_batch(const Eigen::Ref<const BatchArray>& x,
   double* next_psi = next.row(6).data();
   const Eigen::Index batch = x.cols();
   for (Eigen::Index b = 0; b < batch; ++b) {
-    advance(px[b], py[b], pz[b], vx[b], vy[b], vz[b], psi[b], ax[b], ay[b], az[b], psi_dot[b], dt,
-            next_px[b], next_py[b], next_pz[b], next_vx[b], next_vy[b], next_vz[b], next_psi[b]);
+    const MultirotorState end =
+        advance(MultirotorState{px[b], py[b], pz[b], vx[b], vy[b], vz[b], psi[b]},
+                MultirotorInput{ax[b], ay[b], az[b], psi_dot[b]}, dt);
+    next_px[b] = end.px;
+    next_py[b] = end.py;
+    next_pz[b] = end.pz;
+    next_vx[b] = end.vx;
+    next_vy[b] = end.vy;
+    next_vz[b] = end.vz;
+    next_psi[b] = end.psi;
   }
 }
 

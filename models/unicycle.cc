@@ -11,14 +11,19 @@
 namespace prospect {
 namespace {
 
+struct UnicycleState {
+  double px, py, theta;
+};
+struct UnicycleInput {
+  double v, omega;
+};
+
 /// One step of one candidate. Shared by step() and step_batch(), so that both agree to the bit.
-inline void advance(double px, double py, double theta, double v, double omega, double dt,
-                    double& next_px, double& next_py, double& next_theta) {
-  const double phi = 0.5 * omega * dt;
-  const double chord = v * dt * sinc(phi);
-  next_px = px + chord * std::cos(theta + phi);
-  next_py = py + chord * std::sin(theta + phi);
-  next_theta = theta + omega * dt;
+inline UnicycleState advance(const UnicycleState& x, const UnicycleInput& u, double dt) {
+  const double phi = 0.5 * u.omega * dt;
+  const double chord = u.v * dt * sinc(phi);
+  return {x.px + chord * std::cos(x.theta + phi), x.py + chord * std::sin(x.theta + phi),
+          x.theta + u.omega * dt};
 }
 
 }  // namespace
@@ -98,7 +103,8 @@ void Unicycle::step(const Eigen::Ref<const Eigen::VectorXd>& x,
                     const Eigen::Ref<const Eigen::VectorXd>& u, double dt,
                     Eigen::Ref<Eigen::VectorXd> next) const {
   assert(x.size() == 3 && u.size() == 2 && next.size() == 3);
-  advance(x[0], x[1], x[2], u[0], u[1], dt, next[0], next[1], next[2]);
+  const UnicycleState end = advance(UnicycleState{x[0], x[1], x[2]}, UnicycleInput{u[0], u[1]}, dt);
+  next << end.px, end.py, end.theta;
 }
 
 void Unicycle::step_batch(const Eigen::Ref<const BatchArray>& x,
@@ -116,7 +122,11 @@ void Unicycle::step_batch(const Eigen::Ref<const BatchArray>& x,
   double* next_theta = next.row(2).data();
   const Eigen::Index batch = x.cols();
   for (Eigen::Index b = 0; b < batch; ++b) {
-    advance(px[b], py[b], theta[b], v[b], omega[b], dt, next_px[b], next_py[b], next_theta[b]);
+    const UnicycleState end =
+        advance(UnicycleState{px[b], py[b], theta[b]}, UnicycleInput{v[b], omega[b]}, dt);
+    next_px[b] = end.px;
+    next_py[b] = end.py;
+    next_theta[b] = end.theta;
   }
 }
 

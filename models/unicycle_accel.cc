@@ -12,22 +12,25 @@
 namespace prospect {
 namespace {
 
+struct UnicycleAccelState {
+  double px, py, theta, v, omega;
+};
+struct UnicycleAccelInput {
+  double a, alpha;
+};
+
 /// One step of one candidate. Shared by step() and step_batch(), so that both agree to the bit.
-inline void advance(double px, double py, double theta, double v, double omega, double a,
-                    double alpha, double dt, double& next_px, double& next_py, double& next_theta,
-                    double& next_v, double& next_omega) {
+inline UnicycleAccelState advance(const UnicycleAccelState& x, const UnicycleAccelInput& u,
+                                  double dt) {
   const double h = 0.5 * dt;
-  const double v_m = v + a * h;
-  const double omega_m = omega + alpha * h;
+  const double v_m = x.v + u.a * h;
+  const double omega_m = x.omega + u.alpha * h;
   const double phi = omega_m * h;
   const double forward = v_m * dt * sinc(phi);
-  const double lateral = (a * omega - v * alpha) * (dt * dt * dt / 12.0);
-  const double c = std::cos(theta + phi), s = std::sin(theta + phi);
-  next_px = px + (forward * c - lateral * s);
-  next_py = py + (forward * s + lateral * c);
-  next_theta = theta + omega_m * dt;
-  next_v = v + a * dt;
-  next_omega = omega + alpha * dt;
+  const double lateral = (u.a * x.omega - x.v * u.alpha) * (dt * dt * dt / 12.0);
+  const double c = std::cos(x.theta + phi), s = std::sin(x.theta + phi);
+  return {x.px + (forward * c - lateral * s), x.py + (forward * s + lateral * c),
+          x.theta + omega_m * dt, x.v + u.a * dt, x.omega + u.alpha * dt};
 }
 
 }  // namespace
@@ -136,8 +139,9 @@ void UnicycleAccel::step(const Eigen::Ref<const Eigen::VectorXd>& x,
                          const Eigen::Ref<const Eigen::VectorXd>& u, double dt,
                          Eigen::Ref<Eigen::VectorXd> next) const {
   assert(x.size() == 5 && u.size() == 2 && next.size() == 5);
-  advance(x[0], x[1], x[2], x[3], x[4], u[0], u[1], dt, next[0], next[1], next[2], next[3],
-          next[4]);
+  const UnicycleAccelState end =
+      advance(UnicycleAccelState{x[0], x[1], x[2], x[3], x[4]}, UnicycleAccelInput{u[0], u[1]}, dt);
+  next << end.px, end.py, end.theta, end.v, end.omega;
 }
 
 void UnicycleAccel::step_batch(const Eigen::Ref<const BatchArray>& x,
@@ -159,8 +163,14 @@ void UnicycleAccel::step_batch(const Eigen::Ref<const BatchArray>& x,
   double* next_omega = next.row(4).data();
   const Eigen::Index batch = x.cols();
   for (Eigen::Index b = 0; b < batch; ++b) {
-    advance(px[b], py[b], theta[b], v[b], omega[b], a[b], alpha[b], dt, next_px[b], next_py[b],
-            next_theta[b], next_v[b], next_omega[b]);
+    const UnicycleAccelState end =
+        advance(UnicycleAccelState{px[b], py[b], theta[b], v[b], omega[b]},
+                UnicycleAccelInput{a[b], alpha[b]}, dt);
+    next_px[b] = end.px;
+    next_py[b] = end.py;
+    next_theta[b] = end.theta;
+    next_v[b] = end.v;
+    next_omega[b] = end.omega;
   }
 }
 

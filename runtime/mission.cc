@@ -43,12 +43,17 @@ bool wait_for(DriveRequests& requests, MissionProgress& progress, Replanner& pla
   }
 }
 
+/// Who is told of a mission's steps, and who may end it or make it wait.
+struct Callers {
+  const std::function<void(const MissionStep&)>& observe;
+  const std::function<bool()>& cancelled;
+  DriveRequests* requests;
+};
+
 /// The mission up to its last stop; `in_force` holds also when `observe` throws.
 MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
-                      const MissionOptions& options,
-                      const std::function<void(const MissionStep&)>& observe,
-                      const std::function<bool()>& cancelled, DriveRequests* requests,
-                      InForce& in_force) {
+                      const MissionOptions& options, const Callers& callers, InForce& in_force) {
+  const auto& [observe, cancelled, requests] = callers;
   Twist& previous = in_force.command;
   MissionProgress progress(options, robot.time());
   MissionResult& result = progress.result;
@@ -96,7 +101,7 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
   InForce in_force{robot.sense()->twist, {}};
   MissionResult result;
   try {
-    result = explore(robot, planner, guard, options, observe, cancelled, requests, in_force);
+    result = explore(robot, planner, guard, options, {observe, cancelled, requests}, in_force);
   } catch (...) {
     bring_to_rest(robot, guard, in_force);
     throw;

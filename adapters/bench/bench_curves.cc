@@ -157,32 +157,40 @@ std::vector<Drawing::Point> path_of(const CurveSheet& sheet, const Area& area,
 }  // namespace
 
 std::vector<CurveSheet> curve_sheets(const std::vector<GroupSummary>& groups) {
+  // But for what of the data it shows.
+  struct Kind {
+    const char *name, *title, *x_title, *y_title;
+    bool steps, log_y;
+    double x_scale;
+  };
+  const char *kTime = "ms", *kCount = "evaluations";
+  const char* const kProfile = "share of problems solved";
+  const char* const kGap = "median gap";
+  const char* const kTargets = "share of (problem, target) pairs reached";
   std::vector<CurveSheet> sheets;
   for (const GroupSummary& group : groups) {
-    const auto add = [&](const char* name, const char* title, const char* x_title,
-                         const char* y_title, auto member, bool steps, bool log_y, double scale) {
-      sheets.push_back(sheet_of(group, name, title, x_title, y_title,
+    const auto add = [&](const Kind& kind, auto member) {
+      sheets.push_back(sheet_of(group, kind.name, kind.title, kind.x_title, kind.y_title,
                                 [&](const SolverSummary& s) { return points_of(s.*member); }));
-      sheets.back().steps = steps;
-      sheets.back().log_y = log_y;
-      sheets.back().x_scale = scale;
+      sheets.back().steps = kind.steps;
+      sheets.back().log_y = kind.log_y;
+      sheets.back().x_scale = kind.x_scale;
     };
-    const char *kTime = "ms", *kCount = "evaluations";
-    const char* const kProfile = "share of problems solved";
-    const char* const kGap = "median gap";
-    const char* const kTargets = "share of (problem, target) pairs reached";
-    add("profile_by_time", "Performance profile by time", "times the fastest", kProfile,
-        &SolverSummary::by_time, true, false, 1.0);
-    add("profile_by_evaluations", "Performance profile by evaluations", "times the fewest",
-        kProfile, &SolverSummary::by_evaluations, true, false, 1.0);
-    add("gap_over_time", "Gap against time", kTime, kGap, &SolverSummary::over_time, false, true,
-        1e3);
-    add("gap_over_evaluations", "Gap against evaluations", kCount, kGap,
-        &SolverSummary::over_evaluations, false, true, 1.0);
-    add("targets_over_time", "Targets against time", kTime, kTargets,
-        &SolverSummary::targets_over_time, false, false, 1e3);
-    add("targets_over_evaluations", "Targets against evaluations", kCount, kTargets,
-        &SolverSummary::targets_over_evaluations, false, false, 1.0);
+    add({"profile_by_time", "Performance profile by time", "times the fastest", kProfile, true,
+         false, 1.0},
+        &SolverSummary::by_time);
+    add({"profile_by_evaluations", "Performance profile by evaluations", "times the fewest",
+         kProfile, true, false, 1.0},
+        &SolverSummary::by_evaluations);
+    add({"gap_over_time", "Gap against time", kTime, kGap, false, true, 1e3},
+        &SolverSummary::over_time);
+    add({"gap_over_evaluations", "Gap against evaluations", kCount, kGap, false, true, 1.0},
+        &SolverSummary::over_evaluations);
+    add({"targets_over_time", "Targets against time", kTime, kTargets, false, false, 1e3},
+        &SolverSummary::targets_over_time);
+    add({"targets_over_evaluations", "Targets against evaluations", kCount, kTargets, false, false,
+         1.0},
+        &SolverSummary::targets_over_evaluations);
   }
   return sheets;
 }

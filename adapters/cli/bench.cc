@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <filesystem>
 #include <iostream>
+#include <limits>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -23,6 +25,7 @@
 #include "adapters/bench/solver_choice.h"
 #include "adapters/cli/absent_solver.h"
 #include "adapters/cli/commands.h"
+#include "adapters/cli/common_options.h"
 #include "adapters/cli/environment.h"
 #include "adapters/cli/interrupt.h"
 #include "adapters/cli/progress.h"
@@ -33,6 +36,27 @@
 
 namespace prospect {
 namespace {
+
+struct BenchArguments {
+  /// Empty: all built-in ones; or "merge" or "compare" and the folders of benches.
+  std::vector<std::string> sets;
+  std::string configuration;          ///< file, of the missions that are driven for a set
+  std::vector<std::string> settings;  ///< "planner.weights.w_l=0": above the file
+  std::vector<std::string> solvers;   ///< names, each followed by its options; empty: one of a kind
+  std::vector<double> deadlines;      ///< [s], 0: none; empty: as the help says
+  int repeats = 0;                    ///< 0: as the help says
+  int max_evaluations = 10000;
+  std::vector<int> seeds;  ///< of the back ends; empty: 1
+  double tolerance = 0.01;
+  std::string out;      ///< folder; empty: runs/bench
+  std::string capture;  ///< folder to write the problems of `missions` to, instead of a bench
+  bool quick = false;
+  bool keep_best = false;
+  bool resume = false;
+  bool overwrite = false;
+  bool json = false;
+  bool quiet = false;
+};
 
 /// One of each kind, of those that are built in.
 std::vector<std::string> default_solvers(const SolverRegistry& registry, bool quick) {
@@ -175,8 +199,6 @@ int compare(const BenchArguments& arguments) {
   return kDone;
 }
 
-}  // namespace
-
 int bench(const BenchArguments& arguments, const Registries& registries) {
   if (!arguments.sets.empty() && arguments.sets.front() == "merge") return merge(arguments);
   if (!arguments.sets.empty() && arguments.sets.front() == "compare") return compare(arguments);
@@ -289,6 +311,75 @@ int bench(const BenchArguments& arguments, const Registries& registries) {
     }
   }
   return any ? kDone : kFailed;
+}
+
+}  // namespace
+
+Command bench_command(CLI::App& program) {
+  const auto given = std::make_shared<BenchArguments>();
+  BenchArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "bench", "Whole sets of problems by several back ends: who solves what, and how fast");
+  command
+      ->add_option("set", arguments.sets,
+                   "Built-in set (see `prospect list sets`), folder of problem files, "
+                   "problem file, file of problems as expressions (.json) [all built-in sets]; "
+                   "or `merge` or `compare` and the folders of benches")
+      ->type_name("SET");
+  command
+      ->add_option("--config", arguments.configuration,
+                   "Configuration file (YAML) of the missions of the set missions")
+      ->type_name("FILE");
+  add_set(command, arguments.settings);
+  command
+      ->add_option("--solver", arguments.solvers,
+                   "Back ends, separated by commas; NAME,OPTION=VALUE sets an option of one")
+      ->type_name("SOLVER")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command
+      ->add_option("--deadline", arguments.deadlines,
+                   "Wall-clock limits of a solve [s], separated by commas; 0: none [0.1,1; with "
+                   "--quick 0.1]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(number_within(0.0, 3600.0));
+  command->add_option("--repeat", arguments.repeats, "How often each solve is made [3; 1]")
+      ->check(whole_number_within(1, 1000));
+  command->add_option("--max-evaluations", arguments.max_evaluations, "Of each solve")
+      ->check(whole_number_within(1, 100000000))
+      ->capture_default_str();
+  command
+      ->add_option("--tolerance", arguments.tolerance,
+                   "Share of the best known cost within which a problem is solved")
+      ->check(number_within(1e-9, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--seed", arguments.seeds,
+          "Of the back ends; several, separated by commas: each problem once with each [1]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(whole_number_within(0, std::numeric_limits<int>::max()));
+  command
+      ->add_option("--out", arguments.out,
+                   "Folder of the results: bench.html, bench.csv and others [runs/bench]")
+      ->type_name("DIR");
+  command
+      ->add_option("--capture", arguments.capture,
+                   "Write the problems of the set missions to this new folder, as a set")
+      ->type_name("DIR");
+  command->add_flag("--quick", arguments.quick,
+                    "A share of each built-in set, few back ends: less than a minute");
+  command->add_flag("--keep-best", arguments.keep_best,
+                    "Keep the best costs found in best_known.json of the set's folder");
+  command->add_flag("--resume", arguments.resume,
+                    "Go on with the bench in that folder: what it holds is not solved again");
+  command->add_flag("--overwrite", arguments.overwrite,
+                    "Write over the bench in that folder: what it holds is lost");
+  command->add_flag("--json", arguments.json, "Print JSON");
+  command->add_flag("--quiet", arguments.quiet, "No progress line");
+  return {command, [given](const Invocation& in) { return bench(*given, in.registries); }};
 }
 
 }  // namespace prospect

@@ -1,14 +1,24 @@
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "adapters/cli/commands.h"
+#include "adapters/cli/common_options.h"
 #include "adapters/cli/explore.h"
 #include "adapters/files/input_error.h"
 #include "adapters/simulator/injected_fault.h"
 
 namespace prospect {
 namespace {
+
+struct DriveArguments {
+  ExploreArguments mission;
+  std::string base = "simulator";   ///< "simulator", "gazebo", "dds"
+  std::string ros;                  ///< file of topics, of "dds"
+  std::vector<std::string> faults;  ///< injected_fault.h
+  bool measure = false;             ///< Gazebo's truth measures, against mission.world
+};
 
 /// What is asked of the simulator's robot alone.
 void refuse_of_simulator(const DriveArguments& arguments) {
@@ -24,8 +34,6 @@ void refuse_of_simulator(const DriveArguments& arguments) {
   refuse(!mission.map.empty(), "--map");
   refuse(!mission.reading.start.empty(), "--start");
 }
-
-}  // namespace
 
 int drive(const DriveArguments& arguments, const Registries& registries) {
   ExploreArguments logged = arguments.mission;
@@ -68,6 +76,36 @@ int drive(const DriveArguments& arguments, const Registries& registries) {
     throw InputError("--measure: the simulator always measures; expected it with --base gazebo");
   }
   return mission(logged, registries, base);
+}
+
+}  // namespace
+
+Command drive_command(CLI::App& program) {
+  const auto given = std::make_shared<DriveArguments>();
+  DriveArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "drive", "The same mission in real time: threads for perception, plans and commands");
+  add_mission_options(command, arguments.mission);
+  one_of(command->add_option("--base", arguments.base,
+                             "What is driven: the simulator as a robot with a clock, the "
+                             "robot of the Gazebo that runs, or one behind topics of ROS 2"),
+         {"simulator", "gazebo", "dds"});
+  command->add_option("--ros", arguments.ros, "With --base dds: the robot's topics (YAML)")
+      ->type_name("FILE");
+  command->add_flag("--measure", arguments.measure,
+                    "With --base gazebo: measure by Gazebo's truth, against WORLD, which it "
+                    "runs; nothing else is taken from it but the start");
+  command
+      ->add_option("--fault", arguments.faults,
+                   "Break something of the simulated robot, or of Gazebo's: SOURCE:VERB, from FROM "
+                   "s on, for FOR s "
+                   "(depth:off@10+2)")
+      ->type_name("FAULT")
+      ->allow_extra_args(false);
+  return {command, [given](const Invocation& in) {
+            given->mission.command_line = in.typed;
+            return drive(*given, in.registries);
+          }};
 }
 
 }  // namespace prospect

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +19,7 @@
 #include "adapters/cli/absent_solver.h"
 #include "adapters/cli/build_info.h"
 #include "adapters/cli/commands.h"
+#include "adapters/cli/common_options.h"
 #include "adapters/cli/interrupt.h"
 #include "adapters/cli/progress.h"
 #include "adapters/config/configuration.h"
@@ -332,15 +334,6 @@ Configuration configuration_of(const ExploreArguments& arguments, const Registri
   return configuration;
 }
 
-}  // namespace
-
-void tell_left_out(const World& world) {
-  if (world.left_out.empty()) return;
-  std::cerr << "prospect: " << world.name << ": read without: " << world.left_out.text() << '\n';
-}
-
-namespace {
-
 std::shared_ptr<const World> loaded_world(const std::string& name,
                                           const Configuration& configuration, Progress& progress) {
   WorldOptions options = world_options_for(configuration);
@@ -349,6 +342,23 @@ std::shared_ptr<const World> loaded_world(const std::string& name,
   progress.finish();
   tell_left_out(*world);
   return world;
+}
+
+/// What has come of a mission; the files that were written are those of `folder`.
+void tell_result(const ExploreArguments& arguments, const ExplorationRunResult& result,
+                 const std::string& folder) {
+  if (!result.complaint.empty()) std::cerr << "prospect: sensors: " << result.complaint << '\n';
+  tell_events(result.events);
+
+  const Summary& summary = result.record.summary;
+  if (arguments.json) {
+    std::cout << summary_json(summary);
+  } else {
+    print_summary(summary);
+    if (result.driver) print_driver(result);
+    print_file("report", folder + "/report.html");
+    if (arguments.log) print_file("log", folder + "/mission.mcap");
+  }
 }
 
 }  // namespace
@@ -456,26 +466,102 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
     for (const std::string& note : log->notes()) std::cerr << "prospect: " << note << '\n';
   }
 
-  if (!result.complaint.empty()) std::cerr << "prospect: sensors: " << result.complaint << '\n';
-  tell_events(result.events);
-
-  const Summary& summary = result.record.summary;
-  if (arguments.json) {
-    std::cout << summary_json(summary);
-  } else {
-    print_summary(summary);
-    if (result.driver) print_driver(result);
-    print_file("report", folder->path() + "/report.html");
-    if (log) print_file("log", folder->path() + "/mission.mcap");
-  }
+  tell_result(arguments, result, folder->path());
   const bool whole = folder->error().empty() && (!log || log->error().empty());
-  return whole ? exit_code(outcome(summary)) : kFailed;
+  return whole ? exit_code(outcome(result.record.summary)) : kFailed;
 }
+
+namespace {
 
 int explore(const ExploreArguments& arguments, const Registries& registries) {
   ExploreArguments logged = arguments;
   logged.log = arguments.log || arguments.log_images;
   return mission(logged, registries, {});
+}
+
+}  // namespace
+
+void add_mission_options(CLI::App* command, ExploreArguments& arguments) {
+  command
+      ->add_option("world", arguments.world,
+                   "Built-in name, world file, OctoMap (.bt .ot), ROS map (.yaml .pgm .png .bmp), "
+                   "mesh (.obj "
+                   ".dae .gltf .glb .stl .ply) or Gazebo world")
+      ->type_name("WORLD")
+      ->capture_default_str();
+  command->add_option("--config", arguments.configuration, "Configuration file (YAML)")
+      ->type_name("FILE");
+  add_set(command, arguments.settings);
+  command->add_option("--solver", arguments.solver, "Back end, see `prospect list solvers`")
+      ->type_name("SOLVER");
+  one_of(command->add_option("--sensors", arguments.sensors,
+                             "model: odometry as a model of its errors; camera: rendered "
+                             "images through perception"),
+         {"model", "camera"});
+  command->add_option("--seed", arguments.seed, "Seed of all noise")
+      ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
+  command->add_option("--out", arguments.out, "Run folder [runs/WORLD_SOLVER_SEED]")
+      ->type_name("DIR");
+  command->add_flag("--overwrite", arguments.overwrite,
+                    "Write over a drive in that folder, which nothing can repeat");
+  command->add_option("--time-limit", arguments.time_limit, "Of the robot's clock [s]")
+      ->check(number_within(1.0, 1e6));
+  add_world_options(command, arguments.reading);
+  command
+      ->add_option("--go", arguments.go,
+                   "Go to x [m],y [m], or x,y,yaw [deg], instead of exploring")
+      ->delimiter(',')
+      ->expected(2, 3)
+      ->allow_extra_args(false)
+      ->check(number_within(-1e5, 1e5));
+  command->add_option("--until", arguments.until,
+                      "What is enough: a share of the reachable area (0.95) or an area "
+                      "(120m2)");
+  command->add_flag("--return", arguments.back, "Back to the start once the task is over");
+  command
+      ->add_option("--map", arguments.map,
+                   "OctoMap (.bt .ot) of the same world to begin with, such as the map.bt of a run")
+      ->type_name("FILE");
+  command
+      ->add_option("--save-problems", arguments.save_problems,
+                   "Write the planning problem of every Nth step into the run folder")
+      ->check(whole_number_within(1, 1000000));
+  command->add_flag("--log-images", arguments.log_images,
+                    "Images of the cameras in the log, too (explore: implies --mcap)");
+  CLI::Option* live =
+      command
+          ->add_option("--live", arguments.live,
+                       "Serve the mission's page, live, on this port; 0: a free one")
+          ->type_name("PORT")
+          ->check(whole_number_within(0, 65535));
+  command
+      ->add_option("--live-host", arguments.live_host,
+                   "With --live: address of the interface; 0.0.0.0: all")
+      ->type_name("ADDRESS")
+      ->capture_default_str()
+      ->needs(live);
+  command
+      ->add_option("--live-token", arguments.live_token,
+                   "With --live: what allows to command, 16 or more letters and digits [random]")
+      ->type_name("TOKEN")
+      ->needs(live);
+  command->add_flag("--json", arguments.json, "Print the summary as JSON");
+  command->add_flag("--quiet", arguments.quiet, "No progress line");
+}
+
+Command explore_command(CLI::App& program) {
+  const auto given = std::make_shared<ExploreArguments>();
+  ExploreArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "explore", "A simulated mission until the reachable space is explored");
+  add_mission_options(command, arguments);
+  command->add_flag("--mcap", arguments.log,
+                    "Log the mission to mission.mcap in the run folder, as drive does");
+  return {command, [given](const Invocation& in) {
+            given->command_line = in.typed;
+            return explore(*given, in.registries);
+          }};
 }
 
 }  // namespace prospect

@@ -1,12 +1,45 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
-#include "adapters/cli/commands.h"
+#include "adapters/cli/world_arguments.h"
+#include "adapters/config/registries.h"
 #include "adapters/dds/dds_options.h"
 #include "adapters/run/exploration_run.h"
 
+namespace CLI {
+class App;
+}
+
 namespace prospect {
+
+struct ExploreArguments {
+  std::string world = "office";
+  std::string configuration;          ///< file; empty: defaults
+  std::vector<std::string> settings;  ///< "planner.weights.w_l=0": above the file
+  std::string solver;                 ///< empty: as configured
+  std::string sensors;                ///< "model", "camera"; empty: as configured
+  std::uint64_t seed = 1;
+  std::string out;          ///< run folder; empty: runs/WORLD_SOLVER_SEED
+  bool overwrite = false;   ///< also a drive that it holds
+  double time_limit = 0.0;  ///< [s]; 0: as configured
+  WorldArguments reading;
+  std::vector<double> go;   ///< x [m], y [m], and yaw [deg] if it matters; empty: as configured
+  std::string until;        ///< "0.95", "120m2"; empty: as configured
+  bool back = false;        ///< return to the start once the task is over
+  std::string map;          ///< OctoMap to begin with; empty: none
+  bool log = false;         ///< mission.mcap in the run folder; drive always writes it
+  bool log_images = false;  ///< with the cameras' images in it
+  std::optional<int> live;  ///< port of the live view; none: there is none
+  std::string live_host = "127.0.0.1", live_token;  ///< LiveOptions
+  int save_problems = 0;  ///< write the problem of every so manyeth planning step; 0: none
+  bool json = false;
+  bool quiet = false;
+  std::string command_line;  ///< as typed, for the run folder
+};
 
 /// What drives the robot of a mission.
 struct MissionBase {
@@ -18,6 +51,9 @@ struct MissionBase {
 
   bool in_real_time() const { return gazebo || dds || real_time; }
 };
+
+/// What explore and drive take alike. arguments outlives the command line.
+void add_mission_options(CLI::App* command, ExploreArguments& arguments);
 
 /// A mission, its run folder and summary. Returns the exit code.
 int mission(const ExploreArguments& arguments, const Registries& registries,

@@ -1,5 +1,8 @@
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -7,6 +10,8 @@
 #include <vector>
 
 #include "adapters/cli/commands.h"
+#include "adapters/cli/common_options.h"
+#include "adapters/cli/world_arguments.h"
 #include "adapters/config/configuration.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/output_folder.h"
@@ -18,6 +23,15 @@
 
 namespace prospect {
 namespace {
+
+struct ExportArguments {
+  std::string world = "office";
+  std::string sdf;  ///< file
+  WorldArguments reading;
+  std::string configuration;          ///< file; empty: defaults
+  std::vector<std::string> settings;  ///< "robot.depth.max_range=6": above the file
+  std::uint64_t seed = 1;             ///< of the marks on surfaces, as in a mission
+};
 
 namespace fs = std::filesystem;
 using Files = std::vector<std::pair<std::string, std::string>>;  // name and content
@@ -55,8 +69,6 @@ Files with_robot(const std::string& path, const World& world, const Configuratio
   return {{sdf.filename().string(), gazebo_world_with_robot(path, model, folder.string())}};
 }
 
-}  // namespace
-
 int export_world(const ExportArguments& arguments, const Registries& registries) {
   const fs::path sdf = arguments.sdf;
   const std::string name = sdf.stem().string();
@@ -93,6 +105,29 @@ int export_world(const ExportArguments& arguments, const Registries& registries)
     std::printf("%s\n", path.c_str());
   }
   return kDone;
+}
+
+}  // namespace
+
+Command export_command(CLI::App& program) {
+  const auto given = std::make_shared<ExportArguments>();
+  ExportArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "export", "A world with the robot in it, for Gazebo 11: SDF, surfaces, textures");
+  command->add_option("world", arguments.world, "As explore takes it, but no mesh file")
+      ->type_name("WORLD")
+      ->capture_default_str();
+  command->add_option("--sdf", arguments.sdf, "File to write; others go beside it")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--config", arguments.configuration, "Configuration file (YAML)")
+      ->type_name("FILE");
+  add_set(command, arguments.settings);
+  add_world_options(command, arguments.reading);
+  command->add_option("--seed", arguments.seed, "Of the marks on surfaces")
+      ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
+  return {command, [given](const Invocation& in) { return export_world(*given, in.registries); }};
 }
 
 }  // namespace prospect

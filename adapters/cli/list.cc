@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "adapters/bench/problem_set.h"
 #include "adapters/cli/adapter_table.h"
 #include "adapters/cli/commands.h"
+#include "adapters/cli/common_options.h"
 #include "adapters/config/configuration.h"
 #include "adapters/config/configuration_reference.h"
 #include "adapters/files/input_error.h"
@@ -162,8 +164,6 @@ std::vector<std::string> names_of(const std::string& what, const nlohmann::order
   return names;
 }
 
-}  // namespace
-
 std::vector<std::string> list_kinds() {
   return {"solvers", "worlds", "terms", "sets", "modes", "drive-modes", "adapters"};
 }
@@ -190,19 +190,22 @@ int list(const std::string& what, bool json, const Registries& registries) {
   return kDone;
 }
 
-int print_reference(const std::string& file, const std::vector<std::string>& settings) {
-  if (!file.empty() || !settings.empty()) {
-    throw InputError("--reference: '" + (file.empty() ? "--set " + settings.front() : file) +
-                     "' beside it; expected it alone, as it is of no configuration");
-  }
-  std::cout << configuration_reference();
-  return kDone;
-}
+struct ListArguments {
+  std::string what;  ///< one of list_kinds(), in full; "": all of them, in short unless `json`
+  bool json = false;
+};
 
-int print_configuration(const std::string& file, const std::vector<std::string>& settings,
-                        const Registries& registries) {
-  std::cout << effective_yaml(read_configuration(file, registries, settings).entries);
-  return kDone;
+}  // namespace
+
+Command list_command(CLI::App& program) {
+  const auto given = std::make_shared<ListArguments>();
+  CLI::App* command = program.add_subcommand(
+      "list", "What there is: solvers, worlds, terms, sets, modes, drive-modes or adapters");
+  one_of(command->add_option("what", given->what, "Which of them, in full [all, in short]"),
+         list_kinds());
+  command->add_flag("--json", given->json, "Print JSON");
+  return {command,
+          [given](const Invocation& in) { return list(given->what, given->json, in.registries); }};
 }
 
 }  // namespace prospect

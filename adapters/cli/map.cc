@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <functional>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "adapters/cli/commands.h"
+#include "adapters/cli/common_options.h"
 #include "adapters/cli/progress.h"
 #include "adapters/datasets/degrees.h"
 #include "adapters/datasets/depth_dataset.h"
@@ -20,6 +22,7 @@
 #include "adapters/datasets/scan_run.h"
 #include "adapters/datasets/scan_source.h"
 #include "adapters/datasets/stereo_depth_source.h"
+#include "adapters/datasets/stereo_source.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/output_folder.h"
 #include "adapters/worlds/octree_file.h"
@@ -27,6 +30,24 @@
 
 namespace prospect {
 namespace {
+
+struct MapArguments {
+  std::string dataset;                 ///< a recording
+  DepthDatasetOptions options;         ///< but for what is below
+  StereoDatasetOptions stereo;         ///< calibration and topics also of depth images and scans
+  std::string out;                     ///< folder for maps and tables; empty: none
+  double resolution = 0.05;            ///< [m]
+  std::optional<double> range;         ///< [m]; none: see the command line's help
+  std::vector<double> camera;          ///< fx, fy, cx, cy [px]; empty: the recording's
+  double camera_height = 0.0;          ///< [m]; 0: not known
+  double camera_height_sigma = 0.05;   ///< standard deviation of it [m]
+  std::optional<double> camera_pitch;  ///< down [deg]; none: not known
+  double lidar_height = 0.0;           ///< [m]; 0: not known
+  int first = 0;                       ///< frame to begin with
+  int frames = 0;                      ///< at most so many; 0: all
+  bool json = false;
+  bool quiet = false;
+};
 
 constexpr double kPriorWidth = 4.0;    // [standard deviations]
 constexpr double kMostVoxels = 200.0;  // of a ray, see OccupancyMapperOptions
@@ -345,8 +366,6 @@ MapInput scan_input(const MapArguments& arguments) {
   return input;
 }
 
-}  // namespace
-
 int map(const MapArguments& arguments) {
   const double farthest = kMostVoxels * arguments.resolution;
   const bool scans = is_used_for_scans(arguments.dataset, arguments.stereo.topics);
@@ -441,6 +460,73 @@ int map(const MapArguments& arguments) {
     return kFailed;
   }
   return kDone;
+}
+
+}  // namespace
+
+Command map_command(CLI::App& program) {
+  const auto given = std::make_shared<MapArguments>();
+  MapArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "map",
+      "Octree, exploration and obstacle map from recorded depth images, stereo pairs or lidar "
+      "scans");
+  command
+      ->add_option(
+          "dataset", arguments.dataset,
+          "Recording in 7-Scenes, TUM RGB-D or depth/NNN.png layout, ROS 2 bag, CARMEN log, "
+          "or of a stereo pair, as for `prospect odometry`; see `prospect inspect`")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--out", arguments.out, "Folder for a page, the maps and tables [none]")
+      ->type_name("DIR");
+  command->add_option("--resolution", arguments.resolution, "Of the maps [m]")
+      ->check(number_within(0.01, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--range", arguments.range,
+                   "Farther away nothing is learned [m] [of depth images 4, of a stereo pair where "
+                   "two deviations of a depth are a voxel, of a lidar its own; to 200 voxels]")
+      ->check(number_within(0.5, 200.0));
+  command
+      ->add_option("--camera", arguments.camera,
+                   "Intrinsics where no file states them: FX FY CX CY [px]")
+      ->expected(4)
+      ->check(number_within(1.0, 1e5));
+  add_recording_options(command, arguments.stereo);
+  add_topics(command, arguments.stereo.topics,
+             {"left", "right", "left_info", "right_info", "depth", "depth_info", "scan", "pose"});
+  add_fixed_frame(command, arguments.options.fixed_frame);
+  command
+      ->add_option("--depth-scale", arguments.options.depth_scale,
+                   "Numbers of the images a metre [the layout's, 1000 or 5000, checked against "
+                   "poses or the camera's height]")
+      ->check(number_within(1e-3, 1e6));
+  command
+      ->add_option("--camera-height", arguments.camera_height,
+                   "Above the floor in the first frame [m] [0.2 to 2]")
+      ->check(number_within(0.05, 10.0));
+  command
+      ->add_option("--camera-height-sigma", arguments.camera_height_sigma,
+                   "How sure that is: standard deviation [m]")
+      ->check(number_within(0.001, 1.0))
+      ->capture_default_str();
+  command
+      ->add_option("--camera-pitch", arguments.camera_pitch,
+                   "Down, in the first frames, to 15 deg [deg] [-15 to 55]")
+      ->check(number_within(-90.0, 90.0));
+  command
+      ->add_option("--lidar-height", arguments.lidar_height,
+                   "Above the floor, in the first scan [m] [as the poses say]")
+      ->check(number_within(0.01, 100.0));
+  command->add_option("--from", arguments.first, "Frame to begin with, from 0")
+      ->check(whole_number_within(0, 1000000000))
+      ->capture_default_str();
+  command->add_option("--frames", arguments.frames, "At most so many [all]")
+      ->check(whole_number_within(1, 1000000000));
+  command->add_flag("--json", arguments.json, "Print the summary as JSON");
+  command->add_flag("--quiet", arguments.quiet, "No progress line");
+  return {command, [given](const Invocation&) { return map(*given); }};
 }
 
 }  // namespace prospect

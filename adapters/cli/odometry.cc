@@ -1,12 +1,14 @@
 #include <cmath>
 #include <cstdio>
 #include <iostream>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "adapters/cli/commands.h"
+#include "adapters/cli/common_options.h"
 #include "adapters/cli/progress.h"
 #include "adapters/datasets/calibration_report.h"
 #include "adapters/datasets/degrees.h"
@@ -15,11 +17,23 @@
 #include "adapters/datasets/odometry_run.h"
 #include "adapters/datasets/recording_range.h"
 #include "adapters/datasets/stereo_dataset.h"
+#include "adapters/datasets/stereo_source.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/output_folder.h"
 
 namespace prospect {
 namespace {
+
+struct OdometryArguments {
+  std::string dataset;  ///< a recording
+  StereoDatasetOptions options;
+  std::string out;  ///< folder for trajectories and tables; empty: none
+  int first = 0;    ///< frame to begin with
+  int frames = 0;   ///< at most so many; 0: all
+  bool calibrate = false;
+  bool json = false;
+  bool quiet = false;
+};
 
 nlohmann::ordered_json as_json(const std::string& name, const StereoDataset& dataset,
                                const OdometrySummary& s) {
@@ -129,8 +143,6 @@ void print(const OdometrySummary& s, bool truth) {
   row("  keyframes", s.processor_keyframe);
 }
 
-}  // namespace
-
 int odometry(const OdometryArguments& arguments) {
   const StereoDataset dataset = StereoDataset::open(arguments.dataset, arguments.options);
   check_first_frame(arguments.first, dataset.size(), arguments.dataset);
@@ -208,6 +220,41 @@ int odometry(const OdometryArguments& arguments) {
     return kFailed;
   }
   return kDone;
+}
+
+}  // namespace
+
+Command odometry_command(CLI::App& program) {
+  const auto given = std::make_shared<OdometryArguments>();
+  OdometryArguments& arguments = *given;
+  CLI::App* command =
+      program.add_subcommand("odometry", "Visual odometry over a recording of a stereo pair");
+  command
+      ->add_option(
+          "dataset", arguments.dataset,
+          "Recording: KITTI odometry or raw, EuRoC, ROS 2 bag, or two folders of images or videos "
+          "with a calibration; see `prospect inspect`")
+      ->type_name("FILE")
+      ->required();
+  add_recording_options(command, arguments.options);
+  add_topics(command, arguments.options.topics,
+             {"left", "right", "left_info", "right_info", "truth"});
+  command
+      ->add_option("--out", arguments.out,
+                   "Folder for a page, the trajectory (TUM and KITTI), a table of frames and a "
+                   "summary [none]")
+      ->type_name("DIR");
+  command->add_option("--from", arguments.first, "Frame to begin with, from 0")
+      ->check(whole_number_within(0, 1000000000))
+      ->capture_default_str();
+  command->add_option("--frames", arguments.frames, "At most so many [all]")
+      ->check(whole_number_within(1, 1000000000));
+  command->add_flag("--calibrate", arguments.calibrate,
+                    "Hold what the planner predicts of landmarks and motion against what "
+                    "came of it");
+  command->add_flag("--json", arguments.json, "Print the summary as JSON");
+  command->add_flag("--quiet", arguments.quiet, "No progress line");
+  return {command, [given](const Invocation&) { return odometry(*given); }};
 }
 
 }  // namespace prospect

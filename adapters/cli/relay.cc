@@ -1,8 +1,11 @@
 #include <iostream>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "adapters/cli/commands.h"
+#include "adapters/cli/common_options.h"
 #include "adapters/cli/interrupt.h"
 #include "adapters/config/configuration.h"
 #include "adapters/dds/dds_relay.h"
@@ -11,6 +14,12 @@
 
 namespace prospect {
 namespace {
+
+struct RelayArguments {
+  std::string ros;                    ///< file of topics
+  std::string configuration;          ///< file: the robot's motion; empty: defaults
+  std::vector<std::string> settings;  ///< "robot.motion.a_max=0.5": above the file
+};
 
 /// What the file of topics leaves out is that of the robot's motion.
 void complete_limits(BaseLimits& limits, const Configuration& configuration) {
@@ -29,8 +38,6 @@ void complete_limits(BaseLimits& limits, const Configuration& configuration) {
   if (!limits.yaw_acceleration) limits.yaw_acceleration = of_motion("alpha_max");
 }
 
-}  // namespace
-
 int relay(const RelayArguments& arguments, const Registries& registries) {
   DdsOptions options = read_dds_options(arguments.ros);
   BaseLimits& limits = options.command.limits;
@@ -44,6 +51,25 @@ int relay(const RelayArguments& arguments, const Registries& registries) {
   relay.run(catch_interrupts(),
             [](const std::string& line) { std::cerr << "prospect relay: " << line << '\n'; });
   return kDone;
+}
+
+}  // namespace
+
+Command relay_command(CLI::App& program) {
+  const auto given = std::make_shared<RelayArguments>();
+  RelayArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "relay", "The dead-man of a base behind topics of ROS 2, beside its motors");
+  command->add_option("--ros", arguments.ros, "The robot's topics (YAML)")
+      ->type_name("FILE")
+      ->required();
+  command
+      ->add_option("--config", arguments.configuration,
+                   "Configuration file (YAML): the limits of the robot's motion that the topics' "
+                   "file leaves out")
+      ->type_name("FILE");
+  add_set(command, arguments.settings);
+  return {command, [given](const Invocation& in) { return relay(*given, in.registries); }};
 }
 
 }  // namespace prospect

@@ -16,6 +16,7 @@
 
 #include "adapters/cli/absent_solver.h"
 #include "adapters/cli/commands.h"
+#include "adapters/cli/common_options.h"
 #include "adapters/cli/interrupt.h"
 #include "adapters/cli/progress.h"
 #include "adapters/config/solver_options.h"
@@ -33,6 +34,19 @@
 
 namespace prospect {
 namespace {
+
+struct ReplayArguments {
+  static constexpr int kToTheEnd = 2147483647;
+  std::string run;                    ///< folder, or the log of a mission
+  std::vector<std::string> settings;  ///< "planner.N=12"
+  std::string solver;                 ///< empty: as recorded
+  std::string world;                  ///< empty: as recorded
+  int from = 0, to = kToTheEnd;       ///< planning steps
+  std::string out;                    ///< folder; empty: RUN/replay
+  bool quiet = false;
+  std::vector<std::string> plugins;  ///< files, as given
+  std::vector<std::string> program;  ///< words that start this program anew
+};
 
 namespace fs = std::filesystem;
 
@@ -253,8 +267,6 @@ int replay_drive(const RecordedRun& run, bool unchanged, const ReplayArguments& 
   return differs || !made.missing.empty() ? kFailed : kDone;
 }
 
-}  // namespace
-
 int replay(const ReplayArguments& arguments, const Registries& registries) {
   if (arguments.from > arguments.to) {
     throw InputError("--from, --to: " + std::to_string(arguments.from) + " comes after " +
@@ -272,6 +284,38 @@ int replay(const ReplayArguments& arguments, const Registries& registries) {
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
   world_of(run, world, configuration, progress);
   return replay_unchanged(run, world, arguments, progress);
+}
+
+}  // namespace
+
+Command replay_command(CLI::App& program) {
+  const auto given = std::make_shared<ReplayArguments>();
+  ReplayArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "replay", "A recorded mission again, bit for bit; or other plans along its beliefs");
+  command->add_option("run", arguments.run, "Folder of a run, or the log of a mission (.mcap)")
+      ->type_name("FILE")
+      ->required();
+  add_set(command, arguments.settings);
+  command
+      ->add_option("--solver", arguments.solver,
+                   "Back end of the other plans, see `prospect list solvers`")
+      ->type_name("SOLVER");
+  command->add_option("--from", arguments.from, "First planning step that is reported [0]")
+      ->check(whole_number_within(0, 1000000000));
+  command->add_option("--to", arguments.to, "The last one, where the mission is ended [its end]")
+      ->check(whole_number_within(0, 1000000000));
+  command->add_option("--world", arguments.world, "Where the world of the run is [as recorded]")
+      ->type_name("WORLD");
+  command
+      ->add_option("--out", arguments.out, "Folder for table and page [replay in that of the run]")
+      ->type_name("DIR");
+  command->add_flag("--quiet", arguments.quiet, "No progress line");
+  return {command, [given](const Invocation& in) {
+            given->plugins = in.plugins;
+            given->program = in.program;
+            return replay(*given, in.registries);
+          }};
 }
 
 }  // namespace prospect

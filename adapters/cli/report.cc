@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "adapters/cli/commands.h"
+#include "adapters/cli/common_options.h"
 #include "adapters/files/input_error.h"
 #include "adapters/files/output_folder.h"
 #include "adapters/log/logged_run.h"
@@ -15,6 +18,14 @@
 
 namespace prospect {
 namespace {
+
+struct ReportArguments {
+  std::string run;                   ///< folder, or the log of a mission
+  std::vector<std::string> figures;  ///< "path", "map"
+  std::vector<std::string> formats = {"png", "svg"};
+  std::string color;  ///< of the path; empty: plain
+  std::string out;    ///< folder; empty: that of the run
+};
 
 bool has(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
@@ -49,8 +60,6 @@ int report_log(const ReportArguments& arguments, const Registries& registries) {
   for (const std::string& note : run.notes) std::printf("%s\n", note.c_str());
   return kDone;
 }
-
-}  // namespace
 
 std::vector<std::string> path_colors() { return {"plain", "features", "error", "speed", "mode"}; }
 
@@ -88,6 +97,33 @@ int report(const ReportArguments& arguments, const Registries& registries) {
     std::printf("without the map: the run did not come to its end, so there is no map.bt\n");
   }
   return kDone;
+}
+
+}  // namespace
+
+Command report_command(CLI::App& program) {
+  const auto given = std::make_shared<ReportArguments>();
+  ReportArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "report", "Figures of a run for print, as PNG and SVG; the page of a mission's log");
+  command->add_option("run", arguments.run, "Folder of a run, or the log of a mission (.mcap)")
+      ->type_name("FILE")
+      ->required();
+  one_of(command->add_option(
+             "--figure", arguments.figures,
+             "path: the path over the map; map: the map at the end; separated by commas"),
+         {"path", "map"})
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  one_of(command->add_option("--format", arguments.formats, "png, svg or both [png,svg]"),
+         {"png", "svg"})
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  one_of(command->add_option("--colour", arguments.color, "What the path's colour says [plain]"),
+         path_colors());
+  command->add_option("--out", arguments.out, "Folder to write to [that of the run or log]")
+      ->type_name("DIR");
+  return {command, [given](const Invocation& in) { return report(*given, in.registries); }};
 }
 
 }  // namespace prospect

@@ -1,18 +1,24 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <functional>
 #include <iostream>
+#include <limits>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "adapters/cli/commands.h"
+#include "adapters/cli/common_options.h"
 #include "adapters/cli/interrupt.h"
 #include "adapters/cli/progress.h"
+#include "adapters/cli/world_arguments.h"
 #include "adapters/config/configuration.h"
 #include "adapters/files/input_error.h"
 #include "adapters/problem_file/problem_file.h"
@@ -22,6 +28,18 @@
 
 namespace prospect {
 namespace {
+
+struct SolveArguments {
+  std::vector<std::string> problems;  ///< problem files, WORLD@STEP
+  std::string configuration;          ///< of the missions of WORLD@STEP
+  std::vector<std::string> settings;  ///< "planner.weights.w_l=0": above the file
+  std::vector<std::string> solvers;   ///< empty: one of each family
+  double deadline = 0.0;              ///< [s], 0: none
+  int max_evaluations = 400;
+  std::uint64_t seed = 1;
+  bool json = false;
+  bool quiet = false;
+};
 
 struct NamedProblem {
   std::string name;
@@ -155,8 +173,6 @@ void print_table(const NamedProblem& named,
   std::printf("\n");
 }
 
-}  // namespace
-
 int solve(const SolveArguments& arguments, const Registries& registries) {
   Configuration configuration =
       read_configuration(arguments.configuration, registries, arguments.settings);
@@ -245,6 +261,41 @@ int solve(const SolveArguments& arguments, const Registries& registries) {
   }
   if (all_absent) return kNotBuiltIn;
   return any_feasible ? kDone : kFailed;
+}
+
+}  // namespace
+
+Command solve_command(CLI::App& program) {
+  const auto given = std::make_shared<SolveArguments>();
+  SolveArguments& arguments = *given;
+  CLI::App* command =
+      program.add_subcommand("solve", "One planning problem, several back ends, side by side");
+  command
+      ->add_option("problem", arguments.problems,
+                   "Problem file (explore --save-problems), or WORLD@STEP: the problem that a "
+                   "mission in WORLD meets at planning step STEP")
+      ->type_name("PROBLEM")
+      ->required();
+  command
+      ->add_option("--config", arguments.configuration,
+                   "Configuration file (YAML) of the mission of WORLD@STEP")
+      ->type_name("FILE");
+  add_set(command, arguments.settings);
+  command->add_option("--solver", arguments.solvers, "Back ends, separated by commas")
+      ->type_name("SOLVER")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command->add_option("--deadline", arguments.deadline, "Wall-clock limit of each solve [s]")
+      ->check(number_within(0.0, 3600.0));
+  command->add_option("--max-evaluations", arguments.max_evaluations, "Of each solve")
+      ->check(whole_number_within(1, 100000000))
+      ->capture_default_str();
+  command->add_option("--seed", arguments.seed, "Of the mission and the solvers")
+      ->check(whole_number_within(0, std::numeric_limits<int>::max()))
+      ->capture_default_str();
+  command->add_flag("--json", arguments.json, "Print JSON");
+  command->add_flag("--quiet", arguments.quiet, "No progress line");
+  return {command, [given](const Invocation& in) { return solve(*given, in.registries); }};
 }
 
 }  // namespace prospect

@@ -3,12 +3,15 @@
 #include <filesystem>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "adapters/cli/absent_solver.h"
 #include "adapters/cli/build_info.h"
 #include "adapters/cli/commands.h"
+#include "adapters/cli/common_options.h"
 #include "adapters/cli/interrupt.h"
 #include "adapters/cli/progress.h"
 #include "adapters/files/content_hash.h"
@@ -19,6 +22,21 @@
 
 namespace prospect {
 namespace {
+
+struct StudyArguments {
+  std::string file;  ///< study (YAML)
+  std::string out;   ///< folder; empty: runs/NAME
+  int jobs = 1;
+  std::string shard = "1/1";
+  bool dry_run = false;
+  bool retry_failed = false;
+  bool gather = false;
+  bool steps = false;        ///< with gather: steps.h5, too
+  bool any_version = false;  ///< with gather: other versions' missions for what is missing
+  bool quiet = false;
+  std::vector<std::string> plugins;  ///< files, as given
+  std::vector<std::string> program;  ///< words that start this program anew
+};
 
 StudyShard shard_of(const std::string& text) {
   StudyShard shard;
@@ -107,8 +125,6 @@ int gather(const StudyPlan& plan, const CellStore& store, const Registries& regi
   return written.failed == 0 && written.missing == 0 ? kDone : kFailed;
 }
 
-}  // namespace
-
 int study(const StudyArguments& arguments, const Registries& registries) {
   const StudyShard shard = shard_of(arguments.shard);
   const Study read = read_study(arguments.file);
@@ -174,6 +190,48 @@ int study(const StudyArguments& arguments, const Registries& registries) {
   if (result.cancelled) return kCancelled;
   const bool whole = result.failed == 0 && result.elsewhere == 0 && left == 0;
   return whole ? kDone : kFailed;
+}
+
+}  // namespace
+
+Command study_command(CLI::App& program) {
+  const auto given = std::make_shared<StudyArguments>();
+  StudyArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "study", "Missions, or solves of problems, over conditions and a grid of values, in pairs");
+  command->add_option("study", arguments.file, "Study file (YAML)")->type_name("FILE")->required();
+  command
+      ->add_option("--out", arguments.out,
+                   "Folder of the study; what it holds is not run again [runs/NAME]")
+      ->type_name("DIR");
+  command->add_option("--jobs", arguments.jobs, "Cells at a time")
+      ->check(whole_number_within(1, 4096))
+      ->capture_default_str();
+  command
+      ->add_option("--shard", arguments.shard,
+                   "Only the I-th of N parts of the cells, for one of N workers: I/N")
+      ->type_name("I/N")
+      ->capture_default_str();
+  command->add_flag("--dry-run", arguments.dry_run, "Say what would be run, and how long it takes");
+  command->add_flag("--retry-failed", arguments.retry_failed, "Run cells again that failed");
+  CLI::Option* gather =
+      command->add_flag("--gather", arguments.gather,
+                        "Run nothing: results.csv, study.html and figures of what is there");
+  command
+      ->add_flag("--any-version", arguments.any_version,
+                 "With --gather: what this version has not run is taken from the newest run of the "
+                 "same mission by another one")
+      ->needs(gather);
+  command
+      ->add_flag("--steps", arguments.steps,
+                 "With --gather: steps.h5, too, with every column of every run")
+      ->needs(gather);
+  command->add_flag("--quiet", arguments.quiet, "No progress line");
+  return {command, [given](const Invocation& in) {
+            given->plugins = in.plugins;
+            given->program = in.program;
+            return study(*given, in.registries);
+          }};
 }
 
 }  // namespace prospect

@@ -35,4 +35,9 @@ void set_world(const WorldArguments& arguments, Configuration& configuration) {
   }
 }
 
+void tell_left_out(const World& world) {
+  if (world.left_out.empty()) return;
+  std::cerr << "prospect: " << world.name << ": read without: " << world.left_out.text() << '\n';
+}
+
 }  // namespace prospect

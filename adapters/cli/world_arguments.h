@@ -7,6 +7,7 @@
 namespace prospect {
 
 struct Configuration;
+struct World;
 
 /// What the command line says of how a world is read.
 struct WorldArguments {
@@ -20,5 +21,7 @@ struct WorldArguments {
 
 /// Above what the configuration says.
 void set_world(const WorldArguments& arguments, Configuration& configuration);
+/// One line on standard error of what the world's source holds besides, if anything.
+void tell_left_out(const World& world);
 
 }  // namespace prospect

@@ -157,14 +157,14 @@ class YamlMap::State::Builder : public YAML::EventHandler {
 
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { scalar(mark, "", false, true); }
+  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { scalar(mark, "", Text::kNull); }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
     state_.problem(mark.line + 1, "an alias (*name); expected the value itself");
-    scalar(mark, "", false, true);
+    scalar(mark, "", Text::kNull);
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t,
                 const std::string& value) override {
-    scalar(mark, value, tag == "!", false);
+    scalar(mark, value, tag == "!" ? Text::kQuoted : Text::kPlain);
   }
   void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
                        YAML::EmitterStyle::value) override {
@@ -186,7 +186,9 @@ class YamlMap::State::Builder : public YAML::EventHandler {
     std::unordered_map<std::string, int> lines;  ///< of the keys so far
   };
 
-  void scalar(const YAML::Mark& mark, const std::string& value, bool quoted, bool null) {
+  enum class Text { kPlain, kQuoted, kNull };
+  void scalar(const YAML::Mark& mark, const std::string& value, Text text) {
+    const bool null = text == Text::kNull;
     if (!stack_.empty() && stack_.back().node->kind == Node::Kind::kMap &&
         !stack_.back().have_key) {
       stack_.back().have_key = true;
@@ -198,7 +200,7 @@ class YamlMap::State::Builder : public YAML::EventHandler {
     node->kind = null ? Node::Kind::kNull : Node::Kind::kScalar;
     node->line = mark.line + 1;
     node->scalar = value;
-    node->quoted = quoted;
+    node->quoted = text == Text::kQuoted;
     place(std::move(node));
   }
 

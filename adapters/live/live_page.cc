@@ -81,8 +81,9 @@ std::string live_page(const RunRecord& start) {
   return render_page(page);
 }
 
-std::string welcome_message(bool may_command, bool real_time) {
-  return json_text({{"op", "welcome"}, {"may_command", may_command}, {"real_time", real_time}});
+std::string welcome_message(const Welcome& welcome) {
+  return json_text(
+      {{"op", "welcome"}, {"may_command", welcome.may_command}, {"real_time", welcome.real_time}});
 }
 
 std::string steps_message(const std::vector<std::shared_ptr<const StepRecord>>& steps,

@@ -46,6 +46,10 @@ struct LiveStatus {
 };
 std::string status_message(const LiveStatus& status);
 /// What a viewer is told first.
-std::string welcome_message(bool may_command, bool real_time);
+struct Welcome {
+  bool may_command = false;
+  bool real_time = false;
+};
+std::string welcome_message(const Welcome& welcome);
 
 }  // namespace prospect

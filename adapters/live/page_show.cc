@@ -30,7 +30,7 @@ class PageViewer final : public Viewer {
     if (!welcomed_) {
       welcomed_ = true;
       return LiveMessage{
-          std::make_shared<std::string>(welcome_message(may_command_, show_.real_time_))};
+          std::make_shared<std::string>(welcome_message({may_command_, show_.real_time_}))};
     }
     // In turn, so that none waits for ever behind another.
     for (std::size_t k = 0; k < kKinds; ++k) {

@@ -452,9 +452,7 @@ void bind_belief(py::module_& m) {
       });
 }
 
-}  // namespace
-
-void bind_planner(py::module_& m) {
+void bind_configuration(py::module_& m) {
   py::class_<Configuration, std::shared_ptr<Configuration>>(
       m, "Configuration", "Everything that can be set of a robot, its planner and a mission.")
       .def(py::init([](const std::filesystem::path& path, const py::dict& settings,
@@ -485,7 +483,9 @@ void bind_planner(py::module_& m) {
             return std::const_pointer_cast<MotionModel>(c.robot.model);
           },
           "MotionModel of the robot.");
+}
 
+void bind_planning_context(py::module_& m) {
   py::class_<ProblemSpecification, std::shared_ptr<ProblemSpecification>>(
       m, "PlanningContext", "What a term can be made of at one planning step, in W.")
       .def_property_readonly(
@@ -518,10 +518,9 @@ void bind_planner(py::module_& m) {
             return array;
           },
           "(T, 4): x, y, z [m] and area [m^2] of the places worth looking at.");
+}
 
-  bind_belief(m);
-  bind_plan(m);
-
+void bind_planner_class(py::module_& m) {
   py::class_<PythonPlanner, std::shared_ptr<PythonPlanner>>(
       m, "Planner",
       "Belief in, Plan out. Keeps what it has learned from one step to the next. Waits for a call "
@@ -617,6 +616,16 @@ void bind_planner(py::module_& m) {
                                   extent_of(f));
           },
           "(ny, nx) [s at full speed] and its extent [m] after the last step; None before.");
+}
+
+}  // namespace
+
+void bind_planner(py::module_& m) {
+  bind_configuration(m);
+  bind_planning_context(m);
+  bind_belief(m);
+  bind_plan(m);
+  bind_planner_class(m);
 }
 
 }  // namespace prospect::python

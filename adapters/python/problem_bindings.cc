@@ -249,12 +249,9 @@ void bind_evaluation(py::module_& m) {
       .def("__repr__", &table);
 }
 
-}  // namespace
+using ProblemClass = py::class_<PythonProblem, std::shared_ptr<PythonProblem>>;
 
-void bind_problem(py::module_& m) {
-  bind_trajectories(m);
-  bind_evaluation(m);
-
+void bind_motion_model(py::module_& m) {
   py::class_<MotionModel, std::shared_ptr<MotionModel>>(
       m, "MotionModel", "Discrete-time motion x' = f(x, u, dt): see prospect.motion_model().")
       .def_property_readonly("name", [](const MotionModel& o) { return std::string(o.name()); })
@@ -278,26 +275,10 @@ void bind_problem(py::module_& m) {
       py::arg("name"),
       "A motion model: 'unicycle', 'unicycle_accel', 'holonomic' or 'multirotor', with its limits "
       "as keywords (v_max [m/s], omega_max [rad/s], a_max [m/s^2], ...).");
+}
 
-  py::class_<PythonProblem, std::shared_ptr<PythonProblem>>(
-      m, "Problem",
-      "min cost(z) subject to constraints(z) >= 0 and lower <= z <= upper. z, of shape (n,), holds "
-      "the inputs at M knots, one after another; the states follow from them. Points may be given "
-      "as one, (n,), or as a batch of B, (B, n). May be evaluated from several threads.")
-      .def(py::init(&make_own), py::arg("model"), py::arg("x0"), py::arg("terms"), py::kw_only(),
-           py::arg("u_previous") = py::none(), py::arg("N") = 20, py::arg("dt") = 0.25,
-           py::arg("M") = 10, py::arg("start") = py::none(),
-           "A problem of terms written in Python. x0: (nx,), the present state. terms: of each a "
-           "Term, or (Term, weight). u_previous: (nu,), the input in force [0]. N: stages of dt "
-           "[s]; M: knots. start: (n,), where solves begin [the middle of the bounds].")
-      .def_static("from_functions", &from_functions, py::arg("lower"), py::arg("upper"),
-                  py::arg("cost"), py::arg("gradient") = py::none(), py::kw_only(),
-                  py::arg("rows") = 0, py::arg("constraints") = py::none(),
-                  py::arg("jacobian") = py::none(), py::arg("start") = py::none(),
-                  py::arg("name") = "function",
-                  "A plain nonlinear programme in n variables. lower, upper, start: (n,), finite. "
-                  "cost(z) gives a number, gradient(z) (n,); of `rows` constraints c(z) >= 0, "
-                  "constraints(z) gives (rows,), jacobian(z) (rows, n).")
+void bind_problem_facts(ProblemClass& problem) {
+  problem
       .def_property_readonly(
           "n", [](const PythonProblem& p) { return p.problem().num_variables(); }, "Variables.")
       .def_property_readonly(
@@ -345,7 +326,11 @@ void bind_problem(py::module_& m) {
           "(m, n) bool: where the Jacobian of the constraints may differ from 0.")
       .def_property_readonly(
           "start", [](const PythonProblem& p) { return p.start(); },
-          "WarmStart of a solve that is given none: of a file the stored one, else its best seed.")
+          "WarmStart of a solve that is given none: of a file the stored one, else its best seed.");
+}
+
+void bind_problem_evaluation(ProblemClass& problem) {
+  problem
       .def(
           "evaluate",
           [](PythonProblem& p, const ArrayLike& z, const std::string& what) {
@@ -416,7 +401,11 @@ void bind_problem(py::module_& m) {
             return array_of(p.problem().knots_from_inputs(
                 transposed(inputs, d.N, d.model->nu(), "inputs").transpose().eval()));
           },
-          py::arg("inputs"), "(n,): the knots for inputs (N, nu) of the stages, within bounds.")
+          py::arg("inputs"), "(n,): the knots for inputs (N, nu) of the stages, within bounds.");
+}
+
+void bind_problem_file(py::module_& m, ProblemClass& problem) {
+  problem
       .def_property_readonly(
           "origin",
           [](const PythonProblem& p) -> py::object {
@@ -461,6 +450,37 @@ void bind_problem(py::module_& m) {
       py::arg("path"), py::arg("registries") = py::none(),
       "The Problem of a problem file (`prospect explore --save-problems N`). registries: of terms "
       "that are not built in. ValueError, one line with the path, for a file that is none.");
+}
+
+}  // namespace
+
+void bind_problem(py::module_& m) {
+  bind_trajectories(m);
+  bind_evaluation(m);
+  bind_motion_model(m);
+  ProblemClass problem(
+      m, "Problem",
+      "min cost(z) subject to constraints(z) >= 0 and lower <= z <= upper. z, of shape (n,), holds "
+      "the inputs at M knots, one after another; the states follow from them. Points may be given "
+      "as one, (n,), or as a batch of B, (B, n). May be evaluated from several threads.");
+  problem
+      .def(py::init(&make_own), py::arg("model"), py::arg("x0"), py::arg("terms"), py::kw_only(),
+           py::arg("u_previous") = py::none(), py::arg("N") = 20, py::arg("dt") = 0.25,
+           py::arg("M") = 10, py::arg("start") = py::none(),
+           "A problem of terms written in Python. x0: (nx,), the present state. terms: of each a "
+           "Term, or (Term, weight). u_previous: (nu,), the input in force [0]. N: stages of dt "
+           "[s]; M: knots. start: (n,), where solves begin [the middle of the bounds].")
+      .def_static("from_functions", &from_functions, py::arg("lower"), py::arg("upper"),
+                  py::arg("cost"), py::arg("gradient") = py::none(), py::kw_only(),
+                  py::arg("rows") = 0, py::arg("constraints") = py::none(),
+                  py::arg("jacobian") = py::none(), py::arg("start") = py::none(),
+                  py::arg("name") = "function",
+                  "A plain nonlinear programme in n variables. lower, upper, start: (n,), finite. "
+                  "cost(z) gives a number, gradient(z) (n,); of `rows` constraints c(z) >= 0, "
+                  "constraints(z) gives (rows,), jacobian(z) (rows, n).");
+  bind_problem_facts(problem);
+  bind_problem_evaluation(problem);
+  bind_problem_file(m, problem);
 }
 
 }  // namespace prospect::python

@@ -55,8 +55,8 @@ struct Part {
 
 }  // namespace
 
-ProgressLine::ProgressLine(std::ostream& out, bool tty, bool color, int columns)
-    : out_(&out), tty_(tty), color_(color), columns_(columns) {}
+ProgressLine::ProgressLine(std::ostream& out, const Terminal& terminal)
+    : out_(&out), terminal_(terminal) {}
 
 ProgressLine ProgressLine::on_stderr() {
   const bool tty = isatty(STDERR_FILENO) == 1;
@@ -69,11 +69,11 @@ ProgressLine ProgressLine::on_stderr() {
     columns = size.ws_col;
   }
   // A dumb terminal cannot rewrite a line.
-  return {std::cerr, tty && !dumb, !(no_color && *no_color), columns};
+  return {std::cerr, {tty && !dumb, !(no_color && *no_color), columns}};
 }
 
 void ProgressLine::show(const StepRecord& step, const std::string& solver, double now_seconds) {
-  if (!tty_) return;
+  if (!terminal_.tty) return;
   constexpr const char* kDim = "\033[2m";
   constexpr const char* kWarn = "\033[33m";
   const bool well = step.localization == Localization::kOk;
@@ -109,17 +109,17 @@ void ProgressLine::show(const StepRecord& step, const std::string& solver, doubl
   std::string line;
   int used = 0;
   for (const Part& part : parts) {
-    if (used + part.columns > columns_ - 1) break;
+    if (used + part.columns > terminal_.columns - 1) break;
     used += part.columns;
-    const bool tinted = color_ && *part.color;
+    const bool tinted = terminal_.color && *part.color;
     line += tinted ? part.color + part.text + "\033[0m" : part.text;
   }
   put(line, now_seconds);
 }
 
 void ProgressLine::show(const std::string& text, double now_seconds) {
-  if (!tty_) return;
-  put(text.substr(0, static_cast<std::size_t>(std::max(0, columns_ - 1))), now_seconds);
+  if (!terminal_.tty) return;
+  put(text.substr(0, static_cast<std::size_t>(std::max(0, terminal_.columns - 1))), now_seconds);
 }
 
 void ProgressLine::put(const std::string& line, double now_seconds) {

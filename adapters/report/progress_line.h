@@ -20,9 +20,13 @@ namespace prospect {
 /// only where asked for. Takes its clock as an argument. Not thread-safe.
 class ProgressLine {
  public:
-  /// The stream outlives this object. `tty`: whether it is a terminal. `columns`: its width; the
-  /// line is cut to one less, as a line that wraps cannot be rewritten.
-  ProgressLine(std::ostream& out, bool tty, bool color, int columns = 100);
+  struct Terminal {
+    bool tty = false;    ///< whether it is one
+    bool color = false;  ///< whether colour is asked for
+    int columns = 100;   ///< its width; the line is cut to one less, as one that wraps stays
+  };
+  /// The stream outlives this object.
+  ProgressLine(std::ostream& out, const Terminal& terminal);
   /// On stderr as it is: a terminal or not, its width, and NO_COLOR (any non-empty value turns
   /// colour off, see no-color.org) and TERM=dumb from the environment.
   static ProgressLine on_stderr();
@@ -40,8 +44,7 @@ class ProgressLine {
   void write(const std::string& line);
 
   std::ostream* out_;
-  bool tty_, color_;
-  int columns_;
+  Terminal terminal_;
   bool shown_ = false;
   double last_ = 0.0;
   std::string held_back_;

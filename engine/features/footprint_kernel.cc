@@ -81,12 +81,17 @@ PROSPECT_FORCE_INLINE LookOf<T> look(const FootprintKernelConstantsOf<T>& c, T X
   return l;
 }
 
+// Arrays do not overlap.
 template <typename T>
 PROSPECT_FORCE_INLINE int select_body(const FootprintKernelConstants& constants,
-                                      const FootprintKernelPose& pose, const T* __restrict px,
-                                      const T* __restrict py, const T* __restrict pz,
-                                      const T* __restrict unoccluded, int n, int* __restrict point,
-                                      T* __restrict X, T* __restrict Y, T* __restrict Z) {
+                                      const FootprintKernelPose& pose,
+                                      const FootprintPointsOf<T>& points,
+                                      const FootprintSelectionOf<T>& result) {
+  const T* __restrict px = points.x, * __restrict py = points.y, * __restrict pz = points.z;
+  const T* __restrict unoccluded = points.unoccluded;
+  int* __restrict point = result.point;
+  T* __restrict X = result.X, * __restrict Y = result.Y, * __restrict Z = result.Z;
+  const int n = points.n;
   const auto c = converted_numbers<FootprintKernelConstantsOf, T>(constants);
   const auto p = converted_numbers<FootprintKernelPoseOf, T>(pose);
   alignas(64) T x[kLanes<T>], y[kLanes<T>], z[kLanes<T>], open[kLanes<T>], live[kLanes<T>];
@@ -133,9 +138,10 @@ PROSPECT_FORCE_INLINE int select_body(const FootprintKernelConstants& constants,
 
 template <typename T>
 PROSPECT_FORCE_INLINE void value_body(const FootprintKernelConstants& constants,
-                                      const T* __restrict X, const T* __restrict Y,
-                                      const T* __restrict Z, const T* __restrict unoccluded, int n,
-                                      T* __restrict q) {
+                                      const FootprintPointsOf<T>& points, T* __restrict q) {
+  const T* __restrict X = points.x, * __restrict Y = points.y, * __restrict Z = points.z;
+  const T* __restrict unoccluded = points.unoccluded;
+  const int n = points.n;
   const auto c = converted_numbers<FootprintKernelConstantsOf, T>(constants);
   for (int first = 0; first < n; first += kLanes<T>) {
     for (int i = first; i < first + kLanes<T>; ++i) {
@@ -145,12 +151,17 @@ PROSPECT_FORCE_INLINE void value_body(const FootprintKernelConstants& constants,
   }
 }
 
-PROSPECT_FORCE_INLINE void gradient_body(
-    const FootprintKernelConstants& constants, const FootprintKernelPose& pose,
-    const double* __restrict X, const double* __restrict Y, const double* __restrict Z,
-    const double* __restrict unoccluded, const double* __restrict u_x, const double* __restrict u_y,
-    const double* __restrict u_z, int n, double* __restrict q, double* __restrict d_x,
-    double* __restrict d_y, double* __restrict d_z, double* __restrict d_yaw) {
+PROSPECT_FORCE_INLINE void gradient_body(const FootprintKernelConstants& constants,
+                                         const FootprintKernelPose& pose,
+                                         const FootprintKernel::Points& points,
+                                         const UnoccludedSlopes& slopes,
+                                         const FootprintGradient& result) {
+  const double* __restrict X = points.x, * __restrict Y = points.y, * __restrict Z = points.z;
+  const double* __restrict unoccluded = points.unoccluded;
+  const double* __restrict u_x = slopes.x, * __restrict u_y = slopes.y, * __restrict u_z = slopes.z;
+  double* __restrict q = result.q, * __restrict d_x = result.d_x, * __restrict d_y = result.d_y;
+  double* __restrict d_z = result.d_z, * __restrict d_yaw = result.d_yaw;
+  const int n = points.n;
   const FootprintKernelConstants c = constants;
   const FootprintKernelPose p = pose;
   for (int first = 0; first < n; first += kLanes<double>) {
@@ -202,32 +213,27 @@ PROSPECT_FORCE_INLINE void gradient_body(
 
 #define PROSPECT_FOOTPRINT_KERNEL(SUFFIX, TARGET)                                                  \
   TARGET int select_##SUFFIX(const FootprintKernelConstants& c, const FootprintKernelPose& p,      \
-                             const double* px, const double* py, const double* pz,                 \
-                             const double* unoccluded, int n, int* point, double* X, double* Y,    \
-                             double* Z) {                                                          \
-    return select_body(c, p, px, py, pz, unoccluded, n, point, X, Y, Z);                           \
+                             const FootprintKernel::Points& points,                                \
+                             const FootprintSelectionOf<double>& selected) {                       \
+    return select_body(c, p, points, selected);                                                    \
   }                                                                                                \
-  TARGET void value_##SUFFIX(const FootprintKernelConstants& c, const double* X, const double* Y,  \
-                             const double* Z, const double* unoccluded, int n, double* q) {        \
-    value_body(c, X, Y, Z, unoccluded, n, q);                                                      \
+  TARGET void value_##SUFFIX(const FootprintKernelConstants& c,                                    \
+                             const FootprintKernel::Points& points, double* q) {                   \
+    value_body(c, points, q);                                                                      \
   }                                                                                                \
   TARGET void gradient_##SUFFIX(const FootprintKernelConstants& c, const FootprintKernelPose& p,   \
-                                const double* X, const double* Y, const double* Z,                 \
-                                const double* unoccluded, const double* u_x, const double* u_y,    \
-                                const double* u_z, int n, double* q, double* d_x, double* d_y,     \
-                                double* d_z, double* d_yaw) {                                      \
-    gradient_body(c, p, X, Y, Z, unoccluded, u_x, u_y, u_z, n, q, d_x, d_y, d_z, d_yaw);           \
+                                const FootprintKernel::Points& points,                             \
+                                const UnoccludedSlopes& slopes, const FootprintGradient& result) { \
+    gradient_body(c, p, points, slopes, result);                                                   \
   }                                                                                                \
-  TARGET int select_score_##SUFFIX(const FootprintKernelConstants& c,                              \
-                                   const FootprintKernelPose& p, const float* px, const float* py, \
-                                   const float* pz, const float* unoccluded, int n, int* point,    \
-                                   float* X, float* Y, float* Z) {                                 \
-    return select_body(c, p, px, py, pz, unoccluded, n, point, X, Y, Z);                           \
+  TARGET int select_score_##SUFFIX(                                                                \
+      const FootprintKernelConstants& c, const FootprintKernelPose& p,                             \
+      const FootprintKernel::ScorePoints& points, const FootprintSelectionOf<float>& selected) {   \
+    return select_body(c, p, points, selected);                                                    \
   }                                                                                                \
-  TARGET void value_score_##SUFFIX(const FootprintKernelConstants& c, const float* X,              \
-                                   const float* Y, const float* Z, const float* unoccluded, int n, \
-                                   float* q) {                                                     \
-    value_body(c, X, Y, Z, unoccluded, n, q);                                                      \
+  TARGET void value_score_##SUFFIX(const FootprintKernelConstants& c,                              \
+                                   const FootprintKernel::ScorePoints& points, float* q) {         \
+    value_body(c, points, q);                                                                      \
   }
 
 PROSPECT_FOOTPRINT_KERNEL(generic, )

@@ -30,39 +30,57 @@ struct FootprintKernelPoseOf {
 };
 using FootprintKernelPose = FootprintKernelPoseOf<double>;
 
+/// Points as arrays; the size of each is FootprintKernel::padded(n).
+template <typename T>
+struct FootprintPointsOf {
+  const T *x, *y, *z;   ///< coordinates [m]
+  const T* unoccluded;  ///< P_unoccluded
+  int n;
+};
+/// Those that can have q > 0: their indices in increasing order, and their coordinates in C.
+template <typename T>
+struct FootprintSelectionOf {
+  int* point;
+  T *X, *Y, *Z;
+};
+/// What P_unoccluded of each point is by the sensor's position.
+struct UnoccludedSlopes {
+  const double *x, *y, *z;
+};
+/// q of each point, and what it is by the base's position in W and its yaw.
+struct FootprintGradient {
+  double *q, *d_x, *d_y, *d_z, *d_yaw;
+};
+
 /// The loops over points, compiled for several vector widths from one source, all with the same
 /// bits.
 struct FootprintKernel {
   /// n rounded up to whole vectors of single precision: the size of every array below.
   static constexpr int padded(int n) { return (n + 15) / 16 * 16; }
 
-  /// Picks the points that can have q > 0: their indices in increasing order and their coordinates
-  /// in C; returns their number. Vectors without one cost a few instructions a point.
-  /// px, py, pz: in W, padded; occluded: P_unoccluded, n values.
+  using Points = FootprintPointsOf<double>;
+  using ScorePoints = FootprintPointsOf<float>;
+
+  /// Picks the points, given in W, that can have q > 0, and returns their number; n values of
+  /// P_unoccluded are read. Vectors without one cost a few instructions a point.
   int (*select)(const FootprintKernelConstants& constants, const FootprintKernelPose& pose,
-                const double* px, const double* py, const double* pz, const double* unoccluded,
-                int n, int* point, double* X, double* Y, double* Z);
+                const Points& points, const FootprintSelectionOf<double>& selected);
 
-  /// q of the selected points, their P_unoccluded gathered in `unoccluded`; arrays padded, padding
-  /// finite.
-  void (*value)(const FootprintKernelConstants& constants, const double* X, const double* Y,
-                const double* Z, const double* unoccluded, int n, double* q);
+  /// q of the selected points, given in C; padding finite.
+  void (*value)(const FootprintKernelConstants& constants, const Points& points, double* q);
 
-  /// The same bits of q, and its derivatives by the base's position in W and its yaw. u_x, u_y,
-  /// u_z: derivative of P_unoccluded by the sensor's position.
+  /// The same bits of q, and its derivatives.
   void (*gradient)(const FootprintKernelConstants& constants, const FootprintKernelPose& pose,
-                   const double* X, const double* Y, const double* Z, const double* unoccluded,
-                   const double* u_x, const double* u_y, const double* u_z, int n, double* q,
-                   double* d_x, double* d_y, double* d_z, double* d_yaw);
+                   const Points& points, const UnoccludedSlopes& slopes,
+                   const FootprintGradient& result);
 
   /// select() and value() in single precision, for comparing candidates; the sensor's position is
   /// taken from where those of the points are. q is within 6e-6, most of it from exponents cut
   /// at 14.
   int (*select_score)(const FootprintKernelConstants& constants, const FootprintKernelPose& pose,
-                      const float* px, const float* py, const float* pz, const float* unoccluded,
-                      int n, int* point, float* X, float* Y, float* Z);
-  void (*value_score)(const FootprintKernelConstants& constants, const float* X, const float* Y,
-                      const float* Z, const float* unoccluded, int n, float* q);
+                      const ScorePoints& points, const FootprintSelectionOf<float>& selected);
+  void (*value_score)(const FootprintKernelConstants& constants, const ScorePoints& points,
+                      float* q);
 };
 
 FootprintKernel footprint_kernel(InstructionSet set);

@@ -138,15 +138,16 @@ int FootprintVisibility::score(FootprintKernelPose p, Scratch& s, const Looks& l
   auto sensor = Eigen::Vector3d::Map(p.sensor);
   occlusion_->score(sensor, s.score_probability.data());
   sensor -= score_origin_;
-  const int n =
-      kernel_.select_score(constants_, p, score_px_.data(), score_py_.data(), score_pz_.data(),
-                           s.score_probability.data(), size(), looks.point, s.score_X.data(),
-                           s.score_Y.data(), s.score_Z.data());
+  const int n = kernel_.select_score(
+      constants_, p,
+      {score_px_.data(), score_py_.data(), score_pz_.data(), s.score_probability.data(), size()},
+      {looks.point, s.score_X.data(), s.score_Y.data(), s.score_Z.data()});
   for (int j = 0; j < FootprintKernel::padded(n); ++j) {
     s.score_u[j] = s.score_probability[looks.point[j]];
   }
-  kernel_.value_score(constants_, s.score_X.data(), s.score_Y.data(), s.score_Z.data(),
-                      s.score_u.data(), n, s.score_q.data());
+  kernel_.value_score(constants_,
+                      {s.score_X.data(), s.score_Y.data(), s.score_Z.data(), s.score_u.data(), n},
+                      s.score_q.data());
   for (int j = 0; j < n; ++j) looks.q[j] = static_cast<double>(s.score_q[j]);
   return n;
 }
@@ -162,13 +163,14 @@ int FootprintVisibility::look(const Pose& pose, Scratch& s, const Looks& looks) 
   } else {
     occlusion_->evaluate(sensor, s.probability.data());
   }
-  const int n =
-      kernel_.select(constants_, p, px_.data(), py_.data(), pz_.data(), s.probability.data(),
-                     size(), looks.point, s.X.data(), s.Y.data(), s.Z.data());
+  const int n = kernel_.select(constants_, p,
+                               {px_.data(), py_.data(), pz_.data(), s.probability.data(), size()},
+                               {looks.point, s.X.data(), s.Y.data(), s.Z.data()});
   const int padded = FootprintKernel::padded(n);
   for (int j = 0; j < padded; ++j) s.u[j] = s.probability[looks.point[j]];
+  const FootprintKernel::Points selected{s.X.data(), s.Y.data(), s.Z.data(), s.u.data(), n};
   if (!gradient) {
-    kernel_.value(constants_, s.X.data(), s.Y.data(), s.Z.data(), s.u.data(), n, looks.q);
+    kernel_.value(constants_, selected, looks.q);
     return n;
   }
   for (int j = 0; j < padded; ++j) {
@@ -177,9 +179,8 @@ int FootprintVisibility::look(const Pose& pose, Scratch& s, const Looks& looks) 
     s.u_y[j] = s.d_y[c];
     s.u_z[j] = s.d_z[c];
   }
-  kernel_.gradient(constants_, p, s.X.data(), s.Y.data(), s.Z.data(), s.u.data(), s.u_x.data(),
-                   s.u_y.data(), s.u_z.data(), n, looks.q, looks.d_x, looks.d_y, looks.d_z,
-                   looks.d_yaw);
+  kernel_.gradient(constants_, p, selected, {s.u_x.data(), s.u_y.data(), s.u_z.data()},
+                   {looks.q, looks.d_x, looks.d_y, looks.d_z, looks.d_yaw});
   return n;
 }
 

@@ -159,183 +159,216 @@ template <typename T>
 using BlockResult =
     std::conditional_t<std::is_same_v<T, double>, VisibilityBlockResult, VisibilityScoreResult>;
 
+// What is worked out of a block's landmarks, a lane each.
+template <typename T>
+struct alignas(64) LanesOf {
+  static constexpr int kLanes = VisibilityBlockOf<T>::kLanes;
+  // The image rectangle in standard deviations of the landmark's image, and their inverses.
+  T t1[kLanes], t0[kLanes], s1[kLanes], s0[kLanes], rsu[kLanes], rsv[kLanes];
+  T depth[kLanes], range[kLanes], squared_range[kLanes], cos_view[kLanes];
+  T alive[kLanes];  // above 0 exactly where pi is not identically zero
+  // Probabilities along u and v, with densities at their ends, and of range and view.
+  T Pu[kLanes], Pv[kLanes], P5[kLanes], ft1[kLanes], ft0[kLanes], fs1[kLanes], fs0[kLanes];
+  T e1[kLanes], e2[kLanes], e3[kLanes], e4[kLanes], e5[kLanes];  // e^-a of the logistic factors
+};
+
+// The geometry of a block; false if its pi are all zero.
+template <typename T>
+PROSPECT_FORCE_INLINE bool project(const VisibilityBlockOf<T>& l, const T* __restrict open,
+                                   const VisibilityKernelConstantsOf<T>& c,
+                                   const VisibilityKernelStageOf<T>& s, LanesOf<T>& lane) {
+  constexpr int kLanes = VisibilityBlockOf<T>::kLanes;
+  constexpr T one = 1.0;
+  const T farthest = c.r_max + kLogisticTail<T> / c.inverse_r_max_width;
+  for (int j = 0; j < kLanes; ++j) {
+    lane.alive[j] = s.R[6] * (l.x[j] - s.sensor[0]) + s.R[7] * (l.y[j] - s.sensor[1]) +
+                    s.R[8] * (l.z[j] - s.sensor[2]) - c.near_depth;
+  }
+  bool any = false;
+  for (int j = 0; j < kLanes; ++j) any |= lane.alive[j] > T(0.0);
+  if (!any) return false;
+  for (int j = 0; j < kLanes; ++j) {
+    const PointOf<T> p = point(l, j, c, s);
+    const T ku = c.fx * p.inverse_z;
+    const T kv = c.fy * p.inverse_z;
+    const T noise = c.pixel_variance + c.border_variance;
+    // One division for both: dividing is most of this loop.
+    const T su = std::sqrt(ku * ku * p.Qu + noise);
+    const T sv = std::sqrt(kv * kv * p.Qv + noise);
+    const T both = one / (su * sv);
+    lane.rsu[j] = both * sv;
+    lane.rsv[j] = both * su;
+    const T u = c.fx * p.a;
+    const T v = c.fy * p.b;
+    constexpr T tail = kTail<T>;
+    lane.t1[j] = clamp((c.u_max - u) * lane.rsu[j], -tail, tail);
+    lane.t0[j] = clamp((c.u_min + c.fx_baseline * p.inverse_z - u) * lane.rsu[j], -tail, tail);
+    lane.s1[j] = clamp((c.v_max - v) * lane.rsv[j], -tail, tail);
+    lane.s0[j] = clamp((c.v_min - v) * lane.rsv[j], -tail, tail);
+    lane.depth[j] = p.Z;
+    lane.squared_range[j] = p.X * p.X + p.Y * p.Y + p.Z * p.Z;
+    lane.cos_view[j] = -(p.dx * l.nx[j] + p.dy * l.ny[j] + p.dz * l.nz[j]);  // times the range
+    // Positive exactly where pi is not identically zero. P_unoccluded is C1 and >= 0: where it is
+    // 0, so are its derivatives.
+    lane.alive[j] = at_least(p.Z - c.near_depth, T(0.0)) * at_least(farthest - p.Z, T(0.0)) *
+                    ((lane.t1[j] - lane.t0[j]) * (lane.s1[j] - lane.s0[j])) *
+                    (l.survival[j] * open[j]);
+  }
+  any = false;
+  for (int j = 0; j < kLanes; ++j) any |= lane.alive[j] > T(0.0);
+  return any;
+}
+
+// pi of a block's landmarks.
+template <typename T>
+PROSPECT_FORCE_INLINE void probabilities(const VisibilityBlockOf<T>& l, const T* __restrict open,
+                                         const VisibilityKernelConstantsOf<T>& c, LanesOf<T>& lane,
+                                         T* __restrict pi_of) {
+  constexpr int kLanes = VisibilityBlockOf<T>::kLanes;
+  constexpr T one = 1.0;
+  for (int j = 0; j < kLanes; ++j) {
+    interval(lane.t0[j], lane.t1[j], lane.Pu[j], lane.ft0[j], lane.ft1[j]);
+    interval(lane.s0[j], lane.s1[j], lane.Pv[j], lane.fs0[j], lane.fs1[j]);
+  }
+  for (int j = 0; j < kLanes; ++j) {
+    lane.range[j] = std::sqrt(at_least(lane.squared_range[j], c.near_depth * c.near_depth));
+    lane.cos_view[j] /= lane.range[j];
+    const T scale = lane.range[j] * l.inverse_creation_range[j];
+    constexpr T L = kLogisticTail<T>;
+    lane.e1[j] =
+        exponential_in_range(clamp((c.r_min - lane.depth[j]) * c.inverse_r_min_width, -L, L));
+    lane.e2[j] =
+        exponential_in_range(clamp((lane.depth[j] - c.r_max) * c.inverse_r_max_width, -L, L));
+    lane.e3[j] = exponential_in_range(clamp((c.scale_min - scale) * c.inverse_scale_width, -L, L));
+    lane.e4[j] = exponential_in_range(clamp((scale - c.scale_max) * c.inverse_scale_width, -L, L));
+    lane.e5[j] =
+        exponential_in_range(clamp((c.cos_view - lane.cos_view[j]) * c.inverse_cos_width, -L, L));
+    lane.P5[j] = one / ((one + lane.e1[j]) * (one + lane.e2[j]) *
+                        ((one + lane.e3[j]) * (one + lane.e4[j])) * (one + lane.e5[j]));
+    const T t = clamp(lane.depth[j] / c.near_depth - one, T(0.0), one);
+    const T gate = t * t * t * (T(10.0) + t * (T(6.0) * t - T(15.0)));
+    const T kept = l.survival[j] * cell_probability(l.per_cell[j] * lane.depth[j] * lane.depth[j]);
+    const T pi = kept * open[j] * gate * lane.P5[j] * (lane.Pu[j] * lane.Pv[j]);
+    pi_of[j] = pi;
+  }
+}
+
+// d pi of a block's landmarks, pi being known.
+PROSPECT_FORCE_INLINE void slopes(const VisibilityBlock& l, const UnoccludedInput& open,
+                                  const VisibilityKernelConstants& c,
+                                  const VisibilityKernelStage& s, const LanesOf<double>& lane,
+                                  VisibilityBlockResult& __restrict out) {
+  for (int j = 0; j < kLanes; ++j) {
+    const Point p = point(l, j, c, s);
+    const double t = clamp(lane.depth[j] / c.near_depth - 1.0, 0.0, 1.0);
+    const double gate = t * t * t * (10.0 + t * (6.0 * t - 15.0));
+    const double gate_slope = 30.0 * t * t * (1.0 - t) * (1.0 - t) / c.near_depth;
+    const double m = l.per_cell[j] * lane.depth[j] * lane.depth[j];
+    const double kept = l.survival[j] * cell_probability(m);
+    const double before_gate = kept * lane.P5[j] * (lane.Pu[j] * lane.Pv[j]);
+    const double factor = kept * open.probability[j] * gate * lane.P5[j];
+    const double pi = out.pi[j];
+    PointAdjoint q;
+
+    // Gate, range and view. d log sigma(x) = (1 - sigma(x)) dx; 1 / (1 + e) by products.
+    const double p12 = (1.0 + lane.e1[j]) * (1.0 + lane.e2[j]);
+    const double p34 = (1.0 + lane.e3[j]) * (1.0 + lane.e4[j]);
+    const double p5 = 1.0 + lane.e5[j];
+    const double w = pi * lane.P5[j];
+    const double w12 = w * p34 * p5;
+    const double d_scale = w * p12 * p5 *
+                           (lane.e3[j] * (1.0 + lane.e4[j]) - lane.e4[j] * (1.0 + lane.e3[j])) *
+                           c.inverse_scale_width;
+    q.Z += w12 * (lane.e1[j] * (1.0 + lane.e2[j]) * c.inverse_r_min_width -
+                  lane.e2[j] * (1.0 + lane.e1[j]) * c.inverse_r_max_width);
+    q.Z += before_gate * open.probability[j] * gate_slope;
+    // d log P_cell / dm = -(18 + 12 m + m^2) / ((6 + m) (6 + 4 m + m^2)).
+    q.Z -= 2.0 * pi * l.per_cell[j] * lane.depth[j] * (18.0 + m * (12.0 + m)) /
+           ((6.0 + m) * (6.0 + m * (4.0 + m)));
+    const double d_cos = w * p12 * p34 * lane.e5[j] * c.inverse_cos_width;
+    const double inverse_r = 1.0 / lane.range[j];
+    const double d_range =
+        d_scale * l.inverse_creation_range[j] - d_cos * lane.cos_view[j] * inverse_r;
+    q.X += d_range * p.X * inverse_r;
+    q.Y += d_range * p.Y * inverse_r;
+    q.Z += d_range * p.Z * inverse_r;
+    const double d_view = d_cos * inverse_r;
+    const double d_open = before_gate * gate;
+    out.d[vd::kSensor + 0][j] = d_view * l.nx[j] + d_open * open.d_x[j];
+    out.d[vd::kSensor + 1][j] = d_view * l.ny[j] + d_open * open.d_y[j];
+    out.d[vd::kSensor + 2][j] = d_view * l.nz[j] + d_open * open.d_z[j];
+
+    // Image rectangle.
+    const double Au1 = factor * lane.Pv[j] * lane.ft1[j] * lane.rsu[j];
+    const double Au0 = factor * lane.Pv[j] * lane.ft0[j] * lane.rsu[j];
+    const double Av1 = factor * lane.Pu[j] * lane.fs1[j] * lane.rsv[j];
+    const double Av0 = factor * lane.Pu[j] * lane.fs0[j] * lane.rsv[j];
+    const double Su = -0.5 * lane.rsu[j] * (Au1 * lane.t1[j] - Au0 * lane.t0[j]);
+    const double Sv = -0.5 * lane.rsv[j] * (Av1 * lane.s1[j] - Av0 * lane.s0[j]);
+    const double fu2 = c.fx * c.fx * p.inverse_z;
+    const double fv2 = c.fy * c.fy * p.inverse_z;
+    q.inverse_z += Au0 * -c.fx_baseline + 2.0 * (Su * fu2 * p.Qu + Sv * fv2 * p.Qv);
+    const double Qu = Su * fu2 * p.inverse_z;
+    const double Qv = Sv * fv2 * p.inverse_z;
+    const double wu_z = p.wu[0] * s.R[6] + p.wu[1] * s.R[7] + p.wu[2] * s.R[8];
+    const double wv_z = p.wv[0] * s.R[6] + p.wv[1] * s.R[7] + p.wv[2] * s.R[8];
+    q.a += -c.fx * (Au1 - Au0) + 2.0 * Qu * (p.a * s.M[2] - s.M[4] - p.gamma_u * s.c[2] - wu_z);
+    q.b += -c.fy * (Av1 - Av0) + 2.0 * Qv * (p.b * s.M[2] - s.M[5] - p.gamma_v * s.c[2] - wv_z);
+    q.gamma_u += 2.0 * Qu * (p.cu + p.gamma_u * s.s);
+    q.gamma_v += 2.0 * Qv * (p.cv + p.gamma_v * s.s);
+    // Sigma_i turns in C as the base turns.
+    q.yaw += 2.0 * Qu * (p.wu[1] * p.ru[0] - p.wu[0] * p.ru[1]) +
+             2.0 * Qv * (p.wv[1] * p.rv[0] - p.wv[0] * p.rv[1]);
+    out.d[vd::kM + 0][j] = Qu;
+    out.d[vd::kM + 1][j] = Qv;
+    out.d[vd::kM + 2][j] = p.a * p.a * Qu + p.b * p.b * Qv;
+    out.d[vd::kM + 3][j] = 0.0;
+    out.d[vd::kM + 4][j] = -2.0 * p.a * Qu;
+    out.d[vd::kM + 5][j] = -2.0 * p.b * Qv;
+    out.d[vd::kC + 0][j] = 2.0 * p.gamma_u * Qu;
+    out.d[vd::kC + 1][j] = 2.0 * p.gamma_v * Qv;
+    out.d[vd::kC + 2][j] = -2.0 * (p.a * p.gamma_u * Qu + p.b * p.gamma_v * Qv);
+    out.d[vd::kS][j] = p.gamma_u * p.gamma_u * Qu + p.gamma_v * p.gamma_v * Qv;
+    close_point(p, c, q);
+    out.d[vd::kCamera + 0][j] = q.X;
+    out.d[vd::kCamera + 1][j] = q.Y;
+    out.d[vd::kCamera + 2][j] = q.Z;
+    out.d[vd::kYaw][j] = q.yaw;
+  }
+}
+
 template <typename T, bool kGradient>
 PROSPECT_FORCE_INLINE void evaluate_body(const VisibilityBlockOf<T>* __restrict blocks,
                                          int num_blocks, const VisibilityKernelConstants& constants,
                                          const VisibilityKernelStage& stage,
-                                         const T* __restrict probability,
-                                         [[maybe_unused]] const UnoccludedInput& unoccluded,
+                                         const UnoccludedInputOf<T>& unoccluded,
                                          BlockResult<T>* __restrict results, VisibilitySums& sums) {
   constexpr int kLanes = VisibilityBlockOf<T>::kLanes;
-  constexpr T one = 1.0;
   // Copies, so that the compiler need not fear that results overwrite them.
   const auto c = converted_numbers<VisibilityKernelConstantsOf, T>(constants);
   const auto s = converted_numbers<VisibilityKernelStageOf, T>(stage);
-  const T farthest = c.r_max + kLogisticTail<T> / c.inverse_r_max_width;
   alignas(64) T count[kLanes] = {}, variance[kLanes] = {};
   alignas(64) [[maybe_unused]] double d_count[vd::kCount][8] = {}, d_variance[vd::kCount][8] = {};
-  alignas(64) T t1[kLanes], t0[kLanes], s1[kLanes], s0[kLanes], depth[kLanes], range[kLanes],
-      squared_range[kLanes], cos_view[kLanes], alive[kLanes], rsu[kLanes], rsv[kLanes];
+  LanesOf<T> lane;
 
   for (int block = 0; block < num_blocks; ++block) {
     const VisibilityBlockOf<T>& l = blocks[block];
     BlockResult<T>& out = results[block];
-    const T* open = probability + block * kLanes;
-
-    for (int j = 0; j < kLanes; ++j) {
-      alive[j] = s.R[6] * (l.x[j] - s.sensor[0]) + s.R[7] * (l.y[j] - s.sensor[1]) +
-                 s.R[8] * (l.z[j] - s.sensor[2]) - c.near_depth;
-    }
-    bool any = false;
-    for (int j = 0; j < kLanes; ++j) any |= alive[j] > T(0.0);
-    if (!any) {
-      out.alive = false;
+    const T* open = unoccluded.probability + block * kLanes;
+    out.alive = project(l, open, c, s, lane);
+    if (!out.alive) {
       for (int j = 0; j < kLanes; ++j) out.pi[j] = T(0.0);
       continue;
     }
-
+    probabilities(l, open, c, lane, out.pi);
     for (int j = 0; j < kLanes; ++j) {
-      const PointOf<T> p = point(l, j, c, s);
-      const T ku = c.fx * p.inverse_z;
-      const T kv = c.fy * p.inverse_z;
-      const T noise = c.pixel_variance + c.border_variance;
-      // One division for both: dividing is most of this loop.
-      const T su = std::sqrt(ku * ku * p.Qu + noise);
-      const T sv = std::sqrt(kv * kv * p.Qv + noise);
-      const T both = one / (su * sv);
-      rsu[j] = both * sv;
-      rsv[j] = both * su;
-      const T u = c.fx * p.a;
-      const T v = c.fy * p.b;
-      constexpr T tail = kTail<T>;
-      t1[j] = clamp((c.u_max - u) * rsu[j], -tail, tail);
-      t0[j] = clamp((c.u_min + c.fx_baseline * p.inverse_z - u) * rsu[j], -tail, tail);
-      s1[j] = clamp((c.v_max - v) * rsv[j], -tail, tail);
-      s0[j] = clamp((c.v_min - v) * rsv[j], -tail, tail);
-      depth[j] = p.Z;
-      squared_range[j] = p.X * p.X + p.Y * p.Y + p.Z * p.Z;
-      cos_view[j] = -(p.dx * l.nx[j] + p.dy * l.ny[j] + p.dz * l.nz[j]);  // times the range
-      // Positive exactly where pi is not identically zero. P_unoccluded is C1 and >= 0: where it is
-      // 0, so are its derivatives.
-      alive[j] = at_least(p.Z - c.near_depth, T(0.0)) * at_least(farthest - p.Z, T(0.0)) *
-                 ((t1[j] - t0[j]) * (s1[j] - s0[j])) * (l.survival[j] * open[j]);
+      count[j] += l.multiplicity[j] * out.pi[j];
+      variance[j] += l.multiplicity[j] * out.pi[j] * (T(1.0) - out.pi[j]);
     }
-    any = false;
-    for (int j = 0; j < kLanes; ++j) any |= alive[j] > T(0.0);
-    out.alive = any;
-    if (!any) {
-      for (int j = 0; j < kLanes; ++j) out.pi[j] = T(0.0);
-      continue;
-    }
-
-    alignas(64) T Pu[kLanes], Pv[kLanes], P5[kLanes], e1[kLanes], e2[kLanes], e3[kLanes],
-        e4[kLanes], e5[kLanes];
-    alignas(64) T ft1[kLanes], ft0[kLanes], fs1[kLanes], fs0[kLanes];
-    for (int j = 0; j < kLanes; ++j) {
-      interval(t0[j], t1[j], Pu[j], ft0[j], ft1[j]);
-      interval(s0[j], s1[j], Pv[j], fs0[j], fs1[j]);
-    }
-    for (int j = 0; j < kLanes; ++j) {
-      range[j] = std::sqrt(at_least(squared_range[j], c.near_depth * c.near_depth));
-      cos_view[j] /= range[j];
-      const T scale = range[j] * l.inverse_creation_range[j];
-      constexpr T L = kLogisticTail<T>;
-      e1[j] = exponential_in_range(clamp((c.r_min - depth[j]) * c.inverse_r_min_width, -L, L));
-      e2[j] = exponential_in_range(clamp((depth[j] - c.r_max) * c.inverse_r_max_width, -L, L));
-      e3[j] = exponential_in_range(clamp((c.scale_min - scale) * c.inverse_scale_width, -L, L));
-      e4[j] = exponential_in_range(clamp((scale - c.scale_max) * c.inverse_scale_width, -L, L));
-      e5[j] = exponential_in_range(clamp((c.cos_view - cos_view[j]) * c.inverse_cos_width, -L, L));
-      P5[j] =
-          one / ((one + e1[j]) * (one + e2[j]) * ((one + e3[j]) * (one + e4[j])) * (one + e5[j]));
-      const T t = clamp(depth[j] / c.near_depth - one, T(0.0), one);
-      const T gate = t * t * t * (T(10.0) + t * (T(6.0) * t - T(15.0)));
-      const T kept = l.survival[j] * cell_probability(l.per_cell[j] * depth[j] * depth[j]);
-      const T pi = kept * open[j] * gate * P5[j] * (Pu[j] * Pv[j]);
-      out.pi[j] = pi;
-      count[j] += l.multiplicity[j] * pi;
-      variance[j] += l.multiplicity[j] * pi * (one - pi);
-    }
-
     if constexpr (kGradient) {
-      const double* open_x = unoccluded.d_x + block * kLanes;
-      const double* open_y = unoccluded.d_y + block * kLanes;
-      const double* open_z = unoccluded.d_z + block * kLanes;
-      for (int j = 0; j < kLanes; ++j) {
-        const Point p = point(l, j, c, s);
-        const double t = clamp(depth[j] / c.near_depth - 1.0, 0.0, 1.0);
-        const double gate = t * t * t * (10.0 + t * (6.0 * t - 15.0));
-        const double gate_slope = 30.0 * t * t * (1.0 - t) * (1.0 - t) / c.near_depth;
-        const double m = l.per_cell[j] * depth[j] * depth[j];
-        const double kept = l.survival[j] * cell_probability(m);
-        const double before_gate = kept * P5[j] * (Pu[j] * Pv[j]);
-        const double factor = kept * open[j] * gate * P5[j];
-        const double pi = out.pi[j];
-        PointAdjoint q;
-
-        // Gate, range and view. d log sigma(x) = (1 - sigma(x)) dx; 1 / (1 + e) by products.
-        const double p12 = (1.0 + e1[j]) * (1.0 + e2[j]);
-        const double p34 = (1.0 + e3[j]) * (1.0 + e4[j]);
-        const double p5 = 1.0 + e5[j];
-        const double w = pi * P5[j];
-        const double w12 = w * p34 * p5;
-        const double d_scale =
-            w * p12 * p5 * (e3[j] * (1.0 + e4[j]) - e4[j] * (1.0 + e3[j])) * c.inverse_scale_width;
-        q.Z += w12 * (e1[j] * (1.0 + e2[j]) * c.inverse_r_min_width -
-                      e2[j] * (1.0 + e1[j]) * c.inverse_r_max_width);
-        q.Z += before_gate * open[j] * gate_slope;
-        // d log P_cell / dm = -(18 + 12 m + m^2) / ((6 + m) (6 + 4 m + m^2)).
-        q.Z -= 2.0 * pi * l.per_cell[j] * depth[j] * (18.0 + m * (12.0 + m)) /
-               ((6.0 + m) * (6.0 + m * (4.0 + m)));
-        const double d_cos = w * p12 * p34 * e5[j] * c.inverse_cos_width;
-        const double inverse_r = 1.0 / range[j];
-        const double d_range =
-            d_scale * l.inverse_creation_range[j] - d_cos * cos_view[j] * inverse_r;
-        q.X += d_range * p.X * inverse_r;
-        q.Y += d_range * p.Y * inverse_r;
-        q.Z += d_range * p.Z * inverse_r;
-        const double d_view = d_cos * inverse_r;
-        const double d_open = before_gate * gate;
-        out.d[vd::kSensor + 0][j] = d_view * l.nx[j] + d_open * open_x[j];
-        out.d[vd::kSensor + 1][j] = d_view * l.ny[j] + d_open * open_y[j];
-        out.d[vd::kSensor + 2][j] = d_view * l.nz[j] + d_open * open_z[j];
-
-        // Image rectangle.
-        const double Au1 = factor * Pv[j] * ft1[j] * rsu[j];
-        const double Au0 = factor * Pv[j] * ft0[j] * rsu[j];
-        const double Av1 = factor * Pu[j] * fs1[j] * rsv[j];
-        const double Av0 = factor * Pu[j] * fs0[j] * rsv[j];
-        const double Su = -0.5 * rsu[j] * (Au1 * t1[j] - Au0 * t0[j]);
-        const double Sv = -0.5 * rsv[j] * (Av1 * s1[j] - Av0 * s0[j]);
-        const double fu2 = c.fx * c.fx * p.inverse_z;
-        const double fv2 = c.fy * c.fy * p.inverse_z;
-        q.inverse_z += Au0 * -c.fx_baseline + 2.0 * (Su * fu2 * p.Qu + Sv * fv2 * p.Qv);
-        const double Qu = Su * fu2 * p.inverse_z;
-        const double Qv = Sv * fv2 * p.inverse_z;
-        const double wu_z = p.wu[0] * s.R[6] + p.wu[1] * s.R[7] + p.wu[2] * s.R[8];
-        const double wv_z = p.wv[0] * s.R[6] + p.wv[1] * s.R[7] + p.wv[2] * s.R[8];
-        q.a += -c.fx * (Au1 - Au0) + 2.0 * Qu * (p.a * s.M[2] - s.M[4] - p.gamma_u * s.c[2] - wu_z);
-        q.b += -c.fy * (Av1 - Av0) + 2.0 * Qv * (p.b * s.M[2] - s.M[5] - p.gamma_v * s.c[2] - wv_z);
-        q.gamma_u += 2.0 * Qu * (p.cu + p.gamma_u * s.s);
-        q.gamma_v += 2.0 * Qv * (p.cv + p.gamma_v * s.s);
-        // Sigma_i turns in C as the base turns.
-        q.yaw += 2.0 * Qu * (p.wu[1] * p.ru[0] - p.wu[0] * p.ru[1]) +
-                 2.0 * Qv * (p.wv[1] * p.rv[0] - p.wv[0] * p.rv[1]);
-        out.d[vd::kM + 0][j] = Qu;
-        out.d[vd::kM + 1][j] = Qv;
-        out.d[vd::kM + 2][j] = p.a * p.a * Qu + p.b * p.b * Qv;
-        out.d[vd::kM + 3][j] = 0.0;
-        out.d[vd::kM + 4][j] = -2.0 * p.a * Qu;
-        out.d[vd::kM + 5][j] = -2.0 * p.b * Qv;
-        out.d[vd::kC + 0][j] = 2.0 * p.gamma_u * Qu;
-        out.d[vd::kC + 1][j] = 2.0 * p.gamma_v * Qv;
-        out.d[vd::kC + 2][j] = -2.0 * (p.a * p.gamma_u * Qu + p.b * p.gamma_v * Qv);
-        out.d[vd::kS][j] = p.gamma_u * p.gamma_u * Qu + p.gamma_v * p.gamma_v * Qv;
-        close_point(p, c, q);
-        out.d[vd::kCamera + 0][j] = q.X;
-        out.d[vd::kCamera + 1][j] = q.Y;
-        out.d[vd::kCamera + 2][j] = q.Z;
-        out.d[vd::kYaw][j] = q.yaw;
-      }
+      const int first = block * kLanes;
+      slopes(l, {open, unoccluded.d_x + first, unoccluded.d_y + first, unoccluded.d_z + first}, c,
+             s, lane, out);
       for (int m = 0; m < vd::kCount; ++m) {
         for (int j = 0; j < kLanes; ++j) {
           const double d = l.multiplicity[j] * out.d[m][j];
@@ -560,44 +593,43 @@ PROSPECT_FORCE_INLINE void information_gradient_body(
   }
 }
 
-#define PROSPECT_VISIBILITY_KERNEL(SUFFIX, TARGET)                                                 \
-  TARGET void evaluate_##SUFFIX(                                                                   \
-      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants,   \
-      const VisibilityKernelStage& stage, const UnoccludedInput& unoccluded, bool gradient,        \
-      VisibilityBlockResult* results, VisibilitySums& sums) {                                      \
-    const double* open = unoccluded.probability;                                                   \
-    if (gradient) {                                                                                \
-      evaluate_body<double, true>(blocks, num_blocks, constants, stage, open, unoccluded, results, \
-                                  sums);                                                           \
-    } else {                                                                                       \
-      evaluate_body<double, false>(blocks, num_blocks, constants, stage, open, unoccluded,         \
-                                   results, sums);                                                 \
-    }                                                                                              \
-  }                                                                                                \
-  TARGET void score_##SUFFIX(const VisibilityScoreBlock* blocks, int num_blocks,                   \
-                             const VisibilityKernelConstants& constants,                           \
-                             const VisibilityKernelStage& stage, const float* unoccluded,          \
-                             VisibilityScoreResult* results, VisibilitySums& sums) {               \
-    evaluate_body<float, false>(blocks, num_blocks, constants, stage, unoccluded, {}, results,     \
-                                sums);                                                             \
-  }                                                                                                \
-  TARGET void information_##SUFFIX(const VisibilityBlock* blocks, int num_blocks,                  \
-                                   const VisibilityKernelConstants& constants,                     \
-                                   const VisibilityKernelStage& stage,                             \
-                                   const VisibilityBlockResult* results, double* information) {    \
-    information_body(blocks, num_blocks, constants, stage, results, information);                  \
-  }                                                                                                \
-  TARGET void score_information_##SUFFIX(                                                          \
-      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants,   \
-      const VisibilityKernelStage& stage, const VisibilityScoreResult* results,                    \
-      double* information) {                                                                       \
-    information_body(blocks, num_blocks, constants, stage, results, information);                  \
-  }                                                                                                \
-  TARGET void information_gradient_##SUFFIX(                                                       \
-      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants,   \
-      const VisibilityKernelStage& stage, const VisibilityBlockResult* results, const double* P,   \
-      double* d) {                                                                                 \
-    information_gradient_body(blocks, num_blocks, constants, stage, results, P, d);                \
+#define PROSPECT_VISIBILITY_KERNEL(SUFFIX, TARGET)                                               \
+  TARGET void evaluate_##SUFFIX(                                                                 \
+      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants, \
+      const VisibilityKernelStage& stage, const UnoccludedInput& unoccluded,                     \
+      VisibilityBlockResult* results, VisibilitySums& sums) {                                    \
+    if (unoccluded.d_x != nullptr) {                                                             \
+      evaluate_body<double, true>(blocks, num_blocks, constants, stage, unoccluded, results,     \
+                                  sums);                                                         \
+    } else {                                                                                     \
+      evaluate_body<double, false>(blocks, num_blocks, constants, stage, unoccluded, results,    \
+                                   sums);                                                        \
+    }                                                                                            \
+  }                                                                                              \
+  TARGET void score_##SUFFIX(const VisibilityScoreBlock* blocks, int num_blocks,                 \
+                             const VisibilityKernelConstants& constants,                         \
+                             const VisibilityKernelStage& stage, const float* unoccluded,        \
+                             VisibilityScoreResult* results, VisibilitySums& sums) {             \
+    evaluate_body<float, false>(blocks, num_blocks, constants, stage, {unoccluded}, results,     \
+                                sums);                                                           \
+  }                                                                                              \
+  TARGET void information_##SUFFIX(const VisibilityBlock* blocks, int num_blocks,                \
+                                   const VisibilityKernelConstants& constants,                   \
+                                   const VisibilityKernelStage& stage,                           \
+                                   const VisibilityBlockResult* results, double* information) {  \
+    information_body(blocks, num_blocks, constants, stage, results, information);                \
+  }                                                                                              \
+  TARGET void score_information_##SUFFIX(                                                        \
+      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants, \
+      const VisibilityKernelStage& stage, const VisibilityScoreResult* results,                  \
+      double* information) {                                                                     \
+    information_body(blocks, num_blocks, constants, stage, results, information);                \
+  }                                                                                              \
+  TARGET void information_gradient_##SUFFIX(                                                     \
+      const VisibilityBlock* blocks, int num_blocks, const VisibilityKernelConstants& constants, \
+      const VisibilityKernelStage& stage, const VisibilityBlockResult* results, const double* P, \
+      double* d) {                                                                               \
+    information_gradient_body(blocks, num_blocks, constants, stage, results, P, d);              \
   }
 
 PROSPECT_VISIBILITY_KERNEL(generic, )

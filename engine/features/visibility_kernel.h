@@ -87,13 +87,15 @@ struct VisibilitySums {
 };
 
 /// P_unoccluded and its derivative by the sensor's position; arrays of 8 times the number of
-/// blocks.
-struct UnoccludedInput {
-  const double* probability;
-  const double* d_x;
-  const double* d_y;
-  const double* d_z;
+/// blocks. Without derivatives nothing else has one.
+template <typename T>
+struct UnoccludedInputOf {
+  const T* probability;
+  const T* d_x = nullptr;
+  const T* d_y = nullptr;
+  const T* d_z = nullptr;
 };
+using UnoccludedInput = UnoccludedInputOf<double>;
 
 /// The loops over landmarks, compiled for several vector widths from one source. All of them give
 /// the same bits: sums run in eight lanes whatever the width.
@@ -104,10 +106,10 @@ struct UnoccludedInput {
 struct VisibilityKernel {
   std::string_view name;  ///< "generic", "avx2", "avx512"
 
-  /// results: one per block.
+  /// results: one per block, with derivatives if `unoccluded` has them.
   void (*evaluate)(const VisibilityBlock* blocks, int num_blocks,
                    const VisibilityKernelConstants& constants, const VisibilityKernelStage& stage,
-                   const UnoccludedInput& unoccluded, bool gradient, VisibilityBlockResult* results,
+                   const UnoccludedInput& unoccluded, VisibilityBlockResult* results,
                    VisibilitySums& sums);
 
   /// Count and variance alone, in single precision, for comparing candidates: pi to about 1e-6.

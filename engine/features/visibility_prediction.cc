@@ -288,8 +288,10 @@ bool VisibilityPrediction::propagate(const TrajectoryBatch& t, int b, const Requ
     scratch.poses[static_cast<std::size_t>(k)] = t.pose(k, b);
     if (!evaluable(scratch.poses[static_cast<std::size_t>(k)])) return false;
   }
-  const UnoccludedInput open = {scratch.probability.data(), scratch.d_x.data(), scratch.d_y.data(),
-                                scratch.d_z.data()};
+  UnoccludedInput open = {scratch.probability.data()};
+  if (request.gradient) {
+    open = {open.probability, scratch.d_x.data(), scratch.d_y.data(), scratch.d_z.data()};
+  }
   scratch.sigma[0].setZero();
   for (int k = 0; k <= N; ++k) {
     const std::size_t n = static_cast<std::size_t>(k);
@@ -304,8 +306,8 @@ bool VisibilityPrediction::propagate(const TrajectoryBatch& t, int b, const Requ
       score(stage, scratch, sums, request.information ? I.data() : nullptr);
     } else {
       unoccluded(Vector3d::Map(stage.sensor), request.gradient, scratch);
-      kernel_.evaluate(blocks_.data(), num_blocks, constants_, stage, open, request.gradient,
-                       scratch.results.data(), sums);
+      kernel_.evaluate(blocks_.data(), num_blocks, constants_, stage, open, scratch.results.data(),
+                       sums);
     }
     const double prior = prior_count ? prior_count[k] : 0.0;
     out.count[n] = sums.count + prior;
@@ -453,10 +455,8 @@ Eigen::VectorXd VisibilityPrediction::probabilities(const Pose& pose,
   Scratch scratch(blocks_.size(), score_blocks_.size(), 1);
   const VisibilityKernelStage stage = stage_inputs(pose, sigma_rel);
   unoccluded(Vector3d::Map(stage.sensor), false, scratch);
-  const UnoccludedInput open = {scratch.probability.data(), scratch.d_x.data(), scratch.d_y.data(),
-                                scratch.d_z.data()};
-  kernel_.evaluate(blocks_.data(), static_cast<int>(blocks_.size()), constants_, stage, open, false,
-                   scratch.results.data(), scratch.sums[0]);
+  kernel_.evaluate(blocks_.data(), static_cast<int>(blocks_.size()), constants_, stage,
+                   {scratch.probability.data()}, scratch.results.data(), scratch.sums[0]);
   for (int i = 0; i < num_landmarks_; ++i) {
     pi[i] = scratch.results[static_cast<std::size_t>(i / VisibilityBlock::kLanes)]
                 .pi[i % VisibilityBlock::kLanes];

@@ -236,9 +236,9 @@ bool FrontierPlanner::nothing_farther_leads(const Eigen::Vector2d& robot,
          std::none_of(all.begin(), all.end(), [](const auto& c) { return c.frontier < 0; });
 }
 
-// The frontier to go to next, -1 for none. must: the present one will not do. alone: only those
+// The frontier to go to next, -1 for none; present: that of now, if it will do. alone: only those
 // that are worth their way whatever else lies on it.
-int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, int current, bool must,
+int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optional<int> present,
                             bool alone, const LookPrice& price, FrontierFacts& facts) {
   std::vector<FrontierCandidate> candidates;
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
@@ -266,17 +266,17 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, int current,
     if (candidates.empty()) return -1;
   }
   if (options_.rule) {
-    const int chosen = options_.rule(candidates, must ? -1 : index_of(current));
+    const int chosen = options_.rule(candidates, present ? index_of(*present) : -1);
     if (chosen < 0 || chosen >= static_cast<int>(candidates.size())) return -1;
     return candidates[static_cast<std::size_t>(chosen)].frontier;
   }
 
-  const int mine = must ? -1 : index_of(current);
-  std::optional<FrontierCandidate> present;
-  if (mine >= 0) present = candidates[static_cast<std::size_t>(mine)];
+  const int mine = present ? index_of(*present) : -1;
+  std::optional<FrontierCandidate> own;
+  if (mine >= 0) own = candidates[static_cast<std::size_t>(mine)];
   candidates = leading_candidates(std::move(candidates), options_.order);
   // What it would change from is compared, too, though it may not be among the leading ones.
-  if (present && index_of(present->frontier) < 0) candidates.back() = *present;
+  if (own && index_of(own->frontier) < 0) candidates.back() = *own;
 
   std::vector<int> place(frontiers.size(), -1);
   for (std::size_t k = 0; k < candidates.size(); ++k) {
@@ -337,10 +337,10 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, int current,
                     options_.least_rate) {
     return -1;
   }
-  if (present) {
+  if (own) {
     const FrontierSequence kept =
-        best_sequence(candidates, between, options_.order, index_of(present->frontier));
-    if (best.value <= (1.0 + options_.commitment) * kept.value) return present->frontier;
+        best_sequence(candidates, between, options_.order, index_of(own->frontier));
+    if (best.value <= (1.0 + options_.commitment) * kept.value) return own->frontier;
   }
   return candidates[static_cast<std::size_t>(best.order.front())].frontier;
 }
@@ -477,16 +477,17 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
   }
   if (reason == TargetChange::kNone) return;
 
-  const bool must = reason != TargetChange::kBetter;
+  std::optional<int> present;  // that of now, which may still be the best
+  if (reason == TargetChange::kBetter) present = current;
   int chosen = -1;
   // What is near first; where that is not worth its way, there may be what is, far away.
   for (const bool far : {false, true}) {
-    measure_ways(pose, frontiers, must ? -1 : current, far, prices);
-    chosen = choose(frontiers, current, must, far, prices.look, facts);
+    measure_ways(pose, frontiers, present.value_or(-1), far, prices);
+    chosen = choose(frontiers, present, far, prices.look, facts);
     // The lattice of ways is coarse: what it reaches may still be out of reach.
     while (!lead_to(chosen, robot, prices) && chosen >= 0) {
       way_to_[static_cast<std::size_t>(chosen)].length = kInfinity;
-      chosen = choose(frontiers, current, true, far, prices.look, facts);
+      chosen = choose(frontiers, std::nullopt, far, prices.look, facts);
     }
     if (chosen >= 0) break;
   }
@@ -494,7 +495,7 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
   const double explored = traversability_.explored_area();
   const bool same = chosen >= 0 && chosen == current && target_;
   // A target that was left for a better one has not shown what it could.
-  if (must && target_area_ > 0.0) {
+  if (!present && target_area_ > 0.0) {
     worth_.learn(target_promise_, target_expected_, explored - explored_then_);
     target_area_ = 0.0;
   }
@@ -504,7 +505,7 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
     target_.reset();
     dropped_ = TargetChange::kFirst;
   }
-  if (chosen >= 0 && (!same || must)) {
+  if (chosen >= 0 && (!same || !present)) {
     const Frontier& f = frontiers[static_cast<std::size_t>(chosen)];
     target_area_ = f.area;
     target_promise_ = f.promise;
@@ -578,7 +579,7 @@ std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
     tell_what_is_left(ground, pose, global_plan->frontiers, facts);
     facts.cut_off = is_cut_off();
   }
-  facts.exhausted_for = exhaustion_.update(stamp, facts.exhausted, attention.pursued);
+  facts.exhausted_for = exhaustion_.update(stamp, {facts.exhausted, attention.pursued});
   global_plan->map_revision = ground.revision();
   global_plan->stamp = stamp;
   global_plan->cost_to_go = field_.window();

@@ -190,7 +190,7 @@ class FrontierPlanner {
   void add_turn(const Pose& pose, const Frontier& frontier, Way& way) const;
   bool nothing_farther_leads(const Eigen::Vector2d& robot, const std::vector<Frontier>& frontiers,
                              double limit) const;
-  int choose(const std::vector<Frontier>& frontiers, int current, bool must, bool alone,
+  int choose(const std::vector<Frontier>& frontiers, std::optional<int> present, bool alone,
              const LookPrice& price, FrontierFacts& facts);
   void tell_what_is_left(const GroundMap& ground, const Pose& pose,
                          const std::vector<Frontier>& frontiers, FrontierFacts& facts) const;

@@ -91,7 +91,7 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::lead_to_area(
     const PlannerParameters& parameters, double frontier_stamp,
     const FrontierAttention& attention) {
   if (!frontiers->facts.exhausted) {
-    exhaustion_.update(frontier_stamp, false, attention.pursued);
+    exhaustion_.update(frontier_stamp, {false, attention.pursued});
     if (area_planner_) area_planner_->resume();
     return frontiers;
   }
@@ -106,7 +106,7 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::lead_to_area(
   FrontierFacts& facts = plan->facts;
   facts.explored_area = frontiers->facts.explored_area;
   facts.exhausted = !way->target;
-  facts.exhausted_for = exhaustion_.update(frontier_stamp, facts.exhausted, attention.pursued);
+  facts.exhausted_for = exhaustion_.update(frontier_stamp, {facts.exhausted, attention.pursued});
   facts.area_unseen = facts.exhausted && !(area_planner_->seen() > 0.0);
   facts.area_why = goal.why;
   if (way->target) {

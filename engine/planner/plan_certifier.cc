@@ -49,10 +49,9 @@ void PlanCertifier::set_zones(const std::shared_ptr<const ZoneMap>& zones) {
 }
 
 Certificate PlanCertifier::certify(const Belief& belief, const MotionModel& model,
-                                   const Eigen::Ref<const Eigen::VectorXd>& x0,
-                                   const Eigen::Ref<const Eigen::VectorXd>& u_previous,
-                                   const Eigen::Ref<const Eigen::MatrixXd>& inputs, double dt,
-                                   Caution caution, const SurfaceDrift& drift) const {
+                                   const PlannedMotion& motion, Caution caution,
+                                   const SurfaceDrift& drift) const {
+  const auto& [x0, u_previous, inputs, dt] = motion;
   const Certificate certificate = by_caution_[static_cast<std::size_t>(caution)].certify(
       belief, model, x0, u_previous, inputs, dt, policy(caution).drift ? &drift : nullptr);
   if (!certificate.ok()) return certificate;

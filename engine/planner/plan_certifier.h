@@ -14,6 +14,14 @@
 
 namespace prospect {
 
+/// Inputs (nu x n, each for dt [s]) from x0, with u_previous in force before.
+struct PlannedMotion {
+  const Eigen::VectorXd& x0;
+  const Eigen::VectorXd& u_previous;
+  const Eigen::MatrixXd& inputs;
+  double dt;
+};
+
 /// The certificates that a plan of a planner needs: that of the step's caution (caution.h), and
 /// that of the guard which checks it once more. Thread-safety: as Certifier.
 class PlanCertifier {
@@ -24,17 +32,14 @@ class PlanCertifier {
 
   void set_zones(const std::shared_ptr<const ZoneMap>& zones);
 
-  /// Checks inputs (nu x n, each for dt [s]) from x0 with u_previous in force. drift: of the
-  /// belief's surfaces; counts where the caution minds it.
+  /// Checks a motion and the stop after it. drift: of the belief's surfaces; counts where the
+  /// caution minds it.
   ///
   /// What the caution's certificate allows the guard's must, too: a start within the larger margin
   /// is checked with less of it, and may come closer to an obstacle than the guard allows later on.
   /// Without the guard's margin the two would disagree for ever.
-  Certificate certify(const Belief& belief, const MotionModel& model,
-                      const Eigen::Ref<const Eigen::VectorXd>& x0,
-                      const Eigen::Ref<const Eigen::VectorXd>& u_previous,
-                      const Eigen::Ref<const Eigen::MatrixXd>& inputs, double dt, Caution caution,
-                      const SurfaceDrift& drift) const;
+  Certificate certify(const Belief& belief, const MotionModel& model, const PlannedMotion& motion,
+                      Caution caution, const SurfaceDrift& drift) const;
 
   /// That of the guard alone: by it stops are chosen, here as there.
   const Certifier& guard() const { return guard_; }

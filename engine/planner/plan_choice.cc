@@ -80,7 +80,7 @@ bool choose_certified(const std::vector<Candidate>& candidates, const ChoiceCont
     ++attempts;
     const TrajectoryBatch t = context.problem.rollout(c.z);
     const Certificate certificate = context.certifier.certify(
-        context.belief, *d.model, d.x0, d.u_previous, stage_inputs(t, context.committed), d.dt,
+        context.belief, *d.model, {d.x0, d.u_previous, stage_inputs(t, context.committed), d.dt},
         context.caution, context.drift);
     if (!certificate.ok()) {
       if (plan.certificate.empty()) plan.certificate = certificate.detail;

@@ -26,6 +26,43 @@ bool in_range(const std::vector<JacobianBlock>& pattern, int rows, int N) {
   });
 }
 
+/// What is not finite is rejected: so are cost and constraints, and the derivatives are zero.
+/// Whether nothing was.
+bool reject_invalid(int B, Evaluate what, Evaluation& out) {
+  const bool gradient = what >= Evaluate::kGradient;
+  const bool stages = what == Evaluate::kStages;
+  const bool residuals = what == Evaluate::kResiduals;
+  bool all_valid = true;
+  for (int b = 0; b < B; ++b) {
+    bool ok = std::isfinite(out.cost[b]) && out.constraints.col(b).allFinite();
+    if (gradient) ok = ok && out.gradient.allFinite() && out.jacobian.allFinite();
+    if (stages) ok = ok && out.stages.state_gradient.allFinite();
+    if (residuals) ok = ok && out.residuals.allFinite() && out.residual_jacobian.allFinite();
+    if (ok) continue;
+    all_valid = false;
+    out.valid[b] = false;
+    out.cost[b] = Problem::kRejectedCost;
+    out.cost_error[b] = 0.0;
+    for (Eigen::Index r = 0; r < out.constraints.rows(); ++r) {
+      if (!std::isfinite(out.constraints(r, b))) out.constraints(r, b) = -Problem::kRejectedCost;
+    }
+    if (gradient) {
+      out.gradient.setZero();
+      out.jacobian.setZero();
+    }
+    if (stages) {
+      out.stages.state_gradient.setZero();
+      out.stages.constraint_drift.setZero();
+      out.stages.input_hessian.setZero();
+    }
+    if (residuals) {
+      out.residuals.setZero();
+      out.residual_jacobian.setZero();
+    }
+  }
+  return all_valid;
+}
+
 }  // namespace
 
 double violation(const Eigen::Ref<const Eigen::VectorXd>& constraints) {
@@ -556,35 +593,7 @@ bool Problem::evaluate_trajectories(int B, Evaluate what, Workspace& workspace,
               out.gradient);
   }
 
-  bool all_valid = true;
-  for (int b = 0; b < B; ++b) {
-    bool ok = std::isfinite(out.cost[b]) && out.constraints.col(b).allFinite();
-    if (gradient) ok = ok && out.gradient.allFinite() && out.jacobian.allFinite();
-    if (stages) ok = ok && out.stages.state_gradient.allFinite();
-    if (residuals) ok = ok && out.residuals.allFinite() && out.residual_jacobian.allFinite();
-    if (ok) continue;
-    all_valid = false;
-    out.valid[b] = false;
-    out.cost[b] = kRejectedCost;
-    out.cost_error[b] = 0.0;
-    for (int r = 0; r < num_constraints_; ++r) {
-      if (!std::isfinite(out.constraints(r, b))) out.constraints(r, b) = -kRejectedCost;
-    }
-    if (gradient) {
-      out.gradient.setZero();
-      out.jacobian.setZero();
-    }
-    if (stages) {
-      out.stages.state_gradient.setZero();
-      out.stages.constraint_drift.setZero();
-      out.stages.input_hessian.setZero();
-    }
-    if (residuals) {
-      out.residuals.setZero();
-      out.residual_jacobian.setZero();
-    }
-  }
-  return all_valid;
+  return reject_invalid(B, what, out);
 }
 
 Explanation Problem::explain(const Eigen::Ref<const Eigen::VectorXd>& z) const {

@@ -86,6 +86,13 @@ struct Part {
   long long cost;          // of asking FCL about it
 };
 
+/// What bounds the grown body in B: its horizontal reach about the z axis, and its heights.
+struct BodyExtent {
+  double middle;  // height of the body's middle
+  double reach;
+  VerticalExtent height;
+};
+
 std::string at_time(double time, const Pose& pose) {
   char text[120];
   std::snprintf(text, sizeof text, "after %.2f s, at (%.2f, %.2f, %.2f) m, yaw %.2f rad", time,
@@ -138,26 +145,16 @@ struct Certifier::Body {
     for (const Part& part : parts) cost += part.cost;
     return cost;
   }
-  /// The grown body keeps within this horizontal distance of B's z axis ...
-  double reach() const {
-    double farthest = 0.0;
+  BodyExtent extent() const {
+    BodyExtent all{middle, 0.0, {0.0, 0.0}};
     for (const std::vector<Part>* parts : {&exact, &shells.back().parts}) {
       for (const Part& p : *parts) {
-        farthest = std::max(farthest, p.center.head<2>().norm() + p.disc);
+        all.reach = std::max(all.reach, p.center.head<2>().norm() + p.disc);
+        all.height.z_min = std::min(all.height.z_min, p.center.z() - p.half.z());
+        all.height.z_max = std::max(all.height.z_max, p.center.z() + p.half.z());
       }
     }
-    return farthest;
-  }
-  /// ... and between these heights in B.
-  VerticalExtent height() const {
-    VerticalExtent extent{0.0, 0.0};
-    for (const std::vector<Part>* parts : {&exact, &shells.back().parts}) {
-      for (const Part& p : *parts) {
-        extent.z_min = std::min(extent.z_min, p.center.z() - p.half.z());
-        extent.z_max = std::max(extent.z_max, p.center.z() + p.half.z());
-      }
-    }
-    return extent;
+    return all;
   }
 };
 
@@ -186,15 +183,12 @@ struct Closed {
 /// moved on; asks FCL about those that it may touch.
 class Scene {
  public:
-  /// reach, height: Body::reach() and Body::height().
-  Scene(const Belief& belief, const VerticalExtent& slice, bool planar, double middle, double reach,
-        const VerticalExtent& height, const Closing& closing, Budget& budget)
+  Scene(const Belief& belief, const VerticalExtent& slice, bool planar, const BodyExtent& body,
+        const Closing& closing, Budget& budget)
       : voxels_(*belief.voxels),
         ground_(*belief.ground),
         planar_(planar),
-        middle_(middle),
-        reach_(reach),
-        height_(height),
+        body_(body),
         closing_(closing),
         budget_(budget) {
     const double r = voxels_.resolution();
@@ -224,7 +218,7 @@ class Scene {
       low.z() = -1e9;
       high.z() = 1e9;
     }
-    return box_distance(pose.position + Eigen::Vector3d(0.0, 0.0, middle_), low, high);
+    return box_distance(pose.position + Eigen::Vector3d(0.0, 0.0, body_.middle), low, high);
   }
 
   /// Calls visit(run) for every run of occupied voxels that a part touches, in the columns that may
@@ -373,15 +367,15 @@ class Scene {
     obstacles_.clear();
     closed_.clear();
     const double r = voxels_.resolution();
-    const double within = reach_ + kSlack + kFaceTolerance;
+    const double within = body_.reach + kSlack + kFaceTolerance;
     if (!(within / r < 1e6)) throw Exhausted{};
     const double x = gathered_.x() / r, y = gathered_.y() / r, z = gathered_.z();
     const double within_cells = within / r;
     int i_low = address(x - within_cells), i_high = address(x + within_cells);
     int j_low = address(y - within_cells), j_high = address(y + within_cells);
     const double above = kVerticalSlack + kFaceTolerance;
-    const int k_low = planar_ ? low_ : address((z + height_.z_min - above) / r);
-    const int k_high = planar_ ? high_ : address((z + height_.z_max + above) / r);
+    const int k_low = planar_ ? low_ : address((z + body_.height.z_min - above) / r);
+    const int k_high = planar_ ? high_ : address((z + body_.height.z_max + above) / r);
     const bool closing = closing_.unknown != UnknownPolicy::kFree || closing_.only_in_view;
     const GridFrame& frame = voxels_.frame();
     if (!closing) {  // nothing is beyond the map
@@ -466,9 +460,7 @@ class Scene {
   const VoxelGrid& voxels_;
   const GroundMap& ground_;
   bool planar_;
-  double middle_;
-  double reach_;
-  VerticalExtent height_;
+  BodyExtent body_;
   Closing closing_;
   Budget& budget_;
   int low_ = 0, high_ = 0;              // layers in which occupied voxels count
@@ -648,12 +640,237 @@ Certifier::~Certifier() = default;
 Certifier::Certifier(Certifier&&) noexcept = default;
 Certifier& Certifier::operator=(Certifier&&) noexcept = default;
 
+/// One motion that is followed pose by pose, and what was found of it so far.
+class Certifier::Check {
+ public:
+  using Status = Certificate::Status;
+
+  /// way [m]: that the motion covers at most. Throws Exhausted, as all of it does.
+  Check(const Certifier& certifier, const Belief& belief, const MotionModel& model,
+        const SurfaceDrift* drift, double way)
+      : options_(certifier.options_),
+        body_(*certifier.body_),
+        model_(model),
+        budget_(options_.max_checks),
+        planar_(model.pose_layout().pz < 0),
+        half_voxel_(0.5 * belief.voxels->resolution()),
+        drift_(drift),
+        sub_(model.nx()) {
+    closing_ = {options_.unknown, drift, options_.drift_limit};
+    closing_.octree = belief.octree.get();
+    closing_.free_evidence = std::log(1.0 / options_.max_doubt - 1.0);
+    const BodyExtent extent = body_.extent();
+    unbounded_ = unbounded_pose_error(belief, options_.max_lost_error);
+    if (!unbounded_.empty()) {
+      closing_.only_in_view = true;
+      if (options_.sensor) see(belief, extent.reach, way);
+    }
+    scene_.emplace(belief, options_.slice, planar_, extent, closing_, budget_);
+  }
+
+  /// The place where the motion begins, and what is tolerated there. Returns result().ok().
+  bool begin(const Pose& pose) {
+    checked_ = pose;
+    walk_.emplace(*scene_, body_.exact, pose, closing_.view);
+    double margin = margin_at(pose);
+    walk_->tolerate_closed(pose);
+    if (options_.zones != nullptr) margin = std::min(margin, enter_zones(pose));
+    // Without a margin nothing covers the poses in between: they are spaced as for a quarter of it.
+    spacing_ = std::min(2.0 * std::max(margin, 0.25 * options_.margin), half_voxel_);
+    return passes(pose, 0.0);
+  }
+
+  /// Input u for dt from x, which begins `start` [s] after the motion. Puts the state after it into
+  /// x. Returns result().ok().
+  bool stage(Eigen::VectorXd& x, const Eigen::Ref<const Eigen::VectorXd>& u, double start,
+             double dt) {
+    const Eigen::VectorXd x_start = x;
+    model_.step(x_start, u, dt, x);
+    if (!x.allFinite() || !usable(model_.pose(x))) {
+      return ends(start, "the motion leaves the finite numbers");
+    }
+    // Pieces short enough by the speed at either end; a piece that turns out longer all the same
+    // is halved on the spot.
+    const double wanted = std::max(speed(x_start, u), speed(x, u)) * dt / spacing_;
+    // Enough poses for 100 m at the finest spacing; a longer stage is no motion of a robot.
+    constexpr int kMaxPieces = 1 << 14;
+    if (!(wanted < kMaxPieces)) return ends(start, "the motion is too fast to be checked");
+    if (too_fast(checked_, model_.twist(x_start, u), start)) return false;
+    const double piece = dt / std::max(1.0, std::ceil(wanted));
+    double done = 0.0;
+    double length = piece;
+    while (done < dt) {
+      const bool last = done + length >= dt * (1.0 - 1e-12);
+      const double until = last ? dt : done + length;
+      if (last) {
+        sub_ = x;
+      } else {
+        model_.step(x_start, u, until, sub_);
+      }
+      const Pose pose = model_.pose(sub_);
+      if (!usable(pose)) return ends(start, "the motion leaves the finite numbers");
+      if (moved(checked_, pose) > spacing_ * (1.0 + 1e-6) && until - done > piece / 64.0) {
+        length = 0.5 * (until - done);
+        continue;
+      }
+      if (!passes(pose, start + until)) return false;
+      if (too_fast(pose, model_.twist(sub_, u), start + until)) return false;
+      checked_ = pose;
+      done = until;
+      length = piece;
+    }
+    return true;
+  }
+
+  static bool usable(const Pose& pose) {
+    return pose.position.allFinite() && std::isfinite(pose.yaw) &&
+           pose.position.cwiseAbs().maxCoeff() < kFarthest;
+  }
+  void spend(long long checks) { budget_.spend(checks); }
+  Certificate& result() { return result_; }
+
+ private:
+  void see(const Belief& belief, double reach, double way) {
+    // Farther than it moves nothing is asked for.
+    DepthSensor sensor = *options_.sensor;
+    sensor.footprint.max_range =
+        std::min(sensor.footprint.max_range,
+                 sensor.mount.T_BC.translation().norm() + 2.0 * reach + 1.0 + way);
+    const double across = sensor.footprint.max_range / belief.voxels->resolution();
+    if (!(across < 1e6)) throw Exhausted{};
+    budget_.spend(static_cast<long long>(2.0 * sensor.footprint.horizontal_fov * across * across));
+    view_.emplace(belief, sensor, body_.shape, planar_);
+    closing_.view = &*view_;
+  }
+
+  /// [m] that the body keeps from what all columns hold: less than asked for where it starts
+  /// closer.
+  double margin_at(const Pose& pose) {
+    double margin = options_.margin;
+    for (const Body::Shell& shell : body_.shells) {
+      if (shell.drift > 0.0 && drift_ == nullptr) break;
+      double kept = shell.margin;
+      if (walk_->free(pose, shell.parts, shell.drift)) {
+        walk_->keep_free(shell.parts, shell.drift);
+      } else if (walk_->free(pose, body_.exact, shell.drift)) {
+        double low = 0.0, high = shell.margin;
+        while (high - low > kReducedTolerance) {
+          const double middle = 0.5 * (low + high);
+          budget_.spend(Body::making_cost(shell.parts));
+          (walk_->free(pose, Body::parts(body_.shape, middle), shell.drift) ? low : high) = middle;
+        }
+        // Rounding must not keep a robot from turning on the spot.
+        kept = std::max(0.0, options_.reduced_margin_share * low - 0.1 * kReducedTolerance);
+        reduced_.push_back(Body::parts(body_.shape, kept));
+        walk_->keep_free(reduced_.back(), shell.drift);
+      } else {
+        kept = 0.0;
+        if (!(shell.drift > 0.0)) walk_->tolerate_contacts(pose);
+      }
+      if (!(shell.drift > 0.0)) margin = kept;
+    }
+    return margin;
+  }
+
+  /// [m] that the body keeps from forbidden zones.
+  double enter_zones(const Pose& pose) {
+    const ZoneMap& zones = *options_.zones;
+    for (int part = 0; part < zones.num_forbidden(); ++part) zone_cost_ += zones.corners(part);
+    zone_cost_ *= kSideCost * static_cast<long long>(body_.outline.discs.size() +
+                                                     body_.outline.corners.size() + 1);
+    for (const SpeedZone& zone : zones.zones().slow) {
+      zone_cost_ += kSideCost * static_cast<long long>(zone.area.size());
+    }
+    budget_.spend(zone_cost_);
+    zone_walk_.emplace(zones, body_.outline, pose, options_.margin, options_.reduced_margin_share);
+    return zone_walk_->margin();
+  }
+
+  bool passes(const Pose& pose, double time) {
+    ++result_.poses;
+    budget_.spend(kPoseCost);
+    result_.time = time;
+    result_.pose = pose;
+    result_.status = walk_->step(pose);
+    if (result_.status == Status::kCollision) {
+      result_.detail = "the body would touch an occupied voxel " + at_time(time, pose);
+    } else if (result_.status == Status::kUnknownSpace) {
+      result_.detail = "the body would enter unknown space " + at_time(time, pose);
+    } else if (result_.status == Status::kOutOfView) {
+      result_.detail =
+          unbounded_ + ", and the body would leave what is in view " + at_time(time, pose);
+    }
+    if (!result_.ok() || !zone_walk_) return result_.ok();
+    budget_.spend(zone_cost_);
+    if (const int part = zone_walk_->step(pose); part >= 0) {
+      const bool bound = options_.zones->zones().bound && part == 0;
+      result_.status = Status::kForbidden;
+      result_.detail = (bound ? "the body would leave " : "the body would enter ") +
+                       options_.zones->name(part) + ' ' + at_time(time, pose);
+    }
+    return result_.ok();
+  }
+
+  bool too_fast(const Pose& pose, const Twist& twist, double time) {
+    if (!zone_walk_ || !options_.zones->slows()) return false;
+    const double limit = options_.zones->speed_limit(pose.position.head<2>(), 0.5 * spacing_);
+    if (twist.linear.norm() <= limit + kSpeedTolerance) return false;
+    result_.status = Status::kTooFast;
+    result_.time = time;
+    result_.pose = pose;
+    char speeds[80];
+    std::snprintf(speeds, sizeof speeds, "it would drive %.2f m/s where %.2f are allowed ",
+                  twist.linear.norm(), limit);
+    result_.detail = speeds + at_time(time, pose);
+    return true;
+  }
+
+  bool ends(double time, const char* why) {
+    result_.status = Status::kNonFinite;
+    result_.time = time;
+    result_.detail = why;
+    return false;
+  }
+
+  /// At most so far [m] a point of the body moves from one pose to the other.
+  double moved(const Pose& a, const Pose& b) const {
+    const double turn = std::min(std::abs(b.yaw - a.yaw), M_PI);
+    return (b.position - a.position).norm() + 2.0 * body_.circumscribed * std::sin(0.5 * turn);
+  }
+  /// [m/s] likewise.
+  double speed(const Eigen::VectorXd& x, const Eigen::Ref<const Eigen::VectorXd>& u) const {
+    const Twist twist = model_.twist(x, u);
+    return twist.linear.norm() + body_.circumscribed * std::abs(twist.yaw_rate);
+  }
+
+  const Options& options_;
+  const Body& body_;
+  const MotionModel& model_;
+  Budget budget_;
+  const bool planar_;
+  const double half_voxel_;    // [m]
+  const SurfaceDrift* drift_;  // null: none is minded
+  std::string unbounded_;      // why nothing bounds the error of the pose; empty: something does
+  std::optional<PresentView> view_;
+  Closing closing_;
+  std::optional<Scene> scene_;
+  std::optional<Walk> walk_;
+  std::list<std::vector<Part>> reduced_;  // bodies of a robot that starts within a margin
+  std::optional<ZoneWalk> zone_walk_;
+  long long zone_cost_ = 0;  // of a step
+  double spacing_ = 0.0;     // [m]
+  Pose checked_;
+  Eigen::VectorXd sub_;  // state within a stage
+  Certificate result_;
+};
+
 Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& model,
                                       const Eigen::Ref<const Eigen::VectorXd>& x0,
                                       const Eigen::Ref<const Eigen::MatrixXd>& inputs, double dt,
                                       const SurfaceDrift* drift) const {
-  Certificate result;
-  const auto reject = [&result](Certificate::Status status, std::string detail) {
+  std::optional<Check> check;
+  const auto reject = [&check](Certificate::Status status, std::string detail) {
+    Certificate result = check ? check->result() : Certificate();
     result.status = status;
     result.detail = std::move(detail);
     return result;
@@ -666,188 +883,22 @@ Certificate Certifier::certify_inputs(const Belief& belief, const MotionModel& m
     if (x0.size() != model.nx() || (inputs.cols() > 0 && inputs.rows() != model.nu())) {
       return reject(Status::kNonFinite, "the state or the inputs have the wrong size");
     }
-    const auto usable = [](const Pose& pose) {
-      return pose.position.allFinite() && std::isfinite(pose.yaw) &&
-             pose.position.cwiseAbs().maxCoeff() < kFarthest;
-    };
     if (!x0.allFinite() || !inputs.allFinite() || !std::isfinite(dt) || !(dt > 0.0) ||
-        !usable(model.pose(x0))) {
+        !Check::usable(model.pose(x0))) {
       return reject(Status::kNonFinite, "the state, an input or the time step is not finite");
     }
-    const bool planar = model.pose_layout().pz < 0;
-    Budget budget(options_.max_checks);
-    budget.spend(kPoseCost * static_cast<long long>(inputs.cols()));
-    Closing closing{options_.unknown, drift, options_.drift_limit};
-    closing.octree = belief.octree.get();
-    closing.free_evidence = std::log(1.0 / options_.max_doubt - 1.0);
-    const double reach = body_->reach();
-    const std::string unbounded = unbounded_pose_error(belief, options_.max_lost_error);
-    std::optional<PresentView> view;
-    if (!unbounded.empty()) {
-      closing.only_in_view = true;
-      if (options_.sensor) {
-        // Farther than it moves nothing is asked for.
-        DepthSensor sensor = *options_.sensor;
-        sensor.footprint.max_range =
-            std::min(sensor.footprint.max_range,
-                     sensor.mount.T_BC.translation().norm() + 2.0 * reach + 1.0 +
-                         model.max_speed() * dt * static_cast<double>(inputs.cols()));
-        const double across = sensor.footprint.max_range / belief.voxels->resolution();
-        if (!(across < 1e6)) throw Exhausted{};
-        budget.spend(
-            static_cast<long long>(2.0 * sensor.footprint.horizontal_fov * across * across));
-        view.emplace(belief, sensor, body_->shape, planar);
-        closing.view = &*view;
-      }
-    }
-    Scene scene(belief, options_.slice, planar, body_->middle, reach, body_->height(), closing,
-                budget);
-    Walk walk(scene, body_->exact, model.pose(x0), closing.view);
-    const auto moved = [&](const Pose& a, const Pose& b) {
-      const double turn = std::min(std::abs(b.yaw - a.yaw), M_PI);
-      return (b.position - a.position).norm() + 2.0 * body_->circumscribed * std::sin(0.5 * turn);
-    };
-
+    check.emplace(*this, belief, model, drift,
+                  model.max_speed() * dt * static_cast<double>(inputs.cols()));
+    check->spend(kPoseCost * static_cast<long long>(inputs.cols()));
     Eigen::VectorXd x = x0;
-    Eigen::VectorXd sub(model.nx());
-    Pose checked = model.pose(x);
-    std::list<std::vector<Part>> reduced;  // bodies of a robot that starts within a margin
-    double margin = options_.margin;       // that is left of the first shell's
-    for (const Body::Shell& shell : body_->shells) {
-      if (shell.drift > 0.0 && drift == nullptr) break;
-      double kept = shell.margin;
-      if (walk.free(checked, shell.parts, shell.drift)) {
-        walk.keep_free(shell.parts, shell.drift);
-      } else if (walk.free(checked, body_->exact, shell.drift)) {
-        double low = 0.0, high = shell.margin;
-        while (high - low > kReducedTolerance) {
-          const double middle = 0.5 * (low + high);
-          budget.spend(Body::making_cost(shell.parts));
-          (walk.free(checked, Body::parts(body_->shape, middle), shell.drift) ? low : high) =
-              middle;
-        }
-        // Rounding must not keep a robot from turning on the spot.
-        kept = std::max(0.0, options_.reduced_margin_share * low - 0.1 * kReducedTolerance);
-        reduced.push_back(Body::parts(body_->shape, kept));
-        walk.keep_free(reduced.back(), shell.drift);
-      } else {
-        kept = 0.0;
-        if (!(shell.drift > 0.0)) walk.tolerate_contacts(checked);
-      }
-      if (!(shell.drift > 0.0)) margin = kept;
-    }
-    walk.tolerate_closed(checked);
-    std::optional<ZoneWalk> zone_walk;
-    long long zone_cost = 0;  // of a step
-    if (options_.zones != nullptr) {
-      const ZoneMap& zones = *options_.zones;
-      for (int part = 0; part < zones.num_forbidden(); ++part) zone_cost += zones.corners(part);
-      zone_cost *= kSideCost * static_cast<long long>(body_->outline.discs.size() +
-                                                      body_->outline.corners.size() + 1);
-      for (const SpeedZone& zone : zones.zones().slow) {
-        zone_cost += kSideCost * static_cast<long long>(zone.area.size());
-      }
-      budget.spend(zone_cost);
-      zone_walk.emplace(zones, body_->outline, checked, options_.margin,
-                        options_.reduced_margin_share);
-      margin = std::min(margin, zone_walk->margin());
-    }
-    // Without a margin nothing covers the poses in between: they are spaced as for a quarter of it.
-    const double spacing =
-        std::min(2.0 * std::max(margin, 0.25 * options_.margin), 0.5 * belief.voxels->resolution());
-    const auto check = [&](const Pose& pose, double time) {
-      ++result.poses;
-      budget.spend(kPoseCost);
-      result.time = time;
-      result.pose = pose;
-      result.status = walk.step(pose);
-      if (result.status == Status::kCollision) {
-        result.detail = "the body would touch an occupied voxel " + at_time(time, pose);
-      } else if (result.status == Status::kUnknownSpace) {
-        result.detail = "the body would enter unknown space " + at_time(time, pose);
-      } else if (result.status == Status::kOutOfView) {
-        result.detail =
-            unbounded + ", and the body would leave what is in view " + at_time(time, pose);
-      }
-      if (!result.ok() || !zone_walk) return result.ok();
-      budget.spend(zone_cost);
-      if (const int part = zone_walk->step(pose); part >= 0) {
-        const bool bound = options_.zones->zones().bound && part == 0;
-        result.status = Status::kForbidden;
-        result.detail = (bound ? "the body would leave " : "the body would enter ") +
-                        options_.zones->name(part) + ' ' + at_time(time, pose);
-      }
-      return result.ok();
-    };
-    if (!check(checked, 0.0)) return result;
-    const auto too_fast = [&](const Pose& pose, const Twist& twist, double time) {
-      if (!zone_walk || !options_.zones->slows()) return false;
-      const double limit = options_.zones->speed_limit(pose.position.head<2>(), 0.5 * spacing);
-      if (twist.linear.norm() <= limit + kSpeedTolerance) return false;
-      result.status = Status::kTooFast;
-      result.time = time;
-      result.pose = pose;
-      char speeds[80];
-      std::snprintf(speeds, sizeof speeds, "it would drive %.2f m/s where %.2f are allowed ",
-                    twist.linear.norm(), limit);
-      result.detail = speeds + at_time(time, pose);
-      return true;
-    };
-
-    // Enough poses for 100 m at the finest spacing; a longer stage is no motion of a robot.
-    constexpr int kMaxPieces = 1 << 14;
+    if (!check->begin(model.pose(x))) return check->result();
     for (Eigen::Index n = 0; n < inputs.cols(); ++n) {
-      const auto u = inputs.col(n);
-      const auto speed = [&](const Eigen::VectorXd& state) {
-        const Twist twist = model.twist(state, u);
-        return twist.linear.norm() + body_->circumscribed * std::abs(twist.yaw_rate);
-      };
-      const double start = static_cast<double>(n) * dt;
-      const Eigen::VectorXd x_start = x;
-      model.step(x_start, u, dt, x);
-      if (!x.allFinite() || !usable(model.pose(x))) {
-        result.time = start;
-        return reject(Status::kNonFinite, "the motion leaves the finite numbers");
-      }
-      // Pieces short enough by the speed at either end; a piece that turns out longer all the same
-      // is halved on the spot.
-      const double wanted = std::max(speed(x_start), speed(x)) * dt / spacing;
-      if (!(wanted < kMaxPieces)) {
-        result.time = start;
-        return reject(Status::kNonFinite, "the motion is too fast to be checked");
-      }
-      if (too_fast(checked, model.twist(x_start, u), start)) return result;
-      const double piece = dt / std::max(1.0, std::ceil(wanted));
-      double done = 0.0;
-      double length = piece;
-      while (done < dt) {
-        const bool last = done + length >= dt * (1.0 - 1e-12);
-        const double until = last ? dt : done + length;
-        if (last) {
-          sub = x;
-        } else {
-          model.step(x_start, u, until, sub);
-        }
-        const Pose pose = model.pose(sub);
-        if (!usable(pose)) {
-          result.time = start;
-          return reject(Status::kNonFinite, "the motion leaves the finite numbers");
-        }
-        if (moved(checked, pose) > spacing * (1.0 + 1e-6) && until - done > piece / 64.0) {
-          length = 0.5 * (until - done);
-          continue;
-        }
-        if (!check(pose, start + until)) return result;
-        if (too_fast(pose, model.twist(sub, u), start + until)) return result;
-        checked = pose;
-        done = until;
-        length = piece;
-      }
+      if (!check->stage(x, inputs.col(n), static_cast<double>(n) * dt, dt)) return check->result();
     }
     char detail[40];
-    std::snprintf(detail, sizeof detail, "clear for %.6g s", result.time);
-    result.detail = detail;
-    return result;
+    std::snprintf(detail, sizeof detail, "clear for %.6g s", check->result().time);
+    check->result().detail = detail;
+    return check->result();
   } catch (const Exhausted&) {
     return reject(Certificate::Status::kOverBudget, over_budget(options_.max_checks));
   } catch (const std::exception& error) {
@@ -927,8 +978,7 @@ bool Certifier::in_collision(const Belief& belief, const Pose& pose, bool planar
   if (!(pose.position.cwiseAbs().maxCoeff() < kFarthest) || !std::isfinite(pose.yaw)) return true;
   try {
     Budget budget(options_.max_checks);
-    Scene scene(belief, options_.slice, planar, body_->middle, body_->reach(), body_->height(), {},
-                budget);
+    Scene scene(belief, options_.slice, planar, body_->extent(), {}, budget);
     return !scene.occupied(body_->exact, pose, 0.0, [](const Run&) { return false; });
   } catch (const Exhausted&) {
     return true;

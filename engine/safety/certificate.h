@@ -162,6 +162,7 @@ class Certifier {
 
  private:
   struct Body;
+  class Check;
   Options options_;
   std::unique_ptr<const Body> body_;
 };

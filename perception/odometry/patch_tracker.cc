@@ -26,22 +26,21 @@ bool inside(const PyramidLevel& image, const Eigen::Vector2f& p) {
 }  // namespace
 
 TrackResult track_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
-                        const Eigen::Matrix2f& A, const ImagePyramid& to,
-                        const Eigen::Vector2f& start, int top, int bottom, bool check_return,
-                        const PatchTrackerOptions& options) {
+                        const ImagePyramid& to, const PatchStart& start, LevelRange levels,
+                        bool check_return, const PatchTrackerOptions& options) {
   TrackResult result;
-  Eigen::Vector2f position = start;
+  Eigen::Vector2f position = start.position;
   if (!inside(to.level(0), position)) {
     result.outcome = TrackOutcome::kNotInView;
     return result;
   }
-  const int lowest = std::min({bottom, from.levels() - 1, to.levels() - 1});
+  const int lowest = std::min({levels.bottom, from.levels() - 1, to.levels() - 1});
   float scale = 1.0f;
-  for (int l = std::min({top, from.levels() - 1, to.levels() - 1}); l >= lowest; --l) {
+  for (int l = std::min({levels.top, from.levels() - 1, to.levels() - 1}); l >= lowest; --l) {
     const bool last = l == lowest;
     scale = 1.0f / static_cast<float>(1 << l);
     const auto patch =
-        Patch::make(from.level(l), scale * point, A, static_cast<float>(options.min_texture));
+        Patch::make(from.level(l), scale * point, start.A, static_cast<float>(options.min_texture));
     if (!patch) {
       if (!last) continue;
       result.outcome = TrackOutcome::kNoTexture;
@@ -56,8 +55,8 @@ TrackResult track_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
     result.agreement = found.agreement;
     result.covariance = found.covariance / (scale * scale);
   }
-  if (check_return &&
-      !returns(from.level(lowest), scale * point, A, to.level(lowest), scale * position, options)) {
+  if (check_return && !returns(from.level(lowest), scale * point, start.A, to.level(lowest),
+                               scale * position, options)) {
     result.outcome = TrackOutcome::kNotConsistent;
     return result;
   }
@@ -67,34 +66,32 @@ TrackResult track_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
 }
 
 StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
-                                     const Eigen::Matrix2f& A_left, const ImagePyramid& left,
-                                     const Eigen::Vector2f& start_left,
-                                     const Eigen::Matrix2f& A_right, const ImagePyramid& right,
-                                     const Eigen::Vector2f& start_right,
+                                     const ImagePyramid& left, const PatchStart& start_left,
+                                     const ImagePyramid& right, const PatchStart& start_right,
                                      const PatchTrackerOptions& options) {
   StereoTrackResult result;
-  if (!inside(left.level(0), start_left)) {
+  if (!inside(left.level(0), start_left.position)) {
     result.left.outcome = TrackOutcome::kNotInView;
     return result;
   }
   const float texture = static_cast<float>(options.min_texture);
-  const auto patch = Patch::make(from.level(0), point, A_left, texture);
+  const auto patch = Patch::make(from.level(0), point, start_left.A, texture);
   if (!patch) {
     result.left.outcome = TrackOutcome::kNoTexture;
     return result;
   }
   const Patch::Alignment found =
-      patch->align(left.level(0), start_left, static_cast<float>(options.shift_per_level));
+      patch->align(left.level(0), start_left.position, static_cast<float>(options.shift_per_level));
   if (!found.converged || found.agreement < options.min_agreement) return result;
-  if (!returns(from.level(0), point, A_left, left.level(0), found.position, options)) {
+  if (!returns(from.level(0), point, start_left.A, left.level(0), found.position, options)) {
     result.left.outcome = TrackOutcome::kNotConsistent;
     return result;
   }
   result.left = {TrackOutcome::kTracked, found.position, found.agreement, found.covariance};
   // What moved the left track from its start moves the right one, too.
-  const Eigen::Vector2f start = start_right + found.position - start_left;
+  const Eigen::Vector2f start = start_right.position + found.position - start_left.position;
   if (!inside(right.level(0), start)) return result;
-  const auto right_patch = Patch::make(from.level(0), point, A_right, texture);
+  const auto right_patch = Patch::make(from.level(0), point, start_right.A, texture);
   if (!right_patch) return result;
   const Patch::Alignment other =
       right_patch->align(right.level(0), start, static_cast<float>(options.shift_per_level));

@@ -28,18 +28,28 @@ struct TrackResult {
   Eigen::Matrix2f covariance = Eigen::Matrix2f::Zero();
 };
 
+/// How a patch is expected to look in another image: where [px], and A: offsets there times A are
+/// offsets in the patch's own image. A known change of scale and rotation is so taken out of the
+/// patch before it is compared, which keeps tracks exact when the camera approaches.
+struct PatchStart {
+  Eigen::Vector2f position;
+  Eigen::Matrix2f A;
+};
+
+/// Of a pyramid, from coarse to fine.
+struct LevelRange {
+  int top = 0, bottom = 0;
+};
+
 /// Finds the patch around `point` of one image in another, from `start`, coarse to fine (pyramidal
-/// alignment: Bouguet 2000), from level `top` to level `bottom`. A, 2 x 2: offsets in `to` times A
-/// are offsets in `from`; a known change of scale and rotation is so taken out of the patch before
-/// it is compared, which keeps tracks exact when the camera approaches.
+/// alignment: Bouguet 2000), on the levels from `top` to `bottom`.
 ///
 /// Levels on which the patch leaves the image or has no texture are skipped; `bottom` is not. With
 /// `check_return` the patch found is tracked back on that level and must return to `point`.
 /// Deterministic; no state.
 TrackResult track_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
-                        const Eigen::Matrix2f& A, const ImagePyramid& to,
-                        const Eigen::Vector2f& start, int top, int bottom, bool check_return,
-                        const PatchTrackerOptions& options = {});
+                        const ImagePyramid& to, const PatchStart& start, LevelRange levels,
+                        bool check_return, const PatchTrackerOptions& options = {});
 
 struct StereoTrackResult {
   TrackResult left;
@@ -52,10 +62,8 @@ struct StereoTrackResult {
 /// a warp for each, as a slanted surface looks otherwise to either camera, and with the check of
 /// return in the left image. The right image is searched only if the left one shows the patch.
 StereoTrackResult track_stereo_patch(const ImagePyramid& from, const Eigen::Vector2f& point,
-                                     const Eigen::Matrix2f& A_left, const ImagePyramid& left,
-                                     const Eigen::Vector2f& start_left,
-                                     const Eigen::Matrix2f& A_right, const ImagePyramid& right,
-                                     const Eigen::Vector2f& start_right,
+                                     const ImagePyramid& left, const PatchStart& start_left,
+                                     const ImagePyramid& right, const PatchStart& start_right,
                                      const PatchTrackerOptions& options = {});
 
 }  // namespace prospect

@@ -25,8 +25,8 @@ void track_coarse(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW,
   for (Track& t : tracks) {
     const auto start = begin_tracking(t, T_CW, camera, options.max_scale);
     if (!start) continue;
-    const TrackResult result = track_patch(t.anchor->left, t.pixel, start->A, left, start->pixel,
-                                           top, 1, false, options.tracking);
+    const TrackResult result = track_patch(t.anchor->left, t.pixel, left, {start->pixel, start->A},
+                                           {top, 1}, false, options.tracking);
     t.tracked = result.outcome == TrackOutcome::kTracked;
     if (!t.tracked) continue;
     t.left = result.position;
@@ -43,8 +43,8 @@ void track_fine(std::vector<Track>& tracks, const Eigen::Isometry3d& T_CW, const
     const double depth = (T_CW * t.position).z();
     const float disparity = static_cast<float>(camera.left.fx * camera.baseline / depth - offset);
     const StereoTrackResult result = track_stereo_patch(
-        t.anchor->left, t.pixel, start->A, left, start->pixel, start->A_right, right,
-        start->pixel - Eigen::Vector2f(disparity, 0.0f), options.tracking);
+        t.anchor->left, t.pixel, left, {start->pixel, start->A}, right,
+        {start->pixel - Eigen::Vector2f(disparity, 0.0f), start->A_right}, options.tracking);
     t.tracked = result.left.outcome == TrackOutcome::kTracked;
     if (!t.tracked) continue;
     t.left = result.left.position;

@@ -17,11 +17,12 @@ BeliefBuilder::BeliefBuilder(const Isometry3d& T_BC, double max_age)
   validate(CameraMount{T_BC});
 }
 
-void BeliefBuilder::move(double stamp, const Pose& pose, bool measured, bool restarted) {
+void BeliefBuilder::move(double stamp, const Pose& pose, PoseKind kind) {
+  const bool measured = kind != PoseKind::kPredicted;
   if (measured && !(has_pose_ && stamp == stamp_)) {
     const double dt = stamp - stamp_;
     twist_ = {};
-    if (has_pose_ && !restarted && dt > 0.0 && dt <= max_age_) {
+    if (has_pose_ && kind != PoseKind::kRestarted && dt > 0.0 && dt <= max_age_) {
       const double turn = std::remainder(pose.yaw - pose_.yaw, 2.0 * M_PI);
       // In the body frame half way, in which an arc's velocity is straight ahead.
       twist_.linear = Eigen::AngleAxisd(-(pose_.yaw + 0.5 * turn), Eigen::Vector3d::UnitZ()) *
@@ -38,7 +39,8 @@ void BeliefBuilder::move(double stamp, const Pose& pose, bool measured, bool res
 
 Belief BeliefBuilder::build(double stamp, const BodyPose& body, const Eigen::Matrix4d& covariance,
                             BeliefMaps maps) {
-  move(stamp, body.pose, body.state != Localization::kLost, false);
+  move(stamp, body.pose,
+       body.state != Localization::kLost ? PoseKind::kMeasured : PoseKind::kPredicted);
   Belief belief;
   belief.stamp = belief.stamps.pose = belief.stamps.landmarks = stamp;
   belief.pose = body.pose;
@@ -54,7 +56,11 @@ Belief BeliefBuilder::build(double stamp, const BodyPose& body, const Eigen::Mat
 
 Belief BeliefBuilder::build(const OdometryFrame& frame, BeliefMaps maps, LandmarkMap landmarks) {
   const Pose pose = body_pose(frame.T_WC * T_BC_.inverse());
-  move(frame.stamp, pose, frame.state != Localization::kLost && frame.tracked > 0, frame.restarted);
+  const bool measured = frame.state != Localization::kLost && frame.tracked > 0;
+  move(frame.stamp, pose,
+       !measured         ? PoseKind::kPredicted
+       : frame.restarted ? PoseKind::kRestarted
+                         : PoseKind::kMeasured);
   Belief belief;
   belief.stamp = frame.stamp;
   belief.stamps.pose = belief.stamps.landmarks = frame.stamp;

@@ -45,8 +45,13 @@ class BeliefBuilder {
                BeliefMaps maps);
 
  private:
+  enum class PoseKind {
+    kPredicted,
+    kMeasured,
+    kRestarted  ///< measured, after a jump
+  };
   /// Takes a pose for the twist, if it is one that was measured.
-  void move(double stamp, const Pose& pose, bool measured, bool restarted);
+  void move(double stamp, const Pose& pose, PoseKind kind);
 
   Eigen::Isometry3d T_BC_;
   double max_age_;

@@ -189,6 +189,12 @@ QuadraticProgram::Status QuadraticProgram::solve(const Eigen::Ref<const Eigen::M
     }
   }
 
+  tell_multipliers();
+  return x_.allFinite() ? Status::kSolved : Status::kStalled;
+}
+
+void QuadraticProgram::tell_multipliers() {
+  const Eigen::Index n = x_.size(), m = multipliers_.size();
   multipliers_.setZero();
   lower_multipliers_.setZero();
   upper_multipliers_.setZero();
@@ -203,7 +209,6 @@ QuadraticProgram::Status QuadraticProgram::solve(const Eigen::Ref<const Eigen::M
       upper_multipliers_[c - m - n] = u;
     }
   }
-  return x_.allFinite() ? Status::kSolved : Status::kStalled;
 }
 
 }  // namespace prospect

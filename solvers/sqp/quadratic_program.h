@@ -57,6 +57,8 @@ class QuadraticProgram {
   void add();
   /// Drops one of the active set.
   void drop(Eigen::Index position);
+  /// Those of the active set, by constraint; all others are zero.
+  void tell_multipliers();
 
   Eigen::VectorXd x_, multipliers_, lower_multipliers_, upper_multipliers_;
   int steps_ = 0;

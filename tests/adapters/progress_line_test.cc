@@ -41,7 +41,7 @@ int columns(const std::string& line) {
 
 TEST(ProgressLine, SaysWhatIsGoingOn) {
   std::ostringstream out;
-  ProgressLine line(out, true, false);
+  ProgressLine line(out, {true, false});
   line.show(step(), "ipopt", 0.0);
   // 0.632 of 20 cells of 8 eighths: 101 eighths, 12 cells and 5.
   EXPECT_EQ(out.str(),
@@ -56,17 +56,17 @@ TEST(ProgressLine, SaysWhatTheRobotDoesAndWhereItGoes) {
   s.mode = ModeKind::kExplore;
   s.target.emplace().way_left = 3.21;
   std::ostringstream out;
-  ProgressLine(out, true, false, 200).show(s, "ipopt", 0.0);
+  ProgressLine(out, {true, false, 200}).show(s, "ipopt", 0.0);
   EXPECT_THAT(out.str(), HasSubstr("  87 features   explore      → target 3.2 m   ipopt   41 ms"));
   // The mode stays where only it fits; half a target would mislead.
   std::ostringstream narrow;
-  ProgressLine(narrow, true, false, 110).show(s, "ipopt", 0.0);
+  ProgressLine(narrow, {true, false, 110}).show(s, "ipopt", 0.0);
   EXPECT_THAT(narrow.str(), HasSubstr("explore"));
   EXPECT_THAT(narrow.str(), Not(HasSubstr("target")));
   // Without a way to it there is no distance to show.
   s.target->way_left = std::nan("");
   std::ostringstream unknown;
-  ProgressLine(unknown, true, false, 200).show(s, "ipopt", 0.0);
+  ProgressLine(unknown, {true, false, 200}).show(s, "ipopt", 0.0);
   EXPECT_THAT(unknown.str(), Not(HasSubstr("target")));
   EXPECT_THAT(unknown.str(), HasSubstr("ipopt"));
 }
@@ -76,7 +76,7 @@ TEST(ProgressLine, ShowsADashWhereThereIsNoNumber) {
   s.coverage = std::nan("");
   s.localization_error = INFINITY;
   std::ostringstream out;
-  ProgressLine(out, true, false).show(s, "ipopt", 0.0);
+  ProgressLine(out, {true, false}).show(s, "ipopt", 0.0);
   EXPECT_EQ(out.str(),
             "\r   42.5 s      - %                          31.4 m   error    - m    87 features   "
             "ipopt   41 ms\033[K");
@@ -88,7 +88,7 @@ TEST(ProgressLine, WarnsOfARetreat) {
   for (const ModeKind mode : {ModeKind::kExplore, ModeKind::kRetreat}) {
     s.mode = mode;
     std::ostringstream out;
-    ProgressLine(out, true, true, 200).show(s, "ipopt", 0.0);
+    ProgressLine(out, {true, true, 200}).show(s, "ipopt", 0.0);
     EXPECT_EQ(out.str().find("\033[33m   retreat") != std::string::npos,
               mode == ModeKind::kRetreat);
   }
@@ -96,7 +96,7 @@ TEST(ProgressLine, WarnsOfARetreat) {
 
 TEST(ProgressLine, IsQuietWhereThereIsNoTerminal) {
   std::ostringstream out;
-  ProgressLine line(out, false, true);
+  ProgressLine line(out, {false, true});
   for (int i = 0; i < 100; ++i) line.show(step(), "ipopt", i);
   line.finish();
   EXPECT_EQ(out.str(), "");
@@ -104,7 +104,7 @@ TEST(ProgressLine, IsQuietWhereThereIsNoTerminal) {
 
 TEST(ProgressLine, WritesAtMostTenTimesASecondAndTheLastStepAlways) {
   std::ostringstream out;
-  ProgressLine line(out, true, false);
+  ProgressLine line(out, {true, false});
   StepRecord s = step();
   for (int i = 0; i <= 3000; ++i) {  // 3 s, a step each millisecond
     s.tracked_features = i;
@@ -126,7 +126,7 @@ TEST(ProgressLine, WritesAtMostTenTimesASecondAndTheLastStepAlways) {
 
 TEST(ProgressLine, ShowsAnyOtherText) {
   std::ostringstream out;
-  ProgressLine line(out, true, true, 20);
+  ProgressLine line(out, {true, true, 20});
   line.show("office@40: step 12 of 40, 8.3 s", 0.0);
   EXPECT_EQ(out.str(), "\roffice@40: step 12 \033[K");
   line.show("step 13", 0.05);
@@ -134,18 +134,18 @@ TEST(ProgressLine, ShowsAnyOtherText) {
   line.finish();
   EXPECT_THAT(out.str(), HasSubstr("\rstep 13\033[K\n"));
   std::ostringstream pipe;
-  ProgressLine silent(pipe, false, true);
+  ProgressLine silent(pipe, {false, true});
   silent.show("step 12", 0.0);
   silent.finish();
   EXPECT_EQ(pipe.str(), "");
   std::ostringstream narrow;
-  ProgressLine(narrow, true, false, 0).show("step 12", 0.0);
+  ProgressLine(narrow, {true, false, 0}).show("step 12", 0.0);
   EXPECT_EQ(narrow.str(), "\r\033[K");
 }
 
 TEST(ProgressLine, FinishesNothingThatWasNotBegun) {
   std::ostringstream out;
-  ProgressLine(out, true, true).finish();
+  ProgressLine(out, {true, true}).finish();
   EXPECT_EQ(out.str(), "");
 }
 
@@ -154,8 +154,8 @@ TEST(ProgressLine, ColoursOnlyWhereAsked) {
   s.localization = Localization::kDegraded;
   s.plan_kind = PlanKind::kStoppingTail;
   std::ostringstream plain, colored;
-  ProgressLine(plain, true, false, 200).show(s, "ipopt", 0.0);
-  ProgressLine(colored, true, true, 200).show(s, "ipopt", 0.0);
+  ProgressLine(plain, {true, false, 200}).show(s, "ipopt", 0.0);
+  ProgressLine(colored, {true, true, 200}).show(s, "ipopt", 0.0);
   EXPECT_THAT(plain.str(), Not(HasSubstr("\033[3")));
   EXPECT_THAT(plain.str(), HasSubstr("(degraded)"));
   EXPECT_THAT(plain.str(), HasSubstr("stopping"));
@@ -172,14 +172,14 @@ TEST(ProgressLine, NeverWraps) {
   s.target.emplace().way_left = 12.3;
   for (int width = 1; width < 180; ++width) {
     std::ostringstream out;
-    ProgressLine(out, true, true, width).show(s, "nlopt:LD_SLSQP", 0.0);
+    ProgressLine(out, {true, true, width}).show(s, "nlopt:LD_SLSQP", 0.0);
     EXPECT_LT(columns(out.str()), width);
   }
 }
 
 TEST(ProgressLine, TakesNumbersThatAreNone) {
   std::ostringstream out;
-  ProgressLine line(out, true, false, 200);
+  ProgressLine line(out, {true, false, 200});
   StepRecord s = step();
   s.mode = ModeKind::kExplore;
   s.target.emplace();

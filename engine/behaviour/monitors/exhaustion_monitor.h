@@ -11,14 +11,17 @@ namespace prospect {
 /// A value: one a robot. Thread-safety: none. Never throws.
 class ExhaustionMonitor {
  public:
-  /// At `stamp` [s]; nothing_reachable: at present; looked: since the last update the robot had
-  /// nothing else to do. Returns the time [s].
-  double update(double stamp, bool nothing_reachable, bool looked) {
-    if (!nothing_reachable) {
+  struct Search {
+    bool nothing_reachable = false;  ///< at present
+    bool looked = false;             ///< since the last update the robot had nothing else to do
+  };
+  /// At `stamp` [s]. Returns the time [s].
+  double update(double stamp, const Search& search) {
+    if (!search.nothing_reachable) {
       since_.reset();
     } else {
       if (!since_ || stamp < *since_) since_ = stamp;
-      if (!looked) *since_ += std::max(0.0, stamp - updated_at_);
+      if (!search.looked) *since_ += std::max(0.0, stamp - updated_at_);
     }
     updated_at_ = stamp;
     return since_ ? stamp - *since_ : 0.0;

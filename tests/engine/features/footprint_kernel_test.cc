@@ -73,8 +73,9 @@ Looked look(const FootprintKernel& kernel, const Inputs& in, bool gradient) {
   Looked l;
   l.point.resize(size);
   std::vector<double> X(size), Y(size), Z(size), u(size), u_x(size), u_y(size), u_z(size);
-  const int n = kernel.select(in.constants, in.pose, in.x.data(), in.y.data(), in.z.data(),
-                              in.u.data(), in.n, l.point.data(), X.data(), Y.data(), Z.data());
+  const int n = kernel.select(in.constants, in.pose,
+                              {in.x.data(), in.y.data(), in.z.data(), in.u.data(), in.n},
+                              {l.point.data(), X.data(), Y.data(), Z.data()});
   for (std::size_t j = 0; j < static_cast<std::size_t>(FootprintKernel::padded(n)); ++j) {
     const auto c = static_cast<std::size_t>(l.point[j]);
     u[j] = in.u[c];
@@ -83,12 +84,12 @@ Looked look(const FootprintKernel& kernel, const Inputs& in, bool gradient) {
     u_z[j] = in.u_z[c];
   }
   for (auto* a : {&l.q, &l.d_x, &l.d_y, &l.d_z, &l.d_yaw}) a->resize(size);
+  const FootprintKernel::Points selected{X.data(), Y.data(), Z.data(), u.data(), n};
   if (gradient) {
-    kernel.gradient(in.constants, in.pose, X.data(), Y.data(), Z.data(), u.data(), u_x.data(),
-                    u_y.data(), u_z.data(), n, l.q.data(), l.d_x.data(), l.d_y.data(), l.d_z.data(),
-                    l.d_yaw.data());
+    kernel.gradient(in.constants, in.pose, selected, {u_x.data(), u_y.data(), u_z.data()},
+                    {l.q.data(), l.d_x.data(), l.d_y.data(), l.d_z.data(), l.d_yaw.data()});
   } else {
-    kernel.value(in.constants, X.data(), Y.data(), Z.data(), u.data(), n, l.q.data());
+    kernel.value(in.constants, selected, l.q.data());
   }
   l.point.resize(static_cast<std::size_t>(n));
   for (auto* a : {&l.q, &l.d_x, &l.d_y, &l.d_z, &l.d_yaw}) a->resize(static_cast<std::size_t>(n));
@@ -122,12 +123,13 @@ std::vector<float> score(const FootprintKernel& kernel, const Inputs& in) {
   const std::vector<float> x = single(in.x), y = single(in.y), z = single(in.z), u = single(in.u);
   std::vector<float> X(size), Y(size), Z(size), open(size), looked(size);
   std::vector<int> point(size);
-  const int n = kernel.select_score(in.constants, in.pose, x.data(), y.data(), z.data(), u.data(),
-                                    in.n, point.data(), X.data(), Y.data(), Z.data());
+  const int n =
+      kernel.select_score(in.constants, in.pose, {x.data(), y.data(), z.data(), u.data(), in.n},
+                          {point.data(), X.data(), Y.data(), Z.data()});
   for (std::size_t j = 0; j < static_cast<std::size_t>(FootprintKernel::padded(n)); ++j) {
     open[j] = u[static_cast<std::size_t>(point[j])];
   }
-  kernel.value_score(in.constants, X.data(), Y.data(), Z.data(), open.data(), n, looked.data());
+  kernel.value_score(in.constants, {X.data(), Y.data(), Z.data(), open.data(), n}, looked.data());
   std::vector<float> q(static_cast<std::size_t>(in.n), 0.0f);
   for (std::size_t j = 0; j < static_cast<std::size_t>(n); ++j) {
     q[static_cast<std::size_t>(point[j])] = looked[j];

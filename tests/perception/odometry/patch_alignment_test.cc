@@ -196,7 +196,7 @@ TEST(PatchTracker, PyramidsReachFarAndTheReturnRejectsWhatIsNotThere) {
   for (float v = 60; v < 190; v += 20) {
     for (float u = 60; u < 260; u += 20) {
       ++total;
-      const auto result = track_patch(first, {u, v}, kSame, second, {u, v}, 3, 0, true);
+      const auto result = track_patch(first, {u, v}, second, {{u, v}, kSame}, {3, 0}, true);
       if (result.outcome != TrackOutcome::kTracked) continue;
       ++tracked;
       good += (result.position - Eigen::Vector2f(u + 17.4f, v - 9.2f)).norm() < 0.1f;
@@ -212,7 +212,7 @@ TEST(PatchTracker, PyramidsReachFarAndTheReturnRejectsWhatIsNotThere) {
   int wrong = 0;
   for (float v = 60; v < 190; v += 20) {
     for (float u = 60; u < 260; u += 20) {
-      wrong += track_patch(first, {u, v}, kSame, other, {u, v}, 3, 0, true).outcome ==
+      wrong += track_patch(first, {u, v}, other, {{u, v}, kSame}, {3, 0}, true).outcome ==
                TrackOutcome::kTracked;
     }
   }
@@ -225,8 +225,8 @@ TEST(PatchTracker, OnePatchForBothImages) {
     return ImagePyramid(
         image_of([=](double x, double y) { return texture(x - dx, y - dy); }).view(), 1);
   };
-  const auto result = track_stereo_patch(first, {80, 60}, kSame, moved(1.3, 0.4), {80, 60}, kSame,
-                                         moved(-10.6, 0.4), {68, 60});
+  const auto result = track_stereo_patch(first, {80, 60}, moved(1.3, 0.4), {{80, 60}, kSame},
+                                         moved(-10.6, 0.4), {{68, 60}, kSame});
   ASSERT_EQ(result.left.outcome, TrackOutcome::kTracked);
   EXPECT_NEAR(result.left.position.x(), 81.3, 0.03);
   EXPECT_NEAR(result.left.position.y(), 60.4, 0.03);
@@ -234,9 +234,9 @@ TEST(PatchTracker, OnePatchForBothImages) {
   EXPECT_NEAR(result.right.x(), 69.4, 0.03);
   // A right image without it.
   const ImagePyramid blank(Image(160, 120, 9).view(), 1);
-  EXPECT_FALSE(
-      track_stereo_patch(first, {80, 60}, kSame, moved(1.3, 0.4), {80, 60}, kSame, blank, {68, 60})
-          .in_right);
+  EXPECT_FALSE(track_stereo_patch(first, {80, 60}, moved(1.3, 0.4), {{80, 60}, kSame}, blank,
+                                  {{68, 60}, kSame})
+                   .in_right);
 }
 
 }  // namespace
