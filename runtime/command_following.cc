@@ -11,9 +11,10 @@
 namespace prospect {
 namespace {
 
-constexpr double kApart = 0.3;   // [s] between two samples that belong together
-constexpr double kGoesOn = 0.4;  // share of the time that passes, by which stamps grow at least
-constexpr double kFresh = 0.6;   // [s] that the newest pose may be old
+constexpr double kApart = 0.3;    // [s] between two samples that belong together
+constexpr double kGoesOn = 0.4;   // share of the time that passes, by which stamps grow at least
+constexpr double kFresh = 0.6;    // [s] that the newest pose may be old
+constexpr double kAgainst = 2.0;  // weight of motion against all that was told
 constexpr std::array kSides = {1.0, -1.0};
 
 std::array<double, 3> axes(const Twist& twist) {
@@ -101,8 +102,10 @@ void CommandFollowing::add(Witness& witness, double from, double until,
       // Who is told to move to that side at most, and away from it at least.
       const double to = std::max(0.0, side > 0.0 ? band.high : -band.low);
       const double away = std::max(0.0, side > 0.0 ? -band.high : band.low);
+      const double away_at_most = std::max(0.0, side > 0.0 ? -band.low : band.high);
       const auto slip = [&](double told) { return options_.slip * (axis == 2 ? told : speed); };
-      grow(sums.more[k], (side * m - to - slip(to) - least) * dt, limit(axis, true));
+      const double weight = to == 0.0 && away_at_most > least ? kAgainst : 1.0;
+      grow(sums.more[k], weight * (side * m - to - slip(to) - least) * dt, limit(axis, true));
       const double asked = std::max(0.0, away - slip(away) - least);
       grow(sums.less[k], asked > 0.0 ? (asked - std::max(0.0, -side * m)) * dt : -least * dt,
            limit(axis, false));

@@ -19,7 +19,8 @@ struct CommandFollowingOptions {
   double slip = 0.3;          ///< [1] share by which it may be more or less than it is told
   double least_speed = 0.03;  ///< [m/s] that counts
   double least_rate = 0.05;   ///< [rad/s] that counts
-  // What makes it a base that does not follow: more than it is told, or the other way, ...
+  // What makes it a base that does not follow: more than it is told, or half as much the other
+  // way, ...
   double more_way = 0.1;   ///< [m]
   double more_turn = 0.2;  ///< [rad]
   // ... and less, which leads nowhere that nobody has looked at.
@@ -59,13 +60,14 @@ std::string to_text(const Departure& departure);
 /// never below zero, which grow by what is beyond the band and fall by what is within it (CUSUM,
 /// Page 1954), so a constant error of any size is found after a way of its own, and noise about
 /// zero never:
-///     more += (side m - to - slip - least_speed) dt,   to = max(0, most told to that side)
+///     more += w (side m - to - slip - least_speed) dt, to = max(0, most told to that side)
 ///     less += (away - slip - least_speed - max(0, -side m)) dt
 ///                                                  away = max(0, least told away from that side)
-/// with the share `slip` of the largest speed told, in whatever direction it is, as who slips or is
-/// turned a little in W moves to the side, too; of yaw, of the rate told to that side. One sample
-/// adds at most a third of the limit: one alone decides nothing. Who stands as it is told to begins
-/// anew.
+/// with w = 2 where nothing was told to that side and more than least_speed away from it, which no
+/// slip and no overshoot makes of it, else 1; with the share `slip` of the largest speed told, in
+/// whatever direction it is, as who slips or is turned a little in W moves to the side, too; of
+/// yaw, of the rate told to that side. One sample adds at most a third of the limit: one alone
+/// decides nothing. Who stands as it is told to begins anew.
 ///
 /// A base does not follow
 ///   * if by the wheels a sum is beyond its limit, and the pose, where it is known, has half of

@@ -216,6 +216,30 @@ TEST(CommandFollowing, EachWayNotToFollowIsNoticedWithinASecondOrThirtyCentimetr
   }
 }
 
+// Who holds a heading tells small turns, until they are made the other way.
+TEST(CommandFollowing, AMirroredBaseThatIsToldToDriveStraightIsNoticedBeforeItGoesAstray) {
+  for (const double gain : {1.0, 2.0, 4.0}) {  // [1/s]
+    for (unsigned seed = 1; seed <= 5; ++seed) {
+      World w;
+      w.seed = seed;
+      w.fault = verbs()[1].made;
+      w.from = 2.0;
+      w.wheel_noise = 0.01;
+      w.pose_noise = 0.002;
+      Pose seen;
+      w.pose = [&](double, Pose& p) { seen = p; };
+      const auto found = drive(w, 30.0, [&](double now) {
+        const double wanted = now < 1.0 ? 0.0 : 0.02;
+        return Twist{{std::min(0.6, 0.8 * now), 0.0, 0.0},
+                     std::clamp(gain * (wanted - seen.yaw), -1.0, 1.0)};
+      });
+      ASSERT_TRUE(found) << gain << ", seed " << seed;
+      EXPECT_EQ(found->what.axis, 2);
+      EXPECT_LT(found->turned, 0.25) << gain << ", seed " << seed;
+    }
+  }
+}
+
 TEST(CommandFollowing, SaysWhichAxisAndByHowMuch) {
   for (const Verb& verb : verbs()) {
     World w;
@@ -233,7 +257,7 @@ TEST(CommandFollowing, SaysWhichAxisAndByHowMuch) {
   w.fault = verbs()[0].made;
   w.from = 2.0;
   EXPECT_EQ(to_text(drive(w, 8.0, steadily(0.6, 0.0))->what),
-            "forward -0.60 of +0.60 m/s told: -0.12 m, by wheels and pose");
+            "forward -0.60 of +0.60 m/s told: -0.10 m, by wheels and pose");
   w.fault = verbs()[1].made;
   EXPECT_EQ(drive(w, 8.0, steadily(0.3, -0.8))->what.axis, 2);
   EXPECT_GT(drive(w, 8.0, steadily(0.3, -0.8))->what.by, 0.0);
