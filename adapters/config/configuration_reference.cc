@@ -74,7 +74,10 @@ std::string configuration_reference() {
       "horizon |\n"
       "| `planner.M`, `robot.model` | knots times inputs: at most " +
       std::to_string(kMostVariables) +
-      " variables |\n\n"
+      " variables |\n"
+      "| `planner.N`, `planner.max_landmarks` | their product: at most " +
+      std::to_string(static_cast<int>(kMostLooks)) +
+      " |\n\n"
       "How far the robot can get, `v_max` N dt and its braking distance, needs no limit: memory "
       "follows what is known of the world.\n\n"
       "This page is made by `prospect config --reference > docs/reference/configuration.md` from "

@@ -105,6 +105,16 @@ TEST(PlannerFit, SaysTheNumbersAndWhatWouldFit) {
   p.M = 100;
   EXPECT_EQ(planner_misfit(robot_of("unicycle"), p, 0.1), "");
 
+  p = {};
+  p.max_landmarks = 100000;
+  EXPECT_EQ(planner_misfit(robot_of("unicycle"), p, 0.1), "");
+  p.N = 1000;
+  EXPECT_EQ(planner_misfit(robot_of("unicycle"), p, 0.1),
+            "planner.N is 1000 and planner.max_landmarks 100000: each evaluation looks at 1e+08 "
+            "landmarks; expected at most 2e+06, a max_landmarks of at most 2000");
+  p.max_landmarks = 2000;
+  EXPECT_EQ(planner_misfit(robot_of("unicycle"), p, 0.1), "");
+
   Unicycle::Parameters slow;
   slow.a_max = 1e-6;
   RobotDescription crawler;
