@@ -420,7 +420,8 @@ TEST(OccupancyMapper, LooksAlongAWallDoNotOpenIt) {
 }
 
 TEST(OccupancyMapper, LevelRaysClearAsMuchAtAnyHeight) {
-  const auto cleared = [](double height, double fall) {
+  // scatter [m]: what rounding makes of the ends' heights.
+  const auto cleared = [](double height, double fall, double scatter = 0.0) {
     OccupancyMapper mapper;
     DepthScan scan;
     scan.origin = {0.03, 0.02, height};
@@ -428,6 +429,7 @@ TEST(OccupancyMapper, LevelRaysClearAsMuchAtAnyHeight) {
       const double a = M_PI / 180.0 * n;
       const Eigen::Vector3d d(std::cos(a), std::sin(a), -fall);
       scan.misses.emplace_back(scan.origin + 9.0 * d);
+      scan.misses.back().z() += n % 2 == 0 ? scatter : -scatter;
     }
     mapper.insert(scan);
     int columns = 0;
@@ -446,6 +448,7 @@ TEST(OccupancyMapper, LevelRaysClearAsMuchAtAnyHeight) {
   EXPECT_GT(middle, 2000);
   for (const double height : {0.4, 0.4 - 1e-15, 0.4 + 1e-15, 0.401, 0.41, 0.43, 0.48, 0.499, 0.5}) {
     EXPECT_EQ(cleared(height, 0.0), middle) << height;
+    EXPECT_EQ(cleared(height, 0.0, 1e-13), middle) << height << ", to rounding";
     EXPECT_GE(cleared(height, 0.01), 99 * middle / 100) << height << ", tilted";
   }
 }
