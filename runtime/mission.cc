@@ -68,6 +68,10 @@ MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
     Belief commanded = *belief;
     commanded.command = previous;
     const Plan plan = planner.plan(commanded);
+    // What was cut short is no step.
+    if (plan.stop == StopReason::kCancelled && progress.over_before(*belief, robot.time(), true)) {
+      return result;
+    }
     const std::shared_ptr<const GlobalPlan> global_plan = planner.global_plan();
     const MissionStep step{result.steps,      result.duration, belief.get(), &plan,
                            global_plan.get(), guard_stops,     guard_reason};

@@ -69,7 +69,8 @@ struct MissionResult {
 /// Every command passes the guard with the newest belief, the last ones too: the mission ends by
 /// braking as hard as is admissible until the robot stands, which result.duration does not count
 /// (at most 100 commands; then a base that cannot stop is left as it is). `observe` (may be empty)
-/// is called after each planning step; `cancelled` (may be empty) is asked before each.
+/// is called after each planning step; `cancelled` (may be empty) is asked before each. A plan that
+/// was cancelled while it was made (Plan::stop) is no step, and ends the mission.
 ///
 /// requests (may be null): what people ask of it. It is asked before each planning step: while the
 /// robot is to stand, or a stop is latched, the mission waits, and with it the robot's clock if

@@ -201,6 +201,10 @@ void RealTimeDriver::Impl::plan_on(const std::stop_token& stop, MissionProgress&
         commands_until(*parts.model, state, begun, start, command_options.period);
     const Belief predicted = predicted_belief(*newest, commands, start, command_options.delay);
     auto plan_made = std::make_shared<Plan>(parts.planner.plan(predicted));
+    // What was cut short is no step.
+    if (plan_made->stop == StopReason::kCancelled && progress.over_before(*newest, now(), true)) {
+      break;
+    }
     // The plan begins when it was meant to, whatever the planner made of the stamp.
     plan_made->stamp = predicted.stamp;
     published.plan = plan_made;

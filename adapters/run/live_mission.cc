@@ -150,8 +150,10 @@ std::unique_ptr<Replanner> planner_for(const Configuration& configuration,
   if (options.make_planner) return options.make_planner(configuration);
   const SolverRegistry builtin;
   const SolverRegistry& solvers = options.solvers ? *options.solvers : builtin;
-  return std::make_unique<Planner>(configuration.robot, configuration.planner,
-                                   solvers.make(configuration.solver));
+  auto planner = std::make_unique<Planner>(configuration.robot, configuration.planner,
+                                           solvers.make(configuration.solver));
+  planner->set_cancelled(options.cancelled);
+  return planner;
 }
 
 void check_drives(const Configuration& configuration) {

@@ -12,7 +12,7 @@ namespace prospect {
 struct PlannerTap {
   std::function<void(const Belief&)> prepare;  ///< before the call
   std::function<void(const Belief&)> plan;     ///< likewise
-  std::function<void(const Plan&)> planned;    ///< what came of it
+  std::function<void(const Plan&)> planned;    ///< what came of it, unless it was cancelled
   std::function<void(const Task&)> task;       ///< before set_task(), taken or not
 };
 
@@ -29,7 +29,7 @@ class TappedReplanner final : public Replanner {
   Plan plan(const Belief& belief) override {
     if (tap_.plan) tap_.plan(belief);
     Plan plan = planner_.plan(belief);
-    if (tap_.planned) tap_.planned(plan);
+    if (tap_.planned && plan.stop != StopReason::kCancelled) tap_.planned(plan);
     return plan;
   }
   std::shared_ptr<const GlobalPlan> global_plan() const override { return planner_.global_plan(); }

@@ -233,6 +233,7 @@ struct Planner::Impl {
   double last_stamp = 0.0;             // [s]
   std::optional<Plan> last_certified;  // its motion alone: what a stop follows
   Reserve reserve;                     // where there is a deadline
+  StopCondition cancelled;             // of each step
   FrontierAttention attention;
   std::string refused;                         // newest Plan::refused
   std::shared_ptr<const GlobalPlan> prepared;  // since the last step; null: to be made in the step
@@ -297,8 +298,9 @@ std::shared_ptr<const GlobalPlan> Planner::Impl::global_plan(const Belief& belie
   }
 }
 
-Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
+Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
   Stopwatch total, watch;
+  const StopCondition outer = asked || cancelled;
   // Of all of the step; its polishing leaves time for what comes after it.
   const StopCondition late =
       parameters.deadline > 0.0 ? deadline(parameters.deadline) : StopCondition();
@@ -392,6 +394,11 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& outer) {
         "enter the robot's place and the ring that its sensor does not see as free.";
   }
   tell(failed, plan);
+  if (outer() == StopRequest::kCancelled) {
+    plan.stop = StopReason::kCancelled;
+  } else if (plan.stop == StopReason::kCancelled) {
+    plan.stop = StopReason::kNumericalTrouble;  // a solver ended that nobody had cancelled
+  }
   plan.times.certify = watch.lap();
   reserve.add(1e-3 * plan.times.certify);
 
@@ -575,6 +582,9 @@ std::string Planner::set_task(const Task& task) {
   if (!wrong.empty()) return wrong.front();
   impl_->use_task(task);
   return "";
+}
+void Planner::set_cancelled(std::function<bool()> cancelled) {
+  impl_->cancelled = cancelled_by(std::move(cancelled));
 }
 const Task& Planner::task() const { return impl_->parameters.task; }
 std::string Planner::set_zones(const Zones& zones) {

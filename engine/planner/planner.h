@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -184,6 +185,9 @@ class Planner final : public Replanner {
   Plan plan(const Belief& belief) override { return plan(belief, {}); }
   /// The same; polishing also ends when `stop` says so, and by a deadline in it scoring.
   Plan plan(const Belief& belief, const StopCondition& stop);
+  /// Asked, as `stop` is, in each plan() from now on; empty: never true. A plan during which one of
+  /// them was cancelled has Plan::stop kCancelled, and no other has: nothing can repeat it.
+  void set_cancelled(std::function<bool()> cancelled);
 
   /// "" if the task is taken, else its first fault (task.h).
   std::string set_task(const Task& task) override;

@@ -86,6 +86,7 @@ class FakeReplanner final : public Replanner {
     }
     if (plan.why.empty()) plan.why = "why";
     plan.refused = refused;
+    if (plans == cut_short_at) plan.stop = StopReason::kCancelled;
     if (told_to_return) plan.heading_missed = heading_missed;
     return plan;
   }
@@ -103,6 +104,7 @@ class FakeReplanner final : public Replanner {
 
   std::function<double()> way_back_time;
   std::string refused;
+  int cut_short_at = 0;  // 0: no plan is
   std::optional<double> heading_missed;
   bool takes_tasks = true;
   bool told_to_return = false, told_to_go = false;
@@ -395,6 +397,19 @@ TEST_F(Mission, EndsWhenCancelled) {
   FakeRobot another(model_);
   EXPECT_EQ(run_mission(another, planner_, guard_, options_, {}, [] { return true; }).steps, 0);
   EXPECT_EQ(another.commands.size(), 1u);
+}
+
+// Nothing can repeat a plan that was cancelled while it was made: it is no step.
+TEST_F(Mission, APlanThatWasCutShortIsNoStep) {
+  int observed = 0;
+  planner_.cut_short_at = 3;
+  const MissionResult result =
+      run_mission(robot_, planner_, guard_, options_, [&](const MissionStep&) { ++observed; });
+  EXPECT_EQ(result.end, MissionEnd::kCancelled);
+  EXPECT_EQ(planner_.plans, 3);
+  EXPECT_EQ(result.steps, 2);
+  EXPECT_EQ(observed, 2);
+  expect_stopped();
 }
 
 TEST_F(Mission, WaitsForPeopleAndGoesOnWithItsTaskAfterADetour) {

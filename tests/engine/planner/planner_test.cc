@@ -1358,6 +1358,38 @@ TEST_F(PlannerTest, ADeadlineAndACancellationLeaveAnExecutablePlan) {
   EXPECT_EQ(plan.kind, PlanKind::kSeed);
 }
 
+// A step of any length ends soon after somebody cancels it, and says so.
+TEST_F(PlannerTest, WhoCancelsDoesNotWaitForTheStep) {
+  const Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  parameters_.polish_evaluations = 2000;
+  Planner planner = make();
+  int asked = 0;
+  planner.set_cancelled([&] { return ++asked > 40; });
+  const Plan plan = planner.plan(belief);
+  expect_executable(plan, belief);
+  EXPECT_EQ(plan.stop, StopReason::kCancelled);
+  EXPECT_LE(asked, 50) << "it goes on";
+}
+
+// Nobody else's word for it, and nothing changes where nobody cancels.
+TEST_F(PlannerTest, OnlyWhatWasCancelledSaysSo) {
+  const Belief belief = Room{.landmarks_per_wall = 20}.belief();
+  Planner alone = make(), watched = make();
+  watched.set_cancelled([] { return false; });
+  const Plan a = alone.plan(belief), b = watched.plan(belief);
+  EXPECT_EQ(a.states, b.states);
+  EXPECT_EQ(b.stop, StopReason::kIterationLimit);
+  Planner claims = make(std::make_shared<Scripted>([](const Problem& problem, const WarmStart& w) {
+    Result result;
+    result.x = w.x;
+    result.quality = Quality::kInfeasible;
+    result.stop = StopReason::kCancelled;
+    result.cost = static_cast<double>(problem.num_variables());
+    return result;
+  }));
+  EXPECT_NE(claims.plan(belief).stop, StopReason::kCancelled);
+}
+
 TEST_F(PlannerTest, AStopConditionThatThrowsStopsTheRobot) {
   const Belief belief = Room{.landmarks_per_wall = 20}.belief();
   for (const int threads : {1, 2}) {
