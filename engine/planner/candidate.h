@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -24,6 +25,7 @@ struct Candidate {
   double error = 0.0;              ///< that the cost may have: of a score
   double features = 0.0;           ///< of the visible features, not weighted
   bool stops = false;              ///< Seed::stops
+  std::size_t rank = 0;            ///< of its seed, in the order in which they were made
 
   bool feasible() const { return violation <= kFeasible; }
 

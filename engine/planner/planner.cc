@@ -143,21 +143,12 @@ std::optional<LocalTexture> texture_around(const Belief& belief) {
 std::vector<Candidate> candidates_of(const std::vector<Seed>& seeds) {
   std::vector<Candidate> candidates;
   for (const Seed& seed : seeds) {
-    candidates.push_back({seed.name, seed.z, 0.0, 0.0});
-    candidates.back().stops = seed.stops;
+    Candidate c{seed.name, seed.z, 0.0, 0.0};
+    c.stops = seed.stops;
+    c.rank = candidates.size();
+    candidates.push_back(std::move(c));
   }
   return candidates;
-}
-
-/// In the order of the seeds that they are of.
-void sort_as(const std::vector<Seed>& seeds, std::vector<Candidate>& candidates) {
-  const auto rank = [&](const Candidate& c) {
-    const auto at =
-        std::find_if(seeds.begin(), seeds.end(), [&](const Seed& s) { return s.name == c.name; });
-    return std::distance(seeds.begin(), at);
-  };
-  std::stable_sort(candidates.begin(), candidates.end(),
-                   [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
 }
 
 /// What the certificate of a step may take [s]: as much as any of the last ones did. It decides
@@ -372,7 +363,8 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
     plan.detail = outcome.error;
   } else {
     // They are what the optimisation did not find: the first certified one is taken.
-    sort_as(made, candidates);
+    std::sort(candidates.begin(), candidates.end(),
+              [](const Candidate& a, const Candidate& b) { return a.rank < b.rank; });
   }
   plan.times.polish = watch.lap();
 
