@@ -305,7 +305,8 @@ DriveSpeed drive_speed(const DriveState& state, const DriveModeOptions& options)
     case kActive:
       return {Response::kFull, 1.0};
     case kDegraded:
-    case kStopping: {
+    case kStopping:
+    case kStopped: {  // a velocity, even zero, is for a base that does what it is told
       // A cause that has none was never entered with such a mode: the hardest answer.
       const DriveCausePolicy* policy = policy_of(state.cause);
       if (!policy) return {Response::kEmergencyStop, 0.0};
@@ -372,8 +373,8 @@ std::string drive_mode_tables() {
             std::string(row.cause ? to_string(*row.cause) : "as before") + " |\n";
   }
   text +=
-      "\nWhat the motors get: in idle, ready and stopped zero, in active the plan's commands. In "
-      "degraded and stopping the cause says it.\n\n"
+      "\nWhat the motors get: in idle and ready zero, in active the plan's commands. In degraded, "
+      "stopping and stopped the cause says it.\n\n"
       "| cause | response | share of the speed | latches |\n|---|---|---|---|\n";
   for (const DriveCausePolicy& p : kPolicies) {
     text += "| " + std::string(to_string(p.cause)) + " | " + std::string(to_string(p.response)) +

@@ -19,7 +19,7 @@ enum class DriveMode {
   kActive,    ///< it drives
   kDegraded,  ///< it drives slower
   kStopping,  ///< it brakes
-  kStopped    ///< it stands, latched: only an acknowledgement leads out
+  kStopped    ///< it is held (Base::stop()), latched: only an acknowledgement leads out
 };
 inline constexpr std::array kDriveModes = {DriveMode::kIdle,     DriveMode::kReady,
                                            DriveMode::kActive,   DriveMode::kDegraded,
@@ -125,7 +125,8 @@ enum class DriveResponse {
 /// "stand", "full speed", "slower", "comfort stop", "emergency stop".
 std::string_view to_string(DriveResponse response);
 
-/// What a cause means for the motors while the robot drives slower or brakes because of it.
+/// What a cause means for the motors while the robot drives slower, brakes or is held because of
+/// it.
 struct DriveCausePolicy {
   DriveCause cause;
   DriveResponse response;

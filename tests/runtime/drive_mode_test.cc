@@ -212,7 +212,7 @@ TEST(DriveMode, AnEmergencyStopLatchesFromAnyModeUntilItIsAcknowledgedAtRest) {
     state = decide(state, facts, kOptions);
     EXPECT_EQ(state.mode, mode == kStopped ? kStopped : kStopping) << to_string(mode);
     const DriveResponse response = drive_speed(state, kOptions).response;
-    EXPECT_EQ(response, mode == kStopped ? DriveResponse::kStand : DriveResponse::kEmergencyStop);
+    EXPECT_EQ(response, DriveResponse::kEmergencyStop);
     // Taken back at once, and acknowledged in motion: it makes no difference.
     facts = with(moving(10.1), &DriveFacts::acknowledged, true);
     state = decide(state, facts, kOptions);
@@ -294,7 +294,11 @@ TEST(DriveMode, WhatHoldsForAnyFacts) {
 TEST(DriveMode, ResponsesOfModesAndCauses) {
   EXPECT_EQ(drive_speed(in(kIdle), kOptions).response, DriveResponse::kStand);
   EXPECT_EQ(drive_speed(in(kReady), kOptions).response, DriveResponse::kStand);
-  EXPECT_EQ(drive_speed(in(kStopped), kOptions).response, DriveResponse::kStand);
+  for (const DriveCausePolicy& policy : drive_cause_policies()) {
+    if (!policy.latches) continue;
+    EXPECT_EQ(drive_speed(in(kStopped, policy.cause), kOptions).response,
+              DriveResponse::kEmergencyStop);
+  }
   EXPECT_EQ(drive_speed(in(kActive), kOptions).response, DriveResponse::kFull);
   // One policy a cause, in their order; each of them is one that the table leads to.
   int before = -1;

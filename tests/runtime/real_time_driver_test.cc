@@ -210,6 +210,16 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopLatchesUntilItIsAcknowledged) {
     driver.emergency_stop();
     wait_for([&] { return driver.status().mode.mode == DriveMode::kStopped; });
     EXPECT_EQ(base_.velocity().linear.norm(), 0.0);
+    // It is held: a base that does not follow might make something else of a velocity of zero.
+    const auto pass = [&](double periods) {
+      clock_.wait_until(clock_.now() + periods * options_.command.period, {});
+    };
+    pass(2.0);
+    const std::size_t told = base_.sent().size();
+    const int held = base_.stops();
+    pass(4.0);
+    EXPECT_EQ(base_.sent().size(), told);
+    EXPECT_GT(base_.stops(), held);
     released = clock_.now();
     driver.acknowledge();
     wait_for([&] { return base_.velocity().linear.x() > 0.1; });
