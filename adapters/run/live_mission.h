@@ -82,7 +82,8 @@ MissionOptions mission_options_for(const Configuration& configuration,
                                    const std::function<SimulatedTruth()>& truth);
 
 /// The planner that the options make, or ours with the configured solver, whose steps
-/// options.cancelled cuts short. Throws std::invalid_argument for an unknown solver.
+/// options.cancelled cuts short: asked on its thread, too. Throws std::invalid_argument for an
+/// unknown solver.
 std::unique_ptr<Replanner> planner_for(const Configuration& configuration,
                                        const ExplorationRunOptions& options);
 
