@@ -143,7 +143,7 @@ FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
   simulator_options.seed = one.seed;
   simulator_options.distort_scan =
       faulty_scans(faults, 0.3, configuration.robot.depth.max_range, simulator_options.seed);
-  Simulator simulator(world, simulator_options);
+  Simulator simulator(world, simulator_options, configuration.perception);
   SimulatedBaseOptions base_options;
   base_options.faults = faults;
   SimulatedBase base(simulator, clock, *configuration.robot.model, base_options);

@@ -148,9 +148,9 @@ int run(int argc, char** argv) {
   options.add("--sensors", sensors, "model, camera", {.one_of = {"model", "camera"}});
   options.add("--config", overlay, "YAML text over the defaults");
   if (const std::optional<int> end = options.parse(argc, argv)) return *end;
-  Configuration configuration = configuration_from_text(overlay, "--config");
+  Configuration configuration =
+      configuration_from_text(overlay, "--config", {}, {"simulator.sensors=" + sensors});
   configuration.mission.time_limit = time_limit;
-  configuration.simulator.sensors = sensors_named(sensors);
   const PlannerParameters& planner = configuration.planner;
   Comparison comparison(planner.N, planner.dt, planner.features.N_min);
   for (int seed = first_seed; seed < first_seed + seeds; ++seed) {

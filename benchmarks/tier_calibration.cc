@@ -199,13 +199,13 @@ std::string table_of(const Arguments& a, const std::string& world, int seed,
 void drive(const Arguments& a, const std::string& name, int seed, const std::string& sensors) {
   const std::string file = table_of(a, name, seed, sensors);
   if (fs::exists(file)) return;
-  const Configuration configuration = configuration_from_text("", "the defaults");
+  const Configuration configuration =
+      configuration_from_text("", "the defaults", {}, {"simulator.sensors=" + sensors});
   const auto world =
       std::make_shared<const World>(load_world(name, world_options_for(configuration)));
   SimulatorOptions options = configuration.simulator;
   options.seed = static_cast<std::uint64_t>(seed);
-  options.sensors = sensors_named(sensors);
-  Simulator simulator(world, options);
+  Simulator simulator(world, options, configuration.perception);
   Tour tour(roomy_columns(*world, configuration), static_cast<std::uint64_t>(seed));
   std::ostringstream rows;
   rows << "path,x,y,yaw,estimated_x,estimated_y,estimated_yaw,tracked,lost\n";

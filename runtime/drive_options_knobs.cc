@@ -8,8 +8,6 @@ void describe(Knobs& knobs, DriveOptions& o) {
   knobs.group("preflight", [&] { describe(knobs, o.preflight); });
   knobs.group("inbox", [&] { describe(knobs, o.inbox); });
   knobs.group("ranges", [&] { describe(knobs, o.ranges); });
-  knobs.group("odometry", [&] { describe(knobs, o.odometry); });
-  knobs.group("perception", [&] { describe(knobs, o.perception); });
 }
 
 }  // namespace prospect

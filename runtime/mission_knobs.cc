@@ -8,7 +8,7 @@ void describe(Knobs& knobs, MissionOptions& o) {
                "of the robot's clock, also while it is held");
   knobs.number("lost_limit", o.lost_limit, {0.0, 1e6}, "s",
                "without localization that ends the mission");
-  knobs.boolean("return", o.return_when_done, "back to the start once the task is over");
+  knobs.boolean("return_when_done", o.return_when_done, "back to the start once the task is over");
 }
 
 }  // namespace prospect

@@ -202,8 +202,8 @@ int compare(const BenchArguments& arguments) {
 int bench(const BenchArguments& arguments, const Registries& registries) {
   if (!arguments.sets.empty() && arguments.sets.front() == "merge") return merge(arguments);
   if (!arguments.sets.empty() && arguments.sets.front() == "compare") return compare(arguments);
-  const Configuration configuration =
-      read_configuration(arguments.configuration, registries, arguments.settings);
+  const Configuration configuration = read_configuration(
+      arguments.configuration, registries, arguments.settings, ConfigurationUse::kExplore);
   if (!arguments.capture.empty()) return capture(arguments, configuration, registries);
   // Everything is looked at before anything is measured or written.
   const std::vector<SolverChoice> solvers = choose_solvers(

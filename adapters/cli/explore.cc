@@ -170,7 +170,7 @@ void set_task(const ExploreArguments& arguments, Configuration& configuration) {
   if (!arguments.until.empty()) set_until(arguments.until, configuration);
   if (arguments.back) {
     configuration.mission.return_when_done = true;
-    override_entry(configuration, "mission.return", "true");
+    override_entry(configuration, "mission.return_when_done", "true");
   }
   if (arguments.go.empty()) return;
   Task& task = configuration.planner.task;
@@ -219,7 +219,7 @@ MissionMessageOptions message_options(const Configuration& configuration, const 
   options.robot = configuration.robot;
   const CameraRigOptions& rig = configuration.simulator.camera.rig;
   options.depth_camera = depth_camera(configuration.robot.depth, rig.depth_width, rig.depth_height);
-  options.resolution = configuration.simulator.mapping.resolution;
+  options.resolution = configuration.perception.mapping.resolution;
   options.dt = configuration.planner.dt;
   if (base.in_real_time() && !base.gazebo) {
     using std::chrono::duration_cast;
@@ -305,10 +305,19 @@ void set_gazebo_address(Configuration& configuration) {
   override_entry(configuration, "gazebo.port", std::to_string(address.port));
 }
 
+ConfigurationUse use_of(const MissionBase& base) {
+  if (base.gazebo) return ConfigurationUse::kDriveGazebo;
+  if (base.dds) return ConfigurationUse::kDriveDds;
+  return base.real_time ? ConfigurationUse::kDriveSimulator : ConfigurationUse::kExplore;
+}
+
 /// The configuration with what the command line says above it.
-Configuration configuration_of(const ExploreArguments& arguments, const Registries& registries) {
+Configuration configuration_of(const ExploreArguments& arguments, const Registries& registries,
+                               ConfigurationUse use) {
+  std::vector<std::string> settings = arguments.settings;
+  if (!arguments.sensors.empty()) settings.push_back("simulator.sensors=" + arguments.sensors);
   Configuration configuration =
-      read_configuration(arguments.configuration, registries, arguments.settings);
+      read_configuration(arguments.configuration, registries, settings, use);
   if (!arguments.solver.empty()) {
     configuration.solver = arguments.solver;
     const std::string wrong = solver_problem(configuration.solver, registries.solvers);
@@ -321,10 +330,6 @@ Configuration configuration_of(const ExploreArguments& arguments, const Registri
   if (arguments.time_limit > 0.0) {
     configuration.mission.time_limit = arguments.time_limit;
     override_entry(configuration, "mission.time_limit", exact_text(arguments.time_limit));
-  }
-  if (!arguments.sensors.empty()) {
-    configuration.simulator.sensors = sensors_named(arguments.sensors);
-    override_entry(configuration, "simulator.sensors", arguments.sensors);
   }
   set_task(arguments, configuration);
   if (!arguments.map.empty()) {
@@ -365,7 +370,7 @@ void tell_result(const ExploreArguments& arguments, const ExplorationRunResult& 
 
 int mission(const ExploreArguments& arguments, const Registries& registries,
             const MissionBase& base) {
-  Configuration configuration = configuration_of(arguments, registries);
+  Configuration configuration = configuration_of(arguments, registries, use_of(base));
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
   set_world(arguments.reading, configuration);
   if (base.gazebo) set_gazebo_address(configuration);
@@ -375,9 +380,20 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
         "--until, mission.until: nobody measures what was seen; expected --measure beside --base "
         "gazebo");
   }
+  KeyReader reader = key_reader(configuration, use_of(base));
+  reader.world = !unknown_world;
+  if (base.dds) {
+    reader.depth = !base.dds->depth.image.empty();
+    reader.scans = !base.dds->scan.empty() || !base.dds->point_cloud.empty();
+  }
+  refuse_unread(configuration.entries, reader);
   Progress progress(arguments.quiet);
   std::shared_ptr<const World> world;
   if (!unknown_world) world = loaded_world(arguments.world, configuration, progress);
+  if (world) {
+    reader.textured = world->mesh != nullptr;
+    refuse_unread(configuration.entries, reader);
+  }
 
   ExplorationRunOptions options;
   options.seed = arguments.seed;

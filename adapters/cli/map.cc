@@ -13,6 +13,7 @@
 #include "adapters/cli/commands.h"
 #include "adapters/cli/common_options.h"
 #include "adapters/cli/progress.h"
+#include "adapters/config/configuration.h"
 #include "adapters/datasets/degrees.h"
 #include "adapters/datasets/depth_dataset.h"
 #include "adapters/datasets/ground_picture.h"
@@ -33,10 +34,12 @@ namespace {
 
 struct MapArguments {
   std::string dataset;                 ///< a recording
+  std::string configuration;           ///< file; empty: defaults
+  std::vector<std::string> settings;   ///< "perception.mapping.core=0.5": above the file
   DepthDatasetOptions options;         ///< but for what is below
   StereoDatasetOptions stereo;         ///< calibration and topics also of depth images and scans
   std::string out;                     ///< folder for maps and tables; empty: none
-  double resolution = 0.05;            ///< [m]
+  std::optional<double> resolution;    ///< [m]; none: as configured
   std::optional<double> range;         ///< [m]; none: see the command line's help
   std::vector<double> camera;          ///< fx, fy, cx, cy [px]; empty: the recording's
   double camera_height = 0.0;          ///< [m]; 0: not known
@@ -107,8 +110,8 @@ nlohmann::ordered_json stereo_json(const StereoDepthAccuracy& stereo) {
           {"depth_noise_per_m", stereo.noise}};
 }
 
-nlohmann::ordered_json as_json(const MapArguments& arguments, const MapInput& input,
-                               const MapRun& run, const MapSummary& s) {
+nlohmann::ordered_json as_json(const MapArguments& arguments, double resolution,
+                               const MapInput& input, const MapRun& run, const MapSummary& s) {
   const auto of_map = [&](int cells) {
     return run.maps.ground ? nlohmann::ordered_json(cells) : nlohmann::ordered_json();
   };
@@ -121,7 +124,7 @@ nlohmann::ordered_json as_json(const MapArguments& arguments, const MapInput& in
       {"stereo", input.stereo ? stereo_json(*input.stereo) : nlohmann::ordered_json()},
       {"without_pose", input.without_pose},
       {"poses", input.poses},
-      {"resolution_m", arguments.resolution},
+      {"resolution_m", resolution},
       {"frames", s.frames},
       {"ok", s.ok},
       {"degraded", s.degraded},
@@ -277,7 +280,8 @@ DepthDataset open_stereo(const MapArguments& arguments) {
   return DepthDataset::open(open_stereo_depth(arguments.dataset, stereo), options);
 }
 
-MapInput depth_input(const MapArguments& arguments, bool stereo) {
+MapInput depth_input(const MapArguments& arguments, const PerceptionOptions& perception,
+                     bool stereo) {
   refuse(arguments.lidar_height > 0.0, "--lidar-height", arguments.dataset,
          stereo ? "a recording of a stereo pair; expected --camera-height"
                 : "a recording of depth images; expected --camera-height");
@@ -287,12 +291,13 @@ MapInput depth_input(const MapArguments& arguments, bool stereo) {
   input.layout = dataset.layout();
   input.notes = dataset.notes();
   MapRunOptions run_options;
-  run_options.mapper.map.resolution = arguments.resolution;
+  run_options.mapper = perception.depth_mapping;
+  run_options.mapper.map = perception.mapping;
+  const double resolution = perception.mapping.resolution;
   run_options.mapper.map.max_range = arguments.range.value_or(kDepthRange);
   if (dataset.stereo()) {
-    const double sharp = sharp_range(*dataset.stereo(), arguments.resolution);
-    const double range =
-        arguments.range.value_or(std::min(sharp, kMostVoxels * arguments.resolution));
+    const double sharp = sharp_range(*dataset.stereo(), resolution);
+    const double range = arguments.range.value_or(std::min(sharp, kMostVoxels * resolution));
     if (!arguments.range) input.notes.push_back(range_note(range));
     set_stereo_accuracy(*dataset.stereo(), range, run_options.mapper);
     // A pair may be carried by a car.
@@ -327,7 +332,7 @@ MapInput depth_input(const MapArguments& arguments, bool stereo) {
   return input;
 }
 
-MapInput scan_input(const MapArguments& arguments) {
+MapInput scan_input(const MapArguments& arguments, const PerceptionOptions& perception) {
   refuse_stereo_options(arguments, "a recording of a lidar; expected it with a stereo pair only");
   for (const auto& [given, option] :
        {std::pair(arguments.camera_height > 0.0, "--camera-height"),
@@ -346,9 +351,9 @@ MapInput scan_input(const MapArguments& arguments) {
   input.size = static_cast<int>(source.stamps.size());
   check_first_frame(arguments.first, input.size, arguments.dataset);
   const ScanPlacement placement = place_scans(source, arguments.lidar_height, arguments.first);
-  ScanMapperOptions options;
-  options.map.resolution = arguments.resolution;
-  const double farthest = kMostVoxels * arguments.resolution;
+  ScanMapperOptions options = perception.scan_mapping;
+  options.map = perception.mapping;
+  const double farthest = kMostVoxels * options.map.resolution;
   options.map.max_range = arguments.range.value_or(
       source.max_range > 0.0 ? std::min(source.max_range, farthest) : farthest);
   char line[120];
@@ -366,20 +371,34 @@ MapInput scan_input(const MapArguments& arguments) {
   return input;
 }
 
+/// As configured, by default with finer voxels than in missions: nobody waits for the map.
+PerceptionOptions perception_of(const MapArguments& arguments, ConfigurationUse use) {
+  PerceptionOptions perception;
+  perception.mapping.resolution = 0.05;
+  perception = read_perception(arguments.configuration, arguments.settings, perception, use);
+  if (arguments.resolution) perception.mapping.resolution = *arguments.resolution;
+  return perception;
+}
+
 int map(const MapArguments& arguments) {
-  const double farthest = kMostVoxels * arguments.resolution;
   const bool scans = is_used_for_scans(arguments.dataset, arguments.stereo.topics);
   const bool stereo =
       !scans && is_used_for_stereo_depth(arguments.dataset, arguments.stereo.topics);
+  const PerceptionOptions perception =
+      perception_of(arguments, scans    ? ConfigurationUse::kMapScans
+                               : stereo ? ConfigurationUse::kMapStereo
+                                        : ConfigurationUse::kMapDepth);
+  const double resolution = perception.mapping.resolution, farthest = kMostVoxels * resolution;
   const double range = arguments.range.value_or(scans || stereo ? 0.0 : kDepthRange);
   if (range > farthest) {
     char line[160];
     std::snprintf(line, sizeof line,
                   "--range is %g m; expected at most %g m (%.0f voxels) with --resolution %g",
-                  range, farthest, kMostVoxels, arguments.resolution);
+                  range, farthest, kMostVoxels, resolution);
     throw InputError(line);
   }
-  const MapInput input = scans ? scan_input(arguments) : depth_input(arguments, stereo);
+  const MapInput input =
+      scans ? scan_input(arguments, perception) : depth_input(arguments, perception, stereo);
   std::optional<OutputFolder> out;
   if (!arguments.out.empty()) {
     out = OutputFolder::own(arguments.out, {"map"});
@@ -397,7 +416,7 @@ int map(const MapArguments& arguments) {
   });
   progress.finish();
   const MapSummary summary = summarize(run);
-  const auto json = as_json(arguments, input, run, summary);
+  const auto json = as_json(arguments, resolution, input, run, summary);
   std::string written;
   if (out) {
     std::vector<std::pair<std::string, std::string>> files = {
@@ -480,9 +499,13 @@ Command map_command(CLI::App& program) {
       ->required();
   command->add_option("--out", arguments.out, "Folder for a page, the maps and tables [none]")
       ->type_name("DIR");
-  command->add_option("--resolution", arguments.resolution, "Of the maps [m]")
-      ->check(number_within(0.01, 1.0))
-      ->capture_default_str();
+  command
+      ->add_option("--config", arguments.configuration,
+                   "Configuration file (YAML); of it, perception")
+      ->type_name("FILE");
+  add_set(command, arguments.settings);
+  command->add_option("--resolution", arguments.resolution, "Of the maps [m] [0.05]")
+      ->check(number_within(0.01, 1.0));
   command
       ->add_option("--range", arguments.range,
                    "Farther away nothing is learned [m] [of depth images 4, of a stereo pair where "

@@ -10,6 +10,7 @@
 #include "adapters/cli/commands.h"
 #include "adapters/cli/common_options.h"
 #include "adapters/cli/progress.h"
+#include "adapters/config/configuration.h"
 #include "adapters/datasets/calibration_report.h"
 #include "adapters/datasets/degrees.h"
 #include "adapters/datasets/odometry_calibration.h"
@@ -25,7 +26,9 @@ namespace prospect {
 namespace {
 
 struct OdometryArguments {
-  std::string dataset;  ///< a recording
+  std::string dataset;                ///< a recording
+  std::string configuration;          ///< file; empty: defaults
+  std::vector<std::string> settings;  ///< "perception.odometry.max_misses=1": above the file
   StereoDatasetOptions options;
   std::string out;  ///< folder for trajectories and tables; empty: none
   int first = 0;    ///< frame to begin with
@@ -144,6 +147,9 @@ void print(const OdometrySummary& s, bool truth) {
 }
 
 int odometry(const OdometryArguments& arguments) {
+  const StereoOdometryOptions options =
+      read_perception(arguments.configuration, arguments.settings, {}, ConfigurationUse::kOdometry)
+          .odometry;
   const StereoDataset dataset = StereoDataset::open(arguments.dataset, arguments.options);
   check_first_frame(arguments.first, dataset.size(), arguments.dataset);
   std::optional<OutputFolder> out;
@@ -154,7 +160,6 @@ int odometry(const OdometryArguments& arguments) {
   }
   Progress progress(arguments.quiet);
   const int frames = frames_from(arguments.first, arguments.frames, dataset.size());
-  const StereoOdometryOptions options;
   std::optional<OdometryCalibration> calibration;
   if (arguments.calibrate) calibration.emplace(dataset.camera(), options);
   std::optional<OdometryPage> page;
@@ -236,6 +241,11 @@ Command odometry_command(CLI::App& program) {
           "with a calibration; see `prospect inspect`")
       ->type_name("FILE")
       ->required();
+  command
+      ->add_option("--config", arguments.configuration,
+                   "Configuration file (YAML); of it, perception")
+      ->type_name("FILE");
+  add_set(command, arguments.settings);
   add_recording_options(command, arguments.options);
   add_topics(command, arguments.options.topics,
              {"left", "right", "left_info", "right_info", "truth"});

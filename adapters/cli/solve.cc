@@ -174,8 +174,8 @@ void print_table(const NamedProblem& named,
 }
 
 int solve(const SolveArguments& arguments, const Registries& registries) {
-  Configuration configuration =
-      read_configuration(arguments.configuration, registries, arguments.settings);
+  Configuration configuration = read_configuration(arguments.configuration, registries,
+                                                   arguments.settings, ConfigurationUse::kExplore);
   std::vector<std::string> names = arguments.solvers;
   if (names.empty()) names = {"ipopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "sampling"};
   std::vector<std::shared_ptr<const Solver>> solvers;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "adapters/config/renamed_keys.h"
 #include "adapters/config/sensor_sight.h"
 #include "adapters/config/solver_options.h"
 #include "adapters/config/term_settings.h"
@@ -23,6 +24,17 @@ namespace prospect {
 namespace {
 
 Eigen::Vector3d vector3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+StrictYaml with_settings(StrictYaml yaml, const std::vector<std::string>& settings) {
+  for (const std::string& setting : settings) yaml.set(setting);
+  return yaml;
+}
+
+/// A configuration file ("": none), with the settings above it.
+StrictYaml document(const std::string& path, const std::vector<std::string>& settings) {
+  return with_settings(
+      path.empty() ? StrictYaml::from_text("", "defaults") : StrictYaml::from_file(path), settings);
+}
 
 /// What the mapping says of it, else as it is.
 template <typename Options>
@@ -109,7 +121,7 @@ void read_robot(YamlMap map, Configuration& c) {
 /// A sensor that sees nothing of where the body drives is refused: the mission would be over at
 /// once.
 void check_sight(YamlMap robot, const Configuration& c) {
-  const std::string problem = sight_problem(c.robot, c.simulator.mapping.resolution);
+  const std::string problem = sight_problem(c.robot, c.perception.mapping.resolution);
   if (!problem.empty()) robot.map("depth").map("mount").problem("position", problem);
 }
 
@@ -122,7 +134,7 @@ void share_robot(Configuration& c) {
   c.simulator.depth_mount = c.robot.depth_mount;
   c.simulator.features.stereo = c.robot.stereo;
   c.simulator.stereo_mount = c.robot.stereo_mount;
-  c.planner.map_resolution = c.simulator.mapping.resolution;
+  c.planner.map_resolution = c.perception.mapping.resolution;
 }
 
 /// Returns the paths of settings that others have taken the place of.
@@ -146,6 +158,14 @@ void read_simulator(YamlMap map, Configuration& c) {
   const std::string known =
       map.text("map", "none", "OctoMap (.bt .ot) of the same world to begin with; none: nothing");
   if (known != "none") c.map = known;
+}
+
+void read_perception(YamlMap map, ConfigurationUse use, Configuration& c) {
+  const bool camera = c.simulator.sensors == Sensors::kCamera;
+  if (is_simulated(use) || (use == ConfigurationUse::kAny && camera)) {
+    c.perception = simulated_perception(c.simulator.wheels);
+  }
+  c.perception = read_knobs(std::move(map), c.perception);
 }
 
 void read_mission(YamlMap map, Configuration& c) {
@@ -291,12 +311,14 @@ std::string planner_problem(const Configuration& c, const Registries& registries
   return "";
 }
 
-Configuration read(StrictYaml yaml, const Registries& registries) {
+Configuration read(StrictYaml yaml, const Registries& registries, ConfigurationUse use) {
   Configuration c;
+  yaml.refuse(renamed_keys());
   YamlMap root = yaml.root();
   read_robot(root.map("robot"), c);
   const std::vector<std::string> replaced = read_planner(root.map("planner"), registries, c);
   read_simulator(root.map("simulator"), c);
+  read_perception(root.map("perception"), use, c);
   read_world(root.map("world"), c.world);
   c.guard = read_knobs(root.map("guard"), c.guard);
   read_mission(root.map("mission"), c);
@@ -320,10 +342,18 @@ Configuration read(StrictYaml yaml, const Registries& registries) {
   std::erase_if(c.entries, [&](const ConfigEntry& entry) {
     return std::find(replaced.begin(), replaced.end(), entry.path) != replaced.end();
   });
+  refuse_unread(c.entries, key_reader(c, use));
   return c;
 }
 
 }  // namespace
+
+KeyReader key_reader(const Configuration& c, ConfigurationUse use) {
+  return {.use = use,
+          .sensors = c.simulator.sensors,
+          .wheels = c.perception.wheels,
+          .task = c.planner.task.kind};
+}
 
 std::string task_problem(const Configuration& configuration) {
   const FrontierPlannerOptions frontier_planner =
@@ -366,16 +396,34 @@ std::string solver_problem(const std::string& name, const SolverRegistry& solver
 }
 
 Configuration read_configuration(const std::string& path, const Registries& registries,
-                                 const std::vector<std::string>& settings) {
-  StrictYaml yaml =
-      path.empty() ? StrictYaml::from_text("", "defaults") : StrictYaml::from_file(path);
-  for (const std::string& setting : settings) yaml.set(setting);
-  return read(std::move(yaml), registries);
+                                 const std::vector<std::string>& settings, ConfigurationUse use) {
+  return read(document(path, settings), registries, use);
+}
+
+PerceptionOptions read_perception(const std::string& path, const std::vector<std::string>& settings,
+                                  const PerceptionOptions& defaults, ConfigurationUse use) {
+  for (const std::string& setting : settings) {
+    if (setting.starts_with("perception.")) continue;
+    throw InputError("--set " + setting +
+                     ": of a robot, not of a recording; expected a key of perception");
+  }
+  StrictYaml yaml = document(path, settings);
+  yaml.refuse(renamed_keys());
+  YamlMap root = yaml.root();
+  PerceptionOptions perception = read_knobs(root.map("perception"), defaults);
+  root.leave_rest();
+  yaml.finish();
+  std::vector<ConfigEntry> told = yaml.entries();
+  std::erase_if(told, [](const ConfigEntry& entry) { return !entry.set; });
+  refuse_unread(told, {.use = use});
+  return perception;
 }
 
 Configuration configuration_from_text(const std::string& text, const std::string& source,
-                                      const Registries& registries) {
-  return read(StrictYaml::from_text(text, source), registries);
+                                      const Registries& registries,
+                                      const std::vector<std::string>& settings) {
+  return read(with_settings(StrictYaml::from_text(text, source), settings), registries,
+              ConfigurationUse::kAny);
 }
 
 }  // namespace prospect

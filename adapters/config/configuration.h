@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "adapters/config/key_readers.h"
 #include "adapters/config/registries.h"
 #include "adapters/files/strict_yaml.h"
 #include "adapters/gazebo/gazebo_options.h"
@@ -11,6 +12,7 @@
 #include "adapters/simulator/simulator_options.h"
 #include "adapters/worlds/world_options.h"
 #include "engine/planner/planner.h"
+#include "perception/pipeline/perception_options.h"
 #include "runtime/drive_options.h"
 #include "runtime/mission.h"
 #include "solvers/registry.h"
@@ -21,6 +23,7 @@ namespace prospect {
 struct Configuration {
   RobotDescription robot;
   PlannerParameters planner;
+  PerceptionOptions perception;  ///< cameras, mounts, ranges and start are what the robot has
   SimulatorOptions simulator;
   MissionOptions mission;
   /// How the world is read; slice and what no key names are left to world_options_for().
@@ -42,8 +45,22 @@ struct Configuration {
 /// terms are some of `registries`.
 /// settings: "planner.weights.w_l=0", which stand above the file (StrictYaml::set).
 /// Throws InputError with every problem at once (file:line: what; expected what).
+///
+/// The defaults of `perception` are those of a simulated robot (simulated_perception()) where
+/// simulator.sensors are cameras and nobody else's robot drives, else those of the structures.
+/// A key that the use does not read is refused (refuse_unread()).
 Configuration read_configuration(const std::string& path, const Registries& registries = {},
-                                 const std::vector<std::string>& settings = {});
+                                 const std::vector<std::string>& settings = {},
+                                 ConfigurationUse use = ConfigurationUse::kAny);
+
+/// What reads the keys of a configuration that is used so; of world and topics no more is known.
+KeyReader key_reader(const Configuration& configuration, ConfigurationUse use);
+
+/// How a recording is perceived: `perception` of a configuration file and of settings, above
+/// `defaults`. What else the file holds is a robot's, and left; settings that the use does not read
+/// are refused. Throws InputError as read_configuration().
+PerceptionOptions read_perception(const std::string& path, const std::vector<std::string>& settings,
+                                  const PerceptionOptions& defaults, ConfigurationUse use);
 
 /// Notes in the entries that a value, given as YAML, was chosen elsewhere, as on the command line;
 /// what it stands for is to be set by who does so.
@@ -68,6 +85,7 @@ std::string solver_problem(const std::string& name, const SolverRegistry& solver
 
 /// The same as read_configuration() from text; `source` stands for the file's name in messages.
 Configuration configuration_from_text(const std::string& text, const std::string& source,
-                                      const Registries& registries = {});
+                                      const Registries& registries = {},
+                                      const std::vector<std::string>& settings = {});
 
 }  // namespace prospect

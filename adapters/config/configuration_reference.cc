@@ -37,6 +37,16 @@ std::vector<ConfigEntry> entries_of(const std::string& text) {
   return configuration_from_text(text, "reference").entries;
 }
 
+/// Those whose default is not that of the same place in `others`.
+std::vector<ConfigEntry> different(std::vector<ConfigEntry> entries,
+                                   const std::vector<ConfigEntry>& others) {
+  std::size_t place = 0;
+  std::erase_if(entries, [&](const ConfigEntry& e) {
+    return e.default_value == others.at(place++).default_value;
+  });
+  return entries;
+}
+
 }  // namespace
 
 std::string configuration_reference() {
@@ -52,22 +62,25 @@ std::string configuration_reference() {
       "in `planner`. What a file does not hold keeps its default. Both ends of a range belong to "
       "it. No unit: a pure number, a switch or a text. An unknown key, or a value out of its "
       "range, "
-      "is an error that names the key, its line and what was expected (exit code 2).\n\n"
+      "is an error that names the key, its line and what was expected (exit code 2). So is a key "
+      "that nothing reads in the mission at hand, and says who does; in a file, which may describe "
+      "a "
+      "robot for all its missions, `drive`, `gazebo`, `simulator` and `world` may be another's.\n\n"
       "Values that share arithmetic are judged together before the first step, with the numbers "
       "and what would fit (exit code 2); a planner of one's own asks the same:\n\n"
       "| Of | must hold |\n|---|---|\n"
-      "| `robot.depth.max_range`, `simulator.map_resolution` | 1 to " +
+      "| `robot.depth.max_range`, `perception.mapping.resolution` | 1 to " +
       std::to_string(kMostRangeVoxels) +
       " voxels |\n"
-      "| `simulator.mapping.z_min`, `z_max`, `simulator.map_resolution` | at most " +
+      "| `perception.mapping.z_min`, `z_max`, `perception.mapping.resolution` | at most " +
       std::to_string(kMostLayers) +
       " layers of voxels; the body is between them |\n"
-      "| `robot.shape`, `planner.d_des`, `planner.drift_margin`, `simulator.map_resolution` | "
+      "| `robot.shape`, `planner.d_des`, `planner.drift_margin`, `perception.mapping.resolution` | "
       "radius + d_des + drift_margin + 0.2 m: at most " +
       std::to_string(ClearanceField::kMostVoxels) + " voxels; of a multirotor " +
       std::to_string(ClearanceField::kMostVoxelsInSpace) +
       " |\n"
-      "| `planner.frontiers.window_radius`, `simulator.map_resolution` | at most " +
+      "| `planner.frontiers.window_radius`, `perception.mapping.resolution` | at most " +
       std::to_string(kMostWindow) +
       " voxels |\n"
       "| `robot.motion`, `planner.N`, `planner.dt` | the robot gets faster than 1 mm/s within the "
@@ -104,6 +117,11 @@ std::string configuration_reference() {
         std::erase_if(of_shape, [](const ConfigEntry& e) { return e.path == "robot.shape.type"; });
         page += "With `robot.shape.type: " + type + "`:\n\n" + table(of_shape, "robot.shape.");
       }
+    } else if (group == "perception") {
+      page +=
+          "Of the simulator's robot, other defaults, of wheels those that `simulator.wheels` "
+          "has:\n\n" +
+          table(different(entries_of("simulator: {sensors: camera}"), entries), "perception.");
     } else if (group == "zones") {
       std::vector<ConfigEntry> lists = entries_of(
           "zones: {keep_out: [{area: [5, 5, 6, 5, 6, 6]}],"

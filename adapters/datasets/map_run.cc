@@ -78,7 +78,8 @@ class FloorMap {
     T_WD_ = level(floor_, pose);
     PerceptionOptions perception = recording_options(T_WD_ * pose);
     perception.depth_camera = {dataset.camera(), {Eigen::Isometry3d::Identity()}};
-    perception.mapping = options.mapper;
+    perception.depth_mapping = options.mapper;
+    perception.mapping = options.mapper.map;
     perception_.emplace(perception);
   }
 

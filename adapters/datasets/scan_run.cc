@@ -60,8 +60,8 @@ MapRun run_scan_mapping(const ScanSource& source, const ScanPlacement& placement
     slice.z_max = std::max(slice.z_max, layer);
   }
   PerceptionOptions options_of_all = recording_options();
-  options_of_all.mapping.map = mapping.map;
-  options_of_all.scans = mapping;
+  options_of_all.mapping = mapping.map;
+  options_of_all.scan_mapping = mapping;
   PerceptionPipeline perception(options_of_all);
   for (int i = first; i < first + n; ++i) {
     const auto k = static_cast<std::size_t>(i);

@@ -387,6 +387,45 @@ void StrictYaml::set(const std::string& setting, const std::string& told_by) {
   }
 }
 
+namespace {
+
+/// Calls visit(path below the node, line) for each key that is no mapping of others.
+template <typename Node, typename Visit>
+void visit_keys(const Node& node, int line, const std::string& below, const Visit& visit) {
+  if (node.entries.empty()) visit(below, line);
+  for (const auto& entry : node.entries) {
+    visit_keys(*entry.value, entry.line, below + '.' + entry.key, visit);
+  }
+}
+
+}  // namespace
+
+void StrictYaml::refuse(const std::vector<RenamedKey>& renamed) {
+  using Node = YamlMap::Node;
+  for (const RenamedKey& key : renamed) {
+    Node* node = state_->root.get();
+    std::string rest = key.before;
+    while (node != nullptr) {
+      const std::size_t dot = rest.find('.');
+      const std::string name = rest.substr(0, dot);
+      const auto entry = std::find_if(node->entries.begin(), node->entries.end(),
+                                      [&](const Node::Entry& e) { return e.key == name; });
+      if (entry == node->entries.end()) break;
+      if (dot != std::string::npos) {
+        node = entry->value.get();
+        rest = rest.substr(dot + 1);
+        continue;
+      }
+      visit_keys(*entry->value, entry->line, "", [&](const std::string& below, int line) {
+        state_->problem(line, shown(key.before + below) + " is " + shown(key.now + below) +
+                                  " now; expected that");
+      });
+      node->entries.erase(entry);
+      break;
+    }
+  }
+}
+
 YamlMap StrictYaml::root() {
   YamlMap::Node* node = state_->root.get();
   return {state_.get(), node, "", std::max(1, node->line)};
@@ -514,8 +553,16 @@ void YamlMap::missing(const std::string& key, const std::string& expected) {
 void YamlMap::record(const std::string& key, const std::string& value,
                      const std::string& default_value, const std::string& unit,
                      const std::string& range, const std::string& description) {
-  state_->entries.push_back(
-      {child_path(key), value, default_value, unit, range, description, has(key)});
+  ConfigEntry entry{child_path(key), value, default_value, unit, range, description};
+  if (node_ != nullptr) {
+    for (const Node::Entry& told : node_->entries) {
+      if (told.key != key) continue;
+      entry.from_file = true;
+      entry.set = told.line >= State::kSettings;
+      entry.where = state_->at(told.line);
+    }
+  }
+  state_->entries.push_back(std::move(entry));
 }
 
 namespace {

@@ -18,7 +18,9 @@ struct ConfigEntry {
   std::string unit;           ///< "m", "m/s", "1" for a pure number, "" for text and switches
   std::string range;          ///< what it may be: "0 to 5", "free, blocked", "3 numbers, -5 to 5"
   std::string description;
-  bool from_file = false;
+  bool from_file = false;  ///< or by StrictYaml::set()
+  bool set = false;        ///< by StrictYaml::set()
+  std::string where{};     ///< who tells it: "file:line", "--set key=value"; "": nobody
 };
 
 /// All entries as one YAML text, nested by path, each with `# description [unit]` and, where it
@@ -26,6 +28,11 @@ struct ConfigEntry {
 std::string effective_yaml(const std::vector<ConfigEntry>& entries);
 
 class StrictYaml;
+
+/// A key or mapping of a document that has another name now, by their paths: "drive.odometry".
+struct RenamedKey {
+  std::string before, now;
+};
 
 /// A value of any kind, as a document holds it.
 struct YamlValue {
@@ -163,6 +170,11 @@ class StrictYaml {
   /// `--set`. Throws InputError if it is none of that, or if the document has something else than
   /// mappings on the way.
   void set(const std::string& setting, const std::string& told_by = "--set");
+
+  /// Takes out of the document what has another name now, and records a problem for each key of it
+  /// by name: "simulator.mapping.core is perception.mapping.core now; expected that". Before
+  /// reading.
+  void refuse(const std::vector<RenamedKey>& renamed);
 
   YamlMap root();
   /// Numbers in quotes and with a plus sign count as numbers, as yaml-cpp itself takes them.

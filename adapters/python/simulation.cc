@@ -20,7 +20,8 @@ Simulation::Simulation(const std::string& world, const Configuration& configurat
 }
 
 void Simulation::reset(std::uint64_t seed) {
-  simulator_ = std::make_unique<Simulator>(world_, simulator_options_for(configuration_, seed));
+  simulator_ = std::make_unique<Simulator>(world_, simulator_options_for(configuration_, seed),
+                                           configuration_.perception);
   simulator_->set_reachable(reachable_.cells);
   command_ = simulator_->sense()->twist;
 }

@@ -6,7 +6,7 @@ namespace prospect {
 
 RunRecord configured_record(const Configuration& configuration) {
   RunRecord record;
-  record.resolution = configuration.simulator.mapping.resolution;
+  record.resolution = configuration.perception.mapping.resolution;
   record.robot_radius = circumscribed_radius(configuration.robot.shape);
   record.sensor_range = configuration.robot.depth.max_range;
   record.sensor_fov = configuration.robot.depth.horizontal_fov;

@@ -48,7 +48,7 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
     depth = {
         *cameras.depth, c.robot.depth_mount, {c.robot.depth.min_range, c.robot.depth.max_range}};
   }
-  PerceptionPipeline perception(c.robot.stereo, live_perception(c, depth, start), c.drive.odometry);
+  PerceptionPipeline perception(c.robot.stereo, live_perception(c, depth, start));
   clear_start(perception.map(), c, start);
   PictureTap pictures(options.taps, perception);
   PipelineBeliefs beliefs(inbox, perception, pictures.frames());

@@ -148,10 +148,11 @@ DepthImage depth_image(const DepthScan& in_B, const RangeCamera& c) {
 
 std::shared_ptr<const octomap::OcTree> map_to_begin_with(const Configuration& configuration) {
   std::shared_ptr<const octomap::OcTree> map = read_octree(configuration.map);
-  const double resolution = configuration.simulator.mapping.resolution;
+  const double resolution = configuration.perception.mapping.resolution;
   if (map->getResolution() != resolution) {
     throw InputError(configuration.map + ": resolution is " + exact_text(map->getResolution()) +
-                     " m; expected " + exact_text(resolution) + " m, simulator.map_resolution");
+                     " m; expected " + exact_text(resolution) +
+                     " m, perception.mapping.resolution");
   }
   return map;
 }
@@ -184,7 +185,7 @@ ReachableArea reachable_area(const World& world, const Configuration& c) {
   options.zones = passable.zones;
   options.range = c.robot.depth.max_range;
   options.sensor_height = c.robot.base_height() + c.robot.depth_mount.T_BC.translation().z();
-  options.map_resolution = c.simulator.mapping.resolution;
+  options.map_resolution = c.perception.mapping.resolution;
   return reachable_area(world, options);
 }
 
@@ -245,7 +246,7 @@ WorldOptions world_options_for(const Configuration& c) {
   options.slice.z_min = slice.z_min;
   options.slice.z_max = slice.z_max;
   options.slice.standing_clearance =
-      circumscribed_radius(c.robot.shape) + c.simulator.mapping.resolution;
+      circumscribed_radius(c.robot.shape) + c.perception.mapping.resolution;
   options.slice.shape = c.robot.shape;
   return options;
 }
@@ -284,7 +285,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
     simulator_options.distort_scan = scan_faults(simulator_options, options.real_time->faults,
                                                  configuration.robot.depth.max_range, options.seed);
   }
-  Simulator simulator(world, simulator_options);
+  Simulator simulator(world, simulator_options, configuration.perception);
   simulator.set_reachable(reachable.cells);
   SimulatedRobot robot(simulator, options.taps.command);
 

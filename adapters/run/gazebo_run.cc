@@ -102,7 +102,7 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
   const RangeCamera depth{depth_camera_of(c.robot, c.gazebo),
                           c.robot.depth_mount,
                           {c.robot.depth.min_range, c.robot.depth.max_range}};
-  PerceptionPipeline perception(c.robot.stereo, live_perception(c, depth, start), c.drive.odometry);
+  PerceptionPipeline perception(c.robot.stereo, live_perception(c, depth, start));
   clear_start(perception.map(), c, start);
   PictureTap pictures(options.taps, perception);
   PipelineBeliefs beliefs(inbox, perception, pictures.frames());

@@ -20,7 +20,7 @@ MissionResult live_mission(const LiveRobot& robot, const Configuration& c,
                            const ExplorationRunOptions& options, ExplorationRunResult& result) {
   PreflightFacts known;
   known.body = c.robot.slice();
-  known.resolution = c.simulator.mapping.resolution;
+  known.resolution = c.perception.mapping.resolution;
   const PreflightParts checked{.clock = robot.clock,
                                .base = robot.base,
                                .beliefs = robot.beliefs,
@@ -163,7 +163,9 @@ void check_drives(const Configuration& configuration) {
                                 "', which flies; expected a model that drives, as frontiers and "
                                 "the simulator are planar");
   }
-  if (const std::string misfit = simulator_misfit(configuration.simulator); !misfit.empty()) {
+  if (const std::string misfit =
+          simulator_misfit(configuration.simulator, configuration.perception.mapping);
+      !misfit.empty()) {
     throw std::invalid_argument(misfit);
   }
 }

@@ -10,8 +10,8 @@
 
 namespace prospect {
 
-/// How a robot with its own cameras perceives: configuration.drive.perception, with what the robot
-/// has. depth: none: it maps from scans.
+/// How a robot with its own cameras perceives: configuration.perception, with what the robot has.
+/// depth: none: it maps from scans.
 PerceptionOptions live_perception(const Configuration& configuration,
                                   const std::optional<RangeCamera>& depth, const Pose& start);
 

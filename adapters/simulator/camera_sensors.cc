@@ -45,16 +45,14 @@ StereoCamera believed(const SimulatorOptions& options) {
   return camera;
 }
 
-PerceptionOptions perception_of(const SimulatorOptions& options,
-                                const OccupancyMapperOptions& mapping,
+/// `perception`, with what the robot has.
+PerceptionOptions perception_of(const SimulatorOptions& options, PerceptionOptions perception,
                                 const PinholeCamera& depth_camera, const Pose& start) {
-  PerceptionOptions perception = options.camera.perception;
   perception.stereo_mount = options.stereo_mount;
   perception.depth_camera = {depth_camera, options.depth_mount};
-  perception.mapping.map = mapping;
-  perception.mapping.range = {options.depth.footprint.min_range, options.depth.footprint.max_range};
+  perception.depth_mapping.range = {options.depth.footprint.min_range,
+                                    options.depth.footprint.max_range};
   perception.start = start;
-  perception.max_age = std::min(perception.max_age, perception.wheel_fusion.max_wait);
   return perception;
 }
 
@@ -69,29 +67,30 @@ TexturedMesh seen_mesh(const World& world, const SimulatorOptions& options) {
 }
 
 CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options,
-                             const OccupancyMapperOptions& mapping, const Pose& start,
+                             const PerceptionOptions& perception, const Pose& start,
                              const std::vector<Disc>& known_free)
     : options_(options),
       rig_(scene_of(world, options), rig_of(options)),
       looking_(world, options.depth, options.depth_mount,
                stream_seed(options.seed, NoiseStream::kDepth)),
-      perception_(believed(options), perception_of(options, mapping, rig_.depth_camera(), start),
-                  options.camera.odometry),
+      has_wheels_(perception.wheels),
+      perception_(believed(options),
+                  perception_of(options, perception, rig_.depth_camera(), start)),
       wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
       wheel_pose_(start) {
   if (options.map) perception_.map().load(*options.map);
   const double z = start.position.z();
   for (const Disc& d : known_free) {
     perception_.map().clear_cylinder({d.center.x(), d.center.y(), z}, d.radius,
-                                     mapping.slice.z_max - z);
+                                     perception.mapping.slice.z_max - z);
   }
   std::normal_distribution<double> normal;
-  wheel_scale_ += options.camera.perception.wheel_fusion.sigma_scale * normal(wheel_noise_);
-  turn_scale_ += options.camera.perception.wheel_fusion.sigma_scale * normal(wheel_noise_);
+  wheel_scale_ += options.wheels.sigma_scale * normal(wheel_noise_);
+  turn_scale_ += options.wheels.sigma_scale * normal(wheel_noise_);
 }
 
 WheelSample CameraSensors::wheels(double stamp, const Pose& true_pose) {
-  const WheelFusionOptions& errors = options_.camera.perception.wheel_fusion;
+  const WheelErrors& errors = options_.wheels;
   const double dt = stamp - wheel_stamp_;
   const double turn = std::remainder(true_pose.yaw - wheel_pose_.yaw, 2.0 * M_PI);
   // p' = p + dt sinc(turn / 2) R(yaw + turn / 2) v
@@ -124,7 +123,7 @@ void CameraSensors::image(double stamp, const Pose& true_pose, const Twist& twis
   const bool was_lost = images_ > 0 && localization() == Localization::kLost;
   pair_ = rig_.stereo(true_pose, twist, images_++);
   if (tap_.pair) tap_.pair(stamp, pair_);
-  if (stamp > wheel_stamp_ && options_.camera.perception.wheels) {
+  if (stamp > wheel_stamp_ && has_wheels_) {
     const WheelSample sample = wheels(stamp, true_pose);
     if (tap_.wheels) tap_.wheels(sample);
     perception_.wheels(sample);

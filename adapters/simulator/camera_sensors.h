@@ -28,10 +28,10 @@ TexturedMesh seen_mesh(const World& world, const SimulatorOptions& options);
 /// through PerceptionPipeline. Nothing but the pose at the start is taken from the truth.
 ///
 /// Wheels say of every time between two images the mean velocity of the body in it, v and w, times
-/// scales drawn once, N(1, sigma_scale^2), plus noise of the variances that WheelFusionOptions
-/// gives: (along^2 |v|, across^2 |v|) / dt and (turn^2 |w| + heading^2 |v|) / dt.
+/// scales drawn once, N(1, sigma_scale^2), plus noise of the variances that WheelErrors gives:
+/// (along^2 |v|, across^2 |v|) / dt and (turn^2 |w| + heading^2 |v|) / dt.
 ///
-/// Inputs arrive at once, so no depth image waits for a pose.
+/// Inputs arrive at once. A robot that is to use no wheels holds its pose while it is lost.
 ///
 /// Bits: the same for any number of threads of the renderer. Source: our choice.
 class CameraSensors final : public SimulatedSensors {
@@ -39,7 +39,7 @@ class CameraSensors final : public SimulatedSensors {
   /// As FeatureSensors. Throws std::invalid_argument on options out of range, NotBuiltIn without a
   /// renderer.
   CameraSensors(const World& world, const SimulatorOptions& options,
-                const OccupancyMapperOptions& mapping, const Pose& start,
+                const PerceptionOptions& perception, const Pose& start,
                 const std::vector<Disc>& known_free);
 
   void image(double stamp, const Pose& true_pose, const Twist& twist) override;
@@ -59,6 +59,7 @@ class CameraSensors final : public SimulatedSensors {
   SimulatorOptions options_;
   CameraRig rig_;
   DepthCamera looking_;  ///< what the depth camera's rays pass in truth, for evaluation
+  bool has_wheels_;
   PerceptionPipeline perception_;
   SensorTap tap_;
 

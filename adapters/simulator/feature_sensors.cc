@@ -7,9 +7,19 @@
 #include "adapters/simulator/view_features.h"
 
 namespace prospect {
+namespace {
+
+LandmarkBuilderOptions landmarks_of(const SimulatorOptions& options,
+                                    const PerceptionOptions& perception) {
+  LandmarkBuilderOptions landmarks = options.landmarks;
+  landmarks.density = perception.feature_density;
+  return landmarks;
+}
+
+}  // namespace
 
 FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& options,
-                               const OccupancyMapperOptions& mapping, const Pose& start,
+                               const PerceptionOptions& perception, const Pose& start,
                                const std::vector<Disc>& known_free)
     : stereo_(options.features.stereo),
       stereo_mount_(options.stereo_mount),
@@ -20,13 +30,14 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
               stream_seed(options.seed, NoiseStream::kFeatures)),
       odometry_(options.odometry, options.features.stereo, options.stereo_mount, start,
                 stream_seed(options.seed, NoiseStream::kOdometry)),
-      landmarks_(options.landmarks, options.features, options.stereo_mount),
-      mapper_(mapping),
+      landmarks_(landmarks_of(options, perception), options.features, options.stereo_mount),
+      mapper_(perception.mapping),
       distort_scan_(options.distort_scan) {
   if (options.map) mapper_.load(*options.map);
   const double z = start.position.z();
   for (const Disc& d : known_free) {
-    mapper_.clear_cylinder({d.center.x(), d.center.y(), z}, d.radius, mapping.slice.z_max - z);
+    mapper_.clear_cylinder({d.center.x(), d.center.y(), z}, d.radius,
+                           perception.mapping.slice.z_max - z);
   }
 }
 

@@ -23,11 +23,12 @@ namespace prospect {
 /// rays are cast through the true voxels.
 class FeatureSensors final : public SimulatedSensors {
  public:
+  /// perception: its `mapping` has what it takes from the robot (mapping_options()).
   /// known_free: discs in W [m] over which columns of the map are known to be free up to
   /// mapping.slice.z_max, by their centres (known_free.h). Throws std::invalid_argument on options
   /// out of range.
   FeatureSensors(const World& world, const SimulatorOptions& options,
-                 const OccupancyMapperOptions& mapping, const Pose& start,
+                 const PerceptionOptions& perception, const Pose& start,
                  const std::vector<Disc>& known_free);
 
   void image(double stamp, const Pose& true_pose, const Twist& twist) override;

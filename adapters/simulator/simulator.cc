@@ -23,13 +23,14 @@ std::shared_ptr<const World> not_null(std::shared_ptr<const World> world) {
   return world;
 }
 
-OccupancyMapperOptions checked_mapping_options(const SimulatorOptions& options) {
+OccupancyMapperOptions checked_mapping_options(const SimulatorOptions& options,
+                                               const OccupancyMapperOptions& mapping) {
   check_knobs("simulator", options);
   check_finite("simulator", "base_height", options.base_height);
-  if (const std::string misfit = simulator_misfit(options); !misfit.empty()) {
+  if (const std::string misfit = simulator_misfit(options, mapping); !misfit.empty()) {
     throw std::invalid_argument("simulator: " + misfit);
   }
-  return mapping_options(options);
+  return mapping_options(options, mapping);
 }
 
 /// Where B's origin starts: a world's start is a place on the floor.
@@ -55,20 +56,21 @@ struct Simulator::Impl {
   std::int64_t scans = 0;
   Twist twist;  // being executed
 
-  Impl(std::shared_ptr<const World> w, const SimulatorOptions& o)
+  Impl(std::shared_ptr<const World> w, const SimulatorOptions& o, PerceptionOptions perception)
       : world(not_null(std::move(w))),
         options(o),
-        mapping(checked_mapping_options(o)),
+        mapping(checked_mapping_options(o, perception.mapping)),
         robot(*world, o.shape, o.actuation, start_of(*world, o),
               stream_seed(o.seed, NoiseStream::kActuation)),
         seen(*world, mapping.slice) {
     const std::vector<Disc> cleared =
         known_free(*world, robot.pose(), robot.contact_test().radius(),
-                   {mapping.slice.z_min, mapping.slice.z_max}, o.mapping.resolution);
+                   {mapping.slice.z_min, mapping.slice.z_max}, mapping.resolution);
+    perception.mapping = mapping;
     if (o.sensors == Sensors::kCamera) {
-      sensors = std::make_unique<CameraSensors>(*world, o, mapping, robot.pose(), cleared);
+      sensors = std::make_unique<CameraSensors>(*world, o, perception, robot.pose(), cleared);
     } else {
-      sensors = std::make_unique<FeatureSensors>(*world, o, mapping, robot.pose(), cleared);
+      sensors = std::make_unique<FeatureSensors>(*world, o, perception, robot.pose(), cleared);
     }
     if (o.map) seen.know(*sensors->belief(time, robot.pose(), twist)->ground);
     scan();
@@ -87,8 +89,11 @@ struct Simulator::Impl {
   }
 };
 
+Simulator::Simulator(std::shared_ptr<const World> world, const SimulatorOptions& options,
+                     const PerceptionOptions& perception)
+    : impl_(std::make_unique<Impl>(std::move(world), options, perception)) {}
 Simulator::Simulator(std::shared_ptr<const World> world, const SimulatorOptions& options)
-    : impl_(std::make_unique<Impl>(std::move(world), options)) {}
+    : Simulator(std::move(world), options, simulated_perception(options.wheels)) {}
 Simulator::~Simulator() = default;
 
 std::shared_ptr<const Belief> Simulator::sense() {

@@ -29,6 +29,11 @@ namespace prospect {
 /// formulation's prototype; the rest is our choice.
 class Simulator {
  public:
+  /// perception: the robot's. With sensors that are a model, its map and density of features are
+  /// all that is used of it.
+  Simulator(std::shared_ptr<const World> world, const SimulatorOptions& options,
+            const PerceptionOptions& perception);
+  /// With simulated_perception().
   Simulator(std::shared_ptr<const World> world, const SimulatorOptions& options);
   ~Simulator();
   Simulator(const Simulator&) = delete;

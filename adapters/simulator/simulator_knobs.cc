@@ -1,6 +1,7 @@
 // The descriptions of options, in a library of their own: reading a configuration builds nothing
 // that acts on them.
 
+#include <limits>
 #include <string>
 
 #include "adapters/simulator/camera_rig.h"
@@ -74,7 +75,6 @@ void describe(Knobs& knobs, LandmarkBuilderOptions& o) {
   knobs.number("cull_survival", o.cull_survival, {0.0, 0.99}, "1",
                "share of views below which a landmark is dropped");
   knobs.integer("cull_views", o.cull_views, {1, 1000000}, "1", "after so many expected views");
-  knobs.group("density", [&] { describe(knobs, o.density); });
 }
 
 void describe(Knobs& knobs, OdometryOptions& o) {
@@ -113,20 +113,31 @@ void describe(Knobs& knobs, CameraSensorsOptions& o) {
   knobs.number("baseline_error", o.baseline_error, {-0.9, 9.0}, "1",
                "by which its baseline is believed too large");
   describe(knobs, o.rig);
-  // Of perception, what a simulation depends on: it has no lidar, and nothing comes late.
-  PerceptionOptions& p = o.perception;
-  knobs.boolean("wheels", p.wheels, "wheel odometry, fused with what the images say");
-  knobs.group("wheel_fusion", [&] { describe(knobs, p.wheel_fusion); });
-  knobs.group("depth_mapping", [&] { describe(knobs, p.mapping); });
-  knobs.group("feature_density", [&] { describe(knobs, p.feature_density); });
-  knobs.group("odometry", [&] { describe(knobs, o.odometry); });
+}
+
+void describe(Knobs& knobs, WheelErrors& o) {
+  knobs.number("along", o.along, {0.0, 10.0}, "m/sqrt(m)", "error of the distance");
+  knobs.number("across", o.across, {0.0, 10.0}, "m/sqrt(m)", "error to the side");
+  knobs.number("turn", o.turn, {0.0, 10.0}, "rad/sqrt(rad)", "error of the heading from turning");
+  knobs.number("heading", o.heading, {0.0, 10.0}, "rad/sqrt(m)",
+               "error of the heading from driving");
+  knobs.number("sigma_scale", o.sigma_scale, {0.0, 10.0}, "1",
+               "error of the scales of speed and yaw rate, drawn once");
+}
+
+PerceptionOptions simulated_perception(const WheelErrors& wheels) {
+  PerceptionOptions perception;
+  WheelFusionOptions& fusion = perception.wheel_fusion;
+  fusion.along = wheels.along, fusion.across = wheels.across;
+  fusion.turn = wheels.turn, fusion.heading = wheels.heading;
+  fusion.sigma_scale = wheels.sigma_scale;
+  perception.max_ahead = std::numeric_limits<double>::infinity();
+  return perception;
 }
 
 void describe(Knobs& knobs, SimulatorOptions& o) {
   knobs.choice("sensors", o.sensors, {"model", "camera"},
                "odometry as a model of its errors, or rendered images through perception");
-  knobs.number("map_resolution", o.mapping.resolution, {0.02, 1.0}, "m",
-               "of the map that is built");
   knobs.number("depth_rate", o.depth_rate, {0.1, 1000.0}, "1/s", "depth images");
   knobs.number("image_rate", o.image_rate, {0.1, 1000.0}, "1/s", "stereo images");
   knobs.group("actuation", [&] { describe(knobs, o.actuation); });
@@ -134,12 +145,12 @@ void describe(Knobs& knobs, SimulatorOptions& o) {
   knobs.group("depth", [&] { describe(knobs, o.depth); });
   knobs.group("features", [&] { describe(knobs, o.features); });
   knobs.group("landmarks", [&] { describe(knobs, o.landmarks); });
-  knobs.group("mapping", [&] { describe(knobs, o.mapping); });
+  knobs.group("wheels", [&] { describe(knobs, o.wheels); });
   knobs.group("camera", [&] { describe(knobs, o.camera); });
 }
 
-OccupancyMapperOptions mapping_options(const SimulatorOptions& options) {
-  OccupancyMapperOptions mapping = options.mapping;
+OccupancyMapperOptions mapping_options(const SimulatorOptions& options,
+                                       OccupancyMapperOptions mapping) {
   const VerticalExtent slice = body_slice(options.shape, options.base_height);
   mapping.slice.z_min = slice.z_min;
   mapping.slice.z_max = slice.z_max;
@@ -148,12 +159,12 @@ OccupancyMapperOptions mapping_options(const SimulatorOptions& options) {
   return mapping;
 }
 
-std::string simulator_misfit(const SimulatorOptions& options) {
-  const OccupancyMapperOptions mapping = mapping_options(options);
+std::string simulator_misfit(const SimulatorOptions& options, const OccupancyMapperOptions& map) {
+  const OccupancyMapperOptions mapping = mapping_options(options, map);
   // What is not mapped at the heights of the body could be driven into.
   if (!(mapping.slice.z_min >= mapping.z_min && mapping.slice.z_max <= mapping.z_max)) {
     return formatted(
-        "the body is at heights from %.4g to %.4g m; expected it between simulator.mapping.z_min, "
+        "the body is at heights from %.4g to %.4g m; expected it between perception.mapping.z_min, "
         "%.4g m, and z_max, %.4g m, the heights that are mapped",
         mapping.slice.z_min, mapping.slice.z_max, mapping.z_min, mapping.z_max);
   }
@@ -161,7 +172,7 @@ std::string simulator_misfit(const SimulatorOptions& options) {
     return "robot.depth." + range;
   }
   const std::string layers = layers_misfit(mapping);
-  return layers.empty() ? "" : "simulator.mapping." + layers;
+  return layers.empty() ? "" : "perception.mapping." + layers;
 }
 
 void describe(Knobs& knobs, SimulatedBaseOptions& o) {

@@ -2,10 +2,8 @@
 
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <memory>
 #include <string>
-#include <string_view>
 
 #include "adapters/simulator/camera_rig.h"
 #include "adapters/simulator/depth_camera.h"
@@ -16,7 +14,6 @@
 #include "models/camera.h"
 #include "models/robot_shape.h"
 #include "perception/mapping/occupancy_mapper.h"
-#include "perception/odometry/stereo_odometry.h"
 #include "perception/pipeline/perception_options.h"
 
 namespace octomap {
@@ -33,11 +30,6 @@ enum class Sensors {
   kCamera,  ///< rendered images through this project's perception (CameraSensors)
 };
 
-/// "camera" or "model".
-constexpr Sensors sensors_named(std::string_view name) {
-  return name == "camera" ? Sensors::kCamera : Sensors::kModel;
-}
-
 /// What the second of them needs besides.
 struct CameraSensorsOptions {
   /// Cameras and mounts are set from the simulator's, depth noise from its depth camera.
@@ -47,24 +39,29 @@ struct CameraSensorsOptions {
   /// Share by which the robot takes its stereo pair's focal length and baseline to be larger than
   /// they are: a calibration that is wrong.
   double focal_error = 0.0, baseline_error = 0.0;
-  StereoOdometryOptions odometry;
-  /// Cameras, mounts, range, map and start are set from the simulator's. Inputs come at once, so
-  /// none waits. Wheels measure with the errors of wheel_fusion, and are fused knowing them: those
-  /// of the reckoning in OdometryOptions. A robot without wheels holds its pose while it is lost.
-  PerceptionOptions perception = [] {
-    PerceptionOptions perception;
-    perception.wheel_fusion.turn = 0.01;
-    perception.wheel_fusion.heading = 0.005;
-    perception.wheel_fusion.sigma_scale = 0.01;
-    perception.max_ahead = std::numeric_limits<double>::infinity();
-    return perception;
-  }();
 };
 
 /// The knobs (models/knobs.h).
 void describe(Knobs& knobs, CameraSensorsOptions& options);
 
-/// Everything a simulated mission depends on besides its world and the commands.
+/// How the wheels of a robot with cameras really err, in the terms of WheelFusionOptions. By
+/// default as the reckoning in OdometryOptions does.
+struct WheelErrors {
+  double along = 0.02, across = 0.01;  ///< of the distance, to the side [m per sqrt(m)]
+  double turn = 0.01;                  ///< of the yaw, from turning [rad per sqrt(rad)]
+  double heading = 0.005;              ///< of the yaw, from driving [rad per sqrt(m)]
+  double sigma_scale = 0.01;           ///< of the scales of speed and yaw rate, drawn once [-]
+};
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, WheelErrors& errors);
+
+/// How a simulated robot perceives unless it is told otherwise: its fusion knows how the wheels
+/// err. Inputs come at once, so none waits for a pose (max_ahead).
+PerceptionOptions simulated_perception(const WheelErrors& wheels = {});
+
+/// Everything a simulated mission depends on besides its world, the robot's perception and the
+/// commands.
 struct SimulatorOptions {
   std::uint64_t seed = 1;
   Sensors sensors = Sensors::kModel;
@@ -82,9 +79,8 @@ struct SimulatorOptions {
   double image_rate = 10.0;  ///< [Hz]: tracking of features; keyframes are taken among these images
 
   OdometryOptions odometry;
-  LandmarkBuilderOptions landmarks;
-  /// slice is set to body_slice() of shape and base_height, max_range from the depth camera.
-  OccupancyMapperOptions mapping;
+  LandmarkBuilderOptions landmarks;  ///< density is that of the robot's perception
+  WheelErrors wheels;
 
   /// A map of the same world to begin with, in W (OccupancyMapper::load); null: none. What it knows
   /// counts as seen.
@@ -101,11 +97,14 @@ struct SimulatorOptions {
 /// line.
 void describe(Knobs& knobs, SimulatorOptions& options);
 
-/// `mapping`, with what it takes from the robot.
-OccupancyMapperOptions mapping_options(const SimulatorOptions& options);
+/// `mapping`, with what it takes from the robot: slice is body_slice() of shape and base_height,
+/// max_range that of the depth camera.
+OccupancyMapperOptions mapping_options(const SimulatorOptions& options,
+                                       OccupancyMapperOptions mapping);
 /// What of robot and map does not fit together (range_misfit(), layers_misfit()): "" or the keys,
 /// the numbers, and what would fit. The Simulator's constructor asks it, and so does every mission
 /// before it begins.
-std::string simulator_misfit(const SimulatorOptions& options);
+std::string simulator_misfit(const SimulatorOptions& options,
+                             const OccupancyMapperOptions& mapping);
 
 }  // namespace prospect

@@ -162,7 +162,8 @@ std::vector<StudySetup> read_setups(const Study& study, const Registries& regist
         if (study.kind == Study::Kind::kBenches) {
           setup.bench = read_bench_settings(texts, registries.solvers);
         } else {
-          setup.configuration = read_configuration(study.base, registries, texts);
+          setup.configuration =
+              read_configuration(study.base, registries, texts, ConfigurationUse::kExplore);
         }
       } catch (const InputError& error) {
         for (const std::string& line : error.lines()) {

@@ -117,7 +117,7 @@ constexpr std::array kModeTable = {
                      c.facts.stamp < ended + c.options.turn_time;
             },
             Kind::kTurnOnTheSpot, Cause::kStillLost},
-    ModeRow{std::nullopt, "commands were not followed within turn_away_time",
+    ModeRow{std::nullopt, "commands were not followed within the time of half a turn",
             [](const Case& c) {
               return c.facts.not_following_at &&
                      c.facts.stamp < *c.facts.not_following_at + c.options.turn_away_time;
@@ -441,25 +441,32 @@ std::string behaviour_tables() {
       "frontiers give: a retreat or a turn goes on. At the end of another task than to explore it "
       "is "
       "that of hold.\n"
-      "\nWhich distances it keeps.\n\n"
-      "| caution | condition | share of the margin | kept of the distance within it | drift "
+      "\nWhich distances it keeps. The first row that holds is taken.\n\n"
+      "| condition | caution |\n|---|---|\n";
+  for (const CautionRow& row : caution_table()) {
+    text +=
+        "| " + std::string(row.condition) + " | " + std::string(to_string(row.caution)) + " |\n";
+  }
+  text +=
+      "\nWhat a caution means for the certificate and the problem.\n\n"
+      "| caution | share of the margin | kept of the distance within it | drift "
       "counts | ... as a margin | ... in the cost | hard clearance |\n"
-      "|---|---|---|---|---|---|---|---|\n";
+      "|---|---|---|---|---|---|---|\n";
   const auto yes = [](bool value) { return value ? "yes" : "no"; };
   for (const Caution caution : kCautions) {
     const CautionPolicy& p = policy(caution);
-    text += formatted("| %s | %s | %g | %g | %s | %s | %s | %s |\n", to_string(caution).data(),
-                      p.condition.data(), p.margin, p.reduced_margin_share, yes(p.drift),
-                      yes(p.drift_margin), yes(p.drift_in_cost), yes(p.hard_clearance));
+    text += formatted("| %s | %g | %g | %s | %s | %s | %s |\n", to_string(caution).data(), p.margin,
+                      p.reduced_margin_share, yes(p.drift), yes(p.drift_margin),
+                      yes(p.drift_in_cost), yes(p.hard_clearance));
   }
   return text;
 }
 
 void describe(Knobs& knobs, BehaviourOptions& o) {
-  knobs.number("time", o.retreat_time, {0.0, 600.0}, "s", "longest single attempt");
-  knobs.number("turn", o.turn_time, {0.0, 600.0}, "s", "on the spot, if still lost after it");
-  knobs.number("pause", o.retreat_pause, {0.0, 3600.0}, "s", "before the next attempt");
-  knobs.number("patience", o.lost_patience, {0.0, 3600.0}, "s",
+  knobs.number("retreat_time", o.retreat_time, {0.0, 600.0}, "s", "longest single attempt");
+  knobs.number("turn_time", o.turn_time, {0.0, 600.0}, "s", "on the spot, if still lost after it");
+  knobs.number("retreat_pause", o.retreat_pause, {0.0, 3600.0}, "s", "before the next attempt");
+  knobs.number("lost_patience", o.lost_patience, {0.0, 3600.0}, "s",
                "in the pause, that a robot which got lost anew explores on");
   knobs.number("look_around", o.look_around, {0.0, 3600.0}, "s",
                "without anything that can be reached, before the task is over");

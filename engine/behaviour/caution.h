@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <string_view>
 
 #include "engine/behaviour/facts.h"
@@ -21,23 +22,28 @@ inline constexpr std::array kCautions = {Caution::kNormal, Caution::kReduced, Ca
 /// "normal", "reduced margin", "stuck", "lost".
 std::string_view to_string(Caution caution);
 
-/// Pure. fixed_lost_margin: the caller keeps a distance of its own choice while localization is
-/// lost (planner.lost_margin), stuck or not.
-///
-/// In order of precedence:
-///   lost, with such a distance            kLost
-///   stuck, the way ahead is not narrow    kStuck: a robot that is stuck in a narrow passage had
-///                                         better give it up than creep on
-///   lost                                  kLost: its map does not follow where the drift takes it,
-///                                         so it tries no narrow passage
-///   the way ahead is narrow               kReduced
-///   else                                  kNormal
+/// A row of the table of cautions: condition on facts · caution. In order of precedence: the first
+/// row that holds is taken.
+struct CautionRow {
+  struct Case {
+    const Facts& facts;
+    bool fixed_lost_margin;
+  };
+  std::string_view condition;
+  bool (*holds)(const Case&);
+  Caution caution;
+};
+
+/// Total: its last row holds always.
+std::span<const CautionRow> caution_table();
+
+/// Of the first row that holds. Pure. fixed_lost_margin: the caller keeps a distance of its own
+/// choice while localization is lost (planner.lost_margin), stuck or not.
 Caution caution_for(const Facts& facts, bool fixed_lost_margin);
 
 /// What a caution means for the certificate and for the problem.
 struct CautionPolicy {
   Caution caution;
-  std::string_view condition;
   double margin;  ///< share of planner.certificate_margin
   double
       reduced_margin_share;  ///< of the distance of a robot within its margin (Certifier::Options)

@@ -34,7 +34,7 @@ class Search {
     order_.push_back(next);
     used_[at] = true;
     if (value > best_.value) best_ = {order_, value};
-    if (static_cast<int>(order_.size()) < options_.length) {
+    if (static_cast<int>(order_.size()) < options_.sequence_length) {
       for (std::size_t k = 0; k < candidates_.size(); ++k) {
         if (used_[k]) continue;
         extend(static_cast<int>(k), way + between_(next, static_cast<Eigen::Index>(k)), value);
@@ -93,7 +93,8 @@ void describe(Knobs& knobs, FrontierOrderOptions& o) {
   knobs.number("every_look", o.every_look, {0.0, 100.0}, "m2",
                "that a frontier counts besides its area");
   knobs.integer("candidates", o.candidates, {1, 10}, "1", "frontiers that are put in order");
-  knobs.integer("sequence_length", o.length, {1, 6}, "1", "of them that a sequence holds at most");
+  knobs.integer("sequence_length", o.sequence_length, {1, 6}, "1",
+                "of them that a sequence holds at most");
 }
 
 }  // namespace prospect

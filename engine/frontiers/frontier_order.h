@@ -11,7 +11,7 @@ struct FrontierOrderOptions {
   double horizon = 20.0;    ///< [m] of way in which what is still to be seen loses a factor of e
   double every_look = 0.3;  ///< [m^2] that a frontier which is trusted counts besides its area
   int candidates = 7;       ///< frontiers that are put in order
-  int length = 5;           ///< of them that a sequence holds at most
+  int sequence_length = 5;  ///< of them that a sequence holds at most
 };
 
 /// The knobs (models/knobs.h).
@@ -53,11 +53,11 @@ double rate(const FrontierSequence& sequence, const std::vector<FrontierCandidat
 std::vector<FrontierCandidate> leading_candidates(std::vector<FrontierCandidate> candidates,
                                                   const FrontierOrderOptions& options);
 
-/// The sequence of at most options.length candidates with the greatest J, by trying all; `first`:
-/// index of the candidate that it must begin with, -1 for any. between(a, b): d_ab [m of path
-/// equivalent], n x n, infinite where there is no way. Empty without candidates. Deterministic: of
-/// equal ones the first in the order of the candidates. Source: measured against tours and greedy
-/// rules (docs/results/frontiers.md).
+/// The sequence of at most options.sequence_length candidates with the greatest J, by trying all;
+/// `first`: index of the candidate that it must begin with, -1 for any. between(a, b): d_ab [m of
+/// path equivalent], n x n, infinite where there is no way. Empty without candidates.
+/// Deterministic: of equal ones the first in the order of the candidates. Source: measured against
+/// tours and greedy rules (docs/results/frontiers.md).
 FrontierSequence best_sequence(const std::vector<FrontierCandidate>& candidates,
                                const Eigen::MatrixXd& between, const FrontierOrderOptions& options,
                                int first = -1);

@@ -16,7 +16,7 @@ FrontierWorth::FrontierWorth(const FrontierWorthOptions& options) : options_(opt
   const auto& o = options_;
   check_knobs(kOwner, o);
   check_positive(kOwner, "sensor_range", o.sensor_range);
-  check_parameter(o.range_margin < o.sensor_range, kOwner, "look_margin", o.range_margin,
+  check_parameter(o.look_margin < o.sensor_range, kOwner, "look_margin", o.look_margin,
                   "less than sensor_range");
   check_parameter(o.sensor_fov > 0.0 && o.sensor_fov <= 2.0 * std::numbers::pi + 1e-9, kOwner,
                   "sensor_fov", o.sensor_fov, "more than 0, up to 2 pi");
@@ -77,7 +77,7 @@ void FrontierWorth::look(const Grid<std::uint8_t>& see_through,
     return;
   }
   last_look_ = stamp;
-  const double range = options_.sensor_range - options_.range_margin;
+  const double range = options_.sensor_range - options_.look_margin;
   const double half = 0.5 * options_.sensor_fov - options_.fov_margin;
   const Eigen::Vector2d ahead(std::cos(pose.yaw), std::sin(pose.yaw));
   for (const Frontier& frontier : frontiers) {
@@ -203,7 +203,7 @@ void describe(Knobs& knobs, FrontierWorthOptions& o) {
                "around the target, in which a visit counts");
   knobs.number("look_interval", o.look_interval, {0.0, 100.0}, "s",
                "steps closer in time than this count as one look");
-  knobs.number("look_margin", o.range_margin, {0.0, 10.0}, "m",
+  knobs.number("look_margin", o.look_margin, {0.0, 10.0}, "m",
                "a cell counts as in view this much within the sensor's range");
   knobs.number("fov_margin", o.fov_margin, {0.0, 3.0}, "rad",
                "of the field of view, left out at either side");

@@ -23,7 +23,7 @@ struct FrontierWorthOptions {
   double visit_radius = 1.0;   ///< [m] around the target in which a visit counts
   double look_interval = 0.4;  ///< [s] steps closer in time than this count as one look
   double sensor_range = 4.0;   ///< r_max [m]
-  double range_margin = 0.3;   ///< a cell counts as in view within sensor_range - range_margin [m]
+  double look_margin = 0.3;    ///< a cell counts as in view within sensor_range - look_margin [m]
   double sensor_fov = 1.047;   ///< horizontal field of view [rad]
   double fov_margin = 0.05;    ///< left out at either side [rad]
   int renewal_cells = 2;       ///< a change this near (Chebyshev) renews the trust in a cell

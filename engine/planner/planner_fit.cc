@@ -30,23 +30,24 @@ std::string distances_misfit(const RobotDescription& robot, const PlannerParamet
   std::string why = "planner.d_des is " + text(p.d_des) + " m: with the body's radius of " +
                     text(circumscribed_radius(robot.shape)) + " m and planner.drift_margin of " +
                     text(p.drift_margin) + " m it takes distances up to " + text(cutoff) + " m, " +
-                    text(std::ceil(cutoff / resolution)) + " voxels at a map_resolution of " +
+                    text(std::ceil(cutoff / resolution)) + " voxels at a resolution of " +
                     text(resolution) + " m; expected at most " + std::to_string(most) + " voxels: ";
   const double allowed = p.d_des - (needed - most * resolution);
   if (allowed >= p.d_safe && allowed >= 0.01 && kLeastCutoff <= most * resolution) {
     why += "a d_des of at most " + text(std::floor(1e3 * allowed) / 1e3) + " m, or ";
   }
-  return why + "a map_resolution of at least " + text(std::ceil(1e4 * cutoff / most) / 1e4) + " m";
+  return why + "a perception.mapping.resolution of at least " +
+         text(std::ceil(1e4 * cutoff / most) / 1e4) + " m";
 }
 
 std::string window_misfit(const PlannerParameters& p, double resolution) {
   const double radius = p.frontier_planner.cost_to_go.window_radius;
   if (radius <= kMostWindow * resolution * (1.0 + 1e-9)) return "";
   return "planner.frontiers.window_radius is " + text(radius) + " m, " +
-         text(std::ceil(radius / resolution)) + " voxels at a map_resolution of " +
-         text(resolution) + " m; expected at most " + std::to_string(kMostWindow) +
-         " voxels: " + text(kMostWindow * resolution) + " m, or a map_resolution of at least " +
-         text(radius / kMostWindow) + " m";
+         text(std::ceil(radius / resolution)) + " voxels at a resolution of " + text(resolution) +
+         " m; expected at most " + std::to_string(kMostWindow) +
+         " voxels: " + text(kMostWindow * resolution) +
+         " m, or a perception.mapping.resolution of at least " + text(radius / kMostWindow) + " m";
 }
 
 std::string variables_misfit(const RobotDescription& robot, const PlannerParameters& p) {

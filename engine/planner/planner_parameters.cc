@@ -20,15 +20,16 @@ void describe_weights(Knobs& knobs, PlannerParameters& p) {
 
 void describe_visibility(Knobs& knobs, PlannerParameters& p) {
   describe(knobs, p.features);
-  knobs.boolean("prior", p.feature_prior, "count features expected in unknown space");
-  knobs.number("lattice", p.visibility_lattice, {0.05, 2.0}, "m",
+  knobs.boolean("feature_prior", p.feature_prior, "count features expected in unknown space");
+  knobs.number("visibility_lattice", p.visibility_lattice, {0.05, 2.0}, "m",
                "spacing of the occlusion tables");
-  knobs.number("attenuation", p.unknown_attenuation, {0.0, 100.0}, "1/m",
+  knobs.number("unknown_attenuation", p.unknown_attenuation, {0.0, 100.0}, "1/m",
                "of rays to targets through unknown space");
   knobs.number("feature_attenuation", p.feature_attenuation, {0.0, 100.0}, "1/m",
                "of rays to features through unknown space");
-  knobs.boolean("occlusion", p.feature_occlusion, "walls hide features; false: for ablations");
-  knobs.boolean("covariance", p.feature_covariance,
+  knobs.boolean("feature_occlusion", p.feature_occlusion,
+                "walls hide features; false: for ablations");
+  knobs.boolean("feature_covariance", p.feature_covariance,
                 "landmarks and motion are uncertain; false: for ablations");
   describe(knobs, p.visibility);
   knobs.group("odometry", [&] { describe(knobs, p.visibility.odometry); });

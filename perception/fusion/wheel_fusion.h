@@ -22,11 +22,12 @@ struct WheelSample {
 
 struct WheelFusionOptions {
   /// Standard deviations of what wheels measure; variances grow with the way and the turn made.
-  double along = 0.02;          ///< of the distance [m per sqrt(m)]
-  double across = 0.01;         ///< to the side [m per sqrt(m)]
-  double turn = 0.03;           ///< of the yaw, from turning [rad per sqrt(rad)]
-  double heading = 0.02;        ///< of the yaw, from driving [rad per sqrt(m)]
-  double sigma_scale = 0.05;    ///< of s and r at the start [-]
+  double along = 0.02;    ///< of the distance [m per sqrt(m)]
+  double across = 0.01;   ///< to the side [m per sqrt(m)]
+  double turn = 0.03;     ///< of the yaw, from turning [rad per sqrt(rad)]
+  double heading = 0.02;  ///< of the yaw, from driving [rad per sqrt(m)]
+  /// Of s and r at the start [-]. Wheels of a real floor slip, and nobody has measured how much.
+  double sigma_scale = 0.1;
   double scale_walk = 0.0005;   ///< of s and r [1 per sqrt(m), 1 per sqrt(rad)]
   double gate = 16.3;           ///< of an innovation: chi^2_3, 0.999
   int slips = 3;                ///< visual frames in a row beyond the gate: the wheels have slipped

@@ -68,10 +68,6 @@ std::uint64_t pack(int x, int y, int z) {
   return u(x) | (u(y) << 16) | (u(z) << 32);
 }
 
-bool in_range(double v, double low, double high) {
-  return std::isfinite(v) && v >= low && v <= high;
-}
-
 // Address of the voxel that holds a coordinate; one on a face, to rounding, is above the face. Else
 // the rays of one plane that lies on a face would be strewn over both layers.
 int address_of(double x, double r) { return static_cast<int>(std::floor(x / r + 1e-9)); }
@@ -232,8 +228,6 @@ struct OccupancyMapper::Impl {
 };
 
 OccupancyMapper::Impl::Impl(const OccupancyMapperOptions& o) : options(o) {
-  check_parameter(in_range(o.resolution, 1e-3, 10.0), "occupancy mapper", "resolution",
-                  o.resolution, "0.001..10 m");
   check_knobs("occupancy mapper", o);
   for (const std::string& misfit : {range_misfit(o), layers_misfit(o)}) {
     if (!misfit.empty()) throw std::invalid_argument("occupancy mapper: " + misfit);

@@ -22,9 +22,9 @@ std::string range_misfit(const OccupancyMapperOptions& o) {
   const double r = o.resolution, most = kMostRangeVoxels * r;
   if (o.max_range >= r && o.max_range <= most) return "";
   return "max_range is " + text(o.max_range) + " m, " + text(o.max_range / r) +
-         " voxels at a map_resolution of " + text(r) + " m; expected 1 to " +
+         " voxels at a resolution of " + text(r) + " m; expected 1 to " +
          std::to_string(kMostRangeVoxels) + " voxels: " + text(r) + " to " + text(most) +
-         " m, or a map_resolution from " + text(o.max_range / kMostRangeVoxels) + " to " +
+         " m, or a resolution from " + text(o.max_range / kMostRangeVoxels) + " to " +
          text(o.max_range) + " m";
 }
 
@@ -32,13 +32,14 @@ std::string layers_misfit(const OccupancyMapperOptions& o) {
   const double r = o.resolution, height = o.z_max - o.z_min, layers = std::ceil(height / r);
   if (layers <= kMostLayers) return "";
   return "z_min " + text(o.z_min) + " m and z_max " + text(o.z_max) + " m are " + text(layers) +
-         " layers at a map_resolution of " + text(r) + " m; expected at most " +
+         " layers at a resolution of " + text(r) + " m; expected at most " +
          std::to_string(kMostLayers) + ": " + text(kMostLayers * r) +
-         " m from one to the other, or a map_resolution of at least " + text(height / kMostLayers) +
+         " m from one to the other, or a resolution of at least " + text(height / kMostLayers) +
          " m";
 }
 
 void describe(Knobs& knobs, OccupancyMapperOptions& o) {
+  knobs.number("resolution", o.resolution, {0.01, 1.0}, "m", "side of a voxel of the map");
   knobs.number("z_min", o.z_min, {-400.0, 400.0}, "m", "voxels below are not kept");
   knobs.number("z_max", o.z_max, {-400.0, 400.0}, "m", "voxels above are not kept");
   knobs.require(o.z_max > o.z_min, "z_max", "z_max <= z_min; expected more");

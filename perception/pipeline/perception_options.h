@@ -7,7 +7,9 @@
 #include "models/types.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/depth_mapper.h"
+#include "perception/mapping/occupancy_mapper.h"
 #include "perception/mapping/scan_mapper.h"
+#include "perception/odometry/stereo_odometry_options.h"
 #include "perception/pipeline/feature_density.h"
 
 namespace prospect {
@@ -20,11 +22,14 @@ struct DepthCameraOnBody {
   CameraMount mount;
 };
 
+/// How a robot perceives, whatever gives its images: its own cameras, a simulator's or a recording.
 struct PerceptionOptions {
   CameraMount stereo_mount;                       ///< of the left camera, if there is one
   std::optional<DepthCameraOnBody> depth_camera;  ///< none: depth images are refused
-  DepthMapperOptions mapping;  ///< of depth images; its `map` is that of the one map
-  ScanMapperOptions scans;     ///< its `map` is not used
+  StereoOdometryOptions odometry;
+  OccupancyMapperOptions mapping;    ///< of the one map
+  DepthMapperOptions depth_mapping;  ///< how depth images enter it; its `map` is not used
+  ScanMapperOptions scan_mapping;    ///< how scans do; its `map` is not used
   /// Wheels measure the motion. Without them poses are those of the odometry, held while it is
   /// lost.
   bool wheels = true;
@@ -52,8 +57,8 @@ struct PerceptionOptions {
   int most_waiting = 8;  ///< depth images and scans that wait; beyond, the oldest is left out
 };
 
-/// The knobs (models/knobs.h). Cameras and their mounts, range and map are what the robot has; the
-/// start is where it stands.
+/// The knobs (models/knobs.h). Cameras, their mounts and ranges and the heights of the body are
+/// what the robot has; the start is where it stands.
 void describe(Knobs& knobs, PerceptionOptions& options);
 
 }  // namespace prospect

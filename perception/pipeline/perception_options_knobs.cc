@@ -9,8 +9,10 @@ void describe(Knobs& knobs, PerceptionOptions& o) {
   constexpr double kInfinite = std::numeric_limits<double>::infinity();
   knobs.boolean("wheels", o.wheels, "wheel odometry, fused with what the images say");
   knobs.group("wheel_fusion", [&] { describe(knobs, o.wheel_fusion); });
-  knobs.group("depth_mapping", [&] { describe(knobs, o.mapping); });
-  knobs.group("scan_mapping", [&] { describe(knobs, o.scans); });
+  knobs.group("odometry", [&] { describe(knobs, o.odometry); });
+  knobs.group("mapping", [&] { describe(knobs, o.mapping); });
+  knobs.group("depth_mapping", [&] { describe(knobs, o.depth_mapping); });
+  knobs.group("scan_mapping", [&] { describe(knobs, o.scan_mapping); });
   knobs.group("feature_density", [&] { describe(knobs, o.feature_density); });
   knobs.number("same_time", o.same_time, {0.0, 1.0}, "s",
                "between stamps that are of one time: of a pair, of a pair and a depth image");

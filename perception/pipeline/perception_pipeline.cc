@@ -29,9 +29,15 @@ WheelFusionOptions fusion_of(const PerceptionOptions& options) {
 }
 
 ScanMapperOptions scans_of(const PerceptionOptions& options) {
-  ScanMapperOptions scans = options.scans;
-  scans.map = options.mapping.map;
+  ScanMapperOptions scans = options.scan_mapping;
+  scans.map = options.mapping;
   return scans;
+}
+
+DepthMapperOptions depths_of(const PerceptionOptions& options) {
+  DepthMapperOptions depths = options.depth_mapping;
+  depths.map = options.mapping;
+  return depths;
 }
 
 std::size_t finite_rays(const DepthScan& scan) {
@@ -81,10 +87,10 @@ Eigen::Isometry3d PerceptionPipeline::start_pose(const PerceptionOptions& option
   return options.start_in_space.value_or(body_transform(options.start)) * options.stereo_mount.T_BC;
 }
 
-PerceptionPipeline::PerceptionPipeline(const StereoCamera& camera, const PerceptionOptions& options,
-                                       const StereoOdometryOptions& odometry)
-    : PerceptionPipeline(std::make_unique<StereoOdometry>(camera, odometry, start_pose(options)),
-                         camera, options) {}
+PerceptionPipeline::PerceptionPipeline(const StereoCamera& camera, const PerceptionOptions& options)
+    : PerceptionPipeline(
+          std::make_unique<StereoOdometry>(camera, options.odometry, start_pose(options)), camera,
+          options) {}
 
 PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
                                        const StereoCamera& camera, const PerceptionOptions& options)
@@ -102,7 +108,7 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
       motion_noise_(options.stereo_mount.T_BC),
       reader_(options.stereo_mount.T_BC),
       fusion_(fusion_of(options)),
-      map_(std::make_shared<OccupancyMapper>(options.mapping.map)),
+      map_(std::make_shared<OccupancyMapper>(options.mapping)),
       scan_mapper_(scans_of(options), map_),
       builder_(options.stereo_mount.T_BC),
       density_(options.feature_density),
@@ -113,7 +119,7 @@ PerceptionPipeline::PerceptionPipeline(std::unique_ptr<Odometry> odometry,
   if (camera) validate(*camera);
   if (options.depth_camera) {
     validate(options.depth_camera->mount);
-    mapper_.emplace(options.depth_camera->camera, options.mapping, map_);
+    mapper_.emplace(options.depth_camera->camera, depths_of(options), map_);
   }
   frame_.T_WC = start_pose(options);
 }
@@ -344,7 +350,7 @@ void PerceptionPipeline::compare() {
   if (points.empty()) return;
   const DepthCameraOnBody& camera = *options_.depth_camera;
   DepthAgreementOptions agreement;
-  agreement.range = options_.mapping.range;
+  agreement.range = options_.depth_mapping.range;
   // Both are errors of the disparity, so their share grows with the depth.
   const double by_zero = frame_.disparity_offset_sigma / (camera_->left.fx * camera_->baseline);
   const double by_time = frame_.camera_time_offset_depth / std::max(0.1, median(far));
@@ -376,7 +382,7 @@ void PerceptionPipeline::count_landmarks() {
   for (const Landmark& l : landmarks->landmarks) {
     anew += places_.insert(lattice_cell(l.position, kPlace)).second;
   }
-  const double r = options_.mapping.map.resolution;
+  const double r = options_.mapping.resolution;
   density_.add(anew, static_cast<double>(map().surface_voxels()) * r * r);
 }
 

@@ -99,9 +99,8 @@ struct ExternalPose {
 class PerceptionPipeline {
  public:
   /// With a StereoOdometry of the rectified `camera`.
-  PerceptionPipeline(const StereoCamera& camera, const PerceptionOptions& options,
-                     const StereoOdometryOptions& odometry = {});
-  /// With another odometry, which begins at start_pose(options).
+  PerceptionPipeline(const StereoCamera& camera, const PerceptionOptions& options);
+  /// With another odometry, which begins at start_pose(options); options.odometry is not used.
   PerceptionPipeline(std::unique_ptr<Odometry> odometry, const StereoCamera& camera,
                      const PerceptionOptions& options);
   /// Without an odometry: poses come from outside. Of the options, wheels must be off.

@@ -199,9 +199,9 @@ TEST_F(CameraSensorsTest, SameSeedSameBitsWithAnyNumberOfThreads) {
 TEST_F(CameraSensorsTest, WhiteWallsAreARealLossAndTheWayBackEndsIt) {
   const auto world = test::half_white_room(9.0, 4.0);
   for (const bool wheels : {true, false}) {
-    SimulatorOptions options = small_cameras();
-    options.camera.perception.wheels = wheels;
-    Simulator simulator(world, options);
+    PerceptionOptions perception = simulated_perception();
+    perception.wheels = wheels;
+    Simulator simulator(world, small_cameras(), perception);
     simulator.apply(twist(0.5, 0.0), 3.0);
     EXPECT_NE(simulator.sense()->localization, Localization::kLost);
     simulator.apply(twist(0.0, 0.6), 0.5);
@@ -310,7 +310,10 @@ TEST_F(CameraSensorsTest, RefusesOptionsOutOfRange) {
   options.camera.rig.exposure = -1.0;
   EXPECT_THROW(Simulator(room_with_an_opening(), options), std::invalid_argument);
   options = small_cameras();
-  options.camera.perception.wheel_fusion.gate = 0.0;
+  PerceptionOptions perception = simulated_perception();
+  perception.wheel_fusion.gate = 0.0;
+  EXPECT_THROW(Simulator(room_with_an_opening(), options, perception), std::invalid_argument);
+  options.wheels.turn = -1.0;
   EXPECT_THROW(Simulator(room_with_an_opening(), options), std::invalid_argument);
   options = small_cameras();
   options.camera.focal_error = -1.0;

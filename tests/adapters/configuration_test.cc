@@ -91,8 +91,9 @@ TEST(Configuration, TheSimulatedBodyStandsWhereThePlannedOneDoes) {
 TEST(Configuration, PartsOfThePredictionCanBeLeftOut) {
   EXPECT_TRUE(read("").planner.feature_occlusion);
   EXPECT_TRUE(read("").planner.feature_covariance);
-  EXPECT_FALSE(read("planner: {visibility: {occlusion: false}}").planner.feature_occlusion);
-  EXPECT_FALSE(read("planner: {visibility: {covariance: false}}").planner.feature_covariance);
+  EXPECT_FALSE(read("planner: {visibility: {feature_occlusion: false}}").planner.feature_occlusion);
+  EXPECT_FALSE(
+      read("planner: {visibility: {feature_covariance: false}}").planner.feature_covariance);
 }
 
 TEST(Configuration, WorthAndOrderOfFrontiersAndTheEndOfAMission) {
@@ -277,7 +278,7 @@ TEST(Configuration, TasksAndZones) {
       "  bound: [-5, -5, 5, -5, 5, 5, -5, 5]\n"
       "  keep_out: [{area: [0, 0, 1, 0, 1, 1]}, {area: [3, 3, 4, 3, 4, 4]}]\n"
       "  slow: [{area: [-2, -2, -1, -2, -1, -1], max_speed: 0.2}]\n"
-      "mission: {return: true, until: {coverage: 0.9}}\n"
+      "mission: {return_when_done: true, until: {coverage: 0.9}}\n"
       "simulator: {map: known.bt}\n");
   EXPECT_EQ(c.planner.task.kind, TaskKind::kGoTo);
   EXPECT_EQ(c.planner.task.goal.position, Eigen::Vector2d(2, -1.5));

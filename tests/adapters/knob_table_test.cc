@@ -25,6 +25,7 @@
 #include "models/knobs.h"
 #include "models/make_model.h"
 #include "models/range_text.h"
+#include "perception/pipeline/perception_pipeline.h"
 #include "tests/adapters/box_room.h"
 
 // All knobs of a configuration, one by one, by their descriptions: a new one is tested without a
@@ -131,7 +132,7 @@ void make_planner(const Configuration& c) {
 
 void make_simulator(const Configuration& c) {
   static const auto world = std::make_shared<const World>(test::box_room(3.0, 3.0));
-  Simulator(world, c.simulator);
+  Simulator(world, c.simulator, c.perception);
 }
 
 template <typename Shape>
@@ -160,7 +161,10 @@ std::vector<Part> parts() {
        {},
        [](Knobs& k, Configuration& c) { describe(k, c.simulator); },
        make_simulator},
-      // Odometry and perception are those of the simulator.
+      {"perception",
+       {},
+       [](Knobs& k, Configuration& c) { describe(k, c.perception); },
+       [](const Configuration& c) { PerceptionPipeline(c.robot.stereo, c.perception); }},
       {"drive", {}, [](Knobs& k, Configuration& c) { describe(k, c.drive.driver); }, {}},
       {"drive.preflight",
        {},
@@ -499,13 +503,13 @@ TEST(KnobTable, WithEachEndOfItsRangeAStepIsPlannedOrItIsRefused) {
   std::set<std::string> seen;
   for (const Part& part : parts()) {
     if (!part.at.starts_with("planner") && !part.at.starts_with("robot") &&
-        part.at != "mission.end" && part.at != "simulator") {
+        part.at != "mission.end" && part.at != "perception") {
       continue;
     }
     for (const Knob& knob : knobs_of(part, configuration_of(part))) {
-      // Of the simulator, what the planner has a part in.
-      if (part.at == "simulator" && knob.name != "map_resolution" && knob.name != "z_min" &&
-          knob.name != "z_max") {
+      // Of perception, what the planner has a part in.
+      if (part.at == "perception" && knob.path != "perception.mapping.resolution" &&
+          knob.name != "z_min" && knob.name != "z_max") {
         continue;
       }
       if (!is_number(knob) || knob.path == "planner.threads") continue;
@@ -530,7 +534,7 @@ TEST(KnobTable, WithEachEndOfItsRangeAStepIsPlannedOrItIsRefused) {
         }
         ++planned;
         Planner planner(c.robot, c.planner, SolverRegistry().make("nlopt"));
-        const Plan plan = planner.plan(tiny_belief(c.simulator.mapping.resolution));
+        const Plan plan = planner.plan(tiny_belief(c.perception.mapping.resolution));
         EXPECT_EQ(plan.fault, PlanFault::kNone) << plan.detail;
         EXPECT_EQ(planner.step()->landmarks.empty(), c.planner.max_landmarks == 0);
         EXPECT_LT(peak_memory() - before, 500.0);
@@ -547,19 +551,20 @@ TEST(KnobTable, WhatDoesNotFitTogetherIsSaidWithItsNumbers) {
     return refusal([&] { check_drives(read_configuration("", {}, settings)); });
   };
   EXPECT_THAT(said({"robot.depth.max_range=1000"}),
-              HasSubstr("robot.depth.max_range is 1000 m, 10000 voxels at a map_resolution of 0.1 "
-                        "m; expected 1 to 200 voxels: 0.1 to 20 m, or a map_resolution from 5 to "
+              HasSubstr("robot.depth.max_range is 1000 m, 10000 voxels at a resolution of 0.1 "
+                        "m; expected 1 to 200 voxels: 0.1 to 20 m, or a resolution from 5 to "
                         "1000 m"));
-  EXPECT_THAT(said({"simulator.map_resolution=1", "robot.depth.max_range=0.5"}),
+  EXPECT_THAT(said({"perception.mapping.resolution=1", "robot.depth.max_range=0.5"}),
               HasSubstr("robot.depth.max_range is 0.5 m"));
-  EXPECT_THAT(said({"simulator.map_resolution=0.02", "simulator.mapping.z_max=400"}),
-              HasSubstr("are 20015 layers at a map_resolution of 0.02 m; expected at most 10000"));
-  EXPECT_THAT(said({"simulator.mapping.z_max=0.4"}),
+  EXPECT_THAT(said({"perception.mapping.resolution=0.02", "perception.mapping.z_max=400"}),
+              HasSubstr("are 20015 layers at a resolution of 0.02 m; expected at most 10000"));
+  EXPECT_THAT(said({"perception.mapping.z_max=0.4"}),
               HasSubstr("the body is at heights from 0.1 to 0.5 m; expected it between"));
-  EXPECT_THAT(said({"robot.model=multirotor", "simulator.map_resolution=0.02", "planner.d_des=5"}),
-              HasSubstr("planner.d_des is 5 m: "));
-  EXPECT_EQ(said({"simulator.map_resolution=0.02", "planner.d_des=5"}), "");
-  EXPECT_EQ(said({"simulator.map_resolution=1"}), "");
+  EXPECT_THAT(
+      said({"robot.model=multirotor", "perception.mapping.resolution=0.02", "planner.d_des=5"}),
+      HasSubstr("planner.d_des is 5 m: "));
+  EXPECT_EQ(said({"perception.mapping.resolution=0.02", "planner.d_des=5"}), "");
+  EXPECT_EQ(said({"perception.mapping.resolution=1"}), "");
 }
 
 }  // namespace

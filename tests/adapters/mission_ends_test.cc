@@ -51,7 +51,7 @@ constexpr const char* kThreeRooms =
 // It began with its nose in a corner, where nothing is to be tracked: it cannot stand there again.
 TEST(MissionEnds, AReturnToAHeadingThatCannotBeHadEnds) {
   Configuration configuration =
-      configuration_from_text("mission: {time_limit: 60, return: true}\n", "one room");
+      configuration_from_text("mission: {time_limit: 60, return_when_done: true}\n", "one room");
   const Summary s = run(kOneRoom, configuration);
   EXPECT_EQ(s.end, MissionEnd::kExplored) << s.detail;
   EXPECT_TRUE(s.done) << s.detail;

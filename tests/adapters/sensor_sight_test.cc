@@ -202,8 +202,8 @@ TEST(SensorSight, ASensorThatSeesNothingOfTheBodysHeightsIsRefused) {
     EXPECT_EQ(line.find('\n'), std::string::npos) << line;
   }
   // Finer voxels, thinner layers.
-  EXPECT_EQ(problem(level("0.46"), "simulator: {map_resolution: 0.1}\n"), "");
-  EXPECT_NE(problem(level("0.46"), "simulator: {map_resolution: 0.05}\n"), "");
+  EXPECT_EQ(problem(level("0.46"), "perception: {mapping: {resolution: 0.1}}\n"), "");
+  EXPECT_NE(problem(level("0.46"), "perception: {mapping: {resolution: 0.05}}\n"), "");
   // A sensor above the body that looks down, or is tilted, sees it.
   EXPECT_EQ(problem("vertical_fov: 0, max_range: 5, mount: {position: [0, 0, 0.55], pitch: 5}"),
             "");

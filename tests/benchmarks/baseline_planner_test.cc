@@ -90,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(BaselinePlanner, EveryRule,
 
 TEST(BaselinePlanner, BeliefsThatCannotBeUsedGiveAStop) {
   const Configuration c = configuration();
-  Simulator simulator(two_rooms(), c.simulator);
+  Simulator simulator(two_rooms(), c.simulator, c.perception);
   const Belief good = *simulator.sense();
   const double nan = std::numeric_limits<double>::quiet_NaN();
   std::vector<Belief> beliefs(5, good);

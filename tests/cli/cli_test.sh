@@ -128,7 +128,7 @@ refused "more than all" --until: "'1.5'; expected a share" "${explore[@]}" offic
 refused "an area of nothing" --until: "'0m2'; expected a share" "${explore[@]}" office --until 0m2
 refused "a map that there is not" nothing.bt "no such file; expected" "${explore[@]}" office \
   --map nothing.bt
-printf 'simulator: {map_resolution: 0.05}\n' >finer.yaml
+printf 'perception: {mapping: {resolution: 0.05}}\n' >finer.yaml
 refused "a map of another resolution" first/map.bt "resolution is 0.1 m; expected 0.05 m" \
   "${explore[@]}" office --map first/map.bt --config finer.yaml
 
@@ -176,6 +176,11 @@ refused "value out of range" range.yaml:2: "planner.N: is '100000'; expected a w
   "${explore[@]}" office --config range.yaml
 refused "unknown solver in a file" solver.yaml:3: "unknown solver 'nlop' (did you mean 'nlopt'?)" \
   "${explore[@]}" office --config solver.yaml
+printf 'simulator: {mapping: {core: 0.4}}\n' >old.yaml
+refused "a key by the name that it had" old.yaml:1: "simulator.mapping.core is perception.mapping.core now; expected" \
+  "${explore[@]}" office --config old.yaml
+refused "a key that nothing reads" "--set perception.odometry.corners.cells=60" "expected simulator.sensors: camera" \
+  "${explore[@]}" office --set perception.odometry.corners.cells=60
 refused "unknown key on the command line" "--set planner.weights.w_ee=1" "(did you mean 'w_e'?); expected" \
   "${explore[@]}" office --config range.yaml --set planner.N=10 --set planner.weights.w_ee=1
 printf 'robot: {model: multirotor}\n' >flies.yaml
@@ -791,6 +796,10 @@ for file in odometry.html frames.csv trajectory.tum trajectory.kitti; do
   [[ -s odometry1/$file ]] || fail "odometry wrote no $file"
   cmp -s "odometry1/$file" "odometry2/$file" || fail "odometry: $file differs between two runs"
 done
+succeeds "odometry of fewer corners" odometry stereo --set perception.odometry.corners.cells=60 --out fewer --quiet
+cmp -s odometry1/frames.csv fewer/frames.csv && fail "odometry: perception.odometry is not read"
+refused "a setting that a recording does not read" "--set perception.mapping.core=0.4" "expected it with prospect map" \
+  odometry stereo --set perception.mapping.core=0.4
 (($(wc -l <odometry1/frames.csv) == 13)) || fail "frames.csv has not one row a frame"
 succeeds "odometry --json" odometry stereo --json --calibrate
 grep -q '"calibration_error":' out.txt || fail "odometry --json --calibrate: '$out'"

@@ -89,8 +89,8 @@ int main() {
   const SteadyClock clock;
   SensorInbox inbox(clock, {.scan_in_runtime_clock = true});
   PerceptionOptions perceives;
-  perceives.wheels = false, perceives.mapping.map.max_range = kLidarRange;
-  perceives.mapping.map.slice = height_slice(description);
+  perceives.wheels = false, perceives.mapping.max_range = kLidarRange;
+  perceives.mapping.slice = height_slice(description);
   MyRobot robot(clock, inbox, perceives);
   std::jthread lidar([&](const std::stop_token& stop) {
     do robot.look_around();

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstddef>
+#include <vector>
+
 namespace prospect::caution_test {
 namespace {
 
@@ -31,6 +34,27 @@ TEST(Caution, Table) {
         << c.stuck << c.lost << c.narrow << c.fixed_lost_margin;
   }
   EXPECT_EQ(caution_for({}, false), Caution::kNormal) << "before the frontiers are known";
+}
+
+// Several conditions may hold at once: the order of the rows decides, and no row is in vain.
+TEST(Caution, EachRowDecidesSomewhereAndTheLastHoldsAlways) {
+  const auto table = caution_table();
+  std::vector<int> decided(table.size());
+  for (int bits = 0; bits < 16; ++bits) {
+    Facts facts;
+    facts.stuck = (bits & 1) != 0;
+    facts.localization = (bits & 2) != 0 ? Localization::kLost : Localization::kOk;
+    facts.frontiers = FrontierFacts{.narrow = (bits & 4) != 0};
+    const CautionRow::Case c{facts, (bits & 8) != 0};
+    std::size_t first = 0;
+    while (!table[first].holds(c)) ++first;
+    ++decided[first];
+    EXPECT_EQ(table[first].caution, caution_for(facts, c.fixed_lost_margin)) << bits;
+    EXPECT_TRUE(table.back().holds(c)) << bits;
+  }
+  for (std::size_t row = 0; row < table.size(); ++row) {
+    EXPECT_GT(decided[row], 0) << table[row].condition;
+  }
 }
 
 TEST(Caution, EachHasItsPolicyAndNoneAllowsMoreThanTheGuard) {

@@ -48,7 +48,7 @@ TEST(FrontierOrder, WhatCannotBeReachedIsLeftOut) {
 
 TEST(FrontierOrder, IsTheBestOfAllSequences) {
   FrontierOrderOptions options;
-  options.length = 4;
+  options.sequence_length = 4;
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> at(-20.0, 20.0), area(0.2, 8.0);
   for (int trial = 0; trial < 30; ++trial) {

@@ -243,7 +243,7 @@ TEST(FrontierWorthArea, RefusesOptionsByName) {
   EXPECT_NE(refused([](O& o) { o.failed_visit = 0.0; }).find("failed_visit"), std::string::npos);
   EXPECT_NE(refused([](O& o) { o.visit_radius = std::nan(""); }).find("visit_radius"),
             std::string::npos);
-  EXPECT_NE(refused([](O& o) { o.range_margin = 4.0; }).find("look_margin"), std::string::npos);
+  EXPECT_NE(refused([](O& o) { o.look_margin = 4.0; }).find("look_margin"), std::string::npos);
   EXPECT_EQ(refused([](O&) {}), "");
 }
 

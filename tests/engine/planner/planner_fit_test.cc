@@ -80,9 +80,9 @@ TEST(PlannerFit, SaysTheNumbersAndWhatWouldFit) {
   const std::string why = planner_misfit(robot_of("unicycle"), p, 0.01);
   EXPECT_EQ(why,
             "planner.d_des is 5 m: with the body's radius of 0.18 m and planner.drift_margin of "
-            "0.12 m it takes distances up to 5.5 m, 550 voxels at a map_resolution of 0.01 m; "
-            "expected at most 400 voxels: a d_des of at most 3.5 m, or a map_resolution of at "
-            "least 0.0138 m");
+            "0.12 m it takes distances up to 5.5 m, 550 voxels at a resolution of 0.01 m; "
+            "expected at most 400 voxels: a d_des of at most 3.5 m, or a "
+            "perception.mapping.resolution of at least 0.0138 m");
   // What is said to fit does.
   p.d_des = 3.5;
   EXPECT_EQ(planner_misfit(robot_of("unicycle"), p, 0.01), "");
@@ -93,9 +93,10 @@ TEST(PlannerFit, SaysTheNumbersAndWhatWouldFit) {
   p = {};
   p.frontier_planner.cost_to_go.window_radius = 100.0;
   EXPECT_EQ(planner_misfit(robot_of("unicycle"), p, 0.1), "");
-  EXPECT_EQ(planner_misfit(robot_of("unicycle"), p, 0.05),
-            "planner.frontiers.window_radius is 100 m, 2000 voxels at a map_resolution of 0.05 m; "
-            "expected at most 1000 voxels: 50 m, or a map_resolution of at least 0.1 m");
+  EXPECT_EQ(
+      planner_misfit(robot_of("unicycle"), p, 0.05),
+      "planner.frontiers.window_radius is 100 m, 2000 voxels at a resolution of 0.05 m; "
+      "expected at most 1000 voxels: 50 m, or a perception.mapping.resolution of at least 0.1 m");
 
   p = {};
   p.N = p.M = 120;

@@ -403,7 +403,7 @@ TEST_F(PlannerTest, WhatNoPlanCouldBeMadeOfIsRefusedAtOnce) {
       {"N_req is 0", [](R, P p) { p.features.N_req = 0.0; }},
       {"prior_rotation is", [](R, P p) { p.features.prior_rotation = -1.0; }},
       {"visibility.feature_attenuation is nan", [](R, P p) { p.feature_attenuation = kNan; }},
-      {"visibility.attenuation is -1", [](R, P p) { p.unknown_attenuation = -1.0; }},
+      {"visibility.unknown_attenuation is -1", [](R, P p) { p.unknown_attenuation = -1.0; }},
   };
   for (const auto& [expected, spoil] : table) {
     const std::string said = refusal(spoil);
@@ -1434,14 +1434,15 @@ TEST_F(PlannerTest, BadParametersAreNamed) {
             std::string::npos);
   EXPECT_NE(message([](auto& p) { p.desired_speed = kNan; }).find("planner: desired_speed is nan"),
             std::string::npos);
-  EXPECT_NE(
-      message([](auto& p) { p.visibility_lattice = 0.0; }).find("planner: visibility.lattice is 0"),
-      std::string::npos);
+  EXPECT_NE(message([](auto& p) {
+              p.visibility_lattice = 0.0;
+            }).find("planner: visibility.visibility_lattice is 0"),
+            std::string::npos);
   EXPECT_NE(message([](auto& p) { p.deadline = kNan; }).find("planner: deadline is nan"),
             std::string::npos);
   EXPECT_NE(message([](auto& p) {
               p.behaviour.retreat_time = -1.0;
-            }).find("planner: recovery.time is -1"),
+            }).find("planner: recovery.retreat_time is -1"),
             std::string::npos);
   EXPECT_EQ(message([](auto&) {}), "accepted");
   EXPECT_THROW(Planner({}, small_parameters(), std::make_shared<Descent>()), std::invalid_argument);
