@@ -7,11 +7,13 @@
 #include <utility>
 
 #include "adapters/run/exploration_run.h"
+#include "adapters/simulator/faulty_base.h"
 #include "adapters/simulator/faulty_disk.h"
+#include "adapters/simulator/faulty_frames.h"
 #include "adapters/simulator/faulty_replanner.h"
-#include "adapters/simulator/faulty_scan.h"
 #include "adapters/simulator/simulated_base.h"
 #include "adapters/simulator/simulated_clock.h"
+#include "adapters/simulator/simulated_streams.h"
 #include "adapters/simulator/simulator.h"
 #include "engine/planner/planner.h"
 #include "engine/planner/planner_guard.h"
@@ -35,14 +37,15 @@ struct Sample {
 /// What a person sees who looks at the robot whenever it makes a belief, and acknowledges.
 class Watched final : public BeliefSource {
  public:
-  Watched(SimulatedBase& base, const SimulatedClock& clock, const FaultCase& one)
-      : base_(base), clock_(clock), one_(one) {}
+  Watched(const SimulatedBase& base, BeliefSource& beliefs, const SimulatedClock& clock,
+          const FaultCase& one)
+      : base_(base), beliefs_(beliefs), clock_(clock), one_(one) {}
 
   std::shared_ptr<const Belief> update(const std::stop_token& stop) override {
     // Beliefs and commands are due at the same instants: commands first, in each drive.
     if (!begun_) clock_.until_waited_for(kThreads - 1);
     begun_ = true;
-    std::shared_ptr<const Belief> belief = base_.update(stop);
+    std::shared_ptr<const Belief> belief = beliefs_.update(stop);
     const double time = clock_.now() - kStart;
     RealTimeDriver* driver = driver_;
     if (!driver || (!samples_.empty() && time <= samples_.back().time)) return belief;
@@ -83,7 +86,8 @@ class Watched final : public BeliefSource {
     return std::abs(std::exchange(yaw_, yaw) - yaw) > 0.001;
   }
 
-  SimulatedBase& base_;
+  const SimulatedBase& base_;
+  BeliefSource& beliefs_;
   const SimulatedClock& clock_;
   const FaultCase one_;
   std::atomic<RealTimeDriver*> driver_{nullptr};
@@ -141,25 +145,28 @@ FaultOutcome drive_with_fault(const std::shared_ptr<const World>& world,
   const std::vector<InjectedFault> faults = {one.fault};
   SimulatorOptions simulator_options = configuration.simulator;
   simulator_options.seed = one.seed;
-  simulator_options.distort_scan =
-      faulty_scans(faults, 0.3, configuration.robot.depth.max_range, simulator_options.seed);
   Simulator simulator(world, simulator_options, configuration.perception);
-  SimulatedBaseOptions base_options;
-  base_options.faults = faults;
+  const SimulatedBaseOptions base_options;
   SimulatedBase base(simulator, clock, *configuration.robot.model, base_options);
-  Watched watched(base, clock, one);
+  FaultyBase faulty_base(base, clock, faults, kStart);
+  SensorInbox inbox(clock, FaultyFrames::inbox_options(simulated_inbox({}), faults));
+  const RgbdFootprint& seen = configuration.robot.depth;
+  FaultyFrames frames(clock, inbox, faults, kStart, {seen.min_range, seen.max_range});
+  SimulatedStreams streams(base, simulator, clock, inbox, frames_into(frames),
+                           base_options.belief_period);
+  Watched watched(base, streams, clock, one);
   Planner planner(configuration.robot, configuration.planner,
                   SolverRegistry().make(configuration.solver));
   FaultyReplanner faulty(planner, *configuration.robot.model, clock, faults, kStart);
   const FaultyDisk disk(clock, faults, kStart);
   const Guard guard = guard_for(configuration.robot, configuration.planner, configuration.guard);
   RealTimeDriver driver({.clock = clock,
-                         .base = base,
+                         .base = faulty_base,
                          .beliefs = watched,
                          .planner = faulty,
                          .guard = guard,
                          .model = configuration.robot.model,
-                         .inbox = &base.sensors(),
+                         .inbox = &inbox,
                          .failed_preflight = "",
                          .yaw_checked = true},
                         RealTimeOptions());

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <thread>
 
+#include "runtime/drive_mode.h"
 #include "runtime/mission_progress.h"
 
 namespace prospect {
@@ -12,33 +14,58 @@ namespace {
 /// What the robot is doing.
 struct InForce {
   Twist command;
-  Plan plan;  ///< that it is of
+  Plan plan{};  ///< that it is of
+  DriveState mode{DriveMode::kActive};
 };
+
+bool is_zero(const Twist& twist) { return twist.linear.isZero(0.0) && twist.yaw_rate == 0.0; }
 
 /// Brakes until the robot stands, along the path of the last plan where that is free. So rates are
 /// kept, and a source that has died does not keep it from braking.
-void bring_to_rest(Robot& robot, const Guard& guard, const InForce& in_force) {
+void bring_to_rest(Robot& robot, const Guard& guard, InForce& in_force) {
   constexpr int kMost = 100;  // of a base that does not come to rest in that many no more is known
   constexpr double kStep = 0.25;  // [s]
-  Twist previous = in_force.command;
+  Twist& command = in_force.command;
   for (int n = 0; n < kMost; ++n) {
     const std::shared_ptr<const Belief> belief = robot.sense();
-    previous = guard.stop_commands(&in_force.plan, belief->pose, previous, *belief, kStep).front();
-    const bool at_rest = previous.linear.isZero(0.0) && previous.yaw_rate == 0.0;
-    robot.apply(previous, at_rest ? 0.0 : kStep);
-    if (at_rest) return;
+    command = guard.stop_commands(&in_force.plan, belief->pose, command, *belief, kStep).front();
+    robot.apply(command, is_zero(command) ? 0.0 : kStep);
+    if (is_zero(command)) return;
   }
 }
 
-/// Waits as long as people want it to. Returns whether the mission is cancelled meanwhile.
-bool wait_for(DriveRequests& requests, MissionProgress& progress, Replanner& planner,
-              const std::function<bool()>& cancelled) {
+/// What people ask for, as facts for the table of drive modes: in lockstep nothing else is amiss.
+DriveFacts asked(DriveRequests& requests, double now, bool at_rest) {
+  constexpr double kEver = std::numeric_limits<double>::infinity();
+  DriveFacts facts;
+  facts.stamp = now;
+  facts.told_to_drive = requests.told_to_drive();
+  facts.emergency_stop = requests.take_emergency_stop();
+  facts.acknowledged = requests.take_acknowledgement();
+  facts.rest_for = at_rest ? kEver : 0.0;
+  facts.silent_emergency_stop.clear();
+  facts.failed_preflight.clear();
+  facts.base_silent = false;
+  facts.yaw_checked = true;
+  facts.live_for = facts.localized_for = facts.plan_left = kEver;
+  facts.plan_from_rest = kEver;
+  facts.localization = Localization::kOk;
+  return facts;
+}
+
+/// Brakes where people want it to, and stands for as long. Returns whether the mission is cancelled
+/// meanwhile.
+bool wait_for(Robot& robot, const Guard& guard, Replanner& planner, DriveRequests& requests,
+              MissionProgress& progress, const std::function<bool()>& cancelled,
+              InForce& in_force) {
+  DriveState& mode = in_force.mode;
   for (;;) {
-    if (requests.take_emergency_stop()) requests.set_stopped(true);
-    if (requests.take_acknowledgement()) requests.set_stopped(false);
+    mode = decide(mode, asked(requests, robot.time(), is_zero(in_force.command)), {});
+    if (mode.mode == DriveMode::kStopping) bring_to_rest(robot, guard, in_force);
+    requests.set_stopped(mode.mode == DriveMode::kStopped);
     progress.take_detour(requests, planner);
     if (cancelled && cancelled()) return true;
-    if (requests.told_to_drive() && !requests.stopped()) return false;
+    if (mode.mode == DriveMode::kActive) return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
@@ -61,7 +88,8 @@ MissionResult explore(Robot& robot, Replanner& planner, const Guard& guard,
   GuardReason guard_reason = GuardReason::kPassed;
   while (true) {
     const bool is_cancelled =
-        requests ? wait_for(*requests, progress, planner, cancelled) : cancelled && cancelled();
+        requests ? wait_for(robot, guard, planner, *requests, progress, cancelled, in_force)
+                 : cancelled && cancelled();
     const std::shared_ptr<const Belief> belief = robot.sense();
     if (progress.over_before(*belief, robot.time(), is_cancelled)) return result;
 
@@ -102,7 +130,7 @@ MissionResult run_mission(Robot& robot, Replanner& planner, const Guard& guard,
                           const MissionOptions& options,
                           const std::function<void(const MissionStep&)>& observe,
                           const std::function<bool()>& cancelled, DriveRequests* requests) {
-  InForce in_force{robot.sense()->twist, {}};
+  InForce in_force{robot.sense()->twist};
   MissionResult result;
   try {
     result = explore(robot, planner, guard, options, {observe, cancelled, requests}, in_force);

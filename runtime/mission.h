@@ -72,9 +72,10 @@ struct MissionResult {
 /// is called after each planning step; `cancelled` (may be empty) is asked before each. A plan that
 /// was cancelled while it was made (Plan::stop) is no step, and ends the mission.
 ///
-/// requests (may be null): what people ask of it. It is asked before each planning step: while the
-/// robot is to stand, or a stop is latched, the mission waits, and with it the robot's clock if
-/// that is a simulation's.
+/// requests (may be null): what people ask of it, looked at before each planning step by the table
+/// of drive modes (drive_mode.h), as in real time: the robot brakes and stands; an emergency stop
+/// latches until it is acknowledged at rest. While it stands the mission waits, and with it the
+/// robot's clock if that is a simulation's.
 ///
 /// Does not throw, unless `observe` or `cancelled` does: then the robot is brought to rest first,
 /// in the same way, and the exception passed on.

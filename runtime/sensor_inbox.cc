@@ -27,6 +27,9 @@ bool empty(const Image& image) {
          image.pixels.size() !=
              static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
 }
+bool empty(const CameraContent& content) {
+  return !content.estimate && (!content.image || empty(*content.image));
+}
 
 }  // namespace
 
@@ -70,8 +73,10 @@ InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame) {
           return perception.wheels(f);
         } else if constexpr (std::is_same_v<Frame, DepthFrame>) {
           return perception.depth(f.stamp, *f.image);
-        } else {
+        } else if constexpr (std::is_same_v<Frame, ScanFrame>) {
           return perception.scan(f.stamp, *f.in_B);
+        } else {
+          return {InputState::kRefused, "an estimate; expected images"};
         }
       },
       frame);
@@ -157,6 +162,7 @@ void SensorInbox::pair_up(SensorStream stream) {
   for (const Lone& other : is_left ? right_ : left_) {
     const double apart = std::abs(one.stamp - other.stamp);
     if (apart > nearest || (partner && apart == nearest)) continue;
+    if (!one.content.estimate != !other.content.estimate) continue;
     partner = &other;
     nearest = apart;
   }
@@ -164,9 +170,10 @@ void SensorInbox::pair_up(SensorStream stream) {
   const Lone& left = is_left ? one : *partner;
   const Lone& right = is_left ? *partner : one;
   // How far they are apart their own clock knows best.
-  const StereoFrame pair{left.time, left.time + (right.stamp - left.stamp), left.image,
-                         right.image};
-  const double left_stamp = left.stamp, right_stamp = right.stamp;
+  const double left_stamp = left.stamp, right_stamp = right.stamp, time = left.time;
+  SensorFrame pair =
+      StereoFrame{time, time + (right_stamp - left_stamp), left.content.image, right.content.image};
+  if (left.content.estimate) pair = EstimateFrame{time, left.content.estimate};
   const auto take_up_to = [&](std::deque<Lone>& waiting, double stamp, SensorStream stream) {
     StreamCount& count = at(stream).count;
     ++count.taken;
@@ -179,37 +186,36 @@ void SensorInbox::pair_up(SensorStream stream) {
   take_up_to(right_, right_stamp, SensorStream::kRight);
   StreamCount& count = at(SensorStream::kPair).count;
   ++count.received;
-  count.newest = std::max(count.newest.value_or(pair.left_stamp), pair.left_stamp);
+  count.newest = std::max(count.newest.value_or(time), time);
   count.offset = cameras_.offset();
-  pair_offset_ = pair.right_stamp - pair.left_stamp;
-  put(SensorStream::kPair, pair);
+  pair_offset_ = right_stamp - left_stamp;
+  put(SensorStream::kPair, std::move(pair));
 }
 
-void SensorInbox::lone(SensorStream stream, double stamp, Image image) {
-  auto shared = std::make_shared<const Image>(std::move(image));
+void SensorInbox::lone(SensorStream stream, double stamp, CameraContent content) {
   {
     const std::lock_guard lock(mutex_);
     const std::optional<double> at_capture = shifted(stream, stamp);
     if (!at_capture) return;
     StreamCount& count = at(stream).count;
-    if (empty(*shared)) return drop(count, &StreamCount::refused, "the image is empty");
+    if (empty(content)) return drop(count, &StreamCount::refused, "the image is empty");
     std::deque<Lone>& waiting = stream == SensorStream::kLeft ? left_ : right_;
     if (waiting.size() >= static_cast<std::size_t>(options_.capacity)) {
       waiting.pop_front();
       drop(count, &StreamCount::unpaired, "no partner of its stamp came");
     }
-    waiting.push_back({stamp, *at_capture, std::move(shared)});
+    waiting.push_back({stamp, *at_capture, std::move(content)});
     pair_up(stream);
   }
   came_.notify_one();
 }
 
-void SensorInbox::left(double stamp, Image image) {
-  lone(SensorStream::kLeft, stamp, std::move(image));
+void SensorInbox::left(double stamp, CameraContent content) {
+  lone(SensorStream::kLeft, stamp, std::move(content));
 }
 
-void SensorInbox::right(double stamp, Image image) {
-  lone(SensorStream::kRight, stamp, std::move(image));
+void SensorInbox::right(double stamp, CameraContent content) {
+  lone(SensorStream::kRight, stamp, std::move(content));
 }
 
 void SensorInbox::pair(double left_stamp, double right_stamp, ImagePair images) {
@@ -260,13 +266,13 @@ void SensorInbox::depth(double stamp, DepthImage image) {
   came_.notify_one();
 }
 
-void SensorInbox::scan(double stamp, DepthScan in_B) {
+void SensorInbox::scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose> pose) {
   auto shared = std::make_shared<const DepthScan>(std::move(in_B));
   {
     const std::lock_guard lock(mutex_);
     const std::optional<double> at_capture = shifted(SensorStream::kScan, stamp);
     if (!at_capture) return;
-    const ScanFrame frame{*at_capture, std::move(shared)};
+    const ScanFrame frame{*at_capture, std::move(shared), std::move(pose)};
     if (!ranges_.scan.in_B || frame.stamp >= ranges_.scan.stamp) ranges_.scan = frame;
     put(SensorStream::kScan, frame);
   }

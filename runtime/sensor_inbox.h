@@ -12,8 +12,10 @@
 #include <stop_token>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 
+#include "models/types.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/depth_image.h"
 #include "perception/mapping/occupancy_mapper.h"
@@ -25,16 +27,34 @@
 namespace prospect {
 
 class Knobs;
+struct Belief;
 
 /// Where frames come from. Left and right are the images of a stereo camera that come one by one.
 enum class SensorStream { kLeft, kRight, kPair, kWheels, kDepth, kScan };
 inline constexpr std::size_t kSensorStreams = 6;
 std::string_view to_string(SensorStream stream);
 
+/// What one camera delivers, shared, not copied: an image; or, of a camera that is a model, the
+/// estimate that perception would have made with it. Neither: it is empty.
+struct CameraContent {
+  CameraContent() = default;
+  CameraContent(Image picture) : image(std::make_shared<const Image>(std::move(picture))) {}
+  CameraContent(std::shared_ptr<const Belief> made) : estimate(std::move(made)) {}
+
+  std::shared_ptr<const Image> image;
+  std::shared_ptr<const Belief> estimate;
+};
+
 /// A stereo pair; the images are shared, not copied.
 struct StereoFrame {
   double left_stamp = 0.0, right_stamp = 0.0;  ///< [s]
   std::shared_ptr<const Image> left, right;
+};
+/// A stereo pair of cameras that are a model.
+struct EstimateFrame {
+  double stamp = 0.0;  ///< [s], of the left one
+  /// Pose, motion, localization and landmarks are what it tells; stamps are those of its making.
+  std::shared_ptr<const Belief> belief;
 };
 struct DepthFrame {
   double stamp = 0.0;  ///< [s]
@@ -43,13 +63,14 @@ struct DepthFrame {
 struct ScanFrame {
   double stamp = 0.0;                     ///< [s]
   std::shared_ptr<const DepthScan> in_B;  ///< origin and points in B [m]
+  std::shared_ptr<const Pose> pose{};  ///< B's then, of a sensor that tells it; null: it does not
 };
 
 /// One input of perception. Stamps are in the runtime's clock.
-using SensorFrame = std::variant<StereoFrame, WheelSample, DepthFrame, ScanFrame>;
+using SensorFrame = std::variant<StereoFrame, WheelSample, DepthFrame, ScanFrame, EstimateFrame>;
 /// Of the left image of a pair.
 double stamp_of(const SensorFrame& frame);
-/// Hands it to perception; the result is perception's.
+/// Hands it to perception; the result is perception's, which refuses an estimate.
 InputResult feed(PerceptionPipeline& perception, const SensorFrame& frame);
 
 /// The newest raw ranges, for who looks at them without perception. Null: none has come so far.
@@ -106,7 +127,8 @@ struct StreamCount {
 /// Stereo. Images that come one by one are paired by stamp, never by sequence: a left and a right
 /// image whose stamps differ by at most pair_tolerance; of several the nearest. What is older than
 /// a pair that was made has lost its partner and is dropped. A pair that comes whole is taken as it
-/// is; its two stamps stand in it, and perception judges them.
+/// is; its two stamps stand in it, and perception judges them. Models of cameras are paired in the
+/// same way; the left one's estimate is the pair's.
 ///
 /// Order. take() gives the frame with the oldest stamp of those that wait. It waits for no stream:
 /// perception takes inputs in any order among its sources.
@@ -122,12 +144,12 @@ class SensorInbox {
  public:
   SensorInbox(const Clock& clock, const SensorInboxOptions& options);
 
-  void left(double stamp, Image image);
-  void right(double stamp, Image image);
+  void left(double stamp, CameraContent content);
+  void right(double stamp, CameraContent content);
   void pair(double left_stamp, double right_stamp, ImagePair images);
   void wheels(const WheelSample& sample);
   void depth(double stamp, DepthImage image);
-  void scan(double stamp, DepthScan in_B);
+  void scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose> pose = nullptr);
 
   /// The oldest frame that waits and is not too old; none: nothing waits.
   std::optional<SensorFrame> take();
@@ -148,7 +170,7 @@ class SensorInbox {
   struct Lone {          // an image that waits for its partner
     double stamp = 0.0;  // [s] in the cameras' clock
     double time = 0.0;   // [s] in the runtime's
-    std::shared_ptr<const Image> image;
+    CameraContent content;
   };
   struct Stream {
     StreamCount count;
@@ -159,7 +181,7 @@ class SensorInbox {
   double max_age(SensorStream stream) const;
   /// The stamp in the runtime's clock; none, counted: it is not finite.
   std::optional<double> shifted(SensorStream stream, double stamp);
-  void lone(SensorStream stream, double stamp, Image image);
+  void lone(SensorStream stream, double stamp, CameraContent content);
   /// Makes a pair of the newest image of a stream, if its partner is there.
   void pair_up(SensorStream stream);
   void put(SensorStream stream, SensorFrame frame);

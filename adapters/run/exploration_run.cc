@@ -7,18 +7,18 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 #include "adapters/files/input_error.h"
 #include "adapters/run/live_mission.h"
 #include "adapters/run/run_recorder.h"
 #include "adapters/simulator/camera_rig.h"
+#include "adapters/simulator/faulty_base.h"
 #include "adapters/simulator/faulty_disk.h"
 #include "adapters/simulator/faulty_frames.h"
 #include "adapters/simulator/faulty_replanner.h"
-#include "adapters/simulator/faulty_scan.h"
 #include "adapters/simulator/simulated_base.h"
+#include "adapters/simulator/simulated_streams.h"
 #include "adapters/simulator/simulator.h"
 #include "adapters/worlds/octree_file.h"
 #include "engine/planner/frontier_planner_options.h"
@@ -79,40 +79,6 @@ class ReplannerPair final : public Replanner {
   Plan beside_plan_;
 };
 
-/// The same at times that are `epoch` [s] later.
-SensorTap later(const SensorTap& tap, double epoch) {
-  const auto shifted = [epoch](const auto& listener) {
-    using Listener = std::decay_t<decltype(listener)>;
-    if (!listener) return Listener();
-    return Listener([epoch, listener](double stamp, const auto& measured) {
-      listener(epoch + stamp, measured);
-    });
-  };
-  SensorTap out{shifted(tap.scan), shifted(tap.pair), shifted(tap.depth), {}};
-  if (tap.wheels) {
-    out.wheels = [epoch, listener = tap.wheels](WheelSample sample) {
-      sample.stamp += epoch;
-      listener(sample);
-    };
-  }
-  return out;
-}
-
-/// What the depth sensor measures into `frames`, too.
-SensorTap into(FaultyFrames& frames, SensorTap tap) {
-  const auto both = [](auto first, auto second) {
-    return [first, second](double stamp, const auto& measured) {
-      first(stamp, measured);
-      if (second) second(stamp, measured);
-    };
-  };
-  tap.scan = both([&frames](double stamp, const DepthScan& in_B) { frames.scan(stamp, in_B); },
-                  std::move(tap.scan));
-  tap.depth = both([&frames](double stamp, const DepthImage& image) { frames.depth(stamp, image); },
-                   std::move(tap.depth));
-  return tap;
-}
-
 /// The depth camera of the tier: that of the images, or one for the rays of a scan. None: what it
 /// sees is no image in perspective.
 std::optional<RangeCamera> range_camera(const Configuration& configuration) {
@@ -155,21 +121,6 @@ std::shared_ptr<const octomap::OcTree> map_to_begin_with(const Configuration& co
                      " m, perception.mapping.resolution");
   }
   return map;
-}
-
-/// What faults make of scans, up to the sensor's range [m]. Throws std::invalid_argument for
-/// sensors that cannot do it.
-std::function<void(double, DepthScan&)> scan_faults(const SimulatorOptions& simulator,
-                                                    const std::vector<InjectedFault>& faults,
-                                                    double range, std::uint64_t seed) {
-  constexpr double kNearest = 0.3;  // [m]
-  auto distort = faulty_scans(faults, kNearest, range, seed);
-  if (distort && simulator.sensors == Sensors::kCamera) {
-    throw std::invalid_argument(
-        "--fault: depth:garbage and depth:wrong; expected another fault with sensors that are "
-        "cameras, or simulator.sensors: model");
-  }
-  return distort;
 }
 
 }  // namespace
@@ -280,12 +231,8 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   const Planner* own_planner = dynamic_cast<const Planner*>(planner.get());
   const ReachableArea reachable = told_area(reachable_area(*world, configuration), configuration);
 
-  SimulatorOptions simulator_options = simulator_options_for(configuration, options.seed);
-  if (options.real_time) {
-    simulator_options.distort_scan = scan_faults(simulator_options, options.real_time->faults,
-                                                 configuration.robot.depth.max_range, options.seed);
-  }
-  Simulator simulator(world, simulator_options, configuration.perception);
+  Simulator simulator(world, simulator_options_for(configuration, options.seed),
+                      configuration.perception);
   simulator.set_reachable(reachable.cells);
   SimulatedRobot robot(simulator, options.taps.command);
 
@@ -315,26 +262,24 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
   const MissionOptions mission_options = mission_options_for(configuration, truth);
   MissionResult mission;
   if (options.real_time) {
-    SimulatedBaseOptions base_options = configuration.simulated_base;
-    base_options.faults = options.real_time->faults;
-    base.emplace(simulator, clock, *configuration.robot.model, base_options);
-    // What the depth sensor measures, apart from what comes of it, for who looks at it without
-    // maps.
-    SensorInboxOptions raw_options;
-    raw_options.depth_in_runtime_clock = raw_options.scan_in_runtime_clock = true;
-    SensorInbox raw(clock, FaultyFrames::inbox_options(raw_options, base_options.faults));
-    FaultyFrames frames(clock, raw, base_options.faults, base->start(), {});
-    simulator.set_tap(later(into(frames, options.taps.sensors), base->start()));
+    const std::vector<InjectedFault>& faults = options.real_time->faults;
+    base.emplace(simulator, clock, *configuration.robot.model, configuration.simulated_base);
+    FaultyBase faulty_base(*base, clock, faults, base->start());
+    SensorInbox inbox(
+        clock, FaultyFrames::inbox_options(simulated_inbox(configuration.drive.inbox), faults));
+    const RgbdFootprint& seen = configuration.robot.depth;
+    FaultyFrames frames(clock, inbox, faults, base->start(), {seen.min_range, seen.max_range});
+    SimulatedStreams streams(*base, simulator, clock, inbox, frames_into(frames),
+                             configuration.simulated_base.belief_period, options.taps.sensors);
     const std::optional<RangeCamera> camera = range_camera(configuration);
     const RangeStop range_stop(configuration.drive.ranges);
-    FaultyReplanner replanner(*planner, *configuration.robot.model, clock, base_options.faults,
-                              base->start());
-    disk.emplace(clock, base_options.faults, base->start());
+    FaultyReplanner replanner(*planner, *configuration.robot.model, clock, faults, base->start());
+    disk.emplace(clock, faults, base->start());
     // Without one there are no images, and its numbers are not looked at.
     const RangeCamera looking = camera.value_or(RangeCamera{});
     const double base_height = configuration.robot.base_height();
     const auto floor = [&]() -> std::optional<PreflightFacts::Floor> {
-      const NewestRanges newest = raw.ranges();
+      const NewestRanges newest = inbox.ranges();
       if (!camera || (!newest.depth.image && !newest.scan.in_B)) return std::nullopt;
       return seen_floor(
           newest.depth.image ? *newest.depth.image : depth_image(*newest.scan.in_B, *camera),
@@ -346,14 +291,14 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
       };
     };
     LiveRobot live{.clock = clock,
-                   .base = *base,
-                   .beliefs = *base,
+                   .base = faulty_base,
+                   .beliefs = streams,
                    .planner = replanner,
                    .guard = guard,
-                   .inbox = &base->sensors(),
+                   .inbox = &inbox,
                    .streams = {{"cameras", limits.max_pose_age, stamp(&SourceStamps::pose)},
                                {"depth", limits.max_ranges_age, stamp(&SourceStamps::ranges)}},
-                   .ranges = range_look(raw, range_stop, looking),
+                   .ranges = range_look(inbox, range_stop, looking),
                    .floor = floor};
     mission = live_mission(live, configuration, mission_options, observe, options, result);
   } else {

@@ -130,9 +130,8 @@ SimulatorOptions simulator_options_for(const Configuration& configuration, std::
 Guard::Options guard_limits_for(const Configuration& configuration);
 
 /// Runs one mission in the kinematic simulator, to its end. Throws InputError if the robot cannot
-/// start there, std::invalid_argument for an unknown solver, options out of range, or faults that
-/// these sensors cannot have, all before on_start. In lockstep deterministic but for wall-clock
-/// times.
+/// start there, std::invalid_argument for an unknown solver or options out of range, all before
+/// on_start. In lockstep deterministic but for wall-clock times.
 ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                                      const Configuration& configuration,
                                      const ExplorationRunOptions& options);

@@ -98,6 +98,7 @@ std::function<void(const SensorFrame&)> frames_to(SensorTap tap) {
     void operator()(const ScanFrame& frame) const {
       if (tap.scan && frame.in_B) tap.scan(frame.stamp, *frame.in_B);
     }
+    void operator()(const EstimateFrame&) const {}  // no measurement
   };
   return [hand = Hand{std::move(tap)}](const SensorFrame& frame) { std::visit(hand, frame); };
 }

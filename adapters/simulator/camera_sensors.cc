@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <variant>
 
 #include "adapters/simulator/feature_field.h"
 #include "adapters/simulator/noise_stream.h"
@@ -138,7 +139,11 @@ void CameraSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
   seen.look(looking_, true_pose);
   DepthImage image = rig_.depth(true_pose, scans_++);
   if (tap_.depth) tap_.depth(stamp, image);
-  perception_.depth(stamp, std::move(image));
+  if (enters_ranges_) perception_.depth(stamp, std::move(image));
+}
+
+void CameraSensors::enter(double stamp, const SensorFrame& ranges) {
+  if (const auto* depth = std::get_if<DepthFrame>(&ranges)) perception_.depth(stamp, *depth->image);
 }
 
 std::shared_ptr<const Belief> CameraSensors::belief(double stamp, const Pose&, const Twist&) {

@@ -31,7 +31,8 @@ TexturedMesh seen_mesh(const World& world, const SimulatorOptions& options);
 /// scales drawn once, N(1, sigma_scale^2), plus noise of the variances that WheelErrors gives:
 /// (along^2 |v|, across^2 |v|) / dt and (turn^2 |w| + heading^2 |v|) / dt.
 ///
-/// Inputs arrive at once. A robot that is to use no wheels holds its pose while it is lost.
+/// Inputs arrive at once, so no depth image waits for a pose, but after leave_ranges(). A
+/// robot that is to use no wheels holds its pose while it is lost.
 ///
 /// Bits: the same for any number of threads of the renderer. Source: our choice.
 class CameraSensors final : public SimulatedSensors {
@@ -44,6 +45,7 @@ class CameraSensors final : public SimulatedSensors {
 
   void image(double stamp, const Pose& true_pose, const Twist& twist) override;
   void scan(double stamp, const Pose& true_pose, SeenArea& seen) override;
+  void enter(double stamp, const SensorFrame& ranges) override;
   std::shared_ptr<const Belief> belief(double stamp, const Pose& true_pose,
                                        const Twist& commanded) override;
   Pose estimate(double stamp, const Pose& true_pose) const override;

@@ -1,6 +1,7 @@
 #include "adapters/simulator/faulty_base.h"
 
 #include <limits>
+#include <utility>
 
 namespace prospect {
 
@@ -67,41 +68,46 @@ Twist FaultyBase::measured(Twist velocity, double now) {
   return velocity;
 }
 
+void FaultyBase::measure(BaseReport& fresh, double now) {
+  Measured newest;
+  newest.time = now;
+  for (WheelSample& sample : fresh.wheels) {
+    const Twist twist =
+        measured({{sample.velocity.x(), sample.velocity.y(), 0.0}, sample.yaw_rate}, now);
+    sample.velocity = twist.linear.head<2>();
+    sample.yaw_rate = twist.yaw_rate;
+  }
+  newest.wheels.swap(fresh.wheels);
+  newest.velocity = measured(fresh.velocity, now);
+  constexpr std::size_t kMost = 10'000;
+  if (waiting_.size() == kMost) waiting_.pop_front();
+  waiting_.push_back(std::move(newest));
+}
+
 BaseReport FaultyBase::report() noexcept {
   const double sleep = command_sleep(faults_, clock_.now() - start_);
   if (sleep > 0.0) clock_.wait_until(clock_.now() + sleep, {});
   const double now = clock_.now();
   pass_late(now);
   BaseReport fresh = base_.report();
+  measure(fresh, now);
   const auto has = [&](FaultVerb verb) { return holds(FaultSource::kWheels, verb, now); };
-  constexpr std::size_t kMost = 10'000;
-  const double late = has(FaultVerb::kDelayed) ? kFaultDelay : 0.0;
-  for (const WheelSample& sample : fresh.wheels) {
-    const Twist twist =
-        measured({{sample.velocity.x(), sample.velocity.y(), 0.0}, sample.yaw_rate}, now);
-    if (waiting_.size() == kMost) waiting_.pop_front();
-    waiting_.push_back(
-        {now + late, {sample.stamp, Eigen::Vector2d(twist.linear.head<2>()), twist.yaw_rate}});
-  }
-  fresh.wheels.clear();
   const bool stays = holds(FaultSource::kLink, FaultVerb::kStuck, now) || !link_passes(now) ||
                      (has(FaultVerb::kSlow) && now - last_told_ < kSlowFrames);
   if (stays) return told_;
   last_told_ = now;
-  const Twist before = told_.velocity;
-  told_ = fresh;
-  told_.velocity = measured(fresh.velocity, now);
-  if (late > 0.0) told_.velocity = before;
-  BaseReport report = told_;
-  while (!waiting_.empty() && waiting_.front().first <= now) {
-    report.wheels.push_back(waiting_.front().second);
-    if (late > 0.0) {
-      const WheelSample& sample = waiting_.front().second;
-      told_.velocity =
-          report.velocity = {{sample.velocity.x(), sample.velocity.y(), 0.0}, sample.yaw_rate};
-    }
+  fresh.velocity = told_.velocity;
+  std::vector<WheelSample> wheels;
+  const double late = has(FaultVerb::kDelayed) ? kFaultDelay : 0.0;
+  while (!waiting_.empty() && waiting_.front().time <= now - late) {
+    const Measured& oldest = waiting_.front();
+    fresh.velocity = oldest.velocity;
+    wheels.insert(wheels.end(), oldest.wheels.begin(), oldest.wheels.end());
     waiting_.pop_front();
   }
+  told_ = std::move(fresh);
+  BaseReport report = told_;
+  report.wheels = std::move(wheels);
   if (has(FaultVerb::kOff)) {
     report.velocity = {};
     report.wheels.clear();

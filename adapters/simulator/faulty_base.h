@@ -3,7 +3,6 @@
 #include <deque>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "adapters/simulator/faulty_motion.h"
@@ -38,9 +37,16 @@ class FaultyBase final : public Base {
   bool holds(FaultSource source, FaultVerb verb, double now) const {
     return fault_at(faults_, source, verb, now - start_) != nullptr;
   }
+  /// What the encoders measured until a report.
+  struct Measured {
+    double time = 0.0;  // [s]
+    Twist velocity;
+    std::vector<WheelSample> wheels;
+  };
   bool link_passes(double now) const;
   void pass_late(double now) noexcept;
   Twist measured(Twist velocity, double now);
+  void measure(BaseReport& fresh, double now);
 
   Base& base_;
   const Clock& clock_;
@@ -49,8 +55,8 @@ class FaultyBase final : public Base {
   FaultyMotion motion_;
   std::deque<Command> late_;
   double last_sent_ = -1e9, last_told_ = -1e9;
-  BaseReport told_;                                     // the newest that passed
-  std::deque<std::pair<double, WheelSample>> waiting_;  // and when they are to be told
+  BaseReport told_;               // the newest that passed, without its wheel samples
+  std::deque<Measured> waiting_;  // not told yet
   std::optional<Twist> stuck_;
 };
 

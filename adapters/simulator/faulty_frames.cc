@@ -26,22 +26,22 @@ bool FaultyFrames::any(std::initializer_list<FaultSource> sources) const {
   });
 }
 
-void FaultyFrames::image(FaultSource source, Stream<Image>& stream, double stamp, Image content,
-                         double now) {
+void FaultyFrames::camera(FaultSource source, Stream<CameraContent>& stream, double stamp,
+                          CameraContent content, double now) {
   const double time = now - start_;
   const auto has = [&](FaultVerb verb) {
     return holds(source, verb, time) || holds(FaultSource::kCameras, verb, time);
   };
-  const auto send = [&](double at, Image picture) {
-    stream.newest = picture;
+  const auto send = [&](double at, CameraContent seen) {
+    stream.newest = seen;
     stream.stamp = at;
     stream.sent = now;
-    if (has(FaultVerb::kGarbage)) picture = Image();
+    if (has(FaultVerb::kGarbage)) seen = CameraContent();
     if (holds(source, FaultVerb::kWrong, time)) at -= kCameraSkew;
     if (source == FaultSource::kLeftCamera) {
-      inbox_.left(at, std::move(picture));
+      inbox_.left(at, std::move(seen));
     } else {
-      inbox_.right(at, std::move(picture));
+      inbox_.right(at, std::move(seen));
     }
   };
   if (has(FaultVerb::kDelayed)) {
@@ -75,10 +75,19 @@ void FaultyFrames::pair(double stamp, ImagePair images) {
             FaultSource::kClock})) {
     return inbox_.pair(stamp, stamp, std::move(images));
   }
+  cameras(stamp, std::move(images.left), std::move(images.right));
+}
+
+void FaultyFrames::pair(double stamp, std::shared_ptr<const Belief> estimate) {
+  const CameraContent content(std::move(estimate));
+  cameras(stamp, content, content);
+}
+
+void FaultyFrames::cameras(double stamp, CameraContent left, CameraContent right) {
   const std::lock_guard lock(mutex_);
   const double now = clock_.now();
-  image(FaultSource::kLeftCamera, left_, stamp, std::move(images.left), now);
-  image(FaultSource::kRightCamera, right_, stamp, std::move(images.right), now);
+  camera(FaultSource::kLeftCamera, left_, stamp, std::move(left), now);
+  camera(FaultSource::kRightCamera, right_, stamp, std::move(right), now);
 }
 
 template <class Content, class Send>
@@ -108,6 +117,11 @@ void FaultyFrames::ranges(Stream<Content>& stream, double stamp, Content content
   put(stamp, std::move(content));
 }
 
+double FaultyFrames::any_range() {
+  const double share = unit_interval(mixed_bits(random_++));
+  return range_.min + share * (range_.max - range_.min);
+}
+
 void FaultyFrames::depth(double stamp, DepthImage image) {
   if (!any({FaultSource::kDepth, FaultSource::kClock})) {
     return inbox_.depth(stamp, std::move(image));
@@ -119,22 +133,33 @@ void FaultyFrames::depth(double stamp, DepthImage image) {
       for (float& z : picture.depth) z *= static_cast<float>(kDepthScale);
     }
     if (holds(FaultSource::kDepth, FaultVerb::kGarbage, time)) {
-      for (float& z : picture.depth) {
-        const double share = unit_interval(mixed_bits(random_++));
-        z = static_cast<float>(range_.min + share * (range_.max - range_.min));
-      }
+      for (float& z : picture.depth) z = static_cast<float>(any_range());
     }
     inbox_.depth(told, std::move(picture));
   });
 }
 
-void FaultyFrames::scan(double stamp, DepthScan in_B) {
+void FaultyFrames::scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose> pose) {
   if (!any({FaultSource::kDepth, FaultSource::kClock})) {
-    return inbox_.scan(stamp, std::move(in_B));
+    return inbox_.scan(stamp, std::move(in_B), std::move(pose));
   }
   const std::lock_guard lock(mutex_);
-  ranges(scan_, stamp, std::move(in_B), clock_.now(),
-         [&](double told, DepthScan rays) { inbox_.scan(told, std::move(rays)); });
+  const double now = clock_.now(), time = now - start_;
+  ranges(scan_, stamp, Scan{std::move(in_B), std::move(pose)}, now, [&](double told, Scan scan) {
+    DepthScan& rays = scan.in_B;
+    if (holds(FaultSource::kDepth, FaultVerb::kWrong, time)) {
+      for (auto& hit : rays.hits) hit = rays.origin + kDepthScale * (hit - rays.origin);
+    }
+    if (holds(FaultSource::kDepth, FaultVerb::kGarbage, time)) {
+      // Each ray ends anywhere.
+      rays.hits.insert(rays.hits.end(), rays.misses.begin(), rays.misses.end());
+      rays.misses.clear();
+      for (auto& hit : rays.hits) {
+        hit = rays.origin + any_range() * (hit - rays.origin).normalized();
+      }
+    }
+    inbox_.scan(told, std::move(rays), std::move(scan.pose));
+  });
 }
 
 }  // namespace prospect

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <deque>
 #include <initializer_list>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -16,9 +17,9 @@
 
 namespace prospect {
 
-/// Stereo pairs, depth images and scans on their way into an inbox, with injected faults of
-/// cameras, depth sensor and their clock (injected_fault.h): pictures, where those of
-/// SimulatedStreams are numbers. Without a fault of theirs they pass as they are.
+/// Stereo pairs, depth images and scans of any robot on their way into an inbox, with injected
+/// faults of cameras, depth sensor and their clock (injected_fault.h). Without a fault of theirs
+/// they pass as they are.
 ///
 /// Thread-safety: any thread. Nothing throws after construction, but for want of memory.
 class FaultyFrames {
@@ -33,11 +34,16 @@ class FaultyFrames {
                                           const std::vector<InjectedFault>& faults);
 
   void pair(double stamp, ImagePair images);
+  /// Of cameras that are a model.
+  void pair(double stamp, std::shared_ptr<const Belief> estimate);
   void depth(double stamp, DepthImage image);
-  /// What depth:garbage and depth:wrong make of a scan is faulty_scans()'.
-  void scan(double stamp, DepthScan in_B);
+  void scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose> pose = nullptr);
 
  private:
+  struct Scan {
+    DepthScan in_B;
+    std::shared_ptr<const Pose> pose;
+  };
   template <class Content>
   struct Stream {
     std::optional<Content> newest;  // as sent last
@@ -52,7 +58,10 @@ class FaultyFrames {
   /// What is to be sent of the depth sensor now, with its stamps in the runtime's clock.
   template <class Content, class Send>
   void ranges(Stream<Content>& stream, double stamp, Content content, double now, const Send& send);
-  void image(FaultSource source, Stream<Image>& stream, double stamp, Image content, double now);
+  void camera(FaultSource source, Stream<CameraContent>& stream, double stamp,
+              CameraContent content, double now);
+  void cameras(double stamp, CameraContent left, CameraContent right);
+  double any_range();  // [m]
 
   const Clock& clock_;
   SensorInbox& inbox_;
@@ -60,9 +69,9 @@ class FaultyFrames {
   const double start_;
   const DepthRange range_;
   std::mutex mutex_;
-  Stream<Image> left_, right_;
+  Stream<CameraContent> left_, right_;
   Stream<DepthImage> depth_;
-  Stream<DepthScan> scan_;
+  Stream<Scan> scan_;
   std::uint64_t random_ = 1;
 };
 

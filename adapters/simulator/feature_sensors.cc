@@ -1,5 +1,6 @@
 #include "adapters/simulator/feature_sensors.h"
 
+#include <variant>
 #include <vector>
 
 #include "adapters/simulator/noise_stream.h"
@@ -31,8 +32,7 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
       odometry_(options.odometry, options.features.stereo, options.stereo_mount, start,
                 stream_seed(options.seed, NoiseStream::kOdometry)),
       landmarks_(landmarks_of(options, perception), options.features, options.stereo_mount),
-      mapper_(perception.mapping),
-      distort_scan_(options.distort_scan) {
+      mapper_(perception.mapping) {
   if (options.map) mapper_.load(*options.map);
   const double z = start.position.z();
   for (const Disc& d : known_free) {
@@ -42,11 +42,18 @@ FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& optio
 }
 
 void FeatureSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
+  ScanFrame frame;
+  frame.in_B = std::make_shared<const DepthScan>(seen.look(depth_, true_pose));
+  frame.pose = std::make_shared<const Pose>(odometry_.estimate(true_pose));
+  if (tap_.scan) tap_.scan(stamp, *frame.in_B);
+  if (enters_ranges_) enter(stamp, frame);
+}
+
+void FeatureSensors::enter(double stamp, const SensorFrame& ranges) {
+  const auto* scan = std::get_if<ScanFrame>(&ranges);
+  if (!scan || !scan->pose) return;
   scan_stamp_ = stamp;
-  DepthScan scan = seen.look(depth_, true_pose);
-  if (distort_scan_) distort_scan_(stamp, scan);
-  if (tap_.scan) tap_.scan(stamp, scan);
-  mapper_.insert(transform(scan, odometry_.estimate(true_pose)));
+  mapper_.insert(transform(*scan->in_B, *scan->pose));
 }
 
 void FeatureSensors::image(double stamp, const Pose& pose, const Twist&) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -33,6 +32,7 @@ class FeatureSensors final : public SimulatedSensors {
 
   void image(double stamp, const Pose& true_pose, const Twist& twist) override;
   void scan(double stamp, const Pose& true_pose, SeenArea& seen) override;
+  void enter(double stamp, const SensorFrame& ranges) override;
   std::shared_ptr<const Belief> belief(double stamp, const Pose& true_pose,
                                        const Twist& commanded) override;
   Pose estimate(double stamp, const Pose& true_pose) const override;
@@ -51,7 +51,6 @@ class FeatureSensors final : public SimulatedSensors {
   OdometryModel odometry_;
   LandmarkBuilder landmarks_;
   OccupancyMapper mapper_;
-  const std::function<void(double, DepthScan&)> distort_scan_;
   SensorTap tap_;
 
   double scan_stamp_ = 0.0, image_stamp_ = 0.0;  // [s], of the newest

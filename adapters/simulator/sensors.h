@@ -10,6 +10,7 @@
 #include "models/types.h"
 #include "perception/odometry/image.h"
 #include "perception/odometry/stereo_odometry.h"
+#include "runtime/sensor_inbox.h"
 
 namespace prospect {
 
@@ -34,6 +35,11 @@ class SimulatedSensors {
   virtual void image(double stamp, const Pose& true_pose, const Twist& twist) = 0;
   /// A depth image; what its rays have passed and met is entered in `seen`.
   virtual void scan(double stamp, const Pose& true_pose, SeenArea& seen) = 0;
+  /// From now on enter() alone enters in the map what the depth sensor measures: where its frames
+  /// take their time, or other ways.
+  void leave_ranges() { enters_ranges_ = false; }
+  /// A frame of the depth sensor, as if taken at `stamp` [s]. Any other does nothing.
+  virtual void enter(double stamp, const SensorFrame& ranges) = 0;
 
   /// What the robot knows now, at a true pose reached since the newest image. `commanded` is the
   /// twist that it executes.
@@ -51,6 +57,9 @@ class SimulatedSensors {
 
   /// The newest left image; empty where there is none.
   virtual CameraPicture picture() const { return {}; }
+
+ protected:
+  bool enters_ranges_ = true;  // at once
 };
 
 }  // namespace prospect

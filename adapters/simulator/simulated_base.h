@@ -1,20 +1,14 @@
 #pragma once
 
 #include <deque>
-#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "adapters/simulator/faulty_motion.h"
 #include "adapters/simulator/simulated_base_options.h"
-#include "adapters/simulator/simulated_streams.h"
 #include "adapters/simulator/simulator.h"
-#include "engine/maps/belief.h"
 #include "models/motion_model.h"
 #include "runtime/base.h"
-#include "runtime/belief_source.h"
 #include "runtime/clock.h"
 
 namespace prospect {
@@ -32,25 +26,19 @@ struct SimulatedTruth {
 };
 SimulatedTruth truth_of(const Simulator& simulator);
 
-/// The simulator as a robot in real time: motors that take commands with an expiry, and what
-/// perceives. The world goes on with the clock, whether commands come or not. Its time 0 is the
-/// clock's when this was made; stamps of beliefs are in the runtime's clock.
+/// The simulator's motors in real time: a base that takes commands with an expiry. The world goes
+/// on with the clock, whether commands come or not. Its time 0 is the clock's when this was made.
 ///
 /// Motion. A command acts `delay` after it was sent, until the next one acts, it expires, or
-/// `dead_man` has passed since it came: then the robot stands. The world is brought up to date when
-/// a belief is asked for, along the commands that acted since, each for its time; so what a belief
-/// costs to make does not change where the robot drives.
+/// `dead_man` has passed since it came: then the robot stands. The world is brought up to date by
+/// advance(), along the commands that acted since, each for its time; so what a belief costs to
+/// make does not change where the robot drives.
 ///
-/// Faults (injected_fault.h). Those of sensors and their clock act in SimulatedStreams, those of
-/// link, motors and wheels here, as does that of the command thread: report() makes it wait. Faults
-/// of the planner and the disk are FaultyReplanner's and FaultyDisk's, what a scan holds is
-/// faulty_scans()'.
-///
-/// Thread-safety: send(), stop() and report() from one thread, update() from another; truth() from
-/// any. The simulator belongs to update() until all threads have ended. send(), stop() and report()
-/// never wait for the simulator. sensors() and holds_command() are for any thread. Errors: the
-/// constructor throws std::invalid_argument on options out of range.
-class SimulatedBase final : public Base, public BeliefSource {
+/// Thread-safety: send(), stop() and report() from one thread, advance() from another, to which the
+/// simulator belongs until all threads have ended; the others from any. Nobody waits for the
+/// simulator but advance(). Errors: the constructor throws std::invalid_argument on options out of
+/// range.
+class SimulatedBase final : public Base {
  public:
   /// simulator and clock outlive it.
   SimulatedBase(Simulator& simulator, const Clock& clock, const MotionModel& model,
@@ -63,46 +51,30 @@ class SimulatedBase final : public Base, public BeliefSource {
   void stop() noexcept override;
   BaseReport report() noexcept override;
 
-  std::shared_ptr<const Belief> update(const std::stop_token& stop) override;
+  /// Brings the world up to the time `now` [s] of the clock.
+  void advance(double now);
 
   SimulatedTruth truth() const;
   /// Whether a command is in force; else it has expired, or there was none.
   bool holds_command() const;
-  /// What the sensors' frames go through.
-  SensorInbox& sensors() { return streams_.inbox(); }
-  double start() const { return epoch_; }  ///< [s] of the clock, where the time of faults begins
+  double start() const { return epoch_; }  ///< [s] of the clock, the simulator's time 0
 
  private:
   struct Order {
     double acts = 0.0, ends = 0.0;  // [s] in the runtime's clock
     Twist command;
   };
-  bool link_passes(double now) const;
   /// What acts at a time. Under the lock.
   Twist acting(double time) const;
-  void advance(double now);
-  bool holds(FaultSource source, FaultVerb verb, double now) const {
-    return fault_at(options_.faults, source, verb, now - epoch_) != nullptr;
-  }
-  /// What the encoders measure. Under the lock.
-  Twist measured(double now);
-  /// The command thread's sleep, if a fault says so.
-  void sleep_as_faults_say() const;
 
   Simulator& simulator_;
   const Clock& clock_;
   const SimulatedBaseOptions options_;
   const double epoch_;  // [s] in the runtime's clock
   BaseLimits limits_;
-  FaultyMotion motion_;
   mutable std::mutex mutex_;  // orders_, truth_
   std::deque<Order> orders_;  // in order of time
   SimulatedTruth truth_;
-  double last_report_ = 0.0, last_passed_ = 0.0;
-  std::optional<Twist> stuck_velocity_;
-  // Of update().
-  double updated_ = 0.0;
-  SimulatedStreams streams_;
 };
 
 }  // namespace prospect

@@ -1,9 +1,5 @@
 #pragma once
 
-#include <vector>
-
-#include "adapters/simulator/injected_fault.h"
-
 namespace prospect {
 
 class Knobs;
@@ -12,9 +8,8 @@ struct SimulatedBaseOptions {
   double dead_man = 0.4;        ///< [s] after which it stops by itself, > 0
   double delay = 0.0;           ///< [s] from a command to when it acts, >= 0
   double belief_period = 0.05;  ///< [s] from one belief to the next, > 0
-  std::vector<InjectedFault> faults;
 };
-/// The knobs (models/knobs.h); faults are the command line's.
+/// The knobs (models/knobs.h).
 void describe(Knobs& knobs, SimulatedBaseOptions& options);
 
 }  // namespace prospect

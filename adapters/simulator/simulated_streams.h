@@ -1,74 +1,77 @@
 #pragma once
 
-#include <cstdint>
-#include <deque>
-#include <limits>
+#include <functional>
+#include <memory>
 #include <optional>
-#include <vector>
+#include <stop_token>
+#include <utility>
 
-#include "adapters/simulator/injected_fault.h"
+#include "adapters/simulator/sensor_tap.h"
+#include "adapters/simulator/simulated_base.h"
+#include "adapters/simulator/simulator.h"
 #include "engine/maps/belief.h"
+#include "runtime/belief_source.h"
 #include "runtime/clock.h"
 #include "runtime/sensor_inbox.h"
 
 namespace prospect {
 
-/// The sensors of a simulated robot as streams of stamped frames, with faults: a left and a right
-/// image and a depth scan for each belief that the simulator makes. They go through an inbox, which
-/// pairs, shifts and refuses them as it does those of a real robot. A frame holds no picture, but
-/// the number of the belief that belongs to it; what comes through decides which parts of which
-/// belief are known: pose, twist, covariance, localization and landmarks are the cameras', maps and
-/// ranges the depth sensor's. Nothing carries the pose on while no pair comes.
+/// Who gets what the sensors of a simulated robot measure, stamped in the runtime's clock [s]: an
+/// inbox, or what stands before it. All are called by one thread.
+struct SimulatedFrames {
+  /// What both cameras together make known, for each belief.
+  std::function<void(double stamp, std::shared_ptr<const Belief> estimate)> pair;
+  /// pose: where the robot took itself to be.
+  std::function<void(double stamp, const DepthScan& in_B, const Pose& pose)> scan;
+  std::function<void(double stamp, const DepthImage& depth)> depth;
+};
+/// Into FaultyFrames, which outlives them.
+template <class Frames>
+SimulatedFrames frames_into(Frames& frames) {
+  return {[&frames](double stamp, std::shared_ptr<const Belief> estimate) {
+            frames.pair(stamp, std::move(estimate));
+          },
+          [&frames](double stamp, const DepthScan& in_B, const Pose& pose) {
+            frames.scan(stamp, in_B, std::make_shared<const Pose>(pose));
+          },
+          [&frames](double stamp, const DepthImage& depth) { frames.depth(stamp, depth); }};
+}
+/// As an inbox must take them.
+SensorInboxOptions simulated_inbox(SensorInboxOptions options);
+
+/// What a simulated robot knows in real time: its sensors' frames go out to SimulatedFrames and
+/// come back through an inbox, which pairs, shifts and refuses them as it does those of a real
+/// robot. What comes back decides what is known: pose, twist, covariance, localization and
+/// landmarks are the cameras', the maps are made of the depth sensor's frames. Nothing carries the
+/// pose on while no pair comes. A belief is as old as its pose; there is none before the first
+/// pair.
 ///
-/// With a fault of the clock among the faults, the sensors have a clock of their own from the
-/// start.
-///
-/// Thread-safety: through() from one thread; the inbox is for any.
-class SimulatedStreams {
+/// Thread-safety: update() from one thread, which brings the world up to date with it.
+class SimulatedStreams final : public BeliefSource {
  public:
-  /// The clock outlives it; the time of the faults begins at `start` [s] of it.
-  SimulatedStreams(const Clock& clock, std::vector<InjectedFault> faults, double start);
+  /// period: [s] from one belief to the next. listeners: who hears of what is measured, before
+  /// anything becomes of it, in the runtime's clock. base, simulator, clock and inbox outlive it.
+  SimulatedStreams(SimulatedBase& base, Simulator& simulator, const Clock& clock,
+                   SensorInbox& inbox, SimulatedFrames frames, double period,
+                   SensorTap listeners = {});
+  ~SimulatedStreams() override;
+  SimulatedStreams(const SimulatedStreams&) = delete;
+  SimulatedStreams& operator=(const SimulatedStreams&) = delete;
 
-  /// What is known of `belief`, just made, stamps in the runtime's clock. It is as old as its pose.
-  /// None before the first pair: nothing is known of where the robot is.
-  std::optional<Belief> through(Belief belief);
-
-  const SensorInbox& inbox() const { return inbox_; }
-  SensorInbox& inbox() { return inbox_; }
+  std::shared_ptr<const Belief> update(const std::stop_token& stop) override;
 
  private:
-  struct Made {
-    std::uint32_t number;
-    Belief belief;
-  };
-  struct Stream {
-    std::optional<std::uint32_t> newest{};  // number of the belief that was sent last
-    double stamp = 0.0;                     // [s] that it had, in the sensors' clock
-    double time = -std::numeric_limits<double>::infinity();  // [s] when it was sent
-  };
+  void take_frames();
 
-  bool holds(FaultSource source, FaultVerb verb, double time) const {
-    return fault_at(faults_, source, verb, time) != nullptr;
-  }
-  /// What is to be sent of a stream now; none: nothing. With the number of a belief and its stamp.
-  struct Frame {
-    std::uint32_t number;
-    double stamp;
-  };
-  std::optional<Frame> next(Stream& stream, FaultSource source, double now, double time,
-                            double SourceStamps::*capture) const;
-  void send_image(FaultSource source, Stream& stream, double now, double time);
-  void send_depth(double now, double time);
-  const Belief* made(std::uint32_t number) const;
-
+  SimulatedBase& base_;
+  Simulator& simulator_;
   const Clock& clock_;
-  const std::vector<InjectedFault> faults_;
-  const double start_;
-  SensorInbox inbox_;
-  std::deque<Made> made_;  // the newest ones, for what is delayed
-  std::uint32_t number_ = 0;
-  Stream left_, right_, depth_;
-  std::optional<Belief> of_cameras_, of_depth_;  // the newest that came through
+  SensorInbox& inbox_;
+  const SimulatedFrames frames_;
+  const double period_;
+  const SensorTap listeners_;
+  double updated_;                    // [s]
+  std::optional<Belief> of_cameras_;  // the newest that came through
 };
 
 }  // namespace prospect

@@ -125,6 +125,10 @@ void Simulator::apply(const Twist& twist, double duration) {
 }
 
 void Simulator::set_tap(SensorTap tap) { impl_->sensors->set_tap(std::move(tap)); }
+void Simulator::leave_ranges() { impl_->sensors->leave_ranges(); }
+void Simulator::enter(double stamp, const SensorFrame& ranges) {
+  impl_->sensors->enter(stamp, ranges);
+}
 double Simulator::time() const { return impl_->time; }
 const World& Simulator::world() const { return *impl_->world; }
 const SimulatorOptions& Simulator::options() const { return impl_->options; }

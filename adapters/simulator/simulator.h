@@ -48,6 +48,9 @@ class Simulator {
 
   /// Who listens to the sensors from now on, on the thread of apply().
   void set_tap(SensorTap tap);
+  // As SimulatedSensors.
+  void leave_ranges();
+  void enter(double stamp, const SensorFrame& ranges);
 
   double time() const;  ///< [s] since the start
   const World& world() const;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 
@@ -87,10 +87,6 @@ struct SimulatorOptions {
   std::shared_ptr<const octomap::OcTree> map{};
 
   CameraSensorsOptions camera;
-
-  /// What becomes of a scan, in B, taken at `stamp` [s], before it is entered in the map, of
-  /// sensors that are a model: a fault on purpose. Empty: nothing.
-  std::function<void(double stamp, DepthScan& scan)> distort_scan{};
 };
 
 /// The knobs (models/knobs.h): all that does not come from the robot, the world or the command

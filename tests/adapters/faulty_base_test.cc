@@ -19,10 +19,10 @@ class Hand final : public Clock {
   mutable double time = 100.0;  // [s]
 };
 
-/// Drives as it was told last.
+/// Moves at a speed of its own.
 class Plain final : public Base {
  public:
-  explicit Plain(const Clock& clock) : clock_(clock) {}
+  Plain(const Clock& clock, bool tells_wheels) : clock_(clock), tells_wheels_(tells_wheels) {}
   std::string name() const noexcept override { return "plain"; }
   std::optional<double> dead_man() const noexcept override { return 0.4; }
   void send(const Twist& command, double) noexcept override { sent.push_back(command.linear.x()); }
@@ -32,7 +32,7 @@ class Plain final : public Base {
     report.connected = true;
     report.stamp = clock_.now();
     report.velocity = {{speed, 0.0, 0.0}, 0.0};
-    report.wheels = {{clock_.now(), {speed, 0.0}, 0.0}};
+    if (tells_wheels_) report.wheels = {{clock_.now(), {speed, 0.0}, 0.0}};
     return report;
   }
   std::vector<double> sent;
@@ -41,11 +41,13 @@ class Plain final : public Base {
 
  private:
   const Clock& clock_;
+  const bool tells_wheels_;
 };
 
 struct Broken {
-  explicit Broken(const std::string& fault)
-      : plain(clock), base(plain, clock, {parse_fault(fault + "@1+2")}, clock.now()) {}
+  explicit Broken(const std::string& fault, bool tells_wheels = true)
+      : plain(clock, tells_wheels),
+        base(plain, clock, {parse_fault(fault + "@1+2")}, clock.now()) {}
   /// Reports and sends each 0.1 s until so many seconds after the start.
   std::vector<BaseReport> until(double end) {
     std::vector<BaseReport> reports;
@@ -95,34 +97,47 @@ TEST(FaultyBase, MotorsThatDoOtherwise) {
   EXPECT_GT(b.plain.sent.back(), 0.0);
 }
 
+// Of a base that tells what its wheels measured and of one that tells its velocity alone. It slows
+// down as the fault begins.
 TEST(FaultyBase, EncodersThatLie) {
-  const auto velocity = [](const char* fault, double at) {
-    Broken b(fault);
-    b.until(1.0);
-    b.plain.speed = 0.25;
-    return b.until(at).back();
+  struct Case {
+    const char* fault;
+    double at;     // [s]
+    double speed;  // [m/s] that it tells then
   };
-  EXPECT_EQ(velocity("wheels:wrong", 2.0).velocity.linear.x(), 0.5);
-  EXPECT_EQ(velocity("wheels:wrong", 2.0).wheels.back().velocity.x(), 0.5);
-  EXPECT_EQ(velocity("wheels:wrong", 3.5).velocity.linear.x(), 0.25) << "it is over";
-  EXPECT_TRUE(std::isnan(velocity("wheels:garbage", 2.0).velocity.linear.x()));
-  EXPECT_EQ(velocity("wheels:off", 2.0).faults.size(), 1U);
-  EXPECT_TRUE(velocity("wheels:off", 2.0).wheels.empty());
-  EXPECT_EQ(velocity("wheels:intermittent", 1.5).velocity.linear.x(), 0.0);
-  EXPECT_EQ(velocity("wheels:intermittent", 2.0).velocity.linear.x(), 0.25);
-  // Each 1.2 s, with all that was measured meanwhile.
-  EXPECT_NEAR(velocity("wheels:slow", 2.0).stamp, 100.95, 1e-9);
-  // What was measured as it stuck is told again.
-  Broken stuck("wheels:stuck");
-  stuck.until(1.2);
-  stuck.plain.speed = 0.0;
-  EXPECT_EQ(stuck.until(2.0).back().velocity.linear.x(), 0.5);
-  EXPECT_EQ(stuck.until(3.5).back().velocity.linear.x(), 0.0);
-  Broken late("wheels:delayed");
-  late.until(2.0);
-  late.plain.speed = 0.0;
-  EXPECT_EQ(late.until(2.2).back().velocity.linear.x(), 0.5);
-  EXPECT_EQ(late.until(2.8).back().velocity.linear.x(), 0.0);
+  for (const bool tells_wheels : {true, false}) {
+    const auto broken = [&](const char* fault, double at) {
+      Broken b(fault, tells_wheels);
+      b.until(1.0);
+      b.plain.speed = 0.25;
+      return b.until(at).back();
+    };
+    for (const Case& c : {
+             Case{"wheels:wrong", 2.0, 0.5}, Case{"wheels:wrong", 3.5, 0.25},  // it is over
+             Case{"wheels:stuck", 2.0, 0.25},  // the first that it measured then
+             Case{"wheels:intermittent", 1.5, 0.0}, Case{"wheels:intermittent", 2.0, 0.25},
+             Case{"wheels:slow", 2.0, 0.5},      // the report before
+             Case{"wheels:slow", 2.5, 0.25},     // 1.2 s later
+             Case{"wheels:delayed", 1.3, 0.5},   // 0.3 s old
+             Case{"wheels:delayed", 1.5, 0.25},  // likewise
+         }) {
+      const BaseReport report = broken(c.fault, c.at);
+      EXPECT_EQ(report.velocity.linear.x(), c.speed) << c.fault << " at " << c.at;
+      if (!report.wheels.empty()) {
+        EXPECT_EQ(report.wheels.back().velocity.x(), c.speed) << c.fault;
+      }
+    }
+    EXPECT_TRUE(std::isnan(broken("wheels:garbage", 2.0).velocity.linear.x()));
+    EXPECT_EQ(broken("wheels:off", 2.0).faults.size(), 1U);
+    EXPECT_TRUE(broken("wheels:off", 2.0).wheels.empty());
+    EXPECT_NEAR(broken("wheels:slow", 2.0).stamp, 100.95, 1e-9);
+    // What was measured as it stuck is told again.
+    Broken stuck("wheels:stuck", tells_wheels);
+    stuck.until(1.2);
+    stuck.plain.speed = 0.0;
+    EXPECT_EQ(stuck.until(2.0).back().velocity.linear.x(), 0.5);
+    EXPECT_EQ(stuck.until(3.5).back().velocity.linear.x(), 0.0);
+  }
 }
 
 TEST(FaultyBase, ACommandThreadThatSleeps) {

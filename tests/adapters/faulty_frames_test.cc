@@ -4,9 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
+
+#include "engine/maps/belief.h"
 
 namespace prospect::faulty_frames_test {
 namespace {
@@ -118,6 +122,62 @@ TEST(FaultyFrames, DepthsThatLie) {
     EXPECT_GE(d.image->at(1, 0), 0.5f);
     EXPECT_LE(d.image->at(1, 0), 4.0f);
   }
+}
+
+TEST(FaultyFrames, ScansThatLie) {
+  const auto scan = [](const char* fault) {
+    Broken b(fault);
+    b.until(1.0);
+    DepthScan rays;
+    rays.origin = {0.0, 0.0, 1.0};
+    rays.hits = {{2.0, 0.0, 1.0}};
+    rays.misses = {{0.0, 3.0, 1.0}};
+    Pose pose;
+    pose.yaw = 0.5;
+    b.clock.time = 101.5;
+    b.frames.scan(101.5, rays, std::make_shared<const Pose>(pose));
+    std::optional<ScanFrame> came;
+    while (const auto frame = b.inbox.take()) came = std::get<ScanFrame>(*frame);
+    EXPECT_EQ(came->pose->yaw, 0.5) << fault;
+    return *came->in_B;
+  };
+  EXPECT_NEAR(scan("depth:wrong").hits[0].x(), 2.0 * kDepthScale, 1e-12);
+  EXPECT_EQ(scan("depth:wrong").misses.size(), 1U);
+  const DepthScan garbage = scan("depth:garbage");
+  ASSERT_EQ(garbage.hits.size(), 2U) << "each ray ends somewhere";
+  EXPECT_TRUE(garbage.misses.empty());
+  for (const Eigen::Vector3d& hit : garbage.hits) {
+    const double range = (hit - garbage.origin).norm();
+    EXPECT_GE(range, 0.5);
+    EXPECT_LE(range, 4.0);
+  }
+  EXPECT_NEAR(garbage.hits[1].x(), 0.0, 1e-12) << "along its direction";
+}
+
+// What a pair of cameras that are a model makes known is paired, stopped and held as images are.
+TEST(FaultyFrames, ModelsOfCamerasAreBrokenAsCamerasAre) {
+  const auto estimates = [](const std::string& fault) {
+    Broken b(fault);
+    std::vector<EstimateFrame> came;
+    for (int k = 1; k < 30; ++k) {
+      b.clock.time = 100.0 + 0.1 * k;
+      auto made = std::make_shared<Belief>();
+      made->pose.position.x() = k;
+      b.frames.pair(b.clock.time, made);
+      while (const auto frame = b.inbox.take()) came.push_back(std::get<EstimateFrame>(*frame));
+    }
+    return came;
+  };
+  for (const char* fault : {"cameras:off", "left-camera:off", "right-camera:garbage",
+                            "left-camera:wrong", "right-camera:stuck", "cameras:garbage"}) {
+    EXPECT_EQ(estimates(fault).size(), 9U) << fault;
+  }
+  const std::vector<EstimateFrame> stuck = estimates("cameras:stuck");
+  ASSERT_EQ(stuck.size(), 29U);
+  EXPECT_NEAR(stuck.back().stamp, 102.9, 1e-9);
+  EXPECT_EQ(stuck.back().belief->pose.position.x(), 9.0);
+  const std::vector<EstimateFrame> late = estimates("left-camera:delayed");
+  EXPECT_NEAR(late.back().stamp, 102.9 - kFaultDelay, 0.11);
 }
 
 TEST(FaultyFrames, AClockThatJumpsIsOneOfItsOwn) {

@@ -462,7 +462,7 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     SimulatorOptions o;
     [[maybe_unused]] auto& [seed, sensors, shape, base_height, actuation, depth_mount, depth,
                             depth_rate, stereo_mount, features, image_rate, odometry, landmarks,
-                            wheels, map, camera, distort_scan] = o;
+                            wheels, map, camera] = o;
     EXPECT_KNOBS(o, depth_rate, image_rate);
   }
 }
@@ -538,7 +538,7 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
   }
   {
     SimulatedBaseOptions o;
-    [[maybe_unused]] auto& [dead_man, delay, belief_period, faults] = o;
+    [[maybe_unused]] auto& [dead_man, delay, belief_period] = o;
     EXPECT_KNOBS(o, dead_man, delay, belief_period);
   }
   {

@@ -452,6 +452,40 @@ TEST_F(Mission, WaitsForPeopleAndGoesOnWithItsTaskAfterADetour) {
   expect_stopped();
 }
 
+// As in real time (drive_mode.h): the robot brakes first, and what is acknowledged before it stands
+// is void.
+TEST_F(Mission, AnEmergencyStopIsAcknowledgedAtRestOnly) {
+  DriveRequests requests;
+  int looked = 0;
+  double stopped_at = -1.0;
+  const auto person = [&] {
+    if (!requests.stopped()) return false;
+    if (stopped_at < 0.0) stopped_at = robot_.time();
+    EXPECT_EQ(robot_.belief.twist.linear.norm(), 0.0);
+    EXPECT_EQ(robot_.time(), stopped_at);
+    if (++looked == 3) requests.acknowledge();
+    return looked > 10;
+  };
+  const MissionResult result = run_mission(
+      robot_, planner_, guard_, options_,
+      [&](const MissionStep& step) {
+        if (step.index == 3) {
+          EXPECT_GT(step.belief->twist.linear.x(), 0.0);
+          requests.emergency_stop();
+          requests.acknowledge();
+        }
+        if (step.index == 4) {
+          EXPECT_EQ(looked, 3) << "not before a second acknowledgement";
+          EXPECT_EQ(step.belief->twist.linear.x(), 0.0) << "on from rest";
+        }
+        if (step.index == 6) planner_.steps = 0;
+      },
+      person, &requests);
+  EXPECT_EQ(result.end, MissionEnd::kExplored);
+  EXPECT_EQ(looked, 3);
+  expect_stopped();
+}
+
 TEST_F(Mission, AGuardStopBreaksTheCommittedPart) {
   planner_.committed = 4;
   planner_.steps = 2;

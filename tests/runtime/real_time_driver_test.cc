@@ -208,6 +208,7 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopLatchesUntilItIsAcknowledged) {
     wait_for([&] { return base_.velocity().linear.x() > 0.1; });
     pressed = clock_.now();
     driver.emergency_stop();
+    driver.acknowledge();  // void: it moves
     wait_for([&] { return driver.status().mode.mode == DriveMode::kStopped; });
     EXPECT_EQ(base_.velocity().linear.norm(), 0.0);
     // It is held: a base that does not follow might make something else of a velocity of zero.
@@ -220,6 +221,7 @@ TEST_F(RealTimeDriverTest, AnEmergencyStopLatchesUntilItIsAcknowledged) {
     pass(4.0);
     EXPECT_EQ(base_.sent().size(), told);
     EXPECT_GT(base_.stops(), held);
+    EXPECT_EQ(driver.status().mode.mode, DriveMode::kStopped);
     released = clock_.now();
     driver.acknowledge();
     wait_for([&] { return base_.velocity().linear.x() > 0.1; });
