@@ -313,11 +313,11 @@ ConfigurationUse use_of(const MissionBase& base) {
 
 /// The configuration with what the command line says above it.
 Configuration configuration_of(const ExploreArguments& arguments, const Registries& registries,
-                               ConfigurationUse use) {
+                               const MissionBase& base) {
   std::vector<std::string> settings = arguments.settings;
   if (!arguments.sensors.empty()) settings.push_back("simulator.sensors=" + arguments.sensors);
   Configuration configuration =
-      read_configuration(arguments.configuration, registries, settings, use);
+      read_configuration(arguments.configuration, registries, settings, use_of(base));
   if (!arguments.solver.empty()) {
     configuration.solver = arguments.solver;
     const std::string wrong = solver_problem(configuration.solver, registries.solvers);
@@ -370,7 +370,7 @@ void tell_result(const ExploreArguments& arguments, const ExplorationRunResult& 
 
 int mission(const ExploreArguments& arguments, const Registries& registries,
             const MissionBase& base) {
-  Configuration configuration = configuration_of(arguments, registries, use_of(base));
+  Configuration configuration = configuration_of(arguments, registries, base);
   if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
   set_world(arguments.reading, configuration);
   if (base.gazebo) set_gazebo_address(configuration);
@@ -389,8 +389,8 @@ int mission(const ExploreArguments& arguments, const Registries& registries,
   refuse_unread(configuration.entries, reader);
   Progress progress(arguments.quiet);
   std::shared_ptr<const World> world;
-  if (!unknown_world) world = loaded_world(arguments.world, configuration, progress);
-  if (world) {
+  if (!unknown_world) {
+    world = loaded_world(arguments.world, configuration, progress);
     reader.textured = world->mesh != nullptr;
     refuse_unread(configuration.entries, reader);
   }

@@ -402,6 +402,7 @@ void visit_keys(const Node& node, int line, const std::string& below, const Visi
 
 void StrictYaml::refuse(const std::vector<RenamedKey>& renamed) {
   using Node = YamlMap::Node;
+  std::vector<const Node*> emptied;  // mappings of which all is told already
   for (const RenamedKey& key : renamed) {
     Node* node = state_->root.get();
     std::string rest = key.before;
@@ -416,11 +417,15 @@ void StrictYaml::refuse(const std::vector<RenamedKey>& renamed) {
         rest = rest.substr(dot + 1);
         continue;
       }
-      visit_keys(*entry->value, entry->line, "", [&](const std::string& below, int line) {
-        state_->problem(line, shown(key.before + below) + " is " + shown(key.now + below) +
-                                  " now; expected that");
-      });
+      const bool told =
+          std::find(emptied.begin(), emptied.end(), entry->value.get()) != emptied.end();
+      if (!told)
+        visit_keys(*entry->value, entry->line, "", [&](const std::string& below, int line) {
+          state_->problem(line, shown(key.before + below) + " is " + shown(key.now + below) +
+                                    " now; expected that");
+        });
       node->entries.erase(entry);
+      if (node->entries.empty()) emptied.push_back(node);
       break;
     }
   }

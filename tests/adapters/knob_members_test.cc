@@ -210,8 +210,13 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
                             feature_occlusion, feature_covariance, max_targets,
                             target_frontier_only, unknown_attenuation, frontier_planner, task,
                             zones, goal_unknown_price, return_unknown_price, behaviour] = o;
-    // In the problem they have the names of what they weigh, in files those of the formula.
     auto& [w_u, w_du, w_o, w_l, w_e, w_T, w_h] = weights;
+    EXPECT_KNOBS(o, N, dt, M, w_c, desired_speed, d_safe, d_des, certificate_margin, drift_margin,
+                 drift_limit, lost_margin, committed, polished, polish_evaluations, threads,
+                 deadline, max_landmarks, visibility_lattice, feature_prior, feature_attenuation,
+                 feature_occlusion, feature_covariance, max_targets, target_frontier_only,
+                 unknown_attenuation, goal_unknown_price, return_unknown_price);
+    // Members are named as the terms, knobs as the symbols of the formulation (builtin_terms.cc).
     expect_knobs(o, {{"w_u", &w_u},
                      {"w_du", &w_du},
                      {"w_o", &w_o},
@@ -219,11 +224,6 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
                      {"w_e", &w_e},
                      {"w_T", &w_T},
                      {"w_h", &w_h}});
-    EXPECT_KNOBS(o, N, dt, M, w_c, desired_speed, d_safe, d_des, certificate_margin, drift_margin,
-                 drift_limit, lost_margin, committed, polished, polish_evaluations, threads,
-                 deadline, max_landmarks, visibility_lattice, feature_prior, feature_attenuation,
-                 feature_occlusion, feature_covariance, max_targets, target_frontier_only,
-                 unknown_attenuation, goal_unknown_price, return_unknown_price);
   }
   {
     MissionOptions o;
