@@ -118,7 +118,7 @@ endfunction()
 # expressions, FILE_BY_FILE: the time g++ takes grows faster than the number of their types in one unit. The
 # presets dev, asan and tsan do without.
 option(PROSPECT_UNITY_ROOMS "Compile several files of a room as one" ON)
-set(CMAKE_UNITY_BUILD_BATCH_SIZE 16)  # of rooms and tests
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 16)
 function(prospect_unity target)
   if(PROSPECT_UNITY_ROOMS)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON)

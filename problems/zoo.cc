@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "engine/support/cholesky.h"
+
 namespace prospect::zoo {
 namespace {
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/support/eigenvalues.h"
 #include "solvers/descent_direction.h"
 #include "solvers/sqp/quadratic_program.h"
 #include "solvers/typical_change.h"

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/support/cholesky.h"
 #include "engine/support/quantile.h"
 
 namespace prospect {

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/support/cholesky.h"
+#include "engine/support/eigenvalues.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "adapters/simulator/depth_camera.h"
+#include "engine/support/cholesky.h"
 
 namespace prospect {
 namespace {
@@ -68,7 +69,7 @@ std::optional<Pose> relocalize(const std::vector<FeatureObservation>& observatio
       g += weight * J.transpose() * information * r;
     }
     if (iteration == kIterations) break;
-    const Eigen::Vector3d step = H.ldlt().solve(-g);
+    const Eigen::Vector3d step = H.ldlt().solve(Eigen::Vector3d(-g));
     if (!step.allFinite()) return std::nullopt;
     offset += step;
   }

@@ -6,6 +6,7 @@
 #include <iterator>
 #include <limits>
 
+#include "engine/support/cholesky.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
 #include "models/sinc.h"

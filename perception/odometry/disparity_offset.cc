@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/support/cholesky.h"
+
 namespace prospect {
 
 DisparityOffsetEvidence disparity_offset_evidence(const StereoCamera& camera,
@@ -30,11 +32,12 @@ DisparityOffsetEvidence disparity_offset_evidence(const StereoCamera& camera,
     g.noalias() += JW * (residual.r + residual.d_measured * (o.measured - m));
   }
   DisparityOffsetEvidence evidence;
-  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> pose(H.topLeftCorner<6, 6>());
+  const Eigen::LDLT<Eigen::Matrix<double, 6, 6>> pose(
+      Eigen::Matrix<double, 6, 6>(H.topLeftCorner<6, 6>()));
   if (pose.info() != Eigen::Success || !pose.isPositive()) return evidence;
   const Eigen::Matrix<double, 6, 1> cross = H.topRightCorner<6, 1>();
   const double information = H(6, 6) - cross.dot(pose.solve(cross));
-  const double gradient = g[6] - cross.dot(pose.solve(g.head<6>()));
+  const double gradient = g[6] - cross.dot(pose.solve(Eigen::Matrix<double, 6, 1>(g.head<6>())));
   if (!std::isfinite(information) || !std::isfinite(gradient) || information <= 0.0) {
     return evidence;
   }

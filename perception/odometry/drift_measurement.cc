@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "engine/support/cholesky.h"
+
 namespace prospect {
 
 PoseDrift::Measurement drift_measurement(const StereoCamera& camera,

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/support/cholesky.h"
 #include "perception/odometry/body_pose.h"
 
 namespace prospect {

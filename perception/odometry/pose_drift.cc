@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 
+#include "engine/support/cholesky.h"
 #include "perception/odometry/se3.h"
 
 namespace prospect {

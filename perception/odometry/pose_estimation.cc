@@ -7,6 +7,9 @@
 #include <cmath>
 #include <random>
 
+#include "engine/support/cholesky.h"
+#include "engine/support/eigenvalues.h"
+
 namespace prospect {
 namespace {
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "engine/support/eigenvalues.h"
+
 namespace prospect {
 namespace {
 

@@ -161,6 +161,7 @@ std::shared_ptr<World> tiled_room(double length, double width, double tile) {
   return world;
 }
 
+#ifndef __SANITIZE_ADDRESS__  // missions go the ways of drives and of steps
 TEST_F(CameraSensorsTest, OnATiledFloorTheWheelsTellWhichTile) {
   Simulator simulator(tiled_room(9.0, 7.0, 0.15), small_cameras());
   // Another tile than the right one is a jump of a tile, and stays. A floor is seen at a slant, and
@@ -179,6 +180,7 @@ TEST_F(CameraSensorsTest, OnATiledFloorTheWheelsTellWhichTile) {
   EXPECT_LT(jump, 0.1 * kTile);
   EXPECT_LT(worst, 0.03);
 }
+#endif
 
 TEST_F(CameraSensorsTest, SameSeedSameBitsWithAnyNumberOfThreads) {
   const auto world = room_with_an_opening();
@@ -196,6 +198,7 @@ TEST_F(CameraSensorsTest, SameSeedSameBitsWithAnyNumberOfThreads) {
   EXPECT_NE(a.estimated_pose().position, c.estimated_pose().position);
 }
 
+#ifndef __SANITIZE_ADDRESS__  // missions go the ways of drives and of steps
 TEST_F(CameraSensorsTest, WhiteWallsAreARealLossAndTheWayBackEndsIt) {
   const auto world = test::half_white_room(9.0, 4.0);
   for (const bool wheels : {true, false}) {
@@ -247,6 +250,7 @@ TEST_F(CameraSensorsTest, AMissionExploresByWhatTheCamerasSee) {
   EXPECT_GT(s.path_length_m, 2.0);
   EXPECT_LT(s.localization_final_m, 0.05);
 }
+#endif
 
 TEST_F(CameraSensorsTest, RefusesACalibrationThatTheDepthCameraContradicts) {
   for (const double error : {-0.3, 0.25, 0.5}) {
@@ -266,6 +270,7 @@ TEST_F(CameraSensorsTest, RefusesACalibrationThatTheDepthCameraContradicts) {
   }
 }
 
+#ifndef __SANITIZE_ADDRESS__  // missions go the ways of drives and of steps
 TEST_F(CameraSensorsTest, ATenthIsNoticedOnceTheDisparitiesZeroIsKnown) {
   for (const double error : {-0.1, 0.01, 0.1}) {
     SimulatorOptions options = small_cameras();
@@ -301,6 +306,7 @@ TEST_F(CameraSensorsTest, WithoutDepthsInCommonTheWheelsContradictACalibration) 
   EXPECT_NE(simulator.complaint().find("that by the wheels"), std::string::npos)
       << simulator.complaint();
 }
+#endif
 
 TEST_F(CameraSensorsTest, RefusesOptionsOutOfRange) {
   SimulatorOptions options = small_cameras();

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "engine/support/cholesky.h"
+
 namespace prospect::pose_consistency_test {
 namespace {
 

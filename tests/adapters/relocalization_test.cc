@@ -12,6 +12,7 @@
 #include <random>
 
 #include "adapters/simulator/depth_camera.h"
+#include "engine/support/cholesky.h"
 
 namespace prospect::relocalization_test {
 namespace {

@@ -58,6 +58,9 @@ const SolverRegistry& registry() {
 std::vector<std::string> available() {
   std::vector<std::string> names;
   for (const SolverInfo& info : registry().list()) {
+#ifdef __SANITIZE_ADDRESS__  // goes the ways of the other global ones, for longest
+    if (info.name == "nlopt:GN_DIRECT_L") continue;
+#endif
     if (info.available) names.push_back(info.name);
   }
   return names;

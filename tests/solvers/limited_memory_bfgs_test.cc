@@ -5,6 +5,8 @@
 #include <Eigen/Eigenvalues>
 #include <random>
 
+#include "engine/support/eigenvalues.h"
+
 namespace prospect::limited_memory_bfgs_test {
 namespace {
 

@@ -8,6 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "engine/support/eigenvalues.h"
+
 namespace prospect::stage_curvature_test {
 namespace {
 

@@ -188,6 +188,7 @@ TEST(FootprintVisibility, WideningTheFieldHidesNothing) {
   }
 }
 
+#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(FootprintVisibility, GradientsOfAnyFieldAreThoseOfTheWeightedSum) {
   std::mt19937_64 random(11);
   for (const auto& [horizontal, vertical] : kFields) {
@@ -198,6 +199,7 @@ TEST(FootprintVisibility, GradientsOfAnyFieldAreThoseOfTheWeightedSum) {
     expect_gradients(view, 20, 1e-6, 1e-4, random);
   }
 }
+#endif
 
 // Behind the robot the azimuth jumps from pi to -pi; what is seen does not, nor do its derivatives.
 TEST(FootprintVisibility, NothingJumpsAtTheSeamBehindTheSensor) {
@@ -231,6 +233,7 @@ TEST(FootprintVisibility, NothingJumpsAtTheSeamBehindTheSensor) {
   }
 }
 
+#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(FootprintVisibility, ScoresOfAnyFieldAreWithinTheirBound) {
   std::mt19937_64 random(12);
   double worst = 0.0;
@@ -255,6 +258,7 @@ TEST(FootprintVisibility, ScoresOfAnyFieldAreWithinTheirBound) {
   }
   EXPECT_LT(worst, 1e-5);
 }
+#endif
 
 TEST(FootprintVisibility, FiniteWithPointsAtTheSensor) {
   const VoxelGrid empty(GridFrame{0.1, -40, -40, 80, 80}, 0.0, 1.0);

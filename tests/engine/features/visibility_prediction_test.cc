@@ -150,6 +150,7 @@ VisibilityParameters only_field_of_view() {
   return p;
 }
 
+#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(VisibilityPrediction, FieldOfViewAgreesWithMonteCarloOfTheFullProjection) {
   // Pose, landmark and pixels drawn from their Gaussians, projected without linearisation into both
   // images. The prediction takes u and v as independent: since d Phi_2(h, k; r)/dr is the bivariate
@@ -223,6 +224,7 @@ TEST(VisibilityPrediction, FieldOfViewAgreesWithMonteCarloOfTheFullProjection) {
       sum / compared, largest, compared, partial);
   EXPECT_LT(sum / compared, 0.005);
 }
+#endif
 
 TEST(VisibilityPrediction, RelativeCovarianceAgreesWithNoisyOdometry) {
   std::mt19937_64 rng(23);

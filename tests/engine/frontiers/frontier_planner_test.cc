@@ -80,6 +80,7 @@ Mission explore(const test::GroundWorld& world, Cell start, const FrontierPlanne
   return mission;
 }
 
+#ifndef __SANITIZE_ADDRESS__  // missions go the ways of drives and of steps
 TEST(FrontierPlanner, LeadsTheSimplestDriverThroughWholeBuildings) {
   std::mt19937_64 random(11);
   for (const int boxes : {0, 25, 60}) {
@@ -92,6 +93,7 @@ TEST(FrontierPlanner, LeadsTheSimplestDriverThroughWholeBuildings) {
     RecordProperty("p95_ms", std::to_string(m.p95));
   }
 }
+#endif
 
 TEST(FrontierPlanner, TheSameHistoryGivesTheSameBits) {
   std::mt19937_64 random(12);

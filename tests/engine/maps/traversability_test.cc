@@ -243,6 +243,7 @@ TEST(Traversability, ALongBodyFitsWhereSomeHeadingDoes) {
   }
 }
 
+#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(Traversability, OfALongBodyUpdatesEqualAFreshComputationBitForBit) {
   std::mt19937_64 random(12);
   int closed_off = 0;
@@ -294,6 +295,7 @@ TEST(Traversability, OfALongBodyUpdatesEqualAFreshComputationBitForBit) {
   }
   EXPECT_GT(closed_off, 1000);
 }
+#endif
 
 /// Two rooms of 4 x 4 m, joined by a passage 9 cells wide and `length` cells long.
 GroundMap two_rooms(int length, int width = 9) {

@@ -18,6 +18,7 @@ std::vector<std::string> names(const Problem& problem) {
   return all;
 }
 
+#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(BuiltinTerms, AreWhatProblemsAreMadeOf) {
   std::set<std::string> met;
   for (const auto& s : test::specifications_of_every_kind()) {
@@ -33,6 +34,7 @@ TEST(BuiltinTerms, AreWhatProblemsAreMadeOf) {
   }
   for (const std::string& name : listed) EXPECT_TRUE(met.contains(name)) << name;
 }
+#endif
 
 TEST(BuiltinTerms, EachCanBeLeftOutAndTheOthersStay) {
   PlannerParameters parameters;

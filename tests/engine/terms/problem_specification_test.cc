@@ -19,6 +19,7 @@ std::set<std::string> terms(const Problem& problem) {
   return names;
 }
 
+#ifndef __SANITIZE_ADDRESS__  // the release build compares bits
 TEST(ProblemSpecification, MakesTheProblemThatThePlannerSolvedBitForBitAlsoWithItsMapsCut) {
   std::set<std::string> met;
   for (const NamedSpecification& named : specifications_of_every_kind()) {
@@ -38,7 +39,9 @@ TEST(ProblemSpecification, MakesTheProblemThatThePlannerSolvedBitForBitAlsoWithI
     EXPECT_EQ(met.count(term), 1u) << term;
   }
 }
+#endif
 
+#ifndef __SANITIZE_ADDRESS__  // over many points, where other tests go the same ways at few
 TEST(ProblemSpecification, CuttingTwiceCutsNoMore) {
   for (const char* model : {"unicycle", "multirotor"}) {
     PlannerParameters parameters;
@@ -86,6 +89,7 @@ TEST(ProblemSpecification, CutsNothingThatIsLookedAtInAWorldOfNoise) {
     expect_same_problem(*make_problem(specification), *make_problem(cut), 3, 60);
   }
 }
+#endif
 
 TEST(ProblemSpecification, ARobotBesideItsMapHasAProblemToo) {
   const PlanningScene scene("unicycle", {}, 20);

@@ -16,6 +16,8 @@
 #include <utility>
 #include <vector>
 
+#include "engine/support/cholesky.h"
+#include "engine/support/eigenvalues.h"
 #include "tests/perception/image_faults.h"
 #include "tests/perception/rendered_room.h"
 
@@ -70,6 +72,7 @@ double path_length(const std::vector<Isometry3d>& poses) {
   return length;
 }
 
+#ifndef __SANITIZE_ADDRESS__  // long sequences go the ways of short ones
 TEST(StereoOdometry, FollowsAnArc) {
   const Sequence& s = moving();
   StereoOdometry odometry(small_camera(), {}, s.T_WC[0]);
@@ -151,7 +154,9 @@ TEST(StereoOdometry, FollowsAHeadThatTurnsFast) {
               keyframes[keyframes.size() / 2], keyframes.back(), keyframes.size());
   EXPECT_LT(worst, 0.005 * length);
 }
+#endif
 
+#ifndef __SANITIZE_ADDRESS__  // the release build compares bits
 TEST(StereoOdometry, SameFramesSameBits) {
   const Sequence& s = moving();
   StereoOdometry first(small_camera()), second(small_camera());
@@ -165,6 +170,7 @@ TEST(StereoOdometry, SameFramesSameBits) {
     ASSERT_EQ(a.tracked, b.tracked);
   }
 }
+#endif
 
 TEST(StereoOdometry, ACalibrationSaidToBeExactClaimsLessAndMovesNoPose) {
   const Sequence& s = moving();
@@ -179,8 +185,8 @@ TEST(StereoOdometry, ACalibrationSaidToBeExactClaimsLessAndMovesNoPose) {
     EXPECT_EQ(a.T_WC.matrix(), b.T_WC.matrix()) << k;
   }
   // The errors of a usual calibration are independent of all others: what they add is a covariance.
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> added(a.covariance -
-                                                                         b.covariance);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> added(
+      Eigen::Matrix<double, 6, 6>(a.covariance - b.covariance));
   EXPECT_GT(added.eigenvalues()[0], -1e-6 * added.eigenvalues()[5]);
   // A principal point that is off by 0.5 px tilts the way of a camera that turns.
   std::printf("said to be exact: %.2f mm down, %.3f mrad about the axis; else %.2f and %.3f\n",
@@ -236,6 +242,7 @@ TEST(StereoOdometry, MappingOnASecondThreadFollowsAsWell) {
   }
 }
 
+#ifndef __SANITIZE_ADDRESS__  // long sequences go the ways of short ones
 // Before tiles, each landmark has others like it beside it. A base that begins to turn within a
 // frame shifts the image by one of them; where wheels tell, the right ones are found.
 TEST(StereoOdometry, BeforeTilesAMeasuredMotionFindsTheRightOnes) {
@@ -316,6 +323,7 @@ TEST(StereoOdometry, AMiscalibratedDisparityIsFoundWhileMoving) {
       1e3 * error[0], 1e3 * error[1]);
   EXPECT_LT(error[1], 0.5 * error[0]);
 }
+#endif
 
 TEST(StereoOdometry, CamerasOutOfStepSayWhatDepthsMayBeOffBy) {
   // A turn of 0.4 rad/s at 0.5 m/s; the right image is taken tau later. Depths, and so the way, are
