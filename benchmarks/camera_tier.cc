@@ -17,11 +17,11 @@
 #include <string>
 #include <vector>
 
-#include "adapters/simulator/camera_rig.h"
-#include "adapters/simulator/feature_field.h"
-#include "adapters/simulator/scene_renderer.h"
-#include "adapters/simulator/world_mesh.h"
-#include "adapters/worlds/load_world.h"
+#include "adapters/formats/worlds/load_world.h"
+#include "adapters/robots/simulator/camera_rig.h"
+#include "adapters/robots/simulator/feature_field.h"
+#include "adapters/robots/simulator/scene_renderer.h"
+#include "adapters/robots/simulator/world_mesh.h"
 #include "benchmarks/program_options.h"
 
 namespace {

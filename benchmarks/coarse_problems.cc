@@ -29,9 +29,9 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/bench/solved_rule.h"
-#include "adapters/files/input_error.h"
-#include "adapters/problem_file/problem_file.h"
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/problem_file/problem_file.h"
+#include "adapters/missions/bench/solved_rule.h"
 #include "benchmarks/guarded_main.h"
 #include "solvers/hybrid/spread_candidates.h"
 #include "solvers/registry.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/run/run_record.h"
+#include "adapters/missions/run/run_record.h"
 
 namespace prospect {
 

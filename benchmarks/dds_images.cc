@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "adapters/dds/dds_node.h"
-#include "adapters/dds/dds_sensors.h"
-#include "adapters/ros/sensor_msgs.h"
+#include "adapters/formats/ros/sensor_msgs.h"
+#include "adapters/robots/dds/dds_node.h"
+#include "adapters/robots/dds/dds_sensors.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/program_options.h"
 #include "runtime/clock.h"

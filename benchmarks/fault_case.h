@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "adapters/config/configuration.h"
-#include "adapters/simulator/injected_fault.h"
-#include "adapters/worlds/world.h"
+#include "adapters/formats/worlds/world.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/robots/faults/injected_fault.h"
 
 namespace prospect {
 

@@ -13,10 +13,10 @@
 #include <thread>
 #include <vector>
 
-#include "adapters/config/configuration.h"
-#include "adapters/files/input_error.h"
-#include "adapters/run/exploration_run.h"
-#include "adapters/worlds/load_world.h"
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/worlds/load_world.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/exploration_run.h"
 #include "benchmarks/fault_case.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/program_options.h"

@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
-#include "adapters/config/configuration.h"
-#include "adapters/files/input_error.h"
-#include "adapters/run/exploration_run.h"
-#include "adapters/study/mission_start.h"
-#include "adapters/worlds/load_world.h"
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/worlds/load_world.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/exploration_run.h"
+#include "adapters/missions/study/mission_start.h"
 #include "benchmarks/program_options.h"
 #include "engine/planner/planner.h"
 

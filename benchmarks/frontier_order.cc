@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "adapters/config/configuration.h"
-#include "adapters/run/exploration_run.h"
-#include "adapters/worlds/load_world.h"
-#include "adapters/worlds/reachable_area.h"
+#include "adapters/formats/worlds/load_world.h"
+#include "adapters/formats/worlds/reachable_area.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/exploration_run.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/program_options.h"
 #include "engine/behaviour/behaviour.h"

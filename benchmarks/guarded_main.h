@@ -3,7 +3,7 @@
 #include <exception>
 #include <iostream>
 
-#include "adapters/files/input_error.h"
+#include "adapters/formats/files/input_error.h"
 
 namespace prospect {
 

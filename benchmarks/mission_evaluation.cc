@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/problem_file/problem_file.h"
+#include "adapters/formats/problem_file/problem_file.h"
 #include "solvers/hybrid/spread_candidates.h"
 
 namespace prospect {

@@ -3,7 +3,7 @@
 // rendered sequences (rendered_sequence.h). All sequences count together. Same arguments, same
 // numbers.
 
-#include "adapters/datasets/odometry_calibration.h"
+#include "adapters/missions/recordings/odometry_calibration.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,7 @@
 #include <random>
 #include <vector>
 
-#include "adapters/datasets/calibration_report.h"
+#include "adapters/missions/recordings/calibration_report.h"
 #include "benchmarks/program_options.h"
 #include "benchmarks/rendered_sequence.h"
 #include "perception/odometry/se3.h"

@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/datasets/odometry_run.h"
+#include "adapters/missions/recordings/odometry_run.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/program_options.h"
 #include "benchmarks/rendered_sequence.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/config/configuration.h"
+#include "adapters/missions/config/configuration.h"
 #include "engine/planner/replanner.h"
 
 namespace prospect {

@@ -15,7 +15,7 @@
 #include <limits>
 #include <sstream>
 
-#include "adapters/files/input_error.h"
+#include "adapters/formats/files/input_error.h"
 
 namespace prospect {
 namespace {

@@ -20,7 +20,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/bench/solver_choice.h"
+#include "adapters/missions/bench/solver_choice.h"
 #include "engine/support/quantile.h"
 #include "problems/r1.h"
 #include "solvers/registry.h"

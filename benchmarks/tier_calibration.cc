@@ -34,12 +34,12 @@
 #include <string>
 #include <vector>
 
-#include "adapters/config/configuration.h"
-#include "adapters/files/input_error.h"
-#include "adapters/run/exploration_run.h"
-#include "adapters/simulator/simulator.h"
-#include "adapters/worlds/load_world.h"
-#include "adapters/worlds/reachable_area.h"
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/worlds/load_world.h"
+#include "adapters/formats/worlds/reachable_area.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/exploration_run.h"
+#include "adapters/robots/simulator/simulator.h"
 #include "benchmarks/guarded_main.h"
 #include "benchmarks/program_options.h"
 #include "models/range_text.h"

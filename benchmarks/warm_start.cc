@@ -17,10 +17,10 @@
 #include <string>
 #include <vector>
 
-#include "adapters/bench/solved_rule.h"
-#include "adapters/config/configuration.h"
-#include "adapters/run/exploration_run.h"
-#include "adapters/worlds/load_world.h"
+#include "adapters/formats/worlds/load_world.h"
+#include "adapters/missions/bench/solved_rule.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/exploration_run.h"
 #include "benchmarks/program_options.h"
 #include "engine/planner/planner.h"
 #include "solvers/registry.h"

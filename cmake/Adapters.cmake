@@ -13,7 +13,7 @@ set(prospect_adapter_rows
   "zstd|bags of ROS that are compressed by Zstandard|PkgConfig::ZSTD=libzstd-dev"
   "sqlite|bags of ROS 2 in SQLite|PkgConfig::SQLITE=libsqlite3-dev")
 
-# prospect_adapter_table(TARGET): adds to TARGET the definitions of adapters/cli/adapter_table.h that the build
+# prospect_adapter_table(TARGET): adds to TARGET the definitions of adapters/program/cli/adapter_table.h that the build
 # writes. After the folder of the Python package.
 function(prospect_adapter_table target)
   set(PROSPECT_ADAPTERS "")

@@ -1,4 +1,4 @@
-# prospect_build_versions(TARGET): adds to TARGET the definitions of adapters/cli/build_versions.h: what compiles
+# prospect_build_versions(TARGET): adds to TARGET the definitions of adapters/program/cli/build_versions.h: what compiles
 # it, and the libraries that this build has found.
 function(prospect_build_versions target)
   set(PROSPECT_COMPILER "${CMAKE_CXX_COMPILER_ID} ${CMAKE_CXX_COMPILER_VERSION}")

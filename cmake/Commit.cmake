@@ -1,4 +1,4 @@
-# At every build: writes OUTPUT, which defines the functions of adapters/cli/commit.h, for the git work tree
+# At every build: writes OUTPUT, which defines the functions of adapters/program/cli/commit.h, for the git work tree
 # SOURCE; only if it changes, so nothing is compiled for a commit that is the same. A source tree
 # without git has no commit.
 set(commit "")
@@ -17,7 +17,7 @@ if(GIT AND EXISTS "${SOURCE}/.git")  # not the repository of a folder above
     endif()
   endif()
 endif()
-set(text "#include \"adapters/cli/commit.h\"
+set(text "#include \"adapters/program/cli/commit.h\"
 
 namespace prospect {
 

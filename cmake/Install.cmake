@@ -17,8 +17,8 @@ endforeach()
 add_dependencies(product prospect_perception_knobs prospect_runtime_knobs prospect_problem_file)
 install(TARGETS prospect_perception_knobs prospect_runtime_knobs EXPORT prospect ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(TARGETS prospect_problem_file EXPORT prospect ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(FILES adapters/problem_file/problem_file.h
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/adapters/problem_file)
+install(FILES adapters/formats/problem_file/problem_file.h
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/prospect/adapters/formats/problem_file)
 foreach(target _core _program write_depth_recording write_stereo_recording)
   if(TARGET ${target})
     add_dependencies(product ${target})

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/behaviour/formatted.h"
+#include "models/formatted.h"
 #include "models/knobs.h"
 
 namespace prospect {

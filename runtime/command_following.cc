@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/behaviour/formatted.h"
+#include "models/formatted.h"
 #include "models/knobs.h"
 #include "models/limited_twist.h"
 

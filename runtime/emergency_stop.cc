@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "engine/behaviour/formatted.h"
+#include "models/formatted.h"
 
 namespace prospect {
 

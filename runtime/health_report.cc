@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/behaviour/formatted.h"
+#include "models/formatted.h"
 
 namespace prospect {
 namespace {

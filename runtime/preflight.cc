@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/behaviour/formatted.h"
 #include "engine/maps/map_projection.h"
+#include "models/formatted.h"
 #include "models/knobs.h"
 
 namespace prospect {

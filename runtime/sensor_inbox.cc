@@ -6,7 +6,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "engine/behaviour/formatted.h"
+#include "models/formatted.h"
 #include "models/knobs.h"
 
 namespace prospect {

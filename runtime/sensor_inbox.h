@@ -15,11 +15,11 @@
 #include <utility>
 #include <variant>
 
+#include "models/image.h"
 #include "models/types.h"
 #include "perception/fusion/wheel_fusion.h"
 #include "perception/mapping/depth_image.h"
 #include "perception/mapping/occupancy_mapper.h"
-#include "perception/odometry/image.h"
 #include "perception/pipeline/perception_pipeline.h"
 #include "runtime/clock.h"
 #include "runtime/clock_offset.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "engine/behaviour/caution.h"
-#include "engine/behaviour/formatted.h"
 #include "engine/behaviour/mode_policy.h"
+#include "models/formatted.h"
 #include "models/knobs.h"
 
 namespace prospect {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "engine/behaviour/formatted.h"
 #include "engine/maps/held_up.h"
 #include "engine/support/stopwatch.h"
+#include "models/formatted.h"
 
 namespace prospect {
 namespace {

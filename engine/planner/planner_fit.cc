@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "engine/behaviour/formatted.h"
 #include "engine/maps/clearance_field.h"
 #include "engine/planner/planner.h"
+#include "models/formatted.h"
 
 namespace prospect {
 namespace {

@@ -9,8 +9,8 @@
 #include "engine/support/cholesky.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
+#include "models/reason.h"
 #include "models/sinc.h"
-#include "perception/odometry/reason.h"
 
 namespace prospect {
 namespace {

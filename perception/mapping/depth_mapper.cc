@@ -8,7 +8,7 @@
 #include "engine/support/stopwatch.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
-#include "perception/odometry/reason.h"
+#include "models/reason.h"
 #include "perception/odometry/rotation_between.h"
 
 namespace prospect {

@@ -7,8 +7,8 @@
 
 #include "engine/support/stopwatch.h"
 #include "models/knobs.h"
+#include "models/reason.h"
 #include "perception/odometry/lattice_cell.h"
-#include "perception/odometry/reason.h"
 
 namespace prospect {
 namespace {

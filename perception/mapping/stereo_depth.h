@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "models/camera.h"
+#include "models/image.h"
 #include "perception/mapping/depth_image.h"
-#include "perception/odometry/image.h"
 
 namespace prospect {
 

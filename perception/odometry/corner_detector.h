@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "perception/odometry/image.h"
+#include "models/image.h"
 
 namespace prospect {
 

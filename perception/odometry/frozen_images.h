@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "perception/odometry/image.h"
+#include "models/image.h"
 
 namespace prospect {
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "perception/odometry/image.h"
+#include "models/image.h"
 
 namespace prospect {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "perception/odometry/image.h"
+#include "models/image.h"
 #include "perception/odometry/image_pyramid.h"
 #include "perception/odometry/stereo_odometry_options.h"
 #include "perception/odometry/track.h"

@@ -10,7 +10,7 @@
 
 #include "engine/maps/landmark_map.h"
 #include "engine/maps/localization.h"
-#include "perception/odometry/image.h"
+#include "models/image.h"
 
 namespace prospect {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 
-#include "perception/odometry/reason.h"
+#include "models/reason.h"
 #include "perception/odometry/se3.h"
 
 namespace prospect {

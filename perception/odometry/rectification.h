@@ -5,7 +5,7 @@
 #include <memory>
 
 #include "models/camera.h"
-#include "perception/odometry/image.h"
+#include "models/image.h"
 
 namespace prospect {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "perception/odometry/image.h"
+#include "models/image.h"
 
 namespace prospect {
 

@@ -13,6 +13,7 @@
 
 #include "engine/support/stopwatch.h"
 #include "models/knobs.h"
+#include "models/reason.h"
 #include "perception/odometry/camera_time_offset.h"
 #include "perception/odometry/corner_detector.h"
 #include "perception/odometry/disparity_offset.h"
@@ -30,7 +31,6 @@
 #include "perception/odometry/pose_drift.h"
 #include "perception/odometry/pose_estimation.h"
 #include "perception/odometry/pose_judgement.h"
-#include "perception/odometry/reason.h"
 #include "perception/odometry/recall.h"
 #include "perception/odometry/residual_noise.h"
 #include "perception/odometry/track.h"

@@ -12,11 +12,11 @@
 #include "models/body_transform.h"
 #include "models/knobs.h"
 #include "models/parameter_check.h"
+#include "models/reason.h"
 #include "perception/mapping/pose_check.h"
 #include "perception/odometry/body_pose.h"
 #include "perception/odometry/lattice_cell.h"
 #include "perception/odometry/median.h"
-#include "perception/odometry/reason.h"
 #include "perception/pipeline/depth_agreement.h"
 
 namespace prospect {

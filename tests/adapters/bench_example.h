@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/bench/bench_table.h"
+#include "adapters/missions/bench/bench_table.h"
 
 namespace prospect::test {
 

@@ -5,8 +5,8 @@
 #include <filesystem>
 #include <string>
 
-#include "adapters/bench/bench_rows.h"
-#include "adapters/bench/bench_table.h"
+#include "adapters/missions/bench/bench_rows.h"
+#include "adapters/missions/bench/bench_table.h"
 
 namespace prospect::test {
 

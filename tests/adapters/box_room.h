@@ -3,7 +3,7 @@
 #include <cmath>
 #include <memory>
 
-#include "adapters/worlds/world.h"
+#include "adapters/formats/worlds/world.h"
 
 namespace prospect::test {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <thread>
 
-#include "adapters/dds/dds_node.h"
+#include "adapters/robots/dds/dds_node.h"
 
 namespace prospect::test {
 

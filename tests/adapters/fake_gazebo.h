@@ -21,9 +21,9 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/gazebo/frame_stream.h"
-#include "adapters/gazebo/gazebo_options.h"
-#include "adapters/gazebo/messages.pb.h"
+#include "adapters/robots/gazebo/frame_stream.h"
+#include "adapters/robots/gazebo/gazebo_options.h"
+#include "adapters/robots/gazebo/messages.pb.h"
 #include "models/types.h"
 
 namespace prospect::test {

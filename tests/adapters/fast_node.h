@@ -20,8 +20,8 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/dds/dds_names.h"
-#include "adapters/dds/dds_node.h"
+#include "adapters/robots/dds/dds_names.h"
+#include "adapters/robots/dds/dds_node.h"
 
 namespace prospect::test {
 

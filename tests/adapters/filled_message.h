@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "adapters/ros/cdr.h"
+#include "adapters/formats/ros/cdr.h"
 
 namespace prospect::test {
 

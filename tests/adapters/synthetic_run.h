@@ -14,8 +14,8 @@
 #include <utility>
 #include <vector>
 
-#include "adapters/run/run_record.h"
-#include "adapters/run/summary.h"
+#include "adapters/missions/run/run_record.h"
+#include "adapters/missions/run/summary.h"
 
 namespace prospect {
 

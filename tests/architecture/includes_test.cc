@@ -77,15 +77,15 @@ TEST(Includes, EachForbiddenDirectionIsCaught) {
                 "perception/mapping may not use perception/fusion/wheel_fusion.h"},
            Case{"perception/fusion/a.cc", "\"perception/pipeline/belief_builder.h\"",
                 "perception/fusion may not use perception/pipeline/belief_builder.h"},
-           Case{"adapters/config/a.cc", "\"adapters/worlds/world.h\"",
-                "adapters/config may not use adapters/worlds/world.h"},
-           Case{"adapters/config/a.h", "\"adapters/simulator/simulator.h\"",
-                "adapters/config may not use adapters/simulator/simulator.h"},
-           Case{"adapters/run/a.cc", "\"adapters/report/report.h\"",
-                "adapters/run may not use adapters/report/report.h"},
+           Case{"adapters/missions/config/a.cc", "\"adapters/formats/worlds/world.h\"",
+                "adapters/missions/config may not use adapters/formats/worlds/world.h"},
+           Case{"adapters/missions/config/a.h", "\"adapters/robots/simulator/simulator.h\"",
+                "adapters/missions/config may not use adapters/robots/simulator/simulator.h"},
+           Case{"adapters/missions/run/a.cc", "\"adapters/views/report/report.h\"",
+                "adapters/missions/run may not use adapters/views/report/report.h"},
            Case{"engine/terms/a.cc", "\"perception/mapping/occupancy_mapper.h\"",
                 "engine/terms may not use perception/"},
-           Case{"engine/maps/a.cc", "\"adapters/cli/commands.h\"",
+           Case{"engine/maps/a.cc", "\"adapters/program/cli/commands.h\"",
                 "engine/maps may not use adapters/"},
            Case{"engine/maps/a.cc", "<nlopt.h>", "engine/maps may not use nlopt"},
            Case{"engine/maps/a.cc", "<nlopt.hpp>", "engine/maps may not use nlopt"},
@@ -103,10 +103,10 @@ TEST(Includes, EachForbiddenDirectionIsCaught) {
            Case{"perception/odometry/a.cc", "\"solvers/registry.h\"",
                 "perception/odometry may not use solvers/"},
            Case{"perception/odometry/a.h", "<opencv2/core.hpp>", "forward-declare"},
-           Case{"perception/odometry/a.cc", "\"adapters/run/run_record.h\"",
+           Case{"perception/odometry/a.cc", "\"adapters/missions/run/run_record.h\"",
                 "perception/odometry may not use adapters/"},
-           Case{"adapters/cli/a.cc", "\"tests/engine/view_worlds.h\"",
-                "adapters/cli may not use tests/"},
+           Case{"adapters/program/cli/a.cc", "\"tests/engine/view_worlds.h\"",
+                "adapters/program/cli may not use tests/"},
            Case{"engine/maps/a.cc", "\"problems/r1.h\"", "engine/maps may not use problems/"},
            Case{"problems/a.cc", "\"solvers/registry.h\"", "problems may not use solvers/"},
            Case{"engine/maps/a.cc", "<boost/optional.hpp>", "engine/maps may not use boost"},
@@ -126,10 +126,10 @@ TEST(Includes, WhatIsAllowedPasses) {
   tree.add("models/a.h", "#include <Eigen/Core>\n#include \"models/types.h\"\n#include <vector>\n")
       .add("engine/maps/a.cc", "#include <octomap/OcTree.h>\n#include <fcl/math/bv/AABB.h>\n")
       .add("solvers/a.cc", "#include <nlopt.h>\n#include \"engine/problem/solver.h\"\n")
-      .add("adapters/cli/a.cc",
+      .add("adapters/program/cli/a.cc",
            "#include <sys/ioctl.h>\n#include \"perception/mapping/occupancy_mapper.h\"\n")
       .add("engine/maps/notes.md", "#include \"solvers/registry.h\"\n")
-      .add("benchmarks/a.cc", "#include \"adapters/run/run_record.h\"\n");
+      .add("benchmarks/a.cc", "#include \"adapters/missions/run/run_record.h\"\n");
   EXPECT_EQ(tree.forbidden(), std::vector<std::string>());
 }
 

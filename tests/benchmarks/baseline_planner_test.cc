@@ -6,10 +6,10 @@
 #include <limits>
 #include <stdexcept>
 
-#include "adapters/config/configuration.h"
-#include "adapters/run/exploration_run.h"
-#include "adapters/simulator/simulator.h"
-#include "adapters/worlds/world_file.h"
+#include "adapters/formats/worlds/world_file.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/exploration_run.h"
+#include "adapters/robots/simulator/simulator.h"
 
 namespace prospect::baseline_planner_test {
 namespace {

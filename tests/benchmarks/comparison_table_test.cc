@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <fstream>
 
-#include "adapters/files/input_error.h"
+#include "adapters/formats/files/input_error.h"
 
 namespace prospect::comparison_table_test {
 namespace {

@@ -9,8 +9,8 @@
 #include <thread>
 #include <vector>
 
-#include "adapters/run/exploration_run.h"
-#include "adapters/worlds/load_world.h"
+#include "adapters/formats/worlds/load_world.h"
+#include "adapters/missions/run/exploration_run.h"
 
 namespace prospect::fault_case_test {
 namespace {

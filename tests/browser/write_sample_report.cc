@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "adapters/report/report.h"
+#include "adapters/views/report/report.h"
 #include "engine/support/named.h"
 #include "tests/adapters/synthetic_run.h"
 

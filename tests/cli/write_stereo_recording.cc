@@ -9,7 +9,7 @@
 #include <fstream>
 #include <string>
 
-#include "adapters/datasets/trajectory.h"
+#include "adapters/formats/datasets/trajectory.h"
 #include "tests/images/image_file.h"
 #include "tests/perception/rendered_room.h"
 

@@ -1,6 +1,6 @@
 // Bags of ROS 2, MCAP or SQLite by the first byte, with all their messages.
-#include "adapters/datasets/bag_file.h"
-#include "adapters/datasets/ros_messages.h"
+#include "adapters/formats/bags/bag_file.h"
+#include "adapters/formats/datasets/ros_messages.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

@@ -1,5 +1,5 @@
 // Calibrations of cameras: KITTI, ROS, OpenCV, Kalibr, by the name that the first byte says.
-#include "adapters/datasets/stereo_calibration.h"
+#include "adapters/formats/datasets/stereo_calibration.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

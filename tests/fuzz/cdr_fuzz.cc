@@ -2,17 +2,17 @@
 // clouds. What is read is written and read again: the same bytes.
 #include <array>
 
-#include "adapters/datasets/ros_scan_messages.h"
-#include "adapters/ros/cdr.h"
-#include "adapters/ros/diagnostic_msgs.h"
-#include "adapters/ros/geometry_msgs.h"
-#include "adapters/ros/map_msgs.h"
-#include "adapters/ros/nav_msgs.h"
-#include "adapters/ros/octomap_msgs.h"
-#include "adapters/ros/rcl_interfaces.h"
-#include "adapters/ros/sensor_msgs.h"
-#include "adapters/ros/tf2_msgs.h"
-#include "adapters/ros/visualization_msgs.h"
+#include "adapters/formats/datasets/ros_scan_messages.h"
+#include "adapters/formats/ros/cdr.h"
+#include "adapters/formats/ros/diagnostic_msgs.h"
+#include "adapters/formats/ros/geometry_msgs.h"
+#include "adapters/formats/ros/map_msgs.h"
+#include "adapters/formats/ros/nav_msgs.h"
+#include "adapters/formats/ros/octomap_msgs.h"
+#include "adapters/formats/ros/rcl_interfaces.h"
+#include "adapters/formats/ros/sensor_msgs.h"
+#include "adapters/formats/ros/tf2_msgs.h"
+#include "adapters/formats/ros/visualization_msgs.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

@@ -1,5 +1,5 @@
 // A configuration.
-#include "adapters/config/configuration.h"
+#include "adapters/missions/config/configuration.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

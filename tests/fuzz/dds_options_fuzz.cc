@@ -1,5 +1,5 @@
 // A file of topics of ROS 2.
-#include "adapters/dds/dds_options.h"
+#include "adapters/robots/dds/dds_options.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

@@ -1,5 +1,5 @@
 // Problems as expressions (JSON).
-#include "adapters/bench/expression_file.h"
+#include "adapters/missions/bench/expression_file.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

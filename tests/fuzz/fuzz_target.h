@@ -14,7 +14,7 @@
 #include <string>
 #include <string_view>
 
-#include "adapters/files/input_error.h"
+#include "adapters/formats/files/input_error.h"
 
 /// One input; a fuzzing target defines it, libFuzzer or plain_driver.cc calls it. It returns 0, or
 /// the process ends: that is a finding.

@@ -1,5 +1,5 @@
 // A Gazebo world without the files that it names.
-#include "adapters/worlds/gazebo_world.h"
+#include "adapters/formats/worlds/gazebo_world.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

@@ -1,5 +1,5 @@
 // An image of a recording: PNG, PGM and what else is read.
-#include "adapters/datasets/raw_image.h"
+#include "adapters/formats/datasets/raw_image.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

@@ -5,15 +5,15 @@
 #include <array>
 #include <utility>
 
-#include "adapters/datasets/mission_topics.h"
-#include "adapters/log/logged_run.h"
-#include "adapters/log/mcap_writer.h"
-#include "adapters/report/report.h"
-#include "adapters/ros/diagnostic_msgs.h"
-#include "adapters/ros/map_msgs.h"
-#include "adapters/ros/nav_msgs.h"
-#include "adapters/ros/sensor_msgs.h"
-#include "adapters/ros/visualization_msgs.h"
+#include "adapters/formats/bags/mcap_writer.h"
+#include "adapters/formats/datasets/mission_topics.h"
+#include "adapters/formats/ros/diagnostic_msgs.h"
+#include "adapters/formats/ros/map_msgs.h"
+#include "adapters/formats/ros/nav_msgs.h"
+#include "adapters/formats/ros/sensor_msgs.h"
+#include "adapters/formats/ros/visualization_msgs.h"
+#include "adapters/missions/log/logged_run.h"
+#include "adapters/views/report/report.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

@@ -1,5 +1,5 @@
 // A bare image: PGM, PNG or BMP; the first byte says by which name.
-#include "adapters/worlds/ros_map.h"
+#include "adapters/formats/worlds/ros_map.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

@@ -1,5 +1,5 @@
 // A ROS map: its .yaml, then from the first byte 0x1d on its image, map.pgm.
-#include "adapters/worlds/ros_map.h"
+#include "adapters/formats/worlds/ros_map.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

@@ -1,6 +1,6 @@
 // What is looked at in a mesh before the library reads it, of the kind that the first byte says.
-#include "adapters/worlds/gltf_check.h"
-#include "adapters/worlds/mesh_check.h"
+#include "adapters/formats/worlds/gltf_check.h"
+#include "adapters/formats/worlds/mesh_check.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

@@ -1,6 +1,6 @@
 // A mesh, of the kind that the first byte says, through the child process and into voxels.
-#include "adapters/worlds/mesh_file.h"
-#include "adapters/worlds/mesh_world.h"
+#include "adapters/formats/worlds/mesh_file.h"
+#include "adapters/formats/worlds/mesh_world.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

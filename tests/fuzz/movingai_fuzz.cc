@@ -1,5 +1,5 @@
 // A MovingAI grid.
-#include "adapters/worlds/ros_map.h"
+#include "adapters/formats/worlds/ros_map.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

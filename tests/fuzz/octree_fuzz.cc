@@ -1,8 +1,8 @@
 // An octree, .bt or .ot, and the world that it makes.
 #include <octomap/OcTree.h>
 
-#include "adapters/worlds/octree_file.h"
-#include "adapters/worlds/octree_world.h"
+#include "adapters/formats/worlds/octree_file.h"
+#include "adapters/formats/worlds/octree_world.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

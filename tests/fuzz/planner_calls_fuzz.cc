@@ -2,8 +2,8 @@
 // keeps them. The beliefs that are read are written and read again: the same.
 #include <cstring>
 
-#include "adapters/log/planner_calls.h"
-#include "adapters/ros/cdr.h"
+#include "adapters/formats/ros/cdr.h"
+#include "adapters/missions/log/planner_calls.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

@@ -1,5 +1,5 @@
 // A problem file (HDF5).
-#include "adapters/problem_file/problem_file.h"
+#include "adapters/formats/problem_file/problem_file.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

@@ -1,5 +1,5 @@
 // Messages of ROS 2, of the type that the first byte says.
-#include "adapters/datasets/ros_messages.h"
+#include "adapters/formats/datasets/ros_messages.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

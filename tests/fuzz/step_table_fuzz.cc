@@ -1,5 +1,5 @@
 // Rows of a run folder (CSV).
-#include "adapters/report/step_table.h"
+#include "adapters/views/report/step_table.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

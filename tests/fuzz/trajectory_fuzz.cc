@@ -1,5 +1,5 @@
 // Trajectories: TUM and KITTI.
-#include "adapters/datasets/trajectory.h"
+#include "adapters/formats/datasets/trajectory.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

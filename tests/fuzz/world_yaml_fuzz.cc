@@ -1,5 +1,5 @@
 // A world file.
-#include "adapters/worlds/world_file.h"
+#include "adapters/formats/worlds/world_file.h"
 #include "tests/fuzz/fuzz_target.h"
 
 using namespace prospect;

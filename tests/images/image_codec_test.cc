@@ -1,4 +1,4 @@
-#include "adapters/images/image_codec.h"
+#include "adapters/formats/images/image_codec.h"
 
 #include <gtest/gtest.h>
 #include <link.h>

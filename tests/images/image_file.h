@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "adapters/images/image_codec.h"
-#include "perception/odometry/image.h"
+#include "adapters/formats/images/image_codec.h"
+#include "models/image.h"
 
 namespace prospect::test {
 

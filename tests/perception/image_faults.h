@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "perception/odometry/image.h"
+#include "models/image.h"
 #include "perception/odometry/stereo_odometry.h"
 
 namespace prospect::test {

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "models/camera.h"
-#include "perception/odometry/image.h"
+#include "models/image.h"
 
 namespace prospect::test {
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <exception>
 
-#include "adapters/problem_file/problem_file.h"
+#include "adapters/formats/problem_file/problem_file.h"
 #include "solvers/registry.h"
 
 int main(int count, char** arguments) try {

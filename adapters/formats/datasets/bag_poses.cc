@@ -1,0 +1,153 @@
+#include "adapters/formats/datasets/bag_poses.h"
+
+#include <utility>
+
+#include "adapters/formats/datasets/ros_messages.h"
+#include "adapters/formats/files/input_error.h"
+
+namespace prospect {
+namespace {
+
+constexpr double kLongestGap = 0.25;  // between poses of a topic [s]
+
+}  // namespace
+
+std::shared_ptr<const TransformTree> read_transforms(const BagFile& bag,
+                                                     std::vector<std::string>& notes) {
+  auto tree = std::make_shared<TransformTree>();
+  std::map<std::string, std::string> contradicted;
+  for (const BagTopic& topic : bag.topics()) {
+    if (topic.type != "tf2_msgs/msg/TFMessage") continue;
+    const bool fixed = topic.name.ends_with("static");
+    for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+      for (const RosTransform& t :
+           read_ros_transforms(read_message(bag, topic, i), message_name(topic, i))) {
+        const bool added = fixed ? tree->add_static(t.parent, t.child, t.T)
+                                 : tree->add(t.parent, t.child, t.stamp, t.T);
+        if (!added) contradicted[t.child] = t.parent;
+      }
+    }
+  }
+  for (const auto& [child, parent] : contradicted) {
+    notes.push_back("TF: " + child + " in " + parent + " contradicts the tree, where it is in " +
+                    tree->parent(child) + "; left out");
+  }
+  return tree;
+}
+
+BagPoses BagPoses::of_frame(std::shared_ptr<const TransformTree> tree, const std::string& fixed,
+                            const std::string& sensor) {
+  BagPoses poses;
+  poses.tree_ = std::move(tree);
+  poses.fixed_ = fixed;
+  poses.sensor_ = sensor;
+  poses.from_ = "TF " + fixed + " to " + sensor;
+  return poses;
+}
+
+BagPoses BagPoses::of_topic(const BagFile& bag, const BagTopic& topic,
+                            std::shared_ptr<const TransformTree> tree, const std::string& sensor,
+                            std::vector<std::string>& notes) {
+  BagPoses poses;
+  poses.tree_ = std::move(tree);
+  poses.sensor_ = sensor;
+  poses.from_ = topic.name;
+  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+    const RosTransform pose =
+        read_ros_pose(read_message(bag, topic, i), topic.type, message_name(topic, i));
+    if (i == 0) poses.body_ = pose.child;
+    if (!poses.poses_.empty() && !(pose.stamp > poses.poses_.back().stamp)) continue;
+    poses.poses_.push_back({pose.stamp, pose.T});
+  }
+  if (poses.body_.empty()) {
+    notes.push_back(topic.name + ": poses of no named frame, taken as those of the sensor");
+  } else if (!poses.tree_->connected(poses.body_, sensor)) {
+    throw InputError(topic.name + ": poses of " + poses.body_ + ", but no transform leads to " +
+                     (sensor.empty() ? "the sensor, whose frame is not named" : sensor) +
+                     "; expected /tf_static or /tf to connect them");
+  } else if (poses.body_ != sensor) {
+    notes.push_back(topic.name + ": poses of " + poses.body_ + ", moved to " + sensor + " by TF");
+  }
+  return poses;
+}
+
+std::optional<Eigen::Isometry3d> BagPoses::at(double stamp) const {
+  if (!fixed_.empty()) return tree_->find(fixed_, sensor_, stamp);
+  const auto T = pose_at(poses_, stamp, kLongestGap);
+  if (!T || body_.empty()) return T;
+  const auto T_BS = tree_->find(body_, sensor_, stamp);
+  if (!T_BS) return std::nullopt;
+  return *T * *T_BS;
+}
+
+std::vector<double> BagPoses::stamps() const {
+  std::vector<double> stamps;
+  for (const TimedPose& pose : poses_) stamps.push_back(pose.stamp);
+  return stamps;
+}
+
+std::optional<BagPoses> find_bag_poses(const BagFile& bag, const std::string& path,
+                                       const BagPoseChoice& choice, const std::string& sensor,
+                                       std::vector<std::string>& notes) {
+  const BagTopic* given = given_topic(bag, path, choice.topics, "pose", is_pose_topic);
+  if (given != nullptr && !choice.fixed_frame.empty()) {
+    throw InputError(path + ": both a topic of poses, " + given->name + ", and a fixed frame, " +
+                     choice.fixed_frame + ", are given; expected one");
+  }
+  const auto tree = read_transforms(bag, notes);
+  if (given != nullptr) return BagPoses::of_topic(bag, *given, tree, sensor, notes);
+  const auto by_frame = [&](const std::string& frame) {
+    notes.push_back("poses by TF, from " + frame + " to " + sensor);
+    return BagPoses::of_frame(tree, frame, sensor);
+  };
+  if (!choice.fixed_frame.empty()) {
+    if (!tree->connected(choice.fixed_frame, sensor)) {
+      throw InputError(path + ": no transform leads from " + choice.fixed_frame + " to " +
+                       (sensor.empty() ? "the sensor, whose frame is not named" : sensor) +
+                       "; expected a frame above it, such as " + tree->root(sensor));
+    }
+    return by_frame(choice.fixed_frame);
+  }
+  if (tree->moves("map", sensor)) return by_frame("map");
+  const BagTopic* topic = nullptr;
+  for (const BagTopic& one : bag.topics()) {
+    if (is_pose_topic(one) && !one.messages.empty() &&
+        (topic == nullptr || (one.type == "nav_msgs/msg/Odometry" && topic->type != one.type))) {
+      topic = &one;
+    }
+  }
+  if (topic != nullptr) {
+    notes.push_back("topic pose=" + topic->name + ", by its type");
+    return BagPoses::of_topic(bag, *topic, tree, sensor, notes);
+  }
+  for (const std::string& frame : {std::string("odom"), std::string("world"), tree->root(sensor)}) {
+    if (tree->moves(frame, sensor)) return by_frame(frame);
+  }
+  return std::nullopt;
+}
+
+PosedStamps stamps_with_poses(const BagPoses& poses, const std::vector<double>& stamps,
+                              const std::string& what, const std::string& topic,
+                              const std::string& path, std::vector<std::string>& notes) {
+  PosedStamps posed;
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    const auto T = poses.at(stamps[i]);
+    if (!T) {
+      ++posed.without;
+      continue;
+    }
+    posed.order.push_back(i);
+    posed.poses.push_back(*T);
+  }
+  if (posed.order.empty()) {
+    throw InputError(path + ": no pose by " + poses.from() + " is at the time of any " + what +
+                     " of " + topic + "; expected them together");
+  }
+  if (posed.without > 0) {
+    notes.push_back(std::to_string(posed.without) + " " + what +
+                    "s without a pose at their time left out");
+  }
+  return posed;
+}
+
+}  // namespace prospect

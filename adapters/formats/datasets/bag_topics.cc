@@ -1,0 +1,165 @@
+#include "adapters/formats/datasets/bag_topics.h"
+
+#include <algorithm>
+
+#include "adapters/formats/datasets/ros_messages.h"
+#include "adapters/formats/files/input_error.h"
+
+namespace prospect {
+namespace {
+
+bool holds(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+}  // namespace
+
+std::string topic_list(const BagFile& bag) {
+  std::string list;
+  for (const BagTopic& topic : bag.topics()) {
+    list += (list.empty() ? "" : ", ") + topic.name + " (" + topic.type + ", " +
+            std::to_string(topic.messages.size()) + ")";
+  }
+  return list;
+}
+
+const BagTopic* given_topic(const BagFile& bag, const std::string& path, const TopicChoice& chosen,
+                            const std::string& use, bool (*fits)(const BagTopic&)) {
+  const auto found = chosen.find(use);
+  if (found == chosen.end()) return nullptr;
+  const BagTopic* topic = bag.find(found->second);
+  if (topic == nullptr) {
+    throw InputError(path + ": has no topic " + found->second +
+                     "; expected one of: " + topic_list(bag));
+  }
+  if (!fits(*topic)) {
+    throw InputError(path + ": topic " + topic->name + " is of type " + topic->type +
+                     "; expected one that can be " + use);
+  }
+  if (topic->messages.empty()) {
+    throw InputError(path + ": topic " + topic->name +
+                     " holds no message; expected one of: " + topic_list(bag));
+  }
+  return topic;
+}
+
+bool is_pose_topic(const BagTopic& topic) { return is_ros_pose(topic.type); }
+
+bool is_image_topic(const BagTopic& topic) {
+  return topic.type == "sensor_msgs/msg/Image" || topic.type == "sensor_msgs/msg/CompressedImage";
+}
+
+bool is_compressed(const BagTopic& topic) {
+  return topic.type == "sensor_msgs/msg/CompressedImage";
+}
+
+bool is_laser_scan(const BagTopic& topic) { return topic.type == "sensor_msgs/msg/LaserScan"; }
+
+bool is_scan_topic(const BagTopic& topic) {
+  return is_laser_scan(topic) || topic.type == "sensor_msgs/msg/PointCloud2";
+}
+
+const BagTopic* info_of(const BagFile& bag, const BagTopic& image) {
+  std::string name = image.name;
+  for (const char* transport : {"/compressed", "/compressedDepth"}) {
+    if (name.ends_with(transport)) name.resize(name.size() - std::string(transport).size());
+  }
+  const BagTopic* info = bag.find(name.substr(0, name.rfind('/')) + "/camera_info");
+  return info != nullptr && info->type == "sensor_msgs/msg/CameraInfo" ? info : nullptr;
+}
+
+const BagTopic* find_depth_topic(const BagFile& bag) {
+  const BagTopic* best = nullptr;
+  int best_rank = -1;
+  for (const BagTopic& topic : bag.topics()) {
+    if (!is_image_topic(topic) || topic.messages.empty() ||
+        topic.name.find("depth") == std::string::npos)
+      continue;
+    const int rank = 2 * (info_of(bag, topic) != nullptr) + !is_compressed(topic);
+    if (rank > best_rank) {
+      best_rank = rank;
+      best = &topic;
+    }
+  }
+  return best;
+}
+
+std::pair<const BagTopic*, const BagTopic*> find_stereo_topics(const BagFile& bag) {
+  static const std::pair<const char*, const char*> kSides[] = {{"left", "right"},
+                                                               {"infra1", "infra2"},
+                                                               {"cam0", "cam1"},
+                                                               {"camera0", "camera1"},
+                                                               {"image_0", "image_1"}};
+  std::pair<const BagTopic*, const BagTopic*> best{nullptr, nullptr};
+  int best_rank = -1;
+  for (const BagTopic& topic : bag.topics()) {
+    if (!is_image_topic(topic) || topic.messages.empty() || holds(topic.name, "depth")) continue;
+    for (const auto& [left, right] : kSides) {
+      std::string name = topic.name;
+      if (!holds(name, left)) continue;
+      for (std::size_t at = 0; (at = name.find(left, at)) != std::string::npos;) {
+        name.replace(at, std::string(left).size(), right);
+        at += std::string(right).size();
+      }
+      const BagTopic* other = bag.find(name);
+      if (other == nullptr || !is_image_topic(*other) || other->messages.empty()) continue;
+      const int rank =
+          4 * holds(name, "rect") + 2 * (info_of(bag, topic) != nullptr) + !is_compressed(topic);
+      if (rank > best_rank) {
+        best_rank = rank;
+        best = {&topic, other};
+      }
+    }
+  }
+  return best;
+}
+
+std::string message_name(const BagTopic& topic, std::size_t i) {
+  return topic.name + " message " + std::to_string(i);
+}
+
+std::string read_message(const BagFile& bag, const BagTopic& topic, std::size_t i) {
+  if (topic.encoding != "cdr") {
+    throw InputError(topic.name + ": messages in '" + topic.encoding + "'; expected cdr, of ROS 2");
+  }
+  return bag.read(topic.messages[i]);
+}
+
+std::string frame_of(const BagFile& bag, const BagTopic& topic) {
+  return topic.messages.empty()
+             ? std::string()
+             : read_ros_header(read_message(bag, topic, 0), message_name(topic, 0)).frame;
+}
+
+std::vector<std::pair<double, std::size_t>> stamped_messages(const BagFile& bag,
+                                                             const BagTopic& topic,
+                                                             const std::string& what,
+                                                             std::vector<std::string>& notes) {
+  std::vector<std::pair<double, std::size_t>> stamped;
+  std::size_t unset = 0;
+  for (std::size_t i = 0; i < topic.messages.size(); ++i) {
+    double stamp = read_ros_header(read_message(bag, topic, i), message_name(topic, i)).stamp;
+    if (stamp <= 0.0) {
+      stamp = static_cast<double>(topic.messages[i].time) * 1e-9;
+      ++unset;
+    }
+    stamped.emplace_back(stamp, i);
+  }
+  if (unset > 0) {
+    notes.push_back(topic.name + ": " + std::to_string(unset) + " " + what +
+                    " without a stamp: the time of recording stands for it");
+  }
+  std::stable_sort(stamped.begin(), stamped.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  const auto repeated =
+      std::unique(stamped.begin(), stamped.end(),
+                  [](const auto& a, const auto& b) { return a.first == b.first; });
+  if (repeated != stamped.end()) {
+    notes.push_back(topic.name + ": " + std::to_string(stamped.end() - repeated) + " " + what +
+                    " with the stamp of another left out");
+    stamped.erase(repeated, stamped.end());
+  }
+  return stamped;
+}
+
+}  // namespace prospect

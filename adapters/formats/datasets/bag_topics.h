@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adapters/formats/bags/bag_file.h"
+
+namespace prospect {
+
+// Topics of a bag of ROS 2 and their messages, for what reads recordings from it.
+
+using TopicChoice = std::map<std::string, std::string>;  ///< of a use, such as "depth", the topic
+
+/// Every topic with type and number of messages, for messages to people.
+std::string topic_list(const BagFile& bag);
+
+/// The topic that was chosen for a use; null if none was. Throws InputError where it is absent, of
+/// another type, or holds no message.
+const BagTopic* given_topic(const BagFile& bag, const std::string& path, const TopicChoice& chosen,
+                            const std::string& use, bool (*fits)(const BagTopic&));
+
+/// Whether read_ros_pose() reads it.
+bool is_pose_topic(const BagTopic& topic);
+
+bool is_image_topic(const BagTopic& topic);  ///< of Image or CompressedImage
+bool is_compressed(const BagTopic& topic);   ///< of CompressedImage
+bool is_laser_scan(const BagTopic& topic);   ///< of LaserScan
+bool is_scan_topic(const BagTopic& topic);   ///< of LaserScan or PointCloud2
+
+/// "/stereo/left/image_rect/compressed" to "/stereo/left/camera_info"; null if it is not there.
+const BagTopic* info_of(const BagFile& bag, const BagTopic& image);
+/// The topic of images with depth in its name, with a camera_info and not compressed before others;
+/// null: none has images.
+const BagTopic* find_depth_topic(const BagFile& bag);
+/// Image topics whose names differ by left and right, or the like, alone: rectified ones, those
+/// with a camera_info and not compressed before others; null: none has images.
+std::pair<const BagTopic*, const BagTopic*> find_stereo_topics(const BagFile& bag);
+
+/// A message, for messages to people.
+std::string message_name(const BagTopic& topic, std::size_t i);
+
+/// The bytes of message i. Throws InputError if they are not CDR.
+std::string read_message(const BagFile& bag, const BagTopic& topic, std::size_t i);
+
+/// The frame of the first message's header; empty if there is no message.
+std::string frame_of(const BagFile& bag, const BagTopic& topic);
+
+/// The stamps [s] of the headers, increasing, each with its message; where one is not set, the time
+/// of recording. `notes` say how many of `what`, "images", had none, and how many are left out for
+/// the stamp of another.
+std::vector<std::pair<double, std::size_t>> stamped_messages(const BagFile& bag,
+                                                             const BagTopic& topic,
+                                                             const std::string& what,
+                                                             std::vector<std::string>& notes);
+
+}  // namespace prospect

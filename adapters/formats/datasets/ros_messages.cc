@@ -1,0 +1,200 @@
+#include "adapters/formats/datasets/ros_messages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
+#include <span>
+#include <utility>
+
+#include "adapters/formats/datasets/camera_window.h"
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/ros/cdr.h"
+#include "adapters/formats/ros/geometry_msgs.h"
+#include "adapters/formats/ros/nav_msgs.h"
+#include "adapters/formats/ros/sensor_msgs.h"
+#include "adapters/formats/ros/std_msgs.h"
+#include "adapters/formats/ros/tf2_msgs.h"
+
+namespace prospect {
+namespace {
+
+struct RosEncoding {
+  const char* name;
+  int type;        ///< of OpenCV
+  int conversion;  ///< of OpenCV, to blue, green, red or grey; -1: none
+};
+constexpr RosEncoding kRosEncodings[] = {
+    {"mono8", CV_8UC1, -1},
+    {"8UC1", CV_8UC1, -1},
+    {"mono16", CV_16UC1, -1},
+    {"16UC1", CV_16UC1, -1},
+    {"32FC1", CV_32FC1, -1},
+    {"bgr8", CV_8UC3, -1},
+    {"8UC3", CV_8UC3, -1},
+    {"rgb8", CV_8UC3, cv::COLOR_RGB2BGR},
+    {"bgra8", CV_8UC4, -1},
+    {"rgba8", CV_8UC4, cv::COLOR_RGBA2BGRA},
+    {"bgr16", CV_16UC3, -1},
+    {"rgb16", CV_16UC3, cv::COLOR_RGB2BGR},
+    // OpenCV names a pattern by its second row's second and third pixel.
+    {"bayer_rggb8", CV_8UC1, cv::COLOR_BayerBG2BGR},
+    {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2BGR},
+    {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2BGR},
+    {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2BGR},
+    {"yuv422", CV_8UC2, cv::COLOR_YUV2GRAY_UYVY},
+    {"uyvy", CV_8UC2, cv::COLOR_YUV2GRAY_UYVY},
+    {"yuv422_yuy2", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2},
+    {"yuyv", CV_8UC2, cv::COLOR_YUV2GRAY_YUY2}};
+
+Eigen::Isometry3d isometry_of(const Eigen::Vector3d& position, const ros::Quaternion& orientation,
+                              const std::string& name) {
+  const Eigen::Quaterniond q(orientation.w, orientation.x, orientation.y, orientation.z);
+  if (!(std::abs(q.norm() - 1.0) < 0.01) || !position.allFinite()) {
+    throw InputError(name + ": not a pose; expected finite numbers and a unit quaternion");
+  }
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = q.normalized().toRotationMatrix();
+  T.translation() = position;
+  return T;
+}
+Eigen::Isometry3d isometry_of(const ros::Pose& pose, const std::string& name) {
+  return isometry_of({pose.position.x, pose.position.y, pose.position.z}, pose.orientation, name);
+}
+RosTransform transform_of(const ros::TransformStamped& m, const std::string& name) {
+  const ros::Vector3& at = m.transform.translation;
+  return {ros::seconds(m.header.stamp), m.header.frame_id, m.child_frame_id,
+          isometry_of({at.x, at.y, at.z}, m.transform.rotation, name)};
+}
+
+std::string_view view_of(std::span<const std::uint8_t> bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+RosHeader read_ros_header(std::string_view cdr, const std::string& name) {
+  const auto header = ros::from_cdr<ros::Header>(cdr, name);
+  return {ros::seconds(header.stamp), header.frame_id};
+}
+
+RawImage read_ros_image(std::string_view cdr, bool compressed, const std::string& name) {
+  if (compressed) {
+    const auto message = ros::from_cdr<ros::CompressedImage>(cdr, name);
+    const std::string& format = message.format;
+    std::string_view data = view_of(message.data);
+    // compressed_depth_image_transport puts a head of twelve bytes before the PNG.
+    if (format.find("compressedDepth") != std::string::npos) {
+      if (format.find("rvl") != std::string::npos) {
+        throw InputError(name + ": depth compressed by RVL; expected PNG");
+      }
+      if (format.find("32FC1") != std::string::npos) {
+        throw InputError(name + ": compressed depth of floats; expected 16UC1");
+      }
+      data = data.substr(std::min<std::size_t>(12, data.size()));
+    }
+    return decode_image(data, name);
+  }
+  const auto message = ros::from_cdr<ros::Image>(cdr, name);
+  const auto height = message.height, width = message.width, step = message.step;
+  const std::string& encoding = message.encoding;
+  const bool big_endian = message.is_bigendian != 0;
+  const std::string_view data = view_of(message.data);
+  const RosEncoding* known = nullptr;
+  std::string names;
+  for (const RosEncoding& one : kRosEncodings) {
+    if (encoding == one.name) known = &one;
+    names += (names.empty() ? "" : ", ") + std::string(one.name);
+  }
+  if (known == nullptr) {
+    throw InputError(name + ": images in encoding '" + encoding + "'; expected one of: " + names);
+  }
+  const auto pixel = static_cast<std::uint64_t>(CV_ELEM_SIZE(known->type));
+  if (width < 1 || height < 1 || width > 100'000 || height > 100'000 || step < width * pixel ||
+      data.size() < std::uint64_t{step} * (height - 1) + width * pixel) {
+    throw InputError(name + ": an image of " + std::to_string(width) + " x " +
+                     std::to_string(height) + " pixels in " + std::to_string(data.size()) +
+                     " bytes; expected all of its rows");
+  }
+  cv::Mat image(static_cast<int>(height), static_cast<int>(width), known->type,
+                const_cast<char*>(data.data()), step);
+  if (known->conversion >= 0) {
+    cv::Mat converted;
+    cv::cvtColor(image, converted, known->conversion);
+    image = converted;
+  }
+  RawImage raw;
+  raw.width = image.cols;
+  raw.height = image.rows;
+  raw.channels = image.channels();
+  raw.kind = image.depth() == CV_8U    ? RawImage::Kind::k8
+             : image.depth() == CV_16U ? RawImage::Kind::k16
+                                       : RawImage::Kind::kFloat;
+  const std::size_t row = image.elemSize() * static_cast<std::size_t>(image.cols);
+  raw.bytes.resize(row * static_cast<std::size_t>(image.rows));
+  for (int v = 0; v < image.rows; ++v) {
+    std::memcpy(raw.bytes.data() + static_cast<std::size_t>(v) * row, image.ptr(v), row);
+  }
+  if (big_endian && raw.kind != RawImage::Kind::k8) {
+    const auto size = static_cast<std::size_t>(raw.bytes_per_number());
+    for (std::size_t i = 0; i + size <= raw.bytes.size(); i += size) {
+      std::reverse(raw.bytes.begin() + static_cast<std::ptrdiff_t>(i),
+                   raw.bytes.begin() + static_cast<std::ptrdiff_t>(i + size));
+    }
+  }
+  return raw;
+}
+
+CameraInfo read_ros_camera_info(std::string_view cdr, const std::string& name) {
+  const auto message = ros::from_cdr<ros::CameraInfo>(cdr, name);
+  CameraInfo info;
+  info.height = message.height;
+  info.width = message.width;
+  info.model = message.distortion_model;
+  info.D = message.d;
+  info.K.assign(message.k.begin(), message.k.end());
+  info.R.assign(message.r.begin(), message.r.end());
+  info.P.assign(message.p.begin(), message.p.end());
+  for (const auto* numbers : {&info.D, &info.K, &info.R, &info.P}) {
+    for (const double value : *numbers) {
+      if (!std::isfinite(value)) {
+        throw InputError(name + ": a calibration that is not finite; expected numbers");
+      }
+    }
+  }
+  const ros::RegionOfInterest& roi = message.roi;
+  const auto number = [](std::uint32_t n) { return static_cast<double>(n); };
+  return of_images(std::move(info),
+                   {number(message.binning_x), number(message.binning_y), number(roi.x_offset),
+                    number(roi.y_offset), number(roi.width), number(roi.height)},
+                   name);
+}
+
+std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::string& name) {
+  std::vector<RosTransform> out;
+  for (const ros::TransformStamped& one : ros::from_cdr<ros::TFMessage>(cdr, name).transforms) {
+    out.push_back(transform_of(one, name));
+  }
+  return out;
+}
+
+bool is_ros_pose(const std::string& type) {
+  return type == "nav_msgs/msg/Odometry" || type == "geometry_msgs/msg/PoseStamped" ||
+         type == "geometry_msgs/msg/TransformStamped";
+}
+
+RosTransform read_ros_pose(std::string_view cdr, const std::string& type, const std::string& name) {
+  if (type == ros::TransformStamped::kType) {
+    return transform_of(ros::from_cdr<ros::TransformStamped>(cdr, name), name);
+  }
+  if (type == ros::PoseStamped::kType) {
+    const auto m = ros::from_cdr<ros::PoseStamped>(cdr, name);
+    return {ros::seconds(m.header.stamp), m.header.frame_id, "", isometry_of(m.pose, name)};
+  }
+  const auto m = ros::from_cdr<ros::Odometry>(cdr, name);
+  return {ros::seconds(m.header.stamp), m.header.frame_id, m.child_frame_id,
+          isometry_of(m.pose.pose, name)};
+}
+
+}  // namespace prospect

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "adapters/formats/datasets/raw_image.h"
+#include "adapters/formats/datasets/stereo_calibration.h"
+
+namespace prospect {
+
+/// Stamp and frame of a message.
+struct RosHeader {
+  double stamp = 0.0;  ///< [s]; 0: not set
+  std::string frame;
+};
+
+// Messages of ROS 2 from CDR bytes, little- or big-endian. `name` stands for the message in errors:
+// InputError, one line, where the bytes end early or say what cannot be.
+RosHeader read_ros_header(std::string_view cdr, const std::string& name);
+
+/// sensor_msgs/msg/Image or, if `compressed`, CompressedImage: grey, colour (rgb8, bgr8, with
+/// opacity, yuv422), Bayer patterns as colour, 16 bits and floats.
+RawImage read_ros_image(std::string_view cdr, bool compressed, const std::string& name);
+
+/// sensor_msgs/msg/CameraInfo: of the images, its binning and roi applied (of_images()).
+CameraInfo read_ros_camera_info(std::string_view cdr, const std::string& name);
+
+/// A pose of one frame in another.
+struct RosTransform {
+  double stamp = 0.0;  ///< [s]
+  std::string parent, child;
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();  ///< child to parent
+};
+/// tf2_msgs/msg/TFMessage.
+std::vector<RosTransform> read_ros_transforms(std::string_view cdr, const std::string& name);
+/// nav_msgs/msg/Odometry, geometry_msgs/msg/PoseStamped (without child) or TransformStamped, by
+/// `type`.
+RosTransform read_ros_pose(std::string_view cdr, const std::string& type, const std::string& name);
+/// Whether read_ros_pose() reads this type.
+bool is_ros_pose(const std::string& type);
+
+}  // namespace prospect

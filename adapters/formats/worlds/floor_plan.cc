@@ -1,0 +1,159 @@
+#include "adapters/formats/worlds/floor_plan.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <initializer_list>
+#include <random>
+#include <utility>
+#include <vector>
+
+namespace prospect {
+namespace {
+
+/// Whole decimetres, so that everything lies on voxels of 0.1 m.
+struct Box {
+  int x0, y0, x1, y1;
+
+  bool within(const Box& other, int margin) const {
+    return x0 < other.x1 + margin && x1 > other.x0 - margin && y0 < other.y1 + margin &&
+           y1 > other.y0 - margin;
+  }
+  std::string text() const {
+    char buffer[96];
+    std::snprintf(buffer, sizeof buffer, "[%.1f, %.1f, %.1f, %.1f]", 0.1 * x0, 0.1 * y0, 0.1 * x1,
+                  0.1 * y1);
+    return buffer;
+  }
+};
+
+constexpr int kWall = 2;
+
+class FloorPlan {
+ public:
+  FloorPlan(std::uint64_t seed, const std::optional<FloorPlanSize>& size) : generator_(seed) {
+    columns_ = size ? size->columns : draw(3, 4);
+    rows_ = size ? size->rows : draw(2, 3);
+    std::vector<int> x{0}, y{0};
+    for (int i = 0; i < columns_; ++i) x.push_back(x.back() + draw(32, 58) + kWall);
+    for (int j = 0; j < rows_; ++j) y.push_back(y.back() + draw(32, 48) + kWall);
+    for (int j = 0; j < rows_; ++j) {
+      for (int i = 0; i < columns_; ++i) {
+        rooms_.push_back({x[at(i)], y[at(j)], x[at(i + 1)] - kWall, y[at(j + 1)] - kWall});
+      }
+    }
+    open_doors();
+    for (const Box& room : rooms_) furnish(room);
+  }
+
+  std::string yaml(const std::string& name) {
+    std::string text = "name: " + name +
+                       "\nresolution: 0.1\nwall_height: 2.5\nwall_thickness: 0.2\n"
+                       "textures: {posters: 60, brick: 40, carpet: 35, wood: 25, plaster: 6, "
+                       "tiles: 4, white: 0}\nrooms:\n";
+    for (const Box& room : rooms_) {
+      text += "  - {box: " + room.text() + ", walls: " + wall();
+      for (const char* side : {"north", "south"}) {
+        if (draw(0, 2) == 0) text += std::string(", ") + side + ": " + wall();
+      }
+      text += std::string(", floor: ") + pick({"carpet", "wood", "tiles"}) + "}\n";
+    }
+    text += "doors:\n";
+    for (const Box& door : doors_) text += "  - {box: " + door.text() + "}\n";
+    if (!furniture_.empty()) text += "furniture:\n";
+    for (const Box& piece : furniture_) {
+      const int height = draw(7, 18);
+      text += "  - {box: " + piece.text() + ", z: [0, " + std::to_string(height / 10) + "." +
+              std::to_string(height % 10) + "], texture: " + pick({"wood", "posters", "plaster"}) +
+              "}\n";
+    }
+    return text;
+  }
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+  /// A whole number in [least, most]; not std::uniform_int_distribution, whose numbers are the
+  /// library's own.
+  int draw(int least, int most) {
+    return least + static_cast<int>(generator_() % static_cast<std::uint64_t>(most - least + 1));
+  }
+  std::string pick(std::initializer_list<const char*> names) {
+    return *(names.begin() + draw(0, static_cast<int>(names.size()) - 1));
+  }
+  std::string wall() { return pick({"brick", "posters", "plaster", "brick", "posters", "white"}); }
+
+  /// Walls between neighbours in random order, opened where they join what was apart (Kruskal), and
+  /// a quarter of the rest, so that there are loops.
+  void open_doors() {
+    std::vector<std::pair<int, int>> walls;
+    for (int j = 0; j < rows_; ++j) {
+      for (int i = 0; i < columns_; ++i) {
+        const int room = j * columns_ + i;
+        if (i + 1 < columns_) walls.emplace_back(room, room + 1);
+        if (j + 1 < rows_) walls.emplace_back(room, room + columns_);
+      }
+    }
+    for (std::size_t n = walls.size(); n > 1; --n) {
+      std::swap(walls[n - 1], walls[at(draw(0, static_cast<int>(n) - 1))]);
+    }
+    std::vector<int> part(rooms_.size());
+    for (std::size_t n = 0; n < part.size(); ++n) part[n] = static_cast<int>(n);
+    for (const auto& [a, b] : walls) {
+      const int old = part[at(b)], joined = part[at(a)];
+      if (old == joined && draw(0, 3) != 0) continue;
+      for (int& p : part) p = p == old ? joined : p;
+      doors_.push_back(door(rooms_[at(a)], rooms_[at(b)]));
+    }
+  }
+
+  /// b is right of a or above it.
+  Box door(const Box& a, const Box& b) {
+    const int width = draw(10, 13);
+    if (b.x0 > a.x1) {
+      const int y = draw(a.y0 + 4, a.y1 - 4 - width);
+      return {a.x1 - 1, y, b.x0 + 1, y + width};
+    }
+    const int x = draw(a.x0 + 4, a.x1 - 4 - width);
+    return {x, a.y1 - 1, x + width, b.y0 + 1};
+  }
+
+  /// Up to three pieces against the walls, none near a door or another piece.
+  void furnish(const Box& room) {
+    for (int tries = 0; tries < 3; ++tries) {
+      const int length = draw(8, 16), depth = draw(5, 8), side = draw(0, 3);
+      Box piece{};
+      if (side < 2) {  // along x
+        const int x = draw(room.x0, room.x1 - length);
+        const int y = side == 0 ? room.y0 : room.y1 - depth;
+        piece = {x, y, x + length, y + depth};
+      } else {
+        const int y = draw(room.y0, room.y1 - length);
+        const int x = side == 2 ? room.x0 : room.x1 - depth;
+        piece = {x, y, x + depth, y + length};
+      }
+      const auto near_to = [&](int margin) {
+        return [&piece, margin](const Box& other) { return piece.within(other, margin); };
+      };
+      const bool blocked = std::any_of(doors_.begin(), doors_.end(), near_to(9)) ||
+                           std::any_of(furniture_.begin(), furniture_.end(), near_to(9));
+      if (!blocked) furniture_.push_back(piece);
+    }
+  }
+
+  std::mt19937_64 generator_;
+  int columns_ = 0, rows_ = 0;
+  std::vector<Box> rooms_, doors_, furniture_;
+};
+
+}  // namespace
+
+std::string random_floor_plan(std::uint64_t seed, const std::optional<FloorPlanSize>& size) {
+  return FloorPlan(seed, size).yaml(floor_plan_name(seed, size));
+}
+
+std::string floor_plan_name(std::uint64_t seed, const std::optional<FloorPlanSize>& size) {
+  std::string name = "plan:" + std::to_string(seed);
+  if (size) name += ":" + std::to_string(size->columns) + "x" + std::to_string(size->rows);
+  return name;
+}
+
+}  // namespace prospect

@@ -1,0 +1,429 @@
+#include "adapters/missions/config/configuration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <stdexcept>
+#include <utility>
+
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/files/parse_number.h"
+#include "adapters/missions/config/renamed_keys.h"
+#include "adapters/missions/config/sensor_sight.h"
+#include "adapters/missions/config/solver_options.h"
+#include "adapters/missions/config/term_settings.h"
+#include "adapters/missions/config/yaml_knobs.h"
+#include "engine/planner/frontier_planner_options.h"
+#include "engine/task/task.h"
+#include "engine/task/zones.h"
+#include "models/make_model.h"
+#include "models/nearest_name.h"
+#include "solvers/registry.h"
+
+namespace prospect {
+namespace {
+
+Eigen::Vector3d vector3(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+StrictYaml with_settings(StrictYaml yaml, const std::vector<std::string>& settings) {
+  for (const std::string& setting : settings) yaml.set(setting);
+  return yaml;
+}
+
+/// A configuration file ("": none), with the settings above it.
+StrictYaml document(const std::string& path, const std::vector<std::string>& settings) {
+  return with_settings(
+      path.empty() ? StrictYaml::from_text("", "defaults") : StrictYaml::from_file(path), settings);
+}
+
+/// What the mapping says of it, else as it is.
+template <typename Options>
+Options read_knobs(YamlMap map, Options options) {
+  YamlKnobs knobs(std::move(map));
+  describe(knobs, options);
+  return options;
+}
+
+RobotShape read_shape(YamlMap map) {
+  const std::string type =
+      map.choice("type", "cylinder", {"cylinder", "box", "spheres", "convex"},
+                 "geometry of the body, in the body frame (origin on the floor)");
+  if (type == "cylinder") return read_knobs(map, CylinderShape());
+  if (type == "box") return read_knobs(map, BoxShape{{0.0, 0.0, 0.3}, {0.4, 0.3, 0.4}});
+  if (type == "spheres") {
+    SphereSetShape shape;
+    for (YamlMap sphere : map.maps("spheres")) {
+      YamlKnobs knobs(sphere, YamlKnobs::Missing::kError);
+      describe(knobs, shape.spheres.emplace_back());
+    }
+    if (shape.spheres.empty()) {
+      map.problem("spheres", "no spheres; expected at least one");
+      return CylinderShape{};  // sound, so that one mistake is reported once
+    }
+    return shape;
+  }
+  ConvexShape shape;
+  const std::size_t problems = map.problem_count();
+  const std::vector<double> v =
+      map.required_numbers("vertices", -1, -5.0, 5.0, "m", "x, y, z of each vertex in turn");
+  if (map.problem_count() != problems) return CylinderShape{};
+  if (v.size() % 3 != 0 || v.size() < 12) {
+    map.problem("vertices",
+                std::to_string(v.size()) + " numbers; expected 3 a vertex, 4 vertices or more");
+    return CylinderShape{};
+  }
+  for (std::size_t i = 0; i + 2 < v.size(); i += 3)
+    shape.vertices.emplace_back(v[i], v[i + 1], v[i + 2]);
+  return shape;
+}
+
+CameraMount read_mount(YamlMap map) {
+  CameraMount mount;
+  const Eigen::Vector3d position = vector3(map.numbers("position", {0.0, 0.0, 0.45}, 3, -5.0, 5.0,
+                                                       "m", "optical centre in the body frame"));
+  const double yaw = map.number("yaw", 0.0, -180.0, 180.0, "deg", "turned from the body's x axis");
+  const double pitch =
+      map.number("pitch", 0.0, -90.0, 90.0, "deg", "optical axis below the horizontal");
+  const double roll = map.number("roll", 0.0, -180.0, 180.0, "deg",
+                                 "turned about the optical axis, clockwise as the camera looks");
+  mount.T_BC = CameraMount::forward_facing(position, yaw * kRadiansPerDegree,
+                                           pitch * kRadiansPerDegree, roll * kRadiansPerDegree);
+  return mount;
+}
+
+void read_robot(YamlMap map, Configuration& c) {
+  const std::string name = map.choice("model", "unicycle", model_names(),
+                                      "motion model; its parameters stand in `motion`");
+  ModelParameters parameters = default_parameters(name);
+  YamlKnobs motion(map.map("motion"));
+  describe(motion, name, parameters);
+  try {
+    c.robot.model = make_model(name, parameters);
+  } catch (const std::exception& e) {
+    map.problem("motion", e.what());
+  }
+  c.robot.shape = read_shape(map.map("shape"));
+  try {
+    validate(c.robot.shape);
+  } catch (const std::exception& e) {
+    map.problem("shape", e.what());
+  }
+
+  YamlMap stereo = map.map("stereo");
+  c.robot.stereo = read_knobs(stereo, c.robot.stereo);
+  c.robot.stereo_mount = read_mount(stereo.map("mount"));
+
+  YamlMap depth = map.map("depth");
+  c.robot.depth = read_knobs(depth, c.robot.depth);
+  c.robot.depth_mount = read_mount(depth.map("mount"));
+}
+
+/// A sensor that sees nothing of where the body drives is refused: the mission would be over at
+/// once.
+void check_sight(YamlMap robot, const Configuration& c) {
+  const std::string problem = sight_problem(c.robot, c.perception.mapping.resolution);
+  if (!problem.empty()) robot.map("depth").map("mount").problem("position", problem);
+}
+
+/// What the simulated robot shares with the planned one, and the planner with the map.
+void share_robot(Configuration& c) {
+  c.simulator.shape = c.robot.shape;
+  c.simulator.base_height = c.robot.base_height();
+  c.simulator.depth.footprint = c.robot.depth;
+  set_resolution(c.simulator.depth);
+  c.simulator.depth_mount = c.robot.depth_mount;
+  c.simulator.features.stereo = c.robot.stereo;
+  c.simulator.stereo_mount = c.robot.stereo_mount;
+  c.planner.map_resolution = c.perception.mapping.resolution;
+}
+
+/// Returns the paths of settings that others have taken the place of.
+std::vector<std::string> read_planner(YamlMap map, const Registries& registries, Configuration& c) {
+  c.solver = map.text("solver", c.solver, "back end, see `prospect list solvers`");
+  YamlMap options = map.free_map("options", "of the back end, see `prospect list solvers`");
+  if (const std::string wrong = solver_problem(c.solver, registries.solvers); !wrong.empty()) {
+    map.problem("solver", wrong);
+    for (const std::string& name : options.keys()) options.text(name, "", "of the back end");
+  } else {
+    c.planner.solver_options = read_solver_options(options, *registries.solvers.make(c.solver));
+  }
+  YamlKnobs knobs(map);
+  describe(knobs, c.planner);
+  return read_terms(map, registries.terms, c.planner);
+}
+
+void read_simulator(YamlMap map, Configuration& c) {
+  YamlKnobs knobs(map);
+  describe(knobs, c.simulator);
+  const std::string known =
+      map.text("map", "none", "OctoMap (.bt .ot) of the same world to begin with; none: nothing");
+  if (known != "none") c.map = known;
+}
+
+void read_perception(YamlMap map, ConfigurationUse use, Configuration& c) {
+  const bool camera = c.simulator.sensors == Sensors::kCamera;
+  if (is_simulated(use) || (use == ConfigurationUse::kAny && camera)) {
+    c.perception = simulated_perception(c.simulator.wheels);
+  }
+  c.perception = read_knobs(std::move(map), c.perception);
+}
+
+void read_mission(YamlMap map, Configuration& c) {
+  YamlKnobs knobs(map);
+  describe(knobs, c.mission);
+  YamlKnobs end(map.map("end"));
+  describe_end(end, c.planner.frontier_planner);
+  YamlMap until = map.map("until");
+  c.until_coverage = until.number("coverage", 0.0, 0.0, 1.0, "1",
+                                  "share of the reachable area that is enough; 0: all");
+  c.until_area = until.number("area", 0.0, 0.0, 1e9, "m2", "area that is enough; 0: all");
+}
+
+void read_world(YamlMap map, WorldOptions& world) {
+  constexpr double kHighest = 1e5, kFarthest = 1e6;  // [m]
+  const std::string floor =
+      map.text("floor", "lowest",
+               "storey, by the height of its ground in the file [m]; lowest: the lowest large one");
+  if (floor != "lowest") {
+    double height = 0.0;
+    if (!parse_number(floor, height) || !(std::abs(height) <= kHighest)) {
+      map.problem("floor",
+                  "is '" + floor + "'; expected lowest or a number from -100000 to 100000");
+    } else {
+      world.floor = height;
+    }
+  }
+  world.voxel_size = map.number("resolution", 0.0, 0.01, 10.0, "m",
+                                "of its voxels; of an image without .yaml: of a pixel; 0: 0.1 m, "
+                                "of meshes 0.05 m");
+  world.unknown_is_free =
+      map.choice("unknown", "solid", {"solid", "free"}, "what its file does not know") == "free";
+  world.ground_margin =
+      map.number("ground", 0.0, 0.0, 1000.0, "m",
+                 "how far ground without end counts beyond what stands on it; 0: as far as that");
+  const std::vector<double> start =
+      map.numbers("start", {}, -1, -kFarthest, kFarthest, "m, m, deg", "x, y, yaw; none: its own");
+  if (start.size() == 3) {
+    world.start = Pose{{start[0], start[1], 0.0}, start[2] * M_PI / 180.0};  // as --start does
+  } else if (!start.empty()) {
+    map.problem("start", std::to_string(start.size()) + " numbers; expected x, y and yaw");
+  }
+}
+
+void read_drive(YamlMap map, Configuration& c) {
+  YamlKnobs knobs(map);
+  describe(knobs, c.drive);
+  c.simulated_base = read_knobs(map.map("simulator"), c.simulated_base);
+}
+
+void read_gazebo(YamlMap map, GazeboOptions& gazebo) {
+  gazebo.address.host = map.text("host", gazebo.address.host, "of Gazebo's master");
+  gazebo = read_knobs(map, gazebo);
+  const std::string world = map.text("world", "running", "its name; running: the one that runs");
+  gazebo.world = world == "running" ? "" : world;
+  gazebo.model = map.text("model", gazebo.model, "the robot, with the plug-in DiffDrivePlugin");
+  gazebo.link = map.text("link", gazebo.link, "of the model, which bears the sensors");
+  gazebo.stereo = map.text("stereo", gazebo.stereo, "sensor multicamera: left, then right");
+  const std::string depth = map.text("depth", gazebo.depth, "sensor depth; none: there is none");
+  gazebo.depth = depth == "none" ? "" : depth;
+  gazebo.left_wheel = map.text("left_wheel", gazebo.left_wheel, "link of the model");
+  gazebo.right_wheel = map.text("right_wheel", gazebo.right_wheel, "link of the model");
+}
+
+/// x, y of each corner in turn.
+Polygon polygon_of(const std::vector<double>& numbers) {
+  Polygon polygon;
+  for (std::size_t i = 0; i + 1 < numbers.size(); i += 2) {
+    polygon.emplace_back(numbers[i], numbers[i + 1]);
+  }
+  return polygon;
+}
+
+constexpr double kFarthestPlace = 1e5;  // [m]
+
+/// Records what is wrong with the polygon under the key.
+Polygon read_polygon(YamlMap map, const char* key, bool required, const char* what) {
+  const std::size_t problems = map.problem_count();
+  const std::vector<double> numbers =
+      required ? map.required_numbers(key, -1, -kFarthestPlace, kFarthestPlace, "m", what)
+               : map.numbers(key, {}, -1, -kFarthestPlace, kFarthestPlace, "m", what);
+  if (map.problem_count() != problems || (numbers.empty() && !required)) return {};
+  if (numbers.size() % 2 != 0) {
+    map.problem(key, std::to_string(numbers.size()) + " numbers; expected x and y of each corner");
+    return {};
+  }
+  Polygon polygon = polygon_of(numbers);
+  if (const std::string fault = polygon_fault(polygon); !fault.empty()) map.problem(key, fault);
+  return polygon;
+}
+
+void read_zones(YamlMap map, Zones& zones) {
+  const char* corners = "x, y of each corner in turn";
+  Polygon bound =
+      read_polygon(map, "bound", false, "the robot stays within: x, y of each corner in turn");
+  if (!bound.empty()) zones.bound = std::move(bound);
+  for (YamlMap zone : map.maps("keep_out")) {
+    zones.keep_out.push_back(read_polygon(zone, "area", true, corners));
+  }
+  for (YamlMap zone : map.maps("slow")) {
+    SpeedZone slow;
+    slow.area = read_polygon(zone, "area", true, corners);
+    slow.max_speed = zone.required_number("max_speed", 0.01, 100.0, "m/s", "allowed there");
+    zones.slow.push_back(std::move(slow));
+  }
+}
+
+void read_task(YamlMap map, Configuration& c) {
+  Task& task = c.planner.task;
+  const std::string kind =
+      map.choice("kind", "explore", {"explore", "go", "return", "hold"}, "what the robot is to do");
+  Polygon area = read_polygon(map, "area", false,
+                              "of explore: only what lies in there; x, y of each corner in turn");
+  const std::vector<double> goal = map.numbers("goal", {}, -1, -kFarthestPlace, kFarthestPlace,
+                                               "m, m, deg", "of go: x, y and, if it matters, yaw");
+  task.goal.position_tolerance = map.number("position_tolerance", task.goal.position_tolerance,
+                                            0.05, 10.0, "m", "of go and return: how near is there");
+  task.goal.yaw_tolerance =
+      kRadiansPerDegree * map.number("yaw_tolerance",
+                                     std::round(task.goal.yaw_tolerance / kRadiansPerDegree), 2.0,
+                                     180.0, "deg", "of go and return");
+  if (goal.size() >= 2) task.goal.position = {goal[0], goal[1]};
+  if (goal.size() >= 3) task.goal.yaw = kRadiansPerDegree * goal[2];
+  if (!area.empty() && kind == "explore") task.area = std::move(area);
+  task.kind = kind == "go"       ? TaskKind::kGoTo
+              : kind == "return" ? TaskKind::kReturn
+              : kind == "hold"   ? TaskKind::kHold
+                                 : TaskKind::kExplore;
+  if (goal.size() == 1 || goal.size() > 3 || (goal.empty() && kind == "go")) {
+    map.problem("goal", std::to_string(goal.size()) +
+                            " numbers; expected x, y, and yaw if it "
+                            "matters");
+  }
+}
+
+/// What the robot and the parameters of a planner must agree in is the planner's to know.
+std::string planner_problem(const Configuration& c, const Registries& registries) {
+  try {
+    Planner(c.robot, c.planner, registries.solvers.make(c.solver));
+  } catch (const std::invalid_argument& e) {
+    return e.what();
+  }
+  return "";
+}
+
+Configuration read(StrictYaml yaml, const Registries& registries, ConfigurationUse use) {
+  Configuration c;
+  yaml.refuse(renamed_keys());
+  YamlMap root = yaml.root();
+  read_robot(root.map("robot"), c);
+  const std::vector<std::string> replaced = read_planner(root.map("planner"), registries, c);
+  read_simulator(root.map("simulator"), c);
+  read_perception(root.map("perception"), use, c);
+  read_world(root.map("world"), c.world);
+  c.guard = read_knobs(root.map("guard"), c.guard);
+  read_mission(root.map("mission"), c);
+  read_task(root.map("task"), c);
+  read_zones(root.map("zones"), c.planner.zones);
+  // A robot that is refused has no outline.
+  if (root.problem_count() == 0) c.drive.ranges = range_stop_options(c.robot);
+  read_drive(root.map("drive"), c);
+  read_gazebo(root.map("gazebo"), c.gazebo);
+  if (root.problem_count() == 0) check_sight(root.map("robot"), c);
+  if (root.problem_count() == 0) {
+    share_robot(c);
+    if (const std::string fault = task_problem(c); !fault.empty())
+      root.map("task").problem("", fault);
+    else if (const std::string unfit = planner_problem(c, registries); !unfit.empty())
+      root.map("planner").problem("", unfit);
+  }
+  yaml.finish();
+
+  c.entries = yaml.entries();
+  std::erase_if(c.entries, [&](const ConfigEntry& entry) {
+    return std::find(replaced.begin(), replaced.end(), entry.path) != replaced.end();
+  });
+  refuse_unread(c.entries, key_reader(c, use));
+  return c;
+}
+
+}  // namespace
+
+KeyReader key_reader(const Configuration& c, ConfigurationUse use) {
+  return {.use = use,
+          .sensors = c.simulator.sensors,
+          .wheels = c.perception.wheels,
+          .task = c.planner.task.kind};
+}
+
+std::string task_problem(const Configuration& configuration) {
+  const FrontierPlannerOptions frontier_planner =
+      frontier_planner_options_for(configuration.robot, configuration.planner);
+  const std::vector<std::string> wrong =
+      faults(configuration.planner.task, frontier_planner.traversability.zones.get(),
+             frontier_planner.traversability.hard_radius);
+  return wrong.empty() ? "" : wrong.front();
+}
+
+void override_entry(Configuration& configuration, const std::string& path,
+                    const std::string& value) {
+  for (ConfigEntry& entry : configuration.entries) {
+    if (entry.path == path) entry.value = value;
+  }
+}
+
+void set_robot(Configuration& configuration, const std::vector<std::string>& settings,
+               const std::string& told_by) {
+  std::vector<ConfigEntry> entries = configuration.entries;
+  std::erase_if(entries, [](const ConfigEntry& e) { return !e.path.starts_with("robot."); });
+  StrictYaml yaml = StrictYaml::from_text(effective_yaml(entries), told_by);
+  for (const std::string& setting : settings) yaml.set(setting, told_by);
+  Configuration told = configuration;
+  read_robot(yaml.root().map("robot"), told);
+  if (yaml.root().problem_count() == 0) check_sight(yaml.root().map("robot"), told);
+  yaml.finish();
+  share_robot(told);
+  for (const ConfigEntry& entry : yaml.entries()) override_entry(told, entry.path, entry.value);
+  configuration = std::move(told);
+}
+
+std::string solver_problem(const std::string& name, const SolverRegistry& solvers) {
+  try {
+    solvers.make(name);
+    return "";
+  } catch (const std::invalid_argument& e) {
+    return e.what();
+  }
+}
+
+Configuration read_configuration(const std::string& path, const Registries& registries,
+                                 const std::vector<std::string>& settings, ConfigurationUse use) {
+  return read(document(path, settings), registries, use);
+}
+
+PerceptionOptions read_perception(const std::string& path, const std::vector<std::string>& settings,
+                                  const PerceptionOptions& defaults, ConfigurationUse use) {
+  for (const std::string& setting : settings) {
+    if (setting.starts_with("perception.")) continue;
+    throw InputError("--set " + setting +
+                     ": of a robot, not of a recording; expected a key of perception");
+  }
+  StrictYaml yaml = document(path, settings);
+  yaml.refuse(renamed_keys());
+  YamlMap root = yaml.root();
+  PerceptionOptions perception = read_knobs(root.map("perception"), defaults);
+  root.leave_rest();
+  yaml.finish();
+  std::vector<ConfigEntry> told = yaml.entries();
+  std::erase_if(told, [](const ConfigEntry& entry) { return !entry.set; });
+  refuse_unread(told, {.use = use});
+  return perception;
+}
+
+Configuration configuration_from_text(const std::string& text, const std::string& source,
+                                      const Registries& registries,
+                                      const std::vector<std::string>& settings) {
+  return read(with_settings(StrictYaml::from_text(text, source), settings), registries,
+              ConfigurationUse::kAny);
+}
+
+}  // namespace prospect

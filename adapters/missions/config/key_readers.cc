@@ -1,0 +1,140 @@
+#include "adapters/missions/config/key_readers.h"
+
+#include <array>
+#include <string_view>
+
+#include "adapters/formats/files/input_error.h"
+
+namespace prospect {
+namespace {
+
+using Use = ConfigurationUse;
+
+bool real_time(const KeyReader& r) {
+  return r.use == Use::kDriveSimulator || r.use == Use::kDriveGazebo || r.use == Use::kDriveDds;
+}
+bool mission(const KeyReader& r) { return is_simulated(r.use) || real_time(r); }
+bool own_sensors(const KeyReader& r) {
+  return r.use == Use::kDriveGazebo || r.use == Use::kDriveDds;
+}
+bool rendered(const KeyReader& r) { return is_simulated(r.use) && r.sensors == Sensors::kCamera; }
+bool modelled(const KeyReader& r) { return is_simulated(r.use) && r.sensors == Sensors::kModel; }
+bool cameras(const KeyReader& r) { return own_sensors(r) || rendered(r); }
+bool topics(const KeyReader& r) { return r.use == Use::kDriveDds; }
+bool map_of_images(const KeyReader& r) {
+  return r.use == Use::kMapDepth || r.use == Use::kMapStereo;
+}
+bool map(const KeyReader& r) { return map_of_images(r) || r.use == Use::kMapScans; }
+bool own_accuracy(const KeyReader& r) { return r.use != Use::kMapStereo; }
+
+/// The keys at and below a path, who reads them, and what is said where nobody does. All rows of a
+/// key must hold.
+struct KeyRow {
+  std::string_view path;
+  bool (*read)(const KeyReader&);
+  std::string_view refusal;
+  /// In a file it is told by its name that it is of another command or robot.
+  bool by_name = false;
+};
+
+constexpr std::string_view kStamps =
+    "Gazebo's clock stamps all its sensors; expected it with --base dds";
+constexpr std::string_view kModel =
+    "of sensors that are a model; expected simulator.sensors: model";
+constexpr std::string_view kRendered = "of rendered images; expected simulator.sensors: camera";
+constexpr std::string_view kCameras =
+    "of a robot with cameras; expected simulator.sensors: camera, or --base gazebo|dds";
+constexpr std::string_view kPair =
+    "the recording's stereo pair tells it; expected it of depth images or scans";
+
+constexpr std::array kRows = {
+    KeyRow{"drive", real_time, "of a mission in real time; expected it with prospect drive", true},
+    KeyRow{"drive.simulator", [](const KeyReader& r) { return r.use == Use::kDriveSimulator; },
+           "of the simulator's base; expected it with --base simulator", true},
+    KeyRow{"drive.inbox", own_sensors,
+           "of a robot with sensors of its own; expected it with --base gazebo|dds", true},
+    KeyRow{"drive.inbox.cameras_in_runtime_clock", topics, kStamps, true},
+    KeyRow{"drive.inbox.wheels_in_runtime_clock", topics, kStamps, true},
+    KeyRow{"drive.inbox.depth_in_runtime_clock", topics, kStamps, true},
+    KeyRow{"drive.inbox.scan_in_runtime_clock", topics, kStamps, true},
+    KeyRow{"gazebo", [](const KeyReader& r) { return r.use == Use::kDriveGazebo; },
+           "of a robot in Gazebo; expected it with prospect drive --base gazebo", true},
+    KeyRow{"world", [](const KeyReader& r) { return r.world && !topics(r); },
+           "no world is read; expected it with a simulated world", true},
+    KeyRow{"simulator", [](const KeyReader& r) { return is_simulated(r.use); },
+           "of the simulator; expected it with prospect explore, or --base simulator", true},
+    KeyRow{"task.area", [](const KeyReader& r) { return r.task == TaskKind::kExplore; },
+           "of an exploration; expected task.kind: explore"},
+    KeyRow{"task.goal", [](const KeyReader& r) { return r.task == TaskKind::kGoTo; },
+           "of a goal to go to; expected task.kind: go"},
+    KeyRow{"simulator.odometry", modelled, kModel},
+    KeyRow{"simulator.features", modelled, kModel},
+    KeyRow{"simulator.landmarks", modelled, kModel},
+    // Of a mesh, the features that sensors as a model track are looked for in images of it.
+    KeyRow{"simulator.camera", [](const KeyReader& r) { return rendered(r) || r.textured; },
+           kRendered},
+    KeyRow{"simulator.camera.texture_quality", rendered, kRendered},
+    KeyRow{"simulator.camera.focal_error", rendered, kRendered},
+    KeyRow{"simulator.camera.baseline_error", rendered, kRendered},
+    KeyRow{"simulator.camera.depth_width", rendered, kRendered},
+    KeyRow{"simulator.camera.depth_height", rendered, kRendered},
+    KeyRow{"simulator.camera.max_incidence", rendered, kRendered},
+    KeyRow{"simulator.wheels", [](const KeyReader& r) { return rendered(r) && r.wheels; },
+           "of wheels beside cameras; expected simulator.sensors: camera and perception.wheels: "
+           "true"},
+    KeyRow{"perception.wheels", cameras, kCameras},
+    KeyRow{"perception.wheel_fusion", [](const KeyReader& r) { return cameras(r) && r.wheels; },
+           "of wheels beside cameras; expected cameras and perception.wheels: true"},
+    KeyRow{"perception.odometry",
+           [](const KeyReader& r) { return cameras(r) || r.use == Use::kOdometry; }, kCameras},
+    KeyRow{"perception.mapping", [](const KeyReader& r) { return mission(r) || map(r); },
+           "no map is made; expected it with prospect map"},
+    KeyRow{"perception.mapping.offset_quadratic", own_accuracy, kPair},
+    KeyRow{"perception.depth_mapping",
+           [](const KeyReader& r) { return (cameras(r) && r.depth) || map_of_images(r); },
+           "of depth images; expected a robot or a recording with them"},
+    KeyRow{"perception.depth_mapping.ground.noise_quadratic", own_accuracy, kPair},
+    KeyRow{"perception.depth_mapping.max_speed", own_accuracy, kPair},
+    KeyRow{"perception.scan_mapping",
+           [](const KeyReader& r) { return (topics(r) && r.scans) || r.use == Use::kMapScans; },
+           "of a lidar; expected a robot behind topics or a recording with one"},
+    KeyRow{"perception.feature_density", mission, "of missions; expected it in one"},
+    KeyRow{"perception.same_time", cameras, kCameras},
+    KeyRow{"perception.max_age", cameras, kCameras},
+    KeyRow{"perception.max_leap", cameras, kCameras},
+    KeyRow{"perception.max_ahead", cameras, kCameras},
+    KeyRow{"perception.most_waiting", cameras, kCameras},
+};
+
+bool at_or_below(std::string_view key, std::string_view path) {
+  return key.starts_with(path) && (key.size() == path.size() || key[path.size()] == '.');
+}
+
+const KeyRow* refusing_row(std::string_view key, const KeyReader& reader) {
+  if (reader.use == Use::kAny) return nullptr;
+  for (const KeyRow& row : kRows) {
+    if (at_or_below(key, row.path) && !row.read(reader)) return &row;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::string unread_because(const std::string& key, const KeyReader& reader) {
+  const KeyRow* row = refusing_row(key, reader);
+  return row ? std::string(row->refusal) : "";
+}
+
+void refuse_unread(const std::vector<ConfigEntry>& entries, const KeyReader& reader) {
+  std::vector<std::string> lines;
+  for (const ConfigEntry& entry : entries) {
+    if (!entry.from_file || (!entry.set && entry.value == entry.default_value)) continue;
+    const KeyRow* row = refusing_row(entry.path, reader);
+    if (row == nullptr || (row->by_name && !entry.set)) continue;
+    lines.push_back(entry.where + ": " + entry.path +
+                    ": nothing reads it here: " + std::string(row->refusal));
+  }
+  if (!lines.empty()) throw InputError(lines);
+}
+
+}  // namespace prospect

@@ -1,0 +1,37 @@
+#include "adapters/missions/config/renamed_keys.h"
+
+namespace prospect {
+
+const std::vector<RenamedKey>& renamed_keys() {
+  // What wheels really do was said where the fusion is told of it, which follows it now.
+  static const std::vector<RenamedKey> keys = {
+      {"simulator.camera.wheel_fusion.along", "simulator.wheels.along"},
+      {"simulator.camera.wheel_fusion.across", "simulator.wheels.across"},
+      {"simulator.camera.wheel_fusion.turn", "simulator.wheels.turn"},
+      {"simulator.camera.wheel_fusion.heading", "simulator.wheels.heading"},
+      {"simulator.camera.wheel_fusion.sigma_scale", "simulator.wheels.sigma_scale"},
+      {"simulator.camera.wheel_fusion", "perception.wheel_fusion"},
+      {"simulator.camera.wheels", "perception.wheels"},
+      {"simulator.camera.odometry", "perception.odometry"},
+      {"simulator.camera.depth_mapping", "perception.depth_mapping"},
+      {"simulator.camera.feature_density", "perception.feature_density"},
+      {"simulator.landmarks.density", "perception.feature_density"},
+      {"simulator.mapping", "perception.mapping"},
+      {"simulator.map_resolution", "perception.mapping.resolution"},
+      {"drive.odometry", "perception.odometry"},
+      {"drive.perception", "perception"},
+      {"planner.recovery.time", "planner.recovery.retreat_time"},
+      {"planner.recovery.turn", "planner.recovery.turn_time"},
+      {"planner.recovery.pause", "planner.recovery.retreat_pause"},
+      {"planner.recovery.patience", "planner.recovery.lost_patience"},
+      {"planner.visibility.prior", "planner.visibility.feature_prior"},
+      {"planner.visibility.lattice", "planner.visibility.visibility_lattice"},
+      {"planner.visibility.attenuation", "planner.visibility.unknown_attenuation"},
+      {"planner.visibility.occlusion", "planner.visibility.feature_occlusion"},
+      {"planner.visibility.covariance", "planner.visibility.feature_covariance"},
+      {"mission.return", "mission.return_when_done"},
+  };
+  return keys;
+}
+
+}  // namespace prospect

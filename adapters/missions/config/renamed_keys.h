@@ -1,0 +1,13 @@
+#pragma once
+
+#include <vector>
+
+#include "adapters/formats/files/strict_yaml.h"
+
+namespace prospect {
+
+/// Keys of a configuration that once had another name, with all below them: one row a name that is
+/// refused. Of two rows for one key the first counts.
+const std::vector<RenamedKey>& renamed_keys();
+
+}  // namespace prospect

@@ -1,0 +1,139 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/formats/worlds/load_world.h"
+#include "adapters/formats/worlds/reachable_area.h"
+#include "adapters/formats/worlds/world.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/run_record.h"
+#include "adapters/missions/run/tapped_replanner.h"
+#include "adapters/robots/faults/injected_fault.h"
+#include "adapters/robots/simulator/sensor_tap.h"
+#include "adapters/robots/simulator/simulator_options.h"
+#include "engine/maps/belief.h"
+#include "engine/planner/replanner.h"
+#include "engine/safety/guard.h"
+#include "models/image.h"
+#include "models/types.h"
+#include "perception/odometry/odometry.h"
+#include "runtime/drive_requests.h"
+#include "runtime/event_log.h"
+#include "runtime/health_report.h"
+#include "runtime/preflight.h"
+#include "runtime/real_time_driver.h"
+
+namespace octomap {
+class OcTree;
+}
+
+namespace prospect {
+
+class Planner;
+class SolverRegistry;
+struct MissionStep;
+struct SimulatedTruth;
+
+/// A mission in real time, by threads, instead of in lockstep (real_time_driver.h), driven by
+/// Configuration::drive.
+struct RealTimeRun {
+  std::vector<InjectedFault> faults;  ///< of the robot, of the simulator or Gazebo
+};
+
+/// One simulated mission: world, configuration and seed in, records out.
+struct ExplorationRunOptions {
+  /// Who listens, such as a log. Each may be empty; none may wait or throw. Stamps are those of
+  /// beliefs.
+  struct Taps {
+    std::function<void(const Belief&)> belief;  ///< each new one; in lockstep before on_step
+    std::function<void(double stamp, const Twist&)> command;  ///< each one that is sent
+    SensorTap sensors;
+    /// The newest left image with the landmarks that were to be seen in it, where the robot has
+    /// cameras and somebody looks for landmarks in them: after each planning step.
+    std::function<void(const Image&, const std::vector<LandmarkSighting>&)> picture;
+    PlannerTap planner;  ///< in real time
+    /// In real time, again and again, on the thread that called, with the runtime's time [s].
+    std::function<void(const RealTimeDriver&, double)> driver;
+  };
+
+  std::uint64_t seed = 1;
+  bool keep_steps = true;  ///< keep every StepRecord in the result, for the report
+  /// Once, when all that the input could be refused for has been made, before the first step, with
+  /// the configuration in effect: of another base, the robot with the cameras that it has there.
+  /// What it throws ends the run.
+  std::function<void(const Configuration&)> on_start;
+  std::function<void(const StepRecord&)> on_step;  ///< after each planning step
+  /// After on_step, with the Planner that made the step; never called if make_planner makes
+  /// another.
+  std::function<void(const StepRecord&, const Planner&)> on_plan;
+  /// In lockstep: another planner that is asked at each step with the same belief, and told the
+  /// same tasks; its plans are not driven. on_beside is shown them, before on_step.
+  Replanner* beside = nullptr;
+  std::function<void(const MissionStep&, const SimulatedTruth&)> on_beside;
+  std::function<bool()> cancelled;
+  DriveRequests* requests = nullptr;  ///< what people ask of the mission; null: nobody
+  Taps taps;
+  /// Makes the planner; empty: the Planner of this project with the configured solver.
+  std::function<std::unique_ptr<Replanner>(const Configuration&)> make_planner;
+  /// Where the configured solver is looked up; null: among those built in.
+  const SolverRegistry* solvers = nullptr;
+  /// Empty: in lockstep, as fast as the machine is. Else on_step and on_plan are called on the
+  /// planner's thread, and nothing is reproducible.
+  std::optional<RealTimeRun> real_time;
+};
+
+struct ExplorationRunResult {
+  RunRecord record;
+  std::shared_ptr<const octomap::OcTree> map;  ///< as built, in the estimated frame
+  std::string complaint;  ///< of the simulated sensors at the end: why they cannot be trusted
+  // Of a run in real time.
+  std::optional<DriverStatus> driver;  ///< at the end
+  std::optional<HealthReport> health;  ///< at the end
+  /// Of a simulation that somebody else runs: its seconds in one of the machine.
+  std::optional<double> real_time_factor;
+  /// [s] of the runtime's clock from which the times of injected faults count, of Gazebo.
+  std::optional<double> faults_start;
+  std::vector<CheckResult> preflight;
+  std::vector<Event> events;
+};
+
+/// Where the robot of this configuration can stand and what it can see from there, in this world,
+/// by the planner's rule for what is passable. Throws as reachable_area(world, options) and
+/// frontier_planner_options_for().
+ReachableArea reachable_area(const World& world, const Configuration& configuration);
+
+/// Where it has ample room to stand (BodySlice::standing_clearance, of forbidden parts, too),
+/// joined to the world's start by such columns.
+Grid<std::uint8_t> roomy_columns(const World& world, const Configuration& configuration);
+/// Throws InputError, naming the zone, if the body at the world's start reaches into a forbidden
+/// part.
+void check_start(const World& world, const Configuration& configuration);
+/// Where the world ends, for the planner: nothing beyond can be reached.
+void tell_extent(const World& world, Configuration& configuration);
+/// What of that area counts: within the area of the task, if it has one, and in no forbidden part.
+ReachableArea told_area(ReachableArea reachable, const Configuration& configuration);
+
+/// How load_world() must look for a start that this configuration's robot can take.
+WorldOptions world_options_for(const Configuration& configuration);
+
+/// The simulator's options for a mission with this seed, with the map it begins with. Throws
+/// InputError for a map that cannot be read or has another resolution.
+SimulatorOptions simulator_options_for(const Configuration& configuration, std::uint64_t seed);
+
+/// The limits of the guard of a simulated mission. A sensor that delivers seldom is not dead: two
+/// of its periods may pass.
+Guard::Options guard_limits_for(const Configuration& configuration);
+
+/// Runs one mission in the kinematic simulator, to its end. Throws InputError if the robot cannot
+/// start there, std::invalid_argument for an unknown solver or options out of range, all before
+/// on_start. In lockstep deterministic but for wall-clock times.
+ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
+                                     const Configuration& configuration,
+                                     const ExplorationRunOptions& options);
+
+}  // namespace prospect

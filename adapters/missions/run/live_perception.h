@@ -1,0 +1,21 @@
+#pragma once
+
+#include <optional>
+
+#include "adapters/missions/config/configuration.h"
+#include "models/types.h"
+#include "perception/mapping/occupancy_mapper.h"
+#include "perception/pipeline/perception_options.h"
+#include "runtime/range_look.h"
+
+namespace prospect {
+
+/// How a robot with its own cameras perceives: configuration.perception, with what the robot has.
+/// depth: none: it maps from scans.
+PerceptionOptions live_perception(const Configuration& configuration,
+                                  const std::optional<RangeCamera>& depth, const Pose& start);
+
+/// Makes the place free that the body takes up where it was put down.
+void clear_start(OccupancyMapper& map, const Configuration& configuration, const Pose& start);
+
+}  // namespace prospect

@@ -1,0 +1,111 @@
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "adapters/formats/files/input_error.h"
+#include "adapters/program/cli/commands.h"
+#include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/explore.h"
+#include "adapters/robots/faults/injected_fault.h"
+
+namespace prospect {
+namespace {
+
+struct DriveArguments {
+  ExploreArguments mission;
+  std::string base = "simulator";   ///< "simulator", "gazebo", "dds"
+  std::string ros;                  ///< file of topics, of "dds"
+  std::vector<std::string> faults;  ///< injected_fault.h
+  bool measure = false;             ///< Gazebo's truth measures, against mission.world
+};
+
+/// What is asked of the simulator's robot alone.
+void refuse_of_simulator(const DriveArguments& arguments) {
+  const ExploreArguments& mission = arguments.mission;
+  const auto refuse = [](bool asked, const char* option) {
+    if (asked) {
+      throw InputError(std::string(option) +
+                       ": it is of the simulator's robot; expected it with "
+                       "--base simulator");
+    }
+  };
+  refuse(!mission.sensors.empty(), "--sensors");
+  refuse(!mission.map.empty(), "--map");
+  refuse(!mission.reading.start.empty(), "--start");
+}
+
+int drive(const DriveArguments& arguments, const Registries& registries) {
+  ExploreArguments logged = arguments.mission;
+  logged.log = true;
+  MissionBase base;
+  std::vector<InjectedFault> faults;
+  for (const std::string& text : arguments.faults) {
+    try {
+      faults.push_back(parse_fault(text));
+    } catch (const std::invalid_argument& e) {
+      throw InputError(std::string("--fault: ") + e.what());
+    }
+  }
+  if (arguments.base == "dds") {
+    refuse_of_simulator(arguments);
+    if (!faults.empty()) {
+      throw InputError("--fault: nothing stands between; expected it with --base simulator|gazebo");
+    }
+    if (arguments.measure) {
+      throw InputError("--measure: nobody knows what is true; expected it with --base gazebo");
+    }
+    if (arguments.ros.empty()) {
+      throw InputError("--base dds: no --ros; expected the file of the robot's topics");
+    }
+    base.dds = read_dds_options(arguments.ros);
+    return mission(logged, registries, base);
+  }
+  if (!arguments.ros.empty()) {
+    throw InputError("--ros: given with --base " + arguments.base +
+                     "; expected it with --base dds");
+  }
+  base.gazebo = arguments.base == "gazebo";
+  base.measure = arguments.measure;
+  base.real_time.emplace(RealTimeRun{faults});
+  if (base.gazebo) {
+    refuse_of_simulator(arguments);
+    return mission(logged, registries, base);
+  }
+  if (arguments.measure) {
+    throw InputError("--measure: the simulator always measures; expected it with --base gazebo");
+  }
+  return mission(logged, registries, base);
+}
+
+}  // namespace
+
+Command drive_command(CLI::App& program) {
+  const auto given = std::make_shared<DriveArguments>();
+  DriveArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "drive", "The same mission in real time: threads for perception, plans and commands");
+  add_mission_options(command, arguments.mission);
+  one_of(command->add_option("--base", arguments.base,
+                             "What is driven: the simulator as a robot with a clock, the "
+                             "robot of the Gazebo that runs, or one behind topics of ROS 2"),
+         {"simulator", "gazebo", "dds"});
+  command->add_option("--ros", arguments.ros, "With --base dds: the robot's topics (YAML)")
+      ->type_name("FILE");
+  command->add_flag("--measure", arguments.measure,
+                    "With --base gazebo: measure by Gazebo's truth, against WORLD, which it "
+                    "runs; nothing else is taken from it but the start");
+  command
+      ->add_option("--fault", arguments.faults,
+                   "Break something of the simulated robot, or of Gazebo's: SOURCE:VERB, from FROM "
+                   "s on, for FOR s "
+                   "(depth:off@10+2)")
+      ->type_name("FAULT")
+      ->allow_extra_args(false);
+  return {command, [given](const Invocation& in) {
+            given->mission.command_line = in.typed;
+            return drive(*given, in.registries);
+          }};
+}
+
+}  // namespace prospect

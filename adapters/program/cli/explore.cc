@@ -1,0 +1,583 @@
+#include "adapters/program/cli/explore.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "adapters/formats/files/content_hash.h"
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/files/parse_number.h"
+#include "adapters/formats/worlds/load_world.h"
+#include "adapters/formats/worlds/world_hash.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/config/solver_options.h"
+#include "adapters/missions/log/mission_log.h"
+#include "adapters/missions/log/planner_calls.h"
+#include "adapters/missions/run/configured_record.h"
+#include "adapters/missions/run/dds_run.h"
+#include "adapters/missions/run/exploration_run.h"
+#include "adapters/missions/run/gazebo_run.h"
+#include "adapters/missions/run/planned_problem.h"
+#include "adapters/missions/run/run_folder.h"
+#include "adapters/program/cli/absent_solver.h"
+#include "adapters/program/cli/build_info.h"
+#include "adapters/program/cli/commands.h"
+#include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/interrupt.h"
+#include "adapters/program/cli/progress.h"
+#include "adapters/robots/gazebo/master_uri.h"
+#include "adapters/robots/simulator/camera_rig.h"
+#include "adapters/views/live/live_server.h"
+#include "adapters/views/report/progress_line.h"
+#include "adapters/views/report/report.h"
+#include "engine/task/task.h"
+#include "models/range_text.h"
+#include "runtime/clock.h"
+#include "runtime/mission.h"
+
+namespace prospect {
+namespace {
+
+/// "nlopt:LD_SLSQP" -> "nlopt-LD_SLSQP": fit for a folder's name.
+std::string file_name(std::string text) {
+  for (char& c : text) {
+    const bool plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
+                       c == '_' || c == '.' || c == '-';
+    if (!plain) c = '-';
+  }
+  return text;
+}
+
+int exit_code(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kDone:
+      return kDone;
+    case Outcome::kCancelled:
+      return kCancelled;
+    case Outcome::kNotDone:
+    case Outcome::kFailed:
+      break;
+  }
+  return kFailed;
+}
+
+/// With that many decimals; "-" where there is no number.
+std::string decimals(double value, int places) {
+  if (!std::isfinite(value)) return "-";
+  char text[64];
+  std::snprintf(text, sizeof text, "%.*f", places, value);
+  return text;
+}
+std::string tenths(double value) { return decimals(value, 1); }
+
+void print_summary(const Summary& s) {
+  std::printf("%s, seed %llu, %s: %s\n", s.world.c_str(), static_cast<unsigned long long>(s.seed),
+              s.solver.c_str(), to_string(s.end).data());
+  std::printf("  task          %s, %s: %s\n", s.task.c_str(), s.done ? "done" : "not done",
+              s.detail.c_str());
+  if (s.measured) {
+    std::printf("  coverage      %6s %% of %.1f m2 reachable\n", tenths(100.0 * s.coverage).c_str(),
+                s.reachable_area_m2);
+  }
+  if (s.too_long_for_m2 > 0.0) {
+    std::printf("  left out      %6.1f m2 that its length keeps the robot from\n",
+                s.too_long_for_m2);
+  }
+  if (std::isfinite(s.floor_share)) {
+    std::printf("  floor         %6s %% of the ground in the file is at this height\n",
+                tenths(100.0 * s.floor_share).c_str());
+  }
+  if (!s.read_without.empty()) std::printf("  read without  %s\n", s.read_without.c_str());
+  if (s.measured) {
+    std::printf("  time          %6.1f s; to 90 / 95 / 99 %%: %s / %s / %s s\n", s.duration_s,
+                tenths(s.time_to_90_s).c_str(), tenths(s.time_to_95_s).c_str(),
+                tenths(s.time_to_99_s).c_str());
+    std::printf("  path          %6.1f m\n", s.path_length_m);
+    std::printf("  collisions    %6d    losses of localization %d\n", s.collisions, s.losses);
+    std::printf("  localization  %6s m final, %s m RMS, %s %% of the path\n",
+                decimals(s.localization_final_m, 3).c_str(),
+                decimals(s.localization_rmse_m, 3).c_str(), decimals(s.drift_percent, 2).c_str());
+  } else {
+    std::printf("  time          %6.1f s\n", s.duration_s);
+    std::printf("  path          %6.1f m, as estimated\n", s.path_length_m);
+    std::printf("  not measured  area, collisions, error; losses of localization %d\n", s.losses);
+  }
+  std::printf("  planning      %6s ms p50, %s p95, %s max; %d steps, %d fallbacks\n",
+              tenths(s.plan_ms_p50).c_str(), tenths(s.plan_ms_p95).c_str(),
+              tenths(s.plan_ms_max).c_str(), s.steps, s.fallbacks);
+  std::printf("  wall clock    %6.1f s, %s times faster than real time\n", s.wall_s,
+              tenths(s.duration_s / s.wall_s).c_str());
+}
+
+/// Where it is, if it could be written.
+void print_file(const char* what, const std::string& path) {
+  std::error_code error;
+  if (std::filesystem::is_regular_file(path, error)) {
+    std::printf("  %-13s %s\n", what, path.c_str());
+  }
+}
+
+void print_driver(const ExplorationRunResult& result) {
+  const DriverStatus& driver = *result.driver;
+  std::printf("before the first motion\n%s", to_text(result.preflight).c_str());
+  std::printf("in real time\n  commands      %d late plans, %d guard stops\n%s", driver.late_plans,
+              driver.guard_stops, to_text(*result.health).c_str());
+  if (result.faults_start) {
+    std::printf("  faults        their times count from %.3f s\n", *result.faults_start);
+  }
+  if (result.real_time_factor) {
+    std::printf("  simulated     %.2f s a second\n", *result.real_time_factor);
+  }
+}
+
+/// What was more than part of ordinary work.
+void tell_events(const std::vector<Event>& events) {
+  for (const Event& event : events) {
+    if (event.severity != Severity::kInfo) std::cerr << "prospect: " << to_text(event) << '\n';
+  }
+}
+
+/// "0.95": a share; "120m2": an area.
+void set_until(const std::string& until, Configuration& configuration) {
+  const bool area = until.size() > 2 && until.compare(until.size() - 2, 2, "m2") == 0;
+  double value = 0.0;
+  const std::string number = area ? until.substr(0, until.size() - 2) : until;
+  if (!parse_number(number, value) || !(value > 0.0) || !(value <= (area ? 1e9 : 1.0))) {
+    throw InputError("--until: '" + until +
+                     "'; expected a share of the reachable area, more than 0, up to 1, or an area "
+                     "such as 120m2");
+  }
+  configuration.until_coverage = area ? 0.0 : value;
+  configuration.until_area = area ? value : 0.0;
+  override_entry(configuration, "mission.until.coverage", exact_text(configuration.until_coverage));
+  override_entry(configuration, "mission.until.area", exact_text(configuration.until_area));
+}
+
+/// What the command line says of the task.
+void set_task(const ExploreArguments& arguments, Configuration& configuration) {
+  if (!arguments.until.empty()) set_until(arguments.until, configuration);
+  if (arguments.back) {
+    configuration.mission.return_when_done = true;
+    override_entry(configuration, "mission.return_when_done", "true");
+  }
+  if (arguments.go.empty()) return;
+  Task& task = configuration.planner.task;
+  task.kind = TaskKind::kGoTo;
+  task.area.reset();
+  task.goal.position = {arguments.go[0], arguments.go[1]};
+  task.goal.yaw.reset();
+  std::string goal = exact_text(arguments.go[0]) + ", " + exact_text(arguments.go[1]);
+  if (arguments.go.size() == 3) {
+    task.goal.yaw = arguments.go[2] * M_PI / 180.0;
+    goal += ", " + exact_text(arguments.go[2]);
+  }
+  override_entry(configuration, "task.kind", "go");
+  override_entry(configuration, "task.area", "[]");
+  override_entry(configuration, "task.goal", "[" + goal + "]");
+  if (const std::string wrong = task_problem(configuration); !wrong.empty()) {
+    throw InputError("--go: " + wrong);
+  }
+}
+
+RunStart start_of(const ExploreArguments& arguments, const Configuration& configuration,
+                  const std::string& name, const World* world, const MissionBase& base) {
+  const BuildInfo build = build_info();
+  RunStart start;
+  start.world = name;
+  if (world) {
+    start.world_source = arguments.world;
+    start.world_hash = hash_text(world_hash(*world));
+  }
+  start.solver = configuration.solver;
+  start.seed = arguments.seed;
+  start.real_time = base.in_real_time();
+  start.command_line = arguments.command_line;
+  start.version = build.version;
+  start.commit = build.commit;
+  start.commit_changed = build.commit_changed;
+  start.started = utc_now();
+  start.configuration = effective_yaml(configuration.entries);
+  return start;
+}
+
+/// What a mission's messages are made with. In real time their stamps are times of day, or
+/// Gazebo's; in lockstep they are the robot's clock.
+MissionMessageOptions message_options(const Configuration& configuration, const MissionBase& base) {
+  MissionMessageOptions options;
+  options.robot = configuration.robot;
+  const CameraRigOptions& rig = configuration.simulator.camera.rig;
+  options.depth_camera = depth_camera(configuration.robot.depth, rig.depth_width, rig.depth_height);
+  options.resolution = configuration.perception.mapping.resolution;
+  options.dt = configuration.planner.dt;
+  if (base.in_real_time() && !base.gazebo) {
+    using std::chrono::duration_cast;
+    const auto day = std::chrono::system_clock::now().time_since_epoch();
+    options.start = SteadyClock().now();
+    options.epoch =
+        duration_cast<std::chrono::nanoseconds>(day).count() - std::llround(1e9 * options.start);
+  }
+  return options;
+}
+
+/// Calls both; either may be empty.
+template <typename... Values>
+std::function<void(Values...)> both(std::function<void(Values...)> first,
+                                    std::function<void(Values...)> second) {
+  if (!first) return second;
+  if (!second) return first;
+  return [first = std::move(first), second = std::move(second)](Values... values) {
+    first(values...);
+    second(values...);
+  };
+}
+
+/// Where the live view is, and who may reach it, on standard error.
+void tell_live(const LiveServer& live, const ExploreArguments& arguments) {
+  std::cerr << "prospect: live view: " << live.url() << '\n';
+  const std::string& host = arguments.live_host;
+  if (host != "localhost" && host != "::1" && !host.starts_with("127.")) {
+    std::cerr << "prospect: live view: on " << host
+              << ", not encrypted: whoever reaches it can watch, and read the token of who "
+                 "commands\n";
+  }
+}
+
+/// Hands all that a mission tells to its log, which is there when it begins.
+ExplorationRunOptions::Taps taps_of(std::optional<MissionLog>& log, bool images) {
+  ExplorationRunOptions::Taps taps;
+  taps.belief = [&](const Belief& belief) { log->belief(belief); };
+  taps.command = [&](double time, const Twist& command) { log->command(time, command); };
+  taps.sensors.scan = [&](double time, const DepthScan& scan) { log->scan(time, scan); };
+  if (images) {
+    taps.sensors.pair = [&](double time, const ImagePair& pair) { log->pair(time, pair); };
+    taps.sensors.depth = [&](double time, const DepthImage& image) { log->depth(time, image); };
+  }
+  taps.sensors.wheels = [&](const WheelSample& wheels) { log->wheels(wheels); };
+  // The time of a plan and of a task is that of the belief before it.
+  const auto calls = std::make_shared<std::pair<PlannerCallWriter, double>>();
+  taps.planner.prepare = [&log, calls](const Belief& belief) {
+    log->planner_call(calls->second = belief.stamp, calls->first.prepare(belief));
+  };
+  taps.planner.plan = [&log, calls](const Belief& belief) {
+    log->planner_call(calls->second = belief.stamp, calls->first.plan(belief));
+  };
+  taps.planner.planned = [&log, calls](const Plan& plan) {
+    log->planner_call(calls->second, calls->first.planned(plan));
+  };
+  taps.planner.task = [&log, calls](const Task& task) {
+    log->planner_call(calls->second, calls->first.task(task));
+  };
+  taps.driver = [&log, next = std::uint64_t{0}, told = 0.0](const RealTimeDriver& driver,
+                                                            double now) mutable {
+    const EventLog::Reading reading = driver.events().since(next);
+    next = reading.next;
+    log->events(reading.events);
+    constexpr double kEvery = 1.0;  // [s]
+    if (now - told < kEvery) return;
+    told = now;
+    log->status(now, driver.status());
+  };
+  return taps;
+}
+
+/// Gazebo's master is where $GAZEBO_MASTER_URI says, unless the configuration tells it.
+void set_gazebo_address(Configuration& configuration) {
+  const char* const uri = std::getenv("GAZEBO_MASTER_URI");
+  if (uri == nullptr || *uri == '\0') return;
+  for (const ConfigEntry& entry : configuration.entries) {
+    if (entry.from_file && (entry.path == "gazebo.host" || entry.path == "gazebo.port")) return;
+  }
+  GazeboAddress& address = configuration.gazebo.address;
+  address = with_master_uri(address, uri);
+  override_entry(configuration, "gazebo.host", '"' + address.host + '"');
+  override_entry(configuration, "gazebo.port", std::to_string(address.port));
+}
+
+ConfigurationUse use_of(const MissionBase& base) {
+  if (base.gazebo) return ConfigurationUse::kDriveGazebo;
+  if (base.dds) return ConfigurationUse::kDriveDds;
+  return base.real_time ? ConfigurationUse::kDriveSimulator : ConfigurationUse::kExplore;
+}
+
+/// The configuration with what the command line says above it.
+Configuration configuration_of(const ExploreArguments& arguments, const Registries& registries,
+                               const MissionBase& base) {
+  std::vector<std::string> settings = arguments.settings;
+  if (!arguments.sensors.empty()) settings.push_back("simulator.sensors=" + arguments.sensors);
+  Configuration configuration =
+      read_configuration(arguments.configuration, registries, settings, use_of(base));
+  if (!arguments.solver.empty()) {
+    configuration.solver = arguments.solver;
+    const std::string wrong = solver_problem(configuration.solver, registries.solvers);
+    if (!wrong.empty()) throw InputError("--solver: " + wrong);
+    const std::string refused = solver_options_problem(
+        *registries.solvers.make(configuration.solver), configuration.planner.solver_options);
+    if (!refused.empty()) throw InputError("--solver: planner.options: " + refused);
+    override_entry(configuration, "planner.solver", arguments.solver);
+  }
+  if (arguments.time_limit > 0.0) {
+    configuration.mission.time_limit = arguments.time_limit;
+    override_entry(configuration, "mission.time_limit", exact_text(arguments.time_limit));
+  }
+  set_task(arguments, configuration);
+  if (!arguments.map.empty()) {
+    configuration.map = arguments.map;
+    override_entry(configuration, "simulator.map", arguments.map);
+  }
+  return configuration;
+}
+
+std::shared_ptr<const World> loaded_world(const std::string& name,
+                                          const Configuration& configuration, Progress& progress) {
+  WorldOptions options = world_options_for(configuration);
+  options.progress = [&](const std::string& what) { progress.show(what); };
+  auto world = std::make_shared<const World>(load_world(name, options));
+  progress.finish();
+  tell_left_out(*world);
+  return world;
+}
+
+/// What has come of a mission; the files that were written are those of `folder`.
+void tell_result(const ExploreArguments& arguments, const ExplorationRunResult& result,
+                 const std::string& folder) {
+  if (!result.complaint.empty()) std::cerr << "prospect: sensors: " << result.complaint << '\n';
+  tell_events(result.events);
+
+  const Summary& summary = result.record.summary;
+  if (arguments.json) {
+    std::cout << summary_json(summary);
+  } else {
+    print_summary(summary);
+    if (result.driver) print_driver(result);
+    print_file("report", folder + "/report.html");
+    if (arguments.log) print_file("log", folder + "/mission.mcap");
+  }
+}
+
+}  // namespace
+
+int mission(const ExploreArguments& arguments, const Registries& registries,
+            const MissionBase& base) {
+  Configuration configuration = configuration_of(arguments, registries, base);
+  if (tell_if_absent(configuration.solver, registries.solvers)) return kNotBuiltIn;
+  set_world(arguments.reading, configuration);
+  if (base.gazebo) set_gazebo_address(configuration);
+  const bool unknown_world = base.dds || (base.gazebo && !base.measure);
+  if (unknown_world && (configuration.until_coverage > 0.0 || configuration.until_area > 0.0)) {
+    throw InputError(
+        "--until, mission.until: nobody measures what was seen; expected --measure beside --base "
+        "gazebo");
+  }
+  KeyReader reader = key_reader(configuration, use_of(base));
+  reader.world = !unknown_world;
+  if (base.dds) {
+    reader.depth = !base.dds->depth.image.empty();
+    reader.scans = !base.dds->scan.empty() || !base.dds->point_cloud.empty();
+  }
+  refuse_unread(configuration.entries, reader);
+  Progress progress(arguments.quiet);
+  std::shared_ptr<const World> world;
+  if (!unknown_world) {
+    world = loaded_world(arguments.world, configuration, progress);
+    reader.textured = world->mesh != nullptr;
+    refuse_unread(configuration.entries, reader);
+  }
+
+  ExplorationRunOptions options;
+  options.seed = arguments.seed;
+  options.solvers = &registries.solvers;
+  options.real_time = base.real_time;
+
+  const std::string name = world ? world->name : base.dds ? "dds" : "gazebo";
+  const std::string out = arguments.out.empty()
+                              ? "runs/" + file_name(name) + "_" + file_name(configuration.solver) +
+                                    "_" + std::to_string(arguments.seed)
+                              : arguments.out;
+  std::optional<RunFolder> folder;
+  // Not before: nothing is written for a refusal.
+  std::optional<MissionLog> log;
+  LiveFeed feed;
+  DriveRequests requests;
+  options.requests = &requests;
+  std::optional<AcknowledgementBySignal> by_signal;
+  if (base.in_real_time()) by_signal.emplace(requests);
+  std::optional<LiveServer> live;
+  options.on_start = [&](const Configuration& effective) {
+    if (arguments.live) {
+      LiveMission shown{configured_record(effective), base.in_real_time(),
+                        message_options(effective, base)};
+      shown.start.summary.world = name;
+      shown.start.summary.solver = effective.solver;
+      shown.start.summary.seed = arguments.seed;
+      live.emplace(
+          LiveOptions{
+              .port = *arguments.live, .host = arguments.live_host, .token = arguments.live_token},
+          shown, feed, requests);
+      tell_live(*live, arguments);
+    }
+    const RunStart start = start_of(arguments, effective, name, world.get(), base);
+    folder.emplace(out, start,
+                   arguments.overwrite ? RunFolder::EarlierDrive::kReplaced
+                                       : RunFolder::EarlierDrive::kRefused);
+    if (!arguments.log) return;
+    const std::string file = folder->claim("mission.mcap");
+    MissionLogOptions log_options{message_options(effective, base), arguments.log_images, {}};
+    // In real time nothing waits for the log; in lockstep nothing is dropped.
+    log_options.file.wait = !base.in_real_time();
+    log.emplace(file, start, log_options);
+    if (const std::string wrong = log->error(); !wrong.empty()) {
+      throw InputError(file + ": cannot be written (" + wrong + "); expected a writable folder");
+    }
+  };
+  if (arguments.log) options.taps = taps_of(log, arguments.log_images);
+  if (arguments.live) {
+    auto& taps = options.taps;
+    taps.belief = both(taps.belief, std::function([&](const Belief& b) { feed.belief(b); }));
+    taps.driver = both(taps.driver, std::function([&](const RealTimeDriver& driver, double now) {
+                         feed.driver(driver, now);
+                       }));
+    taps.picture = [&](const Image& left, const std::vector<LandmarkSighting>& sightings) {
+      feed.picture(left, sightings);
+    };
+  }
+  options.cancelled = catch_interrupts();
+  options.on_step = [&](const StepRecord& step) {
+    folder->add(step);
+    if (log) log->step(step);
+    if (live) feed.step(step);
+    progress.show(step, configuration.solver);
+  };
+  if (arguments.save_problems > 0) {
+    options.on_plan = [&](const StepRecord& step, const Planner& planner) {
+      if (step.step % arguments.save_problems != 0) return;
+      const auto saved = planned_problem(planner, step, name, arguments.seed);
+      if (saved) folder->add(*saved);
+    };
+  }
+  ExplorationRunResult result = base.gazebo ? explore_gazebo(configuration, world, options)
+                                : base.dds  ? explore_dds(configuration, *base.dds, options)
+                                            : run_exploration(world, configuration, options);
+  if (world) {
+    result.record.summary.read_without = world->left_out.text();
+    result.record.summary.floor_share = world->floor_share;
+  }
+  progress.finish();
+  if (live) feed.end(result.record.summary);
+  folder->finish(result.record, result.map.get(), render_report);
+  if (log) log->finish(result.record);
+  if (!folder->error().empty()) std::cerr << "prospect: " << folder->error() << '\n';
+  if (log) {
+    for (const std::string& note : log->notes()) std::cerr << "prospect: " << note << '\n';
+  }
+
+  tell_result(arguments, result, folder->path());
+  const bool whole = folder->error().empty() && (!log || log->error().empty());
+  return whole ? exit_code(outcome(result.record.summary)) : kFailed;
+}
+
+namespace {
+
+int explore(const ExploreArguments& arguments, const Registries& registries) {
+  ExploreArguments logged = arguments;
+  logged.log = arguments.log || arguments.log_images;
+  return mission(logged, registries, {});
+}
+
+}  // namespace
+
+void add_mission_options(CLI::App* command, ExploreArguments& arguments) {
+  command
+      ->add_option("world", arguments.world,
+                   "Built-in name, world file, OctoMap (.bt .ot), ROS map (.yaml .pgm .png .bmp), "
+                   "mesh (.obj "
+                   ".dae .gltf .glb .stl .ply) or Gazebo world")
+      ->type_name("WORLD")
+      ->capture_default_str();
+  command->add_option("--config", arguments.configuration, "Configuration file (YAML)")
+      ->type_name("FILE");
+  add_set(command, arguments.settings);
+  command->add_option("--solver", arguments.solver, "Back end, see `prospect list solvers`")
+      ->type_name("SOLVER");
+  one_of(command->add_option("--sensors", arguments.sensors,
+                             "model: odometry as a model of its errors; camera: rendered "
+                             "images through perception"),
+         {"model", "camera"});
+  command->add_option("--seed", arguments.seed, "Seed of all noise")
+      ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
+  command->add_option("--out", arguments.out, "Run folder [runs/WORLD_SOLVER_SEED]")
+      ->type_name("DIR");
+  command->add_flag("--overwrite", arguments.overwrite,
+                    "Write over a drive in that folder, which nothing can repeat");
+  command->add_option("--time-limit", arguments.time_limit, "Of the robot's clock [s]")
+      ->check(number_within(1.0, 1e6));
+  add_world_options(command, arguments.reading);
+  command
+      ->add_option("--go", arguments.go,
+                   "Go to x [m],y [m], or x,y,yaw [deg], instead of exploring")
+      ->delimiter(',')
+      ->expected(2, 3)
+      ->allow_extra_args(false)
+      ->check(number_within(-1e5, 1e5));
+  command->add_option("--until", arguments.until,
+                      "What is enough: a share of the reachable area (0.95) or an area "
+                      "(120m2)");
+  command->add_flag("--return", arguments.back, "Back to the start once the task is over");
+  command
+      ->add_option("--map", arguments.map,
+                   "OctoMap (.bt .ot) of the same world to begin with, such as the map.bt of a run")
+      ->type_name("FILE");
+  command
+      ->add_option("--save-problems", arguments.save_problems,
+                   "Write the planning problem of every Nth step into the run folder")
+      ->check(whole_number_within(1, 1000000));
+  command->add_flag("--log-images", arguments.log_images,
+                    "Images of the cameras in the log, too (explore: implies --mcap)");
+  CLI::Option* live =
+      command
+          ->add_option("--live", arguments.live,
+                       "Serve the mission's page, live, on this port; 0: a free one")
+          ->type_name("PORT")
+          ->check(whole_number_within(0, 65535));
+  command
+      ->add_option("--live-host", arguments.live_host,
+                   "With --live: address of the interface; 0.0.0.0: all")
+      ->type_name("ADDRESS")
+      ->capture_default_str()
+      ->needs(live);
+  command
+      ->add_option("--live-token", arguments.live_token,
+                   "With --live: what allows to command, 16 or more letters and digits [random]")
+      ->type_name("TOKEN")
+      ->needs(live);
+  command->add_flag("--json", arguments.json, "Print the summary as JSON");
+  command->add_flag("--quiet", arguments.quiet, "No progress line");
+}
+
+Command explore_command(CLI::App& program) {
+  const auto given = std::make_shared<ExploreArguments>();
+  ExploreArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "explore", "A simulated mission until the reachable space is explored");
+  add_mission_options(command, arguments);
+  command->add_flag("--mcap", arguments.log,
+                    "Log the mission to mission.mcap in the run folder, as drive does");
+  return {command, [given](const Invocation& in) {
+            given->command_line = in.typed;
+            return explore(*given, in.registries);
+          }};
+}
+
+}  // namespace prospect

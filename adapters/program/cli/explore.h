@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/missions/config/registries.h"
+#include "adapters/missions/run/exploration_run.h"
+#include "adapters/program/cli/world_arguments.h"
+#include "adapters/robots/dds/dds_options.h"
+
+namespace CLI {
+class App;
+}
+
+namespace prospect {
+
+struct ExploreArguments {
+  std::string world = "office";
+  std::string configuration;          ///< file; empty: defaults
+  std::vector<std::string> settings;  ///< "planner.weights.w_l=0": above the file
+  std::string solver;                 ///< empty: as configured
+  std::string sensors;                ///< "model", "camera"; empty: as configured
+  std::uint64_t seed = 1;
+  std::string out;          ///< run folder; empty: runs/WORLD_SOLVER_SEED
+  bool overwrite = false;   ///< also a drive that it holds
+  double time_limit = 0.0;  ///< [s]; 0: as configured
+  WorldArguments reading;
+  std::vector<double> go;   ///< x [m], y [m], and yaw [deg] if it matters; empty: as configured
+  std::string until;        ///< "0.95", "120m2"; empty: as configured
+  bool back = false;        ///< return to the start once the task is over
+  std::string map;          ///< OctoMap to begin with; empty: none
+  bool log = false;         ///< mission.mcap in the run folder; drive always writes it
+  bool log_images = false;  ///< with the cameras' images in it
+  std::optional<int> live;  ///< port of the live view; none: there is none
+  std::string live_host = "127.0.0.1", live_token;  ///< LiveOptions
+  int save_problems = 0;  ///< write the problem of every so manyeth planning step; 0: none
+  bool json = false;
+  bool quiet = false;
+  std::string command_line;  ///< as typed, for the run folder
+};
+
+/// What drives the robot of a mission.
+struct MissionBase {
+  bool gazebo = false;            ///< the Gazebo that runs, in real time; else the simulator
+  bool measure = false;           ///< Gazebo's truth measures, against arguments.world
+  std::optional<DdsOptions> dds;  ///< a robot behind topics of ROS 2, in real time
+  /// Faults of the simulator or Gazebo, in real time; none: the simulator in lockstep.
+  std::optional<RealTimeRun> real_time;
+
+  bool in_real_time() const { return gazebo || dds || real_time; }
+};
+
+/// What explore and drive take alike. arguments outlives the command line.
+void add_mission_options(CLI::App* command, ExploreArguments& arguments);
+
+/// A mission, its run folder and summary. Returns the exit code.
+int mission(const ExploreArguments& arguments, const Registries& registries,
+            const MissionBase& base);
+
+}  // namespace prospect

@@ -1,0 +1,133 @@
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/files/output_folder.h"
+#include "adapters/formats/worlds/load_world.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/exploration_run.h"
+#include "adapters/program/cli/commands.h"
+#include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/world_arguments.h"
+#include "adapters/robots/gazebo/gazebo_world_file.h"
+#include "adapters/robots/gazebo/robot_in_world.h"
+#include "adapters/robots/simulator/camera_sensors.h"
+
+namespace prospect {
+namespace {
+
+struct ExportArguments {
+  std::string world = "office";
+  std::string sdf;  ///< file
+  WorldArguments reading;
+  std::string configuration;          ///< file; empty: defaults
+  std::vector<std::string> settings;  ///< "robot.depth.max_range=6": above the file
+  std::uint64_t seed = 1;             ///< of the marks on surfaces, as in a mission
+};
+
+namespace fs = std::filesystem;
+using Files = std::vector<std::pair<std::string, std::string>>;  // name and content
+
+GazeboRobotOptions robot_options(const Configuration& configuration) {
+  GazeboRobotOptions options;
+  options.names = configuration.gazebo;
+  return options;
+}
+
+Files files_of(const World& world, const Configuration& configuration, const std::string& name) {
+  GazeboWorldOptions options;
+  options.robot = robot_options(configuration);
+  return gazebo_world_files(world, seen_mesh(world, configuration.simulator), configuration.robot,
+                            options, name);
+}
+
+/// A world of Gazebo, as it is, with the robot on the floor that is explored.
+Files with_robot(const std::string& path, const World& world, const Configuration& configuration,
+                 const fs::path& sdf) {
+  const std::string extension = fs::path(path).extension().string();
+  if (extension != ".world" && extension != ".sdf") {
+    throw InputError(path +
+                     ": a mesh; expected a Gazebo world that shows it, or a world of voxels");
+  }
+  std::error_code error;
+  if (fs::equivalent(path, sdf, error)) {
+    throw InputError("--sdf: '" + sdf.string() + "' is the world itself; expected another name");
+  }
+  Pose start = world.start;
+  start.position.z() = world.source_floor_height;
+  const std::string model =
+      gazebo_robot_model(configuration.robot, robot_options(configuration), start);
+  const fs::path folder = sdf.has_parent_path() ? sdf.parent_path() : fs::path(".");
+  return {{sdf.filename().string(), gazebo_world_with_robot(path, model, folder.string())}};
+}
+
+int export_world(const ExportArguments& arguments, const Registries& registries) {
+  const fs::path sdf = arguments.sdf;
+  const std::string name = sdf.stem().string();
+  if (sdf.extension() != ".sdf" || name.empty() ||
+      name.find_first_of(" \"<>&#") != std::string::npos) {
+    throw InputError("--sdf: '" + arguments.sdf +
+                     "'; expected a file .sdf with a name without blanks and quotes");
+  }
+  Configuration configuration =
+      read_configuration(arguments.configuration, registries, arguments.settings);
+  set_world(arguments.reading, configuration);
+  const World world = load_world(arguments.world, world_options_for(configuration));
+  tell_left_out(world);
+  configuration.simulator.seed = arguments.seed;
+  const fs::path folder = sdf.has_parent_path() ? sdf.parent_path() : fs::path(".");
+  Files files;
+  try {
+    files = world.mesh ? with_robot(arguments.world, world, configuration, sdf)
+                       : files_of(world, configuration, name);
+  } catch (const std::invalid_argument& error) {
+    throw InputError(arguments.world + ": " + error.what());
+  }
+  OutputFolder out = OutputFolder::beside(folder.string());
+  std::vector<std::string> names;
+  for (const auto& [file, content] : files) names.push_back(file);
+  out.claim_all(names);  // all, before the first is written
+  // The SDF comes last: where it is, all that it names is.
+  for (const auto& [file, content] : files) {
+    const std::string path = (folder / file).string();
+    const std::string wrong = out.write(file, content);
+    if (!wrong.empty()) {
+      throw InputError(path + ": cannot be written (" + wrong + "); expected a writable folder");
+    }
+    std::printf("%s\n", path.c_str());
+  }
+  return kDone;
+}
+
+}  // namespace
+
+Command export_command(CLI::App& program) {
+  const auto given = std::make_shared<ExportArguments>();
+  ExportArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "export", "A world with the robot in it, for Gazebo 11: SDF, surfaces, textures");
+  command->add_option("world", arguments.world, "As explore takes it, but no mesh file")
+      ->type_name("WORLD")
+      ->capture_default_str();
+  command->add_option("--sdf", arguments.sdf, "File to write; others go beside it")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--config", arguments.configuration, "Configuration file (YAML)")
+      ->type_name("FILE");
+  add_set(command, arguments.settings);
+  add_world_options(command, arguments.reading);
+  command->add_option("--seed", arguments.seed, "Of the marks on surfaces")
+      ->check(whole_number_within(0, std::numeric_limits<std::uint64_t>::max()))
+      ->capture_default_str();
+  return {command, [given](const Invocation& in) { return export_world(*given, in.registries); }};
+}
+
+}  // namespace prospect

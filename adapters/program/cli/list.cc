@@ -1,0 +1,211 @@
+#include <algorithm>
+#include <cstdio>
+#include <iostream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/worlds/builtin_worlds.h"
+#include "adapters/missions/bench/problem_set.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/config/configuration_reference.h"
+#include "adapters/program/cli/adapter_table.h"
+#include "adapters/program/cli/commands.h"
+#include "adapters/program/cli/common_options.h"
+#include "engine/behaviour/behaviour.h"
+#include "models/range_text.h"
+#include "runtime/drive_mode.h"
+#include "solvers/options.h"
+
+namespace prospect {
+namespace {
+
+/// "w_T" of a built-in cost, "" of any other term.
+std::string short_key(const TermEntry& entry) {
+  const std::string& key = entry.weight_key;
+  return key.empty() ? "" : key.substr(key.rfind('.') + 1);
+}
+
+/// "radius=0.5 [m], 0.05 to 10: the distance at which ..."
+std::string in_words(const nlohmann::ordered_json& option) {
+  const auto text = [&](const char* key) { return option.at(key).get<std::string>(); };
+  const auto number = [&](const char* key) { return exact_text(option.at(key).get<double>()); };
+  return text("name") + "=" + number("default") + " [" + text("unit") + "], " + number("least") +
+         " to " + number("most") + ": " + text("description");
+}
+
+nlohmann::ordered_json to_json(const TermEntry& entry) {
+  nlohmann::ordered_json options = nlohmann::ordered_json::array();
+  for (const TermOption& o : entry.options) {
+    options.push_back({{"name", o.name},
+                       {"default", o.fallback},
+                       {"least", o.least},
+                       {"most", o.most},
+                       {"unit", o.unit},
+                       {"description", o.description}});
+  }
+  return {{"name", entry.name},
+          {"weight", short_key(entry)},
+          {"description", entry.description},
+          {"built_in", entry.built_in},
+          {"version", entry.version},
+          {"options", options}};
+}
+
+/// Names, several a line, under a heading.
+void print_names(const std::string& heading, const std::vector<std::string>& names) {
+  constexpr std::size_t kColumns = 100;
+  std::string text = heading + "\n ";
+  std::size_t column = 1;
+  for (const std::string& name : names) {
+    if (column + 1 + name.size() > kColumns) {
+      text += "\n ";
+      column = 1;
+    }
+    text += ' ' + name;
+    column += 1 + name.size();
+  }
+  std::printf("%s\n", text.c_str());
+}
+
+nlohmann::ordered_json as_json(const std::string& what, const Registries& registries) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  if (what == "solvers") {
+    for (const SolverInfo& s : registries.solvers.list()) {
+      nlohmann::ordered_json options = nlohmann::ordered_json::array();
+      for (const OptionInfo& o : s.options) {
+        options.push_back(
+            {{"name", o.name}, {"default", describe(o.fallback)}, {"description", o.description}});
+      }
+      out.push_back({{"name", s.name},
+                     {"available", s.available},
+                     {"needs", s.needs},
+                     {"description", s.description},
+                     {"options", options}});
+    }
+  } else if (what == "worlds") {
+    for (const std::string& name : builtin_world_names()) {
+      out.push_back({{"name", name}, {"description", builtin_world_summary(name)}});
+    }
+  } else if (what == "modes") {
+    for (const ModeRow& row : mode_table()) {
+      out.push_back({{"from", row.from ? to_string(*row.from) : "any"},
+                     {"condition", row.condition},
+                     {"to", to_string(row.to)},
+                     {"cause", row.cause ? to_string(*row.cause) : "as before"}});
+    }
+  } else if (what == "drive-modes") {
+    for (const DriveModeRow& row : drive_mode_table()) {
+      out.push_back({{"from", to_string(row.from)},
+                     {"condition", row.condition},
+                     {"to", to_string(row.to)},
+                     {"cause", row.cause ? to_string(*row.cause) : "as before"}});
+    }
+  } else if (what == "adapters") {
+    for (const Adapter& a : adapters()) {
+      const std::string lacking = lacks(a);
+      out.push_back({{"name", a.name},
+                     {"available", lacking.empty()},
+                     {"needs", lacking.empty() ? std::string(a.needs) : lacking},
+                     {"description", a.description}});
+    }
+  } else if (what == "sets") {
+    for (const std::string& name : builtin_set_names()) {
+      out.push_back({{"name", name}, {"description", builtin_set_summary(name)}});
+    }
+    for (const std::string& name : registries.problems.sets()) {
+      const std::string& words = registries.problems.problems(name).front().set_description;
+      out.push_back({{"name", name}, {"description", words}});
+    }
+  } else {
+    for (const auto& t : registries.terms.list()) {
+      out.push_back(to_json(*t));
+    }
+  }
+  return out;
+}
+
+void print_in_full(const std::string& what, const nlohmann::ordered_json& entries) {
+  if (what == "modes") {
+    std::cout << behaviour_tables();
+    return;
+  }
+  if (what == "drive-modes") {
+    std::cout << drive_mode_tables();
+    return;
+  }
+  const int width = what == "solvers" ? 34 : what == "terms" ? 26 : 12;
+  for (const auto& entry : entries) {
+    const auto text = [&](const char* key) { return entry.at(key).get<std::string>(); };
+    std::printf("%-*s ", width, text("name").c_str());
+    if (what == "terms") std::printf("%-6s ", text("weight").c_str());
+    std::printf("%s", text("description").c_str());
+    if (entry.contains("available") && !entry.at("available").get<bool>()) {
+      std::printf(" [not built in: needs %s]", text("needs").c_str());
+    }
+    std::printf("\n");
+    if (what != "terms") continue;
+    for (const auto& option : entry.at("options")) {
+      std::printf("    %s\n", in_words(option).c_str());
+    }
+  }
+}
+
+/// Each once; of modes those that the table leads to.
+std::vector<std::string> names_of(const std::string& what, const nlohmann::ordered_json& entries) {
+  std::vector<std::string> names;
+  for (const auto& entry : entries) {
+    const bool table = what == "modes" || what == "drive-modes";
+    const auto name = entry.at(table ? "to" : "name").get<std::string>();
+    if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+  }
+  return names;
+}
+
+std::vector<std::string> list_kinds() {
+  return {"solvers", "worlds", "terms", "sets", "modes", "drive-modes", "adapters"};
+}
+
+int list(const std::string& what, bool json, const Registries& registries) {
+  if (!what.empty()) {
+    const nlohmann::ordered_json entries = as_json(what, registries);
+    if (json) {
+      std::cout << entries.dump(2) << '\n';
+    } else {
+      print_in_full(what, entries);
+    }
+    return kDone;
+  }
+  nlohmann::ordered_json all;
+  for (const std::string& kind : list_kinds()) all[kind] = as_json(kind, registries);
+  if (json) {
+    std::cout << all.dump(2) << '\n';
+    return kDone;
+  }
+  for (const std::string& kind : list_kinds()) print_names(kind, names_of(kind, all.at(kind)));
+  std::printf("In full: prospect list %s\n",
+              "solvers|worlds|terms|sets|modes|drive-modes|adapters");
+  return kDone;
+}
+
+struct ListArguments {
+  std::string what;  ///< one of list_kinds(), in full; "": all of them, in short unless `json`
+  bool json = false;
+};
+
+}  // namespace
+
+Command list_command(CLI::App& program) {
+  const auto given = std::make_shared<ListArguments>();
+  CLI::App* command = program.add_subcommand(
+      "list", "What there is: solvers, worlds, terms, sets, modes, drive-modes or adapters");
+  one_of(command->add_option("what", given->what, "Which of them, in full [all, in short]"),
+         list_kinds());
+  command->add_flag("--json", given->json, "Print JSON");
+  return {command,
+          [given](const Invocation& in) { return list(given->what, given->json, in.registries); }};
+}
+
+}  // namespace prospect

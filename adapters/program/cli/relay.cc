@@ -1,0 +1,75 @@
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/formats/files/parse_number.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/program/cli/commands.h"
+#include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/interrupt.h"
+#include "adapters/robots/dds/dds_relay.h"
+#include "models/range_text.h"
+
+namespace prospect {
+namespace {
+
+struct RelayArguments {
+  std::string ros;                    ///< file of topics
+  std::string configuration;          ///< file: the robot's motion; empty: defaults
+  std::vector<std::string> settings;  ///< "robot.motion.a_max=0.5": above the file
+};
+
+/// What the file of topics leaves out is that of the robot's motion.
+void complete_limits(BaseLimits& limits, const Configuration& configuration) {
+  const auto of_motion = [&](const char* key) -> std::optional<double> {
+    double value = 0.0;
+    for (const ConfigEntry& entry : configuration.entries) {
+      if (entry.path == std::string("robot.motion.") + key && parse_number(entry.value, value)) {
+        return value;
+      }
+    }
+    return std::nullopt;
+  };
+  if (!limits.speed) limits.speed = configuration.robot.model->max_speed();
+  if (!limits.yaw_rate) limits.yaw_rate = configuration.robot.model->max_yaw_rate();
+  if (!limits.acceleration) limits.acceleration = of_motion("a_max");
+  if (!limits.yaw_acceleration) limits.yaw_acceleration = of_motion("alpha_max");
+}
+
+int relay(const RelayArguments& arguments, const Registries& registries) {
+  DdsOptions options = read_dds_options(arguments.ros);
+  BaseLimits& limits = options.command.limits;
+  complete_limits(limits,
+                  read_configuration(arguments.configuration, registries, arguments.settings));
+  DdsRelay relay(options);
+  std::cerr << "prospect relay: at most " << exact_text(*limits.speed) << " m/s, "
+            << exact_text(*limits.yaw_rate) << " rad/s, " << exact_text(*limits.acceleration)
+            << " m/s^2, " << exact_text(*limits.yaw_acceleration) << " rad/s^2; for "
+            << exact_text(options.command.dead_man) << " s\n";
+  relay.run(catch_interrupts(),
+            [](const std::string& line) { std::cerr << "prospect relay: " << line << '\n'; });
+  return kDone;
+}
+
+}  // namespace
+
+Command relay_command(CLI::App& program) {
+  const auto given = std::make_shared<RelayArguments>();
+  RelayArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "relay", "The dead-man of a base behind topics of ROS 2, beside its motors");
+  command->add_option("--ros", arguments.ros, "The robot's topics (YAML)")
+      ->type_name("FILE")
+      ->required();
+  command
+      ->add_option("--config", arguments.configuration,
+                   "Configuration file (YAML): the limits of the robot's motion that the topics' "
+                   "file leaves out")
+      ->type_name("FILE");
+  add_set(command, arguments.settings);
+  return {command, [given](const Invocation& in) { return relay(*given, in.registries); }};
+}
+
+}  // namespace prospect

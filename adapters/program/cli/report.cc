@@ -1,0 +1,129 @@
+#include "adapters/views/report/report.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/files/output_folder.h"
+#include "adapters/missions/log/logged_run.h"
+#include "adapters/program/cli/commands.h"
+#include "adapters/program/cli/common_options.h"
+#include "adapters/views/report/figure_source.h"
+
+namespace prospect {
+namespace {
+
+struct ReportArguments {
+  std::string run;                   ///< folder, or the log of a mission
+  std::vector<std::string> figures;  ///< "path", "map"
+  std::vector<std::string> formats = {"png", "svg"};
+  std::string color;  ///< of the path; empty: plain
+  std::string out;    ///< folder; empty: that of the run
+};
+
+bool has(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+void write(OutputFolder& folder, const std::string& name, const std::string& content) {
+  const std::string file = (std::filesystem::path(folder.path()) / name).string();
+  const std::string wrong = folder.write(name, content);
+  if (!wrong.empty()) {
+    throw InputError(file + ": cannot be written (" + wrong + "); expected a writable folder");
+  }
+  std::printf("%s\n", file.c_str());
+}
+
+/// A folder for figures and pages: that of what they show, or another one, of their own or a run's.
+OutputFolder folder_for(const std::string& out, const std::string& source) {
+  return out.empty() ? OutputFolder::beside(source)
+                     : OutputFolder::shared(out, {"report", "run", "drive"});
+}
+
+/// The page of a mission's log, beside it: RUN.mcap gives RUN.html.
+int report_log(const ReportArguments& arguments, const Registries& registries) {
+  const std::filesystem::path path = arguments.run;
+  if (!arguments.figures.empty() || !arguments.color.empty()) {
+    throw InputError("--figure and --colour are of a run's folder; " + arguments.run +
+                     " is a log, expected it alone");
+  }
+  const LoggedRun run = read_logged_run(arguments.run, registries);
+  const std::string page = render_report(run.record);
+  OutputFolder out = folder_for(arguments.out, path.parent_path().string());
+  write(out, path.stem().string() + ".html", page);
+  for (const std::string& note : run.notes) std::printf("%s\n", note.c_str());
+  return kDone;
+}
+
+std::vector<std::string> path_colors() { return {"plain", "features", "error", "speed", "mode"}; }
+
+int report(const ReportArguments& arguments, const Registries& registries) {
+  namespace fs = std::filesystem;
+  if (fs::path(arguments.run).extension() == ".mcap") return report_log(arguments, registries);
+  if (arguments.figures.empty()) {
+    throw InputError("report: no figure named; expected --figure path, map or path,map (" +
+                     (fs::path(arguments.run) / "report.html").string() +
+                     " is the page to open in a browser)");
+  }
+  const bool path = has(arguments.figures, "path"), map = has(arguments.figures, "map");
+  if (!path && !arguments.color.empty()) {
+    throw InputError("--colour is of the path; expected --figure path with it");
+  }
+  const std::string color = arguments.color.empty() ? "plain" : arguments.color;
+  const std::vector<std::string> colors = path_colors();
+  const auto by =
+      static_cast<PathColor>(std::find(colors.begin(), colors.end(), color) - colors.begin());
+  const FigureSource source =
+      read_figure_source(arguments.run, path ? std::optional(by) : std::nullopt, map, registries);
+
+  // All of them before the first is written.
+  std::vector<std::pair<std::string, std::string>> files;
+  const auto add = [&](const std::string& name, const Drawing& drawing) {
+    if (has(arguments.formats, "png")) files.emplace_back(name + ".png", drawing.png());
+    if (has(arguments.formats, "svg")) files.emplace_back(name + ".svg", drawing.svg());
+  };
+  if (path) add("path", path_figure(source.map ? &*source.map : nullptr, *source.path));
+  if (map) add("map", map_figure(*source.map));
+
+  OutputFolder out = folder_for(arguments.out, arguments.run);
+  for (const auto& [name, content] : files) write(out, name, content);
+  if (path && !source.map) {
+    std::printf("without the map: the run did not come to its end, so there is no map.bt\n");
+  }
+  return kDone;
+}
+
+}  // namespace
+
+Command report_command(CLI::App& program) {
+  const auto given = std::make_shared<ReportArguments>();
+  ReportArguments& arguments = *given;
+  CLI::App* command = program.add_subcommand(
+      "report", "Figures of a run for print, as PNG and SVG; the page of a mission's log");
+  command->add_option("run", arguments.run, "Folder of a run, or the log of a mission (.mcap)")
+      ->type_name("FILE")
+      ->required();
+  one_of(command->add_option(
+             "--figure", arguments.figures,
+             "path: the path over the map; map: the map at the end; separated by commas"),
+         {"path", "map"})
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  one_of(command->add_option("--format", arguments.formats, "png, svg or both [png,svg]"),
+         {"png", "svg"})
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  one_of(command->add_option("--colour", arguments.color, "What the path's colour says [plain]"),
+         path_colors());
+  command->add_option("--out", arguments.out, "Folder to write to [that of the run or log]")
+      ->type_name("DIR");
+  return {command, [given](const Invocation& in) { return report(*given, in.registries); }};
+}
+
+}  // namespace prospect

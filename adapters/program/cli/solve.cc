@@ -1,0 +1,301 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <iostream>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/problem_file/problem_file.h"
+#include "adapters/formats/worlds/load_world.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/exploration_run.h"
+#include "adapters/program/cli/commands.h"
+#include "adapters/program/cli/common_options.h"
+#include "adapters/program/cli/interrupt.h"
+#include "adapters/program/cli/progress.h"
+#include "adapters/program/cli/world_arguments.h"
+#include "engine/planner/planner.h"
+
+namespace prospect {
+namespace {
+
+struct SolveArguments {
+  std::vector<std::string> problems;  ///< problem files, WORLD@STEP
+  std::string configuration;          ///< of the missions of WORLD@STEP
+  std::vector<std::string> settings;  ///< "planner.weights.w_l=0": above the file
+  std::vector<std::string> solvers;   ///< empty: one of each family
+  double deadline = 0.0;              ///< [s], 0: none
+  int max_evaluations = 400;
+  std::uint64_t seed = 1;
+  bool json = false;
+  bool quiet = false;
+};
+
+struct NamedProblem {
+  std::string name;
+  std::shared_ptr<const Problem> problem;
+  WarmStart warm_start;
+};
+
+/// The problem file `path`.
+NamedProblem load(const std::string& path, const TermRegistry& terms) {
+  ReadProblem read = read_problem(path, terms);
+  NamedProblem named{path, std::move(read.problem), {}};
+  if (read.saved.warm_start) {
+    named.warm_start = std::move(*read.saved.warm_start);
+  } else if (!read.saved.seeds.empty()) {
+    named.warm_start.x = read.saved.seeds.front().z;
+  }
+  return named;
+}
+
+/// The step of WORLD@STEP; -1 of any other text, which is the path of a problem file.
+int step_of(const std::string& text) {
+  const std::size_t at = text.rfind('@');
+  int step = -1;
+  if (at != std::string::npos) {
+    const char* first = text.data() + at + 1;
+    const char* last = text.data() + text.size();
+    const auto [end, error] = std::from_chars(first, last, step);
+    if (error != std::errc() || end != last) step = -1;
+  }
+  if (step >= 0) return step;
+  const std::filesystem::path path(text);
+  std::error_code ignored;
+  if (path.extension() == ".h5" || std::filesystem::exists(path, ignored)) return -1;
+  throw InputError("problem '" + text +
+                   "': no such file and no planning step; expected WORLD@STEP, e.g. office@40, "
+                   "or a problem file");
+}
+
+/// What a mission is driven for.
+struct Capture {
+  std::string name;  ///< WORLD@STEP
+  std::shared_ptr<const World> world;
+  int step = 0;
+};
+
+/// Runs the mission up to that planning step and takes the problem it meets there; none if it was
+/// cancelled before.
+NamedProblem capture(const Capture& wanted, const Configuration& configuration,
+                     const Registries& registries, std::uint64_t seed, Progress& progress,
+                     const std::function<bool()>& cancelled) {
+  int steps_done = 0;
+  std::string no_problem;  // why the step has none
+  NamedProblem named{wanted.name, nullptr, {}};
+  ExplorationRunOptions options;
+  options.seed = seed;
+  options.keep_steps = false;
+  options.solvers = &registries.solvers;
+  options.on_plan = [&](const StepRecord& record, const Planner& planner) {
+    steps_done = record.step + 1;
+    progress.show(wanted.name + ": step " + std::to_string(record.step) + " of " +
+                  std::to_string(wanted.step) + ", " +
+                  std::to_string(std::lround(100.0 * record.coverage)) + " % explored");
+    if (record.step != wanted.step) return;
+    named.problem = planner.problem();
+    if (!named.problem) no_problem = record.certificate;
+    // Every back end starts from the same point: the best seed.
+    if (!planner.seeds().empty()) named.warm_start.x = planner.seeds().front().z;
+  };
+  options.cancelled = [&] { return steps_done > wanted.step || cancelled(); };
+  run_exploration(wanted.world, configuration, options);
+  progress.finish();
+  if (!no_problem.empty()) {
+    throw InputError("problem '" + wanted.name + "': the step has none: " + no_problem +
+                     "; expected another step");
+  }
+  if (!named.problem && !cancelled()) {
+    throw InputError("problem '" + wanted.name + "': the mission ends after " +
+                     std::to_string(steps_done) + " steps; expected a step before that");
+  }
+  return named;
+}
+
+nlohmann::ordered_json to_json(const std::string& solver, const Result& r) {
+  nlohmann::ordered_json terms = nlohmann::ordered_json::object();
+  for (const TermValue& t : r.explanation.terms) {
+    terms[t.name] = {{"raw", t.raw}, {"weighted", t.weighted}, {"unit", t.unit}};
+  }
+  return {{"solver", solver},
+          {"cost", r.cost},
+          {"violation", r.violation},
+          {"terms", terms},
+          {"cost_evaluations", r.counters.cost_evaluations},
+          {"gradient_evaluations", r.counters.gradient_evaluations},
+          {"iterations", r.counters.iterations},
+          {"wall_ms", 1e3 * r.wall_seconds},
+          {"stop_reason", to_string(r.stop)},
+          {"quality", to_string(r.quality)},
+          {"detail", r.detail}};
+}
+
+void print_table(const NamedProblem& named,
+                 const std::vector<std::pair<std::string, Result>>& rows) {
+  const Problem& p = *named.problem;
+  std::printf("%s: %d variables, %d constraints\n", named.name.c_str(), p.num_variables(),
+              p.num_constraints());
+  std::printf("%-26s %12s %11s %7s %7s %9s  %-18s %s\n", "solver", "cost", "violation", "evals",
+              "grads", "ms", "stopped by", "quality");
+  for (const auto& [solver, r] : rows) {
+    std::printf("%-26s %12.6g %11.3g %7d %7d %9.2f  %-18s %s\n", solver.c_str(), r.cost,
+                r.violation, r.counters.cost_evaluations, r.counters.gradient_evaluations,
+                1e3 * r.wall_seconds, std::string(to_string(r.stop)).c_str(),
+                std::string(to_string(r.quality)).c_str());
+  }
+  std::printf("\n%-26s", "weighted terms");
+  for (const auto& [solver, r] : rows) std::printf(" %20s", solver.c_str());
+  std::printf("\n");
+  const Explanation reference = p.explain(rows.front().second.x);
+  for (std::size_t i = 0; i < reference.terms.size(); ++i) {
+    const TermValue& t = reference.terms[i];
+    std::printf("%-26s", (t.name + (t.constraint ? " >= 0" : "")).c_str());
+    for (const auto& [solver, r] : rows) {
+      if (i < r.explanation.terms.size()) {
+        const TermValue& v = r.explanation.terms[i];
+        std::printf(" %20.6g", v.constraint ? v.raw : v.weighted);
+      } else {
+        std::printf(" %20s", "-");
+      }
+    }
+    std::printf("\n");
+  }
+  std::printf("\n");
+}
+
+int solve(const SolveArguments& arguments, const Registries& registries) {
+  Configuration configuration = read_configuration(arguments.configuration, registries,
+                                                   arguments.settings, ConfigurationUse::kExplore);
+  std::vector<std::string> names = arguments.solvers;
+  if (names.empty()) names = {"ipopt", "nlopt:LD_SLSQP", "nlopt:LD_LBFGS", "sampling"};
+  std::vector<std::shared_ptr<const Solver>> solvers;
+  for (const std::string& name : names) {
+    const std::string wrong = solver_problem(name, registries.solvers);
+    if (!wrong.empty()) throw InputError("--solver: " + wrong);
+    solvers.push_back(registries.solvers.make(name));
+  }
+
+  // All of them before any is solved: a bad one is refused with nothing printed.
+  Progress progress(arguments.quiet);
+  std::vector<NamedProblem> problems;
+  std::vector<Capture> captures;  // by problem
+  for (const std::string& text : arguments.problems) {
+    const int step = step_of(text);
+    problems.push_back(step < 0 ? load(text, registries.terms) : NamedProblem{text, nullptr, {}});
+    captures.push_back({text, nullptr, step});
+    if (step < 0) continue;
+    WorldOptions world_options = world_options_for(configuration);
+    world_options.progress = [&](const std::string& what) { progress.show(what); };
+    const World world = load_world(text.substr(0, text.rfind('@')), world_options);
+    progress.finish();
+    tell_left_out(world);
+    captures.back().world = std::make_shared<const World>(world);
+  }
+  const bool driven =
+      std::any_of(captures.begin(), captures.end(), [](const Capture& c) { return c.step >= 0; });
+  if (!driven && !(arguments.configuration.empty() && arguments.settings.empty())) {
+    throw InputError(
+        "--config and --set: of no effect on problem files; expected a WORLD@STEP among them");
+  }
+  // Not before: until here an interrupt ends the program at once.
+  const std::function<bool()> cancelled = catch_interrupts();
+  for (std::size_t k = 0; k < problems.size(); ++k) {
+    if (captures[k].step < 0) continue;
+    problems[k] =
+        capture(captures[k], configuration, registries, arguments.seed, progress, cancelled);
+    if (!problems[k].problem) {
+      std::cerr << "prospect: cancelled; nothing is solved\n";
+      return kCancelled;
+    }
+  }
+
+  bool any_feasible = false, all_absent = true;
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const NamedProblem& named : problems) {
+    Options options;
+    options["max_evaluations"] = arguments.max_evaluations;
+    options["seed"] = static_cast<int>(arguments.seed);
+    std::vector<std::pair<std::string, Result>> rows;
+    for (const auto& solver : solvers) {
+      StopCondition stop =
+          arguments.deadline > 0.0 ? deadline(arguments.deadline) : StopCondition();
+      stop = stop || cancelled_by(cancelled);
+      rows.emplace_back(solver->name(),
+                        solver->solve(*named.problem, named.warm_start, options, stop));
+      if (cancelled()) {
+        rows.pop_back();  // not what it would have found
+        break;
+      }
+      const Result& r = rows.back().second;
+      any_feasible |= r.quality == Quality::kFeasible || r.quality == Quality::kFeasibleOptimum;
+      if (r.quality != Quality::kNone) all_absent = false;
+      nlohmann::ordered_json row = to_json(solver->name(), r);
+      if (problems.size() > 1) row["problem"] = named.name;
+      json.push_back(std::move(row));
+    }
+    if (!arguments.json && !rows.empty()) print_table(named, rows);
+    for (const auto& [solver, r] : rows) {
+      if (r.stop == StopReason::kError) {
+        std::cerr << "prospect: " << solver << ": " << r.detail << '\n';
+      }
+    }
+    if (cancelled()) break;
+  }
+  if (arguments.json) {
+    // A problem may be named after a file whose name is no UTF-8.
+    std::cout << json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
+  }
+  if (cancelled()) {
+    std::cerr << "prospect: cancelled; the solves that were done are shown\n";
+    return kCancelled;
+  }
+  if (all_absent) return kNotBuiltIn;
+  return any_feasible ? kDone : kFailed;
+}
+
+}  // namespace
+
+Command solve_command(CLI::App& program) {
+  const auto given = std::make_shared<SolveArguments>();
+  SolveArguments& arguments = *given;
+  CLI::App* command =
+      program.add_subcommand("solve", "One planning problem, several back ends, side by side");
+  command
+      ->add_option("problem", arguments.problems,
+                   "Problem file (explore --save-problems), or WORLD@STEP: the problem that a "
+                   "mission in WORLD meets at planning step STEP")
+      ->type_name("PROBLEM")
+      ->required();
+  command
+      ->add_option("--config", arguments.configuration,
+                   "Configuration file (YAML) of the mission of WORLD@STEP")
+      ->type_name("FILE");
+  add_set(command, arguments.settings);
+  command->add_option("--solver", arguments.solvers, "Back ends, separated by commas")
+      ->type_name("SOLVER")
+      ->delimiter(',')
+      ->allow_extra_args(false);
+  command->add_option("--deadline", arguments.deadline, "Wall-clock limit of each solve [s]")
+      ->check(number_within(0.0, 3600.0));
+  command->add_option("--max-evaluations", arguments.max_evaluations, "Of each solve")
+      ->check(whole_number_within(1, 100000000))
+      ->capture_default_str();
+  command->add_option("--seed", arguments.seed, "Of the mission and the solvers")
+      ->check(whole_number_within(0, std::numeric_limits<int>::max()))
+      ->capture_default_str();
+  command->add_flag("--json", arguments.json, "Print JSON");
+  command->add_flag("--quiet", arguments.quiet, "No progress line");
+  return {command, [given](const Invocation& in) { return solve(*given, in.registries); }};
+}
+
+}  // namespace prospect

@@ -1,0 +1,145 @@
+#include "adapters/program/python/arrays.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace prospect::python {
+namespace {
+
+std::string shape_text(const std::vector<py::ssize_t>& shape) {
+  std::string text = "(";
+  for (std::size_t n = 0; n < shape.size(); ++n) {
+    text += (n > 0 ? ", " : "") + (shape[n] < 0 ? std::string("any") : std::to_string(shape[n]));
+  }
+  return text + (shape.size() == 1 ? ",)" : ")");
+}
+
+/// As given, without a copy where it is an array; of reals.
+py::array real_array(const ArrayLike& array, const std::string& name, const char* expected) {
+  const py::object& given = array.given;
+  const auto& numpy = py::detail::npy_api::get();
+  // Almost always it is a plain array.
+  if (Py_TYPE(given.ptr()) != numpy.PyArray_Type_ &&
+      py::isinstance(given, py::module_::import("numpy.ma").attr("MaskedArray"))) {
+    throw py::type_error(name + ": is a masked array; expected one without a mask");
+  }
+  const py::array plain = py::array::ensure(given);
+  if (!plain) {
+    throw py::type_error(name + ": is of type " +
+                         std::string(py::str(py::type::of(given).attr("__name__"))) +
+                         ", which makes no array; expected " + expected);
+  }
+  const char kind = plain.dtype().kind();
+  if ((kind != 'f' && kind != 'i' && kind != 'u') || plain.itemsize() > 8) {
+    throw py::type_error(name + ": has dtype " + std::string(py::str(plain.dtype())) +
+                         "; expected " + expected);
+  }
+  return plain;
+}
+
+/// "0.5 at (2, 0)"
+std::string entry_text(const py::array& array, py::ssize_t n) {
+  std::vector<py::ssize_t> at(static_cast<std::size_t>(array.ndim()));
+  py::ssize_t rest = n;
+  for (py::ssize_t axis = array.ndim(); axis-- > 0;) {
+    at[static_cast<std::size_t>(axis)] = rest % array.shape(axis);
+    rest /= array.shape(axis);
+  }
+  return std::string(py::str(array.attr("flat")[py::int_(n)])) +
+         (at.empty() ? "" : " at " + shape_text(at));
+}
+
+/// Throws unless keep(entry) of all.
+template <typename Array, typename Keep>
+void check_entries(const py::array& given, const Array& numbers, const std::string& name,
+                   const std::string& expected, Keep&& keep) {
+  for (py::ssize_t n = 0; n < numbers.size(); ++n) {
+    if (keep(numbers.data()[n])) continue;
+    throw std::invalid_argument(name + ": holds " + entry_text(given, n) + "; expected " +
+                                expected);
+  }
+}
+
+}  // namespace
+
+std::string shape_text(const py::array& array) {
+  return shape_text(std::vector<py::ssize_t>(array.shape(), array.shape() + array.ndim()));
+}
+
+void check_shape(const py::array& array, const std::vector<py::ssize_t>& expected,
+                 const std::string& name) {
+  bool same = array.ndim() == static_cast<py::ssize_t>(expected.size());
+  for (std::size_t n = 0; same && n < expected.size(); ++n) {
+    same = expected[n] < 0 || array.shape(static_cast<py::ssize_t>(n)) == expected[n];
+  }
+  if (!same) {
+    throw std::invalid_argument(name + ": has shape " + shape_text(array) + "; expected " +
+                                shape_text(expected));
+  }
+}
+
+Numbers numbers_of(const ArrayLike& array, const std::string& name, Entries entries) {
+  const py::array given = real_array(array, name, "real numbers");
+  const Numbers numbers = Numbers::ensure(given);
+  if (!numbers) throw py::error_already_set();
+  if (entries == Entries::kFinite) {
+    check_entries(given, numbers, name, "finite numbers",
+                  [](double x) { return std::isfinite(x); });
+  }
+  if (given.itemsize() == 8 && given.dtype().kind() != 'f') {
+    constexpr double kExact = 9007199254740992.0;  // 2^53
+    check_entries(given, numbers, name, "whole numbers up to 2^53",
+                  [](double x) { return std::abs(x) < kExact; });
+  }
+  return numbers;
+}
+
+Numbers numbers_of(const ArrayLike& array, const std::vector<py::ssize_t>& shape,
+                   const std::string& name, Entries entries) {
+  check_shape(real_array(array, name, "real numbers"), shape, name);
+  return numbers_of(array, name, entries);
+}
+
+Bytes codes_of(const ArrayLike& array, const std::vector<py::ssize_t>& shape, int most,
+               const std::string& name, const std::string& expected) {
+  const py::array given = real_array(array, name, "whole numbers");
+  check_shape(given, shape, name);
+  // What is beyond 2^53 or not whole is not one of them as a double, either.
+  check_entries(given, Numbers::ensure(given), name, expected,
+                [most](double x) { return x >= 0.0 && x <= most && x == std::floor(x); });
+  if (given.dtype().kind() == 'f') {
+    throw py::type_error(name + ": has dtype " + std::string(py::str(given.dtype())) +
+                         "; expected whole numbers");
+  }
+  return Bytes::ensure(given);
+}
+
+Eigen::VectorXd vector_of(const ArrayLike& array, py::ssize_t size, const std::string& name,
+                          Entries entries) {
+  const Numbers numbers = numbers_of(array, {size}, name, entries);
+  return Eigen::Map<const Eigen::VectorXd>(numbers.data(), numbers.size());
+}
+
+Eigen::MatrixXd transposed(const ArrayLike& array, py::ssize_t rows, py::ssize_t columns,
+                           const std::string& name, Entries entries) {
+  const Numbers numbers = numbers_of(array, {rows, columns}, name, entries);
+  return Eigen::Map<const Eigen::MatrixXd>(numbers.data(), numbers.shape(1), numbers.shape(0));
+}
+
+Numbers array_of(const double* data, const std::vector<py::ssize_t>& shape) {
+  Numbers array(shape);
+  std::copy_n(data, array.size(), array.mutable_data());
+  return array;
+}
+
+Numbers array_of(const Eigen::VectorXd& v) { return array_of(v.data(), {v.size()}); }
+
+Numbers array_of(const Eigen::MatrixXd& m) {
+  Numbers array(std::vector<py::ssize_t>{m.rows(), m.cols()});
+  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+      array.mutable_data(), m.rows(), m.cols()) = m;
+  return array;
+}
+
+}  // namespace prospect::python

@@ -1,0 +1,226 @@
+#include "adapters/robots/dds/dds_base.h"
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/ros/geometry_msgs.h"
+#include "adapters/formats/ros/nav_msgs.h"
+#include "runtime/clock_offset.h"
+
+namespace prospect {
+
+struct DdsBase::Impl {
+  Impl(const DdsOptions& given, DdsNode& its_node, const DdsTransforms& its_transforms,
+       const Clock& its_clock)
+      : options(given), node(its_node), transforms(its_transforms), clock(its_clock) {}
+
+  /// Where the frame of the odometry is in B, which it must be or be fixed to.
+  Eigen::Isometry3d odometry_frame(const std::string& child) const {
+    if (child == options.frames.base) return Eigen::Isometry3d::Identity();
+    if (!options.odometry_by_tf) {
+      throw InputError(options.odometry + ": child_frame_id is '" + child + "'; expected '" +
+                       options.frames.base + "' (frames.base), or odometry_frame: tf");
+    }
+    const auto T = transforms.newest(options.frames.base, child);
+    if (!T) {
+      throw InputError(options.odometry + ": no transform from its child_frame_id '" + child +
+                       "' to '" + options.frames.base + "'; expected it on /tf_static or /tf");
+    }
+    return *T;
+  }
+
+  void add(const ros::Odometry& m) {
+    const Eigen::Isometry3d T_BO = odometry_frame(m.child_frame_id);
+    // The twist of a rigid body in B: turned, and less what turning adds at the frame's place.
+    const ros::Twist& told = m.twist.twist;
+    const Eigen::Vector3d turning =
+        T_BO.linear() * Eigen::Vector3d(told.angular.x, told.angular.y, told.angular.z);
+    const Eigen::Vector3d moving =
+        T_BO.linear() * Eigen::Vector3d(told.linear.x, told.linear.y, told.linear.z) -
+        turning.cross(Eigen::Vector3d(T_BO.translation()));
+    const ros::Point& p = m.pose.pose.position;
+    const ros::Quaternion& r = m.pose.pose.orientation;
+    const Eigen::Quaterniond q(r.w, r.x, r.y, r.z);
+    const WheelSample sample{ros::seconds(m.header.stamp), moving.head<2>(), turning.z()};
+    if (!sample.velocity.allFinite() || !std::isfinite(sample.yaw_rate) ||
+        !std::isfinite(p.x + p.y + p.z) || !(std::abs(q.norm() - 1.0) < 0.01)) {
+      throw InputError(options.odometry +
+                       ": not a motion; expected finite numbers and a unit quaternion");
+    }
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = q.normalized().toRotationMatrix();
+    T.translation() << p.x, p.y, p.z;
+    T = T * T_BO.inverse();
+    const std::lock_guard lock(mutex);
+    heard = clock.now();
+    offset.add(sample.stamp, *heard);
+    velocity = {{moving.x(), moving.y(), 0.0}, turning.z()};
+    if (wheels.size() == kMost) wheels.erase(wheels.begin());
+    wheels.push_back(sample);
+    poses.emplace_back(sample.stamp, T);
+    while (poses.size() > kMost || poses.back().first - poses.front().first > kKept) {
+      poses.pop_front();
+    }
+  }
+
+  void publish(const Twist& command) {
+    ros::TwistStamped message;
+    message.header = {stamp(clock.now()), options.frames.base};
+    message.twist.linear = {command.linear.x(), command.linear.y(), 0.0};
+    message.twist.angular.z = command.yaw_rate;
+    if (stamped >= 0) node.publish(stamped, message);
+    if (plain >= 0) node.publish(plain, message.twist);
+  }
+
+  ros::Time stamp(double time) const {
+    const std::lock_guard lock(mutex);
+    if (const std::optional<double> known = offset.offset()) return ros::time_of(time - *known);
+    const double day =
+        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+    return ros::time_of(day + (time - clock.now()));
+  }
+
+  static constexpr double kSilence = 0.5;  // [s] of odometry that is a fault
+  static constexpr double kKept = 2.0;     // [s] of poses
+  static constexpr std::size_t kMost = 2000;
+  const DdsOptions options;
+  DdsNode& node;
+  const DdsTransforms& transforms;
+  const Clock& clock;
+  int stamped = -1, plain = -1;
+  std::vector<std::string> command_topics;
+  mutable std::mutex mutex;
+  ClockOffset offset;
+  std::optional<double> heard;
+  Twist velocity;
+  std::vector<WheelSample> wheels;
+  std::deque<std::pair<double, Eigen::Isometry3d>> poses;  // by the robot's stamps
+  std::optional<EmergencyStopInput> emergency_stop;
+};
+
+DdsBase::DdsBase(const DdsOptions& options, DdsNode& node, const DdsTransforms& transforms,
+                 const Clock& clock, DriveRequests* requests)
+    : impl_(std::make_shared<Impl>(options, node, transforms, clock)) {
+  const auto impl = impl_;
+  node.subscribe<ros::Odometry>(options.odometry, DdsQos{false, false, 50},
+                                [impl](const ros::Odometry& m) { impl->add(m); });
+  if (!options.emergency_stop.empty()) {
+    const EmergencyStopContract& contract = options.emergency_stop_contract;
+    impl->emergency_stop.emplace(options.emergency_stop, contract);
+    DdsQos qos = kReliableQos;
+    qos.transient_local = contract.latched;
+    if (contract.latched) qos.lease = contract.max_age;
+    node.subscribe<ros::Bool>(options.emergency_stop, qos,
+                              [impl](const ros::Bool& m, std::uint64_t publisher) {
+                                impl->emergency_stop->told(publisher, m.data, impl->clock.now());
+                              });
+  }
+  if (requests && !options.acknowledge.empty()) {
+    node.subscribe<ros::Bool>(options.acknowledge, kReliableQos, [requests](const ros::Bool& m) {
+      if (m.data) requests->acknowledge();
+    });
+  }
+  const DdsOptions::Command& command = options.command;
+  if (!command.relay.empty()) {
+    impl_->stamped = node.advertise<ros::TwistStamped>(command.relay, kCommandQos);
+    impl_->command_topics = {command.relay};
+    return;
+  }
+  if (!command.stamped.empty()) {
+    impl_->stamped = node.advertise<ros::TwistStamped>(command.stamped, kCommandQos);
+    impl_->command_topics.push_back(command.stamped);
+  }
+  if (!command.plain.empty()) {
+    impl_->plain = node.advertise<ros::Twist>(command.plain, kCommandQos);
+    impl_->command_topics.push_back(command.plain);
+  }
+}
+DdsBase::~DdsBase() = default;
+
+std::string DdsBase::name() const noexcept { return "dds"; }
+std::optional<double> DdsBase::dead_man() const noexcept {
+  const DdsOptions::Command& command = impl_->options.command;
+  // A relay sees it at the end of a period at the latest.
+  return command.dead_man + (command.relay.empty() ? 0.0 : command.relay_period);
+}
+BaseLimits DdsBase::limits() const noexcept { return impl_->options.command.limits; }
+
+void DdsBase::send(const Twist& command, double expires) noexcept {
+  if (!(impl_->clock.now() < expires)) return;
+  if (!command.linear.allFinite() || !std::isfinite(command.yaw_rate)) return stop();
+  try {
+    impl_->publish(command);
+  } catch (...) {
+    // Memory is used up: silence, which the dead-man ends.
+  }
+}
+
+void DdsBase::stop() noexcept {
+  try {
+    impl_->publish({});
+  } catch (...) {
+    // As in send().
+  }
+}
+
+BaseReport DdsBase::report() noexcept {
+  BaseReport report;
+  try {
+    const DdsOptions& o = impl_->options;
+    const DdsNode& node = impl_->node;
+    bool listens = false;
+    std::vector<std::string> topics = {o.odometry};
+    if (!o.emergency_stop.empty()) topics.push_back(o.emergency_stop);
+    for (const std::string& topic : impl_->command_topics) {
+      listens = listens || node.subscribers(topic) > 0;
+      topics.push_back(topic);
+    }
+    for (const std::string& topic : topics) {
+      const std::string fault = node.fault(topic);
+      if (!fault.empty()) report.faults.push_back(fault);
+    }
+    if (const std::string moved = impl_->transforms.moved(); !moved.empty()) {
+      report.faults.push_back(moved);
+    }
+    if (impl_->emergency_stop) {
+      impl_->emergency_stop->set_present(node.live_publishers(o.emergency_stop));
+    }
+    const std::lock_guard lock(impl_->mutex);
+    report.connected = listens && impl_->heard.has_value();
+    report.stamp = impl_->heard.value_or(0.0);
+    report.velocity = impl_->velocity;
+    report.wheels = std::exchange(impl_->wheels, {});
+    if (impl_->heard && impl_->clock.now() - *impl_->heard > Impl::kSilence) {
+      report.faults.push_back(o.odometry + ": odometry is silent");
+    }
+  } catch (...) {
+    // Memory is used up: no word is a link that is down.
+    report.connected = false;
+  }
+  return report;
+}
+
+const EmergencyStopInput* DdsBase::emergency_stop() const {
+  return impl_->emergency_stop ? &*impl_->emergency_stop : nullptr;
+}
+
+ros::Time DdsBase::ros_time(double time) const { return impl_->stamp(time); }
+
+std::optional<Eigen::Isometry3d> DdsBase::odometry(double time) const {
+  const std::lock_guard lock(impl_->mutex);
+  if (impl_->poses.empty()) return std::nullopt;
+  const double at = time - impl_->offset.offset().value_or(0.0);
+  const auto* nearest = &impl_->poses.back();
+  for (const auto& pose : impl_->poses) {
+    if (std::abs(pose.first - at) < std::abs(nearest->first - at)) nearest = &pose;
+  }
+  return nearest->second;
+}
+
+}  // namespace prospect

@@ -1,0 +1,484 @@
+#include "adapters/robots/dds/dds_node.h"
+
+#include "adapters/formats/datasets/numbered_files.h"
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/files/not_built_in.h"
+#include "adapters/robots/dds/dds_names.h"
+#include "adapters/robots/dds/raw_type.h"
+#include "adapters/robots/dds/type_hash.h"
+#include "models/formatted.h"
+
+#ifdef PROSPECT_WITH_CYCLONEDDS
+#include <dds/dds.h>
+#include <dds/ddsi/ddsi_serdata.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <mutex>
+#include <set>
+#include <stop_token>
+#include <thread>
+#endif
+
+namespace prospect {
+
+std::string dds_configuration(bool loopback) {
+  // Fragments as large as UDP takes: with the library's 1300 bytes half of the images of a pair are
+  // lost (docs/reference/dds.md).
+  std::string text =
+      "<CycloneDDS><Domain><General>"
+      "<MaxMessageSize>65500B</MaxMessageSize><FragmentSize>60000B</FragmentSize>";
+  if (loopback) {
+    text +=
+        "<Interfaces><NetworkInterface name=\"lo\" multicast=\"false\"/></Interfaces>"
+        "<AllowMulticast>false</AllowMulticast>";
+  }
+  text += "</General>";
+  if (loopback) {
+    text +=
+        "<Discovery><ParticipantIndex>auto</ParticipantIndex>"
+        "<MaxAutoParticipantIndex>20</MaxAutoParticipantIndex>"
+        "<Peers><Peer address=\"127.0.0.1\"/></Peers></Discovery>";
+  }
+  return text + "<Internal><SocketReceiveBufferSize max=\"4MB\"/></Internal></Domain></CycloneDDS>";
+}
+
+#ifdef PROSPECT_WITH_CYCLONEDDS
+
+namespace {
+
+/// What ROS 2's middleware tells of a node and its topics (rmw_dds_common), since Iron.
+struct Gid {
+  static constexpr const char* kType = "rmw_dds_common/msg/Gid";
+  std::array<std::uint8_t, 16> data{};
+
+  template <class Message, class Visit>
+  static void fields(Message& m, Visit&& visit) {
+    visit("data", m.data);
+  }
+};
+struct NodeEntitiesInfo {
+  static constexpr const char* kType = "rmw_dds_common/msg/NodeEntitiesInfo";
+  std::string node_namespace, node_name;
+  std::vector<Gid> reader_gid_seq, writer_gid_seq;
+
+  template <class Message, class Visit>
+  static void fields(Message& m, Visit&& visit) {
+    visit("node_namespace", m.node_namespace);
+    visit("node_name", m.node_name);
+    visit("reader_gid_seq", m.reader_gid_seq);
+    visit("writer_gid_seq", m.writer_gid_seq);
+  }
+};
+struct ParticipantEntitiesInfo {
+  static constexpr const char* kType = "rmw_dds_common/msg/ParticipantEntitiesInfo";
+  Gid gid;
+  std::vector<NodeEntitiesInfo> node_entities_info_seq;
+
+  template <class Message, class Visit>
+  static void fields(Message& m, Visit&& visit) {
+    visit("gid", m.gid);
+    visit("node_entities_info_seq", m.node_entities_info_seq);
+  }
+};
+
+constexpr std::size_t kMostFaults = 100;  // of others' endpoints that are remembered
+
+[[noreturn]] void refuse(const std::string& what, dds_return_t code) {
+  throw InputError("dds: " + what + ": " + dds_strretcode(code));
+}
+dds_entity_t made(dds_entity_t entity, const std::string& what) {
+  if (entity < 0) refuse(what, entity);
+  return entity;
+}
+
+Gid gid_of(dds_entity_t entity) {
+  dds_guid_t guid{};
+  dds_get_guid(entity, &guid);
+  Gid gid;
+  std::copy(std::begin(guid.v), std::end(guid.v), gid.data.begin());
+  return gid;
+}
+
+using Qos = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
+Qos make_qos() { return {dds_create_qos(), dds_delete_qos}; }
+Qos make_qos(const DdsQos& wanted, const std::string& user_data) {
+  Qos qos = make_qos();
+  // Nobody waits for a slow reader.
+  dds_qset_reliability(qos.get(),
+                       wanted.reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
+  dds_qset_durability(
+      qos.get(), wanted.transient_local ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, wanted.depth);
+  if (wanted.transient_local) {
+    dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, wanted.depth, -1, -1, -1);
+  }
+  if (wanted.lease > 0.0) {
+    dds_qset_liveliness(qos.get(), DDS_LIVELINESS_AUTOMATIC,
+                        static_cast<dds_duration_t>(std::llround(1e9 * wanted.lease)));
+  }
+  dds_qset_writer_data_lifecycle(qos.get(), false);
+  if (!user_data.empty()) dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
+  return qos;
+}
+
+const char* policy_name(std::uint32_t id) {
+  switch (id) {
+    case DDS_RELIABILITY_QOS_POLICY_ID:
+      return "reliability";
+    case DDS_DURABILITY_QOS_POLICY_ID:
+      return "durability";
+    case DDS_DEADLINE_QOS_POLICY_ID:
+      return "deadline";
+    case DDS_LIVELINESS_QOS_POLICY_ID:
+      return "liveliness";
+    case DDS_OWNERSHIP_QOS_POLICY_ID:
+      return "ownership";
+    default:
+      return "a policy";
+  }
+}
+
+std::string described(const DdsQos& qos) {
+  std::string text = std::string(qos.reliable ? "reliable" : "best effort") + ", " +
+                     (qos.transient_local ? "transient local" : "volatile");
+  if (qos.lease > 0.0) text += formatted(", with a liveliness lease of %g s", qos.lease);
+  return text;
+}
+
+}  // namespace
+
+struct DdsNode::Impl {
+  struct Topic {
+    std::string name, type;
+    DdsQos qos;
+    dds_entity_t endpoint = 0;
+    bool reads = false;
+    PublisherHandler handler;
+    std::string bad_message, bad_qos;  // under `mutex`
+  };
+
+  explicit Impl(const DdsAddress& given) : address(given) {
+    const std::string text = address.configuration.empty() ? dds_configuration(address.loopback)
+                                                           : read_whole_file(address.configuration);
+    domain = dds_create_domain(static_cast<dds_domainid_t>(address.domain), text.c_str());
+    if (domain < 0 && domain != DDS_RETCODE_PRECONDITION_NOT_MET) {
+      refuse(address.configuration.empty() ? "domain " + std::to_string(address.domain)
+                                           : address.configuration,
+             domain);
+    }
+    try {
+      const Qos qos = make_qos();
+      const std::string enclave = "enclave=/;";
+      dds_qset_userdata(qos.get(), enclave.data(), enclave.size());
+      participant = made(
+          dds_create_participant(static_cast<dds_domainid_t>(address.domain), qos.get(), nullptr),
+          "no participant in domain " + std::to_string(address.domain));
+      waits = made(dds_create_waitset(participant), "no wait set");
+      others_writers =
+          made(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr),
+               "no discovery");
+      others_readers =
+          made(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION, nullptr, nullptr),
+               "no discovery");
+      for (const dds_entity_t reader : {others_writers, others_readers}) watch(reader);
+      info = made_endpoint("ros_discovery_info", ros::definition_of<ParticipantEntitiesInfo>(),
+                           kLatchedQos, false);
+    } catch (...) {
+      end();
+      throw;
+    }
+  }
+  ~Impl() {
+    if (thread.joinable()) {
+      thread.request_stop();
+      thread.join();
+    }
+    end();
+  }
+
+  void end() {
+    if (participant > 0) dds_delete(participant);
+    if (domain > 0) dds_delete(domain);
+  }
+
+  void watch(dds_entity_t reader) {
+    dds_set_status_mask(reader, DDS_DATA_AVAILABLE_STATUS);
+    dds_waitset_attach(waits, reader, reader);
+  }
+
+  dds_entity_t made_endpoint(const std::string& dds_name,
+                             const std::vector<ros::MessageDefinition>& definition,
+                             const DdsQos& wanted, bool reads) {
+    ddsi_sertype* type = make_raw_type(dds_type(definition.front().name));
+    const dds_entity_t topic =
+        dds_create_topic_sertype(participant, dds_name.c_str(), &type, nullptr, nullptr, nullptr);
+    if (topic < 0) {
+      free_raw_type(type);
+      refuse("topic " + dds_name, topic);
+    }
+    const Qos qos = make_qos(wanted, "typehash=" + type_hash(definition) + ";");
+    const dds_entity_t endpoint = reads ? dds_create_reader(participant, topic, qos.get(), nullptr)
+                                        : dds_create_writer(participant, topic, qos.get(), nullptr);
+    dds_delete(topic);  // the endpoint keeps it
+    return made(endpoint, "topic " + dds_name);
+  }
+
+  void add(Topic topic, const std::vector<ros::MessageDefinition>& definition) {
+    const std::string problem = topic_problem(topic.name);
+    if (!problem.empty()) throw InputError("dds: topic " + problem);
+    topic.type = definition.front().name;
+    topic.endpoint = made_endpoint(dds_topic(topic.name), definition, topic.qos, topic.reads);
+    if (topic.reads) watch(topic.endpoint);
+    topics.push_back(std::move(topic));
+  }
+
+  void announce() {
+    ParticipantEntitiesInfo message;
+    message.gid = gid_of(participant);
+    NodeEntitiesInfo node{"/", address.node, {}, {}};
+    for (const Topic& topic : topics) {
+      (topic.reads ? node.reader_gid_seq : node.writer_gid_seq).push_back(gid_of(topic.endpoint));
+    }
+    message.node_entities_info_seq.push_back(std::move(node));
+    const std::string bytes = ros::to_cdr(message);
+    dds_write(info, &bytes);
+  }
+
+  void run(const std::stop_token& stop) noexcept {
+    while (!stop.stop_requested()) {
+      std::array<dds_attach_t, 8> ready{};
+      dds_waitset_wait(waits, ready.data(), ready.size(), kPeriod);
+      try {
+        look_at_others(others_writers, true);
+        look_at_others(others_readers, false);
+        for (Topic& topic : topics) {
+          if (stop.stop_requested()) return;
+          if (topic.reads) take(topic);
+          look_at_qos(topic);
+        }
+      } catch (...) {
+        // Memory is used up: what could not be taken is lost, and stamps tell that it did not come.
+      }
+    }
+  }
+
+  void take(Topic& topic) {
+    for (;;) {
+      ddsi_serdata* sample = nullptr;
+      dds_sample_info_t sample_info{};
+      if (dds_takecdr(topic.endpoint, &sample, 1, &sample_info, DDS_ANY_STATE) != 1) return;
+      const std::unique_ptr<ddsi_serdata, void (*)(ddsi_serdata*)> held(
+          sample, [](ddsi_serdata* s) { ddsi_serdata_unref(s); });
+      if (!sample_info.valid_data) continue;
+      std::string problem;
+      try {
+        topic.handler(bytes_of(sample), topic.name, sample_info.publication_handle);
+      } catch (const std::exception& error) {
+        problem = error.what();
+      }
+      const std::lock_guard lock(mutex);
+      topic.bad_message = problem;
+    }
+  }
+
+  /// Endpoints of others that have a topic of ours with another type: DDS does not connect them.
+  void look_at_others(dds_entity_t reader, bool they_write) {
+    for (;;) {
+      void* sample = nullptr;
+      dds_sample_info_t sample_info{};
+      if (dds_take(reader, &sample, &sample_info, 1, 1) != 1) return;
+      const auto* other = static_cast<const dds_builtintopic_endpoint_t*>(sample);
+      const std::string key(reinterpret_cast<const char*>(other->key.v), sizeof other->key.v);
+      {
+        const std::lock_guard lock(mutex);
+        other_types.erase(key);
+        if (sample_info.valid_data && sample_info.instance_state == DDS_IST_ALIVE &&
+            other_types.size() < kMostFaults) {
+          for (const Topic& topic : topics) {
+            if (topic.reads != they_write || dds_topic(topic.name) != other->topic_name ||
+                dds_type(topic.type) == other->type_name) {
+              continue;
+            }
+            other_types[key] = {topic.name, topic.name + ": another node " +
+                                                (they_write ? "publishes " : "expects ") +
+                                                ros_type(other->type_name) + "; expected " +
+                                                topic.type};
+          }
+        }
+      }
+      dds_return_loan(reader, &sample, 1);
+    }
+  }
+
+  void look_at_qos(Topic& topic) {
+    std::uint32_t policy = 0, count = 0;
+    if (topic.reads) {
+      dds_requested_incompatible_qos_status_t status{};
+      dds_get_requested_incompatible_qos_status(topic.endpoint, &status);
+      count = status.total_count, policy = status.last_policy_id;
+    } else {
+      dds_offered_incompatible_qos_status_t status{};
+      dds_get_offered_incompatible_qos_status(topic.endpoint, &status);
+      count = status.total_count, policy = status.last_policy_id;
+    }
+    if (count == 0) return;
+    const std::string text =
+        topic.name + ": " + policy_name(policy) + " of another node's " +
+        (topic.reads ? "publisher" : "subscription") + " does not fit; expected one that fits " +
+        (topic.reads ? "a subscription" : "a publisher") + " that is " + described(topic.qos);
+    const std::lock_guard lock(mutex);
+    topic.bad_qos = text;
+  }
+
+  const Topic* find(const std::string& name, bool reads) const {
+    for (const Topic& topic : topics) {
+      if (topic.name == name && topic.reads == reads) return &topic;
+    }
+    return nullptr;
+  }
+  /// Of a topic that somebody is connected to by a fitting QoS another's QoS is no fault.
+  std::string fault(const Topic& topic) const {
+    const std::lock_guard lock(mutex);
+    for (const auto& [key, other] : other_types) {
+      if (other.first == topic.name) return other.second;
+    }
+    if (!topic.bad_message.empty()) return topic.bad_message;
+    return connected(topic) > 0 ? "" : topic.bad_qos;
+  }
+  static int connected(const Topic& topic) {
+    if (topic.reads) {
+      dds_subscription_matched_status_t status{};
+      dds_get_subscription_matched_status(topic.endpoint, &status);
+      return static_cast<int>(status.current_count);
+    }
+    dds_publication_matched_status_t status{};
+    dds_get_publication_matched_status(topic.endpoint, &status);
+    return static_cast<int>(status.current_count);
+  }
+
+  static constexpr dds_duration_t kPeriod = DDS_MSECS(20);
+  DdsAddress address;
+  dds_entity_t domain = 0, participant = 0, waits = 0, info = 0;
+  dds_entity_t others_writers = 0, others_readers = 0;
+  std::deque<Topic> topics;  // none is added once the thread runs
+  mutable std::mutex mutex;
+  std::map<std::string, std::pair<std::string, std::string>> other_types;  // topic, text; by key
+  std::jthread thread;
+};
+
+DdsNode::DdsNode(const DdsAddress& address) : impl_(std::make_unique<Impl>(address)) {}
+DdsNode::~DdsNode() = default;
+
+void DdsNode::subscribe(const std::string& topic,
+                        const std::vector<ros::MessageDefinition>& definition, const DdsQos& qos,
+                        PublisherHandler handler) {
+  Impl::Topic added;
+  added.name = topic;
+  added.qos = qos;
+  added.reads = true;
+  added.handler = std::move(handler);
+  impl_->add(std::move(added), definition);
+}
+
+void DdsNode::subscribe(const std::string& topic,
+                        const std::vector<ros::MessageDefinition>& definition, const DdsQos& qos,
+                        Handler handler) {
+  subscribe(
+      topic, definition, qos,
+      PublisherHandler([handler = std::move(handler)](std::string_view cdr, const std::string& name,
+                                                      std::uint64_t) { handler(cdr, name); }));
+}
+
+int DdsNode::advertise(const std::string& topic,
+                       const std::vector<ros::MessageDefinition>& definition, const DdsQos& qos) {
+  Impl::Topic added;
+  added.name = topic;
+  added.qos = qos;
+  impl_->add(std::move(added), definition);
+  return static_cast<int>(impl_->topics.size()) - 1;
+}
+
+void DdsNode::start() {
+  impl_->announce();
+  impl_->thread = std::jthread([this](const std::stop_token& stop) { impl_->run(stop); });
+}
+
+bool DdsNode::publish(int topic, const std::string& cdr) noexcept {
+  if (topic < 0 || topic >= static_cast<int>(impl_->topics.size())) return false;
+  const Impl::Topic& to = impl_->topics[static_cast<std::size_t>(topic)];
+  return !to.reads && dds_write(to.endpoint, &cdr) == DDS_RETCODE_OK;
+}
+
+int DdsNode::publishers(const std::string& topic) const {
+  const Impl::Topic* found = impl_->find(topic, true);
+  return found ? Impl::connected(*found) : 0;
+}
+int DdsNode::subscribers(const std::string& topic) const {
+  const Impl::Topic* found = impl_->find(topic, false);
+  return found ? Impl::connected(*found) : 0;
+}
+
+std::vector<std::uint64_t> DdsNode::live_publishers(const std::string& topic) const {
+  const Impl::Topic* found = impl_->find(topic, true);
+  if (!found) return {};
+  constexpr std::size_t kMost = 100;
+  std::vector<std::uint64_t> all(kMost);
+  const dds_return_t count = dds_get_matched_publications(found->endpoint, all.data(), all.size());
+  dds_liveliness_changed_status_t status{};
+  dds_get_liveliness_changed_status(found->endpoint, &status);
+  if (count < 0 || static_cast<dds_return_t>(status.alive_count) < count) return {};
+  all.resize(std::min(all.size(), static_cast<std::size_t>(count)));
+  return all;
+}
+
+std::string DdsNode::fault(const std::string& topic) const {
+  for (const Impl::Topic& one : impl_->topics) {
+    if (one.name != topic) continue;
+    const std::string text = impl_->fault(one);
+    if (!text.empty()) return text;
+  }
+  return "";
+}
+
+std::vector<std::string> DdsNode::faults() const {
+  std::vector<std::string> all;
+  std::set<std::string> said;
+  for (const Impl::Topic& one : impl_->topics) {
+    const std::string text = impl_->fault(one);
+    if (!text.empty() && said.insert(text).second) all.push_back(text);
+  }
+  return all;
+}
+
+#else
+
+struct DdsNode::Impl {};
+
+DdsNode::DdsNode(const DdsAddress&) {
+  throw NotBuiltIn("ROS 2 over DDS", "cyclonedds-dev and libssl-dev");
+}
+DdsNode::~DdsNode() = default;
+void DdsNode::subscribe(const std::string&, const std::vector<ros::MessageDefinition>&,
+                        const DdsQos&, PublisherHandler) {}
+void DdsNode::subscribe(const std::string&, const std::vector<ros::MessageDefinition>&,
+                        const DdsQos&, Handler) {}
+int DdsNode::advertise(const std::string&, const std::vector<ros::MessageDefinition>&,
+                       const DdsQos&) {
+  return -1;
+}
+void DdsNode::start() {}
+bool DdsNode::publish(int, const std::string&) noexcept { return false; }
+int DdsNode::publishers(const std::string&) const { return 0; }
+std::vector<std::uint64_t> DdsNode::live_publishers(const std::string&) const { return {}; }
+int DdsNode::subscribers(const std::string&) const { return 0; }
+std::string DdsNode::fault(const std::string&) const { return ""; }
+std::vector<std::string> DdsNode::faults() const { return {}; }
+
+#endif
+
+}  // namespace prospect

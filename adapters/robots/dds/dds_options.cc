@@ -1,0 +1,165 @@
+#include "adapters/robots/dds/dds_options.h"
+
+#include <set>
+#include <string>
+
+#include "adapters/formats/files/strict_yaml.h"
+#include "adapters/robots/dds/dds_names.h"
+
+namespace prospect {
+namespace {
+
+/// Reads names of topics, each once.
+class TopicReader {
+ public:
+  enum class Empty { kAllowed, kRefused };
+  std::string read(YamlMap map, const std::string& key, const std::string& default_value,
+                   const std::string& what, Empty empty) {
+    std::string name = map.text(key, default_value.empty() ? "none" : default_value, what);
+    if (name == "none") name.clear();
+    if (name.empty()) {
+      if (empty == Empty::kRefused) map.problem(key, "it is none; expected a topic");
+      return name;
+    }
+    const std::string problem = topic_problem(name);
+    if (!problem.empty()) {
+      map.problem(key, problem);
+    } else if (!used_.insert(name).second) {
+      map.problem(key, "'" + name + "' has another meaning already; expected a topic of its own");
+    }
+    return name;
+  }
+
+ private:
+  std::set<std::string> used_;
+};
+
+std::string read_frame(YamlMap map, const std::string& key, const std::string& default_value,
+                       const std::string& what) {
+  return map.text(key, default_value, what);
+}
+
+std::optional<double> limit(YamlMap map, const char* key, const char* unit, const char* what) {
+  const double value = map.number(key, 0.0, 1e-3, 100.0, unit, what);
+  if (map.has(key)) return value;
+  return std::nullopt;
+}
+
+}  // namespace
+
+DdsOptions read_dds_options(const std::string& path) {
+  using Empty = TopicReader::Empty;
+  StrictYaml yaml = StrictYaml::from_file(path);
+  YamlMap root = yaml.root();
+  DdsOptions o;
+  TopicReader topics;
+
+  o.address.domain =
+      static_cast<int>(root.integer("domain", o.address.domain, 0, 232, "1", "as ROS_DOMAIN_ID"));
+  o.address.node = root.text("node", o.address.node, "name of this node");
+  o.address.loopback = root.boolean("loopback", o.address.loopback, "this machine alone");
+  o.address.configuration = root.text("configuration", "none", "file of CycloneDDS's XML");
+  if (o.address.configuration == "none") o.address.configuration.clear();
+  o.timeout =
+      root.number("timeout", o.timeout, 0.1, 600.0, "s", "to wait for calibrations and transforms");
+
+  YamlMap frames = root.map("frames");
+  o.frames.map = read_frame(frames, "map", o.frames.map, "of the estimate and the map");
+  o.frames.odom = read_frame(frames, "odom", o.frames.odom, "of the base's odometry");
+  o.frames.base = read_frame(frames, "base", o.frames.base, "the body frame");
+
+  YamlMap stereo = root.map("stereo");
+  auto& s = o.stereo;
+  s.left = topics.read(stereo, "left", s.left, "left images", Empty::kRefused);
+  s.left_info = topics.read(stereo, "left_info", s.left_info, "calibration", Empty::kRefused);
+  s.right = topics.read(stereo, "right", s.right, "right images", Empty::kRefused);
+  s.right_info = topics.read(stereo, "right_info", s.right_info, "calibration", Empty::kRefused);
+  s.compressed = stereo.boolean("compressed", s.compressed, "images are CompressedImage");
+  s.rectified = stereo.boolean("rectified", s.rectified, "images are rectified already");
+
+  YamlMap depth = root.map("depth");
+  auto& d = o.depth;
+  d.image = topics.read(depth, "image", d.image, "depth images", Empty::kAllowed);
+  d.info = topics.read(depth, "info", d.image.empty() ? "" : d.info, "calibration",
+                       d.image.empty() ? Empty::kAllowed : Empty::kRefused);
+  d.compressed = depth.boolean("compressed", d.compressed, "images are compressedDepth, PNG");
+  d.per_metre = depth.number("per_metre", d.per_metre, 1.0, 1e5, "1/m",
+                             "numbers a metre of images of 16 bits");
+  d.min_range = depth.number("min_range", d.min_range, 0.0, 100.0, "m", "least depth that counts");
+  d.max_range =
+      depth.number("max_range", d.max_range, 0.1, 100.0, "m", "largest depth that counts");
+  if (d.min_range >= d.max_range) {
+    depth.problem("max_range", "not above min_range; expected 0 <= min_range < max_range");
+  }
+  o.scan = topics.read(root, "scan", "", "LaserScan", Empty::kAllowed);
+  o.point_cloud = topics.read(root, "point_cloud", "", "PointCloud2", Empty::kAllowed);
+  if (!o.scan.empty() && !o.point_cloud.empty()) {
+    root.problem("point_cloud", "given beside scan; expected one of them");
+  }
+  if (d.image.empty() && o.scan.empty() && o.point_cloud.empty()) {
+    root.problem("depth", "nothing measures ranges; expected depth.image, scan or point_cloud");
+  }
+  o.mounts_from_tf = root.choice("mounts", o.mounts_from_tf ? "tf" : "robot", {"robot", "tf"},
+                                 "where cameras are: the robot's description, or tf") == "tf";
+  o.odometry = topics.read(root, "odometry", o.odometry, "nav_msgs/msg/Odometry", Empty::kRefused);
+  o.odometry_by_tf = root.choice("odometry_frame", o.odometry_by_tf ? "tf" : "base", {"base", "tf"},
+                                 "its child_frame_id: frames.base, or what tf fixes to it") == "tf";
+  o.emergency_stop =
+      topics.read(root, "emergency_stop", "", "std_msgs/msg/Bool, true stops", Empty::kAllowed);
+  EmergencyStopContract& contract = o.emergency_stop_contract;
+  contract.publishers =
+      static_cast<int>(root.integer("emergency_stop_publishers", contract.publishers, 1, 100, "1",
+                                    "that must be there, each with a word of its own"));
+  contract.max_age =
+      root.number("emergency_stop_age", contract.max_age, 0.05, 10.0, "s",
+                  "of the newest word of each; latched: of its liveliness lease, at most");
+  contract.latched = root.boolean("emergency_stop_latched", contract.latched,
+                                  "it is published once, transient local, and when it changes");
+  for (const char* key :
+       {"emergency_stop_publishers", "emergency_stop_age", "emergency_stop_latched"}) {
+    if (o.emergency_stop.empty() && root.has(key)) {
+      root.problem(key, "there is no emergency_stop; expected its topic, too");
+    }
+  }
+
+  o.acknowledge = topics.read(root, "acknowledge", "",
+                              "std_msgs/msg/Bool, true acknowledges a stop", Empty::kAllowed);
+
+  YamlMap command = root.map("command");
+  auto& c = o.command;
+  c.stamped = topics.read(command, "stamped", c.stamped, "TwistStamped", Empty::kAllowed);
+  c.plain = topics.read(command, "plain", "", "Twist", Empty::kAllowed);
+  if (c.stamped.empty() && c.plain.empty()) {
+    command.problem("stamped", "no topic takes commands; expected stamped or plain");
+  }
+  c.dead_man = command.required_number("dead_man", 0.01, 10.0, "s",
+                                       "silence after which the base's driver stops it by itself");
+  c.relay = topics.read(command, "relay", "", "TwistStamped to a relay", Empty::kAllowed);
+  c.relay_period = command.number("relay_period", c.relay_period, 0.005, 0.1, "s",
+                                  "in which the relay looks, and repeats a stop");
+  c.relay_age = command.choice("relay_age", "stamp", {"stamp", "arrival"},
+                               "what the relay counts a command's age from") == "stamp"
+                    ? DdsOptions::RelayAge::kStamp
+                    : DdsOptions::RelayAge::kArrival;
+  c.limits.speed = limit(command, "speed", "m/s", "that the base reaches");
+  c.limits.yaw_rate = limit(command, "yaw_rate", "rad/s", "that the base reaches");
+  c.limits.acceleration = limit(command, "acceleration", "m/s^2", "that the base reaches");
+  c.limits.yaw_acceleration =
+      limit(command, "yaw_acceleration", "rad/s^2", "that the base reaches");
+
+  YamlMap output = root.map("output");
+  auto& p = o.output;
+  p.path = topics.read(output, "path", p.path, "Path of the plan", Empty::kAllowed);
+  p.map = topics.read(output, "map", p.map, "OccupancyGrid", Empty::kAllowed);
+  p.octomap = topics.read(output, "octomap", p.octomap, "Octomap", Empty::kAllowed);
+  p.markers = topics.read(output, "markers", p.markers, "target, plan, landmarks", Empty::kAllowed);
+  p.diagnostics =
+      topics.read(output, "diagnostics", p.diagnostics, "DiagnosticArray", Empty::kAllowed);
+  p.map_period = output.number("map_period", p.map_period, 0.1, 60.0, "s", "between two maps");
+  p.transforms = output.boolean("transforms", p.transforms, "map -> odom on /tf");
+  p.odom_transform = output.boolean("odom_transform", p.odom_transform, "odom -> base on /tf");
+  yaml.finish();
+  return o;
+}
+
+}  // namespace prospect

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "adapters/robots/dds/dds_node.h"
+#include "runtime/base.h"
+#include "runtime/emergency_stop.h"
+
+namespace prospect {
+
+/// A robot that is reached over ROS 2: its topics, frames and what its base is known to do. The
+/// file's keys are described in docs/reference/dds.md. A topic that is empty is not used.
+struct DdsOptions {
+  DdsAddress address;
+  double timeout = 10.0;  ///< [s] to wait for calibrations and transforms
+
+  struct Frames {
+    std::string map = "map";         ///< W, which the mission's own estimate is in
+    std::string odom = "odom";       ///< of the base's odometry
+    std::string base = "base_link";  ///< B
+  } frames;
+
+  struct Stereo {
+    std::string left = "/left/image_rect", left_info = "/left/camera_info";
+    std::string right = "/right/image_rect", right_info = "/right/camera_info";
+    bool compressed = false;  ///< sensor_msgs/msg/CompressedImage
+    bool rectified = true;    ///< by P of camera_info; else K, D, R and P rectify
+  } stereo;
+  struct Depth {
+    std::string image = "/depth/image_rect_raw", info = "/depth/camera_info";
+    bool compressed = false;                  ///< by compressed_depth_image_transport, as PNG
+    double per_metre = 1000.0;                ///< of images of 16 bits; those of floats are metres
+    double min_range = 0.3, max_range = 8.0;  ///< [m]
+  } depth;
+  std::string scan, point_cloud;
+  /// Cameras are where tf says, in frames.base; else where the robot's description says.
+  bool mounts_from_tf = false;
+
+  std::string odometry = "/odom";  ///< its velocity; the pose only for transforms
+  /// Its child_frame_id may be a frame that tf knows to be fixed to frames.base; else it is that.
+  bool odometry_by_tf = false;
+  std::string emergency_stop;  ///< std_msgs/msg/Bool: true stops
+  /// Of those who publish it. Of a latched one max_age is the longest liveliness lease that its
+  /// publishers may promise.
+  EmergencyStopContract emergency_stop_contract;
+  std::string acknowledge;  ///< std_msgs/msg/Bool: true acknowledges a stop that latches
+
+  enum class RelayAge {
+    kStamp,   ///< by the header's stamp against the clock of the relay's computer
+    kArrival  ///< since it came: stamps are of a simulation, say
+  };
+  struct Command {
+    std::string stamped = "/cmd_vel";  ///< geometry_msgs/msg/TwistStamped
+    std::string plain;                 ///< geometry_msgs/msg/Twist
+    /// [s] of silence after which the base stops by itself: as its driver is set up, or as the
+    /// relay (dds_relay.h) does it.
+    double dead_man = 0.0;
+    /// TwistStamped to a relay, which passes it on to the topics above; empty: there is none.
+    std::string relay;
+    double relay_period = 0.02;  ///< [s] > 0 in which it looks, and repeats a stop
+    RelayAge relay_age = RelayAge::kStamp;
+    BaseLimits limits;  ///< what the base reaches, and what the relay bounds commands to
+  } command;
+
+  struct Output {
+    std::string path = "/prospect/path", map = "/map", octomap = "/octomap_binary";
+    std::string markers = "/prospect/markers", diagnostics = "/diagnostics";
+    double map_period = 1.0;      ///< [s] > 0 between two maps
+    bool transforms = true;       ///< map -> odom on /tf
+    bool odom_transform = false;  ///< odom -> base on /tf, where the base's driver does not
+  } output;
+};
+
+/// Throws InputError, a line a problem with the file's line: unknown or missing keys, values out of
+/// range, names that ROS 2 does not take, topics that are used twice, no source of ranges.
+DdsOptions read_dds_options(const std::string& path);
+
+}  // namespace prospect

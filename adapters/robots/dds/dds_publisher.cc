@@ -1,0 +1,265 @@
+#include "adapters/robots/dds/dds_publisher.h"
+
+#include <octomap/OcTree.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "adapters/formats/datasets/number_text.h"
+#include "adapters/formats/ros/diagnostic_msgs.h"
+#include "adapters/formats/ros/nav_msgs.h"
+#include "adapters/formats/ros/octomap_msgs.h"
+#include "adapters/formats/ros/tf2_msgs.h"
+#include "adapters/formats/ros/visualization_msgs.h"
+#include "engine/planner/planner.h"
+
+namespace prospect {
+namespace {
+
+constexpr std::size_t kMostLandmarks = 2000;  // in a message of markers
+
+ros::Quaternion turned_by(double yaw) {
+  return {0.0, 0.0, std::sin(0.5 * yaw), std::cos(0.5 * yaw)};
+}
+ros::Point point(const Eigen::Vector3d& p) { return {p.x(), p.y(), p.z()}; }
+ros::Pose pose_of(const Pose& pose) { return {point(pose.position), turned_by(pose.yaw)}; }
+Eigen::Isometry3d isometry_of(const Pose& pose) {
+  Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+  T.linear() = Eigen::AngleAxisd(pose.yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  T.translation() = pose.position;
+  return T;
+}
+
+ros::TransformStamped transform(const ros::Header& header, const std::string& child,
+                                const Eigen::Isometry3d& T) {
+  const Eigen::Quaterniond q(T.linear());
+  const Eigen::Vector3d& t = T.translation();
+  return {header, child, {{t.x(), t.y(), t.z()}, {q.x(), q.y(), q.z(), q.w()}}};
+}
+
+ros::OccupancyGrid grid_message(const ros::Header& header, const GroundMap& ground,
+                                std::vector<std::int8_t>& cells) {
+  const GridFrame& frame = ground.frame();
+  ros::OccupancyGrid m;
+  m.header = header;
+  m.info.map_load_time = header.stamp;
+  m.info.resolution = static_cast<float>(frame.resolution);
+  m.info.width = static_cast<std::uint32_t>(frame.width);
+  m.info.height = static_cast<std::uint32_t>(frame.height);
+  m.info.origin.position = {frame.i0 * frame.resolution, frame.j0 * frame.resolution, 0.0};
+  cells.resize(static_cast<std::size_t>(frame.size()));
+  for (int n = 0; n < frame.size(); ++n) {
+    const CellState state = ground.state(frame.at(n));
+    cells[static_cast<std::size_t>(n)] = state == CellState::kFree       ? std::int8_t{0}
+                                         : state == CellState::kOccupied ? std::int8_t{100}
+                                                                         : std::int8_t{-1};
+  }
+  m.data = cells;
+  return m;
+}
+
+ros::Octomap octomap_message(const ros::Header& header, const octomap::OcTree& tree,
+                             std::string& bytes) {
+  std::ostringstream out;
+  tree.writeBinaryData(out);
+  bytes = out.str();
+  ros::Octomap m;
+  m.header = header;
+  m.binary = true;
+  m.id = tree.getTreeType();
+  m.resolution = tree.getResolution();
+  m.data = {reinterpret_cast<const std::int8_t*>(bytes.data()), bytes.size()};
+  return m;
+}
+
+ros::Marker marker(const ros::Header& header, const char* name, std::int32_t type,
+                   const ros::ColorRGBA& color) {
+  ros::Marker m;
+  m.header = header;
+  m.ns = name;
+  m.type = type;
+  m.color = color;
+  return m;
+}
+
+}  // namespace
+
+struct DdsPublisher::Impl {
+  Impl(const DdsOptions& given, DdsNode& its_node, const DdsBase& its_base, const Clock& its_clock,
+       std::shared_ptr<const MotionModel> its_model)
+      : options(given),
+        node(its_node),
+        base(its_base),
+        clock(its_clock),
+        model(std::move(its_model)) {
+    const DdsOptions::Output& o = options.output;
+    if (!o.path.empty()) path = node.advertise<ros::Path>(o.path, kReliableQos);
+    if (!o.map.empty()) map = node.advertise<ros::OccupancyGrid>(o.map, kLatchedQos);
+    if (!o.octomap.empty()) octree = node.advertise<ros::Octomap>(o.octomap, kLatchedQos);
+    if (!o.markers.empty()) markers = node.advertise<ros::MarkerArray>(o.markers, kReliableQos);
+    if (!o.diagnostics.empty()) {
+      diagnostics = node.advertise<ros::DiagnosticArray>(o.diagnostics, kReliableQos);
+    }
+    if (o.transforms || o.odom_transform) {
+      transforms = node.advertise<ros::TFMessage>("/tf", kTransformQos);
+    }
+  }
+
+  void publish_transforms(const ros::Header& header, const Belief& belief) {
+    const auto T_odom_base = base.odometry(belief.stamp);
+    if (transforms < 0 || !T_odom_base) return;
+    ros::TFMessage m;
+    if (options.output.transforms) {
+      m.transforms.push_back(transform(header, options.frames.odom,
+                                       isometry_of(belief.pose) * T_odom_base->inverse()));
+    }
+    if (options.output.odom_transform) {
+      m.transforms.push_back(
+          transform({header.stamp, options.frames.odom}, options.frames.base, *T_odom_base));
+    }
+    node.publish(transforms, m);
+  }
+
+  void publish_path(const Plan& plan, const std::vector<Pose>& poses) {
+    if (path < 0) return;
+    ros::Path m;
+    m.header = {base.ros_time(plan.stamp), options.frames.map};
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      const double time = plan.stamp + static_cast<double>(k) * plan.dt;
+      m.poses.push_back({{base.ros_time(time), options.frames.map}, pose_of(poses[k])});
+    }
+    node.publish(path, m);
+  }
+
+  void publish_markers(const ros::Header& header, const MissionStep& step,
+                       const std::vector<Pose>& poses) {
+    if (markers < 0) return;
+    ros::MarkerArray all;
+    ros::Marker target = marker(header, "target", ros::Marker::kArrow, {1.0F, 0.55F, 0.0F, 1.0F});
+    target.scale = {0.5, 0.1, 0.1};
+    if (step.global_plan != nullptr && step.global_plan->target) {
+      const FrontierTarget& to = *step.global_plan->target;
+      target.pose = {{to.viewpoint.x(), to.viewpoint.y(), 0.1}, turned_by(to.yaw)};
+    } else if (step.plan->goal) {
+      const Goal& goal = *step.plan->goal;
+      target.pose = {{goal.position.x(), goal.position.y(), 0.1},
+                     turned_by(goal.yaw.value_or(0.0))};
+    } else {
+      target.action = ros::Marker::kDelete;
+    }
+    all.markers.push_back(std::move(target));
+
+    ros::Marker plan = marker(header, "plan", ros::Marker::kLineStrip, {0.1F, 0.6F, 1.0F, 1.0F});
+    plan.scale.x = 0.04;
+    for (const Pose& pose : poses) plan.points.push_back(point(pose.position));
+    if (plan.points.size() < 2) plan.action = ros::Marker::kDelete;
+    all.markers.push_back(std::move(plan));
+
+    ros::Marker points =
+        marker(header, "landmarks", ros::Marker::kPoints, {0.2F, 0.9F, 0.3F, 1.0F});
+    points.scale = {0.04, 0.04, 0.0};
+    if (step.belief->landmarks) {
+      const std::vector<Landmark>& landmarks = step.belief->landmarks->landmarks;
+      const std::size_t every = landmarks.size() / kMostLandmarks + 1;
+      for (std::size_t i = 0; i < landmarks.size(); i += every) {
+        points.points.push_back(point(landmarks[i].position));
+      }
+    }
+    if (points.points.empty()) points.action = ros::Marker::kDelete;
+    all.markers.push_back(std::move(points));
+    node.publish(markers, all);
+  }
+
+  void publish_diagnostics(const ros::Header& header, const MissionStep& step) {
+    if (diagnostics < 0) return;
+    const Plan& plan = *step.plan;
+    const Belief& belief = *step.belief;
+    using Status = ros::DiagnosticStatus;
+    ros::DiagnosticArray m;
+    m.header.stamp = header.stamp;
+    const std::string us = options.address.node + ": ";
+    Status behaviour{Status::kOk, us + "behaviour", plan.why, options.address.node, {}};
+    if (plan.kind == PlanKind::kStoppingTail) {
+      behaviour.level = Status::kWarn;
+      behaviour.message = plan.detail.empty() ? plan.why : plan.detail;
+    }
+    behaviour.values = {{"mode", std::string(to_string(plan.mode.kind))},
+                        {"cause", std::string(to_string(plan.mode.cause))},
+                        {"plan", std::string(to_string(plan.kind))},
+                        {"guard stops", std::to_string(step.guard_stops)},
+                        {"time of the step [ms]", number_text(plan.times.total)}};
+    m.status.push_back(std::move(behaviour));
+
+    Status localization{Status::kOk,
+                        us + "localization",
+                        std::string(to_string(belief.localization)),
+                        options.address.node,
+                        {}};
+    if (belief.localization == Localization::kLost)
+      localization.level = Status::kError;
+    else if (belief.localization != Localization::kOk)
+      localization.level = Status::kWarn;
+    localization.values = {{"tracked features", std::to_string(belief.tracked_features)}};
+    m.status.push_back(std::move(localization));
+
+    const std::vector<std::string> faults = node.faults();
+    Status topics{faults.empty() ? Status::kOk : Status::kError,
+                  us + "topics",
+                  faults.empty() ? "all fit" : faults.front(),
+                  options.address.node,
+                  {}};
+    for (std::size_t n = 1; n < faults.size(); ++n) {
+      topics.values.push_back({"fault " + std::to_string(n + 1), faults[n]});
+    }
+    m.status.push_back(std::move(topics));
+    node.publish(diagnostics, m);
+  }
+
+  void publish_maps(const ros::Header& header, const Belief& belief) {
+    const double now = clock.now();
+    if (now < next_map) return;
+    next_map = now + options.output.map_period;
+    if (map >= 0 && belief.ground) {
+      std::vector<std::int8_t> cells;
+      const ros::OccupancyGrid m = grid_message(header, *belief.ground, cells);
+      node.publish(map, m, cells.size());
+    }
+    if (octree >= 0 && belief.octree) {
+      std::string bytes;
+      const ros::Octomap m = octomap_message(header, *belief.octree, bytes);
+      node.publish(octree, m, bytes.size());
+    }
+  }
+
+  const DdsOptions options;
+  DdsNode& node;
+  const DdsBase& base;
+  const Clock& clock;
+  std::shared_ptr<const MotionModel> model;
+  int path = -1, map = -1, octree = -1, markers = -1, diagnostics = -1, transforms = -1;
+  double next_map = -1e9;
+};
+
+DdsPublisher::DdsPublisher(const DdsOptions& options, DdsNode& node, const DdsBase& base,
+                           const Clock& clock, std::shared_ptr<const MotionModel> model)
+    : impl_(std::make_unique<Impl>(options, node, base, clock, std::move(model))) {}
+DdsPublisher::~DdsPublisher() = default;
+
+void DdsPublisher::publish(const MissionStep& step) {
+  const Belief& belief = *step.belief;
+  const ros::Header header{impl_->base.ros_time(belief.stamp), impl_->options.frames.map};
+  std::vector<Pose> poses;
+  for (const Eigen::VectorXd& x : step.plan->states) poses.push_back(impl_->model->pose(x));
+  impl_->publish_transforms(header, belief);
+  impl_->publish_path(*step.plan, poses);
+  impl_->publish_markers(header, step, poses);
+  impl_->publish_diagnostics(header, step);
+  impl_->publish_maps(header, belief);
+}
+
+}  // namespace prospect

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+
+#include "adapters/robots/dds/dds_base.h"
+#include "adapters/robots/dds/dds_node.h"
+#include "adapters/robots/dds/dds_options.h"
+#include "models/motion_model.h"
+#include "runtime/clock.h"
+#include "runtime/mission.h"
+
+namespace prospect {
+
+/// What a mission tells the other nodes, after each planning step:
+///
+///   path         nav_msgs/msg/Path              the states of the plan
+///   map          nav_msgs/msg/OccupancyGrid     the ground map: 0 free, 100 occupied, -1 unknown
+///   octomap      octomap_msgs/msg/Octomap       the octree, three states
+///   /tf          tf2_msgs/msg/TFMessage         map -> odom, and odom -> base if asked for
+///   markers      visualization_msgs/msg/MarkerArray   target, plan, landmarks
+///   diagnostics  diagnostic_msgs/msg/DiagnosticArray  what the robot does and why, the base,
+///   topics
+///
+/// Stamps are of the robot's clock (DdsBase::ros_time()). Without odometry there is no map -> odom.
+/// Maps go out every output.map_period.
+///
+/// Declares its topics on the node: make it before DdsNode::start(). Base, node and clock must
+/// outlive it. Thread-safety: one thread at a time. publish() throws only if memory is used up.
+class DdsPublisher {
+ public:
+  DdsPublisher(const DdsOptions& options, DdsNode& node, const DdsBase& base, const Clock& clock,
+               std::shared_ptr<const MotionModel> model);
+  ~DdsPublisher();
+
+  void publish(const MissionStep& step);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace prospect

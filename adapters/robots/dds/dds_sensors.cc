@@ -1,0 +1,282 @@
+#include "adapters/robots/dds/dds_sensors.h"
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <stdexcept>
+#include <utility>
+
+#include "adapters/formats/datasets/depth_scale.h"
+#include "adapters/formats/datasets/number_text.h"
+#include "adapters/formats/datasets/raw_image.h"
+#include "adapters/formats/datasets/ros_messages.h"
+#include "adapters/formats/datasets/ros_scan_messages.h"
+#include "adapters/formats/datasets/stereo_calibration.h"
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/images/image_codec.h"
+#include "adapters/formats/ros/sensor_msgs.h"
+#include "perception/odometry/rectification.h"
+
+namespace prospect {
+namespace {
+
+enum Camera : std::size_t { kLeftCamera, kRightCamera, kDepthCamera, kCameras };
+
+struct ReceivedInfo {
+  CameraInfo info;
+  std::string frame;
+
+  bool operator==(const ReceivedInfo&) const = default;
+};
+
+/// What images are read by, once it is known.
+struct Reading {
+  DdsCameras cameras;
+  std::shared_ptr<const Rectification> rectification;  // null: they are rectified
+  std::array<std::array<int, 2>, kCameras> sizes{};    // [px]
+};
+
+std::string size_text(double width, double height) {
+  return number_text(width) + " x " + number_text(height);
+}
+
+}  // namespace
+
+struct DdsSensors::Impl {
+  Impl(const DdsOptions& given, DdsNode& its_node, DdsTransforms& its_transforms,
+       SensorInbox& its_inbox)
+      : options(given), node(its_node), transforms(its_transforms), inbox(its_inbox) {}
+
+  /// Null: not known yet. Throws InputError if the camera's calibration is another one by now.
+  std::shared_ptr<const Reading> reading(Camera camera, const std::string& name) const {
+    const std::lock_guard lock(mutex);
+    if (changed[camera]) {
+      throw InputError(name + ": an image of another calibration; expected the one before");
+    }
+    return known;
+  }
+
+  void take_info(Camera camera, std::string_view cdr, const std::string& name) {
+    ReceivedInfo info{read_ros_camera_info(cdr, name), read_ros_header(cdr, name).frame};
+    const std::lock_guard lock(mutex);
+    if (known) {
+      // What is driven by was made of the first one.
+      changed[camera] = infos[camera] && !(*infos[camera] == info);
+      if (!changed[camera]) return;
+      throw InputError(name +
+                       ": another calibration than before; expected the one that the images "
+                       "are read by, which are left out until it is back");
+    }
+    infos[camera] = std::move(info);
+    came.notify_all();
+  }
+
+  void take_image(Camera camera, std::string_view cdr, const std::string& name) const {
+    const std::shared_ptr<const Reading> by = reading(camera, name);
+    if (!by) return;
+    const double stamp = read_ros_header(cdr, name).stamp;
+    const bool is_depth = camera == kDepthCamera;
+    const RawImage raw =
+        read_ros_image(cdr, is_depth ? options.depth.compressed : options.stereo.compressed, name);
+    const auto [width, height] = by->sizes[camera];
+    if (raw.width != width || raw.height != height) {
+      throw InputError(name + ": an image of " + size_text(raw.width, raw.height) +
+                       " pixels; expected " + size_text(width, height) + " of its camera_info");
+    }
+    if (is_depth) {
+      const bool floats = raw.kind == RawImage::Kind::kFloat;
+      DepthImage image = scaled_depth(raw, floats ? 1.0 : options.depth.per_metre,
+                                      {options.depth.min_range, options.depth.max_range});
+      if (!image.whole()) throw InputError(name + ": no depths; expected encoding 16UC1 or 32FC1");
+      return inbox.depth(stamp, std::move(image));
+    }
+    Image grey = grey_image(raw, raw.kind == RawImage::Kind::k16 ? 16 : 8, name);
+    if (by->rectification) {
+      grey = camera == kLeftCamera ? by->rectification->left(grey.view())
+                                   : by->rectification->right(grey.view());
+    }
+    camera == kLeftCamera ? inbox.left(stamp, std::move(grey))
+                          : inbox.right(stamp, std::move(grey));
+  }
+
+  /// Of a sensor's frame in B. Throws InputError if tf does not connect them then.
+  Eigen::Isometry3d in_base(const RosHeader& header, const std::string& name) const {
+    const auto T = transforms.find(options.frames.base, header.frame, header.stamp);
+    if (!T) {
+      throw InputError(name + ": no transform from '" + header.frame + "' to '" +
+                       options.frames.base + "' at its stamp; expected it on /tf_static or /tf");
+    }
+    return *T;
+  }
+
+  void take_rays(DepthScan rays, double stamp, const Eigen::Isometry3d& T) const {
+    rays.origin = T.translation();
+    for (auto* points : {&rays.hits, &rays.misses}) {
+      for (Eigen::Vector3d& p : *points) p = T * p;
+    }
+    inbox.scan(stamp, std::move(rays));
+  }
+
+  /// The lines of what has not come; empty: all is there.
+  std::vector<std::string> missing() const {
+    const std::array<std::pair<std::string, const char*>, kCameras> wanted = {
+        {{options.stereo.left_info, "the left camera's calibration"},
+         {options.stereo.right_info, "the right camera's calibration"},
+         {options.depth.info, "the depth camera's calibration"}}};
+    std::vector<std::string> lines;
+    for (std::size_t k = 0; k < kCameras; ++k) {
+      if (wanted[k].first.empty() || infos[k]) continue;
+      const std::string fault = node.fault(wanted[k].first);
+      lines.push_back(fault.empty() ? wanted[k].first + ": no message within " +
+                                          number_text(options.timeout) + " s; expected " +
+                                          wanted[k].second + " (sensor_msgs/msg/CameraInfo)"
+                                    : fault);
+    }
+    if (!lines.empty() || !options.mounts_from_tf) return lines;
+    for (const Camera camera : {kLeftCamera, kDepthCamera}) {
+      if (wanted[camera].first.empty() ||
+          transforms.newest(options.frames.base, infos[camera]->frame)) {
+        continue;
+      }
+      lines.push_back("/tf_static, /tf: no transform from '" + infos[camera]->frame + "' to '" +
+                      options.frames.base + "' within " + number_text(options.timeout) +
+                      " s; expected where the camera is (or mounts: robot)");
+    }
+    return lines;
+  }
+
+  Reading make_reading() const {
+    Reading out;
+    const auto size = [&](Camera camera, const std::string& topic) {
+      const CameraInfo& info = infos[camera]->info;
+      if (!(info.width >= 1.0 && info.height >= 1.0)) {
+        throw InputError(topic + ": an image of " + size_text(info.width, info.height) +
+                         " pixels; expected a size");
+      }
+      out.sizes[camera] = {static_cast<int>(info.width), static_cast<int>(info.height)};
+    };
+    const DdsOptions::Stereo& stereo = options.stereo;
+    size(kLeftCamera, stereo.left_info);
+    size(kRightCamera, stereo.right_info);
+    const StereoCalibration calibration =
+        calibration_of(infos[kLeftCamera]->info, infos[kRightCamera]->info, stereo.left_info,
+                       stereo.right_info, stereo.rectified);
+    Eigen::Isometry3d T_left = Eigen::Isometry3d::Identity();  // of the rectified left camera
+    if (calibration.rectified) {
+      out.cameras.stereo = calibration.camera;
+      // R turns the camera's own frame, which tf knows, into the rectified one.
+      if (infos[kLeftCamera]->info.R.size() == 9) {
+        const auto& R = infos[kLeftCamera]->info.R;
+        const Eigen::Matrix3d turn =
+            Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(R.data());
+        if (turn.determinant() > 0.5) T_left.linear() = turn.transpose();
+      }
+    } else {
+      try {
+        out.rectification =
+            std::make_shared<const Rectification>(calibration.left, calibration.right);
+      } catch (const std::invalid_argument& problem) {
+        throw InputError(stereo.right_info + ": " + problem.what());
+      }
+      out.cameras.stereo = out.rectification->camera();
+      T_left = calibration.left.T_BC.inverse() * out.rectification->T_BC();
+    }
+    if (!options.depth.info.empty()) {
+      size(kDepthCamera, options.depth.info);
+      const CameraInfo& info = infos[kDepthCamera]->info;
+      PinholeCamera camera{info.K[0], info.K[4], info.K[2], info.K[5], info.width, info.height};
+      try {
+        validate(camera);
+      } catch (const std::invalid_argument& problem) {
+        throw InputError(options.depth.info + ": " + problem.what());
+      }
+      out.cameras.depth = camera;
+    }
+    if (options.mounts_from_tf) {
+      const auto mount = [&](Camera camera) {
+        transforms.hold(options.frames.base, infos[camera]->frame);
+        return *transforms.newest(options.frames.base, infos[camera]->frame);
+      };
+      out.cameras.stereo_mount = CameraMount{mount(kLeftCamera) * T_left};
+      if (out.cameras.depth) out.cameras.depth_mount = CameraMount{mount(kDepthCamera)};
+    }
+    return out;
+  }
+
+  const DdsOptions options;
+  DdsNode& node;
+  DdsTransforms& transforms;
+  SensorInbox& inbox;
+  mutable std::mutex mutex;
+  mutable std::condition_variable came;
+  std::array<std::optional<ReceivedInfo>, kCameras> infos;
+  std::array<bool, kCameras> changed{};  // the newest calibration is not that of `known`
+  mutable std::shared_ptr<const Reading> known;
+};
+
+DdsSensors::DdsSensors(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms,
+                       SensorInbox& inbox)
+    : impl_(std::make_shared<Impl>(options, node, transforms, inbox)) {
+  const auto impl = impl_;
+  const auto info = [&](const std::string& topic, Camera camera) {
+    if (topic.empty()) return;
+    node.subscribe(topic, ros::definition_of<ros::CameraInfo>(), kSensorQos,
+                   [impl, camera](std::string_view cdr, const std::string& name) {
+                     impl->take_info(camera, cdr, name);
+                   });
+  };
+  const auto images = [&](const std::string& topic, bool compressed, Camera camera) {
+    if (topic.empty()) return;
+    if (compressed) load_image_codecs();
+    node.subscribe(
+        topic,
+        compressed ? ros::definition_of<ros::CompressedImage>() : ros::definition_of<ros::Image>(),
+        kSensorQos, [impl, camera](std::string_view cdr, const std::string& name) {
+          impl->take_image(camera, cdr, name);
+        });
+  };
+  info(options.stereo.left_info, kLeftCamera);
+  info(options.stereo.right_info, kRightCamera);
+  info(options.depth.info, kDepthCamera);
+  images(options.stereo.left, options.stereo.compressed, kLeftCamera);
+  images(options.stereo.right, options.stereo.compressed, kRightCamera);
+  images(options.depth.image, options.depth.compressed, kDepthCamera);
+  if (!options.scan.empty()) {
+    node.subscribe(options.scan, ros::definition_of<ros::LaserScan>(), kSensorQos,
+                   [impl](std::string_view cdr, const std::string& name) {
+                     const RosHeader header = read_ros_header(cdr, name);
+                     impl->take_rays(rays_of(read_ros_laser_scan(cdr, name)), header.stamp,
+                                     impl->in_base(header, name));
+                   });
+  }
+  if (!options.point_cloud.empty()) {
+    node.subscribe(options.point_cloud, ros::definition_of<ros::PointCloud2>(), kSensorQos,
+                   [impl](std::string_view cdr, const std::string& name) {
+                     const RosHeader header = read_ros_header(cdr, name);
+                     DepthScan rays;
+                     rays.hits = read_ros_point_cloud(cdr, name);
+                     impl->take_rays(std::move(rays), header.stamp, impl->in_base(header, name));
+                   });
+  }
+}
+DdsSensors::~DdsSensors() = default;
+
+DdsCameras DdsSensors::wait() const {
+  std::unique_lock lock(impl_->mutex);
+  // What tf tells is looked for again and again.
+  constexpr std::chrono::milliseconds kLook(20);
+  const auto end =
+      std::chrono::steady_clock::now() + std::chrono::duration<double>(impl_->options.timeout);
+  std::vector<std::string> missing = impl_->missing();
+  while (!missing.empty() && std::chrono::steady_clock::now() < end) {
+    impl_->came.wait_for(lock, kLook);
+    missing = impl_->missing();
+  }
+  if (!missing.empty()) throw InputError(missing);
+  impl_->known = std::make_shared<const Reading>(impl_->make_reading());
+  return impl_->known->cameras;
+}
+
+}  // namespace prospect

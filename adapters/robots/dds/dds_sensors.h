@@ -1,0 +1,51 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "adapters/robots/dds/dds_node.h"
+#include "adapters/robots/dds/dds_options.h"
+#include "adapters/robots/dds/dds_transforms.h"
+#include "models/camera.h"
+#include "runtime/sensor_inbox.h"
+
+namespace prospect {
+
+/// What the robot's topics say of its cameras.
+struct DdsCameras {
+  StereoCamera stereo;                 ///< as the inbox gets the images: rectified
+  std::optional<PinholeCamera> depth;  ///< none: no depth images
+  /// In frames.base by tf; none: the robot's description says where they are.
+  std::optional<CameraMount> stereo_mount, depth_mount;
+};
+
+/// The sensors of a robot behind topics of ROS 2: images become grey and rectified, depths metres,
+/// scans and clouds rays in B, and all goes into a SensorInbox with the stamps of its headers.
+///
+/// A message that does not fit (encoding, size other than its camera_info's, bytes that end early,
+/// an image of a camera whose camera_info has changed since wait(), a lidar whose frame tf does not
+/// know at the scan's stamp) is left out, and is a fault of its
+/// topic (DdsNode::fault()) until a good one comes.
+///
+/// Declares its topics on the node: make it before DdsNode::start(). Throws InputError if images
+/// come compressed and OpenCV's codecs cannot be loaded. Inbox, transforms and node
+/// must outlive it, and inbox and transforms the node's thread. Thread-safety: any thread.
+class DdsSensors {
+ public:
+  DdsSensors(const DdsOptions& options, DdsNode& node, DdsTransforms& transforms,
+             SensorInbox& inbox);
+  ~DdsSensors();
+
+  /// Waits until calibrations, and the transforms that are asked for, have come; images count from
+  /// then on, and cameras that tf tells of must stay where they are (DdsTransforms::hold()). Throws
+  /// InputError, a line for each that did not come within options.timeout, or that cannot be.
+  DdsCameras wait() const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;  // shared with the handlers
+};
+
+}  // namespace prospect

@@ -1,0 +1,102 @@
+#include "adapters/robots/dds/dds_transforms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <set>
+#include <string_view>
+#include <vector>
+
+#include "adapters/formats/datasets/ros_messages.h"
+#include "adapters/formats/datasets/transform_tree.h"
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/ros/tf2_msgs.h"
+
+namespace prospect {
+
+struct DdsTransforms::Impl {
+  struct Held {
+    std::string to, from;
+    Eigen::Isometry3d T;
+  };
+
+  void take(std::string_view cdr, const std::string& name, bool fixed) {
+    const std::vector<RosTransform> transforms = read_ros_transforms(cdr, name);
+    const std::lock_guard lock(mutex);
+    for (const RosTransform& t : transforms) {
+      frames.insert(t.child);
+      if (frames.size() > kMostFrames) {
+        throw InputError(name + ": more than " + std::to_string(kMostFrames) +
+                         " frames; expected those of one robot");
+      }
+      if (fixed) {
+        tree.add_static(t.parent, t.child, t.T);
+      } else {
+        tree.add(t.parent, t.child, t.stamp, t.T);
+        newest_stamp = std::max(newest_stamp, t.stamp);
+      }
+    }
+    if (!fixed) tree.forget_before(newest_stamp - kKept);
+  }
+
+  std::optional<Eigen::Isometry3d> newest(const std::string& to, const std::string& from) const {
+    return tree.nearest(to, from, newest_stamp, std::numeric_limits<double>::infinity());
+  }
+
+  static constexpr std::size_t kMostFrames = 10'000;
+  static constexpr double kKept = 5.0;   // [s]
+  static constexpr double kReach = 0.2;  // [s]
+  mutable std::mutex mutex;
+  TransformTree tree;
+  std::set<std::string> frames;
+  double newest_stamp = 0.0;  // [s] of /tf
+  std::vector<Held> held;
+};
+
+DdsTransforms::DdsTransforms(DdsNode& node) : impl_(std::make_shared<Impl>()) {
+  const auto impl = impl_;
+  const auto subscribe = [&](const char* topic, const DdsQos& qos, bool fixed) {
+    node.subscribe(topic, ros::definition_of<ros::TFMessage>(), qos,
+                   [impl, fixed](std::string_view cdr, const std::string& name) {
+                     impl->take(cdr, name, fixed);
+                   });
+  };
+  subscribe("/tf_static", kStaticTransformQos, true);
+  subscribe("/tf", DdsQos{false, false, 100}, false);
+}
+DdsTransforms::~DdsTransforms() = default;
+
+std::optional<Eigen::Isometry3d> DdsTransforms::find(const std::string& to, const std::string& from,
+                                                     double stamp) const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->tree.nearest(to, from, stamp, Impl::kReach);
+}
+
+std::optional<Eigen::Isometry3d> DdsTransforms::newest(const std::string& to,
+                                                       const std::string& from) const {
+  const std::lock_guard lock(impl_->mutex);
+  return impl_->newest(to, from);
+}
+
+void DdsTransforms::hold(const std::string& to, const std::string& from) {
+  const std::lock_guard lock(impl_->mutex);
+  if (const auto T = impl_->newest(to, from)) impl_->held.push_back({to, from, *T});
+}
+
+std::string DdsTransforms::moved() const {
+  constexpr double kFar = 0.01;  // [m], [rad]
+  const std::lock_guard lock(impl_->mutex);
+  for (const Impl::Held& held : impl_->held) {
+    const auto T = impl_->newest(held.to, held.from);
+    if (!T) continue;
+    const Eigen::Isometry3d by = held.T.inverse() * *T;
+    const double angle = Eigen::AngleAxisd(by.linear()).angle();
+    if (by.translation().norm() <= kFar && std::abs(angle) <= kFar) continue;
+    return "/tf: '" + held.from + "' has moved in '" + held.to +
+           "' since the start; expected a camera that is fixed to the body";
+  }
+  return {};
+}
+
+}  // namespace prospect

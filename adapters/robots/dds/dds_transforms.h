@@ -1,0 +1,39 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "adapters/robots/dds/dds_node.h"
+
+namespace prospect {
+
+/// The frames of a robot behind topics of ROS 2, as /tf_static and /tf tell them. Of what moves the
+/// newest 5 s are kept.
+///
+/// Declares its topics on the node: make it before DdsNode::start(). Transforms that are none, and
+/// more than 10 000 frames, are faults of their topic. Thread-safety: any thread.
+class DdsTransforms {
+ public:
+  explicit DdsTransforms(DdsNode& node);
+  ~DdsTransforms();
+
+  /// Coordinates of `from` to those of `to` at `stamp` [s] of the robot's clock. What moves is
+  /// taken as it was nearest to that time, at most 0.2 s off. None: it is not known.
+  std::optional<Eigen::Isometry3d> find(const std::string& to, const std::string& from,
+                                        double stamp) const;
+  /// The newest.
+  std::optional<Eigen::Isometry3d> newest(const std::string& to, const std::string& from) const;
+
+  /// From now on `from` must stay where it is in `to`.
+  void hold(const std::string& to, const std::string& from);
+  /// Which of those has moved, by more than 1 cm or 0.01 rad, one line; empty: none.
+  std::string moved() const;
+
+ private:
+  struct Impl;
+  std::shared_ptr<Impl> impl_;  // shared with the handlers
+};
+
+}  // namespace prospect

@@ -1,0 +1,165 @@
+#include "adapters/robots/faults/faulty_frames.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "models/mixed_bits.h"
+
+namespace prospect {
+
+FaultyFrames::FaultyFrames(const Clock& clock, SensorInbox& inbox,
+                           std::vector<InjectedFault> faults, double start, DepthRange range)
+    : clock_(clock), inbox_(inbox), faults_(std::move(faults)), start_(start), range_(range) {}
+
+SensorInboxOptions FaultyFrames::inbox_options(SensorInboxOptions options,
+                                               const std::vector<InjectedFault>& faults) {
+  if (has_sensors_clock(faults)) {
+    options.cameras_in_runtime_clock = options.depth_in_runtime_clock =
+        options.scan_in_runtime_clock = false;
+  }
+  return options;
+}
+
+bool FaultyFrames::any(std::initializer_list<FaultSource> sources) const {
+  return std::any_of(faults_.begin(), faults_.end(), [&](const InjectedFault& fault) {
+    return std::find(sources.begin(), sources.end(), fault.source) != sources.end();
+  });
+}
+
+void FaultyFrames::camera(FaultSource source, Stream<CameraContent>& stream, double stamp,
+                          CameraContent content, double now) {
+  const double time = now - start_;
+  const auto has = [&](FaultVerb verb) {
+    return holds(source, verb, time) || holds(FaultSource::kCameras, verb, time);
+  };
+  const auto send = [&](double at, CameraContent seen) {
+    stream.newest = seen;
+    stream.stamp = at;
+    stream.sent = now;
+    if (has(FaultVerb::kGarbage)) seen = CameraContent();
+    if (holds(source, FaultVerb::kWrong, time)) at -= kCameraSkew;
+    if (source == FaultSource::kLeftCamera) {
+      inbox_.left(at, std::move(seen));
+    } else {
+      inbox_.right(at, std::move(seen));
+    }
+  };
+  if (has(FaultVerb::kDelayed)) {
+    stream.late.emplace_back(stamp, std::move(content));
+    while (!stream.late.empty() && stream.late.front().first <= now - kFaultDelay) {
+      send(sensors_clock(faults_, start_, stream.late.front().first, time),
+           std::move(stream.late.front().second));
+      stream.late.pop_front();
+    }
+    return;
+  }
+  stream.late.clear();
+  if (has(FaultVerb::kOff) || off_at_times(faults_, source, kOnOff, time) ||
+      off_at_times(faults_, FaultSource::kCameras, kOnOff, time) ||
+      (has(FaultVerb::kSlow) && now - stream.sent < kSlowFrames)) {
+    return;
+  }
+  const double told = sensors_clock(faults_, start_, stamp, time);
+  if (has(FaultVerb::kStuck) && stream.newest) {
+    // One camera that hangs gives its newest image once more; two, whose driver stamps what it
+    // reads, give old pictures with new stamps.
+    const bool old_stamp = !holds(FaultSource::kCameras, FaultVerb::kStuck, time);
+    send(old_stamp ? stream.stamp : told, *stream.newest);
+    return;
+  }
+  send(told, std::move(content));
+}
+
+void FaultyFrames::pair(double stamp, ImagePair images) {
+  if (!any({FaultSource::kLeftCamera, FaultSource::kRightCamera, FaultSource::kCameras,
+            FaultSource::kClock})) {
+    return inbox_.pair(stamp, stamp, std::move(images));
+  }
+  cameras(stamp, std::move(images.left), std::move(images.right));
+}
+
+void FaultyFrames::pair(double stamp, std::shared_ptr<const Belief> estimate) {
+  const CameraContent content(std::move(estimate));
+  cameras(stamp, content, content);
+}
+
+void FaultyFrames::cameras(double stamp, CameraContent left, CameraContent right) {
+  const std::lock_guard lock(mutex_);
+  const double now = clock_.now();
+  camera(FaultSource::kLeftCamera, left_, stamp, std::move(left), now);
+  camera(FaultSource::kRightCamera, right_, stamp, std::move(right), now);
+}
+
+template <class Content, class Send>
+void FaultyFrames::ranges(Stream<Content>& stream, double stamp, Content content, double now,
+                          const Send& send) {
+  const double time = now - start_;
+  const auto has = [&](FaultVerb verb) { return holds(FaultSource::kDepth, verb, time); };
+  const auto put = [&](double taken, Content what) {
+    stream.newest = what;
+    stream.sent = now;
+    send(sensors_clock(faults_, start_, taken, time), std::move(what));
+  };
+  if (has(FaultVerb::kDelayed)) {
+    stream.late.emplace_back(stamp, std::move(content));
+    while (!stream.late.empty() && stream.late.front().first <= now - kFaultDelay) {
+      put(stream.late.front().first, std::move(stream.late.front().second));
+      stream.late.pop_front();
+    }
+    return;
+  }
+  stream.late.clear();
+  if (has(FaultVerb::kOff) || off_at_times(faults_, FaultSource::kDepth, kOnOff, time) ||
+      (has(FaultVerb::kSlow) && now - stream.sent < kSlowFrames)) {
+    return;
+  }
+  if (has(FaultVerb::kStuck) && stream.newest) return put(stamp, *stream.newest);
+  put(stamp, std::move(content));
+}
+
+double FaultyFrames::any_range() {
+  const double share = unit_interval(mixed_bits(random_++));
+  return range_.min + share * (range_.max - range_.min);
+}
+
+void FaultyFrames::depth(double stamp, DepthImage image) {
+  if (!any({FaultSource::kDepth, FaultSource::kClock})) {
+    return inbox_.depth(stamp, std::move(image));
+  }
+  const std::lock_guard lock(mutex_);
+  const double now = clock_.now(), time = now - start_;
+  ranges(depth_, stamp, std::move(image), now, [&](double told, DepthImage picture) {
+    if (holds(FaultSource::kDepth, FaultVerb::kWrong, time)) {
+      for (float& z : picture.depth) z *= static_cast<float>(kDepthScale);
+    }
+    if (holds(FaultSource::kDepth, FaultVerb::kGarbage, time)) {
+      for (float& z : picture.depth) z = static_cast<float>(any_range());
+    }
+    inbox_.depth(told, std::move(picture));
+  });
+}
+
+void FaultyFrames::scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose> pose) {
+  if (!any({FaultSource::kDepth, FaultSource::kClock})) {
+    return inbox_.scan(stamp, std::move(in_B), std::move(pose));
+  }
+  const std::lock_guard lock(mutex_);
+  const double now = clock_.now(), time = now - start_;
+  ranges(scan_, stamp, Scan{std::move(in_B), std::move(pose)}, now, [&](double told, Scan scan) {
+    DepthScan& rays = scan.in_B;
+    if (holds(FaultSource::kDepth, FaultVerb::kWrong, time)) {
+      for (auto& hit : rays.hits) hit = rays.origin + kDepthScale * (hit - rays.origin);
+    }
+    if (holds(FaultSource::kDepth, FaultVerb::kGarbage, time)) {
+      // Each ray ends anywhere.
+      rays.hits.insert(rays.hits.end(), rays.misses.begin(), rays.misses.end());
+      rays.misses.clear();
+      for (auto& hit : rays.hits) {
+        hit = rays.origin + any_range() * (hit - rays.origin).normalized();
+      }
+    }
+    inbox_.scan(told, std::move(rays), std::move(scan.pose));
+  });
+}
+
+}  // namespace prospect

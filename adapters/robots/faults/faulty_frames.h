@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <initializer_list>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "adapters/robots/faults/injected_fault.h"
+#include "models/image.h"
+#include "perception/mapping/depth_image.h"
+#include "runtime/clock.h"
+#include "runtime/sensor_inbox.h"
+
+namespace prospect {
+
+/// Stereo pairs, depth images and scans of any robot on their way into an inbox, with injected
+/// faults of cameras, depth sensor and their clock (injected_fault.h). Without a fault of theirs
+/// they pass as they are.
+///
+/// Thread-safety: any thread. Nothing throws after construction, but for want of memory.
+class FaultyFrames {
+ public:
+  /// inbox and clock outlive it; the time of the faults begins at `start` [s]. `range` [m]: what
+  /// depth:garbage lies in.
+  FaultyFrames(const Clock& clock, SensorInbox& inbox, std::vector<InjectedFault> faults,
+               double start, DepthRange range);
+
+  /// As the inbox must take the frames: with a fault of their clock they are not in the runtime's.
+  static SensorInboxOptions inbox_options(SensorInboxOptions options,
+                                          const std::vector<InjectedFault>& faults);
+
+  void pair(double stamp, ImagePair images);
+  /// Of cameras that are a model.
+  void pair(double stamp, std::shared_ptr<const Belief> estimate);
+  void depth(double stamp, DepthImage image);
+  void scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose> pose = nullptr);
+
+ private:
+  struct Scan {
+    DepthScan in_B;
+    std::shared_ptr<const Pose> pose;
+  };
+  template <class Content>
+  struct Stream {
+    std::optional<Content> newest;  // as sent last
+    double stamp = 0.0;             // [s] that it had
+    double sent = -1e9;             // [s]
+    std::deque<std::pair<double, Content>> late;
+  };
+  bool holds(FaultSource source, FaultVerb verb, double time) const {
+    return fault_at(faults_, source, verb, time) != nullptr;
+  }
+  bool any(std::initializer_list<FaultSource> sources) const;
+  /// What is to be sent of the depth sensor now, with its stamps in the runtime's clock.
+  template <class Content, class Send>
+  void ranges(Stream<Content>& stream, double stamp, Content content, double now, const Send& send);
+  void camera(FaultSource source, Stream<CameraContent>& stream, double stamp,
+              CameraContent content, double now);
+  void cameras(double stamp, CameraContent left, CameraContent right);
+  double any_range();  // [m]
+
+  const Clock& clock_;
+  SensorInbox& inbox_;
+  const std::vector<InjectedFault> faults_;
+  const double start_;
+  const DepthRange range_;
+  std::mutex mutex_;
+  Stream<CameraContent> left_, right_;
+  Stream<DepthImage> depth_;
+  Stream<Scan> scan_;
+  std::uint64_t random_ = 1;
+};
+
+}  // namespace prospect

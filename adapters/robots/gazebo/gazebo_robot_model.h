@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "adapters/robots/gazebo/gazebo_options.h"
+#include "models/camera.h"
+#include "models/robot_description.h"
+#include "models/types.h"
+
+namespace prospect {
+
+struct GazeboRobotOptions {
+  GazeboOptions names;       ///< and what the wheels are
+  double image_rate = 15.0;  ///< [Hz] of stereo pairs
+  double depth_rate = 10.0;  ///< [Hz]
+  /// Of the stereo pair, one standard deviation [share of the brightest]. Not zero: to the odometry
+  /// two images with the same bytes are one image that came twice.
+  double image_noise = 0.006;
+};
+
+/// The robot as a <model> of SDF 1.5 or newer: a differential drive with DiffDrivePlugin, whose
+/// link `base` is the body frame B; a multicamera of the stereo pair, a depth camera, two wheels,
+/// two casters without friction. It stands at start, with z [m] the height of the floor in the
+/// world. It cannot be seen, so that its cameras do not see it.
+///
+/// Errors: std::invalid_argument on options out of range, a body that is neither a cylinder nor a
+/// box, or a stereo pair whose pixels are not square: Gazebo's are, with the principal point in the
+/// middle. InputError as check(GazeboOptions).
+std::string gazebo_robot_model(const RobotDescription& robot, const GazeboRobotOptions& options,
+                               const Pose& start);
+
+/// What Gazebo renders otherwise than the robot's cameras are described, as settings of the robot
+/// (set_robot()): the principal point at ((width - 1) / 2, (height - 1) / 2) [px].
+std::vector<std::string> gazebo_camera_settings(const StereoCamera& stereo);
+
+}  // namespace prospect

@@ -1,0 +1,157 @@
+#include "adapters/robots/simulator/camera_sensors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <variant>
+
+#include "adapters/robots/simulator/feature_field.h"
+#include "adapters/robots/simulator/noise_stream.h"
+#include "adapters/robots/simulator/scene_renderer.h"
+#include "adapters/robots/simulator/world_mesh.h"
+#include "models/sinc.h"
+
+namespace prospect {
+namespace {
+
+std::shared_ptr<const SceneRenderer> scene_of(const World& world, const SimulatorOptions& options) {
+  if (world.mesh) {
+    SceneRendererOptions as_read;
+    as_read.texture_contrast = options.camera.texture_quality;
+    return std::make_shared<const SceneRenderer>(*world.mesh, as_read);
+  }
+  return std::make_shared<const SceneRenderer>(seen_mesh(world, options));
+}
+
+CameraRigOptions rig_of(const SimulatorOptions& options) {
+  CameraRigOptions rig = options.camera.rig;
+  rig.stereo = options.features.stereo;
+  rig.stereo_mount = options.stereo_mount;
+  rig.footprint = options.depth.footprint;
+  rig.depth_mount = options.depth_mount;
+  rig.depth_noise_constant = options.depth.noise_constant;
+  rig.depth_noise_quadratic = options.depth.noise_quadratic;
+  rig.depth_dropout = options.depth.dropout;
+  rig.seed = stream_seed(options.seed, NoiseStream::kImages);
+  return rig;
+}
+
+/// The stereo pair as the robot takes it to be.
+StereoCamera believed(const SimulatorOptions& options) {
+  const CameraSensorsOptions& errors = options.camera;
+  StereoCamera camera = options.features.stereo;
+  camera.left.fx *= 1.0 + errors.focal_error;
+  camera.left.fy *= 1.0 + errors.focal_error;
+  camera.baseline *= 1.0 + errors.baseline_error;
+  return camera;
+}
+
+/// `perception`, with what the robot has.
+PerceptionOptions perception_of(const SimulatorOptions& options, PerceptionOptions perception,
+                                const PinholeCamera& depth_camera, const Pose& start) {
+  perception.stereo_mount = options.stereo_mount;
+  perception.depth_camera = {depth_camera, options.depth_mount};
+  perception.depth_mapping.range = {options.depth.footprint.min_range,
+                                    options.depth.footprint.max_range};
+  perception.start = start;
+  return perception;
+}
+
+}  // namespace
+
+TexturedMesh seen_mesh(const World& world, const SimulatorOptions& options) {
+  if (world.mesh) return *world.mesh;
+  WorldMeshOptions mesh;
+  mesh.texture_quality = options.camera.texture_quality;
+  mesh.seed = stream_seed(options.seed, NoiseStream::kTexture);
+  return world_mesh(world, simulated_features(world, options.seed), mesh);
+}
+
+CameraSensors::CameraSensors(const World& world, const SimulatorOptions& options,
+                             const PerceptionOptions& perception, const Pose& start,
+                             const std::vector<Disc>& known_free)
+    : options_(options),
+      rig_(scene_of(world, options), rig_of(options)),
+      looking_(world, options.depth, options.depth_mount,
+               stream_seed(options.seed, NoiseStream::kDepth)),
+      has_wheels_(perception.wheels),
+      perception_(believed(options),
+                  perception_of(options, perception, rig_.depth_camera(), start)),
+      wheel_noise_(stream_seed(options.seed, NoiseStream::kWheels)),
+      wheel_pose_(start) {
+  if (options.map) perception_.map().load(*options.map);
+  const double z = start.position.z();
+  for (const Disc& d : known_free) {
+    perception_.map().clear_cylinder({d.center.x(), d.center.y(), z}, d.radius,
+                                     perception.mapping.slice.z_max - z);
+  }
+  std::normal_distribution<double> normal;
+  wheel_scale_ += options.wheels.sigma_scale * normal(wheel_noise_);
+  turn_scale_ += options.wheels.sigma_scale * normal(wheel_noise_);
+}
+
+WheelSample CameraSensors::wheels(double stamp, const Pose& true_pose) {
+  const WheelErrors& errors = options_.wheels;
+  const double dt = stamp - wheel_stamp_;
+  const double turn = std::remainder(true_pose.yaw - wheel_pose_.yaw, 2.0 * M_PI);
+  // p' = p + dt sinc(turn / 2) R(yaw + turn / 2) v
+  const Eigen::Vector2d v = Eigen::Rotation2Dd(-(wheel_pose_.yaw + 0.5 * turn)) *
+                            (true_pose.position - wheel_pose_.position).head<2>() /
+                            (dt * sinc(0.5 * turn));
+  const double speed = v.norm(), w = turn / dt;
+  std::normal_distribution<double> normal;
+  const double noise_along = normal(wheel_noise_), noise_across = normal(wheel_noise_),
+               noise_turn = normal(wheel_noise_);
+  const double root = std::sqrt(speed / dt);
+  const Eigen::Vector2d forward = speed > 0.0 ? Eigen::Vector2d(v / speed) : Eigen::Vector2d(1, 0);
+  const Eigen::Vector2d aside(-forward.y(), forward.x());
+  WheelSample sample;
+  sample.stamp = stamp;
+  sample.velocity =
+      (v + root * (errors.along * noise_along * forward + errors.across * noise_across * aside)) /
+      wheel_scale_;
+  sample.yaw_rate = (w + std::sqrt((errors.turn * errors.turn * std::abs(w) +
+                                    errors.heading * errors.heading * speed) /
+                                   dt) *
+                             noise_turn) /
+                    turn_scale_;
+  wheel_stamp_ = stamp;
+  wheel_pose_ = true_pose;
+  return sample;
+}
+
+void CameraSensors::image(double stamp, const Pose& true_pose, const Twist& twist) {
+  const bool was_lost = images_ > 0 && localization() == Localization::kLost;
+  pair_ = rig_.stereo(true_pose, twist, images_++);
+  if (tap_.pair) tap_.pair(stamp, pair_);
+  if (stamp > wheel_stamp_ && has_wheels_) {
+    const WheelSample sample = wheels(stamp, true_pose);
+    if (tap_.wheels) tap_.wheels(sample);
+    perception_.wheels(sample);
+  }
+  perception_.stereo({stamp, stamp, pair_.left.view(), pair_.right.view()});
+  losses_ += localization() == Localization::kLost && !was_lost;
+}
+
+Pose CameraSensors::estimate(double stamp, const Pose&) const { return perception_.pose(stamp); }
+
+void CameraSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
+  seen.look(looking_, true_pose);
+  DepthImage image = rig_.depth(true_pose, scans_++);
+  if (tap_.depth) tap_.depth(stamp, image);
+  if (enters_ranges_) perception_.depth(stamp, std::move(image));
+}
+
+void CameraSensors::enter(double stamp, const SensorFrame& ranges) {
+  if (const auto* depth = std::get_if<DepthFrame>(&ranges)) perception_.depth(stamp, *depth->image);
+}
+
+std::shared_ptr<const Belief> CameraSensors::belief(double stamp, const Pose&, const Twist&) {
+  return perception_.belief(stamp);
+}
+
+CameraPicture CameraSensors::picture() const {
+  return {pair_.left, perception_.odometry().sightings()};
+}
+
+}  // namespace prospect

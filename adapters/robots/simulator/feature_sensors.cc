@@ -1,0 +1,127 @@
+#include "adapters/robots/simulator/feature_sensors.h"
+
+#include <variant>
+#include <vector>
+
+#include "adapters/robots/simulator/noise_stream.h"
+#include "adapters/robots/simulator/relocalization.h"
+#include "adapters/robots/simulator/view_features.h"
+
+namespace prospect {
+namespace {
+
+LandmarkBuilderOptions landmarks_of(const SimulatorOptions& options,
+                                    const PerceptionOptions& perception) {
+  LandmarkBuilderOptions landmarks = options.landmarks;
+  landmarks.density = perception.feature_density;
+  return landmarks;
+}
+
+}  // namespace
+
+FeatureSensors::FeatureSensors(const World& world, const SimulatorOptions& options,
+                               const PerceptionOptions& perception, const Pose& start,
+                               const std::vector<Disc>& known_free)
+    : stereo_(options.features.stereo),
+      stereo_mount_(options.stereo_mount),
+      depth_(world, options.depth, options.depth_mount,
+             stream_seed(options.seed, NoiseStream::kDepth)),
+      field_(tracked_field(world, options)),
+      camera_(world, field_, options.features, options.stereo_mount,
+              stream_seed(options.seed, NoiseStream::kFeatures)),
+      odometry_(options.odometry, options.features.stereo, options.stereo_mount, start,
+                stream_seed(options.seed, NoiseStream::kOdometry)),
+      landmarks_(landmarks_of(options, perception), options.features, options.stereo_mount),
+      mapper_(perception.mapping) {
+  if (options.map) mapper_.load(*options.map);
+  const double z = start.position.z();
+  for (const Disc& d : known_free) {
+    mapper_.clear_cylinder({d.center.x(), d.center.y(), z}, d.radius,
+                           perception.mapping.slice.z_max - z);
+  }
+}
+
+void FeatureSensors::scan(double stamp, const Pose& true_pose, SeenArea& seen) {
+  ScanFrame frame;
+  frame.in_B = std::make_shared<const DepthScan>(seen.look(depth_, true_pose));
+  frame.pose = std::make_shared<const Pose>(odometry_.estimate(true_pose));
+  if (tap_.scan) tap_.scan(stamp, *frame.in_B);
+  if (enters_ranges_) enter(stamp, frame);
+}
+
+void FeatureSensors::enter(double stamp, const SensorFrame& ranges) {
+  const auto* scan = std::get_if<ScanFrame>(&ranges);
+  if (!scan || !scan->pose) return;
+  scan_stamp_ = stamp;
+  mapper_.insert(transform(*scan->in_B, *scan->pose));
+}
+
+void FeatureSensors::image(double stamp, const Pose& pose, const Twist&) {
+  image_stamp_ = stamp;
+  // A robot that stands still sees what it saw.
+  if (any_image_ && pose.yaw == image_pose_.yaw && pose.position == image_pose_.position) return;
+  const bool first = !any_image_;
+  any_image_ = true;
+  image_pose_ = pose;
+  const std::vector<FeatureObservation> observations = camera_.observe(pose);
+  tracked_ = static_cast<int>(observations.size());
+  std::vector<Eigen::Vector3d> points;
+  points.reserve(observations.size());
+  for (const FeatureObservation& o : observations) points.push_back(o.true_point);
+  const bool keyframe = odometry_.image(pose, points);
+  find_place_again(pose, observations);
+  // New points would carry the error of the loss.
+  if (relocalization_images_left_ > 0) return;
+  if ((keyframe || first) && odometry_.localization() != Localization::kLost) {
+    const double r = mapper_.options().resolution;
+    landmarks_.update(observations, odometry_.estimate(pose), *mapper_.voxels(),
+                      static_cast<double>(mapper_.surface_voxels()) * r * r);
+  }
+}
+
+// Points seen before a loss are looked for until they are found or given up.
+void FeatureSensors::find_place_again(const Pose& pose,
+                                      const std::vector<FeatureObservation>& observations) {
+  constexpr int kImages = 30;
+  if (odometry_.localization() == Localization::kLost) {
+    relocalization_images_left_ = kImages;
+    return;
+  }
+  if (relocalization_images_left_ == 0) return;
+  --relocalization_images_left_;
+  const auto find = [this](std::uint32_t feature) { return landmarks_.find(feature); };
+  const Eigen::Vector3i planar(0, 1, 3);
+  const Eigen::Matrix3d drift = odometry_.drift_covariance()(planar, planar);
+  const auto found = relocalize(observations, find, stereo_, stereo_mount_,
+                                odometry_.estimate(pose), drift.inverse());
+  if (found) {
+    odometry_.relocalize(pose, *found);
+    relocalization_images_left_ = 0;
+  } else if (relocalization_images_left_ == 0) {
+    odometry_.accept_drift();
+  }
+}
+
+std::shared_ptr<const Belief> FeatureSensors::belief(double stamp, const Pose& true_pose,
+                                                     const Twist& commanded) {
+  auto belief = std::make_shared<Belief>();
+  belief->stamp = stamp;
+  // The estimate follows the wheels to this very instant.
+  belief->stamps = {stamp, scan_stamp_, image_stamp_, scan_stamp_};
+  belief->pose = odometry_.estimate(true_pose);
+  belief->covariance = odometry_.covariance(true_pose);
+  belief->twist = commanded;
+  belief->localization = odometry_.localization();
+  belief->tracked_features = tracked_;
+  belief->octree = mapper_.octree();
+  belief->voxels = mapper_.voxels();
+  belief->ground = mapper_.ground();
+  belief->landmarks = landmarks_.map();
+  return belief;
+}
+
+Pose FeatureSensors::estimate(double, const Pose& true_pose) const {
+  return odometry_.estimate(true_pose);
+}
+
+}  // namespace prospect

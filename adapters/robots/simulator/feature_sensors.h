@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "adapters/formats/worlds/world.h"
+#include "adapters/robots/simulator/depth_camera.h"
+#include "adapters/robots/simulator/feature_camera.h"
+#include "adapters/robots/simulator/feature_field.h"
+#include "adapters/robots/simulator/landmark_builder.h"
+#include "adapters/robots/simulator/odometry_model.h"
+#include "adapters/robots/simulator/sensors.h"
+#include "adapters/robots/simulator/simulator_options.h"
+#include "models/robot_shape.h"
+#include "perception/mapping/occupancy_mapper.h"
+
+namespace prospect {
+
+/// Perception as a model, fast: features that are visible are tracked, the estimate drifts with how
+/// many there are (OdometryModel), is found again in the map of landmarks after a loss, and depth
+/// rays are cast through the true voxels.
+class FeatureSensors final : public SimulatedSensors {
+ public:
+  /// perception: its `mapping` has what it takes from the robot (mapping_options()).
+  /// known_free: discs in W [m] over which columns of the map are known to be free up to
+  /// mapping.slice.z_max, by their centres (known_free.h). Throws std::invalid_argument on options
+  /// out of range.
+  FeatureSensors(const World& world, const SimulatorOptions& options,
+                 const PerceptionOptions& perception, const Pose& start,
+                 const std::vector<Disc>& known_free);
+
+  void image(double stamp, const Pose& true_pose, const Twist& twist) override;
+  void scan(double stamp, const Pose& true_pose, SeenArea& seen) override;
+  void enter(double stamp, const SensorFrame& ranges) override;
+  std::shared_ptr<const Belief> belief(double stamp, const Pose& true_pose,
+                                       const Twist& commanded) override;
+  Pose estimate(double stamp, const Pose& true_pose) const override;
+  Localization localization() const override { return odometry_.localization(); }
+  void set_tap(SensorTap tap) override { tap_ = std::move(tap); }
+  int losses() const override { return odometry_.losses(); }
+
+ private:
+  void find_place_again(const Pose& pose, const std::vector<FeatureObservation>& observations);
+
+  StereoCamera stereo_;
+  CameraMount stereo_mount_;
+  DepthCamera depth_;
+  FeatureField field_;
+  FeatureCamera camera_;
+  OdometryModel odometry_;
+  LandmarkBuilder landmarks_;
+  OccupancyMapper mapper_;
+  SensorTap tap_;
+
+  double scan_stamp_ = 0.0, image_stamp_ = 0.0;  // [s], of the newest
+  bool any_image_ = false;
+  Pose image_pose_;  // true pose of the newest image
+  int tracked_ = 0;
+  int relocalization_images_left_ = 0;
+};
+
+}  // namespace prospect

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <random>
+#include <vector>
+
+#include "adapters/formats/worlds/world.h"
+#include "models/robot_shape.h"
+#include "models/types.h"
+
+namespace prospect {
+
+class Knobs;
+
+/// How motion departs from the command. White noise on the velocity: after T seconds at a constant
+/// command the distance driven has the relative standard deviation linear / sqrt(T), the angle
+/// turned angular / sqrt(T), and the heading, from driving, coupling x speed x sqrt(T) [rad].
+struct ActuationNoise {
+  double linear = 0.0;    ///< [sqrt(s)]
+  double angular = 0.0;   ///< [sqrt(s)]
+  double coupling = 0.0;  ///< [rad sqrt(s) / m]
+};
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, ActuationNoise& options);
+
+/// Exact contact test of a robot's body against the solid voxels of a world, for a body upright at
+/// a fixed height.
+///
+/// For each layer of voxels the body's slab is projected on the ground: discs of cylinders and
+/// spheres (radius at the height nearest to the centre), convex outlines of boxes and hulls
+/// (vertices in the slab and intersections of the hull's edges with its faces). A voxel is touched
+/// if its square and such an outline overlap: exact for every shape, as a voxel is a prism. Contact
+/// needs a positive overlap: bodies that only touch a face are free. Immutable after construction;
+/// concurrent use is safe.
+class ContactTest {
+ public:
+  /// Throws std::invalid_argument on an invalid shape.
+  ContactTest(const World& world, const RobotShape& shape, double base_height);
+
+  bool in_contact(const Pose& pose) const;
+  /// Radius [m] about B's z axis that holds the body.
+  double radius() const { return radius_; }
+
+ private:
+  struct Outline {  // of one layer: a disc (no corners) or a convex polygon, counter-clockwise, in
+                    // B
+    Eigen::Vector2d center = Eigen::Vector2d::Zero();
+    double radius = 0.0;  // of the disc, or around the polygon's centre
+    std::vector<Eigen::Vector2d> corners;
+  };
+  struct Layer {
+    int k = 0;
+    std::vector<Outline> outlines;
+  };
+  bool touches(const Outline& outline, int k, const Pose& pose) const;
+
+  const World* world_;
+  std::vector<Layer> layers_;
+  double radius_ = 0.0;
+};
+
+/// The true robot: executes body twists in the plane, with or without noise, and stops at walls.
+///
+/// A constant twist moves along the exact arc (SE(2) exponential), with sideways motion if asked.
+/// The body is tested in steps in which none of its points moves farther than 1 cm; on contact it
+/// stays at the last free step. A contact is counted once until the robot has moved freely again.
+/// Thread-safety: one thread. Deterministic in (world, shape, noise, seed, sequence of calls).
+class KinematicRobot {
+ public:
+  /// Throws std::invalid_argument if the start is not finite, outside the world, or in contact.
+  KinematicRobot(const World& world, const RobotShape& shape, const ActuationNoise& noise,
+                 const Pose& start, std::uint64_t seed);
+
+  /// Moves for `duration` [s]; returns false if the motion was cut short by contact.
+  bool move(const Twist& twist, double duration);
+
+  const Pose& pose() const { return pose_; }
+  const ContactTest& contact_test() const { return contact_; }
+  int collisions() const { return collisions_; }
+  bool in_contact() const { return in_contact_; }
+  double path_length() const { return path_length_; }  ///< [m]
+  double rotation() const { return rotation_; }        ///< [rad]
+
+ private:
+  ContactTest contact_;
+  ActuationNoise noise_;
+  std::mt19937_64 generator_;
+  Pose pose_;
+  int collisions_ = 0;
+  bool in_contact_ = false;
+  double path_length_ = 0.0;
+  double rotation_ = 0.0;
+};
+
+/// The pose after moving along a constant body twist for `duration` [s]: the SE(2) exponential
+///   p' = p + R(yaw) V(w t) (vx, vy) t,  V(a) = [sin a, -(1-cos a); 1-cos a, sin a] / a.
+/// Exact and smooth through w = 0. The twist's z component is ignored.
+Pose advance(const Pose& pose, const Twist& twist, double duration);
+
+}  // namespace prospect

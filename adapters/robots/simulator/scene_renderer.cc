@@ -1,0 +1,496 @@
+#include "adapters/robots/simulator/scene_renderer.h"
+
+#include "adapters/formats/files/not_built_in.h"
+
+#ifdef PROSPECT_WITH_EMBREE
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+#include "adapters/robots/simulator/texture_pyramid.h"
+#include "engine/support/worker_threads.h"
+
+namespace prospect {
+namespace {
+
+constexpr std::uint32_t kNothing = 0xffffffffu;
+constexpr int kPacket = 16;           // rays that are traced abreast: 4 x 4 pixels
+constexpr int kRayBand = 8;           // rows that a thread takes at a time
+constexpr float kEdge = 8.0f;         // [grey levels] between pixels that show different triangles
+constexpr float kFarthestHit = 2e5f;  // [m] and repeats of a texture; floats tell no more
+constexpr float kSteepest = 1e10f;    // squared length of a footprint [texels^2]
+constexpr float kMaxTaps = 4.0f;      // along the longer axis of a footprint
+constexpr std::size_t kViews = 64;    // triangles whose view a thread keeps, a power of two
+
+// A rotated grid: its four points have different rows and different columns.
+constexpr std::array<std::array<float, 2>, 4> kSubpixels = {
+    {{-0.125f, -0.375f}, {0.375f, -0.125f}, {0.125f, 0.375f}, {-0.375f, 0.125f}}};
+
+// A triangle's plane and texture as functions of a point P in W: normal . P = offset and
+// uv = gradient P + origin.
+struct Surface {
+  Eigen::Vector3d normal;
+  double offset;
+  Eigen::Matrix<double, 2, 3> gradient;
+  Eigen::Vector2d origin;
+  std::uint32_t material;
+};
+
+// The same as functions of the pixel x = (u, v, 1), all linear: with w = 1/z = inverse_depth . x,
+// the texture coordinates are (s . x) / w and (t . x) / w.
+struct SurfaceView {
+  std::uint32_t triangle = kNothing;
+  Eigen::Vector3f inverse_depth, s, t;
+  Eigen::Vector3f normal_C;  // in C, towards the camera
+  float shade = 0.0f;
+  const TexturePyramid* texture = nullptr;
+};
+
+// Rays of an image: the pixel x = (u, v, 1) looks along to_ray x, in W.
+struct Rays {
+  Eigen::Matrix3d to_ray;
+  Eigen::Matrix3d R_WC;
+  Eigen::Vector3d origin;
+  int width, height;
+};
+
+Rays rays_of(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC) {
+  validate(camera);
+  constexpr double kLargest = 16384.0;
+  if (camera.width > kLargest || camera.height > kLargest || camera.width < 1.0 ||
+      camera.height < 1.0) {
+    throw std::invalid_argument("scene renderer: image of " + std::to_string(camera.width) + " x " +
+                                std::to_string(camera.height) + ", expected 1..16384 pixels");
+  }
+  if (!T_WC.matrix().allFinite()) {
+    throw std::invalid_argument("scene renderer: the camera's pose is not finite");
+  }
+  Eigen::Matrix3d inverse_K;
+  inverse_K << 1.0 / camera.fx, 0.0, -camera.cx / camera.fx,  //
+      0.0, 1.0 / camera.fy, -camera.cy / camera.fy,           //
+      0.0, 0.0, 1.0;
+  return {T_WC.linear() * inverse_K, T_WC.linear(), T_WC.translation(),
+          static_cast<int>(camera.width), static_cast<int>(camera.height)};
+}
+
+Image with_contrast(const Image& image, double contrast) {
+  double sum = 0.0;
+  for (const std::uint8_t grey : image.pixels) sum += grey;
+  const double mean = sum / static_cast<double>(std::max<std::size_t>(image.pixels.size(), 1));
+  Image out = image;
+  for (std::uint8_t& grey : out.pixels) {
+    grey = static_cast<std::uint8_t>(std::lround(mean + contrast * (grey - mean)));
+  }
+  return out;
+}
+
+// log2 of a positive number, linear between powers of two: the same everywhere, and near enough for
+// a level of detail.
+float rough_log2(float x) {
+  const auto bits = std::bit_cast<std::uint32_t>(x);
+  return static_cast<float>(bits) * 0x1p-23f - 127.0f;
+}
+
+}  // namespace
+
+struct SceneRenderer::Impl {
+  RTCDevice device = nullptr;
+  RTCScene scene = nullptr;
+  SceneRendererOptions options;
+  std::vector<Surface> surfaces;
+  std::vector<TexturePyramid> textures;
+
+  Impl(const TexturedMesh& mesh, const SceneRendererOptions& o) : options(o) {
+    check(mesh);
+    options.light.normalize();
+    textures.reserve(mesh.textures.size());
+    for (const Image& image : mesh.textures) {
+      textures.emplace_back(
+          options.texture_contrast == 1.0 ? image : with_contrast(image, options.texture_contrast));
+    }
+    std::vector<std::uint32_t> kept;  // triangles that have an area
+    for (std::uint32_t n = 0; n < mesh.triangles.size(); ++n) {
+      if (add_surface(mesh, n)) kept.push_back(n);
+    }
+    build(mesh, kept);
+  }
+  ~Impl() {
+    if (scene != nullptr) rtcReleaseScene(scene);
+    if (device != nullptr) rtcReleaseDevice(device);
+  }
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+
+  void check(const TexturedMesh& mesh) const {
+    const auto refuse = [](const std::string& what) {
+      throw std::invalid_argument("scene renderer: " + what);
+    };
+    if (!(options.ambient >= 0.0 && options.ambient <= 1.0)) refuse("ambient outside 0..1");
+    if (!(options.texture_contrast >= 0.0 && options.texture_contrast <= 1.0)) {
+      refuse("texture_contrast outside 0..1");
+    }
+    if (!(options.background >= 0.0 && options.background <= 255.0)) {
+      refuse("background outside 0..255");
+    }
+    if (!options.light.allFinite() || !(options.light.norm() > 0.0)) {
+      refuse("light: expected a finite direction");
+    }
+    if (mesh.uv.size() != mesh.vertices.size()) refuse("mesh: expected as many uv as vertices");
+    if (mesh.material.size() != mesh.triangles.size()) {
+      refuse("mesh: expected as many materials as triangles");
+    }
+    for (std::size_t n = 0; n < mesh.triangles.size(); ++n) {
+      for (const std::uint32_t v : mesh.triangles[n]) {
+        if (v >= mesh.vertices.size()) {
+          refuse("mesh: triangle " + std::to_string(n) + " names a vertex that is not there");
+        }
+      }
+      if (mesh.material[n] >= mesh.textures.size()) {
+        refuse("mesh: triangle " + std::to_string(n) + " names a texture that is not there");
+      }
+    }
+    for (std::size_t n = 0; n < mesh.vertices.size(); ++n) {
+      const bool sound = mesh.vertices[n].cwiseAbs().maxCoeff() < 0.5f * kFarthestHit &&
+                         mesh.uv[n].cwiseAbs().maxCoeff() < 0.5f * kFarthestHit;
+      if (!sound) refuse("mesh: vertex " + std::to_string(n) + " is not finite or too far away");
+    }
+  }
+
+  bool add_surface(const TexturedMesh& mesh, std::uint32_t n) {
+    const auto& [a, b, c] = mesh.triangles[n];
+    const Eigen::Vector3d A = mesh.vertices[a].cast<double>();
+    const Eigen::Vector3d e1 = mesh.vertices[b].cast<double>() - A;
+    const Eigen::Vector3d e2 = mesh.vertices[c].cast<double>() - A;
+    const Eigen::Vector3d N = e1.cross(e2);
+    const double doubled_area = N.norm();
+    if (!(doubled_area > 1e-12)) return false;
+    Surface surface;
+    surface.normal = N / doubled_area;
+    surface.offset = surface.normal.dot(A);
+    // Dual basis of the edges: e1 . b1 = 1, e2 . b1 = 0 and so on.
+    const Eigen::Vector3d b1 = e2.cross(N) / (doubled_area * doubled_area);
+    const Eigen::Vector3d b2 = N.cross(e1) / (doubled_area * doubled_area);
+    const Eigen::Vector2d uv = mesh.uv[a].cast<double>();
+    surface.gradient = (mesh.uv[b].cast<double>() - uv) * b1.transpose() +
+                       (mesh.uv[c].cast<double>() - uv) * b2.transpose();
+    surface.origin = uv - surface.gradient * A;
+    surface.material = mesh.material[n];
+    surfaces.push_back(surface);
+    return true;
+  }
+
+  void build(const TexturedMesh& mesh, const std::vector<std::uint32_t>& kept) {
+    device = rtcNewDevice(nullptr);
+    if (device == nullptr) throw std::runtime_error("scene renderer: Embree gives no device");
+    scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    if (!kept.empty()) {
+      RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+      auto* vertices = static_cast<float*>(
+          rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
+                                  3 * sizeof(float), mesh.vertices.size()));
+      auto* indices = static_cast<std::uint32_t*>(
+          rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
+                                  3 * sizeof(std::uint32_t), kept.size()));
+      if (vertices == nullptr || indices == nullptr) {
+        rtcReleaseGeometry(geometry);
+        throw std::runtime_error("scene renderer: Embree has no memory for the mesh");
+      }
+      for (const Eigen::Vector3f& p : mesh.vertices) vertices = std::copy_n(p.data(), 3, vertices);
+      for (const std::uint32_t n : kept) {
+        indices = std::copy_n(mesh.triangles[n].data(), 3, indices);
+      }
+      rtcCommitGeometry(geometry);
+      rtcAttachGeometry(scene, geometry);
+      rtcReleaseGeometry(geometry);
+    }
+    rtcCommitScene(scene);
+    const RTCError error = rtcGetDeviceError(device);
+    if (error != RTC_ERROR_NONE) {
+      throw std::runtime_error("scene renderer: Embree reports error " + std::to_string(error));
+    }
+  }
+
+  SurfaceView view(const Rays& rays, std::uint32_t triangle) const {
+    const Surface& surface = surfaces[triangle];
+    // The camera's distance to the plane; a plane through the camera shows no pixel.
+    double distance = surface.offset - surface.normal.dot(rays.origin);
+    if (std::abs(distance) < 1e-9) distance = 1e-9;
+    const Eigen::Vector3d inverse_depth = rays.to_ray.transpose() * surface.normal / distance;
+    const Eigen::Vector2d at_camera = surface.gradient * rays.origin + surface.origin;
+    const Eigen::Vector3d towards = distance < 0.0 ? surface.normal : -surface.normal;
+    SurfaceView view;
+    view.triangle = triangle;
+    view.inverse_depth = inverse_depth.cast<float>();
+    view.s = (at_camera.x() * inverse_depth +
+              rays.to_ray.transpose() * surface.gradient.row(0).transpose())
+                 .cast<float>();
+    view.t = (at_camera.y() * inverse_depth +
+              rays.to_ray.transpose() * surface.gradient.row(1).transpose())
+                 .cast<float>();
+    view.normal_C = (rays.R_WC.transpose() * towards).cast<float>();
+    view.shade = static_cast<float>(options.ambient + (1.0 - options.ambient) * 0.5 *
+                                                          (1.0 + towards.dot(options.light)));
+    view.texture = &textures[surface.material];
+    return view;
+  }
+
+  // The views that a thread has met last; neighbouring pixels mostly show the same triangle.
+  struct ViewCache {
+    std::array<SurfaceView, kViews> views;
+    const SurfaceView& get(const Impl& impl, const Rays& rays, std::uint32_t triangle) {
+      SurfaceView& view = views[triangle % kViews];
+      if (view.triangle != triangle) view = impl.view(rays, triangle);
+      return view;
+    }
+  };
+
+  // Grey of the square of `size` pixels about (u, v).
+  static float look_up(const SurfaceView& view, float u, float v, float size) {
+    const TexturePyramid& texture = *view.texture;
+    if (texture.levels() == 1) return view.shade * texture.bilinear(0, 0.0f, 0.0f);
+    const auto at = [&](const Eigen::Vector3f& f) { return f[0] * u + f[1] * v + f[2]; };
+    const float z = 1.0f / at(view.inverse_depth), step = size * z;
+    const float s = at(view.s) * z, t = at(view.t) * z;
+    // Derivatives of the texture coordinates by the pixel's, times the size; the footprint's axes.
+    const auto w = static_cast<float>(texture.width()), h = static_cast<float>(texture.height());
+    const float su = (view.s[0] - s * view.inverse_depth[0]) * step;
+    const float sv = (view.s[1] - s * view.inverse_depth[1]) * step;
+    const float tu = (view.t[0] - t * view.inverse_depth[0]) * step;
+    const float tv = (view.t[1] - t * view.inverse_depth[1]) * step;
+    const float along_u = su * su * w * w + tu * tu * h * h;
+    const float along_v = sv * sv * w * w + tv * tv * h * h;
+    const float major = std::max(along_u, along_v);  // squared
+    // A plane seen edge-on, where rounding has the last word: its mean grey will do.
+    const bool sound =
+        std::abs(s) < kFarthestHit && std::abs(t) < kFarthestHit && major < kSteepest;
+    if (!sound) return view.shade * texture.bilinear(texture.levels() - 1, 0.0f, 0.0f);
+    if (!(major > 1.0f)) return view.shade * texture.bilinear(0, s, t);
+    const float minor = std::max(std::min(along_u, along_v), 1.0f);
+    int taps = 1;
+    while (static_cast<float>(taps) < kMaxTaps &&
+           major > minor * static_cast<float>(taps) * static_cast<float>(taps)) {
+      ++taps;
+    }
+    const auto count = static_cast<float>(taps);
+    const float level = std::max(0.0f, 0.5f * rough_log2(major / (count * count)));
+    const float ds = along_u > along_v ? su : sv, dt = along_u > along_v ? tu : tv;
+    return view.shade * texture.mean_along(level, s, t, ds, dt, taps);
+  }
+
+  // The triangle that each of a packet's rays, through (u, v), meets first.
+  void trace(const Rays& rays, const float* u, const float* v, int count,
+             std::uint32_t* triangles) const {
+    alignas(64) RTCRayHit16 packet;
+    alignas(64) int valid[kPacket];
+    const Eigen::Matrix3f A = rays.to_ray.cast<float>();
+    const Eigen::Vector3f origin = rays.origin.cast<float>();
+    for (int n = 0; n < kPacket; ++n) {
+      const int m = n < count ? n : 0;
+      valid[n] = n < count ? -1 : 0;
+      packet.ray.org_x[n] = origin.x();
+      packet.ray.org_y[n] = origin.y();
+      packet.ray.org_z[n] = origin.z();
+      packet.ray.dir_x[n] = A(0, 0) * u[m] + A(0, 1) * v[m] + A(0, 2);
+      packet.ray.dir_y[n] = A(1, 0) * u[m] + A(1, 1) * v[m] + A(1, 2);
+      packet.ray.dir_z[n] = A(2, 0) * u[m] + A(2, 1) * v[m] + A(2, 2);
+      packet.ray.tnear[n] = 1e-4f;
+      packet.ray.tfar[n] = 1e6f;
+      packet.ray.time[n] = 0.0f;
+      packet.ray.mask[n] = 0xffffffffu;
+      packet.ray.id[n] = 0;
+      packet.ray.flags[n] = 0;
+      packet.hit.geomID[n] = RTC_INVALID_GEOMETRY_ID;
+      packet.hit.primID[n] = RTC_INVALID_GEOMETRY_ID;
+      packet.hit.instID[0][n] = RTC_INVALID_GEOMETRY_ID;
+    }
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
+    rtcIntersect16(valid, scene, &context, &packet);
+    for (int n = 0; n < count; ++n) {
+      triangles[n] =
+          packet.hit.geomID[n] == RTC_INVALID_GEOMETRY_ID ? kNothing : packet.hit.primID[n];
+    }
+  }
+
+  // visit(cache, index, u, v, triangle) for each pixel, bands of rows in parallel.
+  template <typename Visitor>
+  void each_pixel(const Rays& rays, int threads, const Visitor& visit) const {
+    const int bands = (rays.height + kRayBand - 1) / kRayBand;
+    WorkerThreads(threads).run(bands, [&](int band) {
+      ViewCache cache;
+      const int end = std::min(rays.height, (band + 1) * kRayBand);
+      for (int v0 = band * kRayBand; v0 < end; v0 += 4) {
+        const int rows = std::min(4, end - v0);
+        for (int u0 = 0; u0 < rays.width; u0 += 4) {
+          const int columns = std::min(4, rays.width - u0);
+          float u[kPacket], v[kPacket];
+          std::uint32_t triangles[kPacket];
+          int count = 0;
+          for (int row = 0; row < rows; ++row) {
+            for (int column = 0; column < columns; ++column, ++count) {
+              u[count] = static_cast<float>(u0 + column);
+              v[count] = static_cast<float>(v0 + row);
+            }
+          }
+          trace(rays, u, v, count, triangles);
+          for (int n = 0; n < count; ++n) {
+            const std::size_t index =
+                static_cast<std::size_t>(v[n]) * static_cast<std::size_t>(rays.width) +
+                static_cast<std::size_t>(u[n]);
+            visit(cache, index, u[n], v[n], triangles[n]);
+          }
+        }
+      }
+    });
+  }
+
+  std::vector<float> intensity(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
+                               int threads) const {
+    const Rays rays = rays_of(camera, T_WC);
+    const auto size = static_cast<std::size_t>(rays.width) * static_cast<std::size_t>(rays.height);
+    const auto background = static_cast<float>(options.background);
+    std::vector<float> centres(size);
+    std::vector<std::uint32_t> shown(size);
+    each_pixel(rays, threads,
+               [&](ViewCache& cache, std::size_t at, float u, float v, std::uint32_t triangle) {
+                 shown[at] = triangle;
+                 centres[at] = triangle == kNothing
+                                   ? background
+                                   : look_up(cache.get(*this, rays, triangle), u, v, 1.0f);
+               });
+    // Edges. What is written must not be what a neighbour reads.
+    std::vector<float> grey = centres;
+    const int bands = (rays.height + kRayBand - 1) / kRayBand;
+    const auto stride = static_cast<std::size_t>(rays.width);
+    WorkerThreads(threads).run(bands, [&](int band) {
+      ViewCache cache;
+      constexpr int kSubs = static_cast<int>(kSubpixels.size());
+      constexpr int kPixels = kPacket / kSubs;  // in a packet
+      std::size_t pending[kPixels];
+      int pixels = 0;
+      const auto flush = [&] {
+        if (pixels == 0) return;
+        float u[kPacket], v[kPacket];
+        std::uint32_t triangles[kPacket];
+        for (int p = 0; p < pixels; ++p) {
+          for (int k = 0; k < kSubs; ++k) {
+            const auto sub = kSubpixels[static_cast<std::size_t>(k)];
+            u[p * kSubs + k] = static_cast<float>(pending[p] % stride) + sub[0];
+            v[p * kSubs + k] = static_cast<float>(pending[p] / stride) + sub[1];
+          }
+        }
+        trace(rays, u, v, pixels * kSubs, triangles);
+        for (int p = 0; p < pixels; ++p) {
+          float sum = 0.0f;
+          for (int n = p * kSubs; n < (p + 1) * kSubs; ++n) {
+            sum += triangles[n] == kNothing
+                       ? background
+                       : look_up(cache.get(*this, rays, triangles[n]), u[n], v[n], 0.5f);
+          }
+          grey[pending[p]] = sum / static_cast<float>(kSubs);
+        }
+        pixels = 0;
+      };
+      const auto edge = [&](std::size_t a, std::size_t b) {
+        return shown[a] != shown[b] && std::abs(centres[a] - centres[b]) > kEdge;
+      };
+      for (int v = band * kRayBand; v < std::min(rays.height, (band + 1) * kRayBand); ++v) {
+        for (int u = 0; u < rays.width; ++u) {
+          const std::size_t at = static_cast<std::size_t>(v) * stride + static_cast<std::size_t>(u);
+          if ((u > 0 && edge(at, at - 1)) || (u + 1 < rays.width && edge(at, at + 1)) ||
+              (v > 0 && edge(at, at - stride)) || (v + 1 < rays.height && edge(at, at + stride))) {
+            pending[pixels++] = at;
+            if (pixels == kPixels) flush();
+          }
+        }
+      }
+      flush();
+    });
+    return grey;
+  }
+
+  DepthImage depth(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC, int threads,
+                   std::vector<float>* incidence) const {
+    const Rays rays = rays_of(camera, T_WC);
+    DepthImage image(rays.width, rays.height);
+    if (incidence != nullptr) incidence->assign(image.depth.size(), 0.0f);
+    const auto inverse_fx = static_cast<float>(1.0 / camera.fx);
+    const auto inverse_fy = static_cast<float>(1.0 / camera.fy);
+    const auto cx = static_cast<float>(camera.cx), cy = static_cast<float>(camera.cy);
+    each_pixel(rays, threads,
+               [&](ViewCache& cache, std::size_t at, float u, float v, std::uint32_t triangle) {
+                 if (triangle == kNothing) return;
+                 const SurfaceView& view = cache.get(*this, rays, triangle);
+                 const Eigen::Vector3f& f = view.inverse_depth;
+                 const float z = 1.0f / (f[0] * u + f[1] * v + f[2]);
+                 if (!(z > 0.0f && z < kFarthestHit)) return;  // edge-on: rounding alone
+                 image.depth[at] = z;
+                 if (incidence == nullptr) return;
+                 const float x = (u - cx) * inverse_fx, y = (v - cy) * inverse_fy;
+                 const Eigen::Vector3f& n = view.normal_C;
+                 (*incidence)[at] =
+                     std::abs(n[0] * x + n[1] * y + n[2]) / std::sqrt(x * x + y * y + 1.0f);
+               });
+    return image;
+  }
+};
+
+SceneRenderer::SceneRenderer(const TexturedMesh& mesh, const SceneRendererOptions& options)
+    : impl_(std::make_unique<Impl>(mesh, options)) {}
+
+std::vector<float> SceneRenderer::intensity(const PinholeCamera& camera,
+                                            const Eigen::Isometry3d& T_WC, int threads) const {
+  return impl_->intensity(camera, T_WC, threads);
+}
+
+DepthImage SceneRenderer::depth(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
+                                int threads, std::vector<float>* incidence) const {
+  return impl_->depth(camera, T_WC, threads, incidence);
+}
+
+Image SceneRenderer::grey(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
+                          int threads) const {
+  const std::vector<float> grey = intensity(camera, T_WC, threads);
+  Image image(static_cast<int>(camera.width), static_cast<int>(camera.height));
+  std::transform(grey.begin(), grey.end(), image.pixels.begin(), [](float g) {
+    return static_cast<std::uint8_t>(std::clamp(g, 0.0f, 255.0f) + 0.5f);
+  });
+  return image;
+}
+
+}  // namespace prospect
+
+#else
+
+namespace prospect {
+
+struct SceneRenderer::Impl {};
+SceneRenderer::SceneRenderer(const TexturedMesh&, const SceneRendererOptions&) {
+  throw NotBuiltIn("rendering of cameras", "Embree 3 (libembree-dev)");
+}
+std::vector<float> SceneRenderer::intensity(const PinholeCamera&, const Eigen::Isometry3d&,
+                                            int) const {
+  return {};
+}
+DepthImage SceneRenderer::depth(const PinholeCamera&, const Eigen::Isometry3d&, int,
+                                std::vector<float>*) const {
+  return {};
+}
+Image SceneRenderer::grey(const PinholeCamera&, const Eigen::Isometry3d&, int) const { return {}; }
+
+}  // namespace prospect
+
+#endif
+
+namespace prospect {
+SceneRenderer::~SceneRenderer() = default;
+}  // namespace prospect

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <memory>
+#include <vector>
+
+#include "adapters/formats/worlds/textured_mesh.h"
+#include "models/camera.h"
+#include "models/image.h"
+#include "perception/mapping/depth_image.h"
+
+namespace prospect {
+
+struct SceneRendererOptions {
+  /// Contrast of the textures, each about its own mean: 1 as they are, 0 plain.
+  double texture_contrast = 1.0;
+  double background = 180.0;  ///< grey where nothing is hit
+  /// Share of the light that comes from everywhere; the rest depends on the surface's direction n,
+  /// turned towards the camera: shade = ambient + (1 - ambient) (1 + n . light) / 2.
+  double ambient = 0.6;
+  Eigen::Vector3d light = {0.35, 0.2, 0.9};  ///< towards the light, in W; any length but zero
+};
+
+/// Pictures of a textured mesh by ray tracing (Embree): grey images and exact depth, from any pose.
+///
+/// Grey of a pixel = shade x albedo of what its centre's ray meets; the albedo is looked up
+/// trilinearly in a pyramid of the texture, with up to four taps along the longer axis of the
+/// pixel's footprint. Where neighbouring pixels show different triangles in different greys (8
+/// levels apart), four rays of a rotated grid give the pixel's mean instead: edges are smoothed,
+/// too. Pixel (u, v) of an image is the ray ((u - cx) / fx, (v - cy) / fy, 1) in C, at whole u and
+/// v.
+///
+/// Immutable: concurrent calls are safe. Deterministic: the same bits with any number of threads.
+/// Errors: the constructor throws std::invalid_argument on a mesh that is not whole (indices,
+/// sizes, numbers that are not finite) or options out of range, NotBuiltIn where Embree was absent;
+/// pictures throw std::invalid_argument on a camera that validate() refuses or a pose that is not
+/// finite.
+class SceneRenderer {
+ public:
+  /// Keeps what it needs; the mesh may go.
+  explicit SceneRenderer(const TexturedMesh& mesh, const SceneRendererOptions& options = {});
+  ~SceneRenderer();
+  SceneRenderer(const SceneRenderer&) = delete;
+  SceneRenderer& operator=(const SceneRenderer&) = delete;
+
+  Image grey(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC, int threads = 1) const;
+  /// The same, not yet rounded: grey levels, rows without gaps.
+  std::vector<float> intensity(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC,
+                               int threads = 1) const;
+
+  /// Depth along the optical axis [m]; NaN, as in all depth images, where nothing is hit.
+  /// `incidence`, if given, receives the cosine of each ray to the surface's normal (0..1).
+  DepthImage depth(const PinholeCamera& camera, const Eigen::Isometry3d& T_WC, int threads = 1,
+                   std::vector<float>* incidence = nullptr) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace prospect

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "adapters/robots/simulator/seen_area.h"
+#include "adapters/robots/simulator/sensor_tap.h"
+#include "engine/maps/belief.h"
+#include "models/image.h"
+#include "models/types.h"
+#include "perception/odometry/stereo_odometry.h"
+#include "runtime/sensor_inbox.h"
+
+namespace prospect {
+
+/// An image and the landmarks that were to be seen in it.
+struct CameraPicture {
+  Image image;
+  std::vector<LandmarkSighting> sightings;
+};
+
+/// How a simulated robot perceives: images and depth scans, taken at true poses, become an estimate
+/// and maps. FeatureSensors models that, CameraSensors does it.
+///
+/// The simulator calls image() and scan() in order of time, image() first where both are due, but
+/// for the very first ones, at time 0: scan(), then image(). Thread-safety: one thread; beliefs may
+/// be read anywhere. Nothing here throws. Deterministic in what it was made of and the sequence of
+/// calls.
+class SimulatedSensors {
+ public:
+  virtual ~SimulatedSensors() = default;
+
+  /// A stereo image at `stamp` [s], taken at a true pose while the robot moves with `twist`.
+  virtual void image(double stamp, const Pose& true_pose, const Twist& twist) = 0;
+  /// A depth image; what its rays have passed and met is entered in `seen`.
+  virtual void scan(double stamp, const Pose& true_pose, SeenArea& seen) = 0;
+  /// From now on enter() alone enters in the map what the depth sensor measures: where its frames
+  /// take their time, or other ways.
+  void leave_ranges() { enters_ranges_ = false; }
+  /// A frame of the depth sensor, as if taken at `stamp` [s]. Any other does nothing.
+  virtual void enter(double stamp, const SensorFrame& ranges) = 0;
+
+  /// What the robot knows now, at a true pose reached since the newest image. `commanded` is the
+  /// twist that it executes.
+  virtual std::shared_ptr<const Belief> belief(double stamp, const Pose& true_pose,
+                                               const Twist& commanded) = 0;
+  /// The pose of that belief.
+  virtual Pose estimate(double stamp, const Pose& true_pose) const = 0;
+  virtual Localization localization() const = 0;
+  virtual int losses() const = 0;  ///< how often localization was lost
+  /// Why the sensors cannot be trusted, e.g. a calibration that is wrong; empty: nothing is known
+  /// against them.
+  virtual std::string complaint() const { return {}; }
+  /// From now on, who listens to what is measured.
+  virtual void set_tap(SensorTap tap) = 0;
+
+  /// The newest left image; empty where there is none.
+  virtual CameraPicture picture() const { return {}; }
+
+ protected:
+  bool enters_ranges_ = true;  // at once
+};
+
+}  // namespace prospect

@@ -1,0 +1,185 @@
+// The descriptions of options, in a library of their own: reading a configuration builds nothing
+// that acts on them.
+
+#include <limits>
+#include <string>
+
+#include "adapters/robots/simulator/camera_rig.h"
+#include "adapters/robots/simulator/depth_camera.h"
+#include "adapters/robots/simulator/feature_camera.h"
+#include "adapters/robots/simulator/kinematic_robot.h"
+#include "adapters/robots/simulator/landmark_builder.h"
+#include "adapters/robots/simulator/odometry_model.h"
+#include "adapters/robots/simulator/simulated_base_options.h"
+#include "adapters/robots/simulator/simulator_options.h"
+#include "models/formatted.h"
+#include "models/knobs.h"
+
+namespace prospect {
+
+void describe(Knobs& knobs, CameraRigOptions& o) {
+  knobs.number("exposure", o.exposure, {0.0, 100.0}, "1", "gain on the grey levels");
+  knobs.number("exposure_time", o.exposure_time, {0.0, 1.0}, "s", "motion blur of a turning robot");
+  knobs.number("vignetting", o.vignetting, {0.0, 1.0}, "1", "share of light lost in the corners");
+  knobs.number("blur", o.blur, {0.0, 20.0}, "px", "of the lens, one standard deviation");
+  knobs.number("read_noise", o.read_noise, {0.0, 255.0}, "1",
+               "grey levels, one standard deviation");
+  knobs.number("shot_noise", o.shot_noise, {0.0, 255.0}, "1", "variance a grey level");
+  knobs.integer("depth_width", o.depth_width, {1, 16384}, "px", "of the depth image");
+  knobs.integer("depth_height", o.depth_height, {1, 16384}, "px", "of the depth image");
+  knobs.number("max_incidence", o.max_incidence, {0.0, 1.6}, "rad",
+               "between ray and surface normal; beyond, no depth is measured");
+  knobs.integer("threads", o.threads, {1, 256}, "1", "of the renderer; the same bits with any");
+}
+
+void describe(Knobs& knobs, DepthCameraOptions& o) {
+  knobs.number("noise_constant", o.noise_constant, {0.0, 1.0}, "m",
+               "error of a range, one standard deviation");
+  knobs.number("noise_quadratic", o.noise_quadratic, {0.0, 1.0}, "1/m",
+               "the same, times the squared depth");
+  knobs.number("dropout", o.dropout, {0.0, 1.0}, "1", "probability that a ray measures nothing");
+}
+
+void describe(Knobs& knobs, FeatureCameraOptions& o) {
+  knobs.number("min_depth", o.min_depth, {0.01, 1000.0}, "m", "nearest at which one is tracked");
+  knobs.number("max_depth", o.max_depth, {0.01, 1000.0}, "m", "farthest at which one is tracked");
+  knobs.require(o.max_depth > o.min_depth, "max_depth", "max_depth <= min_depth; expected more");
+  knobs.number("max_view_angle", o.max_view_angle, {0.01, 1.57}, "rad",
+               "between the surface's normal and the line of sight");
+  knobs.number("size", o.size, {0.001, 10.0}, "m", "of a feature");
+  knobs.number("min_pixels", o.min_pixels, {0.0, 1e4}, "px",
+               "of its shorter side in the image; less: not tracked");
+  knobs.number("border", o.border, {0.0, 1e4}, "px", "without features along the images' edges");
+  knobs.integer("cells", o.cells, {1, 1000000}, "1",
+                "that the image is divided into: a feature each");
+}
+
+void describe(Knobs& knobs, ActuationNoise& o) {
+  knobs.number("linear", o.linear, {0.0, 1.0}, "sqrt(s)", "noise of the distance");
+  knobs.number("angular", o.angular, {0.0, 1.0}, "sqrt(s)", "noise of the angle");
+  knobs.number("coupling", o.coupling, {0.0, 1.0}, "rad sqrt(s)/m",
+               "noise of the heading from driving");
+}
+
+void describe(Knobs& knobs, LandmarkBuilderOptions& o) {
+  knobs.integer("max_landmarks", o.max_landmarks, {1, 1000000}, "1",
+                "in the map; beyond, the least surviving are dropped");
+  knobs.number("max_scale", o.max_scale, {1.001, 100.0}, "1",
+               "a landmark seen this much nearer or farther is detected again");
+  knobs.number("max_view_change", o.max_view_change, {0.001, 10.0}, "rad",
+               "likewise from another direction");
+  knobs.number("survival_prior_tracked", o.survival_prior_tracked, {0.001, 1e6}, "1",
+               "views in which a new landmark counts as tracked");
+  knobs.number("survival_prior_missed", o.survival_prior_missed, {0.001, 1e6}, "1",
+               "views in which it counts as missed");
+  knobs.number("cull_survival", o.cull_survival, {0.0, 0.99}, "1",
+               "share of views below which a landmark is dropped");
+  knobs.integer("cull_views", o.cull_views, {1, 1000000}, "1", "after so many expected views");
+}
+
+void describe(Knobs& knobs, OdometryOptions& o) {
+  knobs.boolean("perfect", o.perfect, "the estimate is the truth");
+  knobs.number("keyframe_distance", o.keyframe_distance, {0.001, 100.0}, "m",
+               "driven between two keyframes");
+  knobs.number("keyframe_angle", o.keyframe_angle, {0.001, 10.0}, "rad",
+               "turned between two keyframes");
+  knobs.number("position_sigma", o.position_sigma, {0.0, 1.0}, "m",
+               "error of a keyframe at 200 points");
+  knobs.number("heading_sigma", o.heading_sigma, {0.0, 1.0}, "rad",
+               "error of a keyframe at 200 points");
+  knobs.integer("lost_below", o.lost_below, {0, 10000}, "1", "tracked points: lost");
+  knobs.integer("degraded_below", o.degraded_below, {0, 10000}, "1", "tracked points: degraded");
+  knobs.require(o.degraded_below >= o.lost_below, "degraded_below",
+                "degraded_below < lost_below; expected at least as many");
+  knobs.number("reckoning_distance", o.reckoning_distance, {0.0, 1.0}, "1",
+               "error of the wheels while lost, share of the distance");
+  knobs.number("reckoning_angle", o.reckoning_angle, {0.0, 1.0}, "1",
+               "error of the wheels while lost, share of the angle");
+  knobs.number("reckoning_heading", o.reckoning_heading, {0.0, 1.0}, "rad/m",
+               "error of the wheels while lost, of the heading");
+  knobs.number("after_loss_position", o.after_loss_position, {0.0, 1.0}, "m/sqrt(rad)",
+               "error of the position that turning adds after a loss");
+  knobs.number("after_loss_heading", o.after_loss_heading, {0.0, 1.0}, "rad/sqrt(rad)",
+               "error of the heading that turning adds after a loss");
+  knobs.number("after_loss_turning", o.after_loss_turning, {0.01, 1e4}, "rad",
+               "of turning after which these have fallen to 1/e");
+}
+
+void describe(Knobs& knobs, CameraSensorsOptions& o) {
+  knobs.number("texture_quality", o.texture_quality, {0.0, 1.0}, "1",
+               "contrast of surfaces, 0 blank to 1 rich");
+  knobs.number("focal_error", o.focal_error, {-0.9, 9.0}, "1",
+               "by which the stereo pair's focal length is believed too large");
+  knobs.number("baseline_error", o.baseline_error, {-0.9, 9.0}, "1",
+               "by which its baseline is believed too large");
+  describe(knobs, o.rig);
+}
+
+void describe(Knobs& knobs, WheelErrors& o) {
+  knobs.number("along", o.along, {0.0, 10.0}, "m/sqrt(m)", "error of the distance");
+  knobs.number("across", o.across, {0.0, 10.0}, "m/sqrt(m)", "error to the side");
+  knobs.number("turn", o.turn, {0.0, 10.0}, "rad/sqrt(rad)", "error of the heading from turning");
+  knobs.number("heading", o.heading, {0.0, 10.0}, "rad/sqrt(m)",
+               "error of the heading from driving");
+  knobs.number("sigma_scale", o.sigma_scale, {0.0, 10.0}, "1",
+               "error of the scales of speed and yaw rate, drawn once");
+}
+
+PerceptionOptions simulated_perception(const WheelErrors& wheels) {
+  PerceptionOptions perception;
+  WheelFusionOptions& fusion = perception.wheel_fusion;
+  fusion.along = wheels.along, fusion.across = wheels.across;
+  fusion.turn = wheels.turn, fusion.heading = wheels.heading;
+  fusion.sigma_scale = wheels.sigma_scale;
+  perception.max_ahead = std::numeric_limits<double>::infinity();
+  return perception;
+}
+
+void describe(Knobs& knobs, SimulatorOptions& o) {
+  knobs.choice("sensors", o.sensors, {"model", "camera"},
+               "odometry as a model of its errors, or rendered images through perception");
+  knobs.number("depth_rate", o.depth_rate, {0.1, 1000.0}, "1/s", "depth images");
+  knobs.number("image_rate", o.image_rate, {0.1, 1000.0}, "1/s", "stereo images");
+  knobs.group("actuation", [&] { describe(knobs, o.actuation); });
+  knobs.group("odometry", [&] { describe(knobs, o.odometry); });
+  knobs.group("depth", [&] { describe(knobs, o.depth); });
+  knobs.group("features", [&] { describe(knobs, o.features); });
+  knobs.group("landmarks", [&] { describe(knobs, o.landmarks); });
+  knobs.group("wheels", [&] { describe(knobs, o.wheels); });
+  knobs.group("camera", [&] { describe(knobs, o.camera); });
+}
+
+OccupancyMapperOptions mapping_options(const SimulatorOptions& options,
+                                       OccupancyMapperOptions mapping) {
+  const VerticalExtent slice = body_slice(options.shape, options.base_height);
+  mapping.slice.z_min = slice.z_min;
+  mapping.slice.z_max = slice.z_max;
+  mapping.slice.sight = options.base_height + options.depth_mount.T_BC.translation().z();
+  mapping.max_range = options.depth.footprint.max_range;
+  return mapping;
+}
+
+std::string simulator_misfit(const SimulatorOptions& options, const OccupancyMapperOptions& map) {
+  const OccupancyMapperOptions mapping = mapping_options(options, map);
+  // What is not mapped at the heights of the body could be driven into.
+  if (!(mapping.slice.z_min >= mapping.z_min && mapping.slice.z_max <= mapping.z_max)) {
+    return formatted(
+        "the body is at heights from %.4g to %.4g m; expected it between perception.mapping.z_min, "
+        "%.4g m, and z_max, %.4g m, the heights that are mapped",
+        mapping.slice.z_min, mapping.slice.z_max, mapping.z_min, mapping.z_max);
+  }
+  if (const std::string range = range_misfit(mapping); !range.empty()) {
+    return "robot.depth." + range;
+  }
+  const std::string layers = layers_misfit(mapping);
+  return layers.empty() ? "" : "perception.mapping." + layers;
+}
+
+void describe(Knobs& knobs, SimulatedBaseOptions& o) {
+  knobs.number("dead_man", o.dead_man, {0.01, 10.0}, "s",
+               "of silence after which the base stops by itself");
+  knobs.number("delay", o.delay, {0.0, 2.0}, "s", "from a command to when it acts");
+  knobs.number("belief_period", o.belief_period, {0.01, 1.0}, "s", "from one belief to the next");
+}
+
+}  // namespace prospect

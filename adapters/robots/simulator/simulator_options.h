@@ -1,0 +1,106 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <string>
+
+#include "adapters/robots/simulator/camera_rig.h"
+#include "adapters/robots/simulator/depth_camera.h"
+#include "adapters/robots/simulator/feature_camera.h"
+#include "adapters/robots/simulator/kinematic_robot.h"
+#include "adapters/robots/simulator/landmark_builder.h"
+#include "adapters/robots/simulator/odometry_model.h"
+#include "models/camera.h"
+#include "models/robot_shape.h"
+#include "perception/mapping/occupancy_mapper.h"
+#include "perception/pipeline/perception_options.h"
+
+namespace octomap {
+class OcTree;
+}
+
+namespace prospect {
+
+class Knobs;
+
+/// How the robot of a simulation perceives.
+enum class Sensors {
+  kModel,   ///< odometry and landmarks as a model of their errors (FeatureSensors): fast
+  kCamera,  ///< rendered images through this project's perception (CameraSensors)
+};
+
+/// What the second of them needs besides.
+struct CameraSensorsOptions {
+  /// Cameras and mounts are set from the simulator's, depth noise from its depth camera.
+  CameraRigOptions rig;
+  /// Contrast of all surfaces: 1 rich, 0 blank.
+  double texture_quality = 1.0;
+  /// Share by which the robot takes its stereo pair's focal length and baseline to be larger than
+  /// they are: a calibration that is wrong.
+  double focal_error = 0.0, baseline_error = 0.0;
+};
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, CameraSensorsOptions& options);
+
+/// How the wheels of a robot with cameras really err, in the terms of WheelFusionOptions. By
+/// default as the reckoning in OdometryOptions does.
+struct WheelErrors {
+  double along = 0.02, across = 0.01;  ///< of the distance, to the side [m per sqrt(m)]
+  double turn = 0.01;                  ///< of the yaw, from turning [rad per sqrt(rad)]
+  double heading = 0.005;              ///< of the yaw, from driving [rad per sqrt(m)]
+  double sigma_scale = 0.01;           ///< of the scales of speed and yaw rate, drawn once [-]
+};
+
+/// The knobs (models/knobs.h).
+void describe(Knobs& knobs, WheelErrors& errors);
+
+/// How a simulated robot perceives unless it is told otherwise: its fusion knows how the wheels
+/// err. Inputs come at once, so none waits for a pose (max_ahead).
+PerceptionOptions simulated_perception(const WheelErrors& wheels = {});
+
+/// Everything a simulated mission depends on besides its world, the robot's perception and the
+/// commands.
+struct SimulatorOptions {
+  std::uint64_t seed = 1;
+  Sensors sensors = Sensors::kModel;
+
+  RobotShape shape = CylinderShape{};
+  double base_height = 0.0;  ///< of B's origin above the floor [m]: RobotDescription::base_height()
+  ActuationNoise actuation;  ///< none by default: commands are executed exactly
+
+  CameraMount depth_mount;
+  DepthCameraOptions depth;
+  double depth_rate = 5.0;  ///< [Hz]
+
+  CameraMount stereo_mount;
+  FeatureCameraOptions features;
+  double image_rate = 10.0;  ///< [Hz]: tracking of features; keyframes are taken among these images
+
+  OdometryOptions odometry;
+  LandmarkBuilderOptions landmarks;  ///< density is that of the robot's perception
+  WheelErrors wheels;
+
+  /// A map of the same world to begin with, in W (OccupancyMapper::load); null: none. What it knows
+  /// counts as seen.
+  std::shared_ptr<const octomap::OcTree> map{};
+
+  CameraSensorsOptions camera;
+};
+
+/// The knobs (models/knobs.h): all that does not come from the robot, the world or the command
+/// line.
+void describe(Knobs& knobs, SimulatorOptions& options);
+
+/// `mapping`, with what it takes from the robot: slice is body_slice() of shape and base_height,
+/// max_range that of the depth camera.
+OccupancyMapperOptions mapping_options(const SimulatorOptions& options,
+                                       OccupancyMapperOptions mapping);
+/// What of robot and map does not fit together (range_misfit(), layers_misfit()): "" or the keys,
+/// the numbers, and what would fit. The Simulator's constructor asks it, and so does every mission
+/// before it begins.
+std::string simulator_misfit(const SimulatorOptions& options,
+                             const OccupancyMapperOptions& mapping);
+
+}  // namespace prospect

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "adapters/views/report/drawing.h"
+#include "engine/maps/ground_map.h"
+
+namespace prospect {
+
+/// What the path of a figure is coloured by.
+enum class PathColor { kPlain, kFeatures, kError, kSpeed, kMode };
+
+/// A path and what each of its points is coloured by.
+struct ColoredPath {
+  std::vector<Eigen::Vector2d> points;  ///< estimated frame [m]; not finite: a gap
+  PathColor by = PathColor::kPlain;
+  std::vector<double> values;      ///< of a quantity: one a point; a line has the value of its end
+  std::vector<std::string> modes;  ///< of kMode: one a point
+};
+
+/// The path over the map, as wide as one column of a page (252 pt), with start, end, a scale bar in
+/// metres and a key to the colours. `map`: null where none was kept: the path alone.
+Drawing path_figure(const GroundMap* map, const ColoredPath& path);
+
+/// The map as the robot knew it: free and occupied cells.
+Drawing map_figure(const GroundMap& map);
+
+}  // namespace prospect

@@ -1,0 +1,351 @@
+#include "adapters/missions/config/key_readers.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <memory>
+#include <set>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "adapters/formats/files/input_error.h"
+#include "adapters/formats/files/not_built_in.h"
+#include "adapters/formats/files/parse_number.h"
+#include "adapters/missions/config/configuration.h"
+#include "adapters/missions/run/exploration_run.h"
+#include "adapters/missions/run/live_mission.h"
+#include "adapters/missions/run/live_perception.h"
+#include "adapters/robots/simulator/simulator.h"
+#include "models/knobs.h"
+#include "models/make_model.h"
+#include "models/range_text.h"
+#include "tests/adapters/box_room.h"
+
+// No key is without effect: whatever a configuration is used for, each key reaches what is built of
+// it, or is refused.
+namespace prospect::key_readers_test {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using Use = ConfigurationUse;
+
+/// What is described, as text.
+class Text final : public Knobs {
+ public:
+  void number(const char*, double& value, Range, const char*, const char*) override { add(value); }
+  void degrees(const char*, double& value, Range, const char*) override { add(value); }
+  void integer(const char*, int& value, WholeRange, const char*, const char*) override {
+    add(value);
+  }
+  void boolean(const char*, bool& value, const char*) override { add(value); }
+  void numbers(const char*, double* values, std::size_t count, Range, const char*,
+               const char*) override {
+    for (std::size_t i = 0; i < count; ++i) add(values[i]);
+  }
+  void require(bool, const char*, const char*) override {}
+
+  template <typename Value>
+  void add(const Value& value) {
+    text << value << ' ';
+  }
+  template <typename Options>
+  void add_all(Options options) {
+    describe(*this, options);
+  }
+  void add_mount(const CameraMount& mount) { add(mount.T_BC.matrix()); }
+
+  std::ostringstream text;
+
+ private:
+  void word(const char*, std::size_t& index, const std::vector<std::string>&,
+            const char*) override {
+    add(index);
+  }
+  void enter(const char*) override {}
+  void leave() override {}
+};
+
+/// The robot, its planner and its task, which all missions have.
+void add_mission(Text& text, const Configuration& c) {
+  ModelParameters motion = parameters_of(*c.robot.model);
+  describe(text, c.robot.model->name(), motion);
+  text.add(c.robot.model->name());
+  text.add(c.robot.shape.index());
+  std::visit(
+      [&](const auto& shape) {
+        if constexpr (requires(Text & t, std::decay_t<decltype(shape)> s) { describe(t, s); }) {
+          text.add_all(shape);
+        }
+      },
+      c.robot.shape);
+  text.add_all(c.robot.stereo), text.add_mount(c.robot.stereo_mount);
+  text.add_all(c.robot.depth), text.add_mount(c.robot.depth_mount);
+  text.add(c.solver);
+  text.add_all(c.planner);
+  FrontierPlannerOptions end = c.planner.frontier_planner;
+  describe_end(text, end);
+  text.add_all(c.mission);
+  text.add(c.until_coverage), text.add(c.until_area);
+  const Task& task = c.planner.task;
+  text.add(static_cast<int>(task.kind)), text.add(task.area ? task.area->size() : 0);
+  text.add(task.goal.position.transpose()), text.add(task.goal.yaw.value_or(NAN));
+  text.add(task.goal.position_tolerance), text.add(task.goal.yaw_tolerance);
+  text.add(c.planner.zones.bound ? c.planner.zones.bound->size() : 0);
+}
+
+void add_world(Text& text, const Configuration& c) {
+  const WorldOptions world = world_options_for(c);
+  text.add(world.floor.value_or(NAN)), text.add(world.voxel_size), text.add(world.unknown_is_free);
+  text.add(world.ground_margin), text.add(world.start ? world.start->position.x() : NAN);
+}
+
+void add_drive(Text& text, const Configuration& c) {
+  text.add_all(c.drive.driver), text.add_all(c.drive.preflight), text.add_all(c.drive.ranges);
+}
+
+/// What a simulated robot is made of.
+void add_simulator(Text& text, const Configuration& c) {
+  const SimulatorOptions& o = c.simulator;
+  text.add_all(guard_limits_for(c));
+  add_world(text, c);
+  text.add(static_cast<int>(o.sensors)), text.add(o.depth_rate), text.add(o.image_rate);
+  text.add_all(o.actuation), text.add_all(o.depth);
+  text.add_all(mapping_options(o, c.perception.mapping));
+  text.add_all(c.perception.feature_density);
+  text.add(c.map);
+  if (o.sensors == Sensors::kModel) {
+    text.add_all(o.odometry), text.add_all(o.features), text.add_all(o.landmarks);
+    // What looks for features in the images of a mesh.
+    const CameraRigOptions& rig = o.camera.rig;
+    for (const double v : {rig.exposure, rig.exposure_time, rig.vignetting, rig.blur,
+                           rig.read_noise, rig.shot_noise, double(rig.threads)}) {
+      text.add(v);
+    }
+    return;
+  }
+  PerceptionOptions perception = c.perception;
+  perception.scan_mapping = {};
+  if (perception.wheels) {
+    text.add_all(o.wheels);
+  } else {
+    perception.wheel_fusion = {};
+  }
+  text.add_all(o.camera), text.add_all(perception);
+}
+
+/// What a mission is made of.
+std::string built(const Configuration& c, Use use) {
+  Text text;
+  text.text.precision(17);
+  add_mission(text, c);
+  if (is_simulated(use)) {
+    add_simulator(text, c);
+    if (use == Use::kDriveSimulator) add_drive(text, c), text.add_all(c.simulated_base);
+    return text.text.str();
+  }
+  add_drive(text, c);
+  text.add_all(c.guard);
+  SensorInboxOptions inbox = c.drive.inbox;
+  PerceptionOptions perception = live_perception(c, std::nullopt, Pose());
+  if (use == Use::kDriveGazebo) {
+    inbox.cameras_in_runtime_clock = inbox.wheels_in_runtime_clock = true;
+    inbox.depth_in_runtime_clock = inbox.scan_in_runtime_clock = true;
+    perception.scan_mapping = {};
+    text.add_all(c.gazebo);
+    const GazeboOptions& g = c.gazebo;
+    for (const std::string& name : {g.address.host, g.world, g.model, g.link, g.stereo, g.depth,
+                                    g.left_wheel, g.right_wheel}) {
+      text.add(name);
+    }
+    add_world(text, c);
+  }
+  text.add_all(inbox), text.add_all(perception);
+  return text.text.str();
+}
+
+/// Values of a key beside its default, some of which it may have.
+std::vector<std::string> other_values(const ConfigEntry& e) {
+  static const std::map<std::string, std::vector<std::string>> told = {
+      {"planner.solver", {"nlopt:LN_BOBYQA"}},
+      {"world.floor", {"1.5"}},
+      {"world.start", {"[1, 2, 3]"}},
+      {"task.area", {"[0, 0, 2, 0, 2, 2]"}},
+      {"task.goal", {"[1, 2, 3]"}},
+      {"zones.bound", {"[-9, -9, 9, -9, 9, 9, -9, 9]"}},
+  };
+  if (const auto own = told.find(e.path); own != told.end()) return own->second;
+  if (e.range == "text") return {"another"};
+  std::vector<std::string> values;
+  const auto about = [&](double v) {
+    for (const double other : {v * 1.01, v * 0.99, v + 1.0, v - 1.0, v + 0.01, v - 0.01}) {
+      if (std::isfinite(other) && other != v) values.push_back(exact_text(other));
+    }
+    if (!std::isfinite(v)) values.push_back("1");
+  };
+  double number = 0.0;
+  if (e.default_value == "inf" || parse_number(e.default_value, number)) {
+    about(e.default_value == "inf" ? INFINITY : number);
+  } else if (e.default_value.starts_with("[")) {
+    const std::size_t comma = e.default_value.find_first_of(",]");
+    parse_number(e.default_value.substr(1, comma - 1), number);
+    about(number);
+    for (std::string& value : values) value = "[" + value + e.default_value.substr(comma);
+  } else {
+    std::istringstream words(e.range);
+    for (std::string word; std::getline(words >> std::ws, word, ',');) {
+      if (word != e.default_value) values.push_back(word);
+    }
+  }
+  return values;
+}
+
+/// The configuration with another value of the key.
+Configuration with_another(const ConfigEntry& e, const std::vector<std::string>& settings,
+                           Use use) {
+  std::string last;
+  for (const std::string& value : other_values(e)) {
+    std::vector<std::string> all = settings;
+    all.push_back(e.path + "=" + value);
+    try {
+      return read_configuration("", {}, all, use);
+    } catch (const InputError& error) {
+      last = error.what();
+    }
+  }
+  ADD_FAILURE() << e.path << ": no other value is taken: " << last;
+  return {};
+}
+
+struct Kind {
+  const char* name;
+  Use use;
+  std::vector<std::string> settings;
+  std::vector<std::string> keys;  ///< "": all; else those that begin so: the rest is as before
+};
+
+TEST(KeyReaders, EachKeyReachesWhatIsBuiltOrIsRefused) {
+  // The keys of planner.options are the back end's.
+  const std::set<std::string> left = {"planner.options"};
+  for (const Kind& kind : {
+           Kind{"explore", Use::kExplore, {}, {""}},
+           Kind{"explore by cameras",
+                Use::kExplore,
+                {"simulator.sensors=camera"},
+                {"simulator.", "perception."}},
+           Kind{"explore by cameras without wheels",
+                Use::kExplore,
+                {"simulator.sensors=camera", "perception.wheels=false"},
+                {"simulator.wheels.", "perception.wheel_fusion."}},
+           Kind{"explore an area", Use::kExplore, {"task.area=[0, 0, 5, 0, 5, 5]"}, {"task."}},
+           Kind{"go", Use::kExplore, {"task.kind=go", "task.goal=[5, 5]"}, {"task."}},
+           Kind{"drive", Use::kDriveSimulator, {}, {"drive."}},
+           Kind{"gazebo",
+                Use::kDriveGazebo,
+                {},
+                {"drive.", "gazebo.", "guard.", "perception.", "simulator.", "world."}},
+           Kind{"dds",
+                Use::kDriveDds,
+                {},
+                {"drive.", "gazebo.", "guard.", "perception.", "simulator.", "world."}},
+       }) {
+    SCOPED_TRACE(kind.name);
+    const Configuration before = read_configuration("", {}, kind.settings, kind.use);
+    const std::string built_before = built(before, kind.use);
+    int reached = 0, refused = 0;
+    for (const ConfigEntry& e : before.entries) {
+      const auto begins = [&](const std::string& key) { return e.path.starts_with(key); };
+      if (left.contains(e.path) || e.set ||
+          (e.path == "task.kind" && !kind.settings.empty()) ||  // the settings are of this kind
+
+          std::none_of(kind.keys.begin(), kind.keys.end(), begins)) {
+        continue;
+      }
+      SCOPED_TRACE(e.path);
+      const std::string unread = unread_because(e.path, key_reader(before, kind.use));
+      if (unread.empty()) {
+        ++reached;
+        EXPECT_NE(built(with_another(e, kind.settings, kind.use), kind.use), built_before)
+            << "accepted, and without effect";
+      } else {
+        ++refused;
+        EXPECT_THAT(unread, HasSubstr("; expected "));
+        if (e.path == "simulator.sensors") continue;  // perception's defaults follow it
+        // To look at, it is as it was: that it would not have changed anything is why it is
+        // refused.
+        EXPECT_EQ(built(with_another(e, kind.settings, Use::kAny), kind.use), built_before)
+            << "refused, but it would have an effect";
+      }
+    }
+    EXPECT_GT(reached + refused, 0);
+  }
+}
+
+std::vector<std::string> said(const std::string& yaml, const std::vector<std::string>& settings,
+                              const KeyReader& reader) {
+  try {
+    refuse_unread(configuration_from_text(yaml, "f.yaml", {}, settings).entries, reader);
+  } catch (const InputError& e) {
+    return e.lines();
+  }
+  return {};
+}
+
+TEST(KeyReaders, AFileMayDescribeARobotForAllItsMissions) {
+  const KeyReader explore{.use = Use::kExplore};
+  // By name of another command; as it is anyway; as a setting.
+  EXPECT_THAT(said("drive: {replan_period: 0.4}\ngazebo: {model: mine}\n", {}, explore),
+              ElementsAre());
+  EXPECT_THAT(said("perception: {odometry: {max_misses: 3}}\n", {}, explore), ElementsAre());
+  EXPECT_THAT(said("perception: {odometry:\n  {max_misses: 4}}\n", {}, explore),
+              ElementsAre("f.yaml:2: perception.odometry.max_misses: nothing reads it here: of a "
+                          "robot with cameras; expected simulator.sensors: camera, or --base "
+                          "gazebo|dds"));
+  EXPECT_THAT(said("", {"drive.replan_period=0.4"}, explore),
+              ElementsAre("--set drive.replan_period=0.4: drive.replan_period: nothing reads it "
+                          "here: of a mission in real time; expected it with prospect drive"));
+  // What the world and the topics decide.
+  const std::vector<std::string> exposed = {"simulator.camera.exposure=2"};
+  EXPECT_THAT(said("", exposed, {.use = Use::kExplore, .textured = true}), ElementsAre());
+  EXPECT_EQ(said("", exposed, {.use = Use::kExplore, .textured = false}).size(), 1U);
+  const std::vector<std::string> spaced = {"perception.scan_mapping.point_spacing=1"};
+  EXPECT_THAT(said("", spaced, {.use = Use::kDriveDds, .scans = true}), ElementsAre());
+  EXPECT_EQ(said("", spaced, {.use = Use::kDriveDds, .scans = false}).size(), 1U);
+}
+
+TEST(KeyReaders, OfARecordingPerceptionIsRead) {
+  const auto cells = [](Use use) {
+    return read_perception("", {"perception.odometry.corners.cells=60"}, {}, use)
+        .odometry.corners.cells;
+  };
+  EXPECT_EQ(cells(Use::kOdometry), 60);
+  EXPECT_THROW(cells(Use::kMapDepth), InputError);
+  for (const char* setting : {"robot.stereo.fx=300", "planner.N=9", "simulator.seed=1"}) {
+    EXPECT_THROW(read_perception("", {setting}, {}, Use::kOdometry), InputError) << setting;
+  }
+}
+
+// The key of a mission by cameras that had no effect once.
+TEST(KeyReaders, CornersOfAMissionByCameras) {
+  const auto tracked = [](const std::string& setting) {
+    const Configuration c =
+        read_configuration("", {}, {"simulator.sensors=camera", setting}, Use::kExplore);
+    Simulator simulator(std::make_shared<const World>(test::box_room(3.0, 3.0, 2.2, 0.1, 30.0)),
+                        c.simulator, c.perception);
+    return simulator.sense()->tracked_features;
+  };
+  try {
+    EXPECT_LT(tracked("perception.odometry.corners.cells=60"),
+              tracked("perception.odometry.corners.cells=300") - 20);
+  } catch (const NotBuiltIn& e) {
+    GTEST_SKIP() << e.what();
+  }
+}
+
+}  // namespace
+}  // namespace prospect::key_readers_test

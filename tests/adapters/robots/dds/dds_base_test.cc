@@ -1,0 +1,238 @@
+#include "adapters/robots/dds/dds_base.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "adapters/formats/ros/geometry_msgs.h"
+#include "adapters/formats/ros/nav_msgs.h"
+#include "adapters/formats/ros/tf2_msgs.h"
+#include "tests/adapters/dds_pair.h"
+
+namespace prospect::dds_base_test {
+namespace {
+
+using test::kPatience;
+using test::within;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+constexpr double kRobotsClock = 1000.0;  // [s] ahead of ours
+
+/// The driver of a base at the other end.
+class Driver {
+ public:
+  explicit Driver(const DdsOptions& options) : node_(test::dds_test_address("driver")) {
+    odometry_ = node_.advertise<ros::Odometry>(options.odometry, kReliableQos);
+    stop_ = node_.advertise<ros::Bool>(options.emergency_stop, kReliableQos);
+    acknowledge_ = node_.advertise<ros::Bool>(options.acknowledge, kReliableQos);
+    transforms_ = node_.advertise<ros::TFMessage>("/tf_static", kStaticTransformQos);
+    node_.subscribe<ros::TwistStamped>(options.command.stamped, kCommandQos,
+                                       [this](const ros::TwistStamped& m) {
+                                         const std::lock_guard lock(mutex_);
+                                         commands_.push_back(m);
+                                       });
+    node_.start();
+  }
+  void odometry(double speed, double x, const std::string& child = "base_link") {
+    ros::Odometry m;
+    m.header = {ros::time_of(clock_.now() + kRobotsClock), "odom"};
+    m.child_frame_id = child;
+    m.pose.pose.position.x = x;
+    m.twist.twist.linear.x = speed;
+    m.twist.twist.angular.z = 0.5;
+    node_.publish(odometry_, m);
+  }
+  void press(bool pressed) { node_.publish(stop_, ros::Bool{pressed}); }
+  void acknowledge(bool yes) { node_.publish(acknowledge_, ros::Bool{yes}); }
+  /// `child` lies ahead of `parent`, and is turned to the left by a right angle.
+  void mount(const std::string& parent, const std::string& child, double ahead) {
+    ros::TransformStamped t;
+    t.header.frame_id = parent;
+    t.child_frame_id = child;
+    t.transform.translation.x = ahead;
+    t.transform.rotation.z = t.transform.rotation.w = std::sqrt(0.5);
+    node_.publish(transforms_, ros::TFMessage{{t}});
+  }
+  bool ready(const DdsOptions& o) const {
+    return node_.subscribers(o.odometry) > 0 && node_.subscribers(o.emergency_stop) > 0 &&
+           node_.subscribers(o.acknowledge) > 0 && node_.publishers(o.command.stamped) > 0;
+  }
+  std::vector<ros::TwistStamped> commands() {
+    const std::lock_guard lock(mutex_);
+    return commands_;
+  }
+
+ private:
+  SteadyClock clock_;
+  DdsNode node_;
+  int odometry_ = -1, stop_ = -1, acknowledge_ = -1, transforms_ = -1;
+  std::mutex mutex_;
+  std::vector<ros::TwistStamped> commands_;
+};
+
+TEST(DdsBase, DrivesAndHearsABaseBehindTopics) {
+  DdsOptions options;
+  options.emergency_stop = "/emergency_stop";
+  options.acknowledge = "/acknowledge";
+  options.command.dead_man = 0.5;
+  options.command.limits.speed = 0.6;
+  const SteadyClock clock;
+  DdsNode node(test::dds_test_address("prospect"));
+  const DdsTransforms transforms(node);
+  DriveRequests requests;
+  DdsBase base(options, node, transforms, clock, &requests);
+  node.start();
+  EXPECT_EQ(base.dead_man(), 0.5);
+  EXPECT_EQ(base.limits().speed, 0.6);
+  EXPECT_FALSE(base.report().connected);
+
+  Driver driver(options);
+  ASSERT_TRUE(within(kPatience, [&] { return driver.ready(options); }));
+  EXPECT_TRUE(driver.commands().empty()) << "nothing is sent unasked";
+
+  // Odometry until the robot's clock is known, 0.5 s.
+  BaseReport heard;
+  const double begin = clock.now();
+  int came = 0;
+  ASSERT_TRUE(within(
+      kPatience,
+      [&] {
+        const BaseReport report = base.report();
+        came += static_cast<int>(report.wheels.size());
+        if (report.connected) heard = report;
+        return report.connected && clock.now() > begin + 0.8 && came > 5;
+      },
+      [&] { driver.odometry(0.25, 3.0); }));
+  EXPECT_EQ(heard.velocity.linear.x(), 0.25);
+  EXPECT_EQ(heard.velocity.yaw_rate, 0.5);
+  EXPECT_TRUE(heard.faults.empty());
+  EXPECT_NEAR(ros::seconds(base.ros_time(clock.now())), clock.now() + kRobotsClock, 0.2);
+  EXPECT_EQ(base.odometry(clock.now())->translation().x(), 3.0);
+
+  base.send({{0.2, 0.0, 0.0}, -0.3}, clock.now() + 1.0);
+  ASSERT_TRUE(within(kPatience, [&] { return driver.commands().size() == 1; }));
+  EXPECT_EQ(driver.commands()[0].twist.linear.x, 0.2);
+  EXPECT_EQ(driver.commands()[0].twist.angular.z, -0.3);
+  EXPECT_EQ(driver.commands()[0].header.frame_id, "base_link");
+  base.send({{0.9, 0.0, 0.0}, 0.0}, clock.now() - 0.1);  // has expired
+  base.send({{std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0}, 0.0}, clock.now() + 1.0);
+  ASSERT_TRUE(within(kPatience, [&] { return driver.commands().size() == 2; }));
+  EXPECT_EQ(driver.commands()[1].twist.linear.x, 0.0) << "no number is a stop";
+
+  const auto button = [&] { return base.emergency_stop()->state(clock.now()); };
+  EXPECT_FALSE(button().silent.empty()) << "nobody has said whether it is pressed";
+  for (const bool pressed : {true, false}) {
+    driver.press(pressed);
+    EXPECT_TRUE(
+        within(kPatience, [&] { return button().silent.empty() && button().pressed == pressed; }));
+  }
+  EXPECT_TRUE(within(kPatience, [&] { return !button().silent.empty(); })) << "no word for a time";
+
+  EXPECT_FALSE(requests.take_acknowledgement());
+  driver.acknowledge(false);
+  driver.acknowledge(true);
+  EXPECT_TRUE(within(kPatience, [&] { return requests.take_acknowledgement(); }));
+
+  driver.odometry(0.25, 3.0, "wheel");
+  EXPECT_TRUE(within(kPatience, [&] { return !node.fault("/odom").empty(); }));
+  EXPECT_THAT(base.report().faults,
+              Contains(HasSubstr("/odom: child_frame_id is 'wheel'; expected 'base_link'")));
+  EXPECT_TRUE(within(kPatience, [&] {
+    const auto faults = base.report().faults;
+    return std::find(faults.begin(), faults.end(), "/odom: odometry is silent") != faults.end();
+  }));
+}
+
+// A publisher that says it once: that it is there is what counts.
+TEST(DdsBase, ALatchedEmergencyStopIsThereAsLongAsItsPublisherIs) {
+  DdsOptions options;
+  options.emergency_stop = "/emergency_stop";
+  options.emergency_stop_contract = {.max_age = 0.5, .latched = true};
+  options.command.dead_man = 0.5;
+  const SteadyClock clock;
+  DdsNode node(test::dds_test_address("prospect"));
+  const DdsTransforms transforms(node);
+  DdsBase base(options, node, transforms, clock);
+  node.start();
+  const auto silent = [&] {
+    base.report();
+    return base.emergency_stop()->state(clock.now()).silent;
+  };
+  EXPECT_EQ(silent(),
+            "/emergency_stop: 0 of 1 publishers are there and have said whether it is pressed");
+  const auto publish = [](DdsNode& button, const DdsQos& qos) {
+    const int topic = button.advertise<ros::Bool>("/emergency_stop", qos);
+    button.start();
+    button.publish(topic, ros::Bool{false});
+  };
+  {
+    DdsNode late(test::dds_test_address("late"));
+    publish(late, {true, true, 1, 0.4});
+    EXPECT_TRUE(within(kPatience, [&] { return silent().empty(); }));
+    const double since = clock.now();
+    EXPECT_TRUE(within(
+        kPatience, [&] { return clock.now() > since + 1.0; }, [&] { EXPECT_EQ(silent(), ""); }));
+  }
+  EXPECT_TRUE(within(kPatience, [&] { return !silent().empty(); })) << "it has gone";
+  // One that promises no sign of life, or keeps nothing for who comes late, is not connected.
+  for (const DdsQos& qos : {DdsQos{true, true, 1}, DdsQos{true, false, 1, 0.4}}) {
+    DdsNode other(test::dds_test_address("other"));
+    publish(other, qos);
+    EXPECT_TRUE(within(kPatience, [&] { return !node.fault("/emergency_stop").empty(); }));
+    EXPECT_THAT(base.report().faults,
+                Contains(HasSubstr("expected one that fits a subscription that is reliable, "
+                                   "transient local, with a liveliness lease of 0.5 s")));
+    EXPECT_FALSE(silent().empty());
+  }
+}
+
+TEST(DdsBase, CarriesTheMotionOfAFrameThatTfKnowsOverToTheBody) {
+  DdsOptions options;
+  options.emergency_stop = "/emergency_stop";
+  options.acknowledge = "/acknowledge";
+  options.odometry_by_tf = true;
+  options.command.dead_man = 0.5;
+  const SteadyClock clock;
+  DdsNode node(test::dds_test_address("prospect"));
+  const DdsTransforms transforms(node);
+  DriveRequests requests;
+  DdsBase base(options, node, transforms, clock, &requests);
+  node.start();
+  Driver driver(options);
+  ASSERT_TRUE(within(kPatience, [&] { return driver.ready(options); }));
+
+  driver.odometry(0.25, 3.0, "wheel");
+  EXPECT_TRUE(within(kPatience, [&] { return !node.fault("/odom").empty(); }));
+  EXPECT_THAT(node.fault("/odom"), HasSubstr("no transform from its child_frame_id 'wheel'"));
+  // 0.4 m ahead of the body, looking left: it moves by 0.25 m/s that way while the body turns by
+  // 0.5 rad/s, which by itself moves it by 0.2 m/s.
+  BaseReport heard;
+  ASSERT_TRUE(within(
+      kPatience,
+      [&] {
+        const BaseReport report = base.report();
+        if (!report.wheels.empty()) heard = report;
+        return !heard.wheels.empty();
+      },
+      [&] {
+        driver.mount("base_link", "wheel", 0.4);
+        driver.odometry(0.25, 3.0, "wheel");
+      }));
+  EXPECT_NEAR(heard.wheels.back().velocity.x(), 0.0, 1e-12);
+  EXPECT_NEAR(heard.wheels.back().velocity.y(), 0.05, 1e-12);
+  EXPECT_NEAR(heard.wheels.back().yaw_rate, 0.5, 1e-12);
+  // The body is 0.4 m to the right of the frame, which is not turned against odom.
+  const Eigen::Isometry3d T = *base.odometry(clock.now());
+  EXPECT_NEAR(T.translation().x(), 3.0, 1e-9);
+  EXPECT_NEAR(std::abs(T.translation().y()), 0.4, 1e-9);
+}
+
+}  // namespace
+}  // namespace prospect::dds_base_test

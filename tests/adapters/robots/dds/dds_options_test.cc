@@ -1,0 +1,99 @@
+#include "adapters/robots/dds/dds_options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <string>
+
+#include "adapters/formats/files/input_error.h"
+
+namespace prospect::dds_options_test {
+namespace {
+
+using ::testing::HasSubstr;
+
+DdsOptions read(const std::string& text) {
+  const std::string path = ::testing::TempDir() + "dds_options_test.yaml";
+  std::ofstream(path) << text;
+  return read_dds_options(path);
+}
+std::string refusal(const std::string& text) {
+  try {
+    read(text);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(DdsOptions, ReadsWhatIsGivenAndKeepsTheRest) {
+  const DdsOptions o = read(
+      "domain: 7\n"
+      "frames: {base: base_footprint}\n"
+      "stereo: {left: /cam/left, compressed: true}\n"
+      "depth: {image: none}\n"
+      "scan: /scan\n"
+      "emergency_stop: /stop\n"
+      "emergency_stop_age: 0.3\n"
+      "emergency_stop_publishers: 2\n"
+      "command: {stamped: none, plain: /cmd_vel, dead_man: 0.5, speed: 0.6, relay_age: arrival}\n"
+      "output: {octomap: none}\n");
+  EXPECT_EQ(o.address.domain, 7);
+  EXPECT_EQ(o.frames.base, "base_footprint");
+  EXPECT_EQ(o.frames.map, "map");
+  EXPECT_EQ(o.stereo.left, "/cam/left");
+  EXPECT_EQ(o.stereo.right, DdsOptions().stereo.right);
+  EXPECT_TRUE(o.stereo.compressed);
+  EXPECT_EQ(o.depth.image, "");
+  EXPECT_EQ(o.depth.info, "");
+  EXPECT_EQ(o.emergency_stop, "/stop");
+  EXPECT_EQ(o.emergency_stop_contract.publishers, 2);
+  EXPECT_EQ(o.emergency_stop_contract.max_age, 0.3);
+  EXPECT_FALSE(o.emergency_stop_contract.latched);
+  EXPECT_EQ(o.scan, "/scan");
+  EXPECT_EQ(o.command.stamped, "");
+  EXPECT_EQ(o.command.plain, "/cmd_vel");
+  EXPECT_EQ(o.command.dead_man, 0.5);
+  EXPECT_EQ(o.command.limits.speed, 0.6);
+  EXPECT_FALSE(o.command.limits.yaw_rate.has_value());
+  EXPECT_EQ(o.command.relay_age, DdsOptions::RelayAge::kArrival);
+  EXPECT_EQ(DdsOptions().command.relay_age, DdsOptions::RelayAge::kStamp);
+  EXPECT_EQ(o.output.octomap, "");
+  EXPECT_EQ(o.output.map, "/map");
+}
+
+TEST(DdsOptions, NamesTheLineOfWhatIsWrong) {
+  struct Row {
+    const char *text, *expected;
+  };
+  const Row rows[] = {
+      {"domain: 1\n", "command.dead_man"},
+      {"command: {dead_man: 0.5}\ndoman: 1\n", "yaml:2: unknown key 'doman'"},
+      {"command: {dead_man: 0.5}\nodometry: odom\n", "yaml:2: "},
+      {"command: {dead_man: 0.5}\nodometry: odom\n", "expected a name of ROS 2"},
+      {"command: {dead_man: 0.5}\nodometry: /cmd_vel\n", "has another meaning already"},
+      {"command:\n  dead_man: 0.5\n  stamped: none\n", "yaml:3: "},
+      {"command: {dead_man: 0}\n", "yaml:1: "},
+      {"command: {dead_man: 0.5}\ndepth: {image: none}\n", "nothing measures ranges"},
+      {"command: {dead_man: 0.5}\nscan: /s\npoint_cloud: /p\n", "expected one of them"},
+      {"command: {dead_man: 0.5}\ndomain: 233\n", "yaml:2: "},
+      {"command: {dead_man: 0.5}\nmounts: urdf\n", "yaml:2: "},
+      {"command: {dead_man: 0.5}\nemergency_stop_age: 1\n", "there is no emergency_stop"},
+      {"command: {dead_man: 0.5}\nemergency_stop: /s\nemergency_stop_age: .inf\n", "yaml:3: "},
+      {"command: {dead_man: 0.5}\nemergency_stop: /s\nemergency_stop_publishers: 0\n", "yaml:3: "},
+      {"command: {dead_man: 0.5, relay_age: never}\n", "expected one of: stamp, arrival"},
+  };
+  for (const Row& row : rows) EXPECT_THAT(refusal(row.text), HasSubstr(row.expected)) << row.text;
+}
+
+TEST(DdsOptions, OfTheSamplePackageAreRead) {
+  const std::string config =
+      std::string(PROSPECT_SOURCE_DIR) + "/share/ros2/prospect_robot/config/";
+  const DdsOptions o = read_dds_options(config + "robot.yaml");
+  EXPECT_EQ(o.command.relay, "/prospect/cmd_vel");
+  EXPECT_TRUE(o.mounts_from_tf);
+}
+
+}  // namespace
+}  // namespace prospect::dds_options_test
