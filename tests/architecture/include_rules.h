@@ -110,10 +110,11 @@ inline std::vector<std::pair<std::string, RoomRules>> architecture() {
          "adapters/formats/images", "adapters/formats/ros", "adapters/formats/datasets"},
         {"Eigen", "octomap", "dds", "openssl"},
         eigen}},
-      // Of worlds and robots, a configuration sees the options.
+      // Of worlds, robots and perception, a configuration sees the options.
       {"adapters/missions/config",
-       {{"models", "engine", "solvers", "runtime", "adapters/formats/files",
-         "adapters/formats/worlds/world_options.h", "adapters/robots/simulator/simulator_options.h",
+       {{"models", "engine", "solvers", "perception/pipeline/perception_options.h", "runtime",
+         "adapters/formats/files", "adapters/formats/worlds/world_options.h",
+         "adapters/robots/simulator/simulator_options.h",
          "adapters/robots/simulator/simulated_base_options.h",
          "adapters/robots/gazebo/gazebo_options.h"},
         {"Eigen"},

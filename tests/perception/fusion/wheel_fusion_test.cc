@@ -31,10 +31,16 @@ Vector3d between(const Vector3d& a, const Vector3d& b) {
   return {d.x(), d.y(), b[2] - a[2]};
 }
 
+WheelFusionOptions with_scale(double sigma_scale) {
+  WheelFusionOptions options;
+  options.sigma_scale = sigma_scale;
+  return options;
+}
+
 struct Drive {
-  double scale = 1.0, turn_scale = 1.0;           ///< true over measured
-  WheelFusionOptions noise{.sigma_scale = 0.05};  ///< of the wheels, as the filter has it
-  Vector3d vision = {0.003, 0.003, 0.002};        ///< standard deviations of a visual motion
+  double scale = 1.0, turn_scale = 1.0;         ///< true over measured
+  WheelFusionOptions noise = with_scale(0.05);  ///< of the wheels, as the filter has it
+  Vector3d vision = {0.003, 0.003, 0.002};      ///< standard deviations of a visual motion
   int frames_a_reference = 8;
   std::function<Vector2d(double)> command = [](double t) {
     return Vector2d(0.4 + 0.1 * std::sin(t), 0.5 * std::sin(0.7 * t));

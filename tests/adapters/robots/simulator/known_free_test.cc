@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "box_room.h"
+#include "tests/adapters/box_room.h"
 
 namespace prospect::known_free_test {
 namespace {
