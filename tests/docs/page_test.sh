@@ -41,7 +41,7 @@ product_tree() {
     mkdir -p "$to/${file%/*}"
     rm -f "$to/$file"
     printf '%s\n' "${text//"$from"/"$to"}" >"$to/$file"
-  done < <(find . -maxdepth 3 -name cmake_install.cmake)
+  done < <(find . -maxdepth 4 -name cmake_install.cmake)
 }
 if [[ -f "$build/build.ninja" ]]; then
   product_tree "$build" "$work/prospect/build" || exit 1

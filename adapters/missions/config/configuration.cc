@@ -162,7 +162,7 @@ void read_simulator(YamlMap map, Configuration& c) {
 
 void read_perception(YamlMap map, ConfigurationUse use, Configuration& c) {
   const bool camera = c.simulator.sensors == Sensors::kCamera;
-  if (is_simulated(use) || (use == ConfigurationUse::kAny && camera)) {
+  if (camera && (is_simulated(use) || use == ConfigurationUse::kAny)) {
     c.perception = simulated_perception(c.simulator.wheels);
   }
   c.perception = read_knobs(std::move(map), c.perception);

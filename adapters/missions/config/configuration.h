@@ -46,8 +46,8 @@ struct Configuration {
 /// settings: "planner.weights.w_l=0", which stand above the file (StrictYaml::set).
 /// Throws InputError with every problem at once (file:line: what; expected what).
 ///
-/// The defaults of `perception` are those of a simulated robot (simulated_perception()) in missions
-/// of the simulator and, for kAny, where its sensors are cameras; else those of the structures.
+/// The defaults of `perception` are those of a simulated robot (simulated_perception()) where
+/// simulator.sensors are cameras and nobody else's robot drives, else those of the structures.
 /// A key that the use does not read is refused (refuse_unread()).
 Configuration read_configuration(const std::string& path, const Registries& registries = {},
                                  const std::vector<std::string>& settings = {},

@@ -94,7 +94,9 @@ void add_mission(Text& text, const Configuration& c) {
   text.add(c.until_coverage), text.add(c.until_area);
   const Task& task = c.planner.task;
   text.add(static_cast<int>(task.kind)), text.add(task.area ? task.area->size() : 0);
-  text.add(task.goal.position.transpose()), text.add(task.goal.yaw.value_or(NAN));
+  if (task.kind == TaskKind::kGoTo) {
+    text.add(task.goal.position.transpose()), text.add(task.goal.yaw.value_or(NAN));
+  }
   text.add(task.goal.position_tolerance), text.add(task.goal.yaw_tolerance);
   text.add(c.planner.zones.bound ? c.planner.zones.bound->size() : 0);
 }

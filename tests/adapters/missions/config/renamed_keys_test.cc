@@ -39,12 +39,21 @@ std::string nested(std::string key) {
 TEST(RenamedKeys, EachIsRefusedWithTheNameItHasNow) {
   const std::vector<ConfigEntry> keys = read_configuration("").entries;
   for (const RenamedKey& renamed : renamed_keys()) {
-    // Its own key now, or the first below it.
+    const auto before_of = [&](const ConfigEntry& e) {
+      return renamed.before + e.path.substr(renamed.now.size());
+    };
+    // Its own key now, or the first below it that no row above is for.
     const auto now = std::find_if(keys.begin(), keys.end(), [&](const ConfigEntry& e) {
-      return e.path == renamed.now || e.path.starts_with(renamed.now + ".");
+      if (e.path != renamed.now && !e.path.starts_with(renamed.now + ".")) return false;
+      const std::string key = before_of(e);
+      const auto row =
+          std::find_if(renamed_keys().begin(), renamed_keys().end(), [&](const RenamedKey& one) {
+            return key == one.before || key.starts_with(one.before + ".");
+          });
+      return row->before == renamed.before;
     });
     ASSERT_NE(now, keys.end()) << renamed.now << " is no key";
-    const std::string before = renamed.before + now->path.substr(renamed.now.size());
+    const std::string before = before_of(*now);
     for (const ConfigEntry& e : keys) EXPECT_NE(e.path, before);
     const std::string told = before + " is " + now->path + " now; expected that";
     EXPECT_THAT(refusals(nested(before), {}), ElementsAre("f.yaml:1: " + told));
