@@ -111,8 +111,9 @@ Summary summarize(const std::vector<StepRecord>& steps) {
   s.path_length_m = last.path_length;
   s.localization_rmse_m = std::sqrt(squares / static_cast<double>(steps.size()));
   s.localization_final_m = last.localization_error;
+  constexpr double kMoved = 1e-3;  // [m]: a robot that stands turns and sways by rounding
   s.drift_percent =
-      last.path_length > 0.0 ? 100.0 * last.localization_error / last.path_length : kNever;
+      last.path_length > kMoved ? 100.0 * last.localization_error / last.path_length : kNever;
   s.steps = static_cast<int>(steps.size());
   return s;
 }

@@ -72,6 +72,8 @@ TEST(Summary, OfNothing) {
   EXPECT_TRUE(std::isnan(s.plan_ms_p95));
   const Summary still = summarize({step(1.0, 0.5, 0.0, 0.2, 1.0)});
   EXPECT_TRUE(std::isnan(still.drift_percent)) << "no path, no share of it";
+  EXPECT_TRUE(std::isnan(summarize({step(1.0, 0.5, 1e-17, 0.2, 1.0)}).drift_percent))
+      << "rounding is no path";
   EXPECT_TRUE(std::isnan(s.localization_rmse_m));
   EXPECT_TRUE(std::isnan(s.localization_final_m));
 }
