@@ -26,48 +26,63 @@ bool FaultyFrames::any(std::initializer_list<FaultSource> sources) const {
   });
 }
 
-void FaultyFrames::camera(FaultSource source, Stream<CameraContent>& stream, double stamp,
-                          CameraContent content, double now) {
+template <class Content, class Send>
+void FaultyFrames::pass(std::initializer_list<FaultSource> sources, Stream<Content>& stream,
+                        double stamp, Content content, double now, const Send& send) {
   const double time = now - start_;
   const auto has = [&](FaultVerb verb) {
-    return holds(source, verb, time) || holds(FaultSource::kCameras, verb, time);
+    return std::any_of(sources.begin(), sources.end(),
+                       [&](FaultSource source) { return holds(source, verb, time); });
   };
-  const auto send = [&](double at, CameraContent seen) {
-    stream.newest = seen;
+  const auto put = [&](double at, Content what) {
+    stream.newest = what;
     stream.stamp = at;
     stream.sent = now;
-    if (has(FaultVerb::kGarbage)) seen = CameraContent();
-    if (holds(source, FaultVerb::kWrong, time)) at -= kCameraSkew;
-    if (source == FaultSource::kLeftCamera) {
-      inbox_.left(at, std::move(seen));
-    } else {
-      inbox_.right(at, std::move(seen));
-    }
+    send(at, std::move(what));
   };
   if (has(FaultVerb::kDelayed)) {
     stream.late.emplace_back(stamp, std::move(content));
     while (!stream.late.empty() && stream.late.front().first <= now - kFaultDelay) {
-      send(sensors_clock(faults_, start_, stream.late.front().first, time),
-           std::move(stream.late.front().second));
+      put(sensors_clock(faults_, start_, stream.late.front().first, time),
+          std::move(stream.late.front().second));
       stream.late.pop_front();
     }
     return;
   }
   stream.late.clear();
-  if (has(FaultVerb::kOff) || off_at_times(faults_, source, kOnOff, time) ||
-      off_at_times(faults_, FaultSource::kCameras, kOnOff, time) ||
+  const bool off_now = std::any_of(sources.begin(), sources.end(), [&](FaultSource source) {
+    return off_at_times(faults_, source, kOnOff, time);
+  });
+  if (has(FaultVerb::kOff) || off_now ||
       (has(FaultVerb::kSlow) && now - stream.sent < kSlowFrames)) {
     return;
   }
   const double told = sensors_clock(faults_, start_, stamp, time);
-  if (has(FaultVerb::kStuck) && stream.newest) {
-    // One camera that hangs gives its newest image once more; two, whose driver stamps what it
-    // reads, give old pictures with new stamps.
-    const bool old_stamp = !holds(FaultSource::kCameras, FaultVerb::kStuck, time);
-    send(old_stamp ? stream.stamp : told, *stream.newest);
-    return;
-  }
-  send(told, std::move(content));
+  if (!has(FaultVerb::kStuck) || !stream.newest) return put(told, std::move(content));
+  // One camera of a pair that hangs gives its newest image once more; two, or a depth sensor, whose
+  // driver stamps what it reads, give old data with new stamps.
+  const FaultSource own = *sources.begin();
+  const bool old_stamp = (own == FaultSource::kLeftCamera || own == FaultSource::kRightCamera) &&
+                         !holds(FaultSource::kCameras, FaultVerb::kStuck, time);
+  put(old_stamp ? stream.stamp : told, *stream.newest);
+}
+
+void FaultyFrames::camera(FaultSource source, Stream<CameraContent>& stream, double stamp,
+                          CameraContent content, double now) {
+  const double time = now - start_;
+  pass({source, FaultSource::kCameras}, stream, stamp, std::move(content), now,
+       [&](double told, CameraContent seen) {
+         if (holds(source, FaultVerb::kGarbage, time) ||
+             holds(FaultSource::kCameras, FaultVerb::kGarbage, time)) {
+           seen = CameraContent();
+         }
+         if (holds(source, FaultVerb::kWrong, time)) told -= kCameraSkew;
+         if (source == FaultSource::kLeftCamera) {
+           inbox_.left(told, std::move(seen));
+         } else {
+           inbox_.right(told, std::move(seen));
+         }
+       });
 }
 
 void FaultyFrames::pair(double stamp, ImagePair images) {
@@ -90,33 +105,6 @@ void FaultyFrames::cameras(double stamp, CameraContent left, CameraContent right
   camera(FaultSource::kRightCamera, right_, stamp, std::move(right), now);
 }
 
-template <class Content, class Send>
-void FaultyFrames::ranges(Stream<Content>& stream, double stamp, Content content, double now,
-                          const Send& send) {
-  const double time = now - start_;
-  const auto has = [&](FaultVerb verb) { return holds(FaultSource::kDepth, verb, time); };
-  const auto put = [&](double taken, Content what) {
-    stream.newest = what;
-    stream.sent = now;
-    send(sensors_clock(faults_, start_, taken, time), std::move(what));
-  };
-  if (has(FaultVerb::kDelayed)) {
-    stream.late.emplace_back(stamp, std::move(content));
-    while (!stream.late.empty() && stream.late.front().first <= now - kFaultDelay) {
-      put(stream.late.front().first, std::move(stream.late.front().second));
-      stream.late.pop_front();
-    }
-    return;
-  }
-  stream.late.clear();
-  if (has(FaultVerb::kOff) || off_at_times(faults_, FaultSource::kDepth, kOnOff, time) ||
-      (has(FaultVerb::kSlow) && now - stream.sent < kSlowFrames)) {
-    return;
-  }
-  if (has(FaultVerb::kStuck) && stream.newest) return put(stamp, *stream.newest);
-  put(stamp, std::move(content));
-}
-
 double FaultyFrames::any_range() {
   const double share = unit_interval(mixed_bits(random_++));
   return range_.min + share * (range_.max - range_.min);
@@ -128,15 +116,16 @@ void FaultyFrames::depth(double stamp, DepthImage image) {
   }
   const std::lock_guard lock(mutex_);
   const double now = clock_.now(), time = now - start_;
-  ranges(depth_, stamp, std::move(image), now, [&](double told, DepthImage picture) {
-    if (holds(FaultSource::kDepth, FaultVerb::kWrong, time)) {
-      for (float& z : picture.depth) z *= static_cast<float>(kDepthScale);
-    }
-    if (holds(FaultSource::kDepth, FaultVerb::kGarbage, time)) {
-      for (float& z : picture.depth) z = static_cast<float>(any_range());
-    }
-    inbox_.depth(told, std::move(picture));
-  });
+  pass({FaultSource::kDepth}, depth_, stamp, std::move(image), now,
+       [&](double told, DepthImage picture) {
+         if (holds(FaultSource::kDepth, FaultVerb::kWrong, time)) {
+           for (float& z : picture.depth) z *= static_cast<float>(kDepthScale);
+         }
+         if (holds(FaultSource::kDepth, FaultVerb::kGarbage, time)) {
+           for (float& z : picture.depth) z = static_cast<float>(any_range());
+         }
+         inbox_.depth(told, std::move(picture));
+       });
 }
 
 void FaultyFrames::scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose> pose) {
@@ -145,21 +134,22 @@ void FaultyFrames::scan(double stamp, DepthScan in_B, std::shared_ptr<const Pose
   }
   const std::lock_guard lock(mutex_);
   const double now = clock_.now(), time = now - start_;
-  ranges(scan_, stamp, Scan{std::move(in_B), std::move(pose)}, now, [&](double told, Scan scan) {
-    DepthScan& rays = scan.in_B;
-    if (holds(FaultSource::kDepth, FaultVerb::kWrong, time)) {
-      for (auto& hit : rays.hits) hit = rays.origin + kDepthScale * (hit - rays.origin);
-    }
-    if (holds(FaultSource::kDepth, FaultVerb::kGarbage, time)) {
-      // Each ray ends anywhere.
-      rays.hits.insert(rays.hits.end(), rays.misses.begin(), rays.misses.end());
-      rays.misses.clear();
-      for (auto& hit : rays.hits) {
-        hit = rays.origin + any_range() * (hit - rays.origin).normalized();
-      }
-    }
-    inbox_.scan(told, std::move(rays), std::move(scan.pose));
-  });
+  pass({FaultSource::kDepth}, scan_, stamp, Scan{std::move(in_B), std::move(pose)}, now,
+       [&](double told, Scan scan) {
+         DepthScan& rays = scan.in_B;
+         if (holds(FaultSource::kDepth, FaultVerb::kWrong, time)) {
+           for (auto& hit : rays.hits) hit = rays.origin + kDepthScale * (hit - rays.origin);
+         }
+         if (holds(FaultSource::kDepth, FaultVerb::kGarbage, time)) {
+           // Each ray ends anywhere.
+           rays.hits.insert(rays.hits.end(), rays.misses.begin(), rays.misses.end());
+           rays.misses.clear();
+           for (auto& hit : rays.hits) {
+             hit = rays.origin + any_range() * (hit - rays.origin).normalized();
+           }
+         }
+         inbox_.scan(told, std::move(rays), std::move(scan.pose));
+       });
 }
 
 }  // namespace prospect

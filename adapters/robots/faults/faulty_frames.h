@@ -55,9 +55,11 @@ class FaultyFrames {
     return fault_at(faults_, source, verb, time) != nullptr;
   }
   bool any(std::initializer_list<FaultSource> sources) const;
-  /// What is to be sent of the depth sensor now, with its stamps in the runtime's clock.
+  /// Calls send(stamp in the sensors' clock, content) for what of a stream is to be sent now: what
+  /// the faults of its sources make late, rare or old. stamp: in the runtime's clock.
   template <class Content, class Send>
-  void ranges(Stream<Content>& stream, double stamp, Content content, double now, const Send& send);
+  void pass(std::initializer_list<FaultSource> sources, Stream<Content>& stream, double stamp,
+            Content content, double now, const Send& send);
   void camera(FaultSource source, Stream<CameraContent>& stream, double stamp,
               CameraContent content, double now);
   void cameras(double stamp, CameraContent left, CameraContent right);
