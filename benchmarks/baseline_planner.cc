@@ -22,7 +22,7 @@ struct BaselinePlanner::Impl {
   PlannerParameters parameters;
   FrontierPlanner frontier_planner;
   DynamicWindowOptions window;
-  // As Planner has them: the second where the way ahead is narrow, the last as the guard will
+  // As Planner has them: the second where the path ahead is narrow, the last as the guard will
   // ask.
   std::optional<Certifier> certifier, close_certifier, guard_certifier;
   Behaviour behaviour;
@@ -157,7 +157,7 @@ struct BaselinePlanner::Impl {
     Stopwatch total, watch;
     PlanTimes times;
     global_plan = frontier_planner.update(*belief.ground, belief.pose, belief.stamp,
-                                          {.looked = belief.localization != Localization::kLost});
+                                          {.observed = belief.localization != Localization::kLost});
     // It does not look after its localization: to the table it is always localized.
     const Facts facts{.stamp = belief.stamp, .frontiers = global_plan->facts};
     behaviour = decide(behaviour, facts, parameters.behaviour);

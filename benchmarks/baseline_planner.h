@@ -13,11 +13,12 @@ namespace prospect {
 /// the best viewpoint of it, turn towards it, choose the next when it is resolved.
 ///
 /// Of the planner it shares everything but the objective and the optimiser: model and rate limits,
-/// frontiers, viewpoints, memory of failed looks, watchdog and cost-to-go (SingleFrontierPlanner),
-/// hard and desired clearance, certificate, policy on unknown space, stopping tail. It drives by a
-/// dynamic window (dynamic_window()). It knows nothing of features, and does not retreat to them
-/// when localization degrades: Planner's retreat made both rules slower in the office and on
-/// stage/simple_rooms (one seed each), so the frontier planners are measured without it.
+/// frontiers, viewpoints, memory of failed observations, watchdog and cost-to-go
+/// (SingleFrontierPlanner), hard and desired clearance, certificate, policy on unknown space,
+/// stopping tail. It drives by a dynamic window (dynamic_window()). It knows nothing of features,
+/// and does not retreat to them when localization degrades: Planner's retreat made both rules
+/// slower in the office and on stage/simple_rooms (one seed each), so the frontier planners are
+/// measured without it.
 ///
 /// plan() never throws and always returns an executable plan, as Planner. Deterministic.
 /// Thread-safety: one thread a planner.

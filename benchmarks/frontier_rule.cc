@@ -13,7 +13,7 @@ int choose_frontier(FrontierRule rule, const std::vector<FrontierCandidate>& can
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const FrontierCandidate& c = candidates[k];
-    const double cost = rule == FrontierRule::kNearest ? c.way : 3.0 * c.way - c.length;
+    const double cost = rule == FrontierRule::kNearest ? c.path : 3.0 * c.path - c.length;
     if (!(cost < least)) continue;
     least = cost;
     best = static_cast<int>(k);

@@ -72,7 +72,7 @@ CommandFollowing::Bands CommandFollowing::told_in(double from, double until) con
 
 double CommandFollowing::limit(int axis, bool more) const {
   if (axis == 2) return more ? options_.more_turn : options_.less_turn;
-  return more ? options_.more_way : options_.less_way;
+  return more ? options_.more_distance : options_.less_distance;
 }
 
 void CommandFollowing::add(Witness& witness, double from, double until,

@@ -21,11 +21,11 @@ struct CommandFollowingOptions {
   double least_rate = 0.05;   ///< [rad/s] that counts
   // What makes it a base that does not follow: more than it is told, or half as much the other
   // way, ...
-  double more_way = 0.1;   ///< [m]
-  double more_turn = 0.2;  ///< [rad]
+  double more_distance = 0.1;  ///< [m]
+  double more_turn = 0.2;      ///< [rad]
   // ... and less, which leads nowhere that nobody has looked at.
-  double less_way = 0.3;   ///< [m]
-  double less_turn = 0.4;  ///< [rad]
+  double less_distance = 0.3;  ///< [m]
+  double less_turn = 0.4;      ///< [rad]
 };
 /// The knobs (models/knobs.h).
 void describe(Knobs& knobs, CommandFollowingOptions& options);

@@ -10,11 +10,12 @@ void describe(Knobs& knobs, CommandFollowingOptions& o) {
                "share by which motion may be more or less than it is told");
   knobs.number("least_speed", o.least_speed, {0.001, 1.0}, "m/s", "that counts as motion");
   knobs.number("least_rate", o.least_rate, {0.001, 3.0}, "rad/s", "that counts as turning");
-  knobs.number("more_way", o.more_way, {0.01, 10.0}, "m",
+  knobs.number("more_distance", o.more_distance, {0.01, 10.0}, "m",
                "driven beyond what was told, or the other way, that stops the robot");
   knobs.number("more_turn", o.more_turn, {0.01, 10.0}, "rad",
                "turned beyond what was told, or the other way, that stops it");
-  knobs.number("less_way", o.less_way, {0.01, 10.0}, "m", "told and not driven that stops it");
+  knobs.number("less_distance", o.less_distance, {0.01, 10.0}, "m",
+               "told and not driven that stops it");
   knobs.number("less_turn", o.less_turn, {0.01, 10.0}, "rad", "told and not turned that stops it");
 }
 

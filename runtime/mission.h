@@ -25,8 +25,8 @@ struct MissionOptions {
   /// as "18.0 of 60.0 m2 were seen"; "" ends the task: enough was seen. Empty: no such thing is
   /// asked for. An exploration that ends with something missing has not done its task.
   std::function<std::string(const MissionStep&)> missing{};
-  /// Once the task is over (not: lost, cancelled), back to where the mission began. The way back
-  /// begins in time for it to fit into time_limit (Replanner::way_back()).
+  /// Once the task is over (not: lost, cancelled), back to where the mission began. The path back
+  /// begins in time for it to fit into time_limit (Replanner::return_path()).
   bool return_when_done = false;
   /// That the planner was given: what it goes on with after a detour.
   Task task{};
@@ -57,7 +57,7 @@ struct MissionResult {
   /// Of return_when_done, once the task was over: whether the robot is back. Then `end` says how
   /// the task ended, and `detail` also why it did not get back.
   std::optional<bool> back;
-  std::optional<double> turned_back_at;  ///< [s] since the start, of the way back for want of time
+  std::optional<double> turned_back_at;  ///< [s] since the start, of the path back for want of time
   /// [rad] that is left to the heading that was asked for, of a goal whose heading cannot be had.
   std::optional<double> heading_missed;
   /// The task was done, and the robot is back if it was told to return.

@@ -13,13 +13,13 @@ namespace prospect {
 /// How a mission ended.
 enum class MissionEnd : std::uint8_t {
   kExplored,         ///< no frontier is left that can be reached and promises anything
-  kYieldTooLow,      ///< what is left and can be reached shows too little for the way
-  kUnreachable,      ///< much is left, or all that was asked for, but no way leads there
+  kYieldTooLow,      ///< what is left and can be reached shows too little for the path
+  kUnreachable,      ///< much is left, or all that was asked for, but no path leads there
   kEnough,           ///< MissionOptions::missing: nothing is
   kTooLittle,        ///< nothing is left to explore, and MissionOptions::missing: something is
   kGoalReached,      ///< the robot is at the pose that it was told to go to
   kReturned,         ///< it is back where it began
-  kGoalUnreachable,  ///< no way leads to the goal, or back
+  kGoalUnreachable,  ///< no path leads to the goal, or back
   kTimeLimit,
   kLost,  ///< localization was lost and did not come back
   kCancelled,

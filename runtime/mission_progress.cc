@@ -19,7 +19,7 @@ std::string text(const char* format, double a, double b = 0.0, double c = 0.0, d
 MissionProgress::MissionProgress(const MissionOptions& options, double start)
     : options_(options), start_(start), last_localized_(start) {}
 
-// On the way back `end` stays that of the task.
+// On the path back `end` stays that of the task.
 bool MissionProgress::over(MissionEnd end, std::string detail) {
   if (result.back) {
     if (end == MissionEnd::kReturned) {
@@ -104,18 +104,18 @@ bool MissionProgress::begin_return(Replanner& planner) {
 // Turns back if it is time to; whether it is over then.
 bool MissionProgress::turned_back(const MissionStep& step, Replanner& planner) {
   const double elapsed = result.duration;
-  if (elapsed < ask_way_back_at_) return false;
-  const std::optional<WayBack> way = planner.way_back(*step.belief);
-  if (!way) return false;
-  const double spare = options_.time_limit - elapsed - way->time;
-  ask_way_back_at_ = elapsed + std::min(kAskEvery, spare / 3.0);
+  if (elapsed < ask_return_path_at_) return false;
+  const std::optional<ReturnPath> path = planner.return_path(*step.belief);
+  if (!path) return false;
+  const double spare = options_.time_limit - elapsed - path->time;
+  ask_return_path_at_ = elapsed + std::min(kAskEvery, spare / 3.0);
   // A step later there might not be enough.
   const double step_time = std::max(1, step.plan->committed) * step.plan->dt;
   if (spare > step_time) return false;
   over(MissionEnd::kTimeLimit,
        text("turned back after %.0f s: the way of %.1f m to where it began takes about %.0f s of "
             "the time limit of %g s.",
-            elapsed, way->length, way->time, options_.time_limit));
+            elapsed, path->length, path->time, options_.time_limit));
   result.turned_back_at = elapsed;
   return begin_return(planner);
 }

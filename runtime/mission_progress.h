@@ -17,12 +17,12 @@ namespace prospect {
 /// MissionOptions::missing does.
 ///
 /// An end whose outcome is "done" needs evidence: that of the planner (behaviour.h), nothing that
-/// is missing, a way back that was driven. A mission that has not moved says what the certificate
+/// is missing, a path back that was driven. A mission that has not moved says what the certificate
 /// refused.
 ///
-/// With return_when_done the way back begins once what is left of the time limit is no more than
-/// what it takes (Replanner::way_back()). It is asked for again after a third of what is left
-/// beside it, at most every kAskEvery: a robot drives no faster than twice as fast as way_back()
+/// With return_when_done the path back begins once what is left of the time limit is no more than
+/// what it takes (Replanner::return_path()). It is asked for again after a third of what is left
+/// beside it, at most every kAskEvery: a robot drives no faster than twice as fast as return_path()
 /// counts on.
 class MissionProgress {
  public:
@@ -51,14 +51,14 @@ class MissionProgress {
   bool begin_return(Replanner& planner);
 
   const MissionOptions& options_;
-  DriveRequests* detour_ = nullptr;  // whose way the robot is on; null: nobody's
+  DriveRequests* detour_ = nullptr;  // whose path the robot is on; null: nobody's
   double start_;
   double last_localized_;
   std::optional<Eigen::Vector2d> began_at_;  // in W [m]
   double strayed_ = 0.0;                     // [m] farthest from there
   std::string refused_;                      // newest refusal of the certificate
   std::string missing_;                      // of MissionOptions::missing
-  double ask_way_back_at_ = 0.0;             // [s] since the start
+  double ask_return_path_at_ = 0.0;          // [s] since the start
 };
 
 }  // namespace prospect

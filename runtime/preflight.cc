@@ -241,15 +241,16 @@ std::vector<CheckResult> checks_of_turn(const ShortMotion& turn, const Preflight
                       : not_possible(names[2], kNoWheels)};
 }
 
-std::vector<CheckResult> checks_of_way(const ShortMotion& way, const PreflightOptions& options) {
+std::vector<CheckResult> checks_of_distance(const ShortMotion& way,
+                                            const PreflightOptions& options) {
   check_knobs("preflight", options);
   const std::vector<std::string> names = {"way of the wheels", "way of the cameras"};
   const double commanded = std::isfinite(way.commanded) ? way.commanded : 0.0;
-  auto results = too_little(names, "m", commanded, options.least_way);
+  auto results = too_little(names, "m", commanded, options.least_distance);
   if (!results.empty()) return results;
   const MotionWords words{"m", ": it does not drive",
-                          ": it drives the other way; expected positive forwards", options.way_warn,
-                          options.way_fail};
+                          ": it drives the other way; expected positive forwards",
+                          options.distance_warn, options.distance_fail};
   return {gain_check(names[0], commanded, way.wheels, kNoWheels, words),
           gain_check(names[1], commanded, way.cameras, kNoCameras, words)};
 }

@@ -29,16 +29,16 @@ struct CheckResult {
 
 struct PreflightOptions {
   // What is off by more is warned of, and fails.
-  double height_warn = 0.01, height_fail = 0.05;    ///< of the camera above the floor [m]
-  double tilt_warn = 0.01, tilt_fail = 0.05;        ///< of the camera [rad]
-  double stereo_warn = 0.001, stereo_fail = 0.005;  ///< of the cameras' captures [s]
-  double yaw_warn = 0.05, yaw_fail = 0.25;          ///< of the gain of yaw [1]
-  double way_warn = 0.15, way_fail = 0.5;           ///< of the gain of a short way ahead [1]
-  double floor_noise = 0.02;                        ///< [m] that points of the floor stand out
-  double longest_dead_man = 1.0;                    ///< [s]
-  double live_time = 1.0;   ///< [s] that a stream must have been within its limit
-  double least_turn = 0.1;  ///< [rad] commanded, for the check of yaw
-  double least_way = 0.02;  ///< [m] commanded, for the check of the way
+  double height_warn = 0.01, height_fail = 0.05;     ///< of the camera above the floor [m]
+  double tilt_warn = 0.01, tilt_fail = 0.05;         ///< of the camera [rad]
+  double stereo_warn = 0.001, stereo_fail = 0.005;   ///< of the cameras' captures [s]
+  double yaw_warn = 0.05, yaw_fail = 0.25;           ///< of the gain of yaw [1]
+  double distance_warn = 0.15, distance_fail = 0.5;  ///< of the gain of a short way ahead [1]
+  double floor_noise = 0.02;                         ///< [m] that points of the floor stand out
+  double longest_dead_man = 1.0;                     ///< [s]
+  double live_time = 1.0;        ///< [s] that a stream must have been within its limit
+  double least_turn = 0.1;       ///< [rad] commanded, for the check of yaw
+  double least_distance = 0.02;  ///< [m] commanded, for the check of the way
 };
 /// The knobs (models/knobs.h).
 void describe(Knobs& knobs, PreflightOptions& options);
@@ -125,8 +125,8 @@ struct ShortMotion {
 std::vector<CheckResult> checks_of_turn(const ShortMotion& turn,
                                         const PreflightOptions& options = {});
 /// Likewise "way of the wheels" and "way of the cameras".
-std::vector<CheckResult> checks_of_way(const ShortMotion& way,
-                                       const PreflightOptions& options = {});
+std::vector<CheckResult> checks_of_distance(const ShortMotion& way,
+                                            const PreflightOptions& options = {});
 
 /// Name of the first check that failed; empty: none did, the robot may drive.
 std::string first_failed(const std::vector<CheckResult>& results);

@@ -18,7 +18,7 @@ void describe(Knobs& knobs, PreflightOptions& o) {
        "time between the captures of a stereo pair that is warned of", "... that fails");
   pair("yaw_warn", o.yaw_warn, "yaw_fail", o.yaw_fail, "1",
        "error of the gain of yaw that is warned of", "... that fails");
-  pair("way_warn", o.way_warn, "way_fail", o.way_fail, "1",
+  pair("distance_warn", o.distance_warn, "distance_fail", o.distance_fail, "1",
        "error of the gain of a short way ahead that is warned of", "... that fails");
   knobs.number("floor_noise", o.floor_noise, {0.0, 1.0}, "m", "that points of the floor stand out");
   knobs.number("longest_dead_man", o.longest_dead_man, {0.01, 10.0}, "s",
@@ -26,7 +26,8 @@ void describe(Knobs& knobs, PreflightOptions& o) {
   knobs.number("live_time", o.live_time, {0.0, 60.0}, "s",
                "that a stream must have been within its limit");
   knobs.number("least_turn", o.least_turn, {0.01, 3.0}, "rad", "commanded, for the check of yaw");
-  knobs.number("least_way", o.least_way, {0.001, 1.0}, "m", "commanded, for the check of the way");
+  knobs.number("least_distance", o.least_distance, {0.001, 1.0}, "m",
+               "commanded, for the check of the distance");
 }
 
 }  // namespace prospect

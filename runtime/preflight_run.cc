@@ -96,9 +96,9 @@ class Run {
                    result, turned);
     add(checks_of_turn(turned, options_.checks), "no turn: ", no_turn, result);
     const std::string no_way =
-        try_motion({false, options_.way, std::min(options_.way_speed, 0.5 * model.max_speed())},
+        try_motion({false, options_.distance, std::min(options_.speed, 0.5 * model.max_speed())},
                    result, driven);
-    add(checks_of_way(driven, options_.checks), "no way: ", no_way, result);
+    add(checks_of_distance(driven, options_.checks), "no way: ", no_way, result);
     result.yaw_checked = no_turn.empty() && (turned.wheels || turned.cameras);
     if (is_cancelled()) {
       result.checks.push_back({"checks", CheckVerdict::kFailed, "they were cancelled"});
@@ -226,7 +226,7 @@ class Run {
         parts_.base.stop();
         return "the base does not follow what it is told";
       }
-      const RangeLook look = parts_.ranges ? parts_.ranges(in_force, now) : RangeLook();
+      const RangeCheck look = parts_.ranges ? parts_.ranges(in_force, now) : RangeCheck();
       const CommandStep step =
           loop.step({now, shared, seen, told, DriveSpeed{DriveResponse::kFull, 1.0}, look.share});
       in_force = step.command;

@@ -15,7 +15,7 @@
 #include "runtime/command_loop.h"
 #include "runtime/drive_requests.h"
 #include "runtime/preflight.h"
-#include "runtime/range_look.h"
+#include "runtime/range_check.h"
 #include "runtime/sensor_inbox.h"
 #include "runtime/watched_stream.h"
 
@@ -25,12 +25,12 @@ class Knobs;
 
 struct PreflightRunOptions {
   PreflightOptions checks;
-  double patience = 20.0;   ///< [s] that streams may take to become live
-  double turn = 0.2;        ///< [rad] to turn on the spot, to the left; 0: no turn
-  double turn_rate = 0.4;   ///< [rad/s], at most half of what the model allows
-  double way = 0.05;        ///< [m] to drive straight ahead; 0: no way
-  double way_speed = 0.15;  ///< [m/s], at most half of what the model allows
-  double settle = 0.5;      ///< [s] of rest after each motion, until what was measured has come
+  double patience = 20.0;  ///< [s] that streams may take to become live
+  double turn = 0.2;       ///< [rad] to turn on the spot, to the left; 0: no turn
+  double turn_rate = 0.4;  ///< [rad/s], at most half of what the model allows
+  double distance = 0.05;  ///< [m] to drive straight ahead; 0: none
+  double speed = 0.15;     ///< [m/s], at most half of what the model allows
+  double settle = 0.5;     ///< [s] of rest after each motion, until what was measured has come
 };
 /// The knobs (models/knobs.h).
 void describe(Knobs& knobs, PreflightRunOptions& options);
@@ -44,7 +44,7 @@ struct PreflightParts {
   std::shared_ptr<const MotionModel> model;
   SensorInbox* inbox = nullptr;  ///< gets the wheel motion that the base reports
   /// As of RobotParts.
-  std::function<RangeLook(const Twist&, double)> ranges{};
+  std::function<RangeCheck(const Twist&, double)> ranges{};
   std::vector<WatchedStream> streams{};
   /// What is known beforehand: heights of the body, resolution, and what else no stream tells.
   PreflightFacts known{};
@@ -65,8 +65,8 @@ struct PreflightResult {
 /// Makes the checks of preflight.h on a robot: it stands until its streams have been live for
 /// checks.live_time and it knows where it is, or `patience` is over; then checks_before_motion().
 /// If none fails it turns by `turn` and what braking adds; checks_of_turn() compares. If none fails
-/// then it drives `way` straight ahead; checks_of_way() compares. The base's own odometry is its
-/// wheels, the pose of the belief the cameras.
+/// then it drives `distance` straight ahead; checks_of_distance() compares. The base's own odometry
+/// is its wheels, the pose of the belief the cameras.
 ///
 /// Both motions go through a CommandLoop: they ramp within the model's rates, and the guard must
 /// pass each of their commands on the newest map, as must `ranges`. If they do not, a model that

@@ -10,10 +10,10 @@ void describe(Knobs& knobs, PreflightRunOptions& o) {
                "to turn on the spot before the mission; 0: none");
   knobs.number("turn_rate", o.turn_rate, {0.01, 3.0}, "rad/s",
                "of that turn, at most half of what the model allows");
-  knobs.number("way", o.way, {0.0, 1.0}, "m",
+  knobs.number("distance", o.distance, {0.0, 1.0}, "m",
                "to drive straight ahead before the mission; 0: none");
-  knobs.number("way_speed", o.way_speed, {0.01, 1.0}, "m/s",
-               "of that way, at most half of what the model allows");
+  knobs.number("speed", o.speed, {0.01, 1.0}, "m/s",
+               "of that, at most half of what the model allows");
   knobs.number("settle", o.settle, {0.0, 10.0}, "s", "of rest after each of these motions");
 }
 

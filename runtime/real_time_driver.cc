@@ -261,7 +261,7 @@ void RealTimeDriver::Impl::send(const std::stop_token& stop) {
     const NewestPlan newest_plan = plan.get();
     const CommandState state = loop.state();
     const double instant = now();  // after what was read, so that nothing is from the future
-    const RangeLook look = parts.ranges ? parts.ranges(state.command, instant) : RangeLook();
+    const RangeCheck look = parts.ranges ? parts.ranges(state.command, instant) : RangeCheck();
 
     DriveObservation observation;
     observation.now = instant;

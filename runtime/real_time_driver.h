@@ -22,7 +22,7 @@
 #include "runtime/health_report.h"
 #include "runtime/latency_histogram.h"
 #include "runtime/mission.h"
-#include "runtime/range_look.h"
+#include "runtime/range_check.h"
 #include "runtime/sensor_inbox.h"
 #include "runtime/watched_stream.h"
 
@@ -56,8 +56,8 @@ struct RobotParts {
   const Guard& guard;
   std::shared_ptr<const MotionModel> model;
   SensorInbox* inbox = nullptr;  ///< gets the wheel motion that the base reports
-  /// Asked with the command in force and the time, from the command thread (range_look()).
-  std::function<RangeLook(const Twist&, double)> ranges{};
+  /// Asked with the command in force and the time, from the command thread (range_check()).
+  std::function<RangeCheck(const Twist&, double)> ranges{};
   /// The check before the first motion that failed (preflight.h); empty: all passed.
   std::string failed_preflight = "none was made";
   bool yaw_checked = false;

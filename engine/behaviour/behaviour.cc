@@ -3,8 +3,8 @@
 #include <array>
 #include <cmath>
 
-#include "engine/behaviour/caution.h"
 #include "engine/behaviour/mode_policy.h"
+#include "engine/behaviour/safety_level.h"
 #include "models/formatted.h"
 #include "models/knobs.h"
 
@@ -32,7 +32,7 @@ bool much(double left, const FrontierFacts& f) {
   constexpr double kMuch = 0.25;
   return left > kMuch * f.explored_area;
 }
-// What no look has decided: the robot did not get there.
+// What no observation has decided: the robot did not get there.
 double undecided(const FrontierFacts& f) { return f.unreachable.area + f.given_up.area; }
 // What it saw from its start is not all there is where it would have driven and could not.
 bool held_fast(const Facts& facts) {
@@ -43,7 +43,7 @@ bool held_fast(const Facts& facts) {
 bool goal_unreachable(const Case& c) { return c.facts.goal && c.facts.goal->unreachable; }
 bool goal_reached(const Case& c) { return c.facts.goal && c.facts.goal->reached && !lost(c); }
 
-// Turning back at once from each loss, a robot never gets across a blank stretch that has no way
+// Turning back at once from each loss, a robot never gets across a blank stretch that has no path
 // round; exploring on while lost, it drifts. So in the pause it explores on, but not for long
 // unless turning back was of no use.
 bool impatient(const Case& c) {
@@ -193,10 +193,10 @@ std::string target_text(const FrontierFacts& f) {
   if (f.to_area) {
     return formatted(
         "drives %.1f m to the area that is to be explored, %.1f m of them through unknown space",
-        f.way_left, f.unknown_left);
+        f.path_left, f.unknown_left);
   }
-  return (f.way_left < kThere ? std::string("looks from here")
-                              : formatted("drives %.1f m to look", f.way_left)) +
+  return (f.path_left < kThere ? std::string("looks from here")
+                               : formatted("drives %.1f m to look", f.path_left)) +
          formatted(" at a frontier %.1f m long, which promises %.1f m2", f.target_length,
                    f.target_area);
 }
@@ -223,11 +223,11 @@ std::string left_text(const FrontierFacts& f) {
 }
 
 /// "3.2 m to the goal, 1.1 m of them through unknown space"
-std::string way_text(const Facts& facts) {
+std::string path_text(const Facts& facts) {
   const char* place = facts.task == TaskKind::kReturn ? "where it began" : "the goal";
   if (!facts.goal) return std::string("to ") + place;
   const GoalFacts& goal = *facts.goal;
-  std::string text = formatted("%.1f m to %s", goal.way_left, place);
+  std::string text = formatted("%.1f m to %s", goal.path_left, place);
   if (goal.unknown_left > 0.0) {
     text += formatted(", %.1f m of them through unknown space", goal.unknown_left);
   }
@@ -285,7 +285,7 @@ std::string doing(const Mode& mode, const Facts& facts) {
       if (facts.goal) {
         return formatted("Approaches step by step for %.1f s now, for want of progress: ",
                          facts.stamp - mode.since) +
-               way_text(facts);
+               path_text(facts);
       }
       return formatted("Approaches step by step for %.1f s now, for want of progress: %s",
                        facts.stamp - mode.since, target_text(frontiers).c_str());
@@ -318,7 +318,7 @@ std::string doing(const Mode& mode, const Facts& facts) {
     case Kind::kGoToGoal:
     case Kind::kReturn:
       return (mode.kind == Kind::kReturn ? "Returns: " : "Goes where it is told: ") +
-             way_text(facts);
+             path_text(facts);
     case Kind::kArrive:
       return formatted("Arrives: %.2f m to ", facts.goal.value_or(GoalFacts{}).distance) +
              (facts.task == TaskKind::kReturn ? "where it began" : "the goal");
@@ -442,21 +442,21 @@ std::string behaviour_tables() {
       "is "
       "that of hold.\n"
       "\nWhich distances it keeps. The first row that holds is taken.\n\n"
-      "| condition | caution |\n|---|---|\n";
-  for (const CautionRow& row : caution_table()) {
-    text +=
-        "| " + std::string(row.condition) + " | " + std::string(to_string(row.caution)) + " |\n";
+      "| condition | safety level |\n|---|---|\n";
+  for (const SafetyLevelRow& row : safety_level_table()) {
+    text += "| " + std::string(row.condition) + " | " + std::string(to_string(row.safety_level)) +
+            " |\n";
   }
   text +=
-      "\nWhat a caution means for the certificate and the problem.\n\n"
-      "| caution | share of the margin | kept of the distance within it | drift "
+      "\nWhat a safety level means for the certificate and the problem.\n\n"
+      "| safety level | share of the margin | kept of the distance within it | drift "
       "counts | ... as a margin | ... in the cost | hard clearance |\n"
       "|---|---|---|---|---|---|---|\n";
   const auto yes = [](bool value) { return value ? "yes" : "no"; };
-  for (const Caution caution : kCautions) {
-    const CautionPolicy& p = policy(caution);
-    text += formatted("| %s | %g | %g | %s | %s | %s | %s |\n", to_string(caution).data(), p.margin,
-                      p.reduced_margin_share, yes(p.drift), yes(p.drift_margin),
+  for (const SafetyLevel safety_level : kSafetyLevels) {
+    const SafetyLevelPolicy& p = policy(safety_level);
+    text += formatted("| %s | %g | %g | %s | %s | %s | %s |\n", to_string(safety_level).data(),
+                      p.margin, p.reduced_margin_share, yes(p.drift), yes(p.drift_margin),
                       yes(p.drift_in_cost), yes(p.hard_clearance));
   }
   return text;

@@ -68,7 +68,7 @@ Behaviour decide(const Behaviour& before, const Facts& facts, const BehaviourOpt
 /// "Turns back: 8 features in view, localization degraded; 41 were tracked 1.2 m from here."
 std::string describe(const Mode& mode, const Facts& facts);
 
-/// The tables of modes, policies and cautions as text for people, Markdown.
+/// The tables of modes, policies and safety levels as text for people, Markdown.
 std::string behaviour_tables();
 
 }  // namespace prospect

@@ -15,9 +15,9 @@ enum class TargetChange {
   kNone,         ///< it is the same
   kFirst,        ///< there was none
   kSeen,         ///< it has shown what there was
-  kUnreachable,  ///< no way leads there any more
+  kUnreachable,  ///< no path leads there any more
   kNoProgress,   ///< the robot did not get on towards it
-  kLost,         ///< the way there cost the robot its localization
+  kLost,         ///< the path there cost the robot its localization
   kBetter        ///< another is worth more by far
 };
 
@@ -35,39 +35,39 @@ struct FrontierFacts {
   bool target = false;         ///< one of them is gone to
   double target_length = 0.0;  ///< of that frontier [m]
   double target_area = 0.0;    ///< that a look at it is expected to show [m^2]
-  double way_left = 0.0;       ///< [m] to its viewpoint, down the cost-to-go
+  double path_left = 0.0;      ///< [m] to its viewpoint, down the cost-to-go
   TargetChange changed = TargetChange::kNone;
-  bool narrow = false;         ///< the next metres of the way are narrow (Traversability::narrow)
+  bool narrow = false;         ///< the next metres of the path are narrow (Traversability::narrow)
   double stalled_for = 0.0;    ///< [s] without progress towards it (ProgressMonitor)
   bool stalled = false;        ///< ... for long, and nothing new was seen of it since
-  bool exhausted = false;      ///< no frontier that can be reached is worth its way
+  bool exhausted = false;      ///< no frontier that can be reached is worth its path
   double exhausted_for = 0.0;  ///< [s] that this has been so while the robot looked for one
   bool cut_off = false;        ///< if exhausted: from most places the robot came through
   double explored_area = 0.0;  ///< [m^2] seen so far
-  /// If exhausted: reachable, but too little for the way; no way leads there; promising, but looks
-  /// have shown nothing; promising, but given up on the way there; only zones bar the way.
+  /// If exhausted: reachable, but too little for the path; no path leads there; promising, but
+  /// looks have shown nothing; promising, but given up on the path there; only zones bar the path.
   FrontiersLeft low_yield{}, unreachable{}, failed{}, given_up{}, barred{};
   std::string barred_by{};  ///< if barred.count > 0: the zone
   /// The target is the area that is to be explored: none of it can be seen from what is known, and
-  /// a way leads there through unknown space.
+  /// a path leads there through unknown space.
   bool to_area = false;
-  double unknown_left = 0.0;  ///< if to_area: [m] of way_left
+  double unknown_left = 0.0;  ///< if to_area: [m] of path_left
   bool hemmed_in = false;     ///< if exhausted: no place within 1 m of the robot is passable
   /// If exhausted, and an area is to be explored: nothing free of it was seen.
   bool area_unseen = false;
-  std::string area_why{};  ///< if exhausted: why no way leads to what is unknown of the area
+  std::string area_why{};  ///< if exhausted: why no path leads to what is unknown of the area
 };
 
-/// What is known of the way to a goal, once it is up to date (GoalPlanner).
+/// What is known of the path to a goal, once it is up to date (GoalPlanner).
 struct GoalFacts {
   bool reached = false;          ///< the pose is within the goal's tolerances
-  bool near = false;             ///< a known way of no more than GoalPlanner::kNear is left
+  bool near = false;             ///< a known path of no more than GoalPlanner::kNear is left
   double distance = 0.0;         ///< [m] to it, as the crow flies
-  double way_left = 0.0;         ///< [m] to it, down the cost-to-go
+  double path_left = 0.0;        ///< [m] to it, down the cost-to-go
   double unknown_left = 0.0;     ///< [m] of that through unknown space
   double stalled_for = 0.0;      ///< [s] without progress towards it (GoalMonitor)
   bool stalled = false;          ///< ... for long
-  bool unreachable = false;      ///< no way leads there
+  bool unreachable = false;      ///< no path leads there
   double unreachable_for = 0.0;  ///< [s] that this has been so
   std::string why{};             ///< if unreachable, as the end of a sentence
   /// [rad] that is left to its heading, where that cannot be had (HeadingMonitor): the place

@@ -7,10 +7,10 @@ namespace prospect {
 
 /// What the robot is doing.
 enum class ModeKind {
-  kExplore,        ///< drives to the frontiers, all seeds, optimised
-  kApproach,       ///< drives the way to its target step by step and faces what is to be seen there
-  kLookAround,     ///< turns on the spot: the map may show a way then
-  kRetreat,        ///< goes back to where enough features were tracked
+  kExplore,     ///< drives to the frontiers, all seeds, optimised
+  kApproach,    ///< drives the path to its target step by step and faces what is to be seen there
+  kLookAround,  ///< turns on the spot: the map may show a path then
+  kRetreat,     ///< goes back to where enough features were tracked
   kTurnOnTheSpot,  ///< turns until it is localized again, or away from what holds it up
   kGoToGoal,       ///< drives to the pose that it was told to go to
   kReturn,         ///< drives back to where it began
@@ -35,12 +35,12 @@ enum class Cause {
   kNothingReachable,  ///< no frontier can be reached just now
   kExplored,          ///< no frontier is left that can be reached
   kYieldTooLow,       ///< what is left has shown too little for too long
-  kUnreachable,       ///< much is left and no way leads there, as the map draws walls
+  kUnreachable,       ///< much is left and no path leads there, as the map draws walls
   kTaskGiven,         ///< the robot was told to
-  kGoalNear,          ///< a short, known way to the goal is left
+  kGoalNear,          ///< a short, known path to the goal is left
   kGoalReached,       ///< it is at the pose that it was told to go to
   kReturned,          ///< it is back where it began
-  kGoalUnreachable    ///< no way leads to the goal
+  kGoalUnreachable    ///< no path leads to the goal
 };
 
 struct Mode {

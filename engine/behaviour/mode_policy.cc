@@ -3,20 +3,20 @@
 namespace prospect {
 namespace {
 
-using Way = ModePolicy::CostToGo;
+using Path = ModePolicy::CostToGo;
 using From = ModePolicy::Seeds;
 
 constexpr std::array<ModePolicy, 10> kPolicyTable = {{
-    {ModeKind::kExplore, 1.0, 1.0, false, Way::kTarget, From::kAll, true},
-    {ModeKind::kApproach, 1.0, 1.0, false, Way::kTarget, From::kApproach, true},
-    {ModeKind::kLookAround, 1.0, 1.0, false, Way::kTarget, From::kTurn, true},
-    {ModeKind::kRetreat, 0.0, 2.0, true, Way::kRetreat, From::kAll, false},
-    {ModeKind::kTurnOnTheSpot, 1.0, 1.0, false, Way::kTarget, From::kTurn, false},
-    {ModeKind::kGoToGoal, 1.0, 1.0, false, Way::kTarget, From::kAll, true},
-    {ModeKind::kReturn, 1.0, 1.0, false, Way::kTarget, From::kAll, true},
-    {ModeKind::kArrive, 0.0, 1.0, false, Way::kTarget, From::kArrive, true},
-    {ModeKind::kHold, 0.0, 1.0, false, Way::kTarget, From::kStop, false},
-    {ModeKind::kDone, 1.0, 1.0, false, Way::kTarget, From::kAll, true},
+    {ModeKind::kExplore, 1.0, 1.0, false, Path::kTarget, From::kAll, true},
+    {ModeKind::kApproach, 1.0, 1.0, false, Path::kTarget, From::kApproach, true},
+    {ModeKind::kLookAround, 1.0, 1.0, false, Path::kTarget, From::kTurn, true},
+    {ModeKind::kRetreat, 0.0, 2.0, true, Path::kRetreat, From::kAll, false},
+    {ModeKind::kTurnOnTheSpot, 1.0, 1.0, false, Path::kTarget, From::kTurn, false},
+    {ModeKind::kGoToGoal, 1.0, 1.0, false, Path::kTarget, From::kAll, true},
+    {ModeKind::kReturn, 1.0, 1.0, false, Path::kTarget, From::kAll, true},
+    {ModeKind::kArrive, 0.0, 1.0, false, Path::kTarget, From::kArrive, true},
+    {ModeKind::kHold, 0.0, 1.0, false, Path::kTarget, From::kStop, false},
+    {ModeKind::kDone, 1.0, 1.0, false, Path::kTarget, From::kAll, true},
 }};
 
 }  // namespace
@@ -24,7 +24,7 @@ constexpr std::array<ModePolicy, 10> kPolicyTable = {{
 const ModePolicy& policy(ModeKind mode) { return kPolicyTable[static_cast<std::size_t>(mode)]; }
 
 std::string_view to_string(ModePolicy::CostToGo cost_to_go) {
-  return cost_to_go == Way::kRetreat ? "retreat" : "target";
+  return cost_to_go == Path::kRetreat ? "retreat" : "target";
 }
 
 std::string_view to_string(ModePolicy::Seeds seeds) {

@@ -12,7 +12,7 @@ struct ModePolicy {
   };
   enum class Seeds {
     kAll,       ///< all of them, the best polished by the solver
-    kApproach,  ///< along the way to the target, then facing it; the first certified one is taken
+    kApproach,  ///< along the path to the target, then facing it; the first certified one is taken
     kTurn,      ///< turning on the spot; the first certified one is taken
     kArrive,    ///< straight to the goal and turning to its heading; likewise
     kStop       ///< braking

@@ -42,7 +42,7 @@ PROSPECT_FORCE_INLINE T odds(T exponent) {
 // Everything about one point; the pairs of sigmoids A (left, right), B (top, bottom), C (near,
 // far).
 template <typename T>
-struct LookOf {
+struct ViewOf {
   T inverse_rho, inverse_r, rho;
   T e0, e1, e2, e3, e4, e5;  // e^-a of the six sigmoids
   T A, B, C;                 // 1 / product of each pair
@@ -50,11 +50,11 @@ struct LookOf {
   T g;                       // P_fov P_range before the cut-off
   T above;                   // 1 - negligible / g, at least 0
 };
-using Look = LookOf<double>;
+using View = ViewOf<double>;
 
 template <typename T>
-PROSPECT_FORCE_INLINE LookOf<T> look(const FootprintKernelConstantsOf<T>& c, T X, T Y, T Z) {
-  LookOf<T> l;
+PROSPECT_FORCE_INLINE ViewOf<T> view(const FootprintKernelConstantsOf<T>& c, T X, T Y, T Z) {
+  ViewOf<T> l;
   const T rho_squared = X * X + Z * Z + kNear<T> * kNear<T>;
   l.rho = std::sqrt(rho_squared);
   const T r = std::sqrt(rho_squared + Y * Y);
@@ -145,7 +145,7 @@ PROSPECT_FORCE_INLINE void value_body(const FootprintKernelConstants& constants,
   const auto c = converted_numbers<FootprintKernelConstantsOf, T>(constants);
   for (int first = 0; first < n; first += kLanes<T>) {
     for (int i = first; i < first + kLanes<T>; ++i) {
-      const LookOf<T> l = look(c, X[i], Y[i], Z[i]);
+      const ViewOf<T> l = view(c, X[i], Y[i], Z[i]);
       q[i] = unoccluded[i] * (l.g * (l.above * l.above));
     }
   }
@@ -167,7 +167,7 @@ PROSPECT_FORCE_INLINE void gradient_body(const FootprintKernelConstants& constan
   for (int first = 0; first < n; first += kLanes<double>) {
     for (int i = first; i < first + kLanes<double>; ++i) {
       const double x = X[i], y = Y[i], z = Z[i];
-      const Look l = look(c, x, y, z);
+      const View l = view(c, x, y, z);
       const double footprint = l.g * (l.above * l.above);
       q[i] = unoccluded[i] * footprint;
       // d(g above^2)/dg = above (1 + negligible / g); dg/da = g (1 - s(a)) for each sigmoid, with
@@ -257,7 +257,7 @@ FootprintKernel footprint_kernel([[maybe_unused]] InstructionSet set) {
 }
 
 double footprint_value(const FootprintKernelConstants& constants, double X, double Y, double Z) {
-  const Look l = look(constants, X, Y, Z);
+  const View l = view(constants, X, Y, Z);
   return l.g * (l.above * l.above);
 }
 

@@ -134,30 +134,30 @@ double FootprintVisibility::in_footprint(const Pose& pose, const Eigen::Vector3d
   return footprint_value(constants_, Y.x(), Y.y(), Y.z());
 }
 
-int FootprintVisibility::score(FootprintKernelPose p, Scratch& s, const Looks& looks) const {
+int FootprintVisibility::score(FootprintKernelPose p, Scratch& s, const Views& views) const {
   auto sensor = Eigen::Vector3d::Map(p.sensor);
   occlusion_->score(sensor, s.score_probability.data());
   sensor -= score_origin_;
   const int n = kernel_.select_score(
       constants_, p,
       {score_px_.data(), score_py_.data(), score_pz_.data(), s.score_probability.data(), size()},
-      {looks.point, s.score_X.data(), s.score_Y.data(), s.score_Z.data()});
+      {views.point, s.score_X.data(), s.score_Y.data(), s.score_Z.data()});
   for (int j = 0; j < FootprintKernel::padded(n); ++j) {
-    s.score_u[j] = s.score_probability[looks.point[j]];
+    s.score_u[j] = s.score_probability[views.point[j]];
   }
   kernel_.value_score(constants_,
                       {s.score_X.data(), s.score_Y.data(), s.score_Z.data(), s.score_u.data(), n},
                       s.score_q.data());
-  for (int j = 0; j < n; ++j) looks.q[j] = static_cast<double>(s.score_q[j]);
+  for (int j = 0; j < n; ++j) views.q[j] = static_cast<double>(s.score_q[j]);
   return n;
 }
 
-int FootprintVisibility::look(const Pose& pose, Scratch& s, const Looks& looks) const {
+int FootprintVisibility::view(const Pose& pose, Scratch& s, const Views& views) const {
   const FootprintKernelPose p = kernel_pose(pose);
   const auto sensor = Eigen::Vector3d::Map(p.sensor);
   if (!sensor.allFinite() || !std::isfinite(pose.yaw)) return -1;
-  if (looks.score) return score(p, s, looks);
-  const bool gradient = looks.d_x != nullptr;
+  if (views.score) return score(p, s, views);
+  const bool gradient = views.d_x != nullptr;
   if (gradient) {
     occlusion_->evaluate(sensor, s.probability.data(), s.d_x.data(), s.d_y.data(), s.d_z.data());
   } else {
@@ -165,30 +165,30 @@ int FootprintVisibility::look(const Pose& pose, Scratch& s, const Looks& looks) 
   }
   const int n = kernel_.select(constants_, p,
                                {px_.data(), py_.data(), pz_.data(), s.probability.data(), size()},
-                               {looks.point, s.X.data(), s.Y.data(), s.Z.data()});
+                               {views.point, s.X.data(), s.Y.data(), s.Z.data()});
   const int padded = FootprintKernel::padded(n);
-  for (int j = 0; j < padded; ++j) s.u[j] = s.probability[looks.point[j]];
+  for (int j = 0; j < padded; ++j) s.u[j] = s.probability[views.point[j]];
   const FootprintKernel::Points selected{s.X.data(), s.Y.data(), s.Z.data(), s.u.data(), n};
   if (!gradient) {
-    kernel_.value(constants_, selected, looks.q);
+    kernel_.value(constants_, selected, views.q);
     return n;
   }
   for (int j = 0; j < padded; ++j) {
-    const int c = looks.point[j];
+    const int c = views.point[j];
     s.u_x[j] = s.d_x[c];
     s.u_y[j] = s.d_y[c];
     s.u_z[j] = s.d_z[c];
   }
   kernel_.gradient(constants_, p, selected, {s.u_x.data(), s.u_y.data(), s.u_z.data()},
-                   {looks.q, looks.d_x, looks.d_y, looks.d_z, looks.d_yaw});
+                   {views.q, views.d_x, views.d_y, views.d_z, views.d_yaw});
   return n;
 }
 
 void FootprintVisibility::evaluate(const Pose& pose, Scratch& s, double* q) const {
-  Looks looks;
-  looks.point = s.point.data();
-  looks.q = s.q.data();
-  const int n = look(pose, s, looks);
+  Views views;
+  views.point = s.point.data();
+  views.q = s.q.data();
+  const int n = view(pose, s, views);
   Eigen::Map<Eigen::ArrayXd> out(q, size());
   out.setConstant(n < 0 ? std::numeric_limits<double>::quiet_NaN() : 0.0);
   for (int j = 0; j < n; ++j) q[s.point[j]] = s.q[j];
@@ -197,7 +197,7 @@ void FootprintVisibility::evaluate(const Pose& pose, Scratch& s, double* q) cons
 Eigen::Vector4d FootprintVisibility::gradient(const Pose& pose, const double* weight,
                                               Scratch& s) const {
   const int n =
-      look(pose, s,
+      view(pose, s,
            {s.point.data(), s.q.data(), s.q_x.data(), s.q_y.data(), s.q_z.data(), s.q_yaw.data()});
   if (n < 0) return Eigen::Vector4d::Constant(std::numeric_limits<double>::quiet_NaN());
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();

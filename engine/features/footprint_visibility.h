@@ -63,7 +63,7 @@ class FootprintVisibility {
   /// Where look() writes: arrays of capacity() entries, one for each point looked at. With d_x all
   /// derivatives (by the base's position in W and its yaw) are asked for, without it none. A score
   /// has none; its q are computed in single precision and within 6e-6.
-  struct Looks {
+  struct Views {
     int* point = nullptr;  ///< its index, increasing
     double* q = nullptr;
     double* d_x = nullptr;
@@ -95,7 +95,7 @@ class FootprintVisibility {
   /// q and, if asked for, its derivatives. All other points have q = 0 and derivatives of 0. The
   /// entries up to FootprintKernel::padded() of it are overwritten with numbers of no meaning. q
   /// has the same bits with and without derivatives.
-  int look(const Pose& pose, Scratch& scratch, const Looks& looks) const;
+  int view(const Pose& pose, Scratch& scratch, const Views& views) const;
 
   /// Writes size() probabilities q_c at a pose of B; NaN for a non-finite pose.
   void evaluate(const Pose& pose, Scratch& scratch, double* q) const;
@@ -106,7 +106,7 @@ class FootprintVisibility {
  private:
   void prepare();
   FootprintKernelPose kernel_pose(const Pose& pose) const;
-  int score(FootprintKernelPose pose, Scratch& scratch, const Looks& looks) const;
+  int score(FootprintKernelPose pose, Scratch& scratch, const Views& views) const;
 
   RgbdFootprint footprint_;
   CameraMount mount_;

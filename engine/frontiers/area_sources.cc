@@ -64,7 +64,7 @@ AreaSources::AreaSources(const Traversability& traversability, const Polygon& ar
     }
   }
 
-  // Parts that are too small are unknown for want of a look that shows them.
+  // Parts that are too small are unknown for want of an observation that shows them.
   Grid<std::uint8_t> reached(frame_, 0);
   std::vector<Cell> part;
   for (const Cell seed : unknown) {

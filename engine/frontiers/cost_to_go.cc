@@ -179,8 +179,8 @@ std::vector<Eigen::Vector2d> CostToGo::descend(const Eigen::Vector2d& start,
     go(f.center(nearest));
     cell = nearest;
   }
-  // Steps along the gradient must get below every V on the way so far, steps over cells below every
-  // cell taken so: it cannot run in a circle.
+  // Steps along the gradient must get below every V on the path so far, steps over cells below
+  // every cell taken so: it cannot run in a circle.
   double lowest = std::numeric_limits<double>::infinity();
   double lowest_cell = std::numeric_limits<double>::infinity();
   while (length < max_length) {

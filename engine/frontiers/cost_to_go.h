@@ -38,7 +38,7 @@ class CostToGo {
   /// hessian [s/m^2], symmetric.
   double value(const Eigen::Vector2d& p, Eigen::Vector2d& gradient, Eigen::Matrix2d& hessian) const;
 
-  /// Points of the way down from p, p first, about half a cell apart: along -grad V while that
+  /// Points of the path down from p, p first, about half a cell apart: along -grad V while that
   /// leads down inside reached cells, else over the steepest neighbour cell. Ends at a local
   /// minimum of the cells (a viewpoint), at the window's rim or after max_length [m]. From outside
   /// the reached cells it goes to the nearest reached one first.

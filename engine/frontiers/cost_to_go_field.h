@@ -21,10 +21,11 @@ struct CostToGoOptions {
   double stop_beyond = 5.0;         ///< [m] flooding stops this far beyond the robot's value
   double fill_slope = 3.0;          ///< [m/m] rise into cells that were not reached
   double window_radius = 6.0;       ///< [m] half side of the window around the robot
-  double lambda = 3.0;              ///< price of ways on which no feature is seen, 0: none
+  double lambda = 3.0;              ///< price of paths on which no feature is seen, 0: none
   double features_required = 60.0;  ///< N_req
 
-  /// lambda max(0, 1 - N / N_req): what a way costs more per metre on which N features are in view.
+  /// lambda max(0, 1 - N / N_req): what a path costs more per metre on which N features are in
+  /// view.
   double localization_price(double count) const {
     return lambda * std::max(0.0, 1.0 - count / features_required);
   }
@@ -62,7 +63,7 @@ class CostToGoField {
   /// Throws std::invalid_argument naming the option, its value and what was expected.
   explicit CostToGoField(const CostToGoOptions& options);
 
-  /// Repairs the field after traversability.update() and frontiers.lead_to() of the same step.
+  /// Repairs the field after traversability.update() and frontiers.set_goal() of the same step.
   /// features: expected count N of visible features by cell (any frame; beyond it ways cost nothing
   /// more), null: no localization weighting. robot: its cell. Cost: that of what changed, and of
   /// the cells in `features`.

@@ -20,24 +20,24 @@ class Search {
 
   FrontierSequence run(int first) {
     for (int k = 0; k < static_cast<int>(candidates_.size()); ++k) {
-      if (first < 0 || k == first) extend(k, candidates_[static_cast<std::size_t>(k)].way, 0.0);
+      if (first < 0 || k == first) extend(k, candidates_[static_cast<std::size_t>(k)].path, 0.0);
     }
     return best_;
   }
 
  private:
-  void extend(int next, double way, double value) {
-    if (!std::isfinite(way)) return;
+  void extend(int next, double path, double value) {
+    if (!std::isfinite(path)) return;
     const auto at = static_cast<std::size_t>(next);
-    value += (options_.every_look * candidates_[at].trust + candidates_[at].area) *
-             std::exp(-way / options_.horizon);
+    value += (options_.every_observation * candidates_[at].confidence + candidates_[at].area) *
+             std::exp(-path / options_.horizon);
     order_.push_back(next);
     used_[at] = true;
     if (value > best_.value) best_ = {order_, value};
     if (static_cast<int>(order_.size()) < options_.sequence_length) {
       for (std::size_t k = 0; k < candidates_.size(); ++k) {
         if (used_[k]) continue;
-        extend(static_cast<int>(k), way + between_(next, static_cast<Eigen::Index>(k)), value);
+        extend(static_cast<int>(k), path + between_(next, static_cast<Eigen::Index>(k)), value);
       }
     }
     used_[at] = false;
@@ -57,7 +57,8 @@ class Search {
 std::vector<FrontierCandidate> leading_candidates(std::vector<FrontierCandidate> candidates,
                                                   const FrontierOrderOptions& options) {
   const auto value = [&](const FrontierCandidate& c) {
-    return (options.every_look * c.trust + c.area) * std::exp(-c.way / options.horizon);
+    return (options.every_observation * c.confidence + c.area) *
+           std::exp(-c.path / options.horizon);
   };
   std::stable_sort(
       candidates.begin(), candidates.end(),
@@ -69,13 +70,13 @@ std::vector<FrontierCandidate> leading_candidates(std::vector<FrontierCandidate>
 }
 
 double rate(const FrontierSequence& sequence, const std::vector<FrontierCandidate>& candidates,
-            const Eigen::MatrixXd& between, double v_max, double look_time) {
+            const Eigen::MatrixXd& between, double v_max, double observation_time) {
   double best = 0.0, area = 0.0, time = 0.0;
   for (std::size_t n = 0; n < sequence.order.size(); ++n) {
     const int k = sequence.order[n];
     const FrontierCandidate& c = candidates[static_cast<std::size_t>(k)];
     area += c.area;
-    time += n == 0 ? c.time : between(sequence.order[n - 1], k) / v_max + look_time;
+    time += n == 0 ? c.time : between(sequence.order[n - 1], k) / v_max + observation_time;
     best = std::max(best, area / time);
   }
   return best;
@@ -90,7 +91,7 @@ FrontierSequence best_sequence(const std::vector<FrontierCandidate>& candidates,
 void describe(Knobs& knobs, FrontierOrderOptions& o) {
   knobs.number("horizon", o.horizon, {0.1, 1e4}, "m",
                "of way in which what is still to be seen loses a factor of e in worth");
-  knobs.number("every_look", o.every_look, {0.0, 100.0}, "m2",
+  knobs.number("every_observation", o.every_observation, {0.0, 100.0}, "m2",
                "that a frontier counts besides its area");
   knobs.integer("candidates", o.candidates, {1, 10}, "1", "frontiers that are put in order");
   knobs.integer("sequence_length", o.sequence_length, {1, 6}, "1",

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "engine/frontiers/known_ways.h"
+#include "engine/frontiers/known_paths.h"
 #include "engine/maps/held_up.h"
 #include "engine/support/stopwatch.h"
 #include "models/knobs.h"
@@ -17,12 +17,12 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kPlaceSpacing = 0.5;  // [m] between the places where the robot has been
-// Horizons [-] beyond which the way between two candidates is not searched: it counts as that by
+// Horizons [-] beyond which the path between two candidates is not searched: it counts as that by
 // way of the robot.
 constexpr double kFarthestBetween = 1.0;
-constexpr double kFirstSearch = 0.75;  // horizons [-] to which ways are searched at first
+constexpr double kFirstSearch = 0.75;  // horizons [-] to which paths are searched at first
 constexpr double kLastSearch = 3.0;    // horizons [-] from which on all are
-// [m] along either axis, within which features count on a way: what is seen from farther away will
+// [m] along either axis, within which features count on a path: what is seen from farther away will
 // have changed by then, and the cost must not grow with the map.
 constexpr double kPricedWithin = 10.0;
 // [m] of a way that is too short to tell in which direction it sets out.
@@ -34,7 +34,7 @@ FrontierPlanner::FrontierPlanner(const FrontierPlannerOptions& options)
     : options_(options),
       traversability_(options.traversability),
       detector_(options.frontiers),
-      worth_(options.worth),
+      utility_(options.utility),
       field_(options.cost_to_go),
       progress_(options.progress) {
   FrontierPlannerOptions checked = options;
@@ -79,7 +79,7 @@ void FrontierPlanner::count_along_travel(const FeatureVisibilityMap& visibility_
   }
 }
 
-// The first narrow place on the way down.
+// The first narrow place on the path down.
 std::optional<Cell> FrontierPlanner::narrow_ahead() const {
   if (!field_.anchor_reached()) return std::nullopt;
   const Cell goal = field_.source_of_anchor();
@@ -95,7 +95,7 @@ std::optional<Cell> FrontierPlanner::narrow_ahead() const {
 }
 
 // [m] from the robot's cell down the field to where it ends; 0 where it is not reached.
-double FrontierPlanner::way_left() const {
+double FrontierPlanner::path_left() const {
   if (!field_.anchor_reached()) return 0.0;
   const double r = traversability_.frame().resolution;
   const Cell goal = field_.source_of_anchor();
@@ -123,7 +123,7 @@ bool FrontierPlanner::is_cut_off() const {
   for (const Eigen::Vector2d& place : been_) {
     const Cell c = frame.cell(place.x(), place.y());
     if (!traversability_.fits(c)) continue;
-    ++(ways_.length(c) < kInfinity ? joined : cut_off);
+    ++(path_lengths_.length(c) < kInfinity ? joined : cut_off);
   }
   return cut_off > joined;
 }
@@ -148,8 +148,8 @@ int FrontierPlanner::current_target(const std::vector<Frontier>& frontiers) cons
 void FrontierPlanner::fail_visit(const std::vector<Frontier>& frontiers, TargetChange why) {
   const int current = current_target(frontiers);
   if (current >= 0) {
-    worth_.visit_failed(*target_, frontiers[static_cast<std::size_t>(current)].cells,
-                        traversability_.frame().resolution);
+    utility_.visit_failed(*target_, frontiers[static_cast<std::size_t>(current)].cells,
+                          traversability_.frame().resolution);
   }
   target_.reset();
   dropped_ = why;
@@ -170,49 +170,51 @@ TargetChange FrontierPlanner::reason_to_choose(const std::vector<Frontier>& fron
                                                           : TargetChange::kNone;
 }
 
-// The way to each frontier, turning included, and whether there is any. Searched farther each time,
-// until what lies farther can be neither the present target nor among the leading candidates.
-void FrontierPlanner::measure_ways(const Pose& pose, const std::vector<Frontier>& frontiers,
-                                   int current, bool all, const Prices& prices) {
+// The path to each frontier, turning included, and whether there is any. Searched farther each
+// time, until what lies farther can be neither the present target nor among the leading candidates.
+void FrontierPlanner::measure_paths(const Pose& pose, const std::vector<Frontier>& frontiers,
+                                    int current, bool all, const Prices& prices) {
   const GridFrame& frame = traversability_.frame();
   const double horizon = options_.order.horizon;
-  ways_.begin_at_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()));
+  path_lengths_.begin_at_robot(traversability_, frame.cell(pose.position.x(), pose.position.y()));
   double limit = all || options_.rule ? kInfinity : kFirstSearch * horizon;
   while (true) {
-    ways_.extend(limit, prices.way);
-    way_to_.assign(frontiers.size(), Way{});
+    path_lengths_.extend(limit, prices.path);
+    path_to_.assign(frontiers.size(), Path{});
     detector_.visit_viewpoints([&](int k, Cell c, Cell sees, double cost) {
-      Way& best = way_to_[static_cast<std::size_t>(k)];
-      double length = ways_.length(c) + cost;
+      Path& best = path_to_[static_cast<std::size_t>(k)];
+      double length = path_lengths_.length(c) + cost;
       if (length >= best.length) return;
-      if (prices.look) length += prices.look(c, sees);
+      if (prices.observation) length += prices.observation(c, sees);
       if (length >= best.length) return;
-      best = {length, (ways_.unpriced(c) + cost) / options_.cost_to_go.v_max + options_.look_time,
+      best = {length,
+              (path_lengths_.unpriced(c) + cost) / options_.cost_to_go.v_max +
+                  options_.observation_time,
               c};
     });
-    for (std::size_t k = 0; k < frontiers.size(); ++k) add_turn(pose, frontiers[k], way_to_[k]);
+    for (std::size_t k = 0; k < frontiers.size(); ++k) add_turn(pose, frontiers[k], path_to_[k]);
     if (limit == kInfinity) return;
-    const bool missed = current >= 0 && way_to_[static_cast<std::size_t>(current)].length > limit;
+    const bool missed = current >= 0 && path_to_[static_cast<std::size_t>(current)].length > limit;
     if (!missed && nothing_farther_leads(pose.position.head<2>(), frontiers, limit)) return;
     limit = limit >= kLastSearch * horizon ? kInfinity : 4.0 * limit;
   }
 }
 
-void FrontierPlanner::add_turn(const Pose& pose, const Frontier& frontier, Way& way) const {
-  if (!(way.length < kInfinity)) return;
-  double heading = ways_.departure(way.viewpoint);
-  if (ways_.length(way.viewpoint) < kThere) {
+void FrontierPlanner::add_turn(const Pose& pose, const Frontier& frontier, Path& path) const {
+  if (!(path.length < kInfinity)) return;
+  double heading = path_lengths_.departure(path.viewpoint);
+  if (path_lengths_.length(path.viewpoint) < kThere) {
     const Eigen::Vector2d to = frontier.centroid - pose.position.head<2>();
     heading = std::atan2(to.y(), to.x());
   }
   const double turn =
       options_.turn_price * std::abs(std::remainder(heading - pose.yaw, 2.0 * M_PI));
-  if (!options_.rule) way.length += turn;
-  way.time += turn / options_.cost_to_go.v_max;
+  if (!options_.rule) path.length += turn;
+  path.time += turn / options_.cost_to_go.v_max;
 }
 
-// Whether no frontier to which the way is longer than `limit` can be a leading candidate. No way to
-// look at a cell is shorter than the straight line, less what looking from a metre off saves.
+// Whether no frontier to which the path is longer than `limit` can be a leading candidate. No path
+// to look at a cell is shorter than the straight line, less what looking from a metre off saves.
 bool FrontierPlanner::nothing_farther_leads(const Eigen::Vector2d& robot,
                                             const std::vector<Frontier>& frontiers,
                                             double limit) const {
@@ -220,16 +222,16 @@ bool FrontierPlanner::nothing_farther_leads(const Eigen::Vector2d& robot,
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
     const Frontier& f = frontiers[k];
     if (f.area < options_.least_area) continue;
-    double way = way_to_[k].length;
-    const bool searched = way <= limit;
+    double path = path_to_[k].length;
+    const bool searched = path <= limit;
     if (!searched) {
       double straight = kInfinity;
       for (const Cell c : f.cells) {
         straight = std::min(straight, (traversability_.frame().center(c) - robot).squaredNorm());
       }
-      way = std::max(limit, std::sqrt(straight) - options_.frontiers.near_distance);
+      path = std::max(limit, std::sqrt(straight) - options_.frontiers.near_distance);
     }
-    all.push_back({searched ? static_cast<int>(k) : -1, f.area, way, 0.0, f.trust, 0.0});
+    all.push_back({searched ? static_cast<int>(k) : -1, f.area, path, 0.0, f.confidence, 0.0});
   }
   all = leading_candidates(std::move(all), options_.order);
   return !all.empty() &&
@@ -237,16 +239,16 @@ bool FrontierPlanner::nothing_farther_leads(const Eigen::Vector2d& robot,
 }
 
 // The frontier to go to next, -1 for none; present: that of now, if it will do. alone: only those
-// that are worth their way whatever else lies on it.
+// that are worth their path whatever else lies on it.
 int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optional<int> present,
-                            bool alone, const LookPrice& price, FrontierFacts& facts) {
+                            bool alone, const ViewPrice& price, FrontierFacts& facts) {
   std::vector<FrontierCandidate> candidates;
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
     const Frontier& f = frontiers[k];
-    const Way& way = way_to_[k];
-    if (f.area < options_.least_area || !(way.length < kInfinity)) continue;
+    const Path& path = path_to_[k];
+    if (f.area < options_.least_area || !(path.length < kInfinity)) continue;
     const auto counted = static_cast<double>(f.cells.size()) - f.ignored_cells;
-    candidates.push_back({static_cast<int>(k), f.area, way.length, way.time, f.trust,
+    candidates.push_back({static_cast<int>(k), f.area, path.length, path.time, f.confidence,
                           counted * traversability_.frame().resolution});
   }
   if (candidates.empty()) return -1;
@@ -257,7 +259,7 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
                                  [&](const auto& c) { return c.frontier == frontier; });
     return it == candidates.end() ? -1 : static_cast<int>(it - candidates.begin());
   };
-  // A rule chooses among what is worth its way: one poor frontier must not end its mission.
+  // A rule chooses among what is worth its path: one poor frontier must not end its mission.
   if (alone || options_.rule) {
     std::erase_if(candidates, [&](const FrontierCandidate& c) {
       return c.area < options_.least_rate * c.time;
@@ -283,7 +285,7 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
     place[static_cast<std::size_t>(candidates[k].frontier)] = static_cast<int>(k);
   }
   struct Viewpoint {
-    Cell block;  // of WayLengths
+    Cell block;  // of PathLengths
     int candidate;
     double cost;
   };
@@ -292,7 +294,7 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
     const int candidate = place[static_cast<std::size_t>(k)];
     if (candidate < 0) return;
     viewpoints.push_back(
-        {WayLengths::block_of(c), candidate, cost + (price ? price(c, sees) : 0.0)});
+        {PathLengths::block_of(c), candidate, cost + (price ? price(c, sees) : 0.0)});
   });
   // The cheapest of each candidate in each block.
   std::sort(viewpoints.begin(), viewpoints.end(), [](const Viewpoint& a, const Viewpoint& b) {
@@ -307,34 +309,34 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
   Eigen::MatrixXd between(n, n);
   for (Eigen::Index a = 0; a < n; ++a) {
     for (Eigen::Index b = 0; b < n; ++b) {
-      between(a, b) =
-          candidates[static_cast<std::size_t>(a)].way + candidates[static_cast<std::size_t>(b)].way;
+      between(a, b) = candidates[static_cast<std::size_t>(a)].path +
+                      candidates[static_cast<std::size_t>(b)].path;
     }
   }
   if (n > 1) {
-    WayLengths from = ways_;
+    PathLengths from = path_lengths_;
     for (Eigen::Index a = 0; a < n; ++a) {
       const int frontier = candidates[static_cast<std::size_t>(a)].frontier;
       between(a, a) = 0.0;
-      // No way on shortens what is shorter than the way so far.
+      // No path on shortens what is shorter than the path so far.
       const auto all_found = [&](Cell block, double length) {
         const auto first =
             std::lower_bound(viewpoints.begin(), viewpoints.end(), block,
                              [](const Viewpoint& v, Cell b) { return scan_less(v.block, b); });
         for (auto v = first; v != viewpoints.end() && v->block == block; ++v) {
-          double& way = between(a, v->candidate);
-          way = std::min(way, length + v->cost);
+          double& path = between(a, v->candidate);
+          path = std::min(path, length + v->cost);
         }
         return between.row(a).maxCoeff() <= length;
       };
-      from.flood(way_to_[static_cast<std::size_t>(frontier)].viewpoint,
+      from.flood(path_to_[static_cast<std::size_t>(frontier)].viewpoint,
                  kFarthestBetween * options_.order.horizon, all_found);
     }
   }
   const FrontierSequence best = best_sequence(candidates, between, options_.order);
   if (best.order.empty()) return -1;
-  if (!alone && rate(best, candidates, between, options_.cost_to_go.v_max, options_.look_time) <
-                    options_.least_rate) {
+  if (!alone && rate(best, candidates, between, options_.cost_to_go.v_max,
+                     options_.observation_time) < options_.least_rate) {
     return -1;
   }
   if (own) {
@@ -345,15 +347,15 @@ int FrontierPlanner::choose(const std::vector<Frontier>& frontiers, std::optiona
   return candidates[static_cast<std::size_t>(best.order.front())].frontier;
 }
 
-void FrontierPlanner::tell_what_is_left(const GroundMap& ground, const Pose& pose,
-                                        const std::vector<Frontier>& frontiers,
-                                        FrontierFacts& facts) const {
+void FrontierPlanner::summarize_unresolved(const GroundMap& ground, const Pose& pose,
+                                           const std::vector<Frontier>& frontiers,
+                                           FrontierFacts& facts) const {
   facts.hemmed_in = !traversability_.passable(field_.anchor());
   // What would be reached if there were no zones, and where it is looked at from.
   const ZoneMap* const zones = options_.traversability.zones.get();
   constexpr int kNone = std::numeric_limits<int>::min() / 4;
   std::vector<Cell> viewpoint(frontiers.size(), Cell{kNone, kNone});
-  std::optional<KnownWays> free;
+  std::optional<KnownPaths> free;
   if (zones != nullptr) {
     TraversabilityOptions without = options_.traversability;
     without.zones = nullptr;
@@ -364,7 +366,7 @@ void FrontierPlanner::tell_what_is_left(const GroundMap& ground, const Pose& pos
     });
   }
   const auto bars = [&](Cell from) {
-    for (const Cell c : free->way(from)) {
+    for (const Cell c : free->path(from)) {
       const Eigen::Vector2d center = traversability_.frame().center(c);
       for (int part = 0; part < zones->num_forbidden(); ++part) {
         if (zones->distance(part, center) < options_.traversability.hard_radius) return part;
@@ -374,8 +376,8 @@ void FrontierPlanner::tell_what_is_left(const GroundMap& ground, const Pose& pos
   };
   for (std::size_t k = 0; k < frontiers.size(); ++k) {
     const Frontier& f = frontiers[k];
-    if (!f.active || f.promise < options_.least_area) continue;
-    const bool reachable = way_to_[k].length < kInfinity;
+    if (!f.active || f.expected_gain < options_.least_area) continue;
+    const bool reachable = path_to_[k].length < kInfinity;
     if (reachable && f.area >= options_.least_area) continue;  // its yield is too low: counted
     const bool barred = !reachable && free && free->length(viewpoint[k]) < kInfinity;
     FrontiersLeft& left = barred       ? facts.barred
@@ -383,7 +385,7 @@ void FrontierPlanner::tell_what_is_left(const GroundMap& ground, const Pose& pos
                           : f.given_up ? facts.given_up
                                        : facts.failed;
     ++left.count;
-    left.area += f.promise;
+    left.area += f.expected_gain;
     if (barred && facts.barred_by.empty()) {
       facts.barred_by = zones->name(bars(viewpoint[k]));
     }
@@ -391,12 +393,12 @@ void FrontierPlanner::tell_what_is_left(const GroundMap& ground, const Pose& pos
 }
 
 // Map, frontiers, ways and worth as of now.
-void FrontierPlanner::keep_up(const GroundMap& ground, const Pose& pose, double stamp,
-                              const FrontierAttention& attention) {
+void FrontierPlanner::take_over(const GroundMap& ground, const Pose& pose, double stamp,
+                                const FrontierActivity& activity) {
   const Eigen::Vector2d p = pose.position.head<2>();
   // What was learned of one place says nothing of another.
   if (!traversability_.continues(ground)) *this = FrontierPlanner(options_);
-  if (attention.looked && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
+  if (activity.observed && (been_.empty() || (p - been_.back()).norm() >= kPlaceSpacing)) {
     been_.push_back(p);
   }
   traversability_.update(ground, &pose);
@@ -408,27 +410,27 @@ void FrontierPlanner::keep_up(const GroundMap& ground, const Pose& pose, double 
     return true;
   });
   const GridFrame& frame = traversability_.frame();
-  if (attention.blocked) {
-    const std::optional<Cell> at = held_up_at(frame, p, *attention.blocked);
+  if (activity.blocked) {
+    const std::optional<Cell> at = held_up_at(frame, p, *activity.blocked);
     if (at) close(*at, stamp);
   }
   detector_.update(traversability_);
-  ways_.update(traversability_);
-  worth_.map_changed(frame, traversability_.newly_known(), traversability_.changed_states());
-  if (attention.looked) {
+  path_lengths_.update(traversability_);
+  utility_.map_changed(frame, traversability_.newly_known(), traversability_.changed_states());
+  if (activity.observed) {
     const ViewpointSource here = detector_.source_at(frame.cell(p.x(), p.y()));
-    worth_.look(traversability_.see_through(), detector_.frontiers(), pose, stamp,
-                here.frontier >= 0 ? std::optional(here.sees) : std::nullopt);
+    utility_.observation(traversability_.see_through(), detector_.frontiers(), pose, stamp,
+                         here.frontier >= 0 ? std::optional(here.sees) : std::nullopt);
   }
-  if (!attention.pursued) progress_.hold(stamp);
-  // A loss far from the target says nothing of it: other ways lead through there, too.
-  if (attention.got_lost && target_ &&
-      (frame.center(*target_) - p).norm() <= options_.worth.sensor_range) {
+  if (!activity.pursued) progress_.hold(stamp);
+  // A loss far from the target says nothing of it: other paths lead through there, too.
+  if (activity.got_lost && target_ &&
+      (frame.center(*target_) - p).norm() <= options_.utility.sensor_range) {
     fail_visit(detector_.frontiers(), TargetChange::kLost);
   }
   const bool anywhere = !options_.area && options_.traversability.zones == nullptr;
   detector_.find_viewpoints(traversability_, [&](const Frontier& f, std::vector<float>& ranges) {
-    worth_.look_ranges(f, ranges);
+    utility_.view_ranges(f, ranges);
     for (std::size_t n = 0; n < ranges.size() && !anywhere; ++n) {
       if (!counts(frame.center(f.cells[n]))) ranges[n] = 0.0F;
     }
@@ -442,7 +444,7 @@ FrontierPlanner::Prices FrontierPlanner::prices(const FeatureVisibilityMap* visi
   const CostToGoOptions& cost = options_.cost_to_go;
   return {[this, visibility_map, &cost](Cell viewpoint, Cell sees) {
             const double yaw = std::atan2(sees.j - viewpoint.j, sees.i - viewpoint.i);
-            return options_.look_length *
+            return options_.observation_length *
                    cost.localization_price(visibility_map->count(viewpoint, yaw));
           },
           [this, visibility_map, &cost](Cell c, double yaw) {
@@ -451,9 +453,9 @@ FrontierPlanner::Prices FrontierPlanner::prices(const FeatureVisibilityMap* visi
           &along_travel_};
 }
 
-// Whether a way leads there; -1: nowhere.
-bool FrontierPlanner::lead_to(int frontier, Cell robot, const Prices& prices) {
-  detector_.lead_to(frontier, prices.look);
+// Whether a path leads there; -1: nowhere.
+bool FrontierPlanner::set_goal(int frontier, Cell robot, const Prices& prices) {
+  detector_.set_goal(frontier, prices.observation);
   field_.update(traversability_, detector_, robot, prices.along);
   return frontier >= 0 && field_.anchor_reached();
 }
@@ -466,7 +468,7 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
   const Cell robot = traversability_.frame().cell(pose.position.x(), pose.position.y());
   const int current = current_target(frontiers);
   TargetChange reason = reason_to_choose(frontiers, current, stamp);
-  if (reason == TargetChange::kNone && !lead_to(current, robot, prices)) {
+  if (reason == TargetChange::kNone && !set_goal(current, robot, prices)) {
     if (target_) {
       reason = TargetChange::kUnreachable;
     } else {
@@ -480,14 +482,14 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
   std::optional<int> present;  // that of now, which may still be the best
   if (reason == TargetChange::kBetter) present = current;
   int chosen = -1;
-  // What is near first; where that is not worth its way, there may be what is, far away.
+  // What is near first; where that is not worth its path, there may be what is, far away.
   for (const bool far : {false, true}) {
-    measure_ways(pose, frontiers, present.value_or(-1), far, prices);
-    chosen = choose(frontiers, present, far, prices.look, facts);
-    // The lattice of ways is coarse: what it reaches may still be out of reach.
-    while (!lead_to(chosen, robot, prices) && chosen >= 0) {
-      way_to_[static_cast<std::size_t>(chosen)].length = kInfinity;
-      chosen = choose(frontiers, std::nullopt, far, prices.look, facts);
+    measure_paths(pose, frontiers, present.value_or(-1), far, prices);
+    chosen = choose(frontiers, present, far, prices.observation, facts);
+    // The lattice of paths is coarse: what it reaches may still be out of reach.
+    while (!set_goal(chosen, robot, prices) && chosen >= 0) {
+      path_to_[static_cast<std::size_t>(chosen)].length = kInfinity;
+      chosen = choose(frontiers, std::nullopt, far, prices.observation, facts);
     }
     if (chosen >= 0) break;
   }
@@ -496,7 +498,7 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
   const bool same = chosen >= 0 && chosen == current && target_;
   // A target that was left for a better one has not shown what it could.
   if (!present && target_area_ > 0.0) {
-    worth_.learn(target_promise_, target_expected_, explored - explored_then_);
+    utility_.learn(target_gain_, target_expected_, explored - explored_then_);
     target_area_ = 0.0;
   }
   if (!same) {
@@ -508,8 +510,8 @@ void FrontierPlanner::keep_or_change_target(const Pose& pose, double stamp, cons
   if (chosen >= 0 && (!same || !present)) {
     const Frontier& f = frontiers[static_cast<std::size_t>(chosen)];
     target_area_ = f.area;
-    target_promise_ = f.promise;
-    target_expected_ = f.area / worth_.yield(f.promise);
+    target_gain_ = f.expected_gain;
+    target_expected_ = f.area / utility_.yield(f.expected_gain);
     explored_then_ = explored;
   }
   facts.exhausted = chosen < 0 && explored > 0.0;
@@ -538,7 +540,7 @@ void FrontierPlanner::follow_target(const Pose& pose, double stamp, GlobalPlan& 
   facts.target = true;
   facts.target_length = (static_cast<double>(f.cells.size()) - f.ignored_cells) * frame.resolution;
   facts.target_area = f.area;
-  facts.way_left = way_left();
+  facts.path_left = path_left();
   const std::optional<Cell> narrow = narrow_ahead();
   facts.narrow = narrow.has_value();
   const double value = field_.value(field_.anchor());
@@ -554,7 +556,7 @@ void FrontierPlanner::follow_target(const Pose& pose, double stamp, GlobalPlan& 
 }
 
 std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
-    const GroundMap& ground, const Pose& pose, double stamp, const FrontierAttention& attention,
+    const GroundMap& ground, const Pose& pose, double stamp, const FrontierActivity& activity,
     const FeatureVisibilityMap* visibility_map) {
   Stopwatch watch;
   // Beyond this the cell address would not fit an int.
@@ -563,10 +565,10 @@ std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
       !std::isfinite(stamp)) {
     return last_;
   }
-  keep_up(ground, pose, stamp, attention);
+  take_over(ground, pose, stamp, activity);
   auto global_plan = std::make_shared<GlobalPlan>();
   global_plan->frontiers = detector_.frontiers();
-  worth_.measure(traversability_, global_plan->frontiers);
+  utility_.measure(traversability_, global_plan->frontiers);
   keep_or_change_target(pose, stamp,
                         prices(visibility_map, traversability_.frame().cell(p.x(), p.y())),
                         *global_plan);
@@ -576,10 +578,10 @@ std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
   facts.stalled_for = progress_.stalled_for();
   facts.stalled = progress_.stalled();
   if (facts.exhausted && chosen_at_ == stamp) {
-    tell_what_is_left(ground, pose, global_plan->frontiers, facts);
+    summarize_unresolved(ground, pose, global_plan->frontiers, facts);
     facts.cut_off = is_cut_off();
   }
-  facts.exhausted_for = exhaustion_.update(stamp, {facts.exhausted, attention.pursued});
+  facts.exhausted_for = exhaustion_.update(stamp, {facts.exhausted, activity.pursued});
   global_plan->map_revision = ground.revision();
   global_plan->stamp = stamp;
   global_plan->cost_to_go = field_.window();
@@ -591,10 +593,11 @@ std::shared_ptr<const GlobalPlan> FrontierPlanner::update(
 
 void describe(Knobs& knobs, FrontierPlannerOptions& o) {
   describe(knobs, o.frontiers);
-  describe(knobs, o.worth);
+  describe(knobs, o.utility);
   describe(knobs, o.order);
-  knobs.number("look_time", o.look_time, {0.0, 1e3}, "s", "of a look, beside the way to it");
-  knobs.number("look_length", o.look_length, {0.0, 1e3}, "m",
+  knobs.number("observation_time", o.observation_time, {0.0, 1e3}, "s",
+               "of an observation, beside the path to it");
+  knobs.number("observation_length", o.observation_length, {0.0, 1e3}, "m",
                "of travel that a look counts as where features are few");
   knobs.number("reconsider", o.reconsider, {0.01, 1e7}, "s",
                "between two questions whether another target is better");

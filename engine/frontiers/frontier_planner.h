@@ -15,9 +15,9 @@
 #include "engine/frontiers/cost_to_go.h"
 #include "engine/frontiers/cost_to_go_field.h"
 #include "engine/frontiers/frontier_order.h"
-#include "engine/frontiers/frontier_worth.h"
+#include "engine/frontiers/frontier_utility.h"
 #include "engine/frontiers/frontiers.h"
-#include "engine/frontiers/way_lengths.h"
+#include "engine/frontiers/path_lengths.h"
 #include "engine/maps/ground_map.h"
 #include "engine/maps/traversability.h"
 #include "engine/task/polygon.h"
@@ -34,17 +34,18 @@ using TargetRule = std::function<int(const std::vector<FrontierCandidate>&, int 
 struct FrontierPlannerOptions {
   TraversabilityOptions traversability;
   FrontierOptions frontiers;
-  FrontierWorthOptions worth;
+  FrontierUtilityOptions utility;
   FrontierOrderOptions order;
   CostToGoOptions cost_to_go;
   std::optional<Polygon> area{};  ///< only frontiers in here are led to; none: all
   ProgressMonitor::Options progress;
 
-  double least_area = 0.1;    ///< [m^2] a frontier that promises less is not gone to
-  double least_rate = 0.017;  ///< [m^2/s] nor are those that do for the time that they take
-  double look_time = 2.0;     ///< [s] of a look, beside the way to it
-  double turn_price = 0.6;    ///< [m/rad] of way that turning counts as: v_max / omega_max
-  double look_length = 2.0;   ///< [m] of travel that a look counts as where features are few
+  double least_area = 0.1;        ///< [m^2] a frontier that promises less is not gone to
+  double least_rate = 0.017;      ///< [m^2/s] nor are those that do for the time that they take
+  double observation_time = 2.0;  ///< [s] of an observation, beside the path to it
+  double turn_price = 0.6;        ///< [m/rad] of way that turning counts as: v_max / omega_max
+  double observation_length =
+      2.0;  ///< [m] of travel that an observation counts as where features are few
 
   double reconsider = 2.0;     ///< [s] between two questions whether another target is better
   double commitment = 0.25;    ///< share by which another sequence must be better
@@ -65,10 +66,10 @@ void describe(Knobs& knobs, FrontierPlannerOptions& options);
 void describe_end(Knobs& knobs, FrontierPlannerOptions& options);
 
 /// What the robot did since the last update.
-struct FrontierAttention {
-  bool looked = true;     ///< images extended the map: what was in view was looked at
+struct FrontierActivity {
+  bool observed = true;   ///< images extended the map: what was in view was looked at
   bool pursued = true;    ///< it tried to reach the target; false: it had something else to do
-  bool got_lost = false;  ///< localization was lost on the way: that visit has failed
+  bool got_lost = false;  ///< localization was lost on the path: that visit has failed
   /// Direction in W in which the robot does not get on, though the map says so: a disc there is
   /// impassable for closing_time, or until nothing else is left.
   std::optional<Eigen::Vector2d> blocked{};
@@ -102,31 +103,32 @@ struct GlobalPlan {
 ///
 /// plan->cost_to_go is what CostToGoTerm weighs, plan->facts what the behaviour is decided by.
 ///
-/// Each frontier c has a worth, the area E_c that a look at it is expected to show
-/// (frontier_worth.h). It is a candidate if E_c >= least_area, a way leads to one of its
-/// viewpoints, and the way is worth it,
+/// Each frontier c has a utility, the area E_c that a look at it is expected to show
+/// (frontier_utility.h). It is a candidate if E_c >= least_area, a path leads to one of its
+/// viewpoints, and the path is worth it,
 ///
-///     E_c / (w_c / v_max + look_time) >= least_rate,    w_c = way + turn_price |turn at its start|
+///     E_c / (w_c / v_max + observation_time) >= least_rate,    w_c = way + turn_price |turn at its
+///     start|
 ///
 /// The target is the first of the best sequence of candidates (frontier_order.h), if its beginning
-/// is worth its way, else of those that are each; and remains so until
+/// is worth its path, else of those that are each; and remains so until
 ///   seen          its area fell below `resolved` times what it was, or below least_area;
-///   unreachable   no way leads there any more;
-///   no progress   the robot did not get on towards it (ProgressMonitor): its trust is lowered;
-///   lost          localization was lost within the sensor's range of it: likewise;
-///   better        every `reconsider` seconds: another sequence is worth `commitment` more.
+///   unreachable   no path leads there any more;
+///   no progress   the robot did not get on towards it (ProgressMonitor): its confidence is
+///   lowered; lost          localization was lost within the sensor's range of it: likewise; better
+///   every `reconsider` seconds: another sequence is worth `commitment` more.
 /// While there is none, it is asked for every reconsider / 2 seconds.
 /// The reason is FrontierFacts::changed. V(p) = D(p, target) / v_max, D by the eikonal equation
 /// (cost_to_go_field.h); with a feature visibility map, a metre travelled within 10 m of the robot
 /// (along either axis) costs 1 + lambda max(0, 1 - N / N_req) times as much, N the features in view
 /// in the direction of travel (down the field of the step before), and a viewpoint lambda
-/// look_length max(0, 1 - N / N_req) more, N in the direction of what is looked at. Both count when
-/// targets are compared, too, on the way from the robot.
+/// observation_length max(0, 1 - N / N_req) more, N in the direction of what is looked at. Both
+/// count when targets are compared, too, on the path from the robot.
 ///
-/// Nothing is given up for good but by what looks have shown: there are no retries. Where no
+/// Nothing is given up for good but by what observations have shown: there are no retries. Where no
 /// candidate is left the facts say `exhausted`; and whether some were left for their low yield,
-/// whether looks have failed or the robot did not get there, whether what is left cannot be
-/// reached, or only zones bar the way, which is what was asked for; and whether most places where
+/// whether observations have failed or the robot did not get there, whether what is left cannot be
+/// reached, or only zones bar the path, which is what was asked for; and whether most places where
 /// the robot has been are cut off from it by walls as drawn: an estimate that drifts can draw the
 /// robot in.
 ///
@@ -144,7 +146,7 @@ class FrontierPlanner {
   /// the last update. feature visibility map: what is seen from where, null: no localization
   /// weighting.
   std::shared_ptr<const GlobalPlan> update(const GroundMap& ground, const Pose& pose, double stamp,
-                                           const FrontierAttention& attention = {},
+                                           const FrontierActivity& activity = {},
                                            const FeatureVisibilityMap* visibility_map = nullptr);
 
   /// Whether what lies at p, in W, is to be seen: within the area, if there is one, and in no
@@ -153,12 +155,12 @@ class FrontierPlanner {
 
   const Traversability& traversability() const { return traversability_; }
   const FrontierDetector& detector() const { return detector_; }
-  const FrontierWorth& worth() const { return worth_; }
+  const FrontierUtility& utility() const { return utility_; }
   const CostToGoField& field() const { return field_; }
 
  private:
   /// To a frontier.
-  struct Way {
+  struct Path {
     double length = std::numeric_limits<double>::infinity();  // [m of path equivalent], w
     double time = std::numeric_limits<double>::infinity();    // [s] of going and looking there
     Cell viewpoint;                                           // at its end
@@ -169,14 +171,14 @@ class FrontierPlanner {
   };
   /// What ways and looks cost more where few features are in view; null where they do not.
   struct Prices {
-    LookPrice look;
-    WayPrice way;
+    ViewPrice observation;
+    PathPrice path;
     const Grid<float>* along = nullptr;  // of CostToGoField
   };
-  void keep_up(const GroundMap& ground, const Pose& pose, double stamp,
-               const FrontierAttention& attention);
+  void take_over(const GroundMap& ground, const Pose& pose, double stamp,
+                 const FrontierActivity& activity);
   Prices prices(const FeatureVisibilityMap* visibility_map, Cell robot);
-  bool lead_to(int frontier, Cell robot, const Prices& prices);
+  bool set_goal(int frontier, Cell robot, const Prices& prices);
   void keep_or_change_target(const Pose& pose, double stamp, const Prices& prices,
                              GlobalPlan& global_plan);
   void follow_target(const Pose& pose, double stamp, GlobalPlan& global_plan);
@@ -185,35 +187,35 @@ class FrontierPlanner {
   bool is_priced(Cell c) const { return along_travel_.frame.contains(c); }
   int current_target(const std::vector<Frontier>& frontiers) const;
   TargetChange reason_to_choose(const std::vector<Frontier>& frontiers, int current, double stamp);
-  void measure_ways(const Pose& pose, const std::vector<Frontier>& frontiers, int current, bool all,
-                    const Prices& prices);
-  void add_turn(const Pose& pose, const Frontier& frontier, Way& way) const;
+  void measure_paths(const Pose& pose, const std::vector<Frontier>& frontiers, int current,
+                     bool all, const Prices& prices);
+  void add_turn(const Pose& pose, const Frontier& frontier, Path& path) const;
   bool nothing_farther_leads(const Eigen::Vector2d& robot, const std::vector<Frontier>& frontiers,
                              double limit) const;
   int choose(const std::vector<Frontier>& frontiers, std::optional<int> present, bool alone,
-             const LookPrice& price, FrontierFacts& facts);
-  void tell_what_is_left(const GroundMap& ground, const Pose& pose,
-                         const std::vector<Frontier>& frontiers, FrontierFacts& facts) const;
+             const ViewPrice& price, FrontierFacts& facts);
+  void summarize_unresolved(const GroundMap& ground, const Pose& pose,
+                            const std::vector<Frontier>& frontiers, FrontierFacts& facts) const;
   void fail_visit(const std::vector<Frontier>& frontiers, TargetChange why);
   bool is_cut_off() const;
-  double way_left() const;
+  double path_left() const;
   std::optional<Cell> narrow_ahead() const;
 
   FrontierPlannerOptions options_;
   Traversability traversability_;
   FrontierDetector detector_;
-  FrontierWorth worth_;
+  FrontierUtility utility_;
   CostToGoField field_;
-  WayLengths ways_;  // from the robot, when the target was last chosen
+  PathLengths path_lengths_;  // from the robot, when the target was last chosen
   ProgressMonitor progress_;
   ExhaustionMonitor exhaustion_;
   Grid<float> along_travel_;           // features seen in the direction of travel, near the robot
-  std::vector<Way> way_to_;            // each frontier, when the target was last chosen
+  std::vector<Path> path_to_;          // each frontier, when the target was last chosen
   std::vector<Eigen::Vector2d> been_;  // where the robot was while it was not lost, in W [m]
   std::vector<Closing> closings_;
   std::optional<Cell> target_;  // frontier cell that is led to
   // When it was chosen: E, A, E / y(A) and what was explored [m^2].
-  double target_area_ = 0.0, target_promise_ = 0.0, target_expected_ = 0.0, explored_then_ = 0.0;
+  double target_area_ = 0.0, target_gain_ = 0.0, target_expected_ = 0.0, explored_then_ = 0.0;
   double chosen_at_ = -std::numeric_limits<double>::infinity();  // [s]
   TargetChange dropped_ = TargetChange::kFirst;                  // why there is no target
   std::shared_ptr<const GlobalPlan> last_;

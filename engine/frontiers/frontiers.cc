@@ -192,7 +192,7 @@ void FrontierDetector::cluster() {
 }
 
 void FrontierDetector::find_viewpoints(const Traversability& traversability,
-                                       const LookRanges& look_ranges) {
+                                       const ViewRanges& view_ranges) {
   const double r = label_.frame.resolution;
   const auto farthest = static_cast<float>(options_.sensor_range - options_.range_margin);
   std::vector<Piece> old;
@@ -213,7 +213,7 @@ void FrontierDetector::find_viewpoints(const Traversability& traversability,
     frontier.viewpoints = 0;
     frontier.active = false;
     ranges.assign(frontier.cells.size(), farthest);
-    if (look_ranges) look_ranges(frontier, ranges);
+    if (view_ranges) view_ranges(frontier, ranges);
     counted.clear();
     for (std::size_t n = 0; n < frontier.cells.size(); ++n) {
       if (!(ranges[n] > 0.0F)) {
@@ -308,7 +308,7 @@ void FrontierDetector::cast(const Traversability& traversability, Piece& piece) 
   }
 }
 
-void FrontierDetector::lead_to(int frontier, const LookPrice& price) {
+void FrontierDetector::set_goal(int frontier, const ViewPrice& price) {
   changed_sources_.clear();
   marked_.clear();
   led_to_ = frontier;

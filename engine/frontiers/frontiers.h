@@ -37,20 +37,21 @@ struct Frontier {
   std::vector<Cell> cells;                             ///< in scan order
   Eigen::Vector2d centroid = Eigen::Vector2d::Zero();  ///< of cell centres, in W [m]
   double length = 0.0;                                 ///< number of cells x resolution [m]
-  int ignored_cells = 0;  ///< cells that do not count for now (FrontierWorth::look_ranges())
+  int ignored_cells = 0;  ///< cells that do not count for now (FrontierUtility::view_ranges())
   int viewpoints = 0;     ///< entries of its cells' viewpoint lists; 0: no pose can see it
   /// Long enough, and some cell that counts has a viewpoint.
   bool active = false;
-  double promise = 0.0;   ///< A: unknown ground that a look at it may show [m^2] (FrontierWorth)
-  double trust = 1.0;     ///< mean of tau over its cells [-]
-  double area = 0.0;      ///< E: what it is expected to show, after what looks have shown [m^2]
+  double expected_gain =
+      0.0;  ///< A: unknown ground that a look at it may show [m^2] (FrontierUtility)
+  double confidence = 1.0;  ///< mean of tau over its cells [-]
+  double area = 0.0;  ///< E: what it is expected to show, after what observations have shown [m^2]
   bool given_up = false;  ///< a visit to it has failed since anything new was seen there
 };
 
 /// Initial value of the cost-to-go at one traversable cell.
 struct ViewpointSource {
   Cell cell;
-  /// [m]: min over what it sees of viewpoint_cost + price of the look.
+  /// [m]: min over what it sees of viewpoint_cost + price of the observation.
   float cost = 0.0F;
   Cell sees;          ///< the frontier cell that gives the minimum
   int frontier = -1;  ///< its index in frontiers()
@@ -58,17 +59,17 @@ struct ViewpointSource {
 
 /// What looking from a viewpoint at a frontier cell costs beside viewpoint_cost() [m of path
 /// equivalent], >= 0.
-using LookPrice = std::function<double(Cell viewpoint, Cell sees)>;
+using ViewPrice = std::function<double(Cell viewpoint, Cell sees)>;
 
 /// From how near each cell of a frontier must be looked at [m]: one entry a cell; 0: it does not
 /// count; more than sensor_range - range_margin counts as that.
-using LookRanges = std::function<void(const Frontier& frontier, std::vector<float>& ranges)>;
+using ViewRanges = std::function<void(const Frontier& frontier, std::vector<float>& ranges)>;
 
 /// Finds frontiers and the viewpoints from which they can be seen, by changed tile.
 ///
 /// A frontier is active only if a line of sight, through cells that are seen through
 /// (GroundMap::see_through: over a low obstacle too), joins one of its unknown cells to a
-/// traversable cell within sensor_range - range_margin, or nearer (LookRanges). Frontiers in
+/// traversable cell within sensor_range - range_margin, or nearer (ViewRanges). Frontiers in
 /// pockets that no pose can see otherwise hold a planner for ever. A body whose heading matters
 /// must get there at a heading at which it faces the cell (Traversability::turns_to).
 ///
@@ -90,12 +91,12 @@ class FrontierDetector {
   void update(const Traversability& traversability);
 
   /// Casts viewpoints and sets Frontier::active. ranges: null: all cells count, at full range.
-  void find_viewpoints(const Traversability& traversability, const LookRanges& ranges = nullptr);
+  void find_viewpoints(const Traversability& traversability, const ViewRanges& ranges = nullptr);
 
   /// From now on the viewpoints of this frontier alone are sources; -1: there are none.
   /// price: asked of each of them, null: looks cost nothing more.
   /// Of what can be seen of one cluster in one tile, the cell nearest the viewpoint stands for all.
-  void lead_to(int frontier, const LookPrice& price = nullptr);
+  void set_goal(int frontier, const ViewPrice& price = nullptr);
 
   /// Calls visit(frontier, cell, sees, viewpoint_cost [m]) for every viewpoint of every active
   /// frontier and the frontier cell that it sees best; a cell that sees several pieces of one comes
@@ -117,7 +118,7 @@ class FrontierDetector {
   /// Source value of a cell [m], +infinity where it is no viewpoint; and what it sees.
   float source(Cell c) const;
   ViewpointSource source_at(Cell c) const;
-  /// Cells whose source value differs from that after the previous lead_to().
+  /// Cells whose source value differs from that after the previous set_goal().
   const std::vector<Cell>& changed_sources() const { return changed_sources_; }
   /// All sources, in scan order (for tests and reports: linear in the map).
   std::vector<ViewpointSource> sources() const;
@@ -131,7 +132,7 @@ class FrontierDetector {
     Cell cell;
     float cost = 0.0F;   // [m]
     int sees = 0;        // index in Piece::cells
-    float price = 0.0F;  // [m] of the look; of the frontier that is led to
+    float price = 0.0F;  // [m] of the observation; of the frontier that is led to
   };
   struct Rectangle {
     int i0 = 0, j0 = 0, i1 = -1, j1 = -1;  // inclusive

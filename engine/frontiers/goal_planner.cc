@@ -56,33 +56,33 @@ void GoalPlanner::solve(Cell robot) {
 }
 
 // Down the field, over the lowest of the eight neighbours.
-GoalPlanner::Way GoalPlanner::way() const {
-  Way way;
+GoalPlanner::Path GoalPlanner::path() const {
+  Path path;
   const double r = traversability_.frame().resolution;
   Cell c = field_.anchor();
   while (true) {
     const bool unknown = traversability_.state(c) == CellState::kUnknown;
-    if (unknown && way.first_unknown < 0) way.first_unknown = static_cast<int>(way.cells.size());
-    way.cells.push_back(c);
+    if (unknown && path.first_unknown < 0) path.first_unknown = static_cast<int>(path.cells.size());
+    path.cells.push_back(c);
     const Cell next = field_.downhill(c);
-    if (next == c) return way;
+    if (next == c) return path;
     const double step = r * std::hypot(next.i - c.i, next.j - c.j);
-    way.length += step;
-    if (unknown) way.unknown += step;
+    path.length += step;
+    if (unknown) path.unknown += step;
     c = next;
   }
 }
 
-// The first unknown cell; on a known way the narrowest cell ahead.
-void GoalPlanner::close_on(const Way& way) {
+// The first unknown cell; on a known path the narrowest cell ahead.
+void GoalPlanner::close_on(const Path& path) {
   const GridFrame& frame = traversability_.frame();
-  Cell at = way.cells.back();
-  if (way.first_unknown >= 0) {
-    at = way.cells[static_cast<std::size_t>(way.first_unknown)];
+  Cell at = path.cells.back();
+  if (path.first_unknown >= 0) {
+    at = path.cells[static_cast<std::size_t>(path.first_unknown)];
   } else {
     double least = std::numeric_limits<double>::infinity();
-    const Eigen::Vector2d from = frame.center(way.cells.front());
-    for (const Cell c : way.cells) {
+    const Eigen::Vector2d from = frame.center(path.cells.front());
+    for (const Cell c : path.cells) {
       const double distance = (frame.center(c) - from).norm();
       if (distance > kHeldUpWithin) break;
       if (distance < kHeldUpRadius || traversability_.clearance(c) >= least) continue;
@@ -95,16 +95,15 @@ void GoalPlanner::close_on(const Way& way) {
   monitor_.restart();
 }
 
-// [m] from where the way ends to where it leads; more than a little only from the map's rim on.
-double GoalPlanner::beyond_end(const Way& way) const {
-  const Cell last = way.cells.back();
+// [m] from where the path ends to where it leads; more than a little only from the map's rim on.
+double GoalPlanner::beyond_end(const Path& path) const {
+  const Cell last = path.cells.back();
   const Eigen::Vector2d end = traversability_.frame().center(last);
   if (!area_) return (end - goal_.position).norm();
   return sources_->source(last) == 0.0F ? 0.0 : sources_->outside(end);
 }
 
-void GoalPlanner::update_reached(const Pose& pose, double stamp,
-                                 const FrontierAttention& attention) {
+void GoalPlanner::update_reached(const Pose& pose, double stamp, const FrontierActivity& activity) {
   if (area_) return;
   const double share = facts_.reached ? kLeaves : 1.0;
   facts_.distance = (pose.position.head<2>() - goal_.position).norm();
@@ -112,7 +111,7 @@ void GoalPlanner::update_reached(const Pose& pose, double stamp,
       goal_.yaw ? std::abs(std::remainder(pose.yaw - *goal_.yaw, 2.0 * M_PI)) : 0.0;
   if (goal_.yaw) {
     const bool there = facts_.distance <= kLeaves * goal_.position_tolerance;
-    heading_.update(stamp, there, turned, {attention.pursued, attention.got_lost});
+    heading_.update(stamp, there, turned, {activity.pursued, activity.got_lost});
   }
   const bool any_heading = heading_.verdict() != HeadingMonitor::Verdict::kOpen;
   facts_.reached = facts_.distance <= share * goal_.position_tolerance &&
@@ -160,7 +159,7 @@ std::string GoalPlanner::why_not_there() const {
 std::string GoalPlanner::why_unreachable(const GroundMap& ground, const Pose& pose) const {
   if (const std::string why = why_not_there(); !why.empty()) return why;
   if (options_.traversability.zones != nullptr) {
-    // Whether there would be a way without the zones, and into which it leads first.
+    // Whether there would be a path without the zones, and into which it leads first.
     GoalPlannerOptions free = options_;
     free.traversability.zones = nullptr;
     const double price = traversability_.options().unknown_travel;
@@ -169,7 +168,7 @@ std::string GoalPlanner::why_unreachable(const GroundMap& ground, const Pose& po
     without.update(ground, pose, 0.0, {});
     if (!without.facts_.unreachable) {
       const ZoneMap& zones = *options_.traversability.zones;
-      for (const Cell c : without.way().cells) {
+      for (const Cell c : without.path().cells) {
         const Eigen::Vector2d center = traversability_.frame().center(c);
         for (int part = 0; part < zones.num_forbidden(); ++part) {
           if (zones.distance(part, center) < options_.traversability.hard_radius) {
@@ -188,7 +187,7 @@ std::string GoalPlanner::why_unreachable(const GroundMap& ground, const Pose& po
 
 std::shared_ptr<const GlobalPlan> GoalPlanner::update(const GroundMap& ground, const Pose& pose,
                                                       double stamp,
-                                                      const FrontierAttention& attention) {
+                                                      const FrontierActivity& activity) {
   Stopwatch watch;
   if (!traversability_.continues(ground)) {
     traversability_ = Traversability(traversability_.options());
@@ -198,35 +197,35 @@ std::shared_ptr<const GlobalPlan> GoalPlanner::update(const GroundMap& ground, c
   const GridFrame& frame = traversability_.frame();
   const Eigen::Vector2d p = pose.position.head<2>();
   const Cell robot = frame.cell(p.x(), p.y());
-  if (attention.blocked) {
-    const std::optional<Cell> at = held_up_at(frame, p, *attention.blocked);
+  if (activity.blocked) {
+    const std::optional<Cell> at = held_up_at(frame, p, *activity.blocked);
     if (at) traversability_.close(*at, kHeldUpRadius);
   }
   solve(robot);
   const double explored = traversability_.explored_area();
-  update_reached(pose, stamp, attention);
+  update_reached(pose, stamp, activity);
 
-  Way found;
-  const auto look = [&] {
-    found = field_.anchor_reached() ? way() : Way{};
+  Path found;
+  const auto observation = [&] {
+    found = field_.anchor_reached() ? path() : Path{};
     // From the rim of the map on as the crow flies.
     const double beyond = found.cells.empty() ? 0.0 : beyond_end(found);
-    facts_.way_left = found.length + beyond;
+    facts_.path_left = found.length + beyond;
     facts_.unknown_left =
         found.unknown + (beyond > goal_.position_tolerance + frame.resolution ? beyond : 0.0);
   };
-  look();
+  observation();
   if (!found.cells.empty()) {
     // At the place it turns, which brings it no nearer.
     const bool there = !area_ && facts_.distance <= goal_.position_tolerance;
-    monitor_.update(stamp, p, facts_.way_left, explored,
-                    attention.pursued && !facts_.reached && !there);
+    monitor_.update(stamp, p, facts_.path_left, explored,
+                    activity.pursued && !facts_.reached && !there);
     if (monitor_.hopeless()) {
       close_on(found);
       solve(robot);
-      look();
+      observation();
       if (!found.cells.empty()) {
-        monitor_.update(stamp, p, facts_.way_left, explored, attention.pursued);
+        monitor_.update(stamp, p, facts_.path_left, explored, activity.pursued);
       }
     }
   }
@@ -242,7 +241,7 @@ std::shared_ptr<const GlobalPlan> GoalPlanner::update(const GroundMap& ground, c
   }
   facts_.unreachable_for = unreachable_since_ ? stamp - *unreachable_since_ : 0.0;
   facts_.near =
-      !area_ && !found.cells.empty() && facts_.unknown_left == 0.0 && facts_.way_left <= kNear;
+      !area_ && !found.cells.empty() && facts_.unknown_left == 0.0 && facts_.path_left <= kNear;
 
   auto global_plan = std::make_shared<GlobalPlan>(plan_along(found, pose));
   global_plan->map_revision = ground.revision();
@@ -254,7 +253,7 @@ std::shared_ptr<const GlobalPlan> GoalPlanner::update(const GroundMap& ground, c
 }
 
 // Its frontier and target.
-GlobalPlan GoalPlanner::plan_along(const Way& found, const Pose& pose) const {
+GlobalPlan GoalPlanner::plan_along(const Path& found, const Pose& pose) const {
   const GridFrame& frame = traversability_.frame();
   const Eigen::Vector2d p = pose.position.head<2>();
   GlobalPlan plan;
@@ -295,7 +294,7 @@ GlobalPlan GoalPlanner::plan_along(const Way& found, const Pose& pose) const {
     }
     plan.target = target;
     plan.facts.target = true;
-    plan.facts.way_left = facts_.way_left;
+    plan.facts.path_left = facts_.path_left;
     if (target.frontier == 0) plan.facts.target_length = plan.frontiers[0].length;
   }
   return plan;

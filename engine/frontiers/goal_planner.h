@@ -26,21 +26,21 @@ struct GoalPlannerOptions {
   CostToGoOptions cost_to_go;  ///< lambda does not count
 };
 
-/// The way to a place, or to what is unknown of an area (area_sources.h), from one planning step to
-/// the next: what the FrontierPlanner is for frontiers.
+/// The path to a place, or to what is unknown of an area (area_sources.h), from one planning step
+/// to the next: what the FrontierPlanner is for frontiers.
 ///
-/// V(p) is the least cost of a way to the goal over cells that are known free, at their factor
+/// V(p) is the least cost of a path to the goal over cells that are known free, at their factor
 /// (traversability.h), and unknown cells, at `unknown_price` a metre: a goal in unknown space is
 /// reached by exploring towards it. What the robot may enter is decided by the certificate, as
-/// ever: at the first unknown cell of the way it stops and looks, and the way is found anew over
+/// ever: at the first unknown cell of the path it stops and looks, and the path is found anew over
 /// what it sees. GlobalPlan::frontiers holds the unknown cells of the next kLookAhead metres of the
-/// way as one frontier (none: the way is known), the target leads to where the robot looks at the
+/// way as one frontier (none: the path is known), the target leads to where the robot looks at the
 /// first of them from, or to the goal.
 ///
 /// A robot that makes no progress for GoalMonitor::kHopelessAfter closes the place that holds it up
-/// (the first unknown cell of the way, else its narrowest place within 2 m) and looks for another
-/// way. Once no way is left, facts().unreachable says so, and `why` in one sentence: the goal is in
-/// or too near a wall, too near a forbidden part, out of the world, no way is left, or none but
+/// (the first unknown cell of the path, else its narrowest place within 2 m) and looks for another
+/// way. Once no path is left, facts().unreachable says so, and `why` in one sentence: the goal is
+/// in or too near a wall, too near a forbidden part, out of the world, no path is left, or none but
 /// through a forbidden part, which is named.
 ///
 /// A heading that cannot be had at the place (HeadingMonitor) is given up: the place counts.
@@ -51,7 +51,7 @@ struct GoalPlannerOptions {
 class GoalPlanner {
  public:
   static constexpr double kLookAhead = 2.0;  ///< [m]
-  static constexpr double kNear = 0.6;       ///< [m] of way from which the goal is driven to itself
+  static constexpr double kNear = 0.6;  ///< [m] of path from which the goal is driven to itself
 
   /// unknown_price: 1 to 1000 metres of path equivalent a metre. Throws std::invalid_argument
   /// naming the option, its value and what was expected.
@@ -64,7 +64,7 @@ class GoalPlanner {
   /// time since the last update; a disc in the direction in which the robot is blocked is
   /// impassable from now on. `looked` does not count.
   std::shared_ptr<const GlobalPlan> update(const GroundMap& ground, const Pose& pose, double stamp,
-                                           const FrontierAttention& attention);
+                                           const FrontierActivity& activity);
   /// Its time without progress begins anew: it had something else to do.
   void resume() { monitor_.restart(); }
 
@@ -75,20 +75,20 @@ class GoalPlanner {
   const Traversability& traversability() const { return traversability_; }
 
  private:
-  struct Way {
+  struct Path {
     std::vector<Cell> cells;  // from the robot's to the goal's, each beside the one before
     int first_unknown = -1;   // index, -1: none
     double length = 0.0;      // [m]
     double unknown = 0.0;     // [m] of it
   };
   void solve(Cell robot);
-  Way way() const;
-  double beyond_end(const Way& way) const;
-  void close_on(const Way& way);
-  void update_reached(const Pose& pose, double stamp, const FrontierAttention& attention);
+  Path path() const;
+  double beyond_end(const Path& path) const;
+  void close_on(const Path& path);
+  void update_reached(const Pose& pose, double stamp, const FrontierActivity& activity);
   std::string why_not_there() const;
   std::string why_unreachable(const GroundMap& ground, const Pose& pose) const;
-  GlobalPlan plan_along(const Way& way, const Pose& pose) const;
+  GlobalPlan plan_along(const Path& path, const Pose& pose) const;
 
   GoalPlannerOptions options_;
   Goal goal_;

@@ -48,7 +48,7 @@ double least_distance(const Corners& a, const Corners& b) {
   return least;
 }
 
-/// Of convex polygons (a: a point, too), counter-clockwise: their distance, or minus the least way
+/// Of convex polygons (a: a point, too), counter-clockwise: their distance, or minus the least path
 /// that parts them, which is along a normal of one of them.
 double signed_distance(const Corners& a, const Corners& b) {
   const double gap = std::max(gap_along_edges(a, b), gap_along_edges(b, a));

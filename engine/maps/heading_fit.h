@@ -22,9 +22,9 @@ double heading_at(int k);
 int nearest_heading(double yaw);
 
 /// Signed distance [m] between a body's ground outline at a pose in the plane and the square
-/// [low, low + side] x [low, low + side] of W: to the nearest point of the square, or minus the way
-/// by which the deepest part must move until it only touches it. Exact for each part, polygon or
-/// disc.
+/// [low, low + side] x [low, low + side] of W: to the nearest point of the square, or minus the
+/// path by which the deepest part must move until it only touches it. Exact for each part, polygon
+/// or disc.
 double outline_distance(const std::vector<OutlinePart>& outline, const Eigen::Vector2d& position,
                         double yaw, const Eigen::Vector2d& low, double side);
 

@@ -23,7 +23,7 @@ namespace prospect {
 /// fit can be driven, with turns to and fro where it must go sideways. Moves are symmetric then: it
 /// gets out of where it got in.
 /// One that only drives forward moves to neighbours less than 90 degrees off its heading, and gets
-/// into places out of which it does not get: a corridor too narrow to turn in, with no way on.
+/// into places out of which it does not get: a corridor too narrow to turn in, with no path on.
 /// These do not count: a state is reached only if one can be reached from it in which the body can
 /// turn all round (unless none can be reached from the start, or the start is such a place itself).
 ///

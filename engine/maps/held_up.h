@@ -7,7 +7,7 @@
 
 namespace prospect {
 
-/// Where a way is closed (Traversability::close) on which a robot was held up, though the map says
+/// Where a path is closed (Traversability::close) on which a robot was held up, though the map says
 /// that it is free. The same for all that leads a robot.
 inline constexpr double kHeldUpRadius = 0.3;  ///< [m] of the disc that is closed
 inline constexpr double kHeldUpWithin = 2.0;  ///< [m] how far ahead the narrow place may lie

@@ -44,8 +44,8 @@ SliceLayers slice_layers(const HeightSlice& slice, double resolution);
 ///   occupied if occupied > 0;  free if none is and any is known free;  unknown if nothing is
 ///   known.
 /// One free layer is enough: what lies behind a low obstacle is seen at the sensor's height only,
-/// and a stricter rule leaves frontiers there that no look resolves. A low obstacle not seen from
-/// afar makes its cell occupied when the sensor comes near.
+/// and a stricter rule leaves frontiers there that no observation resolves. A low obstacle not seen
+/// from afar makes its cell occupied when the sensor comes near.
 inline CellState project_column(int occupied, int free) {
   if (occupied > 0) return CellState::kOccupied;
   return free > 0 ? CellState::kFree : CellState::kUnknown;

@@ -5,7 +5,7 @@ namespace prospect {
 class Knobs;
 
 /// Noise of the odometry: a random walk in distance and angle, and an error of the scale, which is
-/// the same on the whole way (our choice of shape):
+/// the same on the whole path (our choice of shape):
 ///   Cov position = (position_per_metre^2 s + position_per_radian^2 a) I + scale^2 d d^T   [m^2]
 ///   Var yaw      = yaw_per_metre^2 s + yaw_per_radian^2 a                               [rad^2]
 /// after s metres travelled and a radians turned, to the displacement d [m], with `reference_count`

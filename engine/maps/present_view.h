@@ -68,7 +68,7 @@ void visit_ground_in_view(const GroundMap& ground, const Pose& pose, const Depth
 /// is *passed by*: it is ahead of the body's rear and within its width (widened by kSlope of what
 /// it may drive before it is in view), in 3-D also within its height, and the first point straight
 /// ahead of it that the field of view covers is in view. It may be entered by a body that
-/// keeps_to() the strip ahead: its sides leave that of the start by no more than kSlope of the way
+/// keeps_to() the strip ahead: its sides leave that of the start by no more than kSlope of the path
 /// ahead. So all that a robot sweeps which drives on like that was in view a body's width before;
 /// sideways, backwards and into what hides the view there is nothing to be gained, however often it
 /// starts.

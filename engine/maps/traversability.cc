@@ -183,7 +183,7 @@ void Traversability::transform(Rectangle cells, bool unknown) {
   }
 }
 
-bool Traversability::has_way(std::size_t at) const {
+bool Traversability::has_path(std::size_t at) const {
   if (fit_ == nullptr) {
     // A wall may be drawn twice; a forbidden part is where it is said to be.
     const bool kept_out = !forbidden_sq_.data.empty() && forbidden_sq_.data[at] < hard_sq_;
@@ -255,7 +255,7 @@ void Traversability::refresh_factors(const Rectangle& cells) {
       const auto at = static_cast<std::size_t>(state_.frame.index({i, j}));
       float factor = 0.0F;
       const std::int32_t room = occupied_sq_.data[at];
-      if (has_way(at)) {
+      if (has_path(at)) {
         // A body whose heading matters fits exactly or not at all: it has no narrow passages.
         factor = (room < hard_sq_ && fit_ == nullptr ? narrow
                   : room < comfortable_sq_           ? tight

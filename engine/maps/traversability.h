@@ -70,7 +70,7 @@ void describe(Knobs& knobs, TraversabilityOptions& options);
 ///                 is, at some heading (heading_reach.h; left out where update() is given no pose)
 /// So a long body passes where it fits lengthways. What is lost by looking at places without their
 /// headings: where two narrow passages cross and it cannot turn, and it gets into both by other
-/// ways, a way from one into the other seems to lead through the crossing.
+/// ways, a path from one into the other seems to lead through the crossing.
 ///
 /// With zones, clearance(c) is at most the centre's distance to their forbidden parts, and a cell
 /// in a slow zone costs top_speed / limit times as much, if that is more.
@@ -171,7 +171,7 @@ class Traversability {
   void transform(Rectangle cells, bool unknown);
   void refresh_factors(const Rectangle& cells);
   void shut(Cell c, double radius, int times);
-  bool has_way(std::size_t at) const;
+  bool has_path(std::size_t at) const;
   void refresh_usable();
   HeadingMask fitting(Cell c) const;
   void refresh_headings(const Rectangle& cells);

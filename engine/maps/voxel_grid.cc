@@ -68,7 +68,7 @@ int floor_to_int(double x) {
   return truncated - (x < truncated);
 }
 
-// State of a ray on its way through the voxels, after Amanatides and Woo, "A fast voxel traversal
+// State of a ray on its path through the voxels, after Amanatides and Woo, "A fast voxel traversal
 // algorithm for ray tracing" (Eurographics 1987).
 struct Traversal {
   int voxel[3];
@@ -202,13 +202,13 @@ __attribute__((target("avx2"))) void walk_abreast(const CellState* data, Lanes& 
       int stop = walking[g] & ~_mm256_movemask_pd(_mm256_cmp_pd(leave, end, _CMP_LT_OQ));
       if (((state ^ kAllFree) & watched[g]) != 0) {
         const __m256i kind = _mm256_cvtepu8_epi64(_mm_cvtsi32_si128(static_cast<int>(state)));
-        const __m256i looked =
+        const __m256i observed =
             _mm256_cvtepi8_epi64(_mm_cvtsi32_si128(static_cast<int>(watched[g])));
         const __m256d is_unknown = _mm256_castsi256_pd(_mm256_and_si256(
-            looked,
+            observed,
             _mm256_cmpeq_epi64(kind, _mm256_set1_epi64x(static_cast<int>(CellState::kUnknown)))));
         const __m256d is_occupied = _mm256_castsi256_pd(_mm256_and_si256(
-            looked,
+            observed,
             _mm256_cmpeq_epi64(kind, _mm256_set1_epi64x(static_cast<int>(CellState::kOccupied)))));
         const __m256d within = _mm256_sub_pd(_mm256_min_pd(leave, end), t[g]);
         _mm256_store_pd(lanes.unknown + 4 * g, _mm256_add_pd(_mm256_load_pd(lanes.unknown + 4 * g),

@@ -8,7 +8,7 @@
 
 namespace prospect {
 
-/// The way down the cost-to-go from a point, for steering by pure pursuit: towards the point
+/// The path down the cost-to-go from a point, for steering by pure pursuit: towards the point
 /// `lookahead` ahead rather than along the local gradient, which turns from cell to cell in a
 /// narrow passage.
 ///

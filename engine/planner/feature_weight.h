@@ -24,7 +24,7 @@ struct WeighedCandidate {
 /// With w = 0 this holds with G / 2 to spare, and it holds up to a largest w for each i that goes
 /// on: w_i = min over j with features_j < features_i of (others_j - others_i - G / 10) /
 /// (features_i - features_j). So the features choose among the ways that gain at least half of
-/// what can be gained, and bend them, but cannot make a robot stand that has a way on. Where
+/// what can be gained, and bend them, but cannot make a robot stand that has a path on. Where
 /// nothing can be gained (G <= 0, or no candidates) it is `most`.
 ///
 /// standing: b. Continuous in all costs but where the set of those that go on changes. Pure.

@@ -25,17 +25,17 @@ FrontierPlannerOptions frontier_planner_options_for(const RobotDescription& robo
   options.traversability.free_moves = can_move(*robot.model, -Eigen::Vector2d::UnitX()) ||
                                       can_move(*robot.model, Eigen::Vector2d::UnitY());
   // From farther away nothing needs to be looked at.
-  constexpr double kFarLook = 50.0;
-  options.frontiers.sensor_range = std::min(robot.depth.max_range, kFarLook);
+  constexpr double kFarView = 50.0;
+  options.frontiers.sensor_range = std::min(robot.depth.max_range, kFarView);
   options.frontiers.range_margin =
       std::min(options.frontiers.range_margin, 0.25 * options.frontiers.sensor_range);
-  options.worth.sensor_range = options.frontiers.sensor_range;
-  options.worth.sensor_fov = std::min(robot.depth.horizontal_fov, 2.0 * M_PI);
-  options.traversability.facing = 0.5 * options.worth.sensor_fov;
+  options.utility.sensor_range = options.frontiers.sensor_range;
+  options.utility.sensor_fov = std::min(robot.depth.horizontal_fov, 2.0 * M_PI);
+  options.traversability.facing = 0.5 * options.utility.sensor_fov;
   // All round there is no side to keep away from; a narrow field is not all margin.
-  const bool all_round = options.worth.sensor_fov > 2.0 * M_PI - options.worth.fov_margin;
-  options.worth.fov_margin =
-      all_round ? 0.0 : std::min(options.worth.fov_margin, options.worth.sensor_fov / 8.0);
+  const bool all_round = options.utility.sensor_fov > 2.0 * M_PI - options.utility.fov_margin;
+  options.utility.fov_margin =
+      all_round ? 0.0 : std::min(options.utility.fov_margin, options.utility.sensor_fov / 8.0);
   options.traversability.zones = zone_map_of(parameters.zones);
   options.traversability.top_speed = robot.model->max_speed();
   options.area = parameters.task.area;

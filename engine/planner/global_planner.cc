@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "engine/frontiers/known_ways.h"
+#include "engine/frontiers/known_paths.h"
 #include "engine/task/task.h"
 
 namespace prospect {
@@ -53,16 +53,16 @@ const Traversability& GlobalPlanner::traversability() const {
 std::shared_ptr<const GlobalPlan> GlobalPlanner::update(const Belief& belief,
                                                         const PlannerParameters& parameters,
                                                         double frontier_stamp,
-                                                        const FrontierAttention& attention,
+                                                        const FrontierActivity& activity,
                                                         const LocalTexture* texture,
                                                         WorkerThreads& workers, Facts& facts) {
   if (!start_) start_ = belief.pose;
   std::shared_ptr<const GlobalPlan> global_plan;
   if (parameters.task.kind == TaskKind::kExplore) {
-    global_plan = explore(belief, parameters, frontier_stamp, attention, texture, workers);
+    global_plan = explore(belief, parameters, frontier_stamp, activity, texture, workers);
     facts.frontiers = global_plan->facts;
   } else if (has_goal(parameters.task.kind)) {
-    global_plan = go(belief, parameters, attention);
+    global_plan = go(belief, parameters, activity);
     facts.goal = goal_planner_->facts();
   } else {
     global_plan = stay(belief);
@@ -72,26 +72,25 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::update(const Belief& belief,
 
 std::shared_ptr<const GlobalPlan> GlobalPlanner::explore(
     const Belief& belief, const PlannerParameters& parameters, double frontier_stamp,
-    const FrontierAttention& attention, const LocalTexture* texture, WorkerThreads& workers) {
+    const FrontierActivity& activity, const LocalTexture* texture, WorkerThreads& workers) {
   // Without a landmark all ways are alike.
-  const bool looks_out = visibility_map_ && !belief.landmarks->landmarks.empty();
-  if (looks_out) {
+  const bool predicts_view = visibility_map_ && !belief.landmarks->landmarks.empty();
+  if (predicts_view) {
     visibility_map_->update(belief,
                             parameters.feature_prior ? belief.landmarks->feature_density : 0.0,
                             texture, &workers);
   }
-  auto plan = frontier_planner_.update(*belief.ground, belief.pose, frontier_stamp, attention,
-                                       looks_out ? &*visibility_map_ : nullptr);
+  auto plan = frontier_planner_.update(*belief.ground, belief.pose, frontier_stamp, activity,
+                                       predicts_view ? &*visibility_map_ : nullptr);
   if (!parameters.task.area) return plan;
-  return lead_to_area(std::move(plan), belief, parameters, frontier_stamp, attention);
+  return set_goal_area(std::move(plan), belief, parameters, frontier_stamp, activity);
 }
 
-std::shared_ptr<const GlobalPlan> GlobalPlanner::lead_to_area(
+std::shared_ptr<const GlobalPlan> GlobalPlanner::set_goal_area(
     std::shared_ptr<const GlobalPlan> frontiers, const Belief& belief,
-    const PlannerParameters& parameters, double frontier_stamp,
-    const FrontierAttention& attention) {
+    const PlannerParameters& parameters, double frontier_stamp, const FrontierActivity& activity) {
   if (!frontiers->facts.exhausted) {
-    exhaustion_.update(frontier_stamp, {false, attention.pursued});
+    exhaustion_.update(frontier_stamp, {false, activity.pursued});
     if (area_planner_) area_planner_->resume();
     return frontiers;
   }
@@ -100,33 +99,33 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::lead_to_area(
                                              parameters.frontier_planner.cost_to_go},
                           *parameters.task.area, parameters.goal_unknown_price);
   }
-  const auto way = area_planner_->update(*belief.ground, belief.pose, frontier_stamp, attention);
+  const auto path = area_planner_->update(*belief.ground, belief.pose, frontier_stamp, activity);
   const GoalFacts& goal = area_planner_->facts();
-  auto plan = std::make_shared<GlobalPlan>(way->target ? *way : *frontiers);
+  auto plan = std::make_shared<GlobalPlan>(path->target ? *path : *frontiers);
   FrontierFacts& facts = plan->facts;
   facts.explored_area = frontiers->facts.explored_area;
-  facts.exhausted = !way->target;
-  facts.exhausted_for = exhaustion_.update(frontier_stamp, {facts.exhausted, attention.pursued});
+  facts.exhausted = !path->target;
+  facts.exhausted_for = exhaustion_.update(frontier_stamp, {facts.exhausted, activity.pursued});
   facts.area_unseen = facts.exhausted && !(area_planner_->seen() > 0.0);
   facts.area_why = goal.why;
-  if (way->target) {
+  if (path->target) {
     facts.to_area = true;
     facts.unknown_left = goal.unknown_left;
     facts.stalled = goal.stalled;
     facts.stalled_for = goal.stalled_for;
   }
-  plan->milliseconds += way->target ? frontiers->milliseconds : way->milliseconds;
+  plan->milliseconds += path->target ? frontiers->milliseconds : path->milliseconds;
   return plan;
 }
 
-std::optional<WayBack> GlobalPlanner::way_back(const Belief& belief,
-                                               const MotionModel& model) const {
+std::optional<ReturnPath> GlobalPlanner::return_path(const Belief& belief,
+                                                     const MotionModel& model) const {
   if (!start_) return std::nullopt;
   const Eigen::Vector2d from = belief.pose.position.head<2>(), to = start_->position.head<2>();
-  const KnownWays ways(*belief.ground, belief.pose, known_, to);
+  const KnownPaths paths(*belief.ground, belief.pose, known_, to);
   const double straight = (from - to).norm();
-  WayBack back;
-  back.length = std::max(straight, ways.length_near(from));
+  ReturnPath back;
+  back.length = std::max(straight, paths.length_near(from));
   // What is drawn shut now was open when it came through.
   if (!std::isfinite(back.length)) back.length = 2.0 * straight;
   back.time =
@@ -136,7 +135,7 @@ std::optional<WayBack> GlobalPlanner::way_back(const Belief& belief,
 
 std::shared_ptr<const GlobalPlan> GlobalPlanner::go(const Belief& belief,
                                                     const PlannerParameters& parameters,
-                                                    const FrontierAttention& attention) {
+                                                    const FrontierActivity& activity) {
   if (!goal_planner_) {
     const bool back = parameters.task.kind == TaskKind::kReturn;
     Goal goal = parameters.task.goal;
@@ -149,7 +148,7 @@ std::shared_ptr<const GlobalPlan> GlobalPlanner::go(const Belief& belief,
                           goal,
                           back ? parameters.return_unknown_price : parameters.goal_unknown_price);
   }
-  return goal_planner_->update(*belief.ground, belief.pose, belief.stamp, attention);
+  return goal_planner_->update(*belief.ground, belief.pose, belief.stamp, activity);
 }
 
 }  // namespace prospect

@@ -11,7 +11,7 @@
 #include "engine/frontiers/goal_planner.h"
 #include "engine/maps/belief.h"
 #include "engine/planner/planner.h"
-#include "engine/planner/way_back.h"
+#include "engine/planner/return_path.h"
 #include "engine/support/worker_threads.h"
 
 namespace prospect {
@@ -31,19 +31,18 @@ class GlobalPlanner {
   /// Writes facts.frontiers or facts.goal.
   std::shared_ptr<const GlobalPlan> update(const Belief& belief,
                                            const PlannerParameters& parameters,
-                                           double frontier_stamp,
-                                           const FrontierAttention& attention,
+                                           double frontier_stamp, const FrontierActivity& activity,
                                            const LocalTexture* texture, WorkerThreads& workers,
                                            Facts& facts);
 
-  /// Another task from the next step on: its way begins anew.
+  /// Another task from the next step on: its path begins anew.
   void restart_task() { goal_planner_.reset(); }
   /// Other zones or another area: what was learned of frontiers is forgotten.
   void restart(const FrontierPlannerOptions& options);
 
-  /// Replanner::way_back(). At two thirds of the top speed, and two half turns at half the top yaw
-  /// rate: of four missions the way back took 60 to 70 % of that.
-  std::optional<WayBack> way_back(const Belief& belief, const MotionModel& model) const;
+  /// Replanner::return_path(). At two thirds of the top speed, and two half turns at half the top
+  /// yaw rate: of four missions the path back took 60 to 70 % of that.
+  std::optional<ReturnPath> return_path(const Belief& belief, const MotionModel& model) const;
 
   /// Of the task in force; none if it leads nowhere.
   std::optional<Goal> goal() const;
@@ -54,24 +53,23 @@ class GlobalPlanner {
  private:
   std::shared_ptr<const GlobalPlan> explore(const Belief& belief,
                                             const PlannerParameters& parameters,
-                                            double frontier_stamp,
-                                            const FrontierAttention& attention,
+                                            double frontier_stamp, const FrontierActivity& activity,
                                             const LocalTexture* texture, WorkerThreads& workers);
-  /// The way to what is unknown of the area, where nothing of it can be looked at from what is
+  /// The path to what is unknown of the area, where nothing of it can be looked at from what is
   /// known.
-  std::shared_ptr<const GlobalPlan> lead_to_area(std::shared_ptr<const GlobalPlan> frontiers,
-                                                 const Belief& belief,
-                                                 const PlannerParameters& parameters,
-                                                 double frontier_stamp,
-                                                 const FrontierAttention& attention);
+  std::shared_ptr<const GlobalPlan> set_goal_area(std::shared_ptr<const GlobalPlan> frontiers,
+                                                  const Belief& belief,
+                                                  const PlannerParameters& parameters,
+                                                  double frontier_stamp,
+                                                  const FrontierActivity& activity);
   std::shared_ptr<const GlobalPlan> go(const Belief& belief, const PlannerParameters& parameters,
-                                       const FrontierAttention& attention);
+                                       const FrontierActivity& activity);
 
   FrontierPlanner frontier_planner_;
   std::optional<FeatureVisibilityMap> visibility_map_;  // if the cost-to-go is weighted by it
   TraversabilityOptions known_;                         // what is passable of what is known
   std::optional<GoalPlanner> area_planner_;             // of the area that is to be explored
-  ExhaustionMonitor exhaustion_;                        // of its frontiers and the ways to it
+  ExhaustionMonitor exhaustion_;                        // of its frontiers and the paths to it
   std::optional<GoalPlanner> goal_planner_;  // of a task that leads to a place, from its first step
   std::optional<Pose> start_;                // of the first step
 };

@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-#include "engine/behaviour/caution.h"
+#include "engine/behaviour/safety_level.h"
 #include "engine/maps/belief.h"
 #include "engine/maps/surface_drift.h"
 #include "engine/planner/planner.h"
@@ -22,8 +22,8 @@ struct PlannedMotion {
   double dt;
 };
 
-/// The certificates that a plan of a planner needs: that of the step's caution (caution.h), and
-/// that of the guard which checks it once more. Thread-safety: as Certifier.
+/// The certificates that a plan of a planner needs: that of the step's safety level
+/// (safety_level.h), and that of the guard which checks it once more. Thread-safety: as Certifier.
 class PlanCertifier {
  public:
   /// Throws std::invalid_argument as Certifier does.
@@ -33,19 +33,19 @@ class PlanCertifier {
   void set_zones(const std::shared_ptr<const ZoneMap>& zones);
 
   /// Checks a motion and the stop after it. drift: of the belief's surfaces; counts where the
-  /// caution minds it.
+  /// safety level minds it.
   ///
-  /// What the caution's certificate allows the guard's must, too: a start within the larger margin
-  /// is checked with less of it, and may come closer to an obstacle than the guard allows later on.
-  /// Without the guard's margin the two would disagree for ever.
+  /// What the safety level's certificate allows the guard's must, too: a start within the larger
+  /// margin is checked with less of it, and may come closer to an obstacle than the guard allows
+  /// later on. Without the guard's margin the two would disagree for ever.
   Certificate certify(const Belief& belief, const MotionModel& model, const PlannedMotion& motion,
-                      Caution caution, const SurfaceDrift& drift) const;
+                      SafetyLevel safety_level, const SurfaceDrift& drift) const;
 
   /// That of the guard alone: by it stops are chosen, here as there.
   const Certifier& guard() const { return guard_; }
 
  private:
-  std::vector<Certifier> by_caution_;
+  std::vector<Certifier> by_safety_level_;
   Certifier guard_;
 };
 

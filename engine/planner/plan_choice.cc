@@ -81,7 +81,7 @@ bool choose_certified(const std::vector<Candidate>& candidates, const ChoiceCont
     const TrajectoryBatch t = context.problem.rollout(c.z);
     const Certificate certificate = context.certifier.certify(
         context.belief, *d.model, {d.x0, d.u_previous, stage_inputs(t, context.committed), d.dt},
-        context.caution, context.drift);
+        context.safety_level, context.drift);
     if (!certificate.ok()) {
       if (plan.certificate.empty()) plan.certificate = certificate.detail;
       if (plan.refused.empty() && plan.has_active_frontier) plan.refused = certificate.detail;

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "engine/behaviour/caution.h"
+#include "engine/behaviour/safety_level.h"
 #include "engine/maps/belief.h"
 #include "engine/maps/surface_drift.h"
 #include "engine/planner/candidate.h"
@@ -19,7 +19,7 @@ struct ChoiceContext {
   const Belief& belief;
   const Problem& problem;
   const PlanCertifier& certifier;
-  Caution caution;
+  SafetyLevel safety_level;
   const SurfaceDrift& drift;
   const VisibleFeatures& visible_features;  ///< says Plan::visible
   int committed;  ///< leading stages to certify, with the stop after them, 1 to N

@@ -219,13 +219,13 @@ struct Planner::Impl {
   StepMonitors monitors;
   SurfaceDrift drift;
   Behaviour behaviour;
-  Caution caution = Caution::kNormal;
+  SafetyLevel safety_level = SafetyLevel::kNormal;
   Eigen::MatrixXd last_inputs;         // nu x N of the last plan
   double last_stamp = 0.0;             // [s]
   std::optional<Plan> last_certified;  // its motion alone: what a stop follows
   Reserve reserve;                     // where there is a deadline
   StopCondition cancelled;             // of each step
-  FrontierAttention attention;
+  FrontierActivity activity;
   std::string refused;                         // newest Plan::refused
   std::shared_ptr<const GlobalPlan> prepared;  // since the last step; null: to be made in the step
 
@@ -248,7 +248,7 @@ struct Planner::Impl {
   /// GlobalPlanner::update(). What it throws leaves nothing half learned.
   std::shared_ptr<const GlobalPlan> global_plan(const Belief& belief, const LocalTexture* texture,
                                                 Facts& facts);
-  /// The mode whose policy this step follows; task, mode and caution of the plan.
+  /// The mode whose policy this step follows; task, mode and safety level of the plan.
   ModeKind update_mode(const Belief& belief, const LocalTexture* texture, Plan& plan,
                        StepInTheMaking& making);
   void specify(const Belief& belief, ModeKind mode, const LocalTexture* texture,
@@ -281,8 +281,8 @@ std::shared_ptr<const GlobalPlan> Planner::Impl::global_plan(const Belief& belie
                                                              const LocalTexture* texture,
                                                              Facts& facts) {
   try {
-    return global_planner.update(belief, parameters, belief.stamp - clock.away(), attention,
-                                 texture, workers, facts);
+    return global_planner.update(belief, parameters, belief.stamp - clock.away(), activity, texture,
+                                 workers, facts);
   } catch (...) {
     global_planner.restart(parameters.frontier_planner);
     throw;
@@ -373,7 +373,7 @@ Plan Planner::Impl::plan(const Belief& given, const StopCondition& asked) {
       std::min(parameters.N,
                std::max(1, static_cast<int>(std::lround(parameters.committed / parameters.dt))));
   if (!choose_certified(candidates,
-                        {belief, *making.problem, certifier, caution, drift,
+                        {belief, *making.problem, certifier, safety_level, drift,
                          *making.evaluators.visible_features, committed, late},
                         plan)) {
     brake_instead(belief, plan);
@@ -409,10 +409,10 @@ ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* te
   const bool pursues = policy(before_frontiers).pursues;
   facts.stuck = monitors.update_stuck(belief, pursues);
   facts.refused = refused;
-  attention = {.looked = belief.localization != Localization::kLost,
-               .pursued = pursues,
-               .got_lost = monitors.got_lost(),
-               .blocked = monitors.blocked()};
+  activity = {.observed = belief.localization != Localization::kLost,
+              .pursued = pursues,
+              .got_lost = monitors.got_lost(),
+              .blocked = monitors.blocked()};
   if (prepared) {
     making.global_plan = std::exchange(prepared, nullptr);
     facts.frontiers = making.global_plan->facts;
@@ -420,11 +420,11 @@ ModeKind Planner::Impl::update_mode(const Belief& belief, const LocalTexture* te
     making.global_plan = global_plan(belief, texture, facts);
   }
   behaviour = decide(behaviour, facts, parameters.behaviour);
-  caution = caution_for(facts, parameters.lost_margin > 0.0);
+  safety_level = safety_level_for(facts, parameters.lost_margin > 0.0);
   plan.task = task;
   plan.goal = global_planner.goal();
   plan.mode = behaviour.mode;
-  plan.caution = caution;
+  plan.safety_level = safety_level;
   plan.why = describe(behaviour.mode, facts);
   plan.has_active_frontier = making.global_plan->target.has_value();
   if (facts.goal && facts.goal->reached) plan.heading_missed = facts.goal->heading_missed;
@@ -442,7 +442,7 @@ void Planner::Impl::specify(const Belief& belief, ModeKind mode, const LocalText
   }
   StepSpecification made =
       specify_problem({robot, parameters, belief, *making.global_plan, global_planner.frontiers(),
-                       zones, mode, retreat, caution, drift, texture});
+                       zones, mode, retreat, safety_level, drift, texture});
   making.specification = std::make_shared<ProblemSpecification>(std::move(made.problem));
   making.num_mapped = made.num_mapped;
 }
@@ -500,7 +500,7 @@ const std::string& Planner::Impl::misfit_with(double resolution) {
 
 Plan Planner::Impl::brake(const Belief& belief, PlanFault fault, const std::string& why) const {
   Plan plan = stopping_plan(belief, *robot.model, parameters.dt,
-                            {parameters.task.kind, behaviour.mode, caution,
+                            {parameters.task.kind, behaviour.mode, safety_level,
                              last_certified ? &*last_certified : nullptr, &certifier.guard()},
                             why);
   plan.fault = fault;
@@ -586,10 +586,10 @@ std::string Planner::set_zones(const Zones& zones) {
   return "";
 }
 std::shared_ptr<const PlanningStep> Planner::step() const { return impl_->step; }
-std::optional<WayBack> Planner::way_back(const Belief& belief) const {
+std::optional<ReturnPath> Planner::return_path(const Belief& belief) const {
   if (!unusable(belief).empty()) return std::nullopt;
   try {
-    return impl_->global_planner.way_back(belief, *impl_->robot.model);
+    return impl_->global_planner.return_path(belief, *impl_->robot.model);
   } catch (...) {
     return std::nullopt;
   }

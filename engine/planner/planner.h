@@ -64,7 +64,7 @@ struct PlannerParameters {
   double guard_margin() const { return 0.25 * certificate_margin; }
   /// How much farther than that surfaces are kept away that may have drifted since they were last
   /// in view (surface_drift.h), at most [m]; 0: none. The soft cost's clearances grow by the drift
-  /// of what is near, too. Not while localization is lost, nor while stuck (caution.h).
+  /// of what is near, too. Not while localization is lost, nor while stuck (safety_level.h).
   double drift_margin = 0.12;
   /// Space that may have drifted by more since it was last in view counts as unknown for the
   /// certificate [m]; 0: none does. Also while localization is lost; not while stuck.
@@ -109,7 +109,7 @@ struct PlannerParameters {
 
   Task task;    ///< what the robot does until Planner::set_task() says otherwise
   Zones zones;  ///< where it may not be, or not fast
-  /// What a metre through unknown space counts as on the way to a goal, and back to the start
+  /// What a metre through unknown space counts as on the path to a goal, and back to the start
   /// (along what is known, if that leads there), 1 to 1000.
   double goal_unknown_price = 2.0;
   double return_unknown_price = 20.0;
@@ -155,10 +155,10 @@ void describe(Knobs& knobs, PlannerParameters& parameters);
 /// speed within what is allowed; the cost-to-go leads round; the clearance terms count forbidden
 /// parts as obstacles; frontiers in them are no targets.
 ///
-/// Ahead of the step. prepare() looks for the frontiers and the way to them, which takes about half
-/// of a step. The plan() after it takes them as they are: they are of prepare()'s belief, and of
-/// what the robot was doing at the plan before. The mode, the obstacles, the views, the problem and
-/// the certificate are of plan()'s own belief always. The way to a goal is never prepared: the
+/// Ahead of the step. prepare() looks for the frontiers and the path to them, which takes about
+/// half of a step. The plan() after it takes them as they are: they are of prepare()'s belief, and
+/// of what the robot was doing at the plan before. The mode, the obstacles, the views, the problem
+/// and the certificate are of plan()'s own belief always. The path to a goal is never prepared: the
 /// arrival is judged where the robot is. Another task or other zones drop what was prepared.
 ///
 /// Deadline. PlannerParameters::deadline is that of plan(). The seeds are scored in portions of
@@ -196,7 +196,7 @@ class Planner final : public Replanner {
   /// taken, else their first fault (zones.h). What was learned of frontiers is forgotten.
   std::string set_zones(const Zones& zones);
 
-  std::optional<WayBack> way_back(const Belief& belief) const override;
+  std::optional<ReturnPath> return_path(const Belief& belief) const override;
 
   /// What the last step made besides its plan (planning_step.h). Never null; of nothing before the
   /// first step, and after one that failed or that had a belief that nothing can be planned from.

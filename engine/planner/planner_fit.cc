@@ -59,13 +59,13 @@ std::string variables_misfit(const RobotDescription& robot, const PlannerParamet
          std::to_string(kMostVariables / nu);
 }
 
-std::string looks_misfit(const PlannerParameters& p) {
-  if (static_cast<double>(p.N) * p.max_landmarks <= kMostLooks) return "";
+std::string views_misfit(const PlannerParameters& p) {
+  if (static_cast<double>(p.N) * p.max_landmarks <= kMostViews) return "";
   return "planner.N is " + std::to_string(p.N) + " and planner.max_landmarks " +
          std::to_string(p.max_landmarks) + ": each evaluation looks at " +
          text(static_cast<double>(p.N) * p.max_landmarks) + " landmarks; expected at most " +
-         text(kMostLooks) + ", a max_landmarks of at most " +
-         std::to_string(static_cast<int>(kMostLooks / p.N));
+         text(kMostViews) + ", a max_landmarks of at most " +
+         std::to_string(static_cast<int>(kMostViews / p.N));
 }
 
 std::string motion_misfit(const RobotDescription& robot, const PlannerParameters& p) {
@@ -89,7 +89,7 @@ double clearance_cutoff(const RobotDescription& robot, const PlannerParameters& 
 std::string planner_misfit(const RobotDescription& robot, const PlannerParameters& parameters,
                            double resolution) {
   for (const std::string& why : {motion_misfit(robot, parameters),
-                                 variables_misfit(robot, parameters), looks_misfit(parameters)}) {
+                                 variables_misfit(robot, parameters), views_misfit(parameters)}) {
     if (!why.empty()) return why;
   }
   if (!(resolution > 0.0)) return "";

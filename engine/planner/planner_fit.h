@@ -11,7 +11,7 @@ struct PlannerParameters;
 /// Variables of a step's problem.
 inline constexpr int kMostVariables = 200;
 /// Landmarks that an evaluation of the problem looks at, at each stage.
-inline constexpr double kMostLooks = 2e6;
+inline constexpr double kMostViews = 2e6;
 /// Voxels of half a side of the window of the cost-to-go.
 inline constexpr int kMostWindow = 1000;
 
@@ -30,7 +30,7 @@ double clearance_cutoff(const RobotDescription& robot, const PlannerParameters& 
 ///               1 mm/s, which counts as rest
 ///   variables   M nu: at most kMostVariables. The time of a back end that uses second derivatives
 ///               grows with their cube
-///   looks       N max_landmarks: at most kMostLooks. The time of each evaluation grows with it
+///   looks       N max_landmarks: at most kMostViews. The time of each evaluation grows with it
 ///
 /// How far the robot can get within the horizon needs no limit: what a step keeps is bounded by
 /// what is known of the world (clearance_field.h, occlusion_table.h).

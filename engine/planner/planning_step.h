@@ -18,8 +18,8 @@ struct ConsideredLandmark {
 };
 
 /// What a planning step made besides its plan. A step is a transaction: of one that ends in a plan
-/// or in a certified stop all of it is there, of one that fails on the way nothing is. A value that
-/// never changes; whoever observes a step holds this one.
+/// or in a certified stop all of it is there, of one that fails on the path nothing is. A value
+/// that never changes; whoever observes a step holds this one.
 struct PlanningStep {
   std::shared_ptr<const GlobalPlan> global_plan;              ///< frontiers and cost-to-go
   std::shared_ptr<const ProblemSpecification> specification;  ///< what the problem was made from

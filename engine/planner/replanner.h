@@ -6,7 +6,7 @@
 
 #include "engine/frontiers/frontier_planner.h"
 #include "engine/maps/belief.h"
-#include "engine/planner/way_back.h"
+#include "engine/planner/return_path.h"
 #include "engine/safety/plan.h"
 #include "engine/task/task.h"
 
@@ -34,9 +34,11 @@ class Replanner {
                ? ""
                : "this planner can only explore, anywhere";
   }
-  /// What the way back from the belief's pose to that of the first plan() takes. None: nobody
+  /// What the path back from the belief's pose to that of the first plan() takes. None: nobody
   /// knows, or there was no plan yet. Not cheap: linear in the map.
-  virtual std::optional<WayBack> way_back(const Belief& /*belief*/) const { return std::nullopt; }
+  virtual std::optional<ReturnPath> return_path(const Belief& /*belief*/) const {
+    return std::nullopt;
+  }
 };
 
 }  // namespace prospect

@@ -72,10 +72,10 @@ class Laws {
       const double next = std::min(free + kSpacing, needed);
       const double half = 0.5 * twist.yaw_rate / speed * next;
       const double c = std::cos(pose.yaw + half), s = std::sin(pose.yaw + half);
-      const Eigen::Vector3d way = twist.linear * (next / speed);
+      const Eigen::Vector3d path = twist.linear * (next / speed);
       Pose there{pose.position, pose.yaw + 2.0 * half};
       there.position +=
-          Eigen::Vector3d(c * way.x() - s * way.y(), s * way.x() + c * way.y(), way.z());
+          Eigen::Vector3d(c * path.x() - s * path.y(), s * path.x() + c * path.y(), path.z());
       if (context_.known->clearance(there) < margin_) break;
       free = next;
     }
@@ -219,12 +219,12 @@ std::vector<Seed> make_seeds(const Problem& problem, const SeedContext& context)
   }
   for (const double turn : {1.0, -1.0, 0.5, -0.5}) add("turn", laws.constant(0.0, turn));
   if (context.target) {
-    const auto look = towards(context.target->looks_at);
+    const auto observation = towards(context.target->looks_at);
     const auto go = towards(context.target->viewpoint);
-    add("face", laws.turn_then_go(look, 0.0));
-    add("face and go", laws.turn_then_go(look, 0.7));
+    add("face", laws.turn_then_go(observation, 0.0));
+    add("face and go", laws.turn_then_go(observation, 0.7));
     add("turn and go", laws.turn_then_go(go, 1.0));
-    if (d.model->nu() > 2) add("strafe", laws.strafe(look));
+    if (d.model->nu() > 2) add("strafe", laws.strafe(observation));
   }
   if (context.backwards) {
     add("back", laws.constant(-0.5, 0.0));

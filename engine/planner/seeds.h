@@ -37,7 +37,7 @@ struct SeedContext {
   bool backwards = false;
 };
 
-/// Starts that between them reach the basins worth polishing: the shifted previous plan, the way
+/// Starts that between them reach the basins worth polishing: the shifted previous plan, the path
 /// down the cost-to-go at two speeds, the same looking left and right at the end, arcs, turning in
 /// place, facing the target frontier, turning then going, driving one way and looking another
 /// (bases that can), backing straight and down the cost-to-go (where asked for), and stopping.
@@ -46,7 +46,7 @@ struct SeedContext {
 /// the input clamped by tracking_input and admissible_inputs, so that bounds, rate limits between
 /// knots and limits on speeds hold. None drives faster than leaves
 /// room to stop within what is known to be free, a step later: v <= a (sqrt(dt^2 + 2 d / a) - dt),
-/// d the way ahead, on the arc, on which the clearance is more than the margin, a the largest
+/// d the path ahead, on the arc, on which the clearance is more than the margin, a the largest
 /// deceleration. A faster one would be infeasible wherever little is known, and nothing would be
 /// left to begin with but standing. In a fixed order; one that stops is always among them.
 /// Deterministic. Thread-safety: no state. Source: formulation, section 8; the steering laws are
@@ -64,9 +64,9 @@ std::vector<Seed> make_stop_seeds(const Problem& problem);
 
 /// Only those that follow the cost-to-go to the target's viewpoint and face what is to be seen from
 /// there, in the order in which they are tried. Three steer while they
-/// drive, the last turns towards the next 0.1 m of the way, moved to the middle of gaps
+/// drive, the last turns towards the next 0.1 m of the path, moved to the middle of gaps
 /// (DescentPath::centre), before each piece of it: a gap that begins beside the robot takes that.
-/// Without a target: turning in place. Where asked for, a way backwards down the cost-to-go comes
+/// Without a target: turning in place. Where asked for, a path backwards down the cost-to-go comes
 /// before the last turn: a body that cannot turn in a passage backs out of it.
 std::vector<Seed> make_approach_seeds(const Problem& problem, const SeedContext& context);
 

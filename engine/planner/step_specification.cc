@@ -52,7 +52,7 @@ void specify_robot_and_horizon(const StepContext& c, ProblemSpecification& s) {
 void specify_obstacles(const StepContext& c, ProblemSpecification& s) {
   const PlannerParameters& p = c.parameters;
   const MotionModel& model = *c.robot.model;
-  const CautionPolicy& rules = policy(c.caution);
+  const SafetyLevelPolicy& rules = policy(c.safety_level);
   const double radius = circumscribed_radius(c.robot.shape);
   s.clearance_center = c.belief.pose.position;
   s.clearance_field.vertical = is_vertical(c);
@@ -159,7 +159,7 @@ void specify_exploration(const StepContext& c, ProblemSpecification& s) {
   if (c.global_plan.target) options.led_to = c.global_plan.target->looks_at;
   s.targets = exploration_targets(c.belief, frontier_cells(c), c.robot.depth, mount, options);
   if (c.zones != nullptr || p.frontier_planner.area) {
-    // On the way to an area what is seen outside of it shows the way.
+    // On the path to an area what is seen outside of it shows the path.
     const bool anywhere = c.global_plan.facts.to_area;
     std::erase_if(s.targets.targets, [&](const ExplorationTarget& target) {
       const Eigen::Vector2d at = target.position.head<2>();

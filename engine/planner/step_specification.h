@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <memory>
 
-#include "engine/behaviour/caution.h"
 #include "engine/behaviour/mode_policy.h"
+#include "engine/behaviour/safety_level.h"
 #include "engine/features/local_texture.h"
 #include "engine/frontiers/cost_to_go.h"
 #include "engine/frontiers/frontier_planner.h"
@@ -26,7 +26,7 @@ struct StepContext {
   std::shared_ptr<const ZoneMap> zones;     ///< null: none
   ModeKind mode;                            ///< whose policy the problem follows
   std::shared_ptr<const CostToGo> retreat;  ///< instead of the global plan's; null: that one
-  Caution caution;
+  SafetyLevel safety_level;
   const SurfaceDrift& drift;
   const LocalTexture* texture;  ///< null where the localization does not rest on features
 };
@@ -37,7 +37,7 @@ struct StepSpecification {
   std::size_t num_mapped;  ///< of the problem's landmarks; those after them are expected ones
 };
 
-/// From belief, global plan, mode and caution to the problem's specification, group by group:
+/// From belief, global plan, mode and safety level to the problem's specification, group by group:
 /// robot and horizon, obstacles, visible features, exploration, cost-to-go, weights. Deterministic.
 /// Passes on what the maps throw. Thread-safety: pure.
 StepSpecification specify_problem(const StepContext& context);

@@ -17,7 +17,7 @@ Plan stopping_plan(const Belief& belief, const MotionModel& model, double dt,
   plan.detail = why;
   plan.task = step.task;
   plan.mode = step.mode;
-  plan.caution = step.caution;
+  plan.safety_level = step.safety_level;
   plan.why = "Brakes: " + why + '.';
   // A lost pose does not keep the robot from braking.
   const bool located = belief.pose.position.allFinite() && std::isfinite(belief.pose.yaw);

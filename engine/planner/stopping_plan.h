@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "engine/behaviour/caution.h"
 #include "engine/behaviour/mode.h"
+#include "engine/behaviour/safety_level.h"
 #include "engine/behaviour/task_kind.h"
 #include "engine/maps/belief.h"
 #include "engine/safety/certificate.h"
@@ -16,7 +16,7 @@ namespace prospect {
 struct StoppedStep {
   TaskKind task = TaskKind::kExplore;
   Mode mode{};
-  Caution caution = Caution::kNormal;
+  SafetyLevel safety_level = SafetyLevel::kNormal;
   const Plan* along = nullptr;           ///< the last certified plan; null: none
   const Certifier* certifier = nullptr;  ///< that chooses the stop, if there is a plan
 };

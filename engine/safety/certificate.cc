@@ -647,7 +647,7 @@ class Certifier::Check {
 
   /// way [m]: that the motion covers at most. Throws Exhausted, as all of it does.
   Check(const Certifier& certifier, const Belief& belief, const MotionModel& model,
-        const SurfaceDrift* drift, double way)
+        const SurfaceDrift* drift, double path)
       : options_(certifier.options_),
         body_(*certifier.body_),
         model_(model),
@@ -663,7 +663,7 @@ class Certifier::Check {
     unbounded_ = unbounded_pose_error(belief, options_.max_lost_error);
     if (!unbounded_.empty()) {
       closing_.only_in_view = true;
-      if (options_.sensor) see(belief, extent.reach, way);
+      if (options_.sensor) see(belief, extent.reach, path);
     }
     scene_.emplace(belief, options_.slice, planar_, extent, closing_, budget_);
   }
@@ -730,12 +730,12 @@ class Certifier::Check {
   Certificate& result() { return result_; }
 
  private:
-  void see(const Belief& belief, double reach, double way) {
+  void see(const Belief& belief, double reach, double path) {
     // Farther than it moves nothing is asked for.
     DepthSensor sensor = *options_.sensor;
     sensor.footprint.max_range =
         std::min(sensor.footprint.max_range,
-                 sensor.mount.T_BC.translation().norm() + 2.0 * reach + 1.0 + way);
+                 sensor.mount.T_BC.translation().norm() + 2.0 * reach + 1.0 + path);
     const double across = sensor.footprint.max_range / belief.voxels->resolution();
     if (!(across < 1e6)) throw Exhausted{};
     budget_.spend(static_cast<long long>(2.0 * sensor.footprint.horizontal_fov * across * across));

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/behaviour/caution.h"
 #include "engine/behaviour/mode.h"
+#include "engine/behaviour/safety_level.h"
 #include "engine/problem/solver.h"
 #include "engine/task/task.h"
 #include "models/types.h"
@@ -29,7 +29,7 @@ enum class PlanFault {
   kNone,
   kBelief,  ///< nothing can be planned from the belief: it lacks a map, or is not finite
   kMisfit,  ///< robot, parameters and the maps' resolution do not fit together (planner_fit.h)
-  kError    ///< something failed on the way
+  kError    ///< something failed on the path
 };
 
 /// "none", "belief", "misfit", "error".
@@ -113,11 +113,11 @@ struct Plan {
   double features_weight = 0.0;  ///< w_l in this step (feature_weight.h)
   PlanTimes times;
 
-  TaskKind task = TaskKind::kExplore;  ///< what it was told to do
-  std::optional<Goal> goal;            ///< of that, if it leads to a place
-  Mode mode;                           ///< what the robot does, and why
-  Caution caution = Caution::kNormal;  ///< which distances it keeps
-  std::string why;                     ///< the same in a sentence, with numbers
+  TaskKind task = TaskKind::kExplore;               ///< what it was told to do
+  std::optional<Goal> goal;                         ///< of that, if it leads to a place
+  Mode mode;                                        ///< what the robot does, and why
+  SafetyLevel safety_level = SafetyLevel::kNormal;  ///< which distances it keeps
+  std::string why;                                  ///< the same in a sentence, with numbers
   /// [rad] left to the heading of the goal that it has reached, where that cannot be had.
   std::optional<double> heading_missed;
   /// The best five, and the one executed, in the order in which they were to be tried.

@@ -22,7 +22,7 @@ struct Goal {
 /// What a robot is told to do, until it is told something else. A value.
 struct Task {
   TaskKind kind = TaskKind::kExplore;
-  /// kExplore: only frontiers in here are driven to (the way there may lead outside); none: all.
+  /// kExplore: only frontiers in here are driven to (the path there may lead outside); none: all.
   std::optional<Polygon> area;
   /// kGoTo: where to. kReturn: tolerances; the place is where the first plan was made.
   Goal goal;

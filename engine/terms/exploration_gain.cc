@@ -28,9 +28,9 @@ std::shared_ptr<const OcclusionTable> checked(const ExplorationTargets& targets,
 
 }  // namespace
 
-// The looks of all candidates and stages that can have q > 0, one stage after the other.
-struct ExplorationGain::Looks : TermScratch {
-  Looks(int capacity, int stages, int max_batch) {
+// The views of all candidates and stages that can have q > 0, one stage after the other.
+struct ExplorationGain::Views : TermScratch {
+  Views(int capacity, int stages, int max_batch) {
     count.setZero(stages + 1, max_batch);
     start.setZero(stages + 1, max_batch);
     stamp.setZero(max_batch);
@@ -40,7 +40,7 @@ struct ExplorationGain::Looks : TermScratch {
     q.resize(all);
   }
 
-  // Drops all looks.
+  // Drops all views.
   void begin(std::uint64_t new_stamp, bool with_gradient) {
     newest = new_stamp;
     gradient = with_gradient;
@@ -50,7 +50,7 @@ struct ExplorationGain::Looks : TermScratch {
     for (Eigen::ArrayXd* d : {&d_x, &d_y, &d_z, &d_yaw}) d->resize(q.size());
   }
 
-  std::uint64_t newest = 0;  // the evaluation that the looks belong to
+  std::uint64_t newest = 0;  // the evaluation that the views belong to
   bool gradient = false;     // whether they have derivatives
   Eigen::Index used = 0;
   Eigen::Array<std::uint64_t, Eigen::Dynamic, 1> stamp;              // by candidate; `newest`: done
@@ -74,10 +74,10 @@ struct ExplorationGain::Scratch : TermScratch {
   }
   int max_batch;
   FootprintVisibility::Scratch view;
-  std::unique_ptr<Looks> own;  // outside of a Problem; one candidate
+  std::unique_ptr<Views> own;  // outside of a Problem; one candidate
   Eigen::ArrayXd unseen;       // prod_{j<k} (1 - p_cj) of the stage in work
   Eigen::ArrayXd later;
-  Eigen::ArrayXd before;  // the same of every look
+  Eigen::ArrayXd before;  // the same of every view
   Eigen::ArrayXd factor;  // p_ck / q_ck, by stage
   Eigen::ArrayXd area, ones;
 };
@@ -138,33 +138,33 @@ std::unique_ptr<TermScratch> ExplorationGain::make_scratch(const Horizon& horizo
   return std::make_unique<Scratch>(num_targets(), visibility_.capacity(), horizon.N, max_batch);
 }
 
-ExplorationGain::Candidate ExplorationGain::look(const TrajectoryBatch& t, int b, bool gradient,
+ExplorationGain::Candidate ExplorationGain::view(const TrajectoryBatch& t, int b, bool gradient,
                                                  Scratch& s) const {
   const int N = t.horizon.N;
   SharedResults* const shared = t.shared.get();
-  Looks* looks = nullptr;
+  Views* views = nullptr;
   int place = 0;
   bool score = false;
   if (shared) {
-    looks = &shared->get<Looks>(
-        this, [&] { return std::make_unique<Looks>(visibility_.capacity(), N, s.max_batch); });
-    if (looks->stamp.size() < t.batch()) *looks = Looks(visibility_.capacity(), N, t.batch());
+    views = &shared->get<Views>(
+        this, [&] { return std::make_unique<Views>(visibility_.capacity(), N, s.max_batch); });
+    if (views->stamp.size() < t.batch()) *views = Views(visibility_.capacity(), N, t.batch());
     place = b;
     // Whoever comes first computes what others will ask for.
     gradient = gradient || shared->request().gradient;
     score = shared->request().score;
-    if (looks->newest != shared->stamp() || looks->gradient != gradient) {
-      looks->begin(shared->stamp(), gradient);
+    if (views->newest != shared->stamp() || views->gradient != gradient) {
+      views->begin(shared->stamp(), gradient);
     }
-    if (looks->stamp[place] == looks->newest) return {*looks, place};
+    if (views->stamp[place] == views->newest) return {*views, place};
   } else {
-    if (!s.own) s.own = std::make_unique<Looks>(visibility_.capacity(), N, 1);
-    looks = s.own.get();
-    looks->begin(1, gradient);
+    if (!s.own) s.own = std::make_unique<Views>(visibility_.capacity(), N, 1);
+    views = s.own.get();
+    views->begin(1, gradient);
   }
-  Looks& l = *looks;
+  Views& l = *views;
   for (int k = 1; k <= N; ++k) {
-    FootprintVisibility::Looks at;
+    FootprintVisibility::Views at;
     at.point = l.point.data() + l.used;
     at.q = l.q.data() + l.used;
     at.score = score;
@@ -174,7 +174,7 @@ ExplorationGain::Candidate ExplorationGain::look(const TrajectoryBatch& t, int b
       at.d_z = l.d_z.data() + l.used;
       at.d_yaw = l.d_yaw.data() + l.used;
     }
-    l.count(k, place) = visibility_.look(t.pose(k, b), s.view, at);
+    l.count(k, place) = visibility_.view(t.pose(k, b), s.view, at);
     discount(at, l.count(k, place));
     l.start(k, place) = l.used;
     l.used += FootprintKernel::padded(std::max(l.count(k, place), 0));
@@ -183,7 +183,7 @@ ExplorationGain::Candidate ExplorationGain::look(const TrajectoryBatch& t, int b
   return {l, place};
 }
 
-void ExplorationGain::discount(const FootprintVisibility::Looks& at, int n) const {
+void ExplorationGain::discount(const FootprintVisibility::Views& at, int n) const {
   for (int j = 0; j < n; ++j) {
     const double seen = seen_[at.point[j]];
     if (seen == 0.0) continue;
@@ -277,7 +277,7 @@ void ExplorationGain::evaluate(const TrajectoryBatch& t, const TermRequest& requ
                                TermScratch* scratch, TermOutput& out) const {
   auto& s = static_cast<Scratch&>(*scratch);
   for (int b = 0; b < t.batch(); ++b) {
-    const Candidate candidate = look(t, b, request.gradient || request.residuals != 0, s);
+    const Candidate candidate = view(t, b, request.gradient || request.residuals != 0, s);
     if (!accumulate(t, candidate, options_.tau, s)) {
       out.value(0, b) = std::numeric_limits<double>::quiet_NaN();
       continue;
@@ -294,7 +294,7 @@ void ExplorationGain::evaluate(const TrajectoryBatch& t, const TermRequest& requ
 void ExplorationGain::evaluate(const TrajectoryBatch& t, int b, TermScratch* scratch,
                                double* area) const {
   auto& s = static_cast<Scratch&>(*scratch);
-  const bool finite = accumulate(t, look(t, b, false, s), kForever, s);
+  const bool finite = accumulate(t, view(t, b, false, s), kForever, s);
   for (int k = 0; k <= t.horizon.N; ++k) {
     area[k] =
         finite ? options_.surface_per_area * s.area[k] : std::numeric_limits<double>::quiet_NaN();
@@ -304,7 +304,7 @@ void ExplorationGain::evaluate(const TrajectoryBatch& t, int b, TermScratch* scr
 void ExplorationGain::add_gradient(const TrajectoryBatch& t, int b, TermScratch* scratch,
                                    const double* adjoint, TermOutput& out) const {
   auto& s = static_cast<Scratch&>(*scratch);
-  add_adjoint(t, b, look(t, b, true, s), adjoint, options_.surface_per_area, s, out);
+  add_adjoint(t, b, view(t, b, true, s), adjoint, options_.surface_per_area, s, out);
 }
 
 }  // namespace prospect

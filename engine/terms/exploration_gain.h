@@ -20,8 +20,8 @@ class OcclusionTable;
 ///   gain = sum_c m_c (1 - prod_{k=1..N} (1 - eta q_ck e^{-t_k / tau})) / A_ref      [-], >= 0
 ///   q_ck = max(0, v_ck - v_c0)^2 / (v_ck (1 - v_c0))
 ///
-/// v_ck is FootprintVisibility of target c at stage k, t_k = k dt. With independent looks the
-/// bracket is the probability that c is seen at least once, so no cell counts twice. But a look
+/// v_ck is FootprintVisibility of target c at stage k, t_k = k dt. With independent views the
+/// bracket is the probability that c is seen at least once, so no cell counts twice. But a view
 /// from where the robot stands is not independent of the one that it has just taken: what it could
 /// see is seen, and a target that is unknown all the same needs a better view. q_ck is the share of
 /// it, (v_ck - v_c0) / (1 - v_c0) where that is positive, made C1 like the cut-off of v. Otherwise
@@ -42,7 +42,7 @@ class OcclusionTable;
 /// probability),
 ///   A_k = surface_per_area sum_c m_c eta q_ck prod_{0<j<k} (1 - eta q_cj) [m^2],   A_0 = 0.
 ///
-/// Both need the same looks q_ck and their derivatives; within one evaluation of a Problem they are
+/// Both need the same views q_ck and their derivatives; within one evaluation of a Problem they are
 /// computed once (SharedResults).
 ///
 /// Smoothness: C1. Thread-safety: immutable; concurrent calls need separate scratch. One scratch
@@ -52,7 +52,7 @@ class OcclusionTable;
 class ExplorationGain : public Term, public NewSurface {
  public:
   struct Options {
-    double eta = 0.9;               ///< chance that a look in full view resolves a cell; in (0, 1)
+    double eta = 0.9;               ///< chance that a view in full view resolves a cell; in (0, 1)
     double tau = 4.0;               ///< time preference [s]
     double surface_per_area = 1.0;  ///< surface seen per newly explored ground area [-]
     FootprintVisibility::Options visibility;
@@ -84,18 +84,18 @@ class ExplorationGain : public Term, public NewSurface {
   double reference_area() const { return reference_area_; }
 
  private:
-  struct Looks;
+  struct Views;
   struct Scratch;
-  /// The looks of one candidate: those at `place` of `looks`.
+  /// The views of one candidate: those at `place` of `looks`.
   struct Candidate {
-    const Looks& looks;
+    const Views& views;
     int place;
   };
-  /// The looks of candidate b, with derivatives if `gradient`: shared where that can be, else in
+  /// The views of candidate b, with derivatives if `gradient`: shared where that can be, else in
   /// the scratch.
-  Candidate look(const TrajectoryBatch& t, int b, bool gradient, Scratch& s) const;
+  Candidate view(const TrajectoryBatch& t, int b, bool gradient, Scratch& s) const;
   /// Turns v and its derivatives into q and its own (see above), of n looks.
-  void discount(const FootprintVisibility::Looks& at, int n) const;
+  void discount(const FootprintVisibility::Views& at, int n) const;
   /// s.area[k] = sum_c m_c p_ck prod_{j<k} (1 - p_cj) with p_ck = eta q_ck e^{-t_k / tau}, and what
   /// add_adjoint() needs of it. False if a pose is not finite.
   bool accumulate(const TrajectoryBatch& t, Candidate candidate, double tau, Scratch& s) const;

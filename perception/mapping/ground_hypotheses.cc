@@ -12,7 +12,7 @@ namespace prospect {
 namespace {
 
 constexpr std::size_t kMostPlanes = 8;
-constexpr std::size_t kMostLooks = 64;
+constexpr std::size_t kMostViews = 64;
 constexpr std::size_t kMostCells = 1024;
 constexpr double kCell = 0.1;             // [m]
 constexpr double kBelow = 0.05;           // [m]: no noise of a plane
@@ -24,7 +24,7 @@ constexpr double kTrackHeight = 0.12;     // [m]
 constexpr double kMostBelowStated = 1.0;  // points below the height stated, of those on it
 constexpr int kMostDoubts = 10;
 constexpr int kMostDrawsBeside = 3000;  // for planes beside the one taken: a sixth of the points
-constexpr double kWeightOfPrior = 0.5;  // of look_sigma against the spread of looks, in looks
+constexpr double kWeightOfPrior = 0.5;  // of view_sigma against the spread of views, in views
 
 std::string text(const char* format, double a, double b = 0.0, double c = 0.0) {
   char line[160];
@@ -62,11 +62,11 @@ std::uint64_t GroundHypotheses::cell_of(const Plane& plane, const Eigen::Vector3
   return static_cast<std::uint64_t>(index(plane.u.dot(p))) << 32 | index(plane.v.dot(p));
 }
 
-GroundHypotheses::Plane* GroundHypotheses::match(const Look& look, const Eigen::Vector3d& middle) {
+GroundHypotheses::Plane* GroundHypotheses::match(const View& view, const Eigen::Vector3d& middle) {
   Plane* best = nullptr;
   double least = options_.height_tolerance;
   for (Plane& plane : planes_) {
-    if (angle_between(plane.state.normal, look.normal) > options_.tilt_tolerance) continue;
+    if (angle_between(plane.state.normal, view.normal) > options_.tilt_tolerance) continue;
     const double off = std::abs(plane.state.normal.dot(middle) + plane.state.offset);
     if (off > least) continue;
     least = off;
@@ -90,12 +90,12 @@ void GroundHypotheses::each_point(const DepthImage& image, Visit visit) const {
 
 int GroundHypotheses::enter(const Found& found, const std::vector<int>& seen,
                             const DepthImage& image, const Eigen::Isometry3d& T_DC) {
-  Look look;
-  look.normal = T_DC.linear() * found.plane.normal;
-  look.eye = T_DC.translation();
-  look.orientation = T_DC.linear();
-  look.height = found.plane.height;
-  look.covariance = found.plane.covariance;
+  View view;
+  view.normal = T_DC.linear() * found.plane.normal;
+  view.eye = T_DC.translation();
+  view.orientation = T_DC.linear();
+  view.height = found.plane.height;
+  view.covariance = found.plane.covariance;
   std::vector<Eigen::Vector3d> points;
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   each_point(image, [&](const Eigen::Vector3d& p) {
@@ -107,7 +107,7 @@ int GroundHypotheses::enter(const Found& found, const std::vector<int>& seen,
   if (points.empty()) return -1;
   middle /= static_cast<double>(points.size());
 
-  Plane* plane = match(look, middle);
+  Plane* plane = match(view, middle);
   for (Plane& known : planes_) {
     if (known.state.number == found.number) plane = &known;
   }
@@ -126,26 +126,26 @@ int GroundHypotheses::enter(const Found& found, const std::vector<int>& seen,
     planes_.emplace_back();
     plane = &planes_.back();
     plane->state.number = next_++;
-    plane->state.normal = look.normal;
-    plane->state.offset = look.height - look.normal.dot(look.eye);
-    ground_tangents(look.normal, plane->u, plane->v);
+    plane->state.normal = view.normal;
+    plane->state.offset = view.height - view.normal.dot(view.eye);
+    ground_tangents(view.normal, plane->u, plane->v);
   }
   ++plane->state.frames;
   for (const Eigen::Vector3d& p : points) {
     const std::uint64_t cell = cell_of(*plane, p);
     if (plane->cells.size() < kMostCells || plane->cells.count(cell)) {
-      plane->cells.try_emplace(cell, Sighting{p, look.eye});
+      plane->cells.try_emplace(cell, Sighting{p, view.eye});
     }
   }
   plane->state.area = kCell * kCell * static_cast<double>(plane->cells.size());
   const bool same_view =
-      options_.poses && !plane->looks.empty() &&
-      (plane->looks.back().eye - look.eye).norm() < options_.view_distance &&
-      Eigen::AngleAxisd(plane->looks.back().orientation.transpose() * look.orientation).angle() <
+      options_.poses && !plane->views.empty() &&
+      (plane->views.back().eye - view.eye).norm() < options_.view_distance &&
+      Eigen::AngleAxisd(plane->views.back().orientation.transpose() * view.orientation).angle() <
           options_.view_angle;
   if (same_view) return plane->state.number;
-  if (plane->looks.size() >= kMostLooks) plane->looks.erase(plane->looks.begin());
-  plane->looks.push_back(look);
+  if (plane->views.size() >= kMostViews) plane->views.erase(plane->views.begin());
+  plane->views.push_back(view);
   estimate(*plane);
   return plane->state.number;
 }
@@ -163,22 +163,22 @@ void GroundHypotheses::estimate(Plane& plane) const {
     Eigen::Vector3d z;
   };
   std::vector<Row> rows;
-  for (const Look& look : plane.looks) {
+  for (const View& view : plane.views) {
     Row row;
-    const Eigen::Vector3d away = look.eye - origin;
+    const Eigen::Vector3d away = view.eye - origin;
     row.H << 1, 0, 0, 0, 1, 0, t1.dot(away), t2.dot(away), 1;
-    row.z << t1.dot(look.normal), t2.dot(look.normal), look.height - n.dot(away) - height;
+    row.z << t1.dot(view.normal), t2.dot(view.normal), view.height - n.dot(away) - height;
     // Its covariance is in the tangents of its own normal as its camera saw it.
     Eigen::Vector3d c1, c2;
-    ground_tangents(look.orientation.transpose() * look.normal, c1, c2);
-    const Eigen::Vector3d d1 = look.orientation * c1, d2 = look.orientation * c2;
+    ground_tangents(view.orientation.transpose() * view.normal, c1, c2);
+    const Eigen::Vector3d d1 = view.orientation * c1, d2 = view.orientation * c2;
     Eigen::Matrix3d turn;
     turn << t1.dot(d1), t1.dot(d2), 0, t2.dot(d1), t2.dot(d2), 0, 0, 0, 1;
-    row.C = turn * look.covariance * turn.transpose();
+    row.C = turn * view.covariance * turn.transpose();
     rows.push_back(row);
   }
-  const double tilt0 = options_.look_sigma_tilt * options_.look_sigma_tilt;
-  const double height0 = options_.look_sigma_height * options_.look_sigma_height;
+  const double tilt0 = options_.view_sigma_tilt * options_.view_sigma_tilt;
+  const double height0 = options_.view_sigma_height * options_.view_sigma_height;
   double tau_tilt = tilt0, tau_height = height0;
   Eigen::Vector3d x = Eigen::Vector3d::Zero();
   Eigen::Matrix3d information;
@@ -271,12 +271,12 @@ bool GroundHypotheses::beats(const Plane& b, const Plane& a) const {
 
 bool GroundHypotheses::as_high_as_stated(const Plane& plane) const {
   if (!options_.height) return true;
-  // Of the looks alone: the estimate contains what was stated.
-  const Look& look = plane.looks.front();
+  // Of the views alone: the estimate contains what was stated.
+  const View& view = plane.views.front();
   const double own =
-      plane.state.normal.dot(first_.translation()) + look.height - plane.state.normal.dot(look.eye);
+      plane.state.normal.dot(first_.translation()) + view.height - plane.state.normal.dot(view.eye);
   const double sigma = std::sqrt(options_.sigma_height * options_.sigma_height +
-                                 options_.look_sigma_height * options_.look_sigma_height);
+                                 options_.view_sigma_height * options_.view_sigma_height);
   return std::abs(own - *options_.height) <= kWithin * sigma;
 }
 
@@ -366,7 +366,7 @@ bool GroundHypotheses::admits(const Eigen::Vector3d& up, double height) const {
 
 /// The planes in an image that may be the ground, found as the header says; `reason`: why not the
 /// one looked for first.
-std::vector<GroundHypotheses::Found> GroundHypotheses::look(const DepthImage& image,
+std::vector<GroundHypotheses::Found> GroundHypotheses::view(const DepthImage& image,
                                                             const Eigen::Isometry3d& T_DC,
                                                             std::string& reason) const {
   std::vector<Found> found;
@@ -420,8 +420,8 @@ std::vector<GroundHypotheses::Found> GroundHypotheses::look(const DepthImage& im
   return found;
 }
 
-GroundLook GroundHypotheses::add(const DepthImage& image, const Eigen::Isometry3d& T_DC) {
-  GroundLook out;
+GroundObservation GroundHypotheses::add(const DepthImage& image, const Eigen::Isometry3d& T_DC) {
+  GroundObservation out;
   const auto refused = [&out](const char* why) {
     out.reason = why;
     return out;
@@ -435,7 +435,7 @@ GroundLook GroundHypotheses::add(const DepthImage& image, const Eigen::Isometry3
   if (!any_) first_ = T_DC;
   any_ = true;
   std::vector<int> seen;
-  for (const Found& found : look(image, T_DC, out.reason)) {
+  for (const Found& found : view(image, T_DC, out.reason)) {
     const int number = enter(found, seen, image, T_DC);
     if (number >= 0) seen.push_back(number);
   }

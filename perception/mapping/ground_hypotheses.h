@@ -30,10 +30,10 @@ struct GroundHypothesesOptions {
   double tilt_tolerance = 0.06;
   double height_tolerance = 0.06;
   /// What one look at a plane is worth at best, beside the noise of its image: errors that the
-  /// whole image shares. Over views the spread of the looks says it instead.
-  double look_sigma_tilt = 0.01;    ///< [rad]
-  double look_sigma_height = 0.01;  ///< [m]
-  /// Looks from nearer than both are one look.
+  /// whole image shares. Over views the spread of the views says it instead.
+  double view_sigma_tilt = 0.01;    ///< [rad]
+  double view_sigma_height = 0.01;  ///< [m]
+  /// Views from nearer than both are one view.
   double view_distance = 0.1;  ///< [m]
   double view_angle = 0.1;     ///< [rad]
 };
@@ -59,7 +59,7 @@ struct GroundHypothesis {
 };
 
 /// What a frame did to the hypotheses.
-struct GroundLook {
+struct GroundObservation {
   int seen = 0;  ///< hypotheses that it shows
   /// Another hypothesis is taken than before the frame.
   bool changed = false;
@@ -70,20 +70,20 @@ struct GroundLook {
   std::string reason;  ///< why it shows none; empty if it does
 };
 
-/// Which plane is the ground, over frames: none is believed from one look.
+/// Which plane is the ground, over frames: none is believed from one view.
 ///
-/// Looks. Before one is taken: find_ground() with the prior, the planes below what it finds
+/// Views. Before one is taken: find_ground() with the prior, the planes below what it finds
 /// (find_planes_below()), and a plane at the height stated. Afterwards: the one taken, within 0.1
 /// rad and 0.12 m, and planes below it where at least min_share of the points lie there; and as
-/// before one was taken, if the frame does not show it, or not as the prior says. A look is of the
+/// before one was taken, if the frame does not show it, or not as the prior says. A view is of the
 /// hypothesis whose plane it is within the tolerances, or begins one. An image that is the one
-/// before again is no look.
+/// before again is no view.
 ///
 /// Estimate. The plane of a hypothesis is the weighted mean of its looks from different views, the
-/// newest 64, with the height stated if there is one. The covariance of a look is that of its image
-/// plus that between views, tau^2: one look_sigma squared, pooled with the spread of the looks that
+/// newest 64, with the height stated if there is one. The covariance of a view is that of its image
+/// plus that between views, tau^2: one view_sigma squared, pooled with the spread of the views that
 /// their images do not explain (a random-effects model, DerSimonian and Laird 1986). Without poses
-/// all looks are of one view, and look_sigma squared is added to their mean's. An error of all
+/// all views are of one view, and view_sigma squared is added to their mean's. An error of all
 /// images, as of the depth scale, is not in it.
 ///
 /// Choice. A hypothesis can be taken if least_frames agree on it, least_area of it was seen, and
@@ -98,7 +98,7 @@ struct GroundLook {
 ///                floor beats a wall, and a ramp does not beat the floor before it.
 ///
 /// Frames: D is the world of the poses, fixed; its axes may point anywhere.
-/// Memory: eight hypotheses, of each 64 looks and at most 1024 cells of 0.1 m; of images the last
+/// Memory: eight hypotheses, of each 64 views and at most 1024 cells of 0.1 m; of images the last
 /// one. Thread-safety: one thread at a time. Errors: the constructor throws std::invalid_argument
 /// on a wrong camera; add() never throws; a frame whose image or pose is no good shows nothing.
 /// Determinism: same frames, same bits.
@@ -107,7 +107,7 @@ class GroundHypotheses {
   explicit GroundHypotheses(const PinholeCamera& camera,
                             const GroundHypothesesOptions& options = {});
 
-  GroundLook add(const DepthImage& image, const Eigen::Isometry3d& T_DC);
+  GroundObservation add(const DepthImage& image, const Eigen::Isometry3d& T_DC);
   /// After the last frame: if none is taken, the best of those that too few frames have shown, if
   /// there is one. Whether one was.
   bool settle();
@@ -116,7 +116,7 @@ class GroundHypotheses {
   const GroundHypothesis* taken() const;                               ///< null: none
 
  private:
-  struct Look {
+  struct View {
     Eigen::Vector3d normal, eye;  // in D
     Eigen::Matrix3d orientation;  // of the camera in D
     double height = 0.0;
@@ -128,14 +128,14 @@ class GroundHypotheses {
   struct Plane {
     GroundHypothesis state;
     Eigen::Vector3d u, v;  // of the lattice of cells
-    std::vector<Look> looks;
+    std::vector<View> views;
     std::unordered_map<std::uint64_t, Sighting> cells;
   };
 
   const Plane* plane_taken() const;  ///< null: none
   std::uint64_t cell_of(const Plane& plane, const Eigen::Vector3d& p) const;
-  Plane* match(const Look& look, const Eigen::Vector3d& middle);
-  /// What a look finds, and of which hypothesis it is known to be; -1: of the one it matches.
+  Plane* match(const View& view, const Eigen::Vector3d& middle);
+  /// What a view finds, and of which hypothesis it is known to be; -1: of the one it matches.
   struct Found {
     GroundPlane plane;
     int number = -1;
@@ -144,7 +144,7 @@ class GroundHypotheses {
   template <typename Visit>
   void each_point(const DepthImage& image, Visit visit) const;
   bool admits(const Eigen::Vector3d& up, double height) const;
-  std::vector<Found> look(const DepthImage& image, const Eigen::Isometry3d& T_DC,
+  std::vector<Found> view(const DepthImage& image, const Eigen::Isometry3d& T_DC,
                           std::string& reason) const;
   /// The number of its hypothesis; -1: it shows nothing, or one that is in `seen`.
   int enter(const Found& found, const std::vector<int>& seen, const DepthImage& image,

@@ -240,9 +240,9 @@ inline RunRecord synthetic_run(int steps) {
       s.mode = mode;
       s.cause = cause;
       s.mode_since = mode_since;
-      s.caution = mode == ModeKind::kRetreat ? Caution::kLost
-                  : k % 150 > 130            ? Caution::kReduced
-                                             : Caution::kNormal;
+      s.safety_level = mode == ModeKind::kRetreat ? SafetyLevel::kLost
+                       : k % 150 > 130            ? SafetyLevel::kReduced
+                                                  : SafetyLevel::kNormal;
       s.target_change = k % 40 == 7 ? TargetChange::kSeen : TargetChange::kNone;
       TargetRecord target;
       const Eigen::Vector2d goal = way[std::min(next + 1, way.size() - 1)];
@@ -252,7 +252,7 @@ inline RunRecord synthetic_run(int steps) {
           target.viewpoint + 1.8 * (after - goal + Eigen::Vector2d(1e-9, 0.0)).normalized();
       target.length = 1.4 + 0.3 * std::sin(0.3 * k);
       target.area = 6.0;
-      target.way_left = (target.viewpoint - estimate).norm();
+      target.path_left = (target.viewpoint - estimate).norm();
       if (mode != ModeKind::kLookAround) s.target = target;
       char text[200];
       if (mode == ModeKind::kRetreat) {
@@ -266,7 +266,7 @@ inline RunRecord synthetic_run(int steps) {
         std::snprintf(text, sizeof text,
                       "goes to a frontier of %.1f m, %.1f m away: promises %.1f m2, the most of "
                       "%d frontiers",
-                      target.length, target.way_left, target.area, s.active_frontiers);
+                      target.length, target.path_left, target.area, s.active_frontiers);
       }
       s.why = text;
       s.seeds_scored = 12;

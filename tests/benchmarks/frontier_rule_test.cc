@@ -7,8 +7,8 @@
 namespace prospect::frontier_rule_test {
 namespace {
 
-FrontierCandidate candidate(double way, double length) {
-  return {.frontier = 9, .area = 1.0, .way = way, .length = length};
+FrontierCandidate candidate(double path, double length) {
+  return {.frontier = 9, .area = 1.0, .path = path, .length = length};
 }
 
 TEST(FrontierRule, NearestTakesTheLeastDistanceWhateverTheLength) {

@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
     for (prospect::StepRecord& s : run.steps) {
       s.mode.reset();
       s.cause.reset();
-      s.caution.reset();
+      s.safety_level.reset();
       s.target_change.reset();
       s.why.clear();
       s.target.reset();
@@ -58,7 +58,7 @@ int main(int argc, char** argv) {
     expected << line << '\n';
     expected << "why " << k << ' ' << prospect::name_of(s.mode) << ": " << s.why << '\n';
     char target[32] = "none";
-    if (s.target) std::snprintf(target, sizeof target, "%.2f", s.target->way_left);
+    if (s.target) std::snprintf(target, sizeof target, "%.2f", s.target->path_left);
     const auto executed = std::count_if(
         s.candidates.begin(), s.candidates.end(), [](const prospect::CandidateRecord& c) {
           return c.verdict.kind == prospect::Verdict::Kind::kExecuted;

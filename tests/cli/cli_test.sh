@@ -267,7 +267,7 @@ grep -q 'N: 24 ' effective.yaml || fail "config does not show what the file says
 succeeds "config of its own output" config effective.yaml
 cmp -s out.txt effective.yaml || fail "prospect config FILE does not read back as itself"
 succeeds "the reference of all keys" config --reference
-grep -q '^| `planner.frontiers.failed_look` |' out.txt || fail "config --reference: no table of keys"
+grep -q '^| `planner.frontiers.failed_observation` |' out.txt || fail "config --reference: no table of keys"
 refused "the reference of a file" "'own.yaml'" "expected it alone" config own.yaml --reference
 succeeds "options of the back end" config --set planner.solver=hybrid --set planner.options.basins=3
 grep -q 'basins: 3 ' out.txt || fail "config does not show the options of the back end"

@@ -98,11 +98,11 @@ class FakeReplanner final : public Replanner {
     return "";
   }
 
-  std::optional<WayBack> way_back(const Belief&) const override {
-    return way_back_time ? std::optional(WayBack{1.0, way_back_time()}) : std::nullopt;
+  std::optional<ReturnPath> return_path(const Belief&) const override {
+    return return_time ? std::optional(ReturnPath{1.0, return_time()}) : std::nullopt;
   }
 
-  std::function<double()> way_back_time;
+  std::function<double()> return_time;
   std::string refused;
   int cut_short_at = 0;  // 0: no plan is
   std::optional<double> heading_missed;
@@ -237,7 +237,7 @@ TEST_F(Mission, ATaskThatEndsWithoutTheRobotBackIsNotDone) {
   EXPECT_NE(run().find("time limit"), std::string::npos);
   planner_.takes_tasks = false;
   EXPECT_NE(run().find("can only explore"), std::string::npos);
-  // Time that is up leaves none for the way back, and a robot that has just returned is there.
+  // Time that is up leaves none for the path back, and a robot that has just returned is there.
   options_.time_limit = 1.0;
   planner_.plans = 0;
   planner_.told_to_return = false;
@@ -287,12 +287,12 @@ TEST_F(Mission, ThatHasNotMovedSaysWhatWasRefused) {
       << detail;
 }
 
-// The way back is kept of the time, and no more of it than it takes.
+// The path back is kept of the time, and no more of it than it takes.
 TEST_F(Mission, TurnsBackInTime) {
   options_.return_when_done = true;
   options_.time_limit = 20.0;
   planner_.steps_back = 12;  // of 0.5 s each
-  planner_.way_back_time = [&] { return 7.0; };
+  planner_.return_time = [&] { return 7.0; };
   const MissionResult result = run_mission(robot_, planner_, guard_, options_);
   EXPECT_EQ(result.end, MissionEnd::kTimeLimit);
   EXPECT_EQ(result.back, true) << result.detail;
@@ -309,14 +309,14 @@ TEST_F(Mission, TurnsBackInTime) {
   planner_ = FakeReplanner();
   planner_.steps_back = 12;
   const double begun = robot_.clock;
-  planner_.way_back_time = [&] { return 2.0 * (robot_.clock - begun); };
+  planner_.return_time = [&] { return 2.0 * (robot_.clock - begun); };
   const MissionResult away = run_mission(robot_, planner_, guard_, options_);
   ASSERT_TRUE(away.turned_back_at);
   EXPECT_NEAR(*away.turned_back_at, 20.0 / 3.0, 1.0);
   EXPECT_EQ(away.back, true);
   // Without a return there is nothing to keep time for.
   planner_ = FakeReplanner();
-  planner_.way_back_time = [&] { return 7.0; };
+  planner_.return_time = [&] { return 7.0; };
   options_.return_when_done = false;
   const MissionResult there = run_mission(robot_, planner_, guard_, options_);
   EXPECT_NEAR(there.duration, 20.0, 1e-9);
@@ -456,15 +456,15 @@ TEST_F(Mission, WaitsForPeopleAndGoesOnWithItsTaskAfterADetour) {
 // is void.
 TEST_F(Mission, AnEmergencyStopIsAcknowledgedAtRestOnly) {
   DriveRequests requests;
-  int looked = 0;
+  int observed = 0;
   double stopped_at = -1.0;
   const auto person = [&] {
     if (!requests.stopped()) return false;
     if (stopped_at < 0.0) stopped_at = robot_.time();
     EXPECT_EQ(robot_.belief.twist.linear.norm(), 0.0);
     EXPECT_EQ(robot_.time(), stopped_at);
-    if (++looked == 3) requests.acknowledge();
-    return looked > 10;
+    if (++observed == 3) requests.acknowledge();
+    return observed > 10;
   };
   const MissionResult result = run_mission(
       robot_, planner_, guard_, options_,
@@ -475,14 +475,14 @@ TEST_F(Mission, AnEmergencyStopIsAcknowledgedAtRestOnly) {
           requests.acknowledge();
         }
         if (step.index == 4) {
-          EXPECT_EQ(looked, 3) << "not before a second acknowledgement";
+          EXPECT_EQ(observed, 3) << "not before a second acknowledgement";
           EXPECT_EQ(step.belief->twist.linear.x(), 0.0) << "on from rest";
         }
         if (step.index == 6) planner_.steps = 0;
       },
       person, &requests);
   EXPECT_EQ(result.end, MissionEnd::kExplored);
-  EXPECT_EQ(looked, 3);
+  EXPECT_EQ(observed, 3);
   expect_stopped();
 }
 

@@ -58,8 +58,8 @@ class PreflightRun : public ::testing::Test {
     options_.patience = 2.0;
     options_.turn = 0.12;
     options_.turn_rate = 0.6;
-    options_.way = 0.03;
-    options_.way_speed = 0.3;
+    options_.distance = 0.03;
+    options_.speed = 0.3;
     options_.settle = 0.1;
     command_.period = 0.02;
   }
@@ -92,7 +92,7 @@ class PreflightRun : public ::testing::Test {
   Beliefs beliefs_{clock_, base_};
   std::shared_ptr<const Unicycle> model_ = std::make_shared<const Unicycle>();
   Guard guard_ = test::patient_guard(model_);
-  std::function<RangeLook(const Twist&, double)> ranges_;
+  std::function<RangeCheck(const Twist&, double)> ranges_;
   std::function<bool()> cancelled_;
   const DriveRequests* requests_ = nullptr;
   const EmergencyStopInput* button_ = nullptr;
@@ -137,7 +137,7 @@ TEST_F(PreflightRun, ABaseThatRunsAwayIsStoppedAtOnce) {
 
 TEST_F(PreflightRun, TurnsWhereThereIsNoRoomAhead) {
   ranges_ = [](const Twist& told, double) {
-    return told.linear.x() > 0.0 ? RangeLook{0.0, "a wall"} : RangeLook{};
+    return told.linear.x() > 0.0 ? RangeCheck{0.0, "a wall"} : RangeCheck{};
   };
   const PreflightResult result = make();
   EXPECT_TRUE(result.yaw_checked);
@@ -166,7 +166,7 @@ TEST_F(PreflightRun, WaitsForWhoMayPressTheEmergencyStop) {
 }
 
 TEST_F(PreflightRun, WhatCannotBeCheckedSaysWhy) {
-  ranges_ = [](const Twist&, double) { return RangeLook{0.0, "a wall"}; };
+  ranges_ = [](const Twist&, double) { return RangeCheck{0.0, "a wall"}; };
   const PreflightResult result = make();
   EXPECT_FALSE(result.yaw_checked);
   EXPECT_EQ(check(result, "slip").verdict, Verdict::kNotPossible);

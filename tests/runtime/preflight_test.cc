@@ -224,13 +224,13 @@ TEST(Preflight, SignAndGainOfTheWay) {
         Case{"no number", {0.05, kNan, {}}, kFailed, kNotPossible},
         Case{"no way", {0.01, 0.01, 0.01}, kNotPossible, kNotPossible},
         Case{"no command", {kNan, 0.05, 0.05}, kNotPossible, kNotPossible}}) {
-    const std::vector<CheckResult> results = checks_of_way(c.way);
+    const std::vector<CheckResult> results = checks_of_distance(c.way);
     EXPECT_THAT(names_of(results),
                 ::testing::ElementsAre("way of the wheels", "way of the cameras"));
     EXPECT_EQ(to_string(results[0].verdict), to_string(c.wheels)) << c.what << results[0].why;
     EXPECT_EQ(to_string(results[1].verdict), to_string(c.cameras)) << c.what << results[1].why;
   }
-  EXPECT_THAT(checks_of_way({0.05, -0.05, {}})[0].why, HasSubstr("drives the other way"));
+  EXPECT_THAT(checks_of_distance({0.05, -0.05, {}})[0].why, HasSubstr("drives the other way"));
 }
 
 TEST(Preflight, TextHasColumns) {

@@ -74,7 +74,7 @@ Twist twist(double v, double w = 0.0, double vy = 0.0) { return {{v, vy, 0.0}, w
 
 const RangeFrame kOpen = scan_of_wall(100.0, 360.0);
 
-TEST(RangeStop, TableOfLooks) {
+TEST(RangeStop, TableOfChecks) {
   using R = RangeStopReason;
   struct Case {
     const char* what;

@@ -81,16 +81,17 @@ DepthImage scaled_depth(const RawImage& raw, double per_metre, const DepthRange&
 DepthScale choose_depth_scale(const DepthSource& source, const DepthDatasetOptions& options,
                               const PinholeCamera& camera,
                               const std::function<RawImage(std::size_t)>& read) {
-  constexpr std::size_t kLooks = 6;
+  constexpr std::size_t kSamples = 6;
   constexpr double kFits = 0.05;        // of the depth: poses and depths agree
   constexpr double kClearly = 0.5;      // of the other scale's disagreement
   constexpr double kContradicts = 0.2;  // of the depth
   std::vector<std::size_t> frames;
   const std::size_t n = source.images.size();
-  for (std::size_t k = 0; k < std::min(kLooks, n); ++k) {
+  for (std::size_t k = 0; k < std::min(kSamples, n); ++k) {
     // Neighbours show the same; of a long recording not the same as the last one.
-    frames.push_back(
-        n <= 8 * kLooks ? k * (n - 1) / std::max<std::size_t>(1, std::min(kLooks, n) - 1) : 8 * k);
+    frames.push_back(n <= 8 * kSamples
+                         ? k * (n - 1) / std::max<std::size_t>(1, std::min(kSamples, n) - 1)
+                         : 8 * k);
   }
   std::vector<RawImage> raw;
   for (const std::size_t i : frames) raw.push_back(read(i));

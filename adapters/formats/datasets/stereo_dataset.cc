@@ -91,8 +91,8 @@ void StereoDataset::rectify(StereoCalibration calibration) {
 
 void StereoDataset::find_bits() {
   // One answer for all images, from some of them: the odometry compares their grey levels.
-  constexpr std::size_t kLooks = 8;
-  const std::size_t step = std::max<std::size_t>(1, pairs_.size() / kLooks);
+  constexpr std::size_t kSamples = 8;
+  const std::size_t step = std::max<std::size_t>(1, pairs_.size() / kSamples);
   bool wide = false;
   for (std::size_t k = 0; k < pairs_.size(); k += step) {
     const RawImage left = left_.read(pairs_[k].first);

@@ -68,15 +68,15 @@ std::vector<std::string> differences(const BenchTable& a, const BenchTable& b) {
     const Json& from = of_build ? environment.value("build", Json::object()) : environment;
     return Json(from.is_object() ? from.value(key, Json()) : Json());
   };
-  const auto look = [&](const char* key, bool of_build) {
+  const auto view = [&](const char* key, bool of_build) {
     const Json first = value(a, key, of_build), second = value(b, key, of_build);
     if (first != second)
       found.push_back(std::string(key) + ": " + first.dump() + ", " + second.dump());
   };
   for (const char* key : {"version", "commit", "compiler", "flags", "build_type", "libraries"}) {
-    look(key, true);
+    view(key, true);
   }
-  for (const char* key : {"processor", "cores", "system", "kernel", "threads"}) look(key, false);
+  for (const char* key : {"processor", "cores", "system", "kernel", "threads"}) view(key, false);
   const auto load = [](const BenchTable& table) {
     double sum = 0.0;
     for (const BenchRow& row : table.rows) sum += row.load;

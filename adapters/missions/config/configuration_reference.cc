@@ -89,7 +89,7 @@ std::string configuration_reference() {
       std::to_string(kMostVariables) +
       " variables |\n"
       "| `planner.N`, `planner.max_landmarks` | their product: at most " +
-      std::to_string(static_cast<int>(kMostLooks)) +
+      std::to_string(static_cast<int>(kMostViews)) +
       " |\n\n"
       "How far the robot can get, `v_max` N dt and its braking distance, needs no limit: memory "
       "follows what is known of the world.\n\n"

@@ -52,8 +52,8 @@ GroundHypothesesOptions hypotheses_of(const MapRunOptions& options, bool poses) 
   out.height = options.height;
   out.sigma_height = options.sigma_height;
   out.ground = options.mapper.ground;
-  out.look_sigma_tilt = options.mapper.plane_sigma_tilt;
-  out.look_sigma_height = options.mapper.plane_sigma_height;
+  out.view_sigma_tilt = options.mapper.plane_sigma_tilt;
+  out.view_sigma_height = options.mapper.plane_sigma_height;
   out.poses = poses;
   if (!poses) {
     out.tilt_tolerance = options.tilt_tolerance;
@@ -206,7 +206,7 @@ MapRun run_mapping(const DepthDataset& dataset, const MapRunOptions& options, in
   for (int i = first; i < first + n; ++i) {
     const DepthImage image = dataset.read(i);
     ProcessorStopwatch watch;
-    const GroundLook look = ground.add(image, FloorMap::pose_of(dataset, i));
+    const GroundObservation look = ground.add(image, FloorMap::pose_of(dataset, i));
     const double hypotheses = watch.lap();
     if (why.empty()) why = look.reason;
     record(ground.all(), i - first, dataset.stamp(i), run);

@@ -84,7 +84,7 @@ struct MapRun {
 /// Whenever another hypothesis is taken, or the estimate of the one taken has moved by more than
 /// 0.015 m or 0.01 rad (looked at whenever the frames have doubled, and at the end), the map is
 /// cleared and made again from the first frame on: the recording is read again, so memory does not
-/// grow with it. A frame that is doubtful (GroundLook) does not extend the map.
+/// grow with it. A frame that is doubtful (GroundObservation) does not extend the map.
 ///
 /// Without poses that is done in the camera's frame, and then the ground of each frame is measured,
 /// but nothing is mapped.

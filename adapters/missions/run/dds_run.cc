@@ -20,7 +20,7 @@
 #include "engine/planner/planner_guard.h"
 #include "models/reason.h"
 #include "perception/pipeline/perception_pipeline.h"
-#include "runtime/range_look.h"
+#include "runtime/range_check.h"
 #include "runtime/range_stop.h"
 
 namespace prospect {
@@ -67,7 +67,7 @@ ExplorationRunResult explore_dds(const Configuration& given, const DdsOptions& t
                         : watched(inbox, SensorStream::kScan, "scan", c.guard.max_ranges_age),
                   watched(inbox, SensorStream::kWheels, "wheels", c.guard.max_pose_age)},
       // Without a depth camera there are no depth images, and its numbers are not looked at.
-      .ranges = range_look(inbox, stop, depth.value_or(RangeCamera{})),
+      .ranges = range_check(inbox, stop, depth.value_or(RangeCamera{})),
       .emergency_stop = base.emergency_stop(),
       .on_perceived = pictures.perceived()};
   if (depth) robot.floor = newest_floor(inbox, *depth, c.robot.base_height());

@@ -28,7 +28,7 @@
 #include "models/range_text.h"
 #include "runtime/clock.h"
 #include "runtime/mission.h"
-#include "runtime/range_look.h"
+#include "runtime/range_check.h"
 #include "runtime/range_stop.h"
 #include "runtime/seen_floor.h"
 #include "runtime/sensor_inbox.h"
@@ -64,8 +64,8 @@ class ReplannerPair final : public Replanner {
     return drives_.plan(belief);
   }
   std::shared_ptr<const GlobalPlan> global_plan() const override { return drives_.global_plan(); }
-  std::optional<WayBack> way_back(const Belief& belief) const override {
-    return drives_.way_back(belief);
+  std::optional<ReturnPath> return_path(const Belief& belief) const override {
+    return drives_.return_path(belief);
   }
   std::string set_task(const Task& task) override {
     if (beside_) beside_->set_task(task);
@@ -298,7 +298,7 @@ ExplorationRunResult run_exploration(const std::shared_ptr<const World>& world,
                    .inbox = &inbox,
                    .streams = {{"cameras", limits.max_pose_age, stamp(&SourceStamps::pose)},
                                {"depth", limits.max_ranges_age, stamp(&SourceStamps::ranges)}},
-                   .ranges = range_look(inbox, range_stop, looking),
+                   .ranges = range_check(inbox, range_stop, looking),
                    .floor = floor};
     mission = live_mission(live, configuration, mission_options, observe, options, result);
   } else {

@@ -29,7 +29,7 @@
 #include "engine/planner/planner_guard.h"
 #include "models/reason.h"
 #include "perception/pipeline/perception_pipeline.h"
-#include "runtime/range_look.h"
+#include "runtime/range_check.h"
 #include "runtime/range_stop.h"
 #include "runtime/simulation_clock.h"
 
@@ -124,7 +124,7 @@ ExplorationRunResult explore_gazebo(const Configuration& given,
       .streams = {watched(inbox, SensorStream::kPair, "cameras", c.guard.max_pose_age),
                   watched(inbox, SensorStream::kDepth, "depth", c.guard.max_ranges_age),
                   watched(inbox, SensorStream::kWheels, "wheels", c.guard.max_pose_age)},
-      .ranges = range_look(inbox, stop, depth),
+      .ranges = range_check(inbox, stop, depth),
       .floor = newest_floor(inbox, depth, c.robot.base_height()),
       .on_perceived = pictures.perceived()};
   RunRecorder recorder(c, options, dynamic_cast<const Planner*>(planner.get()));

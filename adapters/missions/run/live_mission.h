@@ -19,7 +19,7 @@
 #include "runtime/clock.h"
 #include "runtime/mission.h"
 #include "runtime/preflight.h"
-#include "runtime/range_look.h"
+#include "runtime/range_check.h"
 #include "runtime/sensor_inbox.h"
 #include "runtime/watched_stream.h"
 
@@ -34,7 +34,7 @@ struct LiveRobot {
   const Guard& guard;
   SensorInbox* inbox = nullptr;        ///< gets the wheel motion that the base reports
   std::vector<WatchedStream> streams;  ///< without which it does not drive
-  std::function<RangeLook(const Twist&, double)> ranges{};
+  std::function<RangeCheck(const Twist&, double)> ranges{};
   std::function<std::optional<PreflightFacts::Floor>()> floor{};  ///< as seen at the start
   /// Who must be able to stop it; null: nobody but who asks by requests.
   const EmergencyStopInput* emergency_stop = nullptr;

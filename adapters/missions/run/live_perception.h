@@ -6,7 +6,7 @@
 #include "models/types.h"
 #include "perception/mapping/occupancy_mapper.h"
 #include "perception/pipeline/perception_options.h"
-#include "runtime/range_look.h"
+#include "runtime/range_check.h"
 
 namespace prospect {
 

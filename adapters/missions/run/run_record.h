@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "adapters/views/page/landmark_picture.h"
-#include "engine/behaviour/caution.h"
 #include "engine/behaviour/facts.h"
 #include "engine/behaviour/mode.h"
+#include "engine/behaviour/safety_level.h"
 #include "engine/behaviour/task_kind.h"
 #include "engine/maps/grid.h"
 #include "engine/maps/localization.h"
@@ -35,8 +35,8 @@ struct TargetRecord {
   Eigen::Vector2d viewpoint = Eigen::Vector2d::Zero();  ///< estimated frame [m]
   Eigen::Vector2d looks_at = Eigen::Vector2d::Zero();   ///< a frontier cell seen from there [m]
   double length = 0.0;                                  ///< of the frontier [m]
-  double area = 0.0;      ///< [m^2] that a look at it is expected to show
-  double way_left = 0.0;  ///< [m] to the viewpoint
+  double area = 0.0;       ///< [m^2] that a look at it is expected to show
+  double path_left = 0.0;  ///< [m] to the viewpoint
 };
 
 /// The factor of a cost in the objective of a step; negative: a reward. The cost of the step is the
@@ -97,13 +97,13 @@ struct StepRecord {
   int guard_stops = 0;
   std::optional<GuardReason> guard_reason;  ///< of the last of them; none: there are none
 
-  std::optional<TaskKind> task;           ///< what it was told to do
-  std::optional<Eigen::Vector2d> goal{};  ///< of a task that leads to a place, in W [m]
-  std::optional<double> goal_yaw{};       ///< [rad]; none: any
-  std::optional<ModeKind> mode;           ///< what the robot does
-  std::optional<Cause> cause;             ///< why it began to
-  double mode_since = 0.0;                ///< [s] of the robot's clock since the start
-  std::optional<Caution> caution;         ///< which distances it keeps
+  std::optional<TaskKind> task;             ///< what it was told to do
+  std::optional<Eigen::Vector2d> goal{};    ///< of a task that leads to a place, in W [m]
+  std::optional<double> goal_yaw{};         ///< [rad]; none: any
+  std::optional<ModeKind> mode;             ///< what the robot does
+  std::optional<Cause> cause;               ///< why it began to
+  double mode_since = 0.0;                  ///< [s] of the robot's clock since the start
+  std::optional<SafetyLevel> safety_level;  ///< which distances it keeps
   std::optional<TargetChange> target_change;
   std::string why;  ///< one sentence: what it does and why, with the numbers of this step
   std::optional<TargetRecord> target;

@@ -246,7 +246,7 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
   r.cause = plan.mode.cause;
   // The first mode holds from the start, whatever a running clock says then.
   r.mode_since = std::max(0.0, step.time - (belief.stamp - plan.mode.since));
-  r.caution = plan.caution;
+  r.safety_level = plan.safety_level;
   r.why = plan.why;
   r.seeds_scored = plan.seeds_scored;
   r.features_weight = plan.features_weight;
@@ -299,7 +299,7 @@ void RunRecorder::Impl::add(const MissionStep& step, const SimulatedTruth& truth
     if (global_plan.target) {
       r.target = TargetRecord{global_plan.target->viewpoint, global_plan.target->looks_at,
                               global_plan.facts.target_length, global_plan.facts.target_area,
-                              global_plan.facts.way_left};
+                              global_plan.facts.path_left};
     }
     if (options.keep_steps) costs_to_go.add(steps, r, *global_plan.cost_to_go);
   }

@@ -267,7 +267,8 @@ constexpr StepField kStepFields[] = {
           [](auto& s) { return &s.mode; }),
     field("cause", "", kShown, 4, "why it began to do that", [](auto& s) { return &s.cause; }),
     field("mode_since", "s", kShown, 5, "when it began to", [](auto& s) { return &s.mode_since; }),
-    field("caution", "", kShown, 6, "which distances it keeps", [](auto& s) { return &s.caution; }),
+    field("caution", "", kShown, 6, "which distances it keeps",
+          [](auto& s) { return &s.safety_level; }),
     field(
         "target_change", "", kShown, 31,
         "why the target is [another](frontiers.md#order-what-comes-next), empty if it is the same",
@@ -285,7 +286,7 @@ constexpr StepField kStepFields[] = {
     field("target_area", "m²", kShown, 57, "area that a look at it is expected to show",
           [](auto& s) { return of_target(s, [](auto& t) { return &t.area; }); }),
     field("way_left", "m", kShown, 58, "way to the viewpoint",
-          [](auto& s) { return of_target(s, [](auto& t) { return &t.way_left; }); }),
+          [](auto& s) { return of_target(s, [](auto& t) { return &t.path_left; }); }),
     field("seeds_scored", "", kShown, 40, "how many starts were compared",
           [](auto& s) { return &s.seeds_scored; }),
     field("features_weight", "", kShown, 41, "`weight_visible_features`, w_l in effect",

@@ -33,8 +33,8 @@ class TappedReplanner final : public Replanner {
     return plan;
   }
   std::shared_ptr<const GlobalPlan> global_plan() const override { return planner_.global_plan(); }
-  std::optional<WayBack> way_back(const Belief& belief) const override {
-    return planner_.way_back(belief);
+  std::optional<ReturnPath> return_path(const Belief& belief) const override {
+    return planner_.return_path(belief);
   }
   std::string set_task(const Task& task) override {
     if (tap_.task) tap_.task(task);

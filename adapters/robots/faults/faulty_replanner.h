@@ -23,8 +23,8 @@ class FaultyReplanner final : public Replanner {
   void prepare(const Belief& belief) override { planner_.prepare(belief); }
   Plan plan(const Belief& belief) override;
   std::shared_ptr<const GlobalPlan> global_plan() const override { return planner_.global_plan(); }
-  std::optional<WayBack> way_back(const Belief& belief) const override {
-    return planner_.way_back(belief);
+  std::optional<ReturnPath> return_path(const Belief& belief) const override {
+    return planner_.return_path(belief);
   }
   std::string set_task(const Task& task) override { return planner_.set_task(task); }
 

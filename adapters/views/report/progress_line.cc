@@ -95,8 +95,8 @@ void ProgressLine::show(const StepRecord& step, const std::string& solver, doubl
     std::string mode = name_of(step.mode);
     mode.resize(std::max(mode.size(), kModeColumns), ' ');
     parts.push_back(plain("   " + mode, step.mode == ModeKind::kRetreat ? kWarn : ""));
-    if (step.target && std::isfinite(step.target->way_left)) {
-      Part target = plain(format("  → target %.1f m", step.target->way_left));
+    if (step.target && std::isfinite(step.target->path_left)) {
+      Part target = plain(format("  → target %.1f m", step.target->path_left));
       target.columns -= 2;  // the arrow: three bytes, one column
       parts.push_back(std::move(target));
     }

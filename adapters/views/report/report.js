@@ -956,7 +956,7 @@ const nowFields = (() => {
     const change = word.target_change[k] ? `; new: ${word.target_change[k]}` : "";
     return `${way}, frontier of ${fixed(column.target_length[k], 1)} m, promises ${fixed(column.target_area[k], 1)} m²${change}`;
   }, { there: modes, wide: true });
-  add("Caution", (k) => word.caution[k] || "–", { there: modes, tone: (k) => (careful(word.caution[k]) ? "warn" : "") });
+  add("Safety level", (k) => word.caution[k] || "–", { there: modes, tone: (k) => (careful(word.caution[k]) ? "warn" : "") });
   add("Coverage", (k) => `${percent(column.coverage[k])} %, ${fixed(column.area[k], 1)} m²`);
   add("Path", (k) => `${fixed(column.path_length[k], 1)} m`);
   add("Command", (k) => `${fixed(speeds[k], 2)} m/s, ${fixed(column.command_omega[k], 2)} rad/s`);

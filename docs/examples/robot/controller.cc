@@ -99,7 +99,7 @@ int main() {
 
   const RangeStop by_ranges;  // stops before what the map does not know
   PreflightParts preflight{clock, robot, robot, guard, description.model, &inbox};
-  preflight.ranges = range_look(inbox, by_ranges, {});
+  preflight.ranges = range_check(inbox, by_ranges, {});
   preflight.streams = {watched(inbox, SensorStream::kScan, "lidar", 1.0)};
   preflight.known.body = description.slice();
   const PreflightResult checked = run_preflight(preflight, {}, {});  // and a small turn

@@ -5,7 +5,7 @@
 
 namespace prospect {
 
-/// For how long nothing has been reachable while the robot looked for a way: a cell that noise
+/// For how long nothing has been reachable while the robot looked for a path: a cell that noise
 /// fills in a narrow passage must not end a mission.
 ///
 /// A value: one a robot. Thread-safety: none. Never throws.
@@ -13,7 +13,7 @@ class ExhaustionMonitor {
  public:
   struct Search {
     bool nothing_reachable = false;  ///< at present
-    bool looked = false;             ///< since the last update the robot had nothing else to do
+    bool observed = false;           ///< since the last update the robot had nothing else to do
   };
   /// At `stamp` [s]. Returns the time [s].
   double update(double stamp, const Search& search) {
@@ -21,7 +21,7 @@ class ExhaustionMonitor {
       since_.reset();
     } else {
       if (!since_ || stamp < *since_) since_ = stamp;
-      if (!search.looked) *since_ += std::max(0.0, stamp - updated_at_);
+      if (!search.observed) *since_ += std::max(0.0, stamp - updated_at_);
     }
     updated_at_ = stamp;
     return since_ ? stamp - *since_ : 0.0;

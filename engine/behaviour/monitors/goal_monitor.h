@@ -8,10 +8,10 @@ namespace prospect {
 
 /// Whether a robot gets on towards a goal.
 ///
-/// Progress is `distance` nearer to it, down the way, than ever before while the robot has moved as
-/// far, or `area` newly explored. A way that has become longer by 2 `distance` (a door turned out
-/// closed) is measured anew, on the same clock. Time in which the robot had something else to do
-/// does not count.
+/// Progress is `distance` nearer to it, down the path, than ever before while the robot has moved
+/// as far, or `area` newly explored. A way that has become longer by 2 `distance` (a door turned
+/// out closed) is measured anew, on the same clock. Time in which the robot had something else to
+/// do does not count.
 ///
 /// A value: one a goal. Thread-safety: none. Never throws. Source: our choice.
 class GoalMonitor {
@@ -23,19 +23,19 @@ class GoalMonitor {
 
   /// At `stamp` [s], position in W [m], way left [m], explored [m^2]; pursued: since the last
   /// update the robot tried to get there.
-  void update(double stamp, const Eigen::Vector2d& position, double way, double explored,
+  void update(double stamp, const Eigen::Vector2d& position, double path, double explored,
               bool pursued) {
     if (!last_) {
-      begin(position, way, explored);
+      begin(position, path, explored);
     } else if (pursued) {
       stalled_for_ += std::max(0.0, stamp - *last_);
     }
     last_ = stamp;
-    if (way > least_ + 2.0 * kDistance) least_ = way;
-    const bool nearer = way <= least_ - kDistance && (position - position_).norm() >= kDistance;
-    if (nearer || explored - explored_ >= kArea) begin(position, way, explored);
+    if (path > least_ + 2.0 * kDistance) least_ = path;
+    const bool nearer = path <= least_ - kDistance && (position - position_).norm() >= kDistance;
+    if (nearer || explored - explored_ >= kArea) begin(position, path, explored);
   }
-  /// The way is another one: its time begins now.
+  /// The path is another one: its time begins now.
   void restart() { last_.reset(); }
 
   double stalled_for() const { return stalled_for_; }  ///< [s] since the last progress
@@ -43,9 +43,9 @@ class GoalMonitor {
   bool hopeless() const { return stalled_for_ >= kHopelessAfter - 1e-9; }
 
  private:
-  void begin(const Eigen::Vector2d& position, double way, double explored) {
+  void begin(const Eigen::Vector2d& position, double path, double explored) {
     position_ = position;
-    least_ = way;
+    least_ = path;
     explored_ = explored;
     stalled_for_ = 0.0;
   }

@@ -6,7 +6,7 @@
 namespace prospect {
 
 /// Notices a robot that tries to get on and does not: it stands or turns on the spot in a place so
-/// narrow that no way out keeps the distances asked for.
+/// narrow that no path out keeps the distances asked for.
 ///
 /// The robot is stuck once it has tried for kPatience to get farther than kLeash from one
 /// place, and remains so until it is kAway from there. Time in which it did not try (lost,

@@ -27,7 +27,7 @@ Facts facts(double stamp, Localization localization = kOk, bool enough = true,
   f.tracked = f.enough_features ? 100 : 5;
   f.lost_for = lost_for;
   f.frontiers =
-      FrontierFacts{.target = true, .target_length = 1.4, .target_area = 2.5, .way_left = 3.2};
+      FrontierFacts{.target = true, .target_length = 1.4, .target_area = 2.5, .path_left = 3.2};
   return f;
 }
 
@@ -86,8 +86,8 @@ std::vector<RowCase> row_cases() {
   low.low_yield = {3, 0.9};
   looking.exhausted_for = 7.5;
   const GoalFacts there{.reached = true, .near = true, .distance = 0.1};
-  const GoalFacts near{.near = true, .distance = 0.4, .way_left = 0.4};
-  const GoalFacts slow{.way_left = 3.0, .stalled_for = 4.0, .stalled = true};
+  const GoalFacts near{.near = true, .distance = 0.4, .path_left = 0.4};
+  const GoalFacts slow{.path_left = 3.0, .stalled_for = 4.0, .stalled = true};
   GoalFacts none{.unreachable = true, .unreachable_for = 8.0, .why = "it is in a wall"};
   GoalFacts seeking = none;
   seeking.unreachable_for = 7.5;
@@ -143,7 +143,7 @@ TEST(Behaviour, MuchThatIsLeftIsNotExplored) {
                         Case{97.0, {}, {17, 19.0}, {}, Cause::kExplored},
                         Case{97.0, {3, 0.7}, {12, 19.1}, {}, Cause::kYieldTooLow},
                         Case{163.0, {}, {}, {1, 0.3}, Cause::kExplored},
-                        // Given up on the way is no evidence; barred by a zone is as told.
+                        // Given up on the path is no evidence; barred by a zone is as told.
                         Case{7.4, {}, {}, {}, Cause::kUnreachable, {4, 5.6}},
                         Case{7.4, {}, {2, 1.0}, {}, Cause::kUnreachable, {1, 1.0}},
                         Case{7.4, {}, {}, {}, Cause::kExplored, {}, {4, 5.6}}}) {
@@ -227,7 +227,7 @@ TEST(Behaviour, Precedence) {
   EXPECT_EQ(decide(in(kExplore), not_following(facts(1, kLost), 1), kOptions).mode.kind, kRetreat);
 }
 
-// A robot that is lost neither knows that it is there nor goes on: it finds its way back first.
+// A robot that is lost neither knows that it is there nor goes on: it finds its path back first.
 TEST(Behaviour, LostOnTheWayToAGoal) {
   const GoalFacts there{.reached = true, .near = true};
   EXPECT_EQ(
@@ -246,7 +246,7 @@ TEST(Behaviour, OnlyTheTaskCounts) {
   EXPECT_EQ(decide(in(kExplore), f, kOptions).mode.kind, kExplore);
 }
 
-// Its map does not follow where the drift takes it, so it takes no way step by step.
+// Its map does not follow where the drift takes it, so it takes no path step by step.
 TEST(Behaviour, ALostRobotDoesNotApproach) {
   const FrontierFacts stalled{.target = true, .stalled = true};
   const Behaviour paused = after_retreat(0.5, false);
@@ -283,8 +283,8 @@ class Told {
   Behaviour behaviour_;
 };
 
-// Turning back at once, each time, kept robots for six minutes before a blank stretch without a way
-// round; exploring on for the whole pause, they were metres off behind it.
+// Turning back at once, each time, kept robots for six minutes before a blank stretch without a
+// path round; exploring on for the whole pause, they were metres off behind it.
 TEST(Behaviour, ALossSoonAfterARetreatIsAnsweredOnceItLasts) {
   Told told;
   EXPECT_EQ(told(kLost).kind, kRetreat);

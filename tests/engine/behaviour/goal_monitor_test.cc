@@ -27,7 +27,7 @@ TEST(GoalMonitor, TimeRunsUntilTheRobotIsNearerOrSeesMore) {
   EXPECT_EQ(monitor.stalled_for(), 0.0);
 }
 
-TEST(GoalMonitor, ALongerWayIsMeasuredAnewOnTheSameClock) {
+TEST(GoalMonitor, ALongerPathIsMeasuredAnewOnTheSameClock) {
   GoalMonitor monitor;
   monitor.update(0.0, {0, 0}, 2.0, 0.0, true);
   monitor.update(2.0, {1, 0}, 6.0, 0.0, true);

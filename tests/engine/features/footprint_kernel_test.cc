@@ -68,7 +68,7 @@ Inputs random_inputs(std::mt19937_64& random, int n) {
   return in;
 }
 
-Looked look(const FootprintKernel& kernel, const Inputs& in, bool gradient) {
+Looked view(const FootprintKernel& kernel, const Inputs& in, bool gradient) {
   const auto size = static_cast<std::size_t>(FootprintKernel::padded(in.n));
   Looked l;
   l.point.resize(size);
@@ -102,14 +102,14 @@ TEST(FootprintKernel, SameBitsWithEveryInstructionSet) {
   for (int trial = 0; trial < 400; ++trial) {
     const Inputs in = random_inputs(random, trial % 67);
     for (const bool gradient : {false, true}) {
-      const Looked expected = look(footprint_kernel(InstructionSet::kGeneric), in, gradient);
+      const Looked expected = view(footprint_kernel(InstructionSet::kGeneric), in, gradient);
       for (const InstructionSet set : available_instruction_sets()) {
-        ASSERT_EQ(look(footprint_kernel(set), in, gradient), expected) << name(set);
+        ASSERT_EQ(view(footprint_kernel(set), in, gradient), expected) << name(set);
       }
       looked += expected.point.size();
     }
-    ASSERT_EQ(look(footprint_kernel(best_instruction_set()), in, false).q,
-              look(footprint_kernel(best_instruction_set()), in, true).q);
+    ASSERT_EQ(view(footprint_kernel(best_instruction_set()), in, false).q,
+              view(footprint_kernel(best_instruction_set()), in, true).q);
   }
   EXPECT_GT(looked, 1000u);
 }
@@ -142,7 +142,7 @@ TEST(FootprintKernel, ScoresAreTheValueInSinglePrecision) {
   double worst = 0.0, largest = 0.0;
   for (int trial = 0; trial < 400; ++trial) {
     const Inputs in = random_inputs(random, trial % 67);
-    const Looked exact = look(footprint_kernel(InstructionSet::kGeneric), in, false);
+    const Looked exact = view(footprint_kernel(InstructionSet::kGeneric), in, false);
     std::vector<double> q(static_cast<std::size_t>(in.n), 0.0);
     for (std::size_t j = 0; j < exact.point.size(); ++j) {
       q[static_cast<std::size_t>(exact.point[j])] = exact.q[j];
@@ -167,7 +167,7 @@ TEST(FootprintKernel, WhatIsNotSelectedIsExactlyZeroAndTheRestFollowsTheFormula)
   for (int trial = 0; trial < 400; ++trial) {
     const Inputs in = random_inputs(random, 50);
     const FootprintKernelConstants& c = in.constants;
-    const Looked l = look(footprint_kernel(best_instruction_set()), in, false);
+    const Looked l = view(footprint_kernel(best_instruction_set()), in, false);
     std::size_t next = 0;
     for (int i = 0; i < in.n; ++i) {
       const auto at = static_cast<std::size_t>(i);

@@ -247,9 +247,9 @@ TEST(FootprintVisibility, ScoresOfAnyFieldAreWithinTheirBound) {
     for (int n = 0; n < 50; ++n) {
       const Pose pose = random_pose(random);
       view.evaluate(pose, scratch, exact.data());
-      FootprintVisibility::Looks looks{.point = point.data(), .q = score.data()};
-      looks.score = true;
-      const int count = view.look(pose, scratch, looks);
+      FootprintVisibility::Views views{.point = point.data(), .q = score.data()};
+      views.score = true;
+      const int count = view.view(pose, scratch, views);
       for (int j = 0; j < count; ++j) {
         const auto at = static_cast<std::size_t>(j);
         worst = std::max(worst, std::abs(score[at] - exact[static_cast<std::size_t>(point[at])]));

@@ -7,7 +7,7 @@
 
 #include "engine/frontiers/cost_to_go_field.h"
 #include "engine/frontiers/goal_planner.h"
-#include "engine/frontiers/known_ways.h"
+#include "engine/frontiers/known_paths.h"
 
 namespace prospect::area_sources_test {
 namespace {
@@ -85,7 +85,7 @@ TEST(AreaSources, WhatIsForbiddenOrOutOfTheWorldDoesNotCount) {
   EXPECT_EQ(at(6.55), INFINITY);
 }
 
-// The way to an area, step by step: through the unknown to the nearest part of it.
+// The path to an area, step by step: through the unknown to the nearest part of it.
 TEST(AreaSources, LeadAGoalPlanner) {
   GoalPlanner planner({}, box(6.0, 0.0, 8.0, 2.0), 2.0);
   const Pose pose{{1.0, 1.0, 0.0}, 0.0};
@@ -94,7 +94,7 @@ TEST(AreaSources, LeadAGoalPlanner) {
   EXPECT_FALSE(planner.facts().unreachable);
   EXPECT_FALSE(planner.facts().reached);
   EXPECT_FALSE(planner.facts().near);
-  EXPECT_NEAR(planner.facts().way_left, 5.2, 0.4);
+  EXPECT_NEAR(planner.facts().path_left, 5.2, 0.4);
   EXPECT_NEAR(planner.facts().unknown_left, 2.0, 0.4);
   ASSERT_EQ(plan->frontiers.size(), 1u);
   EXPECT_NEAR(plan->target->looks_at.x(), 4.05, 0.1) << "the first unknown cell of the way";
@@ -108,20 +108,20 @@ TEST(AreaSources, LeadAGoalPlanner) {
   EXPECT_NE(shut.facts().why.find("walls closes every way"), std::string::npos) << shut.facts().why;
 }
 
-TEST(KnownWays, LeadOverKnownGroundAlone) {
+TEST(KnownPaths, LeadOverKnownGroundAlone) {
   GroundMap map = corridor();
   const Pose pose{{3.5, 0.5, 0.0}, 0.0};
-  const KnownWays ways(map, pose, {}, {0.5, 0.5});
-  EXPECT_NEAR(ways.length_near({3.5, 0.55}), 3.0, 0.6);
-  EXPECT_EQ(ways.length_near({5.5, 1.0}), INFINITY) << "unknown";
+  const KnownPaths paths(map, pose, {}, {0.5, 0.5});
+  EXPECT_NEAR(paths.length_near({3.5, 0.55}), 3.0, 0.6);
+  EXPECT_EQ(paths.length_near({5.5, 1.0}), INFINITY) << "unknown";
   const GridFrame frame{0.1, 0, 0, 1, 1};
-  const std::vector<Cell> way = ways.way(frame.cell(3.05, 1.05));
-  EXPECT_NEAR(frame.center(way.back()).x(), 0.5, 0.2);
-  // A wall across, with a gap on the far side, makes it longer; without one there is no way.
+  const std::vector<Cell> path = paths.path(frame.cell(3.05, 1.05));
+  EXPECT_NEAR(frame.center(path.back()).x(), 0.5, 0.2);
+  // A wall across, with a gap on the far side, makes it longer; without one there is no path.
   for (int j = 0; j < 13; ++j) map.set({20, j}, CellState::kOccupied);
-  EXPECT_GT(KnownWays(map, pose, {}, {0.5, 0.5}).length_near({3.5, 0.55}), 3.8);
+  EXPECT_GT(KnownPaths(map, pose, {}, {0.5, 0.5}).length_near({3.5, 0.55}), 3.8);
   for (int j = 13; j < 20; ++j) map.set({20, j}, CellState::kOccupied);
-  EXPECT_EQ(KnownWays(map, pose, {}, {0.5, 0.5}).length_near({3.5, 0.55}), INFINITY);
+  EXPECT_EQ(KnownPaths(map, pose, {}, {0.5, 0.5}).length_near({3.5, 0.55}), INFINITY);
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ struct Chain {
         best = k;
       }
     }
-    detector.lead_to(best);
+    detector.set_goal(best);
   }
 };
 
@@ -226,10 +226,11 @@ TEST(CostToGoField, AgreesWithDijkstraWithinTheMetricErrorsOfBoth) {
       const Cell c = eight.frame.at(k);
       const double v = field.value(c);
       if (v == kInfinity) continue;
-      const double way = v + 2.0;  // sources are not below -2 m: an upper bound of the way's length
+      const double path =
+          v + 2.0;  // sources are not below -2 m: an upper bound of the path's length
       // Straight lines are at least 1/1.0275 of a 16-neighbour path.
-      EXPECT_GT(v, sixteen[c] - 0.027 * way - 1e-6);
-      EXPECT_LT(v, eight[c] + 0.08 * way + 0.15);
+      EXPECT_GT(v, sixteen[c] - 0.027 * path - 1e-6);
+      EXPECT_LT(v, eight[c] + 0.08 * path + 0.15);
       ++compared;
     }
     EXPECT_GT(compared, 1000);

@@ -105,7 +105,7 @@ TEST(CostToGo, StaysBetweenItsCellsAndIsFiniteEverywhere) {
   EXPECT_EQ(none.descend({1.0, 1.0}, 5.0).size(), 1u);
 }
 
-// Distance to a point round a wall, so that the way down must turn a corner.
+// Distance to a point round a wall, so that the path down must turn a corner.
 CostToGo around_a_wall() {
   const GridFrame frame{0.1, 0, 0, 60, 60};
   Grid<double> seconds(frame, 0.0);

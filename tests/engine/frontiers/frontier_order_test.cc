@@ -65,13 +65,13 @@ TEST(FrontierOrder, IsTheBestOfAllSequences) {
       std::iota(order.begin(), order.end(), 0);
       do {
         if (first >= 0 && order[0] != first) continue;
-        double way = 0.0, value = 0.0;
+        double path = 0.0, value = 0.0;
         for (int n = 0; n < 4; ++n) {
           const auto k = static_cast<std::size_t>(order[static_cast<std::size_t>(n)]);
-          way += n == 0 ? c[k].way
-                        : d(order[static_cast<std::size_t>(n - 1)],
-                            order[static_cast<std::size_t>(n)]);
-          value += (0.3 + c[k].area) * std::exp(-way / 20.0);
+          path += n == 0 ? c[k].path
+                         : d(order[static_cast<std::size_t>(n - 1)],
+                             order[static_cast<std::size_t>(n)]);
+          value += (0.3 + c[k].area) * std::exp(-path / 20.0);
         }
         best = std::max(best, value);
       } while (std::next_permutation(order.begin(), order.end()));

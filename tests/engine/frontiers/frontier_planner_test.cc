@@ -80,7 +80,7 @@ Mission explore(const test::GroundWorld& world, Cell start, const FrontierPlanne
   return mission;
 }
 
-#ifndef __SANITIZE_ADDRESS__  // missions go the ways of drives and of steps
+#ifndef __SANITIZE_ADDRESS__  // missions go the paths of drives and of steps
 TEST(FrontierPlanner, LeadsTheSimplestDriverThroughWholeBuildings) {
   std::mt19937_64 random(11);
   for (const int boxes : {0, 25, 60}) {
@@ -238,9 +238,9 @@ TEST(FrontierPlanner, SaysWhetherTheRobotIsCutOffFromWhereItWas) {
     std::shared_ptr<const GlobalPlan> g;
     double t = 0.0;
     for (double x = 8.0; x > 2.05; x -= 0.25, t += 0.5) {
-      FrontierAttention attention;
-      attention.looked = x <= lost_until;
-      g = frontier_planner.update(two_rooms(10), {{x, 3.0, 0.0}, 0.0}, t, attention);
+      FrontierActivity activity;
+      activity.observed = x <= lost_until;
+      g = frontier_planner.update(two_rooms(10), {{x, 3.0, 0.0}, 0.0}, t, activity);
       EXPECT_FALSE(g->facts.exhausted);
       EXPECT_FALSE(g->facts.cut_off);
     }
@@ -337,7 +337,7 @@ struct HalfWhiteStrip {
 TEST(FrontierPlanner, AWayOnWhichNothingIsSeenIsDearer) {
   const HalfWhiteStrip strip;
   FrontierPlannerOptions options = FrontierPlannerOptions{};
-  options.frontiers.sensor_range = options.worth.sensor_range = 1.5;
+  options.frontiers.sensor_range = options.utility.sensor_range = 1.5;
   RobotDescription robot;
   robot.model = make_model("unicycle");
   FeatureVisibilityMap visibility_map({.blocks_per_update = 10000}, robot,
@@ -351,7 +351,7 @@ TEST(FrontierPlanner, AWayOnWhichNothingIsSeenIsDearer) {
     FrontierPlanner frontier_planner(options);
     std::shared_ptr<const GlobalPlan> g;
     for (int n = 0; n < 3; ++n) {
-      g = frontier_planner.update(strip.map, pose, 0.1 * n, {.looked = false}, seen);
+      g = frontier_planner.update(strip.map, pose, 0.1 * n, {.observed = false}, seen);
     }
     EXPECT_TRUE(g->target.has_value());
     return g->target && g->target->viewpoint.x() > 6.5;
@@ -429,7 +429,7 @@ TEST(FrontierPlanner, AGapThatCannotBePassedIsClosedForAWhileAndTriedLessAndLess
     int closed = 0;
     bool before = true;
     for (double t = 0.0; t < 200.0; t += 0.5) {
-      const auto g = frontier_planner.update(map, pose, t, {.looked = false});
+      const auto g = frontier_planner.update(map, pose, t, {.observed = false});
       const bool passable = frontier_planner.traversability().passable({40, 26});
       if (before && !passable) ++closed;
       before = passable;
@@ -472,7 +472,7 @@ TEST(FrontierPlanner, ASlitWithARoomBehindItIsLookedAtAHoleInAWallIsNot) {
   }
 }
 
-// What is too little for the way is left, and that is said.
+// What is too little for the path is left, and that is said.
 TEST(FrontierPlanner, SaysThatWhatIsLeftShowsTooLittleForTheWay) {
   const Pose pose{{2.0, 2.0, 0.0}, 0.0};
   FrontierPlannerOptions options = FrontierPlannerOptions{};
@@ -494,49 +494,49 @@ TEST(FrontierPlanner, ALostRobotGivesNothingUp) {
   const GroundMap map = two_rooms(7);
   const Pose pose{{3.0, 2.65, 0.0}, 0.0};
   FrontierPlanner lost{FrontierPlannerOptions{}}, well{FrontierPlannerOptions{}};
-  double worth = 0.0, least = 1e9;
+  double utility = 0.0, least = 1e9;
   for (double t = 0.0; t < 30.0; t += 0.5) {
-    const auto g = lost.update(map, pose, t, {.looked = false, .pursued = false});
+    const auto g = lost.update(map, pose, t, {.observed = false, .pursued = false});
     EXPECT_FALSE(g->facts.exhausted);
-    if (t == 0.0) worth = g->facts.target_area;
-    EXPECT_EQ(g->facts.target_area, worth);
+    if (t == 0.0) utility = g->facts.target_area;
+    EXPECT_EQ(g->facts.target_area, utility);
     EXPECT_EQ(g->facts.stalled_for, 0.0);
     const auto w = well.update(map, pose, t);
     least = std::min(least, w->facts.target ? w->facts.target_area : 0.0);
   }
-  EXPECT_LT(least, 0.5 * worth);
+  EXPECT_LT(least, 0.5 * utility);
   // Once it pursues again, the clock runs on from where it was held.
   for (double t = 30.0; t < 37.5; t += 0.5) {
-    const auto g = lost.update(map, pose, t, {.looked = false});
-    EXPECT_EQ(g->facts.target_area, worth);
+    const auto g = lost.update(map, pose, t, {.observed = false});
+    EXPECT_EQ(g->facts.target_area, utility);
     EXPECT_EQ(g->facts.stalled, g->facts.stalled_for >= 3.0);
   }
-  lost.update(map, pose, 37.5, {.looked = false});
-  const auto g = lost.update(map, pose, 38.0, {.looked = false});
-  EXPECT_LT(g->facts.target ? g->facts.target_area : 0.0, worth);
+  lost.update(map, pose, 37.5, {.observed = false});
+  const auto g = lost.update(map, pose, 38.0, {.observed = false});
+  EXPECT_LT(g->facts.target ? g->facts.target_area : 0.0, utility);
 }
 
-TEST(FrontierPlanner, ATargetThatCostTheLocalizationIsWorthLess) {
+TEST(FrontierPlanner, ATargetThatCostTheLocalizationHasLessUtility) {
   const HalfWhiteStrip strip;
   FrontierPlannerOptions options = FrontierPlannerOptions{};
   options.frontiers.sensor_range = 1.5;
-  options.worth.sensor_range = 20.0;  // near enough to be to blame
+  options.utility.sensor_range = 20.0;  // near enough to be to blame
   options.least_area = 0.01;
   options.least_rate = 0.0;
   FrontierPlanner frontier_planner(options);
   const Pose pose{{7.3, 2.0, 0.0}, 0.0};
   const auto east = [](const GlobalPlan& g) { return g.target && g.target->viewpoint.x() > 6.5; };
-  const auto first = frontier_planner.update(strip.map, pose, 0.0, {.looked = false});
+  const auto first = frontier_planner.update(strip.map, pose, 0.0, {.observed = false});
   ASSERT_TRUE(east(*first));
   EXPECT_EQ(first->facts.changed, TargetChange::kFirst);
-  // Each loss on the way there takes from its worth, until the other way comes first.
-  const FrontierAttention lost{.looked = false, .pursued = false, .got_lost = true};
-  double t = 0.5, worth = first->facts.target_area;
+  // Each loss on the path there takes from its utility, until the other path comes first.
+  const FrontierActivity lost{.observed = false, .pursued = false, .got_lost = true};
+  double t = 0.5, utility = first->facts.target_area;
   std::shared_ptr<const GlobalPlan> other = frontier_planner.update(strip.map, pose, t, lost);
   int tries = 1;
   for (; east(*other) && tries < 10; ++tries) {
-    EXPECT_LT(other->facts.target_area, 0.8 * worth);
-    worth = other->facts.target_area;
+    EXPECT_LT(other->facts.target_area, 0.8 * utility);
+    utility = other->facts.target_area;
     other = frontier_planner.update(strip.map, pose, t += 0.5, lost);
   }
   EXPECT_LE(tries, 3);
@@ -545,7 +545,7 @@ TEST(FrontierPlanner, ATargetThatCostTheLocalizationIsWorthLess) {
   EXPECT_EQ(other->facts.changed, TargetChange::kLost);
   for (int n = 0; n < 10; ++n) {
     const auto g =
-        frontier_planner.update(strip.map, pose, t += 0.5, {.looked = false, .pursued = false});
+        frontier_planner.update(strip.map, pose, t += 0.5, {.observed = false, .pursued = false});
     EXPECT_FALSE(east(*g));
     EXPECT_EQ(g->facts.changed, TargetChange::kNone);
   }
@@ -558,9 +558,9 @@ TEST(FrontierPlanner, ATargetThatCostTheLocalizationIsWorthLess) {
   }
   EXPECT_LT(losses, 20);
   // Far from it a loss says nothing.
-  options.worth.sensor_range = 1.5;
+  options.utility.sensor_range = 1.5;
   FrontierPlanner far(options);
-  ASSERT_TRUE(east(*far.update(strip.map, pose, 0.0, {.looked = false})));
+  ASSERT_TRUE(east(*far.update(strip.map, pose, 0.0, {.observed = false})));
   const auto after = far.update(strip.map, pose, 0.5, lost);
   EXPECT_TRUE(east(*after));
   EXPECT_EQ(after->facts.changed, TargetChange::kNone);
@@ -576,7 +576,7 @@ TEST(FrontierPlanner, ARuleMayChooseTheTarget) {
   }
   const Pose pose{{4.0, 2.0, 0.0}, 0.0};
   FrontierPlannerOptions options = FrontierPlannerOptions{};
-  options.frontiers.sensor_range = options.worth.sensor_range = 1.5;
+  options.frontiers.sensor_range = options.utility.sensor_range = 1.5;
   options.reconsider = 3.0;
   for (const bool east : {false, true}) {
     int asked = 0;
@@ -584,11 +584,11 @@ TEST(FrontierPlanner, ARuleMayChooseTheTarget) {
       ++asked;
       EXPECT_EQ(candidates.size(), 2U);
       EXPECT_EQ(current >= 0, asked > 1);
-      return (candidates[0].way < candidates[1].way) == east ? 1 : 0;
+      return (candidates[0].path < candidates[1].path) == east ? 1 : 0;
     };
     FrontierPlanner frontier_planner(options);
     for (double t = 0.0; t < 4.0; t += 0.5) {
-      const auto g = frontier_planner.update(map, pose, t, {.looked = false});
+      const auto g = frontier_planner.update(map, pose, t, {.observed = false});
       ASSERT_TRUE(g->target.has_value());
       EXPECT_EQ(g->target->viewpoint.x() > 5.5, east);
     }
@@ -597,7 +597,7 @@ TEST(FrontierPlanner, ARuleMayChooseTheTarget) {
   options.rule = [](const auto&, int) { return -1; };
   EXPECT_TRUE(FrontierPlanner(options).update(map, pose, 0.0)->facts.exhausted);
 
-  // It is asked only for what is worth its way: the east is not, if the least rate lies between.
+  // It is asked only for what is worth its path: the east is not, if the least rate lies between.
   std::vector<double> rates;
   options.rule = [&](const std::vector<FrontierCandidate>& candidates, int) {
     rates.clear();
@@ -624,7 +624,7 @@ TEST(FrontierPlanner, ARoomFartherOffComesBeforeASliverNearBy) {
     for (const int i : {8, 9}) map.set({i, j}, CellState::kUnknown);
   }
   FrontierPlannerOptions options = FrontierPlannerOptions{};
-  options.frontiers.sensor_range = options.worth.sensor_range = 1.5;
+  options.frontiers.sensor_range = options.utility.sensor_range = 1.5;
   const auto g = FrontierPlanner(options).update(map, {{3.3, 2.7, 0.0}, 0.5 * M_PI}, 0.0);
   ASSERT_TRUE(g->target.has_value());
   EXPECT_GT(g->target->looks_at.x(), 6.0);
@@ -639,12 +639,12 @@ TEST(FrontierPlanner, StaysWithItsTargetUntilThereIsAReason) {
     }
   }
   FrontierPlannerOptions options = FrontierPlannerOptions{};
-  options.frontiers.sensor_range = options.worth.sensor_range = 1.5;
+  options.frontiers.sensor_range = options.utility.sensor_range = 1.5;
   FrontierPlanner frontier_planner(options);
   double t = 0.0;
   const auto at = [&](double x) {
     return frontier_planner.update(map, {{x, 2.0, 0.0}, 0.5 * M_PI}, t += 0.5,
-                                   {.looked = false, .pursued = false});
+                                   {.observed = false, .pursued = false});
   };
   const bool east = at(6.4)->target->looks_at.x() > 6.5;
   // Pushed to and fro over the middle.
@@ -673,8 +673,8 @@ TEST(FrontierPlanner, StaysWithItsTargetUntilThereIsAReason) {
   EXPECT_EQ(at(6.5)->facts.changed, TargetChange::kSeen);
 }
 
-// A frontier that no look resolves is left after some looks, and comes back with new ground.
-TEST(FrontierPlanner, AFrontierThatNoLookResolvesIsLeftUntilNewGroundIsSeenThere) {
+// A frontier that no observation resolves is left after some looks, and comes back with new ground.
+TEST(FrontierPlanner, AFrontierThatNoObservationResolvesIsLeftUntilNewGroundIsSeenThere) {
   GroundMap map(GridFrame{0.1, 0, 0, 96, 64});
   for (int j = 0; j < 64; ++j) {
     for (int i = 0; i < 64; ++i) {
@@ -700,7 +700,7 @@ TEST(FrontierPlanner, AFrontierThatNoLookResolvesIsLeftUntilNewGroundIsSeenThere
   EXPECT_GT(g->facts.failed.area, 0.5);
   for (int k = 0; k < 3; ++k) map.set({61, 31 + k}, CellState::kFree);
   step += 2;  // it is asked for every second
-  g = frontier_planner.update(map, pose, 0.5 * step, {.looked = false});
+  g = frontier_planner.update(map, pose, 0.5 * step, {.observed = false});
   EXPECT_TRUE(g->target.has_value());
   EXPECT_FALSE(g->facts.exhausted);
 }

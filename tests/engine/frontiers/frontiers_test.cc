@@ -160,7 +160,7 @@ TEST(Frontiers, ClustersAndSourcesEqualTheSlowOnesWhateverTheHistory) {
       kept.find_viewpoints(t, ranges_of);
       const int led_to =
           static_cast<int>(random() % (kept.frontiers().size() + 1)) - 1;  // -1: nowhere
-      kept.lead_to(led_to);
+      kept.set_goal(led_to);
 
       std::set<std::vector<Address>> clusters;
       std::size_t cells = 0;
@@ -183,7 +183,7 @@ TEST(Frontiers, ClustersAndSourcesEqualTheSlowOnesWhateverTheHistory) {
       t_fresh.update(map);
       fresh.update(t_fresh);
       fresh.find_viewpoints(t_fresh, ranges_of);
-      fresh.lead_to(led_to);
+      fresh.set_goal(led_to);
       ASSERT_EQ(fresh.frontiers().size(), kept.frontiers().size());
       int sources = 0;
       for (int k = 0; k < t.frame().size(); ++k) {
@@ -234,7 +234,7 @@ GroundMap pocket(int gap) {
 
 // Lesson 1 of the prototype. The pocket is known free inside (seen through a crack since closed),
 // and too narrow to drive in.
-TEST(Frontiers, APriceOfLooksComesOnTop) {
+TEST(Frontiers, APriceOfViewsComesOnTop) {
   std::mt19937_64 random(3);
   const auto world = test::GroundWorld::rooms(10.0, 0.1, 25, random);
   GroundMap map(GridFrame{0.1, 0, 0, 16, 16});
@@ -253,14 +253,14 @@ TEST(Frontiers, APriceOfLooksComesOnTop) {
     };
     if (cells(k).size() > cells(longest).size()) longest = k;
   }
-  detector.lead_to(longest);
+  detector.set_goal(longest);
   const std::vector<ViewpointSource> free = detector.sources();
   ASSERT_GT(free.size(), 50u);
   const auto price_of = [](Cell c) { return 0.25 * ((c.i + 3 * c.j) & 7); };
   // Looks are priced one by one, and again when the price changes although nothing else does.
   for (const double scale : {1.0, 2.0}) {
     bool each_sees_a_frontier = true;
-    detector.lead_to(longest, [&](Cell viewpoint, Cell sees) {
+    detector.set_goal(longest, [&](Cell viewpoint, Cell sees) {
       each_sees_a_frontier &= detector.frontier_of(sees) >= 0;
       return scale * price_of(viewpoint);
     });
@@ -273,7 +273,7 @@ TEST(Frontiers, APriceOfLooksComesOnTop) {
     }
   }
   // Without a price it is as it was.
-  detector.lead_to(longest);
+  detector.set_goal(longest);
   for (const ViewpointSource& s : free) EXPECT_EQ(detector.source(s.cell), s.cost);
 }
 
@@ -289,7 +289,7 @@ TEST(Frontiers, PhantomFrontierInAPocketStaysInactive) {
     t.update(map);
     d.update(t);
     d.find_viewpoints(t);
-    d.lead_to(0);
+    d.set_goal(0);
     ASSERT_EQ(d.frontiers().size(), 1u);
     EXPECT_NEAR(d.frontiers()[0].length, 2.8, 1e-9);
     if (gap == 0) {
@@ -329,7 +329,7 @@ TEST(Frontiers, IsSeenOverALowObstacle) {
   EXPECT_EQ(t.changed_sights().size(), 4u);
   d.update(t);
   d.find_viewpoints(t);
-  d.lead_to(0);
+  d.set_goal(0);
   EXPECT_TRUE(d.frontiers()[0].active);
   EXPECT_FALSE(d.sources().empty());
   for (const ViewpointSource& s : d.sources()) EXPECT_LT(s.cell.i, 40);

@@ -40,8 +40,8 @@ TEST(GoalPlanner, LeadsThroughTheDoor) {
   EXPECT_FALSE(frontier_planner.facts().near);
   EXPECT_FALSE(frontier_planner.facts().unreachable);
   EXPECT_EQ(frontier_planner.facts().unknown_left, 0.0);
-  EXPECT_GT(frontier_planner.facts().way_left, 4.7);
-  EXPECT_LT(frontier_planner.facts().way_left, 6.0);
+  EXPECT_GT(frontier_planner.facts().path_left, 4.7);
+  EXPECT_LT(frontier_planner.facts().path_left, 6.0);
   EXPECT_NEAR(frontier_planner.facts().distance, 4.55, 0.01);
   const auto path = g->cost_to_go->descend({1.5, 1.5}, 20.0);
   bool through = false;
@@ -165,7 +165,7 @@ TEST(GoalPlanner, ReachesAGoalInTheUnknown) {
     EXPECT_TRUE(frontier_planner.facts().reached || frontier_planner.facts().unreachable)
         << run << ": " << steps;
     if (frontier_planner.facts().unreachable) {
-      // True only if no way of the true plan leads there.
+      // True only if no path of the true plan leads there.
       GroundMap all(world.truth.frame);
       for (int k = 0; k < world.truth.frame.size(); ++k) {
         all.set(world.truth.frame.at(k), world.truth.data[static_cast<std::size_t>(k)]);
@@ -178,8 +178,8 @@ TEST(GoalPlanner, ReachesAGoalInTheUnknown) {
   }
 }
 
-// The door is not seen: unknown cells that no look makes known. Held up there, it gives that way
-// up.
+// The door is not seen: unknown cells that no observation makes known. Held up there, it gives that
+// way up.
 TEST(GoalPlanner, GivesUpAWayThatItCannotGet) {
   GroundMap map = two_rooms(true);
   for (int j = 20; j < 32; ++j) {

@@ -75,8 +75,8 @@ TEST(HeadingFit, DistanceOfABoxIsTheWayUntilItTouches) {
     ++(d < 0.0 ? inside : apart);
     bool touched = false, parted = false;
     for (int k = 0; k < 180; ++k) {
-      const Eigen::Vector2d way(std::cos(k * M_PI / 90.0), std::sin(k * M_PI / 90.0));
-      const auto at = [&](double s) { return overlap(b, position + s * way, yaw, low, 0.2); };
+      const Eigen::Vector2d path(std::cos(k * M_PI / 90.0), std::sin(k * M_PI / 90.0));
+      const auto at = [&](double s) { return overlap(b, position + s * path, yaw, low, 0.2); };
       if (d > 0.0) {
         EXPECT_FALSE(at(d - 0.002));
         touched = touched || at(d + 0.004);

@@ -48,7 +48,7 @@ TEST(DescentPath, AtItsEndAnyHeadingWillDo) {
   EXPECT_EQ(none.heading({0.55, 1.02}, 0.5, -0.5), -0.5);
 }
 
-// A wall along y = 0.7 on one side of the way, and another 0.6 m from it.
+// A wall along y = 0.7 on one side of the path, and another 0.6 m from it.
 TEST(DescentPath, InAGapItIsMovedToTheMiddle) {
   test::ObstacleWorld world(0.1, 6.0, 0.6);
   for (int i = 20; i < 40; ++i) {

@@ -29,8 +29,8 @@ class PlanChoice : public ::testing::Test {
   }
   bool choose(const std::vector<Candidate>& candidates, int committed, Plan& plan) {
     return choose_certified(candidates,
-                            {scene_.belief, *scene_.problem, certifier_, Caution::kNormal, drift_,
-                             *evaluators_.visible_features, committed, late_},
+                            {scene_.belief, *scene_.problem, certifier_, SafetyLevel::kNormal,
+                             drift_, *evaluators_.visible_features, committed, late_},
                             plan);
   }
 

@@ -1056,7 +1056,7 @@ TEST_F(PlannerTest, ALostRobotDrivesWhereItLooks) {
   options.drift_margin = 0.0;
   options.drift_limit = 0.12;
   const Certifier certifier(robot_.shape, options);
-  // Of the motions after a look all around, how many enter what may have drifted
+  // Of the motions after an observation all around, how many enter what may have drifted
   // since.
   const auto entering = [&](double drift_limit) {
     parameters_.drift_limit = drift_limit;
@@ -1065,8 +1065,8 @@ TEST_F(PlannerTest, ALostRobotDrivesWhereItLooks) {
       Planner planner = make();
       SurfaceDrift drift;
       Belief belief = room;
-      for (int look = 0; look < 6; ++look) {
-        belief.pose.yaw = yaw + 1.05 * look;
+      for (int observation = 0; observation < 6; ++observation) {
+        belief.pose.yaw = yaw + 1.05 * observation;
         belief.stamp += 0.5;
         planner.plan(belief);
         drift.update(belief, robot_);
@@ -1100,7 +1100,7 @@ TEST_F(PlannerTest, ALostRobotDrivesWhereItLooks) {
 }
 #endif
 
-// Between walls that may have drifted, each in the way of keeping off the other, robots stood for
+// Between walls that may have drifted, each in the path of keeping off the other, robots stood for
 // minutes.
 TEST_F(PlannerTest, StuckOnlyTouchingIsForbidden) {
   Planner planner = make();
@@ -1127,26 +1127,26 @@ TEST_F(PlannerTest, StuckOnlyTouchingIsForbidden) {
 }
 
 // Once it is lost, the frontier that it was led to is worth less.
-TEST_F(PlannerTest, WhatCostTheLocalizationIsWorthLess) {
+TEST_F(PlannerTest, WhatCostTheLocalizationHasLessUtility) {
   Planner planner = make();
   Belief belief = Room{.landmarks_per_wall = 30}.belief();
   planner.plan(belief);
   ASSERT_TRUE(planner.global_plan()->target.has_value());
-  const auto worth = [&] {
+  const auto utility = [&] {
     double area = 0.0;
     for (const Frontier& f : planner.global_plan()->frontiers) area += f.area;
     return area;
   };
-  const double before = worth();
+  const double before = utility();
   EXPECT_GT(before, 0.0);
   belief.localization = Localization::kLost;
   belief.tracked_features = 0;
   belief.stamp = 0.5;
   planner.plan(belief);
-  EXPECT_LT(worth(), before);
+  EXPECT_LT(utility(), before);
 }
 
-// Standing before a blank view must not be what costs least while there is a way on.
+// Standing before a blank view must not be what costs least while there is a path on.
 TEST_F(PlannerTest, FewFeaturesDoNotMakeItStand) {
   parameters_.weights.visible_features = 50.0;  // far above what driving gains
   Belief belief = Room{.landmarks_per_wall = 3}.belief();

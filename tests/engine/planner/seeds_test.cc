@@ -94,7 +94,7 @@ TEST_P(Seeds, KeepBoundsRatesAndSpeedsForEveryModelAndBlocking) {
     if (trial % 2 == 0) context.target = FrontierTarget{0, {2.0, 1.0}, {3.0, 1.0}, 0.0};
     context.backwards = trial % 4 < 2;
     if (trial % 3 != 0) {
-      // Whatever a previous plan was: it may have been stopped on the way.
+      // Whatever a previous plan was: it may have been stopped on the path.
       context.previous.resize(model_->nu(), 1 + static_cast<int>(random_() % 30));
       for (double& u : context.previous.reshaped()) u = uniform(-2, 2);
     }
@@ -276,7 +276,7 @@ TEST(ApproachManoeuvre, LeadIntoAGapThatBeginsBesideTheRobot) {
   FrontierPlannerOptions options;
   options.traversability.hard_radius = 0.2;
   options.traversability.narrow_slack = 0.0;
-  options.frontiers.sensor_range = options.worth.sensor_range = 0.6;
+  options.frontiers.sensor_range = options.utility.sensor_range = 0.6;
   options.frontiers.range_margin = 0.1;
   options.least_area = options.least_rate = 0.0;
   FrontierPlanner frontier_planner(options);
@@ -308,7 +308,7 @@ TEST(ApproachManoeuvre, LeadIntoAGapThatBeginsBesideTheRobot) {
     }
     return least;
   };
-  // The least distance on the way and how far south it leads, by name.
+  // The least distance on the path and how far south it leads, by name.
   const auto drive = [&] {
     std::map<std::string, std::pair<double, double>> driven;
     for (const Seed& seed : make_approach_seeds(p, context)) {

@@ -15,13 +15,13 @@ struct Step {
   FrontierPlanner frontiers{parameters.frontier_planner};
   SurfaceDrift drift;
   ModeKind mode = ModeKind::kExplore;
-  Caution caution = Caution::kNormal;
+  SafetyLevel safety_level = SafetyLevel::kNormal;
   std::shared_ptr<const CostToGo> retreat;
 
   StepSpecification specify() {
     return specify_problem({scene.planner->robot(), parameters, scene.belief,
                             *scene.planner->global_plan(), frontiers, nullptr, mode, retreat,
-                            caution, drift, nullptr});
+                            safety_level, drift, nullptr});
   }
 };
 
@@ -56,10 +56,10 @@ TEST(StepSpecification, FeaturesCostNothingWhereTheLocalizationDoesNotRestOnThem
   EXPECT_EQ(step.specify().problem.weights.visible_features, 0.0);
 }
 
-TEST(StepSpecification, TheCautionDecidesOnTheHardClearance) {
+TEST(StepSpecification, TheSafetyLevelDecidesOnTheHardClearance) {
   Step step;
   EXPECT_EQ(step.specify().problem.clearance.d_safe, step.parameters.d_safe);
-  step.caution = Caution::kReduced;
+  step.safety_level = SafetyLevel::kReduced;
   EXPECT_EQ(step.specify().problem.clearance.d_safe, 0.0);
 }
 

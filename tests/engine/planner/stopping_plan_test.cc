@@ -23,14 +23,14 @@ TEST(StoppingPlan, BrakesFromTheCommandInForceWhateverTheBeliefHolds) {
     belief.command = command;
     Mode mode;
     mode.kind = ModeKind::kRetreat;
-    const Plan plan =
-        stopping_plan(belief, *model, 0.25, {TaskKind::kGoTo, mode, Caution::kStuck}, "a reason");
+    const Plan plan = stopping_plan(belief, *model, 0.25,
+                                    {TaskKind::kGoTo, mode, SafetyLevel::kStuck}, "a reason");
     EXPECT_EQ(plan.kind, PlanKind::kStoppingTail);
     EXPECT_FALSE(plan.certified);
     EXPECT_EQ(plan.stamp, 3.0);
     EXPECT_EQ(plan.task, TaskKind::kGoTo);
     EXPECT_EQ(plan.mode.kind, ModeKind::kRetreat);
-    EXPECT_EQ(plan.caution, Caution::kStuck);
+    EXPECT_EQ(plan.safety_level, SafetyLevel::kStuck);
     EXPECT_EQ(plan.detail, "a reason");
     EXPECT_EQ(plan.why, "Brakes: a reason.");
     ASSERT_EQ(plan.states.size(), plan.commands.size() + 1);

@@ -78,7 +78,7 @@ TEST(SharedResults, ComputedOncePerEvaluationAndWorkspaceAndNeverStale) {
   EXPECT_EQ(problem.rollout(Eigen::VectorXd::Zero(problem.num_variables())).shared.get(), nullptr);
 }
 
-TEST(SharedResults, SharedLooksGiveTheBitsOfSeparateOnes) {
+TEST(SharedResults, SharedViewsGiveTheBitsOfSeparateOnes) {
   // The gain is both a cost and the prior of the features; with two gains of equal content nothing
   // is shared between them.
   const test::PlanningScene scene("unicycle_accel", {}, 150);

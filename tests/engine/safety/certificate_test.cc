@@ -740,16 +740,16 @@ TEST(Certificate, ALostRobotDoesNotCreepOutOfView) {
     }
     for (const RobotShape& shape : shapes()) {
       const Certifier certifier(shape, lost_options());
-      for (const int way : {0, 1, 2, 3}) {  // sideways, diagonally, backwards, anyhow
+      for (const int path : {0, 1, 2, 3}) {  // sideways, diagonally, backwards, anyhow
         Belief belief = lost_belief(world);
         belief.pose.yaw = yaw;
         double side = 0.0, back = 0.0, front = 0.0;
         for (int n = 0; n < 300; ++n) {
           const double v = 0.08 * std::abs(velocity(random)) / 0.08;
           Eigen::Vector3d u(velocity(random), velocity(random), 0.0);
-          if (way == 0) u = {0.0, v, 0.0};
-          if (way == 1) u = {n % 4 ? 0.0 : v, v, 0.0};
-          if (way == 2) u = {-v, 0.0, 0.0};
+          if (path == 0) u = {0.0, v, 0.0};
+          if (path == 1) u = {n % 4 ? 0.0 : v, v, 0.0};
+          if (path == 2) u = {-v, 0.0, 0.0};
           const Eigen::VectorXd x0 = model.state(belief.pose, Twist());
           const Certificate verdict =
               certifier.certify(belief, model, x0, Eigen::Vector3d::Zero(), u, kDt);
@@ -762,10 +762,10 @@ TEST(Certificate, ALostRobotDoesNotCreepOutOfView) {
         }
         // By less than a cell's diagonal: what the cells hold that the body overlapped at first.
         // One that also drives ahead gets to what is in view there: 0.7 m aside in a metre.
-        const double opened = way == 3 ? 0.7 * front : 0.0;
-        EXPECT_LT(side, 0.15 + opened) << yaw << " " << way << " " << shape.index();
-        EXPECT_GT(back, -0.15) << yaw << " " << way << " " << shape.index();
-        EXPECT_LT(front, 0.6) << yaw << " " << way << " " << shape.index();
+        const double opened = path == 3 ? 0.7 * front : 0.0;
+        EXPECT_LT(side, 0.15 + opened) << yaw << " " << path << " " << shape.index();
+        EXPECT_GT(back, -0.15) << yaw << " " << path << " " << shape.index();
+        EXPECT_LT(front, 0.6) << yaw << " " << path << " " << shape.index();
       }
     }
   }

@@ -491,7 +491,7 @@ TEST_P(GuardOfEveryModel, NoStoppingTailGoesFarther) {
     command.linear.x() = uniform(0.1, 0.6);
     command.yaw_rate = uniform(-1, 1);
     const double speed = command.linear.norm();
-    double way = 0.0;
+    double path = 0.0;
     for (int n = 0; n < 200; ++n) {
       Plan plan;
       plan.kind = PlanKind::kStoppingTail;
@@ -516,9 +516,9 @@ TEST_P(GuardOfEveryModel, NoStoppingTailGoesFarther) {
       const GuardVerdict verdict = guard.check(plan, 0, command, belief, belief.stamp);
       passed += verdict.passed();
       command = verdict.command;
-      way += command.linear.norm() * verdict.duration;
+      path += command.linear.norm() * verdict.duration;
     }
-    EXPECT_LT(way, speed * speed / (2.0 * 0.9 * model->max_deceleration()) + 1e-3) << trial;
+    EXPECT_LT(path, speed * speed / (2.0 * 0.9 * model->max_deceleration()) + 1e-3) << trial;
   }
   EXPECT_GT(passed, 0);
 }
@@ -622,7 +622,7 @@ TEST_F(TimedCommandTest, PassesWithinAStage) {
   EXPECT_EQ(verdict.command.linear.x(), 0.5);
   EXPECT_EQ(verdict.command.yaw_rate, 0.3);
   EXPECT_EQ(verdict.duration, asked_.step);
-  // On the way to the second stage, which turns less.
+  // On the path to the second stage, which turns less.
   at(0.25);
   ask(0.5, 0.25);
   EXPECT_TRUE(check_timed().passed()) << check_timed().detail;

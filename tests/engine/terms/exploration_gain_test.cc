@@ -40,7 +40,7 @@ Scene scene(std::mt19937_64& random, int count, bool vertical = false) {
   return s;
 }
 
-/// p_ck one by one: the probability that the look of stage k resolves target c.
+/// p_ck one by one: the probability that the view of stage k resolves target c.
 Eigen::MatrixXd look_probabilities(const Scene& s, const TrajectoryBatch& t, int b,
                                    const ExplorationGain::Options& o, bool discounted) {
   const FootprintVisibility view(RgbdFootprint(), CameraMount(), s.table);
@@ -54,7 +54,7 @@ Eigen::MatrixXd look_probabilities(const Scene& s, const TrajectoryBatch& t, int
   return p;
 }
 
-TEST(ExplorationGain, EqualsTheDoubleLoopAndTheMonteCarloOfLooks) {
+TEST(ExplorationGain, EqualsTheDoubleLoopAndTheMonteCarloOfViews) {
   std::mt19937_64 random(1);
   const Scene s = scene(random, 80);
   const Unicycle model;

@@ -42,7 +42,7 @@ struct Scene {
   std::vector<Surface> surfaces;
   double noise = 0.002;  // of a depth z: noise z^2 [1/m]
 
-  DepthImage look(const Eigen::Isometry3d& T_WC, std::uint64_t seed,
+  DepthImage view(const Eigen::Isometry3d& T_WC, std::uint64_t seed,
                   int stride = GroundPlaneOptions().stride) const {
     DepthImage image(320, 240);
     std::mt19937_64 generator(seed);
@@ -83,14 +83,14 @@ struct Watch {
 
   explicit Watch(const GroundHypothesesOptions& options = {}) : ground(kCamera, options) {}
 
-  GroundLook see(const DepthImage& image, const Eigen::Isometry3d& T_WC) {
-    const GroundLook look = ground.add(image, anywhere() * T_WC);
-    changes += look.changed;
-    doubtful += look.doubtful;
-    return look;
+  GroundObservation see(const DepthImage& image, const Eigen::Isometry3d& T_WC) {
+    const GroundObservation view = ground.add(image, anywhere() * T_WC);
+    changes += view.changed;
+    doubtful += view.doubtful;
+    return view;
   }
-  GroundLook see(const Scene& scene, const Eigen::Isometry3d& T_WC) {
-    return see(scene.look(T_WC, ++seed), T_WC);
+  GroundObservation see(const Scene& scene, const Eigen::Isometry3d& T_WC) {
+    return see(scene.view(T_WC, ++seed), T_WC);
   }
   /// Of the plane taken; of the first camera.
   double height() const {
@@ -121,14 +121,14 @@ Eigen::Isometry3d walk(int k, double height = 1.4, double pitch = 30.0, double r
                              roll * kDegree);
 }
 
-TEST(GroundHypotheses, NoneIsBelievedFromOneLook) {
+TEST(GroundHypotheses, NoneIsBelievedFromOneView) {
   const Scene scene{{Surface::level(0.0, -9, 9)}};
   Watch run;
   EXPECT_FALSE(run.see(scene, walk(0)).changed);
   EXPECT_EQ(run.ground.taken(), nullptr);
   ASSERT_EQ(run.ground.all().size(), 1U);
   EXPECT_EQ(run.ground.all()[0].why, "seen in 1 frames, 3 must agree");
-  // One look is not worth millimetres.
+  // One view is not worth millimetres.
   EXPECT_GT(run.ground.all()[0].sigma_height, 0.009);
   EXPECT_GT(run.ground.all()[0].sigma_tilt, 0.009);
   run.see(scene, walk(1));
@@ -230,7 +230,7 @@ TEST(GroundHypotheses, TheFirstFramesAreDegraded) {
   const Scene scene{{Surface::level(0.0, -9, 9), Surface::wall(4.5)}};
   Watch run;
   const Eigen::Isometry3d T = walk(0, 0.62, 20.0);
-  const DepthImage first = scene.look(T, 1);
+  const DepthImage first = scene.view(T, 1);
   EXPECT_EQ(run.see(DepthImage(320, 240), T).reason, "no depth");
   EXPECT_EQ(run.see(DepthImage(160, 120, 1.0F), T).reason, "the image has the wrong size");
   DepthImage half = first;
@@ -247,7 +247,7 @@ TEST(GroundHypotheses, TheFirstFramesAreDegraded) {
   EXPECT_EQ(run.ground.taken(), nullptr);
   // Depths in a wrong unit: a plane where a lower floor could be.
   for (int k = 0; k < 3; ++k) {
-    DepthImage wrong = scene.look(walk(k, 0.62, 20.0), 50 + static_cast<std::uint64_t>(k));
+    DepthImage wrong = scene.view(walk(k, 0.62, 20.0), 50 + static_cast<std::uint64_t>(k));
     for (float& z : wrong.depth) z *= 2.5F;
     run.see(wrong, walk(k, 0.62, 20.0));
   }
@@ -261,7 +261,7 @@ TEST(GroundHypotheses, AReflectionIsNotTheGround) {
   Watch run;
   for (int k = 0; k < 8; ++k) {
     const Eigen::Isometry3d T = walk(k, 0.62, 25.0);
-    DepthImage image = scene.look(T, static_cast<std::uint64_t>(k));
+    DepthImage image = scene.view(T, static_cast<std::uint64_t>(k));
     std::mt19937 generator(static_cast<std::uint32_t>(k));
     for (float& z : image.depth) {
       if (generator() % 10 == 0) z *= 1.8F;
@@ -288,7 +288,7 @@ TEST(GroundHypotheses, TheHeightStatedIsAPrior) {
     return run.height();
   };
   EXPECT_NEAR(height(1.45, 0.05), 1.40, 0.01);
-  EXPECT_NEAR(height(1.42, 0.0005), 1.42, 0.005);  // surer than the looks
+  EXPECT_NEAR(height(1.42, 0.0005), 1.42, 0.005);  // surer than the views
   EXPECT_TRUE(std::isnan(height(1.7, 0.05)));
   EXPECT_NEAR(height(1.7, 0.15), 1.40, 0.01);
 }
@@ -299,13 +299,13 @@ TEST(GroundHypotheses, WithoutPoses) {
   options.poses = false;
   GroundHypotheses ground(kCamera, options);
   for (int k = 0; k < 8; ++k) {
-    ground.add(scene.look(walk(k, 0.62, 20.0), static_cast<std::uint64_t>(k)),
+    ground.add(scene.view(walk(k, 0.62, 20.0), static_cast<std::uint64_t>(k)),
                Eigen::Isometry3d::Identity());
   }
   ASSERT_NE(ground.taken(), nullptr);
   EXPECT_NEAR(ground.taken()->height, 0.62, 0.005);
   EXPECT_NEAR(ground.taken()->pitch / kDegree, 20.0, 0.3);
-  EXPECT_GT(ground.taken()->sigma_height, 0.009);  // the same look, again and again
+  EXPECT_GT(ground.taken()->sigma_height, 0.009);  // the same view, again and again
 }
 
 TEST(GroundHypotheses, OfFewFramesTheBestThereIs) {
@@ -318,7 +318,7 @@ TEST(GroundHypotheses, OfFewFramesTheBestThereIs) {
   EXPECT_FALSE(run.ground.settle());
 }
 
-// Poses that are off by a tilt and a height of their own in each frame, as large as one look is
+// Poses that are off by a tilt and a height of their own in each frame, as large as one view is
 // taken to be off, and half and twice of that.
 TEST(GroundHypotheses, ClaimsHold) {
   const Scene scene{{Surface::level(0.0, -9, 9)}};
@@ -340,7 +340,7 @@ TEST(GroundHypotheses, ClaimsHold) {
             Eigen::AngleAxisd(0.01 * times * normal(generator), Eigen::Vector3d::UnitY()) *
             T.linear();
         off.translation().z() += 0.01 * times * normal(generator);
-        ground.add(scene.look(off, generator(), options.ground.stride), anywhere() * T);
+        ground.add(scene.view(off, generator(), options.ground.stride), anywhere() * T);
       }
       ground.settle();
       ASSERT_NE(ground.taken(), nullptr);

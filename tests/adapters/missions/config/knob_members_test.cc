@@ -23,7 +23,7 @@
 #include "engine/frontiers/cost_to_go_field.h"
 #include "engine/frontiers/frontier_order.h"
 #include "engine/frontiers/frontier_planner.h"
-#include "engine/frontiers/frontier_worth.h"
+#include "engine/frontiers/frontier_utility.h"
 #include "engine/frontiers/frontiers.h"
 #include "engine/maps/traversability.h"
 #include "engine/planner/planner.h"
@@ -144,17 +144,18 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
     EXPECT_KNOBS(o, min_length, range_margin, rays, near_distance, near_slope);
   }
   {
-    FrontierWorthOptions o;
-    [[maybe_unused]] auto& [depth, opening, failed_look, failed_visit, visit_radius, look_interval,
-                            sensor_range, look_margin, sensor_fov, fov_margin, renewal_cells,
-                            least_trust, nearer, nearest] = o;
-    EXPECT_KNOBS(o, depth, opening, failed_look, failed_visit, visit_radius, look_interval,
-                 look_margin, fov_margin, renewal_cells, least_trust, nearer, nearest);
+    FrontierUtilityOptions o;
+    [[maybe_unused]] auto& [depth, opening, failed_observation, failed_visit, visit_radius,
+                            observation_interval, sensor_range, view_margin, sensor_fov, fov_margin,
+                            renewal_cells, least_confidence, nearer, nearest] = o;
+    EXPECT_KNOBS(o, depth, opening, failed_observation, failed_visit, visit_radius,
+                 observation_interval, view_margin, fov_margin, renewal_cells, least_confidence,
+                 nearer, nearest);
   }
   {
     FrontierOrderOptions o;
-    [[maybe_unused]] auto& [horizon, every_look, candidates, sequence_length] = o;
-    EXPECT_KNOBS(o, horizon, every_look, candidates, sequence_length);
+    [[maybe_unused]] auto& [horizon, every_observation, candidates, sequence_length] = o;
+    EXPECT_KNOBS(o, horizon, every_observation, candidates, sequence_length);
   }
   {
     CostToGoOptions o;
@@ -165,10 +166,11 @@ TEST(KnobMembers, EveryNumberAndSwitchIsAKnob) {
   {
     FrontierPlannerOptions o;
     [[maybe_unused]] auto& [traversability, frontiers, worth, order, cost_to_go, area, progress,
-                            least_area, least_rate, look_time, turn_price, look_length, reconsider,
-                            commitment, resolved, target_radius, closing_time, rule] = o;
-    EXPECT_KNOBS(o, least_area, least_rate, look_time, look_length, reconsider, commitment,
-                 resolved, target_radius, closing_time);
+                            least_area, least_rate, observation_time, turn_price,
+                            observation_length, reconsider, commitment, resolved, target_radius,
+                            closing_time, rule] = o;
+    EXPECT_KNOBS(o, least_area, least_rate, observation_time, observation_length, reconsider,
+                 commitment, resolved, target_radius, closing_time);
   }
   {
     OdometryNoise o;
@@ -489,9 +491,10 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
   }
   {
     CommandFollowingOptions o;
-    [[maybe_unused]] auto& [lag, slip, least_speed, least_rate, more_way, more_turn, less_way,
-                            less_turn] = o;
-    EXPECT_KNOBS(o, lag, slip, least_speed, least_rate, more_way, more_turn, less_way, less_turn);
+    [[maybe_unused]] auto& [lag, slip, least_speed, least_rate, more_distance, more_turn,
+                            less_distance, less_turn] = o;
+    EXPECT_KNOBS(o, lag, slip, least_speed, least_rate, more_distance, more_turn, less_distance,
+                 less_turn);
   }
   {
     RealTimeOptions o;
@@ -503,16 +506,17 @@ TEST(KnobMembers, EveryNumberAndSwitchOfDrivingIsAKnob) {
   {
     PreflightOptions o;
     [[maybe_unused]] auto& [height_warn, height_fail, tilt_warn, tilt_fail, stereo_warn,
-                            stereo_fail, yaw_warn, yaw_fail, way_warn, way_fail, floor_noise,
-                            longest_dead_man, live_time, least_turn, least_way] = o;
+                            stereo_fail, yaw_warn, yaw_fail, distance_warn, distance_fail,
+                            floor_noise, longest_dead_man, live_time, least_turn, least_distance] =
+        o;
     EXPECT_KNOBS(o, height_warn, height_fail, tilt_warn, tilt_fail, stereo_warn, stereo_fail,
-                 yaw_warn, yaw_fail, way_warn, way_fail, floor_noise, longest_dead_man, live_time,
-                 least_turn, least_way);
+                 yaw_warn, yaw_fail, distance_warn, distance_fail, floor_noise, longest_dead_man,
+                 live_time, least_turn, least_distance);
   }
   {
     PreflightRunOptions o;
-    [[maybe_unused]] auto& [checks, patience, turn, turn_rate, way, way_speed, settle] = o;
-    EXPECT_KNOBS(o, checks.live_time, patience, turn, turn_rate, way, way_speed, settle);
+    [[maybe_unused]] auto& [checks, patience, turn, turn_rate, distance, speed, settle] = o;
+    EXPECT_KNOBS(o, checks.live_time, patience, turn, turn_rate, distance, speed, settle);
   }
   {
     SensorInboxOptions o;

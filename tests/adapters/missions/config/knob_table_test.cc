@@ -448,7 +448,7 @@ TEST(KnobTable, WhatMustAgreeIsSaidAlikeByFileAndConstructor) {
   EXPECT_EQ(planner([](auto& p) { p.visibility.r_max = 0.5, p.visibility.r_min = 0.6; }),
             "planner: visibility.r_max: r_max <= r_min; expected more");
   // What the robot has a part in.
-  EXPECT_THAT(file("planner.frontiers.look_margin=5"), HasSubstr("planner: frontier worth: "));
+  EXPECT_THAT(file("planner.frontiers.view_margin=5"), HasSubstr("planner: frontier utility: "));
 }
 
 /// What a robot knows of a room of 3 x 3 m that it stands in, in voxels of `resolution` [m].

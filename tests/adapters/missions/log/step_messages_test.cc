@@ -59,7 +59,7 @@ TEST(StepMessages, ValuesAreReadBackExactly) {
   EXPECT_EQ(r.goal_yaw, s.goal_yaw);
   ASSERT_TRUE(r.target.has_value());
   EXPECT_EQ(r.target->viewpoint, s.target->viewpoint);
-  EXPECT_EQ(r.target->way_left, s.target->way_left);
+  EXPECT_EQ(r.target->path_left, s.target->path_left);
   EXPECT_EQ(r.mode, s.mode);
   EXPECT_EQ(r.certified, s.certified);
   EXPECT_EQ(r.wall.polish, s.wall.polish);

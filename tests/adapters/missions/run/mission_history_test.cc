@@ -75,7 +75,7 @@ std::string history(const Told& told) {
             exact_text(s.explanation.cost) + ',' + csv::field(s.seed) + ',' +
             name_of(s.localization) + ',' + std::to_string(s.tracked_features) + ',' +
             name_of(s.mode) + ',' + name_of(s.cause) + ',' + exact_text(s.mode_since) + ',' +
-            name_of(s.caution) + ',' + name_of(s.target_change) + ',';
+            name_of(s.safety_level) + ',' + name_of(s.target_change) + ',';
     if (s.target) {
       rows += exact_text(s.target->viewpoint.x()) + ',' + exact_text(s.target->viewpoint.y());
     } else {

@@ -141,7 +141,7 @@ StepRecord plain_step() {
   s.mode = ModeKind::kApproach;
   s.cause = Cause::kNoProgress;
   s.mode_since = 1.25;
-  s.caution = Caution::kNormal;
+  s.safety_level = SafetyLevel::kNormal;
   s.target_change = TargetChange::kSeen;
   s.task = TaskKind::kGoTo;
   s.goal = Eigen::Vector2d(4.5, -0.25);

@@ -245,7 +245,7 @@ TEST(Report, HoldsWhatTheRobotDidAndWhy) {
 
   const auto& c = json["candidates"];
   ASSERT_EQ(c["terms"].size(), 6U) << "costs only";
-  Reader steps(c["steps"]), values(c["values"]), way_left(json["columns"]["way_left"]),
+  Reader steps(c["steps"]), values(c["values"]), path_left(json["columns"]["way_left"]),
       scored(json["columns"]["seeds_scored"]);
   std::map<std::string, Reader> words;
   for (const char* name : {"mode", "cause", "caution", "target_change", "why"}) {
@@ -254,15 +254,15 @@ TEST(Report, HoldsWhatTheRobotDidAndWhy) {
   for (const StepRecord& s : run.steps) {
     const std::map<std::string, std::string> said = {{"mode", name_of(s.mode)},
                                                      {"cause", name_of(s.cause)},
-                                                     {"caution", name_of(s.caution)},
+                                                     {"caution", name_of(s.safety_level)},
                                                      {"target_change", name_of(s.target_change)},
                                                      {"why", s.why}};
     for (auto& [name, reader] : words) {
       EXPECT_EQ(json["words"][name]["words"][reader.varint()], said.at(name));
     }
-    const float way = way_left.number();
+    const float way = path_left.number();
     if (s.target) {
-      EXPECT_EQ(way, static_cast<float>(s.target->way_left));
+      EXPECT_EQ(way, static_cast<float>(s.target->path_left));
     } else {
       EXPECT_TRUE(std::isnan(way));
     }
@@ -292,7 +292,7 @@ TEST(Report, HoldsWhatTheRobotDidAndWhy) {
       }
     }
   }
-  EXPECT_TRUE(steps.done() && values.done() && way_left.done());
+  EXPECT_TRUE(steps.done() && values.done() && path_left.done());
 
   // Every mode that there is has its colour.
   for (const auto& mode : json["words"]["mode"]["words"]) {

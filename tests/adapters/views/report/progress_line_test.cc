@@ -54,7 +54,7 @@ TEST(ProgressLine, SaysWhatIsGoingOn) {
 TEST(ProgressLine, SaysWhatTheRobotDoesAndWhereItGoes) {
   StepRecord s = step();
   s.mode = ModeKind::kExplore;
-  s.target.emplace().way_left = 3.21;
+  s.target.emplace().path_left = 3.21;
   std::ostringstream out;
   ProgressLine(out, {true, false, 200}).show(s, "ipopt", 0.0);
   EXPECT_THAT(out.str(), HasSubstr("  87 features   explore      → target 3.2 m   ipopt   41 ms"));
@@ -64,7 +64,7 @@ TEST(ProgressLine, SaysWhatTheRobotDoesAndWhereItGoes) {
   EXPECT_THAT(narrow.str(), HasSubstr("explore"));
   EXPECT_THAT(narrow.str(), Not(HasSubstr("target")));
   // Without a way to it there is no distance to show.
-  s.target->way_left = std::nan("");
+  s.target->path_left = std::nan("");
   std::ostringstream unknown;
   ProgressLine(unknown, {true, false, 200}).show(s, "ipopt", 0.0);
   EXPECT_THAT(unknown.str(), Not(HasSubstr("target")));
@@ -84,7 +84,7 @@ TEST(ProgressLine, ShowsADashWhereThereIsNoNumber) {
 
 TEST(ProgressLine, WarnsOfARetreat) {
   StepRecord s = step();
-  s.target.emplace().way_left = 3.21;
+  s.target.emplace().path_left = 3.21;
   for (const ModeKind mode : {ModeKind::kExplore, ModeKind::kRetreat}) {
     s.mode = mode;
     std::ostringstream out;
@@ -169,7 +169,7 @@ TEST(ProgressLine, NeverWraps) {
   s.plan_kind = PlanKind::kStoppingTail;
   s.coverage = 1.0;
   s.mode = ModeKind::kTurnOnTheSpot;
-  s.target.emplace().way_left = 12.3;
+  s.target.emplace().path_left = 12.3;
   for (int width = 1; width < 180; ++width) {
     std::ostringstream out;
     ProgressLine(out, {true, true, width}).show(s, "nlopt:LD_SLSQP", 0.0);
@@ -185,7 +185,7 @@ TEST(ProgressLine, TakesNumbersThatAreNone) {
   s.target.emplace();
   for (const double bad : {std::nan(""), HUGE_VAL, -HUGE_VAL, 1e308, -1.0, 7.0}) {
     s.coverage = s.localization_error = s.wall.plan = s.path_length = bad;
-    s.target->way_left = bad;
+    s.target->path_left = bad;
     line.show(s, "ipopt", 0.0);
     line.finish();
   }

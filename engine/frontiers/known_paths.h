@@ -11,24 +11,24 @@
 
 namespace prospect {
 
-/// The ways over known ground that join one place to all others, made from the map alone: for what
+/// The paths over known ground that join one place to all others, made from the map alone: for what
 /// is asked seldom. Cost: linear in the map.
 ///
 /// A value. Thread-safety: const methods may be called concurrently. Never throws on valid options
 /// (Traversability) and a finite pose.
-class KnownWays {
+class KnownPaths {
  public:
   /// place: in W [m]; pose: of the body, whose reach counts if its heading matters.
-  KnownWays(const GroundMap& ground, const Pose& pose, const TraversabilityOptions& options,
-            const Eigen::Vector2d& place);
+  KnownPaths(const GroundMap& ground, const Pose& pose, const TraversabilityOptions& options,
+             const Eigen::Vector2d& place);
 
-  /// [m of path equivalent] from a cell; +infinity: there is no way.
+  /// [m of path equivalent] from a cell; +infinity: there is no path.
   double length(Cell c) const { return field_.value(c); }
   /// The same from the passable cell within kNear of p from which it is least, the distance to it
   /// included [m].
   double length_near(const Eigen::Vector2d& p) const;
   /// The cells of that way from c, its end included; c alone if there is none.
-  std::vector<Cell> way(Cell c) const;
+  std::vector<Cell> path(Cell c) const;
 
  private:
   static constexpr double kNear = 0.5;  // [m]

@@ -1,4 +1,4 @@
-#include "runtime/range_look.h"
+#include "runtime/range_check.h"
 
 #include <algorithm>
 
@@ -45,12 +45,12 @@ RangeFrame range_frame(const ScanFrame& scan) {
   return frame;
 }
 
-std::function<RangeLook(const Twist&, double)> range_look(const SensorInbox& inbox,
-                                                          const RangeStop& stop,
-                                                          const RangeCamera& camera) {
+std::function<RangeCheck(const Twist&, double)> range_check(const SensorInbox& inbox,
+                                                            const RangeStop& stop,
+                                                            const RangeCamera& camera) {
   return [&](const Twist& command, double now) {
     const NewestRanges newest = inbox.ranges();
-    RangeLook look;
+    RangeCheck look;
     const auto ask = [&](const RangeFrame& frame) {
       const RangeStopVerdict verdict = stop.check(frame, command, now);
       look.share = std::min(look.share, verdict.share);

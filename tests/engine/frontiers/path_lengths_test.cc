@@ -1,4 +1,4 @@
-#include "engine/frontiers/way_lengths.h"
+#include "engine/frontiers/path_lengths.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 
 #include "tests/engine/ground_worlds.h"
 
-namespace prospect::way_lengths_test {
+namespace prospect::path_lengths_test {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -32,39 +32,39 @@ GroundMap rooms(bool door) {
   return map;
 }
 
-TEST(WayLengths, GoThroughDoorsAndNotThroughWalls) {
+TEST(PathLengths, GoThroughDoorsAndNotThroughWalls) {
   for (const bool door : {false, true}) {
-    WayLengths ways;
-    ways.update(of(rooms(door)));
-    ways.flood({30, 20});
-    const double beyond = ways.length({80, 20});
+    PathLengths paths;
+    paths.update(of(rooms(door)));
+    paths.flood({30, 20});
+    const double beyond = paths.length({80, 20});
     if (!door) {
       EXPECT_EQ(beyond, kInfinity);
       continue;
     }
-    // By the middle of the door: 4.2 m each way, tight for some of it.
+    // By the middle of the door: 4.2 m each path, tight for some of it.
     EXPECT_GT(beyond, 7.0);
     EXPECT_LT(beyond, 13.0);
-    EXPECT_NEAR(ways.departure({80, 20}), std::atan2(3.0, 3.0), 0.35);
+    EXPECT_NEAR(paths.departure({80, 20}), std::atan2(3.0, 3.0), 0.35);
   }
 }
 
-TEST(WayLengths, AreThoseOfTheCrowInTheOpenWithinEightPercentAndTwoBlocks) {
+TEST(PathLengths, AreThoseOfTheCrowInTheOpenWithinEightPercentAndTwoBlocks) {
   GroundMap map(GridFrame{0.1, 0, 0, 200, 200});
   for (int k = 0; k < map.frame().size(); ++k) map.set(map.frame().at(k), CellState::kFree);
-  WayLengths ways;
-  ways.update(of(map));
-  ways.flood({100, 100});
+  PathLengths paths;
+  paths.update(of(map));
+  paths.flood({100, 100});
   std::mt19937_64 random(2);
   for (int n = 0; n < 200; ++n) {
     const Cell c{20 + static_cast<int>(random() % 160), 20 + static_cast<int>(random() % 160)};
     const double d = 0.1 * std::hypot(c.i - 100, c.j - 100);
-    EXPECT_GE(ways.length(c), d - 0.6);
-    EXPECT_LE(ways.length(c), 1.083 * d + 0.6);
+    EXPECT_GE(paths.length(c), d - 0.6);
+    EXPECT_LE(paths.length(c), 1.083 * d + 0.6);
   }
 }
 
-TEST(WayLengths, AgreeWithCellsAboutWhatIsReached) {
+TEST(PathLengths, AgreeWithCellsAboutWhatIsReached) {
   std::mt19937_64 random(4);
   for (int trial = 0; trial < 6; ++trial) {
     const auto world = test::GroundWorld::rooms(16.0, 0.1, 80, random);
@@ -74,9 +74,9 @@ TEST(WayLengths, AgreeWithCellsAboutWhatIsReached) {
     }
     const Traversability t = of(map);
     const Cell start = world.open_cell(4, random);
-    WayLengths ways;
-    ways.update(t);
-    ways.flood(start);
+    PathLengths paths;
+    paths.update(t);
+    paths.flood(start);
     Grid<std::uint8_t> reached(t.frame(), 0);
     std::vector<Cell> stack{start};
     reached[start] = 1;
@@ -95,54 +95,54 @@ TEST(WayLengths, AgreeWithCellsAboutWhatIsReached) {
       const Cell c = t.frame().at(k);
       if (!t.passable(c)) continue;
       ++passable;
-      EXPECT_FALSE(reached[c] != 0 && ways.length(c) == kInfinity) << "a way was lost";
-      differ += (reached[c] != 0) != (ways.length(c) < kInfinity);
+      EXPECT_FALSE(reached[c] != 0 && paths.length(c) == kInfinity) << "a way was lost";
+      differ += (reached[c] != 0) != (paths.length(c) < kInfinity);
     }
     EXPECT_LT(differ, passable / 50);
   }
 }
 
-TEST(WayLengths, APriceOfADirectionMakesWaysDearerThatWay) {
-  WayLengths ways;
+TEST(PathLengths, APriceOfADirectionMakesPathsDearerThatWay) {
+  PathLengths paths;
   const Traversability t = of(rooms(true));
-  ways.update(t);
-  ways.flood({30, 30});
-  const double east = ways.length({50, 30}), west = ways.length({15, 30});
-  ways.begin_at_robot(t, {30, 30});
-  ways.extend(kInfinity, [](Cell, double yaw) { return std::cos(yaw) > 0.5 ? 1.0 : 0.0; });
-  EXPECT_NEAR(ways.length({50, 30}), 2.0 * east, 0.35);
-  EXPECT_EQ(ways.length({15, 30}), west);
-  EXPECT_NEAR(ways.unpriced({50, 30}), east, 0.35);
-  EXPECT_EQ(ways.unpriced({15, 30}), west);
+  paths.update(t);
+  paths.flood({30, 30});
+  const double east = paths.length({50, 30}), west = paths.length({15, 30});
+  paths.begin_at_robot(t, {30, 30});
+  paths.extend(kInfinity, [](Cell, double yaw) { return std::cos(yaw) > 0.5 ? 1.0 : 0.0; });
+  EXPECT_NEAR(paths.length({50, 30}), 2.0 * east, 0.35);
+  EXPECT_EQ(paths.length({15, 30}), west);
+  EXPECT_NEAR(paths.unpriced({50, 30}), east, 0.35);
+  EXPECT_EQ(paths.unpriced({15, 30}), west);
 }
 
-TEST(WayLengths, ALimitEndsTheFloodAndARobotInAWallBeginsBesideIt) {
-  WayLengths ways;
-  EXPECT_EQ(ways.length({0, 0}), kInfinity);
+TEST(PathLengths, ALimitEndsTheFloodAndARobotInAWallBeginsBesideIt) {
+  PathLengths paths;
+  EXPECT_EQ(paths.length({0, 0}), kInfinity);
   const Traversability t = of(rooms(true));
-  ways.update(t);
-  ways.flood({30, 20}, 2.0);
-  EXPECT_LT(ways.length({45, 20}), kInfinity);
-  EXPECT_EQ(ways.length({55, 50}), kInfinity);
-  ways.flood({10, 30});
-  EXPECT_EQ(ways.length({45, 20}), kInfinity) << "in the wall";
-  ways.begin_at_robot(t, {10, 30});
-  ways.extend(kInfinity);
-  EXPECT_LT(ways.length({45, 20}), kInfinity);
+  paths.update(t);
+  paths.flood({30, 20}, 2.0);
+  EXPECT_LT(paths.length({45, 20}), kInfinity);
+  EXPECT_EQ(paths.length({55, 50}), kInfinity);
+  paths.flood({10, 30});
+  EXPECT_EQ(paths.length({45, 20}), kInfinity) << "in the wall";
+  paths.begin_at_robot(t, {10, 30});
+  paths.extend(kInfinity);
+  EXPECT_LT(paths.length({45, 20}), kInfinity);
   // Not through another wall.
-  ways.update(of(rooms(false)));
-  ways.begin_at_robot(of(rooms(false)), {57, 30});
-  ways.extend(kInfinity);
-  EXPECT_LT(ways.length({45, 20}), kInfinity);
-  EXPECT_EQ(ways.length({80, 20}), kInfinity);
-  ways.begin_at_robot(t, {-500, 0});
-  ways.extend(kInfinity);
-  EXPECT_EQ(ways.length({45, 20}), kInfinity);
+  paths.update(of(rooms(false)));
+  paths.begin_at_robot(of(rooms(false)), {57, 30});
+  paths.extend(kInfinity);
+  EXPECT_LT(paths.length({45, 20}), kInfinity);
+  EXPECT_EQ(paths.length({80, 20}), kInfinity);
+  paths.begin_at_robot(t, {-500, 0});
+  paths.extend(kInfinity);
+  EXPECT_EQ(paths.length({45, 20}), kInfinity);
 }
 
-TEST(WayLengths, AFloodInStagesIsTheFloodAtOnceAndOneThatHasEnoughStops) {
+TEST(PathLengths, AFloodInStagesIsTheFloodAtOnceAndOneThatHasEnoughStops) {
   const Traversability t = of(rooms(true));
-  WayLengths once, stages;
+  PathLengths once, stages;
   once.update(t);
   stages.update(t);
   once.begin_at_robot(t, {30, 30});
@@ -162,13 +162,13 @@ TEST(WayLengths, AFloodInStagesIsTheFloodAtOnceAndOneThatHasEnoughStops) {
   EXPECT_EQ(once.length({80, 30}), kInfinity);
 }
 
-TEST(WayLengths, AnUpdateIsAComputationFromScratch) {
+TEST(PathLengths, AnUpdateIsAComputationFromScratch) {
   std::mt19937_64 random(5);
   for (int trial = 0; trial < 4; ++trial) {
     const auto world = test::GroundWorld::rooms(12.0, 0.1, 60, random);
     GroundMap map(GridFrame{0.1, 0, 0, 16, 16});
     Traversability t{TraversabilityOptions{}};
-    WayLengths kept;
+    PathLengths kept;
     for (int step = 0; step < 12; ++step) {
       const Eigen::Vector2d p = world.truth.frame.center(world.open_cell(4, random));
       world.sense({{p.x(), p.y(), 0.0}, 0.1 * static_cast<double>(random() % 63)}, 4.0, 1.05, map);
@@ -181,7 +181,7 @@ TEST(WayLengths, AnUpdateIsAComputationFromScratch) {
       }
       t.update(map);
       kept.update(t);
-      WayLengths fresh;
+      PathLengths fresh;
       fresh.update(t);
       const Cell from = t.frame().cell(p.x(), p.y());
       kept.flood(from);
@@ -195,4 +195,4 @@ TEST(WayLengths, AnUpdateIsAComputationFromScratch) {
 }
 
 }  // namespace
-}  // namespace prospect::way_lengths_test
+}  // namespace prospect::path_lengths_test

@@ -15,28 +15,31 @@ namespace prospect {
 
 class Knobs;
 
-struct FrontierWorthOptions {
-  double depth = 1.0;          ///< [m] how far behind a frontier its area counts
-  double opening = 0.2;        ///< [m] clearance of unknown ground that counts
-  double failed_look = 0.5;    ///< factor on the trust of a cell that a look did not resolve
-  double failed_visit = 0.5;   ///< ... near which a visit failed
-  double visit_radius = 1.0;   ///< [m] around the target in which a visit counts
-  double look_interval = 0.4;  ///< [s] steps closer in time than this count as one look
-  double sensor_range = 4.0;   ///< r_max [m]
-  double look_margin = 0.3;    ///< a cell counts as in view within sensor_range - look_margin [m]
-  double sensor_fov = 1.047;   ///< horizontal field of view [rad]
-  double fov_margin = 0.05;    ///< left out at either side [rad]
-  int renewal_cells = 2;       ///< a change this near (Chebyshev) renews the trust in a cell
-  double least_trust = 0.5;    ///< share of the best cell's trust below which one is not led to
-  double nearer = 0.75;        ///< share of a look's distance within which the next one must be
-  double nearest = 0.3;        ///< [m] that no look must be nearer than
+struct FrontierUtilityOptions {
+  double depth = 1.0;    ///< [m] how far behind a frontier its area counts
+  double opening = 0.2;  ///< [m] clearance of unknown ground that counts
+  double failed_observation =
+      0.5;  ///< factor on the confidence of a cell that an observation did not resolve
+  double failed_visit = 0.5;  ///< ... near which a visit failed
+  double visit_radius = 1.0;  ///< [m] around the target in which a visit counts
+  double observation_interval =
+      0.4;                    ///< [s] steps closer in time than this count as one observation
+  double sensor_range = 4.0;  ///< r_max [m]
+  double view_margin = 0.3;   ///< a cell counts as in view within sensor_range - view_margin [m]
+  double sensor_fov = 1.047;  ///< horizontal field of view [rad]
+  double fov_margin = 0.05;   ///< left out at either side [rad]
+  int renewal_cells = 2;      ///< a change this near (Chebyshev) renews the confidence in a cell
+  double least_confidence =
+      0.5;               ///< share of the best cell's confidence below which one is not led to
+  double nearer = 0.75;  ///< share of an observation's distance within which the next one must be
+  double nearest = 0.3;  ///< [m] that no observation must be nearer than
 };
 
 /// The knobs (models/knobs.h); range and field of view are the depth sensor's.
-void describe(Knobs& knobs, FrontierWorthOptions& options);
+void describe(Knobs& knobs, FrontierUtilityOptions& options);
 
 /// What a frontier is worth: the area that a look at it is expected to show, learned from what
-/// looks have shown.
+/// observations have shown.
 ///
 ///   A_f = min(view, r^2 |{ c : joined to a cell of the frontier by at most depth / r steps between
 ///                  4-neighbours, through unknown cells with a clearance of at least `opening` }|)
@@ -47,10 +50,11 @@ void describe(Knobs& knobs, FrontierWorthOptions& options);
 /// metres, a slit through which a room is seen one or two. The sliver that a corner hid, the rim of
 /// a wall and a hole that noise left in it promise next to nothing, however long they are.
 ///
-/// tau_c in (0, 1] is the trust in cell c, 1 at first:
-///   * in view of a look from a distance d and unknown all the same: times failed_look^w,
-///     w = min(1, 2 - 2 d / r_max): beyond half the range a look tells less of the cell. It tells
-///     that the cell is not seen from there: the next one must be from max(nearest, nearer d);
+/// tau_c in (0, 1] is the confidence in cell c, 1 at first:
+///   * in view of a look from a distance d and unknown all the same: times failed_observation^w,
+///     w = min(1, 2 - 2 d / r_max): beyond half the range an observation tells less of the cell. It
+///     tells that the cell is not seen from there: the next one must be from max(nearest, nearer
+///     d);
 ///   * within visit_radius of a target that was given up, for want of progress or because
 ///     localization was lost near it: times failed_visit;
 ///   * ground within renewal_cells that becomes known renews it: tau_c = 1, at any distance. Known
@@ -68,55 +72,57 @@ void describe(Knobs& knobs, FrontierWorthOptions& options);
 /// A value, owned by the mission (inside FrontierPlanner). Deterministic. Thread-safety: none.
 /// Never throws after construction. Cost: linear in the cells counted; memory: that of the map's
 /// frame. Source: our choice.
-class FrontierWorth {
+class FrontierUtility {
  public:
   /// Throws std::invalid_argument naming the option, its value and what was expected.
-  explicit FrontierWorth(const FrontierWorthOptions& options);
+  explicit FrontierUtility(const FrontierUtilityOptions& options);
 
-  /// Renews the trust near a change: `newly_known` cells that were unknown, `changed` all whose
-  /// state changed; both in `frame`, to which the memory is brought (it may grow, not shrink).
+  /// Renews the confidence near a change: `newly_known` cells that were unknown, `changed` all
+  /// whose state changed; both in `frame`, to which the memory is brought (it may grow, not
+  /// shrink).
   void map_changed(const GridFrame& frame, const std::vector<Cell>& newly_known,
                    const std::vector<Cell>& changed);
 
   /// Counts a look at time `stamp` [s] from `pose` at the frontier cells in view, which are unknown
   /// by definition. see_through: nonzero where sight passes a cell. seen_from_here: a cell to which
   /// a line of sight leads from this place, by whatever line viewpoints are found.
-  void look(const Grid<std::uint8_t>& see_through, const std::vector<Frontier>& frontiers,
-            const Pose& pose, double stamp, std::optional<Cell> seen_from_here = std::nullopt);
+  void observation(const Grid<std::uint8_t>& see_through, const std::vector<Frontier>& frontiers,
+                   const Pose& pose, double stamp,
+                   std::optional<Cell> seen_from_here = std::nullopt);
 
   /// A visit failed: those of `cells` within visit_radius of `target` [m, cells of that size].
   void visit_failed(Cell target, const std::vector<Cell>& cells, double resolution);
 
   /// A target of that promise A and E / y = `expected`, both [m^2] when it was chosen, has shown
   /// that much. Without effect where nothing was expected.
-  void learn(double promise, double expected, double shown);
+  void learn(double expected_gain, double expected, double shown);
 
   /// y(A).
-  double yield(double promise) const { return yields_[size_class(promise)]; }
+  double yield(double expected_gain) const { return yields_[size_class(expected_gain)]; }
 
   /// tau_c.
-  double trust(Cell c) const { return static_cast<double>(trust_.get(c, 1.0F)); }
+  double confidence(Cell c) const { return static_cast<double>(confidence_.get(c, 1.0F)); }
 
-  /// From how near each of its cells must be looked at [m], as LookRanges; 0 for those that are not
-  /// worth a look while others of their cluster are: those with less than least_trust of the
-  /// greatest trust in it.
-  void look_ranges(const Frontier& frontier, std::vector<float>& ranges) const;
+  /// From how near each of its cells must be looked at [m], as ViewRanges; 0 for those that are not
+  /// worth an observation while others of their cluster are: those with less than least_confidence
+  /// of the greatest confidence in it.
+  void view_ranges(const Frontier& frontier, std::vector<float>& ranges) const;
 
   /// Sets Frontier::promise to A_f, trust to the mean of tau, area to E_f, and given_up; 0, 1, 0
   /// and false for those that are not active.
   void measure(const Traversability& traversability, std::vector<Frontier>& frontiers);
 
  private:
-  static std::size_t size_class(double promise);
+  static std::size_t size_class(double expected_gain);
   int count(const Traversability& traversability, const Frontier& frontier);
 
-  FrontierWorthOptions options_;
-  Grid<float> trust_;
-  Grid<float> range_;            // within which a look may still show the cell [m]
+  FrontierUtilityOptions options_;
+  Grid<float> confidence_;
+  Grid<float> range_;            // within which an observation may still show the cell [m]
   Grid<std::uint8_t> given_up_;  // 1: near a target of a visit that failed
   Grid<std::uint8_t> flips_;     // times that a change of known cells renewed it
   std::array<double, 5> yields_{0.5, 0.5, 0.5, 1.0, 1.0};  // by size_class()
-  std::optional<double> last_look_;
+  std::optional<double> last_observation_;
   Grid<std::uint8_t> visited_;  // about one frontier, while counting
   std::vector<Cell> queue_;
 };

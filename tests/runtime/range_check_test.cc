@@ -1,11 +1,11 @@
-#include "runtime/range_look.h"
+#include "runtime/range_check.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <memory>
 
-namespace prospect::range_look_test {
+namespace prospect::range_check_test {
 namespace {
 
 /// Looks ahead from 0.3 m above B's origin.
@@ -52,14 +52,14 @@ TEST(RangeFrame, BeyondTheRangeIsClearAndWhatIsNotMeasuredIsInvalid) {
   EXPECT_TRUE(range_frame(wall_at(2.0), other).rays.empty());
 }
 
-TEST(RangeLook, AsksOfWhatIsInTheInbox) {
+TEST(RangeCheck, AsksOfWhatIsInTheInbox) {
   const ManualClock clock(10.0);
   SensorInboxOptions options;
   options.depth_in_runtime_clock = options.scan_in_runtime_clock = true;
   SensorInbox inbox(clock, options);
   const RangeStop stop;
   const RangeCamera camera = ahead();
-  const auto look = range_look(inbox, stop, camera);
+  const auto look = range_check(inbox, stop, camera);
   const Twist forward{{0.4, 0.0, 0.0}, 0.0};
   EXPECT_EQ(look(forward, 10.0).share, 1.0);  // nothing to look at
   inbox.depth(9.99, *wall_at(3.5).image);
@@ -71,7 +71,7 @@ TEST(RangeLook, AsksOfWhatIsInTheInbox) {
   EXPECT_FALSE(look(forward, 10.0).obstacle.empty());
   // A scan that sees it where the depth image does not.
   SensorInbox other(clock, options);
-  const auto look_at_scan = range_look(other, stop, camera);
+  const auto look_at_scan = range_check(other, stop, camera);
   DepthScan scan;
   scan.origin = {0.0, 0.0, 0.3};
   for (int k = -60; k <= 60; ++k) scan.hits.emplace_back(0.31, 0.005 * k, 0.3);
@@ -80,4 +80,4 @@ TEST(RangeLook, AsksOfWhatIsInTheInbox) {
 }
 
 }  // namespace
-}  // namespace prospect::range_look_test
+}  // namespace prospect::range_check_test

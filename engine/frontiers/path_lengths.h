@@ -15,9 +15,9 @@
 namespace prospect {
 
 /// What a metre costs more at a cell, driven in direction yaw in W [-], >= 0.
-using WayPrice = std::function<double(Cell, double yaw)>;
+using PathPrice = std::function<double(Cell, double yaw)>;
 
-/// How long the ways from one place are, over a coarse lattice: for comparing places, not for
+/// How long the paths from one place are, over a coarse lattice: for comparing places, not for
 /// driving.
 ///
 /// Blocks of kSide x kSide cells, aligned in W. A block is as dear as its cheapest passable cell;
@@ -29,10 +29,10 @@ using WayPrice = std::function<double(Cell, double yaw)>;
 ///
 /// A value. Thread-safety: concurrent reads are safe. Deterministic. Cost: update() linear in what
 /// changed, flood() n log n in the blocks reached. Source: our choice.
-class WayLengths {
+class PathLengths {
  public:
   static constexpr int kSide = 3;
-  static constexpr double kSettingOut = 1.0;  // [m] that tell the direction of a way
+  static constexpr double kSettingOut = 1.0;  // [m] that tell the direction of a path
 
   /// Takes over what is passable, after each traversability.update().
   void update(const Traversability& traversability);
@@ -49,12 +49,12 @@ class WayLengths {
   /// without occupied cells joins to it, as CostToGoField does, at ten times the distance to them.
   void begin_at_robot(const Traversability& traversability, Cell robot);
   /// Goes on as far as `limit`. price: a metre costs 1 + price times as much; null: no more.
-  void extend(double limit, const WayPrice& price = nullptr);
+  void extend(double limit, const PathPrice& price = nullptr);
 
   /// Block that holds a cell.
   static Cell block_of(Cell c) { return {floor_divide(c.i, kSide), floor_divide(c.j, kSide)}; }
 
-  /// Of the way from the last flood's start to the block of c [m of path equivalent]; +infinity
+  /// Of the path from the last flood's start to the block of c [m of path equivalent]; +infinity
   /// beyond the limit, where it is not reached, and before the first flood.
   double length(Cell c) const;
   /// The same way without what the price adds.
@@ -69,20 +69,20 @@ class WayLengths {
   void reach(int block, double length, double unpriced, int setting_out);
   void refresh(Cell block, const Grid<float>& fine);
   template <typename Enough>
-  void spread(double limit, const WayPrice& price, const Enough& enough);
+  void spread(double limit, const PathPrice& price, const Enough& enough);
 
   Grid<float> factor_;          // 0: impassable
   Grid<std::uint8_t> joined_;   // bit 1: to the right neighbour, bit 2: to the upper one
   std::vector<double> length_;  // by block
   std::vector<double> unpriced_;
-  std::vector<int> setting_out_;         // block about 1 m from the start, on the way
+  std::vector<int> setting_out_;         // block about 1 m from the start, on the path
   Cell start_;                           // block
   using Entry = std::pair<double, int>;  // length, block
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue_;
 };
 
 template <typename Enough>
-void WayLengths::flood(Cell from, double limit, const Enough& enough) {
+void PathLengths::flood(Cell from, double limit, const Enough& enough) {
   begin(from);
   if (factor_.get(start_, 0.0F) == 0.0F) return;
   const int first = factor_.frame.index(start_);
@@ -91,7 +91,7 @@ void WayLengths::flood(Cell from, double limit, const Enough& enough) {
 }
 
 template <typename Enough>
-void WayLengths::spread(double limit, const WayPrice& price, const Enough& enough) {
+void PathLengths::spread(double limit, const PathPrice& price, const Enough& enough) {
   const GridFrame& f = factor_.frame;
   const int up = f.width;
   const auto joined = [&](int a, int bit) {

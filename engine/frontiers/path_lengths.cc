@@ -1,4 +1,4 @@
-#include "engine/frontiers/way_lengths.h"
+#include "engine/frontiers/path_lengths.h"
 
 #include <cmath>
 
@@ -8,13 +8,13 @@ namespace prospect {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kNear = 1.0;        // [m] around a robot in which its way may begin
-constexpr double kOffTheWay = 10.0;  // [m of path equivalent per m] to where it begins
+constexpr double kNear = 1.0;         // [m] around a robot in which its path may begin
+constexpr double kOffThePath = 10.0;  // [m of path equivalent per m] to where it begins
 
 }  // namespace
 
 // Anew from all its cells: factors may rise, too.
-void WayLengths::refresh(Cell block, const Grid<float>& fine) {
+void PathLengths::refresh(Cell block, const Grid<float>& fine) {
   if (!factor_.frame.contains(block)) return;
   float cheapest = 0.0F;
   std::uint8_t joined = 0;
@@ -32,7 +32,7 @@ void WayLengths::refresh(Cell block, const Grid<float>& fine) {
   joined_[block] = joined;
 }
 
-void WayLengths::update(const Traversability& traversability) {
+void PathLengths::update(const Traversability& traversability) {
   const Grid<float>& fine = traversability.factors();
   // One block more on every side: all neighbours exist.
   GridFrame blocks = frame_of_blocks(fine.frame, kSide);
@@ -60,7 +60,7 @@ void WayLengths::update(const Traversability& traversability) {
   length_.clear();
 }
 
-void WayLengths::begin(Cell start) {
+void PathLengths::begin(Cell start) {
   length_.assign(factor_.data.size(), kInfinity);
   unpriced_.assign(factor_.data.size(), kInfinity);
   setting_out_.assign(factor_.data.size(), -1);
@@ -68,7 +68,7 @@ void WayLengths::begin(Cell start) {
   queue_ = {};
 }
 
-void WayLengths::reach(int block, double length, double unpriced, int setting_out) {
+void PathLengths::reach(int block, double length, double unpriced, int setting_out) {
   const auto at = static_cast<std::size_t>(block);
   if (length >= length_[at]) return;
   length_[at] = length;
@@ -77,7 +77,7 @@ void WayLengths::reach(int block, double length, double unpriced, int setting_ou
   queue_.emplace(length, block);
 }
 
-void WayLengths::begin_at_robot(const Traversability& traversability, Cell robot) {
+void PathLengths::begin_at_robot(const Traversability& traversability, Cell robot) {
   begin(robot);
   const GridFrame& cells = traversability.frame();
   const int near = static_cast<int>(std::ceil(kNear / cells.resolution));
@@ -91,26 +91,26 @@ void WayLengths::begin_at_robot(const Traversability& traversability, Cell robot
       });
       if (!open) continue;
       const int block = factor_.frame.index(block_of(c));
-      reach(block, kOffTheWay * distance, distance, block);
+      reach(block, kOffThePath * distance, distance, block);
     }
   }
 }
 
-void WayLengths::extend(double limit, const WayPrice& price) {
+void PathLengths::extend(double limit, const PathPrice& price) {
   spread(limit, price, [](Cell, double) { return false; });
 }
 
-double WayLengths::at(const std::vector<double>& values, Cell c) const {
+double PathLengths::at(const std::vector<double>& values, Cell c) const {
   const Cell block = block_of(c);
   if (length_.empty() || !factor_.frame.contains(block)) return kInfinity;
   return values[static_cast<std::size_t>(factor_.frame.index(block))];
 }
 
-double WayLengths::length(Cell c) const { return at(length_, c); }
+double PathLengths::length(Cell c) const { return at(length_, c); }
 
-double WayLengths::unpriced(Cell c) const { return at(unpriced_, c); }
+double PathLengths::unpriced(Cell c) const { return at(unpriced_, c); }
 
-double WayLengths::departure(Cell c) const {
+double PathLengths::departure(Cell c) const {
   const Cell block = block_of(c);
   if (length_.empty() || !factor_.frame.contains(block)) return 0.0;
   const int out = setting_out_[static_cast<std::size_t>(factor_.frame.index(block))];

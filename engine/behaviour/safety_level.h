@@ -9,41 +9,41 @@
 namespace prospect {
 
 /// Which distances the robot keeps, and from what.
-enum class Caution {
+enum class SafetyLevel {
   kNormal,
-  kReduced,  ///< the way ahead is narrow
-  kStuck,    ///< no way out keeps the distances: nothing is touched, no more
+  kReduced,  ///< the path ahead is narrow
+  kStuck,    ///< no path out keeps the distances: nothing is touched, no more
   kLost      ///< localization is lost: what drifted while out of view is not entered
 };
 
-inline constexpr std::array kCautions = {Caution::kNormal, Caution::kReduced, Caution::kStuck,
-                                         Caution::kLost};
+inline constexpr std::array kSafetyLevels = {SafetyLevel::kNormal, SafetyLevel::kReduced,
+                                             SafetyLevel::kStuck, SafetyLevel::kLost};
 
 /// "normal", "reduced margin", "stuck", "lost".
-std::string_view to_string(Caution caution);
+std::string_view to_string(SafetyLevel safety_level);
 
-/// A row of the table of cautions: condition on facts · caution. In order of precedence: the first
-/// row that holds is taken.
-struct CautionRow {
+/// A row of the table of safety levels: condition on facts · safety level. In order of precedence:
+/// the first row that holds is taken.
+struct SafetyLevelRow {
   struct Case {
     const Facts& facts;
     bool fixed_lost_margin;
   };
   std::string_view condition;
   bool (*holds)(const Case&);
-  Caution caution;
+  SafetyLevel safety_level;
 };
 
 /// Total: its last row holds always.
-std::span<const CautionRow> caution_table();
+std::span<const SafetyLevelRow> safety_level_table();
 
 /// Of the first row that holds. Pure. fixed_lost_margin: the caller keeps a distance of its own
 /// choice while localization is lost (planner.lost_margin), stuck or not.
-Caution caution_for(const Facts& facts, bool fixed_lost_margin);
+SafetyLevel safety_level_for(const Facts& facts, bool fixed_lost_margin);
 
-/// What a caution means for the certificate and for the problem.
-struct CautionPolicy {
-  Caution caution;
+/// What a safety level means for the certificate and for the problem.
+struct SafetyLevelPolicy {
+  SafetyLevel safety_level;
   double margin;  ///< share of planner.certificate_margin
   double
       reduced_margin_share;  ///< of the distance of a robot within its margin (Certifier::Options)
@@ -53,6 +53,6 @@ struct CautionPolicy {
   bool hard_clearance;       ///< the problem has planner.d_safe as a constraint
 };
 
-const CautionPolicy& policy(Caution caution);
+const SafetyLevelPolicy& policy(SafetyLevel safety_level);
 
 }  // namespace prospect

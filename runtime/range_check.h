@@ -12,7 +12,7 @@
 namespace prospect {
 
 /// What raw ranges say of a command, apart from all maps.
-struct RangeLook {
+struct RangeCheck {
   double share = 1.0;    ///< of the command that may be driven, 0 to 1
   std::string obstacle;  ///< why it may not be driven at all; empty: it may
 };
@@ -34,8 +34,8 @@ RangeFrame range_frame(const ScanFrame& scan);
 /// Asks `stop` of the newest depth image and scan in the inbox, each if there has been any, and
 /// takes the smaller share. All outlive what is returned. Thread-safety: as RangeStop and
 /// SensorInbox, so any thread.
-std::function<RangeLook(const Twist& command, double now)> range_look(const SensorInbox& inbox,
-                                                                      const RangeStop& stop,
-                                                                      const RangeCamera& camera);
+std::function<RangeCheck(const Twist& command, double now)> range_check(const SensorInbox& inbox,
+                                                                        const RangeStop& stop,
+                                                                        const RangeCamera& camera);
 
 }  // namespace prospect

@@ -1,4 +1,4 @@
-#include "engine/frontiers/known_ways.h"
+#include "engine/frontiers/known_paths.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,8 +18,8 @@ CostToGoOptions plain() {
 
 }  // namespace
 
-KnownWays::KnownWays(const GroundMap& ground, const Pose& pose,
-                     const TraversabilityOptions& options, const Eigen::Vector2d& place)
+KnownPaths::KnownPaths(const GroundMap& ground, const Pose& pose,
+                       const TraversabilityOptions& options, const Eigen::Vector2d& place)
     : traversability_(options), field_(plain()) {
   traversability_.update(ground, &pose);
   const GridFrame& frame = traversability_.frame();
@@ -28,7 +28,7 @@ KnownWays::KnownWays(const GroundMap& ground, const Pose& pose,
   field_.solve_from_scratch(traversability_, GoalSources(frame, place, radius, 1.0), kNowhere);
 }
 
-double KnownWays::length_near(const Eigen::Vector2d& p) const {
+double KnownPaths::length_near(const Eigen::Vector2d& p) const {
   const GridFrame& frame = traversability_.frame();
   const Cell at = frame.cell(p.x(), p.y());
   const int reach = static_cast<int>(std::ceil(kNear / frame.resolution));
@@ -43,7 +43,7 @@ double KnownWays::length_near(const Eigen::Vector2d& p) const {
   return least;
 }
 
-std::vector<Cell> KnownWays::way(Cell c) const {
+std::vector<Cell> KnownPaths::path(Cell c) const {
   std::vector<Cell> cells{c};
   while (true) {
     const Cell next = field_.downhill(cells.back());
