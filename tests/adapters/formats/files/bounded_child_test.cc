@@ -1,9 +1,13 @@
-#include "adapters/formats/worlds/bounded_child.h"
+#include "adapters/formats/files/bounded_child.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <functional>
@@ -93,6 +97,38 @@ TEST(BoundedChild, TimeAndMemoryAreBounded) {
   EXPECT_THAT(refusal([] { return std::string(100'000, 'x'); }, limits),
               HasSubstr("takes more than"));
   EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 30.0);
+}
+
+// Ctrl-Z, a paused container, a machine with too much to do.
+TEST(BoundedChild, TimeInWhichItDoesNotComputeIsNotCounted) {
+  void* shared = ::mmap(nullptr, sizeof(std::atomic<int>), PROT_READ | PROT_WRITE,
+                        MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  ASSERT_NE(shared, MAP_FAILED);
+  auto& child = *new (shared) std::atomic<int>(0);
+  ChildLimits limits;
+  limits.seconds = 0.1;
+  const auto work = [&] {
+    child = ::getpid();
+    ::raise(SIGSTOP);
+    return std::string("done");
+  };
+  double waited = 0.0;
+  const auto goes_on = [&](double seconds) {
+    waited = seconds;
+    if (child > 0 && seconds > 5.0 * limits.seconds) ::kill(child, SIGCONT);
+  };
+  EXPECT_EQ(run_in_child("a.dae", work, limits, goes_on), "done");
+  EXPECT_GT(waited, 5.0 * limits.seconds);
+  ::munmap(shared, sizeof(std::atomic<int>));
+
+  // But one that sleeps, as on a file that never comes, ends.
+  EXPECT_THAT(refusal(
+                  [] {
+                    ::sleep(20);
+                    return std::string();
+                  },
+                  limits),
+              HasSubstr("takes more than 0.1 s"));
 }
 
 }  // namespace

@@ -1,10 +1,11 @@
-#include "adapters/formats/worlds/bounded_child.h"
+#include "adapters/formats/files/bounded_child.h"
 
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -44,6 +45,23 @@ std::size_t memory_of(pid_t process, int field) {
   std::size_t pages = 0;
   for (int n = 0; n <= field; ++n) in >> pages;
   return in ? pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)) : 0;
+}
+
+/// [s] that a process has computed so far.
+double processor_time_of(pid_t process) {
+  clockid_t clock{};
+  timespec time{};
+  if (::clock_getcpuclockid(process, &clock) != 0 || ::clock_gettime(clock, &time) != 0) return 0.0;
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+/// Whether a process sleeps: it neither computes nor waits for a processor, a disk or SIGCONT.
+bool sleeps(pid_t process) {
+  std::ifstream in("/proc/" + std::to_string(process) + "/stat");
+  std::string line;
+  std::getline(in, line);
+  const std::size_t name_end = line.rfind(')');
+  return name_end != std::string::npos && line.compare(name_end, 3, ") S") == 0;
 }
 
 void limit(int resource, rlim_t value) {
@@ -136,7 +154,8 @@ std::string run_in_child(const std::string& subject, const std::function<std::st
   }
 
   const auto begin = Clock::now();
-  const auto end = begin + std::chrono::duration<double>(limits.seconds);
+  auto last = begin;
+  double slept = 0.0;  // [s]
   std::string text;
   enum { kRead, kLate, kGreedy, kLong } how = kRead;
   std::vector<char> buffer(std::size_t{1} << 16);
@@ -149,11 +168,16 @@ std::string run_in_child(const std::string& subject, const std::function<std::st
       if (n <= 0) break;
       text.append(buffer.data(), static_cast<std::size_t>(n));
       if (text.size() > limits.result + kHead) how = kLong;
-    } else if (memory_of(process, 1) > own + limits.memory) {
-      how = kGreedy;
+    } else {
+      // A gap in these looks is a time in which this process was stopped, too.
+      constexpr double kLongest = 0.1;  // [s] that one look may count
+      const double passed = std::chrono::duration<double>(Clock::now() - last).count();
+      if (sleeps(process)) slept += std::min(passed, kLongest);
+      if (memory_of(process, 1) > own + limits.memory) how = kGreedy;
     }
-    if (Clock::now() > end) how = kLate;
-    if (waiting) waiting(std::chrono::duration<double>(Clock::now() - begin).count());
+    last = Clock::now();
+    if (std::max(slept, processor_time_of(process)) > limits.seconds) how = kLate;
+    if (waiting) waiting(std::chrono::duration<double>(last - begin).count());
   }
   if (how != kRead) ::kill(process, SIGKILL);
   ::close(pipe[0]);
@@ -166,8 +190,8 @@ std::string run_in_child(const std::string& subject, const std::function<std::st
                       " MB; expected a sound file");
   };
   const auto late = [&] {
-    fail(subject,
-         "reading it takes more than " + decimal(limits.seconds) + " s; expected a sound file");
+    fail(subject, "reading it takes more than " + decimal(limits.seconds) +
+                      " s of processor time; expected a sound file");
   };
   if (how == kGreedy || how == kLong) greedy();
   if (how == kLate || (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)) late();
