@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -28,6 +28,7 @@
 
 #include "adapters/formats/files/input_error.h"
 #include "adapters/formats/worlds/mesh_file.h"
+#include "adapters/formats/worlds/polygon_triangles.h"
 #include "adapters/formats/worlds/sdf_file.h"
 #include "models/lower_case.h"
 #include "perception/odometry/rotation_between.h"
@@ -708,88 +709,84 @@ class Reader {
     return mesh;
   }
 
-  /// Walls over the polygons, from 0 to their height, and what lies between them on both ends: of
-  /// several polygons the even-odd inside is not closed (their walls are what stops a robot).
-  void add_polylines(const XMLElement& geometry, const XMLElement& visual, const Place& place) {
-    int count = 0;
-    for (const XMLElement* e = geometry.FirstChildElement("polyline"); e != nullptr;
-         e = e->NextSiblingElement("polyline")) {
-      ++count;
+  /// The corners of a <polyline>, to the left.
+  static Ring ring_of(const XMLElement& polyline, const Place& place) {
+    Ring corners;
+    for (const XMLElement* point = polyline.FirstChildElement("point"); point != nullptr;
+         point = point->NextSiblingElement("point")) {
+      const std::vector<double> p = numbers(place.file, *point, 2);
+      corners.emplace_back(p[0], p[1]);
     }
-    for (const XMLElement* e = geometry.FirstChildElement("polyline"); e != nullptr;
-         e = e->NextSiblingElement("polyline")) {
-      std::vector<Eigen::Vector2d> corners;
-      for (const XMLElement* point = e->FirstChildElement("point"); point != nullptr;
-           point = point->NextSiblingElement("point")) {
-        const std::vector<double> p = numbers(place.file, *point, 2);
-        corners.emplace_back(p[0], p[1]);
+    if (corners.size() > 1 && corners.front() == corners.back()) corners.pop_back();
+    if (corners.size() < 3) {
+      refuse(place.file, polyline,
+             "a <polyline> of " + std::to_string(corners.size()) + " points; expected 3 or more");
+    }
+    if (doubled_area(corners) < 0.0) std::reverse(corners.begin(), corners.end());
+    return corners;
+  }
+
+  /// Walls over the polygons, from 0 to the height of the first, and both ends of what lies in an
+  /// odd number of them: polygons in polygons are holes.
+  void add_polylines(const XMLElement& geometry, const XMLElement& visual, const Place& place) {
+    const XMLElement* first = geometry.FirstChildElement("polyline");
+    const double height = lengths(place.file, *first, "height", 1)[0];
+    constexpr std::size_t kMostCorners = 2000;
+    std::vector<Ring> rings;
+    std::size_t corners = 0;
+    for (const XMLElement* e = first; e != nullptr; e = e->NextSiblingElement("polyline")) {
+      rings.push_back(ring_of(*e, place));
+      corners += rings.back().size();
+      if (corners > kMostCorners) {
+        refuse(
+            place.file, *e,
+            "polylines of more than " + std::to_string(kMostCorners) + " points; expected fewer");
       }
-      if (corners.size() > 1 && corners.front() == corners.back()) corners.pop_back();
-      constexpr std::size_t kMostCorners = 2000;
-      if (corners.size() < 3 || corners.size() > kMostCorners) {
-        refuse(place.file, *e,
-               "a <polyline> of " + std::to_string(corners.size()) + " points; expected 3 to " +
-                   std::to_string(kMostCorners));
-      }
-      const double height = lengths(place.file, *e, "height", 1)[0];
-      double doubled = 0.0;
-      for (std::size_t n = 0; n < corners.size(); ++n) {
-        const Eigen::Vector2d &p = corners[n], &q = corners[(n + 1) % corners.size()];
-        doubled += p.x() * q.y() - p.y() * q.x();
-      }
-      if (doubled < 0.0) std::reverse(corners.begin(), corners.end());
-      TexturedMesh part;
-      const auto size = static_cast<std::uint32_t>(corners.size());
+    }
+    const auto depth = [&](const Ring& ring) {
+      return std::count_if(rings.begin(), rings.end(), [&](const Ring& other) {
+        return &other != &ring && is_within(ring.front(), other);
+      });
+    };
+    TexturedMesh part;
+    // Corners of rings as vertices, at 0 and at the height; the number of the first.
+    const auto add_corners = [&](const std::vector<const Ring*>& of) {
+      const auto begin = static_cast<std::uint32_t>(part.vertices.size());
       for (const double z : {0.0, height}) {
-        for (const Eigen::Vector2d& p : corners) {
-          part.vertices.emplace_back(Eigen::Vector3d(p.x(), p.y(), z).cast<float>());
+        for (const Ring* ring : of) {
+          for (const Eigen::Vector2d& p : *ring) {
+            part.vertices.emplace_back(Eigen::Vector3d(p.x(), p.y(), z).cast<float>());
+          }
         }
       }
-      for (std::uint32_t n = 0; n < size; ++n) {
-        const std::uint32_t m = (n + 1) % size;
+      return begin;
+    };
+    for (const Ring& ring : rings) {
+      const auto size = static_cast<std::uint32_t>(ring.size());
+      const std::uint32_t begin = add_corners({&ring});
+      for (std::uint32_t k = 0; k < size; ++k) {
+        const std::uint32_t n = begin + k, m = begin + (k + 1) % size;
         part.triangles.push_back({n, m, m + size});
         part.triangles.push_back({n, m + size, n + size});
       }
-      if (count == 1) {
-        for (const auto& [a, b, c] : ears(corners)) {
-          part.triangles.push_back({a, c, b});
-          part.triangles.push_back({a + size, b + size, c + size});
-        }
-      } else {
-        lights_and_more_.count("end of a polyline with holes");
+      const auto level = depth(ring);
+      if (level % 2 == 1) continue;
+      std::vector<Ring> holes;
+      std::vector<const Ring*> all{&ring};
+      for (const Ring& other : rings) {
+        if (&other == &ring || depth(other) != level + 1 || !is_within(other.front(), ring))
+          continue;
+        holes.push_back(other);
+        all.push_back(&other);
       }
-      add_plain(std::move(part), grey_of(visual, place), place.T_W);
-    }
-  }
-
-  /// Triangles of a simple polygon that runs to the left, by cutting off its ears; what is left of
-  /// one that crosses itself stays open.
-  static std::vector<std::array<std::uint32_t, 3>> ears(const std::vector<Eigen::Vector2d>& p) {
-    std::vector<std::uint32_t> left(p.size());
-    for (std::uint32_t n = 0; n < p.size(); ++n) left[n] = n;
-    const auto side = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-      const Eigen::Vector2d u = p[b] - p[a], v = p[c] - p[a];
-      return u.x() * v.y() - u.y() * v.x();
-    };
-    std::vector<std::array<std::uint32_t, 3>> triangles;
-    while (left.size() >= 3) {
-      bool cut = false;
-      for (std::size_t n = 0; n < left.size() && !cut; ++n) {
-        const std::uint32_t a = left[(n + left.size() - 1) % left.size()], b = left[n],
-                            c = left[(n + 1) % left.size()];
-        if (side(a, b, c) < 0.0) continue;
-        const bool empty = std::none_of(left.begin(), left.end(), [&](std::uint32_t q) {
-          return q != a && q != b && q != c && side(a, b, q) > 0.0 && side(b, c, q) > 0.0 &&
-                 side(c, a, q) > 0.0;
-        });
-        if (!empty) continue;
-        triangles.push_back({a, b, c});
-        left.erase(left.begin() + static_cast<std::ptrdiff_t>(n));
-        cut = true;
+      const std::uint32_t base = add_corners(all);
+      const auto top = static_cast<std::uint32_t>((part.vertices.size() - base) / 2);
+      for (const auto& [a, b, c] : polygon_triangles(ring, holes)) {
+        part.triangles.push_back({base + a, base + c, base + b});
+        part.triangles.push_back({base + a + top, base + b + top, base + c + top});
       }
-      if (!cut) break;
     }
-    return triangles;
+    add_plain(std::move(part), grey_of(visual, place), place.T_W);
   }
 
   static std::uint8_t grey_of(const XMLElement& visual, const Place& place) {
@@ -832,6 +829,7 @@ class Reader {
   void add_mesh(const XMLElement& shape, const Place& place) {
     const std::string uri = text(place.file, shape, "uri");
     const fs::path path = find(place.file, uri);
+    if (unreadable_.count(path.string()) > 0) return;
     if (path.empty()) {
       leave_out_absent("mesh", uri);
       return;
@@ -856,8 +854,9 @@ class Reader {
     auto known = parts_.find(key);
     if (known == parts_.end()) {
       // Read once, however many models show it; its textures are in the whole once, too.
-      Part part{read_mesh_file(path.string(), UpAxis::kZ, submesh, progress_),
-                static_cast<std::uint32_t>(mesh_.textures.size())};
+      std::optional<TexturedMesh> read = read_or_tell(path.string(), uri, submesh, place, shape);
+      if (!read) return;
+      Part part{*std::move(read), static_cast<std::uint32_t>(mesh_.textures.size())};
       for (Image& texture : part.mesh.textures) mesh_.textures.push_back(std::move(texture));
       part.mesh.textures.clear();
       mesh_.left_out.add(part.mesh.left_out);
@@ -865,6 +864,30 @@ class Reader {
     }
     mesh_file_ = path.string();
     append(known->second.mesh, T, known->second.first_texture);
+  }
+
+  /// A mesh; none, and told, if it cannot be read: the world does without it.
+  std::optional<TexturedMesh> read_or_tell(const std::string& path, const std::string& uri,
+                                           const Submesh& submesh, const Place& place,
+                                           const XMLElement& shape) {
+    using Clock = std::chrono::steady_clock;
+    const auto begin = Clock::now();
+    try {
+      return read_mesh_file(path, UpAxis::kZ, submesh, progress_);
+    } catch (const InputError& error) {
+      std::string why = error.lines().front();
+      if (why.starts_with(path + ": ")) why.erase(0, path.size() + 2);
+      lights_and_more_.name("mesh " + in_quotes(uri) + " (" + why.substr(0, 200) + ")");
+      if (submesh.name.empty()) unreadable_.insert(path);
+    }
+    seconds_in_vain_ += std::chrono::duration<double>(Clock::now() - begin).count();
+    constexpr double kMost = 120.0;  // [s]
+    if (seconds_in_vain_ > kMost) {
+      refuse(place.file, shape,
+             "meshes that cannot be read have taken more than two minutes; "
+             "expected sound ones");
+    }
+    return std::nullopt;
   }
 
   // --- files -------------------------------------------------------------------------------------
@@ -898,20 +921,79 @@ class Reader {
     return name == "sun" || name == "ground_plane" ? name : "";
   }
 
+  /// The folders in a variable of the environment.
+  static std::vector<fs::path> listed(const char* variable) {
+    std::vector<fs::path> folders;
+    const char* value = std::getenv(variable);
+    std::istringstream in(value != nullptr ? value : "");
+    for (std::string folder; std::getline(in, folder, ':');) {
+      if (!folder.empty()) folders.emplace_back(folder);
+    }
+    return folders;
+  }
+
+  /// The folders that Gazebo looks for files in, in its order.
+  static std::vector<fs::path> resource_folders() {
+    std::vector<fs::path> folders;
+    for (const fs::path& folder : listed("GAZEBO_RESOURCE_PATH")) {
+      for (const char* below : {"", "models", "media/models", "Media/models", "media"}) {
+        folders.push_back(folder / below);
+      }
+    }
+    for (const char* variable : {"GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "SDF_PATH"}) {
+      for (const fs::path& folder : listed(variable)) folders.push_back(folder);
+    }
+    return folders;
+  }
+
   /// The folders that models lie in.
   std::vector<fs::path> model_folders() const {
     std::vector<fs::path> folders{folder_, folder_ / "models", folder_ / ".." / "models",
                                   folder_ / "..", folder_ / ".." / ".." / "models"};
-    for (const char* variable :
-         {"GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "SDF_PATH"}) {
-      const char* listed = std::getenv(variable);
-      if (listed == nullptr) continue;
-      std::istringstream in(listed);
-      for (std::string folder; std::getline(in, folder, ':');) {
-        if (!folder.empty()) folders.emplace_back(folder);
+    const char* home = std::getenv("HOME");
+    if (home != nullptr) folders.push_back(fs::path(home) / ".gazebo" / "models");
+    for (const fs::path& folder : listed("GAZEBO_MODEL_PATH")) folders.push_back(folder);
+    for (const fs::path& folder : resource_folders()) folders.push_back(folder);
+    return folders;
+  }
+
+  /// What a uri can name, the likeliest first.
+  std::vector<fs::path> candidates(const std::string& file, const std::string& uri) const {
+    std::vector<std::string> names;
+    std::vector<fs::path> folders, paths;
+    if (uri.starts_with(kModel) || uri.starts_with(kPackage)) {
+      names = {uri.substr(uri.find("://") + 3)};
+      folders = model_folders();
+    } else if (is_web(uri)) {
+      std::string name = fuel_name(uri);
+      if (name == "." || name == "..") return {};
+      names = {name, lower_case(name)};
+      std::replace(name.begin(), name.end(), ' ', '_');
+      names.push_back(name);
+      names.push_back(lower_case(name));
+      folders = model_folders();
+    } else {
+      const bool file_uri = uri.starts_with(kFile);
+      std::string name = file_uri ? uri.substr(kFile.size()) : uri;
+      names = {name};
+      std::replace(name.begin(), name.end(), '\\', '/');
+      if (name != names[0]) names.push_back(name);
+      // As Gazebo does: from where the program runs, then from its folders. A plain name is, in SDF
+      // of today, from the file's own folder.
+      const fs::path own = fs::path(file).parent_path();
+      if (!file_uri) folders.push_back(own);
+      folders.push_back(fs::path());
+      for (const fs::path& folder : resource_folders()) folders.push_back(folder);
+      if (file_uri) folders.push_back(own);
+      for (const fs::path& folder : listed("GAZEBO_MODEL_PATH")) folders.push_back(folder);
+      for (const char* up : {"", "..", "../.."}) folders.push_back(folder_ / up);
+    }
+    for (const fs::path& folder : folders) {
+      for (const std::string& name : names) {
+        if (!name.empty()) paths.push_back(folder / name);
       }
     }
-    return folders;
+    return paths;
   }
 
   /// The file or folder that a uri names, the first that exists and that `fits` takes; empty if
@@ -919,31 +1001,8 @@ class Reader {
   fs::path find(const std::string& file, const std::string& uri,
                 const std::function<bool(const fs::path&)>& fits = {}) const {
     std::error_code error;
-    const auto good = [&](const fs::path& candidate) {
-      return fs::exists(candidate, error) && (!fits || fits(candidate));
-    };
-    std::vector<std::string> names;
-    if (uri.starts_with(kModel) || uri.starts_with(kPackage)) {
-      names = {uri.substr(uri.find("://") + 3)};
-    } else if (is_web(uri)) {
-      std::string name = fuel_name(uri);
-      if (name.empty() || name == "." || name == "..") return {};
-      names = {name, lower_case(name)};
-      std::replace(name.begin(), name.end(), ' ', '_');
-      names.push_back(name);
-      names.push_back(lower_case(name));
-    } else {
-      std::string name = uri.starts_with(kFile) ? uri.substr(kFile.size()) : uri;
-      fs::path path = fs::path(file).parent_path() / name;
-      if (good(path)) return path;
-      std::replace(name.begin(), name.end(), '\\', '/');
-      path = fs::path(file).parent_path() / name;
-      return good(path) ? path : fs::path();
-    }
-    for (const fs::path& folder : model_folders()) {
-      for (const std::string& name : names) {
-        if (!name.empty() && good(folder / name)) return folder / name;
-      }
+    for (const fs::path& candidate : candidates(file, uri)) {
+      if (fs::exists(candidate, error) && (!fits || fits(candidate))) return candidate;
     }
     return {};
   }
@@ -983,6 +1042,8 @@ class Reader {
   LoadProgress progress_;
   std::set<const Node*> deleted_;
   std::map<std::tuple<std::string, std::string, bool>, Part> parts_;
+  std::set<std::string> unreadable_;  ///< files of meshes
+  double seconds_in_vain_ = 0.0;
   std::map<std::uint8_t, std::optional<std::uint32_t>> plain_;
   std::string mesh_file_;
   LeftOut lights_and_more_;

@@ -18,21 +18,24 @@ namespace prospect {
 /// its models and links, as Gazebo does; scaled models in it are refused.
 ///
 /// `model://NAME` is the folder NAME, with the SDF that its model.config names, else model.sdf:
-/// beside the file, in the folder `models` there or one or two above, or in a folder of
-/// GAZEBO_MODEL_PATH, GZ_SIM_RESOURCE_PATH, IGN_GAZEBO_RESOURCE_PATH or SDF_PATH; `package://NAME`
-/// and a model of Fuel are looked for there by their names, too. Where they are not found, `sun` is
-/// a light and `ground_plane` a plane of 100 x 100 m. Other names are relative to the file.
+/// beside the file, in the folder `models` there or one or two above, in ~/.gazebo/models, or in a
+/// folder of GAZEBO_MODEL_PATH or of those below; `package://NAME` and a model of Fuel are looked
+/// for there by their names, too. Where they are not found, `sun` is a light and `ground_plane` a
+/// plane of 100 x 100 m. `file://NAME` is, as in Gazebo, from where the program runs, then from a
+/// folder of GAZEBO_RESOURCE_PATH (or `models`, `media/models`, `media` in it),
+/// GZ_SIM_RESOURCE_PATH, IGN_GAZEBO_RESOURCE_PATH or SDF_PATH; then from the file, the models'
+/// folders, and where the world lies or one or two above. Other names are from the file first.
 ///
-/// Told in left_out: models and meshes that are not found, meshes of a kind that is not read, other
-/// shapes (heightmaps), lights, plug-ins, sensors, actors, the collisions of links that show
-/// nothing, elements that are not known, and what read_mesh_file tells. Physics and the like are
-/// not told.
+/// Told in left_out: models and meshes that are not found, meshes that cannot be read, with the
+/// reason, other shapes (heightmaps), lights, plug-ins, sensors, actors, the collisions of links
+/// that show nothing, elements that are not known, and what read_mesh_file tells. Physics and the
+/// like are not told.
 ///
 /// Throws InputError with file and line: the file is missing or no SDF, or still to be expanded by
 /// xacro; numbers that are none, frames that are not there or in a circle; <population>; models
-/// that include each other, more than 20 000 models, 200 000 shapes or 20 million triangles;
-/// nothing to see. NotBuiltIn where its libraries were absent. `progress` is told of the meshes
-/// that it reads.
+/// that include each other, more than 20 000 models, 200 000 shapes or 20 million triangles; meshes
+/// that take two minutes in vain; nothing to see. NotBuiltIn where its libraries were absent.
+/// `progress` is told of the meshes that it reads.
 TexturedMesh read_gazebo_world(const std::string& path, const LoadProgress& progress = {});
 
 }  // namespace prospect

@@ -220,6 +220,7 @@ void refuse_for_world_file(const std::string& name, const WorldOptions& options)
                        : options.unknown_is_free     ? "--unknown or world.unknown"
                        : options.floor               ? "--floor or world.floor"
                        : options.ground_margin > 0.0 ? "--ground or world.ground"
+                       : options.up                  ? "--up or world.up"
                                                      : nullptr;
   if (option == nullptr) return;
   throw InputError(name + ": a world file says that itself; expected no " + option);
@@ -321,6 +322,9 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
       throw InputError(name_or_path +
                        ": has no ground without end; expected no --ground or world.ground");
     }
+    if (options.up && !mesh) {
+      throw InputError(name_or_path + ": is upright by itself; expected no --up or world.up");
+    }
     if (octree) {
       OctreeWorldOptions octree_options;
       octree_options.resolution =
@@ -353,10 +357,12 @@ World load_world(const std::string& name_or_path, const WorldOptions& options) {
       mesh_options.ground_margin = options.ground_margin;
       mesh_options.unknown_is_free = options.unknown_is_free;
       mesh_options.progress = options.progress;
-      if (options.start) mesh_options.also_here = options.start->position.head<2>();
-      world = world_from_mesh(mesh ? read_mesh_file(name_or_path, UpAxis::kY, {}, options.progress)
-                                   : read_gazebo_world(name_or_path, options.progress),
-                              name_or_path, mesh_options);
+      mesh_options.places = options.places;
+      if (options.start) mesh_options.places.emplace_back(options.start->position.head<2>());
+      world = world_from_mesh(
+          mesh ? read_mesh_file(name_or_path, UpAxis::kY, {}, options.progress, options.up)
+               : read_gazebo_world(name_or_path, options.progress),
+          name_or_path, mesh_options);
     } else {
       throw InputError(name_or_path + ": unknown kind of file '" + extension +
                        "'; expected one of " + kExtensions);

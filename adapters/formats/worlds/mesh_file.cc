@@ -8,6 +8,7 @@
 
 #include "adapters/formats/files/not_built_in.h"
 #include "adapters/formats/images/image_codec.h"
+#include "models/lower_case.h"
 
 namespace prospect {
 namespace {
@@ -29,6 +30,7 @@ bool is_mesh_file(const std::string& path) {
 #ifdef PROSPECT_WITH_ASSIMP
 
 #include <assimp/DefaultIOSystem.h>
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -46,11 +48,11 @@ bool is_mesh_file(const std::string& path) {
 #include <utility>
 #include <vector>
 
+#include "adapters/formats/files/bounded_child.h"
 #include "adapters/formats/files/input_error.h"
-#include "adapters/formats/worlds/bounded_child.h"
 #include "adapters/formats/worlds/gltf_check.h"
 #include "adapters/formats/worlds/mesh_check.h"
-#include "models/lower_case.h"
+#include "adapters/formats/worlds/plain_collada.h"
 
 namespace prospect {
 namespace {
@@ -225,12 +227,17 @@ std::string bytes_of(const std::string& path) {
 }
 
 /// Opens the files that a mesh names, also those with backslashes; no pipe and no device, whose
-/// reading might never end.
+/// reading might never end. What stands in `content`, if anything, is read in place of the mesh.
 class MeshFiles : public Assimp::DefaultIOSystem {
  public:
-  explicit MeshFiles(std::string mesh) : mesh_(std::move(mesh)) {}
+  explicit MeshFiles(std::string mesh, std::string content = "")
+      : mesh_(std::move(mesh)), content_(std::move(content)) {}
   bool Exists(const char* name) const override { return !found(name).empty(); }
   Assimp::IOStream* Open(const char* name, const char* mode) override {
+    if (!content_.empty() && name == mesh_) {
+      return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(content_.data()),
+                                        content_.size());
+    }
     const std::string path = found(name);
     return path.empty() ? nullptr : DefaultIOSystem::Open(path.c_str(), mode);
   }
@@ -250,8 +257,16 @@ class MeshFiles : public Assimp::DefaultIOSystem {
     return "";
   }
 
-  std::string mesh_;
+  std::string mesh_, content_;
 };
+
+/// From coordinates with that axis up to z up.
+Eigen::Matrix3d upright(UpAxis up) {
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+  if (up == UpAxis::kY) R << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  if (up == UpAxis::kX) R << 0, -1, 0, 0, 0, -1, 1, 0, 0;
+  return R;
+}
 
 /// What an .obj names that is not there or not read.
 void tell_what_obj_lacks(const std::string& path, LeftOut& left_out) {
@@ -393,8 +408,9 @@ TexturedMesh unpacked(std::string_view bytes) {
 
 /// The mesh as the library reads it; to be run in a child process.
 TexturedMesh import(const std::string& path, const std::string& extension, UpAxis unsaid,
-                    const Submesh& submesh) {
+                    const Submesh& submesh, const std::optional<UpAxis>& up) {
   TexturedMesh mesh;
+  std::string content;
   if (extension == ".gltf" || extension == ".glb") {
     check_gltf(bytes_of(path), path, mesh.left_out);
   } else if (extension == ".stl") {
@@ -402,12 +418,14 @@ TexturedMesh import(const std::string& path, const std::string& extension, UpAxi
   } else if (extension == ".ply") {
     check_ply(bytes_of(path), path);
   } else if (extension == ".dae") {
-    check_collada(bytes_of(path), path);
+    content = plain_collada(bytes_of(path), mesh.left_out);
+    check_collada(content, path);
   } else {
     tell_what_obj_lacks(path, mesh.left_out);
   }
   Assimp::Importer importer;
-  importer.SetIOHandler(new MeshFiles(path));  // which owns it
+  importer.SetIOHandler(new MeshFiles(path, std::move(content)));  // which owns it
+  importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, up.has_value());
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   // Read as it is first: what the next step drops is to be told.
@@ -444,10 +462,9 @@ TexturedMesh import(const std::string& path, const std::string& extension, UpAxi
   }
   // Assimp hands .dae and .gltf over with y up, in metres.
   const bool says = extension == ".dae" || extension == ".gltf" || extension == ".glb";
+  const UpAxis its = says ? UpAxis::kY : extension == ".obj" ? unsaid : UpAxis::kZ;
   Eigen::Affine3d T = Eigen::Affine3d::Identity();
-  if (says || (extension == ".obj" && unsaid == UpAxis::kY)) {
-    T.linear() << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  }
+  T.linear() = upright(up.value_or(its));
   add_node(*scene, *scene->mRootNode, T, submesh.name, false, mesh);
   if (mesh.triangles.empty() && !submesh.name.empty()) {
     fail(path, "no submesh " + in_quotes(submesh.name) + "; expected one of: " + names_in(*scene));
@@ -458,7 +475,7 @@ TexturedMesh import(const std::string& path, const std::string& extension, UpAxi
 }  // namespace
 
 TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submesh& submesh,
-                            const LoadProgress& progress) {
+                            const LoadProgress& progress, const std::optional<UpAxis>& up) {
   const auto refuse = [&](const std::string& what) { throw InputError(path + ": " + what); };
   const std::string extension = extension_of(path);
   if (!is_mesh_file(path)) {
@@ -482,7 +499,7 @@ TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submes
   load_image_codecs();
   TexturedMesh mesh;
   const std::string bytes = run_in_child(
-      path, [&] { return packed(import(path, extension, unsaid, submesh)); }, limits,
+      path, [&] { return packed(import(path, extension, unsaid, submesh, up)); }, limits,
       [&](double seconds) {
         if (progress)
           progress("reading " + path + ", " + std::to_string(std::lround(seconds)) + " s");
@@ -520,7 +537,8 @@ TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid, const Submes
 
 namespace prospect {
 
-TexturedMesh read_mesh_file(const std::string&, UpAxis, const Submesh&, const LoadProgress&) {
+TexturedMesh read_mesh_file(const std::string&, UpAxis, const Submesh&, const LoadProgress&,
+                            const std::optional<UpAxis>&) {
   throw NotBuiltIn("reading of meshes", "Assimp (libassimp-dev)");
 }
 

@@ -1,15 +1,14 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <string>
 
 #include "adapters/formats/worlds/load_progress.h"
 #include "adapters/formats/worlds/textured_mesh.h"
+#include "adapters/formats/worlds/up_axis.h"
 
 namespace prospect {
-
-/// The direction that is up in a file that does not say.
-enum class UpAxis { kY, kZ };
 
 /// The part of a mesh file that is meant; without a name, all of it.
 struct Submesh {
@@ -24,8 +23,11 @@ bool is_mesh_file(const std::string& path);
 /// transforms, polygons as triangles, in metres with z up.
 ///
 /// Unit and up axis are those that the file states (.dae), or its format (.gltf, .glb: metres, y);
-/// .stl and .ply say nothing: metres, z; an .obj says nothing: metres, and `unsaid` is up. y up
-/// becomes z up by (x, y, z) -> (x, -z, y).
+/// .stl and .ply say nothing: metres, z; an .obj says nothing: metres, and `unsaid` is up. With
+/// `up` that axis of the file's own coordinates is up, whatever it says. y up becomes z up by (x,
+/// y, z)
+/// -> (x, -z, y), x up by (x, y, z) -> (-y, -z, x).
+/// A COLLADA is read as plain_collada.h makes it.
 /// The albedo is the grey of the diffuse or base colour texture (beside the file, inside it, or in
 /// ../materials/textures), else that colour. Copies of meshes often lack textures: one that is
 /// missing or cannot be read is taken for the plain colour, and told in left_out, as is a missing
@@ -44,7 +46,8 @@ bool is_mesh_file(const std::string& path);
 /// mesh_check.h refuse, since the library would read it wrong; no such submesh. NotBuiltIn where
 /// Assimp was absent.
 TexturedMesh read_mesh_file(const std::string& path, UpAxis unsaid = UpAxis::kY,
-                            const Submesh& submesh = {}, const LoadProgress& progress = {});
+                            const Submesh& submesh = {}, const LoadProgress& progress = {},
+                            const std::optional<UpAxis>& up = {});
 
 /// Adds a moved copy of `part`'s triangles, which use whole.textures from first_texture on where
 /// they use part.textures from 0 on. A mirroring T keeps what is the outside of each triangle.

@@ -142,7 +142,31 @@ MeshFloor mesh_floor(const TexturedMesh& mesh, const std::string& name,
     }
     return {floor->height(), at_floor / total};
   }
-  throw InputError(name + ": nothing level in the mesh; expected a floor, z up");
+  throw InputError(
+      name +
+      ": nothing level in the mesh; expected a floor, z up (of a mesh --up says another axis)");
+}
+
+/// Tells if the mesh seems to lie on its side, as world_from_mesh() says.
+void tell_if_on_its_side(TexturedMesh& mesh) {
+  constexpr double kFacing = 0.984808;  // cos 10 degrees
+  constexpr double kWider = 1.5, kFlatter = 0.5;
+  Vector3d area = Vector3d::Zero();
+  Eigen::AlignedBox3d box;
+  for (const auto& triangle : mesh.triangles) {
+    const Corners c = corners_of(mesh, triangle);
+    const Vector3d normal = 0.5 * (c[1] - c[0]).cross(c[2] - c[0]);
+    for (const Vector3d& p : c) box.extend(p);
+    for (int k = 0; k < 3; ++k) {
+      if (std::abs(normal[k]) > kFacing * normal.norm()) area[k] += normal.norm();
+    }
+  }
+  const int axis = area.x() > area.y() ? 0 : 1;
+  if (area[axis] <= kWider * area.z() || box.sizes()[axis] >= kFlatter * box.sizes().z()) return;
+  const std::string name(1, "xy"[axis]);
+  mesh.left_out.name("a floor wider than the walls (" + metres(area.z()) + " m2 are level, " +
+                     metres(area[axis]) + " m2 face " + name +
+                     ": it seems to lie on its side; of a mesh --up " + name + " sets it upright)");
 }
 
 /// What of the ground counts, as world_from_mesh() says; told if that is not all. Floor at z = 0.
@@ -185,10 +209,9 @@ Eigen::AlignedBox2d extent_of(TexturedMesh& mesh, const MeshWorldOptions& option
   }
   rising.min().array() -= margin;
   rising.max().array() += margin;
-  if (options.also_here && whole.contains(*options.also_here)) {
-    for (const double side : {-2.0, 2.0}) {
-      rising.extend(Eigen::Vector2d(options.also_here->array() + side));
-    }
+  for (const Eigen::Vector2d& place : options.places) {
+    if (!whole.contains(place)) continue;
+    for (const double side : {-2.0, 2.0}) rising.extend(Eigen::Vector2d(place.array() + side));
   }
   const Eigen::AlignedBox2d counted = rising.intersection(whole);
   if (2.0 * counted.sizes().prod() >= area) return whole;
@@ -213,6 +236,7 @@ World world_from_mesh(TexturedMesh mesh, const std::string& name, const MeshWorl
   const MeshFloor ground = mesh_floor(mesh, name, options.ground);
   const double floor = ground.height;
   for (Eigen::Vector3f& p : mesh.vertices) p.z() = static_cast<float>(p.z() - floor);
+  tell_if_on_its_side(mesh);
   const Eigen::AlignedBox2d box = extent_of(mesh, options);
   const double columns = std::ceil(box.sizes().x() / r) + 2.0,
                rows = std::ceil(box.sizes().y() / r) + 2.0;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "adapters/formats/worlds/load_progress.h"
 #include "adapters/formats/worlds/textured_mesh.h"
@@ -19,9 +20,9 @@ struct MeshWorldOptions {
   std::size_t max_voxels = 400'000'000;
   /// [m] Height, in the mesh's frame, of the ground that is meant; none: see world_from_mesh.
   std::optional<double> ground;
-  double ground_margin = 0.0;                ///< [m] see world_from_mesh
-  std::optional<Eigen::Vector2d> also_here;  ///< [m] a place that must be in the world
-  bool unknown_is_free = false;              ///< over no floor, too
+  double ground_margin = 0.0;           ///< [m] see world_from_mesh
+  std::vector<Eigen::Vector2d> places;  ///< [m] that must be in the world
+  bool unknown_is_free = false;         ///< over no floor, too
   LoadProgress progress;
 };
 
@@ -40,11 +41,15 @@ struct MeshWorldOptions {
 /// covers less than half as much as the whole mesh, and that is more than 1000 m^2, the ground is a
 /// plane without end that somebody put under a building: it counts as far as what rises, and
 /// ground_margin beyond (at least 5 m where that is less than 3 m wide), and left_out says so.
-/// Where nothing rises, 10 m about the origin. Voxels: occupied if a triangle touches them
-/// (exactly, by separating axes) more than floor_tolerance above the floor; the layer below the
-/// floor where a triangle lies between one voxel (at least 0.1 m) below the floor and
-/// floor_tolerance above it. Free, for now: what is not occupied and stands over such a floor. All
-/// else is unknown. start is left at the origin.
+/// Where nothing rises, 10 m about the origin. 2 m about options.places belong to it, too. Voxels:
+/// occupied if a triangle touches them (exactly, by separating axes) more than floor_tolerance
+/// above the floor; the layer below the floor where a triangle lies between one voxel (at least 0.1
+/// m) below the floor and floor_tolerance above it. Free, for now: what is not occupied and stands
+/// over such a floor. All else is unknown. start is left at the origin.
+///
+/// left_out says so if the mesh seems to lie on its side: along a level axis it is less than half
+/// as long as along z, and what faces along that axis (within 10 degrees) has more than 1.5 times
+/// the area of what is level.
 ///
 /// Throws InputError if there is no floor, none at the height that is asked for (with the heights
 /// there are), the ground is not flat, a vertex lies more than 100 km off, or the mesh is larger

@@ -1,8 +1,11 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
+#include <vector>
 
 #include "adapters/formats/worlds/load_progress.h"
+#include "adapters/formats/worlds/up_axis.h"
 #include "adapters/formats/worlds/world.h"
 
 namespace prospect {
@@ -37,6 +40,11 @@ struct WorldOptions {
   /// [m] How far beyond what stands on it the ground of a mesh counts, where it is much larger than
   /// that (mesh_world.h).
   double ground_margin = 0.0;
+  /// [m] Where the task leads: ground of a mesh that would not count does there.
+  std::vector<Eigen::Vector2d> places;
+  /// Of meshes: the axis of the file's coordinates that is up, whatever it says; none: what it
+  /// says.
+  std::optional<UpAxis> up;
 };
 
 }  // namespace prospect

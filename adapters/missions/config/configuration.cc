@@ -201,6 +201,10 @@ void read_world(YamlMap map, WorldOptions& world) {
   world.ground_margin =
       map.number("ground", 0.0, 0.0, 1000.0, "m",
                  "how far ground without end counts beyond what stands on it; 0: as far as that");
+  const std::string up =
+      map.choice("up", "file", {"file", "x", "y", "z"},
+                 "of a mesh: the axis of its numbers that is up; file: as it says");
+  if (up != "file") world.up = static_cast<UpAxis>(up[0] - 'x');
   const std::vector<double> start =
       map.numbers("start", {}, -1, -kFarthest, kFarthest, "m, m, deg", "x, y, yaw; none: its own");
   if (start.size() == 3) {

@@ -124,6 +124,9 @@ void add_world_options(CLI::App* command, WorldArguments& arguments) {
   one_of(command->add_option("--unknown", arguments.unknown,
                              "What the world's file does not know: solid or free [solid]"),
          {"solid", "free"});
+  one_of(command->add_option("--up", arguments.up,
+                             "Axis of a mesh's own numbers that is up [what the file says]"),
+         {"x", "y", "z"});
   command
       ->add_option("--ground", arguments.ground_margin,
                    "How far the ground of a mesh or Gazebo world without end counts beyond what "

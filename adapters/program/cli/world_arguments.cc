@@ -29,6 +29,10 @@ void set_world(const WorldArguments& arguments, Configuration& configuration) {
     world.unknown_is_free = arguments.unknown == "free";
     override_entry(configuration, "world.unknown", arguments.unknown);
   }
+  if (!arguments.up.empty()) {
+    world.up = static_cast<UpAxis>(arguments.up[0] - 'x');
+    override_entry(configuration, "world.up", arguments.up);
+  }
   if (arguments.ground_margin) {
     world.ground_margin = *arguments.ground_margin;
     override_entry(configuration, "world.ground", exact_text(*arguments.ground_margin));

@@ -16,6 +16,7 @@ struct WorldArguments {
   std::optional<double> floor;
   double resolution = 0.0;              ///< [m] WorldOptions::voxel_size; 0: as configured
   std::string unknown;                  ///< "free", "solid"; empty: as configured
+  std::string up;                       ///< "x", "y", "z"; empty: as configured
   std::optional<double> ground_margin;  ///< [m] WorldOptions::ground_margin; none: as configured
 };
 

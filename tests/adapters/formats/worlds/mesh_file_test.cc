@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -290,6 +291,92 @@ TEST(MeshFile, HonoursUnitUpAxisAndNodes) {
       bounds(read_mesh_file(folder.write("y.dae", triangle_dae("Y_UP"))));
   EXPECT_LT((y_up.min() - Eigen::Vector3f(1, -2, 0)).norm(), 1e-5);
   EXPECT_LT((y_up.max() - Eigen::Vector3f(2, 0, 0)).norm(), 1e-5);
+}
+
+TEST(MeshFile, WhoeverReadsItSaysWhatIsUp) {
+  const test::Folder folder("mesh up");
+  const auto high = [&](const std::string& name, const std::string& text, UpAxis up) {
+    return bounds(read_mesh_file(folder.write(name, text), UpAxis::kY, {}, {}, up));
+  };
+  const std::string obj = "v 0 0 0\nv 1 0 0\nv 0 2 0\nv 0 0 4\nf 1 2 3\nf 1 2 4\n";
+  EXPECT_LT((high("a.obj", obj, UpAxis::kX).max() - Eigen::Vector3f(0, 0, 1)).norm(), 1e-6);
+  EXPECT_LT((high("a.obj", obj, UpAxis::kX).min() - Eigen::Vector3f(-2, -4, 0)).norm(), 1e-6);
+  EXPECT_LT((high("a.obj", obj, UpAxis::kY).max() - Eigen::Vector3f(1, 0, 2)).norm(), 1e-6);
+  EXPECT_LT((high("a.obj", obj, UpAxis::kZ).max() - Eigen::Vector3f(1, 2, 4)).norm(), 1e-6);
+  // Whatever the file says: its own numbers count.
+  for (const char* says : {"X_UP", "Y_UP", "Z_UP"}) {
+    EXPECT_LT(
+        (high("a.dae", triangle_dae(says), UpAxis::kZ).max() - Eigen::Vector3f(2, 0, 2)).norm(),
+        1e-5);
+  }
+  const std::string gltf = Gltf("").binary();
+  EXPECT_LT((high("a.glb", gltf, UpAxis::kZ).max() - Eigen::Vector3f(1, 2, 3)).norm(), 1e-5);
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  const std::size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return text.replace(at, what.size(), by);
+}
+
+TEST(MeshFile, ColladaInEverySpellingOfXml) {
+  const test::Folder folder("mesh spellings");
+  const std::string dae = triangle_dae("Z_UP");
+  const std::string camera =
+      "<instance_camera url='#c'/><instance_camera url='#d'/>"
+      "<instance_light url='#e'/>";
+  const std::string cameras =
+      "<library_cameras><camera id='c'/><camera id='d'/></library_cameras><library_lights>"
+      "<light id='l'/></library_lights><library_geometries>";
+  const std::string spellings[] = {
+      replaced(dae, "<color>1", "<color> \n1"),
+      replaced(dae, "1 1 1 1</color>", "1\n1\t1 1 \n</color>"),
+      replaced(dae, ">Z_UP<", ">\n Z_UP \n<"),
+      replaced(dae, "meter=\"0.01\"", "meter=' 0.01 '"),
+      replaced(dae, "<p>0 1 2", "<p>\n  0 <!-- then --> 1 2\n"),
+      replaced(dae, "count=\"9\">0 0 0", "count=\" 9 \"> <!-- --> 0 0\r\n0"),
+      replaced(dae, "<translate>", "<translate>\n\t"),
+      replaced(dae, "url=\"#g\"", "url=\" #g\""),
+      replaced(dae, "<translate>100 0 0", "<translate><![CDATA[100 0 0]]>"),
+      replaced(replaced(dae, "<instance_geometry", camera + "<instance_geometry"),
+               "<library_geometries>", cameras)};
+  for (const std::string& text : spellings) {
+    const TexturedMesh mesh = read_mesh_file(folder.write("a.dae", text));
+    EXPECT_LT((bounds(mesh).min() - Eigen::Vector3f(1, 0, 0)).norm(), 1e-5) << text;
+    EXPECT_LT((bounds(mesh).max() - Eigen::Vector3f(2, 0, 2)).norm(), 1e-5) << text;
+    EXPECT_EQ(mesh.textures[mesh.material[0]].at(0, 0), 255) << text;
+    EXPECT_EQ(mesh.left_out.text(), &text == std::end(spellings) - 1 ? "2 cameras, 1 light" : "");
+  }
+}
+
+TEST(MeshFile, ColladaPolygonsMayHaveHoles) {
+  const test::Folder folder("mesh holes");
+  // A wall of 4 x 3 m in the x-z plane with a window of 1 x 1 m, a plain polygon below.
+  std::string dae = triangle_dae("Z_UP");
+  dae = replaced(dae, "count=\"9\">0 0 0 100 0 0 0 0 200",
+                 "count=\"36\">0 0 0 400 0 0 400 0 300 0 0 300 100 0 100 200 0 100 200 0 200 "
+                 "100 0 200 0 0 -100 400 0 -100 400 0 -50 0 0 -50");
+  dae = replaced(dae, "count=\"3\"", "count=\"12\"");
+  const std::size_t begin = dae.find("<triangles"), end = dae.find("</triangles>");
+  const auto with = [&](const std::string& plain) {
+    return dae.substr(0, begin) +
+           "<polygons material='m' count='1'><input semantic='VERTEX' source='#v' offset='0'/>" +
+           plain + "<ph><p> 0 1 2 3</p><h>4 5 6 7 </h></ph></polygons>" +
+           dae.substr(end + std::string("</triangles>").size());
+  };
+  const auto area = [&](const std::string& text) {
+    const TexturedMesh mesh = read_mesh_file(folder.write("a.dae", text));
+    double sum = 0.0;
+    for (const auto& [a, b, c] : mesh.triangles) {
+      const Eigen::Vector3f normal =
+          0.5f * (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
+      EXPECT_LT(normal.y(), 0.0f);  // as the polygon faces
+      sum += normal.norm();
+    }
+    return sum;
+  };
+  EXPECT_NEAR(area(with("")), 11.0, 1e-4);
+  EXPECT_NEAR(area(with("<p>8 9 10 11</p>")), 13.0, 1e-4);
 }
 
 TEST(MeshFile, ReadsGltfInBothForms) {

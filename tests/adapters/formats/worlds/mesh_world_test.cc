@@ -310,6 +310,8 @@ TEST(MeshWorld, FilesFromTheField) {
   };
   const std::optional<Eigen::Vector2d> none, corner = Eigen::Vector2d(-3, -2);
   const Case all[] = {
+      {"dae_color_space/plain.dae", none, 46.6, ""},
+      {"dae_color_space/space.dae", none, 46.6, ""},
       {"endless_outdoors/house_outdoors.world", none, 45, "the ground beyond"},
       {"endless_outdoors/house_outdoors.world", Eigen::Vector2d(-2, 0), 45, "the ground beyond"},
       {"gazebo_pose_degrees/degrees.world", Eigen::Vector2d(0, 1), 0, "m of room"},
@@ -354,6 +356,45 @@ TEST(MeshWorld, FilesFromTheField) {
       EXPECT_NE(world.left_out.text().find(c.says), std::string::npos) << world.left_out.text();
     }
   }
+}
+
+TEST(MeshWorld, WhatLiesOnItsSideIsToldAndSetUpright) {
+  const test::Folder folder("mesh on its side");
+  // The room of 8 x 6 x 2 m has y up in its numbers, which an .obj may mean; said to be z.
+  const std::string path = folder.write("room.obj", test::room_obj(8, 6, 2));
+  WorldOptions options;
+  EXPECT_EQ(load_world(path, options).left_out.text().find("on its side"), std::string::npos);
+  options.up = UpAxis::kZ;
+  const std::string told = load_world(path, options).left_out.text();
+  EXPECT_NE(told.find("it seems to lie on its side; of a mesh --up y"), std::string::npos) << told;
+  options.up = UpAxis::kY;
+  EXPECT_EQ(load_world(path, options).left_out.text().find("on its side"), std::string::npos);
+  EXPECT_NE(problem(folder.write("room.world", room()), options).find("expected no --up"),
+            std::string::npos);
+
+  const std::filesystem::path mazes = std::string(PROSPECT_SHARED_DATA) + "/worlds3d";
+  if (!std::filesystem::exists(mazes)) GTEST_SKIP() << mazes << " is absent";
+  const std::string maze = (mazes / "octa_maze.stl").string();
+  EXPECT_NE(load_world(maze).left_out.text().find("--up y"), std::string::npos);
+  const World upright = load_world(maze, options);
+  EXPECT_EQ(upright.left_out.text(), "");
+  EXPECT_NEAR(reachable_area(upright).area, 888.0, 15.0);
+}
+
+TEST(MeshWorld, GroundCountsWhereTheTaskLeads) {
+  const test::Folder folder("mesh places");
+  const std::string path = folder.write(
+      "field.world", "<sdf version='1.6'><world name='w'>" + box(-50, -50, -0.1, 50, 50, 0.0) +
+                         box(-1, -1, 0, 1, 1, 1) + box(-3, -3, 0, -2, -2, 1) + "</world></sdf>");
+  WorldOptions options;
+  const auto holds = [&](double x, double y) {
+    const World world = load_world(path, options);
+    return world.voxels.frame().contains(world.voxels.frame().cell(x, y));
+  };
+  EXPECT_FALSE(holds(0, 15));
+  options.places = {{0, 15}, {0, 500}};  // one beyond all ground
+  EXPECT_TRUE(holds(0, 15));
+  EXPECT_FALSE(holds(0, 40));
 }
 
 TEST(MeshWorld, HostileFilesFromTheField) {

@@ -194,12 +194,13 @@ TEST(Configuration, SensorsSeeUpToAllRound) {
 
 // Whatever is asked for is in effect, and what is in effect reads back as itself.
 TEST(Configuration, HowTheWorldIsRead) {
-  const Configuration c =
-      read("world: {floor: -2.5, resolution: 0.2, unknown: free, ground: 4, start: [1, -2, 90]}");
+  const Configuration c = read(
+      "world: {floor: -2.5, resolution: 0.2, unknown: free, ground: 4, up: x, start: [1, -2, 90]}");
   EXPECT_EQ(c.world.floor, -2.5);
   EXPECT_EQ(c.world.voxel_size, 0.2);
   EXPECT_TRUE(c.world.unknown_is_free);
   EXPECT_EQ(c.world.ground_margin, 4.0);
+  EXPECT_EQ(c.world.up, UpAxis::kX);
   ASSERT_TRUE(c.world.start.has_value());
   EXPECT_EQ(c.world.start->position, Eigen::Vector3d(1.0, -2.0, 0.0));
   EXPECT_NEAR(c.world.start->yaw, M_PI / 2.0, 1e-15);

@@ -104,7 +104,8 @@ void add_mission(Text& text, const Configuration& c) {
 void add_world(Text& text, const Configuration& c) {
   const WorldOptions world = world_options_for(c);
   text.add(world.floor.value_or(NAN)), text.add(world.voxel_size), text.add(world.unknown_is_free);
-  text.add(world.ground_margin), text.add(world.start ? world.start->position.x() : NAN);
+  text.add(world.ground_margin), text.add(static_cast<int>(world.up.value_or(UpAxis::kZ))),
+      text.add(world.start ? world.start->position.x() : NAN);
 }
 
 void add_drive(Text& text, const Configuration& c) {
