@@ -28,6 +28,7 @@ Certifier::Options options_as_guard(const RobotDescription& robot,
   Certifier::Options options = Certifier::options_for(robot);
   options.zones = zones;
   options.unknown = UnknownPolicy::kFree;
+  options.known_ground = parameters.unknown != UnknownPolicy::kFree;
   options.margin = parameters.guard_margin();
   options.reduced_margin_share = 0.0;
   options.drift_margin = 0.0;

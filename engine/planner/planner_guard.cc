@@ -14,6 +14,7 @@ Guard guard_for(const RobotDescription& robot, const PlannerParameters& paramete
   Certifier::Options certificate = Certifier::options_for(robot);
   certificate.margin = parameters.guard_margin();
   certificate.unknown = UnknownPolicy::kFree;
+  certificate.known_ground = parameters.unknown != UnknownPolicy::kFree;
   certificate.zones = zone_map_of(parameters.zones);
   options.max_step = std::max(options.max_step, parameters.dt);
   return Guard(robot.model, robot.shape, certificate, options);

@@ -21,6 +21,7 @@
 #include "engine/maps/pose_error.h"
 #include "engine/maps/present_view.h"
 #include "engine/maps/shape_geometry.h"
+#include "engine/safety/known_ground.h"
 #include "engine/task/body_outline.h"
 #include "models/body_transform.h"
 #include "models/limited_twist.h"
@@ -550,6 +551,24 @@ class Walk {
 
 }  // namespace
 
+namespace {
+
+/// knows_ground() of the poses between the stages.
+bool knows_ground_of(const Belief& belief, const RobotShape& shape, const MotionModel& model,
+                     const Eigen::Ref<const Eigen::VectorXd>& x0, const Eigen::MatrixXd& inputs,
+                     double dt) {
+  Eigen::VectorXd x = x0, next(model.nx());
+  std::vector<Pose> poses{model.pose(x)};
+  for (Eigen::Index n = 0; n < inputs.cols(); ++n) {
+    model.step(x, inputs.col(n), dt, next);
+    x.swap(next);
+    poses.push_back(model.pose(x));
+  }
+  return knows_ground(belief, shape, model.pose_layout().pz < 0, poses);
+}
+
+}  // namespace
+
 Eigen::MatrixXd stopping_tail(const MotionModel& model, const Eigen::Ref<const Eigen::VectorXd>& x,
                               const Eigen::Ref<const Eigen::VectorXd>& u_previous, double dt,
                               int max_steps) {
@@ -950,6 +969,11 @@ Certificate Certifier::certify(const Belief& belief, const MotionModel& model,
     inputs << committed, tail;
     result = certify_inputs(belief, model, x0, inputs, dt, drift);
     if (!result.ok()) return result;
+    if (options_.known_ground && !knows_ground_of(belief, body_->shape, model, x0, inputs, dt)) {
+      result.status = Certificate::Status::kUnknownSpace;
+      result.detail = "the map does not know the ground of the motion: it is empty, or of elsewhere";
+      return result;
+    }
     for (Eigen::Index n = 0; n < tail.cols(); ++n) {
       model.step(x, tail.col(n), dt, next);
       x.swap(next);

@@ -122,6 +122,9 @@ class Certifier {
     /// One-sigma error of the position [m] up to which a lost robot drives by its map; >= 0.
     double max_lost_error = 1.0;
     std::shared_ptr<const ZoneMap> zones{};  ///< null: none
+    /// certify() asks that the map knows the ground of the motion (known_ground.h): for who takes
+    /// unknown space for free because an older map was asked.
+    bool known_ground = false;
     /// Elementary checks of one motion, > 0; docs/results/performance.md says how long they take.
     long long max_checks = 1'500'000;
   };

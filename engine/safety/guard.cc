@@ -60,6 +60,7 @@ bool follows_plan(GuardReason reason) {
     case GuardReason::kNonFinite:
     case GuardReason::kLimit:
     case GuardReason::kRate:
+    case GuardReason::kVelocity:
     case GuardReason::kUncommitted:
       break;
   }
@@ -76,6 +77,8 @@ std::string_view to_string(GuardReason reason) {
       return "limit";
     case GuardReason::kRate:
       return "rate";
+    case GuardReason::kVelocity:
+      return "velocity";
     case GuardReason::kStale:
       return "stale";
     case GuardReason::kUncommitted:
@@ -202,6 +205,31 @@ bool Guard::within_rates(const Twist& command, const Twist& previous, double dt)
                                   slack * angular_acceleration_ * dt + options_.tolerance;
 }
 
+bool Guard::follows(const Twist& measured, const Twist& previous) const {
+  const auto allowed = [this](double acceleration, double most) {
+    return std::min(acceleration * Options::kLag, most) + options_.mismatch * most;
+  };
+  // To the nearest share of what was told.
+  const Eigen::Vector3d& told = previous.linear;
+  const double squared = told.squaredNorm();
+  const double share =
+      squared > 0.0 ? std::clamp(measured.linear.dot(told) / squared, 0.0, 1.0) : 0.0;
+  const double turn = std::clamp(measured.yaw_rate, std::min(0.0, previous.yaw_rate),
+                                 std::max(0.0, previous.yaw_rate));
+  return (measured.linear - share * told).norm() <=
+             allowed(linear_acceleration_, model_->max_speed()) &&
+         std::abs(measured.yaw_rate - turn) <=
+             allowed(angular_acceleration_, model_->max_yaw_rate());
+}
+
+bool Guard::can_be_at(const Pose& pose, const Belief& newest, double now, double hold) const {
+  const double time = std::max(0.0, now - newest.stamp) + hold + Options::kLag;
+  return (pose.position - newest.pose.position).norm() <=
+             model_->max_speed() * time + Options::kPoseSlack &&
+         std::abs(std::remainder(pose.yaw - newest.pose.yaw, 2.0 * M_PI)) <=
+             model_->max_yaw_rate() * time + Options::kPoseSlack;
+}
+
 std::optional<Guard::Objection> Guard::objection(const Twist& command, const Twist& previous,
                                                  const Belief& newest, double dt,
                                                  double now) const {
@@ -225,6 +253,15 @@ std::optional<Guard::Objection> Guard::objection(const Twist& command, const Twi
   }
   if (std::string stale = stale_source(newest, now); !stale.empty()) {
     return Objection{GuardReason::kStale, std::move(stale)};
+  }
+  if (!follows(newest.twist, previous)) {
+    char text[160];
+    std::snprintf(text, sizeof text,
+                  "the measured velocity, %.2f m/s and %.2f rad/s, is none that the command in "
+                  "force, %.2f m/s and %.2f rad/s, leads to",
+                  newest.twist.linear.norm(), newest.twist.yaw_rate, previous.linear.norm(),
+                  previous.yaw_rate);
+    return Objection{GuardReason::kVelocity, text};
   }
   return std::nullopt;
 }
@@ -338,11 +375,15 @@ GuardVerdict Guard::check(const Plan& plan, const TimedCommand& asked, const Twi
                           const Belief& newest, double now) const {
   const Plan* path = plan.certified || plan.kind == PlanKind::kStoppingTail ? &plan : nullptr;
   const auto refuse = [&](GuardReason reason, const std::string& detail) {
-    return stop(reason, detail, previous, newest, asked.step, path, asked.pose);
+    return stop(reason, detail, previous, newest, asked.step, path,
+                asked.pose.value_or(newest.pose));
   };
   try {
+    if (!asked.pose) {
+      return refuse(GuardReason::kNonFinite, "the command has no pose; expected where it acts");
+    }
     if (asked.input.size() != model_->nu() || !asked.input.allFinite() || !is_finite(previous) ||
-        !is_finite(asked.pose) || !std::isfinite(asked.step) || !std::isfinite(asked.hold)) {
+        !is_finite(*asked.pose) || !std::isfinite(asked.step) || !std::isfinite(asked.hold)) {
       return refuse(GuardReason::kNonFinite,
                     "the input, the pose, the command in force or a time is not finite");
     }
@@ -355,12 +396,16 @@ GuardVerdict Guard::check(const Plan& plan, const TimedCommand& asked, const Twi
                                              std::to_string(options_.max_step) +
                                              " s, no shorter than a step, and a share from 0 to 1");
     }
-    const Eigen::VectorXd x = model_->state(asked.pose, previous);
+    const Eigen::VectorXd x = model_->state(*asked.pose, previous);
     Eigen::VectorXd next(model_->nx());
     model_->step(x, asked.input, asked.step, next);
     const Twist command = model_->twist(next, asked.input);
     if (const auto wrong = objection(command, previous, newest, asked.step, now)) {
       return refuse(wrong->reason, wrong->detail);
+    }
+    if (!can_be_at(*asked.pose, newest, now, asked.hold)) {
+      return refuse(GuardReason::kMap,
+                    "the pose of the command is none that the robot gets to from the newest belief");
     }
     const PlanPhase phase = plan.phase_at(now);
     if (phase != PlanPhase::kCommitted || plan.kind == PlanKind::kStoppingTail) {

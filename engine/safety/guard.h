@@ -22,10 +22,12 @@ enum class GuardReason {
   kNonFinite,    ///< the command, the pose or the velocity is not finite
   kLimit,        ///< faster than the model allows, or a time step out of bounds
   kRate,         ///< a larger change of velocity than the model allows
+  kVelocity,     ///< the measured velocity is none that the command in force leads to
   kStale,        ///< the belief, one of its sources or the plan is too old, or from the future
   kUncommitted,  ///< the plan does not reach that far, is not certified, does not belong to its
                  ///< commands, or is a stop that does not brake
-  kMap,          ///< the newest map forbids what was certified against an older one
+  kMap,          ///< the newest map forbids what was certified against an older one, or is not
+                 ///< of this place
   kLost,         ///< nothing bounds the pose's error, and the motion leaves what is in view
   kForbidden,    ///< the motion enters a keep-out or leaves the bound
   kSlowZone,     ///< it is faster than a slow zone allows
@@ -48,7 +50,9 @@ struct TimedCommand {
   /// base has stopped by itself.
   double hold = 0.1;
   double share = 1.0;  ///< of the plan's velocities that is to be driven, 0 to 1
-  Pose pose;           ///< where the robot is when the command begins to act, as predicted
+  /// Where the robot is when the command begins to act, as predicted from the newest belief; none:
+  /// it does not pass.
+  std::optional<Pose> pose{};
 };
 
 /// What the motors get.
@@ -72,6 +76,13 @@ struct GuardVerdict {
 /// Fresh: each source of the belief has a stamp (SourceStamps) and an age limit; a stamp that is
 /// not finite or from the future is refused. A map that was given and does not change has an
 /// infinite limit. A verdict of kStale names the source and its age.
+///
+/// What was measured must have to do with what was told. The velocity v of the newest belief and the
+/// command p in force before, linear and yaw rate each: the distance from v to {s p, 0 <= s <= 1} is
+/// at most a kLag + mismatch v_max, a the largest change of a command per second, and a kLag no more
+/// than v_max: less than was told is a base that is slow or held up, whatever else is a motion that
+/// nobody certified. The pose of a TimedCommand lies within what the robot can drive and turn in the
+/// age of the belief's pose, `hold` and kLag, and kPoseSlack.
 ///
 /// A stopping tail needs no certificate: it is what would be done instead. So it has to be that:
 /// with p the command in force and h what the hardest admissible braking (braking_input() of the
@@ -113,6 +124,9 @@ class Guard {
     /// than the shortest no braking could be told from none.
     double max_step = 2.0;
     static constexpr double kMinStep = 1e-3;
+    /// From a command to a measured velocity that shows it, at most [s].
+    static constexpr double kLag = 0.5;
+    static constexpr double kPoseSlack = 0.1;  ///< of a predicted pose [m], [rad]
     double tolerance = 1e-6;  ///< relative, on limits and rates, 0 to 0.1
     /// Share of the largest speeds by which a command may differ from what its input gives from the
     /// newest pose, for bases controlled by acceleration: their body velocity turns with the
@@ -167,6 +181,10 @@ class Guard {
   std::optional<Objection> objection_to_stop(const Plan& plan, int stage, const Twist& previous,
                                              const Belief& newest) const;
   bool within_rates(const Twist& command, const Twist& previous, double dt) const;
+  /// Whether the measured velocity is one that the command in force leads to.
+  bool follows(const Twist& measured, const Twist& previous) const;
+  /// Whether the robot can be at `pose` when a command sent now begins to act.
+  bool can_be_at(const Pose& pose, const Belief& newest, double now, double hold) const;
 
   std::shared_ptr<const MotionModel> model_;
   Certifier certifier_;

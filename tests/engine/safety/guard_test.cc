@@ -682,7 +682,7 @@ TEST_F(TimedCommandTest, PastTheCommittedPartItBrakes) {
   EXPECT_TRUE(check_timed().passed()) << check_timed().detail;
   at(-0.1);  // before it begins
   EXPECT_TRUE(check_timed().passed()) << check_timed().detail;
-  before_ = Twist{};
+  belief_.twist = before_ = Twist{};
   ask(0.0, 0.0);
   EXPECT_TRUE(check_timed().passed()) << check_timed().detail;
   ask(0.01, 0.0);
@@ -693,7 +693,7 @@ TEST_F(TimedCommandTest, WhatIsWrongWithItIsSaid) {
   asked_.input[0] = kNan;
   EXPECT_EQ(check_timed().reason, GuardReason::kNonFinite);
   SetUp();
-  asked_.pose.yaw = kInfinity;
+  asked_.pose->yaw = kInfinity;
   EXPECT_EQ(check_timed().reason, GuardReason::kNonFinite);
   SetUp();
   asked_.input.resize(1);
