@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine/support/resumable.h"
 #include "models/types.h"
 
 namespace prospect {
@@ -58,17 +59,23 @@ inline GridFrame frame_of_blocks(const GridFrame& fine, int side) {
           floor_divide(fine.j0 + fine.height - 1, side) - j0 + 1};
 }
 
+/// The least frame that holds two frames of one resolution, neither of them empty.
+inline GridFrame frame_around_both(const GridFrame& a, const GridFrame& b) {
+  GridFrame both = a;
+  both.i0 = std::min(a.i0, b.i0);
+  both.j0 = std::min(a.j0, b.j0);
+  both.width = std::max(a.i0 + a.width, b.i0 + b.width) - both.i0;
+  both.height = std::max(a.j0 + a.height, b.j0 + b.height) - both.j0;
+  return both;
+}
+
 /// The least frame that holds two frames: where what is kept from a map at `before` goes on at
 /// `now`. None if they differ in resolution, or if that frame had more than 10^5 cells and more
 /// than four times those of `now`: then the maps are of different places, and nothing is kept.
 inline std::optional<GridFrame> frame_of_both(const GridFrame& now, const GridFrame& before) {
   constexpr std::int64_t kAlways = 100'000, kTimes = 4;
   if (now.resolution != before.resolution) return std::nullopt;
-  GridFrame both = now;
-  both.i0 = std::min(now.i0, before.i0);
-  both.j0 = std::min(now.j0, before.j0);
-  both.width = std::max(now.i0 + now.width, before.i0 + before.width) - both.i0;
-  both.height = std::max(now.j0 + now.height, before.j0 + before.height) - both.j0;
+  const GridFrame both = frame_around_both(now, before);
   const auto cells = [](const GridFrame& f) { return std::int64_t{f.width} * f.height; };
   if (cells(both) > std::max(kAlways, kTimes * cells(now))) return std::nullopt;
   return both;
@@ -98,15 +105,26 @@ struct Grid {
   Grid() = default;
   Grid(const GridFrame& f, const T& value)
       : frame(f), data(static_cast<std::size_t>(f.size()), value) {}
+  /// The same in pieces: the memory of a large one takes long to be had.
+  Grid(const GridFrame& f, const T& value, const PausePoint& pause) : frame(f) {
+    constexpr std::size_t kPiece = 65536;
+    const auto size = static_cast<std::size_t>(f.size());
+    data.reserve(size);
+    while (data.size() < size) {
+      data.resize(std::min(size, data.size() + kPiece), value);
+      pause();
+    }
+  }
   T& operator[](Cell c) { return data[static_cast<std::size_t>(frame.index(c))]; }
   const T& operator[](Cell c) const { return data[static_cast<std::size_t>(frame.index(c))]; }
   /// The value at c, or `outside` beyond the rectangle.
   T get(Cell c, const T& outside) const { return frame.contains(c) ? (*this)[c] : outside; }
   /// Takes the frame `wider`, which holds the present one at the same resolution; new cells get
   /// `value`.
-  void widen(const GridFrame& wider, const T& value) {
-    Grid wide(wider, value);
+  void widen(const GridFrame& wider, const T& value, const PausePoint& pause = {}) {
+    Grid wide(wider, value, pause);
     for (int j = frame.j0; j < frame.j0 + frame.height; ++j) {
+      pause();
       std::copy_n(data.begin() + frame.index({frame.i0, j}), frame.width,
                   wide.data.begin() + wider.index({frame.i0, j}));
     }

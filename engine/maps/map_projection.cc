@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 #include <string>
+
+#include "engine/maps/known_extent.h"
 
 namespace prospect {
 namespace {
@@ -106,32 +107,29 @@ VoxelGrid voxels_from_octree(const octomap::OcTree& octree, double z_min, double
   const int k_low = probe.k0();
   const int k_end = k_low + probe.depth();
 
-  int low[2] = {std::numeric_limits<int>::max(), std::numeric_limits<int>::max()};
-  int high[2] = {std::numeric_limits<int>::min(), std::numeric_limits<int>::min()};
+  KnownExtent extent;
   for (auto leaf = octree.begin_leafs(), end = octree.end_leafs(); leaf != end; ++leaf) {
     const LeafBox box = leaf_box(leaf, depth);
     if (box.low[2] >= k_end || box.low[2] + box.size <= k_low) continue;
-    for (int a = 0; a < 2; ++a) {
-      low[a] = std::min(low[a], box.low[a]);
-      high[a] = std::max(high[a], box.low[a] + box.size);
-    }
+    extent.add(box.low[0], box.low[1], box.low[0] + box.size - 1, box.low[1] + box.size - 1);
   }
-  if (low[0] > high[0]) return probe;
-  const std::int64_t cells =
-      static_cast<std::int64_t>(high[0] - low[0]) * static_cast<std::int64_t>(high[1] - low[1]);
+  const GridFrame frame = extent.frame(r);
+  if (frame.width == 0) return probe;
+  const std::int64_t cells = std::int64_t{frame.width} * frame.height;
   if (cells > max_cells) {
     throw std::invalid_argument("octree covers " + std::to_string(cells) +
                                 " ground cells: expected at most " + std::to_string(max_cells));
   }
-  VoxelGrid voxels({r, low[0], low[1], high[0] - low[0], high[1] - low[1]}, z_min, z_max);
+  VoxelGrid voxels(frame, z_min, z_max);
   for (auto leaf = octree.begin_leafs(), end = octree.end_leafs(); leaf != end; ++leaf) {
     const LeafBox box = leaf_box(leaf, depth);
     const CellState state = octree.isNodeOccupied(*leaf) ? CellState::kOccupied : CellState::kFree;
     const int k_from = std::max(box.low[2], k_low);
     const int k_to = std::min(box.low[2] + box.size, k_end);
     if (k_from >= k_to) continue;
-    for (int j = box.low[1]; j < box.low[1] + box.size; ++j) {
-      for (int i = box.low[0]; i < box.low[0] + box.size; ++i) {
+    const GridFrame leaf_cells = intersection(frame, {r, box.low[0], box.low[1], box.size, box.size});
+    for (int j = leaf_cells.j0; j < leaf_cells.j0 + leaf_cells.height; ++j) {
+      for (int i = leaf_cells.i0; i < leaf_cells.i0 + leaf_cells.width; ++i) {
         for (int k = k_from; k < k_to; ++k) voxels.set(i, j, k, state);
       }
     }

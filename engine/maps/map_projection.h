@@ -78,9 +78,10 @@ struct BeliefMaps {
 
 /// Dense mirror of the octree's leaves between z_min and z_max [m]: pruned leaves are expanded to
 /// the finest level; a leaf is occupied where the tree says so, else free; what has no leaf is
-/// unknown. Covers the leaves' ground rectangle (at least one cell). O(volume of the leaves / voxel
-/// volume). Throws std::invalid_argument if z_min < z_max does not hold, or the rectangle has more
-/// than `max_cells` ground cells (a corrupt or far-flung map).
+/// unknown. Covers the leaves' ground rectangle (at least one cell), without what lies so far apart
+/// that it would be nearly empty (known_extent.h). O(volume of the leaves / voxel volume). Throws
+/// std::invalid_argument if z_min < z_max does not hold, or the rectangle has more than `max_cells`
+/// ground cells.
 VoxelGrid voxels_from_octree(const octomap::OcTree& octree, double z_min, double z_max,
                              int max_cells = 40'000'000);
 

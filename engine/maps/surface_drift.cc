@@ -26,20 +26,31 @@ void SurfaceDrift::update(const Belief& belief, const RobotDescription& robot) {
   covariance_.setZero();
   if (bounded_) covariance_ = belief.covariance(planar, planar);
   const std::optional<GridFrame> both =
-      variance_seen_.data.empty() ? std::nullopt : frame_of_both(frame, variance_seen_.frame);
+      updates_ == 0 ? std::nullopt : frame_of_both(frame, map_frame_);
+  map_frame_ = both.value_or(frame);
   if (!both) {
-    variance_seen_ = Grid<double>(frame, kNeverSeen);
-    in_view_ = Grid<std::uint32_t>(frame, 0);
-  } else if (!(*both == variance_seen_.frame)) {
-    variance_seen_.widen(*both, kNeverSeen);
-    in_view_.widen(*both, 0);
+    variance_seen_ = Grid<double>(GridFrame{frame.resolution, 0, 0, 0, 0}, kNeverSeen);
+    in_view_ = Grid<std::uint32_t>(variance_seen_.frame, 0);
   }
 
   ++updates_;
   visit_ground_in_view(ground, belief.pose, {robot.depth, robot.depth_mount}, [this](Cell c) {
+    if (!variance_seen_.frame.contains(c)) cover(c);
     variance_seen_[c] = bounded_ ? variance(c) : kInfinity;
     in_view_[c] = updates_;
   });
+}
+
+// By what was seen, not by the map: that may be far larger.
+void SurfaceDrift::cover(Cell c) {
+  constexpr int kMargin = 64;
+  const GridFrame& old = variance_seen_.frame;
+  const GridFrame room = intersection(
+      map_frame_,
+      {old.resolution, c.i - kMargin, c.j - kMargin, 2 * kMargin + 1, 2 * kMargin + 1});
+  const GridFrame wider = old.width > 0 ? frame_around_both(old, room) : room;
+  variance_seen_.widen(wider, kNeverSeen);
+  in_view_.widen(wider, 0);
 }
 
 double SurfaceDrift::variance(Cell c) const {

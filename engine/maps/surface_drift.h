@@ -53,8 +53,10 @@ class SurfaceDrift {
 
  private:
   double variance(Cell c) const;  // V_c now [m^2]
+  void cover(Cell c);
 
   std::shared_ptr<const GroundMap> ground_;
+  GridFrame map_frame_;          // what is kept is within
   Grid<double> variance_seen_;   // V_c when last in view; see surface_drift.cc
   Grid<std::uint32_t> in_view_;  // the update at which a cell was last in view
   std::uint32_t updates_ = 0;

@@ -132,9 +132,25 @@ TEST(MapProjection, BadInputIsOneClearError) {
   octomap::OcTree tree(0.1);
   EXPECT_THROW(voxels_from_octree(tree, 1.0, 0.0), std::invalid_argument);
   EXPECT_EQ(voxels_from_octree(tree, 0.0, 1.0).state(0, 0, 0), CellState::kUnknown);
-  tree.updateNode(octomap::point3d(-2000.0F, 0.0F, 0.5F), true);
-  tree.updateNode(octomap::point3d(2000.0F, 900.0F, 0.5F), true);
-  EXPECT_THROW(voxels_from_octree(tree, 0.0, 1.0), std::invalid_argument);
+  for (const float at : {0.05F, 9.95F}) tree.updateNode(octomap::point3d(at, at, 0.5F), true);
+  EXPECT_EQ(voxels_from_octree(tree, 0.0, 1.0, 10'000).frame().size(), 10'000);
+  EXPECT_THROW(voxels_from_octree(tree, 0.0, 1.0, 9'999), std::invalid_argument);
+}
+
+// One voxel 500 m off took 2.3 GB, one of 3 km was refused.
+TEST(MapProjection, AVoxelFarAwayIsLeftOut) {
+  for (const float far : {500.0F, -3000.0F}) {
+    auto tree = std::make_shared<octomap::OcTree>(0.1);
+    for (float x = 0.05F; x < 4.0F; x += 0.1F) {
+      for (float y = 0.05F; y < 3.0F; y += 0.1F) tree->updateNode(x, y, 0.25F, false);
+    }
+    tree->updateNode(octomap::point3d(far, far, 0.25F), true);
+    const BeliefMaps maps = belief_maps(tree, {0.1, 0.5}, 0.0, 1.0);
+    EXPECT_EQ(maps.voxels->frame(), (GridFrame{0.1, 0, 0, 40, 30}));
+    EXPECT_EQ(maps.ground->free_cells(), 1200);
+    EXPECT_EQ(maps.ground->occupied_cells(), 0);
+    EXPECT_EQ(maps.octree, tree);
+  }
 }
 
 }  // namespace

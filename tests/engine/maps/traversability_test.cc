@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "engine/maps/known_extent.h"
 #include "tests/engine/ground_worlds.h"
 
 namespace prospect::traversability_test {
@@ -202,6 +203,21 @@ const BoxShape kLongBox{{0.05, 0.0, 0.3}, {0.9, 0.5, 0.4}};
 TraversabilityOptions long_body() {
   const double radius = circumscribed_radius(kLongBox);
   return {.hard_radius = radius + 0.02, .comfortable_radius = radius + 0.17, .body = kLongBox};
+}
+
+// What is kept of a map followed its rectangle: one cell 500 m away made it 1.5 GB.
+TEST(Traversability, IsAsLargeAsWhatIsKnown) {
+  GroundMap ground({0.1, 0, 0, 32, 32});
+  for (int n = 0; n < 32 * 32; ++n) ground.set({n % 32, n / 32}, CellState::kFree);
+  Traversability without{TraversabilityOptions()};
+  without.update(ground);
+  ground.set({5000, -5000}, CellState::kOccupied);
+  ASSERT_GT(ground.frame().size(), KnownExtent::kAlways);
+  Traversability with{TraversabilityOptions()};
+  with.update(ground);
+  EXPECT_EQ(with.frame(), without.frame());
+  EXPECT_EQ(with.factors().data, without.factors().data);
+  EXPECT_EQ(with.state({5000, -5000}), CellState::kUnknown);
 }
 
 TEST(Traversability, ALongBodyFitsWhereSomeHeadingDoes) {
